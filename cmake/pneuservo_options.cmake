@@ -1,0 +1,30 @@
+# Compiler options and the instruction set, shared by all targets.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+# x86-64-v3 (AVX2) where the building machine has it, else the baseline. The numbers are the same bit for bit:
+# nothing is contracted into fused operations, and lanes compute what scalars compute.
+file(READ /proc/cpuinfo _cpuinfo LIMIT 8192)
+if(_cpuinfo MATCHES " avx2 " AND _cpuinfo MATCHES " bmi2 " AND _cpuinfo MATCHES " fma ")
+  set(_default_architecture x86-64-v3)
+else()
+  set(_default_architecture x86-64)
+endif()
+set(PNEUSERVO_ARCHITECTURE ${_default_architecture} CACHE STRING "Instruction set: x86-64 | x86-64-v3")
+add_compile_options(-march=${PNEUSERVO_ARCHITECTURE} -Wall -Wextra -Wshadow -Wno-psabi)
+
+set(PNEUSERVO_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
+if(PNEUSERVO_SANITIZE)
+  add_compile_options(-fsanitize=${PNEUSERVO_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${PNEUSERVO_SANITIZE})
+endif()
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+endif()

@@ -1,0 +1,249 @@
+// The effects of the vocabulary (docs/physics/effects.md): physics that an element has beside the nominal model,
+// neutral by default. Their equations stand in the elements that apply them.
+#pragma once
+#include <pneuservo/core/field.hpp>
+
+namespace pneuservo {
+
+template <class S> struct CoulombFriction {
+  S force_N = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"force_N", "N", 0, 1e5, "opposes motion; holds a slider at rest up to it"}, p.force_N...);
+  }
+};
+template <class S> struct StribeckFriction {
+  S extra_force_N = S(0);
+  S velocity_mps = S(0.02);
+  S coulomb_force_N = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"extra_force_N", "N", 0, 1e5, "F_e of F_c + F_e exp(-(v/v_s)^2)"}, p.extra_force_N...);
+    v(Field{"velocity_mps", "m/s", 1e-5, 10, "v_s"}, p.velocity_mps...);
+    v(Field{"coulomb_force_N", "N", 0, 1e5, "F_c", Presence::optional}, p.coulomb_force_N...);
+  }
+};
+template <class S> struct DirectionDependentFriction {
+  S forward_N = S(0);
+  S backward_N = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"forward_N", "N", 0, 1e5, "Coulomb force for v > 0"}, p.forward_N...);
+    v(Field{"backward_N", "N", 0, 1e5, "Coulomb force for v < 0"}, p.backward_N...);
+  }
+};
+template <class S> struct PressureDependentFriction {
+  S force_per_pressure_N_per_Pa = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"force_per_pressure_N_per_Pa", "N/Pa", 0, 1, "c of c (max(p1 - p_atm, 0) + max(p2 - p_atm, 0))/2"}, p.force_per_pressure_N_per_Pa...);
+  }
+};
+template <class S> struct FrictionZone {
+  S force_N = S(0);
+  S center_m = S(0);
+  S width_m = S(0.01);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"force_N", "N", 0, 1e5, "Coulomb force F exp(-((x - c)/w)^2)"}, p.force_N...);
+    v(Field{"center_m", "m", -10, 10, "c: place of the tight spot"}, p.center_m...);
+    v(Field{"width_m", "m", 1e-5, 10, "w"}, p.width_m...);
+  }
+};
+template <class S> struct QuadraticDrag {
+  S coefficient_Ns2_per_m2 = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"coefficient_Ns2_per_m2", "N s2/m2", 0, 1e5, "c of c |v| v"}, p.coefficient_Ns2_per_m2...);
+  }
+};
+template <class S> struct ConstantForce {
+  S force_N = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"force_N", "N", -1e5, 1e5, "subtracted from the driving force: incline, weight, cable"}, p.force_N...);
+  }
+};
+template <class S> struct SpringLoad {
+  S stiffness_N_per_m = S(0);
+  S rest_m = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"stiffness_N_per_m", "N/m", -1e6, 1e6, "k of k (x - x_0), subtracted from the driving force"}, p.stiffness_N_per_m...);
+    v(Field{"rest_m", "m", -10, 10, "x_0", Presence::optional}, p.rest_m...);
+  }
+};
+
+/// Everything that acts on the slider beside B v.
+template <class S> struct MotionEffects {
+  CoulombFriction<S> coulomb_friction;
+  StribeckFriction<S> stribeck_friction;
+  DirectionDependentFriction<S> direction_dependent_friction;
+  PressureDependentFriction<S> pressure_dependent_friction;
+  FrictionZone<S> friction_zone;
+  QuadraticDrag<S> quadratic_drag;
+  ConstantForce<S> constant_force;
+  SpringLoad<S> spring_load;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    v(Field{"coulomb_friction", "", 0, 0, "dry friction", optional}, p.coulomb_friction...);
+    v(Field{"stribeck_friction", "", 0, 0, "friction that falls with speed", optional}, p.stribeck_friction...);
+    v(Field{"direction_dependent_friction", "", 0, 0, "dry friction that differs by direction", optional}, p.direction_dependent_friction...);
+    v(Field{"pressure_dependent_friction", "", 0, 0, "seal friction that grows with pressure", optional}, p.pressure_dependent_friction...);
+    v(Field{"friction_zone", "", 0, 0, "a tight spot of the guide", optional}, p.friction_zone...);
+    v(Field{"quadratic_drag", "", 0, 0, "drag c |v| v", optional}, p.quadratic_drag...);
+    v(Field{"constant_force", "", 0, 0, "constant load", optional}, p.constant_force...);
+    v(Field{"spring_load", "", 0, 0, "spring between slider and frame", optional}, p.spring_load...);
+  }
+};
+
+template <class S> struct ValveDeadBand {
+  S width_V = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"width_V", "V", 0, 1000, "w of s_eff = sign(s) max(|s| - w, 0)"}, p.width_V...);
+  }
+};
+template <class S> struct ValveOffset {
+  S offset_V = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"offset_V", "V", -1000, 1000, "o of s_eff = s + o"}, p.offset_V...);
+  }
+};
+template <class S> struct ValveHysteresis {
+  S width_V = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"width_V", "V", 0, 1000, "total width of the play between command and spool"}, p.width_V...);
+  }
+};
+template <class S> struct ValveLag {
+  S time_constant_s = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"time_constant_s", "s", 0, 10, "first-order lag between command and spool"}, p.time_constant_s...);
+  }
+};
+template <class S> struct ValveNeutralLeak {
+  S area_m2 = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"area_m2", "m2", 0, 1e-2, "supply to each port and each port to exhaust, at every spool position"}, p.area_m2...);
+  }
+};
+template <class S> struct ValveAsymmetry {
+  S exhaust_ratio = S(1);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"exhaust_ratio", "-", 0.01, 100, "exhaust areas over supply areas"}, p.exhaust_ratio...);
+  }
+};
+template <class S> struct CommandDelay {
+  S delay_s = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"delay_s", "s", 0, 0.5, "dead time between command and spool"}, p.delay_s...);
+  }
+};
+
+/// The command path: delay, play, lag, (spool dynamics), offset, dead band, area.
+template <class S> struct ValveEffects {
+  CommandDelay<S> command_delay;
+  ValveHysteresis<S> valve_hysteresis;
+  ValveLag<S> valve_lag;
+  ValveOffset<S> valve_offset;
+  ValveDeadBand<S> valve_dead_band;
+  ValveNeutralLeak<S> valve_neutral_leak;
+  ValveAsymmetry<S> valve_asymmetry;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    v(Field{"command_delay", "", 0, 0, "dead time of the command", optional}, p.command_delay...);
+    v(Field{"valve_hysteresis", "", 0, 0, "play between command and spool", optional}, p.valve_hysteresis...);
+    v(Field{"valve_lag", "", 0, 0, "first-order lag of the spool", optional}, p.valve_lag...);
+    v(Field{"valve_offset", "", 0, 0, "zero shift of the spool", optional}, p.valve_offset...);
+    v(Field{"valve_dead_band", "", 0, 0, "overlap of the spool", optional}, p.valve_dead_band...);
+    v(Field{"valve_neutral_leak", "", 0, 0, "leak of the spool at every position", optional}, p.valve_neutral_leak...);
+    v(Field{"valve_asymmetry", "", 0, 0, "exhaust edges larger or smaller than supply edges", optional}, p.valve_asymmetry...);
+  }
+};
+
+/// The regulator feeds a volume at the valve through an orifice; area 0: the supply is constant.
+template <class S> struct SupplyDroop {
+  S area_m2 = S(0);
+  S volume_m3 = S(1e-3);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"area_m2", "m2", 0, 1e-2, "orifice between regulator and valve"}, p.area_m2...);
+    v(Field{"volume_m3", "m3", 1e-7, 10, "volume at the valve, at ambient temperature"}, p.volume_m3...);
+  }
+};
+
+/// Orifice between line end and chamber; area 0: none.
+template <class S> struct LineRestriction {
+  S area_m2 = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"area_m2", "m2", 0, 1e-2, "effective area between line end and chamber"}, p.area_m2...);
+  }
+};
+template <class S> struct LineLeak {
+  S area_m2 = S(0);
+  S position = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"area_m2", "m2", 0, 1e-2, "orifice from the line to atmosphere"}, p.area_m2...);
+    v(Field{"position", "-", 0, 1, "0 valve end, 1 chamber end"}, p.position...);
+  }
+};
+template <class S> struct ChamberLeak {
+  S area_m2 = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"area_m2", "m2", 0, 1e-2, "orifice from chamber to atmosphere"}, p.area_m2...);
+  }
+};
+template <class S> struct PistonLeak {
+  S area_m2 = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"area_m2", "m2", 0, 1e-2, "orifice between the chambers"}, p.area_m2...);
+  }
+};
+template <class S> struct SensorOffset {
+  S offset = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"offset", "SI", -1e7, 1e7, "added to the reading, in the channel's unit"}, p.offset...);
+  }
+};
+template <class S> struct SensorGain {
+  S gain = S(1);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"gain", "-", -100, 100, "factor on the reading"}, p.gain...);
+  }
+};
+template <class S> struct SensorLag {
+  S time_constant_s = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"time_constant_s", "s", 0, 10, "first-order lag of the sensor"}, p.time_constant_s...);
+  }
+};
+
+/// What one sensor channel does to its signal beside noise and quantum: lag first, then gain, then offset.
+template <class S> struct SensorEffects {
+  SensorLag<S> sensor_lag;
+  SensorGain<S> sensor_gain;
+  SensorOffset<S> sensor_offset;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    v(Field{"sensor_lag", "", 0, 0, "first-order lag", optional}, p.sensor_lag...);
+    v(Field{"sensor_gain", "", 0, 0, "wrong gain", optional}, p.sensor_gain...);
+    v(Field{"sensor_offset", "", 0, 0, "wrong zero", optional}, p.sensor_offset...);
+  }
+};
+
+/// All pneumatic and mechanical effects of one axis.
+template <class S> struct AxisEffects {
+  MotionEffects<S> motion;
+  ValveEffects<S> valve;
+  SupplyDroop<S> supply_droop;
+  LineRestriction<S> line_restriction_1, line_restriction_2;
+  LineLeak<S> line_leak_1, line_leak_2;
+  ChamberLeak<S> chamber_leak_1, chamber_leak_2;
+  PistonLeak<S> piston_leak;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    MotionEffects<S>::visit(v, p.motion...);
+    ValveEffects<S>::visit(v, p.valve...);
+    v(Field{"supply_droop", "", 0, 0, "supply pressure that falls with flow", optional}, p.supply_droop...);
+    v(Field{"line_restriction_1", "", 0, 0, "fitting between line 1 and chamber 1", optional}, p.line_restriction_1...);
+    v(Field{"line_restriction_2", "", 0, 0, "fitting between line 2 and chamber 2", optional}, p.line_restriction_2...);
+    v(Field{"line_leak_1", "", 0, 0, "leak of line 1 to atmosphere", optional}, p.line_leak_1...);
+    v(Field{"line_leak_2", "", 0, 0, "leak of line 2 to atmosphere", optional}, p.line_leak_2...);
+    v(Field{"chamber_leak_1", "", 0, 0, "leak of chamber 1 to atmosphere", optional}, p.chamber_leak_1...);
+    v(Field{"chamber_leak_2", "", 0, 0, "leak of chamber 2 to atmosphere", optional}, p.chamber_leak_2...);
+    v(Field{"piston_leak", "", 0, 0, "leak between the chambers", optional}, p.piston_leak...);
+  }
+};
+
+}  // namespace pneuservo

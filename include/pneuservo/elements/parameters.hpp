@@ -1,0 +1,95 @@
+// Parameter structs of supply, valve, line, cylinder, slider and sensors: one declaration of each key of a rig.
+#pragma once
+#include <pneuservo/core/field.hpp>
+
+namespace pneuservo {
+
+template <class S> struct SupplyParameters {
+  S pressure_Pa{};
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"pressure_Pa", "Pa", 1.05e5, 2e6, "supply pressure, absolute"}, p.pressure_Pa...);
+  }
+};
+
+/// Proportional valve; the effective area is area_per_volt |spool|, at most area_max.
+template <class S> struct ValveParameters {
+  S command_max_V{};
+  S area_per_volt_m2_per_V{};
+  S area_max_m2{};
+  S critical_pressure_ratio{};
+  S natural_frequency_Hz = S(0);
+  S damping_ratio = S(0.7);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"command_max_V", "V", 1e-3, 1000, "command range is +- this"}, p.command_max_V...);
+    v(Field{"area_per_volt_m2_per_V", "m2/V", 1e-12, 1e-2, "effective area per volt of spool signal"}, p.area_per_volt_m2_per_V...);
+    v(Field{"area_max_m2", "m2", 1e-10, 1e-2, "largest effective area"}, p.area_max_m2...);
+    v(Field{"critical_pressure_ratio", "-", 0.05, 0.9, "b of ISO 6358"}, p.critical_pressure_ratio...);
+    v(Field{"natural_frequency_Hz", "Hz", 0, 1e4, "of the spool; 0: it follows at once", Presence::optional}, p.natural_frequency_Hz...);
+    v(Field{"damping_ratio", "-", 0.01, 10, "of the spool", Presence::optional}, p.damping_ratio...);
+  }
+};
+
+/// Pipeline from a valve port to a chamber.
+template <class S> struct LineParameters {
+  S length_m{};
+  S diameter_m{};
+  S laminar_reynolds = S(2300);
+  S turbulent_reynolds = S(4000);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"length_m", "m", 0.01, 100, "valve port to chamber"}, p.length_m...);
+    v(Field{"diameter_m", "m", 5e-4, 0.05, "inner diameter"}, p.diameter_m...);
+    v(Field{"laminar_reynolds", "-", 1, 1e5, "Re_1: lambda = 64/Re up to here (the thesis: 2300)", Presence::optional}, p.laminar_reynolds...);
+    v(Field{"turbulent_reynolds", "-", 1, 1e5, "Re_2: lambda = 0.3164 Re^-0.25 from here, linear between (the thesis: 2300)", Presence::optional}, p.turbulent_reynolds...);
+  }
+};
+
+/// Double-acting cylinder; x = 0 is mid-stroke, |x| <= stroke/2.
+template <class S> struct CylinderParameters {
+  S stroke_m{};
+  S area_1_m2{};
+  S area_2_m2{};
+  S dead_volume_1_m3{};
+  S dead_volume_2_m3{};
+  S wall_heat_W_per_m2K{};
+  S end_stop_restitution = S(0.3);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"stroke_m", "m", 1e-3, 10, "from end stop to end stop"}, p.stroke_m...);
+    v(Field{"area_1_m2", "m2", 1e-6, 1, "piston area of chamber 1 (it pushes to positive x)"}, p.area_1_m2...);
+    v(Field{"area_2_m2", "m2", 1e-6, 1, "piston area of chamber 2"}, p.area_2_m2...);
+    v(Field{"dead_volume_1_m3", "m3", 1e-9, 1, "of chamber 1 at its end stop"}, p.dead_volume_1_m3...);
+    v(Field{"dead_volume_2_m3", "m3", 1e-9, 1, "of chamber 2 at its end stop"}, p.dead_volume_2_m3...);
+    v(Field{"wall_heat_W_per_m2K", "W/(m2 K)", 0, 1e5, "heat transfer gas to chamber wall"}, p.wall_heat_W_per_m2K...);
+    v(Field{"end_stop_restitution", "-", 0, 1, "speed after an end stop over speed before", Presence::optional}, p.end_stop_restitution...);
+  }
+};
+
+template <class S> struct SliderParameters {
+  S mass_kg{};
+  S payload_kg = S(0);
+  S viscous_friction_Ns_per_m{};
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"mass_kg", "kg", 1e-3, 1e4, "moving mass without payload"}, p.mass_kg...);
+    v(Field{"payload_kg", "kg", 0, 1e4, "added mass", Presence::optional}, p.payload_kg...);
+    v(Field{"viscous_friction_Ns_per_m", "N s/m", 0, 1e5, "B of B v"}, p.viscous_friction_Ns_per_m...);
+  }
+};
+
+struct PositionSensorParameters {
+  double quantum_m = 0.0;
+  double noise_m = 0.0;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"quantum_m", "m", 0, 0.01, "resolution; 0: none"}, p.quantum_m...);
+    v(Field{"noise_m", "m", 0, 0.01, "white noise, rms", Presence::optional}, p.noise_m...);
+  }
+};
+
+struct PressureSensorParameters {
+  double quantum_Pa = 0.0;
+  double noise_Pa = 0.0;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"quantum_Pa", "Pa", 0, 1e5, "resolution; 0: none"}, p.quantum_Pa...);
+    v(Field{"noise_Pa", "Pa", 0, 1e5, "white noise, rms", Presence::optional}, p.noise_Pa...);
+  }
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,32 @@
+// The one interface of all backends: configure, activate, read, write, deactivate.
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include <pneuservo/hal/channel.hpp>
+
+namespace pneuservo {
+
+/// A rig's hardware, real or simulated. The cold calls may allocate, block and throw std::runtime_error with one clear
+/// sentence; read and write are called in the real-time loop: no allocation, no lock, no throw, no blocking call.
+class Backend {
+ public:
+  virtual ~Backend() = default;
+
+  /// Opens and checks the devices; outputs stay as they are.
+  virtual void configure() = 0;
+  /// Takes control of the outputs; from here on read and write are called every tick.
+  virtual void activate() = 0;
+  /// Samples all channels for tick `tick`. False: the backend has ended (a replay ran out of rows).
+  virtual bool read(std::int64_t tick, Measurement& measurement) noexcept = 0;
+  /// Applies the command from the sampling instant of `tick` on. False: the output was missed.
+  virtual bool write(std::int64_t tick, const Command& command) noexcept = 0;
+  /// Puts the outputs into the declared safe state and releases the devices; may be called twice.
+  virtual void deactivate() noexcept = 0;
+
+  /// What the simulated plant really does; absent (NaN) for real hardware. Never reaches estimator or controller.
+  virtual Truth truth() const noexcept { return {}; }
+  virtual std::string name() const = 0;
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,40 @@
+// What crosses the hardware boundary: measurements with age and validity per channel, and the command; SI throughout.
+#pragma once
+#include <cstdint>
+#include <limits>
+
+namespace pneuservo {
+
+/// Where a channel's value comes from; written into every recording.
+enum class Origin : std::uint8_t { absent, real, simulated, replayed };
+
+/// One measured value. `valid` is what the backend knows (fresh, in range of the converter); plausibility against the
+/// rig is judged by the loop. `age_s` counts from the sampling instant to the start of the tick.
+struct Channel {
+  double value = std::numeric_limits<double>::quiet_NaN();
+  double age_s = 0.0;
+  bool valid = false;
+  Origin origin = Origin::absent;
+};
+
+/// Everything measured at the start of a tick. Pressures are absolute [Pa], position [m] with 0 at mid-stroke.
+struct Measurement {
+  Channel position_m;
+  Channel port_pressure_1_Pa, port_pressure_2_Pa;
+  Channel chamber_pressure_1_Pa, chamber_pressure_2_Pa;
+  Channel supply_pressure_Pa;
+};
+
+/// What is sent to the valve in a tick.
+struct Command {
+  double valve_V = 0.0;
+};
+
+/// The simulated plant's own state; for evaluation and recording only, never for a controller.
+struct Truth {
+  double position_m = std::numeric_limits<double>::quiet_NaN();
+  double chamber_pressure_1_Pa = std::numeric_limits<double>::quiet_NaN();
+  double chamber_pressure_2_Pa = std::numeric_limits<double>::quiet_NaN();
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,28 @@
+// The program pneuservo: one table of verbs, exit status 0 done, 1 fault or failed check, 2 unusable input.
+#include <cstdio>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+
+#include "config/input_error.hpp"
+#include "program/verbs.hpp"
+
+int main(int argc, char** argv) {
+  CLI::App app{"pneuservo: real-time control of pneumatic servo axes with connected pipelines"};
+  app.require_subcommand(1);
+  app.set_help_all_flag("--help-all", "help of all verbs");
+  int status = 0;
+  for (const auto& add_verb : pneuservo::all_verbs()) add_verb(app, status);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const pneuservo::InputError& error) {
+    std::fprintf(stderr, "pneuservo: %s\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "pneuservo: %s\n", error.what());
+    return 1;
+  }
+  return status;
+}

@@ -1,0 +1,17 @@
+// The table of verbs: each verb lives in a file of its own and is named once in verbs.cpp.
+#pragma once
+#include <functional>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace pneuservo {
+
+/// Adds one subcommand to the program; its callback sets the exit status.
+using AddVerb = std::function<void(CLI::App&, int& status)>;
+
+const std::vector<AddVerb>& all_verbs();
+
+}  // namespace pneuservo

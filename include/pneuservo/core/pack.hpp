@@ -131,12 +131,25 @@ Pack<T, N> select(const PackMask<T, N>& mask, const Pack<T, N>& a, const Pack<T,
   for (int i = 0; i < Pack<T, N>::registers; ++i) out.r[i] = mask.r[i] ? a.r[i] : b.r[i];
   return out;
 }
+namespace detail {
+// One bit a lane (doubles) or a byte (others): non-zero where any lane is set.
+template <class R> int register_bits(R mask) noexcept {
+  if constexpr (sizeof(R) == 16) return _mm_movemask_epi8(reinterpret_cast<__m128i>(mask));
+#if defined(__AVX2__)
+  else if constexpr (sizeof(R) == 32) return _mm256_movemask_epi8(reinterpret_cast<__m256i>(mask));
+#endif
+  else {
+    int bits = 0;
+    for (unsigned i = 0; i < sizeof(R) / sizeof(mask[0]); ++i) bits |= (mask[i] != 0) << i;
+    return bits;
+  }
+}
+}  // namespace detail
+
 template <class T, int N> bool any(const PackMask<T, N>& mask) noexcept {
   auto sum = mask.r[0];
   for (int i = 1; i < PackMask<T, N>::registers; ++i) sum |= mask.r[i];
-  bool found = false;
-  for (int i = 0; i < PackMask<T, N>::width; ++i) found |= sum[i] != 0;
-  return found;
+  return detail::register_bits(sum) != 0;
 }
 template <class T, int N> bool all(const PackMask<T, N>& mask) noexcept { return !any(!mask); }
 template <class T, int N> int count(const PackMask<T, N>& mask) noexcept {

@@ -1,0 +1,70 @@
+// Cylinder chamber with mass and energy balance (thesis 3.15 to 3.18, written so that they hold in both directions).
+#pragma once
+#include <pneuservo/elements/air.hpp>
+
+namespace pneuservo {
+
+/// Geometry of one chamber: V = V_0 + A s, s = distance of the piston from this chamber's end stop.
+template <class S> struct ChamberGeometry {
+  S area_m2{};
+  S dead_volume_m3{};
+  S wall_heat_W_per_m2K{};
+
+  S volume_m3(const S& s) const noexcept { return dead_volume_m3 + area_m2 * s; }
+  /// S_c = 2 A + perimeter s, perimeter of a circle of area A.
+  S wall_area_m2(const S& s) const noexcept { return S(2) * area_m2 + S(3.5449077018110318) * square_root(area_m2) * s; }
+};
+
+/// What crosses the chamber's boundary in a sub-step beside the line's flow, positive into the chamber.
+template <class S> struct ChamberInflow {
+  S mass_flow_kgps{};
+  S enthalpy_flow_W{};
+};
+
+/// dm/dt = G; d(m c_v T)/dt = G h - p dV/dt + h_c S_c (T_w - T); p = (kappa - 1) U / V.
+/// Compression is trapezoidal (exact for an adiabatic change to second order), wall heat implicit.
+template <class S> class Chamber {
+ public:
+  void configure(const ChamberGeometry<S>& geometry, const Air<S>& air) noexcept {
+    geometry_ = geometry;
+    air_ = air;
+    reset(air.atmosphere_Pa, air.temperature_K, S(0));
+  }
+  /// Gas at pressure and temperature, piston at distance s from the end stop.
+  void reset(const S& pressure_Pa, const S& temperature_K, const S& s) noexcept {
+    volume_ = geometry_.volume_m3(s);
+    mass_ = pressure_Pa * volume_ / (air_.R * temperature_K);
+    energy_ = pressure_Pa * volume_ / (air_.kappa - S(1));
+    update();
+  }
+  /// One sub-step of h [s] with the inflow; at its end the piston is at distance s_new.
+  void step(double h, const ChamberInflow<S>& inflow, const S& s_new) noexcept {
+    const S volume_new = geometry_.volume_m3(s_new);
+    const S compression = (air_.kappa - S(1)) * (volume_new - volume_) / (volume_new + volume_);
+    mass_ = maximum(mass_ + S(h) * inflow.mass_flow_kgps, S(1e-12));
+    energy_ = (energy_ + S(h) * inflow.enthalpy_flow_W) * (S(1) - compression) / (S(1) + compression);
+    const S capacity = mass_ * air_.cv;
+    const S w = S(h) * geometry_.wall_heat_W_per_m2K * geometry_.wall_area_m2(s_new) / capacity;
+    energy_ = (energy_ + w * capacity * air_.temperature_K) / (S(1) + w);
+    volume_ = volume_new;
+    update();
+  }
+
+  S pressure() const noexcept { return pressure_; }
+  S temperature() const noexcept { return temperature_; }
+  S volume() const noexcept { return volume_; }
+  S mass() const noexcept { return mass_; }
+  S internal_energy() const noexcept { return energy_; }
+  const ChamberGeometry<S>& geometry() const noexcept { return geometry_; }
+
+ private:
+  void update() noexcept {
+    pressure_ = (air_.kappa - S(1)) * energy_ / volume_;
+    temperature_ = energy_ / (mass_ * air_.cv);
+  }
+  ChamberGeometry<S> geometry_;
+  Air<S> air_;
+  S volume_{}, mass_{}, energy_{}, pressure_{}, temperature_{};
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,73 @@
+// A line and the chamber at its end, stepped together: the pneumatic side that plant, estimator and diagnosis share.
+#pragma once
+#include <pneuservo/elements/chamber.hpp>
+#include <pneuservo/elements/line.hpp>
+
+namespace pneuservo {
+
+/// Default cell count: cells_per_m cells a metre, at least one; the longest lane decides.
+template <class S> int cell_count(const S& length_m, double cells_per_m) noexcept {
+  return std::max(1, static_cast<int>(std::lround(largest(length_m) * cells_per_m)));
+}
+
+/// Line first, chamber after it in the same sub-step. `s` is the piston's distance from this chamber's end stop [m].
+template <class S> class LineWithChamber {
+ public:
+  void configure(const LineParameters<S>& line, const ChamberGeometry<S>& geometry, const AirParameters<S>& air, int cells) {
+    line_.configure(line, air, cells);
+    chamber_.configure(geometry, line_.air());
+    substeps_ = 0;
+    // A small chamber behind a big cell is the stiffest spring of the grid; it is smallest at the end stop.
+    const S dx = line_.cell_length();
+    const S g = square_root(maximum(S(1), S(0.5) * (S(1) + line_.cross_section() * dx / geometry.dead_volume_m3)));
+    // Sound speed at 1.2 times ambient temperature: compression warms the gas by up to that.
+    sound_mps_ = largest(square_root(line_.air().kappa * line_.air().R * S(1.2) * line_.air().temperature_K));
+    stiffness_per_m_ = largest(g / dx);
+  }
+  /// Everything at rest at one pressure and temperature.
+  void reset(const S& pressure_Pa, const S& temperature_K, const S& s) noexcept {
+    line_.reset(pressure_Pa, temperature_K);
+    chamber_.reset(pressure_Pa, temperature_K, s);
+  }
+  /// Chooses the sub-steps of the coming period, Courant number 0.9 of sound plus flow, and returns their number.
+  int begin_period(double period_s) noexcept {
+    const double need = (sound_mps_ + line_.largest_speed()) * stiffness_per_m_ * period_s / 0.9;
+    const int n = std::clamp(static_cast<int>(std::ceil(need)), 1, 1000);
+    if (n != substeps_ || period_s != period_s_) {
+      substeps_ = n;
+      period_s_ = period_s;
+      step_s_ = period_s / n;
+      line_.set_time_step(step_s_);
+    }
+    return n;
+  }
+  double step_s() const noexcept { return step_s_; }
+
+  /// One sub-step with the port pressure of its middle; returns the flows of the line's ends.
+  LineFlow<S> step_prescribed(const S& port_pressure_Pa, const S& s_new, const ChamberInflow<S>& extra = {}) noexcept {
+    return pass_on(line_.step_prescribed(port_pressure_Pa, end()), s_new, extra);
+  }
+  /// One sub-step with a valve at the port.
+  LineFlow<S> step_valve(const ValvePort<S>& valve, const S& s_new, const ChamberInflow<S>& extra = {}) noexcept {
+    return pass_on(line_.step_valve(valve, end()), s_new, extra);
+  }
+
+  Line<S>& line() noexcept { return line_; }
+  const Line<S>& line() const noexcept { return line_; }
+  Chamber<S>& chamber() noexcept { return chamber_; }
+  const Chamber<S>& chamber() const noexcept { return chamber_; }
+
+ private:
+  ChamberEnd<S> end() const noexcept { return {chamber_.pressure(), chamber_.temperature()}; }
+  LineFlow<S> pass_on(const LineFlow<S>& flow, const S& s_new, const ChamberInflow<S>& extra) noexcept {
+    chamber_.step(step_s_, {flow.chamber_mass_flow_kgps + extra.mass_flow_kgps, flow.chamber_enthalpy_flow_W + extra.enthalpy_flow_W}, s_new);
+    return flow;
+  }
+  Line<S> line_;
+  Chamber<S> chamber_;
+  int substeps_ = 0;
+  double period_s_ = 0.0, step_s_ = 1e-3;
+  double sound_mps_ = 343.0, stiffness_per_m_ = 1.0;
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,93 @@
+// Moving mass with friction laws, loads and end stops (thesis 3.22 with the friction opposing the motion).
+#pragma once
+#include <pneuservo/elements/effects.hpp>
+#include <pneuservo/elements/parameters.hpp>
+
+namespace pneuservo {
+
+/// What the slider's friction laws look at beside its own motion.
+template <class S> struct SliderSurroundings {
+  S gauge_pressure_sum_Pa{};  ///< max(p1 - p_atm, 0) + max(p2 - p_atm, 0)
+};
+
+/// m dv/dt = F_drive - B v - F_friction(v, x, p) - F_load(x). Friction that holds at rest holds exactly: a slider below
+/// breakaway does not move at all, and one that comes to rest within a step rests from that instant.
+template <class S> class Slider {
+ public:
+  /// stroke: end stops at +-stroke/2 with coefficient of restitution.
+  void configure(const SliderParameters<S>& slider, const MotionEffects<S>& effects, const S& stroke_m, const S& restitution) noexcept {
+    mass_ = slider.mass_kg + slider.payload_kg;
+    viscous_ = slider.viscous_friction_Ns_per_m;
+    effects_ = effects;
+    half_stroke_ = S(0.5) * stroke_m;
+    restitution_ = restitution;
+  }
+  void reset(const S& position_m, const S& velocity_mps) noexcept {
+    position_ = position_m;
+    velocity_ = velocity_mps;
+  }
+
+  /// Dry friction [N] (a magnitude) at speed `speed` in direction sign (+1, -1).
+  S dry_friction(const S& speed, const S& sign, const S& x, const SliderSurroundings<S>& around) const noexcept {
+    const MotionEffects<S>& e = effects_;
+    const S ratio = speed / e.stribeck_friction.velocity_mps;
+    const S offset = (x - e.friction_zone.center_m) / e.friction_zone.width_m;
+    return e.coulomb_friction.force_N + e.stribeck_friction.coulomb_force_N +
+           e.stribeck_friction.extra_force_N * exponential(-ratio * ratio) +
+           select(sign > S(0), e.direction_dependent_friction.forward_N, e.direction_dependent_friction.backward_N) +
+           S(0.5) * e.pressure_dependent_friction.force_per_pressure_N_per_Pa * around.gauge_pressure_sum_Pa +
+           e.friction_zone.force_N * exponential(-offset * offset);
+  }
+
+  /// One step of h [s] under the constant driving force [N]. Viscous friction is trapezoidal, dry friction is taken at
+  /// the start speed; the position follows the mean velocity.
+  void step(double h_s, const S& driving_force_N, const SliderSurroundings<S>& around) noexcept {
+    const S h(h_s), zero(0);
+    const S force = driving_force_N - effects_.constant_force.force_N -
+                    effects_.spring_load.stiffness_N_per_m * (position_ - effects_.spring_load.rest_m);
+    const auto resting = velocity_ == zero;
+    const S direction = select(resting, select(force >= zero, S(1), S(-1)), select(velocity_ > zero, S(1), S(-1)));
+    const S speed = absolute(velocity_);
+    const S dry = dry_friction(speed, direction, position_, around);
+    const S holds_most = dry_friction(zero, direction, position_, around);
+    const auto held = resting & (absolute(force) <= holds_most);
+    const S damping = S(0.5) * h * (viscous_ + effects_.quadratic_drag.coefficient_Ns2_per_m2 * speed) / mass_;
+    const S v_free = (velocity_ * (S(1) - damping) + h * (force - direction * dry) / mass_) / (S(1) + damping);
+    // Dry friction cannot turn the motion round: it ends at rest at the instant where v = 0.
+    const auto moving = !resting;
+    const auto stops = moving & (v_free * direction <= zero) & (dry > zero);
+    const S fraction = clamp(speed / maximum(absolute(velocity_ - v_free), S(1e-30)), zero, S(1));
+    const S v_new = select(held | stops, zero, v_free);
+    const S moved = select(held, zero, select(stops, S(0.5) * fraction * h * velocity_, S(0.5) * h * (velocity_ + v_free)));
+    position_ += moved;
+    velocity_ = v_new;
+    stop_at_ends();
+  }
+
+  S position() const noexcept { return position_; }
+  S velocity() const noexcept { return velocity_; }
+  S mass() const noexcept { return mass_; }
+
+ private:
+  // Inelastic end stop: the way beyond it is travelled back with the reflected speed.
+  void stop_at_ends() noexcept {
+    const S beyond = absolute(position_) - half_stroke_;
+    const auto hit = beyond > S(0);
+    if (!any(hit)) return;
+    const S side = select(position_ > S(0), S(1), S(-1));
+    const auto outward = velocity_ * side > S(0);
+    const S rebound = -restitution_ * velocity_;
+    const auto rests = absolute(rebound) < S(rest_speed_mps);
+    const S back = select(outward & !rests, restitution_ * beyond, S(0));
+    position_ = select(hit, side * (half_stroke_ - back), position_);
+    velocity_ = select(hit & outward, select(rests, S(0), rebound), velocity_);
+  }
+  /// Slower rebounds than this are rest: the last bounces of a series that never ends by itself.
+  static constexpr double rest_speed_mps = 1e-4;
+
+  S mass_ = S(1), viscous_{}, half_stroke_ = S(1), restitution_{};
+  MotionEffects<S> effects_;
+  S position_{}, velocity_{};
+};
+
+}  // namespace pneuservo

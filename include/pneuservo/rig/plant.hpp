@@ -1,0 +1,149 @@
+// The simulated axis: valve, both lines with their chambers, slider and supply, built from the elements.
+#pragma once
+#include <pneuservo/elements/line_with_chamber.hpp>
+#include <pneuservo/elements/slider.hpp>
+#include <pneuservo/elements/valve.hpp>
+#include <pneuservo/rig/axis.hpp>
+
+namespace pneuservo {
+
+/// Where a plant starts: at rest, gas at ambient temperature, each line at its chamber's pressure.
+template <class S> struct PlantStart {
+  S position_m{};
+  S pressure_1_Pa{};
+  S pressure_2_Pa{};
+};
+
+/// Pressure of chamber 2 that balances the piston at rest: A_1 p_1 - A_2 p_2 - (A_1 - A_2) p_atm = 0.
+template <class S> S balancing_pressure_2(const AxisParameters<S>& axis, const S& pressure_1_Pa) noexcept {
+  const S a_1 = axis.cylinder.area_1_m2, a_2 = axis.cylinder.area_2_m2, p_atm = axis.air.atmosphere_Pa;
+  return (a_1 * pressure_1_Pa - (a_1 - a_2) * p_atm) / a_2;
+}
+
+/// Both sides are computed side by side in the lanes of Pair<S>; S itself may carry several rigs.
+/// step() is one control period with the command held; it allocates nothing and throws nothing.
+template <class S> class AxisPlant {
+ public:
+  using P = Pair<S>;
+
+  /// Allocates. cells_per_m: cells of the lines, at least one a line.
+  void configure(const AxisParameters<S>& axis, double period_s, double cells_per_m) {
+    axis_ = axis;
+    air_ = Air<S>(axis.air);
+    period_s_ = period_s;
+    const int cells = std::max(cell_count(axis.line_1.length_m, cells_per_m), cell_count(axis.line_2.length_m, cells_per_m));
+    sides_.configure(join_parameters<LineParameters<P>>(axis.line_1, axis.line_2), side_geometry(axis),
+                     join_parameters<AirParameters<P>>(axis.air, axis.air), cells);
+    LineEffects<P> line_effects;
+    line_effects.restriction = join_parameters<LineRestriction<P>>(axis.effects.line_restriction_1, axis.effects.line_restriction_2);
+    line_effects.leak = join_parameters<LineLeak<P>>(axis.effects.line_leak_1, axis.effects.line_leak_2);
+    line_effects.critical_pressure_ratio = join(axis.valve.critical_pressure_ratio, axis.valve.critical_pressure_ratio);
+    sides_.line().set_effects(line_effects);
+    valve_.configure(axis.valve, axis.effects.valve, period_s);
+    slider_.configure(axis.slider, axis.effects.motion, axis.cylinder.stroke_m, axis.cylinder.end_stop_restitution);
+    chambers_leak_ = any(axis.effects.chamber_leak_1.area_m2 > S(0)) || any(axis.effects.chamber_leak_2.area_m2 > S(0)) ||
+                     any(axis.effects.piston_leak.area_m2 > S(0));
+    droops_ = any(axis.effects.supply_droop.area_m2 > S(0));
+    reset({S(0), air_.atmosphere_Pa, air_.atmosphere_Pa});
+  }
+
+  void reset(const PlantStart<S>& start) noexcept {
+    slider_.reset(start.position_m, S(0));
+    sides_.reset(join(start.pressure_1_Pa, start.pressure_2_Pa), join(air_.temperature_K, air_.temperature_K), distances());
+    valve_.reset(S(0));
+    supply_pressure_ = axis_.supply.pressure_Pa;
+  }
+
+  /// One period under the command [V].
+  void step(const S& command_V) noexcept {
+    valve_.set_command(command_V);
+    const int n = sides_.begin_period(period_s_);
+    const double h = sides_.step_s();
+    valve_.set_time_step(h);
+    for (int i = 0; i < n; ++i) {
+      const ValveAreas<S> areas = valve_.step(i * h);
+      const ChamberInflow<P> leaks = chambers_leak_ ? chamber_leaks() : ChamberInflow<P>{};
+      if (!held_) slider_.step(h, driving_force(), {gauge_pressure_sum()});
+      const ValvePort<P> port{join(areas.supply_1, areas.supply_2), join(areas.exhaust_1, areas.exhaust_2),
+                              join(supply_pressure_, supply_pressure_), join(axis_.valve.critical_pressure_ratio, axis_.valve.critical_pressure_ratio)};
+      flow_ = sides_.step_valve(port, distances(), leaks);
+      if (droops_) step_supply(h, areas);
+    }
+  }
+
+  /// Holds the piston where it is (tests, held-piston experiments) or lets it go.
+  void hold_piston(bool held) noexcept { held_ = held; }
+
+  S position() const noexcept { return slider_.position(); }
+  S velocity() const noexcept { return slider_.velocity(); }
+  P port_pressure() const noexcept { return sides_.line().port_pressure(); }
+  P chamber_pressure() const noexcept { return sides_.chamber().pressure(); }
+  S supply_pressure() const noexcept { return supply_pressure_; }
+  /// Flows of the last sub-step at both lines' ends.
+  const LineFlow<P>& flow() const noexcept { return flow_; }
+  /// Force of both chambers and the atmosphere on piston and rod [N].
+  S driving_force() const noexcept {
+    const S a_1 = axis_.cylinder.area_1_m2, a_2 = axis_.cylinder.area_2_m2;
+    const P p = chamber_pressure();
+    return a_1 * low(p) - a_2 * high(p) - (a_1 - a_2) * air_.atmosphere_Pa;
+  }
+  const LineWithChamber<P>& sides() const noexcept { return sides_; }
+  LineWithChamber<P>& sides() noexcept { return sides_; }
+  Slider<S>& slider() noexcept { return slider_; }
+
+  /// Parameters of both sides in one pair: side 1 low, side 2 high.
+  template <class To, class From> static To join_parameters(const From& side_1, const From& side_2) {
+    To out{};
+    To::visit([](const Field&, auto& to, const auto& a, const auto& b) { to = join(a, b); }, out, side_1, side_2);
+    return out;
+  }
+  static ChamberGeometry<P> side_geometry(const AxisParameters<S>& axis) noexcept {
+    const auto& c = axis.cylinder;
+    return {join(c.area_1_m2, c.area_2_m2), join(c.dead_volume_1_m3, c.dead_volume_2_m3), join(c.wall_heat_W_per_m2K, c.wall_heat_W_per_m2K)};
+  }
+
+ private:
+  // Distances of the piston from the end stops of chamber 1 and 2; a little penetration must not empty a chamber.
+  P distances() const noexcept {
+    const S half = S(0.5) * axis_.cylinder.stroke_m;
+    return maximum(join(half + slider_.position(), half - slider_.position()), P(0));
+  }
+  S gauge_pressure_sum() const noexcept {
+    const P p = chamber_pressure();
+    return maximum(low(p) - air_.atmosphere_Pa, S(0)) + maximum(high(p) - air_.atmosphere_Pa, S(0));
+  }
+  // Orifices from chamber to chamber and from each chamber to atmosphere.
+  ChamberInflow<P> chamber_leaks() const noexcept {
+    const P p = chamber_pressure(), T = sides_.chamber().temperature();
+    const S b = axis_.valve.critical_pressure_ratio, p_atm = air_.atmosphere_Pa, T_amb = air_.temperature_K;
+    const S out_1 = orifice_mass_flow(air_, axis_.effects.chamber_leak_1.area_m2, b, low(p), low(T), p_atm, T_amb);
+    const S out_2 = orifice_mass_flow(air_, axis_.effects.chamber_leak_2.area_m2, b, high(p), high(T), p_atm, T_amb);
+    const S across = orifice_mass_flow(air_, axis_.effects.piston_leak.area_m2, b, low(p), low(T), high(p), high(T));
+    const S h_1 = orifice_enthalpy_flow(air_, out_1, low(T), T_amb), h_2 = orifice_enthalpy_flow(air_, out_2, high(T), T_amb);
+    const S h_across = orifice_enthalpy_flow(air_, across, low(T), high(T));
+    return {join(-out_1 - across, across - out_2), join(-h_1 - h_across, h_across - h_2)};
+  }
+  // V dp/dt = R T (G_in - G_out), isothermal at supply temperature, fed from the configured pressure.
+  void step_supply(double h, const ValveAreas<S>& areas) noexcept {
+    const SupplyDroop<S>& droop = axis_.effects.supply_droop;
+    const S b = axis_.valve.critical_pressure_ratio, T = air_.temperature_K;
+    const P p = port_pressure();
+    const S fed = orifice_mass_flow(air_, droop.area_m2, b, axis_.supply.pressure_Pa, T, supply_pressure_, T);
+    const S taken = orifice_mass_flow(air_, areas.supply_1, b, supply_pressure_, T, low(p), T) +
+                    orifice_mass_flow(air_, areas.supply_2, b, supply_pressure_, T, high(p), T);
+    const S next = supply_pressure_ + S(h) * air_.R * T * (fed - taken) / droop.volume_m3;
+    supply_pressure_ = select(droop.area_m2 > S(0), maximum(next, S(1e3)), axis_.supply.pressure_Pa);
+  }
+
+  AxisParameters<S> axis_;
+  Air<S> air_;
+  double period_s_ = 1e-3;
+  LineWithChamber<P> sides_;
+  Valve<S> valve_;
+  Slider<S> slider_;
+  LineFlow<P> flow_;
+  S supply_pressure_{};
+  bool chambers_leak_ = false, droops_ = false, held_ = false;
+};
+
+}  // namespace pneuservo

@@ -77,6 +77,10 @@ template <class T, int N> Dual<T, N> square_root(const Dual<T, N>& a) noexcept {
   const T slope = select(root > T(0), T(0.5) / maximum(root, T(1e-150)), T(0));
   return Dual<T, N>::chain(root, a, slope);
 }
+template <class T, int N> Dual<T, N> fourth_root(const Dual<T, N>& a) noexcept {
+  const T root = fourth_root(a.value);
+  return Dual<T, N>::chain(root, a, T(0.25) * root / maximum(a.value, T(1e-30)));
+}
 template <class T, int N> Dual<T, N> exponential(const Dual<T, N>& a) noexcept {
   const T e = exponential(a.value);
   return Dual<T, N>::chain(e, a, e);

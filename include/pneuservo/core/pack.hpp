@@ -9,108 +9,196 @@
 
 namespace pneuservo {
 
-/// Bytes of a native SIMD register of the target. A pack wider than that is split by us into whole registers: left to
-/// the compiler, a 32-byte vector without AVX is taken apart lane by lane.
+/// Bytes of a native SIMD register of the target. A pack wider than that is split by us into halves: left to the
+/// compiler, a 32-byte vector without AVX is taken apart lane by lane, and an array of registers goes through memory.
 #if defined(__AVX__)
 inline constexpr int native_register_bytes = 32;
 #else
 inline constexpr int native_register_bytes = 16;
 #endif
 
+template <class T, int N> struct Pack;
+template <class T, int N> struct PackMask;
+
 namespace detail {
 template <class T, int W> struct RegisterOf {
   typedef T type __attribute__((vector_size(W * sizeof(T))));
 };
 template <class T> using IntegerOf = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;
-template <class T, int N> constexpr int register_width() {
-  const int native = native_register_bytes / static_cast<int>(sizeof(T));
-  return N < native ? N : native;
+template <class T, int N> inline constexpr bool single_register = N * static_cast<int>(sizeof(T)) <= native_register_bytes;
+
+// One register, or two packs of half the lanes.
+template <class Self, class Half, class RegisterType, bool single> struct PackData {
+  RegisterType r;
+};
+template <class Self, class Half, class RegisterType> struct PackData<Self, Half, RegisterType, false> {
+  Half low_half, high_half;
+};
+template <class T, int N> using PackBase =
+    PackData<Pack<T, N>, Pack<T, N / 2>, typename RegisterOf<T, (single_register<T, N> ? N : 1)>::type, single_register<T, N>>;
+template <class T, int N> using MaskBase =
+    PackData<PackMask<T, N>, PackMask<T, N / 2>, typename RegisterOf<IntegerOf<T>, (single_register<T, N> ? N : 1)>::type, single_register<T, N>>;
+
+// f applied register by register.
+template <class Out, class F, class... In> inline Out map_registers(F f, const In&... in) noexcept {
+  Out out;
+  if constexpr (Out::single) {
+    out.r = f(in.r...);
+  } else {
+    using Half = decltype(out.low_half);
+    out.low_half = map_registers<Half>(f, in.low_half...);
+    out.high_half = map_registers<Half>(f, in.high_half...);
+  }
+  return out;
+}
+
+// Bits of a mask register: non-zero where any lane is set.
+template <class R> inline int register_bits(R mask) noexcept {
+  if constexpr (sizeof(R) == 16) return _mm_movemask_epi8(reinterpret_cast<__m128i>(mask));
+#if defined(__AVX2__)
+  else if constexpr (sizeof(R) == 32) return _mm256_movemask_epi8(reinterpret_cast<__m256i>(mask));
+#endif
+  else {
+    int bits = 0;
+    for (unsigned i = 0; i < sizeof(R) / sizeof(mask[0]); ++i) bits |= (mask[i] != 0) << i;
+    return bits;
+  }
+}
+
+template <class R> inline R register_square_root(R a) noexcept {
+  if constexpr (std::is_same_v<R, typename RegisterOf<double, 2>::type>) {
+    return reinterpret_cast<R>(_mm_sqrt_pd(reinterpret_cast<__m128d>(a)));
+#if defined(__AVX__)
+  } else if constexpr (std::is_same_v<R, typename RegisterOf<double, 4>::type>) {
+    return reinterpret_cast<R>(_mm256_sqrt_pd(reinterpret_cast<__m256d>(a)));
+  } else if constexpr (std::is_same_v<R, typename RegisterOf<float, 8>::type>) {
+    return reinterpret_cast<R>(_mm256_sqrt_ps(reinterpret_cast<__m256>(a)));
+#endif
+  } else if constexpr (std::is_same_v<R, typename RegisterOf<float, 4>::type>) {
+    return reinterpret_cast<R>(_mm_sqrt_ps(reinterpret_cast<__m128>(a)));
+  } else {
+    for (unsigned i = 0; i < sizeof(R) / sizeof(a[0]); ++i) a[i] = std::sqrt(a[i]);
+    return a;
+  }
+}
+
+// a < b ? a : b and a > b ? a : b, as the minimum and maximum instructions define them.
+template <class R> inline R register_minimum(R a, R b) noexcept {
+  if constexpr (std::is_same_v<R, typename RegisterOf<double, 2>::type>)
+    return reinterpret_cast<R>(_mm_min_pd(reinterpret_cast<__m128d>(a), reinterpret_cast<__m128d>(b)));
+#if defined(__AVX__)
+  else if constexpr (std::is_same_v<R, typename RegisterOf<double, 4>::type>)
+    return reinterpret_cast<R>(_mm256_min_pd(reinterpret_cast<__m256d>(a), reinterpret_cast<__m256d>(b)));
+#endif
+  else return a < b ? a : b;
+}
+template <class R> inline R register_maximum(R a, R b) noexcept {
+  if constexpr (std::is_same_v<R, typename RegisterOf<double, 2>::type>)
+    return reinterpret_cast<R>(_mm_max_pd(reinterpret_cast<__m128d>(a), reinterpret_cast<__m128d>(b)));
+#if defined(__AVX__)
+  else if constexpr (std::is_same_v<R, typename RegisterOf<double, 4>::type>)
+    return reinterpret_cast<R>(_mm256_max_pd(reinterpret_cast<__m256d>(a), reinterpret_cast<__m256d>(b)));
+#endif
+  else return a > b ? a : b;
+}
+
+// Fourth root of doubles by square roots in single precision, as fourth_root(double) in scalar.hpp.
+template <class R> inline R register_fourth_root(R a) noexcept {
+  if constexpr (std::is_same_v<R, typename RegisterOf<double, 2>::type>) {
+    const __m128 q = _mm_sqrt_ps(_mm_sqrt_ps(_mm_cvtpd_ps(reinterpret_cast<__m128d>(a))));
+    return reinterpret_cast<R>(_mm_cvtps_pd(q));
+#if defined(__AVX__)
+  } else if constexpr (std::is_same_v<R, typename RegisterOf<double, 4>::type>) {
+    const __m128 q = _mm_sqrt_ps(_mm_sqrt_ps(_mm256_cvtpd_ps(reinterpret_cast<__m256d>(a))));
+    return reinterpret_cast<R>(_mm256_cvtps_pd(q));
+#endif
+  } else {
+    return register_square_root(register_square_root(a));
+  }
 }
 }  // namespace detail
 
 /// Lane mask of a Pack: all bits of a lane set (true) or none.
-template <class T, int N> struct PackMask {
-  static constexpr int width = detail::register_width<T, N>();
-  static constexpr int registers = N / width;
-  using Register = typename detail::RegisterOf<detail::IntegerOf<T>, width>::type;
-  Register r[registers];
+template <class T, int N> struct PackMask : detail::MaskBase<T, N> {
+  static constexpr bool single = detail::single_register<T, N>;
 
-  bool operator[](int i) const noexcept { return r[i / width][i % width] != 0; }
+  bool operator[](int i) const noexcept {
+    if constexpr (single) return this->r[i] != 0;
+    else return i < N / 2 ? this->low_half[i] : this->high_half[i - N / 2];
+  }
   friend PackMask operator&(const PackMask& a, const PackMask& b) noexcept {
-    PackMask out;
-    for (int i = 0; i < registers; ++i) out.r[i] = a.r[i] & b.r[i];
-    return out;
+    return detail::map_registers<PackMask>([](auto x, auto y) { return x & y; }, a, b);
   }
   friend PackMask operator|(const PackMask& a, const PackMask& b) noexcept {
-    PackMask out;
-    for (int i = 0; i < registers; ++i) out.r[i] = a.r[i] | b.r[i];
-    return out;
+    return detail::map_registers<PackMask>([](auto x, auto y) { return x | y; }, a, b);
   }
   friend PackMask operator!(const PackMask& a) noexcept {
-    PackMask out;
-    for (int i = 0; i < registers; ++i) out.r[i] = ~a.r[i];
-    return out;
+    return detail::map_registers<PackMask>([](auto x) { return ~x; }, a);
   }
 };
 
-/// N lanes of T. N is 1, 2, 4, 8, ...; arithmetic, comparison and square root are the scalar operations lane by lane,
-/// so that a lane computes bit for bit what the scalar program computes.
-template <class T, int N> struct Pack {
+/// N lanes of T, N = 2, 4, 8, ...; arithmetic, comparison and square root are the scalar operations lane by lane, so that
+/// a lane computes bit for bit what the scalar program computes.
+template <class T, int N> struct Pack : detail::PackBase<T, N> {
   static_assert(std::is_floating_point_v<T> && N >= 2 && (N & (N - 1)) == 0);
-  static constexpr int width = detail::register_width<T, N>();
-  static constexpr int registers = N / width;
-  using Register = typename detail::RegisterOf<T, width>::type;
+  static constexpr bool single = detail::single_register<T, N>;
   using MaskType = PackMask<T, N>;
-  Register r[registers];
 
-  Pack() noexcept { for (int i = 0; i < registers; ++i) r[i] = Register{}; }
+  Pack() noexcept : Pack(T(0)) {}
   Pack(T value) noexcept {  // NOLINT(google-explicit-constructor): a constant stands for all lanes
-    for (int i = 0; i < registers; ++i) r[i] = value - Register{};
+    if constexpr (single) this->r = value - decltype(this->r){};
+    else this->low_half = this->high_half = Pack<T, N / 2>(value);
   }
   template <class U, class = std::enable_if_t<std::is_arithmetic_v<U> && !std::is_same_v<U, T>>>
   Pack(U value) noexcept : Pack(static_cast<T>(value)) {}  // NOLINT(google-explicit-constructor)
 
-  T operator[](int i) const noexcept { return r[i / width][i % width]; }
-  void set(int i, T value) noexcept { r[i / width][i % width] = value; }
+  T operator[](int i) const noexcept {
+    if constexpr (single) return this->r[i];
+    else return i < N / 2 ? this->low_half[i] : this->high_half[i - N / 2];
+  }
+  void set(int i, T value) noexcept {
+    if constexpr (single) this->r[i] = value;
+    else if (i < N / 2) this->low_half.set(i, value);
+    else this->high_half.set(i - N / 2, value);
+  }
 
   /// Lanes from N consecutive values, aligned or not.
   static Pack load(const T* from) noexcept {
     Pack out;
-    std::memcpy(out.r, from, sizeof(out.r));
+    if constexpr (single) {
+      std::memcpy(&out.r, from, sizeof(out.r));
+    } else {
+      out.low_half = Pack<T, N / 2>::load(from);
+      out.high_half = Pack<T, N / 2>::load(from + N / 2);
+    }
     return out;
   }
-  void store(T* to) const noexcept { std::memcpy(to, r, sizeof(r)); }
+  void store(T* to) const noexcept {
+    if constexpr (single) {
+      std::memcpy(to, &this->r, sizeof(this->r));
+    } else {
+      this->low_half.store(to);
+      this->high_half.store(to + N / 2);
+    }
+  }
 
-  friend Pack operator+(const Pack& a, const Pack& b) noexcept { return apply(a, b, [](auto x, auto y) { return x + y; }); }
-  friend Pack operator-(const Pack& a, const Pack& b) noexcept { return apply(a, b, [](auto x, auto y) { return x - y; }); }
-  friend Pack operator*(const Pack& a, const Pack& b) noexcept { return apply(a, b, [](auto x, auto y) { return x * y; }); }
-  friend Pack operator/(const Pack& a, const Pack& b) noexcept { return apply(a, b, [](auto x, auto y) { return x / y; }); }
-  friend Pack operator-(const Pack& a) noexcept {
-    Pack out;
-    for (int i = 0; i < registers; ++i) out.r[i] = -a.r[i];
-    return out;
-  }
+  friend Pack operator+(const Pack& a, const Pack& b) noexcept { return detail::map_registers<Pack>([](auto x, auto y) { return x + y; }, a, b); }
+  friend Pack operator-(const Pack& a, const Pack& b) noexcept { return detail::map_registers<Pack>([](auto x, auto y) { return x - y; }, a, b); }
+  friend Pack operator*(const Pack& a, const Pack& b) noexcept { return detail::map_registers<Pack>([](auto x, auto y) { return x * y; }, a, b); }
+  friend Pack operator/(const Pack& a, const Pack& b) noexcept { return detail::map_registers<Pack>([](auto x, auto y) { return x / y; }, a, b); }
+  friend Pack operator-(const Pack& a) noexcept { return detail::map_registers<Pack>([](auto x) { return -x; }, a); }
   Pack& operator+=(const Pack& b) noexcept { return *this = *this + b; }
   Pack& operator-=(const Pack& b) noexcept { return *this = *this - b; }
   Pack& operator*=(const Pack& b) noexcept { return *this = *this * b; }
   Pack& operator/=(const Pack& b) noexcept { return *this = *this / b; }
 
-  friend MaskType operator<(const Pack& a, const Pack& b) noexcept { return compare(a, b, [](auto x, auto y) { return x < y; }); }
-  friend MaskType operator<=(const Pack& a, const Pack& b) noexcept { return compare(a, b, [](auto x, auto y) { return x <= y; }); }
-  friend MaskType operator>(const Pack& a, const Pack& b) noexcept { return compare(a, b, [](auto x, auto y) { return x > y; }); }
-  friend MaskType operator>=(const Pack& a, const Pack& b) noexcept { return compare(a, b, [](auto x, auto y) { return x >= y; }); }
-  friend MaskType operator==(const Pack& a, const Pack& b) noexcept { return compare(a, b, [](auto x, auto y) { return x == y; }); }
+  friend MaskType operator<(const Pack& a, const Pack& b) noexcept { return detail::map_registers<MaskType>([](auto x, auto y) { return x < y; }, a, b); }
+  friend MaskType operator<=(const Pack& a, const Pack& b) noexcept { return detail::map_registers<MaskType>([](auto x, auto y) { return x <= y; }, a, b); }
+  friend MaskType operator>(const Pack& a, const Pack& b) noexcept { return detail::map_registers<MaskType>([](auto x, auto y) { return x > y; }, a, b); }
+  friend MaskType operator>=(const Pack& a, const Pack& b) noexcept { return detail::map_registers<MaskType>([](auto x, auto y) { return x >= y; }, a, b); }
+  friend MaskType operator==(const Pack& a, const Pack& b) noexcept { return detail::map_registers<MaskType>([](auto x, auto y) { return x == y; }, a, b); }
 
-  template <class F> static Pack apply(const Pack& a, const Pack& b, F f) noexcept {
-    Pack out;
-    for (int i = 0; i < registers; ++i) out.r[i] = f(a.r[i], b.r[i]);
-    return out;
-  }
-  template <class F> static MaskType compare(const Pack& a, const Pack& b, F f) noexcept {
-    MaskType out;
-    for (int i = 0; i < registers; ++i) out.r[i] = f(a.r[i], b.r[i]);
-    return out;
-  }
+  /// f lane by lane, for functions that have no vector form.
   template <class F> static Pack each(const Pack& a, F f) noexcept {
     Pack out;
     for (int i = 0; i < N; ++i) out.set(i, f(a[i]));
@@ -127,29 +215,11 @@ template <class T, int N> struct ScalarTraits<Pack<T, N>> {
 
 template <class T, int N>
 Pack<T, N> select(const PackMask<T, N>& mask, const Pack<T, N>& a, const Pack<T, N>& b) noexcept {
-  Pack<T, N> out;
-  for (int i = 0; i < Pack<T, N>::registers; ++i) out.r[i] = mask.r[i] ? a.r[i] : b.r[i];
-  return out;
+  return detail::map_registers<Pack<T, N>>([](auto m, auto x, auto y) { return m ? x : y; }, mask, a, b);
 }
-namespace detail {
-// One bit a lane (doubles) or a byte (others): non-zero where any lane is set.
-template <class R> int register_bits(R mask) noexcept {
-  if constexpr (sizeof(R) == 16) return _mm_movemask_epi8(reinterpret_cast<__m128i>(mask));
-#if defined(__AVX2__)
-  else if constexpr (sizeof(R) == 32) return _mm256_movemask_epi8(reinterpret_cast<__m256i>(mask));
-#endif
-  else {
-    int bits = 0;
-    for (unsigned i = 0; i < sizeof(R) / sizeof(mask[0]); ++i) bits |= (mask[i] != 0) << i;
-    return bits;
-  }
-}
-}  // namespace detail
-
 template <class T, int N> bool any(const PackMask<T, N>& mask) noexcept {
-  auto sum = mask.r[0];
-  for (int i = 1; i < PackMask<T, N>::registers; ++i) sum |= mask.r[i];
-  return detail::register_bits(sum) != 0;
+  if constexpr (PackMask<T, N>::single) return detail::register_bits(mask.r) != 0;
+  else return any(mask.low_half | mask.high_half);
 }
 template <class T, int N> bool all(const PackMask<T, N>& mask) noexcept { return !any(!mask); }
 template <class T, int N> int count(const PackMask<T, N>& mask) noexcept {
@@ -158,36 +228,23 @@ template <class T, int N> int count(const PackMask<T, N>& mask) noexcept {
   return n;
 }
 template <class T, int N> Pack<T, N> minimum(const Pack<T, N>& a, const Pack<T, N>& b) noexcept {
-  return select(a < b, a, b);
+  return detail::map_registers<Pack<T, N>>([](auto x, auto y) { return detail::register_minimum(x, y); }, a, b);
 }
 template <class T, int N> Pack<T, N> maximum(const Pack<T, N>& a, const Pack<T, N>& b) noexcept {
-  return select(a > b, a, b);
+  return detail::map_registers<Pack<T, N>>([](auto x, auto y) { return detail::register_maximum(x, y); }, a, b);
 }
-template <class T, int N> Pack<T, N> absolute(const Pack<T, N>& a) noexcept { return select(a < Pack<T, N>(T(0)), -a, a); }
-
-namespace detail {
-template <class R> R register_square_root(R a) noexcept {
-  if constexpr (std::is_same_v<R, typename RegisterOf<double, 2>::type>) {
-    return reinterpret_cast<R>(_mm_sqrt_pd(reinterpret_cast<__m128d>(a)));
-#if defined(__AVX__)
-  } else if constexpr (std::is_same_v<R, typename RegisterOf<double, 4>::type>) {
-    return reinterpret_cast<R>(_mm256_sqrt_pd(reinterpret_cast<__m256d>(a)));
-  } else if constexpr (std::is_same_v<R, typename RegisterOf<float, 8>::type>) {
-    return reinterpret_cast<R>(_mm256_sqrt_ps(reinterpret_cast<__m256>(a)));
-#endif
-  } else if constexpr (std::is_same_v<R, typename RegisterOf<float, 4>::type>) {
-    return reinterpret_cast<R>(_mm_sqrt_ps(reinterpret_cast<__m128>(a)));
-  } else {
-    for (unsigned i = 0; i < sizeof(R) / sizeof(a[0]); ++i) a[i] = std::sqrt(a[i]);
-    return a;
-  }
+template <class T, int N> Pack<T, N> absolute(const Pack<T, N>& a) noexcept {
+  return detail::map_registers<Pack<T, N>>([](auto x) {
+    using R = decltype(x);
+    using I = typename detail::RegisterOf<detail::IntegerOf<T>, static_cast<int>(sizeof(R) / sizeof(T))>::type;
+    return reinterpret_cast<R>(reinterpret_cast<I>(x) & std::numeric_limits<detail::IntegerOf<T>>::max());  // sign bit off
+  }, a);
 }
-}  // namespace detail
-
 template <class T, int N> Pack<T, N> square_root(const Pack<T, N>& a) noexcept {
-  Pack<T, N> out;
-  for (int i = 0; i < Pack<T, N>::registers; ++i) out.r[i] = detail::register_square_root(a.r[i]);
-  return out;
+  return detail::map_registers<Pack<T, N>>([](auto x) { return detail::register_square_root(x); }, a);
+}
+template <class T, int N> Pack<T, N> fourth_root(const Pack<T, N>& a) noexcept {
+  return detail::map_registers<Pack<T, N>>([](auto x) { return detail::register_fourth_root(x); }, a);
 }
 template <class T, int N> Pack<T, N> exponential(const Pack<T, N>& a) noexcept {
   return Pack<T, N>::each(a, [](T x) { return std::exp(x); });
@@ -202,9 +259,11 @@ template <class T, int N> Pack<T, N> cosine(const Pack<T, N>& a) noexcept {
   return Pack<T, N>::each(a, [](T x) { return std::cos(x); });
 }
 template <class T, int N> double largest(const Pack<T, N>& a) noexcept {
-  T out = a[0];
-  for (int i = 1; i < N; ++i) out = a[i] > out ? a[i] : out;
-  return static_cast<double>(out);
+  if constexpr (N > 2) {
+    return largest(maximum(low(a), high(a)));
+  } else {
+    return static_cast<double>(a[0] > a[1] ? a[0] : a[1]);
+  }
 }
 template <class T, int N> double lane(const Pack<T, N>& a, int i) noexcept { return static_cast<double>(a[i]); }
 template <class T, int N> void set_lane(Pack<T, N>& a, int i, double value) noexcept { a.set(i, static_cast<T>(value)); }
@@ -216,33 +275,49 @@ template <class T, int N> struct PairOf<Pack<T, N>> { using type = Pack<T, 2 * N
 
 inline Pack<double, 2> join(double a, double b) noexcept {
   Pack<double, 2> out;
-  out.r[0] = typename Pack<double, 2>::Register{a, b};
+  out.r = decltype(out.r){a, b};
   return out;
 }
 inline Pack<float, 2> join(float a, float b) noexcept {
   Pack<float, 2> out;
-  out.r[0] = typename Pack<float, 2>::Register{a, b};
+  out.r = decltype(out.r){a, b};
   return out;
 }
 inline double low(const Pack<double, 2>& a) noexcept { return a[0]; }
 inline double high(const Pack<double, 2>& a) noexcept { return a[1]; }
 inline float low(const Pack<float, 2>& a) noexcept { return a[0]; }
 inline float high(const Pack<float, 2>& a) noexcept { return a[1]; }
+
 template <class T, int N> Pack<T, 2 * N> join(const Pack<T, N>& a, const Pack<T, N>& b) noexcept {
-  T lanes[2 * N];
-  a.store(lanes);
-  b.store(lanes + N);
-  return Pack<T, 2 * N>::load(lanes);
+  Pack<T, 2 * N> out;
+  if constexpr (!Pack<T, 2 * N>::single) {
+    out.low_half = a;
+    out.high_half = b;
+  } else {
+    for (int i = 0; i < N; ++i) {
+      out.r[i] = a.r[i];
+      out.r[N + i] = b.r[i];
+    }
+  }
+  return out;
 }
 template <class T, int N> Pack<T, N / 2> low(const Pack<T, N>& a) noexcept {
-  T lanes[N];
-  a.store(lanes);
-  return Pack<T, N / 2>::load(lanes);
+  if constexpr (!Pack<T, N>::single) {
+    return a.low_half;
+  } else {
+    Pack<T, N / 2> out;
+    for (int i = 0; i < N / 2; ++i) out.r[i] = a.r[i];
+    return out;
+  }
 }
 template <class T, int N> Pack<T, N / 2> high(const Pack<T, N>& a) noexcept {
-  T lanes[N];
-  a.store(lanes);
-  return Pack<T, N / 2>::load(lanes + N / 2);
+  if constexpr (!Pack<T, N>::single) {
+    return a.high_half;
+  } else {
+    Pack<T, N / 2> out;
+    for (int i = 0; i < N / 2; ++i) out.r[i] = a.r[N / 2 + i];
+    return out;
+  }
 }
 
 }  // namespace pneuservo

@@ -1,6 +1,5 @@
 // Quasi-steady friction and wall heat transfer of a pipe as functions of the Reynolds number (thesis 3.6, 3.7, 3.9).
 #pragma once
-#include <pneuservo/core/wide.hpp>
 #include <pneuservo/elements/air.hpp>
 #include <pneuservo/elements/parameters.hpp>
 
@@ -14,7 +13,7 @@ template <class S> struct PipeFrictionValue {
 
 /// lambda = 64/Re up to Re_1, 0.3164 Re^-1/4 (Blasius) from Re_2, linear in Re between.
 /// Nu = max(3.66, 0.046 Re^0.8 Pr^0.4); the floor is the laminar value at constant wall temperature.
-/// Both come from q = Re^1/4 by two square roots: Re^0.8 = q^3 q^0.2 with a cubic for q^0.2, within 0.21 % for Re
+/// Both come from q = Re^1/4 (single precision inside, 1e-7): Re^0.8 = q^3 q^0.2 with a cubic for q^0.2, within 0.21 % for Re
 /// 2e3..2e6, far inside the correlation's own 10 to 20 %; std::pow would cost more than the rest of the cell.
 template <class S> struct PipeFriction {
   S laminar, turbulent;         ///< Re_1, Re_2
@@ -30,20 +29,9 @@ template <class S> struct PipeFriction {
     slope = select(gap, (lambda_turbulent - lambda_laminar) / select(gap, turbulent - laminar, S(1)), S(0));
   }
 
-  /// The same constants in every element of a wide register.
-  template <class V> PipeFriction<V> widened() const noexcept {
-    PipeFriction<V> out;
-    out.laminar = repeat<V>(laminar);
-    out.turbulent = repeat<V>(turbulent);
-    out.lambda_laminar = repeat<V>(lambda_laminar);
-    out.slope = repeat<V>(slope);
-    out.nusselt_factor = repeat<V>(nusselt_factor);
-    return out;
-  }
-
   /// Re >= 0.
   PipeFrictionValue<S> operator()(const S& Re) const noexcept {
-    const S q = square_root(square_root(Re + S(1e-9)));
+    const S q = fourth_root(Re + S(1e-9));
     const S q3 = q * q * q;
     const S between = Re * (lambda_laminar + slope * (Re - laminar));
     const S phi = select(Re <= laminar, S(64), select(Re >= turbulent, S(0.3164) * q3, between));

@@ -1,5 +1,6 @@
 // Lines and chambers driven by measured port pressures and position: the model part of the estimator, on any lanes.
 #pragma once
+#include <pneuservo/core/pack.hpp>
 #include <pneuservo/elements/line_with_chamber.hpp>
 
 namespace pneuservo {

@@ -1,5 +1,6 @@
 // The simulated axis: valve, both lines with their chambers, slider and supply, built from the elements.
 #pragma once
+#include <pneuservo/core/pack.hpp>
 #include <pneuservo/elements/line_with_chamber.hpp>
 #include <pneuservo/elements/slider.hpp>
 #include <pneuservo/elements/valve.hpp>

@@ -49,6 +49,8 @@ class TreeBuilder {
     if (const ConfigNode::Entry* first = map.find(key.Scalar()))
       refuse(where, full, fmt::format("the key a second time (the first is at {})", first->origin), "every key once");
     map.entries.push_back({key.Scalar(), where, build(value, full, depth + 1)});
+    // YAML places an absent value at whatever follows; the reader of the message looks for the key.
+    if (value.IsNull()) map.entries.back().value.origin = where;
   }
   std::string origin(const YAML::Mark& mark) const {
     return has_lines_ ? fmt::format("{}:{}", source_, mark.line + 1) : source_;

@@ -25,8 +25,15 @@ std::string number_text(double value) {
   if (std::isnan(value)) return ".nan";
   if (std::isinf(value)) return value < 0 ? "-.inf" : ".inf";
   char buffer[40];
-  const auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value);
-  return std::string(buffer, end);
+  const double size = std::fabs(value);
+  const bool readable = size == 0.0 || (size >= 1e-4 && size < 1e7);
+  const auto format = readable ? std::chars_format::fixed : std::chars_format::scientific;
+  const auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value, format);
+  std::string text(buffer, end);
+  // A point in the mantissa makes it a number for readers of YAML 1.1 too.
+  const std::size_t exponent = text.find('e');
+  if (exponent != std::string::npos && text.find('.') == std::string::npos) text.insert(exponent, ".0");
+  return text;
 }
 
 }  // namespace pneuservo

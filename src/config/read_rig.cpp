@@ -5,6 +5,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -44,19 +45,19 @@ struct RigReader {
   }
 };
 
-void anchor_paths(ReferenceSpec& reference, const ConfigNode* node, const std::filesystem::path& folder) {
-  if (node == nullptr) return;
-  const ConfigNode::Entry* path = node->find("path");
+/// Relative paths that the file (not a --set) states count from the file's folder.
+void anchor_paths(ReferenceSpec& reference, const ConfigNode& node, const std::filesystem::path& folder) {
+  const ConfigNode::Entry* path = node.find("path");
   const bool from_file = path != nullptr && !path->value.origin.starts_with("--set");
   if (from_file && std::filesystem::path(reference.path).is_relative())
-    reference.path = (folder / reference.path).lexically_normal().string();
-  const ConfigNode::Entry* parts = node->find("parts");
+    reference.path = std::filesystem::absolute(folder / reference.path).lexically_normal().string();
+  const ConfigNode::Entry* parts = node.find("parts");
   for (std::size_t i = 0; parts != nullptr && i < reference.parts.size(); ++i)
-    anchor_paths(reference.parts[i], &parts->value.items[i], folder);
+    anchor_paths(reference.parts[i], parts->value.items[i], folder);
 }
 
 Rig rig_from_text(const std::string& yaml_text, const std::string& source_name, const std::vector<std::string>& overrides,
-                  const std::filesystem::path& folder) {
+                  const std::optional<std::filesystem::path>& anchor) {
   ConfigNode root = parse_config_tree(yaml_text, source_name);
   require_map(root, "");
   for (const std::string& override_text : overrides) apply_override(root, override_text);
@@ -66,7 +67,7 @@ Rig rig_from_text(const std::string& yaml_text, const std::string& source_name, 
   Rig::visit(RigReader{rig, {root, top, true}}, rig);
   require_known_keys(root, top, fields_of<Rig>());
   Rig::visit(RigReader{rig, {root, top}}, rig);
-  if (!folder.empty()) anchor_paths(rig.reference, &root.find("reference")->value, folder);
+  if (anchor) anchor_paths(rig.reference, root.find("reference")->value, *anchor);
   complete_rig(rig, root);
   check_rig(rig, root);
   return rig;

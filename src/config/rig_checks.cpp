@@ -39,11 +39,15 @@ bool is_stated(const ConfigNode& root, const std::string& section, const std::st
   return entry != nullptr && entry->value.find(key) != nullptr;
 }
 
-/// Throws at `path` with the line it stands on.
+/// Throws at `path` with the line it stands on, or with the --set that made one of the `others` contradict it.
 struct Check {
   const ConfigNode& root;
-  [[noreturn]] void refuse(const std::string& path, const std::string& found, const std::string& expected) const {
-    pneuservo::refuse(origin_of(root, path), path, found, expected);
+  [[noreturn]] void refuse(const std::string& path, const std::vector<std::string>& others, const std::string& found,
+                           const std::string& expected) const {
+    std::string origin = origin_of(root, path);
+    for (const std::string& other : others)
+      if (const std::string from = origin_of(root, other); from.starts_with("--set") && !origin.starts_with("--set")) origin = from;
+    pneuservo::refuse(origin, path, found, expected);
   }
 };
 
@@ -56,7 +60,7 @@ double balancing_pressure_2_Pa(const Rig& rig, double pressure_1_Pa) {
 void check_lines(const Rig& rig, const Check& check) {
   const auto check_line = [&](const LineParameters<double>& line, const std::string& name) {
     if (line.laminar_reynolds > line.turbulent_reynolds)
-      check.refuse(name + ".laminar_reynolds", number_text(line.laminar_reynolds),
+      check.refuse(name + ".laminar_reynolds", {name + ".turbulent_reynolds"}, number_text(line.laminar_reynolds),
                    fmt::format("at most {}.turbulent_reynolds ({})", name, number_text(line.turbulent_reynolds)));
   };
   check_line(rig.axis.line_1, "line_1");
@@ -65,38 +69,38 @@ void check_lines(const Rig& rig, const Check& check) {
 
 void check_controller(const Rig& rig, const Check& check) {
   if (rig.controller.pressure_source == PressureSource::chamber && !is_stated(check.root, "sensors", "chamber_pressure"))
-    check.refuse("controller.pressure_source", "'chamber' without sensors.chamber_pressure",
+    check.refuse("controller.pressure_source", {}, "'chamber' without sensors.chamber_pressure",
                  "valve or estimated, or the section sensors.chamber_pressure");
   const double command_max = rig.axis.valve.command_max_V;
   if (std::fabs(rig.safe_output.command_V) > command_max)
-    check.refuse("safe_output.command_V", number_text(rig.safe_output.command_V),
+    check.refuse("safe_output.command_V", {"valve.command_max_V"}, number_text(rig.safe_output.command_V),
                  fmt::format("at most +-valve.command_max_V ({})", number_text(command_max)));
 }
 
 void check_times(const Rig& rig, const Check& check) {
   if (rig.duration_s < rig.period_s)
-    check.refuse("duration_s", number_text(rig.duration_s), fmt::format("at least period_s ({})", number_text(rig.period_s)));
+    check.refuse("duration_s", {"period_s"}, number_text(rig.duration_s), fmt::format("at least period_s ({})", number_text(rig.period_s)));
   if (!rig.evaluation) return;
   if (!(rig.evaluation->from_s < rig.evaluation->to_s))
-    check.refuse("evaluation.from_s", number_text(rig.evaluation->from_s),
+    check.refuse("evaluation.from_s", {"evaluation.to_s"}, number_text(rig.evaluation->from_s),
                  fmt::format("less than evaluation.to_s ({})", number_text(rig.evaluation->to_s)));
   if (rig.evaluation->to_s > rig.duration_s)
-    check.refuse("evaluation.to_s", number_text(rig.evaluation->to_s),
+    check.refuse("evaluation.to_s", {"duration_s"}, number_text(rig.evaluation->to_s),
                  fmt::format("at most duration_s ({})", number_text(rig.duration_s)));
 }
 
 void check_initial(const Rig& rig, const Check& check) {
   const double half_stroke = 0.5 * rig.axis.cylinder.stroke_m, supply = rig.axis.supply.pressure_Pa;
   if (std::fabs(rig.initial.position_m) > half_stroke)
-    check.refuse("initial.position_m", number_text(rig.initial.position_m),
+    check.refuse("initial.position_m", {"cylinder.stroke_m"}, number_text(rig.initial.position_m),
                  fmt::format("at most +-half of cylinder.stroke_m ({})", number_text(half_stroke)));
   const std::string limit = fmt::format("at most supply.pressure_Pa ({})", number_text(supply));
-  if (rig.initial.pressure_1_Pa > supply) check.refuse("initial.pressure_1_Pa", number_text(rig.initial.pressure_1_Pa), limit);
+  if (rig.initial.pressure_1_Pa > supply) check.refuse("initial.pressure_1_Pa", {"supply.pressure_Pa"}, number_text(rig.initial.pressure_1_Pa), limit);
   const double balancing = balancing_pressure_2_Pa(rig, rig.initial.pressure_1_Pa);
   if (rig.initial.pressure_2_Pa.value_or(0.0) > supply)
-    check.refuse("initial.pressure_2_Pa", number_text(*rig.initial.pressure_2_Pa), limit);
+    check.refuse("initial.pressure_2_Pa", {"supply.pressure_Pa"}, number_text(*rig.initial.pressure_2_Pa), limit);
   if (!rig.initial.pressure_2_Pa && !(balancing > 0.0 && balancing <= supply))
-    check.refuse("initial.pressure_1_Pa",
+    check.refuse("initial.pressure_1_Pa", {"supply.pressure_Pa", "cylinder"},
                  fmt::format("{}, which {:.6g} Pa in chamber 2 would balance", number_text(rig.initial.pressure_1_Pa), balancing),
                  fmt::format("a pressure whose balance lies between 0 and supply.pressure_Pa ({}), or pressure_2_Pa",
                              number_text(supply)));
@@ -112,16 +116,18 @@ double highest_frequency_Hz(const ReferenceSpec& reference) {
 void check_reference_range(const Rig& rig, const Check& check) {
   const double half_stroke = 0.5 * rig.axis.cylinder.stroke_m, nyquist = 0.5 / rig.period_s;
   if (const double highest = highest_frequency_Hz(rig.reference); highest > nyquist)
-    check.refuse("reference", fmt::format("{} Hz", number_text(highest)),
+    check.refuse("reference", {"period_s"}, fmt::format("{} Hz", number_text(highest)),
                  fmt::format("at most half a cycle a control period ({} Hz)", number_text(nyquist)));
   const double samples = std::min(std::ceil(rig.duration_s / rig.period_s), most_samples);
+  double worst_m = 0.0, worst_s = 0.0;
   for (double k = 0; k <= samples; ++k) {
     const double t = rig.duration_s * k / samples, x = reference_position_m(rig.reference, t);
-    // Within rounding of the end stop is at the end stop.
-    if (std::fabs(x) > half_stroke * (1.0 + 1e-12))
-      check.refuse("reference", fmt::format("the position {:.6g} m at {:.6g} s", x, t),
-                   fmt::format("positions within +-half of cylinder.stroke_m ({} m)", number_text(half_stroke)));
+    if (std::fabs(x) > std::fabs(worst_m)) worst_m = x, worst_s = t;
   }
+  // Within rounding of the end stop is at the end stop.
+  if (std::fabs(worst_m) > half_stroke * (1.0 + 1e-12))
+    check.refuse("reference", {"cylinder.stroke_m", "duration_s", "reference.amplitude_m", "reference.center_m"}, fmt::format("the position {:.6g} m at {:.6g} s", worst_m, worst_s),
+                 fmt::format("positions within +-half of cylinder.stroke_m ({} m)", number_text(half_stroke)));
 }
 
 void check_tolerances(const Rig& rig, const Check& check) {

@@ -103,7 +103,8 @@ int read_choice(const Field& field, const ConfigNode& node, const std::string& p
 void read_value(const Field& field, const ConfigNode& node, const std::string& path, std::vector<double>& values) {
   values.clear();
   for (const ConfigNode& item : require_list(field, node, path, "numbers").items) {
-    read_value(field, item, join_path(path, std::to_string(values.size())), values.emplace_back());
+    const std::string item_path = join_path(path, std::to_string(values.size()));
+    read_value(field, item, item_path, values.emplace_back());
   }
 }
 

@@ -16,6 +16,7 @@ namespace pneuservo {
 namespace {
 
 constexpr double gap_periods = 1.5;  // a step in time that is longer misses at least one row
+constexpr double spike_periods = 10;  // a time that is ahead by more and then back is wrong itself; by less, the later row is
 
 std::string quoted(const std::string& text) { return text.empty() ? "missing" : fmt::format("\"{}\"", text); }
 
@@ -86,8 +87,8 @@ class TimeCheck {
   /// One time that jumped ahead must not cost all rows after it: this one continues where the jump began.
   bool follows_a_spike(double t) const {
     if (gaps_.empty() || gaps_.back().after != kept_.back()) return false;
-    const double step = t - t_s_[gaps_.back().before];
-    return step > 0 && step <= 2.0 * gap_periods * recording_.period_s;
+    const double step = t - t_s_[gaps_.back().before], ahead = t_s_[kept_.back()] - t;
+    return ahead > spike_periods * recording_.period_s && step > 0 && step <= 2.0 * gap_periods * recording_.period_s;
   }
 
   void report_gap(std::size_t before, std::size_t after) {

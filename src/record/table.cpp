@@ -73,8 +73,8 @@ class TableReader {
     while (input_.next_line(line)) read_row(line);
     report_end();
     if (table_.rows() == 0)
-      throw InputError(fmt::format("{}, line {}: there is no row that can be used; expected at least one line of {} numbers",
-                                   table_.path, input_.line_number() + 1, table_.names.size()));
+      throw InputError(fmt::format("{}, line {}: there is no row that can be used{}; expected at least one line of {} numbers",
+                                   table_.path, input_.line_number() + 1, end_words(), table_.names.size()));
     return std::move(table_);
   }
 
@@ -92,10 +92,14 @@ class TableReader {
         return;
       }
     }
-    throw InputError(fmt::format("{}, line {}: the file ends{} before the line of column names; expected one line such as "
+    throw InputError(fmt::format("{}, line {}: the file ends before the line of column names{}; expected one line such as "
                                  "t_s,x_m,u_V after the comment lines",
                                  table_.path, input_.line_number() + 1,
-                                 input_.end() == TextInput::End::whole ? "" : " (cut off or damaged)"));
+                                 end_words()));
+  }
+
+  std::string_view end_words() const {
+    return input_.end() == TextInput::End::whole ? "" : " (the file is cut off or damaged)";
   }
 
   void read_names(std::string_view line) {

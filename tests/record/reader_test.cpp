@@ -174,10 +174,13 @@ TEST_CASE("a file cut anywhere gives its whole rows and says where it ends, or i
     const std::size_t at = 20 + generator() % (wrong.size() - 20);
     wrong[at] = static_cast<char>(wrong[at] ^ (1 + generator() % 255));
     CAPTURE(at);
+    bool told = false;
     try {
-      REQUIRE_FALSE(read_recording(put_plain(folder.file("wrong.csv.gz"), wrong)).problems.empty());
+      told = !read_recording(put_plain(folder.file("wrong.csv.gz"), wrong)).problems.empty();
     } catch (const InputError&) {
+      told = true;
     }
+    REQUIRE(told);
   }
 }
 

@@ -3,8 +3,11 @@
 
 namespace pneuservo {
 
+void add_check(CLI::App&, int&);
+void add_latency(CLI::App&, int&);
+
 const std::vector<AddVerb>& all_verbs() {
-  static const std::vector<AddVerb> verbs{};
+  static const std::vector<AddVerb> verbs{add_check, add_latency};
   return verbs;
 }
 

@@ -103,7 +103,7 @@ void HtmlPage::plot(const Plot& plot) {
   body_ += fmt::format("<figure class=\"plot\" id=\"{}\"><figcaption><h3>{}</h3><span class=\"legend\"></span></figcaption>"
                        "<div class=\"canvas\" style=\"height:{}px\"></div><p class=\"x-title\">{}</p></figure>\n",
                        id, with_unit(plot.title, plot.unit), plot.height_px, with_unit(plot.x_title, plot.x_unit));
-  plot_data_ += (plots_ > 1 ? ",\n" : "") + plot_json(plot, id);
+  plot_data_.append(plots_ > 1 ? ",\n" : "").append(plot_json(plot, id));
 }
 
 void HtmlPage::plots(const std::vector<Plot>& row) {
@@ -150,11 +150,11 @@ std::string HtmlPage::html() const {
                      "<meta name=\"color-scheme\" content=\"light dark\">";
   page += fmt::format("<title>{}</title>\n<style>{}\n{}</style></head>\n<body><main>\n", html_escape(title_),
                       assets::dygraphs_style, assets::page_style);
-  page += body_ + (in_section_ ? "</section>\n" : "");
-  page += "</main>\n";
+  page.append(body_).append(in_section_ ? "</section>\n</main>\n" : "</main>\n");
   if (plots_ > 0) {
     page += "<button type=\"button\" id=\"reset-zoom\" hidden>Reset zoom</button>\n";
-    page += "<script type=\"application/json\" id=\"plot-data\">[" + plot_data_ + "]</script>\n";
+    page += "<script type=\"application/json\" id=\"plot-data\">[";
+    page.append(plot_data_).append("]</script>\n");
     page += "<script>/* dygraphs, Copyright (c) Dan Vanderkam and contributors, MIT licence */\n";
     page.append(assets::dygraphs_script).append("</script>\n");
   }

@@ -28,7 +28,7 @@ std::vector<double> chosen(const std::vector<double>& values, const std::vector<
 
 std::string array(const std::vector<double>& values) {
   std::string json = "[";
-  for (std::size_t i = 0; i < values.size(); ++i) json += (i > 0 ? "," : "") + number(values[i]);
+  for (std::size_t i = 0; i < values.size(); ++i) json.append(i > 0 ? "," : "").append(number(values[i]));
   return json + "]";
 }
 
@@ -74,7 +74,7 @@ std::string band_json(const Band& band, const Plot& plot) {
 
 template <class Items, class Function> std::string list(const Items& items, Function&& function) {
   std::string json = "[";
-  for (const auto& item : items) json += (json.size() > 1 ? "," : "") + function(item);
+  for (const auto& item : items) json.append(json.size() > 1 ? "," : "").append(function(item));
   return json + "]";
 }
 

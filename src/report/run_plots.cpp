@@ -39,7 +39,7 @@ void add_fault_mark(Plot& plot, const RunReport& report, const RunResult& run) {
   auto row = std::find_if(run.rows.begin(), run.rows.end(), [](const Row& r) { return (r.flags & row_fault) != 0; });
   if (row == run.rows.end() && (run.faults.empty() || run.rows.empty())) return;
   if (row == run.rows.end()) --row;
-  plot.marks.push_back({row->t_s - run.start_s, report.runs.size() > 1 ? "fault, " + run_label(report, run) : "fault"});
+  plot.marks.push_back({row->t_s - run.start_s, report.runs.size() > 1 ? fmt::format("fault, {}", run_label(report, run)) : "fault"});
 }
 
 Plot time_plot(const RunReport& report, std::string title, std::string unit, double period_s) {

@@ -17,10 +17,10 @@ std::string definitions(const RunReport& report) {
   std::string text = "Errors are reference minus ";
   text += metrics.position_is_true ? "true position of the simulated plant" : "measured position";
   if (std::isfinite(metrics.from_s)) text += fmt::format(", from {} s to {} s", figure(metrics.from_s), figure(metrics.to_s));
-  return text + fmt::format(" (shaded in the plots). The end error is the mean over the last {} s. Estimation error: estimated "
+  return text + fmt::format(" (shaded in the plots). The end error is the mean over the last {:g} s. Estimation error: estimated "
                             "minus true chamber pressure, the larger of both chambers. Ripple: peak to peak of a chamber's "
-                            "pressure above {} Hz. Command step: rms from one period to the next.",
-                            figure(end_stretch_s), figure(ripple_corner_Hz));
+                            "pressure above {:g} Hz. Command step: rms from one period to the next.",
+                            end_stretch_s, ripple_corner_Hz);
 }
 
 void add_figures(HtmlPage& page, const RunReport& report) {
@@ -87,8 +87,8 @@ void add_timing(HtmlPage& page, const RunReport& report) {
 
 HtmlPage make_page(const RunReport& report, const Rig& rig) {
   HtmlPage page(report.config + " · run", fmt::format("{} · {}", report.config, circumstances(report)), headline(report));
-  for (const RunResult& run : report.runs)
-    for (const std::string& fault : run.faults) page.alert(fmt::format("Fault with {}: {}", run_label(report, run), fault));
+  for (const RunResult& run : report.runs)  // the headline of a single run already says it
+    for (const std::string& fault : report.runs.size() > 1 ? run.faults : std::vector<std::string>()) page.alert(fmt::format("Fault with {}: {}", run_label(report, run), fault));
   if (!report.runs.empty()) {
     add_figures(page, report);
     add_motion(page, report, rig.period_s);

@@ -77,7 +77,7 @@
       context.fill();
       context.globalAlpha = 1;
     }
-    context.strokeStyle = context.fillStyle = variable("alarm");
+    context.strokeStyle = variable("alarm");
     context.font = "12px system-ui, sans-serif";
     for (const mark of plot.marks) {
       const x = graph.toDomXCoord(mark.x);
@@ -86,7 +86,10 @@
       context.moveTo(x, area.y);
       context.lineTo(x, area.y + area.h);
       context.stroke();
-      const toLeft = x + context.measureText(mark.text).width + 8 > area.x + area.w;
+      const width = context.measureText(mark.text).width, toLeft = x + width + 8 > area.x + area.w;
+      context.fillStyle = variable("paper");
+      context.fillRect(toLeft ? x - width - 9 : x + 2, area.y + 1, width + 7, 17);
+      context.fillStyle = variable("alarm");
       context.textAlign = toLeft ? "right" : "left";
       context.fillText(mark.text, x + (toLeft ? -5 : 5), area.y + 13);
     }

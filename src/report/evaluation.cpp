@@ -73,9 +73,14 @@ Signal even_signal(const std::vector<Row>& rows, Column column) {
   return signal;
 }
 
+/// Peak to peak of a column above the corner. One period of the corner at either end of the signal is left out: there
+/// the filter has neighbours on one side only.
 double ripple_Pa(const std::vector<Row>& rows, Column column, double from_s, double to_s) {
   const Signal signal = even_signal(rows, column);
   const std::vector<double> fast = zero_phase_high_pass(signal.values, signal.period_s, ripple_corner_Hz);
+  const double end_s = signal.from_s + static_cast<double>(fast.size()) * signal.period_s - 1.0 / ripple_corner_Hz;
+  from_s = std::max(from_s, signal.from_s + 1.0 / ripple_corner_Hz);
+  to_s = std::min(to_s, end_s);
   double lowest = Metrics::none, highest = Metrics::none;
   for (std::size_t k = 0; k < fast.size(); ++k) {
     const double t_s = signal.from_s + static_cast<double>(k) * signal.period_s;

@@ -132,7 +132,7 @@ std::string headline(const RunReport& report) {
 }
 
 std::string circumstances(const RunReport& report) {
-  std::string text = fmt::format("{} time, {} s", report.time, figure(report.duration_s));
+  std::string text = fmt::format("{} time, {:g} s", report.time, report.duration_s);
   if (report.time == "simulated" && std::isfinite(report.realtime_factor))
     text += fmt::format(", {} times as fast as real time", figure(report.realtime_factor));
   return text;
@@ -146,11 +146,11 @@ Table comparison_table(const RunReport& report) {
     columns.push_back(text_column("feedforward", collect(report, [](auto& run) { return run.feedforward; })));
   if (differs(report, &RunResult::move))
     columns.push_back(count_column("move", collect(report, [](auto& run) { return std::int64_t{run.move}; })));
-  columns.push_back(figure_column("max error", "mm", scaled(report, &Metrics::max_position_error_m, 1e3)));
-  columns.push_back(figure_column("rms error", "mm", scaled(report, &Metrics::rms_position_error_m, 1e3)));
+  columns.push_back(figure_column("max position error", "mm", scaled(report, &Metrics::max_position_error_m, 1e3)));
+  columns.push_back(figure_column("rms position error", "mm", scaled(report, &Metrics::rms_position_error_m, 1e3)));
   columns.push_back(figure_column("end error", "mm", scaled(report, &Metrics::end_error_m, 1e3), 5));
-  columns.push_back(figure_column("max estimation", "kPa", scaled(report, &Metrics::max_estimation_error_Pa, 1e-3)));
-  columns.push_back(figure_column("rms estimation", "kPa", scaled(report, &Metrics::rms_estimation_error_Pa, 1e-3)));
+  columns.push_back(figure_column("max estimation error", "kPa", scaled(report, &Metrics::max_estimation_error_Pa, 1e-3)));
+  columns.push_back(figure_column("rms estimation error", "kPa", scaled(report, &Metrics::rms_estimation_error_Pa, 1e-3)));
   columns.push_back(figure_column("ripple", "kPa", scaled(report, &Metrics::chamber_pressure_ripple_Pa, 1e-3)));
   columns.push_back(figure_column("command step", "mV", scaled(report, &Metrics::command_step_rms_V, 1e3)));
   columns.push_back(count_column(

@@ -35,7 +35,7 @@ std::size_t width_of(const std::string& text) {
 
 std::string aligned(const std::string& text, std::size_t width, bool to_left) {
   const std::string space(width - std::min(width, width_of(text)), ' ');
-  return to_left ? text + space : space + text;
+  return to_left ? fmt::format("{}{}", text, space) : fmt::format("{}{}", space, text);
 }
 
 }  // namespace
@@ -68,11 +68,12 @@ std::string text_table(const Table& table) {
     rows = std::max(rows, column.cells.size());
   }
   const auto line = [&](auto&& text_of) {
-    std::string text;
+    std::vector<std::string> cells;
     for (std::size_t i = 0; i < table.columns.size(); ++i)
-      text += fmt::format("{}{}", i > 0 ? "  " : "", aligned(text_of(table.columns[i]), widths[i], table.columns[i].is_text));
-    text.erase(text.find_last_not_of(' ') + 1);
-    return text + "\n";
+      cells.push_back(aligned(text_of(table.columns[i]), widths[i], table.columns[i].is_text));
+    std::string joined = fmt::format("{}", fmt::join(cells, "  "));
+    joined.erase(joined.find_last_not_of(' ') + 1);
+    return joined + "\n";
   };
   std::string text = table.title.empty() ? "" : table.title + "\n";
   text += line([](const TableColumn& column) { return column.title; });

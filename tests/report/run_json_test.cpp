@@ -102,7 +102,7 @@ TEST_CASE("the text aligns figures under their units and lists faults and latenc
   report.runs[1].faults = {"supply pressure out of range"};
   report.runs[1].timing = timing();
   const std::string text = run_text(report);
-  REQUIRE(contains(text, "simulated time, 10.0 s, 2600 times as fast as real time"));
+  REQUIRE(contains(text, "simulated time, 10 s, 2600 times as fast as real time"));
   REQUIRE(contains(text, "[mm]"));
   REQUIRE(contains(text, "[kPa]"));
   REQUIRE(contains(text, "[mV]"));

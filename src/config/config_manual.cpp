@@ -24,6 +24,11 @@ struct Table {
   std::vector<Row> rows;
 };
 
+Row make_row(const std::string& key, const Field& field, const std::string& range, const std::string& standard) {
+  return {key, std::string(field.unit), range, standard, std::string(field.help)};
+}
+std::string section_presence(const Field& field) { return field.presence == Presence::required ? "required" : "optional"; }
+
 /// Default of an optional key as the struct has it.
 template <class T> std::string standard_text(const Field& field, const T& value) {
   if (field.presence == Presence::required) return "required";
@@ -40,15 +45,15 @@ struct RowCollector {
   template <class T> void operator()(const Field& field, const T& value) const {
     const std::string key = prefix + std::string(field.key);
     if constexpr (ParameterSection<T>) {
-      rows.push_back({key, "", "section", field.presence == Presence::required ? "required" : "absent", std::string(field.help)});
+      rows.push_back(make_row(key, field, "section", section_presence(field)));
       T::visit(RowCollector{rows, key + "."}, value);
     } else {
-      rows.push_back({key, std::string(field.unit), accepted_text(field, value), standard_text(field, value), std::string(field.help)});
+      rows.push_back(make_row(key, field, accepted_text(field, value), standard_text(field, value)));
     }
   }
   template <class T> void operator()(const Field& field, const std::optional<T>&) const {
     if constexpr (ParameterSection<T>) (*this)(field, T{});
-    else rows.push_back({prefix + std::string(field.key), std::string(field.unit), range_text(field), "not stated", std::string(field.help)});
+    else rows.push_back(make_row(prefix + std::string(field.key), field, range_text(field), "not stated"));
   }
 };
 
@@ -60,7 +65,9 @@ struct TableCollector {
     else if constexpr (std::is_same_v<T, ReferenceSpec>) add_references(field);
     else RowCollector{tables.front().rows, ""}(field, value);
   }
-  template <ParameterSection T> void operator()(const Field& field, const std::optional<T>&) const { add_section(field, T{}); }
+  template <ParameterSection T> void operator()(const Field& field, const std::optional<T>&) const {
+    add_section(field, T{});
+  }
 
  private:
   template <class T> void add_section(const Field& field, const T& section) const {
@@ -92,8 +99,7 @@ struct TableCollector {
     }
   }
   void add_top_row(const Field& field) const {
-    const bool required = field.presence == Presence::required;
-    tables.front().rows.push_back({std::string(field.key), "", "section", required ? "required" : "optional", std::string(field.help)});
+    tables.front().rows.push_back(make_row(std::string(field.key), field, "section", section_presence(field)));
   }
 };
 
@@ -137,7 +143,8 @@ effects:                             # physics beside the nominal model, by name
   coulomb_friction: {force_N: 3.0}
 )";
 
-constexpr const char* rules = R"(One YAML file describes a rig and what to do with it. Numbers are SI and keys carry their unit. An unknown or missing
+constexpr const char* rules =
+    R"(One YAML file describes a rig and what to do with it. Numbers are SI and keys carry their unit. An unknown or missing
 key, a wrong type, a value out of range or values that contradict each other end the program with status 2 and one
 sentence `FILE:LINE: KEY: found ..., expected ...`. `--set PATH=VALUE` replaces one key (`--set line_1.length_m=5`,
 `--set effects.coulomb_friction.force_N=3`, `--set reference.components.0.1=0.5`); VALUE is YAML.
@@ -158,7 +165,8 @@ std::string config_manual() {
     if (!table.note.empty()) out += fmt::format("{}.\n\n", table.note);
     out += "| key | unit | range | default | meaning |\n|---|---|---|---|---|\n";
     for (const Row& row : table.rows)
-      out += fmt::format("| `{}` | {} | {} | {} | {} |\n", row.key, cell(row.unit), cell(row.range), cell(row.standard), cell(row.help));
+      out += fmt::format("| `{}` | {} | {} | {} | {} |\n", row.key, cell(row.unit), cell(row.range), cell(row.standard),
+                         cell(row.help));
   }
   return out;
 }
@@ -173,9 +181,11 @@ std::string config_manual_text() {
     }
     std::string title = table.title;
     std::erase(title, '`');
-    out += fmt::format("{}{}{}\n", out.empty() ? "" : "\n", title, table.note.empty() ? "" : fmt::format(": {}", table.note));
+    if (!out.empty()) out += "\n";
+    out += table.note.empty() ? fmt::format("{}\n", title) : fmt::format("{}: {}\n", title, table.note);
     for (const Row& row : table.rows)
-      out += fmt::format("  {:<{}}  {:<{}}  {:<{}}  {:<{}}  {}\n", row.key, key, row.unit, unit, row.range, range, row.standard, standard, row.help);
+      out += fmt::format("  {:<{}}  {:<{}}  {:<{}}  {:<{}}  {}\n", row.key, key, row.unit, unit, row.range, range,
+                         row.standard, standard, row.help);
   }
   return out;
 }

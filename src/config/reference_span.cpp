@@ -71,7 +71,8 @@ double cruise_m(const ReferenceSpec& r, double t) {
   // The speed is the difference of two steps, one at the start and one at way_s.
   const auto travelled = [&](double time) {
     if (time <= 0.0) return 0.0;
-    return r.ramp_s * smoothstep_integral(std::min(time / r.ramp_s, 1.0), r.smoothness) + std::max(time - r.ramp_s, 0.0);
+    const double in_ramp = smoothstep_integral(std::min(time / r.ramp_s, 1.0), r.smoothness);
+    return r.ramp_s * in_ramp + std::max(time - r.ramp_s, 0.0);
   };
   return r.start_m + std::copysign(r.speed_mps * (travelled(since) - travelled(since - way_s)), r.end_m - r.start_m);
 }

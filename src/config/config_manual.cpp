@@ -27,7 +27,9 @@ struct Table {
 Row make_row(const std::string& key, const Field& field, const std::string& range, const std::string& standard) {
   return {key, std::string(field.unit), range, standard, std::string(field.help)};
 }
-std::string section_presence(const Field& field) { return field.presence == Presence::required ? "required" : "optional"; }
+std::string section_presence(const Field& field) {
+  return field.presence == Presence::required ? "required" : "optional";
+}
 
 /// Default of an optional key as the struct has it.
 template <class T> std::string standard_text(const Field& field, const T& value) {
@@ -124,7 +126,13 @@ supply:   {pressure_Pa: 700000}      # pressures are absolute
 valve:    {command_max_V: 5.0, area_per_volt_m2_per_V: 2.6e-6, area_max_m2: 1.3e-5, critical_pressure_ratio: 0.35}
 line_1:   {length_m: 10.0, diameter_m: 0.00765}    # valve port 1 to chamber 1
 line_2:   {length_m: 10.0, diameter_m: 0.00765}
-cylinder: {stroke_m: 0.300, area_1_m2: 1.257e-3, area_2_m2: 1.056e-3, dead_volume_1_m3: 2.0e-5, dead_volume_2_m3: 2.0e-5, wall_heat_W_per_m2K: 50.0}
+cylinder:
+  stroke_m: 0.300                    # x = 0 is mid-stroke
+  area_1_m2: 1.257e-3
+  area_2_m2: 1.056e-3
+  dead_volume_1_m3: 2.0e-5
+  dead_volume_2_m3: 2.0e-5
+  wall_heat_W_per_m2K: 50.0
 slider:   {mass_kg: 2.0, viscous_friction_Ns_per_m: 60.0}
 sensors:
   position:      {quantum_m: 5.0e-6}
@@ -144,8 +152,8 @@ effects:                             # physics beside the nominal model, by name
 )";
 
 constexpr const char* rules =
-    R"(One YAML file describes a rig and what to do with it. Numbers are SI and keys carry their unit. An unknown or missing
-key, a wrong type, a value out of range or values that contradict each other end the program with status 2 and one
+    R"(One YAML file describes a rig and what to do with it. Numbers are SI and keys carry their unit. An unknown or
+missing key, a wrong type, a value out of range or values that contradict each other end the program with status 2 and one
 sentence `FILE:LINE: KEY: found ..., expected ...`. `--set PATH=VALUE` replaces one key (`--set line_1.length_m=5`,
 `--set effects.coulomb_friction.force_N=3`, `--set reference.components.0.1=0.5`); VALUE is YAML.
 

@@ -25,13 +25,13 @@ std::string yaml_text(std::string_view text) {
   const bool is_null = text == "null" || text == "Null" || text == "NULL";
   const bool plain_start = !text.empty() && (is_letter(text.front()) || text.front() == '/');
   if (plain_start && std::all_of(text.begin(), text.end(), is_plain) && !is_null) return std::string(text);
-  std::string quoted = "\"";
+  std::string quoted;
   for (const char c : text) {
     if (c == '"' || c == '\\') quoted += fmt::format("\\{}", c);
     else if (static_cast<unsigned char>(c) < 0x20) quoted += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
     else quoted += c;
   }
-  return quoted + "\"";
+  return fmt::format("\"{}\"", quoted);
 }
 
 }  // namespace pneuservo

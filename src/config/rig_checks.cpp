@@ -100,7 +100,8 @@ void check_initial(const Rig& rig, const Check& check) {
                  fmt::format("at most +-half of cylinder.stroke_m ({})", number_text(half_stroke)));
   const std::string limit = fmt::format("at most supply.pressure_Pa ({})", number_text(supply));
   const double pressure_1 = rig.initial.pressure_1_Pa, balancing = balancing_pressure_2_Pa(rig, pressure_1);
-  if (pressure_1 > supply) check.refuse("initial.pressure_1_Pa", {"supply.pressure_Pa"}, number_text(pressure_1), limit);
+  if (pressure_1 > supply)
+    check.refuse("initial.pressure_1_Pa", {"supply.pressure_Pa"}, number_text(pressure_1), limit);
   if (rig.initial.pressure_2_Pa.value_or(0.0) > supply)
     check.refuse("initial.pressure_2_Pa", {"supply.pressure_Pa"}, number_text(*rig.initial.pressure_2_Pa), limit);
   if (!rig.initial.pressure_2_Pa && !(balancing > 0.0 && balancing <= supply))

@@ -85,7 +85,7 @@ TEST_CASE("effects go to the axis and to the sensors") {
   CHECK(rig.sensor_effects[1].sensor_gain.gain == 1.0);
 }
 
-TEST_CASE("--set replaces, adds and goes into lists") {
+TEST_CASE("an override (--set) replaces, adds and goes into lists") {
   const Rig rig = parse_rig(plain, "rig.yaml",
                             {"controller.pressure_source=valve", "line_1.length_m=5", "reference.frequency_Hz=0.5",
                              "effects.coulomb_friction.force_N=3", "tolerances.slider.mass_kg=0.05", "seed=18446744073709551615",

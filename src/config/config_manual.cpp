@@ -24,6 +24,13 @@ struct Table {
   std::vector<Row> rows;
 };
 
+Row make_row(const std::string& key, const Field& field, const std::string& range, const std::string& standard) {
+  return {key, std::string(field.unit), range, standard, std::string(field.help)};
+}
+std::string section_presence(const Field& field) {
+  return field.presence == Presence::required ? "required" : "optional";
+}
+
 /// Default of an optional key as the struct has it.
 template <class T> std::string standard_text(const Field& field, const T& value) {
   if (field.presence == Presence::required) return "required";
@@ -40,15 +47,15 @@ struct RowCollector {
   template <class T> void operator()(const Field& field, const T& value) const {
     const std::string key = prefix + std::string(field.key);
     if constexpr (ParameterSection<T>) {
-      rows.push_back({key, "", "section", field.presence == Presence::required ? "required" : "absent", std::string(field.help)});
+      rows.push_back(make_row(key, field, "section", section_presence(field)));
       T::visit(RowCollector{rows, key + "."}, value);
     } else {
-      rows.push_back({key, std::string(field.unit), accepted_text(field, value), standard_text(field, value), std::string(field.help)});
+      rows.push_back(make_row(key, field, accepted_text(field, value), standard_text(field, value)));
     }
   }
   template <class T> void operator()(const Field& field, const std::optional<T>&) const {
     if constexpr (ParameterSection<T>) (*this)(field, T{});
-    else rows.push_back({prefix + std::string(field.key), std::string(field.unit), range_text(field), "not stated", std::string(field.help)});
+    else rows.push_back(make_row(prefix + std::string(field.key), field, range_text(field), "not stated"));
   }
 };
 
@@ -60,7 +67,9 @@ struct TableCollector {
     else if constexpr (std::is_same_v<T, ReferenceSpec>) add_references(field);
     else RowCollector{tables.front().rows, ""}(field, value);
   }
-  template <ParameterSection T> void operator()(const Field& field, const std::optional<T>&) const { add_section(field, T{}); }
+  template <ParameterSection T> void operator()(const Field& field, const std::optional<T>&) const {
+    add_section(field, T{});
+  }
 
  private:
   template <class T> void add_section(const Field& field, const T& section) const {
@@ -92,8 +101,7 @@ struct TableCollector {
     }
   }
   void add_top_row(const Field& field) const {
-    const bool required = field.presence == Presence::required;
-    tables.front().rows.push_back({std::string(field.key), "", "section", required ? "required" : "optional", std::string(field.help)});
+    tables.front().rows.push_back(make_row(std::string(field.key), field, "section", section_presence(field)));
   }
 };
 
@@ -118,7 +126,13 @@ supply:   {pressure_Pa: 700000}      # pressures are absolute
 valve:    {command_max_V: 5.0, area_per_volt_m2_per_V: 2.6e-6, area_max_m2: 1.3e-5, critical_pressure_ratio: 0.35}
 line_1:   {length_m: 10.0, diameter_m: 0.00765}    # valve port 1 to chamber 1
 line_2:   {length_m: 10.0, diameter_m: 0.00765}
-cylinder: {stroke_m: 0.300, area_1_m2: 1.257e-3, area_2_m2: 1.056e-3, dead_volume_1_m3: 2.0e-5, dead_volume_2_m3: 2.0e-5, wall_heat_W_per_m2K: 50.0}
+cylinder:
+  stroke_m: 0.300                    # x = 0 is mid-stroke
+  area_1_m2: 1.257e-3
+  area_2_m2: 1.056e-3
+  dead_volume_1_m3: 2.0e-5
+  dead_volume_2_m3: 2.0e-5
+  wall_heat_W_per_m2K: 50.0
 slider:   {mass_kg: 2.0, viscous_friction_Ns_per_m: 60.0}
 sensors:
   position:      {quantum_m: 5.0e-6}
@@ -137,8 +151,9 @@ effects:                             # physics beside the nominal model, by name
   coulomb_friction: {force_N: 3.0}
 )";
 
-constexpr const char* rules = R"(One YAML file describes a rig and what to do with it. Numbers are SI and keys carry their unit. An unknown or missing
-key, a wrong type, a value out of range or values that contradict each other end the program with status 2 and one
+constexpr const char* rules =
+    R"(One YAML file describes a rig and what to do with it. Numbers are SI and keys carry their unit. An unknown or
+missing key, a wrong type, a value out of range or values that contradict each other end the program with status 2 and one
 sentence `FILE:LINE: KEY: found ..., expected ...`. `--set PATH=VALUE` replaces one key (`--set line_1.length_m=5`,
 `--set effects.coulomb_friction.force_N=3`, `--set reference.components.0.1=0.5`); VALUE is YAML.
 
@@ -158,7 +173,8 @@ std::string config_manual() {
     if (!table.note.empty()) out += fmt::format("{}.\n\n", table.note);
     out += "| key | unit | range | default | meaning |\n|---|---|---|---|---|\n";
     for (const Row& row : table.rows)
-      out += fmt::format("| `{}` | {} | {} | {} | {} |\n", row.key, cell(row.unit), cell(row.range), cell(row.standard), cell(row.help));
+      out += fmt::format("| `{}` | {} | {} | {} | {} |\n", row.key, cell(row.unit), cell(row.range), cell(row.standard),
+                         cell(row.help));
   }
   return out;
 }
@@ -173,9 +189,11 @@ std::string config_manual_text() {
     }
     std::string title = table.title;
     std::erase(title, '`');
-    out += fmt::format("{}{}{}\n", out.empty() ? "" : "\n", title, table.note.empty() ? "" : fmt::format(": {}", table.note));
+    if (!out.empty()) out += "\n";
+    out += table.note.empty() ? fmt::format("{}\n", title) : fmt::format("{}: {}\n", title, table.note);
     for (const Row& row : table.rows)
-      out += fmt::format("  {:<{}}  {:<{}}  {:<{}}  {:<{}}  {}\n", row.key, key, row.unit, unit, row.range, range, row.standard, standard, row.help);
+      out += fmt::format("  {:<{}}  {:<{}}  {:<{}}  {:<{}}  {}\n", row.key, key, row.unit, unit, row.range, range,
+                         row.standard, standard, row.help);
   }
   return out;
 }

@@ -28,8 +28,8 @@ struct ConfigNode::Entry {
   ConfigNode value;
 };
 
-/// Parses one YAML document. Throws InputError naming file and line: text that is not YAML, an empty or second document,
-/// a key that stands twice, nesting or aliases beyond all reason.
+/// Parses one YAML document. Throws InputError naming file and line: text that is not YAML, an empty or second
+/// document, a key that stands twice, nesting or aliases beyond all reason.
 ConfigNode parse_config_tree(const std::string& yaml_text, const std::string& source_name);
 
 /// Applies one `PATH=VALUE`; VALUE is YAML. Maps on the way are created, list items are named by their index from 0.

@@ -66,7 +66,9 @@ class SectionWriter {
   }
 
  private:
-  void unstated(const Field& field) const { write(fmt::format("# {}: not stated", field.key), comment_text(field, range_text(field))); }
+  void unstated(const Field& field) const {
+    write(fmt::format("# {}: not stated", field.key), comment_text(field, range_text(field)));
+  }
   void item(const std::string& text) const { write("  - " + text, ""); }
   void write(const std::string& text, const std::string& comment) const {
     const std::string indented = std::string(static_cast<std::size_t>(indent_), ' ') + text;

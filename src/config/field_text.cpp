@@ -19,17 +19,19 @@ std::string range_text(const Field& field) {
 
 std::string yaml_text(std::string_view text) {
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
-  const auto is_plain = [&](char c) { return is_letter(c) || (c >= '0' && c <= '9') || std::string_view("_-./").find(c) != std::string_view::npos; };
+  const auto is_plain = [&](char c) {
+    return is_letter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.' || c == '/';
+  };
   const bool is_null = text == "null" || text == "Null" || text == "NULL";
-  if (!text.empty() && (is_letter(text.front()) || text.front() == '/') && std::all_of(text.begin(), text.end(), is_plain) && !is_null)
-    return std::string(text);
-  std::string quoted = "\"";
+  const bool plain_start = !text.empty() && (is_letter(text.front()) || text.front() == '/');
+  if (plain_start && std::all_of(text.begin(), text.end(), is_plain) && !is_null) return std::string(text);
+  std::string quoted;
   for (const char c : text) {
     if (c == '"' || c == '\\') quoted += fmt::format("\\{}", c);
     else if (static_cast<unsigned char>(c) < 0x20) quoted += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
     else quoted += c;
   }
-  return quoted + "\"";
+  return fmt::format("\"{}\"", quoted);
 }
 
 }  // namespace pneuservo

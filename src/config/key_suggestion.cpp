@@ -26,7 +26,8 @@ int edit_distance(std::string_view a, std::string_view b) {
 std::vector<std::string> near_names(std::string_view wrong, const std::vector<std::string>& known) {
   std::vector<std::pair<int, std::string>> near;
   for (const std::string& name : known) {
-    const bool part = wrong.size() >= 4 && (name.find(wrong) != std::string::npos || wrong.find(name) != std::string::npos);
+    const bool contained = name.find(wrong) != std::string::npos || wrong.find(name) != std::string::npos;
+    const bool part = wrong.size() >= 4 && contained;
     const int distance = edit_distance(wrong, name);
     const int reach = std::max(1, static_cast<int>(std::max(wrong.size(), name.size())) / 3);
     if (distance <= reach || part) near.emplace_back(distance, name);
@@ -75,7 +76,8 @@ std::string expected_keys(std::string_view wrong, std::span<const Field> fields)
   if (other == nullptr) return expected_names(wrong, known);
   // A slip of one letter is likelier meant as another key than as another unit (pressure_1_Pa, pressure_2_Pa).
   for (const std::string& name : near_names(wrong, known))
-    if (name != other->key && edit_distance(wrong, name) < edit_distance(wrong, other->key)) return expected_names(wrong, known);
+    if (name != other->key && edit_distance(wrong, name) < edit_distance(wrong, other->key))
+      return expected_names(wrong, known);
   return fmt::format("the key {} (in {})", other->key, other->unit);
 }
 

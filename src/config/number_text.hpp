@@ -6,7 +6,7 @@
 
 namespace pneuservo {
 
-/// A whole decimal number ("-1.8e-5", "101325", ".inf", ".nan"); empty where the text is anything else or beyond double.
+/// A decimal number ("-1.8e-5", "101325", ".inf", ".nan"); empty where the text is anything else or beyond double.
 std::optional<double> number_from_text(std::string_view text);
 
 /// Shortest text that reads back to the same bits; infinity is ".inf" and not-a-number ".nan", as in YAML.

@@ -25,10 +25,10 @@ std::string read_text(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(file, ignored)) refuse(name, "(file)", "a folder", expected_file);
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
-  if (!stream)
-    refuse(name, "(file)", errno == ENOENT ? "no such file" : fmt::format("an unreadable file ({})", std::strerror(errno)), expected_file);
+  const auto unreadable = [] { return fmt::format("an unreadable file ({})", std::strerror(errno)); };
+  if (!stream) refuse(name, "(file)", errno == ENOENT ? "no such file" : unreadable(), expected_file);
   std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (stream.bad()) refuse(name, "(file)", fmt::format("an unreadable file ({})", std::strerror(errno)), expected_file);
+  if (stream.bad()) refuse(name, "(file)", unreadable(), expected_file);
   if (text.starts_with("\x1f\x8b")) refuse(name + ":1", "(file)", "compressed data", expected_file);
   return text;
 }
@@ -56,8 +56,8 @@ void anchor_paths(ReferenceSpec& reference, const ConfigNode& node, const std::f
     anchor_paths(reference.parts[i], parts->value.items[i], folder);
 }
 
-Rig rig_from_text(const std::string& yaml_text, const std::string& source_name, const std::vector<std::string>& overrides,
-                  const std::optional<std::filesystem::path>& anchor) {
+Rig rig_from_text(const std::string& yaml_text, const std::string& source_name,
+                  const std::vector<std::string>& overrides, const std::optional<std::filesystem::path>& anchor) {
   ConfigNode root = parse_config_tree(yaml_text, source_name);
   require_map(root, "");
   for (const std::string& override_text : overrides) apply_override(root, override_text);

@@ -15,7 +15,8 @@ namespace pneuservo {
 Rig read_rig(const std::filesystem::path& file, const std::vector<std::string>& overrides = {});
 
 /// The same from text; `source_name` stands for the file in messages.
-Rig parse_rig(const std::string& yaml_text, const std::string& source_name, const std::vector<std::string>& overrides = {});
+Rig parse_rig(const std::string& yaml_text, const std::string& source_name,
+              const std::vector<std::string>& overrides = {});
 
 /// A reference alone, as a recording's header states it.
 ReferenceSpec parse_reference(const std::string& yaml_text, const std::string& source_name);

@@ -17,14 +17,16 @@ inline constexpr std::array<int, 5> reference_degrees{3, 5, 7, 9, 11};
 /// A kind's own default of `smoothness`.
 constexpr int default_smoothness(ReferenceKind kind) { return kind == ReferenceKind::cruise ? 9 : 5; }
 
-/// Visits the keys that references of `kind` have. An optional number below its range is not stated (ramp_s: one period).
+/// Visits the keys that references of `kind` have. An optional number below its range is not stated (ramp_s: one
+/// period).
 template <class V, class... P> void visit_reference(ReferenceKind kind, V&& v, P&... p) {
   constexpr auto required = Presence::required, optional = Presence::optional;
   const Field center{"center_m", "m", -10, 10, "mean position", optional};
   const Field start{"start_s", "s", 0, 1e6, "before it the reference rests at its first value", optional};
-  const Field ramp{"ramp_s", "s", 0, 1e6, "length of the smooth ramp; default: one period (of the slowest component)", optional};
+  const Field ramp{"ramp_s", "s", 0, 1e6, "smooth ramp; default: one period (of the slowest component)", optional};
   const Field degree{"smoothness", "-", 3, 11, "degree of the polynomial: 3, 5, 7, 9 or 11", optional};
-  const Field from{"start_m", "m", -10, 10, "position before the move"}, to{"end_m", "m", -10, 10, "position after the move"};
+  const Field from{"start_m", "m", -10, 10, "position before the move"};
+  const Field to{"end_m", "m", -10, 10, "position after the move"};
   v(Field{"kind", "", 0, 0, "kind of reference", required, reference_kind_names}, p.kind...);
   switch (kind) {
     case ReferenceKind::sine:
@@ -33,7 +35,8 @@ template <class V, class... P> void visit_reference(ReferenceKind kind, V&& v, P
       v(center, p.center_m...), v(start, p.start_s...), v(ramp, p.ramp_s...), v(degree, p.smoothness...);
       break;
     case ReferenceKind::multisine:
-      v(Field{"components", "", 0, 0, "list of [amplitude_m, frequency_Hz, phase_rad], their sum under one ramp"}, p.components...);
+      v(Field{"components", "", 0, 0, "list of [amplitude_m, frequency_Hz, phase_rad], summed under one ramp"},
+        p.components...);
       v(center, p.center_m...), v(start, p.start_s...), v(ramp, p.ramp_s...), v(degree, p.smoothness...);
       break;
     case ReferenceKind::waypoints:
@@ -53,7 +56,9 @@ template <class V, class... P> void visit_reference(ReferenceKind kind, V&& v, P
       v(Field{"duration_s", "s", 1e-6, 1e6, "length of the move"}, p.duration_s...);
       v(start, p.start_s...);
       break;
-    case ReferenceKind::file: v(Field{"path", "", 0, 0, "recording or table of positions, from the config's folder"}, p.path...); break;
+    case ReferenceKind::file:
+      v(Field{"path", "", 0, 0, "recording with the columns t_s and x_ref_m, from the config's folder"}, p.path...);
+      break;
   }
 }
 

@@ -47,8 +47,8 @@ double slowest_period_s(const ReferenceSpec& r) {
 double ramp_s(const ReferenceSpec& r) { return r.ramp_s < 0.0 ? slowest_period_s(r) : r.ramp_s; }
 
 double wave_m(const ReferenceSpec& r, double t) {
-  if (t < r.start_s) return r.center_m;
-  const double since = t - r.start_s, ramp = ramp_s(r);
+  // Before its start it rests at its first value: the centre, or without a ramp where the phases put it.
+  const double since = std::max(t - r.start_s, 0.0), ramp = ramp_s(r);
   double wave = 0.0;
   if (r.kind == ReferenceKind::sine) wave = r.amplitude_m * std::sin(2.0 * std::numbers::pi * r.frequency_Hz * since);
   for (const auto& [amplitude, frequency, phase] : r.components)
@@ -71,7 +71,8 @@ double cruise_m(const ReferenceSpec& r, double t) {
   // The speed is the difference of two steps, one at the start and one at way_s.
   const auto travelled = [&](double time) {
     if (time <= 0.0) return 0.0;
-    return r.ramp_s * smoothstep_integral(std::min(time / r.ramp_s, 1.0), r.smoothness) + std::max(time - r.ramp_s, 0.0);
+    const double in_ramp = smoothstep_integral(std::min(time / r.ramp_s, 1.0), r.smoothness);
+    return r.ramp_s * in_ramp + std::max(time - r.ramp_s, 0.0);
   };
   return r.start_m + std::copysign(r.speed_mps * (travelled(since) - travelled(since - way_s)), r.end_m - r.start_m);
 }

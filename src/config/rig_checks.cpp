@@ -45,8 +45,10 @@ struct Check {
   [[noreturn]] void refuse(const std::string& path, const std::vector<std::string>& others, const std::string& found,
                            const std::string& expected) const {
     std::string origin = origin_of(root, path);
-    for (const std::string& other : others)
-      if (const std::string from = origin_of(root, other); from.starts_with("--set") && !origin.starts_with("--set")) origin = from;
+    for (const std::string& other : others) {
+      const std::string from = origin_of(root, other);
+      if (from.starts_with("--set") && !origin.starts_with("--set")) origin = from;
+    }
     pneuservo::refuse(origin, path, found, expected);
   }
 };
@@ -68,7 +70,8 @@ void check_lines(const Rig& rig, const Check& check) {
 }
 
 void check_controller(const Rig& rig, const Check& check) {
-  if (rig.controller.pressure_source == PressureSource::chamber && !is_stated(check.root, "sensors", "chamber_pressure"))
+  const bool has_sensors = is_stated(check.root, "sensors", "chamber_pressure");
+  if (rig.controller.pressure_source == PressureSource::chamber && !has_sensors)
     check.refuse("controller.pressure_source", {}, "'chamber' without sensors.chamber_pressure",
                  "valve or estimated, or the section sensors.chamber_pressure");
   const double command_max = rig.axis.valve.command_max_V;
@@ -79,7 +82,8 @@ void check_controller(const Rig& rig, const Check& check) {
 
 void check_times(const Rig& rig, const Check& check) {
   if (rig.duration_s < rig.period_s)
-    check.refuse("duration_s", {"period_s"}, number_text(rig.duration_s), fmt::format("at least period_s ({})", number_text(rig.period_s)));
+    check.refuse("duration_s", {"period_s"}, number_text(rig.duration_s),
+                 fmt::format("at least period_s ({})", number_text(rig.period_s)));
   if (!rig.evaluation) return;
   if (!(rig.evaluation->from_s < rig.evaluation->to_s))
     check.refuse("evaluation.from_s", {"evaluation.to_s"}, number_text(rig.evaluation->from_s),
@@ -95,13 +99,14 @@ void check_initial(const Rig& rig, const Check& check) {
     check.refuse("initial.position_m", {"cylinder.stroke_m"}, number_text(rig.initial.position_m),
                  fmt::format("at most +-half of cylinder.stroke_m ({})", number_text(half_stroke)));
   const std::string limit = fmt::format("at most supply.pressure_Pa ({})", number_text(supply));
-  if (rig.initial.pressure_1_Pa > supply) check.refuse("initial.pressure_1_Pa", {"supply.pressure_Pa"}, number_text(rig.initial.pressure_1_Pa), limit);
-  const double balancing = balancing_pressure_2_Pa(rig, rig.initial.pressure_1_Pa);
+  const double pressure_1 = rig.initial.pressure_1_Pa, balancing = balancing_pressure_2_Pa(rig, pressure_1);
+  if (pressure_1 > supply)
+    check.refuse("initial.pressure_1_Pa", {"supply.pressure_Pa"}, number_text(pressure_1), limit);
   if (rig.initial.pressure_2_Pa.value_or(0.0) > supply)
     check.refuse("initial.pressure_2_Pa", {"supply.pressure_Pa"}, number_text(*rig.initial.pressure_2_Pa), limit);
   if (!rig.initial.pressure_2_Pa && !(balancing > 0.0 && balancing <= supply))
     check.refuse("initial.pressure_1_Pa", {"supply.pressure_Pa", "cylinder"},
-                 fmt::format("{}, which {:.6g} Pa in chamber 2 would balance", number_text(rig.initial.pressure_1_Pa), balancing),
+                 fmt::format("{}, which {:.6g} Pa in chamber 2 would balance", number_text(pressure_1), balancing),
                  fmt::format("a pressure whose balance lies between 0 and supply.pressure_Pa ({}), or pressure_2_Pa",
                              number_text(supply)));
 }
@@ -126,7 +131,8 @@ void check_reference_range(const Rig& rig, const Check& check) {
   }
   // Within rounding of the end stop is at the end stop.
   if (std::fabs(worst_m) > half_stroke * (1.0 + 1e-12))
-    check.refuse("reference", {"cylinder.stroke_m", "duration_s", "reference.amplitude_m", "reference.center_m"}, fmt::format("the position {:.6g} m at {:.6g} s", worst_m, worst_s),
+    check.refuse("reference", {"cylinder.stroke_m", "duration_s", "reference.amplitude_m", "reference.center_m"},
+                 fmt::format("the position {:.6g} m at {:.6g} s", worst_m, worst_s),
                  fmt::format("positions within +-half of cylinder.stroke_m ({} m)", number_text(half_stroke)));
 }
 
@@ -137,8 +143,9 @@ void check_tolerances(const Rig& rig, const Check& check) {
     for (const ParameterPath& parameter : parameter_paths(rig)) known.push_back(parameter.path);
     const std::vector<std::string> near = near_names(path, known);
     const ConfigNode& section = check.root.find("tolerances")->value;
+    const std::string known_near = fmt::format("a known path (did you mean {}?)", fmt::join(near, ", "));
     refuse(section.find(path)->origin, join_path("tolerances", path), "a path that names no number of this rig",
-           near.empty() ? "a path such as slider.mass_kg" : fmt::format("a known path (did you mean {}?)", fmt::join(near, ", ")));
+           near.empty() ? "a path such as slider.mass_kg" : known_near);
   }
 }
 
@@ -167,7 +174,8 @@ void check_reference_keys(const ReferenceSpec& reference, const ConfigNode& node
              fmt::format("at most |end_m - start_m| / speed_mps ({:.6g} s), or the speed is never reached", way_s));
   }
   if (reference.kind == ReferenceKind::file && !std::filesystem::exists(reference.path))
-    refuse(key_origin("path"), join_path(path, "path"), fmt::format("no such file ({})", reference.path), "a file of positions");
+    refuse(key_origin("path"), join_path(path, "path"), fmt::format("no such file ({})", reference.path),
+           "a file of positions");
   const ConfigNode::Entry* parts = node.find("parts");
   for (std::size_t i = 0; parts != nullptr && i < reference.parts.size(); ++i)
     check_reference_keys(reference.parts[i], parts->value.items[i], fmt::format("{}.parts.{}", path, i));
@@ -177,15 +185,16 @@ void complete_rig(Rig& rig, const ConfigNode& root) {
   check_reference_keys(rig.reference, root.find("reference")->value, "reference");
   if (root.find("duration_s") == nullptr) {
     const double end = reference_end_s(rig.reference);
-    if (std::isnan(end)) refuse(root.origin, "duration_s", "nothing", "the key: a reference from a file does not tell its end");
+    if (std::isnan(end))
+      refuse(root.origin, "duration_s", "nothing", "the key: a reference from a file does not tell its end");
     rig.duration_s = is_periodic(rig.reference) ? end : end + 1.0;
   }
   if (!is_stated(root, "initial", "pressure_1_Pa")) {
     const double supply = rig.axis.supply.pressure_Pa, atmosphere = rig.axis.air.atmosphere_Pa;
     const double usual = rig.initial.pressure_1_Pa;
+    const double area_ratio = rig.axis.cylinder.area_2_m2 / rig.axis.cylinder.area_1_m2;
     if (std::max(usual, balancing_pressure_2_Pa(rig, usual)) > supply)
-      rig.initial.pressure_1_Pa =
-          atmosphere + 0.6 * std::min(1.0, rig.axis.cylinder.area_2_m2 / rig.axis.cylinder.area_1_m2) * (supply - atmosphere);
+      rig.initial.pressure_1_Pa = atmosphere + 0.6 * std::min(1.0, area_ratio) * (supply - atmosphere);
   }
 }
 

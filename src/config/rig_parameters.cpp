@@ -1,4 +1,4 @@
-// All numbers of a rig by their config path ("line_1.length_m", "effects.sensor_offset:x.offset"), from the same fields.
+// All numbers of a rig by their config path (line_1.length_m, effects.sensor_offset:x.offset), from the same fields.
 #include "config/rig_parameters.hpp"
 
 #include <fmt/format.h>
@@ -19,7 +19,8 @@ template <class Visit> struct NumberWalker {
   template <class T> void operator()(const Field& field, T& value) const {
     using Plain = std::remove_const_t<T>;
     const auto path = [&] { return join_path(prefix, field.key); };
-    if constexpr (std::is_same_v<Plain, double> || std::is_same_v<Plain, std::optional<double>>) visit(path(), field, value);
+    constexpr bool is_number = std::is_same_v<Plain, double> || std::is_same_v<Plain, std::optional<double>>;
+    if constexpr (is_number) visit(path(), field, value);
     else if constexpr (std::is_same_v<Plain, ReferenceSpec>) walk_reference(path(), value);
     else if constexpr (ParameterSection<Plain>) Plain::visit(NumberWalker{visit, path()}, value);
   }
@@ -32,7 +33,8 @@ template <class Visit> struct NumberWalker {
   template <class Reference> void walk_reference(const std::string& path, Reference& reference) const {
     const NumberWalker below{visit, path};
     visit_reference(reference.kind, below, reference);
-    for (std::size_t i = 0; i < reference.parts.size(); ++i) walk_reference(fmt::format("{}.parts.{}", path, i), reference.parts[i]);
+    for (std::size_t i = 0; i < reference.parts.size(); ++i)
+      walk_reference(fmt::format("{}.parts.{}", path, i), reference.parts[i]);
   }
 };
 
@@ -46,7 +48,8 @@ template <class RigType, class Visit> void walk_numbers(RigType& rig, const Visi
           SensorEffects<double>::visit(
               [&](const Field& effect, auto& parameters) {
                 using Effect = std::remove_cvref_t<decltype(parameters)>;
-                Effect::visit(NumberWalker<Visit>{visit, fmt::format("effects.{}:{}", effect.key, channel_names[i])}, parameters);
+                const std::string path = fmt::format("effects.{}:{}", effect.key, channel_names[i]);
+                Effect::visit(NumberWalker<Visit>{visit, path}, parameters);
               },
               rig.sensor_effects[i]);
       },

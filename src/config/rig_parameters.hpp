@@ -1,4 +1,4 @@
-// All numbers of a rig by their config path ("line_1.length_m", "effects.sensor_offset:x.offset"), from the same fields.
+// All numbers of a rig by their config path (line_1.length_m, effects.sensor_offset:x.offset), from the same fields.
 #pragma once
 #include <string>
 #include <string_view>
@@ -15,7 +15,7 @@ struct ParameterPath {
   double value;
 };
 
-/// Every number that the rig has, in the order of the config; all effects are there, neutral where the config is silent.
+/// Every number that the rig has, in the order of the config; all effects are there, neutral where it is silent.
 /// Numbers that are optional and not stated (initial.pressure_2_Pa) are left out.
 std::vector<ParameterPath> parameter_paths(const Rig& rig);
 

@@ -20,7 +20,8 @@ std::string expected_list(const Field& field, std::string_view of) {
   return fmt::format("a list of {}{}", of, field.unit.empty() ? "" : fmt::format(" in {}", field.unit));
 }
 
-const ConfigNode& require_list(const Field& field, const ConfigNode& node, const std::string& path, std::string_view of) {
+const ConfigNode& require_list(const Field& field, const ConfigNode& node, const std::string& path,
+                               std::string_view of) {
   if (node.type != Type::list || node.items.empty()) {
     const std::string found = node.type == Type::list ? "an empty list" : describe(node);
     refuse(node.origin, path, found, expected_list(field, of));
@@ -122,7 +123,8 @@ void read_value(const Field& field, const ConfigNode& node, const std::string& p
   }
 }
 
-void read_value(const Field& field, const ConfigNode& node, const std::string& path, std::vector<ReferenceSpec>& parts) {
+void read_value(const Field& field, const ConfigNode& node, const std::string& path,
+                std::vector<ReferenceSpec>& parts) {
   parts.clear();
   for (const ConfigNode& item : require_list(field, node, path, "references").items) {
     ReferenceSpec part;
@@ -131,7 +133,8 @@ void read_value(const Field& field, const ConfigNode& node, const std::string& p
   }
 }
 
-void read_value(const Field& field, const ConfigNode& node, const std::string& path, std::map<std::string, double>& values) {
+void read_value(const Field& field, const ConfigNode& node, const std::string& path,
+                std::map<std::string, double>& values) {
   require_map(node, path);
   for (const ConfigNode::Entry& entry : node.entries)
     read_value(field, entry.value, join_path(path, entry.key), values[entry.key]);

@@ -17,8 +17,6 @@
 
 namespace pneuservo {
 
-struct Rig;
-
 /// Takes whatever a visit offers.
 struct IgnoreFields {
   template <class... T> void operator()(const Field&, T&...) const {}
@@ -56,9 +54,11 @@ void read_value(const Field& field, const ConfigNode& node, const std::string& p
 void read_value(const Field& field, const ConfigNode& node, const std::string& path, int& degree);
 void read_value(const Field& field, const ConfigNode& node, const std::string& path, std::string& value);
 void read_value(const Field& field, const ConfigNode& node, const std::string& path, std::vector<double>& values);
-void read_value(const Field& field, const ConfigNode& node, const std::string& path, std::vector<std::array<double, 3>>& values);
+void read_value(const Field& field, const ConfigNode& node, const std::string& path,
+                std::vector<std::array<double, 3>>& values);
 void read_value(const Field& field, const ConfigNode& node, const std::string& path, std::vector<ReferenceSpec>& parts);
-void read_value(const Field& field, const ConfigNode& node, const std::string& path, std::map<std::string, double>& values);
+void read_value(const Field& field, const ConfigNode& node, const std::string& path,
+                std::map<std::string, double>& values);
 void read_value(const Field& field, const ConfigNode& node, const std::string& path, ReferenceSpec& reference);
 
 /// Index of a choice among the field's names.
@@ -72,15 +72,19 @@ void read_value(const Field& field, const ConfigNode& node, const std::string& p
   read_value(field, node, path, value.emplace());
 }
 
+/// Refuses what is not a map.
 void require_map(const ConfigNode& node, const std::string& path);
 /// Refuses the first key that no field has.
 void require_known_keys(const ConfigNode& map, const std::string& path, const std::vector<Field>& fields);
-[[noreturn]] void refuse_missing(const ConfigNode& map, const std::string& path, const Field& field, const std::string& what);
-/// What a missing key should be: "a number in m, 0.01 to 100", "a text", "a section".
+/// Refuses a map that lacks a required key; `what` says what the key should hold.
+[[noreturn]] void refuse_missing(const ConfigNode& map, const std::string& path, const Field& field,
+                                 const std::string& what);
+/// What a missing key should be: "a number in m, 0.01 to 100", "this required section".
 template <class T> std::string expected_value(const Field& field) {
   if constexpr (std::is_same_v<T, double>) return expected_number(field);
   else if constexpr (std::is_enum_v<T>) return expected_choice(field);
-  else return std::string("this required ") + (std::is_class_v<T> && !std::is_same_v<T, std::string> ? "section" : "key");
+  else if constexpr (ParameterSection<T> || std::is_same_v<T, ReferenceSpec>) return "this required section";
+  else return "this required key";
 }
 template <ParameterSection P> void read_section(const ConfigNode& node, const std::string& path, P& section);
 
@@ -95,11 +99,13 @@ struct SectionReader {
     const std::string key(field.key);
     const ConfigNode::Entry* entry = map.find(key);
     if (entry != nullptr) read_one(field, entry->value, join_path(path, key), value);
-    else if (field.presence == Presence::required && !choices_only) refuse_missing(map, path, field, expected_value<T>(field));
+    else if (field.presence == Presence::required && !choices_only)
+      refuse_missing(map, path, field, expected_value<T>(field));
   }
 
  private:
-  template <class T> static void read_one(const Field& field, const ConfigNode& node, const std::string& path, T& value) {
+  template <class T>
+  static void read_one(const Field& field, const ConfigNode& node, const std::string& path, T& value) {
     if constexpr (ParameterSection<T>) read_section(node, path, value);
     else read_value(field, node, path, value);
   }

@@ -65,6 +65,8 @@ TEST_CASE("positions of references are those of their equations") {
   CHECK(position("{kind: minimum_jerk, start_m: -0.1, end_m: 0.1, duration_s: 2, start_s: 1}", 0.5) == -0.1);
   CHECK(position("{kind: waypoints, times_s: [1, 2, 3], positions_m: [0.02, 0.05, 0.05], smoothness: 3}", 1.25) ==
         Approx(0.02 + 0.03 * (3 * 0.0625 - 2 * 0.015625)));
+  const std::string unramped = "{kind: multisine, components: [[0.01, 1, 1.5]], start_s: 0.5, ramp_s: 0}";
+  CHECK(position(unramped, 0.2) == Approx(0.01 * std::sin(1.5)));
   const std::string cruise = "{kind: cruise, start_m: 0.05, end_m: -0.05, speed_mps: 0.1, ramp_s: 0.2, start_s: 0.3}";
   CHECK(position(cruise, 0.3) == 0.05);
   CHECK(position(cruise, 0.3 + 0.2) == Approx(0.05 - 0.1 * 0.1));  // half the ramp's time at full speed
@@ -83,7 +85,7 @@ TEST_CASE("effects go to the axis and to the sensors") {
   CHECK(rig.sensor_effects[1].sensor_gain.gain == 1.0);
 }
 
-TEST_CASE("--set replaces, adds and goes into lists") {
+TEST_CASE("an override (--set) replaces, adds and goes into lists") {
   const Rig rig = parse_rig(plain, "rig.yaml",
                             {"controller.pressure_source=valve", "line_1.length_m=5", "reference.frequency_Hz=0.5",
                              "effects.coulomb_friction.force_N=3", "tolerances.slider.mass_kg=0.05", "seed=18446744073709551615",

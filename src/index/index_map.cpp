@@ -81,10 +81,10 @@ std::string iso_label(const Axes& axes, const std::vector<std::pair<double, doub
   const std::string text = level == 1.0 ? "index = 1" : fmt::format("{:g}", level);
   for (const auto& [length, diameter] : line)
     if (length >= axes.length_max_m && axes.y(diameter) < height - bottom - 14)
-      return fmt::format("<text{} x='{:.1f}' y='{:.1f}' text-anchor='end'>{}</text>", kind, width - right - 4, axes.y(diameter) + 14, text);
+      return fmt::format("<text{} x='{:.1f}' y='{:.1f}' text-anchor='end'>{}</text>", kind, width - right - 4, axes.y(diameter) + (level == 1.0 ? 24 : 15), text);
   const auto& [length, diameter] = line.back();
   if (axes.x(length) < left + 12 || length >= axes.length_max_m) return "";
-  return fmt::format("<text{} x='{:.1f}' y='{:.1f}' text-anchor='end'>{}</text>", kind, axes.x(length) - 5, axes.y(diameter) + 14, text);
+  return fmt::format("<text{} x='{:.1f}' y='{:.1f}' text-anchor='end'>{}</text>", kind, axes.x(length) - 14, axes.y(diameter) + 12, text);
 }
 }  // namespace
 

@@ -4,7 +4,7 @@
 namespace pneuservo {
 
 const std::vector<AddVerb>& all_verbs() {
-  static const std::vector<AddVerb> verbs{};
+  static const std::vector<AddVerb> verbs{add_index};
   return verbs;
 }
 

@@ -12,6 +12,8 @@ namespace pneuservo {
 /// Adds one subcommand to the program; its callback sets the exit status.
 using AddVerb = std::function<void(CLI::App&, int& status)>;
 
+void add_index(CLI::App& app, int& status);
+
 const std::vector<AddVerb>& all_verbs();
 
 }  // namespace pneuservo

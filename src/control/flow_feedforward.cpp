@@ -88,8 +88,8 @@ double feedforward_lead_s(const AxisParameters<double>& axis, double peak_speed_
     const double c_chamber = (dead_m3 + area_m2 * 0.5 * axis.cylinder.stroke_m) / (n * r_t);
     return resistance * c_line * (c_chamber / 2.0 + c_line / 3.0) / (c_line + c_chamber);
   };
-  return std::max(lead(axis.cylinder.area_1_m2, axis.cylinder.dead_volume_1_m3, axis.line_1),
-                  lead(axis.cylinder.area_2_m2, axis.cylinder.dead_volume_2_m3, axis.line_2));
+  return 0.5 * (lead(axis.cylinder.area_1_m2, axis.cylinder.dead_volume_1_m3, axis.line_1) +
+                lead(axis.cylinder.area_2_m2, axis.cylinder.dead_volume_2_m3, axis.line_2));
 }
 
 }  // namespace pneuservo

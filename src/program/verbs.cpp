@@ -3,15 +3,9 @@
 
 namespace pneuservo {
 
-void add_check(CLI::App&, int&);
-void add_keys(CLI::App&, int&);
-void add_latency(CLI::App&, int&);
-
 const std::vector<AddVerb>& all_verbs() {
   static const std::vector<AddVerb> verbs{
-      add_keys,
-      add_check,
-      add_latency,
+      add_run, add_check, add_latency, add_replay, add_simulate, add_index, add_keys,
   };
   return verbs;
 }

@@ -12,8 +12,14 @@ namespace pneuservo {
 /// Adds one subcommand to the program; its callback sets the exit status.
 using AddVerb = std::function<void(CLI::App&, int& status)>;
 
-void add_keys(CLI::App&, int& status);
-
 const std::vector<AddVerb>& all_verbs();
+
+void add_check(CLI::App& app, int& status);
+void add_index(CLI::App& app, int& status);
+void add_keys(CLI::App& app, int& status);
+void add_latency(CLI::App& app, int& status);
+void add_replay(CLI::App& app, int& status);
+void add_run(CLI::App& app, int& status);
+void add_simulate(CLI::App& app, int& status);
 
 }  // namespace pneuservo

@@ -68,7 +68,7 @@ class FlowFeedforward {
 };
 
 /// How far ahead the feedforward should look [s]: the lag of line resistance and chamber,
-/// tau = R_l C_l (C_c/2 + C_l/3)/(C_l + C_c), the larger of both sides. Peak speed of the reference [m/s], mean chamber
+/// tau = R_l C_l (C_c/2 + C_l/3)/(C_l + C_c), the mean of both sides. Peak speed of the reference [m/s], mean chamber
 /// pressure [Pa]. Cold.
 double feedforward_lead_s(const AxisParameters<double>& axis, double peak_speed_mps, double mean_pressure_Pa) noexcept;
 

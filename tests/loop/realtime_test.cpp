@@ -17,6 +17,13 @@ using namespace pneuservo;
 
 namespace {
 
+// Sanitizers turn mlockall into nothing and fault on memory of their own.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool sanitized = true;
+#else
+constexpr bool sanitized = false;
+#endif
+
 void on_other_signal(int) {}
 
 std::size_t processors_allowed() {
@@ -55,7 +62,7 @@ TEST_CASE("a session puts the scheduler, the affinity and the memory back") {
       const RealTimeSession session(settings);
       REQUIRE(session.state().cpu == settings.cpu);
       REQUIRE(processors_allowed() == 1);
-      REQUIRE(session.state().memory_locked == (locked_KiB() > 0));
+      if (!sanitized) REQUIRE(session.state().memory_locked == (locked_KiB() > 0));
       if (session.state().priority == 0) WARN("SKIPPED: SCHED_FIFO is not permitted here");
       else {
         sched_param parameters{};
@@ -141,7 +148,7 @@ TEST_CASE("touched memory faults no more") {
   for (std::size_t i = 0; i < bytes; i += 512) static_cast<volatile char*>(memory)[i + 1] = 1;
   const ThreadCounters after = ThreadCounters::now();
   REQUIRE((between - before).page_faults >= 255);
-  REQUIRE((after - between).page_faults == 0);
+  if (!sanitized) REQUIRE((after - between).page_faults == 0);
   REQUIRE(memory[5] == 42);
   munmap(memory, bytes);
 }
@@ -154,7 +161,7 @@ TEST_CASE("the latency measurement serves or skips every slot and stops when ask
   REQUIRE(result->timing.lateness.count() == result->timing.ticks);
   REQUIRE(result->timing.ticks + result->timing.overruns >= 200);
   REQUIRE(result->timing.ticks <= 200);
-  if (result->state.memory_locked) REQUIRE(result->timing.page_faults <= 1);
+  if (result->state.memory_locked && !sanitized) REQUIRE(result->timing.page_faults <= 1);
   const StopRequest stop;
   StopRequest::stop();
   REQUIRE(measure_latency(settings)->timing.ticks == 0);

@@ -32,6 +32,7 @@ StopRequest::StopRequest() {
 StopRequest::~StopRequest() {
   sigaction(SIGINT, &previous_interrupt_, nullptr);
   sigaction(SIGTERM, &previous_terminate_, nullptr);
+  stop_reason = 0;
   installed = false;
 }
 

@@ -4,8 +4,8 @@
 
 namespace pneuservo {
 
-/// While an object lives, SIGINT and SIGTERM do not end the program but set the flag; the previous handlers come back
-/// at its end. One object at a time (throws std::logic_error otherwise).
+/// While an object lives, SIGINT and SIGTERM do not end the program but set the flag; at its end the previous
+/// handlers come back and the flag is cleared. One object at a time (throws std::logic_error otherwise).
 class StopRequest {
  public:
   StopRequest();

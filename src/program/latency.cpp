@@ -1,4 +1,5 @@
 // The verb latency: wake-up latency of the loop's own timer with nothing in it.
+#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -25,18 +26,24 @@ struct LatencyOptions {
   std::string json;
 };
 
+/// A time [us] to the nanosecond, without the digits that binary fractions add.
+double whole_ns(double time_us) { return std::round(time_us * 1e3) / 1e3; }
+
 /// Bins that are not empty, as [longest time of the bin in us, count].
 Json histogram_json(const TimeHistogram& histogram) {
   Json bins = Json::array();
   for (int bin = 0; bin < TimeHistogram::bins; ++bin)
-    if (histogram.bin_count(bin) > 0) bins.push_back({TimeHistogram::upper_us(bin), histogram.bin_count(bin)});
+    if (histogram.bin_count(bin) > 0) bins.push_back({whole_ns(TimeHistogram::upper_us(bin)), histogram.bin_count(bin)});
   return bins;
 }
 
 Json percentiles_json(const TimeHistogram& histogram) {
-  return {{"p50", histogram.percentile_us(0.5)},      {"p99", histogram.percentile_us(0.99)},
-          {"p99_9", histogram.percentile_us(0.999)},  {"p99_99", histogram.percentile_us(0.9999)},
-          {"max", histogram.maximum_us()},            {"mean", histogram.mean_us()}};
+  Json percentiles;
+  for (const auto& [name, quantile] : {std::pair{"p50", 0.5}, {"p99", 0.99}, {"p99_9", 0.999}, {"p99_99", 0.9999}})
+    percentiles[name] = whole_ns(histogram.percentile_us(quantile));
+  percentiles["max"] = whole_ns(histogram.maximum_us());
+  percentiles["mean"] = whole_ns(histogram.mean_us());
+  return percentiles;
 }
 
 Json as_json(const LatencyResult& result) {

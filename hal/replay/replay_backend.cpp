@@ -29,6 +29,12 @@ bool ReplayBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
   return true;
 }
 
+std::array<Origin, 6> ReplayBackend::origins() const {
+  std::array<Origin, 6> all;
+  for (std::size_t i = 0; i < 6; ++i) all[i] = columns_[i] == nullptr ? Origin::absent : Origin::replayed;
+  return all;
+}
+
 Truth ReplayBackend::truth() const noexcept {
   const auto value = [&](std::size_t i) { return columns_[i] == nullptr ? std::nan("") : (*columns_[i])[row_]; };
   return {value(6), value(7), value(8)};

@@ -53,6 +53,12 @@ bool SimBackend::write(std::int64_t, const Command& command) noexcept {
 
 void SimBackend::deactivate() noexcept { command_V_ = rig_.safe_output.command_V; }
 
+std::array<Origin, 6> SimBackend::origins() const {
+  std::array<Origin, 6> all;
+  all.fill(Origin::simulated);
+  return all;
+}
+
 Truth SimBackend::truth() const noexcept {
   const auto chamber = plant_.chamber_pressure();
   return {plant_.position(), low(chamber), high(chamber)};

@@ -20,6 +20,7 @@ class SimBackend final : public Backend {
   bool write(std::int64_t tick, const Command& command) noexcept override;
   void deactivate() noexcept override;
   Truth truth() const noexcept override;
+  std::array<Origin, 6> origins() const override;
   std::string name() const override { return "sim"; }
 
  private:

@@ -11,9 +11,7 @@
 #include "loop/machine_check.hpp"
 #include "loop/rig_check.hpp"
 #include "program/verbs.hpp"
-#if __has_include("config/read_rig.hpp")
 #include "config/read_rig.hpp"
-#endif
 
 namespace pneuservo {
 namespace {
@@ -25,11 +23,7 @@ struct CheckOptions {
 };
 
 std::vector<Finding> check_config(const std::string& path) {
-#if __has_include("config/read_rig.hpp")
   return check_rig(read_rig(path));
-#else
-  throw InputError(path + ": this build has no config reader");
-#endif
 }
 
 nlohmann::ordered_json as_json(const std::vector<Finding>& findings) {

@@ -125,7 +125,7 @@ template <class S> class Valve {
       const double past = (lane(effects_.command_delay.delay_s, i) - time_s) / period_s_;
       const auto back = static_cast<std::size_t>(std::clamp(std::ceil(past), 0.0, static_cast<double>(history_.size() - 1)));
       const std::size_t index = newest_ >= back ? newest_ - back : newest_ + history_.size() - back;
-      pneuservo::set_lane(out, i, lane(history_[index], i));
+      set_lane(out, i, lane(history_[index], i));
     }
     return out;
   }

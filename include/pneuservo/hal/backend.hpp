@@ -1,5 +1,6 @@
 // The one interface of all backends: configure, activate, read, write, deactivate.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -26,6 +27,8 @@ class Backend {
 
   /// What the simulated plant really does; absent (NaN) for real hardware. Never reaches estimator or controller.
   virtual Truth truth() const noexcept { return {}; }
+  /// Where each channel comes from, known once configured: position, port 1, port 2, chamber 1, chamber 2, supply.
+  virtual std::array<Origin, 6> origins() const = 0;
   virtual std::string name() const = 0;
 };
 

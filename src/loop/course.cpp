@@ -1,0 +1,43 @@
+// The course of a run beside the pass itself.
+#include "loop/course.hpp"
+
+#include <cmath>
+
+namespace pneuservo {
+namespace {
+/// An approach over the longest stroke, at its speed, with some to spare.
+double longest_approach_s(const Rig& rig) {
+  return AxisLoop::approach_shortest_s + 1.875 * rig.axis.cylinder.stroke_m / AxisLoop::approach_speed_mps;
+}
+}  // namespace
+
+Course::Course(const Rig& rig, int moves)
+    : period_s_(rig.period_s), duration_s_(rig.duration_s), wanted_moves_(static_cast<std::size_t>(moves)),
+      planned_ticks_(std::llround(rig.duration_s / rig.period_s) * moves) {
+  const double most_s = static_cast<double>(moves) * (rig.duration_s + longest_approach_s(rig)) + after_fault_s;
+  rows_.resize(static_cast<std::size_t>(most_s / rig.period_s) + 16);  // touches every page now, not in the loop
+  rows_.clear();
+  moves_.resize(wanted_moves_);
+  moves_.clear();
+}
+
+bool Course::after(std::int64_t tick, AxisLoop& loop) noexcept {
+  move_start_s_ = loop.reference_start_s();
+  if (rows_.size() < rows_.capacity()) rows_.push_back(loop.row());
+  if (loop.faults() != 0 && fault_tick_ < 0) fault_tick_ = tick;
+  if (fault_tick_ >= 0) return static_cast<double>(tick - fault_tick_) * period_s_ < after_fault_s;
+  // The last tick of a move is the one before its duration is over.
+  if (loop.row().t_s - move_start_s_ + 1.5 * period_s_ < duration_s_) return true;
+  close();
+  if (moves_.size() >= wanted_moves_) return false;
+  loop.restart_reference();
+  return true;
+}
+
+void Course::close() noexcept {
+  if (ended_rows_ == rows_.size() || moves_.size() >= wanted_moves_) return;
+  moves_.push_back({ended_rows_, rows_.size(), move_start_s_});
+  ended_rows_ = rows_.size();
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,47 @@
+// The course of a run beside the pass itself: moves one after another, the time after a fault, the rows kept.
+#pragma once
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include <pneuservo/loop/axis_loop.hpp>
+#include <pneuservo/record/row.hpp>
+#include <pneuservo/rig/rig.hpp>
+
+namespace pneuservo {
+
+/// One move of a run: rows [begin, end), its reference's time 0 at start_s.
+struct MoveSpan {
+  std::size_t begin = 0, end = 0;
+  double start_s = 0.0;
+};
+
+/// Decides after every pass whether the run goes on; the same for runs and replays, so that a replay restarts the
+/// reference at the tick at which the run did. All memory is taken and touched in the constructor.
+class Course {
+ public:
+  /// After a fault the axis stays in its safe output this long before the run ends, so that the recording shows it.
+  static constexpr double after_fault_s = 0.3;
+
+  Course(const Rig& rig, int moves);
+  /// After the pass of `tick`; false: the run is over. Keeps the row. HOT.
+  bool after(std::int64_t tick, AxisLoop& loop) noexcept;
+  /// Ends the move that is under way.
+  void close() noexcept;
+  /// Share of the run that is done, about.
+  double fraction(std::int64_t tick) const noexcept { return static_cast<double>(tick) / static_cast<double>(planned_ticks_); }
+
+  const std::vector<MoveSpan>& moves() const noexcept { return moves_; }
+  std::vector<Row> take_rows() noexcept { return std::move(rows_); }
+
+ private:
+  double period_s_, duration_s_;
+  std::size_t wanted_moves_;
+  std::int64_t planned_ticks_, fault_tick_ = -1;
+  double move_start_s_ = 0.0;
+  std::vector<Row> rows_;
+  std::vector<MoveSpan> moves_;
+  std::size_t ended_rows_ = 0;
+};
+
+}  // namespace pneuservo

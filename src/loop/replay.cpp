@@ -1,0 +1,57 @@
+// Runs estimator and controller on a recording and compares every output with the recorded one.
+#include "loop/replay.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "loop/course.hpp"
+
+namespace pneuservo {
+namespace {
+
+// Equal bits; "no value" equals "no value" whatever its payload.
+bool same_bits(double a, double b) {
+  return (std::isnan(a) && std::isnan(b)) || std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+
+double value_of(const Row& row, const std::string& column) {
+  double out = Row::none;
+  Row::visit([&](std::string_view name, const auto& member) {
+    if (name == column) out = static_cast<double>(member);
+  }, row);
+  return out;
+}
+
+}  // namespace
+
+ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std::int64_t>& ticks, const std::vector<bool>& dropped_before,
+                         int moves, const LoadPositions& load, const std::vector<std::pair<std::string, const std::vector<double>*>>& recorded) {
+  ReplayResult result;
+  for (const auto& [name, values] : recorded) result.compared.push_back(name);
+  result.largest_difference.assign(recorded.size(), 0.0);
+  AxisLoop loop;
+  loop.configure(rig, load);
+  Course course(rig, moves);
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    if (dropped_before[i]) break;
+    const std::int64_t skipped = i == 0 ? 0 : ticks[i] - ticks[i - 1] - 1;
+    if (!loop.pass(backend, ticks[i], skipped, nullptr, nullptr)) break;
+    const Row& row = loop.row();
+    for (std::size_t c = 0; c < recorded.size(); ++c) {
+      const double was = (*recorded[c].second)[i], is = value_of(row, recorded[c].first);
+      if (same_bits(was, is)) continue;
+      ++result.differing_values;
+      result.largest_difference[c] = std::max(result.largest_difference[c], std::fabs(was - is));
+      if (!result.first) result.first = ReplayDifference{i, row.t_s, recorded[c].first, was, is};
+    }
+    ++result.compared_rows;
+    if (!course.after(ticks[i], loop)) break;
+  }
+  course.close();
+  result.rows = course.take_rows();
+  return result;
+}
+
+}  // namespace pneuservo

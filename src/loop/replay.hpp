@@ -1,0 +1,36 @@
+// Runs estimator and controller on a recording and compares every output with the recorded one, bit for bit.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <pneuservo/control/reference.hpp>
+#include <pneuservo/hal/backend.hpp>
+#include <pneuservo/record/row.hpp>
+#include <pneuservo/rig/rig.hpp>
+
+namespace pneuservo {
+
+/// The first place where a replayed output differs from the recorded one.
+struct ReplayDifference {
+  std::size_t row = 0;
+  double t_s = 0.0;
+  std::string column;
+  double recorded = 0.0, replayed = 0.0;
+};
+
+struct ReplayResult {
+  std::vector<Row> rows;                       ///< as replayed
+  std::vector<std::string> compared;           ///< columns compared
+  std::size_t compared_rows = 0, differing_values = 0;
+  std::vector<double> largest_difference;      ///< of each compared column, in its unit
+  std::optional<ReplayDifference> first;
+  bool identical() const noexcept { return differing_values == 0 && compared_rows > 0; }
+};
+
+/// `ticks[i]` is the tick of the recording's row i; `recorded(name)` its column or null. `moves` as in the run.
+/// Rows after dropped ones start from another state: the comparison ends there, `compared_rows` says where.
+ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std::int64_t>& ticks, const std::vector<bool>& dropped_before,
+                         int moves, const LoadPositions& load, const std::vector<std::pair<std::string, const std::vector<double>*>>& recorded);
+
+}  // namespace pneuservo

@@ -1,0 +1,122 @@
+// Runs the loop on a backend in simulated or real time.
+#include "loop/runner.hpp"
+
+#include <chrono>
+#include <cmath>
+
+#include <pneuservo/loop/axis_loop.hpp>
+#include <pneuservo/loop/grid.hpp>
+#include <pneuservo/record/ring.hpp>
+
+#include "loop/realtime_clock.hpp"
+#include "loop/realtime_stop.hpp"
+#include "record/writer.hpp"
+
+namespace pneuservo {
+namespace {
+
+/// Ticks left out of timing and fault counters: the first pass touches code and data for the first time.
+constexpr std::int64_t warm_up_ticks = 200;
+
+void run_simulated(AxisLoop& loop, Backend& backend, const RunSettings& settings, Course& course, RunOutcome& out) {
+  std::int64_t tick = 0;
+  for (; !StopRequest::requested(); ++tick) {
+    {
+      RtScope hot;
+      if (!loop.pass(backend, tick, 0, nullptr, nullptr)) {
+        out.ended_by_backend = true;
+        break;
+      }
+    }
+    ++out.ticks;
+    if (settings.writer != nullptr) settings.writer->write(loop.row());
+    if (settings.progress && tick % 2048 == 0) settings.progress(course.fraction(tick));
+    if (!course.after(tick, loop)) break;
+  }
+  out.stopped_by_signal = StopRequest::requested();
+  loop.stop(backend, tick + 1);
+}
+
+// Books one tick's stages; `loop` is what is neither estimator, controller nor backend.
+void account(LoopTiming& timing, const StageTimes& stages, std::int64_t lateness_ns, std::int64_t tick) noexcept {
+  const std::int64_t backend = (stages.read - stages.start) + (stages.written - stages.controlled);
+  const std::int64_t estimator = stages.estimated - stages.read, controller = stages.controlled - stages.estimated;
+  const std::int64_t work = stages.end - stages.start;
+  timing.lateness.add(lateness_ns);
+  timing.backend.add(backend);
+  timing.estimator.add(estimator);
+  timing.controller.add(controller);
+  timing.loop.add(work - backend - estimator - controller);
+  timing.keep_worst({tick, lateness_ns, work});
+  ++timing.ticks;
+}
+
+void run_real(AxisLoop& loop, Backend& backend, const RunSettings& settings, double period_s, Course& course, RunOutcome& out) {
+  out.timing = std::make_unique<LoopTiming>();
+  LoopTiming& timing = *out.timing;
+  prefault(&timing, sizeof timing);
+  const std::int64_t period_ns = std::llround(period_s * 1e9);
+  TimeGrid grid(MonotonicClock::now_ns() + period_ns, period_ns);
+  ThreadCounters before = ThreadCounters::now();
+  std::int64_t skipped = 0, last_work_ns = 0;
+  while (!StopRequest::requested()) {
+    MonotonicClock::sleep_until_ns(grid.slot_ns());
+    const std::int64_t woken_ns = MonotonicClock::now_ns();
+    const std::int64_t tick = grid.slot(), lateness_ns = grid.lateness_ns(woken_ns);
+    bool goes_on;
+    {
+      RtScope hot;
+      StageTimes stages;
+      goes_on = loop.pass(backend, tick, skipped, &stages, &MonotonicClock::now_ns);
+      loop.row().lateness_us = static_cast<double>(lateness_ns) * 1e-3;
+      loop.row().work_us = static_cast<double>(last_work_ns) * 1e-3;  // of the tick before: this one is not done yet
+      if (goes_on && settings.ring != nullptr) settings.ring->push(loop.row());
+      if (goes_on && !course.after(tick, loop)) goes_on = false;
+      stages.end = MonotonicClock::now_ns();
+      last_work_ns = stages.end - stages.start;
+      ++out.ticks;
+      if (out.ticks > warm_up_ticks) account(timing, stages, lateness_ns, tick);
+    }
+    if (out.ticks == warm_up_ticks) before = ThreadCounters::now();
+    if (!goes_on) break;
+    skipped = grid.advance(MonotonicClock::now_ns());
+    if (out.ticks > warm_up_ticks) timing.overruns += skipped;
+  }
+  loop.stop(backend, grid.slot() + 1);
+  const ThreadCounters counted = ThreadCounters::now() - before;
+  timing.page_faults = counted.page_faults;
+  timing.context_switches_involuntary = counted.context_switches_involuntary;
+  out.stopped_by_signal = StopRequest::requested();
+  out.overruns = grid.missed();
+}
+
+}  // namespace
+
+std::vector<std::string> fault_words(std::uint32_t first, std::uint32_t all) {
+  std::vector<std::string> words;
+  for (const bool first_round : {true, false})
+    for (const FaultText& text : fault_texts)
+      if ((all & text.bit) != 0 && ((first & text.bit) != 0) == first_round)
+        words.push_back(std::string(text.name) + ": " + std::string(text.meaning));
+  return words;
+}
+
+RunOutcome run_loop(const Rig& rig, Backend& backend, const RunSettings& settings) {
+  RunOutcome out;
+  AxisLoop loop;
+  loop.configure(rig, settings.load);
+  Course course(rig, settings.moves);
+  backend.activate();
+  const auto begin = std::chrono::steady_clock::now();
+  if (settings.real_time) run_real(loop, backend, settings, rig.period_s, course, out);
+  else run_simulated(loop, backend, settings, course, out);
+  out.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  backend.deactivate();
+  course.close();
+  out.faults = fault_words(loop.first_faults(), loop.faults());
+  out.moves = course.moves();
+  out.rows = course.take_rows();
+  return out;
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,50 @@
+// Runs the loop on a backend in simulated or real time: approach, reference, moves, recording, safe end.
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <pneuservo/control/reference.hpp>
+#include <pneuservo/hal/backend.hpp>
+#include <pneuservo/loop/timing.hpp>
+#include <pneuservo/record/row.hpp>
+#include <pneuservo/rig/rig.hpp>
+
+#include "loop/course.hpp"
+
+namespace pneuservo {
+
+class RecordingRing;
+class RecordingWriter;
+
+/// How a run goes.
+struct RunSettings {
+  bool real_time = false;
+  int moves = 1;                        ///< times the reference is run
+  LoadPositions load;                   ///< references of kind `file`
+  RecordingRing* ring = nullptr;        ///< real time: rows go here
+  RecordingWriter* writer = nullptr;    ///< simulated time: rows go here
+  std::function<void(double fraction)> progress;  ///< called between ticks in simulated time only
+};
+
+/// What came out.
+struct RunOutcome {
+  std::vector<Row> rows;
+  std::vector<MoveSpan> moves;
+  std::vector<std::string> faults;      ///< in words, first cause first; empty for a good run
+  bool stopped_by_signal = false;
+  bool ended_by_backend = false;
+  std::int64_t ticks = 0, overruns = 0;
+  double wall_s = 0.0;
+  std::unique_ptr<LoopTiming> timing;   ///< real time only
+};
+
+/// Runs `rig` on a configured backend: activates it, and however the run ends the safe output stands and the backend is
+/// deactivated. In real time the caller holds the RealTimeSession. Throws what the backend's cold calls throw.
+RunOutcome run_loop(const Rig& rig, Backend& backend, const RunSettings& settings);
+
+/// Faults in words: name and meaning, first cause first.
+std::vector<std::string> fault_words(std::uint32_t first, std::uint32_t all);
+
+}  // namespace pneuservo

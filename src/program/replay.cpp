@@ -1,0 +1,89 @@
+// Verb replay: estimator and controller on recorded measurements; are the outputs those recorded, bit for bit?
+#include <iostream>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "config/input_error.hpp"
+#include "config/read_rig.hpp"
+#include "loop/replay.hpp"
+#include "program/rig_options.hpp"
+#include "program/verbs.hpp"
+#include "record/reader.hpp"
+#include "record/writer.hpp"
+#include "replay/replay_backend.hpp"
+
+namespace pneuservo {
+namespace {
+
+struct ReplayOptions {
+  std::string config, recording, record, json;
+  std::vector<std::string> sets;
+};
+
+/// What the loop computes, in the order in which a difference would arise.
+constexpr const char* compared_columns[] = {"p1_estimated_Pa", "p2_estimated_Pa",  "p1_bound_Pa",      "p2_bound_Pa", "mass_flow_1_kgps",
+                                            "mass_flow_2_kgps", "x_ref_m",         "v_ref_mps", "v_mps",       "u_V"};
+
+int run_replay(const ReplayOptions& options) {
+  const Rig rig = read_rig(options.config, options.sets);
+  Recording recording = read_recording(options.recording);
+  for (const auto& line : problem_lines(recording)) std::cerr << line << "\n";
+  const int moves = recording.header["moves"] ? recording.header["moves"].as<int>() : 1;
+  ReplayBackend backend(std::move(recording), rig.period_s);
+  const Recording& data = backend.recording();
+  std::vector<std::pair<std::string, const std::vector<double>*>> recorded;
+  for (const char* name : compared_columns)
+    if (data.has(name)) recorded.emplace_back(name, &data.column(name));
+  if (recorded.empty()) throw InputError(options.recording + ": no column of estimator or controller to compare, expected p1_estimated_Pa, p2_estimated_Pa or u_V");
+  std::vector<std::int64_t> ticks;
+  std::vector<bool> dropped;
+  const std::vector<double>* flags = data.has("flags") ? &data.column("flags") : nullptr;
+  for (std::size_t i = 0; i < backend.rows(); ++i) {
+    ticks.push_back(backend.tick(i));
+    dropped.push_back(flags != nullptr && (static_cast<unsigned>((*flags)[i]) & row_dropped_before) != 0);
+  }
+  backend.configure();
+  backend.activate();
+  const ReplayResult result = replay_loop(rig, backend, ticks, dropped, moves, load_reference_positions, recorded);
+  backend.deactivate();
+
+  nlohmann::ordered_json json{{"config", rig.name}, {"recording", options.recording}, {"rows", ticks.size()}, {"compared_rows", result.compared_rows},
+                              {"identical", result.identical()}, {"differing_values", result.differing_values}};
+  std::string text = fmt::format("{} of {} rows replayed, {} columns compared: ", result.compared_rows, ticks.size(), result.compared.size());
+  text += result.identical() ? "bit for bit as recorded\n" : fmt::format("{} values differ\n", result.differing_values);
+  if (result.first) {
+    text += fmt::format("first: row {} (t = {} s), {}: recorded {}, replayed {}\n", result.first->row, result.first->t_s, result.first->column, result.first->recorded, result.first->replayed);
+    for (std::size_t i = 0; i < result.compared.size(); ++i) {
+      text += fmt::format("  {:<18} largest difference {:.3g}\n", result.compared[i], result.largest_difference[i]);
+      json["largest_difference"][result.compared[i]] = result.largest_difference[i];
+    }
+    text += "another config, build or code path computes other numbers; the recording's header names those it was made with\n";
+  }
+  if (options.json != "-") std::cout << text;
+  write_json(options.json, json);
+  if (!options.record.empty()) {
+    RecordingWriter writer(options.record, run_header(rig, backend, machine_facts(nullptr), moves), {});
+    for (const Row& row : result.rows) writer.write(row);
+    const RecordingSummary summary = writer.close();
+    if (!summary.error.empty()) throw InputError(summary.error);
+  }
+  return result.identical() ? 0 : 1;
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app, int& status) {
+  auto o = std::make_shared<ReplayOptions>();
+  CLI::App* verb = app.add_subcommand("replay", "run estimator and controller on a recording and compare bit for bit");
+  verb->add_option("CONFIG", o->config, "the config that the recording was made with")->required();
+  verb->add_option("RECORDING", o->recording, "FILE.csv.gz")->required();
+  verb->add_option("--set", o->sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
+  verb->add_option("--record", o->record, "write what was replayed, FILE.csv.gz");
+  verb->add_option("--json", o->json, "result as JSON, - for standard output");
+  verb->footer("Exit status: 0 identical, 1 something differs, 2 unusable input.");
+  verb->callback([o, &status] { status = run_replay(*o); });
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,69 @@
+// What verbs that take a CONFIG share.
+#include "program/rig_options.hpp"
+
+#include <fstream>
+#include <iostream>
+
+#include <sys/utsname.h>
+
+#include "config/dump_rig.hpp"
+#include "config/input_error.hpp"
+#include "config/version.hpp"
+#include "origin_name.hpp"
+#include "record/reader.hpp"
+
+namespace pneuservo {
+
+std::pair<std::vector<double>, std::vector<double>> load_reference_positions(const std::string& path) {
+  const Recording recording = read_recording(path);
+  return {recording.t_s(), recording.column("x_ref_m")};
+}
+
+void write_json(const std::string& path, const nlohmann::ordered_json& json) {
+  if (path.empty()) return;
+  if (path == "-") {
+    std::cout << json.dump(2) << "\n";
+    return;
+  }
+  std::ofstream file(path);
+  if (!(file << json.dump(2) << "\n") || !file.flush()) throw InputError(path + ": cannot be written");
+}
+
+Facts machine_facts(const RealTimeState* session) {
+  utsname system{};
+  uname(&system);
+  Facts facts{{"version", std::string(version())}, {"code_path", std::string(code_path())},
+              {"time", session == nullptr ? "simulated" : "real"}, {"kernel", std::string(system.sysname) + " " + system.release},
+              {"machine", system.machine}};
+  if (session == nullptr) return facts;
+  facts.emplace_back("preempt_rt", session->preempt_rt ? "true" : "false");
+  facts.emplace_back("policy", session->policy);
+  facts.emplace_back("priority", std::to_string(session->priority));
+  facts.emplace_back("memory_locked", session->memory_locked ? "true" : "false");
+  facts.emplace_back("cpu_latency_held", session->cpu_latency_held ? "true" : "false");
+  facts.emplace_back("cpu", session->cpu ? std::to_string(*session->cpu) : "any");
+  return facts;
+}
+
+Facts channel_facts(const Backend& backend) {
+  Facts facts;
+  const auto origins = backend.origins();
+  for (std::size_t i = 0; i < origins.size(); ++i) facts.emplace_back(channel_names[i], origin_name(origins[i]));
+  return facts;
+}
+
+RecordingHeader run_header(const Rig& rig, const Backend& backend, const Facts& machine, int moves) {
+  RecordingHeader header(rig.name, rig.period_s);
+  header.add_text("backend", backend.name());
+  header.add_number("moves", moves);
+  header.add_yaml("reference", dump_reference(rig.reference));
+  for (const auto& [key, value] : machine)
+    if (key != "version" && key != "code_path") header.add_text(key, value);
+  std::string channels = "{";
+  for (const auto& [channel, origin] : channel_facts(backend)) channels += (channels.size() > 1 ? ", " : "") + channel + ": " + origin;
+  header.add_yaml("channels", channels + "}");
+  header.add_text("config", dump_rig(rig));
+  return header;
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,32 @@
+// What verbs that take a CONFIG share: reading it with --set, loading references of kind file, writing results.
+#pragma once
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include <pneuservo/control/reference.hpp>
+#include <pneuservo/hal/backend.hpp>
+#include <pneuservo/rig/rig.hpp>
+
+#include "loop/realtime.hpp"
+#include "record/header.hpp"
+#include "report/run_result.hpp"
+
+namespace pneuservo {
+
+/// Loads t_s and x_ref_m of a recording, for references of kind `file`. Throws InputError.
+std::pair<std::vector<double>, std::vector<double>> load_reference_positions(const std::string& path);
+
+/// Writes JSON to a file, or to standard output for "-"; nothing for an empty path. Throws InputError.
+void write_json(const std::string& path, const nlohmann::ordered_json& json);
+
+/// Kernel, policy, code path, version, ... of this run; without a session: simulated time.
+Facts machine_facts(const RealTimeState* session);
+/// Channel name and origin.
+Facts channel_facts(const Backend& backend);
+
+/// Header of a run's recording: rig, config, reference, machine, channels.
+RecordingHeader run_header(const Rig& rig, const Backend& backend, const Facts& machine, int moves);
+
+}  // namespace pneuservo

@@ -1,0 +1,136 @@
+// Verb simulate: the plant alone on a recorded command, beside what was measured.
+#include <cmath>
+#include <iostream>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <pneuservo/rig/plant.hpp>
+
+#include "config/input_error.hpp"
+#include "config/read_rig.hpp"
+#include "program/rig_options.hpp"
+#include "program/verbs.hpp"
+#include "record/reader.hpp"
+#include "record/writer.hpp"
+#include "sim/sim_backend.hpp"
+
+namespace pneuservo {
+namespace {
+
+struct SimulateOptions {
+  std::string config, command, record, json;
+  std::vector<std::string> sets;
+};
+
+/// First value of the first of these columns that is there and holds one; else the fallback.
+double first_value(const Recording& recording, std::initializer_list<const char*> names, double fallback) {
+  for (const char* name : names)
+    if (recording.has(name) && std::isfinite(recording.column(name).front())) return recording.column(name).front();
+  return fallback;
+}
+
+/// The recording's own start: at rest, each line at its chamber's pressure.
+PlantStart<double> recorded_start(const Rig& rig, const Recording& recording) {
+  const PlantStart<double> own = plant_start(rig);
+  return {first_value(recording, {"x_true_m", "x_m"}, own.position_m),
+          first_value(recording, {"p1_chamber_true_Pa", "p1_chamber_Pa", "p1_port_Pa"}, own.pressure_1_Pa),
+          first_value(recording, {"p2_chamber_true_Pa", "p2_chamber_Pa", "p2_port_Pa"}, own.pressure_2_Pa)};
+}
+
+std::vector<Row> simulate_plant(const Rig& rig, const Recording& recording) {
+  const auto& command = recording.column("u_V");
+  AxisPlant<double> plant;
+  plant.configure(rig.axis, rig.period_s, rig.simulation.cells_per_m);
+  plant.reset(recorded_start(rig, recording));
+  std::vector<Row> rows(recording.rows());
+  double held_V = 0.0;
+  std::int64_t tick = std::llround(recording.t_s().front() / rig.period_s);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (const std::int64_t due = std::llround(recording.t_s()[i] / rig.period_s); tick < due; ++tick) plant.step(held_V);
+    if (std::isfinite(command[i])) held_V = command[i];
+    const auto port = plant.port_pressure(), chamber = plant.chamber_pressure();
+    Row& row = rows[i];
+    row.t_s = recording.t_s()[i];
+    row.x_m = row.x_true_m = plant.position();
+    row.v_mps = plant.velocity();
+    row.u_V = held_V;
+    row.p1_port_Pa = low(port);
+    row.p2_port_Pa = high(port);
+    row.p1_chamber_Pa = row.p1_chamber_true_Pa = low(chamber);
+    row.p2_chamber_Pa = row.p2_chamber_true_Pa = high(chamber);
+    row.p_supply_Pa = plant.supply_pressure();
+  }
+  return rows;
+}
+
+struct Difference {
+  std::string column;
+  double rms = 0.0, maximum = 0.0;
+};
+
+std::vector<Difference> differences(const Recording& recording, const std::vector<Row>& rows) {
+  std::vector<Difference> out;
+  for (const char* name : {"x_m", "p1_port_Pa", "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"}) {
+    if (!recording.has(name)) continue;
+    Difference d{.column = name};
+    std::size_t counted = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      double simulated = Row::none;
+      Row::visit([&](std::string_view column, const auto& member) {
+        if (column == name) simulated = static_cast<double>(member);
+      }, rows[i]);
+      const double e = simulated - recording.column(name)[i];
+      if (!std::isfinite(e)) continue;
+      d.rms += e * e;
+      d.maximum = std::max(d.maximum, std::fabs(e));
+      ++counted;
+    }
+    d.rms = counted > 0 ? std::sqrt(d.rms / static_cast<double>(counted)) : Row::none;
+    out.push_back(d);
+  }
+  return out;
+}
+
+int run_simulate(const SimulateOptions& options) {
+  const Rig rig = read_rig(options.config, options.sets);
+  const Recording recording = read_recording(options.command);
+  for (const auto& line : problem_lines(recording)) std::cerr << line << "\n";
+  recording.require({"u_V"});
+  const std::vector<Row> rows = simulate_plant(rig, recording);
+  nlohmann::ordered_json json{{"config", rig.name}, {"command", options.command}, {"rows", rows.size()}};
+  std::string text = fmt::format("{} rows simulated on the recorded command; simulated minus recorded:\n  {:<16} {:>12} {:>12}\n", rows.size(), "column", "rms", "max");
+  for (const Difference& d : differences(recording, rows)) {
+    text += fmt::format("  {:<16} {:>12.6g} {:>12.6g}\n", d.column, d.rms, d.maximum);
+    json["difference"][d.column] = {{"rms", d.rms}, {"max", d.maximum}};
+  }
+  if (options.json != "-") std::cout << text;
+  write_json(options.json, json);
+  if (!options.record.empty()) {
+    SimBackend backend(rig);
+    RecordingWriter writer(options.record, run_header(rig, backend, machine_facts(nullptr), 1),
+                           {"t_s", "x_m", "v_mps", "u_V", "p1_port_Pa", "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"});
+    for (const Row& row : rows) writer.write(row);
+    const RecordingSummary summary = writer.close();
+    if (!summary.error.empty()) throw InputError(summary.error);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, int& status) {
+  auto o = std::make_shared<SimulateOptions>();
+  CLI::App* verb = app.add_subcommand("simulate", "simulate the plant alone on a recorded command");
+  verb->add_option("CONFIG", o->config, "rig to simulate")->required();
+  verb->add_option("--command", o->command, "recording with the column u_V")->required();
+  verb->add_option("--set", o->sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
+  verb->add_option("--record", o->record, "what was simulated, without sensor noise, FILE.csv.gz");
+  verb->add_option("--json", o->json, "differences from the recording as JSON, - for standard output");
+  verb->footer("The plant starts at the recording's first position and pressures, at rest. A free position drifts: small flow\n"
+               "errors add up; compare pressures first.");
+  verb->callback([o, &status] { status = run_simulate(*o); });
+}
+
+}  // namespace pneuservo

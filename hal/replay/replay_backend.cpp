@@ -5,8 +5,9 @@
 
 namespace pneuservo {
 namespace {
-constexpr const char* column_names[9] = {"x_m",           "p1_port_Pa", "p2_port_Pa", "p1_chamber_Pa",     "p2_chamber_Pa",
-                                         "p_supply_Pa", "x_true_m",   "p1_chamber_true_Pa", "p2_chamber_true_Pa"};
+constexpr const char* column_names[9] = {"x_m",           "p1_port_Pa",         "p2_port_Pa",
+                                         "p1_chamber_Pa", "p2_chamber_Pa",      "p_supply_Pa",
+                                         "x_true_m",      "p1_chamber_true_Pa", "p2_chamber_true_Pa"};
 }  // namespace
 
 ReplayBackend::ReplayBackend(Recording recording, double period_s) : recording_(std::move(recording)) {
@@ -19,8 +20,12 @@ bool ReplayBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
   while (next_ < ticks_.size() && ticks_[next_] < tick) ++next_;
   if (next_ >= ticks_.size()) return false;
   row_ = next_;
-  Channel* const channels[6] = {&measurement.position_m,           &measurement.port_pressure_1_Pa,    &measurement.port_pressure_2_Pa,
-                                &measurement.chamber_pressure_1_Pa, &measurement.chamber_pressure_2_Pa, &measurement.supply_pressure_Pa};
+  Channel* const channels[6] = {&measurement.position_m,
+                                &measurement.port_pressure_1_Pa,
+                                &measurement.port_pressure_2_Pa,
+                                &measurement.chamber_pressure_1_Pa,
+                                &measurement.chamber_pressure_2_Pa,
+                                &measurement.supply_pressure_Pa};
   for (std::size_t i = 0; i < 6; ++i) {
     if (columns_[i] == nullptr) continue;
     const double value = (*columns_[i])[row_];

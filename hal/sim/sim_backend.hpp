@@ -1,4 +1,5 @@
-// Backend `sim`: the rig's plant on its own, finer grid behind noisy, quantised sensors; its truth is for recordings only.
+// Backend `sim`: the rig's plant on its own, finer grid behind noisy, quantised sensors; its truth is for recordings
+// only.
 #pragma once
 #include <array>
 
@@ -9,8 +10,9 @@
 
 namespace pneuservo {
 
-/// Sampled at the start of each period, the command held for the period. read(tick) brings the plant to that tick: slots
-/// that the loop skipped pass with the last command, as they would on a machine. Everything random comes from rig.seed.
+/// Sampled at the start of each period, the command held for the period. read(tick) brings the plant to that tick:
+/// slots that the loop skipped pass with the last command, as they would on a machine. Everything random comes from
+/// rig.seed.
 class SimBackend final : public Backend {
  public:
   explicit SimBackend(const Rig& rig) : rig_(rig) {}

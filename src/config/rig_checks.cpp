@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "config/key_suggestion.hpp"
 #include "config/number_text.hpp"
 #include "config/reference_span.hpp"
 #include "config/rig_parameters.hpp"
-#include "config/key_suggestion.hpp"
 
 namespace pneuservo {
 

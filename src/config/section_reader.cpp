@@ -160,8 +160,7 @@ void read_value(const Field&, const ConfigNode& node, const std::string& path, R
 }
 
 void require_map(const ConfigNode& node, const std::string& path) {
-  if (node.type != Type::map)
-    refuse(node.origin, path.empty() ? "(top)" : path, describe(node), "a map of keys");
+  if (node.type != Type::map) refuse(node.origin, path.empty() ? "(top)" : path, describe(node), "a map of keys");
 }
 
 void require_known_keys(const ConfigNode& map, const std::string& path, const std::vector<Field>& fields) {

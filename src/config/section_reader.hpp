@@ -63,11 +63,13 @@ void read_value(const Field& field, const ConfigNode& node, const std::string& p
 
 /// Index of a choice among the field's names.
 int read_choice(const Field& field, const ConfigNode& node, const std::string& path);
-template <class E> requires std::is_enum_v<E>
+template <class E>
+  requires std::is_enum_v<E>
 void read_value(const Field& field, const ConfigNode& node, const std::string& path, E& value) {
   value = static_cast<E>(read_choice(field, node, path));
 }
-template <class T> requires(!ParameterSection<T>)
+template <class T>
+  requires(!ParameterSection<T>)
 void read_value(const Field& field, const ConfigNode& node, const std::string& path, std::optional<T>& value) {
   read_value(field, node, path, value.emplace());
 }

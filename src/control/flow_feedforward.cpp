@@ -11,16 +11,21 @@ constexpr double n = feedforward_polytropic_exponent;
 /// psi is never asked closer to equal pressures than this: the area for a flow stays bounded there.
 constexpr double fill_ratio_max = 0.995, empty_ratio_min = 1.01;
 
-double line_area_m2(const LineParameters<double>& line) noexcept { return M_PI / 4.0 * line.diameter_m * line.diameter_m; }
+double line_area_m2(const LineParameters<double>& line) noexcept {
+  return M_PI / 4.0 * line.diameter_m * line.diameter_m;
+}
 }  // namespace
 
-SteadyLine::SteadyLine(const Air<double>& air, double length_m, double diameter_m, double laminar, double turbulent) noexcept
+SteadyLine::SteadyLine(const Air<double>& air, double length_m, double diameter_m, double laminar,
+                       double turbulent) noexcept
     : laminar_reynolds(laminar), turbulent_reynolds(std::max(turbulent, laminar)) {
   const double section_m2 = M_PI / 4.0 * diameter_m * diameter_m;
   reynolds_per_flow = diameter_m / (section_m2 * air.viscosity_Pas);
-  loss_constant = air.viscosity_Pas * length_m * air.R * air.temperature_K / (2.0 * diameter_m * diameter_m * section_m2);
+  loss_constant =
+      air.viscosity_Pas * length_m * air.R * air.temperature_K / (2.0 * diameter_m * diameter_m * section_m2);
   if (turbulent_reynolds > laminar_reynolds)
-    blend_slope = (0.3164 / std::sqrt(std::sqrt(turbulent_reynolds)) - 64.0 / laminar_reynolds) / (turbulent_reynolds - laminar_reynolds);
+    blend_slope = (0.3164 / std::sqrt(std::sqrt(turbulent_reynolds)) - 64.0 / laminar_reynolds) /
+                  (turbulent_reynolds - laminar_reynolds);
 }
 
 FlowFeedforward::FlowFeedforward(const AxisParameters<double>& axis) noexcept {
@@ -58,7 +63,8 @@ double FlowFeedforward::area_m2(const ReferencePoint& ahead, double p1_Pa, doubl
   const double v2 = std::max(side_2_.middle_volume_m3 - a2 * x, side_2_.dead_volume_m3);
   const double per_vt1 = 1.0 / (v1 + side_1_.line_volume_m3), per_vt2 = 1.0 / (v2 + side_2_.line_volume_m3);
   // Force rate wanted, plus what the motion itself takes away by compression (polytropic, line storage included).
-  const double wanted = mass_kg_ * j + viscous_Ns_per_m_ * a + n * v * (a1 * a1 * p1_Pa * per_vt1 + a2 * a2 * p2_Pa * per_vt2);
+  const double wanted =
+      mass_kg_ * j + viscous_Ns_per_m_ * a + n * v * (a1 * a1 * p1_Pa * per_vt1 + a2 * a2 * p2_Pa * per_vt2);
   const bool fills_1 = wanted >= 0.0;
   const double per_n_r_t = 1.0 / (n * gas_R_T_), swept_1 = p1_Pa * a1 * v, swept_2 = -p2_Pa * a2 * v;
 
@@ -83,7 +89,8 @@ double feedforward_lead_s(const AxisParameters<double>& axis, double peak_speed_
     const double flow = 0.7 * area_m2 * mean_pressure_Pa * std::fabs(peak_speed_mps) / r_t;
     if (!(flow > 0.0)) return 0.0;
     const SteadyLine steady(air, line.length_m, line.diameter_m, line.laminar_reynolds, line.turbulent_reynolds);
-    const double resistance = 1.75 * steady_line_loss_Pa(steady, flow, mean_pressure_Pa) / flow;  // d(loss)/dG, turbulent
+    const double resistance =
+        1.75 * steady_line_loss_Pa(steady, flow, mean_pressure_Pa) / flow;  // d(loss)/dG, turbulent
     const double c_line = line_area_m2(line) * line.length_m / (n * r_t);
     const double c_chamber = (dead_m3 + area_m2 * 0.5 * axis.cylinder.stroke_m) / (n * r_t);
     return resistance * c_line * (c_chamber / 2.0 + c_line / 3.0) / (c_line + c_chamber);

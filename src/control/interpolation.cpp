@@ -26,7 +26,8 @@ std::array<double, 4> local_derivatives(const std::vector<double>& t, const std:
 }
 }  // namespace
 
-std::vector<std::array<double, 8>> interpolate_septic(const std::vector<double>& times_s, const std::vector<double>& positions_m) {
+std::vector<std::array<double, 8>> interpolate_septic(const std::vector<double>& times_s,
+                                                      const std::vector<double>& positions_m) {
   const std::size_t n = times_s.size(), window = std::min<std::size_t>(n, 7);
   std::vector<std::array<double, 4>> node(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -44,7 +45,10 @@ std::vector<std::array<double, 8>> interpolate_septic(const std::vector<double>&
     const double d1 = b[1] * h - c1 - 2.0 * c2 - 3.0 * c3;
     const double d2 = b[2] * h * h - 2.0 * c2 - 6.0 * c3;
     const double d3 = b[3] * h * h * h - 6.0 * c3;
-    pieces[i] = {a[0], c1, c2, c3,
+    pieces[i] = {a[0],
+                 c1,
+                 c2,
+                 c3,
                  35.0 * d0 - 15.0 * d1 + 2.5 * d2 - d3 / 6.0,
                  -84.0 * d0 + 39.0 * d1 - 7.0 * d2 + 0.5 * d3,
                  70.0 * d0 - 34.0 * d1 + 6.5 * d2 - 0.5 * d3,

@@ -6,7 +6,8 @@
 
 namespace pneuservo {
 
-void PdForce::configure(const PdForceParameters& parameters, const AxisParameters<double>& axis, double period_s) noexcept {
+void PdForce::configure(const PdForceParameters& parameters, const AxisParameters<double>& axis,
+                        double period_s) noexcept {
   parameters_ = parameters;
   feedforward_ = FlowFeedforward(axis);
   limiter_ = CommandLimiter(axis.valve.command_max_V, parameters.command_rate_V_per_s, period_s);
@@ -27,8 +28,8 @@ void PdForce::reset(double previous_command_V) noexcept {
   first_ = true;
 }
 
-void PdForce::start_bumpless(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now, const ReferencePoint& ahead,
-                             double command_V) noexcept {
+void PdForce::start_bumpless(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now,
+                             const ReferencePoint& ahead, double command_V) noexcept {
   reset(command_V);
   const double integral_gain = parameters_.force_integral_V_per_Ns;
   if (!(integral_gain > 0.0)) return;
@@ -42,7 +43,8 @@ PdForceState PdForce::terms(double x_m, double p1_Pa, double p2_Pa, const Refere
                             const ReferencePoint& ahead) const noexcept {
   PdForceState s;
   s.e_m = now.d[0] - x_m;
-  s.v_mps = first_ ? 0.0 : state_.v_mps + filter_gain_ * ((x_m - previous_x_m_) / (periods_ * period_s_) - state_.v_mps);
+  s.v_mps =
+      first_ ? 0.0 : state_.v_mps + filter_gain_ * ((x_m - previous_x_m_) / (periods_ * period_s_) - state_.v_mps);
   s.F_N = area_1_m2_ * p1_Pa - area_2_m2_ * p2_Pa - atmosphere_force_N_;
   s.F_ref_N = parameters_.position_gain_N_per_m * s.e_m + parameters_.velocity_gain_Ns_per_m * (now.d[1] - s.v_mps);
   if (parameters_.flow_feedforward) {
@@ -54,7 +56,8 @@ PdForceState PdForce::terms(double x_m, double p1_Pa, double p2_Pa, const Refere
   return s;
 }
 
-double PdForce::step(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now, const ReferencePoint& ahead) noexcept {
+double PdForce::step(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now,
+                     const ReferencePoint& ahead) noexcept {
   PdForceState s = terms(x_m, p1_Pa, p2_Pa, now, ahead);
   // The integral rests while the command is limited in the direction in which it would grow.
   const double without_growth_V = unlimited_V(s);

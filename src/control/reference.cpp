@@ -89,12 +89,14 @@ ReferencePoint Reference::at(double t_s) const noexcept {
 ReferenceExtremes Reference::extremes(int order, double duration_s) const {
   const auto n = static_cast<std::size_t>(order);
   double step_s = duration_s / 1000.0;
-  for (const Component& c : components_) step_s = std::min(step_s, 2.0 * M_PI / (40.0 * (std::fabs(c.rate_rad_per_s) + 1e-9)));
+  for (const Component& c : components_)
+    step_s = std::min(step_s, 2.0 * M_PI / (40.0 * (std::fabs(c.rate_rad_per_s) + 1e-9)));
   for (const Piece& p : pieces_) step_s = std::min(step_s, 1.0 / (40.0 * std::fabs(p.rate_per_s)));
   const auto samples = static_cast<std::int64_t>(std::min(duration_s / step_s, 2e6)) + 1;
 
   std::vector<double> times{0.0, duration_s};
-  for (std::int64_t i = 1; i < samples; ++i) times.push_back(duration_s * static_cast<double>(i) / static_cast<double>(samples));
+  for (std::int64_t i = 1; i < samples; ++i)
+    times.push_back(duration_s * static_cast<double>(i) / static_cast<double>(samples));
   for (const Piece& p : pieces_)
     if (p.end_s > 0.0 && p.end_s < duration_s) times.insert(times.end(), {p.end_s, std::nextafter(p.end_s, 0.0)});
   for (const Track& t : tracks_)

@@ -19,21 +19,25 @@ void require(bool condition, const std::string& sentence) {
   if (!condition) reject(sentence);
 }
 void require_finite(std::initializer_list<std::pair<const char*, double>> values) {
-  for (const auto& [key, value] : values) require(std::isfinite(value), fmt::format("{} is {}, expected a number", key, value));
+  for (const auto& [key, value] : values)
+    require(std::isfinite(value), fmt::format("{} is {}, expected a number", key, value));
 }
 void require_degree(int smoothness) {
   require(is_smoothstep_degree(smoothness), fmt::format("smoothness is {}, expected 3, 5, 7, 9 or 11", smoothness));
 }
 /// Times at which something stands: finite, strictly increasing, as many as positions.
-void require_samples(const std::vector<double>& times_s, const std::vector<double>& positions_m, const std::string& where) {
+void require_samples(const std::vector<double>& times_s, const std::vector<double>& positions_m,
+                     const std::string& where) {
   require(times_s.size() == positions_m.size(),
-          fmt::format("{}{} times and {} positions, expected as many of one as of the other", where, times_s.size(), positions_m.size()));
+          fmt::format("{}{} times and {} positions, expected as many of one as of the other", where, times_s.size(),
+                      positions_m.size()));
   require(times_s.size() >= 2, fmt::format("{}{} points, expected at least 2", where, times_s.size()));
   for (std::size_t i = 0; i < times_s.size(); ++i) {
     require(std::isfinite(times_s[i]) && std::isfinite(positions_m[i]),
             fmt::format("{}point {} is ({}, {}), expected numbers", where, i + 1, times_s[i], positions_m[i]));
     require(i == 0 || times_s[i] > times_s[i - 1],
-            fmt::format("{}time {} is {} s after {} s, expected increasing times", where, i + 1, times_s[i], times_s[i > 0 ? i - 1 : 0]));
+            fmt::format("{}time {} is {} s after {} s, expected increasing times", where, i + 1, times_s[i],
+                        times_s[i > 0 ? i - 1 : 0]));
   }
 }
 }  // namespace
@@ -46,13 +50,13 @@ struct Reference::Builder {
 
   void append(const ReferenceSpec& spec) {
     switch (spec.kind) {
-    case ReferenceKind::sine: return oscillation(spec, {{spec.amplitude_m, spec.frequency_Hz, 0.0}});
-    case ReferenceKind::multisine: return oscillation(spec, spec.components);
-    case ReferenceKind::waypoints: return waypoints(spec.times_s, spec.positions_m, spec.smoothness);
-    case ReferenceKind::sum: return sum(spec);
-    case ReferenceKind::cruise: return cruise(spec);
-    case ReferenceKind::minimum_jerk: return minimum_jerk(spec);
-    case ReferenceKind::file: return file(spec);
+      case ReferenceKind::sine: return oscillation(spec, {{spec.amplitude_m, spec.frequency_Hz, 0.0}});
+      case ReferenceKind::multisine: return oscillation(spec, spec.components);
+      case ReferenceKind::waypoints: return waypoints(spec.times_s, spec.positions_m, spec.smoothness);
+      case ReferenceKind::sum: return sum(spec);
+      case ReferenceKind::cruise: return cruise(spec);
+      case ReferenceKind::minimum_jerk: return minimum_jerk(spec);
+      case ReferenceKind::file: return file(spec);
     }
     reject("unknown kind");
   }
@@ -67,7 +71,10 @@ struct Reference::Builder {
     require_finite({{"center_m", spec.center_m}, {"start_s", spec.start_s}, {"ramp_s", spec.ramp_s}});
     require_degree(spec.smoothness);
     require(!components.empty(), "components is empty, expected at least one [amplitude_m, frequency_Hz, phase_rad]");
-    Oscillation o{spec.center_m, spec.start_s, {}, static_cast<std::uint32_t>(out.components_.size()),
+    Oscillation o{spec.center_m,
+                  spec.start_s,
+                  {},
+                  static_cast<std::uint32_t>(out.components_.size()),
                   static_cast<std::uint32_t>(components.size())};
     double slowest_Hz = infinite;
     bool amplitude = false;
@@ -109,12 +116,15 @@ struct Reference::Builder {
   void cruise(const ReferenceSpec& spec) {
     require_finite({{"start_m", spec.start_m}, {"end_m", spec.end_m}, {"start_s", spec.start_s}});
     require(std::isfinite(spec.speed_mps) && spec.speed_mps > 0.0,
-            fmt::format("speed_mps is {}, expected more than 0 (the direction follows from start_m and end_m)", spec.speed_mps));
-    require(std::isfinite(spec.ramp_s) && spec.ramp_s > 0.0, fmt::format("ramp_s is {}, expected more than 0", spec.ramp_s));
+            fmt::format("speed_mps is {}, expected more than 0 (the direction follows from start_m and end_m)",
+                        spec.speed_mps));
+    require(std::isfinite(spec.ramp_s) && spec.ramp_s > 0.0,
+            fmt::format("ramp_s is {}, expected more than 0", spec.ramp_s));
     require_degree(spec.smoothness);
     const double distance_m = spec.end_m - spec.start_m, travel_s = std::fabs(distance_m) / spec.speed_mps;
     require(travel_s >= spec.ramp_s || distance_m == 0.0,
-            fmt::format("speed_mps {} is never reached between start_m {} and end_m {} with ramp_s {}, expected ramp_s of at most {}",
+            fmt::format("speed_mps {} is never reached between start_m {} and end_m {} with ramp_s {}, expected ramp_s "
+                        "of at most {}",
                         spec.speed_mps, spec.start_m, spec.end_m, spec.ramp_s, travel_s));
     Track track = open_track(spec.start_s, spec.start_m);
     if (distance_m != 0.0) {
@@ -150,7 +160,8 @@ struct Reference::Builder {
     Track track = open_track(times_s.front(), positions_m.front());
     const std::vector<std::array<double, 8>> pieces = interpolate_septic(times_s, positions_m);
     for (std::size_t i = 0; i < pieces.size(); ++i)
-      piece(track, times_s[i + 1], times_s[i], 1.0 / (times_s[i + 1] - times_s[i]), std::vector<double>(pieces[i].begin(), pieces[i].end()));
+      piece(track, times_s[i + 1], times_s[i], 1.0 / (times_s[i + 1] - times_s[i]),
+            std::vector<double>(pieces[i].begin(), pieces[i].end()));
     set_end(track, times_s.back(), positions_m.back());
     for (std::size_t i = 1; i < times_s.size(); ++i)
       if (positions_m[i] != positions_m[i - 1]) motion(times_s[i - 1], times_s[i]);
@@ -200,7 +211,8 @@ struct Reference::Builder {
   static std::vector<double> speed_ramp(double gain, int degree) {
     const auto s = smoothstep_coefficients(degree);
     std::vector<double> c(static_cast<std::size_t>(degree) + 2, 0.0);
-    for (std::size_t i = 0; i <= static_cast<std::size_t>(degree); ++i) c[i + 1] = gain * s[i] / static_cast<double>(i + 1);
+    for (std::size_t i = 0; i <= static_cast<std::size_t>(degree); ++i)
+      c[i + 1] = gain * s[i] / static_cast<double>(i + 1);
     return c;
   }
   static constexpr double infinite = std::numeric_limits<double>::infinity();

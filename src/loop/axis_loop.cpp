@@ -16,15 +16,21 @@ double tolerance_of(const Rig& rig, const char* path) {
 bool noise_shows(double noise, double quantum) { return noise > 0.0 && noise >= 0.5 * quantum; }
 
 PlausibleChannel plausible_pressure(const Rig& rig, const PressureSensorParameters& sensor) {
-  return {.lowest = 0.3 * rig.axis.air.atmosphere_Pa, .highest = 1.5 * rig.axis.supply.pressure_Pa, .noisy = noise_shows(sensor.noise_Pa, sensor.quantum_Pa)};
+  return {.lowest = 0.3 * rig.axis.air.atmosphere_Pa,
+          .highest = 1.5 * rig.axis.supply.pressure_Pa,
+          .noisy = noise_shows(sensor.noise_Pa, sensor.quantum_Pa)};
 }
 
 PlausibleChannel plausible_position(const Rig& rig) {
-  const double reach = rig.axis.cylinder.stroke_m;  // twice the half stroke: beyond that the encoder is not of this axis
+  const double reach =
+      rig.axis.cylinder.stroke_m;  // twice the half stroke: beyond that the encoder is not of this axis
   const double noise = rig.sensors.position.noise_m, quantum = rig.sensors.position.quantum_m;
-  return {.lowest = -reach, .highest = reach, .largest_step = rig.limits.speed_mps * rig.period_s + 6.0 * noise + quantum,
+  return {.lowest = -reach,
+          .highest = reach,
+          .largest_step = rig.limits.speed_mps * rig.period_s + 6.0 * noise + quantum,
           // 50 mm/s does not end within a tick of 1 ms: that would take a deceleration of five times gravity.
-          .frozen_step = 0.05 * rig.period_s + 6.0 * noise + quantum, .noisy = noise_shows(noise, quantum)};
+          .frozen_step = 0.05 * rig.period_s + 6.0 * noise + quantum,
+          .noisy = noise_shows(noise, quantum)};
 }
 
 }  // namespace
@@ -39,9 +45,12 @@ EstimatorParameters estimator_parameters(const Rig& rig) {
   p.period_s = rig.period_s;
   p.cells_per_m = rig.estimator.cells_per_m;
   // Rounding to the quantum adds a variance of q^2/12.
-  p.uncertainty.port_noise_Pa = std::hypot(rig.sensors.port_pressure.noise_Pa, rig.sensors.port_pressure.quantum_Pa / std::sqrt(12.0));
-  p.uncertainty.relative_diameter = std::max(tolerance_of(rig, "line_1.diameter_m"), tolerance_of(rig, "line_2.diameter_m"));
-  p.uncertainty.relative_area = std::max(tolerance_of(rig, "cylinder.area_1_m2"), tolerance_of(rig, "cylinder.area_2_m2"));
+  p.uncertainty.port_noise_Pa =
+      std::hypot(rig.sensors.port_pressure.noise_Pa, rig.sensors.port_pressure.quantum_Pa / std::sqrt(12.0));
+  p.uncertainty.relative_diameter =
+      std::max(tolerance_of(rig, "line_1.diameter_m"), tolerance_of(rig, "line_2.diameter_m"));
+  p.uncertainty.relative_area =
+      std::max(tolerance_of(rig, "cylinder.area_1_m2"), tolerance_of(rig, "cylinder.area_2_m2"));
   return p;
 }
 
@@ -112,7 +121,8 @@ void AxisLoop::plan_motion(double t_s, double position_m) noexcept {
   approach_to_m_ = reference_.at(0.0).d[0];
   const double way = std::fabs(approach_to_m_ - approach_from_m_);
   // 1.875: peak over mean speed of a minimum-jerk move.
-  const double duration = way <= approach_tolerance_m ? 0.0 : std::max(approach_shortest_s, 1.875 * way / approach_speed_mps);
+  const double duration =
+      way <= approach_tolerance_m ? 0.0 : std::max(approach_shortest_s, 1.875 * way / approach_speed_mps);
   reference_start_s_ = t_s + period_s_ * std::ceil(duration / period_s_);
 }
 
@@ -150,13 +160,15 @@ double AxisLoop::control(double t_s, const Inputs& inputs, const EstimatorOutput
   std::uint32_t faults = 0;
   if (state.fault != controller_healthy) faults |= fault_command_not_finite;
   if (std::fabs(velocity_mps_) > speed_limit_mps_) faults |= fault_speed;
-  if (source_ == PressureSource::estimated && !(estimate.valid[0] && estimate.valid[1])) faults |= fault_estimate_invalid;
+  if (source_ == PressureSource::estimated && !(estimate.valid[0] && estimate.valid[1]))
+    faults |= fault_estimate_invalid;
   if (faults != 0) latch(faults);
   return command;
 }
 
-bool AxisLoop::pass(Backend& backend, std::int64_t tick, std::int64_t skipped, StageTimes* times, std::int64_t (*now)() noexcept) noexcept {
-  const auto stamp = [&](std::int64_t StageTimes::*stage) {
+bool AxisLoop::pass(Backend& backend, std::int64_t tick, std::int64_t skipped, StageTimes* times,
+                    std::int64_t (*now)() noexcept) noexcept {
+  const auto stamp = [&](std::int64_t StageTimes::* stage) {
     if (times != nullptr) times->*stage = now();
   };
   const double t_s = static_cast<double>(tick) * period_s_;
@@ -169,7 +181,8 @@ bool AxisLoop::pass(Backend& backend, std::int64_t tick, std::int64_t skipped, S
   // Skipped slots passed without a sample: the model goes through them with the newest one.
   for (std::int64_t i = 0; i < std::min<std::int64_t>(skipped, 10); ++i)
     estimator_.step({inputs.port_1_Pa, inputs.port_2_Pa, inputs.position_m, velocity_mps_});
-  const EstimatorOutput estimate = estimator_.step({inputs.port_1_Pa, inputs.port_2_Pa, inputs.position_m, velocity_mps_});
+  const EstimatorOutput estimate =
+      estimator_.step({inputs.port_1_Pa, inputs.port_2_Pa, inputs.position_m, velocity_mps_});
   stamp(&StageTimes::estimated);
   if (faults_ == 0 && !stopped_) command_V_ = control(t_s, inputs, estimate);
   if (faults_ != 0 || stopped_) {
@@ -189,8 +202,11 @@ void AxisLoop::stop(Backend& backend, std::int64_t tick) noexcept {
   backend.write(tick, {command_V_});
 }
 
-void AxisLoop::fill_row(double t_s, std::int64_t skipped, const Measurement& measured, const Truth& truth, const EstimatorOutput& estimate, double command_V) noexcept {
-  const auto recorded = [](const Channel& channel) { return channel.origin == Origin::absent ? Row::none : channel.value; };
+void AxisLoop::fill_row(double t_s, std::int64_t skipped, const Measurement& measured, const Truth& truth,
+                        const EstimatorOutput& estimate, double command_V) noexcept {
+  const auto recorded = [](const Channel& channel) {
+    return channel.origin == Origin::absent ? Row::none : channel.value;
+  };
   row_ = Row{};
   row_.t_s = t_s;
   row_.x_ref_m = now_.d[0];
@@ -212,7 +228,8 @@ void AxisLoop::fill_row(double t_s, std::int64_t skipped, const Measurement& mea
   row_.x_true_m = truth.position_m;
   row_.p1_chamber_true_Pa = truth.chamber_pressure_1_Pa;
   row_.p2_chamber_true_Pa = truth.chamber_pressure_2_Pa;
-  row_.flags = (skipped > 0 ? row_overrun : 0u) | (limited_ ? row_command_limited : 0u) | (faults_ != 0 ? row_fault : 0u);
+  row_.flags =
+      (skipped > 0 ? row_overrun : 0u) | (limited_ ? row_command_limited : 0u) | (faults_ != 0 ? row_fault : 0u);
   row_.fault = faults_;
 }
 

@@ -29,7 +29,9 @@ class Course {
   /// Ends the move that is under way.
   void close() noexcept;
   /// Share of the run that is done, about.
-  double fraction(std::int64_t tick) const noexcept { return static_cast<double>(tick) / static_cast<double>(planned_ticks_); }
+  double fraction(std::int64_t tick) const noexcept {
+    return static_cast<double>(tick) / static_cast<double>(planned_ticks_);
+  }
 
   const std::vector<MoveSpan>& moves() const noexcept { return moves_; }
   std::vector<Row> take_rows() noexcept { return std::move(rows_); }

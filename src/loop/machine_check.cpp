@@ -18,7 +18,8 @@ std::string limits_text() {
   rlimit priority{}, memory{};
   getrlimit(RLIMIT_RTPRIO, &priority);
   getrlimit(RLIMIT_MEMLOCK, &memory);
-  return fmt::format("limits rtprio {}, memlock {} KiB", limit_text(priority.rlim_cur, 1), limit_text(memory.rlim_cur, 1024));
+  return fmt::format("limits rtprio {}, memlock {} KiB", limit_text(priority.rlim_cur, 1),
+                     limit_text(memory.rlim_cur, 1024));
 }
 
 }  // namespace
@@ -32,7 +33,8 @@ std::vector<Finding> check_rights(const RealTimeSettings& settings) {
       findings.push_back({FindingLevel::good, std::move(topic), std::move(what), ""});
     };
     if (state.priority > 0)
-      granted("scheduling policy", fmt::format("{} priority {} is granted ({})", state.policy, state.priority, limits_text()));
+      granted("scheduling policy",
+              fmt::format("{} priority {} is granted ({})", state.policy, state.priority, limits_text()));
     if (state.memory_locked) granted("memory lock", "present and future memory can be locked");
     if (state.cpu_latency_held) granted("sleep states", "can be held off (/dev/cpu_dma_latency at 0 us)");
     if (state.cpu) granted("processor", fmt::format("can be pinned to processor {}", *state.cpu));

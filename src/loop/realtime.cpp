@@ -91,10 +91,11 @@ void RealTimeSession::lock_memory() {
   if (!may_lock_future_memory()) {
     rlimit limit{};
     getrlimit(RLIMIT_MEMLOCK, &limit);
-    refuse(FindingLevel::bad, "memory lock",
-           fmt::format("memory is not locked: the limit memlock is {} KiB, a page fault may stop a tick for milliseconds",
-                       limit.rlim_cur / 1024),
-           rights_remedy);
+    refuse(
+        FindingLevel::bad, "memory lock",
+        fmt::format("memory is not locked: the limit memlock is {} KiB, a page fault may stop a tick for milliseconds",
+                    limit.rlim_cur / 1024),
+        rights_remedy);
     return;
   }
   state_.memory_locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
@@ -107,7 +108,8 @@ void RealTimeSession::hold_cpu_latency() {
   constexpr const char* path = "/dev/cpu_dma_latency";
   const std::int32_t latency_us = 0;
   latency_file_ = open(path, O_WRONLY | O_CLOEXEC);
-  state_.cpu_latency_held = latency_file_ >= 0 && write(latency_file_, &latency_us, sizeof latency_us) == sizeof latency_us;
+  state_.cpu_latency_held =
+      latency_file_ >= 0 && write(latency_file_, &latency_us, sizeof latency_us) == sizeof latency_us;
   if (!state_.cpu_latency_held)
     refuse(FindingLevel::acceptable, "sleep states",
            fmt::format("processor sleep states stay on: {}: {}", path, std::strerror(errno)),
@@ -121,13 +123,14 @@ void RealTimeSession::pin(int cpu) {
   if (cpu >= 0 && cpu < CPU_SETSIZE) CPU_SET(cpu, &one);
   if (sched_setaffinity(0, sizeof one, &one) == 0) state_.cpu = cpu;
   else
-    refuse(FindingLevel::bad, "processor", fmt::format("the loop is not pinned to processor {}: {}", cpu, std::strerror(errno)),
+    refuse(FindingLevel::bad, "processor",
+           fmt::format("the loop is not pinned to processor {}: {}", cpu, std::strerror(errno)),
            fmt::format("choose one of the processors that 'taskset -cp $$' lists (this machine has 0..{})",
                        sysconf(_SC_NPROCESSORS_ONLN) - 1));
 }
 
-// Threads that the program starts later do not inherit the policy (SCHED_RESET_ON_FORK). Where FIFO is refused the timer
-// slack of 50 us at least goes.
+// Threads that the program starts later do not inherit the policy (SCHED_RESET_ON_FORK). Where FIFO is refused the
+// timer slack of 50 us at least goes.
 void RealTimeSession::raise_priority(int priority) {
   sched_param parameters{};
   parameters.sched_priority = priority;

@@ -22,7 +22,7 @@ extern "C" void on_stop_signal(int number) {
 StopRequest::StopRequest() {
   if (installed.exchange(true)) throw std::logic_error("a second StopRequest was created while one is alive");
   stop_reason = 0;
-  struct sigaction action {};
+  struct sigaction action{};
   action.sa_handler = on_stop_signal;
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, &previous_interrupt_);

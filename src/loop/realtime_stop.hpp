@@ -21,7 +21,7 @@ class StopRequest {
   static void stop() noexcept;
 
  private:
-  struct sigaction previous_interrupt_ {}, previous_terminate_ {};
+  struct sigaction previous_interrupt_{}, previous_terminate_{};
 };
 
 }  // namespace pneuservo

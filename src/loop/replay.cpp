@@ -18,16 +18,19 @@ bool same_bits(double a, double b) {
 
 double value_of(const Row& row, const std::string& column) {
   double out = Row::none;
-  Row::visit([&](std::string_view name, const auto& member) {
-    if (name == column) out = static_cast<double>(member);
-  }, row);
+  Row::visit(
+      [&](std::string_view name, const auto& member) {
+        if (name == column) out = static_cast<double>(member);
+      },
+      row);
   return out;
 }
 
 }  // namespace
 
-ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std::int64_t>& ticks, const std::vector<bool>& dropped_before,
-                         int moves, const LoadPositions& load, const std::vector<std::pair<std::string, const std::vector<double>*>>& recorded) {
+ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std::int64_t>& ticks,
+                         const std::vector<bool>& dropped_before, int moves, const LoadPositions& load,
+                         const std::vector<std::pair<std::string, const std::vector<double>*>>& recorded) {
   ReplayResult result;
   for (const auto& [name, values] : recorded) result.compared.push_back(name);
   result.largest_difference.assign(recorded.size(), 0.0);

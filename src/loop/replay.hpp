@@ -30,7 +30,8 @@ struct ReplayResult {
 
 /// `ticks[i]` is the tick of the recording's row i; `recorded(name)` its column or null. `moves` as in the run.
 /// Rows after dropped ones start from another state: the comparison ends there, `compared_rows` says where.
-ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std::int64_t>& ticks, const std::vector<bool>& dropped_before,
-                         int moves, const LoadPositions& load, const std::vector<std::pair<std::string, const std::vector<double>*>>& recorded);
+ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std::int64_t>& ticks,
+                         const std::vector<bool>& dropped_before, int moves, const LoadPositions& load,
+                         const std::vector<std::pair<std::string, const std::vector<double>*>>& recorded);
 
 }  // namespace pneuservo

@@ -1,4 +1,5 @@
-// Checking what a config asks for: each value is allowed by itself, these findings say where values do not fit together.
+// Checking what a config asks for: each value is allowed by itself, these findings say where values do not fit
+// together.
 #pragma once
 #include <vector>
 

@@ -51,7 +51,8 @@ void account(LoopTiming& timing, const StageTimes& stages, std::int64_t lateness
   ++timing.ticks;
 }
 
-void run_real(AxisLoop& loop, Backend& backend, const RunSettings& settings, double period_s, Course& course, RunOutcome& out) {
+void run_real(AxisLoop& loop, Backend& backend, const RunSettings& settings, double period_s, Course& course,
+              RunOutcome& out) {
   out.timing = std::make_unique<LoopTiming>();
   LoopTiming& timing = *out.timing;
   prefault(&timing, sizeof timing);

@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "config/input_error.hpp"
+#include "config/read_rig.hpp"
 #include "loop/machine_check.hpp"
 #include "loop/rig_check.hpp"
 #include "program/verbs.hpp"
-#include "config/read_rig.hpp"
 
 namespace pneuservo {
 namespace {
@@ -22,14 +22,15 @@ struct CheckOptions {
   RealTimeSettings session;
 };
 
-std::vector<Finding> check_config(const std::string& path) {
-  return check_rig(read_rig(path));
-}
+std::vector<Finding> check_config(const std::string& path) { return check_rig(read_rig(path)); }
 
 nlohmann::ordered_json as_json(const std::vector<Finding>& findings) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const Finding& finding : findings)
-    list.push_back({{"topic", finding.topic}, {"level", name(finding.level)}, {"found", finding.what}, {"remedy", finding.remedy}});
+    list.push_back({{"topic", finding.topic},
+                    {"level", name(finding.level)},
+                    {"found", finding.what},
+                    {"remedy", finding.remedy}});
   return list;
 }
 
@@ -47,7 +48,8 @@ int run_check(const CheckOptions& options) {
   const std::vector<Finding> machine = check_machine(options.session);
   const std::vector<Finding> config = options.config.empty() ? std::vector<Finding>{} : check_config(options.config);
   const bool ready = worst_level(machine) != FindingLevel::bad && worst_level(config) != FindingLevel::bad;
-  const std::string verdict = ready ? "nothing speaks against running in real time" : "not ready: see the lines marked bad";
+  const std::string verdict =
+      ready ? "nothing speaks against running in real time" : "not ready: see the lines marked bad";
   if (options.json != "-") {
     std::cout << "machine\n" << finding_table(machine);
     if (!options.config.empty()) std::cout << "\n" << options.config << "\n" << finding_table(config);
@@ -65,7 +67,8 @@ int run_check(const CheckOptions& options) {
 
 void add_check(CLI::App& app, int& status) {
   auto options = std::make_shared<CheckOptions>();
-  CLI::App* verb = app.add_subcommand("check", "grade the machine for real time, and a config; exit status 1 if anything is bad");
+  CLI::App* verb =
+      app.add_subcommand("check", "grade the machine for real time, and a config; exit status 1 if anything is bad");
   verb->add_option("CONFIG", options->config, "config to check as well");
   verb->add_option("--cpu", options->session.cpu, "processor that the loop shall be pinned to");
   verb->add_option("--priority", options->session.priority, "SCHED_FIFO priority that is tried")

@@ -24,7 +24,8 @@ void write_file(const std::string& path, const std::string& text) {
   if (!(file << text) || !file.flush()) throw InputError(path + ": cannot be written");
 }
 
-void print(const IndexOptions& options, const std::string& text, const nlohmann::ordered_json& json, const std::string& html) {
+void print(const IndexOptions& options, const std::string& text, const nlohmann::ordered_json& json,
+           const std::string& html) {
   if (options.json == "-") std::printf("%s\n", json.dump(2).c_str());
   else std::fputs(text.c_str(), stdout);
   if (!options.json.empty() && options.json != "-") write_file(options.json, json.dump(2) + "\n");
@@ -38,9 +39,7 @@ void run_index(const IndexOptions& options) {
   try {
     const RigNecessity result = rig_necessity(rig);
     print(options, index_text(rig.name, result), index_json(rig.name, result), index_html(rig.name, result));
-  } catch (const std::invalid_argument& error) {
-    throw InputError(options.config + ": " + error.what());
-  }
+  } catch (const std::invalid_argument& error) { throw InputError(options.config + ": " + error.what()); }
 }
 }  // namespace
 

@@ -33,7 +33,8 @@ double whole_ns(double time_us) { return std::round(time_us * 1e3) / 1e3; }
 Json histogram_json(const TimeHistogram& histogram) {
   Json bins = Json::array();
   for (int bin = 0; bin < TimeHistogram::bins; ++bin)
-    if (histogram.bin_count(bin) > 0) bins.push_back({whole_ns(TimeHistogram::upper_us(bin)), histogram.bin_count(bin)});
+    if (histogram.bin_count(bin) > 0)
+      bins.push_back({whole_ns(TimeHistogram::upper_us(bin)), histogram.bin_count(bin)});
   return bins;
 }
 
@@ -76,17 +77,21 @@ std::string as_text(const Results& results) {
     text += '\n';
   };
   const auto percentile = [&](std::string_view label, double quantile) {
-    line(label, [=](const LatencyResult& r) { return fmt::format("{:.2f}", r.timing.lateness.percentile_us(quantile)); });
+    line(label,
+         [=](const LatencyResult& r) { return fmt::format("{:.2f}", r.timing.lateness.percentile_us(quantile)); });
   };
   line("", [](const LatencyResult& r) { return r.name; });
-  line("period [us]", [](const LatencyResult& r) { return fmt::format("{:g}", static_cast<double>(r.period_ns) * 1e-3); });
+  line("period [us]",
+       [](const LatencyResult& r) { return fmt::format("{:g}", static_cast<double>(r.period_ns) * 1e-3); });
   line("ticks", [](const LatencyResult& r) { return r.timing.ticks; });
   percentile("lateness p50 [us]", 0.5);
   percentile("lateness p99 [us]", 0.99);
   percentile("lateness p99.9 [us]", 0.999);
   percentile("lateness p99.99 [us]", 0.9999);
-  line("lateness max [us]", [](const LatencyResult& r) { return fmt::format("{:.2f}", r.timing.lateness.maximum_us()); });
-  line("loop's own work p99 [us]", [](const LatencyResult& r) { return fmt::format("{:.2f}", r.timing.loop.percentile_us(0.99)); });
+  line("lateness max [us]",
+       [](const LatencyResult& r) { return fmt::format("{:.2f}", r.timing.lateness.maximum_us()); });
+  line("loop's own work p99 [us]",
+       [](const LatencyResult& r) { return fmt::format("{:.2f}", r.timing.loop.percentile_us(0.99)); });
   line("overruns (slots skipped)", [](const LatencyResult& r) { return r.timing.overruns; });
   line("page faults", [](const LatencyResult& r) { return r.timing.page_faults; });
   line("preemptions", [](const LatencyResult& r) { return r.timing.context_switches_involuntary; });
@@ -124,10 +129,16 @@ int run_latency(LatencyOptions options) {
 void add_latency(CLI::App& app, int& status) {
   auto options = std::make_shared<LatencyOptions>();
   CLI::App* verb = app.add_subcommand("latency", "wake-up latency of the loop's own timer with nothing in it");
-  verb->add_option("--period-us", options->period_us, "period of the timer [us]")->check(CLI::Range(20.0, 1e6))->capture_default_str();
-  verb->add_option("--duration-s", options->settings.duration_s, "how long to measure [s]")->check(CLI::Range(0.01, 1e6))->capture_default_str();
+  verb->add_option("--period-us", options->period_us, "period of the timer [us]")
+      ->check(CLI::Range(20.0, 1e6))
+      ->capture_default_str();
+  verb->add_option("--duration-s", options->settings.duration_s, "how long to measure [s]")
+      ->check(CLI::Range(0.01, 1e6))
+      ->capture_default_str();
   verb->add_option("--cpu", options->settings.session.cpu, "processor to pin the timer's thread to");
-  verb->add_option("--priority", options->settings.session.priority, "of SCHED_FIFO")->check(CLI::Range(1, 99))->capture_default_str();
+  verb->add_option("--priority", options->settings.session.priority, "of SCHED_FIFO")
+      ->check(CLI::Range(1, 99))
+      ->capture_default_str();
   verb->add_option("--json", options->json, "write the numbers and the histogram here; - is standard output");
   verb->callback([options, &status] { status = run_latency(*options); });
 }

@@ -23,8 +23,9 @@ struct ReplayOptions {
 };
 
 /// What the loop computes, in the order in which a difference would arise.
-constexpr const char* compared_columns[] = {"p1_estimated_Pa", "p2_estimated_Pa",  "p1_bound_Pa",      "p2_bound_Pa", "mass_flow_1_kgps",
-                                            "mass_flow_2_kgps", "x_ref_m",         "v_ref_mps", "v_mps",       "u_V"};
+constexpr const char* compared_columns[] = {
+    "p1_estimated_Pa",  "p2_estimated_Pa", "p1_bound_Pa", "p2_bound_Pa", "mass_flow_1_kgps",
+    "mass_flow_2_kgps", "x_ref_m",         "v_ref_mps",   "v_mps",       "u_V"};
 
 int run_replay(const ReplayOptions& options) {
   const Rig rig = read_rig(options.config, options.sets);
@@ -36,7 +37,10 @@ int run_replay(const ReplayOptions& options) {
   std::vector<std::pair<std::string, const std::vector<double>*>> recorded;
   for (const char* name : compared_columns)
     if (data.has(name)) recorded.emplace_back(name, &data.column(name));
-  if (recorded.empty()) throw InputError(options.recording + ": no column of estimator or controller to compare, expected p1_estimated_Pa, p2_estimated_Pa or u_V");
+  if (recorded.empty())
+    throw InputError(
+        options.recording +
+        ": no column of estimator or controller to compare, expected p1_estimated_Pa, p2_estimated_Pa or u_V");
   std::vector<std::int64_t> ticks;
   std::vector<bool> dropped;
   const std::vector<double>* flags = data.has("flags") ? &data.column("flags") : nullptr;
@@ -49,17 +53,24 @@ int run_replay(const ReplayOptions& options) {
   const ReplayResult result = replay_loop(rig, backend, ticks, dropped, moves, load_reference_positions, recorded);
   backend.deactivate();
 
-  nlohmann::ordered_json json{{"config", rig.name}, {"recording", options.recording}, {"rows", ticks.size()}, {"compared_rows", result.compared_rows},
-                              {"identical", result.identical()}, {"differing_values", result.differing_values}};
-  std::string text = fmt::format("{} of {} rows replayed, {} columns compared: ", result.compared_rows, ticks.size(), result.compared.size());
+  nlohmann::ordered_json json{{"config", rig.name},
+                              {"recording", options.recording},
+                              {"rows", ticks.size()},
+                              {"compared_rows", result.compared_rows},
+                              {"identical", result.identical()},
+                              {"differing_values", result.differing_values}};
+  std::string text = fmt::format("{} of {} rows replayed, {} columns compared: ", result.compared_rows, ticks.size(),
+                                 result.compared.size());
   text += result.identical() ? "bit for bit as recorded\n" : fmt::format("{} values differ\n", result.differing_values);
   if (result.first) {
-    text += fmt::format("first: row {} (t = {} s), {}: recorded {}, replayed {}\n", result.first->row, result.first->t_s, result.first->column, result.first->recorded, result.first->replayed);
+    text += fmt::format("first: row {} (t = {} s), {}: recorded {}, replayed {}\n", result.first->row,
+                        result.first->t_s, result.first->column, result.first->recorded, result.first->replayed);
     for (std::size_t i = 0; i < result.compared.size(); ++i) {
       text += fmt::format("  {:<18} largest difference {:.3g}\n", result.compared[i], result.largest_difference[i]);
       json["largest_difference"][result.compared[i]] = result.largest_difference[i];
     }
-    text += "another config, build or code path computes other numbers; the recording's header names those it was made with\n";
+    text += "another config, build or code path computes other numbers; the recording's header names those it was made "
+            "with\n";
   }
   if (options.json != "-") std::cout << text;
   write_json(options.json, json);

@@ -32,8 +32,10 @@ void write_json(const std::string& path, const nlohmann::ordered_json& json) {
 Facts machine_facts(const RealTimeState* session) {
   utsname system{};
   uname(&system);
-  Facts facts{{"version", std::string(version())}, {"code_path", std::string(code_path())},
-              {"time", session == nullptr ? "simulated" : "real"}, {"kernel", std::string(system.sysname) + " " + system.release},
+  Facts facts{{"version", std::string(version())},
+              {"code_path", std::string(code_path())},
+              {"time", session == nullptr ? "simulated" : "real"},
+              {"kernel", std::string(system.sysname) + " " + system.release},
               {"machine", system.machine}};
   if (session == nullptr) return facts;
   facts.emplace_back("preempt_rt", session->preempt_rt ? "true" : "false");
@@ -60,7 +62,8 @@ RecordingHeader run_header(const Rig& rig, const Backend& backend, const Facts& 
   for (const auto& [key, value] : machine)
     if (key != "version" && key != "code_path") header.add_text(key, value);
   std::string channels = "{";
-  for (const auto& [channel, origin] : channel_facts(backend)) channels += (channels.size() > 1 ? ", " : "") + channel + ": " + origin;
+  for (const auto& [channel, origin] : channel_facts(backend))
+    channels += (channels.size() > 1 ? ", " : "") + channel + ": " + origin;
   header.add_yaml("channels", channels + "}");
   header.add_text("config", dump_rig(rig));
   return header;

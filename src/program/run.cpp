@@ -36,12 +36,14 @@ struct RunOptions {
 Rig read_with_options(const RunOptions& options) {
   std::vector<std::string> sets = options.sets;
   if (options.duration_s > 0.0) sets.push_back(fmt::format("duration_s={}", options.duration_s));
-  if (!options.pressure_source.empty() && options.pressure_source != "all") sets.push_back("controller.pressure_source=" + options.pressure_source);
+  if (!options.pressure_source.empty() && options.pressure_source != "all")
+    sets.push_back("controller.pressure_source=" + options.pressure_source);
   return read_rig(options.config, sets);
 }
 
 std::vector<PressureSource> sources_of(const RunOptions& options, const Rig& rig) {
-  if (options.pressure_source == "all") return {PressureSource::valve, PressureSource::chamber, PressureSource::estimated};
+  if (options.pressure_source == "all")
+    return {PressureSource::valve, PressureSource::chamber, PressureSource::estimated};
   return {rig.controller.pressure_source};
 }
 
@@ -51,7 +53,8 @@ std::string_view source_word(PressureSource source) { return pressure_source_nam
 std::string record_path(const RunOptions& options, PressureSource source, bool several) {
   constexpr std::string_view ending = ".csv.gz";
   if (options.record.empty() || !several || !options.record.ends_with(ending)) return options.record;
-  return options.record.substr(0, options.record.size() - ending.size()) + "-" + std::string(source_word(source)) + std::string(ending);
+  return options.record.substr(0, options.record.size() - ending.size()) + "-" + std::string(source_word(source)) +
+         std::string(ending);
 }
 
 /// Columns that this run has.
@@ -60,27 +63,32 @@ std::vector<std::string> recorded_columns(const Backend& backend, bool real_time
   const auto origins = backend.origins();
   const bool truth = backend.name() == "sim";
   Row row;
-  Row::visit([&](std::string_view name, auto&) {
-    for (std::size_t i = 0; i < channel_names.size(); ++i)
-      if (name == std::string(channel_names[i]) + (i == 0 ? "_m" : "_Pa") && origins[i] == Origin::absent) return;
-    if (name.find("_true_") != std::string_view::npos && !truth) return;
-    if ((name == "lateness_us" || name == "work_us") && !real_time) return;
-    columns.emplace_back(name);
-  }, row);
+  Row::visit(
+      [&](std::string_view name, auto&) {
+        for (std::size_t i = 0; i < channel_names.size(); ++i)
+          if (name == std::string(channel_names[i]) + (i == 0 ? "_m" : "_Pa") && origins[i] == Origin::absent) return;
+        if (name.find("_true_") != std::string_view::npos && !truth) return;
+        if ((name == "lateness_us" || name == "work_us") && !real_time) return;
+        columns.emplace_back(name);
+      },
+      row);
   return columns;
 }
 
 void show_progress(double fraction, std::string_view source) {
-  std::fprintf(stderr, "\r%-9.*s %3.0f %%", static_cast<int>(source.size()), source.data(), 100.0 * std::min(fraction, 1.0));
+  std::fprintf(stderr, "\r%-9.*s %3.0f %%", static_cast<int>(source.size()), source.data(),
+               100.0 * std::min(fraction, 1.0));
 }
 
 /// One pressure source from start to safe end; its moves are added to the report. True: no fault, recording whole.
-bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool several, RunReport& report, double& wall_s) {
+bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool several, RunReport& report,
+                double& wall_s) {
   rig.controller.pressure_source = source;
   const bool real_time = options.time == "real", interactive = isatty(STDERR_FILENO) != 0;
   std::unique_ptr<RealTimeSession> session;
   if (real_time) {
-    session = std::make_unique<RealTimeSession>(RealTimeSettings{.priority = options.priority, .cpu = options.cpu >= 0 ? std::optional(options.cpu) : std::nullopt});
+    session = std::make_unique<RealTimeSession>(RealTimeSettings{
+        .priority = options.priority, .cpu = options.cpu >= 0 ? std::optional(options.cpu) : std::nullopt});
     if (report.runs.empty()) std::cerr << refusal_message(session->findings());
   }
   auto backend = make_backend(options.backend, rig);
@@ -104,7 +112,8 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
       settings.writer = writer.get();
     }
   }
-  if (interactive && !real_time) settings.progress = [&](double fraction) { show_progress(fraction, source_word(source)); };
+  if (interactive && !real_time)
+    settings.progress = [&](double fraction) { show_progress(fraction, source_word(source)); };
 
   RunOutcome outcome = run_loop(rig, *backend, settings);
   wall_s += outcome.wall_s;
@@ -112,13 +121,16 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   bool whole = true;
   if (writer) {
     const RecordingSummary summary = writer->close();
-    if (summary.dropped > 0) std::cerr << fmt::format("{}: {} rows were dropped, the writer came too late\n", writer->path(), summary.dropped);
+    if (summary.dropped > 0)
+      std::cerr << fmt::format("{}: {} rows were dropped, the writer came too late\n", writer->path(), summary.dropped);
     if (!summary.error.empty()) std::cerr << summary.error << "\n";
     whole = summary.error.empty();
   }
-  if (outcome.stopped_by_signal) std::cerr << "stopped by a signal: safe output is set, the recording is closed, results so far follow\n";
+  if (outcome.stopped_by_signal)
+    std::cerr << "stopped by a signal: safe output is set, the recording is closed, results so far follow\n";
   for (const auto& fault : outcome.faults) std::cerr << "fault: " << fault << "\n";
-  if (!outcome.faults.empty()) std::cerr << "the valve has its safe output; when the cause is mended, run the same command again\n";
+  if (!outcome.faults.empty())
+    std::cerr << "the valve has its safe output; when the cause is mended, run the same command again\n";
 
   for (std::size_t i = 0; i < outcome.moves.size(); ++i) {
     const MoveSpan& span = outcome.moves[i];
@@ -127,7 +139,8 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
     run.feedforward = rig.controller.flow_feedforward ? "flow" : "none";
     run.move = static_cast<int>(i) + 1;
     run.start_s = span.start_s;
-    run.rows.assign(outcome.rows.begin() + static_cast<std::ptrdiff_t>(span.begin), outcome.rows.begin() + static_cast<std::ptrdiff_t>(span.end));
+    run.rows.assign(outcome.rows.begin() + static_cast<std::ptrdiff_t>(span.begin),
+                    outcome.rows.begin() + static_cast<std::ptrdiff_t>(span.end));
     if (i + 1 == outcome.moves.size()) run.faults = outcome.faults;
     run.ticks = static_cast<std::int64_t>(run.rows.size());
     run.overruns = outcome.overruns;
@@ -139,7 +152,8 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
 }
 
 int run(const RunOptions& options) {
-  if (options.time != "real" && options.time != "simulated") throw InputError("--time: found '" + options.time + "', expected real or simulated");
+  if (options.time != "real" && options.time != "simulated")
+    throw InputError("--time: found '" + options.time + "', expected real or simulated");
   if (options.moves < 1) throw InputError(fmt::format("--moves: found {}, expected 1 or more", options.moves));
   const Rig rig = read_with_options(options);
   if (options.dump_config) {
@@ -174,11 +188,15 @@ void add_run(CLI::App& app, int& status) {
   auto o = std::make_shared<RunOptions>();
   CLI::App* verb = app.add_subcommand("run", "run the controller on the configured backend");
   verb->add_option("CONFIG", o->config, "rig to run, e.g. config/cylinder-10m-7.65mm.yaml")->required();
-  verb->add_option("--set", o->sets, "override one key: PATH=VALUE, e.g. --set reference.frequency_Hz=0.5")->type_name("PATH=VALUE");
-  verb->add_option("--pressure-source", o->pressure_source, "pressures that close the force loop; all: the three of them, compared")
+  verb->add_option("--set", o->sets, "override one key: PATH=VALUE, e.g. --set reference.frequency_Hz=0.5")
+      ->type_name("PATH=VALUE");
+  verb->add_option("--pressure-source", o->pressure_source,
+                   "pressures that close the force loop; all: the three of them, compared")
       ->check(CLI::IsMember({"valve", "chamber", "estimated", "all"}));
-  verb->add_option("--time", o->time, "simulated: as fast as it goes; real: on the machine's clock")->check(CLI::IsMember({"real", "simulated"}));
-  verb->add_option("--duration-s", o->duration_s, "length of the run instead of the config's [s]")->check(CLI::PositiveNumber);
+  verb->add_option("--time", o->time, "simulated: as fast as it goes; real: on the machine's clock")
+      ->check(CLI::IsMember({"real", "simulated"}));
+  verb->add_option("--duration-s", o->duration_s, "length of the run instead of the config's [s]")
+      ->check(CLI::PositiveNumber);
   verb->add_option("--moves", o->moves, "times the reference is run");
   verb->add_option("--hal", o->backend, "backend: sim");
   verb->add_option("--record", o->record, "recording, FILE.csv.gz; with all sources FILE-valve.csv.gz and so on");

@@ -48,7 +48,8 @@ std::vector<Row> simulate_plant(const Rig& rig, const Recording& recording) {
   double held_V = 0.0;
   std::int64_t tick = std::llround(recording.t_s().front() / rig.period_s);
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    for (const std::int64_t due = std::llround(recording.t_s()[i] / rig.period_s); tick < due; ++tick) plant.step(held_V);
+    for (const std::int64_t due = std::llround(recording.t_s()[i] / rig.period_s); tick < due; ++tick)
+      plant.step(held_V);
     if (std::isfinite(command[i])) held_V = command[i];
     const auto port = plant.port_pressure(), chamber = plant.chamber_pressure();
     Row& row = rows[i];
@@ -78,9 +79,11 @@ std::vector<Difference> differences(const Recording& recording, const std::vecto
     std::size_t counted = 0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       double simulated = Row::none;
-      Row::visit([&](std::string_view column, const auto& member) {
-        if (column == name) simulated = static_cast<double>(member);
-      }, rows[i]);
+      Row::visit(
+          [&](std::string_view column, const auto& member) {
+            if (column == name) simulated = static_cast<double>(member);
+          },
+          rows[i]);
       const double e = simulated - recording.column(name)[i];
       if (!std::isfinite(e)) continue;
       d.rms += e * e;
@@ -100,7 +103,9 @@ int run_simulate(const SimulateOptions& options) {
   recording.require({"u_V"});
   const std::vector<Row> rows = simulate_plant(rig, recording);
   nlohmann::ordered_json json{{"config", rig.name}, {"command", options.command}, {"rows", rows.size()}};
-  std::string text = fmt::format("{} rows simulated on the recorded command; simulated minus recorded:\n  {:<16} {:>12} {:>12}\n", rows.size(), "column", "rms", "max");
+  std::string text =
+      fmt::format("{} rows simulated on the recorded command; simulated minus recorded:\n  {:<16} {:>12} {:>12}\n",
+                  rows.size(), "column", "rms", "max");
   for (const Difference& d : differences(recording, rows)) {
     text += fmt::format("  {:<16} {:>12.6g} {:>12.6g}\n", d.column, d.rms, d.maximum);
     json["difference"][d.column] = {{"rms", d.rms}, {"max", d.maximum}};
@@ -109,8 +114,9 @@ int run_simulate(const SimulateOptions& options) {
   write_json(options.json, json);
   if (!options.record.empty()) {
     SimBackend backend(rig);
-    RecordingWriter writer(options.record, run_header(rig, backend, machine_facts(nullptr), 1),
-                           {"t_s", "x_m", "v_mps", "u_V", "p1_port_Pa", "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"});
+    RecordingWriter writer(
+        options.record, run_header(rig, backend, machine_facts(nullptr), 1),
+        {"t_s", "x_m", "v_mps", "u_V", "p1_port_Pa", "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"});
     for (const Row& row : rows) writer.write(row);
     const RecordingSummary summary = writer.close();
     if (!summary.error.empty()) throw InputError(summary.error);
@@ -128,8 +134,9 @@ void add_simulate(CLI::App& app, int& status) {
   verb->add_option("--set", o->sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
   verb->add_option("--record", o->record, "what was simulated, without sensor noise, FILE.csv.gz");
   verb->add_option("--json", o->json, "differences from the recording as JSON, - for standard output");
-  verb->footer("The plant starts at the recording's first position and pressures, at rest. A free position drifts: small flow\n"
-               "errors add up; compare pressures first.");
+  verb->footer(
+      "The plant starts at the recording's first position and pressures, at rest. A free position drifts: small flow\n"
+      "errors add up; compare pressures first.");
   verb->callback([o, &status] { status = run_simulate(*o); });
 }
 

@@ -28,7 +28,8 @@ struct GzipFile::Stream {
 GzipFile::GzipFile(std::string path) : path_(std::move(path)), stream_(std::make_unique<Stream>()) {
   descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (descriptor_ < 0)
-    throw InputError(path_ + ": the recording cannot be created: " + std::strerror(errno) + "; expected a path that can be written");
+    throw InputError(path_ + ": the recording cannot be created: " + std::strerror(errno) +
+                     "; expected a path that can be written");
   if (deflateInit2(&stream_->z, compression_level, Z_DEFLATED, gzip_window_bits, memory_level, strategy) != Z_OK) {
     ::close(descriptor_);
     throw std::bad_alloc();
@@ -85,7 +86,8 @@ void GzipFile::put(const char* bytes, std::size_t count) noexcept {
 }
 
 void GzipFile::fail(const char* action, int number) noexcept {
-  error_ = path_ + ": the recording " + action + ": " + std::strerror(number) + "; rows after the last flush are missing";
+  error_ =
+      path_ + ": the recording " + action + ": " + std::strerror(number) + "; rows after the last flush are missing";
 }
 
 }  // namespace pneuservo

@@ -55,7 +55,8 @@ void RecordingHeader::add_text(std::string key, std::string_view text) {
 
 void RecordingHeader::add_number(std::string key, double value) {
   char text[number_text_size];
-  add(std::move(key), fmt::format(" {}", std::string_view(text, static_cast<std::size_t>(number_text(text, value) - text))));
+  add(std::move(key),
+      fmt::format(" {}", std::string_view(text, static_cast<std::size_t>(number_text(text, value) - text))));
 }
 
 void RecordingHeader::add(std::string key, std::string value) {

@@ -16,7 +16,8 @@ namespace pneuservo {
 namespace {
 
 constexpr double gap_periods = 1.5;  // a step in time that is longer misses at least one row
-constexpr double spike_periods = 10;  // a time that is ahead by more and then back is wrong itself; by less, the later row is
+constexpr double spike_periods =
+    10;  // a time that is ahead by more and then back is wrong itself; by less, the later row is
 
 std::string quoted(const std::string& text) { return text.empty() ? "missing" : fmt::format("\"{}\"", text); }
 
@@ -30,10 +31,12 @@ void read_keys(Recording& recording) {
     recording.report(0, ProblemKind::header,
                      fmt::format("format is {}; expected {}", quoted(format), RecordingHeader::format));
   recording.rig = text("rig");
-  if (recording.rig.empty()) recording.report(0, ProblemKind::header, "rig is missing; expected the name of the config");
+  if (recording.rig.empty())
+    recording.report(0, ProblemKind::header, "rig is missing; expected the name of the config");
   double period_s = 0.0;
   const std::string period = text("period_s");
-  if (!period.empty() && YAML::convert<double>::decode(header["period_s"], period_s) && period_s > 0 && std::isfinite(period_s))
+  if (!period.empty() && YAML::convert<double>::decode(header["period_s"], period_s) && period_s > 0 &&
+      std::isfinite(period_s))
     recording.period_s = period_s;
   else
     recording.report(0, ProblemKind::header,
@@ -72,15 +75,18 @@ class TimeCheck {
       kept_.push_back(i);
     } else if (t == before) {
       report(i, ProblemKind::repeated_time,
-             fmt::format("t_s {} is that of line {} again; the row is not used", t, recording_.line_numbers[kept_.back()]));
+             fmt::format("t_s {} is that of line {} again; the row is not used", t,
+                         recording_.line_numbers[kept_.back()]));
     } else if (follows_a_spike(t)) {
       report(kept_.back(), ProblemKind::decreasing_time,
-             fmt::format("t_s {} is ahead of line {} with {}; the row is not used", before, recording_.line_numbers[i], t));
+             fmt::format("t_s {} is ahead of line {} with {}; the row is not used", before, recording_.line_numbers[i],
+                         t));
       kept_.back() = i;
       gaps_.pop_back();
     } else {
       report(i, ProblemKind::decreasing_time,
-             fmt::format("t_s {} is behind line {} with {}; the row is not used", t, recording_.line_numbers[kept_.back()], before));
+             fmt::format("t_s {} is behind line {} with {}; the row is not used", t,
+                         recording_.line_numbers[kept_.back()], before));
     }
   }
 
@@ -98,8 +104,8 @@ class TimeCheck {
     recording_.missing_rows += missing;
     if (dropped) recording_.dropped_rows += missing;
     report(after, ProblemKind::gap,
-           fmt::format("t_s goes from {} to {}, a step of {:.6g} s where period_s is {}: {} row{} missing{}", t_s_[before], t_s_[after], step,
-                       recording_.period_s, missing, missing == 1 ? " is" : "s are",
+           fmt::format("t_s goes from {} to {}, a step of {:.6g} s where period_s is {}: {} row{} missing{}",
+                       t_s_[before], t_s_[after], step, recording_.period_s, missing, missing == 1 ? " is" : "s are",
                        dropped ? ", which the recorder dropped (flags bit 2)" : ""));
   }
 

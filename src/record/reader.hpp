@@ -10,7 +10,8 @@ namespace pneuservo {
 /// A table with strictly increasing `t_s`; rows that break the order are reported and left out.
 struct Recording : Table {
   std::string rig;  ///< the config's name; empty if the header lacks it
-  double period_s = std::numeric_limits<double>::quiet_NaN();  ///< > 0, or NaN if the header lacks it (gaps are not sought then)
+  double period_s =
+      std::numeric_limits<double>::quiet_NaN();  ///< > 0, or NaN if the header lacks it (gaps are not sought then)
 
   const std::vector<double>& t_s() const { return column("t_s"); }
   /// Rows that gaps in time show to be missing, and how many of them the recorder marked as dropped by itself.

@@ -46,8 +46,7 @@ bool parse(std::string_view field, double& value) {
 YAML::Node parse_header(const std::string& comments) {
   try {
     if (YAML::Node whole = YAML::Load(comments); whole.IsMap()) return whole;
-  } catch (const YAML::Exception&) {
-  }
+  } catch (const YAML::Exception&) {}
   YAML::Node header(YAML::NodeType::Map);
   for (std::size_t start = 0; start < comments.size();) {
     std::size_t end = comments.find('\n', start) + 1;
@@ -56,8 +55,7 @@ YAML::Node parse_header(const std::string& comments) {
       const YAML::Node entry = YAML::Load(comments.substr(start, end - start));
       if (entry.IsMap())
         for (const auto& pair : entry) header[pair.first.Scalar()] = pair.second;
-    } catch (const YAML::Exception&) {
-    }
+    } catch (const YAML::Exception&) {}
     start = end;
   }
   return header;
@@ -73,8 +71,9 @@ class TableReader {
     while (input_.next_line(line)) read_row(line);
     report_end();
     if (table_.rows() == 0)
-      throw InputError(fmt::format("{}, line {}: there is no row that can be used{}; expected at least one line of {} numbers",
-                                   table_.path, input_.line_number() + 1, end_words(), table_.names.size()));
+      throw InputError(
+          fmt::format("{}, line {}: there is no row that can be used{}; expected at least one line of {} numbers",
+                      table_.path, input_.line_number() + 1, end_words(), table_.names.size()));
     return std::move(table_);
   }
 
@@ -92,10 +91,10 @@ class TableReader {
         return;
       }
     }
-    throw InputError(fmt::format("{}, line {}: the file ends before the line of column names{}; expected one line such as "
-                                 "t_s,x_m,u_V after the comment lines",
-                                 table_.path, input_.line_number() + 1,
-                                 end_words()));
+    throw InputError(
+        fmt::format("{}, line {}: the file ends before the line of column names{}; expected one line such as "
+                    "t_s,x_m,u_V after the comment lines",
+                    table_.path, input_.line_number() + 1, end_words()));
   }
 
   std::string_view end_words() const {
@@ -106,9 +105,10 @@ class TableReader {
     for (const std::string_view name : split(line)) {
       double number;
       if (name.empty() || parse(name, number))
-        throw InputError(fmt::format("{}, line {}: found \"{}\" where a column name is expected; the first line after the "
-                                     "comment lines names the columns",
-                                     table_.path, input_.line_number(), name));
+        throw InputError(
+            fmt::format("{}, line {}: found \"{}\" where a column name is expected; the first line after the "
+                        "comment lines names the columns",
+                        table_.path, input_.line_number(), name));
       if (table_.has(name))
         throw InputError(fmt::format("{}, line {}: column {} is there twice", table_.path, input_.line_number(), name));
       table_.names.emplace_back(name);
@@ -154,8 +154,9 @@ class TableReader {
     if (input_.end() == TextInput::End::truncated)
       table_.report(line, ProblemKind::truncated, "the file is cut off here; the whole rows before are used");
     else if (input_.end() == TextInput::End::damaged)
-      table_.report(line, ProblemKind::damaged,
-                    "the compressed data are damaged near here; the rows before are used, the last of them may be wrong");
+      table_.report(
+          line, ProblemKind::damaged,
+          "the compressed data are damaged near here; the rows before are used, the last of them may be wrong");
   }
 
   TextInput input_;
@@ -167,8 +168,8 @@ class TableReader {
 
 std::string_view name_of(ProblemKind kind) {
   static constexpr std::array<std::string_view, 10> names = {
-      "header", "field_count", "not_a_number", "unreadable_field", "no_time",
-      "gap", "repeated_time", "decreasing_time", "truncated", "damaged"};
+      "header", "field_count",   "not_a_number",    "unreadable_field", "no_time",
+      "gap",    "repeated_time", "decreasing_time", "truncated",        "damaged"};
   return names[static_cast<std::size_t>(kind)];
 }
 
@@ -190,7 +191,8 @@ void Table::require(const std::vector<std::string>& columns) const {
 }
 
 void Table::report(std::size_t line, ProblemKind kind, std::string_view what) {
-  problems.push_back({line, kind, line > 0 ? fmt::format("{}, line {}: {}", path, line, what) : fmt::format("{}: {}", path, what)});
+  problems.push_back(
+      {line, kind, line > 0 ? fmt::format("{}, line {}: {}", path, line, what) : fmt::format("{}: {}", path, what)});
 }
 
 Table read_table(const std::string& path) { return TableReader(path).read(); }
@@ -201,7 +203,8 @@ std::vector<std::string> problem_lines(const Table& table, std::size_t each) {
   for (const RecordingProblem& problem : table.problems)
     if (counts[problem.kind]++ < each) result.push_back(problem.sentence);
   for (const auto& [kind, count] : counts)
-    if (count > each) result.push_back(fmt::format("{}: {} more of the kind {}", table.path, count - each, name_of(kind)));
+    if (count > each)
+      result.push_back(fmt::format("{}: {} more of the kind {}", table.path, count - each, name_of(kind)));
   return result;
 }
 

@@ -23,7 +23,8 @@ TextInput::TextInput(std::string path) : path_(std::move(path)), stream_(std::ma
   if (descriptor_ < 0) throw InputError(path_ + ": cannot be opened: " + std::strerror(errno));
   try {
     fill();
-    if (text_.empty() && at_end_ && end_ == End::whole) throw InputError(path_ + ": the file is empty; expected a recording");
+    if (text_.empty() && at_end_ && end_ == End::whole)
+      throw InputError(path_ + ": the file is empty; expected a recording");
   } catch (...) {
     ::close(descriptor_);
     if (gzip_) inflateEnd(&stream_->z);
@@ -70,7 +71,8 @@ void TextInput::fill() {
   if (first_) {
     first_ = false;
     gzip_ = count >= 2 && in[0] == 0x1f && in[1] == 0x8b;
-    if (!gzip_ && count > 0 && path_.ends_with(".gz")) throw InputError(path_ + ": is not gzip data, although its name says so");
+    if (!gzip_ && count > 0 && path_.ends_with(".gz"))
+      throw InputError(path_ + ": is not gzip data, although its name says so");
     constexpr int gzip_window_bits = 15 + 16;
     if (gzip_ && inflateInit2(&stream_->z, gzip_window_bits) != Z_OK) throw std::bad_alloc();
   }

@@ -106,18 +106,19 @@ ReferenceSpan sum_span(const ReferenceSpec& reference) {
 
 ReferenceSpan reference_span(const ReferenceSpec& reference) {
   switch (reference.kind) {
-  case ReferenceKind::sine:
-  case ReferenceKind::multisine: return {reference.start_s, infinite, true};
-  case ReferenceKind::file: return {reference.start_s, infinite, false};
-  case ReferenceKind::sum: return sum_span(reference);
-  case ReferenceKind::waypoints:
-    if (reference.times_s.empty()) return {};
-    return {reference.times_s.front(), reference.times_s.back(), false};
-  case ReferenceKind::cruise:
-    return {reference.start_s,
-            reference.start_s + std::fabs(reference.end_m - reference.start_m) / reference.speed_mps + reference.ramp_s,
-            false};
-  case ReferenceKind::minimum_jerk: return {reference.start_s, reference.start_s + reference.duration_s, false};
+    case ReferenceKind::sine:
+    case ReferenceKind::multisine: return {reference.start_s, infinite, true};
+    case ReferenceKind::file: return {reference.start_s, infinite, false};
+    case ReferenceKind::sum: return sum_span(reference);
+    case ReferenceKind::waypoints:
+      if (reference.times_s.empty()) return {};
+      return {reference.times_s.front(), reference.times_s.back(), false};
+    case ReferenceKind::cruise:
+      return {reference.start_s,
+              reference.start_s + std::fabs(reference.end_m - reference.start_m) / reference.speed_mps +
+                  reference.ramp_s,
+              false};
+    case ReferenceKind::minimum_jerk: return {reference.start_s, reference.start_s + reference.duration_s, false};
   }
   return {};
 }

@@ -35,8 +35,8 @@ EvaluationWindow evaluation_window(const Rig& rig, double run_duration_s);
 /// `rows` at which the reference started. The run's duration is that of its rows, so a run that a fault or a signal
 /// ended is judged over what there is of it; figures without any row are NaN.
 /// Error = x_ref - x_true (x_m where there is no truth); estimation error = p_estimated - p_chamber_true (NaN without
-/// truth); ripple: of the true chamber pressure, of the measured one where there is no truth, without the first and last
-/// 1/3.5 s of the rows.
+/// truth); ripple: of the true chamber pressure, of the measured one where there is no truth, without the first and
+/// last 1/3.5 s of the rows.
 Metrics evaluate(const Rig& rig, const std::vector<Row>& rows, double start_s = 0.0);
 
 }  // namespace pneuservo

@@ -25,10 +25,10 @@ std::string with_unit(std::string_view title, std::string_view unit) {
 
 std::string bar_html(const BarChart::Bar& bar, double largest) {
   const double share = std::isfinite(bar.value) && largest > 0.0 ? std::fabs(bar.value) / largest : 0.0;
-  return fmt::format("<div class=\"bar\"><span class=\"bar-name\">{}</span><span class=\"bar-track\"><span class=\"bar-fill "
-                     "tone-{}\" style=\"width:{:.1f}%\"></span></span><span class=\"bar-value\">{}</span></div>",
-                     html_escape(bar.name), tone_names[static_cast<int>(bar.tone)], 100.0 * share,
-                     html_escape(figure(bar.value)));
+  return fmt::format(
+      "<div class=\"bar\"><span class=\"bar-name\">{}</span><span class=\"bar-track\"><span class=\"bar-fill "
+      "tone-{}\" style=\"width:{:.1f}%\"></span></span><span class=\"bar-value\">{}</span></div>",
+      html_escape(bar.name), tone_names[static_cast<int>(bar.tone)], 100.0 * share, html_escape(figure(bar.value)));
 }
 
 }  // namespace
@@ -38,19 +38,20 @@ std::string html_escape(std::string_view text) {
   escaped.reserve(text.size());
   for (char c : text) {
     switch (c) {
-    case '&': escaped += "&amp;"; break;
-    case '<': escaped += "&lt;"; break;
-    case '>': escaped += "&gt;"; break;
-    case '"': escaped += "&quot;"; break;
-    case '\'': escaped += "&#39;"; break;
-    default: escaped += c;
+      case '&': escaped += "&amp;"; break;
+      case '<': escaped += "&lt;"; break;
+      case '>': escaped += "&gt;"; break;
+      case '"': escaped += "&quot;"; break;
+      case '\'': escaped += "&#39;"; break;
+      default: escaped += c;
     }
   }
   return escaped;
 }
 
 HtmlPage::HtmlPage(std::string title, std::string_view eyebrow, std::string_view headline) : title_(std::move(title)) {
-  body_ = fmt::format("<header><p class=\"eyebrow\">{}</p><h1>{}</h1></header>\n", html_escape(eyebrow), html_escape(headline));
+  body_ = fmt::format("<header><p class=\"eyebrow\">{}</p><h1>{}</h1></header>\n", html_escape(eyebrow),
+                      html_escape(headline));
 }
 
 void HtmlPage::section(std::string_view title, std::string_view text) {
@@ -71,7 +72,8 @@ void HtmlPage::table(const Table& table) {
   body_ += "<thead><tr>";
   std::size_t rows = 0;
   for (const TableColumn& column : table.columns) {
-    body_ += fmt::format("<th{}>{}</th>", column.is_text ? " class=\"text\"" : "", with_unit(column.title, column.unit));
+    body_ +=
+        fmt::format("<th{}>{}</th>", column.is_text ? " class=\"text\"" : "", with_unit(column.title, column.unit));
     rows = std::max(rows, column.cells.size());
   }
   body_ += "</tr></thead><tbody>";
@@ -100,9 +102,10 @@ void HtmlPage::bars(const std::vector<BarChart>& charts) {
 
 void HtmlPage::plot(const Plot& plot) {
   const std::string id = fmt::format("plot-{}", ++plots_);
-  body_ += fmt::format("<figure class=\"plot\" id=\"{}\"><figcaption><h3>{}</h3><span class=\"legend\"></span></figcaption>"
-                       "<div class=\"canvas\" style=\"height:{}px\"></div><p class=\"x-title\">{}</p></figure>\n",
-                       id, with_unit(plot.title, plot.unit), plot.height_px, with_unit(plot.x_title, plot.x_unit));
+  body_ +=
+      fmt::format("<figure class=\"plot\" id=\"{}\"><figcaption><h3>{}</h3><span class=\"legend\"></span></figcaption>"
+                  "<div class=\"canvas\" style=\"height:{}px\"></div><p class=\"x-title\">{}</p></figure>\n",
+                  id, with_unit(plot.title, plot.unit), plot.height_px, with_unit(plot.x_title, plot.x_unit));
   plot_data_.append(plots_ > 1 ? ",\n" : "").append(plot_json(plot, id));
 }
 
@@ -115,7 +118,8 @@ void HtmlPage::plots(const std::vector<Plot>& row) {
 void HtmlPage::panels_begin(const std::vector<std::string>& names, std::size_t selected) {
   const int set = ++panel_sets_;
   selected_panel_ = selected;
-  body_ += fmt::format("<div class=\"panels\"><div class=\"tabs\" role=\"group\"{}>", names.size() < 2 ? " hidden" : "");
+  body_ +=
+      fmt::format("<div class=\"panels\"><div class=\"tabs\" role=\"group\"{}>", names.size() < 2 ? " hidden" : "");
   for (std::size_t i = 0; i < names.size(); ++i)
     body_ += fmt::format("<button type=\"button\" data-panel=\"panel-{}-{}\" aria-pressed=\"{}\">{}</button>", set, i,
                          i == selected ? "true" : "false", html_escape(names[i]));
@@ -134,7 +138,8 @@ void HtmlPage::panels_end() {
 }
 
 void HtmlPage::details(std::string_view title, std::string_view text) {
-  body_ += fmt::format("<details><summary>{}</summary><pre>{}</pre></details>\n", html_escape(title), html_escape(text));
+  body_ +=
+      fmt::format("<details><summary>{}</summary><pre>{}</pre></details>\n", html_escape(title), html_escape(text));
 }
 
 void HtmlPage::details(std::string_view title, const std::vector<std::pair<std::string, std::string>>& facts) {

@@ -13,7 +13,8 @@ namespace {
 /// A JSON string; nlohmann replaces what is not UTF-8, and '<' would end a script element.
 std::string quoted(const std::string& text) {
   std::string json = nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  for (std::size_t at = json.find('<'); at != std::string::npos; at = json.find('<', at)) json.replace(at, 1, "\\u003c");
+  for (std::size_t at = json.find('<'); at != std::string::npos; at = json.find('<', at))
+    json.replace(at, 1, "\\u003c");
   return json;
 }
 
@@ -42,7 +43,8 @@ std::string abscissa(const std::vector<double>& x, double step) {
   }
   std::string json = fmt::format("{{\"from\":{},\"step\":{:.12g},\"by\":[", std::llround(x.front() / step), step);
   for (std::size_t i = 0; i < x.size(); ++i)
-    json += fmt::format("{}{}", i > 0 ? "," : "", i > 0 ? std::llround(x[i] / step) - std::llround(x[i - 1] / step) : 0);
+    json +=
+        fmt::format("{}{}", i > 0 ? "," : "", i > 0 ? std::llround(x[i] / step) - std::llround(x[i - 1] / step) : 0);
   return json + "]}";
 }
 
@@ -55,7 +57,8 @@ std::string curve_json(const Curve& curve, const Plot& plot) {
 
 /// A band keeps the outermost of every stretch of equal length.
 std::string band_json(const Band& band, const Plot& plot) {
-  const std::size_t n = band.x.size(), stretch = std::max<std::size_t>(1, 4 * n / std::max<std::size_t>(1, plot.points_max));
+  const std::size_t n = band.x.size(),
+                    stretch = std::max<std::size_t>(1, 4 * n / std::max<std::size_t>(1, plot.points_max));
   std::vector<double> x, low, high;
   for (std::size_t i = 0; i < n; i += stretch) {
     const std::size_t end = std::min(n, i + stretch);
@@ -110,15 +113,14 @@ std::vector<std::size_t> keep_peaks(const std::vector<double>& y, std::size_t po
 }
 
 std::string plot_json(const Plot& plot, const std::string& id) {
-  return fmt::format("{{\"id\":{},\"group\":{},\"logX\":{},\"logY\":{},\"curves\":{},\"bands\":{},\"marks\":{},\"windows\":{}}}",
-                     quoted(id), quoted(plot.group), plot.log_x, plot.log_y,
-                     list(plot.curves, [&](const Curve& curve) { return curve_json(curve, plot); }),
-                     list(plot.bands, [&](const Band& band) { return band_json(band, plot); }),
-                     list(plot.marks,
-                          [](const Mark& mark) {
-                            return fmt::format("{{\"x\":{:.9g},\"text\":{}}}", mark.x, quoted(mark.text));
-                          }),
-                     list(plot.windows, [](const auto& w) { return fmt::format("[{:.9g},{:.9g}]", w.first, w.second); }));
+  return fmt::format(
+      "{{\"id\":{},\"group\":{},\"logX\":{},\"logY\":{},\"curves\":{},\"bands\":{},\"marks\":{},\"windows\":{}}}",
+      quoted(id), quoted(plot.group), plot.log_x, plot.log_y,
+      list(plot.curves, [&](const Curve& curve) { return curve_json(curve, plot); }),
+      list(plot.bands, [&](const Band& band) { return band_json(band, plot); }),
+      list(plot.marks,
+           [](const Mark& mark) { return fmt::format("{{\"x\":{:.9g},\"text\":{}}}", mark.x, quoted(mark.text)); }),
+      list(plot.windows, [](const auto& w) { return fmt::format("[{:.9g},{:.9g}]", w.first, w.second); }));
 }
 
 }  // namespace pneuservo

@@ -39,7 +39,8 @@ void add_fault_mark(Plot& plot, const RunReport& report, const RunResult& run) {
   auto row = std::find_if(run.rows.begin(), run.rows.end(), [](const Row& r) { return (r.flags & row_fault) != 0; });
   if (row == run.rows.end() && (run.faults.empty() || run.rows.empty())) return;
   if (row == run.rows.end()) --row;
-  plot.marks.push_back({row->t_s - run.start_s, report.runs.size() > 1 ? fmt::format("fault, {}", run_label(report, run)) : "fault"});
+  plot.marks.push_back(
+      {row->t_s - run.start_s, report.runs.size() > 1 ? fmt::format("fault, {}", run_label(report, run)) : "fault"});
 }
 
 Plot time_plot(const RunReport& report, std::string title, std::string unit, double period_s) {
@@ -117,8 +118,8 @@ Plot position_plot(const RunReport& report, double period_s) {
   const auto runs = shown_runs(report);
   if (!runs.empty()) {
     // The longest run has the whole reference; a fault may have cut the others.
-    const RunResult& longest = **std::max_element(
-        runs.begin(), runs.end(), [](auto* a, auto* b) { return a->rows.size() < b->rows.size(); });
+    const RunResult& longest =
+        **std::max_element(runs.begin(), runs.end(), [](auto* a, auto* b) { return a->rows.size() < b->rows.size(); });
     add_curve(plot, longest, "reference", Tone::neutral, true, [](const Row& row) { return 1e3 * row.x_ref_m; });
     add_window(plot, longest.metrics);
   }
@@ -153,7 +154,8 @@ Plot command_plot(const RunReport& report, double period_s) {
 
 Plot pressure_plot(const RunReport& report, const RunResult& run, int side, double period_s) {
   const bool one = side == 1;
-  const Column port = one ? &Row::p1_port_Pa : &Row::p2_port_Pa, measured = one ? &Row::p1_chamber_Pa : &Row::p2_chamber_Pa;
+  const Column port = one ? &Row::p1_port_Pa : &Row::p2_port_Pa,
+               measured = one ? &Row::p1_chamber_Pa : &Row::p2_chamber_Pa;
   const Column truth = one ? &Row::p1_chamber_true_Pa : &Row::p2_chamber_true_Pa;
   const Column estimated = one ? &Row::p1_estimated_Pa : &Row::p2_estimated_Pa;
   Plot plot = time_plot(report, fmt::format("Pressures of chamber {}", side), "kPa", period_s);
@@ -161,10 +163,8 @@ Plot pressure_plot(const RunReport& report, const RunResult& run, int side, doub
     add_curve(plot, run, name, tone, dashed, [&](const Row& row) { return 1e-3 * row.*column; });
   };
   add("valve port", Tone::valve, false, port);
-  if (has_values(run, truth))
-    add("chamber, true", Tone::chamber, false, truth);
-  else
-    add("chamber, measured", Tone::chamber, false, measured);
+  if (has_values(run, truth)) add("chamber, true", Tone::chamber, false, truth);
+  else add("chamber, measured", Tone::chamber, false, measured);
   add("chamber, estimated", Tone::estimated, true, estimated);
   add_fault_mark(plot, report, run);
   return plot;
@@ -232,8 +232,8 @@ std::vector<BarChart> figure_bars(const RunReport& report) {
   for (const Figure& each : figures) {
     BarChart chart{each.title, each.unit, {}};
     for (const RunResult* run : shown_runs(report))
-      chart.bars.push_back({run_label(report, *run), tone_of(run->pressure_source),
-                            std::fabs(run->metrics.*each.member) * each.scale});
+      chart.bars.push_back(
+          {run_label(report, *run), tone_of(run->pressure_source), std::fabs(run->metrics.*each.member) * each.scale});
     charts.push_back(std::move(chart));
   }
   return charts;

@@ -10,7 +10,8 @@ namespace pneuservo {
 /// Colour of a pressure source, the same for its run and for its pressures.
 Tone tone_of(const std::string& pressure_source);
 
-/// Runs whose curves a page shows: all up to six, else the first and last move of every pressure source and feedforward.
+/// Runs whose curves a page shows: all up to six, else the first and last move of every pressure source and
+/// feedforward.
 std::vector<const RunResult*> shown_runs(const RunReport& report);
 
 /// Position against reference, all shown runs [mm].

@@ -16,11 +16,14 @@ std::string definitions(const RunReport& report) {
   const Metrics& metrics = report.runs.front().metrics;
   std::string text = "Errors are reference minus ";
   text += metrics.position_is_true ? "true position of the simulated plant" : "measured position";
-  if (std::isfinite(metrics.from_s)) text += fmt::format(", from {} s to {} s", figure(metrics.from_s), figure(metrics.to_s));
-  return text + fmt::format(" (shaded in the plots). The end error is the mean over the last {:g} s. Estimation error: estimated "
-                            "minus true chamber pressure, the larger of both chambers. Ripple: peak to peak of a chamber's "
-                            "pressure above {:g} Hz. Command step: rms from one period to the next.",
-                            end_stretch_s, ripple_corner_Hz);
+  if (std::isfinite(metrics.from_s))
+    text += fmt::format(", from {} s to {} s", figure(metrics.from_s), figure(metrics.to_s));
+  return text +
+         fmt::format(
+             " (shaded in the plots). The end error is the mean over the last {:g} s. Estimation error: estimated "
+             "minus true chamber pressure, the larger of both chambers. Ripple: peak to peak of a chamber's "
+             "pressure above {:g} Hz. Command step: rms from one period to the next.",
+             end_stretch_s, ripple_corner_Hz);
 }
 
 void add_figures(HtmlPage& page, const RunReport& report) {
@@ -29,8 +32,8 @@ void add_figures(HtmlPage& page, const RunReport& report) {
   if (report.runs.size() > 1) page.bars(figure_bars(report));
   const std::size_t shown = shown_runs(report).size();
   if (shown < report.runs.size())
-    page.paragraph(fmt::format("Bars and plots show the first and last move of each pressure source, {} of {} runs.", shown,
-                               report.runs.size()));
+    page.paragraph(fmt::format("Bars and plots show the first and last move of each pressure source, {} of {} runs.",
+                               shown, report.runs.size()));
 }
 
 void add_motion(HtmlPage& page, const RunReport& report, double period_s) {
@@ -69,8 +72,9 @@ void add_pressures(HtmlPage& page, const RunReport& report, double period_s) {
 void add_timing(HtmlPage& page, const RunReport& report) {
   const auto table = latency_table(report);
   if (!table) return;
-  page.section("Timing", "Lateness is the wake-up against the ideal grid; loop is the loop's own work without estimator, "
-                         "controller and backend.");
+  page.section("Timing",
+               "Lateness is the wake-up against the ideal grid; loop is the loop's own work without estimator, "
+               "controller and backend.");
   page.table(*table);
   if (const auto interruptions = interruption_table(report)) page.table(*interruptions);
   for (const RunResult& run : report.runs) {
@@ -86,9 +90,11 @@ void add_timing(HtmlPage& page, const RunReport& report) {
 }
 
 HtmlPage make_page(const RunReport& report, const Rig& rig) {
-  HtmlPage page(report.config + " · run", fmt::format("{} · {}", report.config, circumstances(report)), headline(report));
+  HtmlPage page(report.config + " · run", fmt::format("{} · {}", report.config, circumstances(report)),
+                headline(report));
   for (const RunResult& run : report.runs)  // the headline of a single run already says it
-    for (const std::string& fault : report.runs.size() > 1 ? run.faults : std::vector<std::string>()) page.alert(fmt::format("Fault with {}: {}", run_label(report, run), fault));
+    for (const std::string& fault : report.runs.size() > 1 ? run.faults : std::vector<std::string>())
+      page.alert(fmt::format("Fault with {}: {}", run_label(report, run), fault));
   if (!report.runs.empty()) {
     add_figures(page, report);
     add_motion(page, report, rig.period_s);
@@ -106,6 +112,8 @@ HtmlPage make_page(const RunReport& report, const Rig& rig) {
 
 std::string run_report_html(const RunReport& report, const Rig& rig) { return make_page(report, rig).html(); }
 
-void write_run_report(const RunReport& report, const Rig& rig, const std::string& path) { make_page(report, rig).write(path); }
+void write_run_report(const RunReport& report, const Rig& rig, const std::string& path) {
+  make_page(report, rig).write(path);
+}
 
 }  // namespace pneuservo

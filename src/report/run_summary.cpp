@@ -69,14 +69,11 @@ std::vector<const RunResult*> rivals(const RunReport& report, const RunResult& b
     if (run.pressure_source == best.pressure_source || !std::isfinite(run.metrics.rms_position_error_m)) continue;
     const auto same = std::find_if(found.begin(), found.end(),
                                    [&](auto* other) { return other->pressure_source == run.pressure_source; });
-    if (same == found.end())
-      found.push_back(&run);
-    else if (run.metrics.rms_position_error_m < (*same)->metrics.rms_position_error_m)
-      *same = &run;
+    if (same == found.end()) found.push_back(&run);
+    else if (run.metrics.rms_position_error_m < (*same)->metrics.rms_position_error_m) *same = &run;
   }
-  std::sort(found.begin(), found.end(), [](auto* a, auto* b) {
-    return a->metrics.rms_position_error_m < b->metrics.rms_position_error_m;
-  });
+  std::sort(found.begin(), found.end(),
+            [](auto* a, auto* b) { return a->metrics.rms_position_error_m < b->metrics.rms_position_error_m; });
   return found;
 }
 
@@ -85,11 +82,12 @@ std::string best_words(const RunReport& report, const RunResult& best) {
   const std::string errors = fmt::format("{} rms error, {} at most", length(metrics.rms_position_error_m),
                                          length(metrics.max_position_error_m));
   const std::vector<const RunResult*> others = rivals(report, best);
-  if (report.runs.size() == 1) return fmt::format("With {} the axis follows its reference: {}.", run_words(report, best), errors);
+  if (report.runs.size() == 1)
+    return fmt::format("With {} the axis follows its reference: {}.", run_words(report, best), errors);
   std::string text = fmt::format("{} hold the position best: {}", capital(run_words(report, best)), errors);
   for (std::size_t i = 0; i < others.size(); ++i)
-    text += fmt::format("{}{} with {}", i == 0 ? "; against " : " and ", length(others[i]->metrics.rms_position_error_m),
-                        run_words(report, *others[i]));
+    text += fmt::format("{}{} with {}", i == 0 ? "; against " : " and ",
+                        length(others[i]->metrics.rms_position_error_m), run_words(report, *others[i]));
   return text + (others.empty() ? "." : " (rms).");
 }
 
@@ -97,7 +95,8 @@ std::string fault_words(const RunReport& report) {
   std::string text;
   for (const RunResult& run : report.runs)
     if (!run.faults.empty())
-      text += fmt::format(" The run with {} ended in a fault: {}.", run_words(report, run), fmt::join(run.faults, "; "));
+      text +=
+          fmt::format(" The run with {} ended in a fault: {}.", run_words(report, run), fmt::join(run.faults, "; "));
   return text.empty() ? text : text.substr(1);
 }
 
@@ -105,7 +104,8 @@ std::string fault_words(const RunReport& report) {
 
 std::string run_label(const RunReport& report, const RunResult& run) {
   std::string label = run.pressure_source;
-  if (differs(report, &RunResult::feedforward)) label += fmt::format(", {} feedforward", run.feedforward == "none" ? "no" : run.feedforward);
+  if (differs(report, &RunResult::feedforward))
+    label += fmt::format(", {} feedforward", run.feedforward == "none" ? "no" : run.feedforward);
   if (differs(report, &RunResult::move)) label += fmt::format(", move {}", run.move);
   return label;
 }
@@ -149,12 +149,14 @@ Table comparison_table(const RunReport& report) {
   columns.push_back(figure_column("max position error", "mm", scaled(report, &Metrics::max_position_error_m, 1e3)));
   columns.push_back(figure_column("rms position error", "mm", scaled(report, &Metrics::rms_position_error_m, 1e3)));
   columns.push_back(figure_column("end error", "mm", scaled(report, &Metrics::end_error_m, 1e3), 5));
-  columns.push_back(figure_column("max estimation error", "kPa", scaled(report, &Metrics::max_estimation_error_Pa, 1e-3)));
-  columns.push_back(figure_column("rms estimation error", "kPa", scaled(report, &Metrics::rms_estimation_error_Pa, 1e-3)));
+  columns.push_back(
+      figure_column("max estimation error", "kPa", scaled(report, &Metrics::max_estimation_error_Pa, 1e-3)));
+  columns.push_back(
+      figure_column("rms estimation error", "kPa", scaled(report, &Metrics::rms_estimation_error_Pa, 1e-3)));
   columns.push_back(figure_column("ripple", "kPa", scaled(report, &Metrics::chamber_pressure_ripple_Pa, 1e-3)));
   columns.push_back(figure_column("command step", "mV", scaled(report, &Metrics::command_step_rms_V, 1e3)));
-  columns.push_back(count_column(
-      "faults", collect(report, [](auto& run) { return static_cast<std::int64_t>(run.faults.size()); })));
+  columns.push_back(
+      count_column("faults", collect(report, [](auto& run) { return static_cast<std::int64_t>(run.faults.size()); })));
   return table;
 }
 

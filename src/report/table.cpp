@@ -79,9 +79,12 @@ std::string text_table(const Table& table) {
   text += line([](const TableColumn& column) { return column.title; });
   const bool units = std::any_of(table.columns.begin(), table.columns.end(), [](auto& c) { return !c.unit.empty(); });
   if (units)
-    text += line([](const TableColumn& column) { return column.unit.empty() ? std::string() : fmt::format("[{}]", column.unit); });
+    text += line([](const TableColumn& column) {
+      return column.unit.empty() ? std::string() : fmt::format("[{}]", column.unit);
+    });
   for (std::size_t row = 0; row < rows; ++row)
-    text += line([&](const TableColumn& column) { return row < column.cells.size() ? column.cells[row] : std::string(); });
+    text +=
+        line([&](const TableColumn& column) { return row < column.cells.size() ? column.cells[row] : std::string(); });
   return text;
 }
 

@@ -43,7 +43,8 @@ TEST_CASE("a damaged config reads or is refused with its line") {
   const unsigned seed = stated != nullptr ? static_cast<unsigned>(std::strtoul(stated, nullptr, 10)) : 20261121u;
   INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   std::mt19937 random(seed);
-  const std::string text = std::string(test::plain_rig) + "effects:\n  coulomb_friction: {force_N: 3}\n  sensor_gain:x: {gain: 1.1}\n"
+  const std::string text = std::string(test::plain_rig) +
+                           "effects:\n  coulomb_friction: {force_N: 3}\n  sensor_gain:x: {gain: 1.1}\n"
                            "tolerances: {slider.mass_kg: 0.02}\nevaluation: {from_s: 1, to_s: 2}\n";
   int read = 0, refused = 0;
   for (int i = 0; i < 3000; ++i) {

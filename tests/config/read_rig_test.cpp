@@ -1,4 +1,5 @@
-// Reading configs: every file of config/ and every cylinder rig of the shared data reads, values land where they belong.
+// Reading configs: every file of config/ and every cylinder rig of the shared data reads, values land where they
+// belong.
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -23,7 +24,8 @@ TEST_CASE("every config of the project reads and is named as its file") {
     INFO(file);
     const Rig rig = read_rig(file);
     REQUIRE(rig.name == file.stem().string());
-    const std::string lines = fmt::format("{:g}m-{:.2f}mm", rig.axis.line_1.length_m, 1000 * rig.axis.line_1.diameter_m);
+    const std::string lines =
+        fmt::format("{:g}m-{:.2f}mm", rig.axis.line_1.length_m, 1000 * rig.axis.line_1.diameter_m);
     REQUIRE(rig.name.ends_with(lines));
     REQUIRE(rig.axis.line_1.length_m == rig.axis.line_2.length_m);
     REQUIRE(rig.axis.line_1.diameter_m == rig.axis.line_2.diameter_m);
@@ -36,7 +38,8 @@ TEST_CASE("every config of the project reads and is named as its file") {
 
 TEST_CASE("every cylinder rig of the shared data reads") {
   const char* shared = std::getenv("PNEUSERVO_SHARED");
-  const fs::path root = (shared != nullptr ? fs::path(shared) : fs::path(PNEUSERVO_SOURCE_DIR) / ".." / "shared") / "concealed";
+  const fs::path root =
+      (shared != nullptr ? fs::path(shared) : fs::path(PNEUSERVO_SOURCE_DIR) / ".." / "shared") / "concealed";
   if (!fs::exists(root)) {
     WARN("SKIPPED: no shared data folder");
     return;
@@ -50,7 +53,8 @@ TEST_CASE("every cylinder rig of the shared data reads") {
       REQUIRE_NOTHROW(read_rig(entry.path()));
     } else {
       ++others;
-      REQUIRE_THROWS_WITH(read_rig(entry.path()), Catch::Contains("rig.yaml:3: rig: found 'driven_axis', expected cylinder"));
+      REQUIRE_THROWS_WITH(read_rig(entry.path()),
+                          Catch::Contains("rig.yaml:3: rig: found 'driven_axis', expected cylinder"));
       UNSCOPED_INFO("other kind of rig: " << entry.path());
     }
   }

@@ -37,13 +37,16 @@ TEST_CASE("every config of the project comes back from its dump") {
 
 TEST_CASE("every rig of the shared data comes back from its dump") {
   const char* shared = std::getenv("PNEUSERVO_SHARED");
-  const fs::path root = (shared != nullptr ? fs::path(shared) : fs::path(PNEUSERVO_SOURCE_DIR) / ".." / "shared") / "concealed";
+  const fs::path root =
+      (shared != nullptr ? fs::path(shared) : fs::path(PNEUSERVO_SOURCE_DIR) / ".." / "shared") / "concealed";
   if (!fs::exists(root)) {
     WARN("SKIPPED: no shared data folder");
     return;
   }
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root)) {
-    if (entry.path().filename() != "rig.yaml" || test::text_of(entry.path()).find("\nrig: cylinder") == std::string::npos) continue;
+    if (entry.path().filename() != "rig.yaml" ||
+        test::text_of(entry.path()).find("\nrig: cylinder") == std::string::npos)
+      continue;
     INFO(entry.path());
     require_round_trip(read_rig(entry.path()));
   }
@@ -56,7 +59,8 @@ TEST_CASE("every kind of reference comes back, in a dump and on one line") {
         "{kind: waypoints, times_s: [0, 0.1, 0.30000000000000004], positions_m: [0, 0.05, 0.05], smoothness: 7}",
         "{kind: cruise, start_m: -0.05, end_m: 0.05, speed_mps: 0.0597, ramp_s: 0.156, start_s: 0.2}",
         "{kind: minimum_jerk, start_m: -0.05, end_m: 0.05, duration_s: 0.8}", "{kind: file, path: '/dev/null'}",
-        "{kind: sum, parts: [{kind: sine, amplitude_m: 0.01, frequency_Hz: 1}, {kind: sum, parts: [{kind: minimum_jerk, "
+        "{kind: sum, parts: [{kind: sine, amplitude_m: 0.01, frequency_Hz: 1}, {kind: sum, parts: [{kind: "
+        "minimum_jerk, "
         "start_m: 0, end_m: 0.05, duration_s: 0.8}]}]}"}) {
     INFO(reference);
     const Rig rig = parse_rig(plain, "rig.yaml", {std::string("reference=") + reference});
@@ -66,11 +70,16 @@ TEST_CASE("every kind of reference comes back, in a dump and on one line") {
 }
 
 TEST_CASE("a rig with every effect, section and odd name comes back") {
-  Rig rig = parse_rig(plain, "rig.yaml", {"evaluation={from_s: 1, to_s: 2}", "initial.pressure_2_Pa=512345.678", "seed=18446744073709551615"});
+  Rig rig =
+      parse_rig(plain, "rig.yaml",
+                {"evaluation={from_s: 1, to_s: 2}", "initial.pressure_2_Pa=512345.678", "seed=18446744073709551615"});
   for (const ParameterPath& parameter : parameter_paths(rig))
     if (parameter.path.starts_with("effects."))
-      set_parameter(rig, parameter.path, parameter.value == 0.1 ? 0.2 : std::max(0.1 * parameter.field.maximum / 3, parameter.field.minimum));
-  for (const char* name : {"null", "10", "a: b", "# x", "say \"yes\" \\ no", "Prüfstand", "two\nlines", "~", "true", "-", "a/b.c-d_e"}) {
+      set_parameter(rig, parameter.path,
+                    parameter.value == 0.1 ? 0.2
+                                           : std::max(0.1 * parameter.field.maximum / 3, parameter.field.minimum));
+  for (const char* name :
+       {"null", "10", "a: b", "# x", "say \"yes\" \\ no", "Prüfstand", "two\nlines", "~", "true", "-", "a/b.c-d_e"}) {
     rig.name = name;
     require_round_trip(rig);
   }
@@ -82,7 +91,8 @@ TEST_CASE("rigs that differ in one number are not the same") {
   for (const ParameterPath& parameter : parameter_paths(original)) {
     INFO(parameter.path);
     Rig rig = original;
-    set_parameter(rig, parameter.path, parameter.value == parameter.field.maximum ? parameter.field.minimum : parameter.field.maximum);
+    set_parameter(rig, parameter.path,
+                  parameter.value == parameter.field.maximum ? parameter.field.minimum : parameter.field.maximum);
     CHECK_FALSE(same_rig(rig, original));
   }
   Rig rig = original;

@@ -38,18 +38,22 @@ TEST_CASE("what the config leaves out has the members' defaults") {
 }
 
 TEST_CASE("the contract's own words for a reference read") {
-  const Rig multisine = rig_with_reference("{kind: multisine, components: [[0.01, 2, 0.5], [0.02, 0.5, -1]], center_m: 0.01, start_s: 0.3, ramp_s: 0, smoothness: 11}");
+  const Rig multisine = rig_with_reference("{kind: multisine, components: [[0.01, 2, 0.5], [0.02, 0.5, -1]], center_m: "
+                                           "0.01, start_s: 0.3, ramp_s: 0, smoothness: 11}");
   CHECK(multisine.reference.kind == ReferenceKind::multisine);
   CHECK(multisine.reference.components == std::vector<std::array<double, 3>>{{0.01, 2, 0.5}, {0.02, 0.5, -1}});
   CHECK(multisine.reference.ramp_s == 0.0);
   CHECK(multisine.reference.smoothness == 11);
-  const Rig cruise = rig_with_reference("{kind: cruise, start_m: -0.05, end_m: 0.05, speed_mps: 0.0597, ramp_s: 0.156}");
+  const Rig cruise =
+      rig_with_reference("{kind: cruise, start_m: -0.05, end_m: 0.05, speed_mps: 0.0597, ramp_s: 0.156}");
   CHECK(cruise.reference.smoothness == 9);
   CHECK(cruise.duration_s == Approx(0.1 / 0.0597 + 0.156 + 1.0));
-  const Rig move = rig_with_reference("{kind: minimum_jerk, start_m: -0.06, end_m: 0.06, duration_s: 0.8, start_s: 0.2}");
+  const Rig move =
+      rig_with_reference("{kind: minimum_jerk, start_m: -0.06, end_m: 0.06, duration_s: 0.8, start_s: 0.2}");
   CHECK(move.reference.duration_s == 0.8);
   CHECK(move.duration_s == Approx(2.0));
-  const Rig sum = rig_with_reference("{kind: sum, parts: [{kind: waypoints, times_s: [0, 1], positions_m: [0, 0.1]}, {kind: sine, amplitude_m: 0.01, frequency_Hz: 2, start_s: 1}]}");
+  const Rig sum = rig_with_reference("{kind: sum, parts: [{kind: waypoints, times_s: [0, 1], positions_m: [0, 0.1]}, "
+                                     "{kind: sine, amplitude_m: 0.01, frequency_Hz: 2, start_s: 1}]}");
   REQUIRE(sum.reference.parts.size() == 2);
   CHECK(sum.reference.parts[0].positions_m == std::vector<double>{0, 0.1});
   CHECK(sum.reference.parts[1].frequency_Hz == 2.0);
@@ -57,11 +61,15 @@ TEST_CASE("the contract's own words for a reference read") {
 }
 
 TEST_CASE("positions of references are those of their equations") {
-  const auto position = [](const std::string& text, double t) { return reference_position_m(parse_reference(text, "test"), t); };
-  CHECK(position("{kind: sine, amplitude_m: 0.08, frequency_Hz: 1, ramp_s: 0, center_m: 0.01, start_s: 0.5}", 0.75) == Approx(0.09));
+  const auto position = [](const std::string& text, double t) {
+    return reference_position_m(parse_reference(text, "test"), t);
+  };
+  CHECK(position("{kind: sine, amplitude_m: 0.08, frequency_Hz: 1, ramp_s: 0, center_m: 0.01, start_s: 0.5}", 0.75) ==
+        Approx(0.09));
   CHECK(position("{kind: sine, amplitude_m: 0.08, frequency_Hz: 1}", 0.25) ==
         Approx(0.08 * (10 * std::pow(0.25, 3) - 15 * std::pow(0.25, 4) + 6 * std::pow(0.25, 5))));
-  CHECK(position("{kind: minimum_jerk, start_m: -0.1, end_m: 0.1, duration_s: 2, start_s: 1}", 2.0) == Approx(0.0).margin(1e-15));
+  CHECK(position("{kind: minimum_jerk, start_m: -0.1, end_m: 0.1, duration_s: 2, start_s: 1}", 2.0) ==
+        Approx(0.0).margin(1e-15));
   CHECK(position("{kind: minimum_jerk, start_m: -0.1, end_m: 0.1, duration_s: 2, start_s: 1}", 0.5) == -0.1);
   CHECK(position("{kind: waypoints, times_s: [1, 2, 3], positions_m: [0.02, 0.05, 0.05], smoothness: 3}", 1.25) ==
         Approx(0.02 + 0.03 * (3 * 0.0625 - 2 * 0.015625)));
@@ -76,8 +84,10 @@ TEST_CASE("positions of references are those of their equations") {
 }
 
 TEST_CASE("effects go to the axis and to the sensors") {
-  const Rig rig = parse_rig(plain + "effects: {coulomb_friction: {force_N: 3}, valve_lag: {time_constant_s: 0.01}, "
-                                    "sensor_offset:p2_chamber: {offset: -800}, sensor_lag:x: {time_constant_s: 0.002}}\n", "rig.yaml");
+  const Rig rig =
+      parse_rig(plain + "effects: {coulomb_friction: {force_N: 3}, valve_lag: {time_constant_s: 0.01}, "
+                        "sensor_offset:p2_chamber: {offset: -800}, sensor_lag:x: {time_constant_s: 0.002}}\n",
+                "rig.yaml");
   CHECK(rig.axis.effects.motion.coulomb_friction.force_N == 3.0);
   CHECK(rig.axis.effects.valve.valve_lag.time_constant_s == 0.01);
   CHECK(rig.sensor_effects[4].sensor_offset.offset == -800.0);
@@ -88,8 +98,8 @@ TEST_CASE("effects go to the axis and to the sensors") {
 TEST_CASE("an override (--set) replaces, adds and goes into lists") {
   const Rig rig = parse_rig(plain, "rig.yaml",
                             {"controller.pressure_source=valve", "line_1.length_m=5", "reference.frequency_Hz=0.5",
-                             "effects.coulomb_friction.force_N=3", "tolerances.slider.mass_kg=0.05", "seed=18446744073709551615",
-                             "effects.sensor_gain:x.gain=1.01", "line_1.length_m=4"});
+                             "effects.coulomb_friction.force_N=3", "tolerances.slider.mass_kg=0.05",
+                             "seed=18446744073709551615", "effects.sensor_gain:x.gain=1.01", "line_1.length_m=4"});
   CHECK(rig.controller.pressure_source == PressureSource::valve);
   CHECK(rig.axis.line_1.length_m == 4.0);
   CHECK(rig.axis.line_2.length_m == 10.0);
@@ -98,7 +108,8 @@ TEST_CASE("an override (--set) replaces, adds and goes into lists") {
   CHECK(rig.tolerances.at("slider.mass_kg") == 0.05);
   CHECK(rig.seed == 18446744073709551615ull);
   CHECK(rig.sensor_effects[0].sensor_gain.gain == 1.01);
-  const Rig listed = rig_with_reference("{kind: multisine, components: [[0.01, 2, 0.5], [0.02, 0.5, -1]]}", {"reference.components.1.0=0.03"});
+  const Rig listed = rig_with_reference("{kind: multisine, components: [[0.01, 2, 0.5], [0.02, 0.5, -1]]}",
+                                        {"reference.components.1.0=0.03"});
   CHECK(listed.reference.components[1][0] == 0.03);
 }
 
@@ -133,7 +144,8 @@ TEST_CASE("every number of a rig can be set and is the only one that changes") {
     INFO(before[i].path);
     Rig rig = original;
     const Field& field = before[i].field;
-    const double value = before[i].value == field.minimum ? std::min(field.maximum, field.minimum + 0.5) : field.minimum;
+    const double value =
+        before[i].value == field.minimum ? std::min(field.maximum, field.minimum + 0.5) : field.minimum;
     set_parameter(rig, before[i].path, value);
     const std::vector<ParameterPath> after = parameter_paths(rig);
     REQUIRE(after.size() == before.size());

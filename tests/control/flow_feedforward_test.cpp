@@ -66,7 +66,8 @@ TEST_CASE("the commanded area gives the force rate that the reference asks for")
     const double p1 = 400e3 + 150e3 * unit(random), p2 = 400e3 + 150e3 * unit(random);
     const double area = feedforward.area_m2(r, p1, p2), size = std::fabs(area);
     // Chambers with their lines: V dp/dt = n (R T G - p dV/dt), each edge by the orifice itself.
-    const double fill = orifice_flux(air, 700e3, 293.0, area >= 0.0 ? p1 : p2, 0.35), empty = orifice_flux(air, area >= 0.0 ? p2 : p1, 293.0, 101325.0, 0.35);
+    const double fill = orifice_flux(air, 700e3, 293.0, area >= 0.0 ? p1 : p2, 0.35),
+                 empty = orifice_flux(air, area >= 0.0 ? p2 : p1, 293.0, 101325.0, 0.35);
     const double flow_1 = area >= 0.0 ? size * fill : -size * empty, flow_2 = area >= 0.0 ? -size * empty : size * fill;
     const double line = M_PI / 4 * 0.02 * 0.02 * 0.05, a1 = 1.257e-3, a2 = 1.056e-3;
     const double v1 = 2e-5 + a1 * (0.15 + r.d[0]) + line, v2 = 2e-5 + a2 * (0.15 - r.d[0]) + line;
@@ -98,10 +99,18 @@ TEST_CASE("pressures at supply and atmosphere keep the area finite") {
 }
 
 TEST_CASE("the recommended lead is the one of the design for the nine lines") {
-  const std::array<std::array<double, 3>, 9> known{{{7.65, 10, 9.3}, {7.65, 5, 2.5}, {7.65, 2, 0.4}, {6.10, 10, 18.2}, {6.10, 5, 4.9},
-                                                    {6.10, 2, 0.8}, {4.15, 10, 56.6}, {4.15, 5, 15.0}, {4.15, 2, 2.5}}};
+  const std::array<std::array<double, 3>, 9> known{{{7.65, 10, 9.3},
+                                                    {7.65, 5, 2.5},
+                                                    {7.65, 2, 0.4},
+                                                    {6.10, 10, 18.2},
+                                                    {6.10, 5, 4.9},
+                                                    {6.10, 2, 0.8},
+                                                    {4.15, 10, 56.6},
+                                                    {4.15, 5, 15.0},
+                                                    {4.15, 2, 2.5}}};
   for (const auto& [d_mm, length, lead_ms] : known) {
     CAPTURE(d_mm, length);
-    CHECK(1e3 * feedforward_lead_s(nominal_axis(length, d_mm * 1e-3), 0.16 * M_PI, 470e3) == Approx(lead_ms).epsilon(0.01).margin(0.05));
+    CHECK(1e3 * feedforward_lead_s(nominal_axis(length, d_mm * 1e-3), 0.16 * M_PI, 470e3) ==
+          Approx(lead_ms).epsilon(0.01).margin(0.05));
   }
 }

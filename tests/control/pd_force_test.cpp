@@ -31,7 +31,9 @@ ReferencePoint rest(double x_m) {
   p.d[0] = x_m;
   return p;
 }
-constexpr double balanced_2_Pa(double p1_Pa) { return (1.257e-3 * p1_Pa - (1.257e-3 - 1.056e-3) * 101325.0) / 1.056e-3; }
+constexpr double balanced_2_Pa(double p1_Pa) {
+  return (1.257e-3 * p1_Pa - (1.257e-3 - 1.056e-3) * 101325.0) / 1.056e-3;
+}
 }  // namespace
 
 TEST_CASE("the command is the law of the contract, term by term") {
@@ -64,7 +66,8 @@ TEST_CASE("the velocity filter starts at zero and answers a unit ramp as worked 
   PdForce control(gains, nominal_axis(), 0.001);
   control.step(0.05, 470e3, 530e3, rest(0.05), rest(0.05));
   REQUIRE(control.state().v_mps == 0.0);
-  const std::pair<int, double> known[] = {{1, 0.2834686894262}, {2, 0.4865828809674}, {3, 0.6321205588286}, {10, 0.9643260066527}};
+  const std::pair<int, double> known[] = {
+      {1, 0.2834686894262}, {2, 0.4865828809674}, {3, 0.6321205588286}, {10, 0.9643260066527}};
   int sample = 0;
   for (const auto& [samples, v] : known) {
     for (; sample < samples; ++sample) control.step(0.05 + 0.001 * (sample + 1), 470e3, 530e3, rest(0.05), rest(0.05));
@@ -97,7 +100,9 @@ TEST_CASE("the integral rests only while it would push the command further into 
   gains.force_integral_V_per_Ns = 2.0;
   for (const double sign : {1.0, -1.0}) {
     PdForce control(gains, symmetric_axis(), 0.001);
-    const auto step = [&](double error_m) { return control.step(0.0, 470e3, 470e3, rest(sign * error_m), rest(sign * error_m)); };
+    const auto step = [&](double error_m) {
+      return control.step(0.0, 470e3, 470e3, rest(sign * error_m), rest(sign * error_m));
+    };
     step(0.3);  // 2265 N: 13 V
     const double frozen = control.state().I_Ns;
     CHECK(control.state().limit == (sign > 0 ? limit_upper : limit_lower));
@@ -160,7 +165,8 @@ TEST_CASE("a command that is not finite is a fault, keeps the last output, and l
   gains.force_integral_V_per_Ns = 0.4;
   gains.flow_feedforward = true;
   const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
-  for (const auto& [x, p1, p2] : {std::array{nan, 470e3, 530e3}, std::array{0.0, nan, 530e3}, std::array{0.0, 470e3, inf}, std::array{inf, 470e3, 530e3}}) {
+  for (const auto& [x, p1, p2] : {std::array{nan, 470e3, 530e3}, std::array{0.0, nan, 530e3},
+                                  std::array{0.0, 470e3, inf}, std::array{inf, 470e3, 530e3}}) {
     PdForce control(gains, nominal_axis(), 0.001);
     control.step(0.0, 470e3, 530e3, rest(0.001), rest(0.001));
     const double last = control.step(0.0001, 470e3, 530e3, rest(0.001), rest(0.001));
@@ -192,7 +198,8 @@ TEST_CASE("mirrored motion of a symmetric axis gives the opposite command") {
     const double scale[4] = {0.1, 0.5, 3.0, 30.0};
     for (std::size_t k = 0; k < 4; ++k) mirrored.d[k] = -(r.d[k] = scale[k] * unit(random));
     const double x = r.d[0] + 0.01 * unit(random), p1 = 450e3 + 1e5 * unit(random), p2 = 450e3 + 1e5 * unit(random);
-    REQUIRE(one.step(x, p1, p2, r, r) == Approx(-other.step(-x, p2, p1, mirrored, mirrored)).epsilon(1e-12).margin(1e-13));
+    REQUIRE(one.step(x, p1, p2, r, r) ==
+            Approx(-other.step(-x, p2, p1, mirrored, mirrored)).epsilon(1e-12).margin(1e-13));
   }
 }
 

@@ -24,17 +24,17 @@ ReferenceSpec move(double start_m, double end_m, double duration_s, int degree) 
 bool near_joint(const NamedReference& r, double t, double h) {
   std::vector<double> joints{0.0};
   switch (r.spec.kind) {
-  case ReferenceKind::sine: joints = {0.25, 0.25 + 1.0 / 1.3}; break;
-  case ReferenceKind::multisine: joints = {0.1, 1.0}; break;
-  case ReferenceKind::waypoints: joints = {0.2, 0.7, 1.0, 1.9}; break;
-  case ReferenceKind::cruise: {
-    const double t2 = 0.2 + 0.1 / 0.0597;
-    joints = {0.2, 0.356, t2, t2 + 0.156};
-    break;
-  }
-  case ReferenceKind::minimum_jerk: joints = {0.3, 1.1}; break;
-  case ReferenceKind::sum: joints = {0.0, 0.3, 0.5, 1.1}; break;
-  case ReferenceKind::file: joints = load_samples("").first; break;
+    case ReferenceKind::sine: joints = {0.25, 0.25 + 1.0 / 1.3}; break;
+    case ReferenceKind::multisine: joints = {0.1, 1.0}; break;
+    case ReferenceKind::waypoints: joints = {0.2, 0.7, 1.0, 1.9}; break;
+    case ReferenceKind::cruise: {
+      const double t2 = 0.2 + 0.1 / 0.0597;
+      joints = {0.2, 0.356, t2, t2 + 0.156};
+      break;
+    }
+    case ReferenceKind::minimum_jerk: joints = {0.3, 1.1}; break;
+    case ReferenceKind::sum: joints = {0.0, 0.3, 0.5, 1.1}; break;
+    case ReferenceKind::file: joints = load_samples("").first; break;
   }
   for (const double joint : joints)
     if (std::fabs(t - joint) < h) return true;
@@ -54,9 +54,11 @@ TEST_CASE("moves and the ramped sine give known values") {
   const ReferencePoint five = Reference(move(0.0, 0.1, 0.5, 5)).at(0.2);
   const std::array<double, 6> five_expected{0.031744, 0.3456, 1.152, -21.12, -115.2, 2304.0};
   const ReferencePoint eleven = Reference(move(0.0, 0.1, 0.5, 11)).at(0.4);
-  const std::array<double, 6> eleven_expected{0.09883457945602, 0.05813305343977, -2.179989504003, 50.86642176001, -163.4992128004, -28067.36486401};
+  const std::array<double, 6> eleven_expected{0.09883457945602, 0.05813305343977, -2.179989504003,
+                                              50.86642176001,   -163.4992128004,  -28067.36486401};
   const ReferencePoint sine = Reference(sine_spec(0.08, 1.0)).at(0.7);
-  const std::array<double, 6> sine_expected{-0.06367665756942, -0.2306576705271, 2.486319441868, 20.58927203839, -158.8871194133, -1931.276182432};
+  const std::array<double, 6> sine_expected{-0.06367665756942, -0.2306576705271, 2.486319441868,
+                                            20.58927203839,    -158.8871194133,  -1931.276182432};
   for (std::size_t i = 0; i < 6; ++i) {
     CAPTURE(i);
     CHECK(five.d[i] == Approx(five_expected[i]).epsilon(1e-10));
@@ -98,7 +100,8 @@ TEST_CASE("joints are as smooth as the degree promises, and no smoother at the e
     for (double t = 0.0; t < 2.5; t += 0.003)
       for (std::size_t i = 0; i < 8; ++i) scale[i] = std::max(scale[i], std::fabs(r.at(t).d[i]));
     constexpr double h = 1e-9;
-    std::vector<double> joints{0.1, 0.2, 0.25, 0.25 + 1.0 / 1.3, 0.356, 0.5, 0.7, 1.0, 1.1, 1.9, 0.2 + 0.1 / 0.0597, 0.356 + 0.1 / 0.0597};
+    std::vector<double> joints{
+        0.1, 0.2, 0.25, 0.25 + 1.0 / 1.3, 0.356, 0.5, 0.7, 1.0, 1.1, 1.9, 0.2 + 0.1 / 0.0597, 0.356 + 0.1 / 0.0597};
     if (named.spec.kind == ReferenceKind::file) {
       const auto samples = load_samples("").first;
       joints.assign(samples.begin() + 1, samples.end() - 1);
@@ -106,7 +109,8 @@ TEST_CASE("joints are as smooth as the degree promises, and no smoother at the e
       joints.push_back(0.3);
     }
     for (const double joint : joints)
-      for (std::size_t i = 0; i < 8; ++i) worst[i] = std::max(worst[i], std::fabs(r.at(joint + h).d[i] - r.at(joint - h).d[i]));
+      for (std::size_t i = 0; i < 8; ++i)
+        worst[i] = std::max(worst[i], std::fabs(r.at(joint + h).d[i] - r.at(joint - h).d[i]));
     for (int i = 0; i <= named.continuous; ++i) {
       const auto n = static_cast<std::size_t>(i);
       const double drift = n + 1 < 8 ? 4.0 * h * scale[n + 1] : 0.0;
@@ -115,7 +119,8 @@ TEST_CASE("joints are as smooth as the degree promises, and no smoother at the e
     }
     if (named.spec.kind != ReferenceKind::sum && named.continuous < 7) {
       CAPTURE(named.name);
-      CHECK(worst[static_cast<std::size_t>(named.continuous) + 1] > 1e-6 * scale[static_cast<std::size_t>(named.continuous) + 1]);
+      CHECK(worst[static_cast<std::size_t>(named.continuous) + 1] >
+            1e-6 * scale[static_cast<std::size_t>(named.continuous) + 1]);
     }
   }
 }
@@ -211,9 +216,7 @@ TEST_CASE("unusable references say which key and what is expected") {
   const auto message = [](const ReferenceSpec& s) -> std::string {
     try {
       Reference{s};
-    } catch (const std::invalid_argument& e) {
-      return e.what();
-    }
+    } catch (const std::invalid_argument& e) { return e.what(); }
     return "accepted";
   };
   ReferenceSpec s = sine_spec(0.08, 0.0);

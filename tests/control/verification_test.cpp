@@ -19,7 +19,8 @@ namespace {
 /// The checks of one case; undefined where the shared folder is not at hand.
 YAML::Node checks_of(const std::string& id) {
   const char* shared = std::getenv("PNEUSERVO_SHARED");
-  const std::filesystem::path path = std::filesystem::path(shared ? shared : PNEUSERVO_SOURCE_DIR "/../shared") / "verification/cases.yaml";
+  const std::filesystem::path path =
+      std::filesystem::path(shared ? shared : PNEUSERVO_SOURCE_DIR "/../shared") / "verification/cases.yaml";
   if (!std::filesystem::exists(path)) return YAML::Node(YAML::NodeType::Undefined);
   YAML::Node root = YAML::LoadFile(path.string());
   if (root["cases"]) root = root["cases"];
@@ -28,13 +29,17 @@ YAML::Node checks_of(const std::string& id) {
   return YAML::Node(YAML::NodeType::Undefined);
 }
 void compare(const YAML::Node& check, const std::vector<double>& got) {
-  const auto expected = check["value"].IsSequence() ? check["value"].as<std::vector<double>>() : std::vector<double>{check["value"].as<double>()};
+  const auto expected = check["value"].IsSequence() ? check["value"].as<std::vector<double>>()
+                                                    : std::vector<double>{check["value"].as<double>()};
   const std::string kind = check["tolerance_kind"].as<std::string>();
   const double tolerance = check["tol_10"].as<double>();
   REQUIRE(got.size() == expected.size());
   for (std::size_t i = 0; i < got.size(); ++i) {
-    const double scale = kind == "scaled" ? check["scale"][i].as<double>() : kind == "relative" ? std::fabs(expected[i]) : 1.0;
-    INFO(check["id"].as<std::string>() << " [" << i << "]: got " << got[i] << ", expected " << expected[i] << ", tolerance " << tolerance * scale);
+    const double scale = kind == "scaled"     ? check["scale"][i].as<double>()
+                         : kind == "relative" ? std::fabs(expected[i])
+                                              : 1.0;
+    INFO(check["id"].as<std::string>() << " [" << i << "]: got " << got[i] << ", expected " << expected[i]
+                                       << ", tolerance " << tolerance * scale);
     CHECK(std::fabs(got[i] - expected[i]) <= tolerance * scale);
   }
 }
@@ -67,7 +72,9 @@ TEST_CASE("V15: every check of the polynomials and the ramped sine") {
       const auto c = smoothstep_coefficients(degree);
       compare(check, std::vector<double>(c.begin(), c.begin() + degree + 1));
     } else if (quantity == "position_and_derivatives_1_to_5") {
-      const ReferenceSpec spec = at["degree"] ? move_of(at["degree"].as<int>()) : sine_spec(at["amplitude_m"].as<double>(), at["frequency_Hz"].as<double>());
+      const ReferenceSpec spec = at["degree"]
+                                     ? move_of(at["degree"].as<int>())
+                                     : sine_spec(at["amplitude_m"].as<double>(), at["frequency_Hz"].as<double>());
       const ReferencePoint p = Reference(spec).at(at["t_s"].as<double>());
       compare(check, std::vector<double>(p.d.begin(), p.d.begin() + 6));
     } else if (quantity == "peak_of_derivatives_1_to_5") {
@@ -75,7 +82,10 @@ TEST_CASE("V15: every check of the polynomials and the ramped sine") {
       for (int order = 1; order <= 5; ++order) got.push_back(peak(Reference(move_of(at["degree"].as<int>())), order));
       compare(check, got);
     } else {
-      const int order = quantity == "peak_velocity_factor" ? 1 : quantity == "peak_acceleration_factor" ? 2 : quantity == "peak_jerk_factor" ? 3 : 0;
+      const int order = quantity == "peak_velocity_factor"       ? 1
+                        : quantity == "peak_acceleration_factor" ? 2
+                        : quantity == "peak_jerk_factor"         ? 3
+                                                                 : 0;
       CAPTURE(quantity);
       REQUIRE(order > 0);
       compare(check, {peak(Reference(move_of(at["degree"].as<int>())), order) / 0.1 * std::pow(0.5, order)});

@@ -9,7 +9,8 @@ namespace {
 constexpr double samples[8] = {-2.5, -1e-3, 0.0, 1e-7, 0.4, 1.0, 3.75, 1e6};
 }
 
-TEMPLATE_TEST_CASE("pack arithmetic is the scalar's, bit for bit", "", (Pack<double, 2>), (Pack<double, 4>), (Pack<double, 8>)) {
+TEMPLATE_TEST_CASE("pack arithmetic is the scalar's, bit for bit", "", (Pack<double, 2>), (Pack<double, 4>),
+                   (Pack<double, 8>)) {
   constexpr int n = ScalarTraits<TestType>::lanes;
   const TestType a = TestType::load(samples), b = TestType::load(samples + 8 - n);
   const TestType sum = a + b, product = a * b, quotient = a / (b + TestType(3.0)), root = square_root(absolute(a));

@@ -31,7 +31,8 @@ TEST_CASE("every printed digit of Tables 4.2 and 4.3 comes out, but the named on
     if (e.remark[0] != 0) {
       ++differ;
       CHECK_FALSE(reproduces(e));
-      CHECK(necessity_index(thesis_side(1, 2.0, 0.0061), thesis_peak_speed_mps(1.0)).index == Approx(0.9431792340965).epsilon(1e-12));
+      CHECK(necessity_index(thesis_side(1, 2.0, 0.0061), thesis_peak_speed_mps(1.0)).index ==
+            Approx(0.9431792340965).epsilon(1e-12));
     } else {
       CHECK(reproduces(e));
     }
@@ -42,7 +43,8 @@ TEST_CASE("every printed digit of Tables 4.2 and 4.3 comes out, but the named on
 
 TEST_CASE("V14: every check of the necessity index") {
   const char* shared = std::getenv("PNEUSERVO_SHARED");
-  const std::filesystem::path path = std::filesystem::path(shared ? shared : PNEUSERVO_SOURCE_DIR "/../shared") / "verification/cases.yaml";
+  const std::filesystem::path path =
+      std::filesystem::path(shared ? shared : PNEUSERVO_SOURCE_DIR "/../shared") / "verification/cases.yaml";
   if (!std::filesystem::exists(path)) {
     WARN("SKIPPED: no shared verification cases here");
     return;
@@ -59,7 +61,8 @@ TEST_CASE("V14: every check of the necessity index") {
     s.viscosity_Pas = at["viscosity_Pas"].as<double>();
     const NecessityIndex got = necessity_index(s, thesis_peak_speed_mps(at["frequency_Hz"].as<double>()));
     const double expected = check["value"].as<double>(), tolerance = check["tol_10"].as<double>();
-    INFO(check["id"].as<std::string>() << ": got " << got.index << ", expected " << expected << ", relative tolerance " << tolerance);
+    INFO(check["id"].as<std::string>() << ": got " << got.index << ", expected " << expected << ", relative tolerance "
+                                       << tolerance);
     CHECK(std::fabs(got.index - expected) <= tolerance * expected);
     if (at["Re"]) CHECK(got.reynolds == Approx(at["Re"].as<double>()).epsilon(1e-6));
     CHECK(got.turbulent == !at["Re"].IsDefined());

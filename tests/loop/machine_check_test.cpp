@@ -82,13 +82,15 @@ TEST_CASE("a machine set up for real time is good throughout") {
 TEST_CASE("each unfit setting is named with its remedy") {
   const PlantedRoot root;
   const auto [path, text, topic, level] = GENERATE(table<std::string, std::string, std::string, FindingLevel>({
-      {"sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "powersave", "frequency governor", FindingLevel::acceptable},
+      {"sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "powersave", "frequency governor",
+       FindingLevel::acceptable},
       {"sys/devices/system/cpu/cpu0/cpuidle/state3/latency", "133", "deepest sleep state", FindingLevel::acceptable},
       {"sys/devices/system/cpu/cpu0/online", "1", "processors", FindingLevel::acceptable},
       {"sys/devices/system/cpu/isolated", "", "processor isolation", FindingLevel::acceptable},
       {"sys/devices/system/cpu/smt/active", "1", "hyper-threading", FindingLevel::acceptable},
       {"sys/devices/system/clocksource/clocksource0/current_clocksource", "hpet", "clock source", FindingLevel::bad},
-      {"sys/kernel/mm/transparent_hugepage/enabled", "[always] madvise never", "transparent huge pages", FindingLevel::acceptable},
+      {"sys/kernel/mm/transparent_hugepage/enabled", "[always] madvise never", "transparent huge pages",
+       FindingLevel::acceptable},
       {"proc/sys/kernel/sched_rt_runtime_us", "950000", "real-time throttling", FindingLevel::acceptable},
       {"proc/sys/kernel/sched_rt_runtime_us", "100000", "real-time throttling", FindingLevel::bad},
       {"proc/sys/kernel/numa_balancing", "1", "memory balancing", FindingLevel::acceptable},
@@ -111,7 +113,8 @@ TEST_CASE("rights are tried, not read: every right has exactly one finding") {
   const auto findings = check_rights(settings);
   REQUIRE(findings.size() == 4);
   REQUIRE(find(findings, "processor")->level == FindingLevel::bad);
-  for (const char* topic : {"scheduling policy", "memory lock", "sleep states"}) REQUIRE(find(findings, topic) != nullptr);
+  for (const char* topic : {"scheduling policy", "memory lock", "sleep states"})
+    REQUIRE(find(findings, topic) != nullptr);
   require_remedies(findings);
 }
 
@@ -125,14 +128,40 @@ TEST_CASE("values of a config that do not fit together are named") {
   Rig rig = sound_rig();
   std::string topic;
   FindingLevel level = FindingLevel::bad;
-  SECTION("safe output out of range") { rig.safe_output.command_V = 9; topic = "safe_output.command_V"; }
-  SECTION("no position gain") { rig.controller.position_gain_N_per_m = 0; topic = "controller.position_gain_N_per_m"; }
-  SECTION("no force gain") { rig.controller.force_gain_V_per_N = 0; topic = "controller.force_gain_V_per_N"; }
-  SECTION("evaluation after the end") { rig.evaluation = {1.0, 6.0}; topic = "evaluation.to_s"; }
-  SECTION("start beyond the stop") { rig.initial.position_m = 0.2; topic = "initial.position_m"; }
-  SECTION("period of 20 us") { rig.period_s = 20e-6; topic = "period_s"; }
-  SECTION("many estimator steps") { rig.estimator.cells_per_m = 100; topic = "period_s"; level = FindingLevel::acceptable; }
-  SECTION("noise") { rig.controller.force_gain_V_per_N = 5; topic = "sensor noise"; level = FindingLevel::acceptable; }
+  SECTION("safe output out of range") {
+    rig.safe_output.command_V = 9;
+    topic = "safe_output.command_V";
+  }
+  SECTION("no position gain") {
+    rig.controller.position_gain_N_per_m = 0;
+    topic = "controller.position_gain_N_per_m";
+  }
+  SECTION("no force gain") {
+    rig.controller.force_gain_V_per_N = 0;
+    topic = "controller.force_gain_V_per_N";
+  }
+  SECTION("evaluation after the end") {
+    rig.evaluation = {1.0, 6.0};
+    topic = "evaluation.to_s";
+  }
+  SECTION("start beyond the stop") {
+    rig.initial.position_m = 0.2;
+    topic = "initial.position_m";
+  }
+  SECTION("period of 20 us") {
+    rig.period_s = 20e-6;
+    topic = "period_s";
+  }
+  SECTION("many estimator steps") {
+    rig.estimator.cells_per_m = 100;
+    topic = "period_s";
+    level = FindingLevel::acceptable;
+  }
+  SECTION("noise") {
+    rig.controller.force_gain_V_per_N = 5;
+    topic = "sensor noise";
+    level = FindingLevel::acceptable;
+  }
   const auto findings = check_rig(rig);
   CAPTURE(finding_table(findings));
   REQUIRE(find(findings, topic) != nullptr);

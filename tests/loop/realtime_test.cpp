@@ -102,7 +102,7 @@ TEST_CASE("what is refused is a finding with a remedy, said once") {
 }
 
 TEST_CASE("SIGINT and SIGTERM become a flag while a stop request lives") {
-  struct sigaction other {}, found {};
+  struct sigaction other{}, found{};
   other.sa_handler = on_other_signal;
   sigaction(SIGTERM, &other, nullptr);
   {
@@ -127,7 +127,7 @@ TEST_CASE("SIGINT and SIGTERM become a flag while a stop request lives") {
 }
 
 TEST_CASE("sleeping to an absolute time does not end early, nor by a signal") {
-  struct sigaction handler {};
+  struct sigaction handler{};
   handler.sa_handler = on_other_signal;
   sigaction(SIGALRM, &handler, nullptr);
   alarm(1);

@@ -1,4 +1,5 @@
-// Eigen reports its own allocations while they are forbidden. Include before any Eigen header, in builds with and without NDEBUG.
+// Eigen reports its own allocations while they are forbidden. Include before any Eigen header, in builds with and
+// without NDEBUG.
 #pragma once
 #ifdef EIGEN_CORE_H
 #error "eigen_guard.hpp must come before Eigen"
@@ -7,12 +8,12 @@
 #include <cstdlib>
 
 #define EIGEN_RUNTIME_NO_MALLOC
-#define eigen_assert(condition)                                            \
-  do {                                                                     \
-    if (!(condition)) {                                                    \
-      std::fprintf(stderr, "Eigen in the real-time section: %s\n", #condition); \
-      std::_Exit(1);                                                       \
-    }                                                                      \
+#define eigen_assert(condition)                                                                                        \
+  do {                                                                                                                 \
+    if (!(condition)) {                                                                                                \
+      std::fprintf(stderr, "Eigen in the real-time section: %s\n", #condition);                                        \
+      std::_Exit(1);                                                                                                   \
+    }                                                                                                                  \
   } while (false)
 #include <Eigen/Core>
 

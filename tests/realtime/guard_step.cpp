@@ -82,10 +82,12 @@ bool guarded_step(std::string_view name) {
   else if (name == "malloc") sink = std::malloc(1 << 22);
   else if (name == "vector") violate_by_vector();
   else if (name == "throw") violate_by_throw();
-  else if (name == "mutex" || name == "contended_mutex") { const std::lock_guard lock(mutex); }
-  else if (name == "usleep") usleep(1);
-  else if (name == "write") { if (write(STDERR_FILENO, "", 0) != 0) return false; }
-  else if (name == "clock_nanosleep") violate_by_sleep();
+  else if (name == "mutex" || name == "contended_mutex") {
+    const std::lock_guard lock(mutex);
+  } else if (name == "usleep") usleep(1);
+  else if (name == "write") {
+    if (write(STDERR_FILENO, "", 0) != 0) return false;
+  } else if (name == "clock_nanosleep") violate_by_sleep();
   else if (name == "fresh_pages") violate_by_fresh_pages();
   else return false;
   return true;

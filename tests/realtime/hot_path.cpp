@@ -7,8 +7,8 @@
 
 namespace pneuservo {
 
-void hot_bookkeeping(LoopTiming& timing, TimeGrid& grid, std::int64_t woken_ns, std::int64_t done_ns) noexcept
-    PNEUSERVO_NONBLOCKING {
+void hot_bookkeeping(LoopTiming& timing, TimeGrid& grid, std::int64_t woken_ns,
+                     std::int64_t done_ns) noexcept PNEUSERVO_NONBLOCKING {
   const RtScope scope;
   timing.lateness.add(grid.lateness_ns(woken_ns));
   timing.loop.add(done_ns - woken_ns);

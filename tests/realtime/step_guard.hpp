@@ -20,7 +20,8 @@ struct StepGuardReport {
     std::string text;
     if (system_calls > 0) text += "system call " + std::to_string(first_system_call) + " in the real-time section; ";
     if (allocations > 0) text += std::to_string(allocations) + " allocation calls in the real-time section; ";
-    if (counters.page_faults > 1) text += std::to_string(counters.page_faults) + " page faults in the real-time section; ";
+    if (counters.page_faults > 1)
+      text += std::to_string(counters.page_faults) + " page faults in the real-time section; ";
     return text;
   }
 };

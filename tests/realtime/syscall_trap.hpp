@@ -26,7 +26,7 @@ class SyscallTrap {
   SyscallTrap() {
     syscall_selector = 0;
     count_ = 0;
-    struct sigaction action {};
+    struct sigaction action{};
     action.sa_sigaction = on_trap;
     action.sa_flags = SA_SIGINFO;
     sigaction(SIGSYS, &action, &previous_);
@@ -61,7 +61,7 @@ class SyscallTrap {
 
   constinit static inline thread_local volatile int count_ = 0;
   constinit static inline thread_local std::array<int, 16> numbers_{};
-  struct sigaction previous_ {};
+  struct sigaction previous_{};
 };
 
 }  // namespace pneuservo

@@ -56,7 +56,10 @@ inline std::string put_gzip(const std::string& path, std::string_view text) {
 inline std::string problems_of(const Table& table) {
   std::string result;
   for (const RecordingProblem& problem : table.problems)
-    result.append(result.empty() ? "" : " ").append(name_of(problem.kind)).append("@").append(std::to_string(problem.line));
+    result.append(result.empty() ? "" : " ")
+        .append(name_of(problem.kind))
+        .append("@")
+        .append(std::to_string(problem.line));
   return result;
 }
 

@@ -39,7 +39,8 @@ TEST_CASE("columns by name, unknown ones kept, empty fields are no value") {
   REQUIRE(r.has("x_m"));
   REQUIRE_FALSE(r.has("v_mps"));
   REQUIRE_NOTHROW(r.require({"t_s", "u_V"}));
-  REQUIRE_THROWS_WITH(r.require({"t_s", "v_mps", "F_N"}), Contains("columns v_mps, F_N are missing; found t_s, x_m, own_column, u_V"));
+  REQUIRE_THROWS_WITH(r.require({"t_s", "v_mps", "F_N"}),
+                      Contains("columns v_mps, F_N are missing; found t_s, x_m, own_column, u_V"));
   REQUIRE_THROWS_WITH(r.column("v_mps"), Contains("column v_mps is missing"));
   REQUIRE_THROWS_AS(r.column("v_mps"), InputError);
 }
@@ -60,16 +61,18 @@ TEST_CASE("each problem is reported with its line") {
                                 ",8\n"               // 16 no time
                                 "0.006,1e400\n"      // 17 unreadable: beyond the range
                                 "0.007,0.5 V\n");    // 18 unreadable
-  REQUIRE(problems_of(r) == "not_a_number@6 not_a_number@7 unreadable_field@8 field_count@9 field_count@10 field_count@11 "
-                            "field_count@12 gap@13 repeated_time@14 decreasing_time@15 no_time@16 unreadable_field@17 "
-                            "unreadable_field@18");
+  REQUIRE(problems_of(r) ==
+          "not_a_number@6 not_a_number@7 unreadable_field@8 field_count@9 field_count@10 field_count@11 "
+          "field_count@12 gap@13 repeated_time@14 decreasing_time@15 no_time@16 unreadable_field@17 "
+          "unreadable_field@18");
   REQUIRE(r.t_s() == std::vector<double>{0, 0.001, 0.002, 0.003, 0.005, 0.006, 0.007});
   REQUIRE(r.line_numbers == std::vector<std::size_t>{5, 6, 7, 8, 13, 17, 18});
   REQUIRE(std::isnan(r.column("x_m")[3]));
   REQUIRE(r.column("x_m")[4] == 5);
   REQUIRE(r.missing_rows == 1);
   REQUIRE(r.dropped_rows == 0);
-  REQUIRE_THAT(r.problems[7].sentence, Contains("r.csv.gz, line 13: ") && Contains("from 0.003 to 0.005") && Contains("1 row is missing"));
+  REQUIRE_THAT(r.problems[7].sentence,
+               Contains("r.csv.gz, line 13: ") && Contains("from 0.003 to 0.005") && Contains("1 row is missing"));
   REQUIRE_THAT(r.problems[3].sentence, Contains("1 fields where 2 are expected"));
   const auto lines = problem_lines(r, 2);
   REQUIRE_THAT(lines.back(), Contains("1 more of the kind unreadable_field"));
@@ -99,8 +102,9 @@ TEST_CASE("missing and impossible header keys are reported, free text among them
   const Recording bare = read_recording(put_plain(folder.file("a.csv"), "t_s\n0\n5\n"));
   REQUIRE(problems_of(bare) == "header@0 header@0 header@0");
   REQUIRE(std::isnan(bare.period_s));
-  const Recording odd = read_recording(put_plain(
-      folder.file("b.csv"), "\xef\xbb\xbf# Strokes: a, b: c\n# free text: {\n#format: other/1\n# period_s: -1\n# rig: q\n# reference:\n#   kind: steps\nt_s\n0\n"));
+  const Recording odd = read_recording(
+      put_plain(folder.file("b.csv"), "\xef\xbb\xbf# Strokes: a, b: c\n# free text: {\n#format: other/1\n# period_s: "
+                                      "-1\n# rig: q\n# reference:\n#   kind: steps\nt_s\n0\n"));
   REQUIRE(problems_of(odd) == "header@0 header@0");
   REQUIRE_THAT(odd.problems[0].sentence, Contains("\"other/1\"; expected pneuservo-recording/1"));
   REQUIRE_THAT(odd.problems[1].sentence, Contains("\"-1\"; expected a number above 0"));
@@ -177,9 +181,7 @@ TEST_CASE("a file cut anywhere gives its whole rows and says where it ends, or i
     bool told = false;
     try {
       told = !read_recording(put_plain(folder.file("wrong.csv.gz"), wrong)).problems.empty();
-    } catch (const InputError&) {
-      told = true;
-    }
+    } catch (const InputError&) { told = true; }
     REQUIRE(told);
   }
 }
@@ -199,7 +201,8 @@ TEST_CASE("gzip files joined end to end read as one; a plain file without its la
 
 TEST_CASE("a table of foreign columns needs no times") {
   const TemporaryFolder folder;
-  const Table table = read_table(put_plain(folder.file("f.csv"), "# Flow of a valve\nduty,q_m3_s\n0.1,1e-3\n0.1,2e-3\n"));
+  const Table table =
+      read_table(put_plain(folder.file("f.csv"), "# Flow of a valve\nduty,q_m3_s\n0.1,1e-3\n0.1,2e-3\n"));
   REQUIRE(table.rows() == 2);
   REQUIRE(table.comments == "Flow of a valve\n");
   REQUIRE(table.problems.empty());

@@ -9,7 +9,8 @@ using namespace pneuservo;
 
 TEST_CASE("all shared recordings read") {
   const char* given = std::getenv("PNEUSERVO_SHARED");
-  const std::filesystem::path shared = given != nullptr ? std::filesystem::path(given) : std::filesystem::path(PNEUSERVO_SOURCE_DIR) / "../shared";
+  const std::filesystem::path shared =
+      given != nullptr ? std::filesystem::path(given) : std::filesystem::path(PNEUSERVO_SOURCE_DIR) / "../shared";
   if (!std::filesystem::exists(shared)) {
     WARN("SKIPPED: no shared data folder " << shared);
     return;

@@ -38,10 +38,8 @@ std::vector<Row> random_rows(std::size_t count, unsigned seed) {
   for (std::size_t i = 0; i < count; ++i) {
     Row::visit(
         [&](std::string_view, auto& value) {
-          if constexpr (std::is_same_v<std::decay_t<decltype(value)>, double>)
-            value = random_bits(generator);
-          else
-            value = static_cast<std::uint32_t>(generator());
+          if constexpr (std::is_same_v<std::decay_t<decltype(value)>, double>) value = random_bits(generator);
+          else value = static_cast<std::uint32_t>(generator());
         },
         rows[i]);
     rows[i].t_s = static_cast<double>(i) * 0.0002;
@@ -179,7 +177,8 @@ TEST_CASE("a recording that cannot be begun is refused at once, with path and re
   const TemporaryFolder folder;
   const RecordingHeader header("r", 0.001);
   const auto open = [&](const std::string& path) { RecordingWriter(path, header, {"x_m"}); };
-  REQUIRE_THROWS_WITH(open(folder.file("none/r.csv.gz")), Contains("none/r.csv.gz") && Contains("No such file or directory"));
+  REQUIRE_THROWS_WITH(open(folder.file("none/r.csv.gz")),
+                      Contains("none/r.csv.gz") && Contains("No such file or directory"));
   REQUIRE_THROWS_WITH(open(folder.file("r.txt")), Contains("must end in .csv.gz"));
   std::filesystem::create_directory(folder.file("d.csv.gz"));
   REQUIRE_THROWS_WITH(open(folder.file("d.csv.gz")), Contains("Is a directory"));
@@ -215,7 +214,8 @@ TEST_CASE("a disk that fills up later is reported by close, and what was written
   int status = 0;
   ::waitpid(child, &status, 0);
   REQUIRE(size > 0);
-  REQUIRE_THAT(std::string(text, static_cast<std::size_t>(size)), Contains("limited.csv.gz") && Contains("File too large"));
+  REQUIRE_THAT(std::string(text, static_cast<std::size_t>(size)),
+               Contains("limited.csv.gz") && Contains("File too large"));
   const Recording recording = read_recording(path);
   REQUIRE(recording.rows() > 1000);
   REQUIRE(recording.rows() < 50000);

@@ -37,10 +37,12 @@ RunReport long_report(std::size_t moves) {
       run.move = static_cast<int>(move);
       run.rows = test::make_rows(60.0, 1e-3, [](Row& row) {
         const double noise = wave(317.7, row.t_s) + wave(101.3, row.t_s);
-        Row::visit([&](std::string_view name, auto& value) {
-          if constexpr (std::is_same_v<std::decay_t<decltype(value)>, double>)
-            if (name != "t_s") value = 4.7e5 + 12345.678 * noise;
-        }, row);
+        Row::visit(
+            [&](std::string_view name, auto& value) {
+              if constexpr (std::is_same_v<std::decay_t<decltype(value)>, double>)
+                if (name != "t_s") value = 4.7e5 + 12345.678 * noise;
+            },
+            row);
       });
       report.runs.push_back(std::move(run));
     }
@@ -84,7 +86,8 @@ TEST_CASE("a plot's data is JSON that reads back, with times as steps of the per
   REQUIRE(curve["y"] == nlohmann::json({1.5, nullptr, -2.25}));
   REQUIRE(json["bands"][0]["low"] == nlohmann::json({-1.0, -2.0}));
   plot.curves[0].x = {0.0051, 0.0062, 0.009};
-  REQUIRE(nlohmann::json::parse(plot_json(plot, "plot-1"))["curves"][0]["x"] == nlohmann::json({0.0051, 0.0062, 0.009}));
+  REQUIRE(nlohmann::json::parse(plot_json(plot, "plot-1"))["curves"][0]["x"] ==
+          nlohmann::json({0.0051, 0.0062, 0.009}));
 }
 
 TEST_CASE("thinning keeps ends, single peaks and gaps within the number of points") {

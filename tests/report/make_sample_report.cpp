@@ -1,4 +1,5 @@
-// Writes a page from synthetic rows: `make_sample_report OUT.html simulated|real`; tests/system/report_page_test.py opens it.
+// Writes a page from synthetic rows: `make_sample_report OUT.html simulated|real`; tests/system/report_page_test.py
+// opens it.
 #include <algorithm>
 #include <iostream>
 #include <random>

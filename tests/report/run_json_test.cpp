@@ -53,11 +53,11 @@ TEST_CASE("in simulated time the JSON has the contract's keys and no latency") {
   const auto json = run_json(three_sources());
   REQUIRE(keys(json) == std::vector<std::string>{"config", "time", "duration_s", "runs", "realtime_factor"});
   REQUIRE(json["runs"].size() == 3);
-  REQUIRE(keys(json["runs"][0]) ==
-          std::vector<std::string>{"pressure_source", "feedforward", "move", "max_position_error_m",
-                                   "rms_position_error_m", "end_error_m", "max_estimation_error_Pa",
-                                   "rms_estimation_error_Pa", "chamber_pressure_ripple_Pa", "command_step_rms_V",
-                                   "faults", "ticks", "overruns"});
+  REQUIRE(keys(json["runs"][0]) == std::vector<std::string>{"pressure_source", "feedforward", "move",
+                                                            "max_position_error_m", "rms_position_error_m",
+                                                            "end_error_m", "max_estimation_error_Pa",
+                                                            "rms_estimation_error_Pa", "chamber_pressure_ripple_Pa",
+                                                            "command_step_rms_V", "faults", "ticks", "overruns"});
   REQUIRE(json["runs"][0]["rms_position_error_m"] == 0.0082);
   REQUIRE(json["runs"][0]["end_error_m"].is_null());
   REQUIRE(json["runs"][0]["faults"].is_array());
@@ -92,7 +92,8 @@ TEST_CASE("the headline names the best source without a fault") {
                               "pressures (rms).");
   report.runs[2].faults = {"position sensor invalid at 3.214 s"};
   REQUIRE(best_run(report) == 1);
-  REQUIRE(contains(headline(report), "estimated chamber pressures ended in a fault: position sensor invalid at 3.214 s."));
+  REQUIRE(
+      contains(headline(report), "estimated chamber pressures ended in a fault: position sensor invalid at 3.214 s."));
   report.runs.clear();
   REQUIRE(headline(report) == "No run was made.");
 }

@@ -21,7 +21,8 @@ struct SteadyLine {
 
   SteadyLine() noexcept = default;
   /// length_m, diameter_m > 0; turbulent_reynolds >= laminar_reynolds.
-  SteadyLine(const Air<double>& air, double length_m, double diameter_m, double laminar_reynolds, double turbulent_reynolds) noexcept;
+  SteadyLine(const Air<double>& air, double length_m, double diameter_m, double laminar_reynolds,
+             double turbulent_reynolds) noexcept;
 };
 
 /// Darcy-Weisbach loss [Pa] of a steady flow G [kg/s], with its sign, at the mean absolute pressure [Pa] > 0:
@@ -53,7 +54,9 @@ class FlowFeedforward {
     return area_m2(ahead, p1_Pa, p2_Pa) * volt_per_area_;
   }
   /// Force [N] for the motion at t: m a + B v. HOT.
-  double motion_force_N(const ReferencePoint& now) const noexcept { return mass_kg_ * now.d[2] + viscous_Ns_per_m_ * now.d[1]; }
+  double motion_force_N(const ReferencePoint& now) const noexcept {
+    return mass_kg_ * now.d[2] + viscous_Ns_per_m_ * now.d[1];
+  }
 
  private:
   struct Side {
@@ -64,7 +67,8 @@ class FlowFeedforward {
 
   Side side_1_, side_2_;
   double mass_kg_ = 0.0, viscous_Ns_per_m_ = 0.0, volt_per_area_ = 0.0;
-  double gas_R_T_ = 1.0, flux_per_pressure_ = 0.0, supply_Pa_ = 1.0, atmosphere_Pa_ = 1.0, critical_pressure_ratio_ = 0.5;
+  double gas_R_T_ = 1.0, flux_per_pressure_ = 0.0, supply_Pa_ = 1.0, atmosphere_Pa_ = 1.0,
+         critical_pressure_ratio_ = 0.5;
 };
 
 /// How far ahead the feedforward should look [s]: the lag of line resistance and chamber,

@@ -17,16 +17,16 @@ enum ControllerFault : std::uint8_t {
 
 /// Every term of the law at the last step, as it can be recorded.
 struct PdForceState {
-  double e_m = 0.0;              ///< x_ref - x
-  double v_mps = 0.0;            ///< filtered velocity
-  double F_N = 0.0;              ///< force of the chambers on the piston
-  double F_ref_N = 0.0;          ///< force asked for
-  double e_F_N = 0.0;            ///< F_ref - F
-  double I_Ns = 0.0;             ///< integral of e_F
+  double e_m = 0.0;  ///< x_ref - x
+  double v_mps = 0.0;  ///< filtered velocity
+  double F_N = 0.0;  ///< force of the chambers on the piston
+  double F_ref_N = 0.0;  ///< force asked for
+  double e_F_N = 0.0;  ///< F_ref - F
+  double I_Ns = 0.0;  ///< integral of e_F
   double u_feedforward_V = 0.0;
-  double u_unlimited_V = 0.0;    ///< command before range and rate
-  double u_V = 0.0;              ///< command
-  std::uint8_t limit = limit_none;          ///< CommandLimit that acted
+  double u_unlimited_V = 0.0;  ///< command before range and rate
+  double u_V = 0.0;  ///< command
+  std::uint8_t limit = limit_none;  ///< CommandLimit that acted
   std::uint8_t fault = controller_healthy;  ///< ControllerFault bits
 };
 
@@ -55,7 +55,8 @@ class PdForce {
   double lead_s() const noexcept { return parameters_.flow_feedforward ? parameters_.feedforward_lead_s : 0.0; }
 
  private:
-  PdForceState terms(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now, const ReferencePoint& ahead) const noexcept;
+  PdForceState terms(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now,
+                     const ReferencePoint& ahead) const noexcept;
   double unlimited_V(const PdForceState& s) const noexcept {
     return parameters_.force_gain_V_per_N * s.e_F_N + parameters_.force_integral_V_per_Ns * s.I_Ns + s.u_feedforward_V;
   }

@@ -26,7 +26,9 @@ template <class T, int N> struct Dual {
 
   friend Dual operator+(const Dual& a, const Dual& b) noexcept { return chain(a.value + b.value, a, T(1), b, T(1)); }
   friend Dual operator-(const Dual& a, const Dual& b) noexcept { return chain(a.value - b.value, a, T(1), b, T(-1)); }
-  friend Dual operator*(const Dual& a, const Dual& b) noexcept { return chain(a.value * b.value, a, b.value, b, a.value); }
+  friend Dual operator*(const Dual& a, const Dual& b) noexcept {
+    return chain(a.value * b.value, a, b.value, b, a.value);
+  }
   friend Dual operator/(const Dual& a, const Dual& b) noexcept {
     const T quotient = a.value / b.value;
     return chain(quotient, a, T(1) / b.value, b, -quotient / b.value);
@@ -68,8 +70,12 @@ template <class M, class T, int N> Dual<T, N> select(const M& mask, const Dual<T
   for (std::size_t i = 0; i < N; ++i) out.derivative[i] = select(mask, a.derivative[i], b.derivative[i]);
   return out;
 }
-template <class T, int N> Dual<T, N> minimum(const Dual<T, N>& a, const Dual<T, N>& b) noexcept { return select(a < b, a, b); }
-template <class T, int N> Dual<T, N> maximum(const Dual<T, N>& a, const Dual<T, N>& b) noexcept { return select(a > b, a, b); }
+template <class T, int N> Dual<T, N> minimum(const Dual<T, N>& a, const Dual<T, N>& b) noexcept {
+  return select(a < b, a, b);
+}
+template <class T, int N> Dual<T, N> maximum(const Dual<T, N>& a, const Dual<T, N>& b) noexcept {
+  return select(a > b, a, b);
+}
 template <class T, int N> Dual<T, N> absolute(const Dual<T, N>& a) noexcept { return select(a.value < T(0), -a, a); }
 template <class T, int N> Dual<T, N> square_root(const Dual<T, N>& a) noexcept {
   const T root = square_root(a.value);
@@ -98,7 +104,9 @@ template <class T, int N> double largest(const Dual<T, N>& a) noexcept { return 
 template <class T, int N> double lane(const Dual<T, N>& a, int i) noexcept { return lane(a.value, i); }
 template <class T, int N> void set_lane(Dual<T, N>& a, int i, double value) noexcept { set_lane(a.value, i, value); }
 
-template <class T, int N> struct PairOf<Dual<T, N>> { using type = Dual<Pair<T>, N>; };
+template <class T, int N> struct PairOf<Dual<T, N>> {
+  using type = Dual<Pair<T>, N>;
+};
 template <class T, int N> auto join(const Dual<T, N>& a, const Dual<T, N>& b) noexcept {
   Pair<Dual<T, N>> out(join(a.value, b.value));
   for (std::size_t i = 0; i < N; ++i) out.derivative[i] = join(a.derivative[i], b.derivative[i]);

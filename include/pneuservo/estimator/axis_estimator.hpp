@@ -10,8 +10,8 @@ namespace pneuservo {
 template <class S> class AxisEstimator {
  public:
   /// Allocates. half_stroke_m: the piston is at distance half_stroke + sign x from the end stop, sign +1 for side 1.
-  void configure(const LineParameters<S>& line, const ChamberGeometry<S>& geometry, const AirParameters<S>& air, const S& half_stroke_m,
-                 const S& sign, double period_s, int cells) {
+  void configure(const LineParameters<S>& line, const ChamberGeometry<S>& geometry, const AirParameters<S>& air,
+                 const S& half_stroke_m, const S& sign, double period_s, int cells) {
     side_.configure(line, geometry, air, cells);
     half_stroke_ = half_stroke_m;
     sign_ = sign;
@@ -25,8 +25,8 @@ template <class S> class AxisEstimator {
     position_ = position_m;
     flow_ = LineFlow<S>{};
   }
-  /// From the last tick to this one; port pressure and position are linear between. The port pressure acts at the middle
-  /// of each sub-step: the leapfrog's velocities live there.
+  /// From the last tick to this one; port pressure and position are linear between. The port pressure acts at the
+  /// middle of each sub-step: the leapfrog's velocities live there.
   void step(const S& port_pressure_Pa, double position_m) noexcept {
     const int n = side_.begin_period(period_s_);
     const S rise = port_pressure_Pa - port_;

@@ -44,12 +44,12 @@ struct EstimatorParameters {
   LineParameters<double> line_1, line_2;
   CylinderParameters<double> cylinder;
   double period_s = 0.001;
-  double cells_per_m = 1.0;             ///< at least one cell a line; 1 is enough for the accuracy stated in docs/estimator.md
+  double cells_per_m = 1.0;  ///< at least one cell a line; 1 is enough for the accuracy stated in docs/estimator.md
   EstimatorUncertainty uncertainty;
 };
 
-/// One tick's measurements: absolute pressures at the valve ports, position (0 at mid-stroke) and velocity of the piston.
-/// NaN or an impossible value means "no measurement": the last one is held and a health bit says so.
+/// One tick's measurements: absolute pressures at the valve ports, position (0 at mid-stroke) and velocity of the
+/// piston. NaN or an impossible value means "no measurement": the last one is held and a health bit says so.
 struct EstimatorInput {
   double port_pressure_1_Pa;
   double port_pressure_2_Pa;
@@ -59,21 +59,21 @@ struct EstimatorInput {
 
 /// Health bits of one tick.
 enum EstimatorHealth : std::uint32_t {
-  estimator_port_1_held = 1,       ///< port pressure 1 missing or outside [0.3 p_atm, 1.5 p_supply]
+  estimator_port_1_held = 1,  ///< port pressure 1 missing or outside [0.3 p_atm, 1.5 p_supply]
   estimator_port_2_held = 2,
-  estimator_position_held = 4,     ///< position missing or beyond 0.6 stroke
+  estimator_position_held = 4,  ///< position missing or beyond 0.6 stroke
   estimator_position_limited = 8,  ///< position moved faster than 5 m/s
-  estimator_state_guarded = 16,    ///< a line limited a speed or a temperature
-  estimator_not_started = 32,      ///< no usable measurement yet
+  estimator_state_guarded = 16,  ///< a line limited a speed or a temperature
+  estimator_not_started = 32,  ///< no usable measurement yet
 };
 
 /// Index 0 is chamber 1, 1 is chamber 2.
 struct EstimatorOutput {
   Eigen::Array2d chamber_pressure_Pa = Eigen::Array2d::Zero();
-  Eigen::Array2d mass_flow_kgps = Eigen::Array2d::Zero();       ///< into the chamber
+  Eigen::Array2d mass_flow_kgps = Eigen::Array2d::Zero();  ///< into the chamber
   Eigen::Array2d chamber_temperature_K = Eigen::Array2d::Zero();
-  Eigen::Array2d error_bound_Pa = Eigen::Array2d::Zero();       ///< holds in 99 of 100 ticks, given the uncertainty
-  std::array<bool, 2> valid{false, false};                      ///< false: inputs missing for too long to be trusted
+  Eigen::Array2d error_bound_Pa = Eigen::Array2d::Zero();  ///< holds in 99 of 100 ticks, given the uncertainty
+  std::array<bool, 2> valid{false, false};  ///< false: inputs missing for too long to be trusted
   std::uint32_t health = 0;
 };
 
@@ -88,7 +88,8 @@ class PipelineEstimator {
     parameters_ = parameters;
     using L = LineParameters<Lanes>;
     const auto& c = parameters.cylinder;
-    const double thin = 1.0 - parameters.uncertainty.relative_diameter, wide = 1.0 + parameters.uncertainty.relative_area;
+    const double thin = 1.0 - parameters.uncertainty.relative_diameter,
+                 wide = 1.0 + parameters.uncertainty.relative_area;
     auto line = cast<L>(parameters.line_1);
     set_parameters_lane(line, 1, parameters.line_2);
     auto shadow_line = parameters.line_1;
@@ -99,8 +100,10 @@ class PipelineEstimator {
     set_parameters_lane(line, 3, shadow_line);
     const ChamberGeometry<Lanes> geometry{lanes(c.area_1_m2, c.area_2_m2, c.area_1_m2 * wide, c.area_2_m2 * wide),
                                           both(c.dead_volume_1_m3, c.dead_volume_2_m3), Lanes(c.wall_heat_W_per_m2K)};
-    const int cells = std::max(cell_count(parameters.line_1.length_m, parameters.cells_per_m), cell_count(parameters.line_2.length_m, parameters.cells_per_m));
-    axis_.configure(line, geometry, cast<AirParameters<Lanes>>(parameters.air), Lanes(0.5 * c.stroke_m), both(1.0, -1.0), parameters.period_s, cells);
+    const int cells = std::max(cell_count(parameters.line_1.length_m, parameters.cells_per_m),
+                               cell_count(parameters.line_2.length_m, parameters.cells_per_m));
+    axis_.configure(line, geometry, cast<AirParameters<Lanes>>(parameters.air), Lanes(0.5 * c.stroke_m),
+                    both(1.0, -1.0), parameters.period_s, cells);
     peak_decay_ = std::exp(-parameters.period_s / peak_time_s);
     rms_gain_ = -std::expm1(-parameters.period_s / rms_time_s);
     grid_decay_ = std::exp(-parameters.period_s / grid_time_s);
@@ -125,14 +128,16 @@ class PipelineEstimator {
   EstimatorOutput step(const EstimatorInput& measured) noexcept {
     std::uint32_t health = guard_input(measured);
     if (!started_) {
-      if (health & (estimator_port_1_held | estimator_port_2_held | estimator_position_held)) return {.health = health | estimator_not_started};
+      if (health & (estimator_port_1_held | estimator_port_2_held | estimator_position_held))
+        return {.health = health | estimator_not_started};
       begin();
     } else {
       const double sigma = parameters_.uncertainty.port_noise_Pa;
       const double p_1 = input_.port_pressure_1_Pa, p_2 = input_.port_pressure_2_Pa;
       // Uniform noise of the same variance: the line filters it to a normal one.
       const double scale = sigma * 3.4641016151377544;
-      axis_.step(lanes(p_1, p_2, p_1 + scale * (random_.uniform() - 0.5), p_2 + scale * (random_.uniform() - 0.5)), input_.position_m);
+      axis_.step(lanes(p_1, p_2, p_1 + scale * (random_.uniform() - 0.5), p_2 + scale * (random_.uniform() - 0.5)),
+                 input_.position_m);
     }
     return output(health);
   }
@@ -148,7 +153,8 @@ class PipelineEstimator {
   /// A missing position goes on with the last velocity for this long, then stays.
   static constexpr double position_bridge_s = 0.01;
   static constexpr double fastest_position_mps = 5.0;
-  /// Mean square of the shadow's distance over about this time; about 2.6 of its root is passed once in 100 by normal noise.
+  /// Mean square of the shadow's distance over about this time; about 2.6 of its root is passed once in 100 by normal
+  /// noise.
   static constexpr double rms_time_s = 0.7;
   static constexpr double rms_factor = 2.7;
   /// A distance that rises is followed at once: its peaks, with a margin, fade with this time constant.
@@ -167,29 +173,37 @@ class PipelineEstimator {
   static Lanes both(double a, double b) noexcept { return lanes(a, b, a, b); }
 
   static void require(bool good, const char* key, double value, const char* expected) {
-    if (!good) throw std::invalid_argument(std::string("estimator: ") + key + " is " + std::to_string(value) + ", expected " + expected);
+    if (!good)
+      throw std::invalid_argument(std::string("estimator: ") + key + " is " + std::to_string(value) + ", expected " +
+                                  expected);
   }
   static void check(const EstimatorParameters& p) {
-    require(p.supply_pressure_Pa > p.air.atmosphere_Pa, "supply_pressure_Pa", p.supply_pressure_Pa, "an absolute pressure above atmosphere");
+    require(p.supply_pressure_Pa > p.air.atmosphere_Pa, "supply_pressure_Pa", p.supply_pressure_Pa,
+            "an absolute pressure above atmosphere");
     for (const auto* line : {&p.line_1, &p.line_2}) {
       require(line->length_m > 0.0, "line length_m", line->length_m, "a length above 0");
       require(line->diameter_m > 0.0, "line diameter_m", line->diameter_m, "a diameter above 0");
-      require(line->turbulent_reynolds >= line->laminar_reynolds, "line turbulent_reynolds", line->turbulent_reynolds, "at least laminar_reynolds");
+      require(line->turbulent_reynolds >= line->laminar_reynolds, "line turbulent_reynolds", line->turbulent_reynolds,
+              "at least laminar_reynolds");
     }
     require(p.cylinder.stroke_m > 0.0, "cylinder.stroke_m", p.cylinder.stroke_m, "a stroke above 0");
     require(p.cylinder.area_1_m2 > 0.0, "cylinder.area_1_m2", p.cylinder.area_1_m2, "an area above 0");
     require(p.cylinder.area_2_m2 > 0.0, "cylinder.area_2_m2", p.cylinder.area_2_m2, "an area above 0");
-    require(p.cylinder.dead_volume_1_m3 > 0.0, "cylinder.dead_volume_1_m3", p.cylinder.dead_volume_1_m3, "a volume above 0");
-    require(p.cylinder.dead_volume_2_m3 > 0.0, "cylinder.dead_volume_2_m3", p.cylinder.dead_volume_2_m3, "a volume above 0");
+    require(p.cylinder.dead_volume_1_m3 > 0.0, "cylinder.dead_volume_1_m3", p.cylinder.dead_volume_1_m3,
+            "a volume above 0");
+    require(p.cylinder.dead_volume_2_m3 > 0.0, "cylinder.dead_volume_2_m3", p.cylinder.dead_volume_2_m3,
+            "a volume above 0");
     require(p.period_s > 0.0 && p.period_s <= 0.1, "period_s", p.period_s, "0 to 0.1 s");
     require(p.cells_per_m > 0.0, "cells_per_m", p.cells_per_m, "a number above 0");
   }
 
   void begin() noexcept {
-    const double p_1 = input_.port_pressure_1_Pa, p_2 = input_.port_pressure_2_Pa, off = parameters_.uncertainty.start_pressure_Pa;
+    const double p_1 = input_.port_pressure_1_Pa, p_2 = input_.port_pressure_2_Pa,
+                 off = parameters_.uncertainty.start_pressure_Pa;
     // The shadow starts wrong towards the middle of what is possible, so that it starts from a possible pressure.
     const double middle = 0.5 * (parameters_.air.atmosphere_Pa + parameters_.supply_pressure_Pa);
-    axis_.reset(lanes(p_1, p_2, p_1 + (p_1 < middle ? off : -off), p_2 + (p_2 < middle ? off : -off)), input_.position_m);
+    axis_.reset(lanes(p_1, p_2, p_1 + (p_1 < middle ? off : -off), p_2 + (p_2 < middle ? off : -off)),
+                input_.position_m);
     started_ = true;
   }
 
@@ -212,7 +226,8 @@ class PipelineEstimator {
     double wanted = measured.position_m;
     if (!placed) {
       health |= estimator_position_held;
-      wanted = input_.position_m + (missing_s_[2] <= position_bridge_s ? input_.velocity_mps * parameters_.period_s : 0.0);
+      wanted =
+          input_.position_m + (missing_s_[2] <= position_bridge_s ? input_.velocity_mps * parameters_.period_s : 0.0);
       wanted = std::fmin(std::fmax(wanted, -reach), reach);
     }
     if (started_ && std::fabs(wanted - input_.position_m) > longest) {
@@ -240,7 +255,8 @@ class PipelineEstimator {
       out.chamber_temperature_K[i] = T[i];
       out.mass_flow_kgps[i] = G[i];
       out.error_bound_Pa[i] = bound[i];
-      out.valid[static_cast<std::size_t>(i)] = missing_s_[static_cast<std::size_t>(i)] <= trusted_gap_s && missing_s_[2] <= trusted_gap_s;
+      out.valid[static_cast<std::size_t>(i)] =
+          missing_s_[static_cast<std::size_t>(i)] <= trusted_gap_s && missing_s_[2] <= trusted_gap_s;
     }
     const std::int64_t guards = axis_.side().line().guard_actions();
     if (guards != guards_seen_) health |= estimator_state_guarded;

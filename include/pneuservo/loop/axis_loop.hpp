@@ -38,14 +38,15 @@ class AxisLoop {
   /// Cold: builds estimator, controller and reference from the rig; allocates, may throw std::invalid_argument.
   void configure(const Rig& rig, const LoadPositions& load = {});
 
-  /// Begins a motion at the next tick: approach from wherever the axis is, then the reference from its time 0. Leads back
-  /// from every fault: integral and estimator start anew, the latched faults are cleared.
+  /// Begins a motion at the next tick: approach from wherever the axis is, then the reference from its time 0. Leads
+  /// back from every fault: integral and estimator start anew, the latched faults are cleared.
   void rearm() noexcept;
   /// The reference once more from its time 0 (after an approach), everything else goes on.
   void restart_reference() noexcept { begins_ = true; }
 
   /// One tick on the backend. False: the backend has ended. `now` reads a clock for the stage times (null: none read).
-  bool pass(Backend& backend, std::int64_t tick, std::int64_t skipped, StageTimes* times, std::int64_t (*now)() noexcept) noexcept PNEUSERVO_NONBLOCKING;
+  bool pass(Backend& backend, std::int64_t tick, std::int64_t skipped, StageTimes* times,
+            std::int64_t (*now)() noexcept) noexcept PNEUSERVO_NONBLOCKING;
   /// Safe output now and from now on (end of the run, stop request); the backend's write is tried at once.
   void stop(Backend& backend, std::int64_t tick) noexcept;
 
@@ -70,8 +71,8 @@ class AxisLoop {
   ReferencePoint reference_at(double t_s) const noexcept;
   std::array<double, 2> pressures(const Inputs& inputs, const EstimatorOutput& estimate) const noexcept;
   double control(double t_s, const Inputs& inputs, const EstimatorOutput& estimate) noexcept;
-  void fill_row(double t_s, std::int64_t skipped, const Measurement& measured, const Truth& truth, const EstimatorOutput& estimate,
-                double command_V) noexcept;
+  void fill_row(double t_s, std::int64_t skipped, const Measurement& measured, const Truth& truth,
+                const EstimatorOutput& estimate, double command_V) noexcept;
   void latch(std::uint32_t faults) noexcept;
 
   double period_s_ = 0.001;

@@ -10,9 +10,10 @@ namespace pneuservo {
 /// What a channel may do. Values in the channel's unit.
 struct PlausibleChannel {
   double lowest = 0.0, highest = 0.0;  ///< outside: no measurement
-  double largest_step = 0.0;           ///< from tick to tick; 0: any
-  double frozen_step = 0.0;            ///< a channel that last moved by more than this and then repeats itself is frozen; 0: not judged so
-  bool noisy = false;                  ///< the sensor's noise makes repetition impossible
+  double largest_step = 0.0;  ///< from tick to tick; 0: any
+  double frozen_step =
+      0.0;  ///< a channel that last moved by more than this and then repeats itself is frozen; 0: not judged so
+  bool noisy = false;  ///< the sensor's noise makes repetition impossible
 };
 
 /// Good samples pass. A bad one (missing, NaN, out of range, a jump) is replaced by the last good one for at most two
@@ -36,7 +37,8 @@ class InputGuard {
     missing = jumped = frozen = false;
     const bool readable = channel.valid && channel.value >= plausible_.lowest && channel.value <= plausible_.highest;
     const double step = channel.value - value_;
-    const bool jump = readable && started_ && plausible_.largest_step > 0.0 && std::fabs(step) > plausible_.largest_step * (bad_ + 1);
+    const bool jump =
+        readable && started_ && plausible_.largest_step > 0.0 && std::fabs(step) > plausible_.largest_step * (bad_ + 1);
     if (!readable || jump) return bridge(jump);
     if (started_ && step == 0.0) {
       ++equal_;
@@ -44,7 +46,8 @@ class InputGuard {
       equal_ = 0;
       last_step_ = step;
     }
-    frozen = equal_ >= frozen_ticks && (plausible_.noisy || (plausible_.frozen_step > 0.0 && std::fabs(last_step_) > plausible_.frozen_step));
+    frozen = equal_ >= frozen_ticks &&
+             (plausible_.noisy || (plausible_.frozen_step > 0.0 && std::fabs(last_step_) > plausible_.frozen_step));
     bad_ = jumps_ = 0;
     started_ = true;
     return value_ = channel.value;

@@ -32,25 +32,28 @@ template <class S> class AxisPlant {
     axis_ = axis;
     air_ = Air<S>(axis.air);
     period_s_ = period_s;
-    const int cells = std::max(cell_count(axis.line_1.length_m, cells_per_m), cell_count(axis.line_2.length_m, cells_per_m));
+    const int cells =
+        std::max(cell_count(axis.line_1.length_m, cells_per_m), cell_count(axis.line_2.length_m, cells_per_m));
     sides_.configure(join_parameters<LineParameters<P>>(axis.line_1, axis.line_2), side_geometry(axis),
                      join_parameters<AirParameters<P>>(axis.air, axis.air), cells);
     LineEffects<P> line_effects;
-    line_effects.restriction = join_parameters<LineRestriction<P>>(axis.effects.line_restriction_1, axis.effects.line_restriction_2);
+    line_effects.restriction =
+        join_parameters<LineRestriction<P>>(axis.effects.line_restriction_1, axis.effects.line_restriction_2);
     line_effects.leak = join_parameters<LineLeak<P>>(axis.effects.line_leak_1, axis.effects.line_leak_2);
     line_effects.critical_pressure_ratio = join(axis.valve.critical_pressure_ratio, axis.valve.critical_pressure_ratio);
     sides_.line().set_effects(line_effects);
     valve_.configure(axis.valve, axis.effects.valve, period_s);
     slider_.configure(axis.slider, axis.effects.motion, axis.cylinder.stroke_m, axis.cylinder.end_stop_restitution);
-    chambers_leak_ = any(axis.effects.chamber_leak_1.area_m2 > S(0)) || any(axis.effects.chamber_leak_2.area_m2 > S(0)) ||
-                     any(axis.effects.piston_leak.area_m2 > S(0));
+    chambers_leak_ = any(axis.effects.chamber_leak_1.area_m2 > S(0)) ||
+                     any(axis.effects.chamber_leak_2.area_m2 > S(0)) || any(axis.effects.piston_leak.area_m2 > S(0));
     droops_ = any(axis.effects.supply_droop.area_m2 > S(0));
     reset({S(0), air_.atmosphere_Pa, air_.atmosphere_Pa});
   }
 
   void reset(const PlantStart<S>& start) noexcept {
     slider_.reset(start.position_m, S(0));
-    sides_.reset(join(start.pressure_1_Pa, start.pressure_2_Pa), join(air_.temperature_K, air_.temperature_K), distances());
+    sides_.reset(join(start.pressure_1_Pa, start.pressure_2_Pa), join(air_.temperature_K, air_.temperature_K),
+                 distances());
     valve_.reset(S(0));
     supply_pressure_ = axis_.supply.pressure_Pa;
   }
@@ -66,7 +69,8 @@ template <class S> class AxisPlant {
       const ChamberInflow<P> leaks = chambers_leak_ ? chamber_leaks() : ChamberInflow<P>{};
       if (!held_) slider_.step(h, driving_force(), {gauge_pressure_sum()});
       const ValvePort<P> port{join(areas.supply_1, areas.supply_2), join(areas.exhaust_1, areas.exhaust_2),
-                              join(supply_pressure_, supply_pressure_), join(axis_.valve.critical_pressure_ratio, axis_.valve.critical_pressure_ratio)};
+                              join(supply_pressure_, supply_pressure_),
+                              join(axis_.valve.critical_pressure_ratio, axis_.valve.critical_pressure_ratio)};
       flow_ = sides_.step_valve(port, distances(), leaks);
       if (droops_) step_supply(h, areas);
     }
@@ -100,7 +104,8 @@ template <class S> class AxisPlant {
   }
   static ChamberGeometry<P> side_geometry(const AxisParameters<S>& axis) noexcept {
     const auto& c = axis.cylinder;
-    return {join(c.area_1_m2, c.area_2_m2), join(c.dead_volume_1_m3, c.dead_volume_2_m3), join(c.wall_heat_W_per_m2K, c.wall_heat_W_per_m2K)};
+    return {join(c.area_1_m2, c.area_2_m2), join(c.dead_volume_1_m3, c.dead_volume_2_m3),
+            join(c.wall_heat_W_per_m2K, c.wall_heat_W_per_m2K)};
   }
 
  private:
@@ -120,7 +125,8 @@ template <class S> class AxisPlant {
     const S out_1 = orifice_mass_flow(air_, axis_.effects.chamber_leak_1.area_m2, b, low(p), low(T), p_atm, T_amb);
     const S out_2 = orifice_mass_flow(air_, axis_.effects.chamber_leak_2.area_m2, b, high(p), high(T), p_atm, T_amb);
     const S across = orifice_mass_flow(air_, axis_.effects.piston_leak.area_m2, b, low(p), low(T), high(p), high(T));
-    const S h_1 = orifice_enthalpy_flow(air_, out_1, low(T), T_amb), h_2 = orifice_enthalpy_flow(air_, out_2, high(T), T_amb);
+    const S h_1 = orifice_enthalpy_flow(air_, out_1, low(T), T_amb),
+            h_2 = orifice_enthalpy_flow(air_, out_2, high(T), T_amb);
     const S h_across = orifice_enthalpy_flow(air_, across, low(T), high(T));
     return {join(-out_1 - across, across - out_2), join(-h_1 - h_across, h_across - h_2)};
   }

@@ -37,7 +37,8 @@ struct SimulationParameters {
 struct EstimatorSettings {
   double cells_per_m = 1.0;
   template <class V, class... P> static void visit(V&& v, P&... p) {
-    v(Field{"cells_per_m", "1/m", 0.1, 100, "cells of the estimator's lines, at least one a line", Presence::optional}, p.cells_per_m...);
+    v(Field{"cells_per_m", "1/m", 0.1, 100, "cells of the estimator's lines, at least one a line", Presence::optional},
+      p.cells_per_m...);
   }
 };
 
@@ -47,7 +48,9 @@ struct LimitParameters {
   double position_margin_m = 0.005;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"speed_mps", "m/s", 1e-3, 100, "measured speed above it is a fault", Presence::optional}, p.speed_mps...);
-    v(Field{"position_margin_m", "m", 0, 1, "measured position further than this beyond an end stop is a fault", Presence::optional}, p.position_margin_m...);
+    v(Field{"position_margin_m", "m", 0, 1, "measured position further than this beyond an end stop is a fault",
+            Presence::optional},
+      p.position_margin_m...);
   }
 };
 
@@ -55,7 +58,9 @@ struct LimitParameters {
 struct SafeOutputParameters {
   double command_V = 0.0;
   template <class V, class... P> static void visit(V&& v, P&... p) {
-    v(Field{"command_V", "V", -1000, 1000, "command of the safe state; 0 closes a closed-centre valve (hold)", Presence::optional}, p.command_V...);
+    v(Field{"command_V", "V", -1000, 1000, "command of the safe state; 0 closes a closed-centre valve (hold)",
+            Presence::optional},
+      p.command_V...);
   }
 };
 
@@ -77,7 +82,8 @@ struct InitialParameters {
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"position_m", "m", -10, 10, "slider position", Presence::optional}, p.position_m...);
     v(Field{"pressure_1_Pa", "Pa", 1e4, 2e6, "chamber 1 and line 1, absolute", Presence::optional}, p.pressure_1_Pa...);
-    v(Field{"pressure_2_Pa", "Pa", 1e4, 2e6, "chamber 2 and line 2; default: balances the piston", Presence::optional}, p.pressure_2_Pa...);
+    v(Field{"pressure_2_Pa", "Pa", 1e4, 2e6, "chamber 2 and line 2; default: balances the piston", Presence::optional},
+      p.pressure_2_Pa...);
   }
 };
 
@@ -86,7 +92,8 @@ inline constexpr std::array<std::string_view, 1> rig_kind_names{"cylinder"};
 inline constexpr std::array<std::string_view, 1> rig_format_names{"pneuservo-rig/1"};
 
 /// The six measured channels of an axis, in the order of the recording's columns without their unit.
-inline constexpr std::array<std::string_view, 6> channel_names{"x", "p1_port", "p2_port", "p1_chamber", "p2_chamber", "p_supply"};
+inline constexpr std::array<std::string_view, 6> channel_names{"x",          "p1_port",    "p2_port",
+                                                               "p1_chamber", "p2_chamber", "p_supply"};
 
 /// Everything one config file says. Keys, units, ranges, defaults and help stand in the visits.
 struct Rig {
@@ -103,7 +110,7 @@ struct Rig {
   std::optional<EvaluationParameters> evaluation;
   std::uint64_t seed = 1;
   InitialParameters initial;
-  std::map<std::string, double> tolerances;             ///< relative standard deviation by config path
+  std::map<std::string, double> tolerances;  ///< relative standard deviation by config path
   SimulationParameters simulation;
   EstimatorSettings estimator;
   LimitParameters limits;
@@ -121,15 +128,21 @@ struct Rig {
     v(Field{"sensors", "", 0, 0, "resolution and noise of the sensors"}, p.sensors...);
     v(Field{"controller", "", 0, 0, "control law and its gains"}, p.controller...);
     v(Field{"reference", "", 0, 0, "what the slider shall do"}, p.reference...);
-    v(Field{"duration_s", "s", 1e-3, 1e6, "of a run; default: 1 s more than a move, ramp and ten periods of a sine", optional}, p.duration_s...);
-    v(Field{"evaluation", "", 0, 0, "window of the errors; default: second half of a sine, a move until 0.6 s after its end", optional}, p.evaluation...);
+    v(Field{"duration_s", "s", 1e-3, 1e6, "of a run; default: 1 s more than a move, ramp and ten periods of a sine",
+            optional},
+      p.duration_s...);
+    v(Field{"evaluation", "", 0, 0,
+            "window of the errors; default: second half of a sine, a move until 0.6 s after its end", optional},
+      p.evaluation...);
     v(Field{"seed", "", 0, 0, "of the simulated noise", optional}, p.seed...);
     v(Field{"initial", "", 0, 0, "state at the start of a simulation", optional}, p.initial...);
-    v(Field{"tolerances", "", 0, 10, "one standard deviation, relative, of what the owner knows, by path", optional}, p.tolerances...);
+    v(Field{"tolerances", "", 0, 10, "one standard deviation, relative, of what the owner knows, by path", optional},
+      p.tolerances...);
     v(Field{"simulation", "", 0, 0, "grid of the simulated lines", optional}, p.simulation...);
     v(Field{"estimator", "", 0, 0, "pipeline estimator", optional}, p.estimator...);
     v(Field{"limits", "", 0, 0, "a breach ends the motion in the safe output", optional}, p.limits...);
-    v(Field{"safe_output", "", 0, 0, "what the valve is given when the loop ends or faults", optional}, p.safe_output...);
+    v(Field{"safe_output", "", 0, 0, "what the valve is given when the loop ends or faults", optional},
+      p.safe_output...);
   }
 };
 

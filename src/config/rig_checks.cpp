@@ -4,19 +4,22 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "config/input_error.hpp"
 #include "config/key_suggestion.hpp"
 #include "config/number_text.hpp"
-#include "config/reference_span.hpp"
 #include "config/rig_parameters.hpp"
 
 namespace pneuservo {
 
 namespace {
 
-/// Most positions of a reference that are checked; beyond it the control periods are thinned out.
+/// A reference that goes on for ever is run this many of its (slowest) periods after its ramp.
+constexpr double default_periods = 10.0;
+/// Most positions among which the time of the farthest one is sought.
 constexpr double most_samples = 1e6;
 
 /// Where a path was written: the deepest node of it that the config has.
@@ -111,6 +114,36 @@ void check_initial(const Rig& rig, const Check& check) {
                              number_text(supply)));
 }
 
+/// The reference itself; what it refuses becomes a sentence about the config.
+Reference build_reference(const ReferenceSpec& spec, const ConfigNode& root) {
+  try {
+    return Reference(spec);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(fmt::format("{}: {}", origin_of(root, "reference"), error.what()));
+  }
+}
+
+bool oscillates(const ReferenceSpec& spec) {
+  return spec.kind == ReferenceKind::sine || spec.kind == ReferenceKind::multisine;
+}
+
+/// How long an oscillation is run where the config does not say: from its start the ramp and ten periods.
+double oscillation_end_s(const ReferenceSpec& spec) {
+  double slowest_Hz = spec.kind == ReferenceKind::sine ? spec.frequency_Hz : infinite;
+  for (const auto& component : spec.components) slowest_Hz = std::min(slowest_Hz, component[1]);
+  const double ramp_s = spec.ramp_s < 0.0 ? 1.0 / slowest_Hz : spec.ramp_s;
+  return spec.start_s + ramp_s + default_periods / slowest_Hz;
+}
+
+/// Length of a run that shows all of a reference: a second after the last move, oscillations ten periods long.
+double default_duration_s(const ReferenceSpec& spec, const ConfigNode& root) {
+  double end_s = 0.0;
+  if (oscillates(spec)) return oscillation_end_s(spec);
+  if (spec.kind != ReferenceKind::sum) return build_reference(spec, root).end_s() + 1.0;
+  for (const ReferenceSpec& part : spec.parts) end_s = std::max(end_s, default_duration_s(part, root));
+  return end_s;
+}
+
 double highest_frequency_Hz(const ReferenceSpec& reference) {
   double highest = reference.kind == ReferenceKind::sine ? reference.frequency_Hz : 0.0;
   for (const auto& component : reference.components) highest = std::max(highest, component[1]);
@@ -123,17 +156,21 @@ void check_reference_range(const Rig& rig, const Check& check) {
   if (const double highest = highest_frequency_Hz(rig.reference); highest > nyquist)
     check.refuse("reference", {"period_s"}, fmt::format("{} Hz", number_text(highest)),
                  fmt::format("at most half a cycle a control period ({} Hz)", number_text(nyquist)));
-  const double samples = std::min(std::ceil(rig.duration_s / rig.period_s), most_samples);
-  double worst_m = 0.0, worst_s = 0.0;
-  for (double k = 0; k <= samples; ++k) {
-    const double t = rig.duration_s * k / samples, x = reference_position_m(rig.reference, t);
-    if (std::fabs(x) > std::fabs(worst_m)) worst_m = x, worst_s = t;
-  }
+  if (needs_file(rig.reference)) return;  // its positions are known where recordings are read
+  const Reference reference = build_reference(rig.reference, check.root);
+  const ReferenceExtremes range = reference.extremes(0, rig.duration_s);
+  const double worst_m = -range.minimum > range.maximum ? range.minimum : range.maximum;
   // Within rounding of the end stop is at the end stop.
-  if (std::fabs(worst_m) > half_stroke * (1.0 + 1e-12))
-    check.refuse("reference", {"cylinder.stroke_m", "duration_s", "reference.amplitude_m", "reference.center_m"},
-                 fmt::format("the position {:.6g} m at {:.6g} s", worst_m, worst_s),
-                 fmt::format("positions within +-half of cylinder.stroke_m ({} m)", number_text(half_stroke)));
+  if (std::fabs(worst_m) <= half_stroke * (1.0 + 1e-12)) return;
+  double worst_s = 0.0, nearest_m = infinite;
+  const double samples = std::min(std::ceil(rig.duration_s / rig.period_s), most_samples);
+  for (double k = 0; k <= samples; ++k) {
+    const double t_s = rig.duration_s * k / samples, away_m = std::fabs(reference.at(t_s).d[0] - worst_m);
+    if (away_m < nearest_m) nearest_m = away_m, worst_s = t_s;
+  }
+  check.refuse("reference", {"cylinder.stroke_m", "duration_s", "reference.amplitude_m", "reference.center_m"},
+               fmt::format("the position {:.6g} m at {:.6g} s", worst_m, worst_s),
+               fmt::format("positions within +-half of cylinder.stroke_m ({} m)", number_text(half_stroke)));
 }
 
 void check_tolerances(const Rig& rig, const Check& check) {
@@ -184,10 +221,9 @@ void check_reference_keys(const ReferenceSpec& reference, const ConfigNode& node
 void complete_rig(Rig& rig, const ConfigNode& root) {
   check_reference_keys(rig.reference, root.find("reference")->value, "reference");
   if (root.find("duration_s") == nullptr) {
-    const double end = reference_end_s(rig.reference);
-    if (std::isnan(end))
+    if (needs_file(rig.reference))
       refuse(root.origin, "duration_s", "nothing", "the key: a reference from a file does not tell its end");
-    rig.duration_s = is_periodic(rig.reference) ? end : end + 1.0;
+    rig.duration_s = default_duration_s(rig.reference, root);
   }
   if (!is_stated(root, "initial", "pressure_1_Pa")) {
     const double supply = rig.axis.supply.pressure_Pa, atmosphere = rig.axis.air.atmosphere_Pa;

@@ -16,16 +16,11 @@ double line_area_m2(const LineParameters<double>& line) noexcept {
 }
 }  // namespace
 
-SteadyLine::SteadyLine(const Air<double>& air, double length_m, double diameter_m, double laminar,
-                       double turbulent) noexcept
-    : laminar_reynolds(laminar), turbulent_reynolds(std::max(turbulent, laminar)) {
-  const double section_m2 = M_PI / 4.0 * diameter_m * diameter_m;
-  reynolds_per_flow = diameter_m / (section_m2 * air.viscosity_Pas);
-  loss_constant =
-      air.viscosity_Pas * length_m * air.R * air.temperature_K / (2.0 * diameter_m * diameter_m * section_m2);
-  if (turbulent_reynolds > laminar_reynolds)
-    blend_slope = (0.3164 / std::sqrt(std::sqrt(turbulent_reynolds)) - 64.0 / laminar_reynolds) /
-                  (turbulent_reynolds - laminar_reynolds);
+SteadyLine::SteadyLine(const Air<double>& air, const LineParameters<double>& line) noexcept : friction(line, air) {
+  const double section_m2 = line_area_m2(line);
+  reynolds_per_flow = line.diameter_m / (section_m2 * air.viscosity_Pas);
+  loss_constant = air.viscosity_Pas * line.length_m * air.R * air.temperature_K /
+                  (2.0 * line.diameter_m * line.diameter_m * section_m2);
 }
 
 FlowFeedforward::FlowFeedforward(const AxisParameters<double>& axis) noexcept {
@@ -33,7 +28,7 @@ FlowFeedforward::FlowFeedforward(const AxisParameters<double>& axis) noexcept {
   const auto& cylinder = axis.cylinder;
   const auto side = [&](double area_m2, double dead_m3, const LineParameters<double>& line) {
     return Side{area_m2, dead_m3 + area_m2 * 0.5 * cylinder.stroke_m, dead_m3, line_area_m2(line) * line.length_m,
-                SteadyLine(air, line.length_m, line.diameter_m, line.laminar_reynolds, line.turbulent_reynolds)};
+                SteadyLine(air, line)};
   };
   side_1_ = side(cylinder.area_1_m2, cylinder.dead_volume_1_m3, axis.line_1);
   side_2_ = side(cylinder.area_2_m2, cylinder.dead_volume_2_m3, axis.line_2);
@@ -88,7 +83,7 @@ double feedforward_lead_s(const AxisParameters<double>& axis, double peak_speed_
   const auto lead = [&](double area_m2, double dead_m3, const LineParameters<double>& line) {
     const double flow = 0.7 * area_m2 * mean_pressure_Pa * std::fabs(peak_speed_mps) / r_t;
     if (!(flow > 0.0)) return 0.0;
-    const SteadyLine steady(air, line.length_m, line.diameter_m, line.laminar_reynolds, line.turbulent_reynolds);
+    const SteadyLine steady(air, line);
     const double resistance =
         1.75 * steady_line_loss_Pa(steady, flow, mean_pressure_Pa) / flow;  // d(loss)/dG, turbulent
     const double c_line = line_area_m2(line) * line.length_m / (n * r_t);

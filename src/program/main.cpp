@@ -7,7 +7,8 @@
 #include "config/input_error.hpp"
 #include "program/verbs.hpp"
 
-int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): what is left is std::bad_alloc
+namespace {
+int run_program(int argc, char** argv) {
   CLI::App app{"pneuservo: real-time control of pneumatic servo axes with connected pipelines"};
   app.require_subcommand(1);
   app.set_help_all_flag("--help-all", "help of all verbs");
@@ -15,8 +16,14 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): what is
   for (const auto& add_verb : pneuservo::all_verbs()) add_verb(app, status);
   try {
     app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const CLI::ParseError& error) { return app.exit(error) == 0 ? 0 : 2; }
+  return status;
+}
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run_program(argc, argv);
   } catch (const pneuservo::InputError& error) {
     std::fprintf(stderr, "pneuservo: %s\n", error.what());
     return 2;
@@ -24,5 +31,4 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): what is
     std::fprintf(stderr, "pneuservo: %s\n", error.what());
     return 1;
   }
-  return status;
 }

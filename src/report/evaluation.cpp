@@ -91,43 +91,15 @@ double ripple_Pa(const std::vector<Row>& rows, Column column, double from_s, dou
   return highest - lowest;
 }
 
-ReferenceSpan sum_span(const ReferenceSpec& reference) {
-  ReferenceSpan span{infinite, 0.0, false};
-  for (const ReferenceSpec& part : reference.parts) {
-    const ReferenceSpan of_part = reference_span(part);
-    span.from_s = std::min(span.from_s, of_part.from_s);
-    span.to_s = std::max(span.to_s, of_part.to_s);
-    span.periodic = span.periodic || of_part.periodic;
-  }
-  return span;
-}
-
 }  // namespace
-
-ReferenceSpan reference_span(const ReferenceSpec& reference) {
-  switch (reference.kind) {
-    case ReferenceKind::sine:
-    case ReferenceKind::multisine: return {reference.start_s, infinite, true};
-    case ReferenceKind::file: return {reference.start_s, infinite, false};
-    case ReferenceKind::sum: return sum_span(reference);
-    case ReferenceKind::waypoints:
-      if (reference.times_s.empty()) return {};
-      return {reference.times_s.front(), reference.times_s.back(), false};
-    case ReferenceKind::cruise:
-      return {reference.start_s,
-              reference.start_s + std::fabs(reference.end_m - reference.start_m) / reference.speed_mps +
-                  reference.ramp_s,
-              false};
-    case ReferenceKind::minimum_jerk: return {reference.start_s, reference.start_s + reference.duration_s, false};
-  }
-  return {};
-}
 
 EvaluationWindow evaluation_window(const Rig& rig, double run_duration_s) {
   if (rig.evaluation) return {rig.evaluation->from_s, rig.evaluation->to_s};
-  const ReferenceSpan span = reference_span(rig.reference);
-  if (span.periodic) return {0.5 * run_duration_s, run_duration_s};
-  return {span.from_s, span.to_s + settling_s};
+  if (needs_file(rig.reference)) return {0.0, run_duration_s};  // its end stands in the file alone
+  const Reference reference(rig.reference);
+  const bool moves = reference.end_s() > reference.start_s();
+  if (!reference.is_move() || !moves) return {0.5 * run_duration_s, run_duration_s};
+  return {reference.start_s(), reference.end_s() + settling_s};
 }
 
 Metrics evaluate(const Rig& rig, const std::vector<Row>& rows, double start_s) {

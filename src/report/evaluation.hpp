@@ -19,16 +19,8 @@ struct EvaluationWindow {
   double from_s = 0.0, to_s = 0.0;
 };
 
-/// Start and end of the motion that a reference asks for; `periodic` where it does not end (sine, multisine and sums
-/// with one of them) and for a file, whose end its text alone does not tell: `to_s` is then infinite.
-struct ReferenceSpan {
-  double from_s = 0.0, to_s = 0.0;
-  bool periodic = false;
-};
-ReferenceSpan reference_span(const ReferenceSpec& reference);
-
 /// The config's `evaluation` if it has one; else the second half of the run (`run_duration_s`) for references that do
-/// not end, the whole run for a file, and from a move's start to 0.6 s after its end.
+/// not end or never move, the whole run for a file, and from a move's start to 0.6 s after its end.
 EvaluationWindow evaluation_window(const Rig& rig, double run_duration_s);
 
 /// Figures of one run. `rows` in the order of time, evenly sampled but for single lost rows; `start_s` is the time in

@@ -10,6 +10,7 @@
 #include "config/test_rigs.hpp"
 
 using namespace pneuservo;
+using test::refusal;
 using test::with;
 namespace fs = std::filesystem;
 
@@ -17,13 +18,6 @@ namespace {
 
 const std::string plain = test::plain_rig;
 
-/// Message of the refusal; empty where the config reads.
-std::string refusal(const std::string& text, const std::vector<std::string>& overrides = {}) {
-  try {
-    parse_rig(text, "rig.yaml", overrides);
-  } catch (const InputError& error) { return error.what(); }
-  return "";
-}
 std::string file_refusal(const fs::path& file) {
   try {
     read_rig(file);

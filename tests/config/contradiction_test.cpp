@@ -3,22 +3,16 @@
 
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
-#include "config/reference_span.hpp"
 #include "config/test_rigs.hpp"
 
 using namespace pneuservo;
+using test::refusal;
 using test::with;
 
 namespace {
 
 const std::string plain = test::plain_rig;
 
-std::string refusal(const std::string& text, const std::vector<std::string>& overrides = {}) {
-  try {
-    parse_rig(text, "rig.yaml", overrides);
-  } catch (const InputError& error) { return error.what(); }
-  return "";
-}
 
 std::string refusal_of_reference(const std::string& reference) {
   return refusal(with(plain, "{kind: sine, amplitude_m: 0.080, frequency_Hz: 1.0}", reference));

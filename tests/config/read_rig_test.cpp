@@ -37,25 +37,21 @@ TEST_CASE("every config of the project reads and is named as its file") {
 }
 
 TEST_CASE("every cylinder rig of the shared data reads") {
-  const char* shared = std::getenv("PNEUSERVO_SHARED");
-  const fs::path root =
-      (shared != nullptr ? fs::path(shared) : fs::path(PNEUSERVO_SOURCE_DIR) / ".." / "shared") / "concealed";
-  if (!fs::exists(root)) {
+  const std::vector<fs::path> files = test::shared_rig_files();
+  if (files.empty()) {
     WARN("SKIPPED: no shared data folder");
     return;
   }
   int cylinders = 0, others = 0;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root)) {
-    if (entry.path().filename() != "rig.yaml") continue;
-    INFO(entry.path());
-    if (test::text_of(entry.path()).find("\nrig: cylinder") != std::string::npos) {
+  for (const fs::path& file : files) {
+    INFO(file);
+    if (test::is_cylinder(file)) {
       ++cylinders;
-      REQUIRE_NOTHROW(read_rig(entry.path()));
+      REQUIRE_NOTHROW(read_rig(file));
     } else {
       ++others;
-      REQUIRE_THROWS_WITH(read_rig(entry.path()),
-                          Catch::Contains("rig.yaml:3: rig: found 'driven_axis', expected cylinder"));
-      UNSCOPED_INFO("other kind of rig: " << entry.path());
+      REQUIRE_THROWS_WITH(read_rig(file), Catch::Contains("rig.yaml:3: rig: found 'driven_axis', expected cylinder"));
+      UNSCOPED_INFO("other kind of rig: " << file);
     }
   }
   REQUIRE(cylinders > 0);

@@ -36,19 +36,15 @@ TEST_CASE("every config of the project comes back from its dump") {
 }
 
 TEST_CASE("every rig of the shared data comes back from its dump") {
-  const char* shared = std::getenv("PNEUSERVO_SHARED");
-  const fs::path root =
-      (shared != nullptr ? fs::path(shared) : fs::path(PNEUSERVO_SOURCE_DIR) / ".." / "shared") / "concealed";
-  if (!fs::exists(root)) {
+  const std::vector<fs::path> files = test::shared_rig_files();
+  if (files.empty()) {
     WARN("SKIPPED: no shared data folder");
     return;
   }
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root)) {
-    if (entry.path().filename() != "rig.yaml" ||
-        test::text_of(entry.path()).find("\nrig: cylinder") == std::string::npos)
-      continue;
-    INFO(entry.path());
-    require_round_trip(read_rig(entry.path()));
+  for (const fs::path& file : files) {
+    if (!test::is_cylinder(file)) continue;
+    INFO(file);
+    require_round_trip(read_rig(file));
   }
 }
 

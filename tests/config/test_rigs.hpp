@@ -1,12 +1,16 @@
 // Configs that the tests of this folder share.
 #pragma once
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "config/input_error.hpp"
+#include "config/read_rig.hpp"
 
 namespace pneuservo::test {
 
@@ -23,6 +27,22 @@ inline std::vector<std::filesystem::path> config_files() {
     if (entry.path().extension() == ".yaml") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
+}
+
+/// Every rig.yaml of the shared data folder; empty where there is no such folder.
+inline std::vector<std::filesystem::path> shared_rig_files() {
+  const char* shared = std::getenv("PNEUSERVO_SHARED");
+  const std::filesystem::path source = PNEUSERVO_SOURCE_DIR;
+  const std::filesystem::path root = (shared != nullptr ? shared : source / ".." / "shared") / "concealed";
+  std::vector<std::filesystem::path> files;
+  if (!std::filesystem::exists(root)) return files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(root))
+    if (entry.path().filename() == "rig.yaml") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+inline bool is_cylinder(const std::filesystem::path& file) {
+  return text_of(file).find("\nrig: cylinder") != std::string::npos;
 }
 
 /// A config with one key a line; the line numbers in the tests' messages count from here.
@@ -74,6 +94,14 @@ inline std::string with(std::string text, const std::string& from, const std::st
   const std::size_t place = text.find(from);
   if (place == std::string::npos) throw std::logic_error("no '" + from + "' in the text");
   return text.replace(place, from.size(), to);
+}
+
+/// Message of the refusal; empty where the config reads.
+inline std::string refusal(const std::string& text, const std::vector<std::string>& overrides = {}) {
+  try {
+    parse_rig(text, "rig.yaml", overrides);
+  } catch (const InputError& error) { return error.what(); }
+  return "";
 }
 
 }  // namespace pneuservo::test

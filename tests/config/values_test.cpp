@@ -8,7 +8,6 @@
 #include "config/key_suggestion.hpp"
 #include "config/number_text.hpp"
 #include "config/read_rig.hpp"
-#include "config/reference_span.hpp"
 #include "config/rig_parameters.hpp"
 #include "config/test_rigs.hpp"
 
@@ -62,7 +61,7 @@ TEST_CASE("the contract's own words for a reference read") {
 
 TEST_CASE("positions of references are those of their equations") {
   const auto position = [](const std::string& text, double t) {
-    return reference_position_m(parse_reference(text, "test"), t);
+    return Reference(parse_reference(text, "test")).at(t).d[0];
   };
   CHECK(position("{kind: sine, amplitude_m: 0.08, frequency_Hz: 1, ramp_s: 0, center_m: 0.01, start_s: 0.5}", 0.75) ==
         Approx(0.09));

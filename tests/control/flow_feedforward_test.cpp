@@ -17,7 +17,7 @@ constexpr double r_t = 287.0 * 293.0;
 TEST_CASE("the steady line loss follows 64/Re, Blasius and the line between") {
   const Air<double> air{AirParameters<double>{}};
   const double d = 0.00765, length = 10.0, area = M_PI / 4 * d * d, p = 470e3, rho = p / r_t;
-  const SteadyLine line(air, length, d, 2300.0, 4000.0);
+  const SteadyLine line(air, {.length_m = length, .diameter_m = d});
   const auto loss = [&](double reynolds, double lambda) {
     const double u = reynolds * 1.8e-5 / (rho * d);
     return lambda / (2.0 * d) * rho * u * u * length;
@@ -29,7 +29,7 @@ TEST_CASE("the steady line loss follows 64/Re, Blasius and the line between") {
   CHECK(steady_line_loss_Pa(line, flow(3000.0), p) == Approx(loss(3000.0, between)));
   CHECK(steady_line_loss_Pa(line, -flow(3000.0), p) == -steady_line_loss_Pa(line, flow(3000.0), p));
   CHECK(steady_line_loss_Pa(line, 0.0, p) == 0.0);
-  const SteadyLine thesis(air, length, d, 2300.0, 2300.0);
+  const SteadyLine thesis(air, {.length_m = length, .diameter_m = d, .turbulent_reynolds = 2300.0});
   CHECK(steady_line_loss_Pa(thesis, flow(2301.0), p) == Approx(loss(2301.0, 0.3164 * std::pow(2301.0, -0.25))));
 }
 

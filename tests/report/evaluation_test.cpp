@@ -92,23 +92,39 @@ TEST_CASE("a move is judged from its start to 0.6 s after its end; the end error
   REQUIRE(metrics.end_error_m == Approx(-4e-5).epsilon(1e-6));
 }
 
-TEST_CASE("the span of a reference follows from its kind") {
+TEST_CASE("the window follows from the kind of reference") {
   ReferenceSpec waypoints;
   waypoints.kind = ReferenceKind::waypoints;
   waypoints.times_s = {0.2, 1.0, 1.7};
+  waypoints.positions_m = {0.0, 0.05, 0.02};
   ReferenceSpec cruise;
   cruise.kind = ReferenceKind::cruise;
   cruise.start_m = 0.05, cruise.end_m = -0.05, cruise.speed_mps = 0.05, cruise.ramp_s = 0.15, cruise.start_s = 0.1;
   ReferenceSpec sum;
   sum.kind = ReferenceKind::sum;
   sum.parts = {waypoints, cruise};
-  REQUIRE(reference_span(waypoints).to_s == Approx(1.7));
-  REQUIRE(reference_span(cruise).to_s == Approx(2.25));
-  REQUIRE(reference_span(sum).from_s == Approx(0.1));
-  REQUIRE(reference_span(sum).to_s == Approx(2.25));
-  REQUIRE_FALSE(reference_span(sum).periodic);
+  const auto window = [](const ReferenceSpec& reference) {
+    Rig rig = sine_rig();
+    rig.reference = reference;
+    return evaluation_window(rig, 8.0);
+  };
+  REQUIRE(window(waypoints).from_s == Approx(0.2));
+  REQUIRE(window(waypoints).to_s == Approx(1.7 + 0.6));
+  REQUIRE(window(cruise).to_s == Approx(2.25 + 0.6));
+  REQUIRE(window(sum).from_s == Approx(0.1));
+  REQUIRE(window(sum).to_s == Approx(2.25 + 0.6));
   sum.parts.push_back(sine_rig().reference);
-  REQUIRE(reference_span(sum).periodic);
+  REQUIRE(window(sum).from_s == Approx(4.0));
+  REQUIRE(window(sum).to_s == Approx(8.0));
+  ReferenceSpec rest = sine_rig().reference;
+  rest.amplitude_m = 0.0;
+  REQUIRE(window(rest).from_s == Approx(4.0));
+  ReferenceSpec file;
+  file.kind = ReferenceKind::file;
+  file.path = "not read here";
+  sum.parts.push_back(file);
+  REQUIRE(window(sum).from_s == 0.0);
+  REQUIRE(window(sum).to_s == Approx(8.0));
 }
 
 TEST_CASE("ripple is the peak to peak of what is faster than 3.5 Hz, of the chamber that has more of it") {

@@ -4,6 +4,7 @@
 
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/elements/orifice.hpp>
+#include <pneuservo/elements/pipe_friction.hpp>
 
 namespace pneuservo {
 
@@ -16,27 +17,18 @@ inline constexpr double feedforward_polytropic_exponent = 1.3;
 struct SteadyLine {
   double reynolds_per_flow = 0.0;   ///< Re = this |G|, s/kg
   double loss_constant = 0.0;       ///< mu L R T / (2 D^2 A), Pa2 s/kg
-  double laminar_reynolds = 2300.0, turbulent_reynolds = 4000.0;
-  double blend_slope = 0.0;         ///< d(lambda)/dRe between them
+  PipeFriction<double> friction;
 
   SteadyLine() noexcept = default;
-  /// length_m, diameter_m > 0; turbulent_reynolds >= laminar_reynolds.
-  SteadyLine(const Air<double>& air, double length_m, double diameter_m, double laminar_reynolds,
-             double turbulent_reynolds) noexcept;
+  /// length_m, diameter_m > 0.
+  SteadyLine(const Air<double>& air, const LineParameters<double>& line) noexcept;
 };
 
 /// Darcy-Weisbach loss [Pa] of a steady flow G [kg/s], with its sign, at the mean absolute pressure [Pa] > 0:
-/// lambda/(2D) rho u |u| L = lambda Re mu L R T G / (2 D^2 A p); lambda is 64/Re, 0.3164 Re^-0.25, linear between. HOT.
+/// lambda/(2D) rho u |u| L = lambda Re mu L R T G / (2 D^2 A p), lambda as in the line itself. HOT.
 inline double steady_line_loss_Pa(const SteadyLine& line, double mass_flow_kgps, double mean_pressure_Pa) noexcept {
   const double reynolds = line.reynolds_per_flow * std::fabs(mass_flow_kgps);
-  double lambda_reynolds = 64.0;
-  if (reynolds >= line.turbulent_reynolds) {
-    const double root = std::sqrt(reynolds);
-    lambda_reynolds = 0.3164 * root * std::sqrt(root);
-  } else if (reynolds > line.laminar_reynolds) {
-    lambda_reynolds = reynolds * (64.0 / line.laminar_reynolds + line.blend_slope * (reynolds - line.laminar_reynolds));
-  }
-  return line.loss_constant * lambda_reynolds * mass_flow_kgps / mean_pressure_Pa;
+  return line.loss_constant * line.friction(reynolds).lambda_reynolds * mass_flow_kgps / mean_pressure_Pa;
 }
 
 /// Inverse of one five-port spool and two chambers with their lines, quasi-steady.

@@ -34,6 +34,14 @@ struct ReferenceSpec {
 /// Reads the columns t_s and x_ref_m of a recording: the loader of references of kind `file`.
 using LoadPositions = std::function<std::pair<std::vector<double>, std::vector<double>>(const std::string& path)>;
 
+/// Whether any part of it comes from a file, so that building it needs a loader.
+inline bool needs_file(const ReferenceSpec& spec) {
+  if (spec.kind == ReferenceKind::file) return true;
+  for (const ReferenceSpec& part : spec.parts)
+    if (needs_file(part)) return true;
+  return false;
+}
+
 /// Smallest and largest value of one derivative of a reference over a time span.
 struct ReferenceExtremes {
   double minimum = 0.0, maximum = 0.0;

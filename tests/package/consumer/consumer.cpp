@@ -5,7 +5,7 @@
 
 int main() {
   pneuservo::EstimatorParameters parameters;
-  parameters.supply.pressure_Pa = 700000.0;
+  parameters.supply_pressure_Pa = 700000.0;
   parameters.line_1.length_m = parameters.line_2.length_m = 10.0;
   parameters.line_1.diameter_m = parameters.line_2.diameter_m = 0.00765;
   parameters.cylinder.stroke_m = 0.3;

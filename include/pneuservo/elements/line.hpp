@@ -76,7 +76,7 @@ template <class S> class Line {
   void reset(const S& pressure_Pa, const S& temperature_K) noexcept {
     for (int i = 0; i < cells(); ++i) set_cell_state(i, pressure_Pa, temperature_K);
     for (G& u : face_.velocity) u = G(0);
-    port_pressure_ = pressure_Pa;
+    port_pressure_ = port_before_ = pressure_Pa;
     fastest_squared_ = G(0);
   }
   /// Sets the state of cell i = 0..cells-1, e.g. to a mode shape.
@@ -113,7 +113,7 @@ template <class S> class Line {
   /// One sub-step with the port pressure prescribed (middle of the sub-step): the estimator's boundary.
   /// Gas that enters at the port has the stagnation temperature of the supply.
   LineFlow<S> step_prescribed(const S& port_pressure_Pa, const ChamberEnd<S>& chamber) noexcept {
-    port_pressure_ = port_pressure_Pa;
+    port_pressure_ = port_before_ = port_pressure_Pa;
     return sweep(chamber, [this](Face& face, const Cell& first, const S&) noexcept { prescribed_port_flux(face, first); });
   }
 
@@ -442,7 +442,9 @@ template <class S> class Line {
   void valve_port_flux(const ValvePort<S>& valve, Face& face, const Cell& first, const S& density) noexcept {
     const S K = S(2) * k_.grid_ratio / (density + face.friction_coefficient);
     const S c = square_root(k_.sound_factor * maximum(first.temperature, air_.temperature_K));
-    const PortSolution<S> port = solve_valve_port(air_, valve, cross_section_, face.velocity - K * port_pressure_, K, c, first.density, first.temperature, port_pressure_);
+    const PortSolution<S> port = solve_valve_port(air_, valve, cross_section_, face.velocity - K * port_pressure_, K, c, first.density, first.temperature,
+                                                     S(2) * port_pressure_ - port_before_);
+    port_before_ = port_pressure_;
     port_pressure_ = port.pressure_Pa;
     face.velocity = port.velocity_mps;
     limit_speed(face, air_.temperature_K, first.temperature);
@@ -525,7 +527,7 @@ template <class S> class Line {
   Faces face_;
   std::vector<line_scheme::CellLoss<G>> loss_;
   Mask<G> all_places_{}, from_end_{}, beyond_last_{};
-  S port_pressure_{}, leak_flow_{};
+  S port_pressure_{}, port_before_{}, leak_flow_{};
   G fastest_squared_{};
   std::int64_t guard_actions_ = 0;
 };

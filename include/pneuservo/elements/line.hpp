@@ -45,6 +45,7 @@ template <class S> class Line {
   void configure(const LineParameters<S>& line, const AirParameters<S>& air_parameters, int cells) {
     air_ = Air<S>(air_parameters);
     length_ = line.length_m;
+    port_constants_ = PortConstants<S>(air_, S(0.35));
     diameter_ = line.diameter_m;
     cross_section_ = S(0.78539816339744831) * diameter_ * diameter_;
     friction_ = PipeFriction<S>(line, air_);
@@ -120,6 +121,9 @@ template <class S> class Line {
   /// One sub-step with a valve at the port: the port pressure follows from orifice and line together. The orifice's own
   /// flow is booked, so that valve and line agree in mass to rounding.
   LineFlow<S> step_valve(const ValvePort<S>& valve, const ChamberEnd<S>& chamber) noexcept {
+    // Once, unless somebody changes the valve in flight.
+    if (any(!(valve.critical_pressure_ratio == port_constants_.shape.critical))) [[unlikely]]
+      port_constants_ = PortConstants<S>(air_, valve.critical_pressure_ratio);
     return sweep(chamber, [&](Face& face, const Cell& first, const S& density) noexcept { valve_port_flux(valve, face, first, density); });
   }
 
@@ -442,7 +446,7 @@ template <class S> class Line {
   void valve_port_flux(const ValvePort<S>& valve, Face& face, const Cell& first, const S& density) noexcept {
     const S K = S(2) * k_.grid_ratio / (density + face.friction_coefficient);
     const S c = square_root(k_.sound_factor * maximum(first.temperature, air_.temperature_K));
-    const PortSolution<S> port = solve_valve_port(air_, valve, cross_section_, face.velocity - K * port_pressure_, K, c, first.density, first.temperature,
+    const PortSolution<S> port = solve_valve_port(port_constants_, air_, valve, cross_section_, face.velocity - K * port_pressure_, K, c, first.density, first.temperature,
                                                      S(2) * port_pressure_ - port_before_);
     port_before_ = port_pressure_;
     port_pressure_ = port.pressure_Pa;
@@ -527,6 +531,7 @@ template <class S> class Line {
   Faces face_;
   std::vector<line_scheme::CellLoss<G>> loss_;
   Mask<G> all_places_{}, from_end_{}, beyond_last_{};
+  PortConstants<S> port_constants_;
   S port_pressure_{}, port_before_{}, leak_flow_{};
   G fastest_squared_{};
   std::int64_t guard_actions_ = 0;

@@ -56,6 +56,18 @@ template <class S> struct OrificeShape {
 };
 }  // namespace detail
 
+/// What the solution needs of the gas and the orifices' shape, computed once.
+template <class S> struct PortConstants {
+  S inverse_RT, half_inverse_cp, inflow, inverse_atmosphere;  // inflow: K_f/sqrt(R T_s), choked flow per pressure and area
+  detail::OrificeShape<S> shape;
+
+  PortConstants() noexcept : PortConstants(Air<S>{}, S(0.35)) {}
+  PortConstants(const Air<S>& air, const S& critical_pressure_ratio) noexcept
+      : inverse_RT(S(1) / (air.R * air.temperature_K)), half_inverse_cp(S(0.5) / air.cp),
+        inflow(air.flow_constant / square_root(air.R * air.temperature_K)), inverse_atmosphere(S(1) / air.atmosphere_Pa),
+        shape(critical_pressure_ratio) {}
+};
+
 /// Solves A rho_b (u_star + K p) = G_supply(p) - G_exhaust(p) for the port pressure p, rho_b = p/(R T_s) inward and
 /// rho_1 outward: both sides are monotone in p, so Newton inside a bracket that bisects when a step leaves it.
 /// [u_star + K p] = m/s; c limits |u|; T_1, rho_1 belong to the first cell; p_start is near the solution.
@@ -63,18 +75,16 @@ template <class S> struct OrificeShape {
 /// Two steps are always taken and nearly always enough; a lane that has converged stays, so that its result does not
 /// depend on its neighbours.
 template <class S>
-PortSolution<S> solve_valve_port(const Air<S>& air, const ValvePort<S>& valve, const S& cross_section, const S& u_star, const S& K,
-                                 const S& c, const S& rho_1, const S& T_1, const S& p_start) noexcept {
-  const S inverse_RT = S(1) / (air.R * air.temperature_K), half_inverse_cp = S(0.5) / air.cp, inverse_K = S(1) / K;
-  const detail::OrificeShape<S> shape(valve.critical_pressure_ratio);
+PortSolution<S> solve_valve_port(const PortConstants<S>& k, const Air<S>& air, const ValvePort<S>& valve, const S& cross_section,
+                                 const S& u_star, const S& K, const S& c, const S& rho_1, const S& T_1, const S& p_start) noexcept {
+  const S inverse_K = S(1) / K;
   S low_p = maximum(S(1e3), (-c - u_star) * inverse_K), high_p = maximum(low_p, (c - u_star) * inverse_K);
   S p = clamp(p_start, low_p, high_p);
-  const S in = air.flow_constant / square_root(air.R * air.temperature_K);
-  detail::PortOrifice<S> supply{valve.supply_pressure_Pa, S(1) / valve.supply_pressure_Pa, valve.supply_area_m2 * in, S(0)};
-  detail::PortOrifice<S> exhaust{air.atmosphere_Pa, S(1) / air.atmosphere_Pa, valve.exhaust_area_m2 * in, S(0)};
+  detail::PortOrifice<S> supply{valve.supply_pressure_Pa, S(1) / valve.supply_pressure_Pa, valve.supply_area_m2 * k.inflow, S(0)};
+  detail::PortOrifice<S> exhaust{air.atmosphere_Pa, k.inverse_atmosphere, valve.exhaust_area_m2 * k.inflow, S(0)};
   // Stagnation temperature in front of the exhaust: what leaves the line brings its kinetic energy along.
   const auto set_outflow = [&](const S& u) noexcept {
-    const S out = air.flow_constant / square_root(air.R * (T_1 + u * u * half_inverse_cp));
+    const S out = air.flow_constant / square_root(air.R * (T_1 + u * u * k.half_inverse_cp));
     supply.outward = valve.supply_area_m2 * out;
     exhaust.outward = valve.exhaust_area_m2 * out;
   };
@@ -83,12 +93,12 @@ PortSolution<S> solve_valve_port(const Air<S>& air, const ValvePort<S>& valve, c
   auto done = flow > flow;
   for (int iteration = 0; iteration < 40; ++iteration) {
     const S u = u_star + K * p, inverse_p = S(1) / p;
-    const auto from_supply = shape.at(supply, p, inverse_p), from_exhaust = shape.at(exhaust, p, inverse_p);
+    const auto from_supply = k.shape.at(supply, p, inverse_p), from_exhaust = k.shape.at(exhaust, p, inverse_p);
     const S orifices = from_supply.flow + from_exhaust.flow;
     const auto inward = u > S(0);
-    const S rho_b = select(inward, p * inverse_RT, rho_1);
+    const S rho_b = select(inward, p * k.inverse_RT, rho_1);
     const S line = cross_section * (rho_b * u);
-    const S line_slope = cross_section * (rho_b * K + select(inward, inverse_RT * u, S(0)));
+    const S line_slope = cross_section * (rho_b * K + select(inward, k.inverse_RT * u, S(0)));
     const S residual = line - orifices;
     low_p = select(residual < S(0), p, low_p);
     high_p = select(residual > S(0), p, high_p);
@@ -108,6 +118,13 @@ PortSolution<S> solve_valve_port(const Air<S>& air, const ValvePort<S>& valve, c
   const auto closed = (valve.supply_area_m2 <= S(0)) & (valve.exhaust_area_m2 <= S(0));
   p = select(closed, maximum(-u_star * inverse_K, S(1e3)), p);
   return {p, select(closed, S(0), u_star + K * p), select(closed, S(0), flow)};
+}
+
+/// The same with the constants computed on the spot.
+template <class S>
+PortSolution<S> solve_valve_port(const Air<S>& air, const ValvePort<S>& valve, const S& cross_section, const S& u_star, const S& K,
+                                 const S& c, const S& rho_1, const S& T_1, const S& p_start) noexcept {
+  return solve_valve_port(PortConstants<S>(air, valve.critical_pressure_ratio), air, valve, cross_section, u_star, K, c, rho_1, T_1, p_start);
 }
 
 }  // namespace pneuservo

@@ -21,6 +21,10 @@ template <class S> class Slider {
     effects_ = effects;
     half_stroke_ = S(0.5) * stroke_m;
     restitution_ = restitution;
+    const S dry = effects.coulomb_friction.force_N + effects.stribeck_friction.coulomb_force_N + absolute(effects.stribeck_friction.extra_force_N) +
+                  effects.direction_dependent_friction.forward_N + effects.direction_dependent_friction.backward_N +
+                  effects.pressure_dependent_friction.force_per_pressure_N_per_Pa + effects.friction_zone.force_N;
+    has_dry_friction_ = any(!(dry == S(0)));
   }
   void reset(const S& position_m, const S& velocity_mps) noexcept {
     position_ = position_m;
@@ -48,8 +52,9 @@ template <class S> class Slider {
     const auto resting = velocity_ == zero;
     const S direction = select(resting, select(force >= zero, S(1), S(-1)), select(velocity_ > zero, S(1), S(-1)));
     const S speed = absolute(velocity_);
-    const S dry = dry_friction(speed, direction, position_, around);
-    const S holds_most = dry_friction(zero, direction, position_, around);
+    // Without dry friction its exponentials would cost more than all else here.
+    const S dry = has_dry_friction_ ? dry_friction(speed, direction, position_, around) : zero;
+    const S holds_most = has_dry_friction_ ? dry_friction(zero, direction, position_, around) : zero;
     const auto held = resting & (absolute(force) <= holds_most);
     const S damping = S(0.5) * h * (viscous_ + effects_.quadratic_drag.coefficient_Ns2_per_m2 * speed) / mass_;
     const S v_free = (velocity_ * (S(1) - damping) + h * (force - direction * dry) / mass_) / (S(1) + damping);
@@ -87,6 +92,7 @@ template <class S> class Slider {
 
   S mass_ = S(1), viscous_{}, half_stroke_ = S(1), restitution_{};
   MotionEffects<S> effects_;
+  bool has_dry_friction_ = true;
   S position_{}, velocity_{};
 };
 

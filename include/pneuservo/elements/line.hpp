@@ -66,6 +66,11 @@ template <class S> class Line {
     adiabatic_ = adiabatic;
     set_time_step(step_s_);
   }
+  /// Wall heat without bound: the gas keeps the wall's temperature, for tests against closed forms.
+  void set_isothermal(bool isothermal) noexcept {
+    isothermal_ = isothermal;
+    set_time_step(step_s_);
+  }
   /// Friction off (its heat as well), for tests against closed forms.
   void set_frictionless(bool frictionless) noexcept {
     frictionless_ = frictionless;
@@ -95,7 +100,7 @@ template <class S> class Line {
     k_.grid_ratio = h / cell_length();
     k_.reynolds_factor = diameter_ / air_.viscosity_Pas;
     k_.friction_factor = frictionless_ ? S(0) : h * air_.viscosity_Pas / (S(2) * diameter_squared);
-    k_.heat_factor = adiabatic_ ? S(0) : S(2) * h / diameter_squared;
+    k_.heat_factor = adiabatic_ ? S(0) : S(isothermal_ ? 2e12 : 2.0) * h / diameter_squared;
     k_.compression_factor = S(0.5) * (air_.kappa - S(1)) * k_.grid_ratio;
     k_.kappa_minus_one = air_.kappa - S(1);
     k_.cv = air_.cv;
@@ -371,7 +376,7 @@ template <class S> class Line {
   PipeFriction<S> friction_;
   Constants k_;
   LineEffects<S> effects_;
-  bool restricted_ = false, leaking_ = false, adiabatic_ = false, frictionless_ = false;
+  bool restricted_ = false, leaking_ = false, adiabatic_ = false, isothermal_ = false, frictionless_ = false;
   std::vector<Cell> cell_;
   std::vector<S> velocity_;
   S port_pressure_{}, port_flux_{}, chamber_flux_{}, leak_flow_{}, fastest_squared_{};

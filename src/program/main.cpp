@@ -7,7 +7,7 @@
 #include "config/input_error.hpp"
 #include "program/verbs.hpp"
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): what is left is std::bad_alloc
   CLI::App app{"pneuservo: real-time control of pneumatic servo axes with connected pipelines"};
   app.require_subcommand(1);
   app.set_help_all_flag("--help-all", "help of all verbs");

@@ -4,7 +4,9 @@
 namespace pneuservo {
 
 const std::vector<AddVerb>& all_verbs() {
-  static const std::vector<AddVerb> verbs{};
+  static const std::vector<AddVerb> verbs{
+      add_run, add_check, add_latency, add_replay, add_simulate, add_index, add_keys,
+  };
   return verbs;
 }
 

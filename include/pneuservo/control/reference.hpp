@@ -1,6 +1,9 @@
 // References: what the axis shall do, as a position with analytic derivatives up to the seventh.
 #pragma once
 #include <array>
+#include <cstdint>
+#include <functional>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,5 +30,75 @@ struct ReferenceSpec {
   double start_m = 0.0, end_m = 0.0, speed_mps = 0.0, duration_s = 0.0;  // cruise, minimum_jerk
   std::string path;                                                  // file
 };
+
+/// Reads the columns t_s and x_ref_m of a recording: the loader of references of kind `file`.
+using LoadPositions = std::function<std::pair<std::vector<double>, std::vector<double>>(const std::string& path)>;
+
+/// Smallest and largest value of one derivative of a reference over a time span.
+struct ReferenceExtremes {
+  double minimum = 0.0, maximum = 0.0;
+};
+
+/// A reference that can be asked for any time. Built once (cold); after that nothing is allocated and `at` is HOT.
+/// Before its start it rests at its first value, after its end at its last (docs/physics/references.md).
+class Reference {
+ public:
+  /// Rests at 0 for ever.
+  Reference() = default;
+  /// `load` is needed for references of kind `file` only. Throws std::invalid_argument with one sentence that names
+  /// the key, what was found and what is expected.
+  explicit Reference(const ReferenceSpec& spec, const LoadPositions& load = {});
+
+  /// Position and derivatives 1 to 7 at time t_s [s]. At a joint the later piece counts.
+  ReferencePoint at(double t_s) const noexcept;
+  /// Start of the first motion [s]; 0 if nothing ever moves.
+  double start_s() const noexcept { return start_s_; }
+  /// End of the last motion [s]; infinity for sines; 0 if nothing ever moves.
+  double end_s() const noexcept { return end_s_; }
+  /// True if the motion comes to an end (every part does): the run is judged over the move, not over its second half.
+  bool is_move() const noexcept { return end_s_ < std::numeric_limits<double>::infinity(); }
+  /// Extremes of derivative `order` (0: position [m] ... 6) over [0, duration_s]; cold: it samples the span and
+  /// refines every turning point. duration_s > 0.
+  ReferenceExtremes extremes(int order, double duration_s) const;
+
+ private:
+  struct Builder;
+  /// Polynomial sum c_i w^i in w = (t - origin_s) rate_per_s, valid until end_s; a negative rate runs from the far end.
+  struct Piece {
+    double end_s, origin_s, rate_per_s;
+    std::uint32_t first_coefficient, coefficients;
+  };
+  /// A range of pieces, in time; before its begin and after its end it rests.
+  struct Track {
+    double begin_s, end_s, first_value, last_value;
+    std::uint32_t first_piece, pieces;
+  };
+  struct Component {
+    double amplitude_m, rate_rad_per_s, phase_rad;
+  };
+  /// center + ramp(t) sum of components; ramp is a track from 0 to 1.
+  struct Oscillation {
+    double center_m, start_s;
+    Track ramp;
+    std::uint32_t first_component, components;
+  };
+  using Derivatives = std::array<double, 8>;
+
+  void evaluate(const Track& track, double t_s, Derivatives& d) const noexcept;
+  void add(const Oscillation& oscillation, double t_s, Derivatives& d) const noexcept;
+
+  std::vector<Track> tracks_;
+  std::vector<Oscillation> oscillations_;
+  std::vector<Piece> pieces_;
+  std::vector<double> coefficients_;
+  std::vector<Component> components_;
+  double start_s_ = 0.0, end_s_ = 0.0;
+};
+
+/// Extremes of the position that a reference asks for during a run [m], for checks against the stroke. Throws as
+/// Reference's constructor does.
+ReferenceExtremes reference_range_m(const ReferenceSpec& spec, double duration_s, const LoadPositions& load = {});
+/// Largest |velocity| that a reference asks for during a run [m/s].
+double reference_peak_speed_mps(const ReferenceSpec& spec, double duration_s, const LoadPositions& load = {});
 
 }  // namespace pneuservo

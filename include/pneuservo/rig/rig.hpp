@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include <pneuservo/control/parameters.hpp>
 #include <pneuservo/control/reference.hpp>
@@ -35,10 +36,8 @@ struct SimulationParameters {
 
 struct EstimatorSettings {
   double cells_per_m = 1.0;
-  double flow_correction = 0.0;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"cells_per_m", "1/m", 0.1, 100, "cells of the estimator's lines, at least one a line", Presence::optional}, p.cells_per_m...);
-    v(Field{"flow_correction", "-", 0, 1, "k of the soft correction by the valve's flow; 0: off", Presence::optional}, p.flow_correction...);
   }
 };
 
@@ -84,13 +83,14 @@ struct InitialParameters {
 
 enum class RigKind { cylinder };
 inline constexpr std::array<std::string_view, 1> rig_kind_names{"cylinder"};
+inline constexpr std::array<std::string_view, 1> rig_format_names{"pneuservo-rig/1"};
 
 /// The six measured channels of an axis, in the order of the recording's columns without their unit.
 inline constexpr std::array<std::string_view, 6> channel_names{"x", "p1_port", "p2_port", "p1_chamber", "p2_chamber", "p_supply"};
 
-/// Everything one config file says. Keys, units, ranges, defaults and help stand beside the members.
+/// Everything one config file says. Keys, units, ranges, defaults and help stand in the visits.
 struct Rig {
-  std::string format = "pneuservo-rig/1";
+  std::string format{rig_format_names[0]};
   std::string name;
   RigKind kind = RigKind::cylinder;
   double period_s = 0.001;
@@ -108,6 +108,29 @@ struct Rig {
   EstimatorSettings estimator;
   LimitParameters limits;
   SafeOutputParameters safe_output;
+
+  /// The keys of a config in their order. The keys of a reference depend on its kind (src/config/reference_fields.hpp);
+  /// effects `sensor_*:CHANNEL` stand under `effects` too, in `sensor_effects`.
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    constexpr auto required = Presence::required, optional = Presence::optional;
+    v(Field{"format", "", 0, 0, "version of this format", required, rig_format_names}, p.format...);
+    v(Field{"name", "", 0, 0, "name of the rig, in recordings and reports"}, p.name...);
+    v(Field{"rig", "", 0, 0, "kind of rig", required, rig_kind_names}, p.kind...);
+    v(Field{"period_s", "s", 1e-5, 0.1, "period of the control loop"}, p.period_s...);
+    AxisParameters<double>::visit(v, p.axis...);
+    v(Field{"sensors", "", 0, 0, "resolution and noise of the sensors"}, p.sensors...);
+    v(Field{"controller", "", 0, 0, "control law and its gains"}, p.controller...);
+    v(Field{"reference", "", 0, 0, "what the slider shall do"}, p.reference...);
+    v(Field{"duration_s", "s", 1e-3, 1e6, "of a run; default: 1 s more than a move, ramp and ten periods of a sine", optional}, p.duration_s...);
+    v(Field{"evaluation", "", 0, 0, "window of the errors; default: second half of a sine, a move until 0.6 s after its end", optional}, p.evaluation...);
+    v(Field{"seed", "", 0, 0, "of the simulated noise", optional}, p.seed...);
+    v(Field{"initial", "", 0, 0, "state at the start of a simulation", optional}, p.initial...);
+    v(Field{"tolerances", "", 0, 10, "one standard deviation, relative, of what the owner knows, by path", optional}, p.tolerances...);
+    v(Field{"simulation", "", 0, 0, "grid of the simulated lines", optional}, p.simulation...);
+    v(Field{"estimator", "", 0, 0, "pipeline estimator", optional}, p.estimator...);
+    v(Field{"limits", "", 0, 0, "a breach ends the motion in the safe output", optional}, p.limits...);
+    v(Field{"safe_output", "", 0, 0, "what the valve is given when the loop ends or faults", optional}, p.safe_output...);
+  }
 };
 
 }  // namespace pneuservo

@@ -1,0 +1,38 @@
+// Backend `replay`: the measurements of a recording as if they came from hardware; commands are compared, not sent.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include <pneuservo/hal/backend.hpp>
+
+#include "record/reader.hpp"
+
+namespace pneuservo {
+
+/// Row i stands for the tick round(t_s / period). A row without a value gives an invalid channel, a recording without a
+/// column an absent one. read() ends where the rows end.
+class ReplayBackend final : public Backend {
+ public:
+  /// The recording must have x_m and both port pressures; throws InputError naming a missing column.
+  ReplayBackend(Recording recording, double period_s);
+  void configure() override {}
+  void activate() override { next_ = 0; }
+  bool read(std::int64_t tick, Measurement& measurement) noexcept override;
+  bool write(std::int64_t, const Command&) noexcept override { return true; }
+  void deactivate() noexcept override {}
+  Truth truth() const noexcept override;
+  std::string name() const override { return "replay"; }
+
+  const Recording& recording() const noexcept { return recording_; }
+  std::size_t rows() const noexcept { return ticks_.size(); }
+  /// Tick of row i.
+  std::int64_t tick(std::size_t i) const noexcept { return ticks_[i]; }
+
+ private:
+  Recording recording_;
+  std::vector<std::int64_t> ticks_;
+  std::vector<const std::vector<double>*> columns_;  // x, ports, chambers, supply, then truth; null: absent
+  std::size_t next_ = 0, row_ = 0;
+};
+
+}  // namespace pneuservo

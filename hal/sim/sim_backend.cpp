@@ -1,0 +1,61 @@
+// Backend `sim`.
+#include "sim/sim_backend.hpp"
+
+namespace pneuservo {
+namespace {
+
+std::array<double, 6> true_values(const AxisPlant<double>& plant) noexcept {
+  const auto port = plant.port_pressure(), chamber = plant.chamber_pressure();
+  return {plant.position(), low(port), high(port), low(chamber), high(chamber), plant.supply_pressure()};
+}
+
+}  // namespace
+
+PlantStart<double> plant_start(const Rig& rig) {
+  const InitialParameters& start = rig.initial;
+  return {start.position_m, start.pressure_1_Pa, start.pressure_2_Pa.value_or(balancing_pressure_2(rig.axis, start.pressure_1_Pa))};
+}
+
+void SimBackend::configure() {
+  plant_.configure(rig_.axis, rig_.period_s, rig_.simulation.cells_per_m);
+  plant_.reset(plant_start(rig_));
+  const SensorsParameters& s = rig_.sensors;
+  const std::array<double, 6> quantum{s.position.quantum_m, s.port_pressure.quantum_Pa, s.port_pressure.quantum_Pa,
+                                      s.chamber_pressure.quantum_Pa, s.chamber_pressure.quantum_Pa, s.supply_pressure.quantum_Pa};
+  const std::array<double, 6> noise{s.position.noise_m, s.port_pressure.noise_Pa, s.port_pressure.noise_Pa,
+                                    s.chamber_pressure.noise_Pa, s.chamber_pressure.noise_Pa, s.supply_pressure.noise_Pa};
+  const auto values = true_values(plant_);
+  for (std::size_t i = 0; i < sensors_.size(); ++i) {
+    sensors_[i].configure(rig_.sensor_effects[i], quantum[i], noise[i], rig_.period_s, Random(rig_.seed, i));
+    sensors_[i].reset(values[i]);
+  }
+  command_V_ = 0.0;
+  started_ = false;
+}
+
+void SimBackend::activate() {}
+
+bool SimBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
+  if (!started_) plant_tick_ = tick;
+  started_ = true;
+  for (; plant_tick_ < tick; ++plant_tick_) plant_.step(command_V_);
+  const auto values = true_values(plant_);
+  Channel* const channels[6] = {&measurement.position_m,           &measurement.port_pressure_1_Pa,    &measurement.port_pressure_2_Pa,
+                                &measurement.chamber_pressure_1_Pa, &measurement.chamber_pressure_2_Pa, &measurement.supply_pressure_Pa};
+  for (std::size_t i = 0; i < 6; ++i) *channels[i] = {sensors_[i].read(values[i]), 0.0, true, Origin::simulated};
+  return true;
+}
+
+bool SimBackend::write(std::int64_t, const Command& command) noexcept {
+  command_V_ = command.valve_V;
+  return true;
+}
+
+void SimBackend::deactivate() noexcept { command_V_ = rig_.safe_output.command_V; }
+
+Truth SimBackend::truth() const noexcept {
+  const auto chamber = plant_.chamber_pressure();
+  return {plant_.position(), low(chamber), high(chamber)};
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,37 @@
+// Backend `sim`: the rig's plant on its own, finer grid behind noisy, quantised sensors; its truth is for recordings only.
+#pragma once
+#include <array>
+
+#include <pneuservo/elements/sensor.hpp>
+#include <pneuservo/hal/backend.hpp>
+#include <pneuservo/rig/plant.hpp>
+#include <pneuservo/rig/rig.hpp>
+
+namespace pneuservo {
+
+/// Sampled at the start of each period, the command held for the period. read(tick) brings the plant to that tick: slots
+/// that the loop skipped pass with the last command, as they would on a machine. Everything random comes from rig.seed.
+class SimBackend final : public Backend {
+ public:
+  explicit SimBackend(const Rig& rig) : rig_(rig) {}
+  void configure() override;
+  void activate() override;
+  bool read(std::int64_t tick, Measurement& measurement) noexcept override;
+  bool write(std::int64_t tick, const Command& command) noexcept override;
+  void deactivate() noexcept override;
+  Truth truth() const noexcept override;
+  std::string name() const override { return "sim"; }
+
+ private:
+  Rig rig_;
+  AxisPlant<double> plant_;
+  std::array<Sensor, 6> sensors_;  // in the order of channel_names
+  std::int64_t plant_tick_ = 0;
+  bool started_ = false;
+  double command_V_ = 0.0;
+};
+
+/// Start of the simulated plant from the config's `initial`.
+PlantStart<double> plant_start(const Rig& rig);
+
+}  // namespace pneuservo

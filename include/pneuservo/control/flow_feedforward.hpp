@@ -1,0 +1,75 @@
+// Flow feedforward: the valve area that gives the force rate a reference asks for (docs/physics/pd_force.md).
+#pragma once
+#include <cmath>
+
+#include <pneuservo/control/reference.hpp>
+#include <pneuservo/elements/orifice.hpp>
+
+namespace pneuservo {
+
+template <class S> struct AxisParameters;
+
+/// Polytropic exponent of chamber and line while the axis moves.
+inline constexpr double feedforward_polytropic_exponent = 1.3;
+
+/// What the steady pressure loss of a line needs, computed once.
+struct SteadyLine {
+  double reynolds_per_flow = 0.0;   ///< Re = this |G|, s/kg
+  double loss_constant = 0.0;       ///< mu L R T / (2 D^2 A), Pa2 s/kg
+  double laminar_reynolds = 2300.0, turbulent_reynolds = 4000.0;
+  double blend_slope = 0.0;         ///< d(lambda)/dRe between them
+
+  SteadyLine() noexcept = default;
+  /// length_m, diameter_m > 0; turbulent_reynolds >= laminar_reynolds.
+  SteadyLine(const Air<double>& air, double length_m, double diameter_m, double laminar_reynolds, double turbulent_reynolds) noexcept;
+};
+
+/// Darcy-Weisbach loss [Pa] of a steady flow G [kg/s], with its sign, at the mean absolute pressure [Pa] > 0:
+/// lambda/(2D) rho u |u| L = lambda Re mu L R T G / (2 D^2 A p); lambda is 64/Re, 0.3164 Re^-0.25, linear between. HOT.
+inline double steady_line_loss_Pa(const SteadyLine& line, double mass_flow_kgps, double mean_pressure_Pa) noexcept {
+  const double reynolds = line.reynolds_per_flow * std::fabs(mass_flow_kgps);
+  double lambda_reynolds = 64.0;
+  if (reynolds >= line.turbulent_reynolds) {
+    const double root = std::sqrt(reynolds);
+    lambda_reynolds = 0.3164 * root * std::sqrt(root);
+  } else if (reynolds > line.laminar_reynolds) {
+    lambda_reynolds = reynolds * (64.0 / line.laminar_reynolds + line.blend_slope * (reynolds - line.laminar_reynolds));
+  }
+  return line.loss_constant * lambda_reynolds * mass_flow_kgps / mean_pressure_Pa;
+}
+
+/// Inverse of one five-port spool and two chambers with their lines, quasi-steady.
+class FlowFeedforward {
+ public:
+  FlowFeedforward() noexcept = default;
+  /// Cold. Takes gas, supply, valve, lines, cylinder and slider (mass with payload).
+  explicit FlowFeedforward(const AxisParameters<double>& axis) noexcept;
+
+  /// Signed spool area [m2] (> 0: port 1 fills) for the motion `ahead` (reference at t + lead) at the pressures in use
+  /// [Pa, absolute]. Not limited to area_max. HOT: three passes for the port pressures.
+  double area_m2(const ReferencePoint& ahead, double p1_Pa, double p2_Pa) const noexcept;
+  /// The command for that area [V]. HOT.
+  double command_V(const ReferencePoint& ahead, double p1_Pa, double p2_Pa) const noexcept {
+    return area_m2(ahead, p1_Pa, p2_Pa) * volt_per_area_;
+  }
+  /// Force [N] for the motion at t: m a + B v. HOT.
+  double motion_force_N(const ReferencePoint& now) const noexcept { return mass_kg_ * now.d[2] + viscous_Ns_per_m_ * now.d[1]; }
+
+ private:
+  struct Side {
+    double area_m2 = 0.0, middle_volume_m3 = 0.0, dead_volume_m3 = 0.0, line_volume_m3 = 0.0;
+    SteadyLine line;
+  };
+  double flux(double port_Pa, bool fills) const noexcept;
+
+  Side side_1_, side_2_;
+  double mass_kg_ = 0.0, viscous_Ns_per_m_ = 0.0, volt_per_area_ = 0.0;
+  double gas_R_T_ = 1.0, flux_per_pressure_ = 0.0, supply_Pa_ = 1.0, atmosphere_Pa_ = 1.0, critical_pressure_ratio_ = 0.5;
+};
+
+/// How far ahead the feedforward should look [s]: the lag of line resistance and chamber,
+/// tau = R_l C_l (C_c/2 + C_l/3)/(C_l + C_c), the mean of both sides. Peak speed of the reference [m/s], mean chamber
+/// pressure [Pa]. Cold.
+double feedforward_lead_s(const AxisParameters<double>& axis, double peak_speed_mps, double mean_pressure_Pa) noexcept;
+
+}  // namespace pneuservo

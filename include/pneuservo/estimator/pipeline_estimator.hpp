@@ -1,0 +1,263 @@
+// Distributed pipeline estimator: chamber pressures and flows in real time from pressures at the valve ports.
+//
+// Header-only, Eigen alone. A complete use (compiled and run by tests/estimator/example_test.cpp):
+//
+//   pneuservo::EstimatorParameters parameters;               // nominal air; then what the machine has
+//   parameters.supply_pressure_Pa = 700e3;
+//   parameters.line_1 = {.length_m = 10.0, .diameter_m = 0.00765};
+//   parameters.line_2 = parameters.line_1;
+//   parameters.cylinder = {.stroke_m = 0.3, .area_1_m2 = 1.257e-3, .area_2_m2 = 1.056e-3, .dead_volume_1_m3 = 2e-5,
+//                          .dead_volume_2_m3 = 2e-5, .wall_heat_W_per_m2K = 50.0};
+//   pneuservo::PipelineEstimator estimator;
+//   estimator.configure(parameters);                         // once: checks and allocates
+//   for (int k = 0; k < 1000; ++k) {                         // every millisecond, in the control loop
+//     const auto chambers = estimator.step({p1_port_Pa, p2_port_Pa, x_m, v_mps});
+//     const double force_N = 1.257e-3 * chambers.chamber_pressure_Pa[0] - 1.056e-3 * chambers.chamber_pressure_Pa[1];
+//   }
+#pragma once
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+#include <Eigen/Core>
+
+#include <pneuservo/core/pack.hpp>
+#include <pneuservo/core/random.hpp>
+#include <pneuservo/estimator/axis_estimator.hpp>
+
+namespace pneuservo {
+
+/// What the stated error bound takes into account. All one standard deviation of what the owner knows.
+struct EstimatorUncertainty {
+  double port_noise_Pa = 300.0;         ///< white noise of the port pressure sensors, rms
+  double relative_diameter = 0.0;       ///< of the lines
+  double relative_area = 0.0;           ///< of the piston
+  double start_pressure_Pa = 100e3;     ///< how wrong the gas state may be at the first tick
+};
+
+/// Everything the estimator must know of the axis.
+struct EstimatorParameters {
+  AirParameters<double> air;
+  double supply_pressure_Pa = 0.0;
+  LineParameters<double> line_1, line_2;
+  CylinderParameters<double> cylinder;
+  double period_s = 0.001;
+  double cells_per_m = 1.0;             ///< at least one cell a line; 1 is enough for the accuracy stated in docs/estimator.md
+  EstimatorUncertainty uncertainty;
+};
+
+/// One tick's measurements: absolute pressures at the valve ports, position (0 at mid-stroke) and velocity of the piston.
+/// NaN or an impossible value means "no measurement": the last one is held and a health bit says so.
+struct EstimatorInput {
+  double port_pressure_1_Pa;
+  double port_pressure_2_Pa;
+  double position_m;
+  double velocity_mps;
+};
+
+/// Health bits of one tick.
+enum EstimatorHealth : std::uint32_t {
+  estimator_port_1_held = 1,       ///< port pressure 1 missing or outside [0.3 p_atm, 1.5 p_supply]
+  estimator_port_2_held = 2,
+  estimator_position_held = 4,     ///< position missing or beyond 0.6 stroke
+  estimator_position_limited = 8,  ///< position moved faster than 5 m/s
+  estimator_state_guarded = 16,    ///< a line limited a speed or a temperature
+  estimator_not_started = 32,      ///< no usable measurement yet
+};
+
+/// Index 0 is chamber 1, 1 is chamber 2.
+struct EstimatorOutput {
+  Eigen::Array2d chamber_pressure_Pa = Eigen::Array2d::Zero();
+  Eigen::Array2d mass_flow_kgps = Eigen::Array2d::Zero();       ///< into the chamber
+  Eigen::Array2d chamber_temperature_K = Eigen::Array2d::Zero();
+  Eigen::Array2d error_bound_Pa = Eigen::Array2d::Zero();       ///< holds in 99 of 100 ticks, given the uncertainty
+  std::array<bool, 2> valid{false, false};                      ///< false: inputs missing for too long to be trusted
+  std::uint32_t health = 0;
+};
+
+/// Both lines and chambers run in SIMD lanes, and beside them a shadow pair with the same inputs plus one more draw of
+/// the sensor noise, the parameters at the edge of their uncertainty and another start. How far the shadow strays is
+/// what the estimate may be wrong by: its distance, held at its peaks, is the stated bound. docs/estimator.md.
+class PipelineEstimator {
+ public:
+  /// Checks and allocates. Throws std::invalid_argument naming the parameter, its value and what is expected.
+  void configure(const EstimatorParameters& parameters) {
+    check(parameters);
+    parameters_ = parameters;
+    using L = LineParameters<Lanes>;
+    const auto& c = parameters.cylinder;
+    const double thin = 1.0 - parameters.uncertainty.relative_diameter, wide = 1.0 + parameters.uncertainty.relative_area;
+    auto line = cast<L>(parameters.line_1);
+    set_parameters_lane(line, 1, parameters.line_2);
+    auto shadow_line = parameters.line_1;
+    shadow_line.diameter_m *= thin;
+    set_parameters_lane(line, 2, shadow_line);
+    shadow_line = parameters.line_2;
+    shadow_line.diameter_m *= thin;
+    set_parameters_lane(line, 3, shadow_line);
+    const ChamberGeometry<Lanes> geometry{lanes(c.area_1_m2, c.area_2_m2, c.area_1_m2 * wide, c.area_2_m2 * wide),
+                                          both(c.dead_volume_1_m3, c.dead_volume_2_m3), Lanes(c.wall_heat_W_per_m2K)};
+    const int cells = std::max(cell_count(parameters.line_1.length_m, parameters.cells_per_m), cell_count(parameters.line_2.length_m, parameters.cells_per_m));
+    axis_.configure(line, geometry, cast<AirParameters<Lanes>>(parameters.air), Lanes(0.5 * c.stroke_m), both(1.0, -1.0), parameters.period_s, cells);
+    peak_decay_ = std::exp(-parameters.period_s / peak_time_s);
+    rms_gain_ = -std::expm1(-parameters.period_s / rms_time_s);
+    grid_decay_ = std::exp(-parameters.period_s / grid_time_s);
+    random_ = Random(0x5EED);
+    reset();
+  }
+
+  /// Forgets everything; the next valid measurement starts it again.
+  void reset() noexcept {
+    started_ = false;
+    peak_ = mean_square_ = drop_peak_ = Lanes(0);
+    missing_s_ = {0.0, 0.0, 0.0};
+    guards_seen_ = axis_.side().line().guard_actions();
+  }
+  /// Starts at a known gas state at rest instead of the first port pressures.
+  void start(double pressure_1_Pa, double pressure_2_Pa, double position_m) noexcept {
+    input_ = {pressure_1_Pa, pressure_2_Pa, position_m, 0.0};
+    begin();
+  }
+
+  /// One tick; allocates nothing, throws nothing, same cost whatever happens.
+  EstimatorOutput step(const EstimatorInput& measured) noexcept {
+    std::uint32_t health = guard_input(measured);
+    if (!started_) {
+      if (health & (estimator_port_1_held | estimator_port_2_held | estimator_position_held)) return {.health = health | estimator_not_started};
+      begin();
+    } else {
+      const double sigma = parameters_.uncertainty.port_noise_Pa;
+      const double p_1 = input_.port_pressure_1_Pa, p_2 = input_.port_pressure_2_Pa;
+      // Uniform noise of the same variance: the line filters it to a normal one.
+      const double scale = sigma * 3.4641016151377544;
+      axis_.step(lanes(p_1, p_2, p_1 + scale * (random_.uniform() - 0.5), p_2 + scale * (random_.uniform() - 0.5)), input_.position_m);
+    }
+    return output(health);
+  }
+
+  const EstimatorParameters& parameters() const noexcept { return parameters_; }
+  const AxisEstimator<Pack<double, 4>>& axis() const noexcept { return axis_; }
+
+ private:
+  using Lanes = Pack<double, 4>;  // chamber 1, chamber 2, shadow of 1, shadow of 2
+
+  /// A port pressure missing longer than this, or a position, and the estimate is no longer called valid.
+  static constexpr double trusted_gap_s = 0.02;
+  /// A missing position goes on with the last velocity for this long, then stays.
+  static constexpr double position_bridge_s = 0.01;
+  static constexpr double fastest_position_mps = 5.0;
+  /// Mean square of the shadow's distance over about this time; about 2.6 of its root is passed once in 100 by normal noise.
+  static constexpr double rms_time_s = 0.7;
+  static constexpr double rms_factor = 2.7;
+  /// A distance that rises is followed at once: its peaks, with a margin, fade with this time constant.
+  static constexpr double peak_time_s = 0.3;
+  static constexpr double peak_factor = 1.2;
+  /// Error of the 1 m grid and of sampling the ports once a period: a share of the line's pressure drop (held at its
+  /// peaks over a stroke), and a floor.
+  static constexpr double grid_time_s = 0.5;
+  static constexpr double grid_share = 0.007;
+  static constexpr double grid_floor_Pa = 60.0;
+
+  static Lanes lanes(double a, double b, double c, double d) noexcept {
+    const double values[4] = {a, b, c, d};
+    return Lanes::load(values);
+  }
+  static Lanes both(double a, double b) noexcept { return lanes(a, b, a, b); }
+
+  static void require(bool good, const char* key, double value, const char* expected) {
+    if (!good) throw std::invalid_argument(std::string("estimator: ") + key + " is " + std::to_string(value) + ", expected " + expected);
+  }
+  static void check(const EstimatorParameters& p) {
+    require(p.supply_pressure_Pa > p.air.atmosphere_Pa, "supply_pressure_Pa", p.supply_pressure_Pa, "an absolute pressure above atmosphere");
+    for (const auto* line : {&p.line_1, &p.line_2}) {
+      require(line->length_m > 0.0, "line length_m", line->length_m, "a length above 0");
+      require(line->diameter_m > 0.0, "line diameter_m", line->diameter_m, "a diameter above 0");
+      require(line->turbulent_reynolds >= line->laminar_reynolds, "line turbulent_reynolds", line->turbulent_reynolds, "at least laminar_reynolds");
+    }
+    require(p.cylinder.stroke_m > 0.0, "cylinder.stroke_m", p.cylinder.stroke_m, "a stroke above 0");
+    require(p.cylinder.area_1_m2 > 0.0, "cylinder.area_1_m2", p.cylinder.area_1_m2, "an area above 0");
+    require(p.cylinder.area_2_m2 > 0.0, "cylinder.area_2_m2", p.cylinder.area_2_m2, "an area above 0");
+    require(p.cylinder.dead_volume_1_m3 > 0.0, "cylinder.dead_volume_1_m3", p.cylinder.dead_volume_1_m3, "a volume above 0");
+    require(p.cylinder.dead_volume_2_m3 > 0.0, "cylinder.dead_volume_2_m3", p.cylinder.dead_volume_2_m3, "a volume above 0");
+    require(p.period_s > 0.0 && p.period_s <= 0.1, "period_s", p.period_s, "0 to 0.1 s");
+    require(p.cells_per_m > 0.0, "cells_per_m", p.cells_per_m, "a number above 0");
+  }
+
+  void begin() noexcept {
+    const double p_1 = input_.port_pressure_1_Pa, p_2 = input_.port_pressure_2_Pa, off = parameters_.uncertainty.start_pressure_Pa;
+    // The shadow starts wrong towards the middle of what is possible, so that it starts from a possible pressure.
+    const double middle = 0.5 * (parameters_.air.atmosphere_Pa + parameters_.supply_pressure_Pa);
+    axis_.reset(lanes(p_1, p_2, p_1 + (p_1 < middle ? off : -off), p_2 + (p_2 < middle ? off : -off)), input_.position_m);
+    started_ = true;
+  }
+
+  // Replaces what cannot be by what was, and says so.
+  std::uint32_t guard_input(const EstimatorInput& measured) noexcept {
+    std::uint32_t health = 0;
+    const double lowest = 0.3 * parameters_.air.atmosphere_Pa, highest = 1.5 * parameters_.supply_pressure_Pa;
+    const auto port = [&](double value, double& kept, double& missing_s, std::uint32_t bit) {
+      const bool good = value >= lowest && value <= highest;
+      if (good) kept = value;
+      else health |= bit;
+      missing_s = good ? 0.0 : missing_s + parameters_.period_s;
+    };
+    port(measured.port_pressure_1_Pa, input_.port_pressure_1_Pa, missing_s_[0], estimator_port_1_held);
+    port(measured.port_pressure_2_Pa, input_.port_pressure_2_Pa, missing_s_[1], estimator_port_2_held);
+    const double reach = 0.6 * parameters_.cylinder.stroke_m, longest = fastest_position_mps * parameters_.period_s;
+    const bool placed = std::fabs(measured.position_m) <= reach;
+    missing_s_[2] = placed ? 0.0 : missing_s_[2] + parameters_.period_s;
+    if (std::fabs(measured.velocity_mps) <= fastest_position_mps) input_.velocity_mps = measured.velocity_mps;
+    double wanted = measured.position_m;
+    if (!placed) {
+      health |= estimator_position_held;
+      wanted = input_.position_m + (missing_s_[2] <= position_bridge_s ? input_.velocity_mps * parameters_.period_s : 0.0);
+      wanted = std::fmin(std::fmax(wanted, -reach), reach);
+    }
+    if (started_ && std::fabs(wanted - input_.position_m) > longest) {
+      health |= estimator_position_limited;
+      wanted = input_.position_m + std::copysign(longest, wanted - input_.position_m);
+    }
+    input_.position_m = wanted;
+    return health;
+  }
+
+  EstimatorOutput output(std::uint32_t health) noexcept {
+    const Lanes p = axis_.chamber_pressure(), T = axis_.chamber_temperature(), G = axis_.flow().chamber_mass_flow_kgps;
+    const Lanes distance = absolute(join(high(p), high(p)) - p);
+    const Lanes drop = absolute(both(input_.port_pressure_1_Pa, input_.port_pressure_2_Pa) - p);
+    peak_ = maximum(distance, Lanes(peak_decay_) * peak_);
+    // Not above the fading peak: the wrong start is large and must not linger in the mean.
+    mean_square_ = minimum(mean_square_ + Lanes(rms_gain_) * (distance * distance - mean_square_), peak_ * peak_);
+    drop_peak_ = maximum(drop, Lanes(grid_decay_) * drop_peak_);
+    const Lanes stray = maximum(Lanes(rms_factor) * square_root(mean_square_), Lanes(peak_factor) * peak_);
+    const Lanes grid = Lanes(grid_floor_Pa) + Lanes(grid_share) * drop_peak_;
+    const Lanes bound = square_root(stray * stray + grid * grid);
+    EstimatorOutput out;
+    for (int i = 0; i < 2; ++i) {
+      out.chamber_pressure_Pa[i] = p[i];
+      out.chamber_temperature_K[i] = T[i];
+      out.mass_flow_kgps[i] = G[i];
+      out.error_bound_Pa[i] = bound[i];
+      out.valid[static_cast<std::size_t>(i)] = missing_s_[static_cast<std::size_t>(i)] <= trusted_gap_s && missing_s_[2] <= trusted_gap_s;
+    }
+    const std::int64_t guards = axis_.side().line().guard_actions();
+    if (guards != guards_seen_) health |= estimator_state_guarded;
+    guards_seen_ = guards;
+    out.health = health;
+    return out;
+  }
+
+  EstimatorParameters parameters_;
+  AxisEstimator<Lanes> axis_;
+  EstimatorInput input_{};
+  std::array<double, 3> missing_s_{};  // port 1, port 2, position
+  Lanes peak_, mean_square_, drop_peak_;
+  double peak_decay_ = 0.0, rms_gain_ = 1.0, grid_decay_ = 0.0;
+  Random random_;
+  bool started_ = false;
+  std::int64_t guards_seen_ = 0;
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,96 @@
+// The one pass of the control loop, the same in simulated time, real time and replay.
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include <pneuservo/control/pd_force.hpp>
+#include <pneuservo/control/reference.hpp>
+#include <pneuservo/core/rt.hpp>
+#include <pneuservo/estimator/pipeline_estimator.hpp>
+#include <pneuservo/hal/backend.hpp>
+#include <pneuservo/loop/fault.hpp>
+#include <pneuservo/loop/input_guard.hpp>
+#include <pneuservo/record/row.hpp>
+#include <pneuservo/rig/rig.hpp>
+
+namespace pneuservo {
+
+/// What the estimator must know, from the rig; its uncertainty from sensors and tolerances.
+EstimatorParameters estimator_parameters(const Rig& rig);
+
+/// Times of the stages of one pass [ns of the given clock].
+struct StageTimes {
+  std::int64_t start = 0, read = 0, estimated = 0, controlled = 0, written = 0, end = 0;
+};
+
+/// read -> guard -> estimator -> reference -> controller -> write -> row. The pass allocates nothing, locks nothing,
+/// throws nothing, and reads no clock of its own: t = tick * period.
+///
+/// The first motion approaches the reference's first value from the measured position with a minimum-jerk move; where
+/// the axis is already there (within approach_tolerance_m) it starts at once. A fault is latched: from its tick on the
+/// valve gets the safe output, until rearm() starts anew from the measured position with estimator and integral reset.
+class AxisLoop {
+ public:
+  static constexpr double approach_tolerance_m = 5e-4;
+  static constexpr double approach_speed_mps = 0.1;   ///< peak of the approach
+  static constexpr double approach_shortest_s = 0.5;
+
+  /// Cold: builds estimator, controller and reference from the rig; allocates, may throw std::invalid_argument.
+  void configure(const Rig& rig, const LoadPositions& load = {});
+
+  /// Begins a motion at the next tick: approach from wherever the axis is, then the reference from its time 0. Leads back
+  /// from every fault: integral and estimator start anew, the latched faults are cleared.
+  void rearm() noexcept;
+  /// The reference once more from its time 0 (after an approach), everything else goes on.
+  void restart_reference() noexcept { begins_ = true; }
+
+  /// One tick on the backend. False: the backend has ended. `now` reads a clock for the stage times (null: none read).
+  bool pass(Backend& backend, std::int64_t tick, std::int64_t skipped, StageTimes* times, std::int64_t (*now)() noexcept) noexcept PNEUSERVO_NONBLOCKING;
+  /// Safe output now and from now on (end of the run, stop request); the backend's write is tried at once.
+  void stop(Backend& backend, std::int64_t tick) noexcept;
+
+  /// The row of the last pass; `lateness_us` and `work_us` are the caller's to fill.
+  const Row& row() const noexcept { return row_; }
+  Row& row() noexcept { return row_; }
+  std::uint32_t faults() const noexcept { return faults_; }
+  /// Bits of the tick in which the first fault came: the reason.
+  std::uint32_t first_faults() const noexcept { return first_faults_; }
+  /// Time at which the reference's own time 0 stands [s from tick 0]; meaningful once the approach was planned.
+  double reference_start_s() const noexcept { return reference_start_s_; }
+  const Reference& reference() const noexcept { return reference_; }
+  const PdForce& controller() const noexcept { return controller_; }
+  double period_s() const noexcept { return period_s_; }
+
+ private:
+  struct Inputs {
+    double position_m, port_1_Pa, port_2_Pa, chamber_1_Pa, chamber_2_Pa;
+  };
+  Inputs guard(const Measurement& measured) noexcept;
+  void plan_motion(double t_s, double position_m) noexcept;
+  ReferencePoint reference_at(double t_s) const noexcept;
+  std::array<double, 2> pressures(const Inputs& inputs, const EstimatorOutput& estimate) const noexcept;
+  double control(double t_s, const Inputs& inputs, const EstimatorOutput& estimate) noexcept;
+  void fill_row(double t_s, std::int64_t skipped, const Measurement& measured, const Truth& truth, const EstimatorOutput& estimate,
+                double command_V) noexcept;
+  void latch(std::uint32_t faults) noexcept;
+
+  double period_s_ = 0.001;
+  PressureSource source_ = PressureSource::estimated;
+  double safe_command_V_ = 0.0, speed_limit_mps_ = 5.0, reach_m_ = 0.15;
+  bool needs_chambers_ = false;
+  PipelineEstimator estimator_;
+  PdForce controller_;
+  Reference reference_;
+  InputGuard position_guard_;
+  std::array<InputGuard, 2> port_guard_, chamber_guard_;
+
+  bool begins_ = true, stopped_ = false;
+  double approach_from_m_ = 0.0, approach_to_m_ = 0.0, approach_start_s_ = 0.0, reference_start_s_ = 0.0;
+  double command_V_ = 0.0, velocity_mps_ = 0.0;
+  std::uint32_t faults_ = 0, first_faults_ = 0;
+  bool limited_ = false;
+  ReferencePoint now_{};
+  Row row_;
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,54 @@
+// What ends a motion: one bit a cause, latched by the loop, recorded in every row, said in words.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace pneuservo {
+
+/// Causes of a fault. Several may stand at once; the first tick's bits are the reason, later ones are added.
+enum Fault : std::uint32_t {
+  fault_position_missing = 1u << 0,
+  fault_position_jump = 1u << 1,
+  fault_position_range = 1u << 2,
+  fault_position_frozen = 1u << 3,
+  fault_speed = 1u << 4,
+  fault_port_pressure_1_missing = 1u << 5,
+  fault_port_pressure_2_missing = 1u << 6,
+  fault_port_pressure_1_frozen = 1u << 7,
+  fault_port_pressure_2_frozen = 1u << 8,
+  fault_chamber_pressure_1_missing = 1u << 9,
+  fault_chamber_pressure_2_missing = 1u << 10,
+  fault_chamber_pressure_1_frozen = 1u << 11,
+  fault_chamber_pressure_2_frozen = 1u << 12,
+  fault_estimate_invalid = 1u << 13,
+  fault_command_not_finite = 1u << 14,
+  fault_output_missed = 1u << 15,
+};
+
+/// A fault in words and what to do about it.
+struct FaultText {
+  std::uint32_t bit;
+  std::string_view name;
+  std::string_view meaning;
+};
+inline constexpr std::array<FaultText, 16> fault_texts{{
+    {fault_position_missing, "position_missing", "the position was missing, not a number or out of range for three ticks: check encoder, cable and supply"},
+    {fault_position_jump, "position_jump", "the position jumped faster than limits.speed_mps for three ticks: check the encoder's count and shield"},
+    {fault_position_range, "position_range", "the position is beyond the end stop by more than limits.position_margin_m: check the encoder's zero and scale"},
+    {fault_position_frozen, "position_frozen", "the position stood still from one tick to the next out of full motion: check the encoder"},
+    {fault_speed, "speed", "the measured speed is above limits.speed_mps"},
+    {fault_port_pressure_1_missing, "port_pressure_1_missing", "port pressure 1 was missing, not a number or impossible for three ticks: check sensor, cable and range"},
+    {fault_port_pressure_2_missing, "port_pressure_2_missing", "port pressure 2 was missing, not a number or impossible for three ticks: check sensor, cable and range"},
+    {fault_port_pressure_1_frozen, "port_pressure_1_frozen", "port pressure 1 repeats one value although its sensor has noise: check sensor and converter"},
+    {fault_port_pressure_2_frozen, "port_pressure_2_frozen", "port pressure 2 repeats one value although its sensor has noise: check sensor and converter"},
+    {fault_chamber_pressure_1_missing, "chamber_pressure_1_missing", "chamber pressure 1 was missing, not a number or impossible for three ticks: check sensor, cable and range"},
+    {fault_chamber_pressure_2_missing, "chamber_pressure_2_missing", "chamber pressure 2 was missing, not a number or impossible for three ticks: check sensor, cable and range"},
+    {fault_chamber_pressure_1_frozen, "chamber_pressure_1_frozen", "chamber pressure 1 repeats one value although its sensor has noise: check sensor and converter"},
+    {fault_chamber_pressure_2_frozen, "chamber_pressure_2_frozen", "chamber pressure 2 repeats one value although its sensor has noise: check sensor and converter"},
+    {fault_estimate_invalid, "estimate_invalid", "the estimator had no usable port pressures or position for too long"},
+    {fault_command_not_finite, "command_not_finite", "the control law gave no finite command"},
+    {fault_output_missed, "output_missed", "the backend could not write the command"},
+}};
+
+}  // namespace pneuservo

@@ -1,0 +1,130 @@
+// Rows from the loop to the recording writer: a wait-free queue, and a memory of the last cycles that is never full.
+#pragma once
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cstdint>
+#include <type_traits>
+#include <vector>
+
+#include <readerwriterqueue/readerwriterqueue.h>
+
+#include <pneuservo/record/row.hpp>
+
+namespace pneuservo {
+
+/// The last rows, newest over oldest. One writer, one reader; neither waits. A row that is overwritten while it is
+/// read is reported as gone, never returned torn: its number is taken out first and put back last, and every word is
+/// atomic (plain moves on x86-64).
+class LastRows {
+ public:
+  explicit LastRows(std::size_t rows) : slots_(rows > 0 ? rows : 1) {}
+  std::size_t size() const noexcept { return slots_.size(); }
+
+  /// HOT. Keeps the row under its number (0, 1, 2, ...).
+  void keep(std::int64_t number, const Row& row) noexcept {
+    Slot& slot = slots_[static_cast<std::size_t>(number) % slots_.size()];
+    const auto words = std::bit_cast<Words>(row);
+    slot.number.store(-1, std::memory_order_relaxed);
+    for (std::size_t i = 0; i < words.size(); ++i) slot.words[i].store(words[i], std::memory_order_release);
+    slot.number.store(number, std::memory_order_release);
+  }
+
+  /// False when that row is overwritten already (or being overwritten).
+  bool recall(std::int64_t number, Row& row) const noexcept {
+    const Slot& slot = slots_[static_cast<std::size_t>(number) % slots_.size()];
+    if (slot.number.load(std::memory_order_acquire) != number) return false;
+    Words words;
+    for (std::size_t i = 0; i < words.size(); ++i) words[i] = slot.words[i].load(std::memory_order_acquire);
+    if (slot.number.load(std::memory_order_relaxed) != number) return false;
+    row = std::bit_cast<Row>(words);
+    return true;
+  }
+
+ private:
+  static_assert(std::is_trivially_copyable_v<Row> && sizeof(Row) % sizeof(std::uint64_t) == 0);
+  using Words = std::array<std::uint64_t, sizeof(Row) / sizeof(std::uint64_t)>;
+  struct Slot {
+    std::atomic<std::int64_t> number{-1};
+    std::array<std::atomic<std::uint64_t>, std::tuple_size_v<Words>> words{};
+  };
+  std::vector<Slot> slots_;
+};
+
+/// One producer (the loop), one consumer (the recording writer). All memory is taken, and touched, in the constructor.
+///
+/// A full queue refuses rows, but every row also goes into LastRows. The consumer numbers what it gets and takes a
+/// refused row from there, in order. A row is dropped only if the loop has run `last_rows` cycles on before the
+/// consumer came to it; so the last `last_rows` cycles before a fault (or any other end) always reach the file.
+class RecordingRing {
+ public:
+  static constexpr std::size_t default_capacity_rows = 16384;  ///< 3 s at 200 us: longer than a slow disk's sync
+  static constexpr std::size_t default_last_rows = 2000;
+
+  explicit RecordingRing(std::size_t capacity_rows = default_capacity_rows, std::size_t last_rows = default_last_rows)
+      : queue_(capacity_rows), last_(last_rows) {
+    // Touches every page now, not in the loop.
+    while (queue_.try_enqueue(Numbered{})) {}
+    Numbered touched;
+    while (queue_.try_dequeue(touched)) {}
+  }
+  RecordingRing(const RecordingRing&) = delete;
+  RecordingRing& operator=(const RecordingRing&) = delete;
+
+  /// HOT, producer. False when the queue refused the row; then it is only among the last rows.
+  bool push(const Row& row) noexcept {
+    const std::int64_t number = pushed_.load(std::memory_order_relaxed);
+    last_.keep(number, row);
+    const bool accepted = queue_.try_enqueue(Numbered{number, row});
+    if (!accepted) refused_.store(refused_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+    pushed_.store(number + 1, std::memory_order_release);
+    return accepted;
+  }
+
+  /// Consumer. The next row in the order of the pushes; false when there is none. Sets `row_dropped_before` on the
+  /// first row after dropped ones.
+  bool pop(Row& row) noexcept {
+    for (;;) {
+      // Read before the queue: of the rows below this number, whatever is not in the queue then was refused.
+      std::int64_t end = pushed_.load(std::memory_order_acquire);
+      while (!held_ && queue_.try_dequeue(front_)) held_ = front_.number >= next_;
+      if (held_) end = front_.number;
+      if (held_ && front_.number == next_) {
+        row = front_.row;
+        held_ = false;
+      } else if (next_ >= end) {
+        return false;
+      } else if (!last_.recall(next_, row)) {
+        dropped_.store(dropped_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+        ++next_;
+        gap_ = true;
+        continue;
+      }
+      ++next_;
+      if (gap_) row.flags |= row_dropped_before;
+      gap_ = false;
+      return true;
+    }
+  }
+
+  std::int64_t pushed() const noexcept { return pushed_.load(std::memory_order_acquire); }
+  /// Rows that the full queue refused (most come back from the last rows).
+  std::int64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
+  /// Rows that are lost: the consumer came too late for them.
+  std::int64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
+
+ private:
+  struct Numbered {
+    std::int64_t number = 0;
+    Row row;
+  };
+  moodycamel::ReaderWriterQueue<Numbered> queue_;
+  LastRows last_;
+  std::atomic<std::int64_t> pushed_{0}, refused_{0}, dropped_{0};
+  // Consumer's own.
+  Numbered front_;
+  bool held_ = false, gap_ = false;
+  std::int64_t next_ = 0;
+};
+
+}  // namespace pneuservo

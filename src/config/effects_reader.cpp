@@ -1,0 +1,53 @@
+// The section `effects`: physics by name, on the axis and on its sensors (sensor_offset:x).
+#include "config/effects_reader.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "config/section_reader.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+/// Reads the one effect of a visit whose name is `name`.
+struct NamedEffectReader {
+  const std::string& name;
+  const ConfigNode& node;
+  const std::string& path;
+  template <class Effect> void operator()(const Field& field, Effect& effect) const {
+    if (field.key == name) read_section(node, path, effect);
+  }
+};
+
+}  // namespace
+
+std::vector<std::string> effect_names() {
+  std::vector<std::string> names;
+  for (const Field& field : fields_of<AxisEffects<double>>()) names.emplace_back(field.key);
+  for (const Field& field : fields_of<SensorEffects<double>>())
+    for (const std::string_view channel : channel_names) names.push_back(fmt::format("{}:{}", field.key, channel));
+  return names;
+}
+
+void read_effects(const ConfigNode& node, const std::string& path, Rig& rig) {
+  require_map(node, path);
+  const std::vector<std::string> known = effect_names();
+  for (const ConfigNode::Entry& entry : node.entries) {
+    const std::string full = join_path(path, entry.key);
+    if (std::find(known.begin(), known.end(), entry.key) == known.end())
+      refuse(entry.origin, full, "an unknown effect", expected_names(entry.key, known));
+    const std::size_t colon = entry.key.find(':');
+    const std::string name = entry.key.substr(0, colon);
+    const NamedEffectReader reader{name, entry.value, full};
+    if (colon == std::string::npos) {
+      AxisEffects<double>::visit(reader, rig.axis.effects);
+      continue;
+    }
+    const auto channel = std::find(channel_names.begin(), channel_names.end(), entry.key.substr(colon + 1));
+    SensorEffects<double>::visit(reader, rig.sensor_effects[static_cast<std::size_t>(channel - channel_names.begin())]);
+  }
+}
+
+}  // namespace pneuservo

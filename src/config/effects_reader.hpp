@@ -1,0 +1,18 @@
+// The section `effects`: physics by name, on the axis and on its sensors (sensor_offset:x).
+#pragma once
+#include <string>
+#include <vector>
+
+#include <pneuservo/rig/rig.hpp>
+
+#include "config/config_tree.hpp"
+
+namespace pneuservo {
+
+/// Every name the section knows: effects of the axis, then sensor_*:CHANNEL.
+std::vector<std::string> effect_names();
+
+/// Reads the section into `rig.axis.effects` and `rig.sensor_effects`. Throws InputError.
+void read_effects(const ConfigNode& node, const std::string& path, Rig& rig);
+
+}  // namespace pneuservo

@@ -1,0 +1,94 @@
+// Reads a config file into a Rig; every mistake in it is one sentence with file, line, key, found and expected.
+#include "config/read_rig.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "config/effects_reader.hpp"
+#include "config/rig_checks.hpp"
+#include "config/section_reader.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+constexpr auto expected_file = "a config file (docs/config-keys.md)";
+
+std::string read_text(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) refuse(name, "(file)", "a folder", expected_file);
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  const auto unreadable = [] { return fmt::format("an unreadable file ({})", std::strerror(errno)); };
+  if (!stream) refuse(name, "(file)", errno == ENOENT ? "no such file" : unreadable(), expected_file);
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (stream.bad()) refuse(name, "(file)", unreadable(), expected_file);
+  if (text.starts_with("\x1f\x8b")) refuse(name + ":1", "(file)", "compressed data", expected_file);
+  return text;
+}
+
+/// The section reader, with the effects of the sensors where `effects` stands.
+struct RigReader {
+  Rig& rig;
+  SectionReader section;
+  template <class T> void operator()(const Field& field, T& value) const {
+    if constexpr (std::is_same_v<T, AxisEffects<double>>) {
+      const ConfigNode::Entry* entry = section.map.find(std::string(field.key));
+      if (entry != nullptr && !section.choices_only) read_effects(entry->value, std::string(field.key), rig);
+    } else section(field, value);
+  }
+};
+
+/// Relative paths that the file (not a --set) states count from the file's folder.
+void anchor_paths(ReferenceSpec& reference, const ConfigNode& node, const std::filesystem::path& folder) {
+  const ConfigNode::Entry* path = node.find("path");
+  const bool from_file = path != nullptr && !path->value.origin.starts_with("--set");
+  if (from_file && std::filesystem::path(reference.path).is_relative())
+    reference.path = std::filesystem::absolute(folder / reference.path).lexically_normal().string();
+  const ConfigNode::Entry* parts = node.find("parts");
+  for (std::size_t i = 0; parts != nullptr && i < reference.parts.size(); ++i)
+    anchor_paths(reference.parts[i], parts->value.items[i], folder);
+}
+
+Rig rig_from_text(const std::string& yaml_text, const std::string& source_name,
+                  const std::vector<std::string>& overrides, const std::optional<std::filesystem::path>& anchor) {
+  ConfigNode root = parse_config_tree(yaml_text, source_name);
+  require_map(root, "");
+  for (const std::string& override_text : overrides) apply_override(root, override_text);
+
+  Rig rig;
+  const std::string top;
+  Rig::visit(RigReader{rig, {root, top, true}}, rig);
+  require_known_keys(root, top, fields_of<Rig>());
+  Rig::visit(RigReader{rig, {root, top}}, rig);
+  if (anchor) anchor_paths(rig.reference, root.find("reference")->value, *anchor);
+  complete_rig(rig, root);
+  check_rig(rig, root);
+  return rig;
+}
+
+}  // namespace
+
+Rig read_rig(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
+  return rig_from_text(read_text(file), file.string(), overrides, file.parent_path());
+}
+
+Rig parse_rig(const std::string& yaml_text, const std::string& source_name, const std::vector<std::string>& overrides) {
+  return rig_from_text(yaml_text, source_name, overrides, {});
+}
+
+ReferenceSpec parse_reference(const std::string& yaml_text, const std::string& source_name) {
+  const ConfigNode root = parse_config_tree(yaml_text, source_name);
+  ReferenceSpec reference;
+  read_value(Field{"reference", "", 0, 0, ""}, root, "reference", reference);
+  check_reference_keys(reference, root, "reference");
+  return reference;
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,211 @@
+// What no single field can say: values of a config that contradict each other, and defaults that follow from others.
+#include "config/rig_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "config/number_text.hpp"
+#include "config/reference_span.hpp"
+#include "config/rig_parameters.hpp"
+#include "config/key_suggestion.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+/// Most positions of a reference that are checked; beyond it the control periods are thinned out.
+constexpr double most_samples = 1e6;
+
+/// Where a path was written: the deepest node of it that the config has.
+std::string origin_of(const ConfigNode& root, const std::string& path) {
+  const ConfigNode* node = &root;
+  std::string origin = root.origin;
+  for (std::size_t start = 0; start <= path.size() && node->type == ConfigNode::Type::map;) {
+    const std::size_t dot = std::min(path.find('.', start), path.size());
+    const ConfigNode::Entry* entry = node->find(path.substr(start, dot - start));
+    if (entry == nullptr) break;
+    node = &entry->value;
+    origin = node->origin;
+    start = dot + 1;
+  }
+  return origin;
+}
+
+bool is_stated(const ConfigNode& root, const std::string& section, const std::string& key) {
+  const ConfigNode::Entry* entry = root.find(section);
+  return entry != nullptr && entry->value.find(key) != nullptr;
+}
+
+/// Throws at `path` with the line it stands on, or with the --set that made one of the `others` contradict it.
+struct Check {
+  const ConfigNode& root;
+  [[noreturn]] void refuse(const std::string& path, const std::vector<std::string>& others, const std::string& found,
+                           const std::string& expected) const {
+    std::string origin = origin_of(root, path);
+    for (const std::string& other : others) {
+      const std::string from = origin_of(root, other);
+      if (from.starts_with("--set") && !origin.starts_with("--set")) origin = from;
+    }
+    pneuservo::refuse(origin, path, found, expected);
+  }
+};
+
+/// Pressure of chamber 2 that balances the piston at rest: A_1 p_1 - A_2 p_2 - (A_1 - A_2) p_atm = 0.
+double balancing_pressure_2_Pa(const Rig& rig, double pressure_1_Pa) {
+  const double atmosphere = rig.axis.air.atmosphere_Pa;
+  return atmosphere + rig.axis.cylinder.area_1_m2 / rig.axis.cylinder.area_2_m2 * (pressure_1_Pa - atmosphere);
+}
+
+void check_lines(const Rig& rig, const Check& check) {
+  const auto check_line = [&](const LineParameters<double>& line, const std::string& name) {
+    if (line.laminar_reynolds > line.turbulent_reynolds)
+      check.refuse(name + ".laminar_reynolds", {name + ".turbulent_reynolds"}, number_text(line.laminar_reynolds),
+                   fmt::format("at most {}.turbulent_reynolds ({})", name, number_text(line.turbulent_reynolds)));
+  };
+  check_line(rig.axis.line_1, "line_1");
+  check_line(rig.axis.line_2, "line_2");
+}
+
+void check_controller(const Rig& rig, const Check& check) {
+  const bool has_sensors = is_stated(check.root, "sensors", "chamber_pressure");
+  if (rig.controller.pressure_source == PressureSource::chamber && !has_sensors)
+    check.refuse("controller.pressure_source", {}, "'chamber' without sensors.chamber_pressure",
+                 "valve or estimated, or the section sensors.chamber_pressure");
+  const double command_max = rig.axis.valve.command_max_V;
+  if (std::fabs(rig.safe_output.command_V) > command_max)
+    check.refuse("safe_output.command_V", {"valve.command_max_V"}, number_text(rig.safe_output.command_V),
+                 fmt::format("at most +-valve.command_max_V ({})", number_text(command_max)));
+}
+
+void check_times(const Rig& rig, const Check& check) {
+  if (rig.duration_s < rig.period_s)
+    check.refuse("duration_s", {"period_s"}, number_text(rig.duration_s),
+                 fmt::format("at least period_s ({})", number_text(rig.period_s)));
+  if (!rig.evaluation) return;
+  if (!(rig.evaluation->from_s < rig.evaluation->to_s))
+    check.refuse("evaluation.from_s", {"evaluation.to_s"}, number_text(rig.evaluation->from_s),
+                 fmt::format("less than evaluation.to_s ({})", number_text(rig.evaluation->to_s)));
+  if (rig.evaluation->to_s > rig.duration_s)
+    check.refuse("evaluation.to_s", {"duration_s"}, number_text(rig.evaluation->to_s),
+                 fmt::format("at most duration_s ({})", number_text(rig.duration_s)));
+}
+
+void check_initial(const Rig& rig, const Check& check) {
+  const double half_stroke = 0.5 * rig.axis.cylinder.stroke_m, supply = rig.axis.supply.pressure_Pa;
+  if (std::fabs(rig.initial.position_m) > half_stroke)
+    check.refuse("initial.position_m", {"cylinder.stroke_m"}, number_text(rig.initial.position_m),
+                 fmt::format("at most +-half of cylinder.stroke_m ({})", number_text(half_stroke)));
+  const std::string limit = fmt::format("at most supply.pressure_Pa ({})", number_text(supply));
+  const double pressure_1 = rig.initial.pressure_1_Pa, balancing = balancing_pressure_2_Pa(rig, pressure_1);
+  if (pressure_1 > supply)
+    check.refuse("initial.pressure_1_Pa", {"supply.pressure_Pa"}, number_text(pressure_1), limit);
+  if (rig.initial.pressure_2_Pa.value_or(0.0) > supply)
+    check.refuse("initial.pressure_2_Pa", {"supply.pressure_Pa"}, number_text(*rig.initial.pressure_2_Pa), limit);
+  if (!rig.initial.pressure_2_Pa && !(balancing > 0.0 && balancing <= supply))
+    check.refuse("initial.pressure_1_Pa", {"supply.pressure_Pa", "cylinder"},
+                 fmt::format("{}, which {:.6g} Pa in chamber 2 would balance", number_text(pressure_1), balancing),
+                 fmt::format("a pressure whose balance lies between 0 and supply.pressure_Pa ({}), or pressure_2_Pa",
+                             number_text(supply)));
+}
+
+double highest_frequency_Hz(const ReferenceSpec& reference) {
+  double highest = reference.kind == ReferenceKind::sine ? reference.frequency_Hz : 0.0;
+  for (const auto& component : reference.components) highest = std::max(highest, component[1]);
+  for (const ReferenceSpec& part : reference.parts) highest = std::max(highest, highest_frequency_Hz(part));
+  return highest;
+}
+
+void check_reference_range(const Rig& rig, const Check& check) {
+  const double half_stroke = 0.5 * rig.axis.cylinder.stroke_m, nyquist = 0.5 / rig.period_s;
+  if (const double highest = highest_frequency_Hz(rig.reference); highest > nyquist)
+    check.refuse("reference", {"period_s"}, fmt::format("{} Hz", number_text(highest)),
+                 fmt::format("at most half a cycle a control period ({} Hz)", number_text(nyquist)));
+  const double samples = std::min(std::ceil(rig.duration_s / rig.period_s), most_samples);
+  double worst_m = 0.0, worst_s = 0.0;
+  for (double k = 0; k <= samples; ++k) {
+    const double t = rig.duration_s * k / samples, x = reference_position_m(rig.reference, t);
+    if (std::fabs(x) > std::fabs(worst_m)) worst_m = x, worst_s = t;
+  }
+  // Within rounding of the end stop is at the end stop.
+  if (std::fabs(worst_m) > half_stroke * (1.0 + 1e-12))
+    check.refuse("reference", {"cylinder.stroke_m", "duration_s", "reference.amplitude_m", "reference.center_m"},
+                 fmt::format("the position {:.6g} m at {:.6g} s", worst_m, worst_s),
+                 fmt::format("positions within +-half of cylinder.stroke_m ({} m)", number_text(half_stroke)));
+}
+
+void check_tolerances(const Rig& rig, const Check& check) {
+  for (const auto& [path, deviation] : rig.tolerances) {
+    if (has_parameter(rig, path)) continue;
+    std::vector<std::string> known;
+    for (const ParameterPath& parameter : parameter_paths(rig)) known.push_back(parameter.path);
+    const std::vector<std::string> near = near_names(path, known);
+    const ConfigNode& section = check.root.find("tolerances")->value;
+    const std::string known_near = fmt::format("a known path (did you mean {}?)", fmt::join(near, ", "));
+    refuse(section.find(path)->origin, join_path("tolerances", path), "a path that names no number of this rig",
+           near.empty() ? "a path such as slider.mass_kg" : known_near);
+  }
+}
+
+}  // namespace
+
+void check_reference_keys(const ReferenceSpec& reference, const ConfigNode& node, const std::string& path) {
+  const auto key_origin = [&](const std::string& key) {
+    const ConfigNode::Entry* entry = node.find(key);
+    return entry != nullptr ? entry->value.origin : node.origin;
+  };
+  if (reference.kind == ReferenceKind::waypoints) {
+    const std::size_t times = reference.times_s.size(), positions = reference.positions_m.size();
+    if (times != positions)
+      refuse(key_origin("positions_m"), join_path(path, "positions_m"), fmt::format("{} positions", positions),
+             fmt::format("as many as times_s has ({})", times));
+    for (std::size_t i = 1; i < times; ++i)
+      if (!(reference.times_s[i] > reference.times_s[i - 1]))
+        refuse(key_origin("times_s"), join_path(path, "times_s"),
+               fmt::format("{} after {}", number_text(reference.times_s[i]), number_text(reference.times_s[i - 1])),
+               "strictly increasing times");
+  }
+  if (reference.kind == ReferenceKind::cruise) {
+    const double way_s = std::fabs(reference.end_m - reference.start_m) / reference.speed_mps;
+    if (way_s < reference.ramp_s)
+      refuse(key_origin("ramp_s"), join_path(path, "ramp_s"), number_text(reference.ramp_s),
+             fmt::format("at most |end_m - start_m| / speed_mps ({:.6g} s), or the speed is never reached", way_s));
+  }
+  if (reference.kind == ReferenceKind::file && !std::filesystem::exists(reference.path))
+    refuse(key_origin("path"), join_path(path, "path"), fmt::format("no such file ({})", reference.path),
+           "a file of positions");
+  const ConfigNode::Entry* parts = node.find("parts");
+  for (std::size_t i = 0; parts != nullptr && i < reference.parts.size(); ++i)
+    check_reference_keys(reference.parts[i], parts->value.items[i], fmt::format("{}.parts.{}", path, i));
+}
+
+void complete_rig(Rig& rig, const ConfigNode& root) {
+  check_reference_keys(rig.reference, root.find("reference")->value, "reference");
+  if (root.find("duration_s") == nullptr) {
+    const double end = reference_end_s(rig.reference);
+    if (std::isnan(end))
+      refuse(root.origin, "duration_s", "nothing", "the key: a reference from a file does not tell its end");
+    rig.duration_s = is_periodic(rig.reference) ? end : end + 1.0;
+  }
+  if (!is_stated(root, "initial", "pressure_1_Pa")) {
+    const double supply = rig.axis.supply.pressure_Pa, atmosphere = rig.axis.air.atmosphere_Pa;
+    const double usual = rig.initial.pressure_1_Pa;
+    const double area_ratio = rig.axis.cylinder.area_2_m2 / rig.axis.cylinder.area_1_m2;
+    if (std::max(usual, balancing_pressure_2_Pa(rig, usual)) > supply)
+      rig.initial.pressure_1_Pa = atmosphere + 0.6 * std::min(1.0, area_ratio) * (supply - atmosphere);
+  }
+}
+
+void check_rig(const Rig& rig, const ConfigNode& root) {
+  const Check check{root};
+  check_lines(rig, check);
+  check_controller(rig, check);
+  check_times(rig, check);
+  check_initial(rig, check);
+  check_reference_range(rig, check);
+  check_tolerances(rig, check);
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,21 @@
+// What no single field can say: values of a config that contradict each other, and defaults that follow from others.
+#pragma once
+#include <string>
+
+#include <pneuservo/rig/rig.hpp>
+
+#include "config/config_tree.hpp"
+
+namespace pneuservo {
+
+/// Fills what the config leaves open and other values decide: the duration, and initial pressures that the supply can
+/// give where the usual 470 kPa would be too much.
+void complete_rig(Rig& rig, const ConfigNode& root);
+
+/// Throws InputError at the first contradiction, naming the line of the key that is to blame.
+void check_rig(const Rig& rig, const ConfigNode& root);
+
+/// The part of it that a reference alone can break (lists of different length, times that do not increase).
+void check_reference_keys(const ReferenceSpec& reference, const ConfigNode& node, const std::string& path);
+
+}  // namespace pneuservo

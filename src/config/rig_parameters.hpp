@@ -1,0 +1,32 @@
+// All numbers of a rig by their config path (line_1.length_m, effects.sensor_offset:x.offset), from the same fields.
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <pneuservo/rig/rig.hpp>
+
+namespace pneuservo {
+
+/// One number of a rig.
+struct ParameterPath {
+  std::string path;
+  Field field;   ///< unit, range, help
+  double value;
+};
+
+/// Every number that the rig has, in the order of the config; all effects are there, neutral where it is silent.
+/// Numbers that are optional and not stated (initial.pressure_2_Pa) are left out.
+std::vector<ParameterPath> parameter_paths(const Rig& rig);
+
+/// Value at a path. Throws InputError for a path that the rig does not have, with near ones.
+double get_parameter(const Rig& rig, std::string_view path);
+
+/// Sets the number at a path, also one that was not stated. Throws InputError for an unknown path or a value that is
+/// not finite or out of the field's range; relations between values are not checked again.
+void set_parameter(Rig& rig, std::string_view path, double value);
+
+/// Whether the path names a number of this rig, stated or not.
+bool has_parameter(const Rig& rig, std::string_view path);
+
+}  // namespace pneuservo

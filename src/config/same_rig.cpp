@@ -1,0 +1,21 @@
+// Equality of parameter structs and rigs, value by value, through the fields they declare.
+#include "config/same_rig.hpp"
+
+#include "config/reference_fields.hpp"
+
+namespace pneuservo {
+
+bool same_reference(const ReferenceSpec& a, const ReferenceSpec& b) {
+  bool same = a.kind == b.kind;
+  if (same) visit_reference(a.kind, FieldComparer{same}, a, b);
+  return same;
+}
+
+bool same_rig(const Rig& a, const Rig& b) {
+  bool same = same_section(a, b);
+  for (std::size_t i = 0; i < channel_names.size(); ++i)
+    same = same && same_section(a.sensor_effects[i], b.sensor_effects[i]);
+  return same;
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,179 @@
+// Reads sections of a config into parameter structs: types, ranges and presence come from the structs' own fields.
+#include "config/section_reader.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "config/number_text.hpp"
+#include "config/reference_fields.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+using Type = ConfigNode::Type;
+
+std::string expected_list(const Field& field, std::string_view of) {
+  return fmt::format("a list of {}{}", of, field.unit.empty() ? "" : fmt::format(" in {}", field.unit));
+}
+
+const ConfigNode& require_list(const Field& field, const ConfigNode& node, const std::string& path,
+                               std::string_view of) {
+  if (node.type != Type::list || node.items.empty()) {
+    const std::string found = node.type == Type::list ? "an empty list" : describe(node);
+    refuse(node.origin, path, found, expected_list(field, of));
+  }
+  return node;
+}
+
+}  // namespace
+
+std::string expected_number(const Field& field) {
+  const bool has_unit = !field.unit.empty() && field.unit != "-";
+  std::string text = has_unit ? fmt::format("a number in {}", field.unit) : "a number";
+  const bool bounded_below = std::isfinite(field.minimum), bounded_above = std::isfinite(field.maximum);
+  if (bounded_below && bounded_above)
+    text += fmt::format(", {} to {}", number_text(field.minimum), number_text(field.maximum));
+  else if (bounded_below) text += fmt::format(", at least {}", number_text(field.minimum));
+  else if (bounded_above) text += fmt::format(", at most {}", number_text(field.maximum));
+  return text;
+}
+
+std::string expected_choice(const Field& field) {
+  return fmt::format("{}{}", field.choices.size() > 1 ? "one of " : "", fmt::join(field.choices, ", "));
+}
+
+void require_in_range(const Field& field, double value, const std::string& origin, const std::string& path,
+                      const std::string& found) {
+  // A comparison that not-a-number fails.
+  if (!(value >= field.minimum && value <= field.maximum)) refuse(origin, path, found, expected_number(field));
+}
+
+void read_value(const Field& field, const ConfigNode& node, const std::string& path, double& value) {
+  std::optional<double> number;
+  if (node.type == Type::scalar && !node.quoted) number = number_from_text(node.text);
+  if (!number) refuse(node.origin, path, describe(node), expected_number(field));
+  require_in_range(field, *number, node.origin, path, node.text);
+  value = *number;
+}
+
+void read_value(const Field&, const ConfigNode& node, const std::string& path, bool& value) {
+  const std::string text = node.type == Type::scalar && !node.quoted ? node.text : "";
+  value = text == "true" || text == "True" || text == "TRUE";
+  if (!value && text != "false" && text != "False" && text != "FALSE")
+    refuse(node.origin, path, describe(node), "true or false");
+}
+
+void read_value(const Field&, const ConfigNode& node, const std::string& path, std::uint64_t& value) {
+  std::from_chars_result result{nullptr, std::errc::invalid_argument};
+  const char* const end = node.text.data() + node.text.size();
+  if (node.type == Type::scalar && !node.quoted) result = std::from_chars(node.text.data(), end, value);
+  if (result.ec != std::errc{} || result.ptr != end)
+    refuse(node.origin, path, describe(node), "a whole number from 0 to 18446744073709551615");
+}
+
+void read_value(const Field& field, const ConfigNode& node, const std::string& path, int& degree) {
+  double value = 0.0;
+  read_value(field, node, path, value);
+  if (std::find(reference_degrees.begin(), reference_degrees.end(), value) == reference_degrees.end())
+    refuse(node.origin, path, node.text, fmt::format("one of {}", fmt::join(reference_degrees, ", ")));
+  degree = static_cast<int>(value);
+}
+
+void read_value(const Field& field, const ConfigNode& node, const std::string& path, std::string& value) {
+  if (!field.choices.empty()) {
+    value = field.choices[static_cast<std::size_t>(read_choice(field, node, path))];
+    return;
+  }
+  if (node.type != Type::scalar || node.text.empty()) {
+    const bool empty = node.type == Type::scalar;
+    refuse(node.origin, path, empty ? "an empty text" : describe(node), "a text");
+  }
+  value = node.text;
+}
+
+int read_choice(const Field& field, const ConfigNode& node, const std::string& path) {
+  const auto known = std::find(field.choices.begin(), field.choices.end(), node.text);
+  if (node.type == Type::scalar && known != field.choices.end()) return static_cast<int>(known - field.choices.begin());
+  refuse(node.origin, path, describe(node), expected_choice(field));
+}
+
+void read_value(const Field& field, const ConfigNode& node, const std::string& path, std::vector<double>& values) {
+  values.clear();
+  for (const ConfigNode& item : require_list(field, node, path, "numbers").items) {
+    const std::string item_path = join_path(path, std::to_string(values.size()));
+    read_value(field, item, item_path, values.emplace_back());
+  }
+}
+
+void read_value(const Field& field, const ConfigNode& node, const std::string& path,
+                std::vector<std::array<double, 3>>& values) {
+  constexpr auto form = "[amplitude_m, frequency_Hz, phase_rad]";
+  values.clear();
+  for (const ConfigNode& item : require_list(field, node, path, form).items) {
+    const std::string item_path = join_path(path, std::to_string(values.size()));
+    if (item.type != Type::list) refuse(item.origin, item_path, describe(item), form);
+    if (item.items.size() != 3) refuse(item.origin, item_path, fmt::format("a list of {}", item.items.size()), form);
+    auto& component = values.emplace_back();
+    for (std::size_t i = 0; i < 3; ++i)
+      read_value(component_fields[i], item.items[i], join_path(item_path, component_fields[i].key), component[i]);
+  }
+}
+
+void read_value(const Field& field, const ConfigNode& node, const std::string& path,
+                std::vector<ReferenceSpec>& parts) {
+  parts.clear();
+  for (const ConfigNode& item : require_list(field, node, path, "references").items) {
+    ReferenceSpec part;
+    read_value(field, item, join_path(path, std::to_string(parts.size())), part);
+    parts.push_back(std::move(part));
+  }
+}
+
+void read_value(const Field& field, const ConfigNode& node, const std::string& path,
+                std::map<std::string, double>& values) {
+  require_map(node, path);
+  for (const ConfigNode::Entry& entry : node.entries)
+    read_value(field, entry.value, join_path(path, entry.key), values[entry.key]);
+}
+
+void read_value(const Field&, const ConfigNode& node, const std::string& path, ReferenceSpec& reference) {
+  require_map(node, path);
+  reference = {};
+  const Field kind{"kind", "", 0, 0, "", Presence::required, reference_kind_names};
+  const ConfigNode::Entry* entry = node.find("kind");
+  std::vector<Field> fields{kind};
+  if (entry == nullptr) {
+    for (const ConfigNode::Entry& other : node.entries)
+      if (!near_names(other.key, {"kind"}).empty()) require_known_keys(node, path, fields);
+    refuse_missing(node, path, kind, expected_choice(kind));
+  }
+  read_value(kind, entry->value, join_path(path, "kind"), reference.kind);
+  reference.smoothness = default_smoothness(reference.kind);
+  fields.clear();
+  visit_reference(reference.kind, FieldCollector{fields});
+  require_known_keys(node, path, fields);
+  visit_reference(reference.kind, SectionReader{node, path}, reference);
+}
+
+void require_map(const ConfigNode& node, const std::string& path) {
+  if (node.type != Type::map)
+    refuse(node.origin, path.empty() ? "(top)" : path, describe(node), "a map of keys");
+}
+
+void require_known_keys(const ConfigNode& map, const std::string& path, const std::vector<Field>& fields) {
+  for (const ConfigNode::Entry& entry : map.entries) {
+    const auto known = [&](const Field& field) { return field.key == entry.key; };
+    if (std::none_of(fields.begin(), fields.end(), known))
+      refuse(entry.origin, join_path(path, entry.key), "an unknown key", expected_keys(entry.key, fields));
+  }
+}
+
+void refuse_missing(const ConfigNode& map, const std::string& path, const Field& field, const std::string& what) {
+  refuse(map.origin, join_path(path, field.key), "nothing", what);
+}
+
+}  // namespace pneuservo

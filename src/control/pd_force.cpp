@@ -1,0 +1,84 @@
+// PD with force feedback: configuration, start, and the step of one period.
+#include <cmath>
+
+#include <pneuservo/control/pd_force.hpp>
+#include <pneuservo/rig/axis.hpp>
+
+namespace pneuservo {
+
+void PdForce::configure(const PdForceParameters& parameters, const AxisParameters<double>& axis, double period_s) noexcept {
+  parameters_ = parameters;
+  feedforward_ = FlowFeedforward(axis);
+  limiter_ = CommandLimiter(axis.valve.command_max_V, parameters.command_rate_V_per_s, period_s);
+  period_s_ = period_s;
+  // Exact for a derivative held over the period; a time constant of 0 leaves the plain difference.
+  filter_gain_ = parameters.velocity_filter_s > 0.0 ? -std::expm1(-period_s / parameters.velocity_filter_s) : 1.0;
+  area_1_m2_ = axis.cylinder.area_1_m2;
+  area_2_m2_ = axis.cylinder.area_2_m2;
+  atmosphere_force_N_ = (area_1_m2_ - area_2_m2_) * axis.air.atmosphere_Pa;
+  reset();
+}
+
+void PdForce::reset(double previous_command_V) noexcept {
+  state_ = PdForceState{};
+  limiter_.reset(previous_command_V);
+  state_.u_V = limiter_.previous_V();
+  periods_ = 1.0;
+  first_ = true;
+}
+
+void PdForce::start_bumpless(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now, const ReferencePoint& ahead,
+                             double command_V) noexcept {
+  reset(command_V);
+  const double integral_gain = parameters_.force_integral_V_per_Ns;
+  if (!(integral_gain > 0.0)) return;
+  const PdForceState s = terms(x_m, p1_Pa, p2_Pa, now, ahead);
+  // The first step adds period * e_F before it uses the integral.
+  const double integral_Ns = (state_.u_V - unlimited_V(s)) / integral_gain - period_s_ * s.e_F_N;
+  if (std::isfinite(integral_Ns)) state_.I_Ns = integral_Ns;
+}
+
+PdForceState PdForce::terms(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now,
+                            const ReferencePoint& ahead) const noexcept {
+  PdForceState s;
+  s.e_m = now.d[0] - x_m;
+  s.v_mps = first_ ? 0.0 : state_.v_mps + filter_gain_ * ((x_m - previous_x_m_) / (periods_ * period_s_) - state_.v_mps);
+  s.F_N = area_1_m2_ * p1_Pa - area_2_m2_ * p2_Pa - atmosphere_force_N_;
+  s.F_ref_N = parameters_.position_gain_N_per_m * s.e_m + parameters_.velocity_gain_Ns_per_m * (now.d[1] - s.v_mps);
+  if (parameters_.flow_feedforward) {
+    s.F_ref_N += feedforward_.motion_force_N(now);
+    s.u_feedforward_V = feedforward_.command_V(ahead, p1_Pa, p2_Pa);
+  }
+  s.e_F_N = s.F_ref_N - s.F_N;
+  s.I_Ns = state_.I_Ns;
+  return s;
+}
+
+double PdForce::step(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now, const ReferencePoint& ahead) noexcept {
+  PdForceState s = terms(x_m, p1_Pa, p2_Pa, now, ahead);
+  // The integral rests while the command is limited in the direction in which it would grow.
+  const double without_growth_V = unlimited_V(s);
+  if (std::isfinite(without_growth_V)) {
+    const std::uint8_t limit = limiter_.preview(without_growth_V).limit;
+    const bool frozen = (s.e_F_N > 0.0 && (limit & limits_upward)) || (s.e_F_N < 0.0 && (limit & limits_downward));
+    if (!frozen) s.I_Ns += period_s_ * s.e_F_N;
+  }
+  s.u_unlimited_V = unlimited_V(s);
+  if (!std::isfinite(s.u_unlimited_V) || !std::isfinite(s.v_mps)) {
+    // State stays as it was before this sample: filter, integral and command survive a single bad measurement.
+    state_.fault = controller_command_not_finite;
+    state_.limit = limit_none;
+    periods_ += 1.0;
+    return state_.u_V;
+  }
+  const CommandLimiter::Result result = limiter_.limit(s.u_unlimited_V);
+  s.u_V = result.command_V;
+  s.limit = result.limit;
+  state_ = s;
+  previous_x_m_ = x_m;
+  periods_ = 1.0;
+  first_ = false;
+  return s.u_V;
+}
+
+}  // namespace pneuservo

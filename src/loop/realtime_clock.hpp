@@ -1,0 +1,48 @@
+// The clock of real time, the thread's fault counters, and memory that is touched before it is needed.
+#pragma once
+#include <cerrno>
+#include <cstddef>
+#include <cstdint>
+#include <ctime>
+
+#include <sys/resource.h>
+
+namespace pneuservo {
+
+/// CLOCK_MONOTONIC: reading it is no system call (vDSO), sleeping is to an absolute time, so that a late wake-up does
+/// not move the next one.
+struct MonotonicClock {
+  static std::int64_t now_ns() noexcept {
+    timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+  }
+  /// Returns at `time_ns` or later, at once if it is past; a signal does not cut the sleep short.
+  static void sleep_until_ns(std::int64_t time_ns) noexcept {
+    const timespec until{static_cast<time_t>(time_ns / 1'000'000'000), static_cast<long>(time_ns % 1'000'000'000)};
+    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {}
+  }
+};
+
+/// What the kernel counts against a real-time thread.
+struct ThreadCounters {
+  std::int64_t page_faults = 0;                   ///< minor and major
+  std::int64_t context_switches_involuntary = 0;  ///< preempted while it had work
+
+  /// Of the calling thread since its start; a system call: before and after the loop, not in a tick.
+  static ThreadCounters now() noexcept {
+    rusage usage{};
+    getrusage(RUSAGE_THREAD, &usage);
+    return {usage.ru_minflt + usage.ru_majflt, usage.ru_nivcsw};
+  }
+  friend ThreadCounters operator-(const ThreadCounters& a, const ThreadCounters& b) noexcept {
+    return {a.page_faults - b.page_faults, a.context_switches_involuntary - b.context_switches_involuntary};
+  }
+};
+
+/// Writes to every page of [memory, memory + bytes) without changing it, so that the loop never is the first to touch.
+void prefault(void* memory, std::size_t bytes) noexcept;
+/// Touches `bytes` of the calling thread's stack below the caller's frame.
+void prefault_stack(std::size_t bytes) noexcept;
+
+}  // namespace pneuservo

@@ -1,0 +1,121 @@
+// Checking what a config asks for, one function a check.
+#include "loop/rig_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace pneuservo {
+namespace {
+
+using Level = FindingLevel;
+using Findings = std::vector<Finding>;
+
+void add(Findings& findings, Level level, std::string topic, std::string what, std::string remedy) {
+  findings.push_back({level, std::move(topic), std::move(what), std::move(remedy)});
+}
+
+/// Explicit steps that a pressure wave forces on one period: it may cross at most one cell a step.
+double wave_steps_per_period(const Rig& rig, double cells_per_m) {
+  const auto& air = rig.axis.air;
+  const double sound_speed_mps =
+      std::sqrt(air.heat_capacity_ratio * air.gas_constant_J_per_kgK * air.temperature_K);
+  return rig.period_s * sound_speed_mps * cells_per_m;
+}
+
+void check_period(const Rig& rig, Findings& findings) {
+  const double steps = std::max(1.0, std::ceil(wave_steps_per_period(rig, rig.estimator.cells_per_m)));
+  const std::string what = fmt::format("{:g} us, at least {:.0f} estimator step{} of {:.0f} us each", rig.period_s * 1e6, steps,
+                                       steps > 1 ? "s" : "", rig.period_s * 1e6 / steps);
+  if (rig.period_s < 50e-6)
+    add(findings, Level::bad, "period_s", what + ": shorter than the wake-up latency of most machines",
+        "choose period_s of 0.0001 or more, see 'pneuservo latency'");
+  else if (steps > 20)
+    add(findings, Level::acceptable, "period_s", what, "lower estimator.cells_per_m or period_s");
+  else add(findings, Level::good, "period_s", what, "");
+}
+
+void check_command_range(const Rig& rig, Findings& findings) {
+  const auto& valve = rig.axis.valve;
+  const double full_V = valve.area_max_m2 / valve.area_per_volt_m2_per_V;
+  if (std::abs(rig.safe_output.command_V) > valve.command_max_V)
+    add(findings, Level::bad, "safe_output.command_V",
+        fmt::format("{:g} V is outside the valve's range of +-{:g} V", rig.safe_output.command_V, valve.command_max_V),
+        "choose a value within +-valve.command_max_V; 0 closes a closed-centre valve");
+  else if (rig.safe_output.command_V != 0)
+    add(findings, Level::acceptable, "safe_output.command_V",
+        fmt::format("{:g} V: the slider moves in the safe state", rig.safe_output.command_V), "choose 0 to hold it");
+  if (full_V < 0.5 * valve.command_max_V)
+    add(findings, Level::acceptable, "valve.area_max_m2",
+        fmt::format("is reached at {:.3g} V of {:g} V: the rest of the range does nothing", full_V, valve.command_max_V),
+        "check valve.area_max_m2 and valve.area_per_volt_m2_per_V, or lower valve.command_max_V");
+  else
+    add(findings, Level::good, "valve range", fmt::format("+-{:g} V, fully open at {:.3g} V", valve.command_max_V, full_V), "");
+}
+
+void check_gains(const Rig& rig, Findings& findings) {
+  const auto& controller = rig.controller;
+  const std::size_t before = findings.size();
+  const auto zero = [&](double gain, Level level, const char* key, const char* meaning) {
+    if (gain == 0) add(findings, level, std::string("controller.") + key, std::string("is 0: ") + meaning, "choose a value above 0");
+  };
+  zero(controller.position_gain_N_per_m, Level::bad, "position_gain_N_per_m", "nothing pulls the slider to its reference");
+  zero(controller.force_gain_V_per_N, Level::bad, "force_gain_V_per_N", "the valve is never opened by the force loop");
+  zero(controller.velocity_gain_Ns_per_m, Level::acceptable, "velocity_gain_Ns_per_m", "the position loop is not damped");
+  if (findings.size() == before)
+    add(findings, Level::good, "controller gains", "none of the three is 0", "");
+  if (controller.velocity_filter_s > 0 && controller.velocity_filter_s < rig.period_s)
+    add(findings, Level::acceptable, "controller.velocity_filter_s",
+        fmt::format("{:g} s is shorter than the period: it filters little", controller.velocity_filter_s),
+        "choose two periods or more");
+}
+
+/// What the sensors' noise and quanta make of the command from one period to the next, one standard deviation.
+void check_noise(const Rig& rig, Findings& findings) {
+  const auto& controller = rig.controller;
+  const auto deviation = [](double noise, double quantum) { return std::sqrt(noise * noise + quantum * quantum / 12); };
+  const auto& pressure = controller.pressure_source == PressureSource::chamber ? rig.sensors.chamber_pressure : rig.sensors.port_pressure;
+  const double force_N = deviation(pressure.noise_Pa, pressure.quantum_Pa) * std::hypot(rig.axis.cylinder.area_1_m2, rig.axis.cylinder.area_2_m2);
+  const double smoothing = 1 - std::exp(-rig.period_s / std::max(controller.velocity_filter_s, 1e-9));
+  const double velocity_mps = deviation(rig.sensors.position.noise_m, rig.sensors.position.quantum_m) * smoothing * std::sqrt(2.0) / rig.period_s;
+  const double command_V = controller.force_gain_V_per_N * std::hypot(force_N, controller.velocity_gain_Ns_per_m * velocity_mps);
+  const double share = command_V / rig.axis.valve.command_max_V;
+  const std::string what = fmt::format("moves the command by about {:.2g} V rms, {:.2g} % of its range", command_V, 100 * share);
+  if (share > 0.05)
+    add(findings, Level::acceptable, "sensor noise", what,
+        "lower controller.force_gain_V_per_N or velocity_gain_Ns_per_m, or lengthen velocity_filter_s");
+  else add(findings, Level::good, "sensor noise", what, "");
+  if (pressure.noise_Pa == 0 && pressure.quantum_Pa == 0)
+    add(findings, Level::acceptable, "pressure sensors", "have neither noise nor quantum: the simulation is kinder than a rig",
+        "give noise_Pa and quantum_Pa of the sensors' data sheet");
+}
+
+void check_evaluation(const Rig& rig, Findings& findings) {
+  if (rig.evaluation && rig.evaluation->to_s > rig.duration_s)
+    add(findings, Level::bad, "evaluation.to_s",
+        fmt::format("{:g} s is after the end of the run at {:g} s", rig.evaluation->to_s, rig.duration_s),
+        "lower evaluation.to_s or raise duration_s");
+}
+
+void check_initial(const Rig& rig, Findings& findings) {
+  const double half_m = 0.5 * rig.axis.cylinder.stroke_m;
+  if (std::abs(rig.initial.position_m) > half_m)
+    add(findings, Level::bad, "initial.position_m",
+        fmt::format("{:g} m is beyond the end stops at +-{:g} m", rig.initial.position_m, half_m), "choose a position inside the stroke");
+  if (rig.initial.pressure_1_Pa > rig.axis.supply.pressure_Pa)
+    add(findings, Level::acceptable, "initial.pressure_1_Pa",
+        fmt::format("{:g} Pa is above the supply's {:g} Pa", rig.initial.pressure_1_Pa, rig.axis.supply.pressure_Pa),
+        "choose a value between the atmosphere and supply.pressure_Pa");
+}
+
+}  // namespace
+
+std::vector<Finding> check_rig(const Rig& rig) {
+  Findings findings;
+  for (const auto check : {check_period, check_command_range, check_gains, check_noise, check_evaluation, check_initial})
+    check(rig, findings);
+  return findings;
+}
+
+}  // namespace pneuservo

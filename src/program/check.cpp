@@ -1,0 +1,84 @@
+// The verb check: grades the machine for running in real time and, where one is named, a config.
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "config/input_error.hpp"
+#include "loop/machine_check.hpp"
+#include "loop/rig_check.hpp"
+#include "program/verbs.hpp"
+#if __has_include("config/read_rig.hpp")
+#include "config/read_rig.hpp"
+#endif
+
+namespace pneuservo {
+namespace {
+
+struct CheckOptions {
+  std::string config;
+  std::string json;
+  RealTimeSettings session;
+};
+
+std::vector<Finding> check_config(const std::string& path) {
+#if __has_include("config/read_rig.hpp")
+  return check_rig(read_rig(path));
+#else
+  throw InputError(path + ": this build has no config reader");
+#endif
+}
+
+nlohmann::ordered_json as_json(const std::vector<Finding>& findings) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const Finding& finding : findings)
+    list.push_back({{"topic", finding.topic}, {"level", name(finding.level)}, {"found", finding.what}, {"remedy", finding.remedy}});
+  return list;
+}
+
+void write_json(const std::string& path, const nlohmann::ordered_json& json) {
+  if (path == "-") {
+    std::cout << json.dump(2) << '\n';
+    return;
+  }
+  std::ofstream file(path);
+  file << json.dump(2) << '\n';
+  if (!file.flush()) throw InputError(path + ": cannot be written");
+}
+
+int run_check(const CheckOptions& options) {
+  const std::vector<Finding> machine = check_machine(options.session);
+  const std::vector<Finding> config = options.config.empty() ? std::vector<Finding>{} : check_config(options.config);
+  const bool ready = worst_level(machine) != FindingLevel::bad && worst_level(config) != FindingLevel::bad;
+  const std::string verdict = ready ? "nothing speaks against running in real time" : "not ready: see the lines marked bad";
+  if (options.json != "-") {
+    std::cout << "machine\n" << finding_table(machine);
+    if (!options.config.empty()) std::cout << "\n" << options.config << "\n" << finding_table(config);
+    std::cout << "\n" << verdict << '\n';
+  }
+  if (!options.json.empty()) {
+    nlohmann::ordered_json json{{"ready", ready}, {"machine", as_json(machine)}};
+    if (!options.config.empty()) json["config"] = as_json(config);
+    write_json(options.json, json);
+  }
+  return ready ? 0 : 1;
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, int& status) {
+  auto options = std::make_shared<CheckOptions>();
+  CLI::App* verb = app.add_subcommand("check", "grade the machine for real time, and a config; exit status 1 if anything is bad");
+  verb->add_option("CONFIG", options->config, "config to check as well");
+  verb->add_option("--cpu", options->session.cpu, "processor that the loop shall be pinned to");
+  verb->add_option("--priority", options->session.priority, "SCHED_FIFO priority that is tried")
+      ->check(CLI::Range(1, 99))
+      ->capture_default_str();
+  verb->add_option("--json", options->json, "write the findings here; - is standard output");
+  verb->callback([options, &status] { status = run_check(*options); });
+}
+
+}  // namespace pneuservo

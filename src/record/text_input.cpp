@@ -1,0 +1,117 @@
+// Lines of a text file, plain or gzip, whole or damaged.
+#include "record/text_input.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "config/input_error.hpp"
+
+namespace pneuservo {
+
+struct TextInput::Stream {
+  z_stream z{};
+  bool in_member = false;  // between the first byte of a gzip member and its check sum
+  std::array<unsigned char, 1 << 16> in;
+};
+
+TextInput::TextInput(std::string path) : path_(std::move(path)), stream_(std::make_unique<Stream>()) {
+  descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor_ < 0) throw InputError(path_ + ": cannot be opened: " + std::strerror(errno));
+  try {
+    fill();
+    if (text_.empty() && at_end_ && end_ == End::whole) throw InputError(path_ + ": the file is empty; expected a recording");
+  } catch (...) {
+    ::close(descriptor_);
+    if (gzip_) inflateEnd(&stream_->z);
+    throw;
+  }
+}
+
+TextInput::~TextInput() {
+  ::close(descriptor_);
+  if (gzip_) inflateEnd(&stream_->z);
+}
+
+bool TextInput::next_line(std::string_view& line) {
+  for (;;) {
+    const std::size_t end = text_.find('\n', searched_);
+    if (end != std::string::npos) {
+      line = std::string_view(text_).substr(start_, end - start_);
+      start_ = searched_ = end + 1;
+      break;
+    }
+    searched_ = text_.size();
+    if (at_end_) {
+      if (start_ == text_.size()) return false;
+      // A last line without LF is known to be whole only where the check sum of the gzip data says so.
+      if (!gzip_) end_ = End::truncated;
+      if (end_ != End::whole) return false;
+      line = std::string_view(text_).substr(start_);
+      start_ = text_.size();
+      break;
+    }
+    fill();
+  }
+  ++line_number_;
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return true;
+}
+
+void TextInput::fill() {
+  text_.erase(0, start_);
+  searched_ -= start_;
+  start_ = 0;
+  const std::size_t count = read_chunk();
+  const auto& in = stream_->in;
+  if (first_) {
+    first_ = false;
+    gzip_ = count >= 2 && in[0] == 0x1f && in[1] == 0x8b;
+    if (!gzip_ && count > 0 && path_.ends_with(".gz")) throw InputError(path_ + ": is not gzip data, although its name says so");
+    constexpr int gzip_window_bits = 15 + 16;
+    if (gzip_ && inflateInit2(&stream_->z, gzip_window_bits) != Z_OK) throw std::bad_alloc();
+  }
+  if (count == 0) {
+    at_end_ = true;
+    if (gzip_ && stream_->in_member) end_ = End::truncated;
+  } else if (gzip_) {
+    inflate_chunk(count);
+  } else {
+    text_.append(reinterpret_cast<const char*>(in.data()), count);
+  }
+}
+
+void TextInput::inflate_chunk(std::size_t count) {
+  z_stream& z = stream_->z;
+  z.next_in = stream_->in.data();
+  z.avail_in = static_cast<uInt>(count);
+  std::array<char, 1 << 16> out;
+  do {
+    stream_->in_member = true;
+    z.next_out = reinterpret_cast<Bytef*>(out.data());
+    z.avail_out = static_cast<uInt>(out.size());
+    const int result = inflate(&z, Z_NO_FLUSH);
+    text_.append(out.data(), out.size() - z.avail_out);
+    if (result == Z_STREAM_END) {
+      stream_->in_member = false;
+      inflateReset(&z);  // gzip files may be joined end to end
+    } else if (result != Z_OK && result != Z_BUF_ERROR) {
+      end_ = End::damaged;
+      at_end_ = true;
+      return;
+    }
+  } while (z.avail_in > 0 || (z.avail_out == 0 && stream_->in_member));
+}
+
+std::size_t TextInput::read_chunk() {
+  for (;;) {
+    const ssize_t count = ::read(descriptor_, stream_->in.data(), stream_->in.size());
+    if (count >= 0) return static_cast<std::size_t>(count);
+    if (errno != EINTR) throw InputError(path_ + ": cannot be read: " + std::strerror(errno));
+  }
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,166 @@
+// Figures of a run over its evaluation window.
+#include <report/evaluation.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <report/high_pass.hpp>
+
+namespace pneuservo {
+namespace {
+
+using Column = double Row::*;
+constexpr double time_tolerance_s = 1e-9;
+
+bool has_values(const std::vector<Row>& rows, Column column) {
+  return std::any_of(rows.begin(), rows.end(), [&](const Row& row) { return std::isfinite(row.*column); });
+}
+
+/// Largest magnitude, mean and root mean square of what is added; values that are not finite are left out.
+struct Statistics {
+  double largest = 0.0, sum = 0.0, square_sum = 0.0;
+  std::int64_t count = 0;
+
+  void add(double value) {
+    if (!std::isfinite(value)) return;
+    largest = std::max(largest, std::fabs(value));
+    sum += value;
+    square_sum += value * value;
+    ++count;
+  }
+  double maximum() const { return count > 0 ? largest : Metrics::none; }
+  double mean() const { return count > 0 ? sum / static_cast<double>(count) : Metrics::none; }
+  double rms() const { return count > 0 ? std::sqrt(square_sum / static_cast<double>(count)) : Metrics::none; }
+};
+
+/// The larger of two figures, of which either may be missing.
+double larger(double a, double b) { return std::fmax(a, b); }
+
+/// The sampling period of the rows: the median distance, which lost rows do not move.
+double sampling_period_s(const std::vector<Row>& rows) {
+  std::vector<double> distances;
+  distances.reserve(rows.size());
+  for (std::size_t k = 1; k < rows.size(); ++k) distances.push_back(rows[k].t_s - rows[k - 1].t_s);
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+struct Signal {
+  double from_s = 0.0, period_s = 0.0;
+  std::vector<double> values;
+};
+
+/// A column on an even grid; lost rows and missing values are bridged by straight lines.
+Signal even_signal(const std::vector<Row>& rows, Column column) {
+  std::vector<const Row*> whole;
+  for (const Row& row : rows)
+    if (std::isfinite(row.*column)) whole.push_back(&row);
+  if (whole.size() < 2) return {};
+  Signal signal{whole.front()->t_s, sampling_period_s(rows), {}};
+  if (!(signal.period_s > 0.0)) return {};
+  const double length_s = whole.back()->t_s - signal.from_s;
+  const auto count = static_cast<std::size_t>(std::llround(length_s / signal.period_s)) + 1;
+  signal.values.reserve(count);
+  std::size_t right = 1;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double t_s = signal.from_s + static_cast<double>(k) * signal.period_s;
+    while (right + 1 < whole.size() && whole[right]->t_s < t_s) ++right;
+    const Row &a = *whole[right - 1], &b = *whole[right];
+    const double share = std::clamp((t_s - a.t_s) / (b.t_s - a.t_s), 0.0, 1.0);
+    signal.values.push_back(a.*column + share * (b.*column - a.*column));
+  }
+  return signal;
+}
+
+/// Peak to peak of a column above the corner. One period of the corner at either end of the signal is left out: there
+/// the filter has neighbours on one side only.
+double ripple_Pa(const std::vector<Row>& rows, Column column, double from_s, double to_s) {
+  const Signal signal = even_signal(rows, column);
+  const std::vector<double> fast = zero_phase_high_pass(signal.values, signal.period_s, ripple_corner_Hz);
+  const double end_s = signal.from_s + static_cast<double>(fast.size()) * signal.period_s - 1.0 / ripple_corner_Hz;
+  from_s = std::max(from_s, signal.from_s + 1.0 / ripple_corner_Hz);
+  to_s = std::min(to_s, end_s);
+  double lowest = Metrics::none, highest = Metrics::none;
+  for (std::size_t k = 0; k < fast.size(); ++k) {
+    const double t_s = signal.from_s + static_cast<double>(k) * signal.period_s;
+    if (t_s < from_s - time_tolerance_s || t_s > to_s + time_tolerance_s) continue;
+    lowest = std::fmin(lowest, fast[k]);
+    highest = std::fmax(highest, fast[k]);
+  }
+  return highest - lowest;
+}
+
+ReferenceSpan sum_span(const ReferenceSpec& reference) {
+  ReferenceSpan span{infinite, 0.0, false};
+  for (const ReferenceSpec& part : reference.parts) {
+    const ReferenceSpan of_part = reference_span(part);
+    span.from_s = std::min(span.from_s, of_part.from_s);
+    span.to_s = std::max(span.to_s, of_part.to_s);
+    span.periodic = span.periodic || of_part.periodic;
+  }
+  return span;
+}
+
+}  // namespace
+
+ReferenceSpan reference_span(const ReferenceSpec& reference) {
+  switch (reference.kind) {
+  case ReferenceKind::sine:
+  case ReferenceKind::multisine: return {reference.start_s, infinite, true};
+  case ReferenceKind::file: return {reference.start_s, infinite, false};
+  case ReferenceKind::sum: return sum_span(reference);
+  case ReferenceKind::waypoints:
+    if (reference.times_s.empty()) return {};
+    return {reference.times_s.front(), reference.times_s.back(), false};
+  case ReferenceKind::cruise:
+    return {reference.start_s,
+            reference.start_s + std::fabs(reference.end_m - reference.start_m) / reference.speed_mps + reference.ramp_s,
+            false};
+  case ReferenceKind::minimum_jerk: return {reference.start_s, reference.start_s + reference.duration_s, false};
+  }
+  return {};
+}
+
+EvaluationWindow evaluation_window(const Rig& rig, double run_duration_s) {
+  if (rig.evaluation) return {rig.evaluation->from_s, rig.evaluation->to_s};
+  const ReferenceSpan span = reference_span(rig.reference);
+  if (span.periodic) return {0.5 * run_duration_s, run_duration_s};
+  return {span.from_s, span.to_s + settling_s};
+}
+
+Metrics evaluate(const Rig& rig, const std::vector<Row>& rows, double start_s) {
+  Metrics metrics;
+  if (rows.size() < 2) return metrics;
+  const double last_s = rows.back().t_s - start_s;
+  const EvaluationWindow window = evaluation_window(rig, last_s + sampling_period_s(rows));
+  metrics.from_s = window.from_s;
+  metrics.to_s = std::min(window.to_s, last_s);
+  metrics.position_is_true = has_values(rows, &Row::x_true_m);
+  const Column position = metrics.position_is_true ? &Row::x_true_m : &Row::x_m;
+
+  const double from_s = metrics.from_s + start_s, to_s = metrics.to_s + start_s;
+  Statistics error, end_error, estimation_1, estimation_2, command_step;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const Row& row = rows[k];
+    if (row.t_s < from_s - time_tolerance_s || row.t_s > to_s + time_tolerance_s) continue;
+    error.add(row.x_ref_m - row.*position);
+    if (row.t_s > to_s - end_stretch_s + time_tolerance_s) end_error.add(row.x_ref_m - row.*position);
+    estimation_1.add(row.p1_estimated_Pa - row.p1_chamber_true_Pa);
+    estimation_2.add(row.p2_estimated_Pa - row.p2_chamber_true_Pa);
+    if (k > 0) command_step.add(row.u_V - rows[k - 1].u_V);
+  }
+  metrics.max_position_error_m = error.maximum();
+  metrics.rms_position_error_m = error.rms();
+  metrics.end_error_m = end_error.mean();
+  metrics.max_estimation_error_Pa = larger(estimation_1.maximum(), estimation_2.maximum());
+  metrics.rms_estimation_error_Pa = larger(estimation_1.rms(), estimation_2.rms());
+  metrics.command_step_rms_V = command_step.rms();
+  const bool truth = has_values(rows, &Row::p1_chamber_true_Pa);
+  metrics.chamber_pressure_ripple_Pa =
+      larger(ripple_Pa(rows, truth ? &Row::p1_chamber_true_Pa : &Row::p1_chamber_Pa, from_s, to_s),
+             ripple_Pa(rows, truth ? &Row::p2_chamber_true_Pa : &Row::p2_chamber_Pa, from_s, to_s));
+  return metrics;
+}
+
+}  // namespace pneuservo

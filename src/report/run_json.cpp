@@ -1,0 +1,67 @@
+// The result of `run` as JSON.
+#include <report/run_json.hpp>
+
+#include <cmath>
+
+namespace pneuservo {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json quantiles_json(const TimeHistogram& times) {
+  return {{"p50", times.percentile_us(0.5)}, {"p99", times.percentile_us(0.99)}};
+}
+
+Json lateness_json(const TimeHistogram& lateness) {
+  Json json = quantiles_json(lateness);
+  json["p99_99"] = lateness.percentile_us(0.9999);
+  json["max"] = lateness.maximum_us();
+  return json;
+}
+
+void add_timing(Json& json, const LoopTiming& timing) {
+  json["lateness_us"] = lateness_json(timing.lateness);
+  json["loop_us"] = quantiles_json(timing.loop);
+  json["estimator_us"] = quantiles_json(timing.estimator);
+  json["controller_us"] = quantiles_json(timing.controller);
+  json["backend_us"] = quantiles_json(timing.backend);
+  json["page_faults"] = timing.page_faults;
+  json["context_switches_involuntary"] = timing.context_switches_involuntary;
+}
+
+Json result_json(const RunResult& run) {
+  const Metrics& metrics = run.metrics;
+  Json json;
+  json["pressure_source"] = run.pressure_source;
+  json["feedforward"] = run.feedforward;
+  json["move"] = run.move;
+  json["max_position_error_m"] = number(metrics.max_position_error_m);
+  json["rms_position_error_m"] = number(metrics.rms_position_error_m);
+  json["end_error_m"] = number(metrics.end_error_m);
+  json["max_estimation_error_Pa"] = number(metrics.max_estimation_error_Pa);
+  json["rms_estimation_error_Pa"] = number(metrics.rms_estimation_error_Pa);
+  json["chamber_pressure_ripple_Pa"] = number(metrics.chamber_pressure_ripple_Pa);
+  json["command_step_rms_V"] = number(metrics.command_step_rms_V);
+  json["faults"] = run.faults;
+  json["ticks"] = run.ticks;
+  json["overruns"] = run.overruns;
+  if (run.timing) add_timing(json, *run.timing);
+  return json;
+}
+
+}  // namespace
+
+nlohmann::ordered_json run_json(const RunReport& report) {
+  Json json;
+  json["config"] = report.config;
+  json["time"] = report.time;
+  json["duration_s"] = number(report.duration_s);
+  json["runs"] = Json::array();
+  for (const RunResult& run : report.runs) json["runs"].push_back(result_json(run));
+  json["realtime_factor"] = number(report.realtime_factor);
+  return json;
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,58 @@
+// Results of the verb `run`: plain structs that the JSON, the table on the screen and the page are made from.
+#pragma once
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <pneuservo/loop/timing.hpp>
+#include <pneuservo/record/row.hpp>
+
+namespace pneuservo {
+
+/// Figures of one run over its evaluation window; NaN where the rows do not hold what a figure needs.
+struct Metrics {
+  static constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  double from_s = none, to_s = none;          ///< evaluation window, from the start of the run; cut to the rows there are
+  bool position_is_true = false;              ///< errors are against the simulated plant's position, not the encoder's
+  double max_position_error_m = none;
+  double rms_position_error_m = none;
+  double end_error_m = none;                  ///< mean error over the last 0.1 s of the window, with its sign
+  double max_estimation_error_Pa = none;      ///< the larger of both chambers
+  double rms_estimation_error_Pa = none;      ///< the larger of both chambers
+  double chamber_pressure_ripple_Pa = none;   ///< peak to peak above 3.5 Hz, the larger of both chambers
+  double command_step_rms_V = none;           ///< of u_k - u_{k-1}
+};
+
+/// Ordered names and values, shown as they stand.
+using Facts = std::vector<std::pair<std::string, std::string>>;
+
+/// One pressure source and move.
+struct RunResult {
+  std::string pressure_source;                ///< a word of pressure_source_names
+  std::string feedforward = "none";           ///< "none" or "flow"
+  int move = 1;
+  double start_s = 0.0;                       ///< time in `rows` at which this run's reference started
+  std::vector<Row> rows;                      ///< the whole run, or evenly thinned
+  std::vector<std::string> faults;            ///< in words, in the order in which they came
+  std::int64_t ticks = 0;
+  std::int64_t overruns = 0;
+  std::optional<LoopTiming> timing;           ///< real time only
+  Metrics metrics;
+};
+
+/// Everything that one call of `run` found out.
+struct RunReport {
+  std::string config;                         ///< the config's name
+  std::string time = "simulated";             ///< "simulated" or "real"
+  double duration_s = 0.0;                    ///< of one run
+  std::vector<RunResult> runs;
+  double realtime_factor = Metrics::none;     ///< simulated seconds a second of wall time
+  std::string config_yaml;                    ///< the config as it was used, every key, for the page
+  Facts machine;                              ///< kernel, policy, code path, version, ...
+  Facts channel_origins;                      ///< channel, "real" | "simulated" | "replayed" | "absent"
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,244 @@
+// The result of `run` in words and tables.
+#include <report/run_summary.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace pneuservo {
+namespace {
+
+struct Stage {
+  const char* name;
+  TimeHistogram LoopTiming::* times;
+};
+constexpr std::array<Stage, 5> stages{{{"lateness", &LoopTiming::lateness},
+                                       {"loop", &LoopTiming::loop},
+                                       {"estimator", &LoopTiming::estimator},
+                                       {"controller", &LoopTiming::controller},
+                                       {"backend", &LoopTiming::backend}}};
+
+template <class Member> bool differs(const RunReport& report, Member member) {
+  return std::any_of(report.runs.begin(), report.runs.end(),
+                     [&](const RunResult& run) { return run.*member != report.runs.front().*member; });
+}
+
+template <class Function> auto collect(const RunReport& report, Function&& function) {
+  std::vector<decltype(function(report.runs.front()))> values;
+  for (const RunResult& run : report.runs) values.push_back(function(run));
+  return values;
+}
+
+std::vector<double> scaled(const RunReport& report, double Metrics::* figure, double scale) {
+  return collect(report, [&](const RunResult& run) { return run.metrics.*figure * scale; });
+}
+
+/// A length for a sentence, in mm or, below 0.1 mm, in µm.
+std::string length(double value_m) {
+  const double size = std::fabs(value_m);
+  return size < 1e-4 ? figure(value_m * 1e6) + " µm" : figure(value_m * 1e3) + " mm";
+}
+
+std::string source_words(const std::string& pressure_source) {
+  if (pressure_source == "valve") return "the valve's port pressures";
+  if (pressure_source == "chamber") return "measured chamber pressures";
+  if (pressure_source == "estimated") return "estimated chamber pressures";
+  return pressure_source;
+}
+
+std::string capital(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return text;
+}
+
+/// How a run is called in a sentence; `move` only where the report has several.
+std::string run_words(const RunReport& report, const RunResult& run) {
+  std::string words = source_words(run.pressure_source);
+  if (differs(report, &RunResult::feedforward) && run.feedforward != "none")
+    words += fmt::format(" with {} feedforward", run.feedforward);
+  if (differs(report, &RunResult::move)) words += fmt::format(" in move {}", run.move);
+  return words;
+}
+
+/// The best run of every other pressure source, to be set beside the best of all.
+std::vector<const RunResult*> rivals(const RunReport& report, const RunResult& best) {
+  std::vector<const RunResult*> found;
+  for (const RunResult& run : report.runs) {
+    if (run.pressure_source == best.pressure_source || !std::isfinite(run.metrics.rms_position_error_m)) continue;
+    const auto same = std::find_if(found.begin(), found.end(),
+                                   [&](auto* other) { return other->pressure_source == run.pressure_source; });
+    if (same == found.end())
+      found.push_back(&run);
+    else if (run.metrics.rms_position_error_m < (*same)->metrics.rms_position_error_m)
+      *same = &run;
+  }
+  std::sort(found.begin(), found.end(), [](auto* a, auto* b) {
+    return a->metrics.rms_position_error_m < b->metrics.rms_position_error_m;
+  });
+  return found;
+}
+
+std::string best_words(const RunReport& report, const RunResult& best) {
+  const Metrics& metrics = best.metrics;
+  const std::string errors = fmt::format("{} rms error, {} at most", length(metrics.rms_position_error_m),
+                                         length(metrics.max_position_error_m));
+  const std::vector<const RunResult*> others = rivals(report, best);
+  if (report.runs.size() == 1) return fmt::format("With {} the axis follows its reference: {}.", run_words(report, best), errors);
+  std::string text = fmt::format("{} hold the position best: {}", capital(run_words(report, best)), errors);
+  for (std::size_t i = 0; i < others.size(); ++i)
+    text += fmt::format("{}{} with {}", i == 0 ? "; against " : " and ", length(others[i]->metrics.rms_position_error_m),
+                        run_words(report, *others[i]));
+  return text + (others.empty() ? "." : " (rms).");
+}
+
+std::string fault_words(const RunReport& report) {
+  std::string text;
+  for (const RunResult& run : report.runs)
+    if (!run.faults.empty())
+      text += fmt::format(" The run with {} ended in a fault: {}.", run_words(report, run), fmt::join(run.faults, "; "));
+  return text.empty() ? text : text.substr(1);
+}
+
+}  // namespace
+
+std::string run_label(const RunReport& report, const RunResult& run) {
+  std::string label = run.pressure_source;
+  if (differs(report, &RunResult::feedforward)) label += fmt::format(", {} feedforward", run.feedforward == "none" ? "no" : run.feedforward);
+  if (differs(report, &RunResult::move)) label += fmt::format(", move {}", run.move);
+  return label;
+}
+
+int best_run(const RunReport& report) {
+  int best = -1;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < report.runs.size(); ++i) {
+    const RunResult& run = report.runs[i];
+    if (!run.faults.empty() || !(run.metrics.rms_position_error_m < least)) continue;
+    least = run.metrics.rms_position_error_m;
+    best = static_cast<int>(i);
+  }
+  return best;
+}
+
+std::string headline(const RunReport& report) {
+  if (report.runs.empty()) return "No run was made.";
+  const int best = best_run(report);
+  const std::string faults = fault_words(report);
+  if (best < 0) return faults.empty() ? "The runs were too short to be judged." : faults;
+  const std::string words = best_words(report, report.runs[static_cast<std::size_t>(best)]);
+  return faults.empty() ? words : faults + " " + words;
+}
+
+std::string circumstances(const RunReport& report) {
+  std::string text = fmt::format("{} time, {:g} s", report.time, report.duration_s);
+  if (report.time == "simulated" && std::isfinite(report.realtime_factor))
+    text += fmt::format(", {} times as fast as real time", figure(report.realtime_factor));
+  return text;
+}
+
+Table comparison_table(const RunReport& report) {
+  Table table{"", {}, report.runs.size() > 1 ? best_run(report) : -1};
+  auto& columns = table.columns;
+  columns.push_back(text_column("pressure source", collect(report, [](auto& run) { return run.pressure_source; })));
+  if (differs(report, &RunResult::feedforward))
+    columns.push_back(text_column("feedforward", collect(report, [](auto& run) { return run.feedforward; })));
+  if (differs(report, &RunResult::move))
+    columns.push_back(count_column("move", collect(report, [](auto& run) { return std::int64_t{run.move}; })));
+  columns.push_back(figure_column("max position error", "mm", scaled(report, &Metrics::max_position_error_m, 1e3)));
+  columns.push_back(figure_column("rms position error", "mm", scaled(report, &Metrics::rms_position_error_m, 1e3)));
+  columns.push_back(figure_column("end error", "mm", scaled(report, &Metrics::end_error_m, 1e3), 5));
+  columns.push_back(figure_column("max estimation error", "kPa", scaled(report, &Metrics::max_estimation_error_Pa, 1e-3)));
+  columns.push_back(figure_column("rms estimation error", "kPa", scaled(report, &Metrics::rms_estimation_error_Pa, 1e-3)));
+  columns.push_back(figure_column("ripple", "kPa", scaled(report, &Metrics::chamber_pressure_ripple_Pa, 1e-3)));
+  columns.push_back(figure_column("command step", "mV", scaled(report, &Metrics::command_step_rms_V, 1e3)));
+  columns.push_back(count_column(
+      "faults", collect(report, [](auto& run) { return static_cast<std::int64_t>(run.faults.size()); })));
+  return table;
+}
+
+std::optional<Table> latency_table(const RunReport& report) {
+  std::vector<std::string> labels, names;
+  std::array<std::vector<double>, 4> times_us;
+  for (const RunResult& run : report.runs) {
+    if (!run.timing) continue;
+    for (const Stage& stage : stages) {
+      const TimeHistogram& times = (*run.timing).*stage.times;
+      labels.push_back(run_label(report, run));
+      names.emplace_back(stage.name);
+      times_us[0].push_back(times.percentile_us(0.5));
+      times_us[1].push_back(times.percentile_us(0.99));
+      times_us[2].push_back(times.percentile_us(0.9999));
+      times_us[3].push_back(times.maximum_us());
+    }
+  }
+  if (labels.empty()) return std::nullopt;
+  Table table;
+  if (report.runs.size() > 1) table.columns.push_back(text_column("run", labels));
+  table.columns.push_back(text_column("stage", names));
+  table.columns.push_back(figure_column("p50", "µs", times_us[0], 2));
+  table.columns.push_back(figure_column("p99", "µs", times_us[1], 2));
+  table.columns.push_back(figure_column("p99.99", "µs", times_us[2], 2));
+  table.columns.push_back(figure_column("max", "µs", times_us[3], 2));
+  return table;
+}
+
+std::optional<Table> interruption_table(const RunReport& report) {
+  std::vector<std::string> labels;
+  std::array<std::vector<std::int64_t>, 4> counts;
+  for (const RunResult& run : report.runs) {
+    if (!run.timing) continue;
+    labels.push_back(run_label(report, run));
+    counts[0].push_back(run.ticks);
+    counts[1].push_back(run.overruns);
+    counts[2].push_back(run.timing->page_faults);
+    counts[3].push_back(run.timing->context_switches_involuntary);
+  }
+  if (labels.empty()) return std::nullopt;
+  Table table;
+  table.columns.push_back(text_column("run", labels));
+  table.columns.push_back(count_column("ticks", counts[0]));
+  table.columns.push_back(count_column("overruns", counts[1]));
+  table.columns.push_back(count_column("page faults", counts[2]));
+  table.columns.push_back(count_column("involuntary context switches", counts[3]));
+  return table;
+}
+
+std::optional<Table> worst_cycles_table(const RunResult& run, std::size_t count) {
+  if (!run.timing) return std::nullopt;
+  std::vector<WorstCycle> cycles(run.timing->worst.begin(), run.timing->worst.end());
+  std::erase_if(cycles, [](const WorstCycle& cycle) { return cycle.tick < 0; });
+  if (cycles.empty()) return std::nullopt;
+  std::sort(cycles.begin(), cycles.end(), [](const WorstCycle& a, const WorstCycle& b) {
+    return a.lateness_ns + a.work_ns > b.lateness_ns + b.work_ns;
+  });
+  cycles.resize(std::min(count, cycles.size()));
+  std::vector<std::int64_t> ticks;
+  std::vector<double> lateness_us, work_us;
+  for (const WorstCycle& cycle : cycles) {
+    ticks.push_back(cycle.tick);
+    lateness_us.push_back(static_cast<double>(cycle.lateness_ns) * 1e-3);
+    work_us.push_back(static_cast<double>(cycle.work_ns) * 1e-3);
+  }
+  Table table;
+  table.columns.push_back(count_column("tick", ticks));
+  table.columns.push_back(figure_column("lateness", "µs", lateness_us, 2));
+  table.columns.push_back(figure_column("work", "µs", work_us, 2));
+  return table;
+}
+
+std::string run_text(const RunReport& report) {
+  std::string text = fmt::format("{}: {}\n{}\n\n", report.config, circumstances(report), headline(report));
+  text += text_table(comparison_table(report));
+  for (const RunResult& run : report.runs)
+    for (const std::string& fault : run.faults) text += fmt::format("fault ({}): {}\n", run_label(report, run), fault);
+  if (const auto table = latency_table(report)) text += "\n" + text_table(*table);
+  if (const auto table = interruption_table(report)) text += "\n" + text_table(*table);
+  for (const RunResult& run : report.runs)
+    if (const auto table = worst_cycles_table(run, 5))
+      text += fmt::format("\nworst cycles ({})\n{}", run_label(report, run), text_table(*table));
+  return text;
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,59 @@
+// Reading configs: every file of config/ and every cylinder rig of the shared data reads, values land where they belong.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "config/input_error.hpp"
+#include "config/read_rig.hpp"
+#include "config/test_rigs.hpp"
+
+using namespace pneuservo;
+namespace fs = std::filesystem;
+
+TEST_CASE("every config of the project reads and is named as its file") {
+  const std::vector<fs::path> files = test::config_files();
+  REQUIRE(files.size() == 19);
+  for (const fs::path& file : files) {
+    INFO(file);
+    const Rig rig = read_rig(file);
+    REQUIRE(rig.name == file.stem().string());
+    const std::string lines = fmt::format("{:g}m-{:.2f}mm", rig.axis.line_1.length_m, 1000 * rig.axis.line_1.diameter_m);
+    REQUIRE(rig.name.ends_with(lines));
+    REQUIRE(rig.axis.line_1.length_m == rig.axis.line_2.length_m);
+    REQUIRE(rig.axis.line_1.diameter_m == rig.axis.line_2.diameter_m);
+    REQUIRE(rig.axis.valve.area_max_m2 == Approx(5.0 * rig.axis.valve.area_per_volt_m2_per_V).epsilon(1e-12));
+    REQUIRE(rig.controller.pressure_source == PressureSource::estimated);
+    REQUIRE(rig.reference.amplitude_m == 0.08);
+    REQUIRE(rig.tolerances.size() == 12);
+  }
+}
+
+TEST_CASE("every cylinder rig of the shared data reads") {
+  const char* shared = std::getenv("PNEUSERVO_SHARED");
+  const fs::path root = (shared != nullptr ? fs::path(shared) : fs::path(PNEUSERVO_SOURCE_DIR) / ".." / "shared") / "concealed";
+  if (!fs::exists(root)) {
+    WARN("SKIPPED: no shared data folder");
+    return;
+  }
+  int cylinders = 0, others = 0;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root)) {
+    if (entry.path().filename() != "rig.yaml") continue;
+    INFO(entry.path());
+    if (test::text_of(entry.path()).find("\nrig: cylinder") != std::string::npos) {
+      ++cylinders;
+      REQUIRE_NOTHROW(read_rig(entry.path()));
+    } else {
+      ++others;
+      REQUIRE_THROWS_WITH(read_rig(entry.path()), Catch::Contains("rig.yaml:3: rig: found 'driven_axis', expected cylinder"));
+      UNSCOPED_INFO("other kind of rig: " << entry.path());
+    }
+  }
+  REQUIRE(cylinders > 0);
+  WARN(cylinders << " cylinder rigs read, " << others << " of kinds that this release does not have");
+}

@@ -1,0 +1,26 @@
+// Uses of everything that runs in a tick, for tools/check-realtime: clang-tidy follows each call to its end. Templates
+// are only seen where they are used, so each belongs here with the types that the loop gives it.
+#include <pneuservo/core/dual.hpp>
+#include <pneuservo/core/rt.hpp>
+#include <pneuservo/loop/grid.hpp>
+#include <pneuservo/loop/timing.hpp>
+
+namespace pneuservo {
+
+void hot_bookkeeping(LoopTiming& timing, TimeGrid& grid, std::int64_t woken_ns, std::int64_t done_ns) noexcept
+    PNEUSERVO_NONBLOCKING {
+  const RtScope scope;
+  timing.lateness.add(grid.lateness_ns(woken_ns));
+  timing.loop.add(done_ns - woken_ns);
+  timing.keep_worst({grid.slot(), grid.lateness_ns(woken_ns), done_ns - woken_ns});
+  timing.overruns += grid.advance(done_ns);
+}
+
+double hot_scalars(double x) noexcept PNEUSERVO_NONBLOCKING {
+  using P = Pack<double, 4>;
+  const P a(x), b = a * P(2.0) + square_root(absolute(a));
+  const P c = select(a < b, minimum(a, b), b / a);
+  return c[0] + c[3] + exponential(x) + sine(x);
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,56 @@
+# What the scripts in tools/ share: the project's root, progress messages, building a preset. Sourced, not run.
+
+root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
+
+# Progress goes to standard error, results to standard output.
+say() { printf '%s: %s\n' "${0##*/}" "$*" >&2; }
+
+# die STATUS SENTENCE: ends the script.
+die() {
+  local status=$1
+  shift
+  say "$*"
+  exit "$status"
+}
+
+jobs_of_this_machine() { nproc 2>/dev/null || echo 2; }
+
+# quietly NAME COMMAND...: runs the command, shows its output only when it fails.
+quietly() {
+  local name=$1 log status=0
+  shift
+  mkdir -p "$root/build/log"
+  log="$root/build/log/$name.log"
+  "$@" >"$log" 2>&1 </dev/null || status=$?
+  if ((status != 0)); then
+    tail -n 60 "$log" >&2
+    say "failed with status $status (all output: $log): $*"
+  fi
+  return "$status"
+}
+
+# configure PRESET [CMAKE OPTION]...
+configure() {
+  local preset=$1
+  shift
+  quietly "configure-$preset" cmake -S "$root" --preset "$preset" "$@"
+}
+
+# build PRESET [TARGET]...: all targets when none is named.
+build() {
+  local preset=$1 name=build-$1
+  local -a targets=()
+  shift
+  if (($# > 0)); then targets=(--target "$@"); fi
+  quietly "$name" cmake --build "$root/build/$preset" -j "$(jobs_of_this_machine)" "${targets[@]}"
+}
+
+# targets_among PRESET NAME...: those of the names that the preset's build has.
+targets_among() {
+  local preset=$1 name known
+  shift
+  known=$(ninja -C "$root/build/$preset" -t targets all | sed -n 's/: .*//p')
+  for name in "$@"; do
+    if grep -qxF -- "$name" <<<"$known"; then printf '%s\n' "$name"; fi
+  done
+}

@@ -4,7 +4,7 @@
 #include "gas_rig.hpp"
 
 using namespace verification;
-using Complex = std::complex<double>;
+
 
 namespace {
 constexpr double period = 1e-3;

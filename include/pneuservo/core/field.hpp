@@ -53,7 +53,7 @@ template <class To, class From> To cast(const From& from) { return CastVisitor::
 struct LaneVisitor {
   int index;
   template <class To, class From> void operator()(const Field&, To& to, const From& from) const {
-    if constexpr (std::is_arithmetic_v<From> && !std::is_arithmetic_v<To>) pneuservo::set_lane(to, index, from);
+    if constexpr (std::is_arithmetic_v<From> && !std::is_arithmetic_v<To>) set_lane(to, index, from);
     else if constexpr (!std::is_same_v<To, From>) To::visit(*this, to, from);
   }
 };

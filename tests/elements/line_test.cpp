@@ -174,14 +174,14 @@ TEST_CASE("line: a leak takes what its orifice law says, and the mass books stay
     const double h = 0.4 * line.cell_length() / 343.0, m_0 = line.mass();
     double booked = 0.0;
     LineFlow<double> flow;
-    for (double t = 0.0; t < 3.0; t += h) {
+    for (double t = 0.0; t < 20.0; t += h) {
       flow = line.step_prescribed(470e3, {470e3, 293.0});
       booked += h * (flow.port_mass_flow_kgps - flow.chamber_mass_flow_kgps - line.leak_mass_flow());
     }
     CAPTURE(place);
     CHECK(std::fabs(line.mass() - m_0 - booked) < 1e-12 * m_0);
     CHECK(line.leak_mass_flow() == Approx(2e-7 * orifice_flux(line.air(), 470e3, 293.0, 101325.0, 0.35)).epsilon(2e-3));
-    CHECK(flow.port_mass_flow_kgps - flow.chamber_mass_flow_kgps == Approx(line.leak_mass_flow()).epsilon(1e-6));
+    CHECK(flow.port_mass_flow_kgps - flow.chamber_mass_flow_kgps == Approx(line.leak_mass_flow()).epsilon(1e-5));
     if (place == 0.5) CHECK(flow.port_mass_flow_kgps == Approx(-flow.chamber_mass_flow_kgps).epsilon(0.2));
     if (place == 0.0) CHECK(flow.port_mass_flow_kgps > 10.0 * std::fabs(flow.chamber_mass_flow_kgps));
   }

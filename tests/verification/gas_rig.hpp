@@ -13,6 +13,7 @@
 namespace verification {
 
 using namespace pneuservo;
+using Complex = std::complex<double>;
 
 inline constexpr double p_start = 470000.0, T_start = 293.0, half_stroke = 0.15;
 

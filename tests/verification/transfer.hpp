@@ -6,7 +6,6 @@
 
 namespace verification {
 
-using Complex = std::complex<double>;
 
 /// Line 1 and chamber 1 at mid-stroke, 470 kPa, 293 K; the port pressure makes one Gaussian pulse of 10 Pa. The transfer
 /// function at any frequency is the ratio of the Fourier integrals of response and pulse: no start-up to wait for.

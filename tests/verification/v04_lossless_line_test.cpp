@@ -104,7 +104,7 @@ double travel_time(double L) {
   line.set_time_step(h);
   std::vector<double> t, p;
   for (int i = 1; i <= 1500; ++i) {
-    line.step_prescribed(p_start + disturbance, closed_end(line));
+    line.step_prescribed(p_start + (i == 1 ? 0.5 : 1.0) * disturbance, closed_end(line));  // the mean at the jump itself
     t.push_back(i * h), p.push_back(line.cell_pressure(line.cells() - 1));
   }
   return time_of_level(t, p, p_start + disturbance);

@@ -19,19 +19,19 @@ class SteadyLines {
  private:
   const SteadyFlow& of(const Check& check) {
     const std::string heat = check.text("heat");
-    const auto key = std::make_tuple(check.number("L_m"), check.number("D_mm"), check.number("p_1_Pa"), heat);
+    const auto key = std::make_tuple(check.number("L_m"), check.number("D_mm"), check.number("p_1_Pa"), check.number("p_2_Pa"), heat);
     const auto found = runs_.find(key);
     if (found != runs_.end()) return found->second;
     const double p_1 = check.number("p_1_Pa"), p_2 = check.number("p_2_Pa");
     Line<double> line;
-    line.configure(line_of(std::get<0>(key), std::get<1>(key)), nominal_air(), steady_cells(resolution_, 100));
+    line.configure(line_of(std::get<0>(key), std::get<1>(key)), nominal_air(), steady_cells(resolution_, 300));
     line.set_adiabatic(heat == "adiabatic");
     line.set_isothermal(heat == "isothermal");
     line.reset(p_2 < 0.5 * p_1 ? 0.5 * (p_1 + p_2) : p_2, T_start);
     return runs_.emplace(key, run_to_steady(line, [&] { return line.step_prescribed(p_1, {p_2, T_start}); })).first->second;
   }
   Resolution resolution_;
-  std::map<std::tuple<double, double, double, std::string>, SteadyFlow> runs_;
+  std::map<std::tuple<double, double, double, double, std::string>, SteadyFlow> runs_;
 };
 }  // namespace
 

@@ -22,7 +22,8 @@ Signal sharp_step(Resolution resolution, double L, double D_mm, bool wall_heat) 
   line.set_time_step(h);
   Signal out;
   for (double t = h; t < 1.5 * travel; t += h) {
-    line.step_prescribed(p_start + step_Pa, closed_end(line));
+    // At the instant of the jump the pressure is the mean of before and after: half the impulse falls into the first step.
+    line.step_prescribed(p_start + (out.t.empty() ? 0.5 : 1.0) * step_Pa, closed_end(line));
     out.t.push_back(t), out.y.push_back((line.cell_pressure(line.cells() - 1) - p_start) / step_Pa);
   }
   return out;

@@ -67,6 +67,11 @@ template <class S> class Line {
     adiabatic_ = adiabatic;
     set_time_step(step_s_);
   }
+  /// Wall heat without bound: the gas keeps the wall's temperature, for tests against closed forms.
+  void set_isothermal(bool isothermal) noexcept {
+    isothermal_ = isothermal;
+    set_time_step(step_s_);
+  }
   /// Friction off (its heat as well), for tests against closed forms.
   void set_frictionless(bool frictionless) noexcept {
     frictionless_ = frictionless;
@@ -96,7 +101,7 @@ template <class S> class Line {
     k_.grid_ratio = h / cell_length();
     k_.reynolds_factor = diameter_ / air_.viscosity_Pas;
     k_.friction_factor = frictionless_ ? S(0) : h * air_.viscosity_Pas / (S(2) * diameter_squared);
-    k_.heat_factor = adiabatic_ ? S(0) : S(2) * h / diameter_squared;
+    k_.heat_factor = adiabatic_ ? S(0) : S(isothermal_ ? 2e12 : 2.0) * h / diameter_squared;
     k_.compression_factor = S(0.5) * (air_.kappa - S(1)) * k_.grid_ratio;
     k_.kappa_minus_one = air_.kappa - S(1);
     k_.cv = air_.cv;
@@ -412,7 +417,7 @@ template <class S> class Line {
     return made;
   }
   Face chamber_face(const Cell& last, const S& u_before, const S& u, const ChamberEnd<S>& chamber) noexcept {
-    const S rho = select(u < S(0), chamber.pressure_Pa / (air_.R * chamber.temperature_K), last.density);
+    const S rho = select(u < S(0), face_pressure_at_chamber(last, chamber) / (air_.R * chamber.temperature_K), last.density);
     Face made = end_face(rho, u, select(u > S(0), u - u_before, S(0)), S(2) * (chamber.pressure_Pa - last.pressure));
     if (restricted_) apply_restriction(made, last, u, rho, chamber);
     limit_speed(made, last.temperature, chamber.temperature_K);
@@ -457,27 +462,31 @@ template <class S> class Line {
     face.pressure_flux = face.mass_flux * air_.R * T_flow;
   }
 
-  // Fitting between line end and chamber: its pressure drop by the inverse orifice law at the old velocity, taken
-  // implicitly like friction: u' = u_free / (1 + 2 a R/(rho + f)), R = drop/|u|; at most the sonic flow.
+  // Fitting between line end and chamber, implicit: u + k P (1 - sqrt(1 - (u/c)^2)) = u_free with the ellipse of the
+  // orifice, P = p_up (1 - b), c the velocity of its sonic flow. Squared it is a quadratic in u/c.
   void apply_restriction(Face& face, const Cell& last, const S& u_old, const S& rho, const ChamberEnd<S>& chamber) noexcept {
-    const S area = effects_.restriction.area_m2, speed = maximum(absolute(u_old), S(1e-6));
+    const S area = effects_.restriction.area_m2;
     const auto fitted = area > S(0), outward = face.velocity > S(0);
     const S p_up = select(outward, maximum(last.pressure, chamber.pressure_Pa), chamber.pressure_Pa);
     const S T_up = select(outward, last.temperature + u_old * u_old * k_.half_inverse_cp, chamber.temperature_K);
-    const S full = air_.flow_constant * select(fitted, area, S(1)) * p_up / square_root(air_.R * T_up);
-    const S psi = minimum(rho * speed * cross_section_ / full, S(0.99999));
-    const S drop = p_up * (S(1) - effects_.critical_pressure_ratio) * (S(1) - square_root(S(1) - psi * psi));
-    const S resistance = select(fitted, drop / speed, S(0));
-    const S u = face.velocity / (S(1) + S(2) * k_.grid_ratio * resistance / (rho + face.friction_coefficient));
-    const S sonic = full / (rho * cross_section_);
-    face.velocity = select(fitted, clamp(u, -sonic, sonic), u);
+    const S sonic = air_.flow_constant * select(fitted, area, S(1)) * p_up / square_root(air_.R * T_up) / (rho * cross_section_);
+    const S drop = S(2) * k_.grid_ratio / (rho + face.friction_coefficient) * p_up * (S(1) - effects_.critical_pressure_ratio);
+    const S d = drop - minimum(absolute(face.velocity), sonic + drop);
+    const S square = sonic * sonic + drop * drop;
+    const S share = (drop * square_root(square - d * d) - sonic * d) / square;
+    face.velocity = select(fitted, select(outward, sonic * share, -sonic * share), face.velocity);
+  }
+  // Behind a fitting the gas at the face has the line's pressure: it is throttled before it enters.
+  S face_pressure_at_chamber(const Cell& last, const ChamberEnd<S>& chamber) const noexcept {
+    return restricted_ ? select(effects_.restriction.area_m2 > S(0), last.pressure, chamber.pressure_Pa) : chamber.pressure_Pa;
   }
 
   // Flux at the chamber; returns the stagnation enthalpy flux into the chamber [W/m2].
   S chamber_end_flux(Face& end, const Cell& last, const ChamberEnd<S>& chamber) const noexcept {
     const S u = end.velocity;
     const auto enters = u < S(0);  // from the chamber into the line
-    end.pressure_flux = select(enters, chamber.pressure_Pa, line_scheme::limited_face_pressure(chamber.pressure_Pa, last.pressure)) * u;
+    const S p = face_pressure_at_chamber(last, chamber);
+    end.pressure_flux = select(enters, p, line_scheme::limited_face_pressure(p, last.pressure)) * u;
     end.mass_flux = end.pressure_flux * select(enters, inflow_density_per_pressure(chamber.temperature_K, u), last.density_per_pressure);
     return end.mass_flux * select(enters, air_.cp * chamber.temperature_K, air_.cp * last.temperature + S(0.5) * u * u);
   }
@@ -524,7 +533,7 @@ template <class S> class Line {
   PipeFriction<S> friction_;
   Constants k_;
   LineEffects<S> effects_;
-  bool restricted_ = false, leaking_ = false, adiabatic_ = false, frictionless_ = false;
+  bool restricted_ = false, leaking_ = false, adiabatic_ = false, isothermal_ = false, frictionless_ = false;
   line_scheme::Constants<G> group_k_;
   int cells_ = 1;
   Cells cell_;

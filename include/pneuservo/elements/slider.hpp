@@ -65,8 +65,9 @@ template <class S> class Slider {
     const S v_new = select(held | stops, zero, v_free);
     const S moved = select(held, zero, select(stops, S(0.5) * fraction * h * velocity_, S(0.5) * h * (velocity_ + v_free)));
     position_ += moved;
+    const S gained = absolute(v_new - velocity_);
     velocity_ = v_new;
-    stop_at_ends();
+    stop_at_ends(gained);
   }
 
   S position() const noexcept { return position_; }
@@ -74,15 +75,16 @@ template <class S> class Slider {
   S mass() const noexcept { return mass_; }
 
  private:
-  // Inelastic end stop: the way beyond it is travelled back with the reflected speed.
-  void stop_at_ends() noexcept {
+  // Inelastic end stop: the way beyond it is travelled back with the reflected speed. A rebound slower than what the
+  // force gains in a step would be back before the step ends: it is rest.
+  void stop_at_ends(const S& gained) noexcept {
     const S beyond = absolute(position_) - half_stroke_;
     const auto hit = beyond > S(0);
     if (!any(hit)) return;
     const S side = select(position_ > S(0), S(1), S(-1));
     const auto outward = velocity_ * side > S(0);
     const S rebound = -restitution_ * velocity_;
-    const auto rests = absolute(rebound) < S(rest_speed_mps);
+    const auto rests = absolute(rebound) < maximum(gained, S(rest_speed_mps));
     const S back = select(outward & !rests, restitution_ * beyond, S(0));
     position_ = select(hit, side * (half_stroke_ - back), position_);
     velocity_ = select(hit & outward, select(rests, S(0), rebound), velocity_);

@@ -26,6 +26,10 @@ class Line<Pack<T, N>> {
     low_.set_adiabatic(adiabatic);
     high_.set_adiabatic(adiabatic);
   }
+  void set_isothermal(bool isothermal) noexcept {
+    low_.set_isothermal(isothermal);
+    high_.set_isothermal(isothermal);
+  }
   void set_frictionless(bool frictionless) noexcept {
     low_.set_frictionless(frictionless);
     high_.set_frictionless(frictionless);

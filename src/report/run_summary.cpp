@@ -84,9 +84,13 @@ std::string best_words(const RunReport& report, const RunResult& best) {
   const std::vector<const RunResult*> others = rivals(report, best);
   if (report.runs.size() == 1)
     return fmt::format("With {} the axis follows its reference: {}.", run_words(report, best), errors);
-  std::string text = fmt::format("{} hold the position best: {}", capital(run_words(report, best)), errors);
-  for (std::size_t i = 0; i < others.size(); ++i)
-    text += fmt::format("{}{} with {}", i == 0 ? "; against " : " and ",
+  // Within a hundredth of each other neither is the better one.
+  const bool tied = !others.empty() && others[0]->metrics.rms_position_error_m < 1.01 * metrics.rms_position_error_m;
+  std::string text = tied ? fmt::format("{} hold the position as well as {}: {}", capital(run_words(report, best)),
+                                        run_words(report, *others[0]), errors)
+                          : fmt::format("{} hold the position best: {}", capital(run_words(report, best)), errors);
+  for (std::size_t i = tied ? 1 : 0; i < others.size(); ++i)
+    text += fmt::format("{}{} with {}", i == (tied ? 1 : 0) ? "; against " : " and ",
                         length(others[i]->metrics.rms_position_error_m), run_words(report, *others[i]));
   return text + (others.empty() ? "." : " (rms).");
 }

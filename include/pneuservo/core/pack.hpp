@@ -40,7 +40,7 @@ template <class T, int N> using MaskBase =
     PackData<PackMask<T, N>, PackMask<T, N / 2>, typename RegisterOf<IntegerOf<T>, (single_register<T, N> ? N : 1)>::type, single_register<T, N>>;
 
 // f applied register by register.
-template <class Out, class F, class... In> inline Out map_registers(F f, const In&... in) noexcept {
+template <class Out, class F, class... In> [[gnu::always_inline]] inline Out map_registers(F f, const In&... in) noexcept {
   Out out;
   if constexpr (Out::single) {
     out.r = f(in.r...);
@@ -145,6 +145,18 @@ template <class T, int N> struct Pack : detail::PackBase<T, N> {
   using MaskType = PackMask<T, N>;
 
   Pack() noexcept : Pack(T(0)) {}
+  // Written out, so that a struct of packs is copied register by register: the compiler moves a trivially copyable struct
+  // as a block of bytes, through memory and the integer registers.
+  Pack(const Pack& other) noexcept { *this = other; }
+  Pack& operator=(const Pack& other) noexcept {
+    if constexpr (single) {
+      this->r = other.r;
+    } else {
+      this->low_half = other.low_half;
+      this->high_half = other.high_half;
+    }
+    return *this;
+  }
   Pack(T value) noexcept {  // NOLINT(google-explicit-constructor): a constant stands for all lanes
     if constexpr (single) this->r = value - decltype(this->r){};
     else this->low_half = this->high_half = Pack<T, N / 2>(value);

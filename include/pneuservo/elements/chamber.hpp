@@ -28,6 +28,9 @@ template <class S> class Chamber {
   void configure(const ChamberGeometry<S>& geometry, const Air<S>& air) noexcept {
     geometry_ = geometry;
     air_ = air;
+    kappa_minus_one_ = air.kappa - S(1);
+    ends_area_ = geometry.wall_area_m2(S(0));
+    perimeter_ = geometry.wall_area_m2(S(1)) - ends_area_;
     reset(air.atmosphere_Pa, air.temperature_K, S(0));
   }
   /// Gas at pressure and temperature, piston at distance s from the end stop.
@@ -35,19 +38,25 @@ template <class S> class Chamber {
     volume_ = geometry_.volume_m3(s);
     mass_ = pressure_Pa * volume_ / (air_.R * temperature_K);
     energy_ = pressure_Pa * volume_ / (air_.kappa - S(1));
-    update();
+    pressure_ = pressure_Pa;
+    temperature_ = temperature_K;
   }
   /// One sub-step of h [s] with the inflow; at its end the piston is at distance s_new.
   void step(double h, const ChamberInflow<S>& inflow, const S& s_new) noexcept {
-    const S volume_new = geometry_.volume_m3(s_new);
-    const S compression = (air_.kappa - S(1)) * (volume_new - volume_) / (volume_new + volume_);
+    // Everything that needs only the piston comes first: the flow is known last.
+    const S volume_new = geometry_.volume_m3(s_new), sum = volume_new + volume_;
+    const S work = kappa_minus_one_ * (volume_new - volume_);
+    const S compressed = (sum - work) / (sum + work);
+    const S per_volume = kappa_minus_one_ / volume_new;
+    const S heat = S(h) * geometry_.wall_heat_W_per_m2K * (ends_area_ + perimeter_ * s_new);
     mass_ = maximum(mass_ + S(h) * inflow.mass_flow_kgps, S(1e-12));
-    energy_ = (energy_ + S(h) * inflow.enthalpy_flow_W) * (S(1) - compression) / (S(1) + compression);
+    energy_ = (energy_ + S(h) * inflow.enthalpy_flow_W) * compressed;
+    // Wall heat implicit: (m c_v + heat) T = U + heat T_w.
     const S capacity = mass_ * air_.cv;
-    const S w = S(h) * geometry_.wall_heat_W_per_m2K * geometry_.wall_area_m2(s_new) / capacity;
-    energy_ = (energy_ + w * capacity * air_.temperature_K) / (S(1) + w);
+    temperature_ = (energy_ + heat * air_.temperature_K) / (capacity + heat);
+    energy_ = capacity * temperature_;
     volume_ = volume_new;
-    update();
+    pressure_ = energy_ * per_volume;
   }
 
   S pressure() const noexcept { return pressure_; }
@@ -58,12 +67,9 @@ template <class S> class Chamber {
   const ChamberGeometry<S>& geometry() const noexcept { return geometry_; }
 
  private:
-  void update() noexcept {
-    pressure_ = (air_.kappa - S(1)) * energy_ / volume_;
-    temperature_ = energy_ / (mass_ * air_.cv);
-  }
   ChamberGeometry<S> geometry_;
   Air<S> air_;
+  S kappa_minus_one_{}, ends_area_{}, perimeter_{};
   S volume_{}, mass_{}, energy_{}, pressure_{}, temperature_{};
 };
 

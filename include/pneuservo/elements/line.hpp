@@ -8,6 +8,7 @@
 #include <pneuservo/core/scalar.hpp>
 #include <pneuservo/elements/effects.hpp>
 #include <pneuservo/elements/orifice.hpp>
+#include <pneuservo/elements/line_scheme.hpp>
 #include <pneuservo/elements/pipe_friction.hpp>
 #include <pneuservo/elements/valve_port.hpp>
 
@@ -44,11 +45,11 @@ template <class S> class Line {
   void configure(const LineParameters<S>& line, const AirParameters<S>& air_parameters, int cells) {
     air_ = Air<S>(air_parameters);
     length_ = line.length_m;
+    port_constants_ = PortConstants<S>(air_, S(0.35));
     diameter_ = line.diameter_m;
     cross_section_ = S(0.78539816339744831) * diameter_ * diameter_;
     friction_ = PipeFriction<S>(line, air_);
-    cell_.assign(static_cast<std::size_t>(std::max(1, cells)), Cell{});
-    velocity_.assign(cell_.size() + 1, S(0));
+    arrange(std::max(1, cells));
     guard_actions_ = 0;
     set_effects(LineEffects<S>{});
     set_time_step(1e-3);
@@ -66,6 +67,11 @@ template <class S> class Line {
     adiabatic_ = adiabatic;
     set_time_step(step_s_);
   }
+  /// Wall heat without bound: the gas keeps the wall's temperature, for tests against closed forms.
+  void set_isothermal(bool isothermal) noexcept {
+    isothermal_ = isothermal;
+    set_time_step(step_s_);
+  }
   /// Friction off (its heat as well), for tests against closed forms.
   void set_frictionless(bool frictionless) noexcept {
     frictionless_ = frictionless;
@@ -75,18 +81,18 @@ template <class S> class Line {
   /// Gas at rest at one pressure and temperature.
   void reset(const S& pressure_Pa, const S& temperature_K) noexcept {
     for (int i = 0; i < cells(); ++i) set_cell_state(i, pressure_Pa, temperature_K);
-    for (auto& u : velocity_) u = S(0);
-    port_pressure_ = pressure_Pa;
-    port_flux_ = chamber_flux_ = S(0);
-    fastest_squared_ = S(0);
+    for (G& u : face_.velocity) u = G(0);
+    port_pressure_ = port_before_ = pressure_Pa;
+    fastest_squared_ = G(0);
   }
   /// Sets the state of cell i = 0..cells-1, e.g. to a mode shape.
   void set_cell_state(int i, const S& pressure_Pa, const S& temperature_K) noexcept {
     const S density_per_pressure = S(1) / (air_.R * temperature_K);
-    cell_[static_cast<std::size_t>(i)] = {pressure_Pa, pressure_Pa * density_per_pressure, temperature_K, density_per_pressure};
+    set_cell(i, {pressure_Pa, pressure_Pa * density_per_pressure, temperature_K, density_per_pressure});
+    if (i == cells_ - 1) fill_places_beyond();
   }
   /// Sets the velocity on face j = 0..cells at t - h/2.
-  void set_face_velocity(int j, const S& velocity_mps) noexcept { velocity_[static_cast<std::size_t>(j)] = velocity_mps; }
+  void set_face_velocity(int j, const S& velocity_mps) noexcept { set_element<S>(face_.velocity[face_group(j)], face_place(j), velocity_mps); }
 
   /// Sub-step h [s] of all following steps.
   void set_time_step(double step_s) noexcept {
@@ -95,14 +101,17 @@ template <class S> class Line {
     k_.grid_ratio = h / cell_length();
     k_.reynolds_factor = diameter_ / air_.viscosity_Pas;
     k_.friction_factor = frictionless_ ? S(0) : h * air_.viscosity_Pas / (S(2) * diameter_squared);
-    k_.heat_factor = adiabatic_ ? S(0) : S(2) * h / diameter_squared;
+    k_.heat_factor = adiabatic_ ? S(0) : S(isothermal_ ? 2e12 : 2.0) * h / diameter_squared;
     k_.compression_factor = S(0.5) * (air_.kappa - S(1)) * k_.grid_ratio;
     k_.kappa_minus_one = air_.kappa - S(1);
     k_.cv = air_.cv;
     k_.inverse_R = S(1) / air_.R;
     k_.wall_pressure_factor = air_.R * air_.temperature_K;
     k_.sound_factor = air_.kappa * air_.R;
+    k_.inverse_wall_factor = S(1) / k_.wall_pressure_factor;
+    k_.half_inverse_cp = S(0.5) / air_.cp;
     k_.friction = friction_;
+    group_k_ = line_scheme::replicate_constants(k_);
   }
   /// Largest speed on any face in the last sub-step [m/s], over all lanes.
   double largest_speed() const noexcept { return std::sqrt(largest(fastest_squared_)); }
@@ -110,37 +119,40 @@ template <class S> class Line {
   /// One sub-step with the port pressure prescribed (middle of the sub-step): the estimator's boundary.
   /// Gas that enters at the port has the stagnation temperature of the supply.
   LineFlow<S> step_prescribed(const S& port_pressure_Pa, const ChamberEnd<S>& chamber) noexcept {
-    port_pressure_ = port_pressure_Pa;
+    port_pressure_ = port_before_ = port_pressure_Pa;
     return sweep(chamber, [this](Face& face, const Cell& first, const S&) noexcept { prescribed_port_flux(face, first); });
   }
 
   /// One sub-step with a valve at the port: the port pressure follows from orifice and line together. The orifice's own
   /// flow is booked, so that valve and line agree in mass to rounding.
   LineFlow<S> step_valve(const ValvePort<S>& valve, const ChamberEnd<S>& chamber) noexcept {
+    // Once, unless somebody changes the valve in flight.
+    if (any(!(valve.critical_pressure_ratio == port_constants_.shape.critical))) [[unlikely]]
+      port_constants_ = PortConstants<S>(air_, valve.critical_pressure_ratio);
     return sweep(chamber, [&](Face& face, const Cell& first, const S& density) noexcept { valve_port_flux(valve, face, first, density); });
   }
 
-  int cells() const noexcept { return static_cast<int>(cell_.size()); }
+  int cells() const noexcept { return cells_; }
   S cell_length() const noexcept { return length_ / S(cells()); }
   S cross_section() const noexcept { return cross_section_; }
   S volume() const noexcept { return cross_section_ * length_; }
   const Air<S>& air() const noexcept { return air_; }
-  S cell_pressure(int i) const noexcept { return cell_[static_cast<std::size_t>(i)].pressure; }
-  S cell_density(int i) const noexcept { return cell_[static_cast<std::size_t>(i)].density; }
-  S cell_temperature(int i) const noexcept { return cell_[static_cast<std::size_t>(i)].temperature; }
-  S face_velocity(int j) const noexcept { return velocity_[static_cast<std::size_t>(j)]; }
+  S cell_pressure(int i) const noexcept { return cell(i).pressure; }
+  S cell_density(int i) const noexcept { return cell(i).density; }
+  S cell_temperature(int i) const noexcept { return cell(i).temperature; }
+  S face_velocity(int j) const noexcept { return velocity(j); }
   /// Pressure at the valve port, of the last sub-step.
   S port_pressure() const noexcept { return port_pressure_; }
   /// Mass of the gas in the line [kg].
   S mass() const noexcept {
     S sum(0);
-    for (const Cell& c : cell_) sum += c.density;
+    for (int i = 0; i < cells_; ++i) sum += cell(i).density;
     return sum * cross_section_ * cell_length();
   }
   /// Internal energy of the gas in the line [J] (its kinetic energy not included).
   S internal_energy() const noexcept {
     S sum(0);
-    for (const Cell& c : cell_) sum += c.pressure;
+    for (int i = 0; i < cells_; ++i) sum += cell(i).pressure;
     return sum * cross_section_ * cell_length() / (air_.kappa - S(1));
   }
   /// Times a guard has acted since configure, over all lanes.
@@ -149,116 +161,272 @@ template <class S> class Line {
   S leak_mass_flow() const noexcept { return leak_flow_; }
 
  private:
-  struct Cell {
-    S pressure{}, density{}, temperature{}, density_per_pressure{};  // the last is 1/(R T)
-  };
-  /// A face after its momentum step, with what it carries: m [kg/(m2 s)], z = p u (z/(kappa-1) is internal energy).
-  struct Face {
-    S velocity, mass_flux, pressure_flux, friction_coefficient, nusselt;
-  };
-  struct Constants {
-    S grid_ratio, reynolds_factor, friction_factor, heat_factor, compression_factor, kappa_minus_one, cv, inverse_R;
-    S wall_pressure_factor, sound_factor;
-    PipeFriction<S> friction;
-  };
+  using G = Group<S>;
+  using Cell = line_scheme::Cell<S>;
+  using Face = line_scheme::Face<S>;
+  using Constants = line_scheme::Constants<S>;
+  static constexpr int per_group = GroupOf<S>::elements;
 
-  // One pass over the line, everything updated in place. The stages of neighbours overlap: while face f takes its momentum
-  // step, the friction of face f+1 and the balance of cell f-2 are under way, so that the processor never waits for the
-  // chain friction -> velocity -> flux -> cell of a single place.
-  template <class PortFlux> LineFlow<S> sweep(const ChamberEnd<S>& chamber, PortFlux&& port_flux) noexcept {
-    const Constants k = k_;  // local: a store into a field must not make the compiler reload them
-    Cell* const cell = cell_.data();
-    S* const velocity = velocity_.data();
-    const int n = cells();
-    leak_flow_ = S(0);
-    const S old_end = velocity[n];
-    S u_before = velocity[0];
-    Face behind = port_face(k, cell[0], velocity[0], velocity[1], port_flux);
-    velocity[0] = behind.velocity;
-    S fastest = behind.velocity * behind.velocity;
-    Face face = behind;
-    if (n > 1) {
-      Friction friction = friction_of(k, cell[0], cell[1], velocity[1]);
-      for (int f = 1; f < n; ++f) {
-        const S u = velocity[f];
-        Friction next{};
-        if (f + 1 < n) next = friction_of(k, cell[f], cell[f + 1], velocity[f + 1]);
-        const Face made = inner_face(k, friction, cell[f - 1], cell[f], u_before, u, velocity[f + 1]);
-        if (f > 1) advance_cell(k, cell[f - 2], behind, face, f - 2);
-        velocity[f] = made.velocity;
-        fastest = maximum(fastest, made.velocity * made.velocity);
-        u_before = u;
-        if (f > 1) behind = face;
-        face = made;
-        friction = next;
-      }
+  // State of the line in rows, one a quantity.
+  struct Cells {
+    std::vector<G> pressure, density, temperature, density_per_pressure, a, d;  // p = a/d
+
+    void resize(std::size_t groups) {
+      for (auto* row : {&pressure, &density, &temperature, &density_per_pressure, &a, &d}) row->assign(groups, G(0));
     }
-    Face end = chamber_face(k, cell[n - 1], u_before, old_end, chamber);
-    velocity[n] = end.velocity;
-    fastest_squared_ = maximum(fastest, end.velocity * end.velocity);
-    const S enthalpy_flux = chamber_end_flux(end, cell[n - 1], chamber);
-    chamber_flux_ = end.mass_flux;
-    if (n > 1) advance_cell(k, cell[n - 2], behind, face, n - 2);
-    advance_cell(k, cell[n - 1], face, end, n - 1);
-    return {cross_section_ * port_flux_, cross_section_ * chamber_flux_, cross_section_ * enthalpy_flux};
-  }
-
-  struct Friction {
-    S density, coefficient, nusselt;
+    line_scheme::Cell<G> group(std::size_t q) const noexcept { return {pressure[q], density[q], temperature[q], density_per_pressure[q]}; }
+    void fill(std::size_t q, const Mask<G>& places, const Cell& with) noexcept {
+      pressure[q] = select(places, replicate(with.pressure), pressure[q]);
+      density[q] = select(places, replicate(with.density), density[q]);
+      temperature[q] = select(places, replicate(with.temperature), temperature[q]);
+      density_per_pressure[q] = select(places, replicate(with.density_per_pressure), density_per_pressure[q]);
+    }
   };
-  static Friction friction_at(const Constants& k, const S& rho, const S& u) noexcept {
-    const PipeFrictionValue<S> value = k.friction(rho * absolute(u) * k.reynolds_factor);
-    return {rho, k.friction_factor * value.lambda_reynolds, value.nusselt};
+  struct Faces {
+    std::vector<G> velocity, mass_flux, pressure_flux, friction_coefficient, nusselt, density, reynolds, reynolds_root;
+
+    void resize(std::size_t groups) {
+      for (auto* row : {&velocity, &mass_flux, &pressure_flux, &friction_coefficient, &nusselt, &density, &reynolds, &reynolds_root}) row->assign(groups, G(0));
+    }
+    void fill(std::size_t q, const Mask<G>& places, const Face& with) noexcept {
+      velocity[q] = select(places, replicate(with.velocity), velocity[q]);
+      mass_flux[q] = select(places, replicate(with.mass_flux), mass_flux[q]);
+      pressure_flux[q] = select(places, replicate(with.pressure_flux), pressure_flux[q]);
+      friction_coefficient[q] = select(places, replicate(with.friction_coefficient), friction_coefficient[q]);
+      nusselt[q] = select(places, replicate(with.nusselt), nusselt[q]);
+    }
+  };
+  // The rows' addresses, held in registers during a pass.
+  struct CellRow {
+    explicit CellRow(Cells& c) noexcept
+        : pressure(c.pressure.data()), density(c.density.data()), temperature(c.temperature.data()), density_per_pressure(c.density_per_pressure.data()),
+          a(c.a.data()), d(c.d.data()) {}
+    line_scheme::Cell<G> operator[](int q) const noexcept { return {pressure[q], density[q], temperature[q], density_per_pressure[q]}; }
+    G *const pressure, *const density, *const temperature, *const density_per_pressure, *const a, *const d;
+  };
+  struct FaceRow {
+    explicit FaceRow(Faces& f) noexcept
+        : velocity(f.velocity.data()), mass_flux(f.mass_flux.data()), pressure_flux(f.pressure_flux.data()),
+          friction_coefficient(f.friction_coefficient.data()), nusselt(f.nusselt.data()), density(f.density.data()),
+          reynolds(f.reynolds.data()), reynolds_root(f.reynolds_root.data()) {}
+    line_scheme::Face<G> operator[](int q) const noexcept {
+      return {velocity[q], mass_flux[q], pressure_flux[q], friction_coefficient[q], nusselt[q]};
+    }
+    G *const velocity, *const mass_flux, *const pressure_flux, *const friction_coefficient, *const nusselt, *const density, *const reynolds, *const reynolds_root;
+  };
+  static line_scheme::Cell<G> one_cell_after(const line_scheme::Cell<G>& c, const line_scheme::Cell<G>& next) noexcept {
+    return {one_after<S>(c.pressure, next.pressure), one_after<S>(c.density, next.density), one_after<S>(c.temperature, next.temperature),
+            one_after<S>(c.density_per_pressure, next.density_per_pressure)};
   }
-  static Friction friction_of(const Constants& k, const Cell& a, const Cell& b, const S& u) noexcept {
-    return friction_at(k, S(0.5) * (a.density + b.density), u);
+  static line_scheme::Face<G> one_face_before(const line_scheme::Face<G>& previous, const line_scheme::Face<G>& f) noexcept {
+    return {one_before<S>(previous.velocity, f.velocity), one_before<S>(previous.mass_flux, f.mass_flux),
+            one_before<S>(previous.pressure_flux, f.pressure_flux), f.friction_coefficient, one_before<S>(previous.nusselt, f.nusselt)};
   }
 
-  // Momentum: u' = (rho (u - a u du) - a dp) / (rho + f), a = h/dx, du upwind, friction implicit.
-  static Face momentum(const Constants& k, const Friction& friction, const S& u, const S& du, const S& dp) noexcept {
-    Face face;
-    face.friction_coefficient = friction.coefficient;
-    face.nusselt = friction.nusselt;
-    face.velocity = (friction.density * (u - k.grid_ratio * (u * du)) - k.grid_ratio * dp) / (friction.density + friction.coefficient);
-    return face;
+  // Cells q g .. q g + g - 1 stand in cell group q, faces (q-1) g + 1 .. q g in face group q (g = per_group): the left
+  // cells of a face group are a cell group, the right faces of a cell group are a face group.
+  // Places beyond the last cell repeat it, places beyond the last face repeat that: nothing happens there.
+  int cell_groups() const noexcept { return (cells_ + per_group - 1) / per_group; }
+  static std::size_t face_group(int j) noexcept { return static_cast<std::size_t>((j + per_group - 1) / per_group); }
+  static int face_place(int j) noexcept { return (j + per_group - 1) % per_group; }
+  Cell cell(int i) const noexcept {
+    const int at = i % per_group;
+    const auto c = cell_.group(static_cast<std::size_t>(i / per_group));
+    return {element<S>(c.pressure, at), element<S>(c.density, at), element<S>(c.temperature, at), element<S>(c.density_per_pressure, at)};
+  }
+  void set_cell(int i, const Cell& c) noexcept {
+    const auto q = static_cast<std::size_t>(i / per_group);
+    const int at = i % per_group;
+    set_element<S>(cell_.pressure[q], at, c.pressure);
+    set_element<S>(cell_.density[q], at, c.density);
+    set_element<S>(cell_.temperature[q], at, c.temperature);
+    set_element<S>(cell_.density_per_pressure[q], at, c.density_per_pressure);
+  }
+  S velocity(int j) const noexcept { return element<S>(face_.velocity[face_group(j)], face_place(j)); }
+
+  // Three passes over the line, each of independent places: a place's chain friction -> velocity -> flux -> cell takes
+  // longer than all else together, so the processor must have many places under way at once.
+  template <class PortFlux> LineFlow<S> sweep(const ChamberEnd<S>& chamber, PortFlux&& port_flux) noexcept {
+    const int n = cells_;
+    const S u_0 = velocity(0), u_n = velocity(n), u_1 = velocity(1), u_before_n = velocity(n - 1);
+    const Cell first = cell(0), last = cell(n - 1);
+    find_reynolds();
+    const Face port = port_face(first, u_0, u_1, port_flux);
+    Face end = chamber_face(last, u_before_n, u_n, chamber);
+    const S enthalpy_flux = chamber_end_flux(end, last, chamber);
+    advance_velocities();
+    find_inner_fluxes();
+    face_.fill(0, all_places_, port);
+    face_.fill(face_group(n), from_end_, end);
+    leak_flow_ = S(0);
+    if (leaking_) {
+      find_leak();
+      find_balances<true>();
+    } else {
+      find_balances<false>();
+    }
+    find_states();
+    return {cross_section_ * port.mass_flux, cross_section_ * end.mass_flux, cross_section_ * enthalpy_flux};
   }
 
-  Face inner_face(const Constants& k, const Friction& friction, const Cell& a, const Cell& b, const S& u_before, const S& u, const S& u_after) noexcept {
-    Face face = momentum(k, friction, u, select(u > S(0), u - u_before, u_after - u), b.pressure - a.pressure);
-    limit_speed(k, face, a.temperature, b.temperature);
-    const auto forward = face.velocity > S(0);
-    const S p_up = select(forward, a.pressure, b.pressure);
-    const S s_up = select(forward, a.density_per_pressure, b.density_per_pressure);
-    face.pressure_flux = limited_face_pressure(S(0.5) * (a.pressure + b.pressure), p_up) * face.velocity;
-    face.mass_flux = s_up * face.pressure_flux;
-    return face;
+  int inner_face_groups() const noexcept { return (cells_ - 1 + per_group - 1) / per_group; }
+
+  void find_reynolds() noexcept {
+    const auto factor = group_k_;  // local: a store into the rows must not make the compiler reload it
+    const G* const density = cell_.density.data();
+    const FaceRow faces(face_);
+    const int groups = inner_face_groups();
+    G left = density[0];
+    for (int q = 1; q <= groups; ++q) {
+      const G next = density[q];
+      const G rho = G(0.5) * (left + one_after<S>(left, next));
+      const G Re = line_scheme::reynolds(factor, rho, faces.velocity[q]);
+      faces.density[q] = rho;
+      faces.reynolds[q] = Re;
+      faces.reynolds_root[q] = PipeFriction<G>::root(Re);
+      left = next;
+    }
   }
 
+  void advance_velocities() noexcept {
+    const auto k = group_k_;
+    const G* const pressure = cell_.pressure.data();
+    const FaceRow faces(face_);
+    const int groups = inner_face_groups();
+    G previous = faces.velocity[0], u = faces.velocity[1], left = pressure[0];
+    for (int q = 1; q <= groups; ++q) {
+      const G u_next = faces.velocity[q + 1], next = pressure[q];
+      const auto friction = k.friction.at_root(faces.reynolds[q], faces.reynolds_root[q]);
+      const G f = k.friction_factor * friction.lambda_reynolds;
+      const G du = select(u > G(0), u - one_before<S>(previous, u), one_after<S>(u, u_next) - u);
+      faces.velocity[q] = line_scheme::new_velocity(k, faces.density[q], f, u, du, one_after<S>(left, next) - left);
+      faces.friction_coefficient[q] = f;
+      faces.nusselt[q] = friction.nusselt;
+      left = next;
+      previous = u;
+      u = u_next;
+    }
+  }
+
+  void find_inner_fluxes() noexcept {
+    const auto k = group_k_;
+    const CellRow cells_in(cell_);
+    const FaceRow faces(face_);
+    const int groups = inner_face_groups();
+    auto left = cells_in[0];
+    auto subsonic = G(0) == G(0);
+    for (int q = 1; q <= groups; ++q) {
+      const auto next = cells_in[q];
+      const auto right = one_cell_after(left, next);
+      line_scheme::Face<G> face;
+      face.velocity = faces.velocity[q];
+      const G limit = k.sound_factor * select(face.velocity > G(0), left.temperature, right.temperature);
+      subsonic = subsonic & (face.velocity * face.velocity <= limit);
+      line_scheme::inner_flux(face, left, right);
+      faces.mass_flux[q] = face.mass_flux;
+      faces.pressure_flux[q] = face.pressure_flux;
+      left = next;
+    }
+    if (!all(subsonic)) [[unlikely]] mend_inner_faces();
+  }
+
+  // The speed limit, where some inner face has broken it; cells are still the old ones.
+  [[gnu::noinline, gnu::cold]] void mend_inner_faces() noexcept {
+    for (int j = 1; j < cells_; ++j) {
+      const Cell left = cell(j - 1), right = cell(j);
+      Face mended;
+      mended.velocity = velocity(j);
+      limit_speed(mended, left.temperature, right.temperature);
+      line_scheme::inner_flux(mended, left, right);
+      set_element<S>(face_.velocity[face_group(j)], face_place(j), mended.velocity);
+      set_element<S>(face_.mass_flux[face_group(j)], face_place(j), mended.mass_flux);
+      set_element<S>(face_.pressure_flux[face_group(j)], face_place(j), mended.pressure_flux);
+    }
+  }
+
+  template <bool leaking> void find_balances() noexcept {
+    const auto k = group_k_;
+    const CellRow row(cell_);
+    const FaceRow faces(face_);
+    const int groups = cell_groups();
+    auto previous = faces[0];
+    G fastest = previous.velocity * previous.velocity, previous_heat = previous.friction_coefficient * fastest;
+    for (int q = 0; q < groups; ++q) {
+      const auto right = faces[q + 1];
+      const G squared = right.velocity * right.velocity, heat = right.friction_coefficient * squared;
+      fastest = maximum(fastest, squared);
+      const line_scheme::CellLoss<G>* loss = nullptr;
+      if constexpr (leaking) loss = &loss_[static_cast<std::size_t>(q)];
+      const auto made = line_scheme::balance(k, row[q], one_face_before(previous, right), right, one_before<S>(previous_heat, heat), heat, loss);
+      row.density[q] = made.density;
+      row.a[q] = made.a;
+      row.d[q] = made.d;
+      previous = right;
+      previous_heat = heat;
+    }
+    fastest_squared_ = fastest;
+  }
+
+  void find_states() noexcept {
+    const auto k = group_k_;
+    const CellRow row(cell_);
+    const int groups = cell_groups();
+    auto sound = G(0) == G(0);
+    for (int q = 0; q < groups; ++q) {
+      const auto made = line_scheme::state_of(k, row.density[q], row.a[q], row.d[q]);
+      sound = sound & line_scheme::sound_cell(made);
+      row.pressure[q] = made.pressure;
+      row.temperature[q] = made.temperature;
+      row.density_per_pressure[q] = made.density_per_pressure;
+    }
+    if (!all(sound)) [[unlikely]] mend_cells();
+    fill_places_beyond();
+  }
+
+  // Places beyond the last cell repeat it.
+  void fill_places_beyond() noexcept {
+    if constexpr (per_group > 1) {
+      const Cell last = cell(cells_ - 1);
+      cell_.fill(static_cast<std::size_t>(cell_groups() - 1), beyond_last_, last);
+      cell_.fill(static_cast<std::size_t>(cell_groups()), all_places_, last);
+    }
+  }
+  void arrange(int cells) {
+    cells_ = cells;
+    cell_.resize(static_cast<std::size_t>(cell_groups()) + 1);
+    face_.resize(static_cast<std::size_t>(cell_groups()) + 2);
+    loss_.assign(static_cast<std::size_t>(cell_groups()), {});
+    all_places_ = places_from<S>(0);
+    from_end_ = places_from<S>(face_place(cells));
+    beyond_last_ = places_from<S>(cells % per_group == 0 ? per_group : cells % per_group);
+  }
+
+  Face end_face(const S& rho, const S& u, const S& du, const S& dp) const noexcept {
+    const auto friction = k_.friction(line_scheme::reynolds(k_, rho, u));
+    Face made;
+    made.friction_coefficient = k_.friction_factor * friction.lambda_reynolds;
+    made.nusselt = friction.nusselt;
+    made.velocity = line_scheme::new_velocity(k_, rho, made.friction_coefficient, u, du, dp);
+    return made;
+  }
   // The end faces are half a cell from the first and last pressures: twice the gradient; density of the gas that moves.
-  template <class PortFlux> Face port_face(const Constants& k, const Cell& first, const S& u, const S& u_after, PortFlux&& port_flux) noexcept {
-    const S rho = select(u > S(0), port_pressure_ / k.wall_pressure_factor, first.density);
-    Face face = momentum(k, friction_at(k, rho, u), u, select(u > S(0), S(0), u_after - u), S(2) * (first.pressure - port_pressure_));
-    port_flux(face, first, rho);
-    port_flux_ = face.mass_flux;
-    return face;
+  template <class PortFlux> Face port_face(const Cell& first, const S& u, const S& u_after, PortFlux&& port_flux) noexcept {
+    const S rho = select(u > S(0), port_pressure_ * k_.inverse_wall_factor, first.density);
+    Face made = end_face(rho, u, select(u > S(0), S(0), u_after - u), S(2) * (first.pressure - port_pressure_));
+    port_flux(made, first, rho);
+    return made;
   }
-  Face chamber_face(const Constants& k, const Cell& last, const S& u_before, const S& u, const ChamberEnd<S>& chamber) noexcept {
-    const S rho = select(u < S(0), chamber.pressure_Pa / (air_.R * chamber.temperature_K), last.density);
-    Face face = momentum(k, friction_at(k, rho, u), u, select(u > S(0), u - u_before, S(0)), S(2) * (chamber.pressure_Pa - last.pressure));
-    if (restricted_) apply_restriction(face, last, u, rho, chamber);
-    limit_speed(k, face, last.temperature, chamber.temperature_K);
-    return face;
-  }
-
-  // Face pressure centred, but within 10 % of the upwind cell's: a shock must not carry energy the cell does not have.
-  static S limited_face_pressure(const S& centred, const S& upwind) noexcept {
-    const S band = S(0.1) * upwind;
-    return upwind + clamp(centred - upwind, -band, band);
+  Face chamber_face(const Cell& last, const S& u_before, const S& u, const ChamberEnd<S>& chamber) noexcept {
+    const S rho = select(u < S(0), face_pressure_at_chamber(last, chamber) / (air_.R * chamber.temperature_K), last.density);
+    Face made = end_face(rho, u, select(u > S(0), u - u_before, S(0)), S(2) * (chamber.pressure_Pa - last.pressure));
+    if (restricted_) apply_restriction(made, last, u, rho, chamber);
+    limit_speed(made, last.temperature, chamber.temperature_K);
+    return made;
   }
 
   // |u| <= sound speed of the gas that moves: chokes the ends and tames a jump of a prescribed port pressure.
-  void limit_speed(const Constants& k, Face& face, const S& T_left, const S& T_right) noexcept {
-    const S limit = k.sound_factor * select(face.velocity > S(0), T_left, T_right);
+  void limit_speed(Face& face, const S& T_left, const S& T_right) noexcept {
+    const S limit = k_.sound_factor * select(face.velocity > S(0), T_left, T_right);
     if (all(face.velocity * face.velocity <= limit)) [[likely]] return;
     const S sound = square_root(limit);
     const auto bad = !(absolute(face.velocity) <= sound);
@@ -268,14 +436,14 @@ template <class S> class Line {
 
   // Gas that enters has the static temperature T_stagnation - u^2/(2 c_p).
   S inflow_density_per_pressure(const S& stagnation_K, const S& u) const noexcept {
-    return S(1) / (air_.R * (stagnation_K - u * u / (S(2) * air_.cp)));
+    return S(1) / (air_.R * (stagnation_K - u * u * k_.half_inverse_cp));
   }
 
   void prescribed_port_flux(Face& face, const Cell& first) noexcept {
-    limit_speed(k_, face, air_.temperature_K, first.temperature);
+    limit_speed(face, air_.temperature_K, first.temperature);
     const S u = face.velocity;
     const auto enters = u > S(0);
-    face.pressure_flux = select(enters, port_pressure_, limited_face_pressure(port_pressure_, first.pressure)) * u;
+    face.pressure_flux = select(enters, port_pressure_, line_scheme::limited_face_pressure(port_pressure_, first.pressure)) * u;
     face.mass_flux = face.pressure_flux * select(enters, inflow_density_per_pressure(air_.temperature_K, u), first.density_per_pressure);
   }
 
@@ -283,86 +451,80 @@ template <class S> class Line {
   void valve_port_flux(const ValvePort<S>& valve, Face& face, const Cell& first, const S& density) noexcept {
     const S K = S(2) * k_.grid_ratio / (density + face.friction_coefficient);
     const S c = square_root(k_.sound_factor * maximum(first.temperature, air_.temperature_K));
-    const PortSolution<S> port = solve_valve_port(air_, valve, cross_section_, face.velocity - K * port_pressure_, K, c, first.density, first.temperature, port_pressure_);
+    const PortSolution<S> port = solve_valve_port(port_constants_, air_, valve, cross_section_, face.velocity - K * port_pressure_, K, c, first.density, first.temperature,
+                                                     S(2) * port_pressure_ - port_before_);
+    port_before_ = port_pressure_;
     port_pressure_ = port.pressure_Pa;
     face.velocity = port.velocity_mps;
-    limit_speed(k_, face, air_.temperature_K, first.temperature);
+    limit_speed(face, air_.temperature_K, first.temperature);
     face.mass_flux = port.mass_flow_kgps / cross_section_;
-    const S T_flow = select(face.mass_flux > S(0), air_.temperature_K - face.velocity * face.velocity / (S(2) * air_.cp), first.temperature);
+    const S T_flow = select(face.mass_flux > S(0), air_.temperature_K - face.velocity * face.velocity * k_.half_inverse_cp, first.temperature);
     face.pressure_flux = face.mass_flux * air_.R * T_flow;
   }
 
-  // Fitting between line end and chamber: its pressure drop by the inverse orifice law at the old velocity, taken
-  // implicitly like friction: u' = u_free / (1 + 2 a R/(rho + f)), R = drop/|u|; at most the sonic flow.
+  // Fitting between line end and chamber, implicit: u + k P (1 - sqrt(1 - (u/c)^2)) = u_free with the ellipse of the
+  // orifice, P = p_up (1 - b), c the velocity of its sonic flow. Squared it is a quadratic in u/c.
   void apply_restriction(Face& face, const Cell& last, const S& u_old, const S& rho, const ChamberEnd<S>& chamber) noexcept {
-    const S area = effects_.restriction.area_m2, speed = maximum(absolute(u_old), S(1e-6));
+    const S area = effects_.restriction.area_m2;
     const auto fitted = area > S(0), outward = face.velocity > S(0);
     const S p_up = select(outward, maximum(last.pressure, chamber.pressure_Pa), chamber.pressure_Pa);
-    const S T_up = select(outward, last.temperature + u_old * u_old / (S(2) * air_.cp), chamber.temperature_K);
-    const S full = air_.flow_constant * select(fitted, area, S(1)) * p_up / square_root(air_.R * T_up);
-    const S psi = minimum(rho * speed * cross_section_ / full, S(0.99999));
-    const S drop = p_up * (S(1) - effects_.critical_pressure_ratio) * (S(1) - square_root(S(1) - psi * psi));
-    const S resistance = select(fitted, drop / speed, S(0));
-    const S u = face.velocity / (S(1) + S(2) * k_.grid_ratio * resistance / (rho + face.friction_coefficient));
-    const S sonic = full / (rho * cross_section_);
-    face.velocity = select(fitted, clamp(u, -sonic, sonic), u);
+    const S T_up = select(outward, last.temperature + u_old * u_old * k_.half_inverse_cp, chamber.temperature_K);
+    const S sonic = air_.flow_constant * select(fitted, area, S(1)) * p_up / square_root(air_.R * T_up) / (rho * cross_section_);
+    const S drop = S(2) * k_.grid_ratio / (rho + face.friction_coefficient) * p_up * (S(1) - effects_.critical_pressure_ratio);
+    const S d = drop - minimum(absolute(face.velocity), sonic + drop);
+    const S square = sonic * sonic + drop * drop;
+    const S share = (drop * square_root(square - d * d) - sonic * d) / square;
+    face.velocity = select(fitted, select(outward, sonic * share, -sonic * share), face.velocity);
+  }
+  // Behind a fitting the gas at the face has the line's pressure: it is throttled before it enters.
+  S face_pressure_at_chamber(const Cell& last, const ChamberEnd<S>& chamber) const noexcept {
+    return restricted_ ? select(effects_.restriction.area_m2 > S(0), last.pressure, chamber.pressure_Pa) : chamber.pressure_Pa;
   }
 
   // Flux at the chamber; returns the stagnation enthalpy flux into the chamber [W/m2].
   S chamber_end_flux(Face& end, const Cell& last, const ChamberEnd<S>& chamber) const noexcept {
     const S u = end.velocity;
     const auto enters = u < S(0);  // from the chamber into the line
-    end.pressure_flux = select(enters, chamber.pressure_Pa, limited_face_pressure(chamber.pressure_Pa, last.pressure)) * u;
+    const S p = face_pressure_at_chamber(last, chamber);
+    end.pressure_flux = select(enters, p, line_scheme::limited_face_pressure(p, last.pressure)) * u;
     end.mass_flux = end.pressure_flux * select(enters, inflow_density_per_pressure(chamber.temperature_K, u), last.density_per_pressure);
     return end.mass_flux * select(enters, air_.cp * chamber.temperature_K, air_.cp * last.temperature + S(0.5) * u * u);
   }
 
-  // Mass and energy of a cell: compression trapezoidal, wall heat implicit, friction heat of both faces.
-  // p = a/d, T = p/(rho R) and 1/(R T) = rho/p all come from the one division 1/(rho a d).
-  void advance_cell(const Constants& k, Cell& cell, const Face& left, const Face& right, int index) noexcept {
-    const S lost = leaking_ ? leak_per_volume(cell, left, right, index) : S(0);
-    const S rho = cell.density - k.grid_ratio * (right.mass_flux - left.mass_flux) - lost;
-    const S b = k.compression_factor * (right.velocity - left.velocity);
-    const S one_plus = S(1) + b;
-    S x = cell.pressure * (S(1) - b) - k.grid_ratio * (right.pressure_flux - left.pressure_flux);
-    // A leak takes its static enthalpy from the internal energy (its kinetic energy is not part of that).
-    if (leaking_) x -= lost * k.kappa_minus_one * air_.cp * cell.temperature;
-    const S heat = S(0.5) * (left.friction_coefficient * (left.velocity * left.velocity) + right.friction_coefficient * (right.velocity * right.velocity));
-    const S wall = k.heat_factor * (left.nusselt + right.nusselt) * Air<S>::conductivity(cell.temperature);
-    const S rho_cv = rho * k.cv;
-    const S a = rho_cv * (x + one_plus * (k.kappa_minus_one * heat)) + one_plus * (wall * (rho * k.wall_pressure_factor));
-    const S d = one_plus * (rho_cv + wall);
-    const S reciprocal = S(1) / (rho * (a * d));
-    const S a_squared_r = a * a * reciprocal;
-    cell.pressure = rho * a_squared_r;
-    cell.density = rho;
-    cell.temperature = a_squared_r * k.inverse_R;
-    cell.density_per_pressure = rho * rho * (d * d * reciprocal);
-    if (!all((rho >= S(1e-3)) & (cell.temperature >= S(150)) & (cell.temperature <= S(600)))) [[unlikely]] mend_cell(cell);
+  // The bounds of density and temperature, where some cell has broken them.
+  [[gnu::noinline, gnu::cold]] void mend_cells() noexcept {
+    for (int i = 0; i < cells_; ++i) {
+      Cell c = cell(i);
+      const S T = c.temperature;
+      const auto thin = !(c.density >= S(1e-3));
+      const auto outside = !((T >= S(150)) & (T <= S(600)));
+      guard_actions_ += count(thin) + count(outside);
+      const auto mend = thin | outside;
+      const S T_mended = select(T == T, clamp(T, S(150), S(600)), air_.temperature_K);
+      c.density = select(thin, S(1e-3), c.density);
+      c.temperature = select(mend, T_mended, T);
+      c.pressure = select(mend, c.density * air_.R * T_mended, c.pressure);
+      c.density_per_pressure = select(mend, S(1) / (air_.R * T_mended), c.density_per_pressure);
+      set_cell(i, c);
+    }
   }
 
-  void mend_cell(Cell& cell) noexcept {
-    const S T = cell.temperature;
-    const auto thin = !(cell.density >= S(1e-3));
-    const auto outside = !((T >= S(150)) & (T <= S(600)));
-    guard_actions_ += count(thin) + count(outside);
-    const auto mend = thin | outside;
-    const S T_mended = select(T == T, clamp(T, S(150), S(600)), air_.temperature_K);
-    cell.density = select(thin, S(1e-3), cell.density);
-    cell.temperature = select(mend, T_mended, T);
-    cell.pressure = select(mend, cell.density * air_.R * T_mended, cell.pressure);
-    cell.density_per_pressure = select(mend, S(1) / (air_.R * T_mended), cell.density_per_pressure);
-  }
-
-  // Orifice to atmosphere in the cell that holds `position`: density lost in this sub-step [kg/m3].
-  S leak_per_volume(const Cell& cell, const Face& left, const Face& right, int index) noexcept {
-    const S place = minimum(effects_.leak.position * S(cells()), S(cells() - 0.5));
-    const S share = select((place >= S(index)) & (place < S(index + 1)), S(1), S(0));
-    const S u = S(0.5) * (left.velocity + right.velocity);
-    const S stagnation_K = cell.temperature + u * u / (S(2) * air_.cp);
-    const S flow = orifice_mass_flow(air_, effects_.leak.area_m2 * share, effects_.critical_pressure_ratio, cell.pressure, stagnation_K, air_.atmosphere_Pa, air_.temperature_K);
-    leak_flow_ += flow;
-    return flow * S(step_s_) / (cross_section_ * cell_length());
+  // Orifice to atmosphere in the cell that holds the leak's position: what each cell loses in this sub-step.
+  void find_leak() noexcept {
+    for (int i = 0; i < cells_; ++i) {
+      const Cell c = cell(i);
+      const S place = minimum(effects_.leak.position * S(cells()), S(cells() - 0.5));
+      const S share = select((place >= S(i)) & (place < S(i + 1)), S(1), S(0));
+      const S u = S(0.5) * (velocity(i) + velocity(i + 1));
+      const S stagnation_K = c.temperature + u * u * k_.half_inverse_cp;
+      const S flow = orifice_mass_flow(air_, effects_.leak.area_m2 * share, effects_.critical_pressure_ratio, c.pressure, stagnation_K, air_.atmosphere_Pa, air_.temperature_K);
+      leak_flow_ += flow;
+      const S lost = flow * S(step_s_) / (cross_section_ * cell_length());
+      auto& loss = loss_[static_cast<std::size_t>(i / per_group)];
+      set_element<S>(loss.density, i % per_group, lost);
+      // A leak takes its static enthalpy from the internal energy (its kinetic energy is not part of that).
+      set_element<S>(loss.pressure, i % per_group, lost * k_.kappa_minus_one * air_.cp * c.temperature);
+    }
   }
 
   double step_s_ = 1e-3;
@@ -371,11 +533,19 @@ template <class S> class Line {
   PipeFriction<S> friction_;
   Constants k_;
   LineEffects<S> effects_;
-  bool restricted_ = false, leaking_ = false, adiabatic_ = false, frictionless_ = false;
-  std::vector<Cell> cell_;
-  std::vector<S> velocity_;
-  S port_pressure_{}, port_flux_{}, chamber_flux_{}, leak_flow_{}, fastest_squared_{};
+  bool restricted_ = false, leaking_ = false, adiabatic_ = false, isothermal_ = false, frictionless_ = false;
+  line_scheme::Constants<G> group_k_;
+  int cells_ = 1;
+  Cells cell_;
+  Faces face_;
+  std::vector<line_scheme::CellLoss<G>> loss_;
+  Mask<G> all_places_{}, from_end_{}, beyond_last_{};
+  PortConstants<S> port_constants_;
+  S port_pressure_{}, port_before_{}, leak_flow_{};
+  G fastest_squared_{};
   std::int64_t guard_actions_ = 0;
 };
 
 }  // namespace pneuservo
+
+#include <pneuservo/elements/wide_line.hpp>

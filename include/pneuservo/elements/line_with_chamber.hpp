@@ -31,8 +31,9 @@ template <class S> class LineWithChamber {
   }
   /// Chooses the sub-steps of the coming period, Courant number 0.9 of sound plus flow, and returns their number.
   int begin_period(double period_s) noexcept {
-    const double need = (sound_mps_ + line_.largest_speed()) * stiffness_per_m_ * period_s / 0.9;
-    const int n = std::clamp(static_cast<int>(std::ceil(need)), 1, 1000);
+    // Nearly always one sub-step, so that case needs no rounding.
+    const double need = (sound_mps_ + line_.largest_speed()) * (stiffness_per_m_ * period_s * (1.0 / 0.9));
+    const int n = need <= 1.0 ? 1 : std::clamp(static_cast<int>(std::ceil(need)), 1, 1000);
     if (n != substeps_ || period_s != period_s_) {
       substeps_ = n;
       period_s_ = period_s;

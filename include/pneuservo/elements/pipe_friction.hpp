@@ -1,5 +1,6 @@
 // Quasi-steady friction and wall heat transfer of a pipe as functions of the Reynolds number (thesis 3.6, 3.7, 3.9).
 #pragma once
+#include <pneuservo/core/group.hpp>
 #include <pneuservo/elements/air.hpp>
 #include <pneuservo/elements/parameters.hpp>
 
@@ -29,9 +30,23 @@ template <class S> struct PipeFriction {
     slope = select(gap, (lambda_turbulent - lambda_laminar) / select(gap, turbulent - laminar, S(1)), S(0));
   }
 
+  /// The same correlation for several elements at once.
+  template <class G> PipeFriction<G> grouped() const noexcept {
+    PipeFriction<G> out;
+    out.laminar = replicate(laminar);
+    out.turbulent = replicate(turbulent);
+    out.lambda_laminar = replicate(lambda_laminar);
+    out.slope = replicate(slope);
+    out.nusselt_factor = replicate(nusselt_factor);
+    return out;
+  }
+
   /// Re >= 0.
-  PipeFrictionValue<S> operator()(const S& Re) const noexcept {
-    const S q = fourth_root(Re + S(1e-9));
+  [[gnu::always_inline]] PipeFrictionValue<S> operator()(const S& Re) const noexcept { return at_root(Re, root(Re)); }
+  /// q = Re^1/4, the long part of the chain.
+  [[gnu::always_inline]] static S root(const S& Re) noexcept { return fourth_root(Re + S(1e-9)); }
+  /// The correlation from Re and q.
+  [[gnu::always_inline]] PipeFrictionValue<S> at_root(const S& Re, const S& q) const noexcept {
     const S q3 = q * q * q;
     const S between = Re * (lambda_laminar + slope * (Re - laminar));
     const S phi = select(Re <= laminar, S(64), select(Re >= turbulent, S(0.3164) * q3, between));
@@ -39,6 +54,5 @@ template <class S> struct PipeFriction {
     return {phi, maximum(S(3.66), nusselt_factor * q3 * q02)};
   }
 };
-
 
 }  // namespace pneuservo

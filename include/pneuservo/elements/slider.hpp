@@ -21,6 +21,10 @@ template <class S> class Slider {
     effects_ = effects;
     half_stroke_ = S(0.5) * stroke_m;
     restitution_ = restitution;
+    const S dry = effects.coulomb_friction.force_N + effects.stribeck_friction.coulomb_force_N + absolute(effects.stribeck_friction.extra_force_N) +
+                  effects.direction_dependent_friction.forward_N + effects.direction_dependent_friction.backward_N +
+                  effects.pressure_dependent_friction.force_per_pressure_N_per_Pa + effects.friction_zone.force_N;
+    has_dry_friction_ = any(!(dry == S(0)));
   }
   void reset(const S& position_m, const S& velocity_mps) noexcept {
     position_ = position_m;
@@ -48,8 +52,9 @@ template <class S> class Slider {
     const auto resting = velocity_ == zero;
     const S direction = select(resting, select(force >= zero, S(1), S(-1)), select(velocity_ > zero, S(1), S(-1)));
     const S speed = absolute(velocity_);
-    const S dry = dry_friction(speed, direction, position_, around);
-    const S holds_most = dry_friction(zero, direction, position_, around);
+    // Without dry friction its exponentials would cost more than all else here.
+    const S dry = has_dry_friction_ ? dry_friction(speed, direction, position_, around) : zero;
+    const S holds_most = has_dry_friction_ ? dry_friction(zero, direction, position_, around) : zero;
     const auto held = resting & (absolute(force) <= holds_most);
     const S damping = S(0.5) * h * (viscous_ + effects_.quadratic_drag.coefficient_Ns2_per_m2 * speed) / mass_;
     const S v_free = (velocity_ * (S(1) - damping) + h * (force - direction * dry) / mass_) / (S(1) + damping);
@@ -60,8 +65,9 @@ template <class S> class Slider {
     const S v_new = select(held | stops, zero, v_free);
     const S moved = select(held, zero, select(stops, S(0.5) * fraction * h * velocity_, S(0.5) * h * (velocity_ + v_free)));
     position_ += moved;
+    const S gained = absolute(v_new - velocity_);
     velocity_ = v_new;
-    stop_at_ends();
+    stop_at_ends(gained);
   }
 
   S position() const noexcept { return position_; }
@@ -69,15 +75,16 @@ template <class S> class Slider {
   S mass() const noexcept { return mass_; }
 
  private:
-  // Inelastic end stop: the way beyond it is travelled back with the reflected speed.
-  void stop_at_ends() noexcept {
+  // Inelastic end stop: the way beyond it is travelled back with the reflected speed. A rebound slower than what the
+  // force gains in a step would be back before the step ends: it is rest.
+  void stop_at_ends(const S& gained) noexcept {
     const S beyond = absolute(position_) - half_stroke_;
     const auto hit = beyond > S(0);
     if (!any(hit)) return;
     const S side = select(position_ > S(0), S(1), S(-1));
     const auto outward = velocity_ * side > S(0);
     const S rebound = -restitution_ * velocity_;
-    const auto rests = absolute(rebound) < S(rest_speed_mps);
+    const auto rests = absolute(rebound) < maximum(gained, S(rest_speed_mps));
     const S back = select(outward & !rests, restitution_ * beyond, S(0));
     position_ = select(hit, side * (half_stroke_ - back), position_);
     velocity_ = select(hit & outward, select(rests, S(0), rebound), velocity_);
@@ -87,6 +94,7 @@ template <class S> class Slider {
 
   S mass_ = S(1), viscous_{}, half_stroke_ = S(1), restitution_{};
   MotionEffects<S> effects_;
+  bool has_dry_friction_ = true;
   S position_{}, velocity_{};
 };
 

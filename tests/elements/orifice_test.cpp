@@ -1,0 +1,49 @@
+// Orifice: properties that hold for every state, not only for the numbers of V01.
+#include <catch2/catch.hpp>
+
+#include <pneuservo/core/random.hpp>
+#include <pneuservo/elements/orifice.hpp>
+
+using namespace pneuservo;
+
+TEST_CASE("orifice: swapping the sides turns the sign, exactly; equal pressures give exactly nothing") {
+  const std::uint64_t seed = 7;
+  INFO("seed " << seed);
+  Random random(seed);
+  const Air<double> air;
+  for (int i = 0; i < 2000; ++i) {
+    const double p_1 = random.uniform(1e3, 1e6), p_2 = random.uniform(1e3, 1e6), T_1 = random.uniform(200, 400), T_2 = random.uniform(200, 400);
+    const double S = random.uniform(1e-8, 1e-5), b = random.uniform(0.1, 0.6);
+    const double G = orifice_mass_flow(air, S, b, p_1, T_1, p_2, T_2);
+    REQUIRE(orifice_mass_flow(air, S, b, p_2, T_2, p_1, T_1) == -G);
+    REQUIRE((G > 0.0) == (p_1 > p_2));
+    REQUIRE(orifice_mass_flow(air, S, b, p_1, T_1, p_1, T_2) == 0.0);
+    REQUIRE(orifice_mass_flow(air, 0.0, b, p_1, T_1, p_2, T_2) == 0.0);
+  }
+}
+
+TEST_CASE("orifice: flow falls with the downstream pressure and does not see it below the critical ratio") {
+  const Air<double> air;
+  const double choked = orifice_mass_flow(air, 1e-6, 0.35, 700e3, 293.0, 0.35 * 700e3, 293.0);
+  double before = choked;
+  for (double r = 0.0; r < 1.0; r += 1e-4) {
+    const double G = orifice_mass_flow(air, 1e-6, 0.35, 700e3, 293.0, r * 700e3, 293.0);
+    if (r <= 0.35) REQUIRE(G == Approx(choked).epsilon(1e-14));
+    else REQUIRE(G < before);
+    before = G;
+  }
+}
+
+TEST_CASE("orifice: choked flow goes with pressure and with the root of temperature") {
+  const Air<double> air;
+  const double G = orifice_flux(air, 4e5, 293.0, 1e5, 0.35);
+  CHECK(orifice_flux(air, 8e5, 293.0, 1e5, 0.35) == Approx(2.0 * G).epsilon(1e-14));
+  CHECK(orifice_flux(air, 4e5, 4.0 * 293.0, 1e5, 0.35) == Approx(0.5 * G).epsilon(1e-14));
+  CHECK(G == Approx(0.6847314563773 * 4e5 / std::sqrt(287.0 * 293.0)).epsilon(1e-12));
+}
+
+TEST_CASE("orifice: enthalpy comes from the upstream side") {
+  const Air<double> air;
+  CHECK(orifice_enthalpy_flow(air, 0.01, 300.0, 250.0) == Approx(air.cp * 0.01 * 300.0));
+  CHECK(orifice_enthalpy_flow(air, -0.01, 300.0, 250.0) == Approx(-air.cp * 0.01 * 250.0));
+}

@@ -1,0 +1,130 @@
+// The axis built from the elements: mass books with every leak, the sealed axis, symmetry, coupling of slider and gas.
+#include <catch2/catch.hpp>
+
+#include <pneuservo/rig/plant.hpp>
+
+using namespace pneuservo;
+
+namespace {
+AxisParameters<double> nominal_axis(double L = 10.0, double D = 7.65e-3) {
+  AxisParameters<double> axis;
+  axis.supply.pressure_Pa = 700e3;
+  axis.valve = {5.0, 2.6e-6, 1.3e-5, 0.35};
+  axis.line_1 = axis.line_2 = {L, D};
+  axis.cylinder = {0.3, 1.257e-3, 1.056e-3, 2e-5, 2e-5, 50.0};
+  axis.slider.mass_kg = 2.0;
+  axis.slider.viscous_friction_Ns_per_m = 60.0;
+  return axis;
+}
+double mass_of(const AxisPlant<double>& plant, int side) { return lane(plant.sides().line().mass() + plant.sides().chamber().mass(), side); }
+}  // namespace
+
+TEST_CASE("plant: a sealed axis keeps its gas, both sides apart, while it swings") {
+  AxisPlant<double> plant;
+  plant.configure(nominal_axis(), 1e-3, 1.0);
+  plant.reset({0.05, 470e3, 300e3});
+  const double m_1 = mass_of(plant, 0), m_2 = mass_of(plant, 1);
+  double farthest = 0.0;
+  for (int k = 0; k < 5000; ++k) {
+    plant.step(0.0);
+    farthest = std::max(farthest, std::fabs(plant.position() - 0.05));
+  }
+  CHECK(farthest > 0.02);
+  CHECK(mass_of(plant, 0) == Approx(m_1).epsilon(1e-12));
+  CHECK(mass_of(plant, 1) == Approx(m_2).epsilon(1e-12));
+}
+
+TEST_CASE("plant: with one sub-step a period the mass of each side is what has been booked at its ports") {
+  AxisPlant<double> plant;
+  plant.configure(nominal_axis(), 2e-4, 1.0);
+  plant.reset({0.0, 470e3, 540e3});
+  double m_1 = mass_of(plant, 0), m_2 = mass_of(plant, 1);
+  for (int k = 0; k < 10000; ++k) {
+    plant.step((k / 1500) % 2 ? -3.0 : 3.0);
+    m_1 += 2e-4 * low(plant.flow().port_mass_flow_kgps);
+    m_2 += 2e-4 * high(plant.flow().port_mass_flow_kgps);
+  }
+  CHECK(mass_of(plant, 0) == Approx(m_1).epsilon(1e-12));
+  CHECK(mass_of(plant, 1) == Approx(m_2).epsilon(1e-12));
+}
+
+TEST_CASE("plant: a chamber leak discharges to atmosphere, a piston leak only moves gas across") {
+  AxisParameters<double> axis = nominal_axis();
+  axis.effects.piston_leak.area_m2 = 1e-7;
+  AxisPlant<double> plant;
+  plant.configure(axis, 1e-3, 1.0);
+  plant.reset({0.0, 600e3, 300e3});
+  plant.hold_piston(true);
+  const double total = mass_of(plant, 0) + mass_of(plant, 1), m_1 = mass_of(plant, 0);
+  plant.step(0.0);
+  const double expected = orifice_mass_flow(Air<double>{}, 1e-7, 0.35, 600e3, 293.0, 300e3, 293.0);
+  CHECK(m_1 - mass_of(plant, 0) == Approx(1e-3 * expected).epsilon(1e-3));
+  for (int k = 0; k < 60000; ++k) plant.step(0.0);
+  CHECK(mass_of(plant, 0) + mass_of(plant, 1) == Approx(total).epsilon(1e-12));
+  CHECK(low(plant.chamber_pressure()) == Approx(high(plant.chamber_pressure())).epsilon(1e-6));
+  axis = nominal_axis();
+  axis.effects.chamber_leak_1.area_m2 = 1e-6;
+  plant.configure(axis, 1e-3, 1.0);
+  plant.reset({0.0, 600e3, 300e3});
+  plant.hold_piston(true);
+  for (int k = 0; k < 60000; ++k) plant.step(0.0);
+  CHECK(low(plant.chamber_pressure()) == Approx(101325.0).epsilon(1e-3));
+  CHECK(high(plant.chamber_pressure()) == Approx(300e3).epsilon(1e-3));
+}
+
+TEST_CASE("plant: at the balancing pressure it rests for ever, exactly where it was put") {
+  AxisPlant<double> plant;
+  const auto axis = nominal_axis();
+  plant.configure(axis, 1e-3, 1.0);
+  plant.reset({0.03, 470e3, balancing_pressure_2(axis, 470e3)});
+  for (int k = 0; k < 2000; ++k) plant.step(0.0);
+  CHECK(plant.position() == Approx(0.03).margin(1e-12));
+}
+
+TEST_CASE("plant: exchanging the sides of a symmetric axis mirrors the motion") {
+  AxisParameters<double> axis = nominal_axis();
+  axis.cylinder.area_2_m2 = axis.cylinder.area_1_m2;
+  AxisPlant<double> a, b;
+  a.configure(axis, 1e-3, 1.0);
+  b.configure(axis, 1e-3, 1.0);
+  a.reset({0.02, 450e3, 470e3});
+  b.reset({-0.02, 470e3, 450e3});
+  for (int k = 0; k < 2000; ++k) {
+    const double u = 3.0 * std::sin(0.01 * k);
+    a.step(u);
+    b.step(-u);
+  }
+  CHECK(std::fabs(a.position()) > 1e-3);
+  CHECK(a.position() == Approx(-b.position()).margin(1e-9));
+  CHECK(low(a.chamber_pressure()) == Approx(high(b.chamber_pressure())).epsilon(1e-9));
+}
+
+TEST_CASE("plant: supply droop lowers the supply while air is taken and lets it come back") {
+  AxisParameters<double> axis = nominal_axis();
+  axis.effects.supply_droop = {5e-6, 1e-3};
+  AxisPlant<double> plant;
+  plant.configure(axis, 1e-3, 1.0);
+  plant.reset({0.0, 300e3, 300e3});
+  for (int k = 0; k < 100; ++k) plant.step(5.0);
+  CHECK(plant.supply_pressure() < 690e3);
+  for (int k = 0; k < 5000; ++k) plant.step(0.0);
+  CHECK(plant.supply_pressure() == Approx(700e3).epsilon(1e-3));
+}
+
+TEST_CASE("plant: the coupling of slider and gas springs neither feeds nor eats the oscillation") {
+  // No losses but the lines' small ones: the swing after many periods must not depend on the sub-step.
+  AxisParameters<double> axis = nominal_axis(0.01, 5e-5);  // a line without gas to speak of
+  axis.cylinder.wall_heat_W_per_m2K = 0.0;
+  axis.slider.viscous_friction_Ns_per_m = 0.0;
+  AxisPlant<double> plant;
+  plant.configure(axis, 1e-3, 1.0);  // a single cell of 10 mm: 30 to 60 sub-steps
+  plant.reset({0.0, 470e3, balancing_pressure_2(axis, 470e3)});
+  plant.slider().reset(1e-3, 0.0);
+  double first = 0.0, last = 0.0;
+  for (int k = 0; k < 20000; ++k) {
+    plant.step(0.0);
+    if (k < 200) first = std::max(first, std::fabs(plant.position()));
+    if (k >= 19800) last = std::max(last, std::fabs(plant.position()));
+  }
+  CHECK(last == Approx(first).epsilon(0.01));
+}

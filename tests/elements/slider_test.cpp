@@ -1,0 +1,103 @@
+// Slider: every friction law and load by its own formula, rest that holds exactly, end stops.
+#include <catch2/catch.hpp>
+
+#include <functional>
+
+#include <pneuservo/elements/slider.hpp>
+
+using namespace pneuservo;
+
+namespace {
+Slider<double> make_slider(const MotionEffects<double>& effects = {}, double viscous = 0.0, double stroke = 100.0) {
+  Slider<double> slider;
+  SliderParameters<double> parameters;
+  parameters.mass_kg = 1.5;
+  parameters.payload_kg = 0.5;
+  parameters.viscous_friction_Ns_per_m = viscous;
+  slider.configure(parameters, effects, stroke, 0.3);
+  return slider;
+}
+double acceleration(const MotionEffects<double>& effects, double force, double v, double x = 0.0, double gauge = 0.0, double viscous = 0.0) {
+  Slider<double> slider = make_slider(effects, viscous);
+  slider.reset(x, v);
+  slider.step(1e-7, force, {gauge});
+  return (slider.velocity() - v) / 1e-7;
+}
+}  // namespace
+
+TEST_CASE("slider: each law has its force, m = 2 kg with payload") {
+  const MotionEffects<double> none;
+  CHECK(acceleration(none, 10.0, 0.0) == Approx(5.0));
+  CHECK(acceleration(none, 0.0, 0.5, 0.0, 0.0, 60.0) == Approx(-15.0).epsilon(1e-5));
+  MotionEffects<double> e = none;
+  e.coulomb_friction.force_N = 4.0;
+  CHECK(acceleration(e, 10.0, 0.1) == Approx(3.0));
+  CHECK(acceleration(e, 10.0, -0.1) == Approx(7.0));
+  e = none, e.stribeck_friction = {15.0, 0.02, 20.0};
+  CHECK(acceleration(e, 0.0, 0.02) == Approx(-0.5 * (20.0 + 15.0 * std::exp(-1.0))).epsilon(1e-5));
+  e = none, e.direction_dependent_friction = {4.0, 6.0};
+  CHECK(acceleration(e, 0.0, 0.1) == Approx(-2.0));
+  CHECK(acceleration(e, 0.0, -0.1) == Approx(3.0));
+  e = none, e.pressure_dependent_friction.force_per_pressure_N_per_Pa = 1e-5;
+  CHECK(acceleration(e, 0.0, 0.1, 0.0, 8e5) == Approx(-2.0));
+  e = none, e.friction_zone = {10.0, 0.05, 0.01};
+  CHECK(acceleration(e, 0.0, 0.1, 0.05) == Approx(-5.0).epsilon(1e-4));
+  CHECK(acceleration(e, 0.0, 0.1, 0.06) == Approx(-5.0 * std::exp(-1.0)).epsilon(1e-4));
+  e = none, e.quadratic_drag.coefficient_Ns2_per_m2 = 8.0;
+  CHECK(acceleration(e, 0.0, 0.5) == Approx(-1.0).epsilon(1e-4));
+  CHECK(acceleration(e, 0.0, -0.5) == Approx(1.0).epsilon(1e-4));
+  e = none, e.constant_force.force_N = 3.0;
+  CHECK(acceleration(e, 10.0, 0.0) == Approx(3.5));
+  e = none, e.spring_load = {100.0, 0.02};
+  CHECK(acceleration(e, 0.0, 0.0, 0.05) == Approx(-1.5));
+}
+
+TEST_CASE("slider: below breakaway nothing moves, exactly; above it does; direction by direction") {
+  MotionEffects<double> e;
+  e.direction_dependent_friction = {4.0, 6.0};
+  Slider<double> slider = make_slider(e);
+  slider.reset(0.01, 0.0);
+  for (const double force : {3.999, -5.999, 4.0, -6.0}) {
+    for (int k = 0; k < 1000; ++k) slider.step(1e-3, force, {});
+    CHECK((slider.position() == 0.01 && slider.velocity() == 0.0));
+  }
+  slider.step(1e-3, 4.001, {});
+  CHECK(slider.velocity() > 0.0);
+  slider.reset(0.01, 0.0);
+  slider.step(1e-3, -6.001, {});
+  CHECK(slider.velocity() < 0.0);
+}
+
+TEST_CASE("slider: friction never turns the motion round") {
+  MotionEffects<double> e;
+  e.coulomb_friction.force_N = 50.0;
+  Slider<double> slider = make_slider(e);
+  for (const double v : {0.3, -0.3, 1e-6}) {
+    slider.reset(0.0, v);
+    double x = 0.0;
+    for (int k = 0; k < 200; ++k) {
+      slider.step(1e-3, 0.0, {});
+      CHECK((slider.velocity() * v >= 0.0 && (slider.position() - x) * v >= 0.0));
+      x = slider.position();
+    }
+    CHECK(slider.velocity() == 0.0);
+    CHECK(std::fabs(x) == Approx(0.5 * v * v / 25.0).epsilon(1e-6));  // v^2/(2 F/m): exact for a constant force
+  }
+}
+
+TEST_CASE("slider: end stops hold, rebound and come to rest") {
+  Slider<double> slider = make_slider({}, 0.0, 0.3);
+  slider.reset(0.1, 1.0);
+  double fastest_back = 0.0;
+  for (int k = 0; k < 100; ++k) {
+    slider.step(1e-3, 0.0, {});
+    fastest_back = std::min(fastest_back, slider.velocity());
+    REQUIRE(slider.position() <= 0.15);
+  }
+  CHECK(fastest_back == Approx(-0.3));
+  slider.reset(0.149, 0.0);
+  for (int k = 0; k < 5000; ++k) slider.step(1e-3, 50.0, {});
+  CHECK((slider.position() == 0.15 && std::fabs(slider.velocity()) < 1e-12));
+  slider.step(1e-3, -50.0, {});  // and lets go
+  CHECK(slider.velocity() < 0.0);
+}

@@ -1,0 +1,125 @@
+// Valve: edge areas, dead band, offset, hysteresis loop, lag, dead time, spool dynamics against closed forms.
+#include <catch2/catch.hpp>
+
+#include <pneuservo/elements/valve.hpp>
+
+using namespace pneuservo;
+
+namespace {
+ValveParameters<double> parameters(double frequency_Hz = 0.0, double damping = 0.7) { return {5.0, 2.6e-6, 1.3e-5, 0.35, frequency_Hz, damping}; }
+Valve<double> make_valve(const ValveEffects<double>& effects = {}, double step_s = 1e-3, const ValveParameters<double>& p = parameters()) {
+  Valve<double> valve;
+  valve.configure(p, effects, 1e-3);
+  valve.set_time_step(step_s);
+  return valve;
+}
+double spool_after(Valve<double>& valve, double command) {
+  valve.set_command(command);
+  valve.step(0.0);
+  return valve.spool();
+}
+}  // namespace
+
+TEST_CASE("valve: positive command feeds port 1 and exhausts port 2, negative the other way round, at most area_max") {
+  const Valve<double> valve = make_valve();
+  for (const double s : {0.1, 1.0, 4.9, 7.0}) {
+    const double area = std::min(2.6e-6 * s, 1.3e-5);
+    const ValveAreas<double> forward = valve.areas(s), backward = valve.areas(-s);
+    CHECK((forward.supply_1 == Approx(area) && forward.exhaust_2 == Approx(area) && forward.supply_2 == 0.0 && forward.exhaust_1 == 0.0));
+    CHECK((backward.supply_2 == Approx(area) && backward.exhaust_1 == Approx(area) && backward.supply_1 == 0.0 && backward.exhaust_2 == 0.0));
+  }
+  const ValveAreas<double> shut = valve.areas(0.0);
+  CHECK((shut.supply_1 == 0.0 && shut.supply_2 == 0.0 && shut.exhaust_1 == 0.0 && shut.exhaust_2 == 0.0));
+}
+
+TEST_CASE("valve: dead band, offset, neutral leak and asymmetry") {
+  ValveEffects<double> effects;
+  effects.valve_dead_band.width_V = 0.2;
+  effects.valve_offset.offset_V = 0.1;
+  effects.valve_neutral_leak.area_m2 = 1e-9;
+  effects.valve_asymmetry.exhaust_ratio = 1.1;
+  const Valve<double> valve = make_valve(effects);
+  CHECK(valve.areas(0.05).supply_1 == Approx(1e-9));
+  CHECK(valve.areas(0.05).exhaust_1 == Approx(1e-9));
+  CHECK(valve.areas(1.1).supply_1 == Approx(1e-9 + 2.6e-6 * 1.0));   // |1.1 + 0.1| - 0.2
+  CHECK(valve.areas(-1.1).supply_2 == Approx(1e-9 + 2.6e-6 * 0.8));  // |-1.1 + 0.1| - 0.2
+  CHECK(valve.areas(1.1).exhaust_2 == Approx(1e-9 + 1.1 * 2.6e-6));
+}
+
+TEST_CASE("valve: the command is limited to its range") {
+  Valve<double> valve = make_valve();
+  CHECK(spool_after(valve, 9.0) == Approx(5.0));
+  CHECK(spool_after(valve, -9.0) == Approx(-5.0));
+}
+
+TEST_CASE("valve: hysteresis is a play of its total width") {
+  ValveEffects<double> effects;
+  effects.valve_hysteresis.width_V = 0.4;
+  Valve<double> valve = make_valve(effects);
+  CHECK(spool_after(valve, 0.1) == Approx(0.0).margin(1e-15));
+  CHECK(spool_after(valve, 1.0) == Approx(0.8));
+  CHECK(spool_after(valve, 0.7) == Approx(0.8));   // still inside the play
+  CHECK(spool_after(valve, -1.0) == Approx(-0.8));
+  CHECK(spool_after(valve, -0.7) == Approx(-0.8));
+  double area = 0.0, before = -0.8;  // the loop's area is width times twice the amplitude of the spool
+  for (int k = 0; k <= 8000; ++k) {
+    const double command = -std::cos(2.0 * M_PI * k / 4000.0), spool = spool_after(valve, command);
+    if (k > 4000) area += command * (spool - before);
+    before = spool;
+  }
+  CHECK(area == Approx(0.4 * 1.6).epsilon(5e-3));
+}
+
+TEST_CASE("valve: first-order lag and immediate spool") {
+  ValveEffects<double> effects;
+  effects.valve_lag.time_constant_s = 0.01;
+  Valve<double> valve = make_valve(effects, 2.5e-4);
+  valve.set_command(2.0);
+  for (int k = 0; k < 40; ++k) valve.step(2.5e-4 * (k % 4));
+  CHECK(valve.spool() == Approx(2.0 * (1.0 - std::exp(-1.0))).epsilon(1e-12));
+  Valve<double> at_once = make_valve();
+  CHECK(spool_after(at_once, 1.5) == 1.5);
+}
+
+TEST_CASE("valve: dead time delays by exactly its length, also between the periods") {
+  for (const double delay : {0.0, 0.002, 0.0025, 0.00275, 0.02}) {
+    ValveEffects<double> effects;
+    effects.command_delay.delay_s = delay;
+    Valve<double> valve = make_valve(effects, 2.5e-4);
+    double first = -1.0;
+    for (int k = 0; k < 60; ++k) {
+      valve.set_command(k >= 10 ? 1.0 : 0.0);
+      for (int i = 0; i < 4; ++i) {
+        valve.step(i * 2.5e-4);
+        if (first < 0.0 && valve.spool() > 0.5) first = k * 1e-3 + i * 2.5e-4;  // start of the first sub-step with it
+      }
+    }
+    CAPTURE(delay);
+    CHECK(first == Approx(0.010 + delay).margin(1e-9));
+  }
+}
+
+TEST_CASE("spool: step response against the closed form, under-, critically and overdamped, for any step") {
+  const double f = 100.0, w = 2.0 * M_PI * f;
+  const auto closed = [&](double zeta, double t) {
+    if (zeta < 1.0) {
+      const double d = w * std::sqrt(1.0 - zeta * zeta);
+      return 1.0 - std::exp(-zeta * w * t) * (std::cos(d * t) + zeta * w / d * std::sin(d * t));
+    }
+    if (zeta == 1.0) return 1.0 - std::exp(-w * t) * (1.0 + w * t);
+    const double r = w * std::sqrt(zeta * zeta - 1.0), a = -zeta * w + r, b = -zeta * w - r;
+    return 1.0 + (b * std::exp(a * t) - a * std::exp(b * t)) / (a - b);
+  };
+  for (const double zeta : {0.2, 0.7, 1.0, 3.0}) {
+    for (const double step : {1e-4, 2.5e-4, 1e-3}) {
+      Spool<double> spool;
+      spool.configure(f, zeta, step);
+      spool.reset(0.0);
+      for (int k = 1; k <= 20; ++k) {
+        spool.step(1.0);
+        CAPTURE(zeta, step, k);
+        CHECK(spool.value() == Approx(closed(zeta, k * step)).margin(1e-9));
+      }
+    }
+  }
+}

@@ -1,0 +1,195 @@
+// Reads the verification cases (known answers computed apart from the product), runs a case and keeps its account.
+#pragma once
+#include <cmath>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iomanip>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <yaml-cpp/yaml.h>
+
+namespace verification {
+
+/// normal: as the product runs (10 cells a line, 1 ms period); fine: grid and step refined until nothing changes.
+enum class Resolution { normal, fine };
+
+/// One expected number (or list) with its conditions.
+struct Check {
+  std::string id, quantity, unit, kind, needs;
+  YAML::Node at;
+  std::vector<double> value, scale;
+  std::optional<double> tolerance_normal, tolerance_fine;
+
+  bool has(const char* key) const { return at.IsMap() && at[key]; }
+  double number(const char* key) const { return at[key].as<double>(); }
+  std::string text(const char* key) const { return at[key].as<std::string>(); }
+  bool is(const char* key, const char* expected) const { return has(key) && text(key) == expected; }
+};
+
+/// What the product gives for a check: a number, a list, or why it is not asked.
+struct Answer {
+  std::vector<double> got;
+  std::string skipped;
+  Answer(double number) : got{number} {}
+  Answer(std::vector<double> numbers) : got(std::move(numbers)) {}
+  static Answer skip(std::string why) {
+    Answer answer(std::vector<double>{});
+    answer.skipped = std::move(why);
+    return answer;
+  }
+};
+
+inline std::filesystem::path shared_folder() {
+  const char* set = std::getenv("PNEUSERVO_SHARED");
+  return set ? std::filesystem::path(set) : std::filesystem::path(PNEUSERVO_SOURCE_DIR).parent_path() / "shared";
+}
+/// The cases' folder, or nothing (with a clear word) where the shared data is absent.
+inline std::optional<std::filesystem::path> cases_folder() {
+  const auto folder = shared_folder() / "verification";
+  if (std::filesystem::exists(folder / "cases.yaml")) return folder;
+  WARN("SKIPPED: no verification cases in " << folder.string() << " (set PNEUSERVO_SHARED)");
+  return std::nullopt;
+}
+
+inline std::vector<double> numbers(const YAML::Node& node) {
+  if (node.IsSequence()) return node.as<std::vector<double>>();
+  return {node.as<double>()};
+}
+inline std::optional<double> tolerance(const YAML::Node& node) {
+  if (!node || node.IsNull()) return std::nullopt;
+  return node.as<double>();
+}
+inline Check read_check(const YAML::Node& node) {
+  Check check;
+  check.id = node["id"].as<std::string>();
+  check.quantity = node["quantity"].as<std::string>();
+  check.unit = node["unit"].as<std::string>("");
+  check.kind = node["tolerance_kind"].as<std::string>();
+  check.needs = node["needs"].as<std::string>("");
+  if (node["at"]) check.at.reset(node["at"]);
+  check.value = numbers(node["value"]);
+  if (node["scale"]) check.scale = numbers(node["scale"]);
+  check.tolerance_normal = tolerance(node["tol_10"]);
+  check.tolerance_fine = tolerance(node["tol_fine"]);
+  return check;
+}
+
+/// Error of an answer over its tolerance: at most 1 is met; a tolerance of 0 asks for equality.
+inline double error_over_tolerance(const Check& check, const std::vector<double>& got, double tol) {
+  if (got.size() != check.value.size()) return INFINITY;
+  double worst = 0.0;
+  for (std::size_t i = 0; i < got.size(); ++i) {
+    const double error = std::fabs(got[i] - check.value[i]);
+    const double allowed = tol * (check.kind == "relative" ? std::fabs(check.value[i]) : check.kind == "scaled" ? check.scale.at(i) : 1.0);
+    const double ratio = error == 0.0 ? 0.0 : allowed > 0.0 ? error / allowed : INFINITY;
+    worst = std::max(worst, std::isfinite(ratio) ? ratio : INFINITY);
+  }
+  return worst;
+}
+
+/// Checks that the product is known not to meet: id -> reason. They are reported as `not met`; one that has come to be
+/// met must be struck off the list, or the case fails.
+using NotMet = std::map<std::string, std::string>;
+
+/// Runs all checks of one case at one resolution. Where PNEUSERVO_VERIFICATION_OUT names a file, one JSON line a check
+/// is appended to it: tools/verification-table makes the table of them.
+class Case {
+ public:
+  explicit Case(const std::string& id) : id_(id) {
+    const auto folder = cases_folder();
+    if (!folder) return;
+    const YAML::Node file = YAML::LoadFile((*folder / "cases.yaml").string());
+    for (const auto& node : file["cases"]) {
+      if (node["id"].as<std::string>() != id) continue;
+      title_ = node["title"].as<std::string>();
+      for (const auto& check : node["checks"]) checks_.push_back(read_check(check));
+    }
+    REQUIRE(!checks_.empty());
+  }
+  /// False where the shared data is absent.
+  explicit operator bool() const { return !checks_.empty(); }
+  const std::vector<Check>& checks() const { return checks_; }
+
+  void run(Resolution resolution, const std::function<Answer(const Check&)>& answer, const NotMet& not_met = {}) {
+    int met = 0, skipped = 0, known = 0, failed = 0;
+    for (const Check& check : checks_) {
+      const auto tol = resolution == Resolution::normal ? check.tolerance_normal : check.tolerance_fine;
+      if (!tol) continue;
+      if (!check.needs.empty()) {
+        ++skipped;
+        record(check, resolution, "skipped", {}, *tol, "needs " + check.needs);
+        continue;
+      }
+      Answer got(0.0);
+      try {
+        got = answer(check);
+      } catch (const std::exception& error) {
+        FAIL_CHECK(check.id << " " << check.quantity << ": " << error.what());
+        continue;
+      }
+      if (!got.skipped.empty()) {
+        ++skipped;
+        record(check, resolution, "skipped", {}, *tol, got.skipped);
+        continue;
+      }
+      const double error = error_over_tolerance(check, got.got, *tol);
+      const auto reason = not_met.find(check.id);
+      const bool listed = reason != not_met.end();
+      if (error <= 1.0) {
+        ++met;
+        record(check, resolution, "met", got.got, *tol, "", error);
+        if (listed) FAIL_CHECK(check.id << " is met now: strike it off the list of those not met");
+      } else if (listed) {
+        ++known;
+        record(check, resolution, "not met", got.got, *tol, reason->second, error);
+      } else {
+        ++failed;
+        record(check, resolution, "not met", got.got, *tol, "", error);
+        FAIL_CHECK(describe(check, got.got, *tol, error));
+      }
+    }
+    WARN(id_ << (resolution == Resolution::normal ? " as it runs" : " converged") << ": " << met << " met, " << skipped
+             << " not asked (need what this model does not have), " << known << " known not to be met, " << failed << " failed");
+    CHECK(met + skipped > 0);
+  }
+
+ private:
+  static std::string list(const std::vector<double>& v) {
+    std::ostringstream out;
+    out << std::setprecision(12);
+    for (std::size_t i = 0; i < v.size(); ++i) out << (i ? ", " : "") << v[i];
+    return out.str();
+  }
+  static std::string describe(const Check& check, const std::vector<double>& got, double tol, double error) {
+    std::ostringstream out;
+    out << check.id << " " << check.quantity;
+    if (check.at.IsMap()) out << " " << YAML::Dump(check.at);
+    out << ": got " << list(got) << ", expected " << list(check.value) << " " << check.unit << ", " << check.kind << " tolerance " << tol
+        << ", error is " << error << " tolerances";
+    return out.str();
+  }
+  void record(const Check& check, Resolution resolution, const std::string& status, const std::vector<double>& got, double tol,
+              const std::string& reason, double error = 0.0) const {
+    const char* path = std::getenv("PNEUSERVO_VERIFICATION_OUT");
+    if (!path) return;
+    const nlohmann::json line{{"case", id_}, {"title", title_}, {"check", check.id}, {"quantity", check.quantity},
+                              {"resolution", resolution == Resolution::normal ? "normal" : "fine"}, {"status", status},
+                              {"got", got}, {"expected", check.value}, {"tolerance", tol}, {"reason", reason},
+                              {"error_over_tolerance", std::isfinite(error) ? error : 1e9}};
+    std::ofstream(path, std::ios::app) << line.dump() << '\n';
+  }
+  std::string id_, title_;
+  std::vector<Check> checks_;
+};
+
+}  // namespace verification

@@ -77,6 +77,7 @@ TEST_CASE("the config's window wins, is counted from the start of the reference 
 TEST_CASE("a move is judged from its start to 0.6 s after its end; the end error is the mean over the last 0.1 s") {
   Rig rig;
   rig.reference.kind = ReferenceKind::minimum_jerk;
+  rig.reference.end_m = 0.1;
   rig.reference.start_s = 0.5;
   rig.reference.duration_s = 1.0;
   const auto rows = make_rows(4.0, 1e-3, [](Row& row) {

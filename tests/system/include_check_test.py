@@ -13,10 +13,11 @@ SOUND = {
     "include/pneuservo/control/d.hpp": "// Control.\n#pragma once\n#include <pneuservo/elements/b.hpp>\n",
     "include/pneuservo/hal/e.hpp": "// Channel.\n#pragma once\n#include <pneuservo/core/a.hpp>\n",
     "include/pneuservo/rig/f.hpp": "// Rig.\n#pragma once\n#include <pneuservo/hal/e.hpp>\n",
-    "src/config/g.hpp": "// Config.\n#pragma once\n#include <yaml-cpp/yaml.h>\n",
+    "src/config/g.hpp": "// Config.\n#pragma once\n#include <yaml-cpp/yaml.h>\nnamespace a {\nstruct Table {\n};\n}  // namespace a\n",
     "src/program/h.hpp": "// Verb.\n#pragma once\n#include \"config/g.hpp\"\n",
     "hal/sim/i.cpp": "// Backend.\n#include \"sim/j.hpp\"\n#include \"config/g.hpp\"\n",
-    "hal/sim/j.hpp": "// Backend.\n#pragma once\n",
+    "hal/sim/j.hpp": "// Backend.\n#pragma once\nnamespace b {\nstruct Table {\n};\nnamespace {\nstruct Own {};\n}  // namespace\n}  // namespace b\n",
+    "hal/sim/k.cpp": "// Backend.\nnamespace b {\nnamespace {\nstruct Own {};\nstruct Table {};\n}  // namespace\n}  // namespace b\n",
     "tools/script": "#!/bin/sh\n# A script.\n",
 }
 # name: (file, text, what the message must begin with)
@@ -38,6 +39,8 @@ PLANTED = {
     "the loop includes a backend": ("src/loop/x.cpp", '// X.\n#include "sim/j.hpp"\n', "src/loop/x.cpp:2: hal/sim/j.hpp"),
     "a file that is not there": ("src/config/x.cpp", '// X.\n#include "config/none.hpp"\n', "src/config/x.cpp:2: config/none.hpp: no such"),
     "a folder without a rule": ("src/novel/x.cpp", "// X.\n", "src/novel/x.cpp:1: the folder stands in no rule"),
+    "two types of one name": ("src/record/x.hpp", "// X.\n#pragma once\nnamespace a {\nstruct Table : Other {\n};\n}  // namespace a\n",
+                              "src/record/x.hpp:4: a::Table is defined in src/config/g.hpp too"),
     "a circle": ("include/pneuservo/core/a.hpp", "// Core.\n#include <pneuservo/core/x.hpp>\n", None),
     "no first comment": ("src/config/x.cpp", "#include <cmath>\n", "src/config/x.cpp:1: the file does not begin"),
     "no comment under the shebang": ("tools/script", "#!/bin/sh\nexit 0\n", "tools/script:2: the file does not begin"),

@@ -13,7 +13,6 @@ namespace {
 
 const std::string plain = test::plain_rig;
 
-
 std::string refusal_of_reference(const std::string& reference) {
   return refusal(with(plain, "{kind: sine, amplitude_m: 0.080, frequency_Hz: 1.0}", reference));
 }

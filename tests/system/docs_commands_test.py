@@ -1,6 +1,12 @@
 #!/usr/bin/env python3
-# Runs the shell commands of README.md and docs/first-hour.md in order, in a copy of what they use; checks links between pages.
-# A block ```sh whose first line contains "# not run" is left out (it installs or builds, which other tests do).
+# Runs the shell commands of README.md and docs/first-hour.md in order, in a copy of what they use; checks links and paths.
+"""usage: tests/system/docs_commands_test.py BUILD [--write]
+
+A block ```sh whose first line contains "# not run" is left out (it installs or builds, which other tests do). A block
+```text right behind it must be the last lines that it prints. --write makes it so, and renews docs/images and
+docs/config-keys.md: after a change of the model, look at what it changed and commit it.
+Exit status: 0 all well; 1 a command failed, an output differs or a link is broken; 77 the program is not built.
+"""
 import os
 import pathlib
 import re
@@ -11,16 +17,17 @@ import tempfile
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 BUILD = pathlib.Path(sys.argv[1]).resolve()
+WRITE = "--write" in sys.argv[2:]
 PAGES = ("README.md", "docs/first-hour.md")
-BLOCK = re.compile(r"^```sh\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+PICTURE = SOURCE / "docs/images/cylinder-10m-6.10mm.svg"  # README.md draws it as run.svg
+KEYS = SOURCE / "docs/config-keys.md"
+BLOCK = re.compile(r"^```sh\n(?P<code>.*?)^```\n(?:\n```text\n(?P<output>.*?)^```$)?", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)#\s]+)[^)]*\)")
 
 
-def blocks(page):
-    """(line, text) of each block that is to be run."""
-    text = (SOURCE / page).read_text(encoding="utf-8")
-    found = [(text.count("\n", 0, match.start(1)) + 1, match[1]) for match in BLOCK.finditer(text)]
-    return [(line, block) for line, block in found if "# not run" not in block.split("\n", 1)[0]]
+def blocks(text):
+    """Matches of the blocks that are to be run."""
+    return [match for match in BLOCK.finditer(text) if "# not run" not in match["code"].split("\n", 1)[0]]
 
 
 def copy_of_the_tree(folder):
@@ -31,23 +38,54 @@ def copy_of_the_tree(folder):
     (folder / "build" / "release").symlink_to(BUILD, target_is_directory=True)
 
 
-def run(page):
-    found = blocks(page)
+def run_in_order(page, found, folder):
+    """Outputs of the blocks, one after the other in one shell; and a sentence where one failed."""
+    marks = [f"== {page}, block {i + 1}" for i in range(len(found))]
+    script = "set -euo pipefail\n" + "".join(
+        f'printf "%s\\n" "{mark}" | tee /dev/stderr\n{block["code"]}' for mark, block in zip(marks, found))
+    environment = {key: value for key, value in os.environ.items() if key not in ("CXXFLAGS", "CPATH")}
+    environment["PATH"] = f"{BUILD}:{environment['PATH']}"
+    done = subprocess.run(["bash", "-c", script], cwd=folder, env=environment, stdin=subprocess.DEVNULL,
+                          capture_output=True, text=True, timeout=900, check=False)
+    outputs = re.split(r"^== .*, block \d+\n", done.stdout, flags=re.MULTILINE)[1:]
+    if done.returncode == 0:
+        return outputs, None
+    place = re.findall(r"^== (.*)$", done.stderr, re.MULTILINE)[-1]
+    return outputs, f"{place}: status {done.returncode}\n{done.stdout[-1500:]}\n{done.stderr[-1500:]}"
+
+
+def last_lines(output, like):
+    return "".join(output.splitlines(keepends=True)[-like.count("\n"):])
+
+
+def run_page(page):
+    path = SOURCE / page
+    text = path.read_text(encoding="utf-8")
+    found = blocks(text)
     if not found:
         return [f"{page}: no command to run"]
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         copy_of_the_tree(folder)
-        script = "set -euo pipefail\n" + "".join(f'printf "%s\\n" "== {page}:{line}" >&2\n{block}' for line, block in found)
-        environment = {key: value for key, value in os.environ.items() if key not in ("CXXFLAGS", "CPATH")}
-        environment["PATH"] = f"{BUILD}:{environment['PATH']}"
-        done = subprocess.run(["bash", "-c", script], cwd=folder, env=environment, stdin=subprocess.DEVNULL,
-                              capture_output=True, text=True, timeout=900, check=False)
-    if done.returncode == 0:
-        print(f"{page}: {len(found)} blocks run")
-        return []
-    place = re.findall(r"^== (.*)$", done.stderr, re.MULTILINE)[-1]
-    return [f"{place}: status {done.returncode}\n{done.stdout[-1500:]}\n{done.stderr[-1500:]}"]
+        outputs, failure = run_in_order(page, found, folder)
+        if failure:
+            return [failure]
+        if WRITE and page == "README.md":
+            shutil.copyfile(folder / "run.svg", PICTURE)
+    failures, renewed = [], text
+    for block, output in reversed(list(zip(found, outputs))):
+        printed = last_lines(output, block["output"]) if block["output"] else None
+        if printed == block["output"]:
+            continue
+        renewed = renewed[:block.start("output")] + printed + renewed[block.end("output"):]
+        line = text.count("\n", 0, block.start("output")) + 1
+        failures.append(f"{page}:{line}: the text is not what the command prints now:\n{printed}"
+                        "tests/system/docs_commands_test.py BUILD --write renews it")
+    if WRITE:
+        path.write_text(renewed, encoding="utf-8")
+        failures = []
+    print(f"{page}: {len(found)} blocks run")
+    return failures
 
 
 def broken_links():
@@ -68,9 +106,11 @@ def main():
     if not (BUILD / "pneuservo").exists():
         print(f"SKIPPED: {BUILD}/pneuservo is not built")
         return 77
-    failures = broken_links() + missing_paths()
-    for page in PAGES:
-        failures += run(page)
+    keys = subprocess.run([BUILD / "pneuservo", "keys", "--markdown"], capture_output=True, check=True).stdout
+    if WRITE:
+        KEYS.write_bytes(keys)
+    failures = [] if keys == KEYS.read_bytes() else ["docs/config-keys.md is not the output of pneuservo keys --markdown"]
+    failures += [failure for page in PAGES for failure in run_page(page)] + broken_links() + missing_paths()
     for failure in failures:
         print("FAILED", failure)
     return 1 if failures else 0

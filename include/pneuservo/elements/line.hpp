@@ -246,9 +246,10 @@ template <class S> class Line {
     const S u_0 = velocity(0), u_n = velocity(n), u_1 = velocity(1), u_before_n = velocity(n - 1);
     const Cell first = cell(0), last = cell(n - 1);
     find_reynolds();
-    const Face port = port_face(first, u_0, u_1, port_flux);
+    // The ends have the longest chains and go first.
     Face end = chamber_face(last, u_before_n, u_n, chamber);
     const S enthalpy_flux = chamber_end_flux(end, last, chamber);
+    const Face port = port_face(first, u_0, u_1, port_flux);
     advance_velocities();
     find_inner_fluxes();
     face_.fill(0, all_places_, port);

@@ -309,6 +309,7 @@ template <class S> class Line {
     const CellRow cells_in(cell_);
     const FaceRow faces(face_);
     const int groups = inner_face_groups();
+    const G coldest = k.sound_factor * G(150);  // the sound speed of the coldest gas there is; mending looks closer
     auto left = cells_in[0];
     auto subsonic = G(0) == G(0);
     for (int q = 1; q <= groups; ++q) {
@@ -316,8 +317,7 @@ template <class S> class Line {
       const auto right = one_cell_after(left, next);
       line_scheme::Face<G> face;
       face.velocity = faces.velocity[q];
-      const G limit = k.sound_factor * select(face.velocity > G(0), left.temperature, right.temperature);
-      subsonic = subsonic & (face.velocity * face.velocity <= limit);
+      subsonic = subsonic & (face.velocity * face.velocity <= coldest);
       line_scheme::inner_flux(face, left, right);
       faces.mass_flux[q] = face.mass_flux;
       faces.pressure_flux[q] = face.pressure_flux;

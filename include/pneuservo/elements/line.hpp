@@ -547,6 +547,9 @@ template <class S> class Line {
   std::int64_t guard_actions_ = 0;
 };
 
-}  // namespace pneuservo
+/// Packs wider than a register have a line of their own: include <pneuservo/elements/wide_line.hpp> for them.
+template <class T, int N>
+  requires(!detail::single_register<T, N>)
+class Line<Pack<T, N>>;
 
-#include <pneuservo/elements/wide_line.hpp>
+}  // namespace pneuservo

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <vector>
 
-#include <pneuservo/elements/line.hpp>
+#include <pneuservo/elements/wide_line.hpp>
 
 #include "bench_tools.hpp"
 

@@ -17,8 +17,8 @@ class PulseResponse {
     side.configure(line_of(L, D_mm), chamber_1(adiabatic ? 0.0 : 50.0), nominal_air(), cells);
     side.reset(p_start, T_start, half_stroke);
     side.line().set_adiabatic(adiabatic);
-    double t = 0.0, end = 18.0;
-    const double period = resolution == Resolution::normal ? 1e-3 : 2e-4;
+    double t = 0.0, end = 14.0;
+    const double period = resolution == Resolution::normal ? 1e-3 : 2.5e-5;
     while (t < end) {
       const int n = side.begin_period(period);
       step_ = side.step_s();

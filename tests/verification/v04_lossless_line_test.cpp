@@ -31,7 +31,7 @@ double wave_number(PortEnd port, FarEnd far, double V_line, int mode) {
 }
 
 Ringing ring(Resolution resolution, PortEnd port, FarEnd far, double L, double D_mm, int mode, double periods) {
-  const int cells = resolution == Resolution::normal ? 10 : 80;
+  const int cells = resolution == Resolution::normal ? 10 : 120;
   LineWithChamber<double> side;
   side.configure(line_of(L, D_mm), chamber_1(0.0), nominal_air(), cells);
   side.reset(p_start, T_start, half_stroke);

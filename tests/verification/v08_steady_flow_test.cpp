@@ -24,7 +24,7 @@ class SteadyLines {
     if (found != runs_.end()) return found->second;
     const double p_1 = check.number("p_1_Pa"), p_2 = check.number("p_2_Pa");
     Line<double> line;
-    line.configure(line_of(std::get<0>(key), std::get<1>(key)), nominal_air(), steady_cells(resolution_, 300));
+    line.configure(line_of(std::get<0>(key), std::get<1>(key)), nominal_air(), steady_cells(resolution_, 200));
     line.set_adiabatic(heat == "adiabatic");
     line.set_isothermal(heat == "isothermal");
     line.reset(p_2 < 0.5 * p_1 ? 0.5 * (p_1 + p_2) : p_2, T_start);

@@ -36,7 +36,7 @@ Signal smooth_step(Resolution resolution, double L, double D_mm) {
   side.reset(p_start, T_start, half_stroke);
   Signal out{{0.0}, {0.0}};
   for (double t = 0.0; t < 18.0;) {
-    const int n = side.begin_period(resolution == Resolution::normal ? 1e-3 : 2e-4);
+    const int n = side.begin_period(resolution == Resolution::normal ? 1e-3 : 5e-5);
     for (int i = 0; i < n; ++i) {
       const double z = std::min(1.0, t / rise_s);
       side.step_prescribed(p_start + step_Pa * z * z * z * (10.0 - 15.0 * z + 6.0 * z * z), half_stroke);

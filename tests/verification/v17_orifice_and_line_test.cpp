@@ -21,7 +21,7 @@ class Series {
     const auto found = runs_.find(key);
     if (found != runs_.end()) return found->second;
     Line<double> line;
-    line.configure(line_of(std::get<0>(key), std::get<1>(key)), nominal_air(), steady_cells(resolution_, 300));
+    line.configure(line_of(std::get<0>(key), std::get<1>(key)), nominal_air(), steady_cells(resolution_, 200));
     line.reset(p_start, T_start);
     const double S = std::get<2>(key);
     const ValvePort<double> port{charge ? S : 0.0, charge ? 0.0 : S, 700e3, 0.35};

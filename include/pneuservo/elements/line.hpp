@@ -251,9 +251,10 @@ template <class S> class Line {
     const S u_0 = velocity(0), u_n = velocity(n), u_1 = velocity(1), u_before_n = velocity(n - 1);
     const Cell first = cell(0), last = cell(n - 1);
     find_reynolds();
-    const Face port = port_face(first, u_0, u_1, port_flux);
+    // The ends have the longest chains and go first.
     Face end = chamber_face(last, u_before_n, u_n, chamber);
     const S enthalpy_flux = chamber_end_flux(end, last, chamber);
+    const Face port = port_face(first, u_0, u_1, port_flux);
     advance_velocities();
     find_inner_fluxes();
     face_.fill(0, all_places_, port);
@@ -313,6 +314,7 @@ template <class S> class Line {
     const CellRow cells_in(cell_);
     const FaceRow faces(face_);
     const int groups = inner_face_groups();
+    const G coldest = k.sound_factor * G(150);  // the sound speed of the coldest gas there is; mending looks closer
     auto left = cells_in[0];
     auto subsonic = G(0) == G(0);
     for (int q = 1; q <= groups; ++q) {
@@ -320,8 +322,7 @@ template <class S> class Line {
       const auto right = one_cell_after(left, next);
       line_scheme::Face<G> face;
       face.velocity = faces.velocity[q];
-      const G limit = k.sound_factor * select(face.velocity > G(0), left.temperature, right.temperature);
-      subsonic = subsonic & (face.velocity * face.velocity <= limit);
+      subsonic = subsonic & (face.velocity * face.velocity <= coldest);
       line_scheme::inner_flux(face, left, right);
       faces.mass_flux[q] = face.mass_flux;
       faces.pressure_flux[q] = face.pressure_flux;
@@ -546,6 +547,9 @@ template <class S> class Line {
   std::int64_t guard_actions_ = 0;
 };
 
-}  // namespace pneuservo
+/// Packs wider than a register have a line of their own: include <pneuservo/elements/wide_line.hpp> for them.
+template <class T, int N>
+  requires(!detail::single_register<T, N>)
+class Line<Pack<T, N>>;
 
-#include <pneuservo/elements/wide_line.hpp>
+}  // namespace pneuservo

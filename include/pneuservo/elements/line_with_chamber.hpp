@@ -1,7 +1,7 @@
 // A line and the chamber at its end, stepped together: the pneumatic side that plant, estimator and diagnosis share.
 #pragma once
 #include <pneuservo/elements/chamber.hpp>
-#include <pneuservo/elements/line.hpp>
+#include <pneuservo/elements/wide_line.hpp>
 
 namespace pneuservo {
 

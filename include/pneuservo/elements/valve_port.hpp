@@ -72,8 +72,8 @@ template <class S> struct PortConstants {
 /// rho_1 outward: both sides are monotone in p, so Newton inside a bracket that bisects when a step leaves it.
 /// [u_star + K p] = m/s; c limits |u|; T_1, rho_1 belong to the first cell; p_start is near the solution.
 /// Books the flow of the orifices themselves; with both closed the flow is exactly 0.
-/// Two steps are always taken and nearly always enough; a lane that has converged stays, so that its result does not
-/// depend on its neighbours.
+/// One or two steps are nearly always enough; a lane that has converged stays, so that its result does not depend on its
+/// neighbours.
 template <class S>
 PortSolution<S> solve_valve_port(const PortConstants<S>& k, const Air<S>& air, const ValvePort<S>& valve, const S& cross_section,
                                  const S& u_star, const S& K, const S& c, const S& rho_1, const S& T_1, const S& p_start) noexcept {
@@ -110,10 +110,10 @@ PortSolution<S> solve_valve_port(const PortConstants<S>& k, const Air<S>& air, c
     const S change = next - p;
     flow = select(done, flow, select(inside, line + line_slope * change, orifices));
     p = select(done, p, next);
-    if (iteration == 0) continue;
     done = done | (absolute(change) <= S(port_tolerance) * p);
     if (all(done)) [[likely]] break;
-    set_outflow(u_star + K * p);
+    // Where two steps are enough the start is near, and so is its stagnation temperature (1e-4 of the flow).
+    if (iteration > 0) set_outflow(u_star + K * p);
   }
   const auto closed = (valve.supply_area_m2 <= S(0)) & (valve.exhaust_area_m2 <= S(0));
   p = select(closed, maximum(-u_star * inverse_K, S(1e3)), p);

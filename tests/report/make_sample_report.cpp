@@ -65,6 +65,8 @@ int main(int argc, char** argv) {
   const bool real = std::string(argv[2]) == "real";
   Rig rig;
   rig.reference.kind = ReferenceKind::sine;
+  rig.reference.amplitude_m = 0.08;
+  rig.reference.frequency_Hz = 1.0;
   RunReport report;
   report.config = "sample <10 m & 7.65 mm>";
   report.time = argv[2];

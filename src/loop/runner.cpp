@@ -57,6 +57,8 @@ bool real_tick(AxisLoop& loop, Backend& backend, RecordingRing* ring, Course& co
                std::int64_t skipped, std::int64_t lateness_ns, std::int64_t last_work_ns,
                StageTimes& stages) noexcept {
   const RtScope hot;
+  course.prefetch();
+  if (ring != nullptr) ring->prefetch();
   if (!loop.pass(backend, tick, skipped, &stages, &MonotonicClock::now_ns)) return false;
   loop.row().lateness_us = static_cast<double>(lateness_ns) * 1e-3;
   loop.row().work_us = static_cast<double>(last_work_ns) * 1e-3;  // of the tick before: this one is not done yet

@@ -22,10 +22,10 @@ class RecordingWriter;
 struct RunSettings {
   bool real_time = false;
   int moves = 1;                        ///< times the reference is run
-  LoadPositions load;                   ///< references of kind `file`
+  LoadPositions load{};                 ///< references of kind `file`
   RecordingRing* ring = nullptr;        ///< real time: rows go here
   RecordingWriter* writer = nullptr;    ///< simulated time: rows go here
-  std::function<void(double fraction)> progress;  ///< called between ticks in simulated time only
+  std::function<void(double fraction)> progress{};  ///< called between ticks in simulated time only
 };
 
 /// What came out.

@@ -29,8 +29,9 @@ constexpr const char* compared_columns[] = {
     "p1_estimated_Pa",  "p2_estimated_Pa", "p1_bound_Pa", "p2_bound_Pa", "mass_flow_1_kgps",
     "mass_flow_2_kgps", "x_ref_m",         "v_ref_mps",   "v_mps",       "u_V",         "fault"};
 
-/// A recording of another period cannot be replayed; one of another config can, and is told.
-void compare_with_header(const Recording& recording, const Rig& rig) {
+/// A recording of another period cannot be replayed; one of another config can, and is told. What options of `run` set
+/// beside the config, the duration and the pressure source, is taken from the recording.
+void adopt_header(const Recording& recording, Rig& rig) {
   if (std::isfinite(recording.period_s) && recording.period_s != rig.period_s)
     throw InputError(fmt::format("{}: period_s is {}; expected that of the config, {}", recording.path,
                                  recording.period_s, rig.period_s));
@@ -38,22 +39,25 @@ void compare_with_header(const Recording& recording, const Rig& rig) {
   if (!config || !config.IsScalar()) return;
   std::string reason;
   try {
-    if (same_rig(parse_rig(config.Scalar(), recording.path + ", header"), rig)) return;
+    const Rig recorded = parse_rig(config.Scalar(), recording.path + ", header");
+    rig.duration_s = recorded.duration_s;
+    rig.controller.pressure_source = recorded.controller.pressure_source;
+    if (same_rig(recorded, rig)) return;
     reason = "was made with another config or other --set";
   } catch (const InputError& error) {
     reason = std::string("holds a config that cannot be read (") + error.what() + ")";
   }
-  std::cerr << fmt::format("{}: the recording {}; give the same --set, e.g. --set controller.pressure_source=valve\n",
+  std::cerr << fmt::format("{}: the recording {}; differences are to be expected\n",
                            recording.path, reason);
 }
 
 int run_replay(const ReplayOptions& options) {
-  const Rig rig = read_rig(options.config, options.sets);
+  Rig rig = read_rig(options.config, options.sets);
   require_writable("--record", options.record);
   require_writable("--json", options.json);
   Recording recording = read_recording(options.recording);
   for (const auto& line : problem_lines(recording)) std::cerr << line << "\n";
-  compare_with_header(recording, rig);
+  adopt_header(recording, rig);
   const int moves = recording.header["moves"] ? recording.header["moves"].as<int>() : 1;
   ReplayBackend backend(std::move(recording), rig.period_s);
   const Recording& data = backend.recording();

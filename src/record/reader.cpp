@@ -130,7 +130,7 @@ template <class T> void keep_only(std::vector<T>& values, const std::vector<std:
 
 Recording read_recording(const std::string& path) {
   Recording recording;
-  static_cast<Table&>(recording) = read_table(path);
+  static_cast<CsvTable&>(recording) = read_table(path);
   recording.require({"t_s"});
   read_keys(recording);
   const std::vector<std::size_t> kept = TimeCheck(recording).run();

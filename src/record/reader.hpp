@@ -8,7 +8,7 @@
 namespace pneuservo {
 
 /// A table with strictly increasing `t_s`; rows that break the order are reported and left out.
-struct Recording : Table {
+struct Recording : CsvTable {
   std::string rig;  ///< the config's name; empty if the header lacks it
   double period_s =
       std::numeric_limits<double>::quiet_NaN();  ///< > 0, or NaN if the header lacks it (gaps are not sought then)

@@ -61,11 +61,11 @@ YAML::Node parse_header(const std::string& comments) {
   return header;
 }
 
-class TableReader {
+class CsvTableReader {
  public:
-  explicit TableReader(const std::string& path) : input_(path) { table_.path = path; }
+  explicit CsvTableReader(const std::string& path) : input_(path) { table_.path = path; }
 
-  Table read() {
+  CsvTable read() {
     read_head();
     std::string_view line;
     while (input_.next_line(line)) read_row(line);
@@ -160,7 +160,7 @@ class TableReader {
   }
 
   TextInput input_;
-  Table table_;
+  CsvTable table_;
   std::vector<double> row_;
 };
 
@@ -173,15 +173,15 @@ std::string_view name_of(ProblemKind kind) {
   return names[static_cast<std::size_t>(kind)];
 }
 
-bool Table::has(std::string_view name) const { return std::find(names.begin(), names.end(), name) != names.end(); }
+bool CsvTable::has(std::string_view name) const { return std::find(names.begin(), names.end(), name) != names.end(); }
 
-const std::vector<double>& Table::column(std::string_view name) const {
+const std::vector<double>& CsvTable::column(std::string_view name) const {
   const auto at = std::find(names.begin(), names.end(), name);
   if (at == names.end()) require({std::string(name)});
   return values[static_cast<std::size_t>(at - names.begin())];
 }
 
-void Table::require(const std::vector<std::string>& columns) const {
+void CsvTable::require(const std::vector<std::string>& columns) const {
   std::vector<std::string> missing;
   for (const std::string& name : columns)
     if (!has(name)) missing.push_back(name);
@@ -190,14 +190,14 @@ void Table::require(const std::vector<std::string>& columns) const {
                                fmt::join(missing, ", "), missing.size() > 1 ? "are" : "is", fmt::join(names, ", ")));
 }
 
-void Table::report(std::size_t line, ProblemKind kind, std::string_view what) {
+void CsvTable::report(std::size_t line, ProblemKind kind, std::string_view what) {
   problems.push_back(
       {line, kind, line > 0 ? fmt::format("{}, line {}: {}", path, line, what) : fmt::format("{}: {}", path, what)});
 }
 
-Table read_table(const std::string& path) { return TableReader(path).read(); }
+CsvTable read_table(const std::string& path) { return CsvTableReader(path).read(); }
 
-std::vector<std::string> problem_lines(const Table& table, std::size_t each) {
+std::vector<std::string> problem_lines(const CsvTable& table, std::size_t each) {
   std::map<ProblemKind, std::size_t> counts;
   std::vector<std::string> result;
   for (const RecordingProblem& problem : table.problems)

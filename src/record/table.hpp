@@ -32,7 +32,7 @@ struct RecordingProblem {
 };
 
 /// Columns by name, all kept, known or not. NaN = no value.
-struct Table {
+struct CsvTable {
   std::string path;
   YAML::Node header;     ///< the keys of the comment header; a map, possibly empty
   std::string comments;  ///< the comment header with the `# ` taken off
@@ -53,9 +53,9 @@ struct Table {
 
 /// Reads a .csv.gz or plain .csv. Throws InputError: no such file, not gzip, no line of column names, a column twice,
 /// no row that can be used.
-Table read_table(const std::string& path);
+CsvTable read_table(const std::string& path);
 
 /// The problems for a reader's eye: the first `each` of every kind, then how many more.
-std::vector<std::string> problem_lines(const Table& table, std::size_t each = 3);
+std::vector<std::string> problem_lines(const CsvTable& table, std::size_t each = 3);
 
 }  // namespace pneuservo

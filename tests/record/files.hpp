@@ -53,7 +53,7 @@ inline std::string put_gzip(const std::string& path, std::string_view text) {
 }
 
 /// Kinds and lines of all problems, e.g. "gap@7 truncated@12".
-inline std::string problems_of(const Table& table) {
+inline std::string problems_of(const CsvTable& table) {
   std::string result;
   for (const RecordingProblem& problem : table.problems)
     result.append(result.empty() ? "" : " ")

@@ -201,7 +201,7 @@ TEST_CASE("gzip files joined end to end read as one; a plain file without its la
 
 TEST_CASE("a table of foreign columns needs no times") {
   const TemporaryFolder folder;
-  const Table table =
+  const CsvTable table =
       read_table(put_plain(folder.file("f.csv"), "# Flow of a valve\nduty,q_m3_s\n0.1,1e-3\n0.1,2e-3\n"));
   REQUIRE(table.rows() == 2);
   REQUIRE(table.comments == "Flow of a valve\n");

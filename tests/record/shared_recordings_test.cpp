@@ -22,7 +22,7 @@ TEST_CASE("all shared recordings read") {
       const std::string path = entry.path().string();
       if (!path.ends_with(".csv.gz")) continue;
       CAPTURE(path);
-      const Table table = read_table(path);
+      const CsvTable table = read_table(path);
       REQUIRE(table.rows() > 10);
       if (!table.has("t_s")) {
         REQUIRE_THROWS_WITH(read_recording(path), Catch::Matchers::Contains("column t_s is missing"));

@@ -3,11 +3,13 @@
 
 #include <cmath>
 
+#include <pneuservo/loop/fault.hpp>
+
 namespace pneuservo {
 namespace {
-constexpr const char* column_names[9] = {"x_m",           "p1_port_Pa",         "p2_port_Pa",
+constexpr const char* column_names[10] = {"x_m",           "p1_port_Pa",         "p2_port_Pa",
                                          "p1_chamber_Pa", "p2_chamber_Pa",      "p_supply_Pa",
-                                         "x_true_m",      "p1_chamber_true_Pa", "p2_chamber_true_Pa"};
+                                         "x_true_m",      "p1_chamber_true_Pa", "p2_chamber_true_Pa", "fault"};
 }  // namespace
 
 ReplayBackend::ReplayBackend(Recording recording, double period_s) : recording_(std::move(recording)) {
@@ -32,6 +34,13 @@ bool ReplayBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
     *channels[i] = {value, 0.0, std::isfinite(value) && ticks_[row_] == tick, Origin::replayed};
   }
   return true;
+}
+
+bool ReplayBackend::write(std::int64_t, const Command&) noexcept {
+  if (columns_[9] == nullptr) return true;
+  const double bits = (*columns_[9])[row_];
+  const bool readable = bits >= 0.0 && bits < 4294967296.0;
+  return !readable || (static_cast<std::uint32_t>(bits) & fault_output_missed) == 0;
 }
 
 std::array<Origin, 6> ReplayBackend::origins() const {

@@ -18,7 +18,8 @@ class ReplayBackend final : public Backend {
   void configure() override {}
   void activate() override { next_ = 0; }
   bool read(std::int64_t tick, Measurement& measurement) noexcept override;
-  bool write(std::int64_t, const Command&) noexcept override { return true; }
+  /// False where the column `fault` says that the recorded run could not write.
+  bool write(std::int64_t, const Command&) noexcept override;
   void deactivate() noexcept override {}
   Truth truth() const noexcept override;
   std::array<Origin, 6> origins() const override;
@@ -32,7 +33,7 @@ class ReplayBackend final : public Backend {
  private:
   Recording recording_;
   std::vector<std::int64_t> ticks_;
-  std::vector<const std::vector<double>*> columns_;  // x, ports, chambers, supply, then truth; null: absent
+  std::vector<const std::vector<double>*> columns_;  // x, ports, chambers, supply, truth, then fault; null: absent
   std::size_t next_ = 0, row_ = 0;
 };
 

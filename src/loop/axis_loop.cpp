@@ -12,26 +12,51 @@ double tolerance_of(const Rig& rig, const char* path) {
   return found == rig.tolerances.end() ? 0.0 : found->second;
 }
 
-/// A sensor whose noise spans its quantum cannot repeat a value for long.
-bool noise_shows(double noise, double quantum) { return noise > 0.0 && noise >= 0.5 * quantum; }
-
-PlausibleChannel plausible_pressure(const Rig& rig, const PressureSensorParameters& sensor) {
+/// Steps of 5 % of the supply in a period are beyond what lines and chambers do with a calm valve; what an active one
+/// and small volumes add is told tick by tick.
+PlausibleChannel plausible_pressure(const Rig& rig, const PressureSensorParameters& sensor, int start_ticks) {
   return {.lowest = 0.3 * rig.axis.air.atmosphere_Pa,
           .highest = 1.5 * rig.axis.supply.pressure_Pa,
-          .noisy = noise_shows(sensor.noise_Pa, sensor.quantum_Pa)};
+          .slack = 6.0 * sensor.noise_Pa + sensor.quantum_Pa,
+          .step_per_period = 0.05 * rig.axis.supply.pressure_Pa,
+          .frozen_ticks = frozen_after_ticks(sensor.noise_Pa, sensor.quantum_Pa),
+          .start_ticks = start_ticks};
 }
 
-PlausibleChannel plausible_position(const Rig& rig) {
-  const double reach =
-      rig.axis.cylinder.stroke_m;  // twice the half stroke: beyond that the encoder is not of this axis
+PlausibleChannel plausible_position(const Rig& rig, int start_ticks) {
   const double noise = rig.sensors.position.noise_m, quantum = rig.sensors.position.quantum_m;
+  const double reach = rig.axis.cylinder.stroke_m;  // twice the half: beyond that the encoder is not of this axis
+  // To lose 0.1 m/s, or 100 m/s2 where a period is long, from one sample to the next and then rest takes a blow.
+  const double stopping_mps = std::max(0.1, 100.0 * rig.period_s);
   return {.lowest = -reach,
           .highest = reach,
-          .largest_step = rig.limits.speed_mps * rig.period_s + 6.0 * noise + quantum,
-          // 50 mm/s does not end within a tick of 1 ms: that would take a deceleration of five times gravity.
-          .frozen_step = 0.05 * rig.period_s + 6.0 * noise + quantum,
-          .noisy = noise_shows(noise, quantum)};
+          .slack = 6.0 * noise + quantum,
+          .step_per_period = rig.limits.speed_mps * rig.period_s,
+          .stopping_step = stopping_mps * rig.period_s + 6.0 * noise + quantum,
+          .frozen_ticks = frozen_after_ticks(noise, quantum),
+          .start_ticks = start_ticks};
 }
+
+/// Choked flow of the fully opened area into the line, per volt [kg/(s V)].
+double largest_flow_per_volt(const Rig& rig) {
+  const auto& air = rig.axis.air;
+  return 0.685 * rig.axis.supply.pressure_Pa / std::sqrt(air.gas_constant_J_per_kgK * air.temperature_K) *
+         rig.axis.valve.area_per_volt_m2_per_V;
+}
+
+/// A change of flow dG sends a wave of c dG / A into a line: what a volt does to the pressure at its port at once.
+double port_step_Pa_per_V(const Rig& rig) {
+  const auto& air = rig.axis.air;
+  const double diameter = std::min(rig.axis.line_1.diameter_m, rig.axis.line_2.diameter_m);
+  const double sound_mps = std::sqrt(air.heat_capacity_ratio * air.gas_constant_J_per_kgK * air.temperature_K);
+  return sound_mps * largest_flow_per_volt(rig) / (0.25 * 3.141592653589793 * diameter * diameter);
+}
+
+constexpr double margin = 2.0;                 // over both estimates of steps: waves add up
+constexpr double activity_time_s = 0.2;        // echoes of a change of command die out
+constexpr double first_value_within_s = 0.1;
+constexpr double at_end_stop_m = 1e-3;
+constexpr std::int64_t most_caught_up_steps = 10;  // a late tick must not grow long itself
 
 }  // namespace
 
@@ -60,13 +85,23 @@ void AxisLoop::configure(const Rig& rig, const LoadPositions& load) {
   needs_chambers_ = source_ == PressureSource::chamber;
   safe_command_V_ = rig.safe_output.command_V;
   speed_limit_mps_ = rig.limits.speed_mps;
-  reach_m_ = 0.5 * rig.axis.cylinder.stroke_m + rig.limits.position_margin_m;
+  cylinder_ = rig.axis.cylinder;
+  half_stroke_m_ = 0.5 * rig.axis.cylinder.stroke_m;
+  position_margin_m_ = rig.limits.position_margin_m;
+  port_step_Pa_per_V_ = margin * port_step_Pa_per_V(rig);
+  const auto& air = rig.axis.air;
+  fill_step_Pa_m3_ = margin * air.heat_capacity_ratio * air.gas_constant_J_per_kgK * air.temperature_K *
+                     largest_flow_per_volt(rig) * rig.axis.valve.command_max_V * rig.period_s;
+  activity_decay_ = std::exp(-rig.period_s / activity_time_s);
   estimator_.configure(estimator_parameters(rig));
   controller_.configure(rig.controller, rig.axis, rig.period_s);
   reference_ = Reference(rig.reference, load);
-  position_guard_.configure(plausible_position(rig));
-  for (auto& guard : port_guard_) guard.configure(plausible_pressure(rig, rig.sensors.port_pressure));
-  for (auto& guard : chamber_guard_) guard.configure(plausible_pressure(rig, rig.sensors.chamber_pressure));
+  const int start_ticks = std::max(3, static_cast<int>(std::lround(first_value_within_s / rig.period_s)));
+  position_guard_.configure(plausible_position(rig, start_ticks));
+  for (auto& guard : port_guard_) guard.configure(plausible_pressure(rig, rig.sensors.port_pressure, start_ticks));
+  for (auto& guard : chamber_guard_)
+    guard.configure(plausible_pressure(rig, rig.sensors.chamber_pressure, start_ticks));
+  command_V_ = safe_command_V_;
   rearm();
 }
 
@@ -74,9 +109,9 @@ void AxisLoop::rearm() noexcept {
   faults_ = first_faults_ = 0;
   begins_ = true;
   stopped_ = limited_ = false;
-  command_V_ = velocity_mps_ = 0.0;
+  velocity_mps_ = 0.0;
   estimator_.reset();
-  controller_.reset();
+  controller_.reset(command_V_);
   position_guard_.reset();
   for (auto& guard : port_guard_) guard.reset();
   for (auto& guard : chamber_guard_) guard.reset();
@@ -87,30 +122,72 @@ void AxisLoop::latch(std::uint32_t faults) noexcept {
   faults_ |= faults;
 }
 
-AxisLoop::Inputs AxisLoop::guard(const Measurement& measured) noexcept {
-  Inputs in{};
+std::uint32_t AxisLoop::check_position(const Channel& position, double periods, Inputs& in) noexcept {
   std::uint32_t faults = 0;
-  in.position_m = position_guard_.check(measured.position_m);
+  const bool at_end_stop = std::fabs(position.value) > half_stroke_m_ - at_end_stop_m;
+  in.position_m = position_guard_.check(position, periods, 0.0, at_end_stop);
   if (position_guard_.missing) faults |= fault_position_missing;
   if (position_guard_.jumped) faults |= fault_position_jump;
   if (position_guard_.frozen) faults |= fault_position_frozen;
-  if (std::fabs(in.position_m) > reach_m_) faults |= fault_position_range;
-  in.port_1_Pa = port_guard_[0].check(measured.port_pressure_1_Pa);
-  in.port_2_Pa = port_guard_[1].check(measured.port_pressure_2_Pa);
-  if (port_guard_[0].missing) faults |= fault_port_pressure_1_missing;
-  if (port_guard_[1].missing) faults |= fault_port_pressure_2_missing;
-  if (port_guard_[0].frozen) faults |= fault_port_pressure_1_frozen;
-  if (port_guard_[1].frozen) faults |= fault_port_pressure_2_frozen;
-  if (needs_chambers_) {
-    in.chamber_1_Pa = chamber_guard_[0].check(measured.chamber_pressure_1_Pa);
-    in.chamber_2_Pa = chamber_guard_[1].check(measured.chamber_pressure_2_Pa);
-    if (chamber_guard_[0].missing) faults |= fault_chamber_pressure_1_missing;
-    if (chamber_guard_[1].missing) faults |= fault_chamber_pressure_2_missing;
-    if (chamber_guard_[0].frozen) faults |= fault_chamber_pressure_1_frozen;
-    if (chamber_guard_[1].frozen) faults |= fault_chamber_pressure_2_frozen;
-  }
+  if (std::fabs(in.position_m) > half_stroke_m_ + position_margin_m_) faults |= fault_position_range;
+  return faults;
+}
+
+double AxisLoop::chamber_step_Pa(double dead_volume_m3, double area_m2, double way_m) const noexcept {
+  return fill_step_Pa_m3_ / (dead_volume_m3 + area_m2 * std::max(way_m, 0.0));
+}
+
+std::uint32_t AxisLoop::check_pressures(const Measurement& measured, double periods, Inputs& in) noexcept {
+  std::uint32_t faults = 0;
+  const auto judge = [&](InputGuard& guard, const Channel& channel, double extra_Pa, std::uint32_t missing,
+                         std::uint32_t frozen, std::uint32_t jump) noexcept {
+    const double value = guard.check(channel, periods, extra_Pa);
+    faults |= (guard.missing ? missing : 0u) | (guard.frozen ? frozen : 0u) | (guard.jumped ? jump : 0u);
+    return value;
+  };
+  const double wave_Pa = port_step_Pa_per_V_ * activity_V_;
+  in.port_1_Pa = judge(port_guard_[0], measured.port_pressure_1_Pa, wave_Pa, fault_port_pressure_1_missing,
+                       fault_port_pressure_1_frozen, fault_port_pressure_1_jump);
+  in.port_2_Pa = judge(port_guard_[1], measured.port_pressure_2_Pa, wave_Pa, fault_port_pressure_2_missing,
+                       fault_port_pressure_2_frozen, fault_port_pressure_2_jump);
+  if (!needs_chambers_) return faults;
+  const double x = std::isfinite(in.position_m) ? in.position_m : 0.0;
+  in.chamber_1_Pa =
+      judge(chamber_guard_[0], measured.chamber_pressure_1_Pa,
+            chamber_step_Pa(cylinder_.dead_volume_1_m3, cylinder_.area_1_m2, half_stroke_m_ + x),
+            fault_chamber_pressure_1_missing, fault_chamber_pressure_1_frozen, fault_chamber_pressure_1_jump);
+  in.chamber_2_Pa =
+      judge(chamber_guard_[1], measured.chamber_pressure_2_Pa,
+            chamber_step_Pa(cylinder_.dead_volume_2_m3, cylinder_.area_2_m2, half_stroke_m_ - x),
+            fault_chamber_pressure_2_missing, fault_chamber_pressure_2_frozen, fault_chamber_pressure_2_jump);
+  return faults;
+}
+
+AxisLoop::Inputs AxisLoop::guard(const Measurement& measured, std::int64_t skipped) noexcept {
+  Inputs in{};
+  const double periods = static_cast<double>(skipped + 1);
+  std::uint32_t faults = check_position(measured.position_m, periods, in);
+  faults |= check_pressures(measured, periods, in);
   if (faults != 0) latch(faults);
   return in;
+}
+
+bool AxisLoop::waiting() const noexcept {
+  return position_guard_.waiting() || port_guard_[0].waiting() || port_guard_[1].waiting() ||
+         (needs_chambers_ && (chamber_guard_[0].waiting() || chamber_guard_[1].waiting()));
+}
+
+std::uint32_t AxisLoop::check_standstill() noexcept {
+  if (position_guard_.equal_ticks() == 0) standstill_reference_m_ = now_.d[0];
+  const bool long_enough = position_guard_.equal_ticks() * period_s_ >= standstill_s;
+  const double way = std::fabs(now_.d[0] - standstill_reference_m_);
+  return long_enough && way > 2.0 * half_stroke_m_ * standstill_share ? fault_position_frozen : 0u;
+}
+
+// How much the command has moved of late, from one tick to the next.
+void AxisLoop::note_command(double command_V) noexcept {
+  activity_V_ = std::max(std::fabs(command_V - command_V_), activity_V_ * activity_decay_);
+  command_V_ = command_V;
 }
 
 // From here to the reference's first value, at rest at both ends, then the reference's own time begins.
@@ -157,7 +234,7 @@ double AxisLoop::control(double t_s, const Inputs& inputs, const EstimatorOutput
   const PdForceState& state = controller_.state();
   velocity_mps_ = state.v_mps;
   limited_ = state.limit != limit_none;
-  std::uint32_t faults = 0;
+  std::uint32_t faults = check_standstill();
   if (state.fault != controller_healthy) faults |= fault_command_not_finite;
   if (std::fabs(velocity_mps_) > speed_limit_mps_) faults |= fault_speed;
   if (source_ == PressureSource::estimated && !(estimate.valid[0] && estimate.valid[1]))
@@ -177,20 +254,26 @@ bool AxisLoop::pass(Backend& backend, std::int64_t tick, std::int64_t skipped, S
   if (!backend.read(tick, measured)) return false;
   const Truth truth = backend.truth();  // for the row alone, taken at the sampling instant
   stamp(&StageTimes::read);
-  const Inputs inputs = guard(measured);
+  const Inputs inputs = guard(measured, skipped);
   // Skipped slots passed without a sample: the model goes through them with the newest one.
-  for (std::int64_t i = 0; i < std::min<std::int64_t>(skipped, 10); ++i)
+  for (std::int64_t i = 0; i < std::min<std::int64_t>(skipped, most_caught_up_steps); ++i)
     estimator_.step({inputs.port_1_Pa, inputs.port_2_Pa, inputs.position_m, velocity_mps_});
+  controller_.skip(skipped);
   const EstimatorOutput estimate =
       estimator_.step({inputs.port_1_Pa, inputs.port_2_Pa, inputs.position_m, velocity_mps_});
   stamp(&StageTimes::estimated);
-  if (faults_ == 0 && !stopped_) command_V_ = control(t_s, inputs, estimate);
-  if (faults_ != 0 || stopped_) {
-    command_V_ = safe_command_V_;
-    limited_ = false;
-  }
+  double command_V = safe_command_V_;
+  limited_ = false;
+  if (faults_ == 0 && !stopped_ && !waiting()) command_V = control(t_s, inputs, estimate);
+  if (faults_ != 0) command_V = safe_command_V_;
   stamp(&StageTimes::controlled);
-  if (!backend.write(tick, {command_V_})) latch(fault_output_missed);
+  if (!backend.write(tick, {command_V})) {
+    latch(fault_output_missed);
+    command_V = safe_command_V_;
+    backend.write(tick, {command_V});
+  }
+  note_command(command_V);
+  if (faults_ != 0) limited_ = false;
   stamp(&StageTimes::written);
   fill_row(t_s, skipped, measured, truth, estimate, command_V_);
   return true;
@@ -198,19 +281,20 @@ bool AxisLoop::pass(Backend& backend, std::int64_t tick, std::int64_t skipped, S
 
 void AxisLoop::stop(Backend& backend, std::int64_t tick) noexcept {
   stopped_ = true;
-  command_V_ = safe_command_V_;
+  note_command(safe_command_V_);
   backend.write(tick, {command_V_});
 }
 
 void AxisLoop::fill_row(double t_s, std::int64_t skipped, const Measurement& measured, const Truth& truth,
                         const EstimatorOutput& estimate, double command_V) noexcept {
   const auto recorded = [](const Channel& channel) {
-    return channel.origin == Origin::absent ? Row::none : channel.value;
+    return channel.valid ? channel.value : Row::none;
   };
-  row_ = Row{};
+  const bool estimated = (estimate.health & estimator_not_started) == 0;
+  const auto known = [](bool is_known, double value) { return is_known ? value : Row::none; };
   row_.t_s = t_s;
-  row_.x_ref_m = now_.d[0];
-  row_.v_ref_mps = now_.d[1];
+  row_.x_ref_m = known(!begins_, now_.d[0]);
+  row_.v_ref_mps = known(!begins_, now_.d[1]);
   row_.x_m = recorded(measured.position_m);
   row_.v_mps = velocity_mps_;
   row_.u_V = command_V;
@@ -218,12 +302,12 @@ void AxisLoop::fill_row(double t_s, std::int64_t skipped, const Measurement& mea
   row_.p2_port_Pa = recorded(measured.port_pressure_2_Pa);
   row_.p1_chamber_Pa = recorded(measured.chamber_pressure_1_Pa);
   row_.p2_chamber_Pa = recorded(measured.chamber_pressure_2_Pa);
-  row_.p1_estimated_Pa = estimate.chamber_pressure_Pa[0];
-  row_.p2_estimated_Pa = estimate.chamber_pressure_Pa[1];
-  row_.p1_bound_Pa = estimate.error_bound_Pa[0];
-  row_.p2_bound_Pa = estimate.error_bound_Pa[1];
-  row_.mass_flow_1_kgps = estimate.mass_flow_kgps[0];
-  row_.mass_flow_2_kgps = estimate.mass_flow_kgps[1];
+  row_.p1_estimated_Pa = known(estimated, estimate.chamber_pressure_Pa[0]);
+  row_.p2_estimated_Pa = known(estimated, estimate.chamber_pressure_Pa[1]);
+  row_.p1_bound_Pa = known(estimated, estimate.error_bound_Pa[0]);
+  row_.p2_bound_Pa = known(estimated, estimate.error_bound_Pa[1]);
+  row_.mass_flow_1_kgps = known(estimated, estimate.mass_flow_kgps[0]);
+  row_.mass_flow_2_kgps = known(estimated, estimate.mass_flow_kgps[1]);
   row_.p_supply_Pa = recorded(measured.supply_pressure_Pa);
   row_.x_true_m = truth.position_m;
   row_.p1_chamber_true_Pa = truth.chamber_pressure_1_Pa;

@@ -10,14 +10,16 @@
 
 namespace pneuservo {
 
-/// One move of a run: rows [begin, end), its reference's time 0 at start_s.
+/// One move of a run: rows [begin, end), its reference's time 0 at start_s; `overruns`: slots skipped in it.
 struct MoveSpan {
   std::size_t begin = 0, end = 0;
   double start_s = 0.0;
+  std::int64_t overruns = 0;
 };
 
 /// Decides after every pass whether the run goes on; the same for runs and replays, so that a replay restarts the
-/// reference at the tick at which the run did. All memory is taken and touched in the constructor.
+/// reference at the tick at which the run did. All memory is taken and touched in the constructor: a row and a move are
+/// written into what is there.
 class Course {
  public:
   /// After a fault the axis stays in its safe output this long before the run ends, so that the recording shows it.
@@ -25,7 +27,13 @@ class Course {
 
   Course(const Rig& rig, int moves);
   /// After the pass of `tick`; false: the run is over. Keeps the row. HOT.
-  bool after(std::int64_t tick, AxisLoop& loop) noexcept;
+  bool after(std::int64_t tick, AxisLoop& loop) noexcept PNEUSERVO_NONBLOCKING;
+  /// HOT. Before the work of a tick: its row's memory comes into the cache meanwhile.
+  void prefetch() const noexcept {
+    if (kept_ >= rows_.size()) return;
+    const auto* const row = reinterpret_cast<const char*>(&rows_[kept_]);
+    for (std::size_t offset = 0; offset <= sizeof(Row); offset += 64) __builtin_prefetch(row + offset, 1);
+  }
   /// Ends the move that is under way.
   void close() noexcept;
   /// Share of the run that is done, about.
@@ -33,17 +41,24 @@ class Course {
     return static_cast<double>(tick) / static_cast<double>(planned_ticks_);
   }
 
-  const std::vector<MoveSpan>& moves() const noexcept { return moves_; }
-  std::vector<Row> take_rows() noexcept { return std::move(rows_); }
+  /// Tick of the first fault; -1: none.
+  std::int64_t fault_tick() const noexcept { return fault_tick_; }
+  /// Moves begun so far; cold, after the run.
+  std::vector<MoveSpan> moves() const { return {moves_.begin(), moves_.begin() + static_cast<std::ptrdiff_t>(closed_)}; }
+  /// The rows; cold, once, after the run.
+  std::vector<Row> take_rows() {
+    rows_.resize(kept_);
+    return std::move(rows_);
+  }
 
  private:
   double period_s_, duration_s_;
   std::size_t wanted_moves_;
-  std::int64_t planned_ticks_, fault_tick_ = -1;
+  std::int64_t planned_ticks_, fault_tick_ = -1, last_tick_ = -1, overruns_ = 0;
   double move_start_s_ = 0.0;
   std::vector<Row> rows_;
   std::vector<MoveSpan> moves_;
-  std::size_t ended_rows_ = 0;
+  std::size_t kept_ = 0, closed_ = 0, ended_rows_ = 0;
 };
 
 }  // namespace pneuservo

@@ -19,14 +19,15 @@ namespace {
 constexpr std::int64_t warm_up_ticks = 200;
 
 void run_simulated(AxisLoop& loop, Backend& backend, const RunSettings& settings, Course& course, RunOutcome& out) {
+  const auto pass = [&](std::int64_t tick) noexcept {
+    const RtScope hot;
+    return loop.pass(backend, tick, 0, nullptr, nullptr);
+  };
   std::int64_t tick = 0;
   for (; !StopRequest::requested(); ++tick) {
-    {
-      RtScope hot;
-      if (!loop.pass(backend, tick, 0, nullptr, nullptr)) {
-        out.ended_by_backend = true;
-        break;
-      }
+    if (!pass(tick)) {
+      out.ended_by_backend = true;
+      break;
     }
     ++out.ticks;
     if (settings.writer != nullptr) settings.writer->write(loop.row());
@@ -51,6 +52,22 @@ void account(LoopTiming& timing, const StageTimes& stages, std::int64_t lateness
   ++timing.ticks;
 }
 
+// One tick of real time: the pass, its row into the ring, the course. False: the run is over.
+bool real_tick(AxisLoop& loop, Backend& backend, RecordingRing* ring, Course& course, std::int64_t tick,
+               std::int64_t skipped, std::int64_t lateness_ns, std::int64_t last_work_ns,
+               StageTimes& stages) noexcept {
+  const RtScope hot;
+  course.prefetch();
+  if (ring != nullptr) ring->prefetch();
+  if (!loop.pass(backend, tick, skipped, &stages, &MonotonicClock::now_ns)) return false;
+  loop.row().lateness_us = static_cast<double>(lateness_ns) * 1e-3;
+  loop.row().work_us = static_cast<double>(last_work_ns) * 1e-3;  // of the tick before: this one is not done yet
+  if (ring != nullptr) ring->push(loop.row());
+  const bool goes_on = course.after(tick, loop);
+  stages.end = MonotonicClock::now_ns();
+  return goes_on;
+}
+
 void run_real(AxisLoop& loop, Backend& backend, const RunSettings& settings, double period_s, Course& course,
               RunOutcome& out) {
   out.timing = std::make_unique<LoopTiming>();
@@ -64,20 +81,14 @@ void run_real(AxisLoop& loop, Backend& backend, const RunSettings& settings, dou
     MonotonicClock::sleep_until_ns(grid.slot_ns());
     const std::int64_t woken_ns = MonotonicClock::now_ns();
     const std::int64_t tick = grid.slot(), lateness_ns = grid.lateness_ns(woken_ns);
-    bool goes_on;
-    {
-      RtScope hot;
-      StageTimes stages;
-      goes_on = loop.pass(backend, tick, skipped, &stages, &MonotonicClock::now_ns);
-      loop.row().lateness_us = static_cast<double>(lateness_ns) * 1e-3;
-      loop.row().work_us = static_cast<double>(last_work_ns) * 1e-3;  // of the tick before: this one is not done yet
-      if (goes_on && settings.ring != nullptr) settings.ring->push(loop.row());
-      if (goes_on && !course.after(tick, loop)) goes_on = false;
-      stages.end = MonotonicClock::now_ns();
-      last_work_ns = stages.end - stages.start;
-      ++out.ticks;
-      if (out.ticks > warm_up_ticks) account(timing, stages, lateness_ns, tick);
-    }
+    StageTimes stages;
+    const bool goes_on =
+        real_tick(loop, backend, settings.ring, course, tick, skipped, lateness_ns, last_work_ns, stages);
+    out.ended_by_backend = stages.end == 0;
+    if (out.ended_by_backend) break;
+    last_work_ns = stages.end - stages.start;
+    ++out.ticks;
+    if (out.ticks > warm_up_ticks) account(timing, stages, lateness_ns, tick);
     if (out.ticks == warm_up_ticks) before = ThreadCounters::now();
     if (!goes_on) break;
     skipped = grid.advance(MonotonicClock::now_ns());
@@ -109,12 +120,19 @@ RunOutcome run_loop(const Rig& rig, Backend& backend, const RunSettings& setting
   Course course(rig, settings.moves);
   backend.activate();
   const auto begin = std::chrono::steady_clock::now();
-  if (settings.real_time) run_real(loop, backend, settings, rig.period_s, course, out);
-  else run_simulated(loop, backend, settings, course, out);
+  try {
+    if (settings.real_time) run_real(loop, backend, settings, rig.period_s, course, out);
+    else run_simulated(loop, backend, settings, course, out);
+  } catch (...) {  // e.g. no memory for the recording: never without the safe output
+    loop.stop(backend, 0);
+    backend.deactivate();
+    throw;
+  }
   out.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   backend.deactivate();
   course.close();
   out.faults = fault_words(loop.first_faults(), loop.faults());
+  if (course.fault_tick() >= 0) out.fault_s = static_cast<double>(course.fault_tick()) * rig.period_s;
   out.moves = course.moves();
   out.rows = course.take_rows();
   return out;

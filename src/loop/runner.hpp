@@ -22,10 +22,10 @@ class RecordingWriter;
 struct RunSettings {
   bool real_time = false;
   int moves = 1;                        ///< times the reference is run
-  LoadPositions load;                   ///< references of kind `file`
+  LoadPositions load{};                 ///< references of kind `file`
   RecordingRing* ring = nullptr;        ///< real time: rows go here
   RecordingWriter* writer = nullptr;    ///< simulated time: rows go here
-  std::function<void(double fraction)> progress;  ///< called between ticks in simulated time only
+  std::function<void(double fraction)> progress{};  ///< called between ticks in simulated time only
 };
 
 /// What came out.
@@ -33,9 +33,11 @@ struct RunOutcome {
   std::vector<Row> rows;
   std::vector<MoveSpan> moves;
   std::vector<std::string> faults;      ///< in words, first cause first; empty for a good run
+  double fault_s = 0.0;                 ///< time of the first tick with a fault; meaningful with faults
   bool stopped_by_signal = false;
   bool ended_by_backend = false;
-  std::int64_t ticks = 0, overruns = 0;
+  std::int64_t ticks = 0;               ///< served
+  std::int64_t overruns = 0;            ///< slots skipped
   double wall_s = 0.0;
   std::unique_ptr<LoopTiming> timing;   ///< real time only
 };

@@ -1,5 +1,4 @@
 // The verb check: grades the machine for running in real time and, where one is named, a config.
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -7,10 +6,10 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "loop/machine_check.hpp"
-#include "loop/rig_check.hpp"
+#include "loop/rig_grade.hpp"
+#include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 
 namespace pneuservo {
@@ -22,7 +21,7 @@ struct CheckOptions {
   RealTimeSettings session;
 };
 
-std::vector<Finding> check_config(const std::string& path) { return check_rig(read_rig(path)); }
+std::vector<Finding> check_config(const std::string& path) { return grade_rig(read_rig(path)); }
 
 nlohmann::ordered_json as_json(const std::vector<Finding>& findings) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -34,17 +33,8 @@ nlohmann::ordered_json as_json(const std::vector<Finding>& findings) {
   return list;
 }
 
-void write_json(const std::string& path, const nlohmann::ordered_json& json) {
-  if (path == "-") {
-    std::cout << json.dump(2) << '\n';
-    return;
-  }
-  std::ofstream file(path);
-  file << json.dump(2) << '\n';
-  if (!file.flush()) throw InputError(path + ": cannot be written");
-}
-
 int run_check(const CheckOptions& options) {
+  require_writable("--json", options.json);
   const std::vector<Finding> machine = check_machine(options.session);
   const std::vector<Finding> config = options.config.empty() ? std::vector<Finding>{} : check_config(options.config);
   const bool ready = worst_level(machine) != FindingLevel::bad && worst_level(config) != FindingLevel::bad;

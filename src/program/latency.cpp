@@ -1,18 +1,23 @@
-// The verb latency: wake-up latency of the loop's own timer with nothing in it.
+// The verb latency: wake-up latency of the loop's own timer with nothing in it, and beside it the loop with a config.
+#include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "config/input_error.hpp"
+#include "config/read_rig.hpp"
 #include "loop/realtime_latency.hpp"
 #include "loop/realtime_stop.hpp"
+#include "loop/runner.hpp"
+#include "program/rig_options.hpp"
 #include "program/verbs.hpp"
+#include "report/run_json.hpp"
+#include "sim/sim_backend.hpp"
 
 namespace pneuservo {
 namespace {
@@ -23,20 +28,12 @@ using Results = std::vector<std::unique_ptr<LatencyResult>>;
 struct LatencyOptions {
   double period_us = 1000.0;
   LatencySettings settings;
-  std::string json;
+  std::string config, json;
+  bool period_stated = false;
 };
 
 /// A time [us] to the nanosecond, without the digits that binary fractions add.
 double whole_ns(double time_us) { return std::round(time_us * 1e3) / 1e3; }
-
-/// Bins that are not empty, as [longest time of the bin in us, count].
-Json histogram_json(const TimeHistogram& histogram) {
-  Json bins = Json::array();
-  for (int bin = 0; bin < TimeHistogram::bins; ++bin)
-    if (histogram.bin_count(bin) > 0)
-      bins.push_back({whole_ns(TimeHistogram::upper_us(bin)), histogram.bin_count(bin)});
-  return bins;
-}
 
 Json percentiles_json(const TimeHistogram& histogram) {
   Json percentiles;
@@ -100,27 +97,43 @@ std::string as_text(const Results& results) {
   return text;
 }
 
-void write_json(const std::string& path, const Results& results) {
+void write_results(const std::string& path, const Results& results) {
   Json list = Json::array();
   for (const auto& result : results) list.push_back(as_json(*result));
-  const std::string text = Json{{"runs", list}}.dump(2) + "\n";
-  if (path == "-") {
-    std::cout << text;
-    return;
-  }
-  std::ofstream file(path);
-  file << text;
-  if (!file.flush()) throw InputError(path + ": cannot be written");
+  write_json(path, Json{{"runs", list}});
+}
+
+/// The loop of a config on its simulated plant, for the same time as the empty timer.
+std::unique_ptr<LatencyResult> measure_loop(const LatencyOptions& options, Rig rig) {
+  const bool ends = rig.duration_s < options.settings.duration_s;
+  const int moves = ends ? static_cast<int>(std::ceil(options.settings.duration_s / rig.duration_s)) : 1;
+  if (!ends) rig.duration_s = std::max(options.settings.duration_s, rig.period_s);
+  auto result = std::make_unique<LatencyResult>();
+  const RealTimeSession session(options.settings.session);
+  SimBackend backend(rig);
+  backend.configure();
+  const RunOutcome outcome =
+      run_loop(rig, backend, {.real_time = true, .moves = moves, .load = load_reference_positions});
+  for (const auto& fault : outcome.faults) std::cerr << "fault: " << fault << "\n";
+  *result = {rig.name, std::llround(rig.period_s * 1e9), *outcome.timing, session.state(), session.findings()};
+  return result;
 }
 
 int run_latency(LatencyOptions options) {
+  require_writable("--json", options.json);
+  std::optional<Rig> rig;
+  if (!options.config.empty()) {
+    rig = read_rig(options.config);
+    if (!options.period_stated) options.period_us = rig->period_s * 1e6;  // the same grid for both
+  }
   options.settings.period_ns = static_cast<std::int64_t>(options.period_us * 1e3 + 0.5);
   const StopRequest stop;
   Results results;
   results.push_back(measure_latency(options.settings));
+  if (rig && !StopRequest::requested()) results.push_back(measure_loop(options, *rig));
   std::cerr << refusal_message(results.front()->findings);
   if (options.json != "-") std::cout << as_text(results);
-  if (!options.json.empty()) write_json(options.json, results);
+  write_results(options.json, results);
   return 0;
 }
 
@@ -128,8 +141,11 @@ int run_latency(LatencyOptions options) {
 
 void add_latency(CLI::App& app, int& status) {
   auto options = std::make_shared<LatencyOptions>();
-  CLI::App* verb = app.add_subcommand("latency", "wake-up latency of the loop's own timer with nothing in it");
-  verb->add_option("--period-us", options->period_us, "period of the timer [us]")
+  CLI::App* verb =
+      app.add_subcommand("latency", "wake-up latency of the loop's own timer, beside the loop with a config");
+  verb->add_option("CONFIG", options->config, "also run this rig's loop on its simulated plant, for the same time");
+  CLI::Option* period =
+      verb->add_option("--period-us", options->period_us, "period of the timer [us]; with CONFIG its period_s")
       ->check(CLI::Range(20.0, 1e6))
       ->capture_default_str();
   verb->add_option("--duration-s", options->settings.duration_s, "how long to measure [s]")
@@ -140,7 +156,11 @@ void add_latency(CLI::App& app, int& status) {
       ->check(CLI::Range(1, 99))
       ->capture_default_str();
   verb->add_option("--json", options->json, "write the numbers and the histogram here; - is standard output");
-  verb->callback([options, &status] { status = run_latency(*options); });
+  verb->footer("pneuservo latency config/cylinder-10m-7.65mm.yaml --duration-s 30");
+  verb->callback([options, period, &status] {
+    options->period_stated = period->count() > 0;
+    status = run_latency(*options);
+  });
 }
 
 }  // namespace pneuservo

@@ -12,8 +12,17 @@ int run_program(int argc, char** argv) {
   CLI::App app{"pneuservo: real-time control of pneumatic servo axes with connected pipelines"};
   app.require_subcommand(1);
   app.set_help_all_flag("--help-all", "help of all verbs");
+  app.footer("Start here:\n"
+             "  pneuservo run config/cylinder-10m-7.65mm.yaml --pressure-source all --report run.html\n"
+             "  pneuservo check config/cylinder-10m-7.65mm.yaml\n"
+             "  pneuservo run --help\n"
+             "Exit status: 0 done, 1 a fault or a failed check, 2 unusable input.");
   int status = 0;
   for (const auto& add_verb : pneuservo::all_verbs()) add_verb(app, status);
+  if (argc < 2) {
+    std::fputs(app.help().c_str(), stdout);
+    return 2;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) { return app.exit(error) == 0 ? 0 : 2; }

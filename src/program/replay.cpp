@@ -1,4 +1,5 @@
 // Verb replay: estimator and controller on recorded measurements; are the outputs those recorded, bit for bit?
+#include <cmath>
 #include <iostream>
 #include <memory>
 
@@ -7,6 +8,7 @@
 
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
+#include "config/same_rig.hpp"
 #include "loop/replay.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
@@ -25,12 +27,37 @@ struct ReplayOptions {
 /// What the loop computes, in the order in which a difference would arise.
 constexpr const char* compared_columns[] = {
     "p1_estimated_Pa",  "p2_estimated_Pa", "p1_bound_Pa", "p2_bound_Pa", "mass_flow_1_kgps",
-    "mass_flow_2_kgps", "x_ref_m",         "v_ref_mps",   "v_mps",       "u_V"};
+    "mass_flow_2_kgps", "x_ref_m",         "v_ref_mps",   "v_mps",       "u_V",         "fault"};
+
+/// A recording of another period cannot be replayed; one of another config can, and is told. What options of `run` set
+/// beside the config, the duration and the pressure source, is taken from the recording.
+void adopt_header(const Recording& recording, Rig& rig) {
+  if (std::isfinite(recording.period_s) && recording.period_s != rig.period_s)
+    throw InputError(fmt::format("{}: period_s is {}; expected that of the config, {}", recording.path,
+                                 recording.period_s, rig.period_s));
+  const YAML::Node config = recording.header["config"];
+  if (!config || !config.IsScalar()) return;
+  std::string reason;
+  try {
+    const Rig recorded = parse_rig(config.Scalar(), recording.path + ", header");
+    rig.duration_s = recorded.duration_s;
+    rig.controller.pressure_source = recorded.controller.pressure_source;
+    if (same_rig(recorded, rig)) return;
+    reason = "was made with another config or other --set";
+  } catch (const InputError& error) {
+    reason = std::string("holds a config that cannot be read (") + error.what() + ")";
+  }
+  std::cerr << fmt::format("{}: the recording {}; differences are to be expected\n",
+                           recording.path, reason);
+}
 
 int run_replay(const ReplayOptions& options) {
-  const Rig rig = read_rig(options.config, options.sets);
+  Rig rig = read_rig(options.config, options.sets);
+  require_writable("--record", options.record);
+  require_writable("--json", options.json);
   Recording recording = read_recording(options.recording);
   for (const auto& line : problem_lines(recording)) std::cerr << line << "\n";
+  adopt_header(recording, rig);
   const int moves = recording.header["moves"] ? recording.header["moves"].as<int>() : 1;
   ReplayBackend backend(std::move(recording), rig.period_s);
   const Recording& data = backend.recording();

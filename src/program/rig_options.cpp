@@ -1,10 +1,17 @@
 // What verbs that take a CONFIG share.
 #include "program/rig_options.hpp"
 
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <iostream>
 
+#include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/utsname.h>
+#include <unistd.h>
+
+#include <pneuservo/loop/fault.hpp>
 
 #include "config/dump_rig.hpp"
 #include "config/input_error.hpp"
@@ -28,6 +35,28 @@ void write_json(const std::string& path, const nlohmann::ordered_json& json) {
   std::ofstream file(path);
   if (!(file << json.dump(2) << "\n") || !file.flush()) throw InputError(path + ": cannot be written");
 }
+
+void require_writable(const std::string& option, const std::string& path) {
+  if (path.empty() || path == "-") return;
+  const bool was_there = access(path.c_str(), F_OK) == 0;
+  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (file < 0)
+    throw InputError(fmt::format("{}: {} cannot be written: {}; expected a file in a folder that is there", option,
+                                 path, std::strerror(errno)));
+  close(file);
+  if (!was_there) unlink(path.c_str());
+}
+
+namespace {
+
+/// What the bits of the column `fault` mean, so that a recording says by itself why its run ended.
+std::string fault_legend() {
+  std::string legend;
+  for (const FaultText& text : fault_texts) legend += fmt::format("{}: \"{}: {}\"\n", text.bit, text.name, text.meaning);
+  return legend;
+}
+
+}  // namespace
 
 Facts machine_facts(const RealTimeState* session) {
   utsname system{};
@@ -65,6 +94,7 @@ RecordingHeader run_header(const Rig& rig, const Backend& backend, const Facts& 
   for (const auto& [channel, origin] : channel_facts(backend))
     channels += (channels.size() > 1 ? ", " : "") + channel + ": " + origin;
   header.add_yaml("channels", channels + "}");
+  header.add_yaml("fault_bits", fault_legend());
   header.add_text("config", dump_rig(rig));
   return header;
 }

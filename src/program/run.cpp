@@ -80,9 +80,14 @@ void show_progress(double fraction, std::string_view source) {
                100.0 * std::min(fraction, 1.0));
 }
 
+/// Time of the axis that was run, and what it took.
+struct Effort {
+  double axis_s = 0.0, wall_s = 0.0;
+};
+
 /// One pressure source from start to safe end; its moves are added to the report. True: no fault, recording whole.
 bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool several, RunReport& report,
-                double& wall_s) {
+                Effort& effort) {
   rig.controller.pressure_source = source;
   const bool real_time = options.time == "real", interactive = isatty(STDERR_FILENO) != 0;
   std::unique_ptr<RealTimeSession> session;
@@ -116,7 +121,8 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
     settings.progress = [&](double fraction) { show_progress(fraction, source_word(source)); };
 
   RunOutcome outcome = run_loop(rig, *backend, settings);
-  wall_s += outcome.wall_s;
+  effort.wall_s += outcome.wall_s;
+  effort.axis_s += static_cast<double>(outcome.ticks + outcome.overruns) * rig.period_s;
   if (interactive && !real_time) std::fputs("\r                    \r", stderr);
   bool whole = true;
   if (writer) {
@@ -130,7 +136,9 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
     std::cerr << "stopped by a signal: safe output is set, the recording is closed, results so far follow\n";
   for (const auto& fault : outcome.faults) std::cerr << "fault: " << fault << "\n";
   if (!outcome.faults.empty())
-    std::cerr << "the valve has its safe output; when the cause is mended, run the same command again\n";
+    std::cerr << fmt::format("the valve has its safe output of {} V since t = {} s; when the cause is mended, run the "
+                             "same command again\n",
+                             rig.safe_output.command_V, outcome.fault_s);
 
   for (std::size_t i = 0; i < outcome.moves.size(); ++i) {
     const MoveSpan& span = outcome.moves[i];
@@ -143,12 +151,23 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
                     outcome.rows.begin() + static_cast<std::ptrdiff_t>(span.end));
     if (i + 1 == outcome.moves.size()) run.faults = outcome.faults;
     run.ticks = static_cast<std::int64_t>(run.rows.size());
-    run.overruns = outcome.overruns;
+    run.overruns = span.overruns;
     if (outcome.timing) run.timing = *outcome.timing;
     run.metrics = evaluate(rig, run.rows, run.start_s);
     report.runs.push_back(std::move(run));
   }
   return outcome.faults.empty() && whole;
+}
+
+/// What would only show after the run: no such backend, no such folder.
+void check_outputs(const RunOptions& options, const Rig& rig, const std::vector<PressureSource>& sources) {
+  make_backend(options.backend, rig);
+  if (!options.record.empty() && !options.record.ends_with(".csv.gz"))
+    throw InputError("--record: found " + options.record + ", expected a name that ends in .csv.gz");
+  for (const PressureSource source : sources)
+    require_writable("--record", record_path(options, source, sources.size() > 1));
+  require_writable("--report", options.report);
+  require_writable("--json", options.json);
 }
 
 int run(const RunOptions& options) {
@@ -161,6 +180,7 @@ int run(const RunOptions& options) {
     return 0;
   }
   const auto sources = sources_of(options, rig);
+  check_outputs(options, rig, sources);
   StopRequest stop;
   RunReport report;
   report.config = rig.name;
@@ -168,14 +188,12 @@ int run(const RunOptions& options) {
   report.duration_s = rig.duration_s;
   report.config_yaml = dump_rig(rig);
   bool good = true;
-  double wall_s = 0.0;
+  Effort effort;
   for (const PressureSource source : sources) {
-    good = run_source(options, rig, source, sources.size() > 1, report, wall_s) && good;
+    good = run_source(options, rig, source, sources.size() > 1, report, effort) && good;
     if (StopRequest::requested()) break;
   }
-  double simulated_s = 0.0;
-  for (const RunResult& result : report.runs) simulated_s += static_cast<double>(result.ticks) * rig.period_s;
-  if (wall_s > 0.0) report.realtime_factor = simulated_s / wall_s;
+  if (effort.wall_s > 0.0) report.realtime_factor = effort.axis_s / effort.wall_s;
   if (options.json != "-") std::cout << run_text(report);
   write_json(options.json, run_json(report));
   if (!options.report.empty()) write_run_report(report, rig, options.report);
@@ -209,7 +227,8 @@ void add_run(CLI::App& app, int& status) {
                "  pneuservo run config/cylinder-10m-7.65mm.yaml --pressure-source all --report run.html\n"
                "On the machine's clock, recorded:\n"
                "  pneuservo run config/cylinder-10m-7.65mm.yaml --time real --duration-s 30 --record run.csv.gz\n"
-               "Exit status: 0 done, 1 the run ended in a fault, 2 unusable input.");
+               "Exit status: 0 done, also when Ctrl-C or SIGTERM ended it early; 1 the run ended in a fault or its recording is not\n"
+               "whole; 2 unusable input.");
   verb->callback([o, &status] { status = run(*o); });
 }
 

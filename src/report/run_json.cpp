@@ -29,6 +29,7 @@ void add_timing(Json& json, const LoopTiming& timing) {
   json["backend_us"] = quantiles_json(timing.backend);
   json["page_faults"] = timing.page_faults;
   json["context_switches_involuntary"] = timing.context_switches_involuntary;
+  json["lateness_histogram_us"] = histogram_json(timing.lateness);
 }
 
 Json result_json(const RunResult& run) {
@@ -52,6 +53,13 @@ Json result_json(const RunResult& run) {
 }
 
 }  // namespace
+
+nlohmann::ordered_json histogram_json(const TimeHistogram& histogram) {
+  Json bins = Json::array();
+  for (int bin = 0; bin < TimeHistogram::bins; ++bin)
+    if (histogram.bin_count(bin) > 0) bins.push_back({static_cast<double>(TimeHistogram::upper_ns(bin)) / 1e3, histogram.bin_count(bin)});
+  return bins;
+}
 
 nlohmann::ordered_json run_json(const RunReport& report) {
   Json json;

@@ -10,4 +10,7 @@ namespace pneuservo {
 /// latency keys are there in real time only.
 nlohmann::ordered_json run_json(const RunReport& report);
 
+/// Bins that are not empty, as [longest time of the bin in us, count].
+nlohmann::ordered_json histogram_json(const TimeHistogram& histogram);
+
 }  // namespace pneuservo

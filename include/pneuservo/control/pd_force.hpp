@@ -50,6 +50,9 @@ class PdForce {
   /// reference at t and at t + lead_s(). Always finite; HOT.
   double step(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now, const ReferencePoint& ahead) noexcept;
 
+  /// Periods passed without a step (a late loop skipped its slots): the next velocity counts over all of them. HOT.
+  void skip(std::int64_t periods) noexcept { periods_ += static_cast<double>(periods); }
+
   const PdForceState& state() const noexcept { return state_; }
   /// How far ahead of t the second reference point of a step lies [s]; 0 without flow feedforward.
   double lead_s() const noexcept { return parameters_.flow_feedforward ? parameters_.feedforward_lead_s : 0.0; }

@@ -34,6 +34,9 @@ class AxisLoop {
   static constexpr double approach_tolerance_m = 5e-4;
   static constexpr double approach_speed_mps = 0.1;   ///< peak of the approach
   static constexpr double approach_shortest_s = 0.5;
+  /// An encoder that did not change for so long while the reference went this share of the stroke is frozen.
+  static constexpr double standstill_s = 0.5;
+  static constexpr double standstill_share = 0.2;
 
   /// Cold: builds estimator, controller and reference from the rig; allocates, may throw std::invalid_argument.
   void configure(const Rig& rig, const LoadPositions& load = {});
@@ -66,7 +69,13 @@ class AxisLoop {
   struct Inputs {
     double position_m, port_1_Pa, port_2_Pa, chamber_1_Pa, chamber_2_Pa;
   };
-  Inputs guard(const Measurement& measured) noexcept;
+  Inputs guard(const Measurement& measured, std::int64_t skipped) noexcept;
+  std::uint32_t check_position(const Channel& position, double periods, Inputs& in) noexcept;
+  std::uint32_t check_pressures(const Measurement& measured, double periods, Inputs& in) noexcept;
+  double chamber_step_Pa(double dead_volume_m3, double area_m2, double way_m) const noexcept;
+  std::uint32_t check_standstill() noexcept;
+  bool waiting() const noexcept;
+  void note_command(double command_V) noexcept;
   void plan_motion(double t_s, double position_m) noexcept;
   ReferencePoint reference_at(double t_s) const noexcept;
   std::array<double, 2> pressures(const Inputs& inputs, const EstimatorOutput& estimate) const noexcept;
@@ -77,13 +86,18 @@ class AxisLoop {
 
   double period_s_ = 0.001;
   PressureSource source_ = PressureSource::estimated;
-  double safe_command_V_ = 0.0, speed_limit_mps_ = 5.0, reach_m_ = 0.15;
+  double safe_command_V_ = 0.0, speed_limit_mps_ = 5.0, half_stroke_m_ = 0.15, position_margin_m_ = 0.005;
   bool needs_chambers_ = false;
   PipelineEstimator estimator_;
   PdForce controller_;
   Reference reference_;
   InputGuard position_guard_;
   std::array<InputGuard, 2> port_guard_, chamber_guard_;
+  CylinderParameters<double> cylinder_;
+  double port_step_Pa_per_V_ = 0.0;        // of the narrower line: what a change of command does to a port at once
+  double fill_step_Pa_m3_ = 0.0;           // largest flow into a chamber over a period: its volume times the step
+  double activity_V_ = 0.0, activity_decay_ = 0.0;
+  double standstill_reference_m_ = 0.0;
 
   bool begins_ = true, stopped_ = false;
   double approach_from_m_ = 0.0, approach_to_m_ = 0.0, approach_start_s_ = 0.0, reference_start_s_ = 0.0;

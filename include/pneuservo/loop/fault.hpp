@@ -24,43 +24,68 @@ enum Fault : std::uint32_t {
   fault_estimate_invalid = 1u << 13,
   fault_command_not_finite = 1u << 14,
   fault_output_missed = 1u << 15,
+  fault_port_pressure_1_jump = 1u << 16,
+  fault_port_pressure_2_jump = 1u << 17,
+  fault_chamber_pressure_1_jump = 1u << 18,
+  fault_chamber_pressure_2_jump = 1u << 19,
 };
 
-/// A fault in words and what to do about it.
+/// A fault in words: what it means and, after the colon, what to do about it.
 struct FaultText {
   std::uint32_t bit;
   std::string_view name;
   std::string_view meaning;
 };
-inline constexpr std::array<FaultText, 16> fault_texts{{
+inline constexpr std::array<FaultText, 20> fault_texts{{
     {fault_position_missing, "position_missing",
      "the position was missing, not a number or out of range for three ticks: check encoder, cable and supply"},
     {fault_position_jump, "position_jump",
      "the position jumped faster than limits.speed_mps for three ticks: check the encoder's count and shield"},
     {fault_position_range, "position_range",
-     "the position is beyond the end stop by more than limits.position_margin_m: check the encoder's zero and scale"},
+     "the position is beyond the end stop by more than limits.position_margin_m: check the encoder's zero and "
+     "scale"},
     {fault_position_frozen, "position_frozen",
-     "the position stood still from one tick to the next out of full motion: check the encoder"},
-    {fault_speed, "speed", "the measured speed is above limits.speed_mps"},
+     "the position stopped from one tick to the next, or did not change at all while the reference went on: check "
+     "the encoder, and whether the slider is blocked or without air"},
+    {fault_speed, "speed",
+     "the measured speed is above limits.speed_mps: lower gains or reference, or raise the limit"},
     {fault_port_pressure_1_missing, "port_pressure_1_missing",
      "port pressure 1 was missing, not a number or impossible for three ticks: check sensor, cable and range"},
     {fault_port_pressure_2_missing, "port_pressure_2_missing",
      "port pressure 2 was missing, not a number or impossible for three ticks: check sensor, cable and range"},
     {fault_port_pressure_1_frozen, "port_pressure_1_frozen",
-     "port pressure 1 repeats one value although its sensor has noise: check sensor and converter"},
+     "port pressure 1 repeats one value, which sensors.port_pressure.noise_Pa rules out: check sensor and "
+     "converter, or declare a smaller noise"},
     {fault_port_pressure_2_frozen, "port_pressure_2_frozen",
-     "port pressure 2 repeats one value although its sensor has noise: check sensor and converter"},
+     "port pressure 2 repeats one value, which sensors.port_pressure.noise_Pa rules out: check sensor and "
+     "converter, or declare a smaller noise"},
     {fault_chamber_pressure_1_missing, "chamber_pressure_1_missing",
      "chamber pressure 1 was missing, not a number or impossible for three ticks: check sensor, cable and range"},
     {fault_chamber_pressure_2_missing, "chamber_pressure_2_missing",
      "chamber pressure 2 was missing, not a number or impossible for three ticks: check sensor, cable and range"},
     {fault_chamber_pressure_1_frozen, "chamber_pressure_1_frozen",
-     "chamber pressure 1 repeats one value although its sensor has noise: check sensor and converter"},
+     "chamber pressure 1 repeats one value, which sensors.chamber_pressure.noise_Pa rules out: check sensor and "
+     "converter, or declare a smaller noise"},
     {fault_chamber_pressure_2_frozen, "chamber_pressure_2_frozen",
-     "chamber pressure 2 repeats one value although its sensor has noise: check sensor and converter"},
-    {fault_estimate_invalid, "estimate_invalid", "the estimator had no usable port pressures or position for too long"},
-    {fault_command_not_finite, "command_not_finite", "the control law gave no finite command"},
-    {fault_output_missed, "output_missed", "the backend could not write the command"},
+     "chamber pressure 2 repeats one value, which sensors.chamber_pressure.noise_Pa rules out: check sensor and "
+     "converter, or declare a smaller noise"},
+    {fault_estimate_invalid, "estimate_invalid",
+     "the estimator had no usable port pressures or position for too long: check their sensors"},
+    {fault_command_not_finite, "command_not_finite",
+     "the control law gave no finite command: check controller gains and sensor scales"},
+    {fault_output_missed, "output_missed",
+     "the backend could not write the command: check the output's bus or card; the valve may keep its last "
+     "command"},
+    {fault_port_pressure_1_jump, "port_pressure_1_jump",
+     "port pressure 1 jumped for three ticks by more than valve and line can do: check sensor, cable and shield"},
+    {fault_port_pressure_2_jump, "port_pressure_2_jump",
+     "port pressure 2 jumped for three ticks by more than valve and line can do: check sensor, cable and shield"},
+    {fault_chamber_pressure_1_jump, "chamber_pressure_1_jump",
+     "chamber pressure 1 jumped for three ticks by more than valve and line can do: check sensor, cable and "
+     "shield"},
+    {fault_chamber_pressure_2_jump, "chamber_pressure_2_jump",
+     "chamber pressure 2 jumped for three ticks by more than valve and line can do: check sensor, cable and "
+     "shield"},
 }};
 
 }  // namespace pneuservo

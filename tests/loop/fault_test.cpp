@@ -1,0 +1,254 @@
+// Faults of the loop: spikes are bridged, failures latch the right cause with the safe output in the same tick, and
+// rearm() leads back; no fault in normal running.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "loop/faulty_backend.hpp"
+#include "loop/loop_rigs.hpp"
+#include "loop/recorded_run.hpp"
+#include "loop/runner.hpp"
+#include "record/files.hpp"
+
+using namespace pneuservo;
+
+namespace {
+
+constexpr std::int64_t first_bad = 700, forever = 1'000'000;
+
+Rig rig_for(FaultyChannel channel) {
+  const bool chamber = channel == FaultyChannel::chamber_1 || channel == FaultyChannel::chamber_2;
+  return config_rig("cylinder-10m-7.65mm", {chamber ? "controller.pressure_source=chamber" : "controller.pressure_source=estimated",
+                                            "safe_output.command_V=0.25", "duration_s=2"});
+}
+
+/// Bits that may be the reason of a failure.
+std::uint32_t expected_bit(FaultyChannel channel, FailureMode mode) {
+  const auto n = static_cast<std::size_t>(channel);
+  constexpr std::array<std::uint32_t, 5> missing{fault_position_missing, fault_port_pressure_1_missing,
+                                                 fault_port_pressure_2_missing, fault_chamber_pressure_1_missing,
+                                                 fault_chamber_pressure_2_missing};
+  constexpr std::array<std::uint32_t, 5> frozen{fault_position_frozen, fault_port_pressure_1_frozen,
+                                                fault_port_pressure_2_frozen, fault_chamber_pressure_1_frozen,
+                                                fault_chamber_pressure_2_frozen};
+  constexpr std::array<std::uint32_t, 5> jump{fault_position_jump, fault_port_pressure_1_jump,
+                                              fault_port_pressure_2_jump, fault_chamber_pressure_1_jump,
+                                              fault_chamber_pressure_2_jump};
+  if (mode == FailureMode::frozen) return frozen[n];
+  if (mode == FailureMode::jumped) return jump[n];
+  return missing[n];
+}
+
+double jump_of(FaultyChannel channel) { return channel == FaultyChannel::position ? -0.04 : 180e3; }
+
+struct Stepper {
+  explicit Stepper(const Rig& rig) : backend(rig) {
+    loop.configure(rig);
+    backend.configure();
+    backend.activate();
+  }
+  const Row& step() {
+    loop.pass(backend, tick++, 0, nullptr, nullptr);
+    return loop.row();
+  }
+  FaultyBackend backend;
+  AxisLoop loop;
+  std::int64_t tick = 0;
+};
+
+}  // namespace
+
+TEST_CASE("every failure of every channel latches its fault, safe output in that tick, and rearm leads back") {
+  const auto channel = GENERATE(FaultyChannel::position, FaultyChannel::port_1, FaultyChannel::port_2,
+                                FaultyChannel::chamber_1, FaultyChannel::chamber_2);
+  const auto mode = GENERATE(FailureMode::dropped_out, FailureMode::not_a_number, FailureMode::frozen,
+                             FailureMode::jumped, FailureMode::out_of_range);
+  const Rig rig = rig_for(channel);
+  Stepper run(rig);
+  run.backend.failure = {channel, mode, first_bad, forever, jump_of(channel)};
+  while (run.loop.faults() == 0 && run.tick < 2000) run.step();
+  const std::int64_t fault_tick = run.tick - 1;
+  CAPTURE(static_cast<int>(channel), static_cast<int>(mode), fault_tick, run.loop.first_faults());
+  REQUIRE(run.loop.first_faults() == expected_bit(channel, mode));
+  REQUIRE(fault_tick >= first_bad + 2);
+  if (mode == FailureMode::frozen) REQUIRE(fault_tick <= first_bad + 600);
+  else REQUIRE(fault_tick == first_bad + 2);
+  REQUIRE(run.loop.row().u_V == rig.safe_output.command_V);
+  REQUIRE((run.loop.row().flags & row_fault) != 0);
+  REQUIRE(run.loop.row().fault == run.loop.first_faults());
+  REQUIRE(run.backend.commands_V.size() == static_cast<std::size_t>(run.tick));
+  REQUIRE(run.backend.commands_V.back() == rig.safe_output.command_V);
+  REQUIRE(run.backend.commands_V[run.backend.commands_V.size() - 2] != rig.safe_output.command_V);
+
+  // It stays safe although the sensor comes back.
+  run.backend.failure.ticks = 0;
+  for (int i = 0; i < 100; ++i) REQUIRE(run.step().u_V == rig.safe_output.command_V);
+  REQUIRE(run.loop.faults() != 0);
+
+  run.loop.rearm();
+  REQUIRE(run.loop.faults() == 0);
+  double worst_after_approach = 0.0;
+  for (int i = 0; i < 4000; ++i) {
+    const Row& row = run.step();
+    REQUIRE(row.fault == 0);
+    if (i > 2500) worst_after_approach = std::max(worst_after_approach, std::fabs(row.x_ref_m - row.x_true_m));
+  }
+  REQUIRE(worst_after_approach < 0.05);  // this tuning follows 80 mm at 1 Hz to 34 mm
+}
+
+TEST_CASE("a spike of one or two ticks in any channel is bridged") {
+  const auto channel = GENERATE(FaultyChannel::position, FaultyChannel::port_1, FaultyChannel::port_2,
+                                FaultyChannel::chamber_1, FaultyChannel::chamber_2);
+  const auto mode = GENERATE(FailureMode::dropped_out, FailureMode::not_a_number, FailureMode::frozen,
+                             FailureMode::jumped, FailureMode::out_of_range);
+  const Rig rig = rig_for(channel);
+  Stepper run(rig), healthy(rig);
+  double worst_V = 0.0;
+  for (int spike = 0; spike < 12; ++spike) {
+    const std::int64_t at = first_bad + 97 * spike;
+    run.backend.failure = {channel, mode, at, 1 + spike % 2, jump_of(channel)};
+    while (run.tick < at + 97) {
+      worst_V = std::max(worst_V, std::fabs(run.step().u_V - healthy.step().u_V));
+      REQUIRE(run.loop.faults() == 0);
+    }
+  }
+  CAPTURE(static_cast<int>(channel), static_cast<int>(mode));
+  REQUIRE(worst_V < 0.5);  // a jump that got through would move it by more than 1 V
+}
+
+TEST_CASE("an output that is not written is a fault, the safe output is tried at once") {
+  const Rig rig = rig_for(FaultyChannel::position);
+  Stepper run(rig);
+  run.backend.fails_to_write_at = 100;
+  for (int i = 0; i < 101; ++i) run.step();
+  REQUIRE(run.loop.first_faults() == fault_output_missed);
+  REQUIRE(run.step().u_V == rig.safe_output.command_V);
+  REQUIRE(run.backend.commands_V.back() == rig.safe_output.command_V);
+  run.loop.rearm();
+  for (int i = 0; i < 500; ++i) REQUIRE(run.step().fault == 0);
+}
+
+TEST_CASE("speed and range have their own faults") {
+  SECTION("speed") {
+    Stepper run(config_rig("cylinder-10m-7.65mm", {"limits.speed_mps=0.1", "duration_s=2"}));
+    while (run.loop.faults() == 0 && run.tick < 2000) run.step();
+    REQUIRE(run.loop.first_faults() == fault_speed);
+    run.loop.rearm();
+    REQUIRE(run.step().fault == 0);
+  }
+  SECTION("range: the encoder's zero is off") {
+    Stepper run(config_rig("cylinder-10m-7.65mm", {"duration_s=2", "effects={sensor_offset:x: {offset: 0.1}}"}));
+    while (run.loop.faults() == 0 && run.tick < 2000) run.step();
+    REQUIRE((run.loop.first_faults() & fault_position_range) != 0);
+  }
+  SECTION("no finite command") {
+    Rig rig = config_rig("cylinder-10m-7.65mm", {"duration_s=2"});
+    rig.controller.position_gain_N_per_m = std::numeric_limits<double>::quiet_NaN();
+    Stepper run(rig);
+    REQUIRE(run.step().fault == fault_command_not_finite);
+    REQUIRE(run.loop.row().u_V == 0.0);
+  }
+}
+
+TEST_CASE("a channel that comes late at the start is waited for in the safe output; one that never comes is missing") {
+  const Rig rig = rig_for(FaultyChannel::position);
+  Stepper run(rig);
+  const auto ticks = GENERATE(std::int64_t{50}, forever);
+  run.backend.failure = {FaultyChannel::port_1, FailureMode::dropped_out, 0, ticks, 0.0};
+  for (int i = 0; i < 50; ++i) {
+    REQUIRE(run.step().u_V == rig.safe_output.command_V);
+    REQUIRE(run.loop.row().fault == 0);
+    REQUIRE(std::isnan(run.loop.row().x_ref_m));
+    REQUIRE(std::isnan(run.loop.row().p1_estimated_Pa));
+  }
+  for (int i = 0; i < 60; ++i) run.step();
+  REQUIRE(run.loop.first_faults() == (ticks == forever ? fault_port_pressure_1_missing : 0u));
+  if (ticks != forever) REQUIRE(std::isfinite(run.loop.row().x_ref_m));
+}
+
+TEST_CASE("a faulted run keeps every row, tells the reason in words and ends safe") {
+  const TemporaryFolder folder;
+  const Rig rig = rig_for(FaultyChannel::port_1);
+  FaultyBackend backend(rig);
+  backend.configure();
+  backend.failure = {FaultyChannel::port_1, FailureMode::not_a_number, 900, forever, 0.0};
+  RecordingWriter writer(folder.file("run.csv.gz"), RecordingHeader(rig.name, rig.period_s), {});
+  RunSettings settings;
+  settings.writer = &writer;
+  const RunOutcome outcome = run_loop(rig, backend, settings);
+  writer.close();
+  REQUIRE_FALSE(backend.active);
+  REQUIRE(backend.commands_V.back() == rig.safe_output.command_V);
+  REQUIRE(outcome.faults.size() == 1);
+  REQUIRE(outcome.faults[0].rfind("port_pressure_1_missing: port pressure 1 was missing", 0) == 0);
+  REQUIRE(outcome.fault_s == Approx(0.902));
+  const Recording recording = read_recording(folder.file("run.csv.gz"));
+  REQUIRE(recording.rows() == outcome.rows.size());
+  REQUIRE(recording.rows() >= 1200);  // 0.3 s after the fault
+  for (std::size_t i = 0; i < recording.rows(); ++i) {
+    REQUIRE(recording.column("t_s")[i] == Approx(static_cast<double>(i) * 1e-3));
+    REQUIRE(recording.column("fault")[i] == (i < 902 ? 0.0 : double(fault_port_pressure_1_missing)));
+    if (i >= 902) REQUIRE(recording.column("u_V")[i] == rig.safe_output.command_V);
+  }
+  REQUIRE(std::isnan(recording.column("p1_port_Pa")[900]));  // as it came, not as it was bridged
+}
+
+TEST_CASE("every fault has one text with a remedy, and the numbers of the bits stay as they are documented") {
+  std::uint32_t seen = 0;
+  for (const FaultText& text : fault_texts) {
+    REQUIRE((seen & text.bit) == 0);
+    seen |= text.bit;
+    REQUIRE(text.meaning.find(": ") != std::string_view::npos);
+    REQUIRE(fault_words(text.bit, text.bit).size() == 1);
+  }
+  REQUIRE(seen == 0xFFFFFu);
+  REQUIRE(fault_words(fault_speed, fault_speed | fault_position_missing).front().rfind("speed:", 0) == 0);
+}
+
+TEST_CASE("no fault in normal running: nine lines, three pressure sources, noise or none, feedforward") {
+  for (const std::string& name : nine_configs()) {
+    for (const char* source : {"estimated", "valve", "chamber"})
+      for (const bool noise : {true, false})
+        for (const bool feedforward : {false, true}) {
+          std::vector<std::string> sets{std::string("controller.pressure_source=") + source, "duration_s=3", "seed=7",
+                                        "initial.position_m=-0.05"};
+          if (feedforward) sets.push_back("controller.flow_feedforward=true");
+          if (!noise)
+            for (const char* channel : {"port_pressure", "chamber_pressure"})
+              for (const char* key : {"noise_Pa", "quantum_Pa"})
+                sets.push_back(std::string("sensors.") + channel + "." + key + "=0");
+          const Rig rig = config_rig(name, sets);
+          SimBackend backend(rig);
+          backend.configure();
+          const RunOutcome outcome = run_loop(rig, backend, {});
+          CAPTURE(name, source, noise, feedforward, outcome.fault_s);
+          REQUIRE(outcome.faults == std::vector<std::string>{});
+          REQUIRE(outcome.moves.size() == 1);
+        }
+  }
+}
+
+TEST_CASE("no fault while resting, against an end stop, with friction that sticks, or on coarse encoders") {
+  const auto sets = GENERATE(values<std::vector<std::string>>({
+      {"reference={kind: minimum_jerk, start_m: 0.0, end_m: 0.02, start_s: 0.1, duration_s: 0.5}", "duration_s=20"},
+      {"reference={kind: minimum_jerk, start_m: 0.0, end_m: 0.15, start_s: 0.1, duration_s: 0.3}", "duration_s=6",
+       "sensors.port_pressure.noise_Pa=50"},
+      {"reference={kind: minimum_jerk, start_m: 0.1, end_m: -0.15, start_s: 0.1, duration_s: 0.5}", "duration_s=6",
+       "initial.position_m=0.15"},
+      {"sensors.position.quantum_m=1e-3", "duration_s=6"},
+      {"sensors.position.noise_m=5e-6", "sensors.position.quantum_m=5e-6", "duration_s=6"},
+      {"reference.amplitude_m=0.001", "reference.frequency_Hz=0.2", "duration_s=20"},
+      {"initial.pressure_1_Pa=110000", "duration_s=4"},
+      {"reference={kind: waypoints, times_s: [0.2, 0.5, 1.0, 1.4], positions_m: [0.0, 0.14, 0.14, -0.14]}", "duration_s=3"},
+  }));
+  for (const char* name : {"cylinder-10m-4.15mm", "cylinder-2m-7.65mm"}) {
+    const Rig rig = config_rig(name, sets);
+    SimBackend backend(rig);
+    backend.configure();
+    const RunOutcome outcome = run_loop(rig, backend, {});
+    CAPTURE(name, sets, outcome.fault_s);
+    REQUIRE(outcome.faults == std::vector<std::string>{});
+  }
+}

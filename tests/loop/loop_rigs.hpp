@@ -1,0 +1,27 @@
+// Rigs for the tests of the loop: the project's own configs, shortened.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "config/read_rig.hpp"
+
+namespace pneuservo {
+
+inline std::string config_path(const std::string& name) {
+  return std::string(PNEUSERVO_SOURCE_DIR) + "/config/" + name + ".yaml";
+}
+
+inline Rig config_rig(const std::string& name, const std::vector<std::string>& sets = {}) {
+  return read_rig(config_path(name), sets);
+}
+
+/// The nine lines.
+inline std::vector<std::string> nine_configs() {
+  std::vector<std::string> names;
+  for (const char* length : {"2m", "5m", "10m"})
+    for (const char* diameter : {"4.15mm", "6.10mm", "7.65mm"})
+      names.push_back(std::string("cylinder-") + length + "-" + diameter);
+  return names;
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,60 @@
+// A run for tests: the loop on a backend over chosen ticks, recorded to a file, read again and replayed.
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <pneuservo/loop/axis_loop.hpp>
+
+#include "loop/course.hpp"
+#include "loop/replay.hpp"
+#include "record/reader.hpp"
+#include "record/writer.hpp"
+#include "replay/replay_backend.hpp"
+
+namespace pneuservo {
+
+/// Runs until the course ends; after the ticks in `late` so many slots are skipped. Writes `path` and returns the rows.
+inline std::vector<Row> recorded_run(const Rig& rig, Backend& backend, const std::string& path, int moves = 1,
+                                     const std::vector<std::pair<std::int64_t, std::int64_t>>& late = {}) {
+  AxisLoop loop;
+  loop.configure(rig);
+  Course course(rig, moves);
+  backend.configure();
+  backend.activate();
+  RecordingHeader header(rig.name, rig.period_s);
+  RecordingWriter writer(path, header, {});
+  std::int64_t skipped = 0;
+  for (std::int64_t tick = 0;; ++tick) {
+    loop.pass(backend, tick, skipped, nullptr, nullptr);
+    writer.write(loop.row());
+    if (!course.after(tick, loop)) break;
+    skipped = 0;
+    for (const auto& [after, slots] : late)
+      if (tick == after) skipped = slots;
+    tick += skipped;
+  }
+  backend.deactivate();
+  writer.close();
+  return course.take_rows();
+}
+
+inline const std::vector<std::string>& replayed_columns() {
+  static const std::vector<std::string> names{"p1_estimated_Pa",  "p2_estimated_Pa",  "p1_bound_Pa", "p2_bound_Pa",
+                                              "mass_flow_1_kgps", "mass_flow_2_kgps", "x_ref_m",     "v_ref_mps",
+                                              "v_mps",            "u_V",              "fault"};
+  return names;
+}
+
+inline ReplayResult replayed(const Rig& rig, Recording recording, int moves = 1) {
+  ReplayBackend backend(std::move(recording), rig.period_s);
+  std::vector<std::int64_t> ticks;
+  for (std::size_t i = 0; i < backend.rows(); ++i) ticks.push_back(backend.tick(i));
+  std::vector<std::pair<std::string, const std::vector<double>*>> columns;
+  for (const auto& name : replayed_columns()) columns.emplace_back(name, &backend.recording().column(name));
+  backend.configure();
+  backend.activate();
+  return replay_loop(rig, backend, ticks, std::vector<bool>(ticks.size(), false), moves, {}, columns);
+}
+
+}  // namespace pneuservo

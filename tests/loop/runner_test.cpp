@@ -1,0 +1,199 @@
+// Runs: the first approach, moves, late ticks in real time, a backend that ends, and the safe end of each.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <csignal>
+
+#include <time.h>
+
+#include "loop/faulty_backend.hpp"
+#include "loop/loop_rigs.hpp"
+#include "loop/realtime_stop.hpp"
+#include "loop/runner.hpp"
+#include "record/files.hpp"
+#include "record/writer.hpp"
+#include "report/evaluation.hpp"
+
+using namespace pneuservo;
+
+namespace {
+
+/// The simulated plant on a machine that is late once, that raises a signal, or whose data end.
+class EventfulBackend final : public Backend {
+ public:
+  explicit EventfulBackend(const Rig& rig) : plant_(rig) { plant_.configure(); }
+  std::int64_t late_at = -1, signal_at = -1, ends_at = -1;
+  long late_ns = 0;
+  int deactivated = 0;
+  double last_V = 99.0;
+
+  void configure() override {}
+  void activate() override {}
+  bool read(std::int64_t tick, Measurement& measurement) noexcept override {
+    if (late_at >= 0 && tick >= late_at) {
+      late_at = -1;
+      const timespec pause{0, late_ns};
+      clock_nanosleep(CLOCK_MONOTONIC, 0, &pause, nullptr);
+    }
+    if (tick == signal_at) raise(SIGTERM);
+    return tick != ends_at && plant_.read(tick, measurement);
+  }
+  bool write(std::int64_t tick, const Command& command) noexcept override {
+    last_V = command.valve_V;
+    return plant_.write(tick, command);
+  }
+  void deactivate() noexcept override { ++deactivated; }
+  Truth truth() const noexcept override { return plant_.truth(); }
+  std::array<Origin, 6> origins() const override { return plant_.origins(); }
+  std::string name() const override { return "sim"; }
+
+ private:
+  SimBackend plant_;
+};
+
+RunOutcome run(const Rig& rig, Backend& backend, int moves = 1, bool real_time = false) {
+  RunSettings settings;
+  settings.moves = moves;
+  settings.real_time = real_time;
+  return run_loop(rig, backend, settings);
+}
+
+}  // namespace
+
+TEST_CASE("the first start approaches the reference from the measured position without a jump") {
+  for (const double from_m : {0.05, -0.05, 0.149, 0.0004}) {
+    const Rig rig = config_rig("cylinder-10m-7.65mm", {"duration_s=1", "initial.position_m=" + std::to_string(from_m)});
+    EventfulBackend backend(rig);
+    const RunOutcome outcome = run(rig, backend);
+    REQUIRE(outcome.faults.empty());
+    const double start_s = outcome.moves.at(0).start_s;
+    CAPTURE(from_m, start_s);
+    if (std::fabs(from_m) <= AxisLoop::approach_tolerance_m) {
+      REQUIRE(start_s == 0.0);
+    } else {
+      REQUIRE(start_s >= AxisLoop::approach_shortest_s);
+      REQUIRE(start_s == Approx(std::max(AxisLoop::approach_shortest_s, 18.75 * std::fabs(from_m))).margin(2e-3));
+      REQUIRE(outcome.rows.front().x_ref_m == outcome.rows.front().x_m);
+    }
+    double largest_V = 0.0, largest_step_V = 0.0, fastest_mps = 0.0;
+    for (std::size_t i = 1; i < outcome.rows.size() && outcome.rows[i].t_s < start_s; ++i) {
+      const Row &row = outcome.rows[i], &before = outcome.rows[i - 1];
+      largest_V = std::max(largest_V, std::fabs(row.u_V));
+      largest_step_V = std::max(largest_step_V, std::fabs(row.u_V - before.u_V));
+      fastest_mps = std::max(fastest_mps, std::fabs(row.v_ref_mps));
+      REQUIRE(std::fabs(row.x_ref_m - before.x_ref_m) < 1.2 * AxisLoop::approach_speed_mps * rig.period_s);
+    }
+    REQUIRE(fastest_mps <= AxisLoop::approach_speed_mps * 1.001);
+    REQUIRE(largest_V < 2.0);       // of 5 V
+    REQUIRE(largest_step_V < 0.1);  // sensor noise makes 0.03 V
+    const auto at = static_cast<std::size_t>(std::llround(start_s / rig.period_s));
+    REQUIRE(outcome.rows.at(at).x_ref_m == Reference(rig.reference).at(0.0).d[0]);
+    REQUIRE(outcome.rows.size() == at + 1000);
+    REQUIRE(backend.deactivated == 1);
+    REQUIRE(backend.last_V == rig.safe_output.command_V);
+  }
+}
+
+TEST_CASE("moves repeat the reference, each judged from its own start") {
+  const Rig rig = config_rig("cylinder-5m-6.10mm", {"reference={kind: minimum_jerk, start_m: -0.02, end_m: 0.04, start_s: 0.1, duration_s: 0.4}",
+                                                    "duration_s=1", "initial.position_m=-0.02"});
+  EventfulBackend backend(rig);
+  const RunOutcome outcome = run(rig, backend, 3);
+  REQUIRE(outcome.moves.size() == 3);
+  std::size_t begin = 0;
+  for (const MoveSpan& move : outcome.moves) {
+    REQUIRE(move.begin == begin);
+    begin = move.end;
+    REQUIRE(move.overruns == 0);
+    // The whole reference from its time 0 stands in the move's rows.
+    const auto first = static_cast<std::size_t>(std::llround(move.start_s / rig.period_s));
+    REQUIRE(first >= move.begin);
+    REQUIRE(move.end == first + 1000);
+    for (std::size_t k = 0; k < 1000; ++k)
+      REQUIRE(outcome.rows[first + k].x_ref_m == Approx(outcome.rows[k].x_ref_m).margin(1e-12));
+  }
+  REQUIRE(begin == outcome.rows.size());
+  REQUIRE(outcome.moves[1].start_s > 1.0 + AxisLoop::approach_shortest_s - 1e-9);  // back to -0.02 first
+}
+
+TEST_CASE("a late tick keeps the phase, is counted and marked, and the axis goes on") {
+  const Rig rig = config_rig("cylinder-10m-7.65mm", {"duration_s=0.6"});
+  const TemporaryFolder folder;
+  EventfulBackend backend(rig);
+  backend.late_at = 300;
+  backend.late_ns = 20'500'000;
+  RecordingRing ring;
+  RunOutcome outcome;
+  {
+    RecordingWriter writer(folder.file("run.csv.gz"), RecordingHeader(rig.name, rig.period_s), {}, ring);
+    RunSettings settings;
+    settings.real_time = true;
+    settings.ring = &ring;
+    outcome = run_loop(rig, backend, settings);
+    REQUIRE(writer.close().dropped == 0);
+  }
+  REQUIRE(outcome.faults == std::vector<std::string>{});
+  REQUIRE(outcome.overruns >= 20);
+  REQUIRE(outcome.ticks + outcome.overruns == 600);
+  REQUIRE(outcome.moves.at(0).overruns == outcome.overruns);
+  const Recording recording = read_recording(folder.file("run.csv.gz"));
+  REQUIRE(recording.rows() == static_cast<std::size_t>(outcome.ticks));
+  REQUIRE(recording.missing_rows == static_cast<std::size_t>(outcome.overruns));
+  REQUIRE(recording.dropped_rows == 0);
+  std::int64_t before = -1;
+  for (std::size_t i = 0; i < recording.rows(); ++i) {
+    const double t = recording.column("t_s")[i];
+    const std::int64_t tick = std::llround(t / rig.period_s);
+    REQUIRE(t == static_cast<double>(tick) * rig.period_s);  // on the grid, whatever happened
+    const bool overrun = (static_cast<unsigned>(recording.column("flags")[i]) & row_overrun) != 0;
+    REQUIRE(overrun == (tick != before + 1));
+    before = tick;
+  }
+  const Metrics metrics = evaluate(rig, outcome.rows, outcome.moves[0].start_s);
+  REQUIRE(std::isfinite(metrics.rms_position_error_m));
+}
+
+TEST_CASE("a late tick on a fast axis is neither a jump nor a speed") {
+  // 0.5 m/s for 100 ms: 50 mm from one sample to the next.
+  const Rig rig = config_rig("cylinder-2m-7.65mm", {"duration_s=2"});
+  FaultyBackend backend(rig);
+  AxisLoop loop;
+  loop.configure(rig);
+  backend.configure();
+  std::int64_t skipped = 0;
+  for (std::int64_t served = 1, tick = 0; tick < 2000; ++served, tick += 1 + skipped) {
+    loop.pass(backend, tick, skipped, nullptr, nullptr);
+    CAPTURE(tick, skipped, loop.faults());
+    REQUIRE(loop.faults() == 0);
+    REQUIRE(std::fabs(loop.row().v_mps) < 1.5);
+    skipped = served % 150 == 0 ? 100 : 0;
+  }
+}
+
+TEST_CASE("SIGTERM ends a run with safe output, in simulated and real time") {
+  const bool real_time = GENERATE(false, true);
+  const StopRequest stop;
+  const Rig rig = config_rig("cylinder-2m-4.15mm", {"duration_s=3", "safe_output.command_V=0.5"});
+  EventfulBackend backend(rig);
+  backend.signal_at = 150;
+  const RunOutcome outcome = run(rig, backend, 1, real_time);
+  if (outcome.overruns > 0 && !outcome.stopped_by_signal) return;  // that very tick was skipped
+  REQUIRE(outcome.stopped_by_signal);
+  REQUIRE(outcome.faults.empty());
+  REQUIRE(outcome.rows.size() <= 152);
+  REQUIRE(outcome.moves.size() == 1);
+  REQUIRE(backend.last_V == 0.5);
+  REQUIRE(backend.deactivated == 1);
+}
+
+TEST_CASE("a backend that ends, ends the run: rows kept, safe output") {
+  const bool real_time = GENERATE(false, true);
+  const Rig rig = config_rig("cylinder-2m-4.15mm", {"duration_s=3"});
+  EventfulBackend backend(rig);
+  backend.ends_at = 100;
+  const RunOutcome outcome = run(rig, backend, 1, real_time);
+  if (!outcome.ended_by_backend) return;  // that very tick was skipped
+  REQUIRE(outcome.rows.size() + static_cast<std::size_t>(outcome.overruns) == 100);
+  REQUIRE(backend.last_V == rig.safe_output.command_V);
+  REQUIRE(backend.deactivated == 1);
+}

@@ -1,0 +1,34 @@
+# What the scripts that run the program share: the program, a check with a sentence, small edits of configs.
+import os, re, subprocess, sys
+
+CONFIG = "config/cylinder-10m-7.65mm.yaml"
+program = os.path.join(sys.argv[1], "pneuservo")
+
+
+def run(*arguments, **options):
+    return subprocess.run([program, *arguments], capture_output=True, text=True, timeout=300, **options)
+
+
+def expect(condition, what):
+    if not condition:
+        sys.exit(f"{os.path.basename(sys.argv[0])}: {what}")
+
+
+def expect_refusal(done, words, what):
+    """Exit status 2, one sentence on standard error with all the words, nothing on standard output."""
+    said = done.stderr.strip()
+    expect(done.returncode == 2, f"{what}: status {done.returncode}: {said}")
+    expect(len(said.splitlines()) == 1, f"{what}: not one sentence: {said}")
+    expect(all(word in said for word in words), f"{what}: {words} are not all in: {said}")
+    expect(done.stdout == "", f"{what}: something was printed as a result: {done.stdout}")
+
+
+def edited_config(folder, pattern, replacement):
+    """A copy of CONFIG with one place changed, and the line's number."""
+    with open(CONFIG) as file:
+        text = file.read()
+    place = re.search(pattern, text, re.MULTILINE)
+    path = os.path.join(folder, "edited.yaml")
+    with open(path, "w") as file:
+        file.write(text[:place.start()] + replacement + text[place.end():])
+    return path, text[:place.start()].count("\n") + 1

@@ -44,7 +44,7 @@ class InputGuard {
       ++equal_;
     } else {
       equal_ = 0;
-      last_step_ = step;
+      last_step_ = started_ ? step : 0.0;  // the first sample is no motion
     }
     frozen = equal_ >= frozen_ticks &&
              (plausible_.noisy || (plausible_.frozen_step > 0.0 && std::fabs(last_step_) > plausible_.frozen_step));

@@ -69,6 +69,8 @@ EstimatorParameters estimator_parameters(const Rig& rig) {
   p.cylinder = rig.axis.cylinder;
   p.period_s = rig.period_s;
   p.cells_per_m = rig.estimator.cells_per_m;
+  p.valve = rig.axis.valve;
+  p.flow_correction = rig.estimator.flow_correction;
   // Rounding to the quantum adds a variance of q^2/12.
   p.uncertainty.port_noise_Pa =
       std::hypot(rig.sensors.port_pressure.noise_Pa, rig.sensors.port_pressure.quantum_Pa / std::sqrt(12.0));
@@ -76,6 +78,7 @@ EstimatorParameters estimator_parameters(const Rig& rig) {
       std::max(tolerance_of(rig, "line_1.diameter_m"), tolerance_of(rig, "line_2.diameter_m"));
   p.uncertainty.relative_area =
       std::max(tolerance_of(rig, "cylinder.area_1_m2"), tolerance_of(rig, "cylinder.area_2_m2"));
+  p.uncertainty.relative_valve_area = tolerance_of(rig, "valve.area_per_volt_m2_per_V");
   return p;
 }
 
@@ -257,10 +260,10 @@ bool AxisLoop::pass(Backend& backend, std::int64_t tick, std::int64_t skipped, S
   const Inputs inputs = guard(measured, skipped);
   // Skipped slots passed without a sample: the model goes through them with the newest one.
   for (std::int64_t i = 0; i < std::min<std::int64_t>(skipped, most_caught_up_steps); ++i)
-    estimator_.step({inputs.port_1_Pa, inputs.port_2_Pa, inputs.position_m, velocity_mps_});
+    estimator_.step({inputs.port_1_Pa, inputs.port_2_Pa, inputs.position_m, velocity_mps_, command_V_});
   controller_.skip(skipped);
   const EstimatorOutput estimate =
-      estimator_.step({inputs.port_1_Pa, inputs.port_2_Pa, inputs.position_m, velocity_mps_});
+      estimator_.step({inputs.port_1_Pa, inputs.port_2_Pa, inputs.position_m, velocity_mps_, command_V_});
   stamp(&StageTimes::estimated);
   double command_V = safe_command_V_;
   limited_ = false;

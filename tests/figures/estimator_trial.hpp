@@ -29,7 +29,8 @@ inline Rig rig_of(const std::string& line, std::vector<std::string> sets = {}) {
 struct Trial {
   double diameter_factor = 1.0;  ///< estimator's over the plant's, both lines; stated as uncertainty
   double area_factor = 1.0;      ///< both piston areas; stated as uncertainty
-  std::optional<std::array<double, 2>> start_offset_Pa;  ///< the estimator's chambers and lines start this far off
+  double valve_factor = 1.0;     ///< area per volt; stated as uncertainty
+  std::optional<std::array<double, 2>> start_offset_Pa{};  ///< the estimator's chambers and lines start this far off
   PressureSource feedback = PressureSource::estimated;
 };
 
@@ -65,6 +66,8 @@ inline EstimatorParameters trial_parameters(const Rig& rig, const Trial& trial) 
   p.line_2.diameter_m *= trial.diameter_factor;
   p.cylinder.area_1_m2 *= trial.area_factor;
   p.cylinder.area_2_m2 *= trial.area_factor;
+  p.valve.area_per_volt_m2_per_V *= trial.valve_factor;
+  p.uncertainty.relative_valve_area = std::fabs(trial.valve_factor - 1.0);
   p.uncertainty.relative_diameter = std::fabs(trial.diameter_factor - 1.0);
   p.uncertainty.relative_area = std::fabs(trial.area_factor - 1.0);
   return p;
@@ -81,13 +84,14 @@ inline TrialOutcome run_trial(const Rig& rig, const Trial& trial) {
   const Reference reference(rig.reference, {});
   const auto ticks = std::llround(rig.duration_s / rig.period_s);
   TrialOutcome outcome;
+  double command_V = 0.0;
   for (std::int64_t tick = 0; tick < ticks; ++tick) {
     const double t_s = static_cast<double>(tick) * rig.period_s;
     Measurement measured;
     backend.read(tick, measured);
     const Truth truth = backend.truth();
     const EstimatorInput in{measured.port_pressure_1_Pa.value, measured.port_pressure_2_Pa.value,
-                            measured.position_m.value, controller.state().v_mps};
+                            measured.position_m.value, controller.state().v_mps, command_V};
     if (tick == 0 && trial.start_offset_Pa)
       estimator.start(in.port_pressure_1_Pa + (*trial.start_offset_Pa)[0],
                       in.port_pressure_2_Pa + (*trial.start_offset_Pa)[1], in.position_m);
@@ -106,8 +110,8 @@ inline TrialOutcome run_trial(const Rig& rig, const Trial& trial) {
     const bool sensed = trial.feedback == PressureSource::chamber;
     const double p1 = sensed ? measured.chamber_pressure_1_Pa.value : estimate.chamber_pressure_Pa[0];
     const double p2 = sensed ? measured.chamber_pressure_2_Pa.value : estimate.chamber_pressure_Pa[1];
-    const double command_V = controller.step(measured.position_m.value, p1, p2, reference.at(t_s),
-                                             reference.at(t_s + controller.lead_s()));
+    command_V = controller.step(measured.position_m.value, p1, p2, reference.at(t_s),
+                                reference.at(t_s + controller.lead_s()));
     backend.write(tick, {command_V});
   }
   return outcome;

@@ -18,6 +18,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -25,6 +26,7 @@
 
 #include <pneuservo/core/pack.hpp>
 #include <pneuservo/core/random.hpp>
+#include <pneuservo/elements/orifice.hpp>
 #include <pneuservo/estimator/axis_estimator.hpp>
 
 namespace pneuservo {
@@ -34,6 +36,7 @@ struct EstimatorUncertainty {
   double port_noise_Pa = 300.0;         ///< white noise of the port pressure sensors, rms
   double relative_diameter = 0.0;       ///< of the lines
   double relative_area = 0.0;           ///< of the piston
+  double relative_valve_area = 0.0;     ///< of the valve, where flow_correction uses it
   double start_pressure_Pa = 100e3;     ///< how wrong the gas state may be at the first tick
 };
 
@@ -44,6 +47,8 @@ struct EstimatorParameters {
   LineParameters<double> line_1, line_2;
   CylinderParameters<double> cylinder;
   double period_s = 0.001;
+  ValveParameters<double> valve;  ///< used by the flow correction alone
+  double flow_correction = 0.0;   ///< share of the flow innovation that corrects the port pressure, 0 (off) to 0.5
   double cells_per_m = 1.0;  ///< at least one cell a line; 1 is enough for the accuracy stated in docs/estimator.md
   EstimatorUncertainty uncertainty;
 };
@@ -55,6 +60,8 @@ struct EstimatorInput {
   double port_pressure_2_Pa;
   double position_m;
   double velocity_mps;
+  /// What the valve was given over the period that ends now; NaN: unknown, and the flow correction rests.
+  double valve_command_V = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Health bits of one tick.
@@ -104,6 +111,18 @@ class PipelineEstimator {
                                cell_count(parameters.line_2.length_m, parameters.cells_per_m));
     axis_.configure(line, geometry, cast<AirParameters<Lanes>>(parameters.air), Lanes(0.5 * c.stroke_m),
                     both(1.0, -1.0), parameters.period_s, cells);
+    air_ = Air<Lanes>(cast<AirParameters<Lanes>>(parameters.air));
+    // A plane wave that leaves the line changes the port's pressure by c G / A.
+    const double sound_mps =
+        std::sqrt(parameters.air.heat_capacity_ratio * parameters.air.gas_constant_J_per_kgK * parameters.air.temperature_K);
+    const auto impedance = [&](const LineParameters<double>& l) {
+      return parameters.flow_correction * sound_mps / (0.25 * M_PI * l.diameter_m * l.diameter_m);
+    };
+    correction_gain_ = both(impedance(parameters.line_1), impedance(parameters.line_2));
+    corrects_flow_ = parameters.flow_correction > 0.0 && !(parameters.valve.natural_frequency_Hz > 0.0);
+    cells_ = cells;
+    alike_ = parameters.line_1.length_m == parameters.line_2.length_m &&
+             parameters.line_1.diameter_m == parameters.line_2.diameter_m;
     peak_decay_ = std::exp(-parameters.period_s / peak_time_s);
     rms_gain_ = -std::expm1(-parameters.period_s / rms_time_s);
     grid_decay_ = std::exp(-parameters.period_s / grid_time_s);
@@ -114,7 +133,7 @@ class PipelineEstimator {
   /// Forgets everything; the next valid measurement starts it again.
   void reset() noexcept {
     started_ = false;
-    peak_ = mean_square_ = drop_peak_ = Lanes(0);
+    peak_ = mean_square_ = drop_peak_ = correction_ = port_ = Lanes(0);
     missing_s_ = {0.0, 0.0, 0.0};
     guards_seen_ = axis_.side().line().guard_actions();
   }
@@ -136,8 +155,10 @@ class PipelineEstimator {
       const double p_1 = input_.port_pressure_1_Pa, p_2 = input_.port_pressure_2_Pa;
       // Uniform noise of the same variance: the line filters it to a normal one.
       const double scale = sigma * 3.4641016151377544;
-      axis_.step(lanes(p_1, p_2, p_1 + scale * (random_.uniform() - 0.5), p_2 + scale * (random_.uniform() - 0.5)),
-                 input_.position_m);
+      const Lanes port =
+          lanes(p_1, p_2, p_1 + scale * (random_.uniform() - 0.5), p_2 + scale * (random_.uniform() - 0.5));
+      axis_.step(port + correction_, input_.position_m);
+      if (corrects_flow_) correction_ = flow_correction(measured.valve_command_V, port);
     }
     return output(health);
   }
@@ -153,18 +174,21 @@ class PipelineEstimator {
   /// A missing position goes on with the last velocity for this long, then stays.
   static constexpr double position_bridge_s = 0.01;
   static constexpr double fastest_position_mps = 5.0;
-  /// Mean square of the shadow's distance over about this time; about 2.6 of its root is passed once in 100 by normal
-  /// noise.
+  /// Mean square of the shadows' distance over about this time, the mean of both chambers where their lines are alike:
+  /// noise makes of them two draws of one spread. About 2.6 of its root is passed once in 100 by normal noise.
   static constexpr double rms_time_s = 0.7;
-  static constexpr double rms_factor = 2.7;
+  static constexpr double rms_factor = 2.6;
   /// A distance that rises is followed at once: its peaks, with a margin, fade with this time constant.
-  static constexpr double peak_time_s = 0.3;
-  static constexpr double peak_factor = 1.2;
-  /// Error of the 1 m grid and of sampling the ports once a period: a share of the line's pressure drop (held at its
-  /// peaks over a stroke), and a floor.
+  static constexpr double peak_time_s = 0.25;
+  static constexpr double peak_factor = 1.34;
+  /// Error of the grid and of sampling the ports once a period: a floor, and a share of the pressure drop of one cell
+  /// (held at its peaks over a stroke) that grows with the drop over the line.
   static constexpr double grid_time_s = 0.5;
-  static constexpr double grid_share = 0.007;
-  static constexpr double grid_floor_Pa = 60.0;
+  static constexpr double grid_share = 0.017;
+  static constexpr double grid_growth_per_Pa = 5e-6;
+  static constexpr double grid_floor_Pa = 45.0;
+  /// A wave of more than this is no error of a model but a valve that does something else.
+  static constexpr double correction_limit_Pa = 20e3;
 
   static Lanes lanes(double a, double b, double c, double d) noexcept {
     const double values[4] = {a, b, c, d};
@@ -194,6 +218,7 @@ class PipelineEstimator {
     require(p.cylinder.dead_volume_2_m3 > 0.0, "cylinder.dead_volume_2_m3", p.cylinder.dead_volume_2_m3,
             "a volume above 0");
     require(p.period_s > 0.0 && p.period_s <= 0.1, "period_s", p.period_s, "0 to 0.1 s");
+    require(p.flow_correction >= 0.0 && p.flow_correction <= 0.5, "flow_correction", p.flow_correction, "0 to 0.5");
     require(p.cells_per_m > 0.0, "cells_per_m", p.cells_per_m, "a number above 0");
   }
 
@@ -204,7 +229,26 @@ class PipelineEstimator {
     const double middle = 0.5 * (parameters_.air.atmosphere_Pa + parameters_.supply_pressure_Pa);
     axis_.reset(lanes(p_1, p_2, p_1 + (p_1 < middle ? off : -off), p_2 + (p_2 < middle ? off : -off)),
                 input_.position_m);
+    port_ = lanes(p_1, p_2, p_1, p_2);
+    correction_ = Lanes(0);
     started_ = true;
+  }
+
+  // What the next port pressure is corrected by: the valve's flow over the period less the model's, as the pressure of
+  // the wave that leaves by the valve. It damps the ringing that sensor noise feeds, and forgets a wrong start sooner.
+  Lanes flow_correction(double command_V, const Lanes& port) noexcept {
+    const Lanes middle = Lanes(0.5) * (port + port_);
+    port_ = port;
+    if (!std::isfinite(command_V)) return Lanes(0);
+    const auto& valve = parameters_.valve;
+    const double area = std::fmin(std::fabs(command_V) * valve.area_per_volt_m2_per_V, valve.area_max_m2),
+                 wide = area * (1.0 + parameters_.uncertainty.relative_valve_area);
+    const auto feeds = both(command_V, -command_V) >= Lanes(0);
+    const Lanes outside = select(feeds, Lanes(parameters_.supply_pressure_Pa), Lanes(parameters_.air.atmosphere_Pa));
+    const Lanes flow = orifice_mass_flow(air_, lanes(area, area, wide, wide), Lanes(valve.critical_pressure_ratio), outside,
+                                         air_.temperature_K, middle, air_.temperature_K);
+    const Lanes largest(correction_limit_Pa);
+    return maximum(minimum(correction_gain_ * (flow - axis_.flow().port_mass_flow_kgps), largest), -largest);
   }
 
   // Replaces what cannot be by what was, and says so.
@@ -246,8 +290,11 @@ class PipelineEstimator {
     // Not above the fading peak: the wrong start is large and must not linger in the mean.
     mean_square_ = minimum(mean_square_ + Lanes(rms_gain_) * (distance * distance - mean_square_), peak_ * peak_);
     drop_peak_ = maximum(drop, Lanes(grid_decay_) * drop_peak_);
-    const Lanes stray = maximum(Lanes(rms_factor) * square_root(mean_square_), Lanes(peak_factor) * peak_);
-    const Lanes grid = Lanes(grid_floor_Pa) + Lanes(grid_share) * drop_peak_;
+    const auto squares = low(mean_square_);
+    const Lanes mean_square = alike_ ? Lanes(0.5 * (low(squares) + high(squares))) : mean_square_;
+    const Lanes stray = maximum(Lanes(rms_factor) * square_root(mean_square), Lanes(peak_factor) * peak_);
+    const Lanes grid = Lanes(grid_floor_Pa) +
+                       Lanes(grid_share / cells_) * drop_peak_ * (Lanes(1) + Lanes(grid_growth_per_Pa) * drop_peak_);
     const Lanes bound = square_root(stray * stray + grid * grid);
     EstimatorOutput out;
     for (int i = 0; i < 2; ++i) {
@@ -270,6 +317,10 @@ class PipelineEstimator {
   EstimatorInput input_{};
   std::array<double, 3> missing_s_{};  // port 1, port 2, position
   Lanes peak_, mean_square_, drop_peak_;
+  Air<Lanes> air_;
+  Lanes correction_, correction_gain_, port_;  // Pa, Pa s/kg, Pa of the last tick
+  bool corrects_flow_ = false, alike_ = true;
+  int cells_ = 1;
   double peak_decay_ = 0.0, rms_gain_ = 1.0, grid_decay_ = 0.0;
   Random random_;
   bool started_ = false;

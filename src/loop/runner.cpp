@@ -1,6 +1,7 @@
 // Runs the loop on a backend in simulated or real time.
 #include "loop/runner.hpp"
 
+#include <bit>
 #include <chrono>
 #include <cmath>
 
@@ -132,6 +133,7 @@ RunOutcome run_loop(const Rig& rig, Backend& backend, const RunSettings& setting
   backend.deactivate();
   course.close();
   out.faults = fault_words(loop.first_faults(), loop.faults());
+  out.first_faults = static_cast<std::size_t>(std::popcount(loop.first_faults()));
   if (course.fault_tick() >= 0) out.fault_s = static_cast<double>(course.fault_tick()) * rig.period_s;
   out.moves = course.moves();
   out.rows = course.take_rows();

@@ -134,7 +134,8 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   }
   if (outcome.stopped_by_signal)
     std::cerr << "stopped by a signal: safe output is set, the recording is closed, results so far follow\n";
-  for (const auto& fault : outcome.faults) std::cerr << "fault: " << fault << "\n";
+  for (std::size_t i = 0; i < outcome.faults.size(); ++i)
+    std::cerr << (i < outcome.first_faults ? "fault: " : "after it: ") << outcome.faults[i] << "\n";
   if (!outcome.faults.empty())
     std::cerr << fmt::format("the valve has its safe output of {} V since t = {} s; when the cause is mended, run the "
                              "same command again\n",

@@ -68,6 +68,18 @@ TEST_CASE("what a channel may move grows with the periods since its last sample"
   REQUIRE(guard.check(good(0.08), 1.0, 0.03) == 0.08);  // the caller knows of more
 }
 
+TEST_CASE("a mass cannot gain speed at once, but lose it") {
+  PlausibleChannel plausible = position;
+  plausible.step_growth = 1e-3;
+  InputGuard guard = started(0.0, plausible);
+  REQUIRE(guard.check(good(0.002)) == 0.0);       // 2 mm from rest: a spike
+  REQUIRE(guard.check(good(0.0005)) == 0.0005);
+  REQUIRE(guard.check(good(0.0017)) == 0.0017);   // 0.25 mm the period before, and 1 mm more
+  REQUIRE(guard.check(good(0.0017)) == 0.0017);
+  REQUIRE(guard.check(good(0.0058)) == 0.0017);
+  REQUIRE_FALSE(guard.jumped);
+}
+
 TEST_CASE("before the first value a channel is waited for, then missing") {
   InputGuard guard;
   guard.configure(position);

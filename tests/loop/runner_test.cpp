@@ -165,7 +165,7 @@ TEST_CASE("a late tick on a fast axis is neither a jump nor a speed") {
     loop.pass(backend, tick, skipped, nullptr, nullptr);
     CAPTURE(tick, skipped, loop.faults());
     REQUIRE(loop.faults() == 0);
-    REQUIRE(std::fabs(loop.row().v_mps) < 1.5);
+    REQUIRE(std::fabs(loop.row().v_mps) < 4.0);  // 20 if 100 ms counted as 1 ms
     skipped = served % 150 == 0 ? 100 : 0;
   }
 }

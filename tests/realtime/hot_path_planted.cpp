@@ -11,7 +11,7 @@ inline void planted_deep(std::vector<double>& values) noexcept { values.push_bac
 double* planted_new() noexcept PNEUSERVO_NONBLOCKING { return new double(1.0); }  // planted
 void planted_lock() noexcept PNEUSERVO_NONBLOCKING { planted_mutex.lock(); }  // planted
 void planted_throw(bool wrong) noexcept PNEUSERVO_NONBLOCKING {
-  if (wrong) throw 1;
-}  // planted
+  if (wrong) throw 1;  // planted
+}
 void planted_indirect(std::vector<double>& values) noexcept PNEUSERVO_NONBLOCKING { planted_deep(values); }  // planted
 void planted_call() noexcept PNEUSERVO_NONBLOCKING { planted_unknown(); }  // planted

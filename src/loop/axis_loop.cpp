@@ -295,9 +295,7 @@ void AxisLoop::stop(Backend& backend, std::int64_t tick) noexcept {
 
 void AxisLoop::fill_row(double t_s, std::int64_t skipped, const Measurement& measured, const Truth& truth,
                         const EstimatorOutput& estimate, double command_V) noexcept {
-  const auto recorded = [](const Channel& channel) {
-    return channel.valid ? channel.value : Row::none;
-  };
+  const auto recorded = [](const Channel& channel) { return channel.valid ? channel.value : Row::none; };
   const bool estimated = (estimate.health & estimator_not_started) == 0;
   const auto known = [](bool is_known, double value) { return is_known ? value : Row::none; };
   row_.t_s = t_s;

@@ -55,8 +55,7 @@ void account(LoopTiming& timing, const StageTimes& stages, std::int64_t lateness
 
 // One tick of real time: the pass, its row into the ring, the course. False: the run is over.
 bool real_tick(AxisLoop& loop, Backend& backend, RecordingRing* ring, Course& course, std::int64_t tick,
-               std::int64_t skipped, std::int64_t lateness_ns, std::int64_t last_work_ns,
-               StageTimes& stages) noexcept {
+               std::int64_t skipped, std::int64_t lateness_ns, std::int64_t last_work_ns, StageTimes& stages) noexcept {
   const RtScope hot;
   course.prefetch();
   if (ring != nullptr) ring->prefetch();

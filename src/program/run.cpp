@@ -228,7 +228,8 @@ void add_run(CLI::App& app, int& status) {
                "  pneuservo run config/cylinder-10m-7.65mm.yaml --pressure-source all --report run.html\n"
                "On the machine's clock, recorded:\n"
                "  pneuservo run config/cylinder-10m-7.65mm.yaml --time real --duration-s 30 --record run.csv.gz\n"
-               "Exit status: 0 done, also when Ctrl-C or SIGTERM ended it early; 1 the run ended in a fault or its recording is not\n"
+               "Exit status: 0 done, also when Ctrl-C or SIGTERM ended it early; 1 the run ended in a fault or its "
+               "recording is not\n"
                "whole; 2 unusable input.");
   verb->callback([o, &status] { status = run(*o); });
 }

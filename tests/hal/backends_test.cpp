@@ -65,10 +65,11 @@ TEST_CASE("sim: skipped slots pass with the last command") {
 
 TEST_CASE("replay: rows as they were recorded, holes are invalid, absent columns stay absent, the end is an end") {
   const TemporaryFolder folder;
-  const std::string path = put_gzip(folder.file("r.csv.gz"),
-                                    "# format: pneuservo-recording/1\n# rig: r\n# period_s: 0.001\n"
-                                    "t_s,x_m,p1_port_Pa,p2_port_Pa,fault\n0,0.1,4e5,5e5,0\n0.001,,4e5,5e5,0\n"
-                                    "0.004,0.2,4e5,5e5," + std::to_string(fault_output_missed) + "\n");
+  const std::string path =
+      put_gzip(folder.file("r.csv.gz"), "# format: pneuservo-recording/1\n# rig: r\n# period_s: 0.001\n"
+                                        "t_s,x_m,p1_port_Pa,p2_port_Pa,fault\n0,0.1,4e5,5e5,0\n0.001,,4e5,5e5,0\n"
+                                        "0.004,0.2,4e5,5e5," +
+                                            std::to_string(fault_output_missed) + "\n");
   ReplayBackend backend(read_recording(path), 1e-3);
   backend.configure();
   backend.activate();

@@ -62,7 +62,8 @@ class InputGuard {
     elapsed_ += periods;
     const bool readable = channel.valid && channel.value >= plausible_.lowest && channel.value <= plausible_.highest;
     const double step = channel.value - value_;
-    const double a_period = std::min(plausible_.step_per_period, std::fabs(last_step_) + plausible_.step_growth * elapsed_);
+    const double a_period =
+        std::min(plausible_.step_per_period, std::fabs(last_step_) + plausible_.step_growth * elapsed_);
     const double largest = plausible_.slack + a_period * elapsed_ + extra_step;
     const bool jump = readable && started_ && std::fabs(step) > largest;
     if (!readable || jump) return bridge(jump);

@@ -7,9 +7,9 @@
 
 namespace pneuservo {
 namespace {
-constexpr const char* column_names[10] = {"x_m",           "p1_port_Pa",         "p2_port_Pa",
-                                         "p1_chamber_Pa", "p2_chamber_Pa",      "p_supply_Pa",
-                                         "x_true_m",      "p1_chamber_true_Pa", "p2_chamber_true_Pa", "fault"};
+constexpr const char* column_names[10] = {
+    "x_m",         "p1_port_Pa", "p2_port_Pa",         "p1_chamber_Pa",      "p2_chamber_Pa",
+    "p_supply_Pa", "x_true_m",   "p1_chamber_true_Pa", "p2_chamber_true_Pa", "fault"};
 }  // namespace
 
 ReplayBackend::ReplayBackend(Recording recording, double period_s) : recording_(std::move(recording)) {

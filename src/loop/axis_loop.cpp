@@ -23,6 +23,13 @@ PlausibleChannel plausible_pressure(const Rig& rig, const PressureSensorParamete
           .start_ticks = start_ticks};
 }
 
+/// Full supply on the larger piston area, nothing on the other side.
+double fastest_start_mps2(const Rig& rig) {
+  const auto& cylinder = rig.axis.cylinder;
+  return rig.axis.supply.pressure_Pa * std::max(cylinder.area_1_m2, cylinder.area_2_m2) /
+         (rig.axis.slider.mass_kg + rig.axis.slider.payload_kg);
+}
+
 PlausibleChannel plausible_position(const Rig& rig, int start_ticks) {
   const double noise = rig.sensors.position.noise_m, quantum = rig.sensors.position.quantum_m;
   const double reach = rig.axis.cylinder.stroke_m;  // twice the half: beyond that the encoder is not of this axis
@@ -31,7 +38,8 @@ PlausibleChannel plausible_position(const Rig& rig, int start_ticks) {
   return {.lowest = -reach,
           .highest = reach,
           .slack = 6.0 * noise + quantum,
-          .step_per_period = rig.limits.speed_mps * rig.period_s,
+          .step_per_period = 2.0 * rig.limits.speed_mps * rig.period_s,  // below that the fault is `speed`
+          .step_growth = 3.0 * fastest_start_mps2(rig) * rig.period_s * rig.period_s,
           .stopping_step = stopping_mps * rig.period_s + 6.0 * noise + quantum,
           .frozen_ticks = frozen_after_ticks(noise, quantum),
           .start_ticks = start_ticks};
@@ -290,9 +298,7 @@ void AxisLoop::stop(Backend& backend, std::int64_t tick) noexcept {
 
 void AxisLoop::fill_row(double t_s, std::int64_t skipped, const Measurement& measured, const Truth& truth,
                         const EstimatorOutput& estimate, double command_V) noexcept {
-  const auto recorded = [](const Channel& channel) {
-    return channel.valid ? channel.value : Row::none;
-  };
+  const auto recorded = [](const Channel& channel) { return channel.valid ? channel.value : Row::none; };
   const bool estimated = (estimate.health & estimator_not_started) == 0;
   const auto known = [](bool is_known, double value) { return is_known ? value : Row::none; };
   row_.t_s = t_s;

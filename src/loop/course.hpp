@@ -44,7 +44,9 @@ class Course {
   /// Tick of the first fault; -1: none.
   std::int64_t fault_tick() const noexcept { return fault_tick_; }
   /// Moves begun so far; cold, after the run.
-  std::vector<MoveSpan> moves() const { return {moves_.begin(), moves_.begin() + static_cast<std::ptrdiff_t>(closed_)}; }
+  std::vector<MoveSpan> moves() const {
+    return {moves_.begin(), moves_.begin() + static_cast<std::ptrdiff_t>(closed_)};
+  }
   /// The rows; cold, once, after the run.
   std::vector<Row> take_rows() {
     rows_.resize(kept_);

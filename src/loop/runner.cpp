@@ -1,6 +1,7 @@
 // Runs the loop on a backend in simulated or real time.
 #include "loop/runner.hpp"
 
+#include <bit>
 #include <chrono>
 #include <cmath>
 
@@ -54,8 +55,7 @@ void account(LoopTiming& timing, const StageTimes& stages, std::int64_t lateness
 
 // One tick of real time: the pass, its row into the ring, the course. False: the run is over.
 bool real_tick(AxisLoop& loop, Backend& backend, RecordingRing* ring, Course& course, std::int64_t tick,
-               std::int64_t skipped, std::int64_t lateness_ns, std::int64_t last_work_ns,
-               StageTimes& stages) noexcept {
+               std::int64_t skipped, std::int64_t lateness_ns, std::int64_t last_work_ns, StageTimes& stages) noexcept {
   const RtScope hot;
   course.prefetch();
   if (ring != nullptr) ring->prefetch();
@@ -132,6 +132,7 @@ RunOutcome run_loop(const Rig& rig, Backend& backend, const RunSettings& setting
   backend.deactivate();
   course.close();
   out.faults = fault_words(loop.first_faults(), loop.faults());
+  out.first_faults = static_cast<std::size_t>(std::popcount(loop.first_faults()));
   if (course.fault_tick() >= 0) out.fault_s = static_cast<double>(course.fault_tick()) * rig.period_s;
   out.moves = course.moves();
   out.rows = course.take_rows();

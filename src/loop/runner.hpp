@@ -33,6 +33,7 @@ struct RunOutcome {
   std::vector<Row> rows;
   std::vector<MoveSpan> moves;
   std::vector<std::string> faults;      ///< in words, first cause first; empty for a good run
+  std::size_t first_faults = 0;         ///< so many of them came in the first tick: the reason
   double fault_s = 0.0;                 ///< time of the first tick with a fault; meaningful with faults
   bool stopped_by_signal = false;
   bool ended_by_backend = false;

@@ -146,8 +146,8 @@ void add_latency(CLI::App& app, int& status) {
   verb->add_option("CONFIG", options->config, "also run this rig's loop on its simulated plant, for the same time");
   CLI::Option* period =
       verb->add_option("--period-us", options->period_us, "period of the timer [us]; with CONFIG its period_s")
-      ->check(CLI::Range(20.0, 1e6))
-      ->capture_default_str();
+          ->check(CLI::Range(20.0, 1e6))
+          ->capture_default_str();
   verb->add_option("--duration-s", options->settings.duration_s, "how long to measure [s]")
       ->check(CLI::Range(0.01, 1e6))
       ->capture_default_str();

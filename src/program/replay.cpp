@@ -25,9 +25,17 @@ struct ReplayOptions {
 };
 
 /// What the loop computes, in the order in which a difference would arise.
-constexpr const char* compared_columns[] = {
-    "p1_estimated_Pa",  "p2_estimated_Pa", "p1_bound_Pa", "p2_bound_Pa", "mass_flow_1_kgps",
-    "mass_flow_2_kgps", "x_ref_m",         "v_ref_mps",   "v_mps",       "u_V",         "fault"};
+constexpr const char* compared_columns[] = {"p1_estimated_Pa",
+                                            "p2_estimated_Pa",
+                                            "p1_bound_Pa",
+                                            "p2_bound_Pa",
+                                            "mass_flow_1_kgps",
+                                            "mass_flow_2_kgps",
+                                            "x_ref_m",
+                                            "v_ref_mps",
+                                            "v_mps",
+                                            "u_V",
+                                            "fault"};
 
 /// A recording of another period cannot be replayed; one of another config can, and is told. What options of `run` set
 /// beside the config, the duration and the pressure source, is taken from the recording.
@@ -47,8 +55,7 @@ void adopt_header(const Recording& recording, Rig& rig) {
   } catch (const InputError& error) {
     reason = std::string("holds a config that cannot be read (") + error.what() + ")";
   }
-  std::cerr << fmt::format("{}: the recording {}; differences are to be expected\n",
-                           recording.path, reason);
+  std::cerr << fmt::format("{}: the recording {}; differences are to be expected\n", recording.path, reason);
 }
 
 int run_replay(const ReplayOptions& options) {

@@ -52,7 +52,8 @@ namespace {
 /// What the bits of the column `fault` mean, so that a recording says by itself why its run ended.
 std::string fault_legend() {
   std::string legend;
-  for (const FaultText& text : fault_texts) legend += fmt::format("{}: \"{}: {}\"\n", text.bit, text.name, text.meaning);
+  for (const FaultText& text : fault_texts)
+    legend += fmt::format("{}: \"{}: {}\"\n", text.bit, text.name, text.meaning);
   return legend;
 }
 

@@ -134,7 +134,8 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   }
   if (outcome.stopped_by_signal)
     std::cerr << "stopped by a signal: safe output is set, the recording is closed, results so far follow\n";
-  for (const auto& fault : outcome.faults) std::cerr << "fault: " << fault << "\n";
+  for (std::size_t i = 0; i < outcome.faults.size(); ++i)
+    std::cerr << (i < outcome.first_faults ? "fault: " : "after it: ") << outcome.faults[i] << "\n";
   if (!outcome.faults.empty())
     std::cerr << fmt::format("the valve has its safe output of {} V since t = {} s; when the cause is mended, run the "
                              "same command again\n",
@@ -227,7 +228,8 @@ void add_run(CLI::App& app, int& status) {
                "  pneuservo run config/cylinder-10m-7.65mm.yaml --pressure-source all --report run.html\n"
                "On the machine's clock, recorded:\n"
                "  pneuservo run config/cylinder-10m-7.65mm.yaml --time real --duration-s 30 --record run.csv.gz\n"
-               "Exit status: 0 done, also when Ctrl-C or SIGTERM ended it early; 1 the run ended in a fault or its recording is not\n"
+               "Exit status: 0 done, also when Ctrl-C or SIGTERM ended it early; 1 the run ended in a fault or its "
+               "recording is not\n"
                "whole; 2 unusable input.");
   verb->callback([o, &status] { status = run(*o); });
 }

@@ -57,7 +57,8 @@ Json result_json(const RunResult& run) {
 nlohmann::ordered_json histogram_json(const TimeHistogram& histogram) {
   Json bins = Json::array();
   for (int bin = 0; bin < TimeHistogram::bins; ++bin)
-    if (histogram.bin_count(bin) > 0) bins.push_back({static_cast<double>(TimeHistogram::upper_ns(bin)) / 1e3, histogram.bin_count(bin)});
+    if (histogram.bin_count(bin) > 0)
+      bins.push_back({static_cast<double>(TimeHistogram::upper_ns(bin)) / 1e3, histogram.bin_count(bin)});
   return bins;
 }
 

@@ -43,8 +43,8 @@ class FaultyBackend final : public Backend {
                                            &measurement.port_pressure_2_Pa, &measurement.chamber_pressure_1_Pa,
                                            &measurement.chamber_pressure_2_Pa};
     Channel& channel = *channels[static_cast<std::size_t>(failure.channel)];
-    if (tick < failure.first) kept_ = channel.value;
-    else if (tick < failure.first + failure.ticks) spoil(channel);
+    if (tick >= failure.first && tick - failure.first < failure.ticks) spoil(channel);
+    else kept_ = channel.value;
     return true;
   }
   bool write(std::int64_t tick, const Command& command) noexcept override {

@@ -14,8 +14,8 @@ namespace {
 
 Channel good(double value) { return {value, 0.0, true, Origin::real}; }
 Channel absent() { return {1.0, 0.0, false, Origin::real}; }
-const PlausibleChannel position{.lowest = -0.3, .highest = 0.3, .slack = 1e-5, .step_per_period = 5e-3,
-                                .stopping_step = 1e-4, .start_ticks = 100};
+const PlausibleChannel position{
+    .lowest = -0.3, .highest = 0.3, .slack = 1e-5, .step_per_period = 5e-3, .stopping_step = 1e-4, .start_ticks = 100};
 
 InputGuard started(double value, const PlausibleChannel& plausible = position) {
   InputGuard guard;
@@ -27,8 +27,8 @@ InputGuard started(double value, const PlausibleChannel& plausible = position) {
 }  // namespace
 
 TEST_CASE("a bad sample is replaced for two ticks, the third is a fault") {
-  const auto bad = GENERATE(absent(), good(std::nan("")), good(0.4), good(-0.4),
-                            good(std::numeric_limits<double>::infinity()));
+  const auto bad =
+      GENERATE(absent(), good(std::nan("")), good(0.4), good(-0.4), good(std::numeric_limits<double>::infinity()));
   InputGuard guard = started(0.1);
   for (int i = 0; i < 2; ++i) {
     REQUIRE(guard.check(bad) == 0.1);
@@ -66,6 +66,18 @@ TEST_CASE("what a channel may move grows with the periods since its last sample"
   guard.check(absent());
   REQUIRE(guard.check(good(0.054)) == 0.054);     // three periods after the last good sample
   REQUIRE(guard.check(good(0.08), 1.0, 0.03) == 0.08);  // the caller knows of more
+}
+
+TEST_CASE("a mass cannot gain speed at once, but lose it") {
+  PlausibleChannel plausible = position;
+  plausible.step_growth = 1e-3;
+  InputGuard guard = started(0.0, plausible);
+  REQUIRE(guard.check(good(0.002)) == 0.0);       // 2 mm from rest: a spike
+  REQUIRE(guard.check(good(0.0005)) == 0.0005);
+  REQUIRE(guard.check(good(0.0017)) == 0.0017);   // 0.25 mm the period before, and 1 mm more
+  REQUIRE(guard.check(good(0.0017)) == 0.0017);
+  REQUIRE(guard.check(good(0.0058)) == 0.0017);
+  REQUIRE_FALSE(guard.jumped);
 }
 
 TEST_CASE("before the first value a channel is waited for, then missing") {
@@ -140,8 +152,8 @@ TEST_CASE("a resting sensor with noise is never frozen, a stuck one always is") 
   sensor.configure({}, quantum, noise, 1e-3, Random(seed, 0));
   sensor.reset(value);
   const int ticks = frozen_after_ticks(noise, quantum);
-  const PlausibleChannel pressure{.lowest = 3e4, .highest = 1e6, .slack = 6.0 * noise + quantum,
-                                  .step_per_period = 35e3, .frozen_ticks = ticks};
+  const PlausibleChannel pressure{
+      .lowest = 3e4, .highest = 1e6, .slack = 6.0 * noise + quantum, .step_per_period = 35e3, .frozen_ticks = ticks};
   InputGuard guard = started(value, pressure);
   for (int i = 0; i < 300'000; ++i) {
     guard.check(good(sensor.read(value)));

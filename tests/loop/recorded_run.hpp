@@ -40,9 +40,17 @@ inline std::vector<Row> recorded_run(const Rig& rig, Backend& backend, const std
 }
 
 inline const std::vector<std::string>& replayed_columns() {
-  static const std::vector<std::string> names{"p1_estimated_Pa",  "p2_estimated_Pa",  "p1_bound_Pa", "p2_bound_Pa",
-                                              "mass_flow_1_kgps", "mass_flow_2_kgps", "x_ref_m",     "v_ref_mps",
-                                              "v_mps",            "u_V",              "fault"};
+  static const std::vector<std::string> names{"p1_estimated_Pa",
+                                              "p2_estimated_Pa",
+                                              "p1_bound_Pa",
+                                              "p2_bound_Pa",
+                                              "mass_flow_1_kgps",
+                                              "mass_flow_2_kgps",
+                                              "x_ref_m",
+                                              "v_ref_mps",
+                                              "v_mps",
+                                              "u_V",
+                                              "fault"};
   return names;
 }
 

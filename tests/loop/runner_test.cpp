@@ -95,8 +95,10 @@ TEST_CASE("the first start approaches the reference from the measured position w
 }
 
 TEST_CASE("moves repeat the reference, each judged from its own start") {
-  const Rig rig = config_rig("cylinder-5m-6.10mm", {"reference={kind: minimum_jerk, start_m: -0.02, end_m: 0.04, start_s: 0.1, duration_s: 0.4}",
-                                                    "duration_s=1", "initial.position_m=-0.02"});
+  const Rig rig =
+      config_rig("cylinder-5m-6.10mm",
+                 {"reference={kind: minimum_jerk, start_m: -0.02, end_m: 0.04, start_s: 0.1, duration_s: 0.4}",
+                  "duration_s=1", "initial.position_m=-0.02"});
   EventfulBackend backend(rig);
   const RunOutcome outcome = run(rig, backend, 3);
   REQUIRE(outcome.moves.size() == 3);
@@ -165,7 +167,7 @@ TEST_CASE("a late tick on a fast axis is neither a jump nor a speed") {
     loop.pass(backend, tick, skipped, nullptr, nullptr);
     CAPTURE(tick, skipped, loop.faults());
     REQUIRE(loop.faults() == 0);
-    REQUIRE(std::fabs(loop.row().v_mps) < 1.5);
+    REQUIRE(std::fabs(loop.row().v_mps) < 4.0);  // 20 if 100 ms counted as 1 ms
     skipped = served % 150 == 0 ? 100 : 0;
   }
 }

@@ -2,8 +2,11 @@
 // are only seen where they are used, so each belongs here with the types that the loop gives it.
 #include <pneuservo/core/dual.hpp>
 #include <pneuservo/core/rt.hpp>
+#include <pneuservo/estimator/pipeline_estimator.hpp>
 #include <pneuservo/loop/grid.hpp>
+#include <pneuservo/loop/input_guard.hpp>
 #include <pneuservo/loop/timing.hpp>
+#include <pneuservo/record/ring.hpp>
 
 namespace pneuservo {
 
@@ -21,6 +24,19 @@ double hot_scalars(double x) noexcept PNEUSERVO_NONBLOCKING {
   const P a(x), b = a * P(2.0) + square_root(absolute(a));
   const P c = select(a < b, minimum(a, b), b / a);
   return c[0] + c[3] + exponential(x) + sine(x);
+}
+
+double hot_guard(InputGuard& guard, const Channel& channel) noexcept PNEUSERVO_NONBLOCKING {
+  return guard.check(channel, 1.0, 0.0, false);
+}
+
+double hot_estimator(PipelineEstimator& estimator, const EstimatorInput& input) noexcept PNEUSERVO_NONBLOCKING {
+  return estimator.step(input).chamber_pressure_Pa[0];
+}
+
+void hot_last_rows(LastRows& last, const Row& row) noexcept PNEUSERVO_NONBLOCKING {
+  last.prefetch(7);
+  last.keep(7, row);
 }
 
 }  // namespace pneuservo

@@ -1,4 +1,5 @@
-// The whole loop under RealtimeSanitizer: six moves with late ticks, each pressure source, with and without feedforward.
+// The whole loop under RealtimeSanitizer: six moves with late ticks, each pressure source, with and without
+// feedforward.
 #include <cstdio>
 
 #include "whole_loop.hpp"

@@ -1,4 +1,5 @@
-// The whole loop for the proofs: simulated plant, guard, estimator, controller, recording ring and course, as in run_loop.
+// The whole loop for the proofs: simulated plant, guard, estimator, controller, recording ring and course, as in
+// run_loop.
 #pragma once
 #include <string>
 

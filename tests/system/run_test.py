@@ -61,7 +61,7 @@ rows = [line.split(",") for line in lines if not line.startswith("#")]
 fault, command = rows[0].index("fault"), rows[0].index("u_V")
 expect(any("fault_bits:" in line for line in lines) and any('16: "speed: ' in line for line in lines), "fault: no legend in the header")
 bad = [row for row in rows[1:] if row[fault] != "0"]
-expect(len(bad) == 300 and all(row[command] == "0.125" and row[fault] == "16" for row in bad), f"fault: {len(bad)} rows after it")
-expect(len(rows) > 400 and rows[-300:] == bad, "fault: rows before it are lost")
+expect(len(bad) == 301 and all(row[command] == "0.125" and row[fault] == "16" for row in bad), f"fault: {len(bad)} rows after it")
+expect(len(rows) > 400 and rows[-301:] == bad, "fault: rows before it are lost")
 expect(run("replay", CONFIG, at("f.csv.gz"), "--set", "limits.speed_mps=0.2", "--set", "safe_output.command_V=0.125").returncode == 0, "replay of a faulted run differs")
 expect(run("run", CONFIG, "--duration-s", "0.5").returncode == 0, "the same axis does not run after a fault")

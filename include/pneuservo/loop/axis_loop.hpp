@@ -94,8 +94,8 @@ class AxisLoop {
   InputGuard position_guard_;
   std::array<InputGuard, 2> port_guard_, chamber_guard_;
   CylinderParameters<double> cylinder_;
-  double port_step_Pa_per_V_ = 0.0;        // of the narrower line: what a change of command does to a port at once
-  double fill_step_Pa_m3_ = 0.0;           // largest flow into a chamber over a period: its volume times the step
+  double port_step_Pa_per_V_ = 0.0;  // of the narrower line: what a change of command does to a port at once
+  double fill_step_Pa_m3_ = 0.0;  // largest flow into a chamber over a period: its volume times the step
   double activity_V_ = 0.0, activity_decay_ = 0.0;
   double standstill_reference_m_ = 0.0;
 

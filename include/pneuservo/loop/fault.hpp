@@ -40,7 +40,7 @@ inline constexpr std::array<FaultText, 20> fault_texts{{
     {fault_position_missing, "position_missing",
      "the position was missing, not a number or out of range for three ticks: check encoder, cable and supply"},
     {fault_position_jump, "position_jump",
-     "the position jumped faster than limits.speed_mps for three ticks: check the encoder's count and shield"},
+     "the position jumped faster than twice limits.speed_mps for three ticks: check the encoder's count and shield"},
     {fault_position_range, "position_range",
      "the position is beyond the end stop by more than limits.position_margin_m: check the encoder's zero and "
      "scale"},

@@ -15,6 +15,8 @@ struct PlausibleChannel {
   double lowest = 0.0, highest = 0.0;  ///< outside: no measurement
   double slack = 0.0;  ///< noise and quantum may make this much of a step
   double step_per_period = std::numeric_limits<double>::infinity();  ///< what physics adds in a control period
+  /// By so much a step may exceed the one before, a period later (a mass can only be accelerated so fast).
+  double step_growth = std::numeric_limits<double>::infinity();
   /// A channel whose last change was larger than this (per period) and that then repeats itself is frozen.
   double stopping_step = std::numeric_limits<double>::infinity();
   int frozen_ticks = 0;  ///< equal samples in a row that the sensor's noise rules out; 0: equality proves nothing
@@ -60,7 +62,9 @@ class InputGuard {
     elapsed_ += periods;
     const bool readable = channel.valid && channel.value >= plausible_.lowest && channel.value <= plausible_.highest;
     const double step = channel.value - value_;
-    const double largest = plausible_.slack + plausible_.step_per_period * elapsed_ + extra_step;
+    const double a_period =
+        std::min(plausible_.step_per_period, std::fabs(last_step_) + plausible_.step_growth * elapsed_);
+    const double largest = plausible_.slack + a_period * elapsed_ + extra_step;
     const bool jump = readable && started_ && std::fabs(step) > largest;
     if (!readable || jump) return bridge(jump);
     if (started_ && step == 0.0) {

@@ -1,0 +1,54 @@
+// Loop overhead with recording on: the loop's own work of a tick (row, ring, course, clock) beside the whole tick.
+#include <benchmark/benchmark.h>
+
+#include <memory>
+#include <string>
+
+#include <pneuservo/loop/axis_loop.hpp>
+#include <pneuservo/loop/timing.hpp>
+#include <pneuservo/record/ring.hpp>
+
+#include "config/read_rig.hpp"
+#include "loop/course.hpp"
+#include "loop/realtime_clock.hpp"
+#include "sim/sim_backend.hpp"
+
+namespace {
+
+using namespace pneuservo;
+
+/// Ticks back to back with the stamps of real time; the ring is drained now and then, outside the clock.
+void loop_tick(benchmark::State& state) {
+  Rig rig = read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/cylinder-10m-7.65mm.yaml");
+  rig.duration_s = 1e6 * rig.period_s;
+  SimBackend backend(rig);
+  backend.configure();
+  backend.activate();
+  AxisLoop loop;
+  loop.configure(rig);
+  Course course(rig, 1);
+  const auto ring = std::make_unique<RecordingRing>();
+  const auto own = std::make_unique<TimeHistogram>();
+  std::int64_t tick = 0;
+  for (auto _ : state) {
+    StageTimes stages;
+    course.prefetch();
+    ring->prefetch();
+    loop.pass(backend, tick, 0, &stages, &MonotonicClock::now_ns);
+    ring->push(loop.row());
+    course.after(tick++, loop);
+    stages.end = MonotonicClock::now_ns();
+    own->add(stages.end - stages.written);
+    if (tick % 4096 == 0) {
+      state.PauseTiming();
+      Row row;
+      while (ring->pop(row)) {}
+      state.ResumeTiming();
+    }
+  }
+  state.counters["own_p50_us"] = own->percentile_us(0.5);
+  state.counters["own_p99_us"] = own->percentile_us(0.99);
+}
+BENCHMARK(loop_tick)->Name("loop/tick with recording")->Iterations(500'000);
+
+}  // namespace

@@ -120,7 +120,7 @@ class PipelineEstimator {
     };
     correction_gain_ = both(impedance(parameters.line_1), impedance(parameters.line_2));
     corrects_flow_ = parameters.flow_correction > 0.0 && !(parameters.valve.natural_frequency_Hz > 0.0);
-    cells_ = cells;
+    grid_share_of_cell_ = grid_share / cells;
     alike_ = parameters.line_1.length_m == parameters.line_2.length_m &&
              parameters.line_1.diameter_m == parameters.line_2.diameter_m;
     peak_decay_ = std::exp(-parameters.period_s / peak_time_s);
@@ -292,10 +292,11 @@ class PipelineEstimator {
     drop_peak_ = maximum(drop, Lanes(grid_decay_) * drop_peak_);
     const auto squares = low(mean_square_);
     const Lanes mean_square = alike_ ? Lanes(0.5 * (low(squares) + high(squares))) : mean_square_;
-    const Lanes stray = maximum(Lanes(rms_factor) * square_root(mean_square), Lanes(peak_factor) * peak_);
+    const Lanes stray_squared =
+        maximum(Lanes(rms_factor * rms_factor) * mean_square, Lanes(peak_factor * peak_factor) * (peak_ * peak_));
     const Lanes grid = Lanes(grid_floor_Pa) +
-                       Lanes(grid_share / cells_) * drop_peak_ * (Lanes(1) + Lanes(grid_growth_per_Pa) * drop_peak_);
-    const Lanes bound = square_root(stray * stray + grid * grid);
+                       Lanes(grid_share_of_cell_) * drop_peak_ * (Lanes(1) + Lanes(grid_growth_per_Pa) * drop_peak_);
+    const Lanes bound = square_root(stray_squared + grid * grid);
     EstimatorOutput out;
     for (int i = 0; i < 2; ++i) {
       out.chamber_pressure_Pa[i] = p[i];
@@ -320,7 +321,7 @@ class PipelineEstimator {
   Air<Lanes> air_;
   Lanes correction_, correction_gain_, port_;  // Pa, Pa s/kg, Pa of the last tick
   bool corrects_flow_ = false, alike_ = true;
-  int cells_ = 1;
+  double grid_share_of_cell_ = grid_share;
   double peak_decay_ = 0.0, rms_gain_ = 1.0, grid_decay_ = 0.0;
   Random random_;
   bool started_ = false;

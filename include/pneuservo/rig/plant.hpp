@@ -56,6 +56,7 @@ template <class S> class AxisPlant {
                  distances());
     valve_.reset(S(0));
     supply_pressure_ = axis_.supply.pressure_Pa;
+    last_step_s_ = 0.0;
   }
 
   /// One period under the command [V].
@@ -109,13 +110,14 @@ template <class S> class AxisPlant {
   }
 
  private:
-  // Driving force at the middle of the sub-step: the start's force and the gas springs' share of the way to the middle.
-  // With the start's force alone the explicit coupling would feed the swing of mass and gas: damping ratio short by w h/4.
-  S middle_force(double h) const noexcept {
-    const P p = chamber_pressure(), V = sides_.chamber().volume();
-    const S a_1 = axis_.cylinder.area_1_m2, a_2 = axis_.cylinder.area_2_m2;
-    const S stiffness = air_.kappa * (a_1 * a_1 * low(p) / low(V) + a_2 * a_2 * high(p) / high(V));
-    return driving_force() - S(0.5 * h) * stiffness * slider_.velocity();
+  // Force at the middle of the sub-step: the gas moves after the slider, so the force of its start acts on the slider's
+  // way and would take w h/4 from the damping ratio of the gas springs. Its last change, whatever made it, is carried on.
+  S middle_force(double h) noexcept {
+    const S force = driving_force();
+    const S change = last_step_s_ > 0.0 ? S(0.5 * h / last_step_s_) * (force - last_force_) : S(0);
+    last_force_ = force;
+    last_step_s_ = h;
+    return force + change;
   }
   // Distances of the piston from the end stops of chamber 1 and 2; a little penetration must not empty a chamber.
   P distances() const noexcept {
@@ -158,6 +160,8 @@ template <class S> class AxisPlant {
   Slider<S> slider_;
   LineFlow<P> flow_;
   S supply_pressure_{};
+  S last_force_{};
+  double last_step_s_ = 0.0;  // 0: no step yet
   bool chambers_leak_ = false, droops_ = false, held_ = false;
 };
 

@@ -25,7 +25,8 @@ std::vector<ReferencePoint> sine_reference() {
   const double w = 6.283185307179586;
   for (std::size_t k = 0; k < points.size(); ++k)
     for (std::size_t i = 0; i < 8; ++i)
-      points[k].d[i] = 0.08 * std::pow(w, static_cast<double>(i)) * std::sin(w * static_cast<double>(k) * period_s + 1.5707963267948966 * static_cast<double>(i));
+      points[k].d[i] = 0.08 * std::pow(w, static_cast<double>(i)) *
+                       std::sin(w * static_cast<double>(k) * period_s + 1.5707963267948966 * static_cast<double>(i));
   return points;
 }
 
@@ -52,20 +53,28 @@ void whole_axis_tick(benchmark::State& state) {
     const auto port = plant.port_pressure();
     const auto estimate = estimator.step({low(port), high(port), plant.position(), plant.velocity()});
     const auto& now = reference[static_cast<std::size_t>(k)];
-    plant.step(controller.step(plant.position(), estimate.chamber_pressure_Pa[0], estimate.chamber_pressure_Pa[1], now, now));
+    plant.step(
+        controller.step(plant.position(), estimate.chamber_pressure_Pa[0], estimate.chamber_pressure_Pa[1], now, now));
   });
   if (!(std::fabs(plant.position()) < 0.15)) state.SkipWithError("the axis left its stroke");
   state.counters["allocations"] = static_cast<double>(allocations() - before);
   state.counters["times_real_time"] = period_s * 1e9 / ns;
   report(state, ns);
 }
-BENCHMARK(whole_axis_tick)->ArgName("cells_per_m")->Arg(1)->Arg(4)->Iterations(1)->UseManualTime()->Unit(benchmark::kNanosecond);
+BENCHMARK(whole_axis_tick)
+    ->ArgName("cells_per_m")
+    ->Arg(1)
+    ->Arg(4)
+    ->Iterations(1)
+    ->UseManualTime()
+    ->Unit(benchmark::kNanosecond);
 
 /// Plants alone, their commands given; S carries the plants in lanes.
 template <class S> void plants_tick(benchmark::State& state) {
   auto plants = started_plant<S>(nominal_axis(), 1.0);
   const auto reference = sine_reference();
-  const auto [ns] = least_ns(1000, 600, [&](int k) { plants.step(S(10.0 * reference[static_cast<std::size_t>(k)].d[0])); });
+  const auto [ns] =
+      least_ns(1000, 600, [&](int k) { plants.step(S(10.0 * reference[static_cast<std::size_t>(k)].d[0])); });
   if (!(std::fabs(lane(plants.position(), 0)) < 0.16)) state.SkipWithError("the axis left its stroke");
   state.counters["plants"] = ScalarTraits<S>::lanes;
   state.counters["plant_seconds_per_second"] = ScalarTraits<S>::lanes * period_s * 1e9 / ns;

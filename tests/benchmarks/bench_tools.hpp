@@ -16,7 +16,9 @@ namespace pneuservo::bench {
 std::int64_t allocations() noexcept;
 
 inline double now_ns() noexcept {
-  return static_cast<double>(std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count());
+  return static_cast<double>(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+          .count());
 }
 
 /// Shortest time of one call [ns] of each candidate: they take turns in short batches, so that all meet the same

@@ -94,8 +94,12 @@ class ContinuousLine {
   }
 
  private:
-  static double limited(double centred, double upwind) noexcept { return upwind + clamp(centred - upwind, -0.1 * upwind, 0.1 * upwind); }
-  double inflow(double stagnation_K, double u) const noexcept { return 1.0 / (air_.R * (stagnation_K - 0.5 * u * u / air_.cp)); }
+  static double limited(double centred, double upwind) noexcept {
+    return upwind + clamp(centred - upwind, -0.1 * upwind, 0.1 * upwind);
+  }
+  double inflow(double stagnation_K, double u) const noexcept {
+    return 1.0 / (air_.R * (stagnation_K - 0.5 * u * u / air_.cp));
+  }
 
   int cells_;
   Air<double> air_;

@@ -27,7 +27,8 @@ std::vector<EstimatorInput> swung_inputs() {
   std::vector<EstimatorInput> inputs;
   for (int k = 0; k < 1000; ++k) {
     const double angle = 6.283185307179586 * k * 1e-3;
-    inputs.push_back({480e3 + 40e3 * std::sin(angle), 550e3 - 40e3 * std::cos(angle), 0.08 * std::sin(angle), 0.5 * std::cos(angle)});
+    inputs.push_back({480e3 + 40e3 * std::sin(angle), 550e3 - 40e3 * std::cos(angle), 0.08 * std::sin(angle),
+                      0.5 * std::cos(angle)});
   }
   return inputs;
 }
@@ -52,12 +53,14 @@ void estimator_model(benchmark::State& state) {
   const auto axis = nominal_axis();
   AxisEstimator<P> model;
   const double areas[4] = {1.257e-3, 1.056e-3, 1.257e-3, 1.056e-3}, signs[4] = {1.0, -1.0, 1.0, -1.0};
-  model.configure(cast<LineParameters<P>>(axis.line_1), {P::load(areas), P(2e-5), P(50.0)}, cast<AirParameters<P>>(axis.air), P(0.15), P::load(signs), 1e-3, 10);
+  model.configure(cast<LineParameters<P>>(axis.line_1), {P::load(areas), P(2e-5), P(50.0)},
+                  cast<AirParameters<P>>(axis.air), P(0.15), P::load(signs), 1e-3, 10);
   model.reset(P(470e3), 0.0);
   const auto inputs = swung_inputs();
   const auto [ns] = least_ns(1000, 800, [&](int k) {
     const auto& in = inputs[static_cast<std::size_t>(k)];
-    const double ports[4] = {in.port_pressure_1_Pa, in.port_pressure_2_Pa, in.port_pressure_1_Pa + 100.0, in.port_pressure_2_Pa - 100.0};
+    const double ports[4] = {in.port_pressure_1_Pa, in.port_pressure_2_Pa, in.port_pressure_1_Pa + 100.0,
+                             in.port_pressure_2_Pa - 100.0};
     model.step(P::load(ports), in.position_m);
     benchmark::ClobberMemory();
   });
@@ -74,8 +77,8 @@ double counter_period_ns() {
   return (now_ns() - start_ns) / static_cast<double>(end - start);
 }
 
-/// A million ticks, each between two reads of the time stamp counter; percentiles include the reads and whatever else the
-/// machine did meanwhile.
+/// A million ticks, each between two reads of the time stamp counter; percentiles include the reads and whatever else
+/// the machine did meanwhile.
 void estimator_tail(benchmark::State& state) {
   PipelineEstimator estimator;
   estimator.configure(nominal_estimator());
@@ -95,7 +98,9 @@ void estimator_tail(benchmark::State& state) {
   double sum = 0.0;
   for (const auto one : spent) sum += one;
   std::sort(spent.begin(), spent.end());
-  const auto percentile_ns = [&](double share) { return spent[static_cast<std::size_t>(share * (ticks - 1))] * period_ns; };
+  const auto percentile_ns = [&](double share) {
+    return spent[static_cast<std::size_t>(share * (ticks - 1))] * period_ns;
+  };
   state.counters["mean_ns"] = sum / ticks * period_ns;
   state.counters["p50_ns"] = percentile_ns(0.5);
   state.counters["p99_ns"] = percentile_ns(0.99);

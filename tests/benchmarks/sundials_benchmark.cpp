@@ -34,16 +34,19 @@ void check(int flag, const char* what) {
 
 enum class Method { explicit_runge_kutta, adams };
 
-/// Chamber pressure at every sample by an integrator of SUNDIALS. Like an estimator it gets a port sample each period and
-/// owes the chamber pressure at its end, so it stops there; it keeps its step size and history.
+/// Chamber pressure at every sample by an integrator of SUNDIALS. Like an estimator it gets a port sample each period
+/// and owes the chamber pressure at its end, so it stops there; it keeps its step size and history.
 class Integrator {
  public:
-  Integrator(Method method, double relative_tolerance) : method_(method), model_(line_parameters(), chamber_geometry(), cells) {
+  Integrator(Method method, double relative_tolerance)
+      : method_(method), model_(line_parameters(), chamber_geometry(), cells) {
     if (SUNContext_Create(nullptr, &context_) != 0) throw std::runtime_error("SUNContext_Create failed");
     state_ = N_VNew_Serial(model_.size(), context_);
     tolerance_ = N_VNew_Serial(model_.size(), context_);
-    double* const absolute = N_VGetArrayPointer(tolerance_);  // relative to the quantities' sizes: kg/m3, Pa, m/s, kg, J
-    for (int i = 0; i < cells; ++i) absolute[i] = relative_tolerance * 5.0, absolute[cells + i] = relative_tolerance * 5e5;
+    double* const absolute =
+        N_VGetArrayPointer(tolerance_);  // relative to the quantities' sizes: kg/m3, Pa, m/s, kg, J
+    for (int i = 0; i < cells; ++i)
+      absolute[i] = relative_tolerance * 5.0, absolute[cells + i] = relative_tolerance * 5e5;
     for (int j = 0; j <= cells; ++j) absolute[2 * cells + j] = relative_tolerance * 10.0;
     absolute[3 * cells + 1] = relative_tolerance * 1e-3;
     absolute[3 * cells + 2] = relative_tolerance * 250.0;
@@ -123,7 +126,8 @@ double run_line(std::vector<double>& chamber_Pa) {
     const int n = side.begin_period(period_s);
     const double now = port_Pa(k + 1);
     for (int i = 0; i < n; ++i)
-      side.step_prescribed(before + (i + 0.5) / n * (now - before), ContinuousLine::distance_m((k + (i + 1.0) / n) * period_s));
+      side.step_prescribed(before + (i + 0.5) / n * (now - before),
+                           ContinuousLine::distance_m((k + (i + 1.0) / n) * period_s));
     before = now;
     chamber_Pa.push_back(side.chamber().pressure());
   }

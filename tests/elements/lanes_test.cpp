@@ -1,4 +1,5 @@
-// Lanes: what a lane of a pack computes is what the scalar program computes, bit for bit; derivatives and float follow it.
+// Lanes: what a lane of a pack computes is what the scalar program computes, bit for bit; derivatives and float follow
+// it.
 #include <catch2/catch.hpp>
 
 #include <bit>
@@ -78,7 +79,8 @@ template <class P> P random_lanes(Random& random, double low, double high) {
 }
 }  // namespace
 
-TEMPLATE_TEST_CASE("a line in a lane is the scalar line, guards included", "", (Pack<double, 2>), (Pack<double, 4>), (Pack<double, 8>)) {
+TEMPLATE_TEST_CASE("a line in a lane is the scalar line, guards included", "", (Pack<double, 2>), (Pack<double, 4>),
+                   (Pack<double, 8>)) {
   const std::uint64_t seed = new_seed();
   INFO("seed " << seed);
   Random random(seed);
@@ -105,15 +107,18 @@ TEMPLATE_TEST_CASE("a line in a lane is the scalar line, guards included", "", (
     int different = 0;
     for (int k = 0; k < 400; ++k) {
       if (k % 20 == 0) port = random_lanes<TestType>(random, 0.5e5, 12e5);
-      if (k % 30 == 0) chamber = {random_lanes<TestType>(random, 1e5, 8e5), random_lanes<TestType>(random, 240.0, 380.0)};
+      if (k % 30 == 0)
+        chamber = {random_lanes<TestType>(random, 1e5, 8e5), random_lanes<TestType>(random, 240.0, 380.0)};
       const auto flow = packed.step_prescribed(port, chamber);
       for (int i = 0; i < lanes; ++i) {
         auto& s = scalar[static_cast<std::size_t>(i)];
         const auto one = s.step_prescribed(port[i], {chamber.pressure_Pa[i], chamber.temperature_K[i]});
-        different += !same_bits(one.port_mass_flow_kgps, flow.port_mass_flow_kgps[i]) || !same_bits(one.chamber_mass_flow_kgps, flow.chamber_mass_flow_kgps[i]) ||
+        different += !same_bits(one.port_mass_flow_kgps, flow.port_mass_flow_kgps[i]) ||
+                     !same_bits(one.chamber_mass_flow_kgps, flow.chamber_mass_flow_kgps[i]) ||
                      !same_bits(one.chamber_enthalpy_flow_W, flow.chamber_enthalpy_flow_W[i]);
         for (int c = 0; c < cells; ++c)
-          different += !same_bits(s.cell_pressure(c), packed.cell_pressure(c)[i]) || !same_bits(s.cell_density(c), packed.cell_density(c)[i]) ||
+          different += !same_bits(s.cell_pressure(c), packed.cell_pressure(c)[i]) ||
+                       !same_bits(s.cell_density(c), packed.cell_density(c)[i]) ||
                        !same_bits(s.cell_temperature(c), packed.cell_temperature(c)[i]);
         for (int f = 0; f <= cells; ++f) different += !same_bits(s.face_velocity(f), packed.face_velocity(f)[i]);
       }
@@ -131,35 +136,42 @@ TEMPLATE_TEST_CASE("a line in a lane is the scalar line, guards included", "", (
   CHECK(guards > 0);  // the rare path was taken
 }
 
-TEMPLATE_TEST_CASE("a chamber in a lane is the scalar chamber", "", (Pack<double, 2>), (Pack<double, 4>), (Pack<double, 8>)) {
+TEMPLATE_TEST_CASE("a chamber in a lane is the scalar chamber", "", (Pack<double, 2>), (Pack<double, 4>),
+                   (Pack<double, 8>)) {
   const std::uint64_t seed = new_seed();
   INFO("seed " << seed);
   Random random(seed);
   constexpr int lanes = ScalarTraits<TestType>::lanes;
-  const ChamberGeometry<TestType> geometry{random_lanes<TestType>(random, 5e-4, 2e-3), random_lanes<TestType>(random, 1e-5, 5e-5), random_lanes<TestType>(random, 0.0, 100.0)};
+  const ChamberGeometry<TestType> geometry{random_lanes<TestType>(random, 5e-4, 2e-3),
+                                           random_lanes<TestType>(random, 1e-5, 5e-5),
+                                           random_lanes<TestType>(random, 0.0, 100.0)};
   Chamber<TestType> packed;
   packed.configure(geometry, Air<TestType>{});
   packed.reset(TestType(4e5), TestType(293.0), TestType(0.1));
   std::vector<Chamber<double>> scalar(lanes);
   for (int i = 0; i < lanes; ++i) {
-    scalar[static_cast<std::size_t>(i)].configure({geometry.area_m2[i], geometry.dead_volume_m3[i], geometry.wall_heat_W_per_m2K[i]}, Air<double>{});
+    scalar[static_cast<std::size_t>(i)].configure(
+        {geometry.area_m2[i], geometry.dead_volume_m3[i], geometry.wall_heat_W_per_m2K[i]}, Air<double>{});
     scalar[static_cast<std::size_t>(i)].reset(4e5, 293.0, 0.1);
   }
   int different = 0;
   for (int k = 0; k < 2000; ++k) {
-    const ChamberInflow<TestType> inflow{random_lanes<TestType>(random, -5e-3, 5e-3), random_lanes<TestType>(random, -1500.0, 1500.0)};
+    const ChamberInflow<TestType> inflow{random_lanes<TestType>(random, -5e-3, 5e-3),
+                                         random_lanes<TestType>(random, -1500.0, 1500.0)};
     const TestType s = random_lanes<TestType>(random, 0.09, 0.11);
     packed.step(1e-3, inflow, s);
     for (int i = 0; i < lanes; ++i) {
       auto& one = scalar[static_cast<std::size_t>(i)];
       one.step(1e-3, {inflow.mass_flow_kgps[i], inflow.enthalpy_flow_W[i]}, s[i]);
-      different += !same_bits(one.pressure(), packed.pressure()[i]) || !same_bits(one.temperature(), packed.temperature()[i]) || !same_bits(one.mass(), packed.mass()[i]);
+      different += !same_bits(one.pressure(), packed.pressure()[i]) ||
+                   !same_bits(one.temperature(), packed.temperature()[i]) || !same_bits(one.mass(), packed.mass()[i]);
     }
   }
   CHECK(different == 0);
 }
 
-TEMPLATE_TEST_CASE("an axis in a lane is the scalar axis, whatever its neighbours do", "", (Pack<double, 2>), (Pack<double, 4>), (Pack<double, 8>)) {
+TEMPLATE_TEST_CASE("an axis in a lane is the scalar axis, whatever its neighbours do", "", (Pack<double, 2>),
+                   (Pack<double, 4>), (Pack<double, 8>)) {
   const std::uint64_t seed = new_seed();
   INFO("seed " << seed);
   Random random(seed);
@@ -186,7 +198,8 @@ TEMPLATE_TEST_CASE("an axis in a lane is the scalar axis, whatever its neighbour
       for (int i = 0; i < lanes; ++i) {
         auto& one = scalar[static_cast<std::size_t>(i)];
         one.step(command[i]);
-        different += !same_bits(one.position(), packed.position()[i]) || !same_bits(one.velocity(), packed.velocity()[i]);
+        different +=
+            !same_bits(one.position(), packed.position()[i]) || !same_bits(one.velocity(), packed.velocity()[i]);
         for (int side = 0; side < 2; ++side) {
           const auto of_side = [&](const auto& pair) { return side == 0 ? low(pair) : high(pair); };
           different += !same_bits(of_side(one.chamber_pressure()), of_side(packed.chamber_pressure())[i]) ||
@@ -227,9 +240,12 @@ TEST_CASE("dual numbers give the line's derivatives that differences give") {
   };
   CHECK(same_bits(exact.value, value(length, diameter, volume)));
   const double h = 1e-3;
-  const double by_length = (value(length * (1 + h), diameter, volume) - value(length * (1 - h), diameter, volume)) / (2 * h * length);
-  const double by_diameter = (value(length, diameter * (1 + h), volume) - value(length, diameter * (1 - h), volume)) / (2 * h * diameter);
-  const double by_volume = (value(length, diameter, volume * (1 + h)) - value(length, diameter, volume * (1 - h))) / (2 * h * volume);
+  const double by_length =
+      (value(length * (1 + h), diameter, volume) - value(length * (1 - h), diameter, volume)) / (2 * h * length);
+  const double by_diameter =
+      (value(length, diameter * (1 + h), volume) - value(length, diameter * (1 - h), volume)) / (2 * h * diameter);
+  const double by_volume =
+      (value(length, diameter, volume * (1 + h)) - value(length, diameter, volume * (1 - h))) / (2 * h * volume);
   CHECK(exact.derivative[0] == Approx(by_length).epsilon(0.01));
   CHECK(exact.derivative[1] == Approx(by_diameter).epsilon(0.01));
   CHECK(exact.derivative[2] == Approx(by_volume).epsilon(0.01));

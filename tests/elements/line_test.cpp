@@ -69,7 +69,8 @@ TEST_CASE("line: energy balance of the losses-free line closes with the enthalpy
     for (double t = 0.0; t < 2.0; t += h) {
       const double ramp = std::min(1.0, t / 0.5), p = 470e3 + 30e3 * ramp * ramp * (3.0 - 2.0 * ramp);
       const LineFlow<double> flow = line.step_prescribed(p, {470e3, 293.0});
-      in += h * flow.port_mass_flow_kgps * line.air().cp * (flow.port_mass_flow_kgps > 0.0 ? 293.0 : line.cell_temperature(0));
+      in += h * flow.port_mass_flow_kgps * line.air().cp *
+            (flow.port_mass_flow_kgps > 0.0 ? 293.0 : line.cell_temperature(0));
       out += h * flow.chamber_enthalpy_flow_W;
     }
     double kinetic = 0.0;
@@ -124,13 +125,15 @@ TEST_CASE("line: the mirrored problem has the mirrored solution") {
       if (k % 100 == 0) left = random.uniform(300e3, 600e3), right = random.uniform(300e3, 600e3);
       a.step_prescribed(left, {right, 293.0});
       b.step_prescribed(right, {left, 293.0});
-      for (int i = 0; i < cells; ++i) worst = std::max(worst, std::fabs(a.cell_pressure(i) - b.cell_pressure(cells - 1 - i)));
+      for (int i = 0; i < cells; ++i)
+        worst = std::max(worst, std::fabs(a.cell_pressure(i) - b.cell_pressure(cells - 1 - i)));
     }
     CHECK(worst < 1e-3);
   }
 }
 
-TEST_CASE("line: without friction of the wall a column of gas keeps its motion, with it the laminar rate is 32 nu/D^2") {
+TEST_CASE(
+    "line: without friction of the wall a column of gas keeps its motion, with it the laminar rate is 32 nu/D^2") {
   Line<double> line = make_line(1, 0.05, 4.15e-3);
   const double h = 1e-5, u_0 = 0.1;
   line.set_time_step(h);
@@ -161,7 +164,8 @@ TEST_CASE("line: friction law, its bridge, and the jump of the thesis") {
   CHECK(printed(2300.0).lambda_reynolds / 2300.0 == Approx(64.0 / 2300.0));
   CHECK(printed(2301.0).lambda_reynolds / 2301.0 == Approx(0.3164 / std::pow(2301.0, 0.25)).epsilon(1e-6));
   CHECK(nominal(0.0).nusselt == Approx(3.66));
-  for (const double Re : {3e3, 1e4, 1e5, 1e6}) CHECK(nominal(Re).nusselt == Approx(0.046 * std::pow(Re, 0.8) * std::pow(0.71, 0.4)).epsilon(0.0025));
+  for (const double Re : {3e3, 1e4, 1e5, 1e6})
+    CHECK(nominal(Re).nusselt == Approx(0.046 * std::pow(Re, 0.8) * std::pow(0.71, 0.4)).epsilon(0.0025));
 }
 
 TEST_CASE("line: a leak takes what its orifice law says, and the mass books stay closed") {
@@ -198,7 +202,8 @@ TEST_CASE("line: steady flow through a restriction at its end obeys the orifice 
     for (double t = 0.0; t < 4.0; t += h) flow = line.step_prescribed(p_port, {p_chamber, 293.0});
     // The line's own drop (a few hundred Pa here) lies between port and restriction.
     const double p_end = line.cell_pressure(9) + 0.5 * (line.cell_pressure(9) - line.cell_pressure(8));
-    const double expected = orifice_mass_flow(line.air(), 2e-6, 0.35, p_end, line.cell_temperature(9), p_chamber, 293.0);
+    const double expected =
+        orifice_mass_flow(line.air(), 2e-6, 0.35, p_end, line.cell_temperature(9), p_chamber, 293.0);
     CAPTURE(outward, p_end);
     CHECK(flow.chamber_mass_flow_kgps == Approx(expected).epsilon(0.01));
   }

@@ -12,7 +12,8 @@ TEST_CASE("orifice: swapping the sides turns the sign, exactly; equal pressures 
   Random random(seed);
   const Air<double> air;
   for (int i = 0; i < 2000; ++i) {
-    const double p_1 = random.uniform(1e3, 1e6), p_2 = random.uniform(1e3, 1e6), T_1 = random.uniform(200, 400), T_2 = random.uniform(200, 400);
+    const double p_1 = random.uniform(1e3, 1e6), p_2 = random.uniform(1e3, 1e6), T_1 = random.uniform(200, 400),
+                 T_2 = random.uniform(200, 400);
     const double S = random.uniform(1e-8, 1e-5), b = random.uniform(0.1, 0.6);
     const double G = orifice_mass_flow(air, S, b, p_1, T_1, p_2, T_2);
     REQUIRE(orifice_mass_flow(air, S, b, p_2, T_2, p_1, T_1) == -G);

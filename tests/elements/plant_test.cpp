@@ -16,7 +16,9 @@ AxisParameters<double> nominal_axis(double L = 10.0, double D = 7.65e-3) {
   axis.slider.viscous_friction_Ns_per_m = 60.0;
   return axis;
 }
-double mass_of(const AxisPlant<double>& plant, int side) { return lane(plant.sides().line().mass() + plant.sides().chamber().mass(), side); }
+double mass_of(const AxisPlant<double>& plant, int side) {
+  return lane(plant.sides().line().mass() + plant.sides().chamber().mass(), side);
+}
 }  // namespace
 
 TEST_CASE("plant: a sealed axis keeps its gas, both sides apart, while it swings") {

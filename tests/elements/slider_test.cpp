@@ -17,7 +17,8 @@ Slider<double> make_slider(const MotionEffects<double>& effects = {}, double vis
   slider.configure(parameters, effects, stroke, 0.3);
   return slider;
 }
-double acceleration(const MotionEffects<double>& effects, double force, double v, double x = 0.0, double gauge = 0.0, double viscous = 0.0) {
+double acceleration(const MotionEffects<double>& effects, double force, double v, double x = 0.0, double gauge = 0.0,
+                    double viscous = 0.0) {
   Slider<double> slider = make_slider(effects, viscous);
   slider.reset(x, v);
   slider.step(1e-7, force, {gauge});

@@ -6,8 +6,11 @@
 using namespace pneuservo;
 
 namespace {
-ValveParameters<double> parameters(double frequency_Hz = 0.0, double damping = 0.7) { return {5.0, 2.6e-6, 1.3e-5, 0.35, frequency_Hz, damping}; }
-Valve<double> make_valve(const ValveEffects<double>& effects = {}, double step_s = 1e-3, const ValveParameters<double>& p = parameters()) {
+ValveParameters<double> parameters(double frequency_Hz = 0.0, double damping = 0.7) {
+  return {5.0, 2.6e-6, 1.3e-5, 0.35, frequency_Hz, damping};
+}
+Valve<double> make_valve(const ValveEffects<double>& effects = {}, double step_s = 1e-3,
+                         const ValveParameters<double>& p = parameters()) {
   Valve<double> valve;
   valve.configure(p, effects, 1e-3);
   valve.set_time_step(step_s);
@@ -25,8 +28,10 @@ TEST_CASE("valve: positive command feeds port 1 and exhausts port 2, negative th
   for (const double s : {0.1, 1.0, 4.9, 7.0}) {
     const double area = std::min(2.6e-6 * s, 1.3e-5);
     const ValveAreas<double> forward = valve.areas(s), backward = valve.areas(-s);
-    CHECK((forward.supply_1 == Approx(area) && forward.exhaust_2 == Approx(area) && forward.supply_2 == 0.0 && forward.exhaust_1 == 0.0));
-    CHECK((backward.supply_2 == Approx(area) && backward.exhaust_1 == Approx(area) && backward.supply_1 == 0.0 && backward.exhaust_2 == 0.0));
+    CHECK((forward.supply_1 == Approx(area) && forward.exhaust_2 == Approx(area) && forward.supply_2 == 0.0 &&
+           forward.exhaust_1 == 0.0));
+    CHECK((backward.supply_2 == Approx(area) && backward.exhaust_1 == Approx(area) && backward.supply_1 == 0.0 &&
+           backward.exhaust_2 == 0.0));
   }
   const ValveAreas<double> shut = valve.areas(0.0);
   CHECK((shut.supply_1 == 0.0 && shut.supply_2 == 0.0 && shut.exhaust_1 == 0.0 && shut.exhaust_2 == 0.0));

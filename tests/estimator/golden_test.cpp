@@ -31,8 +31,8 @@ AxisEstimator<P> make_estimator(const AxisParameters<double>& axis, double cells
   using Plant = AxisPlant<double>;
   AxisEstimator<P> estimator;
   estimator.configure(Plant::join_parameters<LineParameters<P>>(axis.line_1, axis.line_2), Plant::side_geometry(axis),
-                      Plant::join_parameters<AirParameters<P>>(axis.air, axis.air), P(0.5 * axis.cylinder.stroke_m), join(1.0, -1.0), 1e-3,
-                      cell_count(axis.line_1.length_m, cells_per_m));
+                      Plant::join_parameters<AirParameters<P>>(axis.air, axis.air), P(0.5 * axis.cylinder.stroke_m),
+                      join(1.0, -1.0), 1e-3, cell_count(axis.line_1.length_m, cells_per_m));
   return estimator;
 }
 
@@ -46,7 +46,8 @@ std::vector<Row> read_recording(const std::string& path) {
   char line[512];
   while (gzgets(file, line, sizeof line)) {
     Row r{};
-    if (std::sscanf(line, "%lf,%lf,%lf,%lf,%lf,%lf,%lf", &r.t_s, &r.x_m, &r.u_V, &r.p_port[0], &r.p_port[1], &r.p_chamber[0], &r.p_chamber[1]) == 7)
+    if (std::sscanf(line, "%lf,%lf,%lf,%lf,%lf,%lf,%lf", &r.t_s, &r.x_m, &r.u_V, &r.p_port[0], &r.p_port[1],
+                    &r.p_chamber[0], &r.p_chamber[1]) == 7)
       rows.push_back(r);
   }
   gzclose(file);
@@ -70,7 +71,8 @@ double largest_error(const std::vector<Row>& rows, double L, double D) {
 
 TEST_CASE("estimator meets the recorded converged solutions") {
   const char* shared = std::getenv("PNEUSERVO_SHARED");
-  const std::filesystem::path folder = std::filesystem::path(shared ? shared : PNEUSERVO_SOURCE_DIR "/../shared") / "design/golden";
+  const std::filesystem::path folder =
+      std::filesystem::path(shared ? shared : PNEUSERVO_SOURCE_DIR "/../shared") / "design/golden";
   if (!std::filesystem::exists(folder)) {
     WARN("SKIPPED: no recorded converged solutions here");
     return;
@@ -79,7 +81,8 @@ TEST_CASE("estimator meets the recorded converged solutions") {
   for (const auto& [D_mm, limit] : {std::pair{"7.65", 125.0}, {"6.10", 180.0}, {"4.15", 460.0}}) {
     for (const auto& [L, name] : {std::pair{2.0, "2m"}, {5.0, "5m"}, {10.0, "10m"}}) {
       for (const bool held : {false, true}) {
-        const auto path = folder / ((held ? "held_steps_" : "closed_loop_") + std::string(name) + "_" + D_mm + "mm.csv.gz");
+        const auto path =
+            folder / ((held ? "held_steps_" : "closed_loop_") + std::string(name) + "_" + D_mm + "mm.csv.gz");
         if (!std::filesystem::exists(path)) continue;
         const std::vector<Row> rows = read_recording(path.string());
         REQUIRE(rows.size() > 1400);

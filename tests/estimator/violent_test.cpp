@@ -1,5 +1,5 @@
-// Violent cases: nine lines in six scenarios (start, reversal, telegraph, measured jump, slam, drop-out), 4 s each. Every
-// pressure and temperature must stay physical and the gas must be booked to rounding.
+// Violent cases: nine lines in six scenarios (start, reversal, telegraph, measured jump, slam, drop-out), 4 s each.
+// Every pressure and temperature must stay physical and the gas must be booked to rounding.
 #include <catch2/catch.hpp>
 
 #include <cstdlib>
@@ -106,13 +106,15 @@ void run_plant(int scenario, double L, double D, double cells_per_m, int millise
 
 EstimatorInput jump(int k, Random& random) {
   const bool high_1 = (k / 150) % 2 == 0;
-  const double a = (high_1 ? 700e3 : 100e3) + 1e3 * random.normal(), b = (high_1 ? 100e3 : 700e3) + 1e3 * random.normal();
+  const double a = (high_1 ? 700e3 : 100e3) + 1e3 * random.normal(),
+               b = (high_1 ? 100e3 : 700e3) + 1e3 * random.normal();
   const double w = 2.0 * M_PI, t = k * 1e-3;
   return {a, b, 0.08 * std::sin(w * t), 0.08 * w * std::cos(w * t)};
 }
 EstimatorInput drop_out(int k) {
   const double w = 2.0 * M_PI, t = k * 1e-3, nan = std::numeric_limits<double>::quiet_NaN();
-  EstimatorInput in{470e3 + 100e3 * std::sin(w * t), 470e3 - 100e3 * std::sin(w * t), 0.08 * std::sin(w * t), 0.08 * w * std::cos(w * t)};
+  EstimatorInput in{470e3 + 100e3 * std::sin(w * t), 470e3 - 100e3 * std::sin(w * t), 0.08 * std::sin(w * t),
+                    0.08 * w * std::cos(w * t)};
   switch ((k % 400) / 50) {
     case 2: in.port_pressure_1_Pa = 0.0; break;
     case 3: in.position_m = nan; break;
@@ -160,7 +162,8 @@ void book_jumps(double L, double D, double cells_per_m, int milliseconds) {
     const int n = side.begin_period(1e-3);
     for (int i = 0; i < n; ++i) {
       const double middle = (i + 0.5) / n, end = (i + 1.0) / n;
-      const LineFlow<double> flow = side.step_prescribed(before + middle * (in.port_pressure_1_Pa - before), 0.15 + x + end * (in.position_m - x));
+      const LineFlow<double> flow = side.step_prescribed(before + middle * (in.port_pressure_1_Pa - before),
+                                                         0.15 + x + end * (in.position_m - x));
       booked += side.step_s() * flow.port_mass_flow_kgps;
     }
     before = in.port_pressure_1_Pa, x = in.position_m;

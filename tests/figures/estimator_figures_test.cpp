@@ -72,8 +72,9 @@ void each_bound(const std::vector<std::string>& lines, int seeds, const Show& sh
       show("stated bound", fmt::format("{}, {}", line, name), "holds", 100.0 * outcome.held_share(), "at least", 99.0,
            "%");
       // A wrong valve touches the flow correction alone and is hardly an error: no ratio is asked of it.
-      if (trial.valve_factor == 1.0) show("stated bound", fmt::format("{}, {}", line, name), "median of bound over error", outcome.median_ratio(),
-           "at most", 4.0, "");
+      if (trial.valve_factor == 1.0)
+        show("stated bound", fmt::format("{}, {}", line, name), "median of bound over error", outcome.median_ratio(),
+             "at most", 4.0, "");
     }
     noise_alone.add(pooled(line, {}, seeds));
   }
@@ -107,11 +108,12 @@ const std::vector<std::string> all_lines(line_names.begin(), line_names.end());
 TEST_CASE("the estimator forgets a start 100 kPa wrong") { each_start(few_lines, check); }
 
 TEST_CASE("the stated bound holds in 99 of 100 ticks and is no more than four times the error") {
-  each_bound(few_lines, 2, [](auto group, const auto& what, const auto& of, double measured, auto relation,
-                              double asked, auto unit) {
+  each_bound(few_lines, 2,
+             [](auto group, const auto& what, const auto& of, double measured, auto relation, double asked, auto unit) {
     // Two seeds of two lines: noise alone is judged on the nine lines below.
-    if (what.find("noise alone") == std::string::npos) check(group, what, of, measured, relation, asked, unit);
-  });
+               if (what.find("noise alone") == std::string::npos)
+                 check(group, what, of, measured, relation, asked, unit);
+             });
 }
 
 TEST_CASE("the estimator's figures hold on all nine lines", "[long]") {

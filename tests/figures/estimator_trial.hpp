@@ -18,8 +18,8 @@
 namespace pneuservo::figures {
 
 /// The nine lines, as their configs are named.
-inline const std::array<std::string, 9> line_names{"2m-7.65mm", "5m-7.65mm", "10m-7.65mm", "2m-6.10mm", "5m-6.10mm",
-                                                   "10m-6.10mm", "2m-4.15mm", "5m-4.15mm", "10m-4.15mm"};
+inline const std::array<std::string, 9> line_names{"2m-7.65mm",  "5m-7.65mm", "10m-7.65mm", "2m-6.10mm", "5m-6.10mm",
+                                                   "10m-6.10mm", "2m-4.15mm", "5m-4.15mm",  "10m-4.15mm"};
 
 inline Rig rig_of(const std::string& line, std::vector<std::string> sets = {}) {
   return read_rig(PNEUSERVO_SOURCE_DIR "/config/cylinder-" + line + ".yaml", sets);
@@ -110,8 +110,8 @@ inline TrialOutcome run_trial(const Rig& rig, const Trial& trial) {
     const bool sensed = trial.feedback == PressureSource::chamber;
     const double p1 = sensed ? measured.chamber_pressure_1_Pa.value : estimate.chamber_pressure_Pa[0];
     const double p2 = sensed ? measured.chamber_pressure_2_Pa.value : estimate.chamber_pressure_Pa[1];
-    command_V = controller.step(measured.position_m.value, p1, p2, reference.at(t_s),
-                                reference.at(t_s + controller.lead_s()));
+    command_V =
+        controller.step(measured.position_m.value, p1, p2, reference.at(t_s), reference.at(t_s + controller.lead_s()));
     backend.write(tick, {command_V});
   }
   return outcome;

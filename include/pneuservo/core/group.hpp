@@ -1,4 +1,5 @@
-// Group<S>: neighbouring elements of a row of scalars side by side in one register, so that a loop along the row fills it.
+// Group<S>: neighbouring elements of a row of scalars side by side in one register, so that a loop along the row fills
+// it.
 #pragma once
 #include <cstring>
 #include <type_traits>
@@ -8,8 +9,8 @@
 
 namespace pneuservo {
 
-/// A pack that fills half a register or less is computed several elements at once; every other scalar stands for itself.
-/// Element operations are the same ones, so the numbers do not depend on the grouping.
+/// A pack that fills half a register or less is computed several elements at once; every other scalar stands for
+/// itself. Element operations are the same ones, so the numbers do not depend on the grouping.
 template <class S> struct GroupOf {
   using type = S;
   static constexpr int elements = 1;
@@ -23,10 +24,12 @@ template <class S> using Group = typename GroupOf<S>::type;
 
 namespace detail {
 // Lanes from .. from + W - 1 of a and b laid end to end.
-template <class R, int from, int... i> [[gnu::always_inline]] inline R window(R a, R b, std::integer_sequence<int, i...>) noexcept {
+template <class R, int from, int... i> [[gnu::always_inline]] inline R
+window(R a, R b, std::integer_sequence<int, i...>) noexcept {
   return __builtin_shufflevector(a, b, (from + i)...);
 }
-template <class R, int... i> [[gnu::always_inline]] inline auto repeated(R a, std::integer_sequence<int, i...>) noexcept {
+template <class R, int... i> [[gnu::always_inline]] inline auto repeated(R a,
+                                                                         std::integer_sequence<int, i...>) noexcept {
   constexpr int lanes = static_cast<int>(sizeof(R) / sizeof(a[0]));
   return __builtin_shufflevector(a, a, (i % lanes)...);
 }
@@ -43,24 +46,28 @@ template <class S> [[gnu::always_inline]] inline Group<S> replicate(const S& ele
   }
 }
 /// The group that begins one element before `current`: last element of `previous`, then all but the last of `current`.
-template <class S> [[gnu::always_inline]] inline Group<S> one_before(const Group<S>& previous, const Group<S>& current) noexcept {
+template <class S> [[gnu::always_inline]] inline Group<S> one_before(const Group<S>& previous,
+                                                                     const Group<S>& current) noexcept {
   if constexpr (GroupOf<S>::elements == 1) {
     return previous;
   } else {
     constexpr int lanes = ScalarTraits<Group<S>>::lanes;
     Group<S> out;
-    out.r = detail::window<decltype(out.r), lanes - ScalarTraits<S>::lanes>(previous.r, current.r, std::make_integer_sequence<int, lanes>{});
+    out.r = detail::window<decltype(out.r), lanes - ScalarTraits<S>::lanes>(previous.r, current.r,
+                                                                            std::make_integer_sequence<int, lanes>{});
     return out;
   }
 }
 /// The group that begins one element after `current`: all but its first, then the first element of `next`.
-template <class S> [[gnu::always_inline]] inline Group<S> one_after(const Group<S>& current, const Group<S>& next) noexcept {
+template <class S> [[gnu::always_inline]] inline Group<S> one_after(const Group<S>& current,
+                                                                    const Group<S>& next) noexcept {
   if constexpr (GroupOf<S>::elements == 1) {
     return next;
   } else {
     constexpr int lanes = ScalarTraits<Group<S>>::lanes;
     Group<S> out;
-    out.r = detail::window<decltype(out.r), ScalarTraits<S>::lanes>(current.r, next.r, std::make_integer_sequence<int, lanes>{});
+    out.r = detail::window<decltype(out.r), ScalarTraits<S>::lanes>(current.r, next.r,
+                                                                    std::make_integer_sequence<int, lanes>{});
     return out;
   }
 }
@@ -70,7 +77,8 @@ template <class S> [[gnu::always_inline]] inline S element(const Group<S>& group
     return group;
   } else {
     S out;
-    std::memcpy(&out.r, reinterpret_cast<const char*>(&group.r) + static_cast<std::size_t>(i) * sizeof(out.r), sizeof(out.r));
+    std::memcpy(&out.r, reinterpret_cast<const char*>(&group.r) + static_cast<std::size_t>(i) * sizeof(out.r),
+                sizeof(out.r));
     return out;
   }
 }
@@ -78,7 +86,8 @@ template <class S> [[gnu::always_inline]] inline void set_element(Group<S>& grou
   if constexpr (GroupOf<S>::elements == 1) {
     group = value;
   } else {
-    std::memcpy(reinterpret_cast<char*>(&group.r) + static_cast<std::size_t>(i) * sizeof(value.r), &value.r, sizeof(value.r));
+    std::memcpy(reinterpret_cast<char*>(&group.r) + static_cast<std::size_t>(i) * sizeof(value.r), &value.r,
+                sizeof(value.r));
   }
 }
 /// Mask of the places first .. elements - 1 of a group.

@@ -25,7 +25,8 @@ template <class T, int W> struct RegisterOf {
   typedef T type __attribute__((vector_size(W * sizeof(T))));
 };
 template <class T> using IntegerOf = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;
-template <class T, int N> inline constexpr bool single_register = N * static_cast<int>(sizeof(T)) <= native_register_bytes;
+template <class T, int N> inline constexpr bool single_register =
+    N * static_cast<int>(sizeof(T)) <= native_register_bytes;
 
 // One register, or two packs of half the lanes.
 template <class Self, class Half, class RegisterType, bool single> struct PackData {
@@ -35,12 +36,15 @@ template <class Self, class Half, class RegisterType> struct PackData<Self, Half
   Half low_half, high_half;
 };
 template <class T, int N> using PackBase =
-    PackData<Pack<T, N>, Pack<T, N / 2>, typename RegisterOf<T, (single_register<T, N> ? N : 1)>::type, single_register<T, N>>;
+    PackData<Pack<T, N>, Pack<T, N / 2>, typename RegisterOf<T, (single_register<T, N> ? N : 1)>::type,
+             single_register<T, N>>;
 template <class T, int N> using MaskBase =
-    PackData<PackMask<T, N>, PackMask<T, N / 2>, typename RegisterOf<IntegerOf<T>, (single_register<T, N> ? N : 1)>::type, single_register<T, N>>;
+    PackData<PackMask<T, N>, PackMask<T, N / 2>,
+             typename RegisterOf<IntegerOf<T>, (single_register<T, N> ? N : 1)>::type, single_register<T, N>>;
 
 // f applied register by register.
-template <class Out, class F, class... In> [[gnu::always_inline]] inline Out map_registers(F f, const In&... in) noexcept {
+template <class Out, class F, class... In> [[gnu::always_inline]] inline Out map_registers(F f,
+                                                                                           const In&... in) noexcept {
   Out out;
   if constexpr (Out::single) {
     out.r = f(in.r...);
@@ -137,16 +141,16 @@ template <class T, int N> struct PackMask : detail::MaskBase<T, N> {
   }
 };
 
-/// N lanes of T, N = 2, 4, 8, ...; arithmetic, comparison and square root are the scalar operations lane by lane, so that
-/// a lane computes bit for bit what the scalar program computes.
+/// N lanes of T, N = 2, 4, 8, ...; arithmetic, comparison and square root are the scalar operations lane by lane, so
+/// that a lane computes bit for bit what the scalar program computes.
 template <class T, int N> struct Pack : detail::PackBase<T, N> {
   static_assert(std::is_floating_point_v<T> && N >= 2 && (N & (N - 1)) == 0);
   static constexpr bool single = detail::single_register<T, N>;
   using MaskType = PackMask<T, N>;
 
   Pack() noexcept : Pack(T(0)) {}
-  // Written out, so that a struct of packs is copied register by register: the compiler moves a trivially copyable struct
-  // as a block of bytes, through memory and the integer registers.
+  // Written out, so that a struct of packs is copied register by register: the compiler moves a trivially copyable
+  // struct as a block of bytes, through memory and the integer registers.
   Pack(const Pack& other) noexcept { *this = other; }
   Pack& operator=(const Pack& other) noexcept {
     if constexpr (single) {
@@ -194,21 +198,41 @@ template <class T, int N> struct Pack : detail::PackBase<T, N> {
     }
   }
 
-  friend Pack operator+(const Pack& a, const Pack& b) noexcept { return detail::map_registers<Pack>([](auto x, auto y) { return x + y; }, a, b); }
-  friend Pack operator-(const Pack& a, const Pack& b) noexcept { return detail::map_registers<Pack>([](auto x, auto y) { return x - y; }, a, b); }
-  friend Pack operator*(const Pack& a, const Pack& b) noexcept { return detail::map_registers<Pack>([](auto x, auto y) { return x * y; }, a, b); }
-  friend Pack operator/(const Pack& a, const Pack& b) noexcept { return detail::map_registers<Pack>([](auto x, auto y) { return x / y; }, a, b); }
-  friend Pack operator-(const Pack& a) noexcept { return detail::map_registers<Pack>([](auto x) { return -x; }, a); }
+  friend Pack operator+(const Pack& a, const Pack& b) noexcept {
+    return detail::map_registers<Pack>([](auto x, auto y) { return x + y; }, a, b);
+  }
+  friend Pack operator-(const Pack& a, const Pack& b) noexcept {
+    return detail::map_registers<Pack>([](auto x, auto y) { return x - y; }, a, b);
+  }
+  friend Pack operator*(const Pack& a, const Pack& b) noexcept {
+    return detail::map_registers<Pack>([](auto x, auto y) { return x * y; }, a, b);
+  }
+  friend Pack operator/(const Pack& a, const Pack& b) noexcept {
+    return detail::map_registers<Pack>([](auto x, auto y) { return x / y; }, a, b);
+  }
+  friend Pack operator-(const Pack& a) noexcept {
+    return detail::map_registers<Pack>([](auto x) { return -x; }, a);
+  }
   Pack& operator+=(const Pack& b) noexcept { return *this = *this + b; }
   Pack& operator-=(const Pack& b) noexcept { return *this = *this - b; }
   Pack& operator*=(const Pack& b) noexcept { return *this = *this * b; }
   Pack& operator/=(const Pack& b) noexcept { return *this = *this / b; }
 
-  friend MaskType operator<(const Pack& a, const Pack& b) noexcept { return detail::map_registers<MaskType>([](auto x, auto y) { return x < y; }, a, b); }
-  friend MaskType operator<=(const Pack& a, const Pack& b) noexcept { return detail::map_registers<MaskType>([](auto x, auto y) { return x <= y; }, a, b); }
-  friend MaskType operator>(const Pack& a, const Pack& b) noexcept { return detail::map_registers<MaskType>([](auto x, auto y) { return x > y; }, a, b); }
-  friend MaskType operator>=(const Pack& a, const Pack& b) noexcept { return detail::map_registers<MaskType>([](auto x, auto y) { return x >= y; }, a, b); }
-  friend MaskType operator==(const Pack& a, const Pack& b) noexcept { return detail::map_registers<MaskType>([](auto x, auto y) { return x == y; }, a, b); }
+  friend MaskType operator<(const Pack& a, const Pack& b) noexcept {
+    return detail::map_registers<MaskType>([](auto x, auto y) { return x < y; }, a, b);
+  }
+  friend MaskType operator<=(const Pack& a, const Pack& b) noexcept {
+    return detail::map_registers<MaskType>([](auto x, auto y) { return x <= y; }, a, b);
+  }
+  friend MaskType operator>(const Pack& a, const Pack& b) noexcept {
+    return detail::map_registers<MaskType>([](auto x, auto y) { return x > y; }, a, b);
+  }
+  friend MaskType operator>=(const Pack& a, const Pack& b) noexcept {
+    return detail::map_registers<MaskType>([](auto x, auto y) { return x >= y; }, a, b);
+  }
+  friend MaskType operator==(const Pack& a, const Pack& b) noexcept {
+    return detail::map_registers<MaskType>([](auto x, auto y) { return x == y; }, a, b);
+  }
 
   /// f lane by lane, for functions that have no vector form.
   template <class F> static Pack each(const Pack& a, F f) noexcept {
@@ -246,11 +270,14 @@ template <class T, int N> Pack<T, N> maximum(const Pack<T, N>& a, const Pack<T, 
   return detail::map_registers<Pack<T, N>>([](auto x, auto y) { return detail::register_maximum(x, y); }, a, b);
 }
 template <class T, int N> Pack<T, N> absolute(const Pack<T, N>& a) noexcept {
-  return detail::map_registers<Pack<T, N>>([](auto x) {
-    using R = decltype(x);
-    using I = typename detail::RegisterOf<detail::IntegerOf<T>, static_cast<int>(sizeof(R) / sizeof(T))>::type;
-    return reinterpret_cast<R>(reinterpret_cast<I>(x) & std::numeric_limits<detail::IntegerOf<T>>::max());  // sign bit off
-  }, a);
+  return detail::map_registers<Pack<T, N>>(
+      [](auto x) {
+        using R = decltype(x);
+        using I = typename detail::RegisterOf<detail::IntegerOf<T>, static_cast<int>(sizeof(R) / sizeof(T))>::type;
+        return reinterpret_cast<R>(reinterpret_cast<I>(x) &
+                                   std::numeric_limits<detail::IntegerOf<T>>::max());  // sign bit off
+      },
+      a);
 }
 template <class T, int N> Pack<T, N> square_root(const Pack<T, N>& a) noexcept {
   return detail::map_registers<Pack<T, N>>([](auto x) { return detail::register_square_root(x); }, a);
@@ -278,12 +305,20 @@ template <class T, int N> double largest(const Pack<T, N>& a) noexcept {
   }
 }
 template <class T, int N> double lane(const Pack<T, N>& a, int i) noexcept { return static_cast<double>(a[i]); }
-template <class T, int N> void set_lane(Pack<T, N>& a, int i, double value) noexcept { a.set(i, static_cast<T>(value)); }
+template <class T, int N> void set_lane(Pack<T, N>& a, int i, double value) noexcept {
+  a.set(i, static_cast<T>(value));
+}
 
 // --- both sides of an axis ---------------------------------------------------------------------
-template <> struct PairOf<double> { using type = Pack<double, 2>; };
-template <> struct PairOf<float> { using type = Pack<float, 2>; };
-template <class T, int N> struct PairOf<Pack<T, N>> { using type = Pack<T, 2 * N>; };
+template <> struct PairOf<double> {
+  using type = Pack<double, 2>;
+};
+template <> struct PairOf<float> {
+  using type = Pack<float, 2>;
+};
+template <class T, int N> struct PairOf<Pack<T, N>> {
+  using type = Pack<T, 2 * N>;
+};
 
 inline Pack<double, 2> join(double a, double b) noexcept {
   Pack<double, 2> out;

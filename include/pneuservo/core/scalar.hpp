@@ -35,7 +35,9 @@ inline double square_root(double a) noexcept { return std::sqrt(a); }
 inline float square_root(float a) noexcept { return std::sqrt(a); }
 /// a^(1/4) for a >= 0 by square roots in single precision: relative error below 1e-7, at a third of the cost. For the
 /// friction correlations, which are good to percents.
-inline double fourth_root(double a) noexcept { return static_cast<double>(std::sqrt(std::sqrt(static_cast<float>(a)))); }
+inline double fourth_root(double a) noexcept {
+  return static_cast<double>(std::sqrt(std::sqrt(static_cast<float>(a))));
+}
 inline float fourth_root(float a) noexcept { return std::sqrt(std::sqrt(a)); }
 inline double exponential(double a) noexcept { return std::exp(a); }
 inline float exponential(float a) noexcept { return std::exp(a); }

@@ -16,7 +16,8 @@ template <class S> struct AirParameters {
 
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
-    v(Field{"gas_constant_J_per_kgK", "J/(kg K)", 50, 5000, "specific gas constant R", optional}, p.gas_constant_J_per_kgK...);
+    v(Field{"gas_constant_J_per_kgK", "J/(kg K)", 50, 5000, "specific gas constant R", optional},
+      p.gas_constant_J_per_kgK...);
     v(Field{"heat_capacity_ratio", "-", 1.01, 1.67, "kappa = c_p / c_v", optional}, p.heat_capacity_ratio...);
     v(Field{"temperature_K", "K", 200, 400, "ambient, wall and supply temperature", optional}, p.temperature_K...);
     v(Field{"atmosphere_Pa", "Pa", 1e4, 2e5, "ambient pressure, absolute", optional}, p.atmosphere_Pa...);

@@ -12,7 +12,9 @@ template <class S> struct ChamberGeometry {
 
   S volume_m3(const S& s) const noexcept { return dead_volume_m3 + area_m2 * s; }
   /// S_c = 2 A + perimeter s, perimeter of a circle of area A.
-  S wall_area_m2(const S& s) const noexcept { return S(2) * area_m2 + S(3.5449077018110318) * square_root(area_m2) * s; }
+  S wall_area_m2(const S& s) const noexcept {
+    return S(2) * area_m2 + S(3.5449077018110318) * square_root(area_m2) * s;
+  }
 };
 
 /// What crosses the chamber's boundary in a sub-step beside the line's flow, positive into the chamber.

@@ -32,7 +32,8 @@ template <class S> struct DirectionDependentFriction {
 template <class S> struct PressureDependentFriction {
   S force_per_pressure_N_per_Pa = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
-    v(Field{"force_per_pressure_N_per_Pa", "N/Pa", 0, 1, "c of c (max(p1 - p_atm, 0) + max(p2 - p_atm, 0))/2"}, p.force_per_pressure_N_per_Pa...);
+    v(Field{"force_per_pressure_N_per_Pa", "N/Pa", 0, 1, "c of c (max(p1 - p_atm, 0) + max(p2 - p_atm, 0))/2"},
+      p.force_per_pressure_N_per_Pa...);
   }
 };
 template <class S> struct FrictionZone {
@@ -61,7 +62,8 @@ template <class S> struct SpringLoad {
   S stiffness_N_per_m = S(0);
   S rest_m = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
-    v(Field{"stiffness_N_per_m", "N/m", -1e6, 1e6, "k of k (x - x_0), subtracted from the driving force"}, p.stiffness_N_per_m...);
+    v(Field{"stiffness_N_per_m", "N/m", -1e6, 1e6, "k of k (x - x_0), subtracted from the driving force"},
+      p.stiffness_N_per_m...);
     v(Field{"rest_m", "m", -10, 10, "x_0", Presence::optional}, p.rest_m...);
   }
 };
@@ -80,8 +82,10 @@ template <class S> struct MotionEffects {
     constexpr auto optional = Presence::optional;
     v(Field{"coulomb_friction", "", 0, 0, "dry friction", optional}, p.coulomb_friction...);
     v(Field{"stribeck_friction", "", 0, 0, "friction that falls with speed", optional}, p.stribeck_friction...);
-    v(Field{"direction_dependent_friction", "", 0, 0, "dry friction that differs by direction", optional}, p.direction_dependent_friction...);
-    v(Field{"pressure_dependent_friction", "", 0, 0, "seal friction that grows with pressure", optional}, p.pressure_dependent_friction...);
+    v(Field{"direction_dependent_friction", "", 0, 0, "dry friction that differs by direction", optional},
+      p.direction_dependent_friction...);
+    v(Field{"pressure_dependent_friction", "", 0, 0, "seal friction that grows with pressure", optional},
+      p.pressure_dependent_friction...);
     v(Field{"friction_zone", "", 0, 0, "a tight spot of the guide", optional}, p.friction_zone...);
     v(Field{"quadratic_drag", "", 0, 0, "drag c |v| v", optional}, p.quadratic_drag...);
     v(Field{"constant_force", "", 0, 0, "constant load", optional}, p.constant_force...);
@@ -116,7 +120,8 @@ template <class S> struct ValveLag {
 template <class S> struct ValveNeutralLeak {
   S area_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
-    v(Field{"area_m2", "m2", 0, 1e-2, "supply to each port and each port to exhaust, at every spool position"}, p.area_m2...);
+    v(Field{"area_m2", "m2", 0, 1e-2, "supply to each port and each port to exhaust, at every spool position"},
+      p.area_m2...);
   }
 };
 template <class S> struct ValveAsymmetry {
@@ -149,7 +154,8 @@ template <class S> struct ValveEffects {
     v(Field{"valve_offset", "", 0, 0, "zero shift of the spool", optional}, p.valve_offset...);
     v(Field{"valve_dead_band", "", 0, 0, "overlap of the spool", optional}, p.valve_dead_band...);
     v(Field{"valve_neutral_leak", "", 0, 0, "leak of the spool at every position", optional}, p.valve_neutral_leak...);
-    v(Field{"valve_asymmetry", "", 0, 0, "exhaust edges larger or smaller than supply edges", optional}, p.valve_asymmetry...);
+    v(Field{"valve_asymmetry", "", 0, 0, "exhaust edges larger or smaller than supply edges", optional},
+      p.valve_asymmetry...);
   }
 };
 

@@ -13,7 +13,8 @@ template <class S> int cell_count(const S& length_m, double cells_per_m) noexcep
 /// Line first, chamber after it in the same sub-step. `s` is the piston's distance from this chamber's end stop [m].
 template <class S> class LineWithChamber {
  public:
-  void configure(const LineParameters<S>& line, const ChamberGeometry<S>& geometry, const AirParameters<S>& air, int cells) {
+  void configure(const LineParameters<S>& line, const ChamberGeometry<S>& geometry, const AirParameters<S>& air,
+                 int cells) {
     line_.configure(line, air, cells);
     chamber_.configure(geometry, line_.air());
     substeps_ = 0;
@@ -61,7 +62,10 @@ template <class S> class LineWithChamber {
  private:
   ChamberEnd<S> end() const noexcept { return {chamber_.pressure(), chamber_.temperature()}; }
   LineFlow<S> pass_on(const LineFlow<S>& flow, const S& s_new, const ChamberInflow<S>& extra) noexcept {
-    chamber_.step(step_s_, {flow.chamber_mass_flow_kgps + extra.mass_flow_kgps, flow.chamber_enthalpy_flow_W + extra.enthalpy_flow_W}, s_new);
+    chamber_.step(
+        step_s_,
+        {flow.chamber_mass_flow_kgps + extra.mass_flow_kgps, flow.chamber_enthalpy_flow_W + extra.enthalpy_flow_W},
+        s_new);
     return flow;
   }
   Line<S> line_;

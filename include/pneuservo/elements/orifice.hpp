@@ -21,14 +21,16 @@ template <class S> S orifice_psi(const S& r, const S& b) noexcept {
 
 /// Flow per effective area from upstream pressure p_up [Pa] at stagnation temperature T_up [K] to p_down <= p_up:
 /// G/S = K_f p_up / sqrt(R T_up) psi(p_down/p_up) [kg/(s m2)].
-template <class S> S orifice_flux(const Air<S>& air, const S& p_up, const S& T_up, const S& p_down, const S& b) noexcept {
+template <class S> S orifice_flux(const Air<S>& air, const S& p_up, const S& T_up, const S& p_down,
+                                  const S& b) noexcept {
   return air.flow_constant * p_up / square_root(air.R * T_up) * orifice_psi(p_down / p_up, b);
 }
 
 /// Mass flow [kg/s] from side 1 to side 2 (negative: the other way), with the upstream side's temperature;
 /// area [m2] >= 0, pressures absolute [Pa] > 0. Exactly antisymmetric, exactly 0 at equal pressures.
 template <class S>
-S orifice_mass_flow(const Air<S>& air, const S& area, const S& b, const S& p_1, const S& T_1, const S& p_2, const S& T_2) noexcept {
+S orifice_mass_flow(const Air<S>& air, const S& area, const S& b, const S& p_1, const S& T_1, const S& p_2,
+                    const S& T_2) noexcept {
   const auto forward = p_1 >= p_2;
   const S p_up = select(forward, p_1, p_2), p_down = select(forward, p_2, p_1);
   const S flow = area * orifice_flux(air, p_up, select(forward, T_1, T_2), p_down, b);

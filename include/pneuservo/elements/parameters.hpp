@@ -21,10 +21,12 @@ template <class S> struct ValveParameters {
   S damping_ratio = S(0.7);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"command_max_V", "V", 1e-3, 1000, "command range is +- this"}, p.command_max_V...);
-    v(Field{"area_per_volt_m2_per_V", "m2/V", 1e-12, 1e-2, "effective area per volt of spool signal"}, p.area_per_volt_m2_per_V...);
+    v(Field{"area_per_volt_m2_per_V", "m2/V", 1e-12, 1e-2, "effective area per volt of spool signal"},
+      p.area_per_volt_m2_per_V...);
     v(Field{"area_max_m2", "m2", 1e-10, 1e-2, "largest effective area"}, p.area_max_m2...);
     v(Field{"critical_pressure_ratio", "-", 0.05, 0.9, "b of ISO 6358"}, p.critical_pressure_ratio...);
-    v(Field{"natural_frequency_Hz", "Hz", 0, 1e4, "of the spool; 0: it follows at once", Presence::optional}, p.natural_frequency_Hz...);
+    v(Field{"natural_frequency_Hz", "Hz", 0, 1e4, "of the spool; 0: it follows at once", Presence::optional},
+      p.natural_frequency_Hz...);
     v(Field{"damping_ratio", "-", 0.01, 10, "of the spool", Presence::optional}, p.damping_ratio...);
   }
 };
@@ -38,8 +40,11 @@ template <class S> struct LineParameters {
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"length_m", "m", 0.01, 100, "valve port to chamber"}, p.length_m...);
     v(Field{"diameter_m", "m", 5e-4, 0.05, "inner diameter"}, p.diameter_m...);
-    v(Field{"laminar_reynolds", "-", 1, 1e5, "Re_1: lambda = 64/Re up to here (the thesis: 2300)", Presence::optional}, p.laminar_reynolds...);
-    v(Field{"turbulent_reynolds", "-", 1, 1e5, "Re_2: lambda = 0.3164 Re^-0.25 from here, linear between (the thesis: 2300)", Presence::optional}, p.turbulent_reynolds...);
+    v(Field{"laminar_reynolds", "-", 1, 1e5, "Re_1: lambda = 64/Re up to here (the thesis: 2300)", Presence::optional},
+      p.laminar_reynolds...);
+    v(Field{"turbulent_reynolds", "-", 1, 1e5,
+            "Re_2: lambda = 0.3164 Re^-0.25 from here, linear between (the thesis: 2300)", Presence::optional},
+      p.turbulent_reynolds...);
   }
 };
 
@@ -59,7 +64,8 @@ template <class S> struct CylinderParameters {
     v(Field{"dead_volume_1_m3", "m3", 1e-9, 1, "of chamber 1 at its end stop"}, p.dead_volume_1_m3...);
     v(Field{"dead_volume_2_m3", "m3", 1e-9, 1, "of chamber 2 at its end stop"}, p.dead_volume_2_m3...);
     v(Field{"wall_heat_W_per_m2K", "W/(m2 K)", 0, 1e5, "heat transfer gas to chamber wall"}, p.wall_heat_W_per_m2K...);
-    v(Field{"end_stop_restitution", "-", 0, 1, "speed after an end stop over speed before", Presence::optional}, p.end_stop_restitution...);
+    v(Field{"end_stop_restitution", "-", 0, 1, "speed after an end stop over speed before", Presence::optional},
+      p.end_stop_restitution...);
   }
 };
 

@@ -14,8 +14,8 @@ template <class S> struct PipeFrictionValue {
 
 /// lambda = 64/Re up to Re_1, 0.3164 Re^-1/4 (Blasius) from Re_2, linear in Re between.
 /// Nu = max(3.66, 0.046 Re^0.8 Pr^0.4); the floor is the laminar value at constant wall temperature.
-/// Both come from q = Re^1/4 (single precision inside, 1e-7): Re^0.8 = q^3 q^0.2 with a cubic for q^0.2, within 0.21 % for Re
-/// 2e3..2e6, far inside the correlation's own 10 to 20 %; std::pow would cost more than the rest of the cell.
+/// Both come from q = Re^1/4 (single precision inside, 1e-7): Re^0.8 = q^3 q^0.2 with a cubic for q^0.2, within 0.21 %
+/// for Re 2e3..2e6, far inside the correlation's own 10 to 20 %; std::pow would cost more than the rest of the cell.
 template <class S> struct PipeFriction {
   S laminar, turbulent;         ///< Re_1, Re_2
   S lambda_laminar, slope;      ///< lambda at Re_1 and d(lambda)/d(Re) between

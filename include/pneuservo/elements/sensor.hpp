@@ -45,7 +45,8 @@ class SensorLagFilter {
 /// One channel; noise is white and normal, in the channel's unit.
 class Sensor {
  public:
-  void configure(const SensorEffects<double>& effects, double quantum, double noise, double period_s, const Random& random) noexcept {
+  void configure(const SensorEffects<double>& effects, double quantum, double noise, double period_s,
+                 const Random& random) noexcept {
     effects_ = effects;
     quantum_ = quantum;
     noise_ = noise;

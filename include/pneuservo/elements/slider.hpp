@@ -15,14 +15,16 @@ template <class S> struct SliderSurroundings {
 template <class S> class Slider {
  public:
   /// stroke: end stops at +-stroke/2 with coefficient of restitution.
-  void configure(const SliderParameters<S>& slider, const MotionEffects<S>& effects, const S& stroke_m, const S& restitution) noexcept {
+  void configure(const SliderParameters<S>& slider, const MotionEffects<S>& effects, const S& stroke_m,
+                 const S& restitution) noexcept {
     mass_ = slider.mass_kg + slider.payload_kg;
     viscous_ = slider.viscous_friction_Ns_per_m;
     effects_ = effects;
     half_stroke_ = S(0.5) * stroke_m;
     restitution_ = restitution;
-    const S dry = effects.coulomb_friction.force_N + effects.stribeck_friction.coulomb_force_N + absolute(effects.stribeck_friction.extra_force_N) +
-                  effects.direction_dependent_friction.forward_N + effects.direction_dependent_friction.backward_N +
+    const S dry = effects.coulomb_friction.force_N + effects.stribeck_friction.coulomb_force_N +
+                  absolute(effects.stribeck_friction.extra_force_N) + effects.direction_dependent_friction.forward_N +
+                  effects.direction_dependent_friction.backward_N +
                   effects.pressure_dependent_friction.force_per_pressure_N_per_Pa + effects.friction_zone.force_N;
     has_dry_friction_ = any(!(dry == S(0)));
   }
@@ -63,7 +65,8 @@ template <class S> class Slider {
     const auto stops = moving & (v_free * direction <= zero) & (dry > zero);
     const S fraction = clamp(speed / maximum(absolute(velocity_ - v_free), S(1e-30)), zero, S(1));
     const S v_new = select(held | stops, zero, v_free);
-    const S moved = select(held, zero, select(stops, S(0.5) * fraction * h * velocity_, S(0.5) * h * (velocity_ + v_free)));
+    const S moved =
+        select(held, zero, select(stops, S(0.5) * fraction * h * velocity_, S(0.5) * h * (velocity_ + v_free)));
     position_ += moved;
     const S gained = absolute(v_new - velocity_);
     velocity_ = v_new;

@@ -33,7 +33,8 @@ template <class S> class Spool {
   S value() const noexcept { return value_; }
 
  private:
-  // exp([[0, 1], [-k, -d]] h) by a Taylor series of the matrix over 2^10, squared ten times: the same for every damping.
+  // exp([[0, 1], [-k, -d]] h) by a Taylor series of the matrix over 2^10, squared ten times: the same for every
+  // damping.
   void exponentiate(const S& k, const S& d, const S& h) noexcept {
     const S t = h * S(1.0 / 1024.0);
     S b11(1), b12(0), b21(0), b22(1);
@@ -61,8 +62,8 @@ template <class S> struct ValveAreas {
   S supply_1, exhaust_1, supply_2, exhaust_2;
 };
 
-/// s > 0: supply feeds port 1, port 2 exhausts; s < 0 the other way round. Area = area_per_volt |s_eff|, at most area_max.
-/// Order of the command path: hold, delay, play, lag, spool dynamics, offset, dead band, area.
+/// s > 0: supply feeds port 1, port 2 exhausts; s < 0 the other way round. Area = area_per_volt |s_eff|, at most
+/// area_max. Order of the command path: hold, delay, play, lag, spool dynamics, offset, dead band, area.
 template <class S> class Valve {
  public:
   /// Allocates the delay line; longest delay 0.5 s.
@@ -113,7 +114,8 @@ template <class S> class Valve {
     const S exhaust = area * effects_.valve_asymmetry.exhaust_ratio;
     const auto forward = shifted > S(0);
     const S zero(0);
-    return {leak + select(forward, area, zero), leak + select(forward, zero, exhaust), leak + select(forward, zero, area), leak + select(forward, exhaust, zero)};
+    return {leak + select(forward, area, zero), leak + select(forward, zero, exhaust),
+            leak + select(forward, zero, area), leak + select(forward, exhaust, zero)};
   }
   S spool() const noexcept { return spool_.value(); }
 
@@ -123,7 +125,8 @@ template <class S> class Valve {
     S out(0);
     for (int i = 0; i < ScalarTraits<S>::lanes; ++i) {
       const double past = (lane(effects_.command_delay.delay_s, i) - time_s) / period_s_;
-      const auto back = static_cast<std::size_t>(std::clamp(std::ceil(past), 0.0, static_cast<double>(history_.size() - 1)));
+      const auto back =
+          static_cast<std::size_t>(std::clamp(std::ceil(past), 0.0, static_cast<double>(history_.size() - 1)));
       const std::size_t index = newest_ >= back ? newest_ - back : newest_ + history_.size() - back;
       set_lane(out, i, lane(history_[index], i));
     }

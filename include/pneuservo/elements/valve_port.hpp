@@ -18,8 +18,8 @@ template <class S> struct PortSolution {
   S mass_flow_kgps;  ///< of the orifices, into the line
 };
 
-/// Relative change of the port pressure at which the iteration ends. A Newton step squares the relative error, so what is
-/// left after a step of this size is about 1e-10; the flow booked is the one of the linearised orifices at its end.
+/// Relative change of the port pressure at which the iteration ends. A Newton step squares the relative error, so what
+/// is left after a step of this size is about 1e-10; the flow booked is the one of the linearised orifices at its end.
 inline constexpr double port_tolerance = 1e-5;
 
 namespace detail {
@@ -28,8 +28,8 @@ template <class S> struct PortOrifice {
   S pressure, inverse_pressure;
   S inward, outward;  // choked flow per upstream pressure, side 1 or port upstream
 };
-// Flow into the port at pressure p and its derivative with p times `root`: the ellipse's slope has a root below the line,
-// and Newton's step needs only the product, which saves the division.
+// Flow into the port at pressure p and its derivative with p times `root`: the ellipse's slope has a root below the
+// line, and Newton's step needs only the product, which saves the division.
 template <class S> struct FlowAndSlope {
   S flow, slope_times_root, root;
 };
@@ -40,7 +40,8 @@ template <class S> struct OrificeShape {
     const S joint = (S(1 - orifice_linear_width) - b) * inverse;
     line_slope = square_root(S(1) - joint * joint) * S(1 / orifice_linear_width);
   }
-  [[gnu::always_inline]] FlowAndSlope<S> at(const PortOrifice<S>& orifice, const S& p, const S& inverse_p) const noexcept {
+  [[gnu::always_inline]] FlowAndSlope<S> at(const PortOrifice<S>& orifice, const S& p,
+                                            const S& inverse_p) const noexcept {
     const auto inward = orifice.pressure >= p;
     const S r = select(inward, p * orifice.inverse_pressure, orifice.pressure * inverse_p);
     const S z = maximum((r - critical) * inverse, S(0));
@@ -58,29 +59,32 @@ template <class S> struct OrificeShape {
 
 /// What the solution needs of the gas and the orifices' shape, computed once.
 template <class S> struct PortConstants {
-  S inverse_RT, half_inverse_cp, inflow, inverse_atmosphere;  // inflow: K_f/sqrt(R T_s), choked flow per pressure and area
+  S inverse_RT, half_inverse_cp, inflow,
+      inverse_atmosphere;  // inflow: K_f/sqrt(R T_s), choked flow per pressure and area
   detail::OrificeShape<S> shape;
 
   PortConstants() noexcept : PortConstants(Air<S>{}, S(0.35)) {}
   PortConstants(const Air<S>& air, const S& critical_pressure_ratio) noexcept
       : inverse_RT(S(1) / (air.R * air.temperature_K)), half_inverse_cp(S(0.5) / air.cp),
-        inflow(air.flow_constant / square_root(air.R * air.temperature_K)), inverse_atmosphere(S(1) / air.atmosphere_Pa),
-        shape(critical_pressure_ratio) {}
+        inflow(air.flow_constant / square_root(air.R * air.temperature_K)),
+        inverse_atmosphere(S(1) / air.atmosphere_Pa), shape(critical_pressure_ratio) {}
 };
 
 /// Solves A rho_b (u_star + K p) = G_supply(p) - G_exhaust(p) for the port pressure p, rho_b = p/(R T_s) inward and
 /// rho_1 outward: both sides are monotone in p, so Newton inside a bracket that bisects when a step leaves it.
 /// [u_star + K p] = m/s; c limits |u|; T_1, rho_1 belong to the first cell; p_start is near the solution.
 /// Books the flow of the orifices themselves; with both closed the flow is exactly 0.
-/// One or two steps are nearly always enough; a lane that has converged stays, so that its result does not depend on its
-/// neighbours.
+/// One or two steps are nearly always enough; a lane that has converged stays, so that its result does not depend on
+/// its neighbours.
 template <class S>
-PortSolution<S> solve_valve_port(const PortConstants<S>& k, const Air<S>& air, const ValvePort<S>& valve, const S& cross_section,
-                                 const S& u_star, const S& K, const S& c, const S& rho_1, const S& T_1, const S& p_start) noexcept {
+PortSolution<S> solve_valve_port(const PortConstants<S>& k, const Air<S>& air, const ValvePort<S>& valve,
+                                 const S& cross_section, const S& u_star, const S& K, const S& c, const S& rho_1,
+                                 const S& T_1, const S& p_start) noexcept {
   const S inverse_K = S(1) / K;
   S low_p = maximum(S(1e3), (-c - u_star) * inverse_K), high_p = maximum(low_p, (c - u_star) * inverse_K);
   S p = clamp(p_start, low_p, high_p);
-  detail::PortOrifice<S> supply{valve.supply_pressure_Pa, S(1) / valve.supply_pressure_Pa, valve.supply_area_m2 * k.inflow, S(0)};
+  detail::PortOrifice<S> supply{valve.supply_pressure_Pa, S(1) / valve.supply_pressure_Pa,
+                                valve.supply_area_m2 * k.inflow, S(0)};
   detail::PortOrifice<S> exhaust{air.atmosphere_Pa, k.inverse_atmosphere, valve.exhaust_area_m2 * k.inflow, S(0)};
   // Stagnation temperature in front of the exhaust: what leaves the line brings its kinetic energy along.
   const auto set_outflow = [&](const S& u) noexcept {
@@ -103,7 +107,8 @@ PortSolution<S> solve_valve_port(const PortConstants<S>& k, const Air<S>& air, c
     low_p = select(residual < S(0), p, low_p);
     high_p = select(residual > S(0), p, high_p);
     const S roots = from_supply.root * from_exhaust.root;
-    const S slope = line_slope * roots - from_supply.slope_times_root * from_exhaust.root - from_exhaust.slope_times_root * from_supply.root;
+    const S slope = line_slope * roots - from_supply.slope_times_root * from_exhaust.root -
+                    from_exhaust.slope_times_root * from_supply.root;
     const S newton = p - residual * roots / slope;
     const auto inside = (newton >= low_p) & (newton <= high_p);
     const S next = select(inside, newton, S(0.5) * (low_p + high_p));
@@ -111,7 +116,8 @@ PortSolution<S> solve_valve_port(const PortConstants<S>& k, const Air<S>& air, c
     flow = select(done, flow, select(inside, line + line_slope * change, orifices));
     p = select(done, p, next);
     done = done | (absolute(change) <= S(port_tolerance) * p);
-    if (all(done)) [[likely]] break;
+    if (all(done)) [[likely]]
+      break;
     // Where two steps are enough the start is near, and so is its stagnation temperature (1e-4 of the flow).
     if (iteration > 0) set_outflow(u_star + K * p);
   }
@@ -122,9 +128,10 @@ PortSolution<S> solve_valve_port(const PortConstants<S>& k, const Air<S>& air, c
 
 /// The same with the constants computed on the spot.
 template <class S>
-PortSolution<S> solve_valve_port(const Air<S>& air, const ValvePort<S>& valve, const S& cross_section, const S& u_star, const S& K,
-                                 const S& c, const S& rho_1, const S& T_1, const S& p_start) noexcept {
-  return solve_valve_port(PortConstants<S>(air, valve.critical_pressure_ratio), air, valve, cross_section, u_star, K, c, rho_1, T_1, p_start);
+PortSolution<S> solve_valve_port(const Air<S>& air, const ValvePort<S>& valve, const S& cross_section, const S& u_star,
+                                 const S& K, const S& c, const S& rho_1, const S& T_1, const S& p_start) noexcept {
+  return solve_valve_port(PortConstants<S>(air, valve.critical_pressure_ratio), air, valve, cross_section, u_star, K, c,
+                          rho_1, T_1, p_start);
 }
 
 }  // namespace pneuservo

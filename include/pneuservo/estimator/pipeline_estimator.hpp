@@ -113,8 +113,8 @@ class PipelineEstimator {
                     both(1.0, -1.0), parameters.period_s, cells);
     air_ = Air<Lanes>(cast<AirParameters<Lanes>>(parameters.air));
     // A plane wave that leaves the line changes the port's pressure by c G / A.
-    const double sound_mps =
-        std::sqrt(parameters.air.heat_capacity_ratio * parameters.air.gas_constant_J_per_kgK * parameters.air.temperature_K);
+    const double sound_mps = std::sqrt(parameters.air.heat_capacity_ratio * parameters.air.gas_constant_J_per_kgK *
+                                       parameters.air.temperature_K);
     const auto impedance = [&](const LineParameters<double>& l) {
       return parameters.flow_correction * sound_mps / (0.25 * M_PI * l.diameter_m * l.diameter_m);
     };
@@ -245,8 +245,8 @@ class PipelineEstimator {
                  wide = area * (1.0 + parameters_.uncertainty.relative_valve_area);
     const auto feeds = both(command_V, -command_V) >= Lanes(0);
     const Lanes outside = select(feeds, Lanes(parameters_.supply_pressure_Pa), Lanes(parameters_.air.atmosphere_Pa));
-    const Lanes flow = orifice_mass_flow(air_, lanes(area, area, wide, wide), Lanes(valve.critical_pressure_ratio), outside,
-                                         air_.temperature_K, middle, air_.temperature_K);
+    const Lanes flow = orifice_mass_flow(air_, lanes(area, area, wide, wide), Lanes(valve.critical_pressure_ratio),
+                                         outside, air_.temperature_K, middle, air_.temperature_K);
     const Lanes largest(correction_limit_Pa);
     return maximum(minimum(correction_gain_ * (flow - axis_.flow().port_mass_flow_kgps), largest), -largest);
   }

@@ -111,7 +111,8 @@ template <class S> class AxisPlant {
 
  private:
   // Force at the middle of the sub-step: the gas moves after the slider, so the force of its start acts on the slider's
-  // way and would take w h/4 from the damping ratio of the gas springs. Its last change, whatever made it, is carried on.
+  // way and would take w h/4 from the damping ratio of the gas springs. Its last change, whatever made it, is carried
+  // on.
   S middle_force(double h) noexcept {
     const S force = driving_force();
     const S change = last_step_s_ > 0.0 ? S(0.5 * h / last_step_s_) * (force - last_force_) : S(0);

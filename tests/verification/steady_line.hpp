@@ -5,14 +5,30 @@
 namespace verification {
 
 struct SteadyFlow {
-  double mass_flow, end_velocity, end_temperature, end_pressure, port_pressure;
-  double mach() const { return std::fabs(end_velocity) / std::sqrt(1.4 * 287.0 * end_temperature); }
+  double mass_flow, end_Mach, end_temperature, end_pressure, port_pressure;
 };
 
-inline int steady_cells(Resolution resolution, int fine) { return resolution == Resolution::normal ? 10 : fine; }
+/// State of the gas on the face at the chamber, from what leaves the line there: mass flux G/A, stagnation enthalpy
+/// h_0 = H/G and the chamber's static pressure p. u = g R T/p in c_p T + u^2/2 = h_0 is a quadratic in T; where its
+/// root is above Mach 1 the gas leaves at Mach 1 and the pressure floats above the chamber's.
+inline SteadyFlow steady_flow_of(const Line<double>& line, const LineFlow<double>& flow, double chamber_pressure) {
+  const Air<double>& air = line.air();
+  const double G = flow.chamber_mass_flow_kgps, flux = std::fabs(G) / line.cross_section(), h_0 = flow.chamber_enthalpy_flow_W / G;
+  const double a = flux * air.R / chamber_pressure;
+  const double subsonic = 2.0 * h_0 / (air.cp + std::sqrt(air.cp * air.cp + 2.0 * a * a * h_0));
+  const double sonic = h_0 / (air.cp + 0.5 * air.kappa * air.R), T = std::max(subsonic, sonic);
+  const double mach = subsonic > sonic ? a * T / std::sqrt(air.kappa * air.R * T) : 1.0;
+  return {G, mach, T, flux * air.R * T / (mach * std::sqrt(air.kappa * air.R * T)), line.port_pressure()};
+}
+
+/// A number of the steady flow with ten cells, or its limit from 50, 100 and 200.
+template <class Number> double steady_number(Resolution resolution, const Number& with_cells) {
+  if (resolution == Resolution::normal) return with_cells(10);
+  return limit_of(with_cells(50), with_cells(100), with_cells(200));
+}
 
 /// Steps `advance` until the flows at both ends agree to 1e-8 and have not changed by more over 20 ms.
-template <class Step> SteadyFlow run_to_steady(Line<double>& line, const Step& advance) {
+template <class Step> SteadyFlow run_to_steady(Line<double>& line, double chamber_pressure, const Step& advance) {
   double before = 0.0, fastest = 100.0;
   LineFlow<double> flow;
   for (int block = 0; block < 1500; ++block) {
@@ -25,9 +41,7 @@ template <class Step> SteadyFlow run_to_steady(Line<double>& line, const Step& a
     before = G;
     if (steady && block > 20) break;
   }
-  const int last = line.cells() - 1;
-  const double G = flow.chamber_mass_flow_kgps, u = line.face_velocity(line.cells()), T = line.cell_temperature(last);
-  return {G, u, T, G * 287.0 * T / (u * line.cross_section()), line.port_pressure()};
+  return steady_flow_of(line, flow, chamber_pressure);
 }
 
 }  // namespace verification

@@ -11,14 +11,14 @@ namespace verification {
 /// function at any frequency is the ratio of the Fourier integrals of response and pulse: no start-up to wait for.
 class PulseResponse {
  public:
-  PulseResponse(Resolution resolution, double L, double D_mm, bool adiabatic) {
-    const int cells = resolution == Resolution::normal ? 10 : 100;
+  PulseResponse(Resolution resolution, double L, double D_mm, bool adiabatic)
+      : PulseResponse(L, D_mm, adiabatic, resolution == Resolution::normal ? 10 : 100, resolution == Resolution::normal ? 1e-3 : 2.5e-5) {}
+  PulseResponse(double L, double D_mm, bool adiabatic, int cells, double period) {
     LineWithChamber<double> side;
     side.configure(line_of(L, D_mm), chamber_1(adiabatic ? 0.0 : 50.0), nominal_air(), cells);
     side.reset(p_start, T_start, half_stroke);
     side.line().set_adiabatic(adiabatic);
     double t = 0.0, end = 14.0;
-    const double period = resolution == Resolution::normal ? 1e-3 : 2.5e-5;
     while (t < end) {
       const int n = side.begin_period(period);
       step_ = side.step_s();

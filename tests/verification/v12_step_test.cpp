@@ -30,13 +30,13 @@ Signal sharp_step(Resolution resolution, double L, double D_mm, bool wall_heat) 
 }
 
 // b) smooth step in 10 ms into line and chamber.
-Signal smooth_step(Resolution resolution, double L, double D_mm) {
+Signal smooth_step(double L, double D_mm, int cells, double period) {
   LineWithChamber<double> side;
-  side.configure(line_of(L, D_mm), chamber_1(50.0), nominal_air(), resolution == Resolution::normal ? 10 : 100);
+  side.configure(line_of(L, D_mm), chamber_1(50.0), nominal_air(), cells);
   side.reset(p_start, T_start, half_stroke);
   Signal out{{0.0}, {0.0}};
   for (double t = 0.0; t < 18.0;) {
-    const int n = side.begin_period(resolution == Resolution::normal ? 1e-3 : 5e-5);
+    const int n = side.begin_period(period);
     for (int i = 0; i < n; ++i) {
       const double z = std::min(1.0, t / rise_s);
       side.step_prescribed(p_start + step_Pa * z * z * z * (10.0 - 15.0 * z + 6.0 * z * z), half_stroke);
@@ -77,10 +77,21 @@ class Steps {
       if (q == "first_front_at_closed_end_over_step") return front_height(s, travel);
       throw std::runtime_error("quantity is unknown");
     }
-    const auto key = std::make_pair(L, D);
+    const auto with_cells = [&](int cells) { return number(check, smooth(L, D, cells)); };
+    return resolution_ == Resolution::normal ? with_cells(10) : limit_of(with_cells(25), with_cells(50), with_cells(100));
+  }
+
+ private:
+  // Step and cell length are refined together.
+  const Signal& smooth(double L, double D, int cells) {
+    const auto key = std::make_tuple(L, D, cells);
     auto found = smooth_.find(key);
-    if (found == smooth_.end()) found = smooth_.emplace(key, smooth_step(resolution_, L, D)).first;
-    const Signal& s = found->second;
+    const double period = resolution_ == Resolution::normal ? 1e-3 : 5e-3 / cells;
+    if (found == smooth_.end()) found = smooth_.emplace(key, smooth_step(L, D, cells, period)).first;
+    return found->second;
+  }
+  static double number(const Check& check, const Signal& s) {
+    const std::string& q = check.quantity;
     if (q == "time_to_level") return time_of_level(s.t, s.y, check.number("level"));
     if (q == "peak") return first_peak(s).second;
     if (q == "peak_time") return first_peak(s).first;
@@ -88,10 +99,8 @@ class Steps {
     if (q == "plateau") return s.y.back();
     throw std::runtime_error("quantity is unknown");
   }
-
- private:
   Resolution resolution_;
-  std::map<std::pair<double, double>, Signal> smooth_;
+  std::map<std::tuple<double, double, int>, Signal> smooth_;
 };
 }  // namespace
 

@@ -23,6 +23,14 @@ namespace verification {
 /// normal: as the product runs (10 cells a line, 1 ms period); fine: grid and step refined until nothing changes.
 enum class Resolution { normal, fine };
 
+/// Limit of a number (real or complex) under refinement: three grids, each twice as fine as the one before, with the
+/// order of convergence measured from them (Richardson extrapolation). Where the two changes are not in the ratio of an
+/// order between 0.6 and 3 (rounding, or a change of sign), the finest grid's own number stands.
+template <class T> T limit_of(const T& coarse, const T& middle, const T& fine) {
+  const double ratio = std::abs(middle - coarse) / std::abs(fine - middle);
+  return ratio > 1.5 && ratio < 8.0 ? fine + (fine - middle) / (ratio - 1.0) : fine;
+}
+
 /// One expected number (or list) with its conditions.
 struct Check {
   std::string id, quantity, unit, kind, needs;

@@ -101,15 +101,19 @@ template <class S> class Line {
     k_.grid_ratio = h / cell_length();
     k_.reynolds_factor = diameter_ / air_.viscosity_Pas;
     k_.friction_factor = frictionless_ ? S(0) : h * air_.viscosity_Pas / (S(2) * diameter_squared);
-    k_.heat_factor = adiabatic_ ? S(0) : S(isothermal_ ? 2e12 : 2.0) * h / diameter_squared;
+    const S wall = adiabatic_ ? S(0) : S(isothermal_ ? 2e12 : 2.0) * h / diameter_squared;
+    k_.wall_offset = wall * Air<S>::conductivity(S(0));
+    k_.wall_slope = wall * Air<S>::conductivity(S(1)) - k_.wall_offset;
+    k_.heat_share = S(0.5) * (air_.kappa - S(1));
+    k_.half_inverse_grid_ratio = S(0.5) / k_.grid_ratio;
     k_.compression_factor = S(0.5) * (air_.kappa - S(1)) * k_.grid_ratio;
     k_.kappa_minus_one = air_.kappa - S(1);
     k_.cv = air_.cv;
     k_.inverse_R = S(1) / air_.R;
     k_.wall_pressure_factor = air_.R * air_.temperature_K;
-    k_.sound_factor = air_.kappa * air_.R;
+    k_.sound_factor = isothermal_ ? air_.R : air_.kappa * air_.R;
     k_.inverse_wall_factor = S(1) / k_.wall_pressure_factor;
-    k_.half_inverse_cp = S(0.5) / air_.cp;
+    k_.half_inverse_cp = isothermal_ ? S(0) : S(0.5) / air_.cp;
     k_.friction = friction_;
     group_k_ = line_scheme::replicate_constants(k_);
   }
@@ -253,7 +257,7 @@ template <class S> class Line {
     find_reynolds();
     // The ends have the longest chains and go first.
     Face end = chamber_face(last, u_before_n, u_n, chamber);
-    const S enthalpy_flux = chamber_end_flux(end, last, chamber);
+    const S enthalpy_flux = chamber_end_flux(end, last, u_before_n, chamber);
     const Face port = port_face(first, u_0, u_1, port_flux);
     advance_velocities();
     find_inner_fluxes();
@@ -482,14 +486,18 @@ template <class S> class Line {
     return restricted_ ? select(effects_.restriction.area_m2 > S(0), last.pressure, chamber.pressure_Pa) : chamber.pressure_Pa;
   }
 
-  // Flux at the chamber; returns the stagnation enthalpy flux into the chamber [W/m2].
-  S chamber_end_flux(Face& end, const Cell& last, const ChamberEnd<S>& chamber) const noexcept {
+  // Flux at the chamber; returns the stagnation enthalpy flux into the chamber [W/m2]. What leaves is what the last cell
+  // gives away: internal energy, the work p u of its own pressure and the kinetic energy that came to it, less what it
+  // keeps as heat of the end face: whatever chokes or bends the end, no energy is made or lost there in steady flow.
+  S chamber_end_flux(Face& end, const Cell& last, const S& u_before, const ChamberEnd<S>& chamber) const noexcept {
     const S u = end.velocity;
     const auto enters = u < S(0);  // from the chamber into the line
     const S p = face_pressure_at_chamber(last, chamber);
     end.pressure_flux = select(enters, p, line_scheme::limited_face_pressure(p, last.pressure)) * u;
     end.mass_flux = end.pressure_flux * select(enters, inflow_density_per_pressure(chamber.temperature_K, u), last.density_per_pressure);
-    return end.mass_flux * select(enters, air_.cp * chamber.temperature_K, air_.cp * last.temperature + S(0.5) * u * u);
+    const S kept = k_.half_inverse_grid_ratio * (end.friction_coefficient * u * u);
+    const S leaves = end.mass_flux * (air_.cv * last.temperature + S(0.5) * u_before * u_before) + last.pressure * u - kept;
+    return select(enters, end.mass_flux * air_.cp * chamber.temperature_K, leaves);
   }
 
   // The bounds of density and temperature, where some cell has broken them.

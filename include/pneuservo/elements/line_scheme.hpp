@@ -15,14 +15,15 @@ template <class V> struct Face {
 
 /// What does not change within a step; a = h/dx is the grid ratio.
 template <class V> struct Constants {
-  V grid_ratio, reynolds_factor, friction_factor, heat_factor, compression_factor, kappa_minus_one, cv, inverse_R;
-  V wall_pressure_factor, sound_factor, inverse_wall_factor, half_inverse_cp;
+  V grid_ratio, reynolds_factor, friction_factor, wall_slope, wall_offset, heat_share, compression_factor;
+  V kappa_minus_one, cv, inverse_R, wall_pressure_factor, sound_factor, inverse_wall_factor, half_inverse_cp, half_inverse_grid_ratio;
   PipeFriction<V> friction;
 };
 template <class S> Constants<Group<S>> replicate_constants(const Constants<S>& k) noexcept {
-  return {replicate(k.grid_ratio), replicate(k.reynolds_factor), replicate(k.friction_factor), replicate(k.heat_factor),
-          replicate(k.compression_factor), replicate(k.kappa_minus_one), replicate(k.cv), replicate(k.inverse_R),
-          replicate(k.wall_pressure_factor), replicate(k.sound_factor), replicate(k.inverse_wall_factor), replicate(k.half_inverse_cp), k.friction.template grouped<Group<S>>()};
+  return {replicate(k.grid_ratio), replicate(k.reynolds_factor), replicate(k.friction_factor), replicate(k.wall_slope), replicate(k.wall_offset),
+          replicate(k.heat_share), replicate(k.compression_factor), replicate(k.kappa_minus_one), replicate(k.cv), replicate(k.inverse_R),
+          replicate(k.wall_pressure_factor), replicate(k.sound_factor), replicate(k.inverse_wall_factor), replicate(k.half_inverse_cp), replicate(k.half_inverse_grid_ratio),
+          k.friction.template grouped<Group<S>>()};
 }
 
 template <class V> [[gnu::always_inline]] inline V reynolds(const Constants<V>& k, const V& rho, const V& u) noexcept {
@@ -68,11 +69,10 @@ template <class V>
     rho -= loss->density;
     x -= loss->pressure;
   }
-  const V heat = V(0.5) * (left_heat + right_heat);
-  const V wall = k.heat_factor * (left.nusselt + right.nusselt) * Air<V>::conductivity(cell.temperature);
+  const V heat = k.heat_share * (left_heat + right_heat);
+  const V wall = (left.nusselt + right.nusselt) * (k.wall_slope * cell.temperature + k.wall_offset);
   const V rho_cv = rho * k.cv;
-  return {rho, rho_cv * (x + one_plus * (k.kappa_minus_one * heat)) + one_plus * (wall * (rho * k.wall_pressure_factor)),
-          one_plus * (rho_cv + wall)};
+  return {rho, rho_cv * (x + one_plus * heat) + one_plus * (wall * (rho * k.wall_pressure_factor)), one_plus * (rho_cv + wall)};
 }
 /// p = a/d, T = p/(rho R) and 1/(R T) = rho/p all come from the one division 1/(rho a d).
 template <class V> [[gnu::always_inline]] inline Cell<V> state_of(const Constants<V>& k, const V& rho, const V& a, const V& d) noexcept {

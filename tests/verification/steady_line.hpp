@@ -13,7 +13,8 @@ struct SteadyFlow {
 /// root is above Mach 1 the gas leaves at Mach 1 and the pressure floats above the chamber's.
 inline SteadyFlow steady_flow_of(const Line<double>& line, const LineFlow<double>& flow, double chamber_pressure) {
   const Air<double>& air = line.air();
-  const double G = flow.chamber_mass_flow_kgps, flux = std::fabs(G) / line.cross_section(), h_0 = flow.chamber_enthalpy_flow_W / G;
+  const double G = flow.chamber_mass_flow_kgps, flux = std::fabs(G) / line.cross_section(),
+               h_0 = flow.chamber_enthalpy_flow_W / G;
   const double a = flux * air.R / chamber_pressure;
   const double subsonic = 2.0 * h_0 / (air.cp + std::sqrt(air.cp * air.cp + 2.0 * a * a * h_0));
   const double sonic = h_0 / (air.cp + 0.5 * air.kappa * air.R), T = std::max(subsonic, sonic);
@@ -37,7 +38,8 @@ template <class Step> SteadyFlow run_to_steady(Line<double>& line, double chambe
     for (int i = 0; i < n; ++i) flow = advance();
     fastest = std::max(20.0, 1.1 * line.largest_speed());
     const double G = flow.chamber_mass_flow_kgps;
-    const bool steady = std::fabs(G - before) < 1e-8 * std::fabs(G) && std::fabs(flow.port_mass_flow_kgps - G) < 1e-8 * std::fabs(G);
+    const bool steady =
+        std::fabs(G - before) < 1e-8 * std::fabs(G) && std::fabs(flow.port_mass_flow_kgps - G) < 1e-8 * std::fabs(G);
     before = G;
     if (steady && block > 20) break;
   }

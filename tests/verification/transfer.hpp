@@ -6,13 +6,14 @@
 
 namespace verification {
 
-
-/// Line 1 and chamber 1 at mid-stroke, 470 kPa, 293 K; the port pressure makes one Gaussian pulse of 10 Pa. The transfer
-/// function at any frequency is the ratio of the Fourier integrals of response and pulse: no start-up to wait for.
+/// Line 1 and chamber 1 at mid-stroke, 470 kPa, 293 K; the port pressure makes one Gaussian pulse of 10 Pa. The
+/// transfer function at any frequency is the ratio of the Fourier integrals of response and pulse: no start-up to wait
+/// for.
 class PulseResponse {
  public:
   PulseResponse(Resolution resolution, double L, double D_mm, bool adiabatic)
-      : PulseResponse(L, D_mm, adiabatic, resolution == Resolution::normal ? 10 : 100, resolution == Resolution::normal ? 1e-3 : 2.5e-5) {}
+      : PulseResponse(L, D_mm, adiabatic, resolution == Resolution::normal ? 10 : 100,
+                      resolution == Resolution::normal ? 1e-3 : 2.5e-5) {}
   PulseResponse(double L, double D_mm, bool adiabatic, int cells, double period) {
     LineWithChamber<double> side;
     side.configure(line_of(L, D_mm), chamber_1(adiabatic ? 0.0 : 50.0), nominal_air(), cells);
@@ -38,7 +39,8 @@ class PulseResponse {
       phase = (k & 1023) == 0 ? std::exp(Complex(0.0, -w * step_ * static_cast<double>(k + 1))) : phase * turn;
       sum += phase * response_[k];
     }
-    const Complex in = height * width * std::sqrt(2.0 * M_PI) * std::exp(-0.5 * w * w * width * width) * std::exp(Complex(0.0, -w * centre));
+    const Complex in = height * width * std::sqrt(2.0 * M_PI) * std::exp(-0.5 * w * w * width * width) *
+                       std::exp(Complex(0.0, -w * centre));
     return sum * step_ / in;
   }
   /// Frequency where the gain is largest between two frequencies, by golden section.

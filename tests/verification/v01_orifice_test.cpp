@@ -11,7 +11,8 @@ Answer answer(const Check& check) {
   if (check.quantity == "K_f") return air.flow_constant;
   if (check.quantity == "psi") return orifice_psi(check.number("r"), b);
   if (check.quantity == "psi_slope_in_linear_part") return (orifice_psi(0.9999, b) - orifice_psi(0.9995, b)) / 4e-4;
-  if (check.quantity == "psi_slope_just_below_linear_part") return (orifice_psi(0.999, b) - orifice_psi(0.999 - 1e-7, b)) / 1e-7;
+  if (check.quantity == "psi_slope_just_below_linear_part")
+    return (orifice_psi(0.999, b) - orifice_psi(0.999 - 1e-7, b)) / 1e-7;
   if (check.quantity == "conductance_C_ISO6358")
     return S * air.flow_constant / std::sqrt(air.R * check.number("T_0_K")) / check.number("rho_0");
   const double G = orifice_mass_flow(air, S, b, check.number("p_1_Pa"), T_1, check.number("p_2_Pa"), T_2);

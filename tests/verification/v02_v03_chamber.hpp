@@ -29,13 +29,15 @@ inline ChamberRun run_chamber(double wall_heat, double p_0, double p_outside, do
   const double area = geometry.wall_area_m2(s), U_0 = chamber.internal_energy();
   double Q = 0.0, implicit_Q = 0.0, H = 0.0;
   const auto store = [&](double t) {
-    run.t.push_back(t), run.p.push_back(chamber.pressure()), run.T.push_back(chamber.temperature()), run.m.push_back(chamber.mass());
+    run.t.push_back(t), run.p.push_back(chamber.pressure()), run.T.push_back(chamber.temperature()),
+        run.m.push_back(chamber.mass());
     run.heat.push_back(wall_heat == isothermal_wall ? H - (chamber.internal_energy() - U_0) : Q);
   };
   store(0.0);
   const long n = std::lround(end_s / h);
   for (long i = 1; i <= n; ++i) {
-    const double G = orifice_mass_flow(air, S, b, p_outside, air.temperature_K, chamber.pressure(), chamber.temperature());
+    const double G =
+        orifice_mass_flow(air, S, b, p_outside, air.temperature_K, chamber.pressure(), chamber.temperature());
     const double enthalpy = orifice_enthalpy_flow(air, G, air.temperature_K, chamber.temperature());
     const double T_before = chamber.temperature();
     chamber.step(h, {G, enthalpy}, s);

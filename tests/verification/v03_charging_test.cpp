@@ -13,10 +13,12 @@ class Charging {
     const std::string& q = check.quantity;
     if (q == "energy_residual") {
       double worst = 0.0;
-      for (const double wall_heat : {0.0, 50.0, 5000.0}) worst = std::max(worst, std::fabs(of(wall_heat, 101325.0, 2.0).energy_residual));
+      for (const double wall_heat : {0.0, 50.0, 5000.0})
+        worst = std::max(worst, std::fabs(of(wall_heat, 101325.0, 2.0).energy_residual));
       return worst;
     }
-    const double p_0 = !check.has("p_0_Pa") ? 101325.0 : std::max(check.number("p_0_Pa"), 10.0);  // 10 Pa: as good as empty
+    const double p_0 =
+        !check.has("p_0_Pa") ? 101325.0 : std::max(check.number("p_0_Pa"), 10.0);  // 10 Pa: as good as empty
     const ChamberRun& run = of(wall_heat_of(check), p_0, 2.5);
     if (q == "pressure_rate_while_choked") return (value_at(run.t, run.p, 0.1) - value_at(run.t, run.p, 0.01)) / 0.09;
     if (q == "end_of_choked_flow") return time_of_level(run.t, run.p, 0.35 * p_supply);

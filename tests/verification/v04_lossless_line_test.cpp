@@ -21,7 +21,8 @@ double wave_number(PortEnd port, FarEnd far, double V_line, int mode) {
     return port == PortEnd::held ? beta * std::sin(beta) - V_line / volume * std::cos(beta)
                                  : beta * std::cos(beta) + V_line / volume * std::sin(beta);
   };
-  double low = port == PortEnd::held ? (mode - 1) * pi + 1e-9 : (2 * mode - 1) * pi / 2, high = port == PortEnd::held ? (2 * mode - 1) * pi / 2 : mode * pi;
+  double low = port == PortEnd::held ? (mode - 1) * pi + 1e-9 : (2 * mode - 1) * pi / 2,
+         high = port == PortEnd::held ? (2 * mode - 1) * pi / 2 : mode * pi;
   if (port == PortEnd::closed) low += 1e-12;
   for (int i = 0; i < 200; ++i) {
     const double middle = 0.5 * (low + high);
@@ -58,9 +59,14 @@ Ringing ring(Resolution resolution, PortEnd port, FarEnd far, double L, double D
     const int n = side.begin_period(1e-3);
     for (int i = 0; i < n; ++i) {
       t += side.step_s();
-      if (far == FarEnd::chamber) port == PortEnd::held ? side.step_prescribed(p_start, half_stroke) : side.step_valve(shut, half_stroke);
-      else port == PortEnd::held ? line.step_prescribed(p_start, closed_end(line)) : line.step_valve(shut, closed_end(line));
-      double sum = far == FarEnd::chamber ? (side.chamber().pressure() - p_start) * shape(1.0) * volume / line.volume() * cells : 0.0;
+      if (far == FarEnd::chamber)
+        port == PortEnd::held ? side.step_prescribed(p_start, half_stroke) : side.step_valve(shut, half_stroke);
+      else
+        port == PortEnd::held ? line.step_prescribed(p_start, closed_end(line))
+                              : line.step_valve(shut, closed_end(line));
+      double sum = far == FarEnd::chamber
+                       ? (side.chamber().pressure() - p_start) * shape(1.0) * volume / line.volume() * cells
+                       : 0.0;
       for (int j = 0; j < cells; ++j) sum += (line.cell_pressure(j) - p_start) * weight[static_cast<std::size_t>(j)];
       out.t.push_back(t), out.amplitude.push_back(sum);
     }
@@ -104,7 +110,8 @@ double travel_time(double L) {
   line.set_time_step(h);
   std::vector<double> t, p;
   for (int i = 1; i <= 1500; ++i) {
-    line.step_prescribed(p_start + (i == 1 ? 0.5 : 1.0) * disturbance, closed_end(line));  // the mean at the jump itself
+    line.step_prescribed(p_start + (i == 1 ? 0.5 : 1.0) * disturbance,
+                         closed_end(line));  // the mean at the jump itself
     t.push_back(i * h), p.push_back(line.cell_pressure(line.cells() - 1));
   }
   return time_of_level(t, p, p_start + disturbance);
@@ -120,7 +127,8 @@ Answer answer(Resolution resolution, const Check& check) {
   const PortEnd port = ends.starts_with("closed/") ? PortEnd::closed : PortEnd::held;
   const FarEnd far = ends.ends_with("/chamber") ? FarEnd::chamber : FarEnd::closed;
   const double D_mm = check.has("D_mm") ? check.number("D_mm") : 7.65;
-  if (check.quantity == "natural_frequency") return frequency(ring(resolution, port, far, L, D_mm, check.at["mode"].as<int>(), 20.0));
+  if (check.quantity == "natural_frequency")
+    return frequency(ring(resolution, port, far, L, D_mm, check.at["mode"].as<int>(), 20.0));
   const int mode = check.quantity.ends_with("1") ? 1 : 2;
   const Ringing r = ring(resolution, port, far, L, D_mm, mode, 12.0);
   const double f = frequency(r);

@@ -26,7 +26,8 @@ Answer answer(Resolution resolution, const Check& check) {
   if (check.quantity == "R^2_over_nu") return diffusion_time;
   if (check.quantity == "mean_velocity") return velocity_after(resolution, D_mm, check.number("t_s"));
   if (check.quantity == "mean_velocity_over_final")
-    return velocity_after(resolution, D_mm, check.number("tau") * diffusion_time) / (R * R * gradient / (8.0 * viscosity));
+    return velocity_after(resolution, D_mm, check.number("tau") * diffusion_time) /
+           (R * R * gradient / (8.0 * viscosity));
   throw std::runtime_error("quantity is unknown");
 }
 }  // namespace

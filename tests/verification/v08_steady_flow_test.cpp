@@ -21,7 +21,8 @@ class SteadyLines {
   }
   const SteadyFlow& of(const Check& check, int cells) {
     const std::string heat = check.text("heat");
-    const auto key = std::make_tuple(check.number("L_m"), check.number("D_mm"), check.number("p_1_Pa"), check.number("p_2_Pa"), heat, cells);
+    const auto key = std::make_tuple(check.number("L_m"), check.number("D_mm"), check.number("p_1_Pa"),
+                                     check.number("p_2_Pa"), heat, cells);
     const auto found = runs_.find(key);
     if (found != runs_.end()) return found->second;
     const double p_1 = check.number("p_1_Pa"), p_2 = check.number("p_2_Pa");
@@ -30,7 +31,8 @@ class SteadyLines {
     line.set_adiabatic(heat == "adiabatic");
     line.set_isothermal(heat == "isothermal");
     line.reset(p_2 < 0.5 * p_1 ? 0.5 * (p_1 + p_2) : p_2, T_start);
-    return runs_.emplace(key, run_to_steady(line, p_2, [&] { return line.step_prescribed(p_1, {p_2, T_start}); })).first->second;
+    return runs_.emplace(key, run_to_steady(line, p_2, [&] { return line.step_prescribed(p_1, {p_2, T_start}); }))
+        .first->second;
   }
   Resolution resolution_;
   std::map<std::tuple<double, double, double, double, std::string, int>, SteadyFlow> runs_;

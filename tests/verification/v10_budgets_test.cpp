@@ -83,17 +83,20 @@ Budget sealed_side(double sign, const ChamberGeometry<double>& geometry, int cel
   for (double t = 0.0; t < 10.0 - 1e-9;) {
     const int n = side.begin_period(period);
     for (int i = 0; i < n; ++i) {
-      const double h = side.step_s(), p = chamber.pressure(), V = chamber.volume(), T = chamber.temperature(), s_old = s;
+      const double h = side.step_s(), p = chamber.pressure(), V = chamber.volume(), T = chamber.temperature(),
+                   s_old = s;
       for (int j = 0; j <= cells; ++j) {
         const double rho = 0.5 * (line.cell_density(std::max(0, j - 1)) + line.cell_density(std::min(cells - 1, j)));
-        nusselt[static_cast<std::size_t>(j)] = friction(rho * std::fabs(line.face_velocity(j)) * D / line.air().viscosity_Pas).nusselt;
+        nusselt[static_cast<std::size_t>(j)] =
+            friction(rho * std::fabs(line.face_velocity(j)) * D / line.air().viscosity_Pas).nusselt;
       }
       t += h;
       s = half_stroke + sign * 0.1 * std::sin(2.0 * M_PI * 2.0 * t);
       side.step_valve(shut, s);
       work += 0.5 * (p + chamber.pressure()) * (chamber.volume() - V);
       heat += line_heat(line, nusselt, D, h);
-      heat += h * geometry.wall_heat_W_per_m2K * geometry.wall_area_m2(0.5 * (s + s_old)) * (T_start - 0.5 * (T + chamber.temperature()));
+      heat += h * geometry.wall_heat_W_per_m2K * geometry.wall_area_m2(0.5 * (s + s_old)) *
+              (T_start - 0.5 * (T + chamber.temperature()));
       largest = std::max(largest, std::fabs(work));
     }
   }
@@ -123,16 +126,19 @@ Answer answer(Resolution resolution, const Check& check) {
   const bool fine = resolution == Resolution::fine;
   const std::string part = check.text("part"), &q = check.quantity;
   if (part == "a") {
-    const Compressed c = compress(check.is("heat", "isothermal") ? isothermal_wall : 0.0, check.number("x_m"), fine ? 1e-5 : 1e-3);
+    const Compressed c =
+        compress(check.is("heat", "isothermal") ? isothermal_wall : 0.0, check.number("x_m"), fine ? 1e-5 : 1e-3);
     return q == "pressure" ? c.pressure : q == "temperature" ? c.temperature : c.work;
   }
   if (part == "b") return compress_with_line(resolution, check.number("x_m"));
   if (part == "c") {
     const int cells = fine ? 160 : 10;
     const double period = fine ? 1e-4 : 1e-3;
-    const Budget a = sealed_side(1.0, chamber_1(50.0), cells, period), b = sealed_side(-1.0, chamber_2(50.0), cells, period);
+    const Budget a = sealed_side(1.0, chamber_1(50.0), cells, period),
+                 b = sealed_side(-1.0, chamber_2(50.0), cells, period);
     if (q == "relative_change_of_total_mass") return std::max(std::fabs(a.mass_change), std::fabs(b.mass_change));
-    return (std::fabs(a.energy_change - a.heat + a.work) + std::fabs(b.energy_change - b.heat + b.work)) / std::max(a.largest_work, b.largest_work);
+    return (std::fabs(a.energy_change - a.heat + a.work) + std::fabs(b.energy_change - b.heat + b.work)) /
+           std::max(a.largest_work, b.largest_work);
   }
   if (q == "thermal_rate_a_c") {
     const auto g = chamber_1(50.0);

@@ -9,7 +9,9 @@
 using namespace verification;
 
 namespace {
-double given(const Check& check, const char* key, double otherwise) { return check.has(key) ? check.number(key) : otherwise; }
+double given(const Check& check, const char* key, double otherwise) {
+  return check.has(key) ? check.number(key) : otherwise;
+}
 
 Slider<double> slider_of(double mass, double viscous, const MotionEffects<double>& effects = {}, double stroke = 1e3) {
   Slider<double> slider;
@@ -40,7 +42,8 @@ AxisParameters<double> sealed_axis(bool servo_table, double wall_heat, double ma
   axis.slider.mass_kg = mass;
   axis.slider.viscous_friction_Ns_per_m = servo_table ? 0.0 : 60.0;
   const auto& c = axis.cylinder;
-  axis.effects.motion.constant_force.force_N = c.area_1_m2 * p_1 - c.area_2_m2 * p_2 - (c.area_1_m2 - c.area_2_m2) * axis.air.atmosphere_Pa;
+  axis.effects.motion.constant_force.force_N =
+      c.area_1_m2 * p_1 - c.area_2_m2 * p_2 - (c.area_1_m2 - c.area_2_m2) * axis.air.atmosphere_Pa;
   return axis;
 }
 
@@ -137,7 +140,8 @@ Stop slide(double mass, double viscous, const MotionEffects<double>& effects, do
   Slider<double> slider = slider_of(mass, viscous, effects);
   slider.reset(0.0, v_0);
   double t = 0.0, v = v_0, x = 0.0;
-  while (slider.velocity() > 0.0 && t < 1.0) v = slider.velocity(), x = slider.position(), slider.step(h, 0.0, {}), t += h;
+  while (slider.velocity() > 0.0 && t < 1.0)
+    v = slider.velocity(), x = slider.position(), slider.step(h, 0.0, {}), t += h;
   const double time = t - h + 2.0 * (slider.position() - x) / v, distance = slider.position();
   for (int i = 0; i < 1000; ++i) slider.step(h, 0.0, {});
   return {time, distance, slider.position() == distance ? slider.velocity() : NAN};
@@ -204,7 +208,8 @@ Answer answer(Resolution resolution, const Check& check) {
   if (q == "friction_force") return slider_of(2.0, 60.0, stribeck()).dry_friction(check.number("v_mps"), 1.0, 0.0, {});
   if (q == "breakaway_time" || q == "velocity") return ramped(check, fine ? 1e-6 : 1e-3);
   const bool is_e = part == "e";
-  const Stop stop = slide(2.0, is_e ? 60.0 : given(check, "viscous_Ns_per_m", 60.0), is_e ? stribeck() : coulomb(20.0), given(check, "start_velocity_mps", 0.5), h);
+  const Stop stop = slide(2.0, is_e ? 60.0 : given(check, "viscous_Ns_per_m", 60.0), is_e ? stribeck() : coulomb(20.0),
+                          given(check, "start_velocity_mps", 0.5), h);
   return q == "stop_time" ? stop.time : q == "stop_distance" ? stop.distance : stop.velocity_after;
 }
 }  // namespace

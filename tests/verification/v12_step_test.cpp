@@ -18,11 +18,13 @@ Signal sharp_step(Resolution resolution, double L, double D_mm, bool wall_heat) 
   line.set_adiabatic(!wall_heat);
   line.reset(p_start, T_start);
   const double travel = L / std::sqrt(1.4 * 287.0 * T_start);
-  const double h = resolution == Resolution::normal ? 1e-3 / substeps_of(line, 1e-3, 0.0) : 0.995 * travel / line.cells();
+  const double h =
+      resolution == Resolution::normal ? 1e-3 / substeps_of(line, 1e-3, 0.0) : 0.995 * travel / line.cells();
   line.set_time_step(h);
   Signal out;
   for (double t = h; t < 1.5 * travel; t += h) {
-    // At the instant of the jump the pressure is the mean of before and after: half the impulse falls into the first step.
+    // At the instant of the jump the pressure is the mean of before and after: half the impulse falls into the first
+    // step.
     line.step_prescribed(p_start + (out.t.empty() ? 0.5 : 1.0) * step_Pa, closed_end(line));
     out.t.push_back(t), out.y.push_back((line.cell_pressure(line.cells() - 1) - p_start) / step_Pa);
   }
@@ -50,7 +52,8 @@ Signal smooth_step(double L, double D_mm, int cells, double period) {
 // Time and height of the first maximum, by a parabola through the three samples around it.
 std::pair<double, double> first_peak(const Signal& s) {
   const std::size_t end = static_cast<std::size_t>(std::upper_bound(s.t.begin(), s.t.end(), 1.0) - s.t.begin());
-  const std::size_t i = static_cast<std::size_t>(std::max_element(s.y.begin() + 1, s.y.begin() + static_cast<long>(end)) - s.y.begin());
+  const std::size_t i =
+      static_cast<std::size_t>(std::max_element(s.y.begin() + 1, s.y.begin() + static_cast<long>(end)) - s.y.begin());
   const double a = 0.5 * (s.y[i + 1] - 2.0 * s.y[i] + s.y[i - 1]), b = 0.5 * (s.y[i + 1] - s.y[i - 1]);
   const double d = -b / (2.0 * a);
   return {s.t[i] + d * (s.t[i + 1] - s.t[i]), s.y[i] + 0.5 * b * d};
@@ -78,7 +81,8 @@ class Steps {
       throw std::runtime_error("quantity is unknown");
     }
     const auto with_cells = [&](int cells) { return number(check, smooth(L, D, cells)); };
-    return resolution_ == Resolution::normal ? with_cells(10) : limit_of(with_cells(25), with_cells(50), with_cells(100));
+    return resolution_ == Resolution::normal ? with_cells(10)
+                                             : limit_of(with_cells(25), with_cells(50), with_cells(100));
   }
 
  private:

@@ -5,12 +5,12 @@
 
 using namespace verification;
 
-
 namespace {
 constexpr double period = 1e-3;
 constexpr std::uint64_t seed = 20260412;
 
-Sensor sensor_of(double quantum, double noise, double lag_s = 0.0, double gain = 1.0, double offset = 0.0, std::uint64_t stream = 0, double dt = period) {
+Sensor sensor_of(double quantum, double noise, double lag_s = 0.0, double gain = 1.0, double offset = 0.0,
+                 std::uint64_t stream = 0, double dt = period) {
   SensorEffects<double> effects;
   effects.sensor_lag.time_constant_s = lag_s;
   effects.sensor_gain.gain = gain;
@@ -89,7 +89,8 @@ Complex sine_response(double f, double tau, double dt) {
 Answer answer(Resolution resolution, const Check& check) {
   const std::string& q = check.quantity;
   if (q == "quantised") {
-    const double gain = check.has("gain") ? check.number("gain") : 1.0, offset = check.has("offset") ? check.number("offset") : 0.0;
+    const double gain = check.has("gain") ? check.number("gain") : 1.0,
+                 offset = check.has("offset") ? check.number("offset") : 0.0;
     return sensor_of(check.number("quantum"), 0.0, 0.0, gain, offset).read(check.number("x"));
   }
   const double dt = resolution == Resolution::normal ? period : 1e-5;
@@ -105,11 +106,14 @@ Answer answer(Resolution resolution, const Check& check) {
     Sensor sensor = sensor_of(0.0, 0.0, check.number("time_constant_s"), 1.0, 0.0, 0, dt);
     sensor.reset(0.0);
     double in = 0.0, out = 0.0;
-    for (long k = 1; k <= std::lround(0.2 / dt); ++k) in = check.number("slope_Pa_per_s") * static_cast<double>(k) * dt, out = sensor.read(in);
+    for (long k = 1; k <= std::lround(0.2 / dt); ++k)
+      in = check.number("slope_Pa_per_s") * static_cast<double>(k) * dt, out = sensor.read(in);
     return in - out;
   }
-  if (q == "sine_gain") return std::abs(sine_response(check.number("frequency_Hz"), check.number("time_constant_s"), dt));
-  if (q == "sine_phase") return std::arg(sine_response(check.number("frequency_Hz"), check.number("time_constant_s"), dt)) * 180.0 / M_PI;
+  if (q == "sine_gain")
+    return std::abs(sine_response(check.number("frequency_Hz"), check.number("time_constant_s"), dt));
+  if (q == "sine_phase")
+    return std::arg(sine_response(check.number("frequency_Hz"), check.number("time_constant_s"), dt)) * 180.0 / M_PI;
   if (q == "rms_quantisation_of_a_slow_ramp" || q == "largest_quantisation_error") return ramp_answer(check);
   return noise_answer(check);
 }

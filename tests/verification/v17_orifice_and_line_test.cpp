@@ -27,7 +27,8 @@ class Series {
     line.reset(p_start, T_start);
     const double S = std::get<2>(key);
     const ValvePort<double> port{charge ? S : 0.0, charge ? 0.0 : S, 700e3, 0.35};
-    return runs_.emplace(key, run_to_steady(line, p_start, [&] { return line.step_valve(port, {p_start, T_start}); })).first->second;
+    return runs_.emplace(key, run_to_steady(line, p_start, [&] { return line.step_valve(port, {p_start, T_start}); }))
+        .first->second;
   }
   Resolution resolution_;
   std::map<std::tuple<double, double, double, bool, int>, SteadyFlow> runs_;

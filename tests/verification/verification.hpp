@@ -98,15 +98,17 @@ inline double error_over_tolerance(const Check& check, const std::vector<double>
   double worst = 0.0;
   for (std::size_t i = 0; i < got.size(); ++i) {
     const double error = std::fabs(got[i] - check.value[i]);
-    const double allowed = tol * (check.kind == "relative" ? std::fabs(check.value[i]) : check.kind == "scaled" ? check.scale.at(i) : 1.0);
+    const double allowed = tol * (check.kind == "relative" ? std::fabs(check.value[i])
+                                  : check.kind == "scaled" ? check.scale.at(i)
+                                                           : 1.0);
     const double ratio = error == 0.0 ? 0.0 : allowed > 0.0 ? error / allowed : INFINITY;
     worst = std::max(worst, std::isfinite(ratio) ? ratio : INFINITY);
   }
   return worst;
 }
 
-/// Checks that the product is known not to meet: id -> reason, from tests/verification/not_met.yaml. They are reported as
-/// `not met`; one that has come to be met must be struck off the list, or the case fails.
+/// Checks that the product is known not to meet: id -> reason, from tests/verification/not_met.yaml. They are reported
+/// as `not met`; one that has come to be met must be struck off the list, or the case fails.
 using NotMet = std::map<std::string, std::string>;
 inline NotMet known_not_met(Resolution resolution) {
   NotMet out;
@@ -175,7 +177,8 @@ class Case {
       }
     }
     WARN(id_ << (resolution == Resolution::normal ? " as it runs" : " converged") << ": " << met << " met, " << skipped
-             << " not asked (need what this model does not have), " << known << " known not to be met, " << failed << " failed");
+             << " not asked (need what this model does not have), " << known << " known not to be met, " << failed
+             << " failed");
     CHECK(met + skipped > 0);
   }
 
@@ -190,17 +193,24 @@ class Case {
     std::ostringstream out;
     out << check.id << " " << check.quantity;
     if (check.at.IsMap()) out << " " << YAML::Dump(check.at);
-    out << ": got " << list(got) << ", expected " << list(check.value) << " " << check.unit << ", " << check.kind << " tolerance " << tol
-        << ", error is " << error << " tolerances";
+    out << ": got " << list(got) << ", expected " << list(check.value) << " " << check.unit << ", " << check.kind
+        << " tolerance " << tol << ", error is " << error << " tolerances";
     return out.str();
   }
-  void record(const Check& check, Resolution resolution, const std::string& status, const std::vector<double>& got, double tol,
-              const std::string& reason, double error = 0.0) const {
+  void record(const Check& check, Resolution resolution, const std::string& status, const std::vector<double>& got,
+              double tol, const std::string& reason, double error = 0.0) const {
     const char* path = std::getenv("PNEUSERVO_VERIFICATION_OUT");
     if (!path) return;
-    const nlohmann::json line{{"case", id_}, {"title", title_}, {"check", check.id}, {"quantity", check.quantity},
-                              {"resolution", resolution == Resolution::normal ? "normal" : "fine"}, {"status", status},
-                              {"got", got}, {"expected", check.value}, {"tolerance", tol}, {"reason", reason},
+    const nlohmann::json line{{"case", id_},
+                              {"title", title_},
+                              {"check", check.id},
+                              {"quantity", check.quantity},
+                              {"resolution", resolution == Resolution::normal ? "normal" : "fine"},
+                              {"status", status},
+                              {"got", got},
+                              {"expected", check.value},
+                              {"tolerance", tol},
+                              {"reason", reason},
                               {"error_over_tolerance", std::isfinite(error) ? error : 1e9}};
     std::ofstream(path, std::ios::app) << line.dump() << '\n';
   }

@@ -1,4 +1,5 @@
-// Distributed pipeline on a staggered grid: pressure and density in cells, velocity on faces (thesis 3.2 to 3.4, Fig. 3.3).
+// Distributed pipeline on a staggered grid: pressure and density in cells, velocity on faces (thesis 3.2 to 3.4,
+// Fig. 3.3).
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -7,8 +8,8 @@
 
 #include <pneuservo/core/scalar.hpp>
 #include <pneuservo/elements/effects.hpp>
-#include <pneuservo/elements/orifice.hpp>
 #include <pneuservo/elements/line_scheme.hpp>
+#include <pneuservo/elements/orifice.hpp>
 #include <pneuservo/elements/pipe_friction.hpp>
 #include <pneuservo/elements/valve_port.hpp>
 
@@ -92,7 +93,9 @@ template <class S> class Line {
     if (i == cells_ - 1) fill_places_beyond();
   }
   /// Sets the velocity on face j = 0..cells at t - h/2.
-  void set_face_velocity(int j, const S& velocity_mps) noexcept { set_element<S>(face_.velocity[face_group(j)], face_place(j), velocity_mps); }
+  void set_face_velocity(int j, const S& velocity_mps) noexcept {
+    set_element<S>(face_.velocity[face_group(j)], face_place(j), velocity_mps);
+  }
 
   /// Sub-step h [s] of all following steps.
   void set_time_step(double step_s) noexcept {
@@ -124,7 +127,8 @@ template <class S> class Line {
   /// Gas that enters at the port has the stagnation temperature of the supply.
   LineFlow<S> step_prescribed(const S& port_pressure_Pa, const ChamberEnd<S>& chamber) noexcept {
     port_pressure_ = port_before_ = port_pressure_Pa;
-    return sweep(chamber, [this](Face& face, const Cell& first, const S&) noexcept { prescribed_port_flux(face, first); });
+    return sweep(chamber,
+                 [this](Face& face, const Cell& first, const S&) noexcept { prescribed_port_flux(face, first); });
   }
 
   /// One sub-step with a valve at the port: the port pressure follows from orifice and line together. The orifice's own
@@ -133,7 +137,9 @@ template <class S> class Line {
     // Once, unless somebody changes the valve in flight.
     if (any(!(valve.critical_pressure_ratio == port_constants_.shape.critical))) [[unlikely]]
       port_constants_ = PortConstants<S>(air_, valve.critical_pressure_ratio);
-    return sweep(chamber, [&](Face& face, const Cell& first, const S& density) noexcept { valve_port_flux(valve, face, first, density); });
+    return sweep(chamber, [&](Face& face, const Cell& first, const S& density) noexcept {
+      valve_port_flux(valve, face, first, density);
+    });
   }
 
   int cells() const noexcept { return cells_; }
@@ -178,7 +184,9 @@ template <class S> class Line {
     void resize(std::size_t groups) {
       for (auto* row : {&pressure, &density, &temperature, &density_per_pressure, &a, &d}) row->assign(groups, G(0));
     }
-    line_scheme::Cell<G> group(std::size_t q) const noexcept { return {pressure[q], density[q], temperature[q], density_per_pressure[q]}; }
+    line_scheme::Cell<G> group(std::size_t q) const noexcept {
+      return {pressure[q], density[q], temperature[q], density_per_pressure[q]};
+    }
     void fill(std::size_t q, const Mask<G>& places, const Cell& with) noexcept {
       pressure[q] = select(places, replicate(with.pressure), pressure[q]);
       density[q] = select(places, replicate(with.density), density[q]);
@@ -190,7 +198,9 @@ template <class S> class Line {
     std::vector<G> velocity, mass_flux, pressure_flux, friction_coefficient, nusselt, density, reynolds, reynolds_root;
 
     void resize(std::size_t groups) {
-      for (auto* row : {&velocity, &mass_flux, &pressure_flux, &friction_coefficient, &nusselt, &density, &reynolds, &reynolds_root}) row->assign(groups, G(0));
+      for (auto* row : {&velocity, &mass_flux, &pressure_flux, &friction_coefficient, &nusselt, &density, &reynolds,
+                        &reynolds_root})
+        row->assign(groups, G(0));
     }
     void fill(std::size_t q, const Mask<G>& places, const Face& with) noexcept {
       velocity[q] = select(places, replicate(with.velocity), velocity[q]);
@@ -203,9 +213,11 @@ template <class S> class Line {
   // The rows' addresses, held in registers during a pass.
   struct CellRow {
     explicit CellRow(Cells& c) noexcept
-        : pressure(c.pressure.data()), density(c.density.data()), temperature(c.temperature.data()), density_per_pressure(c.density_per_pressure.data()),
-          a(c.a.data()), d(c.d.data()) {}
-    line_scheme::Cell<G> operator[](int q) const noexcept { return {pressure[q], density[q], temperature[q], density_per_pressure[q]}; }
+        : pressure(c.pressure.data()), density(c.density.data()), temperature(c.temperature.data()),
+          density_per_pressure(c.density_per_pressure.data()), a(c.a.data()), d(c.d.data()) {}
+    line_scheme::Cell<G> operator[](int q) const noexcept {
+      return {pressure[q], density[q], temperature[q], density_per_pressure[q]};
+    }
     G *const pressure, *const density, *const temperature, *const density_per_pressure, *const a, *const d;
   };
   struct FaceRow {
@@ -216,15 +228,20 @@ template <class S> class Line {
     line_scheme::Face<G> operator[](int q) const noexcept {
       return {velocity[q], mass_flux[q], pressure_flux[q], friction_coefficient[q], nusselt[q]};
     }
-    G *const velocity, *const mass_flux, *const pressure_flux, *const friction_coefficient, *const nusselt, *const density, *const reynolds, *const reynolds_root;
+    G *const velocity, *const mass_flux, *const pressure_flux,
+                                             *const friction_coefficient,
+                                                 *const nusselt, *const density, *const reynolds, *const reynolds_root;
   };
   static line_scheme::Cell<G> one_cell_after(const line_scheme::Cell<G>& c, const line_scheme::Cell<G>& next) noexcept {
-    return {one_after<S>(c.pressure, next.pressure), one_after<S>(c.density, next.density), one_after<S>(c.temperature, next.temperature),
+    return {one_after<S>(c.pressure, next.pressure), one_after<S>(c.density, next.density),
+            one_after<S>(c.temperature, next.temperature),
             one_after<S>(c.density_per_pressure, next.density_per_pressure)};
   }
-  static line_scheme::Face<G> one_face_before(const line_scheme::Face<G>& previous, const line_scheme::Face<G>& f) noexcept {
+  static line_scheme::Face<G> one_face_before(const line_scheme::Face<G>& previous,
+                                              const line_scheme::Face<G>& f) noexcept {
     return {one_before<S>(previous.velocity, f.velocity), one_before<S>(previous.mass_flux, f.mass_flux),
-            one_before<S>(previous.pressure_flux, f.pressure_flux), f.friction_coefficient, one_before<S>(previous.nusselt, f.nusselt)};
+            one_before<S>(previous.pressure_flux, f.pressure_flux), f.friction_coefficient,
+            one_before<S>(previous.nusselt, f.nusselt)};
   }
 
   // Cells q g .. q g + g - 1 stand in cell group q, faces (q-1) g + 1 .. q g in face group q (g = per_group): the left
@@ -236,7 +253,8 @@ template <class S> class Line {
   Cell cell(int i) const noexcept {
     const int at = i % per_group;
     const auto c = cell_.group(static_cast<std::size_t>(i / per_group));
-    return {element<S>(c.pressure, at), element<S>(c.density, at), element<S>(c.temperature, at), element<S>(c.density_per_pressure, at)};
+    return {element<S>(c.pressure, at), element<S>(c.density, at), element<S>(c.temperature, at),
+            element<S>(c.density_per_pressure, at)};
   }
   void set_cell(int i, const Cell& c) noexcept {
     const auto q = static_cast<std::size_t>(i / per_group);
@@ -332,7 +350,8 @@ template <class S> class Line {
       faces.pressure_flux[q] = face.pressure_flux;
       left = next;
     }
-    if (!all(subsonic)) [[unlikely]] mend_inner_faces();
+    if (!all(subsonic)) [[unlikely]]
+      mend_inner_faces();
   }
 
   // The speed limit, where some inner face has broken it; cells are still the old ones.
@@ -362,7 +381,8 @@ template <class S> class Line {
       fastest = maximum(fastest, squared);
       const line_scheme::CellLoss<G>* loss = nullptr;
       if constexpr (leaking) loss = &loss_[static_cast<std::size_t>(q)];
-      const auto made = line_scheme::balance(k, row[q], one_face_before(previous, right), right, one_before<S>(previous_heat, heat), heat, loss);
+      const auto made = line_scheme::balance(k, row[q], one_face_before(previous, right), right,
+                                             one_before<S>(previous_heat, heat), heat, loss);
       row.density[q] = made.density;
       row.a[q] = made.a;
       row.d[q] = made.d;
@@ -384,7 +404,8 @@ template <class S> class Line {
       row.temperature[q] = made.temperature;
       row.density_per_pressure[q] = made.density_per_pressure;
     }
-    if (!all(sound)) [[unlikely]] mend_cells();
+    if (!all(sound)) [[unlikely]]
+      mend_cells();
     fill_places_beyond();
   }
 
@@ -415,14 +436,16 @@ template <class S> class Line {
     return made;
   }
   // The end faces are half a cell from the first and last pressures: twice the gradient; density of the gas that moves.
-  template <class PortFlux> Face port_face(const Cell& first, const S& u, const S& u_after, PortFlux&& port_flux) noexcept {
+  template <class PortFlux> Face port_face(const Cell& first, const S& u, const S& u_after,
+                                           PortFlux&& port_flux) noexcept {
     const S rho = select(u > S(0), port_pressure_ * k_.inverse_wall_factor, first.density);
     Face made = end_face(rho, u, select(u > S(0), S(0), u_after - u), S(2) * (first.pressure - port_pressure_));
     port_flux(made, first, rho);
     return made;
   }
   Face chamber_face(const Cell& last, const S& u_before, const S& u, const ChamberEnd<S>& chamber) noexcept {
-    const S rho = select(u < S(0), face_pressure_at_chamber(last, chamber) / (air_.R * chamber.temperature_K), last.density);
+    const S rho =
+        select(u < S(0), face_pressure_at_chamber(last, chamber) / (air_.R * chamber.temperature_K), last.density);
     Face made = end_face(rho, u, select(u > S(0), u - u_before, S(0)), S(2) * (chamber.pressure_Pa - last.pressure));
     if (restricted_) apply_restriction(made, last, u, rho, chamber);
     limit_speed(made, last.temperature, chamber.temperature_K);
@@ -432,7 +455,8 @@ template <class S> class Line {
   // |u| <= sound speed of the gas that moves: chokes the ends and tames a jump of a prescribed port pressure.
   void limit_speed(Face& face, const S& T_left, const S& T_right) noexcept {
     const S limit = k_.sound_factor * select(face.velocity > S(0), T_left, T_right);
-    if (all(face.velocity * face.velocity <= limit)) [[likely]] return;
+    if (all(face.velocity * face.velocity <= limit)) [[likely]]
+      return;
     const S sound = square_root(limit);
     const auto bad = !(absolute(face.velocity) <= sound);
     guard_actions_ += count(bad);
@@ -448,34 +472,42 @@ template <class S> class Line {
     limit_speed(face, air_.temperature_K, first.temperature);
     const S u = face.velocity;
     const auto enters = u > S(0);
-    face.pressure_flux = select(enters, port_pressure_, line_scheme::limited_face_pressure(port_pressure_, first.pressure)) * u;
-    face.mass_flux = face.pressure_flux * select(enters, inflow_density_per_pressure(air_.temperature_K, u), first.density_per_pressure);
+    face.pressure_flux =
+        select(enters, port_pressure_, line_scheme::limited_face_pressure(port_pressure_, first.pressure)) * u;
+    face.mass_flux = face.pressure_flux *
+                     select(enters, inflow_density_per_pressure(air_.temperature_K, u), first.density_per_pressure);
   }
 
-  // u = u* + K p and A rho_b(p) u = G_supply(p) - G_exhaust(p); the momentum step was taken with the last port pressure.
+  // u = u* + K p and A rho_b(p) u = G_supply(p) - G_exhaust(p); the momentum step was taken with the last port
+  // pressure.
   void valve_port_flux(const ValvePort<S>& valve, Face& face, const Cell& first, const S& density) noexcept {
     const S K = S(2) * k_.grid_ratio / (density + face.friction_coefficient);
     const S c = square_root(k_.sound_factor * maximum(first.temperature, air_.temperature_K));
-    const PortSolution<S> port = solve_valve_port(port_constants_, air_, valve, cross_section_, face.velocity - K * port_pressure_, K, c, first.density, first.temperature,
-                                                     S(2) * port_pressure_ - port_before_);
+    const PortSolution<S> port =
+        solve_valve_port(port_constants_, air_, valve, cross_section_, face.velocity - K * port_pressure_, K, c,
+                         first.density, first.temperature, S(2) * port_pressure_ - port_before_);
     port_before_ = port_pressure_;
     port_pressure_ = port.pressure_Pa;
     face.velocity = port.velocity_mps;
     limit_speed(face, air_.temperature_K, first.temperature);
     face.mass_flux = port.mass_flow_kgps / cross_section_;
-    const S T_flow = select(face.mass_flux > S(0), air_.temperature_K - face.velocity * face.velocity * k_.half_inverse_cp, first.temperature);
+    const S T_flow = select(face.mass_flux > S(0),
+                            air_.temperature_K - face.velocity * face.velocity * k_.half_inverse_cp, first.temperature);
     face.pressure_flux = face.mass_flux * air_.R * T_flow;
   }
 
   // Fitting between line end and chamber, implicit: u + k P (1 - sqrt(1 - (u/c)^2)) = u_free with the ellipse of the
   // orifice, P = p_up (1 - b), c the velocity of its sonic flow. Squared it is a quadratic in u/c.
-  void apply_restriction(Face& face, const Cell& last, const S& u_old, const S& rho, const ChamberEnd<S>& chamber) noexcept {
+  void apply_restriction(Face& face, const Cell& last, const S& u_old, const S& rho,
+                         const ChamberEnd<S>& chamber) noexcept {
     const S area = effects_.restriction.area_m2;
     const auto fitted = area > S(0), outward = face.velocity > S(0);
     const S p_up = select(outward, maximum(last.pressure, chamber.pressure_Pa), chamber.pressure_Pa);
     const S T_up = select(outward, last.temperature + u_old * u_old * k_.half_inverse_cp, chamber.temperature_K);
-    const S sonic = air_.flow_constant * select(fitted, area, S(1)) * p_up / square_root(air_.R * T_up) / (rho * cross_section_);
-    const S drop = S(2) * k_.grid_ratio / (rho + face.friction_coefficient) * p_up * (S(1) - effects_.critical_pressure_ratio);
+    const S sonic =
+        air_.flow_constant * select(fitted, area, S(1)) * p_up / square_root(air_.R * T_up) / (rho * cross_section_);
+    const S drop =
+        S(2) * k_.grid_ratio / (rho + face.friction_coefficient) * p_up * (S(1) - effects_.critical_pressure_ratio);
     const S d = drop - minimum(absolute(face.velocity), sonic + drop);
     const S square = sonic * sonic + drop * drop;
     const S share = (drop * square_root(square - d * d) - sonic * d) / square;
@@ -483,20 +515,24 @@ template <class S> class Line {
   }
   // Behind a fitting the gas at the face has the line's pressure: it is throttled before it enters.
   S face_pressure_at_chamber(const Cell& last, const ChamberEnd<S>& chamber) const noexcept {
-    return restricted_ ? select(effects_.restriction.area_m2 > S(0), last.pressure, chamber.pressure_Pa) : chamber.pressure_Pa;
+    return restricted_ ? select(effects_.restriction.area_m2 > S(0), last.pressure, chamber.pressure_Pa)
+                       : chamber.pressure_Pa;
   }
 
-  // Flux at the chamber; returns the stagnation enthalpy flux into the chamber [W/m2]. What leaves is what the last cell
-  // gives away: internal energy, the work p u of its own pressure and the kinetic energy that came to it, less what it
-  // keeps as heat of the end face: whatever chokes or bends the end, no energy is made or lost there in steady flow.
+  // Flux at the chamber; returns the stagnation enthalpy flux into the chamber [W/m2]. What leaves is what the last
+  // cell gives away: internal energy, the work p u of its own pressure and the kinetic energy that came to it, less
+  // what it keeps as heat of the end face: whatever chokes or bends the end, no energy is made or lost there in steady
+  // flow.
   S chamber_end_flux(Face& end, const Cell& last, const S& u_before, const ChamberEnd<S>& chamber) const noexcept {
     const S u = end.velocity;
     const auto enters = u < S(0);  // from the chamber into the line
     const S p = face_pressure_at_chamber(last, chamber);
     end.pressure_flux = select(enters, p, line_scheme::limited_face_pressure(p, last.pressure)) * u;
-    end.mass_flux = end.pressure_flux * select(enters, inflow_density_per_pressure(chamber.temperature_K, u), last.density_per_pressure);
+    end.mass_flux = end.pressure_flux *
+                    select(enters, inflow_density_per_pressure(chamber.temperature_K, u), last.density_per_pressure);
     const S kept = k_.half_inverse_grid_ratio * (end.friction_coefficient * u * u);
-    const S leaves = end.mass_flux * (air_.cv * last.temperature + S(0.5) * u_before * u_before) + last.pressure * u - kept;
+    const S leaves =
+        end.mass_flux * (air_.cv * last.temperature + S(0.5) * u_before * u_before) + last.pressure * u - kept;
     return select(enters, end.mass_flux * air_.cp * chamber.temperature_K, leaves);
   }
 
@@ -526,7 +562,8 @@ template <class S> class Line {
       const S share = select((place >= S(i)) & (place < S(i + 1)), S(1), S(0));
       const S u = S(0.5) * (velocity(i) + velocity(i + 1));
       const S stagnation_K = c.temperature + u * u * k_.half_inverse_cp;
-      const S flow = orifice_mass_flow(air_, effects_.leak.area_m2 * share, effects_.critical_pressure_ratio, c.pressure, stagnation_K, air_.atmosphere_Pa, air_.temperature_K);
+      const S flow = orifice_mass_flow(air_, effects_.leak.area_m2 * share, effects_.critical_pressure_ratio,
+                                       c.pressure, stagnation_K, air_.atmosphere_Pa, air_.temperature_K);
       leak_flow_ += flow;
       const S lost = flow * S(step_s_) / (cross_section_ * cell_length());
       auto& loss = loss_[static_cast<std::size_t>(i / per_group)];

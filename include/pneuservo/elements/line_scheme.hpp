@@ -16,13 +16,26 @@ template <class V> struct Face {
 /// What does not change within a step; a = h/dx is the grid ratio.
 template <class V> struct Constants {
   V grid_ratio, reynolds_factor, friction_factor, wall_slope, wall_offset, heat_share, compression_factor;
-  V kappa_minus_one, cv, inverse_R, wall_pressure_factor, sound_factor, inverse_wall_factor, half_inverse_cp, half_inverse_grid_ratio;
+  V kappa_minus_one, cv, inverse_R, wall_pressure_factor, sound_factor, inverse_wall_factor, half_inverse_cp,
+      half_inverse_grid_ratio;
   PipeFriction<V> friction;
 };
 template <class S> Constants<Group<S>> replicate_constants(const Constants<S>& k) noexcept {
-  return {replicate(k.grid_ratio), replicate(k.reynolds_factor), replicate(k.friction_factor), replicate(k.wall_slope), replicate(k.wall_offset),
-          replicate(k.heat_share), replicate(k.compression_factor), replicate(k.kappa_minus_one), replicate(k.cv), replicate(k.inverse_R),
-          replicate(k.wall_pressure_factor), replicate(k.sound_factor), replicate(k.inverse_wall_factor), replicate(k.half_inverse_cp), replicate(k.half_inverse_grid_ratio),
+  return {replicate(k.grid_ratio),
+          replicate(k.reynolds_factor),
+          replicate(k.friction_factor),
+          replicate(k.wall_slope),
+          replicate(k.wall_offset),
+          replicate(k.heat_share),
+          replicate(k.compression_factor),
+          replicate(k.kappa_minus_one),
+          replicate(k.cv),
+          replicate(k.inverse_R),
+          replicate(k.wall_pressure_factor),
+          replicate(k.sound_factor),
+          replicate(k.inverse_wall_factor),
+          replicate(k.half_inverse_cp),
+          replicate(k.half_inverse_grid_ratio),
           k.friction.template grouped<Group<S>>()};
 }
 
@@ -32,7 +45,8 @@ template <class V> [[gnu::always_inline]] inline V reynolds(const Constants<V>& 
 
 /// Momentum: u' = (rho (u - a u du) - a dp) / (rho + f), du upwind, friction implicit.
 template <class V>
-[[gnu::always_inline]] inline V new_velocity(const Constants<V>& k, const V& rho, const V& f, const V& u, const V& du, const V& dp) noexcept {
+[[gnu::always_inline]] inline V new_velocity(const Constants<V>& k, const V& rho, const V& f, const V& u, const V& du,
+                                             const V& dp) noexcept {
   return (rho * (u - k.grid_ratio * (u * du)) - k.grid_ratio * dp) / (rho + f);
 }
 
@@ -41,7 +55,8 @@ template <class V> [[gnu::always_inline]] inline V limited_face_pressure(const V
   const V band = V(0.1) * upwind;
   return upwind + clamp(centred - upwind, -band, band);
 }
-template <class V> [[gnu::always_inline]] inline void inner_flux(Face<V>& face, const Cell<V>& a, const Cell<V>& b) noexcept {
+template <class V> [[gnu::always_inline]] inline void inner_flux(Face<V>& face, const Cell<V>& a,
+                                                                 const Cell<V>& b) noexcept {
   const auto forward = face.velocity > V(0);
   const V p_up = select(forward, a.pressure, b.pressure);
   const V s_up = select(forward, a.density_per_pressure, b.density_per_pressure);
@@ -59,8 +74,9 @@ template <class V> struct Balance {
   V density, a, d;
 };
 template <class V>
-[[gnu::always_inline]] inline Balance<V> balance(const Constants<V>& k, const Cell<V>& cell, const Face<V>& left, const Face<V>& right,
-                                                 const V& left_heat, const V& right_heat, const CellLoss<V>* loss) noexcept {
+[[gnu::always_inline]] inline Balance<V> balance(const Constants<V>& k, const Cell<V>& cell, const Face<V>& left,
+                                                 const Face<V>& right, const V& left_heat, const V& right_heat,
+                                                 const CellLoss<V>* loss) noexcept {
   V rho = cell.density - k.grid_ratio * (right.mass_flux - left.mass_flux);
   const V b = k.compression_factor * (right.velocity - left.velocity);
   const V one_plus = V(1) + b;
@@ -72,10 +88,12 @@ template <class V>
   const V heat = k.heat_share * (left_heat + right_heat);
   const V wall = (left.nusselt + right.nusselt) * (k.wall_slope * cell.temperature + k.wall_offset);
   const V rho_cv = rho * k.cv;
-  return {rho, rho_cv * (x + one_plus * heat) + one_plus * (wall * (rho * k.wall_pressure_factor)), one_plus * (rho_cv + wall)};
+  return {rho, rho_cv * (x + one_plus * heat) + one_plus * (wall * (rho * k.wall_pressure_factor)),
+          one_plus * (rho_cv + wall)};
 }
 /// p = a/d, T = p/(rho R) and 1/(R T) = rho/p all come from the one division 1/(rho a d).
-template <class V> [[gnu::always_inline]] inline Cell<V> state_of(const Constants<V>& k, const V& rho, const V& a, const V& d) noexcept {
+template <class V> [[gnu::always_inline]] inline Cell<V> state_of(const Constants<V>& k, const V& rho, const V& a,
+                                                                  const V& d) noexcept {
   const V reciprocal = V(1) / (rho * (a * d));
   const V a_squared_r = a * a * reciprocal;
   return {rho * a_squared_r, rho, a_squared_r * k.inverse_R, rho * rho * (d * d * reciprocal)};

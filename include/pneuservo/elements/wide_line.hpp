@@ -15,8 +15,10 @@ class Line<Pack<T, N>> {
   void configure(const LineParameters<S>& line, const AirParameters<S>& air_parameters, int cells) {
     air_ = Air<S>(air_parameters);
     length_ = line.length_m;
-    low_.configure(half_of<LineParameters<Half>, false>(line), half_of<AirParameters<Half>, false>(air_parameters), cells);
-    high_.configure(half_of<LineParameters<Half>, true>(line), half_of<AirParameters<Half>, true>(air_parameters), cells);
+    low_.configure(half_of<LineParameters<Half>, false>(line), half_of<AirParameters<Half>, false>(air_parameters),
+                   cells);
+    high_.configure(half_of<LineParameters<Half>, true>(line), half_of<AirParameters<Half>, true>(air_parameters),
+                    cells);
   }
   void set_effects(const LineEffects<S>& effects) noexcept {
     low_.set_effects(half_of<false>(effects));
@@ -54,13 +56,16 @@ class Line<Pack<T, N>> {
 
   LineFlow<S> step_prescribed(const S& port_pressure_Pa, const ChamberEnd<S>& chamber) noexcept {
     const auto a = low_.step_prescribed(low(port_pressure_Pa), {low(chamber.pressure_Pa), low(chamber.temperature_K)});
-    const auto b = high_.step_prescribed(high(port_pressure_Pa), {high(chamber.pressure_Pa), high(chamber.temperature_K)});
+    const auto b =
+        high_.step_prescribed(high(port_pressure_Pa), {high(chamber.pressure_Pa), high(chamber.temperature_K)});
     return joined(a, b);
   }
   LineFlow<S> step_valve(const ValvePort<S>& valve, const ChamberEnd<S>& chamber) noexcept {
-    const auto a = low_.step_valve({low(valve.supply_area_m2), low(valve.exhaust_area_m2), low(valve.supply_pressure_Pa), low(valve.critical_pressure_ratio)},
+    const auto a = low_.step_valve({low(valve.supply_area_m2), low(valve.exhaust_area_m2),
+                                    low(valve.supply_pressure_Pa), low(valve.critical_pressure_ratio)},
                                    {low(chamber.pressure_Pa), low(chamber.temperature_K)});
-    const auto b = high_.step_valve({high(valve.supply_area_m2), high(valve.exhaust_area_m2), high(valve.supply_pressure_Pa), high(valve.critical_pressure_ratio)},
+    const auto b = high_.step_valve({high(valve.supply_area_m2), high(valve.exhaust_area_m2),
+                                     high(valve.supply_pressure_Pa), high(valve.critical_pressure_ratio)},
                                     {high(chamber.pressure_Pa), high(chamber.temperature_K)});
     return joined(a, b);
   }
@@ -100,7 +105,8 @@ class Line<Pack<T, N>> {
     return out;
   }
   static LineFlow<S> joined(const LineFlow<Half>& a, const LineFlow<Half>& b) noexcept {
-    return {join(a.port_mass_flow_kgps, b.port_mass_flow_kgps), join(a.chamber_mass_flow_kgps, b.chamber_mass_flow_kgps),
+    return {join(a.port_mass_flow_kgps, b.port_mass_flow_kgps),
+            join(a.chamber_mass_flow_kgps, b.chamber_mass_flow_kgps),
             join(a.chamber_enthalpy_flow_W, b.chamber_enthalpy_flow_W)};
   }
 

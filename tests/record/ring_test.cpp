@@ -10,11 +10,6 @@
 
 using namespace pneuservo;
 
-// ThreadSanitizer of GCC does not understand the fences that order the queue's own indices and elements (-Wtsan says
-// so); everything around the queue, LastRows above all, is checked.
-extern "C" const char* __tsan_default_suppressions();
-extern "C" const char* __tsan_default_suppressions() { return "race:moodycamel::ReaderWriterQueue\n"; }
-
 namespace {
 
 std::vector<Row> pop_all(RecordingRing& ring) {

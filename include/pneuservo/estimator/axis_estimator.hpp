@@ -6,7 +6,8 @@
 namespace pneuservo {
 
 /// Each lane is one side of an axis: its line, its chamber, its port pressure. Explicit and of fixed structure: a tick
-/// costs the same whatever the gas does. docs/physics/line.md has the scheme.
+/// costs nearly the same whatever the gas does (flow near sound speed is mended in a second pass). docs/physics/line.md
+/// has the scheme.
 template <class S> class AxisEstimator {
  public:
   /// Allocates. half_stroke_m: the piston is at distance half_stroke + sign x from the end stop, sign +1 for side 1.

@@ -143,7 +143,7 @@ class PipelineEstimator {
     begin();
   }
 
-  /// One tick; allocates nothing, throws nothing, same cost whatever happens.
+  /// One tick; allocates nothing, throws nothing, of nearly the same cost whatever happens.
   EstimatorOutput step(const EstimatorInput& measured) noexcept {
     std::uint32_t health = guard_input(measured);
     if (!started_) {

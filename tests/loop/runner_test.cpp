@@ -118,7 +118,7 @@ TEST_CASE("moves repeat the reference, each judged from its own start") {
   REQUIRE(outcome.moves[1].start_s > 1.0 + AxisLoop::approach_shortest_s - 1e-9);  // back to -0.02 first
 }
 
-TEST_CASE("a late tick keeps the phase, is counted and marked, and the axis goes on") {
+TEST_CASE("a late tick keeps the phase, is counted and marked, and the axis goes on", "[timing]") {
   const Rig rig = config_rig("cylinder-10m-7.65mm", {"duration_s=0.6"});
   const TemporaryFolder folder;
   EventfulBackend backend(rig);
@@ -136,7 +136,9 @@ TEST_CASE("a late tick keeps the phase, is counted and marked, and the axis goes
   }
   REQUIRE(outcome.faults == std::vector<std::string>{});
   REQUIRE(outcome.overruns >= 20);
-  REQUIRE(outcome.ticks + outcome.overruns == 600);
+  // Every slot from the first to the last was run or counted; on a slow machine the last one may itself come late.
+  REQUIRE(outcome.ticks + outcome.overruns == std::llround(outcome.rows.back().t_s / rig.period_s) + 1);
+  REQUIRE(outcome.ticks + outcome.overruns >= 600);
   REQUIRE(outcome.moves.at(0).overruns == outcome.overruns);
   const Recording recording = read_recording(folder.file("run.csv.gz"));
   REQUIRE(recording.rows() == static_cast<std::size_t>(outcome.ticks));

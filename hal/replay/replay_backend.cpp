@@ -22,12 +22,7 @@ bool ReplayBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
   while (next_ < ticks_.size() && ticks_[next_] < tick) ++next_;
   if (next_ >= ticks_.size()) return false;
   row_ = next_;
-  Channel* const channels[6] = {&measurement.position_m,
-                                &measurement.port_pressure_1_Pa,
-                                &measurement.port_pressure_2_Pa,
-                                &measurement.chamber_pressure_1_Pa,
-                                &measurement.chamber_pressure_2_Pa,
-                                &measurement.supply_pressure_Pa};
+  const auto channels = channels_of(measurement);
   for (std::size_t i = 0; i < 6; ++i) {
     if (columns_[i] == nullptr) continue;
     const double value = (*columns_[i])[row_];

@@ -43,12 +43,7 @@ bool SimBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
   started_ = true;
   for (; plant_tick_ < tick; ++plant_tick_) plant_.step(command_V_);
   const auto values = true_values(plant_);
-  Channel* const channels[6] = {&measurement.position_m,
-                                &measurement.port_pressure_1_Pa,
-                                &measurement.port_pressure_2_Pa,
-                                &measurement.chamber_pressure_1_Pa,
-                                &measurement.chamber_pressure_2_Pa,
-                                &measurement.supply_pressure_Pa};
+  const auto channels = channels_of(measurement);
   for (std::size_t i = 0; i < 6; ++i) *channels[i] = {sensors_[i].read(values[i]), 0.0, true, Origin::simulated};
   return true;
 }

@@ -28,6 +28,21 @@ double value_of(const Row& row, const std::string& column) {
 
 }  // namespace
 
+const std::vector<std::string>& replayed_columns() {
+  static const std::vector<std::string> names{"p1_estimated_Pa",
+                                              "p2_estimated_Pa",
+                                              "p1_bound_Pa",
+                                              "p2_bound_Pa",
+                                              "mass_flow_1_kgps",
+                                              "mass_flow_2_kgps",
+                                              "x_ref_m",
+                                              "v_ref_mps",
+                                              "v_mps",
+                                              "u_V",
+                                              "fault"};
+  return names;
+}
+
 ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std::int64_t>& ticks,
                          const std::vector<bool>& dropped_before, int moves, const LoadPositions& load,
                          const std::vector<std::pair<std::string, const std::vector<double>*>>& recorded) {

@@ -28,6 +28,9 @@ struct ReplayResult {
   bool identical() const noexcept { return differing_values == 0 && compared_rows > 0; }
 };
 
+/// Columns that the loop computes, in the order in which a difference would arise.
+const std::vector<std::string>& replayed_columns();
+
 /// `ticks[i]` is the tick of the recording's row i; `recorded(name)` its column or null. `moves` as in the run.
 /// Rows after dropped ones start from another state: the comparison ends there, `compared_rows` says where.
 ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std::int64_t>& ticks,

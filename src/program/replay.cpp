@@ -24,19 +24,6 @@ struct ReplayOptions {
   std::vector<std::string> sets;
 };
 
-/// What the loop computes, in the order in which a difference would arise.
-constexpr const char* compared_columns[] = {"p1_estimated_Pa",
-                                            "p2_estimated_Pa",
-                                            "p1_bound_Pa",
-                                            "p2_bound_Pa",
-                                            "mass_flow_1_kgps",
-                                            "mass_flow_2_kgps",
-                                            "x_ref_m",
-                                            "v_ref_mps",
-                                            "v_mps",
-                                            "u_V",
-                                            "fault"};
-
 /// A recording of another period cannot be replayed; one of another config can, and is told. What options of `run` set
 /// beside the config, the duration and the pressure source, is taken from the recording.
 void adopt_header(const Recording& recording, Rig& rig) {
@@ -69,7 +56,7 @@ int run_replay(const ReplayOptions& options) {
   ReplayBackend backend(std::move(recording), rig.period_s);
   const Recording& data = backend.recording();
   std::vector<std::pair<std::string, const std::vector<double>*>> recorded;
-  for (const char* name : compared_columns)
+  for (const std::string& name : replayed_columns())
     if (data.has(name)) recorded.emplace_back(name, &data.column(name));
   if (recorded.empty())
     throw InputError(

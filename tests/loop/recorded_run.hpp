@@ -39,21 +39,6 @@ inline std::vector<Row> recorded_run(const Rig& rig, Backend& backend, const std
   return course.take_rows();
 }
 
-inline const std::vector<std::string>& replayed_columns() {
-  static const std::vector<std::string> names{"p1_estimated_Pa",
-                                              "p2_estimated_Pa",
-                                              "p1_bound_Pa",
-                                              "p2_bound_Pa",
-                                              "mass_flow_1_kgps",
-                                              "mass_flow_2_kgps",
-                                              "x_ref_m",
-                                              "v_ref_mps",
-                                              "v_mps",
-                                              "u_V",
-                                              "fault"};
-  return names;
-}
-
 inline ReplayResult replayed(const Rig& rig, Recording recording, int moves = 1) {
   ReplayBackend backend(std::move(recording), rig.period_s);
   std::vector<std::int64_t> ticks;

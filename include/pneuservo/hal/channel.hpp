@@ -1,5 +1,6 @@
 // What crosses the hardware boundary: measurements with age and validity per channel, and the command; SI throughout.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <limits>
 
@@ -24,6 +25,16 @@ struct Measurement {
   Channel chamber_pressure_1_Pa, chamber_pressure_2_Pa;
   Channel supply_pressure_Pa;
 };
+
+/// All channels in the order of the recording's columns: position, ports, chambers, supply.
+inline std::array<Channel*, 6> channels_of(Measurement& m) noexcept {
+  return {&m.position_m,
+          &m.port_pressure_1_Pa,
+          &m.port_pressure_2_Pa,
+          &m.chamber_pressure_1_Pa,
+          &m.chamber_pressure_2_Pa,
+          &m.supply_pressure_Pa};
+}
 
 /// What is sent to the valve in a tick.
 struct Command {

@@ -1,0 +1,73 @@
+// What a diagnosis infers from: residuals of any number of explanations of the same recordings, each in its noise
+// floor.
+#pragma once
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <pneuservo/rig/rig.hpp>
+
+namespace pneuservo {
+
+/// One explanation to be tried: the rig with physics and parameters as supposed, and the gas at each recording's start.
+struct Hypothesis {
+  Rig rig;
+  std::vector<double> start_factors;  ///< relative gas mass minus 1, side 1 and 2 of each recording; empty: neutral
+};
+
+/// One compared quantity.
+struct ResidualChannel {
+  std::string name;  ///< p1_port, p2_port, p1_chamber, p2_chamber, p_supply, F
+  std::string unit;  ///< Pa, N
+  double noise = 0;  ///< of one sample [unit]
+  double floor = 0;  ///< the model's own coloured error [unit]
+};
+
+/// One row of the residual vector: a bin of samples and where it stands.
+struct ResidualRow {
+  int channel = 0;
+  int recording = 0;
+  double time_s = 0, position_m = 0, velocity_mps = 0, command_V = 0;  ///< means over the bin; command of an axis: N
+  double sigma = 1;  ///< of the row [unit of the channel], noise and floor together
+  bool held_out = false;  ///< no fit may see it
+};
+
+/// Measured and simulated course of one channel of one recording, for pictures.
+struct ResidualCourse {
+  int channel = 0;
+  int recording = 0;
+  std::vector<double> time_s, measured, simulated;
+};
+
+/// Root mean square of simulation minus recording over single samples of one channel.
+struct ChannelMisfit {
+  double fitted = 0, held_out = 0;  ///< [unit of the channel]
+};
+
+/// The comparison of recordings with hypotheses. Residuals are simulation minus recording.
+class ResidualModel {
+ public:
+  virtual ~ResidualModel() = default;
+
+  virtual const std::vector<ResidualChannel>& channels() const = 0;
+  virtual const std::vector<ResidualRow>& rows() const = 0;
+  /// How many start factors a hypothesis has (0: the model needs none), and their standard deviation.
+  virtual std::size_t start_factor_count() const { return 0; }
+  virtual double start_factor_sigma() const { return 0.004; }
+
+  /// Column i: residual of hypothesis i over rows(), each row divided by its sigma. A hypothesis that cannot be
+  /// simulated gives a column of NaN. The same hypothesis gives the same column, whatever stands beside it.
+  virtual Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) = 0;
+
+  /// Takes the numerical error (work grid against fine grid) at this hypothesis from now on; columns change by it.
+  virtual void set_working_point(const Hypothesis&) {}
+
+  /// Over samples instead of bins, one entry a channel.
+  virtual std::vector<ChannelMisfit> sample_misfit(const Hypothesis& hypothesis) = 0;
+  /// Every channel of every recording at the samples compared.
+  virtual std::vector<ResidualCourse> courses(const Hypothesis& hypothesis) = 0;
+};
+
+}  // namespace pneuservo

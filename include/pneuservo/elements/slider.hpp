@@ -45,12 +45,21 @@ template <class S> class Slider {
            e.friction_zone.force_N * exponential(-offset * offset);
   }
 
+  /// Force [N] that is left of a driving force beside the loads at x.
+  S less_load(const S& driving_force_N, const S& x) const noexcept {
+    return driving_force_N - effects_.constant_force.force_N -
+           effects_.spring_load.stiffness_N_per_m * (x - effects_.spring_load.rest_m);
+  }
+  /// Force over velocity [N s/m] of all friction that vanishes with the speed.
+  S damping_coefficient(const S& speed) const noexcept {
+    return viscous_ + effects_.quadratic_drag.coefficient_Ns2_per_m2 * speed;
+  }
+
   /// One step of h [s] under the constant driving force [N]. Viscous friction is trapezoidal, dry friction is taken at
   /// the start speed; the position follows the mean velocity.
   void step(double h_s, const S& driving_force_N, const SliderSurroundings<S>& around) noexcept {
     const S h(h_s), zero(0);
-    const S force = driving_force_N - effects_.constant_force.force_N -
-                    effects_.spring_load.stiffness_N_per_m * (position_ - effects_.spring_load.rest_m);
+    const S force = less_load(driving_force_N, position_);
     const auto resting = velocity_ == zero;
     const S direction = select(resting, select(force >= zero, S(1), S(-1)), select(velocity_ > zero, S(1), S(-1)));
     const S speed = absolute(velocity_);
@@ -58,7 +67,7 @@ template <class S> class Slider {
     const S dry = has_dry_friction_ ? dry_friction(speed, direction, position_, around) : zero;
     const S holds_most = has_dry_friction_ ? dry_friction(zero, direction, position_, around) : zero;
     const auto held = resting & (absolute(force) <= holds_most);
-    const S damping = S(0.5) * h * (viscous_ + effects_.quadratic_drag.coefficient_Ns2_per_m2 * speed) / mass_;
+    const S damping = S(0.5) * h * damping_coefficient(speed) / mass_;
     const S v_free = (velocity_ * (S(1) - damping) + h * (force - direction * dry) / mass_) / (S(1) + damping);
     // Dry friction cannot turn the motion round: it ends at rest at the instant where v = 0.
     const auto moving = !resting;

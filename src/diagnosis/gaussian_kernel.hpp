@@ -1,0 +1,28 @@
+// Gaussian smoothing of sampled signals and its derivatives: symmetric, without lag, exact on polynomials.
+#pragma once
+#include <span>
+#include <vector>
+
+namespace pneuservo {
+
+/// Smooths with a Gaussian of standard deviation sigma, cut at 6 sigma, and gives derivatives of what is smoothed. The
+/// kernel of derivative n gives n! on t^n and zero on lower powers, so the smoothed value of a line, the rate of a
+/// parabola and the acceleration of a cubic come out exact.
+class GaussianKernel {
+ public:
+  /// sigma_s >= 0.5 period_s > 0.
+  GaussianKernel(double sigma_s, double period_s);
+
+  /// Samples on each side that a result needs.
+  std::size_t reach() const { return (taps_[0].size() - 1) / 2; }
+  /// Derivative of the given order (0 to 3) of the smoothed signal at every sample [unit/s^order]. Closer than reach()
+  /// to an end the first and last samples are taken on.
+  std::vector<double> apply(std::span<const double> signal, int order) const;
+  /// Standard deviation of the mean of `count` neighbouring results for white noise of standard deviation 1 a sample.
+  double noise_gain(int order, std::size_t count) const;
+
+ private:
+  std::vector<double> taps_[4];  ///< by order, from the oldest sample to the newest
+};
+
+}  // namespace pneuservo

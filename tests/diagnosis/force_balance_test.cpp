@@ -1,0 +1,177 @@
+// The force balance against sliders whose drive force is known exactly, and its kernels against polynomials.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <functional>
+
+#include <pneuservo/elements/slider.hpp>
+
+#include "config/rig_parameters.hpp"
+#include "diagnosis/force_balance.hpp"
+
+using namespace pneuservo;
+
+namespace {
+
+constexpr double period_s = 0.001;
+
+Rig slider_rig() {
+  Rig rig;
+  rig.axis.slider.mass_kg = 2.0;
+  rig.axis.slider.payload_kg = 0.5;
+  rig.axis.slider.viscous_friction_Ns_per_m = 40.0;
+  return rig;
+}
+
+struct Record {
+  std::vector<double> position_m, force_N, gauge_Pa;
+};
+
+/// A slider that follows a sine with rests, driven by a stiff controller; forces are smooth within a millisecond.
+Record recorded(const Rig& rig, double duration_s = 6.0) {
+  Slider<double> slider;
+  slider.configure(rig.axis.slider, rig.axis.effects.motion, 1.0, 0.0);
+  const int substeps = 50;
+  double force = 0;
+  Record record;
+  const int rows = static_cast<int>(duration_s / period_s);
+  for (int row = 0; row < rows; ++row) {
+    record.position_m.push_back(slider.position());
+    const double gauge = 4e5 + 2e5 * std::sin(2.0 * row * period_s);
+    record.gauge_Pa.push_back(gauge);
+    record.force_N.push_back(force);
+    for (int sub = 0; sub < substeps; ++sub) {
+      const double t = (row + static_cast<double>(sub) / substeps) * period_s;
+      const double phase = std::fmod(t, 2.0);
+      const double wanted = phase < 1.5 ? 0.04 * (1 - std::cos(2 * M_PI * phase / 1.5)) : 0.0;
+      const double asked = 4e4 * (wanted - slider.position()) - 500 * slider.velocity();
+      force += (asked - force) * (period_s / substeps) / 0.004;
+      slider.step(period_s / substeps, force, {gauge});
+    }
+  }
+  return record;
+}
+
+double rms_residual(const ForceBalance& balance, const Record& record, const Rig& rig) {
+  const std::vector<double> drive = balance.kernel().apply(record.force_N, 0);
+  const std::vector<double> needed = balance.required_force(rig, drive, record.gauge_Pa);
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < needed.size(); ++i)
+    if (balance.usable()[i]) {
+      sum += (needed[i] - drive[i]) * (needed[i] - drive[i]);
+      ++count;
+    }
+  return std::sqrt(sum / count);
+}
+
+}  // namespace
+
+TEST_CASE("Gaussian kernels are exact on polynomials and have no lag") {
+  const GaussianKernel kernel(0.005, period_s);
+  std::vector<double> line, parabola, cubic;
+  for (int i = 0; i < 200; ++i) {
+    const double t = i * period_s;
+    line.push_back(2 + 3 * t);
+    parabola.push_back(1 + t + 5 * t * t);
+    cubic.push_back(t * t * t);
+  }
+  const double t = 100 * period_s;
+  CHECK(kernel.apply(line, 0)[100] == Approx(2 + 3 * t).epsilon(1e-12));
+  CHECK(kernel.apply(line, 1)[100] == Approx(3).epsilon(1e-12));
+  CHECK(kernel.apply(parabola, 1)[100] == Approx(1 + 10 * t).epsilon(1e-10));
+  CHECK(kernel.apply(parabola, 2)[100] == Approx(10).epsilon(1e-9));
+  CHECK(kernel.apply(cubic, 2)[100] == Approx(6 * t).epsilon(1e-9));
+  CHECK(kernel.apply(cubic, 3)[100] == Approx(6).epsilon(1e-7));
+}
+
+TEST_CASE("the gain of white noise is that of the kernel") {
+  const GaussianKernel kernel(0.005, period_s);
+  // A Gaussian of sigma n samples leaves 1/sqrt(2 sqrt(pi) n) of white noise.
+  CHECK(kernel.noise_gain(0, 1) == Approx(1 / std::sqrt(2 * std::sqrt(M_PI) * 5)).epsilon(1e-4));
+  // Its second derivative sqrt(3/(8 sqrt(pi) n^5))/T^2.
+  CHECK(kernel.noise_gain(2, 1) == Approx(std::sqrt(3 / (8 * std::sqrt(M_PI) * 3125.0)) * 1e6).epsilon(1e-3));
+  CHECK(kernel.noise_gain(0, 10) < kernel.noise_gain(0, 1));
+}
+
+TEST_CASE("every law on the slider balances its own motion and no other") {
+  struct Law {
+    std::string name;
+    std::function<void(MotionEffects<double>&)> set;
+  };
+  const Law law = GENERATE(values<Law>({
+      {"nothing", [](auto&) {}},
+      {"coulomb", [](auto& e) { e.coulomb_friction.force_N = 6; }},
+      {"stribeck", [](auto& e) { e.stribeck_friction = {5, 0.03, 4}; }},
+      {"direction", [](auto& e) { e.direction_dependent_friction = {3, 9}; }},
+      {"pressure", [](auto& e) { e.pressure_dependent_friction.force_per_pressure_N_per_Pa = 3e-5; }},
+      {"zone", [](auto& e) { e.friction_zone = {12, 0.04, 0.01}; }},
+      {"drag", [](auto& e) { e.quadratic_drag.coefficient_Ns2_per_m2 = 80; }},
+      {"constant", [](auto& e) { e.constant_force.force_N = -7; }},
+      {"spring", [](auto& e) { e.spring_load = {120, 0.02}; }},
+  }));
+  INFO(law.name);
+  Rig rig = slider_rig();
+  law.set(rig.axis.effects.motion);
+  const Record record = recorded(rig);
+  const ForceBalance balance(record.position_m, period_s, 0.0);
+  const double own = rms_residual(balance, record, rig);
+  CHECK(own < 0.35);
+  if (law.name != "nothing") {
+    const double without = rms_residual(balance, record, slider_rig());
+    CHECK(without > 6 * own);
+  }
+}
+
+TEST_CASE("a slider that is held never reads as missing friction, whatever the force below breakaway") {
+  Rig rig = slider_rig();
+  rig.axis.effects.motion.coulomb_friction.force_N = 10;
+  Record record;
+  for (int i = 0; i < 2000; ++i) {
+    record.position_m.push_back(0.02);
+    record.force_N.push_back(8 * std::sin(0.003 * i));
+    record.gauge_Pa.push_back(0);
+  }
+  const ForceBalance balance(record.position_m, period_s, 0.0);
+  CHECK(rms_residual(balance, record, rig) < 0.01);
+  rig.axis.effects.motion.coulomb_friction.force_N = 4;  // cannot hold 8 N
+  CHECK(rms_residual(balance, record, rig) > 1.5);
+}
+
+TEST_CASE("the position sensor's gain and lag are undone before the balance") {
+  const Rig truth = slider_rig();
+  Record record = recorded(truth);
+  const double gain = 1.06, lag_s = 0.008;
+  std::vector<double> read(record.position_m.size());
+  double state = record.position_m[0];
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    const int inner = 100;
+    for (int k = 0; k < inner && i > 0; ++k) {
+      const double at =
+          record.position_m[i - 1] + (record.position_m[i] - record.position_m[i - 1]) * (k + 0.5) / inner;
+      state += (at - state) * (period_s / inner) / lag_s;
+    }
+    read[i] = gain * state;
+  }
+  record.position_m = read;
+  const ForceBalance balance(record.position_m, period_s, 0.0);
+  Rig supposed = truth;
+  const double without = rms_residual(balance, record, supposed);
+  set_parameter(supposed, "effects.sensor_gain:x.gain", gain);
+  set_parameter(supposed, "effects.sensor_lag:x.time_constant_s", lag_s);
+  CHECK(rms_residual(balance, record, supposed) < 0.05 * without);
+}
+
+TEST_CASE("ends, missing positions and end stops are left out") {
+  std::vector<double> position(1000, 0.0);
+  position[500] = std::nan("");
+  for (int i = 800; i < 880; ++i) position[static_cast<std::size_t>(i)] = 0.1499;
+  const ForceBalance balance(position, period_s, 0.0);
+  CHECK_FALSE(balance.usable()[10]);
+  CHECK_FALSE(balance.usable()[495]);
+  CHECK(balance.usable()[300]);
+  CHECK_FALSE(balance.usable()[995]);
+  const std::vector<char> stops = balance.near_end_stop(0.3);
+  CHECK(stops[790]);
+  CHECK_FALSE(stops[700]);
+}

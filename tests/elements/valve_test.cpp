@@ -1,7 +1,7 @@
 // Valve: edge areas, dead band, offset, hysteresis loop, lag, dead time, spool dynamics against closed forms.
 #include <catch2/catch.hpp>
 
-#include <pneuservo/elements/valve.hpp>
+#include <pneuservo/elements/valves.hpp>
 
 using namespace pneuservo;
 
@@ -23,18 +23,39 @@ double spool_after(Valve<double>& valve, double command) {
 }
 }  // namespace
 
-TEST_CASE("valve: positive command feeds port 1 and exhausts port 2, negative the other way round, at most area_max") {
+TEST_CASE("valve: a positive spool feeds the port, a negative one exhausts it, at most area_max") {
   const Valve<double> valve = make_valve();
   for (const double s : {0.1, 1.0, 4.9, 7.0}) {
     const double area = std::min(2.6e-6 * s, 1.3e-5);
-    const ValveAreas<double> forward = valve.areas(s), backward = valve.areas(-s);
-    CHECK((forward.supply_1 == Approx(area) && forward.exhaust_2 == Approx(area) && forward.supply_2 == 0.0 &&
-           forward.exhaust_1 == 0.0));
-    CHECK((backward.supply_2 == Approx(area) && backward.exhaust_1 == Approx(area) && backward.supply_1 == 0.0 &&
-           backward.exhaust_2 == 0.0));
+    const PortAreas<double> forward = valve.areas(s), backward = valve.areas(-s);
+    CHECK((forward.supply == Approx(area) && forward.exhaust == 0.0));
+    CHECK((backward.supply == 0.0 && backward.exhaust == Approx(area)));
   }
-  const ValveAreas<double> shut = valve.areas(0.0);
-  CHECK((shut.supply_1 == 0.0 && shut.supply_2 == 0.0 && shut.exhaust_1 == 0.0 && shut.exhaust_2 == 0.0));
+  const PortAreas<double> shut = valve.areas(0.0);
+  CHECK((shut.supply == 0.0 && shut.exhaust == 0.0));
+}
+
+TEST_CASE("valves: a five-port spool feeds one port and exhausts the other, a pair of valves obeys two commands") {
+  ValveEffects<double> effects;
+  effects.valve_offset.offset_V = 0.1;
+  effects.valve_asymmetry.exhaust_ratio = 1.1;
+  Valves<double> valves;
+  const auto areas_at = [&](ValveArrangement arrangement, double u_1, double u_2) {
+    valves.configure(arrangement, parameters(), effects, 1e-3);
+    valves.set_time_step(1e-3);
+    valves.set_commands(u_1, u_2);
+    return valves.step(0.0);
+  };
+  const double k = 2.6e-6;
+  const auto one = areas_at(ValveArrangement::five_port, 1.0, 0.7);  // 0.7 reaches nothing
+  CHECK((low(one.supply) == Approx(1.1 * k) && low(one.exhaust) == 0.0));
+  CHECK((high(one.supply) == 0.0 && high(one.exhaust) == Approx(1.1 * 1.1 * k)));
+  const auto back = areas_at(ValveArrangement::five_port, -1.0, 0.0);
+  CHECK((low(back.supply) == 0.0 && low(back.exhaust) == Approx(1.1 * 0.9 * k)));
+  CHECK((high(back.supply) == Approx(0.9 * k) && high(back.exhaust) == 0.0));
+  const auto two = areas_at(ValveArrangement::three_port_pair, 1.0, 0.5);
+  CHECK((low(two.supply) == Approx(1.1 * k) && high(two.supply) == Approx(0.6 * k)));
+  CHECK((low(two.exhaust) == 0.0 && high(two.exhaust) == 0.0));
 }
 
 TEST_CASE("valve: dead band, offset, neutral leak and asymmetry") {
@@ -44,11 +65,10 @@ TEST_CASE("valve: dead band, offset, neutral leak and asymmetry") {
   effects.valve_neutral_leak.area_m2 = 1e-9;
   effects.valve_asymmetry.exhaust_ratio = 1.1;
   const Valve<double> valve = make_valve(effects);
-  CHECK(valve.areas(0.05).supply_1 == Approx(1e-9));
-  CHECK(valve.areas(0.05).exhaust_1 == Approx(1e-9));
-  CHECK(valve.areas(1.1).supply_1 == Approx(1e-9 + 2.6e-6 * 1.0));   // |1.1 + 0.1| - 0.2
-  CHECK(valve.areas(-1.1).supply_2 == Approx(1e-9 + 2.6e-6 * 0.8));  // |-1.1 + 0.1| - 0.2
-  CHECK(valve.areas(1.1).exhaust_2 == Approx(1e-9 + 1.1 * 2.6e-6));
+  CHECK(valve.areas(0.05).supply == Approx(1e-9));
+  CHECK(valve.areas(0.05).exhaust == Approx(1e-9));
+  CHECK(valve.areas(1.1).supply == Approx(1e-9 + 2.6e-6 * 1.0));          // |1.1 + 0.1| - 0.2
+  CHECK(valve.areas(-1.1).exhaust == Approx(1e-9 + 1.1 * 2.6e-6 * 0.8));  // |-1.1 + 0.1| - 0.2
 }
 
 TEST_CASE("valve: the command is limited to its range") {
@@ -104,7 +124,7 @@ TEST_CASE("valve: dead time delays by exactly its length, also between the perio
   }
 }
 
-TEST_CASE("spool: step response against the closed form, under-, critically and overdamped, for any step") {
+TEST_CASE("second-order lag: step response against the closed form, under-, critically and overdamped, for any step") {
   const double f = 100.0, w = 2.0 * M_PI * f;
   const auto closed = [&](double zeta, double t) {
     if (zeta < 1.0) {
@@ -117,7 +137,7 @@ TEST_CASE("spool: step response against the closed form, under-, critically and 
   };
   for (const double zeta : {0.2, 0.7, 1.0, 3.0}) {
     for (const double step : {1e-4, 2.5e-4, 1e-3}) {
-      Spool<double> spool;
+      SecondOrderLag<double> spool;
       spool.configure(f, zeta, step);
       spool.reset(0.0);
       for (int k = 1; k <= 20; ++k) {
@@ -126,5 +146,25 @@ TEST_CASE("spool: step response against the closed form, under-, critically and 
         CHECK(spool.value() == Approx(closed(zeta, k * step)).margin(1e-9));
       }
     }
+  }
+}
+
+TEST_CASE("second-order lag: the mean over a step is the mean of the output") {
+  SecondOrderLag<double> coarse, fine, at_once;
+  coarse.configure(100.0, 0.7, 1e-3);
+  fine.configure(100.0, 0.7, 1e-6);
+  at_once.configure(0.0, 0.7, 1e-3);
+  for (auto* lag : {&coarse, &fine, &at_once}) lag->reset(0.3);
+  for (const double input : {1.0, -0.5, 0.2}) {
+    coarse.step(input);
+    at_once.step(input);
+    double sum = 0.0;
+    for (int i = 0; i < 1000; ++i) {
+      const double before = fine.value();
+      fine.step(input);
+      sum += 0.5 * (before + fine.value());
+    }
+    CHECK(coarse.mean() == Approx(sum / 1000).margin(1e-6));
+    CHECK(at_once.mean() == input);
   }
 }

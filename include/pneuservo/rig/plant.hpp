@@ -1,9 +1,9 @@
-// The simulated axis: valve, both lines with their chambers, slider and supply, built from the elements.
+// The simulated axis: valves, both lines with their chambers, slider and supply, built from the elements.
 #pragma once
 #include <pneuservo/core/pack.hpp>
 #include <pneuservo/elements/line_with_chamber.hpp>
 #include <pneuservo/elements/slider.hpp>
-#include <pneuservo/elements/valve.hpp>
+#include <pneuservo/elements/valves.hpp>
 #include <pneuservo/rig/axis.hpp>
 
 namespace pneuservo {
@@ -22,13 +22,14 @@ template <class S> S balancing_pressure_2(const AxisParameters<S>& axis, const S
 }
 
 /// Both sides are computed side by side in the lanes of Pair<S>; S itself may carry several rigs.
-/// step() is one control period with the command held; it allocates nothing and throws nothing.
+/// step() is one control period with the commands held; it allocates nothing and throws nothing.
 template <class S> class AxisPlant {
  public:
   using P = Pair<S>;
 
   /// Allocates. cells_per_m: cells of the lines, at least one a line.
-  void configure(const AxisParameters<S>& axis, double period_s, double cells_per_m) {
+  void configure(const AxisParameters<S>& axis, double period_s, double cells_per_m,
+                 ValveArrangement arrangement = ValveArrangement::five_port) {
     axis_ = axis;
     air_ = Air<S>(axis.air);
     period_s_ = period_s;
@@ -42,7 +43,7 @@ template <class S> class AxisPlant {
     line_effects.leak = join_parameters<LineLeak<P>>(axis.effects.line_leak_1, axis.effects.line_leak_2);
     line_effects.critical_pressure_ratio = join(axis.valve.critical_pressure_ratio, axis.valve.critical_pressure_ratio);
     sides_.line().set_effects(line_effects);
-    valve_.configure(axis.valve, axis.effects.valve, period_s);
+    valves_.configure(arrangement, axis.valve, axis.effects.valve, period_s);
     slider_.configure(axis.slider, axis.effects.motion, axis.cylinder.stroke_m, axis.cylinder.end_stop_restitution);
     chambers_leak_ = any(axis.effects.chamber_leak_1.area_m2 > S(0)) ||
                      any(axis.effects.chamber_leak_2.area_m2 > S(0)) || any(axis.effects.piston_leak.area_m2 > S(0));
@@ -54,23 +55,24 @@ template <class S> class AxisPlant {
     slider_.reset(start.position_m, S(0));
     sides_.reset(join(start.pressure_1_Pa, start.pressure_2_Pa), join(air_.temperature_K, air_.temperature_K),
                  distances());
-    valve_.reset(S(0));
+    valves_.reset(S(0));
     supply_pressure_ = axis_.supply.pressure_Pa;
     last_step_s_ = 0.0;
   }
 
-  /// One period under the command [V].
-  void step(const S& command_V) noexcept {
-    valve_.set_command(command_V);
+  /// One period under the command of a five-port valve, or u and -u for a pair of three-port valves [V].
+  void step(const S& command_V) noexcept { step(command_V, -command_V); }
+  /// One period under a command for each three-port valve [V].
+  void step(const S& command_1_V, const S& command_2_V) noexcept {
+    valves_.set_commands(command_1_V, command_2_V);
     const int n = sides_.begin_period(period_s_);
     const double h = sides_.step_s();
-    valve_.set_time_step(h);
+    valves_.set_time_step(h);
     for (int i = 0; i < n; ++i) {
-      const ValveAreas<S> areas = valve_.step(i * h);
+      const PortAreas<P> areas = valves_.step(i * h);
       const ChamberInflow<P> leaks = chambers_leak_ ? chamber_leaks() : ChamberInflow<P>{};
       if (!held_) slider_.step(h, middle_force(h), {gauge_pressure_sum()});
-      const ValvePort<P> port{join(areas.supply_1, areas.supply_2), join(areas.exhaust_1, areas.exhaust_2),
-                              join(supply_pressure_, supply_pressure_),
+      const ValvePort<P> port{areas.supply, areas.exhaust, join(supply_pressure_, supply_pressure_),
                               join(axis_.valve.critical_pressure_ratio, axis_.valve.critical_pressure_ratio)};
       flow_ = sides_.step_valve(port, distances(), leaks);
       if (droops_) step_supply(h, areas);
@@ -96,6 +98,7 @@ template <class S> class AxisPlant {
   const LineWithChamber<P>& sides() const noexcept { return sides_; }
   LineWithChamber<P>& sides() noexcept { return sides_; }
   Slider<S>& slider() noexcept { return slider_; }
+  Valves<S>& valves() noexcept { return valves_; }
 
   /// Parameters of both sides in one pair: side 1 low, side 2 high.
   template <class To, class From> static To join_parameters(const From& side_1, const From& side_2) {
@@ -142,13 +145,13 @@ template <class S> class AxisPlant {
     return {join(-out_1 - across, across - out_2), join(-h_1 - h_across, h_across - h_2)};
   }
   // V dp/dt = R T (G_in - G_out), isothermal at supply temperature, fed from the configured pressure.
-  void step_supply(double h, const ValveAreas<S>& areas) noexcept {
+  void step_supply(double h, const PortAreas<P>& areas) noexcept {
     const SupplyDroop<S>& droop = axis_.effects.supply_droop;
     const S b = axis_.valve.critical_pressure_ratio, T = air_.temperature_K;
     const P p = port_pressure();
     const S fed = orifice_mass_flow(air_, droop.area_m2, b, axis_.supply.pressure_Pa, T, supply_pressure_, T);
-    const S taken = orifice_mass_flow(air_, areas.supply_1, b, supply_pressure_, T, low(p), T) +
-                    orifice_mass_flow(air_, areas.supply_2, b, supply_pressure_, T, high(p), T);
+    const S taken = orifice_mass_flow(air_, low(areas.supply), b, supply_pressure_, T, low(p), T) +
+                    orifice_mass_flow(air_, high(areas.supply), b, supply_pressure_, T, high(p), T);
     const S next = supply_pressure_ + S(h) * air_.R * T * (fed - taken) / droop.volume_m3;
     supply_pressure_ = select(droop.area_m2 > S(0), maximum(next, S(1e3)), axis_.supply.pressure_Pa);
   }
@@ -157,7 +160,7 @@ template <class S> class AxisPlant {
   Air<S> air_;
   double period_s_ = 1e-3;
   LineWithChamber<P> sides_;
-  Valve<S> valve_;
+  Valves<S> valves_;
   Slider<S> slider_;
   LineFlow<P> flow_;
   S supply_pressure_{};

@@ -124,7 +124,7 @@ TEST_CASE("valve: dead time delays by exactly its length, also between the perio
   }
 }
 
-TEST_CASE("second-order lag: step response against the closed form, under-, critically and overdamped, for any step") {
+TEST_CASE("second-order filter: step response against the closed form, under-, critically and overdamped, for any step") {
   const double f = 100.0, w = 2.0 * M_PI * f;
   const auto closed = [&](double zeta, double t) {
     if (zeta < 1.0) {
@@ -137,7 +137,7 @@ TEST_CASE("second-order lag: step response against the closed form, under-, crit
   };
   for (const double zeta : {0.2, 0.7, 1.0, 3.0}) {
     for (const double step : {1e-4, 2.5e-4, 1e-3}) {
-      SecondOrderLag<double> spool;
+      SecondOrderFilter<double> spool;
       spool.configure(f, zeta, step);
       spool.reset(0.0);
       for (int k = 1; k <= 20; ++k) {
@@ -149,8 +149,8 @@ TEST_CASE("second-order lag: step response against the closed form, under-, crit
   }
 }
 
-TEST_CASE("second-order lag: the mean over a step is the mean of the output") {
-  SecondOrderLag<double> coarse, fine, at_once;
+TEST_CASE("second-order filter: the mean over a step is the mean of the output") {
+  SecondOrderFilter<double> coarse, fine, at_once;
   coarse.configure(100.0, 0.7, 1e-3);
   fine.configure(100.0, 0.7, 1e-6);
   at_once.configure(0.0, 0.7, 1e-3);

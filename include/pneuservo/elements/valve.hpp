@@ -7,7 +7,7 @@
 
 #include <pneuservo/elements/effects.hpp>
 #include <pneuservo/elements/parameters.hpp>
-#include <pneuservo/elements/second_order_lag.hpp>
+#include <pneuservo/elements/second_order_filter.hpp>
 #include <pneuservo/elements/valve_port.hpp>
 
 namespace pneuservo {
@@ -94,7 +94,7 @@ template <class S> class Valve {
   std::size_t newest_ = 0;
   bool delayed_ = false;
   S play_{}, lag_{}, lag_gain_ = S(1);
-  SecondOrderLag<S> spool_;
+  SecondOrderFilter<S> spool_;
 };
 
 }  // namespace pneuservo

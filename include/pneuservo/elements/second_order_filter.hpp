@@ -5,7 +5,7 @@
 namespace pneuservo {
 
 /// y'' + 2 zeta w y' + w^2 y = w^2 u, stepped exactly for an input that is constant over a step.
-template <class S> class SecondOrderLag {
+template <class S> class SecondOrderFilter {
  public:
   /// natural_frequency_Hz 0: the output follows at once.
   void configure(const S& natural_frequency_Hz, const S& damping_ratio, double step_s) noexcept {

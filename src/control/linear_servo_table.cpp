@@ -8,7 +8,7 @@
 namespace pneuservo {
 
 LinearServoTable linear_servo_table(const AxisParameters<double>& axis, double equilibrium_pressure_Pa,
-                                    const LinearLag& line) noexcept {
+                                    const SecondOrderLag& line) noexcept {
   constexpr double rad_per_cycle = 6.283185307179586;
   const auto& cylinder = axis.cylinder;
   const double area_m2 = 0.5 * (cylinder.area_1_m2 + cylinder.area_2_m2);
@@ -31,7 +31,7 @@ LinearServoTable linear_servo_table(const AxisParameters<double>& axis, double e
   return table;
 }
 
-LinearLag low_frequency_match(const LinearLag& first, const LinearLag& second) noexcept {
+SecondOrderLag low_frequency_match(const SecondOrderLag& first, const SecondOrderLag& second) noexcept {
   const double a1 = first.slope_s() + second.slope_s();
   const double a2 = first.curvature_s2() + second.curvature_s2() + first.slope_s() * second.slope_s();
   if (!(a2 > 0.0)) return {};
@@ -44,7 +44,7 @@ std::array<double, 8> inverse_coefficients(const LinearServoTable& table, int or
   if (order != 3 && order != 5 && order != 7) return a;
   a[1] = table.natural_frequency_squared / table.gain_per_V;
   a[3] = 1.0 / table.gain_per_V;
-  const auto behind = [&](const LinearLag& lag) {  // times 1 + slope s + curvature s^2
+  const auto behind = [&](const SecondOrderLag& lag) {  // times 1 + slope s + curvature s^2
     for (std::size_t i = 7; i >= 1; --i)
       a[i] += lag.slope_s() * a[i - 1] + (i >= 2 ? lag.curvature_s2() * a[i - 2] : 0.0);
   };

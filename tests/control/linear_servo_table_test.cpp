@@ -40,13 +40,13 @@ TEST_CASE("a choked exhaust discharges with the ratio of the pressures") {
 
 TEST_CASE("the fifth-order lag matches valve and line at low frequency") {
   const LinearServoTable a = nominal_linear_table(table_4mm), b = nominal_linear_table(table_8mm);
-  const LinearLag lag_4 = low_frequency_match(a.line, a.valve), lag_8 = low_frequency_match(b.line, b.valve);
+  const SecondOrderLag lag_4 = low_frequency_match(a.line, a.valve), lag_8 = low_frequency_match(b.line, b.valve);
   CHECK(lag_4.natural_frequency_rad_per_s == Approx(444.34).margin(0.005));
   CHECK(lag_4.damping_ratio == Approx(0.53875).margin(5e-6));
   CHECK(lag_8.natural_frequency_rad_per_s == Approx(434.31).margin(0.005));
   CHECK(lag_8.damping_ratio == Approx(0.51639).margin(5e-6));
   // A spool that follows at once leaves the line alone.
-  const LinearLag alone = low_frequency_match(a.line, {});
+  const SecondOrderLag alone = low_frequency_match(a.line, {});
   CHECK(alone.natural_frequency_rad_per_s == Approx(a.line.natural_frequency_rad_per_s));
   CHECK(alone.damping_ratio == Approx(a.line.damping_ratio));
 }
@@ -80,7 +80,7 @@ TEST_CASE("the inverse of order seven undoes valve, line and actuator at every f
   using Complex = std::complex<double>;
   const LinearServoTable table = nominal_linear_table(table_8mm);
   const auto a = inverse_coefficients(table, 7);
-  const auto lag = [](const LinearLag& l, Complex s) {
+  const auto lag = [](const SecondOrderLag& l, Complex s) {
     const double w = l.natural_frequency_rad_per_s;
     return w * w / (s * s + 2.0 * l.damping_ratio * w * s + w * w);
   };

@@ -11,7 +11,7 @@ inline constexpr double cycle_rad = 6.283185307179586;
 struct TableCase {
   const char* name;
   double length_m, diameter_m;
-  LinearLag line;
+  SecondOrderLag line;
   Ppd2Gains gains_3, gains_5;
 };
 inline constexpr TableCase table_4mm{

@@ -8,7 +8,7 @@ namespace pneuservo {
 template <class S> struct AxisParameters;
 
 /// 1 / (1 + 2 zeta s/w + s^2/w^2): spool, line, or what stands for both. Frequency 0: no lag at all.
-struct LinearLag {
+struct SecondOrderLag {
   double natural_frequency_rad_per_s = 0.0;
   double damping_ratio = 0.0;
 
@@ -27,7 +27,7 @@ struct LinearServoTable {
   double gain_per_V = 0.0;                      ///< K = K_n K_sv wn^2 [m/(s3 V)], > 0
   double natural_frequency_squared = 0.0;       ///< wn^2 [1/s2] of the slider between both air springs
   double discharge_ratio = 0.0;                 ///< delta (2.8): discharge over charge flow at equilibrium
-  LinearLag line, valve;
+  SecondOrderLag line, valve;
 };
 
 /// Gains of the PPD2 law; position gain > 0.
@@ -40,10 +40,10 @@ struct Ppd2Gains {
 /// K = (1 + delta) K_f Ps sqrt(R T)/(2 A P0) area_per_volt wn^2. A and V0 are the means of both sides. Cold; the
 /// pressure lies between atmosphere and supply.
 LinearServoTable linear_servo_table(const AxisParameters<double>& axis, double equilibrium_pressure_Pa,
-                                    const LinearLag& line) noexcept;
+                                    const SecondOrderLag& line) noexcept;
 
 /// The one lag that agrees with two in series up to s^2: w0 = 1/sqrt(a2), zeta0 = a1 w0/2 (the fifth-order model).
-LinearLag low_frequency_match(const LinearLag& first, const LinearLag& second) noexcept;
+SecondOrderLag low_frequency_match(const SecondOrderLag& first, const SecondOrderLag& second) noexcept;
 
 /// Inverse of the open loop: u = sum_i a_i x^(i) [V s^i/m], a_0 = 0. Order 3 has no lag, 5 the matched one, 7 valve
 /// and line; any other order: all zero (no feedforward).

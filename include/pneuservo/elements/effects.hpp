@@ -1,17 +1,26 @@
 // The effects of the vocabulary (docs/physics/effects.md): physics that an element has beside the nominal model,
 // neutral by default. Their equations stand in the elements that apply them.
 #pragma once
+#include <pneuservo/core/effect_traits.hpp>
 #include <pneuservo/core/field.hpp>
 
 namespace pneuservo {
 
 template <class S> struct CoulombFriction {
+  static constexpr std::string_view element = "motion";
+  static constexpr std::array traits{ParameterTrait{"force_N", EffectScale::force, 0.03, 5e-5, EffectScale::force}};
   S force_N = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"force_N", "N", 0, 1e5, "opposes motion; holds a slider at rest up to it"}, p.force_N...);
   }
 };
 template <class S> struct StribeckFriction {
+  static constexpr std::string_view element = "motion";
+  static constexpr std::array traits{
+      ParameterTrait{"extra_force_N", EffectScale::force, 0.03, 5e-5, EffectScale::force},
+      ParameterTrait{"coulomb_force_N", EffectScale::force, 0.03},
+      ParameterTrait{"velocity_mps", EffectScale::top_speed, 1.2, 0, EffectScale::one, Variation::logarithmic,
+                     effect_grids::stribeck_speed}};
   S extra_force_N = S(0);
   S velocity_mps = S(0.02);
   S coulomb_force_N = S(0);
@@ -22,6 +31,9 @@ template <class S> struct StribeckFriction {
   }
 };
 template <class S> struct DirectionDependentFriction {
+  static constexpr std::string_view element = "motion";
+  static constexpr std::array traits{ParameterTrait{"forward_N", EffectScale::force, 0.03, 5e-5, EffectScale::force},
+                                     ParameterTrait{"backward_N", EffectScale::force, 0.03, 5e-5, EffectScale::force}};
   S forward_N = S(0);
   S backward_N = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -30,6 +42,9 @@ template <class S> struct DirectionDependentFriction {
   }
 };
 template <class S> struct PressureDependentFriction {
+  static constexpr std::string_view element = "motion";
+  static constexpr std::array traits{ParameterTrait{"force_per_pressure_N_per_Pa", EffectScale::force_per_pressure,
+                                                    0.03, 5e-5, EffectScale::force_per_pressure}};
   S force_per_pressure_N_per_Pa = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"force_per_pressure_N_per_Pa", "N/Pa", 0, 1, "c of c (max(p1 - p_atm, 0) + max(p2 - p_atm, 0))/2"},
@@ -37,6 +52,12 @@ template <class S> struct PressureDependentFriction {
   }
 };
 template <class S> struct FrictionZone {
+  static constexpr std::string_view element = "motion";
+  static constexpr std::array traits{ParameterTrait{"force_N", EffectScale::force, 0.03, 1e-4, EffectScale::force},
+                                     ParameterTrait{"center_m", EffectScale::half_stroke, 0.5, 0, EffectScale::one,
+                                                    Variation::linear, effect_grids::zone_center, true},
+                                     ParameterTrait{"width_m", EffectScale::half_stroke, 0.7, 0, EffectScale::one,
+                                                    Variation::logarithmic, effect_grids::zone_width}};
   S force_N = S(0);
   S center_m = S(0);
   S width_m = S(0.01);
@@ -47,18 +68,28 @@ template <class S> struct FrictionZone {
   }
 };
 template <class S> struct QuadraticDrag {
+  static constexpr std::string_view element = "motion";
+  static constexpr std::array traits{
+      ParameterTrait{"coefficient_Ns2_per_m2", EffectScale::drag, 0.03, 5e-5, EffectScale::drag}};
   S coefficient_Ns2_per_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"coefficient_Ns2_per_m2", "N s2/m2", 0, 1e5, "c of c |v| v"}, p.coefficient_Ns2_per_m2...);
   }
 };
 template <class S> struct ConstantForce {
+  static constexpr std::string_view element = "motion";
+  static constexpr std::array traits{ParameterTrait{"force_N", EffectScale::force, 0.03, 5e-5, EffectScale::force}};
   S force_N = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"force_N", "N", -1e5, 1e5, "subtracted from the driving force: incline, weight, cable"}, p.force_N...);
   }
 };
 template <class S> struct SpringLoad {
+  static constexpr std::string_view element = "motion";
+  static constexpr std::array traits{
+      ParameterTrait{"stiffness_N_per_m", EffectScale::stiffness, 0.03, 1e-4, EffectScale::stiffness},
+      ParameterTrait{"rest_m", EffectScale::half_stroke, 0.7, 0, EffectScale::one, Variation::linear,
+                     effect_grids::spring_rest}};
   S stiffness_N_per_m = S(0);
   S rest_m = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -94,30 +125,41 @@ template <class S> struct MotionEffects {
 };
 
 template <class S> struct ValveDeadBand {
+  static constexpr std::string_view element = "valve";
+  static constexpr std::array traits{ParameterTrait{"width_V", EffectScale::one, 0.15, 5e-4}};
   S width_V = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"width_V", "V", 0, 1000, "w of s_eff = sign(s) max(|s| - w, 0)"}, p.width_V...);
   }
 };
 template <class S> struct ValveOffset {
+  static constexpr std::string_view element = "valve";
+  static constexpr std::array traits{ParameterTrait{"offset_V", EffectScale::one, 0.1, 5e-4}};
   S offset_V = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"offset_V", "V", -1000, 1000, "o of s_eff = s + o"}, p.offset_V...);
   }
 };
 template <class S> struct ValveHysteresis {
+  static constexpr std::string_view element = "valve";
+  static constexpr std::array traits{ParameterTrait{"width_V", EffectScale::one, 0.15, 1e-3}};
   S width_V = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"width_V", "V", 0, 1000, "total width of the play between command and spool"}, p.width_V...);
   }
 };
 template <class S> struct ValveLag {
+  static constexpr std::string_view element = "valve";
+  static constexpr std::array traits{ParameterTrait{"time_constant_s", EffectScale::one, 0.008, 5e-4}};
   S time_constant_s = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"time_constant_s", "s", 0, 10, "first-order lag between command and spool"}, p.time_constant_s...);
   }
 };
 template <class S> struct ValveNeutralLeak {
+  static constexpr std::string_view element = "valve";
+  static constexpr std::array traits{
+      ParameterTrait{"area_m2", EffectScale::valve_area, 0.01, 2.5e-5, EffectScale::valve_area}};
   S area_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"area_m2", "m2", 0, 1e-2, "supply to each port and each port to exhaust, at every spool position"},
@@ -125,12 +167,16 @@ template <class S> struct ValveNeutralLeak {
   }
 };
 template <class S> struct ValveAsymmetry {
+  static constexpr std::string_view element = "valve";
+  static constexpr std::array traits{ParameterTrait{"exhaust_ratio", EffectScale::one, 0.15, 2e-3}};
   S exhaust_ratio = S(1);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"exhaust_ratio", "-", 0.01, 100, "exhaust areas over supply areas"}, p.exhaust_ratio...);
   }
 };
 template <class S> struct CommandDelay {
+  static constexpr std::string_view element = "timing";
+  static constexpr std::array traits{ParameterTrait{"delay_s", EffectScale::one, 0.006, 5e-4}};
   S delay_s = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"delay_s", "s", 0, 0.5, "dead time between command and spool"}, p.delay_s...);
@@ -161,6 +207,11 @@ template <class S> struct ValveEffects {
 
 /// The regulator feeds a volume at the valve through an orifice; area 0: the supply is constant.
 template <class S> struct SupplyDroop {
+  static constexpr std::string_view element = "supply";
+  static constexpr std::array traits{ParameterTrait{"area_m2", EffectScale::valve_area, 1.2, 0, EffectScale::one,
+                                                    Variation::logarithmic, effect_grids::droop_area},
+                                     ParameterTrait{"volume_m3", EffectScale::one, 1.5, 0, EffectScale::one,
+                                                    Variation::logarithmic, effect_grids::droop_volume}};
   S area_m2 = S(0);
   S volume_m3 = S(1e-3);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -171,12 +222,20 @@ template <class S> struct SupplyDroop {
 
 /// Orifice between line end and chamber; area 0: none.
 template <class S> struct LineRestriction {
+  static constexpr std::string_view element = "line";
+  static constexpr std::array traits{ParameterTrait{"area_m2", EffectScale::inverse_valve_area, 4, 0.01,
+                                                    EffectScale::inverse_valve_area, Variation::inverse_square}};
   S area_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"area_m2", "m2", 0, 1e-2, "effective area between line end and chamber"}, p.area_m2...);
   }
 };
 template <class S> struct LineLeak {
+  static constexpr std::string_view element = "line";
+  static constexpr std::array traits{
+      ParameterTrait{"area_m2", EffectScale::valve_area, 0.01, 2.5e-5, EffectScale::valve_area},
+      ParameterTrait{"position", EffectScale::one, 0.4, 0, EffectScale::one, Variation::linear,
+                     effect_grids::leak_position}};
   S area_m2 = S(0);
   S position = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -185,30 +244,43 @@ template <class S> struct LineLeak {
   }
 };
 template <class S> struct ChamberLeak {
+  static constexpr std::string_view element = "chamber";
+  static constexpr std::array traits{
+      ParameterTrait{"area_m2", EffectScale::valve_area, 0.01, 2.5e-5, EffectScale::valve_area}};
   S area_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"area_m2", "m2", 0, 1e-2, "orifice from chamber to atmosphere"}, p.area_m2...);
   }
 };
 template <class S> struct PistonLeak {
+  static constexpr std::string_view element = "piston";
+  static constexpr std::array traits{
+      ParameterTrait{"area_m2", EffectScale::valve_area, 0.01, 2.5e-5, EffectScale::valve_area}};
   S area_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"area_m2", "m2", 0, 1e-2, "orifice between the chambers"}, p.area_m2...);
   }
 };
 template <class S> struct SensorOffset {
+  static constexpr std::string_view element = "sensor";
+  static constexpr std::array traits{
+      ParameterTrait{"offset", EffectScale::channel_offset, 0.01, 1e-4, EffectScale::channel_offset}};
   S offset = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"offset", "SI", -1e7, 1e7, "added to the reading, in the channel's unit"}, p.offset...);
   }
 };
 template <class S> struct SensorGain {
+  static constexpr std::string_view element = "sensor";
+  static constexpr std::array traits{ParameterTrait{"gain", EffectScale::channel_gain, 0.05, 1e-3}};
   S gain = S(1);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"gain", "-", -100, 100, "factor on the reading"}, p.gain...);
   }
 };
 template <class S> struct SensorLag {
+  static constexpr std::string_view element = "sensor";
+  static constexpr std::array traits{ParameterTrait{"time_constant_s", EffectScale::one, 0.007, 5e-4}};
   S time_constant_s = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"time_constant_s", "s", 0, 10, "first-order lag of the sensor"}, p.time_constant_s...);

@@ -1,0 +1,56 @@
+// What has to be known of an effect to look for it in data; stands beside the effect's parameters
+// (elements/effects.hpp).
+#pragma once
+#include <array>
+#include <span>
+#include <string_view>
+
+namespace pneuservo {
+
+/// What a size is measured in before any data are seen; the number is made from a rig and its recordings.
+enum class EffectScale {
+  one,                 ///< the parameter's own unit
+  force,               ///< piston force at gauge supply pressure, or an axis' largest force
+  force_per_pressure,  ///< that force over the gauge supply pressure
+  force_per_speed,     ///< that force over the top speed
+  drag,                ///< that force over the square of the top speed
+  stiffness,           ///< that force over half the stroke
+  valve_area,          ///< the valve's largest area
+  inverse_valve_area,  ///< of 1/area^2: 1 over the square of the valve's largest area
+  top_speed,
+  half_stroke,
+  channel_offset,      ///< supply pressure, stroke or force, by the sensor's channel
+  channel_gain,        ///< 0.6 for pressures, 1 for others
+};
+
+/// In what a parameter is varied: itself, its logarithm, or 1/value^2 (0 stands for "none" there).
+enum class Variation { linear, logarithmic, inverse_square };
+
+/// How one parameter of an effect is looked for.
+struct ParameterTrait {
+  std::string_view key;
+  EffectScale scale = EffectScale::one;
+  /// Prior standard deviation over scale; of a logarithm in itself.
+  double spread = 1;
+  /// Smaller sizes than this times `negligible_scale` are never named; 0: does not decide.
+  double negligible = 0;
+  EffectScale negligible_scale = EffectScale::one;
+  Variation variation = Variation::linear;
+  /// Start values over scale of a parameter that enters nonlinearly (its prior is centred on their mean); empty: the
+  /// parameter is an amplitude, starts at its neutral value and is found by its derivative.
+  std::span<const double> grid{};
+  /// Whether that grid lies relative to the middle of the recorded motion (of centres) instead of to zero.
+  bool grid_over_motion = false;
+};
+
+namespace effect_grids {
+inline constexpr std::array<double, 4> stribeck_speed{0.01, 0.03, 0.1, 0.3};
+inline constexpr std::array<double, 9> zone_center{-0.9, -0.675, -0.45, -0.225, 0, 0.225, 0.45, 0.675, 0.9};
+inline constexpr std::array<double, 2> zone_width{0.07, 0.2};
+inline constexpr std::array<double, 3> spring_rest{-0.5, 0, 0.5};
+inline constexpr std::array<double, 3> leak_position{0, 0.5, 1};
+inline constexpr std::array<double, 3> droop_area{0.1, 0.3, 1};
+inline constexpr std::array<double, 3> droop_volume{2e-4, 1e-3, 5e-3};
+}  // namespace effect_grids
+
+}  // namespace pneuservo

@@ -1,0 +1,285 @@
+// All explanations that a diagnosis tries: effects of the vocabulary, parameters that are off, sensors at fault.
+#include "diagnosis/candidates.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "config/rig_parameters.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+constexpr double tolerance_cut = 3;        ///< a parameter further off than this is an error, not a nuisance
+constexpr double start_factor_cut = 6;
+constexpr double wide_parameter_spread = 0.3;
+constexpr double widest_z = 40;            ///< of an effect's size
+
+/// Numbers behind the scales of the vocabulary.
+struct ScaleTable {
+  const Rig& rig;
+  const MotionRange& range;
+  std::string channel;  ///< of a sensor effect
+
+  double gauge_supply() const { return std::max(rig.axis.supply.pressure_Pa - rig.axis.air.atmosphere_Pa, 1e4); }
+  bool has_air() const { return rig.kind == RigKind::cylinder; }
+  double force() const {
+    return has_air() ? rig.axis.cylinder.area_1_m2 * gauge_supply() : get_parameter(rig, "slider.force_max_N");
+  }
+  double half_stroke() const {
+    return 0.5 * (has_air() ? rig.axis.cylinder.stroke_m : get_parameter(rig, "slider.stroke_m"));
+  }
+  double top_speed() const { return std::max(range.top_speed_mps, 1e-3); }
+  double channel_offset() const {
+    if (channel == "x") return 2 * half_stroke();
+    return channel == "F" ? force() : rig.axis.supply.pressure_Pa;
+  }
+  double operator()(EffectScale scale) const {
+    switch (scale) {
+      case EffectScale::one: return 1;
+      case EffectScale::force: return force();
+      case EffectScale::force_per_pressure: return force() / gauge_supply();
+      case EffectScale::force_per_speed: return force() / top_speed();
+      case EffectScale::drag: return force() / (top_speed() * top_speed());
+      case EffectScale::stiffness: return force() / half_stroke();
+      case EffectScale::valve_area: return rig.axis.valve.area_max_m2;
+      case EffectScale::inverse_valve_area: return 1 / (rig.axis.valve.area_max_m2 * rig.axis.valve.area_max_m2);
+      case EffectScale::top_speed: return top_speed();
+      case EffectScale::half_stroke: return half_stroke();
+      case EffectScale::channel_offset: return channel_offset();
+      case EffectScale::channel_gain: return channel == "x" || channel == "F" ? 1 : 0.6;
+    }
+    return 1;
+  }
+};
+
+/// A parameter of an effect as a free one, with the start values of its grid [z].
+struct GridParameter {
+  FreeParameter free;
+  std::vector<double> starts;
+  double neutral, negligible;
+  bool amplitude;
+};
+
+GridParameter grid_parameter(const ParameterTrait& trait, const Field& field, const std::string& path,
+                             const ScaleTable& scales) {
+  GridParameter out{{}, {}, get_parameter(scales.rig, path), 0, trait.grid.empty()};
+  FreeParameter& free = out.free;
+  free.path = path;
+  free.variation = trait.variation;
+  out.negligible = trait.negligible * scales(trait.negligible_scale);
+  const double scale = scales(trait.scale);
+  if (out.amplitude) {
+    free.center = free.varied(out.neutral);
+    free.spread = trait.spread * scale;
+    out.starts = {0.0};
+  } else {
+    const double middle = trait.grid_over_motion ? 0.5 * (scales.range.lowest_m + scales.range.highest_m) : 0.0;
+    const double reach = trait.grid_over_motion ? 0.5 * (scales.range.highest_m - scales.range.lowest_m) + 1e-4 : scale;
+    for (const double value : trait.grid)
+      free.center += free.varied(middle + reach * value) / double(trait.grid.size());
+    free.spread = trait.variation == Variation::logarithmic ? trait.spread : trait.spread * reach;
+    for (const double value : trait.grid) out.starts.push_back(free.z(middle + reach * value));
+    free.step = 0.05;
+  }
+  // Bounds: the field's range, and not beyond what a prior of this width can mean.
+  free.lower = -widest_z;
+  free.upper = widest_z;
+  if (trait.variation == Variation::linear) {
+    free.lower = std::max(free.lower, free.z(field.minimum));
+    free.upper = std::min(free.upper, free.z(field.maximum));
+  } else if (trait.variation == Variation::inverse_square) {
+    free.lower = 0;
+  } else {
+    free.lower = -3;
+    free.upper = 3;
+  }
+  return out;
+}
+
+std::string family_of(const std::string& name) {
+  static const std::map<std::string, std::string> families{{"coulomb_friction", "friction"},
+                                                           {"stribeck_friction", "friction"},
+                                                           {"direction_dependent_friction", "friction"},
+                                                           {"pressure_dependent_friction", "friction"},
+                                                           {"friction_zone", "friction"},
+                                                           {"quadratic_drag", "friction"},
+                                                           {"constant_force", "load"},
+                                                           {"spring_load", "load"},
+                                                           {"valve_lag", "late"},
+                                                           {"command_delay", "late"},
+                                                           {"valve_hysteresis", "late"},
+                                                           {"valve_neutral_leak", "edges"},
+                                                           {"valve_asymmetry", "edges"},
+                                                           {"valve_dead_band", "edges"},
+                                                           {"valve_offset", "balance"},
+                                                           {"piston_leak", "balance"},
+                                                           {"line_leak_1", "leak_1"},
+                                                           {"chamber_leak_1", "leak_1"},
+                                                           {"line_leak_2", "leak_2"},
+                                                           {"chamber_leak_2", "leak_2"}};
+  const auto found = families.find(name);
+  if (found != families.end()) return found->second;
+  const std::size_t colon = name.find(':');
+  return colon == std::string::npos ? name : name.substr(colon);  // a sensor's offset, gain and lag; one parameter
+}
+
+/// The effect as a candidate: every combination of its grids is a start.
+template <class Effect>
+Candidate effect_candidate(const std::string& name, const std::string& element, CandidateKind kind,
+                           const ScaleTable& scales) {
+  Candidate candidate{name, element, kind, {}, {}, {}, {{}}, {}, family_of(name)};
+  const Effect none;
+  for (const ParameterTrait& trait : Effect::traits) {
+    Effect::visit(
+        [&](const Field& field, const auto&) {
+          if (field.key != trait.key) return;
+          const GridParameter made =
+              grid_parameter(trait, field, fmt::format("effects.{}.{}", name, field.key), scales);
+          candidate.parameters.push_back(made.free);
+          candidate.negligible.push_back(made.negligible);
+          candidate.neutral.push_back(made.neutral);
+          candidate.amplitude.push_back(made.amplitude);
+          std::vector<std::vector<double>> starts;
+          for (const std::vector<double>& start : candidate.starts)
+            for (const double z : made.starts) {
+              starts.push_back(start);
+              starts.back().push_back(z);
+            }
+          candidate.starts = starts;
+        },
+        none);
+  }
+  return candidate;
+}
+
+void add_effects(const Rig& rig, const MotionRange& range, std::vector<Candidate>& out) {
+  const ScaleTable scales{rig, range, ""};
+  AxisEffects<double>::visit(
+      [&](const Field& field, const auto& effect) {
+        using Effect = std::remove_cvref_t<decltype(effect)>;
+        const std::string name(field.key);
+        std::string element(Effect::element);
+        const bool has_side = name.ends_with("_1") || name.ends_with("_2");
+        if (has_side) element += name.substr(name.size() - 2);
+        if (!scales.has_air() && (element != "motion" || name == "pressure_dependent_friction")) return;
+        out.push_back(effect_candidate<Effect>(name, element, CandidateKind::effect, scales));
+      },
+      rig.axis.effects);
+}
+
+void add_sensors(const Rig& rig, const MotionRange& range, const std::vector<ResidualChannel>& channels,
+                 std::vector<Candidate>& out) {
+  for (const std::string_view channel : channel_names) {
+    const std::string name(channel);
+    const bool compared =
+        std::any_of(channels.begin(), channels.end(), [&](const ResidualChannel& c) { return c.name == name; });
+    if (name != "x" && !(compared && has_parameter(rig, fmt::format("effects.sensor_offset:{}.offset", name))))
+      continue;
+    const ScaleTable scales{rig, range, name};
+    const SensorEffects<double> none;
+    SensorEffects<double>::visit(
+        [&](const Field& field, const auto& effect) {
+          using Effect = std::remove_cvref_t<decltype(effect)>;
+          out.push_back(effect_candidate<Effect>(fmt::format("{}:{}", field.key, name), "sensor:" + name,
+                                                 CandidateKind::sensor, scales));
+        },
+        none);
+  }
+}
+
+}  // namespace
+
+MotionRange motion_range(const std::vector<ResidualRow>& rows) {
+  MotionRange range{1e300, -1e300, 0};
+  for (const ResidualRow& row : rows) {
+    range.lowest_m = std::min(range.lowest_m, row.position_m);
+    range.highest_m = std::max(range.highest_m, row.position_m);
+    range.top_speed_mps = std::max(range.top_speed_mps, std::abs(row.velocity_mps));
+  }
+  if (rows.empty()) range.lowest_m = range.highest_m = 0;
+  return range;
+}
+
+std::string element_of_path(const std::string& path) {
+  const std::string section = path.substr(0, path.find('.'));
+  if (section == "slider") return "motion";
+  if (section == "line_1" || section == "line_2" || section == "valve" || section == "supply") return section;
+  if (section == "air") return "supply";
+  if (section == "cylinder") {
+    if (path.find("_2") != std::string::npos && path.find("_m2") == std::string::npos) return "chamber_2";
+    if (path.starts_with("cylinder.area_2")) return "chamber_2";
+    return "chamber_1";
+  }
+  if (section == "effects") {  // the effect's own element
+    const std::string name = path.substr(8, path.rfind('.') - 8);
+    const std::size_t colon = name.find(':');
+    if (colon != std::string::npos) return "sensor:" + name.substr(colon + 1);
+    std::string element = "motion";
+    const AxisEffects<double> none;
+    AxisEffects<double>::visit(
+        [&](const Field& field, const auto& effect) {
+          using Effect = std::remove_cvref_t<decltype(effect)>;
+          if (field.key != name) return;
+          element = std::string(Effect::element);
+          if (name.ends_with("_1") || name.ends_with("_2")) element += name.substr(name.size() - 2);
+        },
+        none);
+    return element;
+  }
+  return "motion";
+}
+
+std::vector<FreeParameter> nuisances(const Rig& rig, std::size_t start_factor_count, double start_factor_sigma) {
+  std::vector<FreeParameter> out;
+  for (const auto& [path, tolerance] : rig.tolerances) {
+    const double value = get_parameter(rig, path);
+    if (value == 0 || tolerance <= 0) continue;  // nothing to vary
+    FreeParameter free;
+    free.path = path;
+    free.center = value;
+    free.spread = tolerance * std::abs(value);
+    free.lower = -tolerance_cut;
+    free.upper = tolerance_cut;
+    free.step = 0.05;
+    out.push_back(free);
+  }
+  for (std::size_t i = 0; i < start_factor_count; ++i) {
+    FreeParameter free;
+    free.start_factor = static_cast<int>(i);
+    free.spread = start_factor_sigma;
+    free.lower = -start_factor_cut;
+    free.upper = start_factor_cut;
+    free.step = 0.05;
+    out.push_back(free);
+  }
+  return out;
+}
+
+std::vector<Candidate> all_candidates(const Rig& rig, const std::vector<ResidualChannel>& channels,
+                                      const MotionRange& range) {
+  std::vector<Candidate> out;
+  add_effects(rig, range, out);
+  for (const FreeParameter& known : nuisances(rig, 0, 0)) {
+    FreeParameter free = known;
+    free.spread = wide_parameter_spread * std::abs(known.center);
+    free.lower = -0.9 / wide_parameter_spread;
+    free.upper = 10 / wide_parameter_spread;
+    free.step = known.step * known.spread / free.spread;
+    out.push_back({"parameter:" + free.path,
+                   element_of_path(free.path),
+                   CandidateKind::parameter,
+                   {free},
+                   {0.0},
+                   {free.center},
+                   {{0.0}},
+                   {1},
+                   "parameter:" + free.path});
+  }
+  add_sensors(rig, range, channels, out);
+  return out;
+}
+
+}  // namespace pneuservo

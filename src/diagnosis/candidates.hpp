@@ -1,0 +1,42 @@
+// All explanations that a diagnosis tries: effects of the vocabulary, parameters that are off, sensors at fault.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "diagnosis/free_parameter.hpp"
+
+namespace pneuservo {
+
+enum class CandidateKind { effect, parameter, sensor };
+
+/// How far the recordings reach; what sizes are measured in.
+struct MotionRange {
+  double lowest_m = 0, highest_m = 0, top_speed_mps = 0;
+};
+MotionRange motion_range(const std::vector<ResidualRow>& rows);
+
+/// One name that can be given.
+struct Candidate {
+  std::string name;     ///< chamber_leak_1, sensor_offset:p1_port, parameter:slider.mass_kg
+  std::string element;  ///< as in the vocabulary
+  CandidateKind kind = CandidateKind::effect;
+  std::vector<FreeParameter> parameters;
+  std::vector<double> negligible;            ///< of each parameter's distance from neutral, in its own unit; 0: none
+  std::vector<double> neutral;               ///< value of each parameter where the effect does nothing
+  std::vector<std::vector<double>> starts;  ///< z to screen and start from; where amplitudes are neutral, z of neutral
+  std::vector<char> amplitude;  ///< of each parameter: found by its derivative
+  std::string family;  ///< names that mimic each other; all are refitted when one is
+};
+
+/// Every candidate that the rig and the channels allow, in the order of the vocabulary. `tolerances` of the rig name
+/// the parameters that may be off.
+std::vector<Candidate> all_candidates(const Rig& rig, const std::vector<ResidualChannel>& channels,
+                                      const MotionRange& range);
+
+/// Parameters known within a tolerance, and the start factors: always free, with their priors, cut at +-3.
+std::vector<FreeParameter> nuisances(const Rig& rig, std::size_t start_factor_count, double start_factor_sigma);
+
+/// Element at which a config path sits: slider.mass_kg is at motion.
+std::string element_of_path(const std::string& path);
+
+}  // namespace pneuservo

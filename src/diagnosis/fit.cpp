@@ -1,0 +1,207 @@
+// Fits of hypotheses by Levenberg steps in lanes: several fits go on side by side, each step tries several dampings.
+#include "diagnosis/fit.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace pneuservo {
+
+namespace {
+
+/// Tried at once; the best is taken. The last one is a short step along the first.
+constexpr std::array<double, 5> dampings{0.0, 0.03, 0.3, 3.0, 30.0};
+constexpr double settled_gain = 0.05;  ///< of the objective: 0.025 in log evidence
+
+Eigen::MatrixXd curvature(const Fit& fit) {
+  Eigen::MatrixXd h = fit.jacobian.transpose() * fit.jacobian;
+  h.diagonal().array() += 1.0;  // the prior, in units of its standard deviation
+  return h;
+}
+
+/// Minimum of the quadratic model within the bounds: what leaves them is held there and the rest solved again.
+Eigen::VectorXd bounded_step(const Fit& fit, const Eigen::MatrixXd& h, const Eigen::VectorXd& gradient,
+                             double damping) {
+  const Eigen::Index n = fit.z.size();
+  Eigen::MatrixXd damped = h;
+  damped.diagonal() *= 1 + damping;
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
+  std::vector<char> held(static_cast<std::size_t>(n), 0);
+  for (Eigen::Index pass = 0; pass <= n; ++pass) {
+    std::vector<Eigen::Index> free;
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (!held[static_cast<std::size_t>(i)]) free.push_back(i);
+    const Eigen::VectorXd right = -(gradient + damped * step)(free);
+    const Eigen::VectorXd solved = damped(free, free).ldlt().solve(right);
+    bool left = false;
+    for (std::size_t k = 0; k < free.size(); ++k) {
+      const Eigen::Index i = free[k];
+      const FreeParameter& p = fit.parameters[static_cast<std::size_t>(i)];
+      const double z = fit.z(i) + step(i) + solved(static_cast<Eigen::Index>(k));
+      if (z < p.lower || z > p.upper) {
+        step(i) = std::clamp(z, p.lower, p.upper) - fit.z(i);
+        held[static_cast<std::size_t>(i)] = 1;
+        left = true;
+      }
+    }
+    if (!left) {
+      for (std::size_t k = 0; k < free.size(); ++k) step(free[k]) += solved(static_cast<Eigen::Index>(k));
+      break;
+    }
+  }
+  return step;
+}
+
+std::vector<double> plain(const Eigen::VectorXd& z) { return {z.data(), z.data() + z.size()}; }
+
+/// Where a difference is taken: away from the nearer bound.
+double difference_step(const FreeParameter& parameter, double z) {
+  return z + parameter.step > parameter.upper ? -parameter.step : parameter.step;
+}
+
+/// A hypothesis and the columns that its residual gives: one parameter, or a start factor of every recording at once
+/// (recordings do not see each other's).
+struct Probe {
+  Fit* fit;
+  std::vector<Eigen::Index> columns;
+  double step;
+};
+
+void collect_probes(Fit& fit, std::vector<Probe>& probes, std::vector<Hypothesis>& hypotheses) {
+  std::array<int, 2> side_probe{-1, -1};
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
+    if (fit.known_columns[i]) continue;
+    const FreeParameter& parameter = fit.parameters[i];
+    const auto column = static_cast<Eigen::Index>(i);
+    if (parameter.start_factor >= 0) {
+      int& known = side_probe[static_cast<std::size_t>(parameter.start_factor % 2)];
+      if (known >= 0) {
+        probes[static_cast<std::size_t>(known)].columns.push_back(column);
+        hypotheses[static_cast<std::size_t>(known)].start_factors[static_cast<std::size_t>(parameter.start_factor)] +=
+            parameter.spread * parameter.step;
+        continue;
+      }
+      known = static_cast<int>(probes.size());
+    }
+    const double step = parameter.start_factor >= 0 ? parameter.step : difference_step(parameter, fit.z(column));
+    std::vector<double> z = plain(fit.z);
+    z[i] += step;
+    hypotheses.push_back(with_parameters(fit.base, fit.parameters, z));
+    probes.push_back({&fit, {column}, step});
+  }
+}
+
+bool store_residual(Fit& fit, const Eigen::VectorXd& residual) {
+  if (!residual.allFinite()) return false;
+  fit.residual = residual;
+  fit.objective = residual.squaredNorm() + fit.z.squaredNorm();
+  return true;
+}
+
+}  // namespace
+
+FittedRows::FittedRows(ResidualModel& model, std::function<bool()> stop)
+    : model_(model), stop_(std::move(stop)), weights_(model.channels().size(), 1.0) {
+  const std::vector<ResidualRow>& rows = model.rows();
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (!rows[i].held_out) fitted_.push_back(static_cast<int>(i));
+}
+
+Eigen::MatrixXd FittedRows::operator()(const std::vector<Hypothesis>& hypotheses) {
+  if (stop_ && stop_()) throw DiagnosisStopped();
+  tried_ += hypotheses.size();
+  if (hypotheses.empty()) return Eigen::MatrixXd(count(), 0);
+  Eigen::MatrixXd all = model_.residuals(hypotheses)(fitted_, Eigen::all);
+  for (Eigen::Index i = 0; i < all.rows(); ++i) {
+    const double weight = weights_[static_cast<std::size_t>(row(i).channel)];
+    if (weight != 1.0) all.row(i) *= weight;
+  }
+  return all;
+}
+
+Hypothesis Fit::hypothesis() const { return with_parameters(base, parameters, plain(z)); }
+
+double Fit::log_evidence() const {
+  const Eigen::LDLT<Eigen::MatrixXd> factors(curvature(*this));
+  return -0.5 * objective - 0.5 * factors.vectorD().array().max(1e-300).log().sum();
+}
+
+Eigen::MatrixXd Fit::covariance() const {
+  return curvature(*this).ldlt().solve(Eigen::MatrixXd::Identity(z.size(), z.size()));
+}
+
+void linearise(FittedRows& rows, std::vector<Fit*> fits) {
+  std::vector<Hypothesis> hypotheses;
+  std::vector<Probe> probes;
+  for (Fit* fit : fits) {
+    hypotheses.push_back(fit->hypothesis());
+    probes.push_back({fit, {}, 0});
+    if (fit->known_columns.size() != fit->parameters.size()) fit->known_columns.assign(fit->parameters.size(), 0);
+    if (fit->jacobian.cols() != static_cast<Eigen::Index>(fit->parameters.size())) {
+      fit->jacobian.setZero(rows.count(), static_cast<Eigen::Index>(fit->parameters.size()));
+      fit->known_columns.assign(fit->parameters.size(), 0);
+    }
+    collect_probes(*fit, probes, hypotheses);
+  }
+  const Eigen::MatrixXd columns = rows(hypotheses);
+  for (std::size_t p = 0; p < probes.size(); ++p) {
+    const Probe& probe = probes[p];
+    Fit& fit = *probe.fit;
+    const auto column = columns.col(static_cast<Eigen::Index>(p));
+    if (probe.columns.empty()) {
+      if (!store_residual(fit, column)) fit.failed = true;
+      continue;
+    }
+    const Eigen::VectorXd derivative = (column - fit.residual) / probe.step;
+    if (!derivative.allFinite()) fit.failed = true;
+    for (const Eigen::Index c : probe.columns) {
+      const int factor = fit.parameters[static_cast<std::size_t>(c)].start_factor;
+      if (factor < 0) fit.jacobian.col(c) = derivative;
+      else
+        for (Eigen::Index i = 0; i < rows.count(); ++i)
+          fit.jacobian(i, c) = rows.row(i).recording == factor / 2 ? derivative(i) : 0.0;
+    }
+  }
+  for (Fit* fit : fits) fit->known_columns.assign(fit->parameters.size(), 1);
+}
+
+void improve(FittedRows& rows, std::vector<Fit*> fits, const FitEffort& effort) {
+  std::erase_if(fits, [](const Fit* fit) { return fit->failed; });
+  for (Fit* fit : fits) fit->settled = false;
+  for (int iteration = 0; !fits.empty(); ++iteration) {
+    linearise(rows, fits);
+    std::erase_if(fits, [](const Fit* fit) { return fit->failed || fit->settled; });
+    if (iteration == effort.iterations) break;
+    std::vector<Hypothesis> hypotheses;
+    std::vector<Eigen::VectorXd> places;
+    for (Fit* fit : fits) {
+      const Eigen::MatrixXd h = curvature(*fit);
+      const Eigen::VectorXd gradient = fit->jacobian.transpose() * fit->residual + fit->z;
+      for (const double damping : dampings) {
+        places.push_back(fit->z + bounded_step(*fit, h, gradient, damping));
+        hypotheses.push_back(with_parameters(fit->base, fit->parameters, plain(places.back())));
+      }
+    }
+    const Eigen::MatrixXd columns = rows(hypotheses);
+    for (std::size_t f = 0; f < fits.size(); ++f) {
+      Fit& fit = *fits[f];
+      const double before = fit.objective;
+      const Eigen::VectorXd start = fit.z;
+      for (std::size_t d = 0; d < dampings.size(); ++d) {
+        const std::size_t at = f * dampings.size() + d;
+        const auto column = columns.col(static_cast<Eigen::Index>(at));
+        const double objective = column.squaredNorm() + places[at].squaredNorm();
+        if (!column.allFinite() || objective >= fit.objective) continue;
+        fit.objective = objective;
+        fit.z = places[at];
+      }
+      fit.settled = before - fit.objective < settled_gain;
+      for (std::size_t i = 0; i < fit.parameters.size(); ++i)
+        fit.known_columns[i] = effort.keep_nuisance_columns && i >= fit.own_count;
+    }
+  }
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,75 @@
+// Fits of hypotheses by Levenberg steps in lanes: several fits go on side by side, each step tries several dampings.
+#pragma once
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "diagnosis/free_parameter.hpp"
+
+namespace pneuservo {
+
+/// Somebody asked to stop (Ctrl-C); what is there already is kept.
+struct DiagnosisStopped : std::runtime_error {
+  DiagnosisStopped() : std::runtime_error("stopped") {}
+};
+
+/// What the fits see of a model: rows that no proof is held out of, and how much was asked of it.
+class FittedRows {
+ public:
+  /// stop: asked before every batch; true ends the work with DiagnosisStopped.
+  FittedRows(ResidualModel& model, std::function<bool()> stop);
+
+  /// Residuals of the fitted rows, a column a hypothesis.
+  Eigen::MatrixXd operator()(const std::vector<Hypothesis>& hypotheses);
+  Eigen::Index count() const { return static_cast<Eigen::Index>(fitted_.size()); }
+  const ResidualRow& row(Eigen::Index i) const {
+    return model_.rows()[static_cast<std::size_t>(fitted_[static_cast<std::size_t>(i)])];
+  }
+  ResidualModel& model() { return model_; }
+  std::size_t hypotheses_tried() const { return tried_; }
+  /// Weight of each channel (1: its floor holds; smaller: the floor has grown with what no name explains).
+  void set_channel_weights(std::vector<double> weights) { weights_ = std::move(weights); }
+  const std::vector<double>& channel_weights() const { return weights_; }
+
+ private:
+  ResidualModel& model_;
+  std::function<bool()> stop_;
+  std::vector<int> fitted_;
+  std::vector<double> weights_;
+  std::size_t tried_ = 0;
+};
+
+/// One fit: where it stands and what it knows there.
+struct Fit {
+  Hypothesis base;                        ///< what the parameters do not say
+  std::vector<FreeParameter> parameters;  ///< those of the explanation first, then the nuisances
+  std::size_t own_count = 0;              ///< how many belong to the explanation
+  Eigen::VectorXd z, residual;            ///< residual at z
+  Eigen::MatrixXd jacobian;               ///< d residual / d z
+  std::vector<char> known_columns;        ///< columns that may be kept from an earlier place
+  double objective = 0;                   ///< residual'residual + z'z
+  bool failed = false;                    ///< cannot be simulated; not to be used
+  bool settled = false;
+
+  Hypothesis hypothesis() const;
+  double chi2() const { return residual.squaredNorm(); }
+  /// Laplace evidence, but for a constant of the data: -objective/2 - logdet(J'J + 1)/2.
+  double log_evidence() const;
+  /// (J'J + 1)^-1.
+  Eigen::MatrixXd covariance() const;
+};
+
+struct FitEffort {
+  int iterations = 4;
+  bool keep_nuisance_columns = true;  ///< derivatives of the nuisances from where the fit began
+};
+
+/// Fills the residual and, in every column that is not known, the Jacobian at z.
+void linearise(FittedRows& rows, std::vector<Fit*> fits);
+/// Moves every fit to its minimum; afterwards residual, Jacobian of its own parameters and objective stand at z.
+void improve(FittedRows& rows, std::vector<Fit*> fits, const FitEffort& effort);
+
+}  // namespace pneuservo

@@ -1,0 +1,57 @@
+// One number of a hypothesis that a fit may move, in units of its prior's standard deviation.
+#pragma once
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <pneuservo/core/effect_traits.hpp>
+
+#include "diagnosis/residual_model.hpp"
+
+namespace pneuservo {
+
+/// z = 0 is the prior's centre, +-1 its standard deviation; the prior is normal, cut at the bounds.
+struct FreeParameter {
+  std::string path;  ///< config path; empty for a start factor
+  int start_factor = -1;
+  Variation variation = Variation::linear;
+  double center = 0;  ///< in what is varied (the value, its logarithm, 1/value^2)
+  double spread = 1;
+  double lower = -3, upper = 3;  ///< of z
+  double step = 0.02;            ///< of z, for differences
+
+  double varied(double value) const {
+    switch (variation) {
+      case Variation::logarithmic: return std::log(value);
+      case Variation::inverse_square: return value > 0 ? 1 / (value * value) : 0;
+      case Variation::linear: break;
+    }
+    return value;
+  }
+  double value_of(double varied) const {
+    switch (variation) {
+      case Variation::logarithmic: return std::exp(varied);
+      case Variation::inverse_square: return varied > 0 ? 1 / std::sqrt(varied) : 0;
+      case Variation::linear: break;
+    }
+    return varied;
+  }
+  double value(double z) const { return value_of(center + spread * z); }
+  double z(double value) const { return (varied(value) - center) / spread; }
+  /// |d value / d z|, for standard errors.
+  double slope(double z) const {
+    const double at = center + spread * z;
+    switch (variation) {
+      case Variation::logarithmic: return spread * std::exp(at);
+      case Variation::inverse_square: return at > 0 ? 0.5 * spread * std::pow(at, -1.5) : 0;
+      case Variation::linear: break;
+    }
+    return spread;
+  }
+};
+
+/// The hypothesis that differs from `base` in these parameters. Values outside a field's range are taken to its end.
+Hypothesis with_parameters(const Hypothesis& base, const std::vector<FreeParameter>& parameters,
+                           const std::vector<double>& z);
+
+}  // namespace pneuservo

@@ -1,0 +1,291 @@
+// The search for what explains a mismatch: screening by derivatives, refits side by side, pairs with swaps, more.
+#include "diagnosis/search.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+namespace pneuservo {
+
+namespace {
+
+/// A fit further than this from the floor (chi2 per row) has been bent by what is missing: screen from where the owner
+/// stands instead.
+constexpr double bent_chi2_per_row = 3;
+/// Shares of the screened size that a fit may start from; the best is taken.
+constexpr std::array<double, 5> start_shares{1.0, 0.5, 0.25, 0.1, 0.02};
+
+bool same_parameter(const FreeParameter& a, const FreeParameter& b) {
+  return a.start_factor == b.start_factor && a.path == b.path;
+}
+
+std::vector<std::size_t> with_member(std::vector<std::size_t> members, std::size_t added) {
+  members.insert(std::upper_bound(members.begin(), members.end(), added), added);
+  return members;
+}
+
+bool contains(const std::vector<std::size_t>& members, std::size_t index) {
+  return std::find(members.begin(), members.end(), index) != members.end();
+}
+
+}  // namespace
+
+Search::Search(FittedRows& rows, const Rig& rig, std::vector<Candidate> candidates, SearchSettings settings,
+               Progress progress)
+    : rows_(rows), rig_(rig), candidates_(std::move(candidates)), settings_(settings), progress_(std::move(progress)),
+      nuisances_(nuisances(rig, rows.model().start_factor_count(), rows.model().start_factor_sigma())) {}
+
+void Search::tell(double share, const std::string& what) const {
+  if (progress_) progress_(share, what);
+}
+
+Fit Search::start_fit(const std::vector<std::size_t>& members) const {
+  Fit fit;
+  fit.base.rig = rig_;
+  fit.base.start_factors.assign(rows_.model().start_factor_count(), 0.0);
+  for (const std::size_t member : members)
+    for (const FreeParameter& parameter : candidates_[member].parameters) fit.parameters.push_back(parameter);
+  fit.own_count = fit.parameters.size();
+  for (const FreeParameter& nuisance : nuisances_)
+    if (std::none_of(fit.parameters.begin(), fit.parameters.end(),
+                     [&](const FreeParameter& p) { return same_parameter(p, nuisance); }))
+      fit.parameters.push_back(nuisance);
+  fit.z.setZero(static_cast<Eigen::Index>(fit.parameters.size()));
+  fit.jacobian.setZero(rows_.count(), fit.z.size());
+  fit.known_columns.assign(fit.parameters.size(), 0);
+  return fit;
+}
+
+Fit Search::continued_fit(const Fit& base, const std::vector<std::size_t>& members, const Screened& added) const {
+  Fit fit = start_fit(members);
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i)
+    for (std::size_t k = 0; k < base.parameters.size(); ++k)
+      if (same_parameter(fit.parameters[i], base.parameters[k]) &&
+          fit.parameters[i].spread == base.parameters[k].spread) {
+        fit.z(static_cast<Eigen::Index>(i)) = base.z(static_cast<Eigen::Index>(k));
+        fit.jacobian.col(static_cast<Eigen::Index>(i)) = base.jacobian.col(static_cast<Eigen::Index>(k));
+        fit.known_columns[i] = i >= fit.own_count;
+      }
+  const Candidate& candidate = candidates_[added.candidate];
+  for (std::size_t i = 0; i < fit.own_count; ++i)
+    for (std::size_t p = 0; p < candidate.parameters.size(); ++p)
+      if (same_parameter(fit.parameters[i], candidate.parameters[p]))
+        fit.z(static_cast<Eigen::Index>(i)) =
+            std::clamp(added.start[p], fit.parameters[i].lower, fit.parameters[i].upper);
+  return fit;
+}
+
+std::vector<std::size_t> Search::others(const std::vector<std::size_t>& members) const {
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < candidates_.size(); ++i)
+    if (!contains(members, i)) out.push_back(i);
+  return out;
+}
+
+std::vector<Screened> Search::worth_refitting(std::vector<Screened> screened, std::size_t count) const {
+  std::stable_sort(screened.begin(), screened.end(),
+                   [](const Screened& a, const Screened& b) { return a.gain > b.gain; });
+  const double least =
+      screened.empty() ? 0 : std::max(settings_.least_gain, settings_.least_share * screened.front().gain);
+  std::erase_if(screened, [&](const Screened& s) { return s.gain < least; });
+  if (screened.size() > count) screened.resize(count);
+  return screened;
+}
+
+void Search::refit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& chosen) {
+  std::vector<Explanation*> fresh;
+  std::vector<std::vector<Eigen::VectorXd>> places;
+  std::vector<Hypothesis> hypotheses;
+  for (const Screened& added : chosen) {
+    const std::vector<std::size_t> all = with_member(members, added.candidate);
+    if (contains(members, added.candidate) || tried_.count(all)) continue;
+    Explanation& explanation = tried_[all];
+    explanation.members = all;
+    explanation.fit = continued_fit(base, all, added);
+    fresh.push_back(&explanation);
+    // The screening is linear: a large effect may start better at a part of the size that it says.
+    const Fit& fit = explanation.fit;
+    const Candidate& candidate = candidates_[added.candidate];
+    places.emplace_back();
+    for (const double share : start_shares) {
+      Eigen::VectorXd z = fit.z;
+      for (std::size_t p = 0; p < candidate.parameters.size(); ++p)
+        for (std::size_t i = 0; i < fit.own_count; ++i)
+          if (candidate.amplitude[p] && same_parameter(fit.parameters[i], candidate.parameters[p])) {
+            const double neutral = candidate.parameters[p].z(candidate.neutral[p]);
+            z(static_cast<Eigen::Index>(i)) = neutral + share * (z(static_cast<Eigen::Index>(i)) - neutral);
+          }
+      places.back().push_back(z);
+      hypotheses.push_back(with_parameters(fit.base, fit.parameters, {z.data(), z.data() + z.size()}));
+    }
+  }
+  const Eigen::MatrixXd columns = rows_(hypotheses);
+  std::vector<Fit*> fits;
+  for (std::size_t f = 0; f < fresh.size(); ++f) {
+    double least = 1e300;
+    for (std::size_t s = 0; s < start_shares.size(); ++s) {
+      const auto column = columns.col(static_cast<Eigen::Index>(f * start_shares.size() + s));
+      const double objective = column.squaredNorm() + places[f][s].squaredNorm();
+      if (!column.allFinite() || objective >= least) continue;
+      least = objective;
+      fresh[f]->fit.z = places[f][s];
+    }
+    fresh[f]->fit.failed = least == 1e300;
+    fits.push_back(&fresh[f]->fit);
+  }
+  improve(rows_, fits, {4, true});
+  for (Explanation* explanation : fresh)
+    if (!explanation->fit.failed) explanation->log_evidence = explanation->fit.log_evidence();
+}
+
+void Search::polish(std::vector<Explanation*> explanations, int iterations, bool all_columns) {
+  std::vector<Fit*> fits;
+  for (Explanation* explanation : explanations) {
+    Fit& fit = explanation->fit;
+    for (std::size_t i = 0; i < fit.known_columns.size(); ++i)
+      fit.known_columns[i] = !all_columns && i >= fit.own_count;
+    fits.push_back(&fit);
+  }
+  improve(rows_, fits, {iterations, !all_columns});
+  for (Explanation* explanation : explanations)
+    explanation->log_evidence = explanation->fit.failed ? -1e300 : explanation->fit.log_evidence();
+}
+
+std::vector<Explanation*> Search::rivals(std::size_t members, double distance, std::size_t most) {
+  std::vector<Explanation*> out;
+  for (auto& [key, explanation] : tried_)
+    if (key.size() == members && !explanation.fit.failed) out.push_back(&explanation);
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Explanation* a, const Explanation* b) { return a->log_evidence > b->log_evidence; });
+  std::erase_if(out, [&](const Explanation* e) { return e->log_evidence < out.front()->log_evidence - distance; });
+  if (out.size() > most) out.resize(most);
+  return out;
+}
+
+void Search::polish_best(std::size_t members) {
+  std::set<const Explanation*> done;
+  for (int round = 0; round < 2; ++round) {
+    std::vector<Explanation*> best = rivals(members, settings_.rival_distance, settings_.polished);
+    std::erase_if(best, [&](Explanation* e) { return !done.insert(e).second; });
+    if (best.empty()) return;
+    polish(best, 6, true);
+  }
+}
+
+void Search::take_defect_at_best(std::size_t members) {
+  const Explanation* best = best_of(members);
+  if (best == nullptr || best->log_evidence - owner_.log_evidence < settings_.rival_distance) return;
+  rows_.model().set_working_point(best->fit.hypothesis());
+  std::vector<Explanation*> again = rivals(members, settings_.rival_distance, 12);
+  if (members > 1)
+    for (Explanation* e : rivals(members - 1, settings_.rival_distance, 2)) again.push_back(e);
+  again.push_back(&owner_);
+  polish(again, 2, false);
+  linearise(rows_, {&as_configured_});
+}
+
+void Search::add_families(const Fit& base, const std::vector<std::size_t>& members,
+                          const std::vector<Screened>& screened) {
+  std::set<std::string> families;
+  for (const Explanation* e : rivals(members.size() + 1, settings_.rival_distance, 3))
+    for (const std::size_t member : e->members) families.insert(candidates_[member].family);
+  std::vector<Screened> relatives;
+  for (const Screened& s : screened)
+    if (families.count(candidates_[s.candidate].family) && s.gain > settings_.least_gain) relatives.push_back(s);
+  refit(base, members, relatives);
+}
+
+void Search::search_singles() {
+  tell(0.05, "owner's model");
+  as_configured_ = start_fit({});
+  linearise(rows_, {&as_configured_});
+  if (as_configured_.failed) throw std::runtime_error("the rig as configured cannot be simulated on these recordings");
+  owner_.fit = as_configured_;
+  improve(rows_, {&owner_.fit}, {6, false});
+  owner_.log_evidence = owner_.fit.log_evidence();
+  tell(0.15, "screening of all names");
+  const bool bent = owner_.fit.chi2() / static_cast<double>(rows_.count()) > bent_chi2_per_row;
+  const Fit& base = bent ? as_configured_ : owner_.fit;
+  first_screening_ = screen_candidates(rows_, base, candidates_, others({}));
+  tell(0.25, "refits");
+  refit(base, {}, worth_refitting(first_screening_, settings_.refits));
+  add_families(base, {}, first_screening_);
+  take_defect_at_best(1);
+  polish_best(1);
+}
+
+void Search::swap_members(const Explanation& best) {
+  const std::vector<std::size_t> members = best.members;
+  for (const std::size_t leaving : members) {
+    std::vector<std::size_t> held = members;
+    std::erase(held, leaving);
+    if (held.empty()) continue;
+    if (!tried_.count(held)) {
+      Explanation& explanation = tried_[held];
+      explanation.members = held;
+      explanation.fit = start_fit(held);
+      for (std::size_t i = 0; i < explanation.fit.parameters.size(); ++i)
+        for (std::size_t k = 0; k < best.fit.parameters.size(); ++k)
+          if (same_parameter(explanation.fit.parameters[i], best.fit.parameters[k]))
+            explanation.fit.z(static_cast<Eigen::Index>(i)) = best.fit.z(static_cast<Eigen::Index>(k));
+      polish({&explanation}, 4, true);
+    }
+    const Explanation& base = tried_[held];
+    if (base.fit.failed) continue;
+    const std::vector<Screened> screened = screen_candidates(rows_, base.fit, candidates_, others(held));
+    std::vector<Screened> chosen = worth_refitting(screened, settings_.next_refits);
+    for (const Screened& s : screened)  // and all that mimic the one that leaves
+      if (candidates_[s.candidate].family == candidates_[leaving].family && s.gain > settings_.least_gain)
+        chosen.push_back(s);
+    refit(base.fit, held, chosen);
+  }
+}
+
+bool Search::search_next(std::size_t members) {
+  const Explanation* base = best_of(members);
+  if (base == nullptr) return false;
+  const std::vector<Screened> screened = screen_candidates(rows_, base->fit, candidates_, others(base->members));
+  const std::vector<Screened> chosen = worth_refitting(screened, settings_.next_refits);
+  if (chosen.empty() || 0.5 * chosen.front().gain < settings_.next_gain) return false;
+  refit(base->fit, base->members, chosen);
+  const Explanation* best = best_of(members + 1);
+  const double gained = best == nullptr ? 0 : best->log_evidence - base->log_evidence;
+  if (gained < settings_.next_gain) return false;
+  swap_members(*best);
+  take_defect_at_best(members + 1);
+  polish_best(members + 1);
+  return true;
+}
+
+void Search::run() {
+  search_singles();
+  const Explanation* first = best_of(1);
+  if (first == nullptr) return;
+  for (std::size_t members = 1; members < settings_.most_effects; ++members) {
+    tell(0.4 + 0.2 * static_cast<double>(members), fmt::format("effects beside the first {}", members));
+    if (!search_next(members)) break;
+    const double first_gain = first->log_evidence - owner_.log_evidence;
+    const double gained = best_of(members + 1)->log_evidence - best_of(members)->log_evidence;
+    if (gained < std::max(settings_.next_gain, settings_.next_share * first_gain)) break;
+  }
+}
+
+const Explanation* Search::best_of(std::size_t members) const {
+  const std::vector<const Explanation*> ranked = ranking(members);
+  return ranked.empty() ? nullptr : ranked.front();
+}
+
+std::vector<const Explanation*> Search::ranking(std::size_t members) const {
+  std::vector<const Explanation*> out;
+  if (members == 0) return {&owner_};
+  for (const auto& [key, explanation] : tried_)
+    if (key.size() == members && !explanation.fit.failed) out.push_back(&explanation);
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Explanation* a, const Explanation* b) { return a->log_evidence > b->log_evidence; });
+  return out;
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,83 @@
+// The search for what explains a mismatch: screening by derivatives, refits side by side, pairs with swaps, more.
+#pragma once
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "diagnosis/candidates.hpp"
+#include "diagnosis/fit.hpp"
+#include "diagnosis/screening.hpp"
+
+namespace pneuservo {
+
+/// One set of names that was fitted; members are indices of candidates, in ascending order. None: the owner's model.
+struct Explanation {
+  std::vector<std::size_t> members;
+  Fit fit;
+  double log_evidence = -1e300;
+};
+
+struct SearchSettings {
+  std::size_t refits = 8;       ///< candidates refitted after the first screening
+  std::size_t next_refits = 5;  ///< and after each later one
+  std::size_t polished = 4;     ///< of each number of effects, with all derivatives taken anew
+  double least_gain = 10;       ///< in chi2, to be refitted
+  double least_share = 0.02;    ///< of the best gain
+  double rival_distance = 300;  ///< in log evidence: rivals that are fitted as far as the best
+  double next_gain = 30;        ///< in log evidence: what one more effect must bring for the search to go on
+  double next_share = 0.003;    ///< of the first effect's gain: and this
+  std::size_t most_effects = 3;
+};
+
+/// Runs once over one model. Every explanation that was refitted is kept.
+class Search {
+ public:
+  using Progress = std::function<void(double share, const std::string& what)>;
+  Search(FittedRows& rows, const Rig& rig, std::vector<Candidate> candidates, SearchSettings settings,
+         Progress progress);
+
+  /// Fills all that follows. May throw DiagnosisStopped: what is there by then is valid.
+  void run();
+
+  const std::vector<Candidate>& candidates() const { return candidates_; }
+  /// The owner's values as they stand, nothing fitted.
+  const Fit& as_configured() const { return as_configured_; }
+  /// The owner's model with its parameters inside their tolerances.
+  const Explanation& owner() const { return owner_; }
+  /// All explanations with this many members, best first.
+  std::vector<const Explanation*> ranking(std::size_t members) const;
+  /// The best of that many members; nullptr where there is none.
+  const Explanation* best_of(std::size_t members) const;
+  /// What each candidate would gain alone on the owner's fit.
+  const std::vector<Screened>& first_screening() const { return first_screening_; }
+
+ private:
+  Fit start_fit(const std::vector<std::size_t>& members) const;
+  Fit continued_fit(const Fit& base, const std::vector<std::size_t>& members, const Screened& added) const;
+  std::vector<std::size_t> others(const std::vector<std::size_t>& members) const;
+  std::vector<Screened> worth_refitting(std::vector<Screened> screened, std::size_t count) const;
+  void refit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& chosen);
+  void add_families(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& screened);
+  void polish(std::vector<Explanation*> explanations, int iterations, bool all_columns);
+  void polish_best(std::size_t members);
+  void take_defect_at_best(std::size_t members);
+  void search_singles();
+  bool search_next(std::size_t members);
+  void swap_members(const Explanation& best);
+  std::vector<Explanation*> rivals(std::size_t members, double distance, std::size_t most);
+  void tell(double share, const std::string& what) const;
+
+  FittedRows& rows_;
+  Rig rig_;
+  std::vector<Candidate> candidates_;
+  SearchSettings settings_;
+  Progress progress_;
+  std::vector<FreeParameter> nuisances_;
+  Fit as_configured_;
+  Explanation owner_;
+  std::map<std::vector<std::size_t>, Explanation> tried_;
+  std::vector<Screened> first_screening_;
+};
+
+}  // namespace pneuservo

@@ -124,7 +124,8 @@ TEST_CASE("valve: dead time delays by exactly its length, also between the perio
   }
 }
 
-TEST_CASE("second-order filter: step response against the closed form, under-, critically and overdamped, for any step") {
+TEST_CASE(
+    "second-order filter: step response against the closed form, under-, critically and overdamped, for any step") {
   const double f = 100.0, w = 2.0 * M_PI * f;
   const auto closed = [&](double zeta, double t) {
     if (zeta < 1.0) {

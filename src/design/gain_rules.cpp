@@ -1,0 +1,50 @@
+// Rules that find the gains of the PPD2 law from the linear model.
+#include "design/gain_rules.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "design/itae.hpp"
+#include "design/nelder_mead.hpp"
+
+namespace pneuservo {
+
+Ppd2Gains alpha_beta_gains(const LinearAxis& axis, double position_gain_V_per_m, double alpha, double beta) {
+  const double w = std::cbrt(position_gain_V_per_m * axis.gain_per_V);
+  return {position_gain_V_per_m, (beta * w * w - axis.stiffness_per_s2) / axis.gain_per_V,
+          (alpha * w - axis.damping_per_s) / axis.gain_per_V};
+}
+
+Ppd2Gains coefficient_gains(const LinearAxis& axis, double position_gain_V_per_m, double c_1, double c_2) {
+  if (!axis.lines_alike())
+    throw std::invalid_argument("gains by coefficients need both lines alike; expected method alpha_beta or itae_min");
+  const Polynomial open = product(axis.actuator(), axis.lag_denominator());
+  const double leading = open.back(), n = static_cast<double>(open.size() - 1);
+  const double c_0 = position_gain_V_per_m * axis.gain_per_V / leading, w = std::pow(c_0, 1.0 / n);
+  return {position_gain_V_per_m, (c_1 * std::pow(w, n - 1) * leading - open[1]) / axis.gain_per_V,
+          (c_2 * std::pow(w, n - 2) * leading - open[2]) / axis.gain_per_V};
+}
+
+std::vector<double> normalised_coefficients(const Polynomial& closed_loop) {
+  const double n = static_cast<double>(closed_loop.size() - 1);
+  const double w = std::pow(closed_loop.front() / closed_loop.back(), 1.0 / n);
+  std::vector<double> out;
+  for (std::size_t i = 1; i + 1 < closed_loop.size(); ++i)
+    out.push_back(closed_loop[i] / closed_loop.back() / std::pow(w, n - static_cast<double>(i)));
+  return out;
+}
+
+double itae_of_loop(const LinearAxis& axis, const Ppd2Gains& gains) {
+  const Polynomial loop = closed_loop(axis, gains);
+  return itae_of_step(scaled(axis.lag_numerator(), loop.front()), loop);
+}
+
+Ppd2Gains least_itae_gains(const LinearAxis& axis, double position_gain_V_per_m) {
+  const Ppd2Gains start = alpha_beta_gains(axis, position_gain_V_per_m, 2.0, 2.0);
+  const Minimum found = nelder_mead(
+      [&](const std::vector<double>& gains) { return itae_of_loop(axis, {position_gain_V_per_m, gains[0], gains[1]}); },
+      {start.velocity_Vs_per_m, start.acceleration_Vs2_per_m});
+  return {position_gain_V_per_m, found.at[0], found.at[1]};
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,93 @@
+// A control loop as its sampled law and its held plant: closed-loop poles, margins, step response.
+#include "design/sampled_loop.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace pneuservo {
+
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double pole_of_the_plant = 1e4;  // |L| above this: an undamped plant resonance, not a crossing
+constexpr double lowest_Hz = 0.01;
+constexpr int points = 6000;
+
+/// Frequency between two at which `crosses` changes its sign.
+template <class Function> double crossing(const Function& crosses, double low, double high) {
+  const bool sign = crosses(low) > 0.0;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = std::sqrt(low * high);
+    ((crosses(middle) > 0.0) == sign ? low : high) = middle;
+  }
+  return std::sqrt(low * high);
+}
+
+}  // namespace
+
+Eigen::MatrixXd SampledLoop::closed(double gain) const {
+  const Eigen::Index n = plant.A.rows(), m = law.A.rows();
+  Eigen::MatrixXd out(n + m, n + m);
+  out.topLeftCorner(n, n) = plant.A + gain * plant.B * law.D * plant.C;
+  out.topRightCorner(n, m) = gain * plant.B * law.C;
+  out.bottomLeftCorner(m, n) = law.B * plant.C;
+  out.bottomRightCorner(m, m) = law.A;
+  return out;
+}
+
+std::vector<Complex> SampledLoop::poles(double gain) const {
+  std::vector<Complex> out;
+  for (const Complex z : eigenvalues(closed(gain)))
+    if (std::abs(z) > 1e-6) out.push_back(std::log(z) / period_s);
+  sort_poles(out);
+  return out;
+}
+
+Complex SampledLoop::open(double frequency_Hz) const {
+  const Complex z = std::exp(Complex(0.0, 2.0 * std::numbers::pi * frequency_Hz * period_s));
+  return -(law.transfer(z) * plant.transfer(z))(0, 0);
+}
+
+LoopMargins margins_of(const std::function<Complex(double)>& open, double highest_Hz) {
+  LoopMargins out;
+  out.gain_up = std::numeric_limits<double>::infinity();
+  out.phase_deg = std::numeric_limits<double>::quiet_NaN();
+  const double ratio = std::pow(highest_Hz / lowest_Hz, 1.0 / points);
+  double low = lowest_Hz;
+  Complex before = open(low);
+  for (int i = 1; i < points; ++i) {
+    const double high = low * ratio;
+    const Complex here = open(high);
+    if ((before.imag() > 0.0) != (here.imag() > 0.0) && before.real() < 0.0 && here.real() < 0.0) {
+      const double f = crossing([&](double Hz) { return open(Hz).imag(); }, low, high);
+      const Complex at = open(f);
+      const double gain = 1.0 / std::abs(at);
+      if (at.real() < 0.0 && gain * pole_of_the_plant > 1.0) {
+        if (gain > 1.0 && gain < out.gain_up) out.gain_up = gain, out.gain_up_Hz = f;
+        if (gain < 1.0 && gain > out.gain_down) out.gain_down = gain, out.gain_down_Hz = f;
+      }
+    }
+    if ((std::abs(before) > 1.0) != (std::abs(here) > 1.0)) {
+      const double f = crossing([&](double Hz) { return std::abs(open(Hz)) - 1.0; }, low, high);
+      const double phase = std::fabs(std::arg(-open(f))) * 180.0 / std::numbers::pi;
+      if (!(phase >= out.phase_deg)) out.phase_deg = phase, out.phase_Hz = f;
+    }
+    low = high;
+    before = here;
+  }
+  return out;
+}
+
+void judge_step(StepResponse& response) {
+  response.overshoot = 0.0;
+  response.settling_s = std::numeric_limits<double>::quiet_NaN();
+  std::size_t settled = response.y.size();
+  for (std::size_t i = response.y.size(); i-- > 0;) {
+    response.overshoot = std::max(response.overshoot, response.y[i] - 1.0);
+    if (settled == i + 1 && std::fabs(response.y[i] - 1.0) <= 0.02) settled = i;
+  }
+  if (settled < response.y.size()) response.settling_s = response.t_s[settled];
+}
+
+}  // namespace pneuservo

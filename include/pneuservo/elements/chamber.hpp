@@ -61,6 +61,13 @@ template <class S> class Chamber {
     pressure_ = energy_ * per_volume;
   }
 
+  /// Multiplies the gas at its temperature.
+  void scale_gas(const S& factor) noexcept {
+    mass_ *= factor;
+    energy_ *= factor;
+    pressure_ *= factor;
+  }
+
   S pressure() const noexcept { return pressure_; }
   S temperature() const noexcept { return temperature_; }
   S volume() const noexcept { return volume_; }

@@ -97,6 +97,19 @@ template <class S> class Line {
     set_element<S>(face_.velocity[face_group(j)], face_place(j), velocity_mps);
   }
 
+  /// Multiplies the gas at its temperature; its velocities stay.
+  void scale_gas(const S& factor) noexcept {
+    for (int i = 0; i < cells_; ++i) {
+      Cell c = cell(i);
+      c.pressure *= factor;
+      c.density *= factor;
+      set_cell(i, c);
+    }
+    fill_places_beyond();
+    port_pressure_ *= factor;
+    port_before_ *= factor;
+  }
+
   /// Sub-step h [s] of all following steps.
   void set_time_step(double step_s) noexcept {
     step_s_ = step_s;

@@ -32,9 +32,7 @@ template <class S> class LineWithChamber {
   }
   /// Chooses the sub-steps of the coming period, Courant number 0.9 of sound plus flow, and returns their number.
   int begin_period(double period_s) noexcept {
-    // Nearly always one sub-step, so that case needs no rounding.
-    const double need = (sound_mps_ + line_.largest_speed()) * (stiffness_per_m_ * period_s * (1.0 / 0.9));
-    const int n = need <= 1.0 ? 1 : std::clamp(static_cast<int>(std::ceil(need)), 1, 1000);
+    const int n = fixed_substeps_ > 0 ? fixed_substeps_ : needed_substeps(period_s, line_.largest_speed());
     if (n != substeps_ || period_s != period_s_) {
       substeps_ = n;
       period_s_ = period_s;
@@ -44,6 +42,19 @@ template <class S> class LineWithChamber {
     return n;
   }
   double step_s() const noexcept { return step_s_; }
+  /// Sub-steps for a flow of up to flow_mps.
+  int needed_substeps(double period_s, double flow_mps) const noexcept {
+    // Nearly always one sub-step, so that case needs no rounding.
+    const double need = (sound_mps_ + flow_mps) * (stiffness_per_m_ * period_s * (1.0 / 0.9));
+    return need <= 1.0 ? 1 : std::clamp(static_cast<int>(std::ceil(need)), 1, 1000);
+  }
+  /// This many sub-steps in every period; 0: as many as are needed.
+  void fix_substeps(int substeps) noexcept { fixed_substeps_ = substeps; }
+  /// Multiplies the gas at its temperature: pressures rise in the same ratio.
+  void scale_gas(const S& factor) noexcept {
+    line_.scale_gas(factor);
+    chamber_.scale_gas(factor);
+  }
 
   /// One sub-step with the port pressure of its middle; returns the flows of the line's ends.
   LineFlow<S> step_prescribed(const S& port_pressure_Pa, const S& s_new, const ChamberInflow<S>& extra = {}) noexcept {
@@ -70,7 +81,7 @@ template <class S> class LineWithChamber {
   }
   Line<S> line_;
   Chamber<S> chamber_;
-  int substeps_ = 0;
+  int substeps_ = 0, fixed_substeps_ = 0;
   double period_s_ = 0.0, step_s_ = 1e-3;
   double sound_mps_ = 343.0, stiffness_per_m_ = 1.0;
 };

@@ -30,6 +30,8 @@ template <class S> class Valve {
     step_s_ = 0.0;
     history_.assign(static_cast<std::size_t>(std::ceil(0.5 / period_s)) + 2, S(0));
     delayed_ = any(effects.command_delay.delay_s > S(0));
+    moves_within_ =
+        delayed_ || any(effects.valve_lag.time_constant_s > S(0)) || any(valve.natural_frequency_Hz > S(0));
     reset(S(0));
   }
   void reset(const S& command) noexcept {
@@ -47,19 +49,27 @@ template <class S> class Valve {
   void set_time_step(double step_s) noexcept {
     if (step_s == step_s_) return;
     step_s_ = step_s;
-    spool_.configure(parameters_.natural_frequency_Hz, parameters_.damping_ratio, step_s);
+    pieces_ = moves_within_ ? static_cast<int>(std::ceil(step_s / longest_piece_s - 1e-9)) : 1;
+    piece_s_ = step_s / pieces_;
+    spool_.configure(parameters_.natural_frequency_Hz, parameters_.damping_ratio, piece_s_);
     const S tau = effects_.valve_lag.time_constant_s;
-    const auto lagging = tau > S(0);
-    lag_gain_ = select(lagging, S(1) - exponential(-S(step_s) / select(lagging, tau, S(1))), S(1));
+    lagging_ = tau > S(0);
+    const S ratio = select(lagging_, tau, S(1)) * S(1.0 / piece_s_);
+    lag_gain_ = S(1) - exponential(S(-1) / ratio);
+    lag_mean_gain_ = ratio * lag_gain_;
   }
-  /// One sub-step that begins `in_period_s` after the start of the period; areas at the spool's exact mean over it.
+  /// One sub-step that begins `in_period_s` after the start of the period; areas at the spool's exact mean over it, or
+  /// over pieces that resolve delay and lag however long the sub-step of the gas is.
   PortAreas<S> step(double in_period_s) noexcept {
-    const S command = delayed_ ? delayed_command(in_period_s + 0.5 * step_s_) : history_[newest_];
-    const S half = S(0.5) * effects_.valve_hysteresis.width_V;
-    play_ = clamp(play_, command - half, command + half);
-    lag_ += lag_gain_ * (play_ - lag_);
-    spool_.step(lag_);
-    return areas(spool_.mean());
+    if (!moves_within_) return piece(history_[newest_]);
+    PortAreas<S> mean{};
+    for (int i = 0; i < pieces_; ++i) {
+      const double start = in_period_s + i * piece_s_;
+      const PortAreas<S> now = piece(delayed_ ? delayed_command(start, start + piece_s_) : history_[newest_]);
+      const S share(1.0 / (i + 1));  // a mean of equal areas is that area to the last bit
+      mean = {mean.supply + share * (now.supply - mean.supply), mean.exhaust + share * (now.exhaust - mean.exhaust)};
+    }
+    return mean;
   }
   /// Areas of the edges at spool signal s [V].
   PortAreas<S> areas(const S& spool_V) const noexcept {
@@ -72,28 +82,49 @@ template <class S> class Valve {
     const S zero(0);
     return {leak + select(forward, area, zero), leak + select(forward, zero, exhaust)};
   }
-  S spool() const noexcept { return spool_.value(); }
+  /// Spool at the end of the last sub-step [V], offset and dead band not in it.
+  S spool() const noexcept { return select(parameters_.natural_frequency_Hz > S(0), spool_.value(), lag_); }
 
  private:
-  // Command in force at `time_s` after the start of the period, minus the delay of each lane.
-  S delayed_command(double time_s) const noexcept {
+  // The path over one piece under a constant command: play, lag, spool; areas at the spool's mean.
+  PortAreas<S> piece(const S& command) noexcept {
+    const S half = S(0.5) * effects_.valve_hysteresis.width_V;
+    play_ = clamp(play_, command - half, command + half);
+    const S gap = play_ - lag_;
+    const S mean = select(lagging_, play_ - lag_mean_gain_ * gap, play_);
+    lag_ = select(lagging_, lag_ + lag_gain_ * gap, play_);
+    spool_.step(mean);
+    return areas(spool_.mean());
+  }
+  // Mean of the command in force between two instants of the period, at most a period apart, each lane with its delay:
+  // at most one change falls between them.
+  S delayed_command(double from_s, double to_s) const noexcept {
     S out(0);
     for (int i = 0; i < ScalarTraits<S>::lanes; ++i) {
-      const double past = (lane(effects_.command_delay.delay_s, i) - time_s) / period_s_;
-      const auto back =
-          static_cast<std::size_t>(std::clamp(std::ceil(past), 0.0, static_cast<double>(history_.size() - 1)));
-      const std::size_t index = newest_ >= back ? newest_ - back : newest_ + history_.size() - back;
-      set_lane(out, i, lane(history_[index], i));
+      const double delay = lane(effects_.command_delay.delay_s, i);
+      const double last = std::ceil((delay - to_s) / period_s_);  // periods back of the command at the end
+      const double share = std::clamp((to_s - (delay - last * period_s_)) / (to_s - from_s), 0.0, 1.0);
+      const double now = lane(past_command(last), i);
+      set_lane(out, i, share == 1.0 ? now : now + (1.0 - share) * (lane(past_command(last + 1.0), i) - now));
     }
     return out;
   }
+  const S& past_command(double periods) const noexcept {
+    const auto back = static_cast<std::size_t>(std::clamp(periods, 0.0, static_cast<double>(history_.size() - 1)));
+    return history_[newest_ >= back ? newest_ - back : newest_ + history_.size() - back];
+  }
+
+  static constexpr double longest_piece_s = 0.25e-3;
   ValveParameters<S> parameters_;
   ValveEffects<S> effects_;
   double period_s_ = 1e-3, step_s_ = 0.0;
   std::vector<S> history_;
   std::size_t newest_ = 0;
-  bool delayed_ = false;
-  S play_{}, lag_{}, lag_gain_ = S(1);
+  bool delayed_ = false, moves_within_ = false;
+  int pieces_ = 1;
+  double piece_s_ = 1e-3;
+  S play_{}, lag_{}, lag_gain_{}, lag_mean_gain_{};
+  Mask<S> lagging_{};
   SecondOrderFilter<S> spool_;
 };
 

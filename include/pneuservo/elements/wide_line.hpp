@@ -48,6 +48,10 @@ class Line<Pack<T, N>> {
     low_.set_face_velocity(j, low(velocity_mps));
     high_.set_face_velocity(j, high(velocity_mps));
   }
+  void scale_gas(const S& factor) noexcept {
+    low_.scale_gas(low(factor));
+    high_.scale_gas(high(factor));
+  }
   void set_time_step(double step_s) noexcept {
     low_.set_time_step(step_s);
     high_.set_time_step(step_s);

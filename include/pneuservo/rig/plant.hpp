@@ -21,6 +21,12 @@ template <class S> S balancing_pressure_2(const AxisParameters<S>& axis, const S
   return (a_1 * pressure_1_Pa - (a_1 - a_2) * p_atm) / a_2;
 }
 
+/// Cells and sub-steps of both lines, the same for every lane.
+struct PlantGrid {
+  int cells = 0;
+  int substeps = 0;  ///< of a period; 0: as many as sound and flow need, over all lanes
+};
+
 /// Both sides are computed side by side in the lanes of Pair<S>; S itself may carry several rigs.
 /// step() is one control period with the commands held; it allocates nothing and throws nothing.
 template <class S> class AxisPlant {
@@ -30,13 +36,19 @@ template <class S> class AxisPlant {
   /// Allocates. cells_per_m: cells of the lines, at least one a line.
   void configure(const AxisParameters<S>& axis, double period_s, double cells_per_m,
                  ValveArrangement arrangement = ValveArrangement::five_port) {
+    const int cells =
+        std::max(cell_count(axis.line_1.length_m, cells_per_m), cell_count(axis.line_2.length_m, cells_per_m));
+    configure(axis, period_s, PlantGrid{cells, 0}, arrangement);
+  }
+  /// Allocates. A fixed number of sub-steps keeps lanes free of each other whatever flows in them.
+  void configure(const AxisParameters<S>& axis, double period_s, const PlantGrid& grid,
+                 ValveArrangement arrangement = ValveArrangement::five_port) {
     axis_ = axis;
     air_ = Air<S>(axis.air);
     period_s_ = period_s;
-    const int cells =
-        std::max(cell_count(axis.line_1.length_m, cells_per_m), cell_count(axis.line_2.length_m, cells_per_m));
     sides_.configure(join_parameters<LineParameters<P>>(axis.line_1, axis.line_2), side_geometry(axis),
-                     join_parameters<AirParameters<P>>(axis.air, axis.air), cells);
+                     join_parameters<AirParameters<P>>(axis.air, axis.air), grid.cells);
+    sides_.fix_substeps(grid.substeps);
     LineEffects<P> line_effects;
     line_effects.restriction =
         join_parameters<LineRestriction<P>>(axis.effects.line_restriction_1, axis.effects.line_restriction_2);
@@ -64,20 +76,33 @@ template <class S> class AxisPlant {
   void step(const S& command_V) noexcept { step(command_V, -command_V); }
   /// One period under a command for each three-port valve [V].
   void step(const S& command_1_V, const S& command_2_V) noexcept {
-    valves_.set_commands(command_1_V, command_2_V);
-    const int n = sides_.begin_period(period_s_);
-    const double h = sides_.step_s();
-    valves_.set_time_step(h);
-    for (int i = 0; i < n; ++i) {
-      const PortAreas<P> areas = valves_.step(i * h);
-      const ChamberInflow<P> leaks = chambers_leak_ ? chamber_leaks() : ChamberInflow<P>{};
-      if (!held_) slider_.step(h, middle_force(h), {gauge_pressure_sum()});
-      const ValvePort<P> port{areas.supply, areas.exhaust, join(supply_pressure_, supply_pressure_),
-                              join(axis_.valve.critical_pressure_ratio, axis_.valve.critical_pressure_ratio)};
-      flow_ = sides_.step_valve(port, distances(), leaks);
-      if (droops_) step_supply(h, areas);
-    }
+    run_period(
+        command_1_V, command_2_V,
+        [this](double h, int, int) noexcept {
+          if (!held_) slider_.step(h, middle_force(h), {gauge_pressure_sum()});
+        },
+        [this](const ValvePort<P>& port, const ChamberInflow<P>& leaks, int, int) noexcept {
+          return sides_.step_valve(port, distances(), leaks);
+        });
   }
+
+  /// One period with the piston led from outside to position_m at its end, at even speed.
+  void step_led(const S& command_1_V, const S& command_2_V, const S& position_m) noexcept {
+    run_period(command_1_V, command_2_V, Leading(*this, position_m),
+               [this](const ValvePort<P>& port, const ChamberInflow<P>& leaks, int, int) noexcept {
+                 return sides_.step_valve(port, distances(), leaks);
+               });
+  }
+  /// The same with the port pressures led to port_pressure_Pa as well; the valves move, their flow is not used.
+  void step_led(const S& command_1_V, const S& command_2_V, const S& position_m, const P& port_pressure_Pa) noexcept {
+    const P start = port_pressure(), rise = port_pressure_Pa - start;
+    run_period(command_1_V, command_2_V, Leading(*this, position_m),
+               [&](const ValvePort<P>&, const ChamberInflow<P>& leaks, int i, int n) noexcept {
+                 return sides_.step_prescribed(start + P((i + 1.0) / n) * rise, distances(), leaks);
+               });
+  }
+  /// Multiplies the gas of both sides, line and chamber, at its temperature: pressures rise in the same ratio.
+  void scale_gas(const P& factor) noexcept { sides_.scale_gas(factor); }
 
   /// Holds the piston where it is (tests, held-piston experiments) or lets it go.
   void hold_piston(bool held) noexcept { held_ = held; }
@@ -113,6 +138,32 @@ template <class S> class AxisPlant {
   }
 
  private:
+  // Leads the slider along a straight line to where it shall be at the period's end.
+  struct Leading {
+    Leading(AxisPlant& plant, const S& end) noexcept
+        : slider(plant.slider_), start(plant.slider_.position()), way(end - start),
+          velocity(way * S(1.0 / plant.period_s_)) {}
+    void operator()(double, int i, int n) const noexcept { slider.reset(start + S((i + 1.0) / n) * way, velocity); }
+    Slider<S>& slider;
+    S start, way, velocity;
+  };
+  // move(h, i, n) brings the slider to the end of sub-step i of n, flow(port, leaks, i, n) the gas.
+  template <class Move, class Flow>
+  void run_period(const S& command_1_V, const S& command_2_V, Move&& move, Flow&& flow) noexcept {
+    valves_.set_commands(command_1_V, command_2_V);
+    const int n = sides_.begin_period(period_s_);
+    const double h = sides_.step_s();
+    valves_.set_time_step(h);
+    for (int i = 0; i < n; ++i) {
+      const PortAreas<P> areas = valves_.step(i * h);
+      const ChamberInflow<P> leaks = chambers_leak_ ? chamber_leaks() : ChamberInflow<P>{};
+      move(h, i, n);
+      const ValvePort<P> port{areas.supply, areas.exhaust, join(supply_pressure_, supply_pressure_),
+                              join(axis_.valve.critical_pressure_ratio, axis_.valve.critical_pressure_ratio)};
+      flow_ = flow(port, leaks, i, n);
+      if (droops_) step_supply(h, areas);
+    }
+  }
   // Force at the middle of the sub-step: the gas moves after the slider, so the force of its start acts on the slider's
   // way and would take w h/4 from the damping ratio of the gas springs. Its last change, whatever made it, is carried
   // on.

@@ -2,6 +2,7 @@
 #include "config/config_manual.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -18,6 +19,7 @@ namespace {
 
 struct Row {
   std::string key, unit, range, standard, help;
+  bool operator==(const Row&) const = default;
 };
 struct Table {
   std::string title, note;
@@ -87,7 +89,7 @@ struct TableCollector {
       row.key.insert(std::min(row.key.find('.'), row.key.size()), ":CHANNEL");
       table.rows.push_back(std::move(row));
     }
-    table.note += fmt::format(". Neutral where absent. CHANNEL is one of {}", fmt::join(channel_names, ", "));
+    table.note += fmt::format(". Neutral where absent. CHANNEL is one of {}", fmt::join(sensor_names, ", "));
   }
   void add_references(const Field& field) const {
     add_top_row(field);
@@ -105,10 +107,37 @@ struct TableCollector {
   }
 };
 
-std::vector<Table> all_tables() {
+std::vector<Table> tables_of(RigKind kind) {
   std::vector<Table> tables{{"Top of the file", "Sections have their own tables below", {}}};
-  const Rig rig;
-  Rig::visit(TableCollector{tables}, rig);
+  Rig rig;
+  rig.kind = kind;
+  if (kind == RigKind::servo_table) rig.controller.kind = ControllerKind::ppd2;
+  Rig::visit(TableCollector{tables}, std::as_const(rig));
+  return tables;
+}
+
+/// Appends the rows of a further kind of rig that the table does not have yet.
+void merge_rows(Table& table, const Table& other) {
+  for (const Row& row : other.rows)
+    if (std::none_of(table.rows.begin(), table.rows.end(), [&](const Row& r) { return r.key == row.key; }))
+      table.rows.push_back(row);
+}
+
+/// Sections that another kind of rig has with other keys follow as tables of their own.
+std::vector<Table> all_tables() {
+  std::vector<Table> tables = tables_of(RigKind::cylinder);
+  for (const RigKind kind : {RigKind::servo_table, RigKind::driven_axis}) {
+    std::vector<Table> further = tables_of(kind);
+    merge_rows(tables.front(), further.front());
+    for (std::size_t i = 1; i < further.size(); ++i) {
+      Table& table = further[i];
+      const auto same =
+          std::find_if(tables.begin(), tables.end(), [&](const Table& t) { return t.title == table.title; });
+      if (same != tables.end() && same->rows == table.rows) continue;
+      table.title += fmt::format(" of a `{}`", rig_kind_names[static_cast<std::size_t>(kind)]);
+      tables.push_back(std::move(table));
+    }
+  }
   return tables;
 }
 

@@ -23,17 +23,19 @@ struct NamedEffectReader {
 
 }  // namespace
 
-std::vector<std::string> effect_names() {
+std::vector<std::string> effect_names(const Rig& rig) {
   std::vector<std::string> names;
-  for (const Field& field : fields_of<AxisEffects<double>>()) names.emplace_back(field.key);
-  for (const Field& field : fields_of<SensorEffects<double>>())
-    for (const std::string_view channel : channel_names) names.push_back(fmt::format("{}:{}", field.key, channel));
+  const auto add = [&](const Field& field, const auto&) { names.emplace_back(field.key); };
+  visit_effects(rig, add);
+  for (const Field& field : fields_of(SensorEffects<double>{}))
+    for (std::size_t i = 0; i < sensor_names.size(); ++i)
+      if (rig.has_sensor(i)) names.push_back(fmt::format("{}:{}", field.key, sensor_names[i]));
   return names;
 }
 
 void read_effects(const ConfigNode& node, const std::string& path, Rig& rig) {
   require_map(node, path);
-  const std::vector<std::string> known = effect_names();
+  const std::vector<std::string> known = effect_names(rig);
   for (const ConfigNode::Entry& entry : node.entries) {
     const std::string full = join_path(path, entry.key);
     if (std::find(known.begin(), known.end(), entry.key) == known.end())
@@ -42,11 +44,11 @@ void read_effects(const ConfigNode& node, const std::string& path, Rig& rig) {
     const std::string name = entry.key.substr(0, colon);
     const NamedEffectReader reader{name, entry.value, full};
     if (colon == std::string::npos) {
-      AxisEffects<double>::visit(reader, rig.axis.effects);
+      visit_effects(rig, reader);
       continue;
     }
-    const auto channel = std::find(channel_names.begin(), channel_names.end(), entry.key.substr(colon + 1));
-    SensorEffects<double>::visit(reader, rig.sensor_effects[static_cast<std::size_t>(channel - channel_names.begin())]);
+    const auto sensor = std::find(sensor_names.begin(), sensor_names.end(), entry.key.substr(colon + 1));
+    SensorEffects<double>::visit(reader, rig.sensor_effects[static_cast<std::size_t>(sensor - sensor_names.begin())]);
   }
 }
 

@@ -10,7 +10,7 @@
 namespace pneuservo {
 
 /// Every name the section knows: effects of the axis, then sensor_*:CHANNEL.
-std::vector<std::string> effect_names();
+std::vector<std::string> effect_names(const Rig& rig);
 
 /// Reads the section into `rig.axis.effects` and `rig.sensor_effects`. Throws InputError.
 void read_effects(const ConfigNode& node, const std::string& path, Rig& rig);

@@ -65,7 +65,7 @@ Rig rig_from_text(const std::string& yaml_text, const std::string& source_name,
   Rig rig;
   const std::string top;
   Rig::visit(RigReader{rig, {root, top, true}}, rig);
-  require_known_keys(root, top, fields_of<Rig>());
+  require_known_keys(root, top, fields_of(rig));
   Rig::visit(RigReader{rig, {root, top}}, rig);
   if (anchor) anchor_paths(rig.reference, root.find("reference")->value, *anchor);
   complete_rig(rig, root);

@@ -62,6 +62,20 @@ double balancing_pressure_2_Pa(const Rig& rig, double pressure_1_Pa) {
   return atmosphere + rig.axis.cylinder.area_1_m2 / rig.axis.cylinder.area_2_m2 * (pressure_1_Pa - atmosphere);
 }
 
+void check_line_models(const Rig& rig, const Check& check) {
+  const LineParameters<double>&line_1 = rig.axis.line_1, &line_2 = rig.axis.line_2;
+  const auto name = [](const LineParameters<double>& line) {
+    return std::string(line_model_names[static_cast<std::size_t>(line.model)]);
+  };
+  if (line_1.model != line_2.model)
+    check.refuse("line_2.model", {"line_1.model"}, name(line_2), "the model of line_1: " + name(line_1));
+  if (line_1.model != LineModel::second_order_lag) return;
+  for (const auto& [line, key] : {std::pair{&line_1, "line_1"}, std::pair{&line_2, "line_2"}})
+    if (line->natural_frequency_Hz <= 0.0)
+      check.refuse(std::string(key) + ".natural_frequency_Hz", {std::string(key) + ".model"},
+                   number_text(line->natural_frequency_Hz), "the frequency of the second_order_lag, above 0 Hz");
+}
+
 void check_lines(const Rig& rig, const Check& check) {
   const auto check_line = [&](const LineParameters<double>& line, const std::string& name) {
     if (line.laminar_reynolds > line.turbulent_reynolds)
@@ -70,11 +84,26 @@ void check_lines(const Rig& rig, const Check& check) {
   };
   check_line(rig.axis.line_1, "line_1");
   check_line(rig.axis.line_2, "line_2");
+  check_line_models(rig, check);
+}
+
+/// The law that each kind of rig is run by.
+void check_law(const Rig& rig, const Check& check) {
+  const ControllerKind law = rig.kind == RigKind::servo_table ? ControllerKind::ppd2 : ControllerKind::pd_force;
+  const auto name = [](ControllerKind kind) {
+    return std::string(controller_kind_names[static_cast<std::size_t>(kind)]);
+  };
+  if (rig.controller.kind != law)
+    check.refuse("controller.kind", {"rig"}, name(rig.controller.kind),
+                 fmt::format("{}, the law of a {}", name(law), rig_kind_names[static_cast<std::size_t>(rig.kind)]));
+  const auto& gains = rig.controller.ppd2.observer_gains;
+  if (law == ControllerKind::ppd2 && gains && gains->size() != 3)
+    check.refuse("controller.observer_gains", {}, fmt::format("{} numbers", gains->size()), "three: l1, l2, l3");
 }
 
 void check_controller(const Rig& rig, const Check& check) {
   const bool has_sensors = is_stated(check.root, "sensors", "chamber_pressure");
-  if (rig.controller.pressure_source == PressureSource::chamber && !has_sensors)
+  if (rig.controller.pd_force.pressure_source == PressureSource::chamber && !has_sensors)
     check.refuse("controller.pressure_source", {}, "'chamber' without sensors.chamber_pressure",
                  "valve or estimated, or the section sensors.chamber_pressure");
   const double command_max = rig.axis.valve.command_max_V;
@@ -96,11 +125,18 @@ void check_times(const Rig& rig, const Check& check) {
                  fmt::format("at most duration_s ({})", number_text(rig.duration_s)));
 }
 
-void check_initial(const Rig& rig, const Check& check) {
-  const double half_stroke = 0.5 * rig.axis.cylinder.stroke_m, supply = rig.axis.supply.pressure_Pa;
+/// Key of the stroke.
+std::string stroke_key(const Rig& rig) { return rig.is_pneumatic() ? "cylinder.stroke_m" : "slider.stroke_m"; }
+
+void check_initial_position(const Rig& rig, const Check& check) {
+  const double half_stroke = 0.5 * rig.axis.cylinder.stroke_m;
   if (std::fabs(rig.initial.position_m) > half_stroke)
-    check.refuse("initial.position_m", {"cylinder.stroke_m"}, number_text(rig.initial.position_m),
-                 fmt::format("at most +-half of cylinder.stroke_m ({})", number_text(half_stroke)));
+    check.refuse("initial.position_m", {stroke_key(rig)}, number_text(rig.initial.position_m),
+                 fmt::format("at most +-half of {} ({})", stroke_key(rig), number_text(half_stroke)));
+}
+
+void check_initial_pressures(const Rig& rig, const Check& check) {
+  const double supply = rig.axis.supply.pressure_Pa;
   const std::string limit = fmt::format("at most supply.pressure_Pa ({})", number_text(supply));
   const double pressure_1 = rig.initial.pressure_1_Pa, balancing = balancing_pressure_2_Pa(rig, pressure_1);
   if (pressure_1 > supply)
@@ -168,9 +204,9 @@ void check_reference_range(const Rig& rig, const Check& check) {
     const double t_s = rig.duration_s * k / samples, away_m = std::fabs(reference.at(t_s).d[0] - worst_m);
     if (away_m < nearest_m) nearest_m = away_m, worst_s = t_s;
   }
-  check.refuse("reference", {"cylinder.stroke_m", "duration_s", "reference.amplitude_m", "reference.center_m"},
+  check.refuse("reference", {stroke_key(rig), "duration_s", "reference.amplitude_m", "reference.center_m"},
                fmt::format("the position {:.6g} m at {:.6g} s", worst_m, worst_s),
-               fmt::format("positions within +-half of cylinder.stroke_m ({} m)", number_text(half_stroke)));
+               fmt::format("positions within +-half of {} ({} m)", stroke_key(rig), number_text(half_stroke)));
 }
 
 void check_tolerances(const Rig& rig, const Check& check) {
@@ -225,7 +261,9 @@ void complete_rig(Rig& rig, const ConfigNode& root) {
       refuse(root.origin, "duration_s", "nothing", "the key: a reference from a file does not tell its end");
     rig.duration_s = default_duration_s(rig.reference, root);
   }
-  if (!is_stated(root, "initial", "pressure_1_Pa")) {
+  if (rig.kind == RigKind::servo_table && !is_stated(root, "initial", "pressure_1_Pa"))
+    rig.initial.pressure_1_Pa = rig.controller.ppd2.mean_pressure_Pa;
+  if (rig.kind == RigKind::cylinder && !is_stated(root, "initial", "pressure_1_Pa")) {
     const double supply = rig.axis.supply.pressure_Pa, atmosphere = rig.axis.air.atmosphere_Pa;
     const double usual = rig.initial.pressure_1_Pa;
     const double area_ratio = rig.axis.cylinder.area_2_m2 / rig.axis.cylinder.area_1_m2;
@@ -236,10 +274,14 @@ void complete_rig(Rig& rig, const ConfigNode& root) {
 
 void check_rig(const Rig& rig, const ConfigNode& root) {
   const Check check{root};
-  check_lines(rig, check);
-  check_controller(rig, check);
+  check_law(rig, check);
+  if (rig.is_pneumatic()) {
+    check_lines(rig, check);
+    check_controller(rig, check);
+    check_initial_pressures(rig, check);
+  }
+  check_initial_position(rig, check);
   check_times(rig, check);
-  check_initial(rig, check);
   check_reference_range(rig, check);
   check_tolerances(rig, check);
 }

@@ -42,16 +42,18 @@ template <class Visit> struct NumberWalker {
 template <class RigType, class Visit> void walk_numbers(RigType& rig, const Visit& visit) {
   RigType::visit(
       [&](const Field& field, auto& value) {
-        NumberWalker<Visit>{visit, ""}(field, value);
-        if (field.key != "effects") return;
-        for (std::size_t i = 0; i < channel_names.size(); ++i)
+        if (field.key != "effects") return NumberWalker<Visit>{visit, ""}(field, value);
+        visit_effects(rig, NumberWalker<Visit>{visit, "effects"});
+        for (std::size_t i = 0; i < sensor_names.size(); ++i) {
+          if (!rig.has_sensor(i)) continue;
           SensorEffects<double>::visit(
               [&](const Field& effect, auto& parameters) {
                 using Effect = std::remove_cvref_t<decltype(parameters)>;
-                const std::string path = fmt::format("effects.{}:{}", effect.key, channel_names[i]);
+                const std::string path = fmt::format("effects.{}:{}", effect.key, sensor_names[i]);
                 Effect::visit(NumberWalker<Visit>{visit, path}, parameters);
               },
               rig.sensor_effects[i]);
+        }
       },
       rig);
 }

@@ -31,9 +31,10 @@ struct FieldCollector {
   std::vector<Field>& fields;
   template <class... T> void operator()(const Field& field, T&...) const { fields.push_back(field); }
 };
-template <class Section> std::vector<Field> fields_of() {
+/// Of this section: its keys may follow a kind that stands in it.
+template <class Section> std::vector<Field> fields_of(const Section& section) {
   std::vector<Field> fields;
-  Section::visit(FieldCollector{fields});
+  Section::visit(FieldCollector{fields}, section);
   return fields;
 }
 
@@ -120,7 +121,7 @@ struct SectionReader {
 template <ParameterSection P> void read_section(const ConfigNode& node, const std::string& path, P& section) {
   require_map(node, path);
   P::visit(SectionReader{node, path, true}, section);
-  require_known_keys(node, path, fields_of<P>());
+  require_known_keys(node, path, fields_of(section));
   P::visit(SectionReader{node, path}, section);
 }
 

@@ -92,7 +92,7 @@ EstimatorParameters estimator_parameters(const Rig& rig) {
 
 void AxisLoop::configure(const Rig& rig, const LoadPositions& load) {
   period_s_ = rig.period_s;
-  source_ = rig.controller.pressure_source;
+  source_ = rig.controller.pd_force.pressure_source;
   needs_chambers_ = source_ == PressureSource::chamber;
   safe_command_V_ = rig.safe_output.command_V;
   speed_limit_mps_ = rig.limits.speed_mps;
@@ -105,7 +105,7 @@ void AxisLoop::configure(const Rig& rig, const LoadPositions& load) {
                      largest_flow_per_volt(rig) * rig.axis.valve.command_max_V * rig.period_s;
   activity_decay_ = std::exp(-rig.period_s / activity_time_s);
   estimator_.configure(estimator_parameters(rig));
-  controller_.configure(rig.controller, rig.axis, rig.period_s);
+  controller_.configure(rig.controller.pd_force, rig.axis, rig.period_s);
   reference_ = Reference(rig.reference, load);
   const int start_ticks = std::max(3, static_cast<int>(std::lround(first_value_within_s / rig.period_s)));
   position_guard_.configure(plausible_position(rig, start_ticks));

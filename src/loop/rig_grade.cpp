@@ -24,7 +24,9 @@ double wave_steps_per_period(const Rig& rig, double cells_per_m) {
 }
 
 void grade_period(const Rig& rig, Findings& findings) {
-  const double steps = std::max(1.0, std::ceil(wave_steps_per_period(rig, rig.estimator.cells_per_m)));
+  // Without lines there is nothing that asks for more than one step.
+  const double wave_steps = rig.is_pneumatic() ? wave_steps_per_period(rig, rig.estimator.cells_per_m) : 1.0;
+  const double steps = std::max(1.0, std::ceil(wave_steps));
   const std::string what = fmt::format("{:g} us, at least {:.0f} estimator step{} of {:.0f} us each",
                                        rig.period_s * 1e6, steps, steps > 1 ? "s" : "", rig.period_s * 1e6 / steps);
   if (rig.period_s < 50e-6)
@@ -51,7 +53,7 @@ void grade_command_range(const Rig& rig, Findings& findings) {
 }
 
 void grade_gains(const Rig& rig, Findings& findings) {
-  const auto& controller = rig.controller;
+  const auto& controller = rig.controller.pd_force;
   const std::size_t before = findings.size();
   const auto zero = [&](double gain, Level level, const char* key, const char* meaning) {
     if (gain == 0)
@@ -71,7 +73,7 @@ void grade_gains(const Rig& rig, Findings& findings) {
 
 /// What the sensors' noise and quanta make of the command from one period to the next, one standard deviation.
 void grade_noise(const Rig& rig, Findings& findings) {
-  const auto& controller = rig.controller;
+  const auto& controller = rig.controller.pd_force;
   const auto deviation = [](double noise, double quantum) { return std::sqrt(noise * noise + quantum * quantum / 12); };
   const auto& pressure =
       controller.pressure_source == PressureSource::chamber ? rig.sensors.chamber_pressure : rig.sensors.port_pressure;
@@ -99,7 +101,11 @@ void grade_noise(const Rig& rig, Findings& findings) {
 
 std::vector<Finding> grade_rig(const Rig& rig) {
   Findings findings;
-  for (const auto grade : {grade_period, grade_command_range, grade_gains, grade_noise}) grade(rig, findings);
+  const bool has_valve = rig.is_pneumatic(), has_force_loop = rig.kind == RigKind::cylinder;
+  grade_period(rig, findings);
+  if (has_valve) grade_command_range(rig, findings);
+  if (has_force_loop) grade_gains(rig, findings);
+  if (has_force_loop) grade_noise(rig, findings);
   return findings;
 }
 

@@ -9,6 +9,7 @@
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "index/index_report.hpp"
+#include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 
 namespace pneuservo {
@@ -36,6 +37,7 @@ void run_index(const IndexOptions& options) {
   if (options.table == !options.config.empty()) throw InputError("index: expected either a CONFIG or --table");
   if (options.table) return print(options, index_table_text(), index_table_json(), index_table_html());
   const Rig rig = read_rig(options.config);
+  require_kind("index", options.config, rig, {RigKind::cylinder});
   try {
     const RigNecessity result = rig_necessity(rig);
     print(options, index_text(rig.name, result), index_json(rig.name, result), index_html(rig.name, result));

@@ -36,7 +36,7 @@ void adopt_header(const Recording& recording, Rig& rig) {
   try {
     const Rig recorded = parse_rig(config.Scalar(), recording.path + ", header");
     rig.duration_s = recorded.duration_s;
-    rig.controller.pressure_source = recorded.controller.pressure_source;
+    rig.controller.pd_force.pressure_source = recorded.controller.pd_force.pressure_source;
     if (same_rig(recorded, rig)) return;
     reason = "was made with another config or other --set";
   } catch (const InputError& error) {
@@ -47,6 +47,7 @@ void adopt_header(const Recording& recording, Rig& rig) {
 
 int run_replay(const ReplayOptions& options) {
   Rig rig = read_rig(options.config, options.sets);
+  require_kind("replay", options.config, rig, {RigKind::cylinder});
   require_writable("--record", options.record);
   require_writable("--json", options.json);
   Recording recording = read_recording(options.recording);

@@ -26,6 +26,18 @@ std::pair<std::vector<double>, std::vector<double>> load_reference_positions(con
   return {recording.t_s(), recording.column("x_ref_m")};
 }
 
+void require_kind(std::string_view verb, const std::string& config, const Rig& rig,
+                  std::initializer_list<RigKind> kinds) {
+  const auto name = [](RigKind kind) { return rig_kind_names[static_cast<std::size_t>(kind)]; };
+  std::vector<std::string_view> names;
+  for (const RigKind kind : kinds) {
+    if (kind == rig.kind) return;
+    names.push_back(name(kind));
+  }
+  throw InputError(fmt::format("{}: rig: found {}, expected {}: {} works on no other rig", config, name(rig.kind),
+                               fmt::join(names, " or "), verb));
+}
+
 void write_json(const std::string& path, const nlohmann::ordered_json& json) {
   if (path.empty()) return;
   if (path == "-") {

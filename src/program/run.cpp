@@ -38,13 +38,15 @@ Rig read_with_options(const RunOptions& options) {
   if (options.duration_s > 0.0) sets.push_back(fmt::format("duration_s={}", options.duration_s));
   if (!options.pressure_source.empty() && options.pressure_source != "all")
     sets.push_back("controller.pressure_source=" + options.pressure_source);
-  return read_rig(options.config, sets);
+  Rig rig = read_rig(options.config, sets);
+  require_kind("run", options.config, rig, {RigKind::cylinder});
+  return rig;
 }
 
 std::vector<PressureSource> sources_of(const RunOptions& options, const Rig& rig) {
   if (options.pressure_source == "all")
     return {PressureSource::valve, PressureSource::chamber, PressureSource::estimated};
-  return {rig.controller.pressure_source};
+  return {rig.controller.pd_force.pressure_source};
 }
 
 std::string_view source_word(PressureSource source) { return pressure_source_names[static_cast<std::size_t>(source)]; }
@@ -88,7 +90,7 @@ struct Effort {
 /// One pressure source from start to safe end; its moves are added to the report. True: no fault, recording whole.
 bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool several, RunReport& report,
                 Effort& effort) {
-  rig.controller.pressure_source = source;
+  rig.controller.pd_force.pressure_source = source;
   const bool real_time = options.time == "real", interactive = isatty(STDERR_FILENO) != 0;
   std::unique_ptr<RealTimeSession> session;
   if (real_time) {
@@ -145,7 +147,7 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
     const MoveSpan& span = outcome.moves[i];
     RunResult run;
     run.pressure_source = source_word(source);
-    run.feedforward = rig.controller.flow_feedforward ? "flow" : "none";
+    run.feedforward = rig.controller.pd_force.flow_feedforward ? "flow" : "none";
     run.move = static_cast<int>(i) + 1;
     run.start_s = span.start_s;
     run.rows.assign(outcome.rows.begin() + static_cast<std::ptrdiff_t>(span.begin),

@@ -98,6 +98,7 @@ std::vector<Difference> differences(const Recording& recording, const std::vecto
 
 int run_simulate(const SimulateOptions& options) {
   const Rig rig = read_rig(options.config, options.sets);
+  require_kind("simulate", options.config, rig, {RigKind::cylinder});
   require_writable("--record", options.record);
   require_writable("--json", options.json);
   const Recording recording = read_recording(options.command);

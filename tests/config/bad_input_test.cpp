@@ -141,10 +141,12 @@ TEST_CASE("impossible values are refused") {
 TEST_CASE("other formats, rigs and controllers are refused with the known ones") {
   CHECK(refusal(with(plain, "pneuservo-rig/1", "pneuservo-rig/2")) ==
         "rig.yaml:1: format: found 'pneuservo-rig/2', expected pneuservo-rig/1");
+  CHECK(refusal(with(plain, "rig: cylinder", "rig: gantry")) ==
+        "rig.yaml:3: rig: found 'gantry', expected one of cylinder, servo_table, driven_axis");
   CHECK(refusal(with(plain, "rig: cylinder", "rig: servo_table")) ==
-        "rig.yaml:3: rig: found 'servo_table', expected cylinder");
-  CHECK(refusal(with(plain, "kind: pd_force\n", "kind: ppd2\n  position_gain_V_per_m: 1200.0\n")) ==
-        "rig.yaml:34: controller.kind: found 'ppd2', expected pd_force");
+        "rig.yaml:34: controller.kind: found pd_force, expected ppd2, the law of a servo_table");
+  CHECK(refusal(with(plain, "kind: pd_force\n", "kind: lqr\n")) ==
+        "rig.yaml:34: controller.kind: found 'lqr', expected one of pd_force, ppd2");
   CHECK(refusal(with(plain, "estimated", "measured")) ==
         "rig.yaml:35: controller.pressure_source: found 'measured', expected one of valve, chamber, estimated");
   CHECK(refusal(with(plain, "kind: sine", "kind: square")) ==

@@ -139,10 +139,10 @@ TEST_CASE("one bit in a parameter makes a replay differ") {
   SECTION("viscosity") { bit(planted.axis.air.viscosity_Pas), expected = ""; }
   SECTION("wall heat") { bit(planted.axis.cylinder.wall_heat_W_per_m2K), expected = "p"; }
   SECTION("piston area") { bit(planted.axis.cylinder.area_2_m2), expected = ""; }
-  SECTION("position gain") { bit(planted.controller.position_gain_N_per_m), expected = "u_V"; }
-  SECTION("force gain") { bit(planted.controller.force_gain_V_per_N), expected = "u_V"; }
-  SECTION("velocity filter") { bit(planted.controller.velocity_filter_s), expected = "v_mps"; }
-  SECTION("lead of the feedforward") { bit(planted.controller.feedforward_lead_s), expected = "u_V"; }
+  SECTION("position gain") { bit(planted.controller.pd_force.position_gain_N_per_m), expected = "u_V"; }
+  SECTION("force gain") { bit(planted.controller.pd_force.force_gain_V_per_N), expected = "u_V"; }
+  SECTION("velocity filter") { bit(planted.controller.pd_force.velocity_filter_s), expected = "v_mps"; }
+  SECTION("lead of the feedforward") { bit(planted.controller.pd_force.feedforward_lead_s), expected = "u_V"; }
   SECTION("amplitude") { bit(planted.reference.amplitude_m), expected = ""; }
   const ReplayResult result = replayed(planted, recording);
   REQUIRE_FALSE(result.identical());

@@ -110,13 +110,17 @@ template <class S> struct MotionEffects {
   ConstantForce<S> constant_force;
   SpringLoad<S> spring_load;
   template <class V, class... P> static void visit(V&& v, P&... p) {
+    visit_without_air(v, p...);
+    v(Field{"pressure_dependent_friction", "", 0, 0, "seal friction that grows with pressure", Presence::optional},
+      p.pressure_dependent_friction...);
+  }
+  /// Those that need no pressure.
+  template <class V, class... P> static void visit_without_air(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"coulomb_friction", "", 0, 0, "dry friction", optional}, p.coulomb_friction...);
     v(Field{"stribeck_friction", "", 0, 0, "friction that falls with speed", optional}, p.stribeck_friction...);
     v(Field{"direction_dependent_friction", "", 0, 0, "dry friction that differs by direction", optional},
       p.direction_dependent_friction...);
-    v(Field{"pressure_dependent_friction", "", 0, 0, "seal friction that grows with pressure", optional},
-      p.pressure_dependent_friction...);
     v(Field{"friction_zone", "", 0, 0, "a tight spot of the guide", optional}, p.friction_zone...);
     v(Field{"quadratic_drag", "", 0, 0, "drag c |v| v", optional}, p.quadratic_drag...);
     v(Field{"constant_force", "", 0, 0, "constant load", optional}, p.constant_force...);
@@ -309,6 +313,10 @@ template <class S> struct AxisEffects {
   LineLeak<S> line_leak_1, line_leak_2;
   ChamberLeak<S> chamber_leak_1, chamber_leak_2;
   PistonLeak<S> piston_leak;
+  /// Those of an axis without pneumatics.
+  template <class V, class... P> static void visit_without_air(V&& v, P&... p) {
+    MotionEffects<S>::visit_without_air(v, p.motion...);
+  }
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     MotionEffects<S>::visit(v, p.motion...);

@@ -1,5 +1,8 @@
 // Parameter structs of supply, valve, line, cylinder, slider and sensors: one declaration of each key of a rig.
 #pragma once
+#include <array>
+#include <string_view>
+
 #include <pneuservo/core/field.hpp>
 
 namespace pneuservo {
@@ -31,12 +34,19 @@ template <class S> struct ValveParameters {
   }
 };
 
+/// How a line is computed: by cells along its length, or as a lag of second order on the flow into the chamber.
+enum class LineModel { distributed, second_order_lag };
+inline constexpr std::array<std::string_view, 2> line_model_names{"distributed", "second_order_lag"};
+
 /// Pipeline from a valve port to a chamber.
 template <class S> struct LineParameters {
   S length_m{};
   S diameter_m{};
   S laminar_reynolds = S(2300);
   S turbulent_reynolds = S(4000);
+  LineModel model = LineModel::distributed;
+  S natural_frequency_Hz = S(0);
+  S damping_ratio = S(0.05);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"length_m", "m", 0.01, 100, "valve port to chamber"}, p.length_m...);
     v(Field{"diameter_m", "m", 5e-4, 0.05, "inner diameter"}, p.diameter_m...);
@@ -45,6 +55,10 @@ template <class S> struct LineParameters {
     v(Field{"turbulent_reynolds", "-", 1, 1e5,
             "Re_2: lambda = 0.3164 Re^-0.25 from here, linear between (the thesis: 2300)", Presence::optional},
       p.turbulent_reynolds...);
+    v(Field{"model", "", 0, 0, "how the line is computed", Presence::optional, line_model_names}, p.model...);
+    v(Field{"natural_frequency_Hz", "Hz", 0, 1e4, "of a second_order_lag", Presence::optional},
+      p.natural_frequency_Hz...);
+    v(Field{"damping_ratio", "-", 0, 10, "of a second_order_lag", Presence::optional}, p.damping_ratio...);
   }
 };
 
@@ -86,6 +100,15 @@ struct PositionSensorParameters {
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"quantum_m", "m", 0, 0.01, "resolution; 0: none"}, p.quantum_m...);
     v(Field{"noise_m", "m", 0, 0.01, "white noise, rms", Presence::optional}, p.noise_m...);
+  }
+};
+
+struct ForceSensorParameters {
+  double quantum_N = 0.0;
+  double noise_N = 0.0;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"quantum_N", "N", 0, 1e5, "resolution; 0: none"}, p.quantum_N...);
+    v(Field{"noise_N", "N", 0, 1e5, "white noise, rms", Presence::optional}, p.noise_N...);
   }
 };
 

@@ -98,7 +98,12 @@ class Line<Pack<T, N>> {
   }
   template <class To, bool upper, class From> static To half_of(const From& both) noexcept {
     To out{};
-    To::visit([](const Field&, auto& to, const auto& from) { to = half_of<upper>(from); }, out, both);
+    To::visit(
+        [](const Field&, auto& to, const auto& from) {
+          if constexpr (std::is_enum_v<std::remove_cvref_t<decltype(from)>>) to = from;
+          else to = half_of<upper>(from);
+        },
+        out, both);
     return out;
   }
   template <bool upper> static LineEffects<Half> half_of(const LineEffects<S>& both) noexcept {

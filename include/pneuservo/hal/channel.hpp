@@ -36,9 +36,10 @@ inline std::array<Channel*, 6> channels_of(Measurement& m) noexcept {
           &m.supply_pressure_Pa};
 }
 
-/// What is sent to the valve in a tick.
+/// What is sent to the valves in a tick; a cylinder has the first alone, a servo table one a line.
 struct Command {
   double valve_V = 0.0;
+  double valve_2_V = 0.0;
 };
 
 /// The simulated plant's own state; for evaluation and recording only, never for a controller.

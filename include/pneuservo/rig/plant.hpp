@@ -128,7 +128,12 @@ template <class S> class AxisPlant {
   /// Parameters of both sides in one pair: side 1 low, side 2 high.
   template <class To, class From> static To join_parameters(const From& side_1, const From& side_2) {
     To out{};
-    To::visit([](const Field&, auto& to, const auto& a, const auto& b) { to = join(a, b); }, out, side_1, side_2);
+    To::visit(
+        [](const Field&, auto& to, const auto& a, const auto& b) {
+          if constexpr (std::is_enum_v<std::remove_cvref_t<decltype(a)>>) to = a;  // choices are those of both sides
+          else to = join(a, b);
+        },
+        out, side_1, side_2);
     return out;
   }
   static ChamberGeometry<P> side_geometry(const AxisParameters<S>& axis) noexcept {

@@ -18,6 +18,7 @@ struct SensorsParameters {
   PressureSensorParameters port_pressure;
   PressureSensorParameters chamber_pressure;
   PressureSensorParameters supply_pressure;
+  ForceSensorParameters force;  ///< of a driven axis, which has position and force alone
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"position", "", 0, 0, "encoder"}, p.position...);
     v(Field{"port_pressure", "", 0, 0, "at the valve ports"}, p.port_pressure...);
@@ -91,13 +92,29 @@ struct InitialParameters {
   }
 };
 
-enum class RigKind { cylinder };
-inline constexpr std::array<std::string_view, 1> rig_kind_names{"cylinder"};
+/// The drive of a driven axis: its force is what the controller asks for, within its limit.
+struct DriveParameters {
+  double force_max_N = 0.0;
+  double force_per_volt_N_per_V = 0.0;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"force_max_N", "N", 1e-6, 1e9, "largest drive force"}, p.force_max_N...);
+    v(Field{"force_per_volt_N_per_V", "N/V", 0, 1e9, "force of a command in V; 0: the command is the force",
+            Presence::optional},
+      p.force_per_volt_N_per_V...);
+  }
+};
+
+/// A cylinder with a five-port valve, a table with two three-port valves, or an axis whose drive force is known.
+enum class RigKind { cylinder, servo_table, driven_axis };
+inline constexpr std::array<std::string_view, 3> rig_kind_names{"cylinder", "servo_table", "driven_axis"};
 inline constexpr std::array<std::string_view, 1> rig_format_names{"pneuservo-rig/1"};
 
-/// The six measured channels of an axis, in the order of the recording's columns without their unit.
+/// The six measured channels of a pneumatic axis, in the order of the recording's columns without their unit.
 inline constexpr std::array<std::string_view, 6> channel_names{"x",          "p1_port",    "p2_port",
                                                                "p1_chamber", "p2_chamber", "p_supply"};
+/// All channels that a sensor's effect may name: those of a pneumatic axis and the drive force of a driven one.
+inline constexpr std::array<std::string_view, 7> sensor_names{"x",          "p1_port",  "p2_port", "p1_chamber",
+                                                              "p2_chamber", "p_supply", "F"};
 
 /// Everything one config file says. Keys, units, ranges, defaults and help stand in the visits.
 struct Rig {
@@ -106,9 +123,10 @@ struct Rig {
   RigKind kind = RigKind::cylinder;
   double period_s = 0.001;
   AxisParameters<double> axis;                          ///< air ... slider, effects
-  std::array<SensorEffects<double>, 6> sensor_effects;  ///< effects `sensor_*:CHANNEL`, in the order of channel_names
+  std::array<SensorEffects<double>, 7> sensor_effects;  ///< effects `sensor_*:CHANNEL`, in the order of sensor_names
   SensorsParameters sensors;
-  PdForceParameters controller;
+  ControllerParameters controller;
+  DriveParameters drive;  ///< of a driven axis
   ReferenceSpec reference;
   double duration_s = 0.0;
   std::optional<EvaluationParameters> evaluation;
@@ -120,17 +138,79 @@ struct Rig {
   LimitParameters limits;
   SafeOutputParameters safe_output;
 
-  /// The keys of a config in their order. The keys of a reference depend on its kind (src/config/reference_fields.hpp);
-  /// effects `sensor_*:CHANNEL` stand under `effects` too, in `sensor_effects`.
-  template <class V, class... P> static void visit(V&& v, P&... p) {
-    constexpr auto required = Presence::required, optional = Presence::optional;
+  /// Whether it has valves, lines and chambers.
+  bool is_pneumatic() const noexcept { return kind != RigKind::driven_axis; }
+  /// Whether it has the channel of sensor_names[index].
+  bool has_sensor(std::size_t index) const noexcept {
+    const bool is_force = index + 1 == sensor_names.size();
+    return index == 0 || is_force != is_pneumatic();
+  }
+
+  /// The keys of a config in their order; sections follow the kind of rig. The keys of a reference depend on its kind
+  /// (src/config/reference_fields.hpp); effects `sensor_*:CHANNEL` stand under `effects` too, in `sensor_effects`.
+  template <class V, class First, class... Rest> static void visit(V&& v, First& first, Rest&... rest) {
+    visit_head(v, first, rest...);
+    if (first.is_pneumatic()) visit_pneumatic(v, first, rest...);
+    else visit_driven(v, first, rest...);
+    visit_run(v, first, rest...);
+    if (first.is_pneumatic()) visit_plant(v, first, rest...);
+  }
+
+ private:
+  // Sections of a driven axis: their values stand where every rig has them, their keys are its own.
+  template <class R> struct DrivenSlider {
+    R& rig;
+    template <class V, class... P> static void visit(V&& v, P&... p) {
+      SliderParameters<double>::visit(v, p.rig.axis.slider...);
+      v(Field{"stroke_m", "m", 1e-3, 100, "from end stop to end stop"}, p.rig.axis.cylinder.stroke_m...);
+      DriveParameters::visit(v, p.rig.drive...);
+    }
+  };
+  template <class R> struct DrivenSensors {
+    R& rig;
+    template <class V, class... P> static void visit(V&& v, P&... p) {
+      v(Field{"position", "", 0, 0, "encoder"}, p.rig.sensors.position...);
+      v(Field{"force", "", 0, 0, "drive force, measured or commanded"}, p.rig.sensors.force...);
+    }
+  };
+  template <class R> struct DrivenController {
+    R& rig;
+    template <class V, class... P> static void visit(V&& v, P&... p) {
+      v(Field{"kind", "", 0, 0, "control law", Presence::required, controller_kind_names}, p.rig.controller.kind...);
+      PdForceParameters::visit_outer_loop(v, p.rig.controller.pd_force...);
+    }
+  };
+  template <class R> struct DrivenInitial {
+    R& rig;
+    template <class V, class... P> static void visit(V&& v, P&... p) {
+      v(Field{"position_m", "m", -100, 100, "slider position", Presence::optional}, p.rig.initial.position_m...);
+    }
+  };
+
+  template <class V, class... P> static void visit_head(V& v, P&... p) {
+    constexpr auto required = Presence::required;
     v(Field{"format", "", 0, 0, "version of this format", required, rig_format_names}, p.format...);
     v(Field{"name", "", 0, 0, "name of the rig, in recordings and reports"}, p.name...);
     v(Field{"rig", "", 0, 0, "kind of rig", required, rig_kind_names}, p.kind...);
     v(Field{"period_s", "s", 1e-5, 0.1, "period of the control loop"}, p.period_s...);
+  }
+  template <class V, class... P> static void visit_pneumatic(V& v, P&... p) {
     AxisParameters<double>::visit(v, p.axis...);
     v(Field{"sensors", "", 0, 0, "resolution and noise of the sensors"}, p.sensors...);
     v(Field{"controller", "", 0, 0, "control law and its gains"}, p.controller...);
+    v(Field{"initial", "", 0, 0, "state at the start of a simulation", Presence::optional}, p.initial...);
+  }
+  template <class V, class... P> static void visit_driven(V& v, P&... p) {
+    const auto section = [&v](const Field& field, auto... views) { v(field, views...); };
+    section(Field{"slider", "", 0, 0, "moving mass and its drive"}, DrivenSlider<P>{p}...);
+    v(Field{"effects", "", 0, 0, "physics beside the nominal model, by name", Presence::optional}, p.axis.effects...);
+    section(Field{"sensors", "", 0, 0, "resolution and noise of the sensors"}, DrivenSensors<P>{p}...);
+    section(Field{"controller", "", 0, 0, "control law and its gains"}, DrivenController<P>{p}...);
+    section(Field{"initial", "", 0, 0, "state at the start of a simulation", Presence::optional},
+            DrivenInitial<P>{p}...);
+  }
+  template <class V, class... P> static void visit_run(V& v, P&... p) {
+    constexpr auto optional = Presence::optional;
     v(Field{"reference", "", 0, 0, "what the slider shall do"}, p.reference...);
     v(Field{"duration_s", "s", 1e-3, 1e6, "of a run; default: 1 s more than a move, ramp and ten periods of a sine",
             optional},
@@ -139,15 +219,24 @@ struct Rig {
             "window of the errors; default: second half of a sine, a move until 0.6 s after its end", optional},
       p.evaluation...);
     v(Field{"seed", "", 0, 0, "of the simulated noise", optional}, p.seed...);
-    v(Field{"initial", "", 0, 0, "state at the start of a simulation", optional}, p.initial...);
     v(Field{"tolerances", "", 0, 10, "one standard deviation, relative, of what the owner knows, by path", optional},
       p.tolerances...);
+    v(Field{"limits", "", 0, 0, "a breach ends the motion in the safe output", optional}, p.limits...);
+  }
+  template <class V, class... P> static void visit_plant(V& v, P&... p) {
+    constexpr auto optional = Presence::optional;
     v(Field{"simulation", "", 0, 0, "grid of the simulated lines", optional}, p.simulation...);
     v(Field{"estimator", "", 0, 0, "pipeline estimator", optional}, p.estimator...);
-    v(Field{"limits", "", 0, 0, "a breach ends the motion in the safe output", optional}, p.limits...);
     v(Field{"safe_output", "", 0, 0, "what the valve is given when the loop ends or faults", optional},
       p.safe_output...);
   }
 };
+
+/// Visits the effects that this kind of rig can have, one struct each; those of the sensors stand apart.
+template <class RigType, class V> void visit_effects(RigType& rig, const V& v) {
+  using Effects = AxisEffects<double>;
+  if (rig.is_pneumatic()) Effects::visit(v, rig.axis.effects);
+  else Effects::visit_without_air(v, rig.axis.effects);
+}
 
 }  // namespace pneuservo

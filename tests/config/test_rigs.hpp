@@ -29,6 +29,18 @@ inline std::vector<std::filesystem::path> config_files() {
   return files;
 }
 
+/// Every rig.yaml of the shared data folder; empty where there is no such folder.
+inline std::vector<std::filesystem::path> shared_rig_files() {
+  const char* shared = std::getenv("PNEUSERVO_SHARED");
+  const std::filesystem::path source = PNEUSERVO_SOURCE_DIR;
+  const std::filesystem::path root = (shared != nullptr ? shared : source / ".." / "shared") / "concealed";
+  std::vector<std::filesystem::path> files;
+  if (!std::filesystem::exists(root)) return files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(root))
+    if (entry.path().filename() == "rig.yaml") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
 /// A config with one key a line; the line numbers in the tests' messages count from here.
 inline constexpr const char* plain_rig = R"(format: pneuservo-rig/1
 name: plain

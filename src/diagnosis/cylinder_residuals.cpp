@@ -1,0 +1,278 @@
+// Residuals of a pneumatic cylinder.
+#include "diagnosis/cylinder_residuals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <pneuservo/elements/sensor.hpp>
+
+#include "diagnosis/held_out.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+// The model's own error where nothing is missing: of pressures, and as a share of the drop between port and chamber;
+// of the force, with and without sensors at the chambers.
+constexpr double pressure_floor_Pa = 35.0, drop_share = 0.015;
+constexpr double force_floor_N = 0.05, force_floor_ports_N = 0.2;
+constexpr double slow_sigma_s = 0.015;
+constexpr double noise_margin = 1.15;  // a recording this much noisier than its config is believed
+
+double with_quantum(double noise, double quantum) { return std::hypot(noise, quantum / std::sqrt(12.0)); }
+
+/// What the sensor would read of true values.
+std::vector<double> readings(const SensorEffects<double>& sensor, const std::vector<double>& truth, double period_s) {
+  std::vector<double> out(truth);
+  SensorLagFilter lag;
+  lag.configure(sensor.sensor_lag.time_constant_s, period_s);
+  lag.reset(truth.front());
+  for (double& value : out) value = sensor.sensor_gain.gain * lag.step(value) + sensor.sensor_offset.offset;
+  return out;
+}
+
+/// Missing values take the simulated course: they are not compared, and must not spoil their neighbours by smoothing.
+std::vector<double> with_gaps_filled(const std::vector<double>& measured, const std::vector<double>& simulated) {
+  std::vector<double> out(measured);
+  for (std::size_t k = 0; k < out.size(); ++k)
+    if (!std::isfinite(out[k])) out[k] = simulated[k];
+  return out;
+}
+
+double largest_noise(const std::vector<CylinderRecording>& recordings, std::size_t channel, double configured) {
+  double noise = configured;
+  for (const CylinderRecording& recording : recordings) {
+    const double seen = quiet_noise(recording.measured_Pa[channel]);
+    if (seen > noise_margin * configured) noise = std::max(noise, seen);
+  }
+  return noise;
+}
+
+double rms_drop(const GasCourse& course, std::size_t side) {
+  double sum = 0;
+  for (std::size_t k = 0; k < course[side].size(); ++k) {
+    const double drop = course[port_1 + side][k] - course[chamber_1 + side][k];
+    sum += drop * drop;
+  }
+  return std::sqrt(sum / static_cast<double>(course[side].size()));
+}
+
+}  // namespace
+
+CylinderResiduals::CylinderResiduals(const Rig& owner, const std::vector<Recording>& recordings,
+                                     const CylinderResidualsSettings& settings)
+    : owner_(owner), slow_kernel_(std::max(slow_sigma_s, 2.5 * owner.period_s), owner.period_s) {
+  for (const Recording& recording : recordings) recordings_.push_back(prepare_recording(recording, settings.longest_s));
+  const double position_noise = with_quantum(owner.sensors.position.noise_m, owner.sensors.position.quantum_m);
+  for (const CylinderRecording& recording : recordings_)
+    balances_.emplace_back(recording.position_m, recording.period_s(), position_noise);
+  gas_ = std::make_unique<GasRuns>(owner_, recordings_, settings.jobs);
+  jobs_ = settings.jobs;
+  declare_channels();
+  declare_rows();
+}
+
+CylinderResiduals::~CylinderResiduals() = default;
+
+void CylinderResiduals::declare_channels() {
+  const auto courses = gas_->of(std::vector<Hypothesis>{{owner_, {}}});
+  const SensorsParameters& sensors = owner_.sensors;
+  for (std::size_t channel = 0; channel < gas_channels; ++channel) {
+    if (std::none_of(recordings_.begin(), recordings_.end(),
+                     [&](const CylinderRecording& r) { return !r.measured_Pa[channel].empty(); }))
+      continue;
+    const PressureSensorParameters& sensor = channel == supply                        ? sensors.supply_pressure
+                                             : channel == port_1 || channel == port_2 ? sensors.port_pressure
+                                                                                      : sensors.chamber_pressure;
+    ResidualChannel out{std::string(gas_channel_names[channel]), "Pa", 0, pressure_floor_Pa};
+    out.noise = largest_noise(recordings_, channel, with_quantum(sensor.noise_Pa, sensor.quantum_Pa));
+    double drop = 0;
+    if (channel != supply)
+      for (const auto& course : courses[0]) drop = std::max(drop, rms_drop(*course, channel % 2));
+    if (std::isfinite(drop)) out.floor = std::hypot(pressure_floor_Pa, drop_share * drop);
+    channels_.push_back(out);
+    gas_channel_.push_back(static_cast<int>(channel));
+  }
+  bool chambers = true;
+  for (const CylinderRecording& recording : recordings_)
+    chambers = chambers && !recording.measured_Pa[chamber_1].empty() && !recording.measured_Pa[chamber_2].empty();
+  channels_.push_back({"F", "N", force_noise(1), chambers ? force_floor_N : force_floor_ports_N});
+  gas_channel_.push_back(-1);
+}
+
+double CylinderResiduals::force_noise(std::size_t count) const {
+  const double areas[2]{owner_.axis.cylinder.area_1_m2, owner_.axis.cylinder.area_2_m2};
+  const ForceBalance& balance = balances_.front();
+  const double mass = owner_.axis.slider.mass_kg + owner_.axis.slider.payload_kg;
+  double squares = balance.force_noise(mass, count) * balance.force_noise(mass, count);
+  for (std::size_t side = 0; side < 2; ++side)
+    for (std::size_t i = 0; i < channels_.size(); ++i) {
+      const auto wanted = [&](std::size_t channel) { return gas_channel_[i] == static_cast<int>(channel); };
+      const bool measured = !recordings_.front().measured_Pa[chamber_1 + side].empty();
+      if (!wanted(measured ? chamber_1 + side : port_1 + side)) continue;
+      const double gain = (measured ? balance.kernel() : slow_kernel_).noise_gain(0, count);
+      squares += std::pow(areas[side] * channels_[i].noise * gain, 2);
+    }
+  return std::sqrt(squares);
+}
+
+void CylinderResiduals::declare_rows() {
+  for (std::size_t r = 0; r < recordings_.size(); ++r) {
+    const CylinderRecording& recording = recordings_[r];
+    const auto bin = static_cast<std::size_t>(std::max(1.0, std::round(residual_bin_s / recording.period_s())));
+    for (std::size_t c = 0; c < channels_.size(); ++c) {
+      const bool force = gas_channel_[c] < 0;
+      if (!force && recording.measured_Pa[static_cast<std::size_t>(gas_channel_[c])].empty()) continue;
+      Stretch stretch{r, c, rows_.size(), {}, recording.usable};
+      const std::vector<char> stops = balances_[r].near_end_stop(owner_.axis.cylinder.stroke_m);
+      for (std::size_t k = 0; k < recording.samples(); ++k) {
+        if (force) stretch.usable[k] = stretch.usable[k] && balances_[r].usable()[k] && !stops[k];
+        else
+          stretch.usable[k] =
+              stretch.usable[k] && std::isfinite(recording.measured_Pa[static_cast<std::size_t>(gas_channel_[c])][k]);
+      }
+      for (std::size_t first = 0; first + bin <= recording.samples(); first += bin) {
+        const auto begin = stretch.usable.begin() + static_cast<std::ptrdiff_t>(first);
+        if (!std::all_of(begin, begin + static_cast<std::ptrdiff_t>(bin), [](char usable) { return usable; })) continue;
+        stretch.bins.push_back({first, bin});
+        const double bin_s = recording.period_s() * static_cast<double>(bin), n = static_cast<double>(bin);
+        ResidualRow row{static_cast<int>(c), static_cast<int>(r)};
+        row.time_s = recording.time_s(first) + 0.5 * (bin_s - recording.period_s());
+        for (std::size_t k = first; k < first + bin; ++k) {
+          row.position_m += recording.inputs.position_m[k] / n;
+          row.velocity_mps += recording.inputs.velocity_mps[k] / n;
+          row.command_V += recording.inputs.command_V[k] / n;
+        }
+        const double noise = force ? force_noise(bin) : channels_[c].noise / std::sqrt(n);
+        row.sigma = std::hypot(noise, channels_[c].floor * std::sqrt(floor_correlation_s / bin_s));
+        row.held_out = is_held_out(recording.time_s(first));
+        rows_.push_back(row);
+      }
+      stretches_.push_back(std::move(stretch));
+    }
+  }
+}
+
+std::vector<double> CylinderResiduals::chamber_pressure(const Rig& rig, const GasCourse& gas, std::size_t recording,
+                                                        std::size_t side) const {
+  const CylinderRecording& data = recordings_[recording];
+  const GaussianKernel& kernel = balances_[recording].kernel();
+  const std::size_t chamber = chamber_1 + side, port = port_1 + side;
+  const bool measured = !data.measured_Pa[chamber].empty();
+  const std::size_t channel = measured ? chamber : port;
+  if (data.measured_Pa[channel].empty()) return kernel.apply(gas[chamber], 0);
+  const SensorEffects<double>& sensor = rig.sensor_effects[channel + 1];
+  const std::vector<double> simulated = readings(sensor, gas[channel], data.period_s());
+  const std::vector<double> reading = with_gaps_filled(data.measured_Pa[channel], simulated);
+  std::vector<double> error(reading.size());
+  for (std::size_t k = 0; k < error.size(); ++k) error[k] = reading[k] - simulated[k];
+  const double tau = sensor.sensor_lag.time_constant_s, gain = sensor.sensor_gain.gain;
+  // Without a lag the measured chamber stands for itself; otherwise the simulation gives what is fast, the sensor the
+  // slow rest. Turning a lag round amplifies noise, so its derivative is taken of the simulation and the slow error.
+  std::vector<double> out;
+  if (measured) {
+    out = kernel.apply(reading, 0);
+    for (double& value : out) value = (value - sensor.sensor_offset.offset) / gain;
+  } else {
+    out = kernel.apply(gas[chamber], 0);
+    const std::vector<double> slow = slow_kernel_.apply(error, 0);
+    for (std::size_t k = 0; k < out.size(); ++k) out[k] += slow[k] / gain;
+  }
+  if (tau > 0) {
+    const std::vector<double> slow_rate = slow_kernel_.apply(error, 1);
+    for (std::size_t k = 0; k < out.size(); ++k) out[k] += tau * slow_rate[k] / gain;
+    if (measured) {
+      const std::vector<double> rate = kernel.apply(simulated, 1);
+      for (std::size_t k = 0; k < out.size(); ++k) out[k] += tau * rate[k] / gain;
+    }
+  }
+  return out;
+}
+
+CylinderResiduals::SampledCourse CylinderResiduals::force_course(const Rig& rig, const GasCourse& gas,
+                                                                 std::size_t recording) const {
+  const std::array<std::vector<double>, 2> p{chamber_pressure(rig, gas, recording, 0),
+                                             chamber_pressure(rig, gas, recording, 1)};
+  const CylinderParameters<double>& cylinder = rig.axis.cylinder;
+  const double atmosphere = rig.axis.air.atmosphere_Pa;
+  SampledCourse out;
+  std::vector<double> gauge_sum(p[0].size());
+  out.measured.resize(p[0].size());
+  for (std::size_t k = 0; k < p[0].size(); ++k) {
+    out.measured[k] = cylinder.area_1_m2 * (p[0][k] - atmosphere) - cylinder.area_2_m2 * (p[1][k] - atmosphere);
+    gauge_sum[k] = std::max(p[0][k] - atmosphere, 0.0) + std::max(p[1][k] - atmosphere, 0.0);
+  }
+  out.simulated = balances_[recording].required_force(rig, out.measured, gauge_sum);
+  return out;
+}
+
+CylinderResiduals::SampledCourse CylinderResiduals::course_of(const Rig& rig, const GasCourse& gas,
+                                                              const Stretch& stretch) const {
+  if (gas_channel_[stretch.channel] < 0) return force_course(rig, gas, stretch.recording);
+  const auto channel = static_cast<std::size_t>(gas_channel_[stretch.channel]);
+  const CylinderRecording& data = recordings_[stretch.recording];
+  return {data.measured_Pa[channel], readings(rig.sensor_effects[channel + 1], gas[channel], data.period_s())};
+}
+
+Eigen::MatrixXd CylinderResiduals::residuals(std::span<const Hypothesis> hypotheses) {
+  const auto gas = gas_->of(hypotheses);
+  Eigen::MatrixXd out(static_cast<Eigen::Index>(rows_.size()), static_cast<Eigen::Index>(hypotheses.size()));
+  in_parallel(hypotheses.size() * stretches_.size(), jobs_, [&](std::size_t task) {
+    const std::size_t i = task / stretches_.size();
+    const Stretch& stretch = stretches_[task % stretches_.size()];
+    const SampledCourse course = course_of(hypotheses[i].rig, *gas[i][stretch.recording], stretch);
+    for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
+      const Bin& bin = stretch.bins[b];
+      double sum = 0;
+      for (std::size_t k = bin.first; k < bin.first + bin.count; ++k) sum += course.simulated[k] - course.measured[k];
+      const std::size_t row = stretch.first_row + b;
+      out(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(i)) =
+          sum / static_cast<double>(bin.count) / rows_[row].sigma;
+    }
+  });
+  for (Eigen::Index i = 0; i < out.cols(); ++i)
+    if (!out.col(i).allFinite()) out.col(i).setConstant(std::numeric_limits<double>::quiet_NaN());
+  return out;
+}
+
+void CylinderResiduals::set_working_point(const Hypothesis& hypothesis) { gas_->set_working_point(hypothesis); }
+
+std::vector<ChannelMisfit> CylinderResiduals::sample_misfit(const Hypothesis& hypothesis) {
+  const auto gas = gas_->of(std::vector<Hypothesis>{hypothesis});
+  std::vector<ChannelMisfit> out(channels_.size());
+  std::vector<std::array<double, 2>> squares(channels_.size()), counts(channels_.size());
+  for (const Stretch& stretch : stretches_) {
+    const SampledCourse course = course_of(hypothesis.rig, *gas[0][stretch.recording], stretch);
+    for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
+      const std::size_t held_out = rows_[stretch.first_row + b].held_out;
+      for (std::size_t k = stretch.bins[b].first; k < stretch.bins[b].first + stretch.bins[b].count; ++k) {
+        squares[stretch.channel][held_out] += std::pow(course.simulated[k] - course.measured[k], 2);
+        counts[stretch.channel][held_out] += 1;
+      }
+    }
+  }
+  for (std::size_t c = 0; c < channels_.size(); ++c)
+    out[c] = {std::sqrt(squares[c][0] / std::max(1.0, counts[c][0])),
+              std::sqrt(squares[c][1] / std::max(1.0, counts[c][1]))};
+  return out;
+}
+
+std::vector<ResidualCourse> CylinderResiduals::courses(const Hypothesis& hypothesis) {
+  const auto gas = gas_->of(std::vector<Hypothesis>{hypothesis});
+  std::vector<ResidualCourse> out;
+  for (const Stretch& stretch : stretches_) {
+    const SampledCourse course = course_of(hypothesis.rig, *gas[0][stretch.recording], stretch);
+    ResidualCourse compared{static_cast<int>(stretch.channel), static_cast<int>(stretch.recording), {}, {}, {}};
+    for (std::size_t k = 0; k < stretch.usable.size(); ++k) {
+      if (!stretch.usable[k]) continue;
+      compared.time_s.push_back(recordings_[stretch.recording].time_s(k));
+      compared.measured.push_back(course.measured[k]);
+      compared.simulated.push_back(course.simulated[k]);
+    }
+    out.push_back(std::move(compared));
+  }
+  return out;
+}
+
+}  // namespace pneuservo

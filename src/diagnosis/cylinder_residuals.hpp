@@ -1,0 +1,71 @@
+// Residuals of a pneumatic cylinder: pressures simulated under the recorded command and motion, and the force balance
+// of the slider.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "diagnosis/cylinder_recording.hpp"
+#include "diagnosis/force_balance.hpp"
+#include "diagnosis/gas_runs.hpp"
+#include "diagnosis/residual_model.hpp"
+
+namespace pneuservo {
+
+struct CylinderResidualsSettings {
+  int jobs = 2;             ///< threads; they never change a number
+  double longest_s = 1e9;   ///< of each recording, at most
+};
+
+/// Rows are bins of 10 ms. Pressures have the reading that the rig's sensors would give of the simulated gas; F is the
+/// force that the rig's slider needs for the recorded motion, less the force of the chambers, where measured from their
+/// sensors, else simulated with the port's error carried over. docs/diagnose.md has the equations.
+class CylinderResiduals final : public ResidualModel {
+ public:
+  /// Throws InputError where a recording cannot be compared.
+  CylinderResiduals(const Rig& owner, const std::vector<Recording>& recordings,
+                    const CylinderResidualsSettings& settings = {});
+  ~CylinderResiduals() override;
+
+  const std::vector<ResidualChannel>& channels() const override { return channels_; }
+  const std::vector<ResidualRow>& rows() const override { return rows_; }
+  std::size_t start_factor_count() const override { return 2 * recordings_.size(); }
+  Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) override;
+  void set_working_point(const Hypothesis& hypothesis) override;
+  std::vector<ChannelMisfit> sample_misfit(const Hypothesis& hypothesis) override;
+  std::vector<ResidualCourse> courses(const Hypothesis& hypothesis) override;
+
+ private:
+  struct Bin {
+    std::size_t first = 0, count = 0;
+  };
+  /// One channel of one recording: its bins and where their rows stand.
+  struct Stretch {
+    std::size_t recording = 0, channel = 0, first_row = 0;
+    std::vector<Bin> bins;
+    std::vector<char> usable;
+  };
+  struct SampledCourse {
+    std::vector<double> measured, simulated;
+  };
+
+  void declare_channels();
+  void declare_rows();
+  double force_noise(std::size_t count) const;  ///< of the mean of `count` neighbouring values
+  SampledCourse course_of(const Rig& rig, const GasCourse& gas, const Stretch& stretch) const;
+  SampledCourse force_course(const Rig& rig, const GasCourse& gas, std::size_t recording) const;
+  std::vector<double> chamber_pressure(const Rig& rig, const GasCourse& gas, std::size_t recording,
+                                       std::size_t side) const;
+
+  Rig owner_;
+  std::vector<CylinderRecording> recordings_;
+  std::vector<ForceBalance> balances_;
+  GaussianKernel slow_kernel_;
+  std::unique_ptr<GasRuns> gas_;
+  int jobs_ = 1;
+  std::vector<ResidualChannel> channels_;
+  std::vector<int> gas_channel_;  ///< of each channel; -1: F
+  std::vector<ResidualRow> rows_;
+  std::vector<Stretch> stretches_;
+};
+
+}  // namespace pneuservo

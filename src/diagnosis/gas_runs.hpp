@@ -1,0 +1,47 @@
+// Gas courses of many hypotheses over all recordings: lanes, threads, what was run already, and the grid's own error.
+#pragma once
+#include <functional>
+#include <list>
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "diagnosis/cylinder_recording.hpp"
+#include "diagnosis/residual_model.hpp"
+
+namespace pneuservo {
+
+/// Calls work(i) for i = 0 .. count - 1 from `jobs` threads, this one among them; the first exception is thrown on.
+void in_parallel(std::size_t count, int jobs, const std::function<void(std::size_t)>& work);
+
+class GasRuns {
+ public:
+  using Course = std::shared_ptr<const GasCourse>;
+
+  GasRuns(const Rig& owner, const std::vector<CylinderRecording>& recordings, int jobs);
+
+  /// Course of hypothesis i over recording r at [i][r], with the grid's error at the working point taken out.
+  std::vector<std::vector<Course>> of(std::span<const Hypothesis> hypotheses);
+  /// Takes the difference of a fine grid and the work grid at this hypothesis for the grid's error.
+  void set_working_point(const Hypothesis& hypothesis);
+
+ private:
+  using Key = std::vector<double>;  ///< every number that the gas depends on
+  struct Stored {
+    Course course;
+    std::list<const Key*>::iterator use;
+  };
+  Key key_of(const Hypothesis& hypothesis, std::size_t recording) const;
+  ImposedRun run_of(const Hypothesis& hypothesis, std::size_t recording) const;
+  void remember(std::size_t recording, Key key, Course course);
+
+  const std::vector<CylinderRecording>& recordings_;
+  int jobs_;
+  PlantGrid work_grid_, fine_grid_;
+  std::vector<std::map<Key, Stored>> known_;         ///< of each recording, without the grid's error
+  std::vector<std::list<const Key*>> order_;         ///< of each recording, the last used first
+  std::vector<GasCourse> grid_error_;                ///< of each recording: fine less work; empty: none
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,46 @@
+// Valve, supply, lines and chambers of supposed rigs along one recording: its command and its motion are imposed, so
+// that a wrong start is forgotten and no error of the gas can drive the slider away.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <pneuservo/rig/plant.hpp>
+#include <pneuservo/rig/rig.hpp>
+
+namespace pneuservo {
+
+/// What is imposed; all vectors have one entry a sample, period_s apart.
+struct ImposedInputs {
+  double period_s = 1e-3;
+  std::vector<double> command_V;                      ///< from its sample to the next
+  std::vector<double> position_m, velocity_mps;       ///< as measured, smoothed
+  std::array<std::vector<double>, 2> start_Pa;        ///< pressure at or near each port, as measured, smoothed
+  std::array<std::vector<double>, 2> start_Pa_per_s;  ///< and its rate
+  std::array<std::size_t, 2> start_sensor{1, 2};      ///< whose reading that is (index into channel_names)
+  std::size_t release = 0;                            ///< samples with the port pressures imposed
+};
+
+/// Simulated quantities at every sample, just before its command acts: true values, no sensor in them.
+enum GasChannel : std::size_t { port_1, port_2, chamber_1, chamber_2, supply, gas_channels };
+using GasCourse = std::array<std::vector<double>, gas_channels>;
+
+/// One rig to simulate with the factors on its gas when the ports are let go.
+struct ImposedRun {
+  const Rig* rig = nullptr;
+  std::array<double, 2> start_factor{};  ///< relative gas mass minus 1 of sides 1 and 2
+};
+
+/// Rigs that run side by side in one call at most.
+inline constexpr std::size_t imposed_lanes = 4;
+
+/// Simulates 1 to imposed_lanes rigs side by side on one grid; their results do not depend on each other. A rig whose
+/// gas leaves all bounds ends with NaN.
+std::vector<GasCourse> run_imposed(const ImposedInputs& inputs, std::span<const ImposedRun> runs,
+                                   const PlantGrid& grid);
+
+/// The finest grid, stable in time, whose cells times sub-steps stay within `work` a period and line.
+PlantGrid grid_for(const Rig& rig, double work);
+
+}  // namespace pneuservo

@@ -21,6 +21,7 @@ struct NumberCollector {
   std::vector<double>& numbers;
   template <class T> void operator()(const Field&, const T& value) const {
     if constexpr (std::is_arithmetic_v<T>) numbers.push_back(static_cast<double>(value));
+    else if constexpr (std::is_enum_v<T>) numbers.push_back(static_cast<double>(static_cast<int>(value)));
     else T::visit(*this, value);
   }
 };

@@ -1,6 +1,8 @@
 // Flatness feedforward in the loop, and learning from a finished move.
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include <pneuservo/control/flatness_law.hpp>
 #include <pneuservo/control/linear_servo_table.hpp>
@@ -9,8 +11,30 @@
 
 namespace pneuservo {
 namespace {
-/// The loop answers a wrong flow this much later, and higher frequencies than the smoothing's it does not answer well.
-constexpr double learning_lead_s = 2.5e-3, learning_smoothing_s = 3e-3;
+/// What is learned is smoothed by a Gaussian: beyond it, near the lines' resonances, the model knows too little.
+constexpr double learning_smoothing_s = FlatnessPlan::deviation_smoothing_s;
+constexpr double not_recorded = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<double> smoothed(const std::vector<double>& values, double period_s) {
+  const auto n = static_cast<std::ptrdiff_t>(values.size());
+  const auto reach = static_cast<std::ptrdiff_t>(std::ceil(5.0 * learning_smoothing_s / period_s));
+  std::vector<double> weights;
+  double sum = 0.0;
+  for (std::ptrdiff_t i = -reach; i <= reach; ++i) {
+    const double z = static_cast<double>(i) * period_s / learning_smoothing_s;
+    weights.push_back(std::exp(-0.5 * z * z));
+    sum += weights.back();
+  }
+  std::vector<double> out(values.size());
+  for (std::ptrdiff_t k = 0; k < n; ++k) {
+    double value = 0.0;
+    for (std::ptrdiff_t i = -reach; i <= reach; ++i)
+      value += weights[static_cast<std::size_t>(i + reach)] *
+               values[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k + i, 0, n - 1))];
+    out[static_cast<std::size_t>(k)] = value / sum;
+  }
+  return out;
+}
 }  // namespace
 
 FlatnessGains flatness_gains(const AxisParameters<double>& axis, double equilibrium_pressure_Pa,
@@ -31,11 +55,13 @@ FlatnessLaw::FlatnessLaw(FlatnessPlan plan, const FlatnessGains& gains, double p
 
 void FlatnessLaw::set_plan(FlatnessPlan plan) {
   plan_ = std::move(plan);
+  error_m_.assign(plan_.ticks(), not_recorded);
   feedback_kgps_.assign(plan_.ticks(), 0.0);
   learned_kgps_.assign(plan_.ticks(), 0.0);
 }
 
-FlatnessCommand FlatnessLaw::step(std::int64_t tick, double feedback_V, double port_1_Pa, double port_2_Pa) noexcept {
+FlatnessCommand FlatnessLaw::step(std::int64_t tick, double error_m, double feedback_V, double port_1_Pa,
+                                  double port_2_Pa) noexcept {
   const FlatnessTick& now = plan_.at(tick);
   // Deviation from the feedforward's own mean: the lines' losses are in it.
   const double deviation_Pa = 0.5 * (port_1_Pa + port_2_Pa) - now.mean_port_pressure_Pa;
@@ -45,6 +71,7 @@ FlatnessCommand FlatnessLaw::step(std::int64_t tick, double feedback_V, double p
   const double hold_kgps = -gains_.pressure_hold_kgps_per_Pa * mean_pressure_Pa_;
   double across_kgps = gains_.flow_per_volt_kgps * feedback_V;
   if (tick >= 0 && static_cast<std::size_t>(tick) < feedback_kgps_.size()) {
+    error_m_[static_cast<std::size_t>(tick)] = error_m;
     feedback_kgps_[static_cast<std::size_t>(tick)] = across_kgps;
     across_kgps += learned_kgps_[static_cast<std::size_t>(tick)];
   }
@@ -53,37 +80,45 @@ FlatnessCommand FlatnessLaw::step(std::int64_t tick, double feedback_V, double p
           per_area * now.valve_2.command_V(-across_kgps + now.valve_2.volume_share * hold_kgps)};
 }
 
-// G_learned(t) <- smooth(g(t + lead) + G_learned(t + lead)), a Gaussian; the ends are taken to go on as they are.
-void FlatnessLaw::learn_flow() {
-  const auto n = static_cast<std::ptrdiff_t>(learned_kgps_.size());
-  const auto lead = static_cast<std::ptrdiff_t>(std::lround(learning_lead_s / period_s_));
-  const auto reach = static_cast<std::ptrdiff_t>(std::ceil(4.0 * learning_smoothing_s / period_s_));
-  std::vector<double> weights;
-  double sum = 0.0;
-  for (std::ptrdiff_t i = -reach; i <= reach; ++i) {
-    const double z = static_cast<double>(i) * period_s_ / learning_smoothing_s;
-    weights.push_back(std::exp(-0.5 * z * z));
-    sum += weights.back();
+// Slots that a late loop skipped keep the values of the one before.
+bool FlatnessLaw::fill_record() noexcept {
+  std::size_t missing = 0;
+  for (std::size_t k = 0; k < error_m_.size(); ++k) {
+    if (error_m_[k] == error_m_[k]) continue;
+    ++missing;
+    error_m_[k] = k > 0 ? error_m_[k - 1] : 0.0;
+    feedback_kgps_[k] = k > 0 ? feedback_kgps_[k - 1] : 0.0;
   }
-  std::vector<double> next(learned_kgps_.size());
-  for (std::ptrdiff_t k = 0; k < n; ++k) {
-    double value = 0.0;
-    for (std::ptrdiff_t i = -reach; i <= reach; ++i) {
-      const auto at = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k + lead + i, 0, n - 1));
-      value += weights[static_cast<std::size_t>(i + reach)] * (feedback_kgps_[at] + learned_kgps_[at]);
-    }
-    next[static_cast<std::size_t>(k)] = value / sum;
-  }
-  learned_kgps_.swap(next);
+  return missing <= error_m_.size() / 100;
 }
 
-// g = eps G_d in the least-squares sense, G_d the difference flow of the feedforward.
-double FlatnessLaw::learn_area() noexcept {
+// Feedforward and feedback together gave x_ref + e; for x_ref alone the flow of e is too much.
+std::optional<std::vector<double>> FlatnessLaw::take_missing_flow(const AxisParameters<double>& axis) {
+  std::optional<std::vector<double>> missing;
+  if (fill_record()) {
+    missing = smoothed(feedback_kgps_, period_s_);
+    const std::vector<double> of_error = plan_.flow_of_deviation(axis, error_m_);
+    for (std::size_t k = 0; k < of_error.size(); ++k) (*missing)[k] -= of_error[k];
+  }
+  error_m_.assign(error_m_.size(), not_recorded);
+  return missing;
+}
+
+void FlatnessLaw::learn_flow(const AxisParameters<double>& axis) {
+  const auto missing = take_missing_flow(axis);
+  if (!missing) return;
+  for (std::size_t k = 0; k < learned_kgps_.size(); ++k) learned_kgps_[k] += (*missing)[k];
+}
+
+// Missing flow = eps G_d in the least-squares sense, G_d the difference flow of the feedforward.
+double FlatnessLaw::learn_area(const AxisParameters<double>& axis) {
+  const auto missing = take_missing_flow(axis);
+  if (!missing) return area_factor_;
   double across = 0.0, along = 0.0;
-  for (std::size_t k = 0; k < feedback_kgps_.size(); ++k) {
+  for (std::size_t k = 0; k < missing->size(); ++k) {
     const FlatnessTick& tick = plan_.at(static_cast<std::int64_t>(k));
     const double flow = 0.5 * (tick.valve_1.flow_kgps - tick.valve_2.flow_kgps);
-    across += feedback_kgps_[k] * flow;
+    across += (*missing)[k] * flow;
     along += flow * flow;
   }
   if (along > 0.0) area_factor_ /= 1.0 + across / along;

@@ -1,5 +1,6 @@
 // Plan of the flatness feedforward: chambers from the reference, sides by their inverse, valves, spools and hold.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -18,24 +19,69 @@ constexpr double window_s = 0.8e-3;        // half width of the differentiator: 
 constexpr double least_psi = 0.02;         // below it the spool that a flow needs would have no bound
 constexpr std::size_t margin = 64;         // fine steps of rest before t = 0 and after the last tick
 
+/// x, v, a and jerk at the fine times.
+using Motion = std::vector<std::array<double, 4>>;
+
+double fine_time_s(std::size_t i, const FlatnessSettings& settings) noexcept {
+  return (static_cast<double>(i) - static_cast<double>(margin)) * settings.period_s / fine_steps +
+         settings.command_delay_s;
+}
+
+Motion motion_of(const Reference& reference, double duration_s, const FlatnessSettings& settings) {
+  const auto ticks = static_cast<std::size_t>(std::max(1LL, std::llround(duration_s / settings.period_s)));
+  Motion motion(fine_steps * ticks + 2 * margin + 1);
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    const auto d = reference.at(fine_time_s(i, settings)).d;
+    std::copy_n(d.begin(), 4, motion[i].begin());
+  }
+  return motion;
+}
+
+std::size_t ticks_of(const Motion& motion) noexcept { return (motion.size() - 1 - 2 * margin) / fine_steps; }
+
+/// Adds a deviation sampled at the ticks, smoothed by a Gaussian, with its derivatives. It rests before and after.
+void add_deviation(Motion& motion, const std::vector<double>& error_m, const FlatnessSettings& settings) {
+  const double s = FlatnessPlan::deviation_smoothing_s, period_s = settings.period_s;
+  const auto last = static_cast<std::ptrdiff_t>(error_m.size()) - 1;
+  const auto reach = static_cast<std::ptrdiff_t>(std::ceil(5.0 * s / period_s));
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    const double at = fine_time_s(i, settings) / period_s;
+    const auto nearest = static_cast<std::ptrdiff_t>(std::lround(at));
+    std::array<double, 4> sum{};
+    double weights = 0.0;
+    const double middle = error_m[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(nearest, 0, last))];
+    for (std::ptrdiff_t k = nearest - reach; k <= nearest + reach; ++k) {
+      const double z = (at - static_cast<double>(k)) * period_s / s, weight = std::exp(-0.5 * z * z);
+      // Derivatives of the Gaussian: Hermite polynomials. The middle value is taken off first: it has no derivative.
+      const double e = error_m[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(k, 0, last))] - middle;
+      weights += weight;
+      sum[0] += weight * e;
+      sum[1] -= weight * e * z;
+      sum[2] += weight * e * (z * z - 1.0);
+      sum[3] -= weight * e * z * (z * z - 3.0);
+    }
+    double scale = 1.0 / weights;
+    motion[i][0] += middle;
+    for (std::size_t order = 0; order < 4; ++order, scale /= s) motion[i][order] += scale * sum[order];
+  }
+}
+
 /// Both chambers at the fine times: force balance of the slider at constant mean pressure.
 struct Chambers {
   SideMotion side_1, side_2;
 
-  Chambers(const AxisParameters<double>& axis, const Reference& reference, const FlatnessSettings& settings,
-           std::size_t n)
-      : side_1(n), side_2(n) {
+  Chambers(const AxisParameters<double>& axis, const Motion& motion, double mean_pressure_Pa)
+      : side_1(motion.size()), side_2(motion.size()) {
     const auto& c = axis.cylinder;
     const double m = axis.slider.mass_kg + axis.slider.payload_kg, B = axis.slider.viscous_friction_Ns_per_m;
-    const double step_s = settings.period_s / fine_steps, area_sum = c.area_1_m2 + c.area_2_m2;
-    const double rod_N = (c.area_1_m2 - c.area_2_m2) * axis.air.atmosphere_Pa, half_stroke = 0.5 * c.stroke_m;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double t = (static_cast<double>(i) - static_cast<double>(margin)) * step_s + settings.command_delay_s;
-      const auto d = reference.at(t).d;
+    const double area_sum = c.area_1_m2 + c.area_2_m2, half_stroke = 0.5 * c.stroke_m;
+    const double rod_N = (c.area_1_m2 - c.area_2_m2) * axis.air.atmosphere_Pa;
+    for (std::size_t i = 0; i < motion.size(); ++i) {
+      const auto& d = motion[i];
       // A_1 p_1 - A_2 p_2 = F, p_1 + p_2 = 2 p_m.
       const double force = m * d[2] + B * d[1] + rod_N, force_rate = m * d[3] + B * d[2];
-      side_1.pressure_Pa[i] = (force + 2.0 * c.area_2_m2 * settings.mean_pressure_Pa) / area_sum;
-      side_2.pressure_Pa[i] = 2.0 * settings.mean_pressure_Pa - side_1.pressure_Pa[i];
+      side_1.pressure_Pa[i] = (force + 2.0 * c.area_2_m2 * mean_pressure_Pa) / area_sum;
+      side_2.pressure_Pa[i] = 2.0 * mean_pressure_Pa - side_1.pressure_Pa[i];
       side_1.pressure_rate_Paps[i] = force_rate / area_sum;
       side_2.pressure_rate_Paps[i] = -side_1.pressure_rate_Paps[i];
       side_1.distance_m[i] = half_stroke + d[0];
@@ -46,6 +92,10 @@ struct Chambers {
   }
 };
 
+SmoothingDifferentiator differentiator(double step_s) {
+  return {std::max(8, static_cast<int>(std::lround(window_s / step_s))), step_s};
+}
+
 /// One valve behind its line: spool position for a flow, and the command that brings the spool there.
 class ValveInverse {
  public:
@@ -53,9 +103,7 @@ class ValveInverse {
       : air_(axis.air), valve_(axis.valve), supply_Pa_(axis.supply.pressure_Pa), period_s_(period_s), port_(port),
         spool_V_(port.flow_kgps.size()) {
     for (std::size_t i = 0; i < spool_V_.size(); ++i) spool_V_[i] = at(i).spool_V(port.flow_kgps[i]);
-    const double step_s = period_s / fine_steps;
-    SmoothingDifferentiator(std::max(8, static_cast<int>(std::lround(window_s / step_s))), step_s)(spool_V_,
-                                                                                                   spool_rate_Vps_);
+    differentiator(period_s / fine_steps)(spool_V_, spool_rate_Vps_);
   }
   /// The period whose hold begins at fine step `begin`.
   FlatnessValve tick(std::size_t begin) const {
@@ -96,33 +144,41 @@ class ValveInverse {
   std::vector<double> spool_V_, spool_rate_Vps_;
 };
 
-std::vector<FlatnessTick> plan(const AxisParameters<double>& axis, const Reference& reference, double duration_s,
+/// Both valves' ports for a motion.
+struct Ports {
+  PortMotion port_1, port_2;
+
+  Ports(const AxisParameters<double>& axis, const Chambers& chambers, const FlatnessSettings& settings) {
+    const double step_s = settings.period_s / fine_steps;
+    const auto& c = axis.cylinder;
+    const FlatnessSide side_1(axis.air, axis.line_1, {c.area_1_m2, c.dead_volume_1_m3, c.wall_heat_W_per_m2K},
+                              settings.cells, step_s, differentiator(step_s));
+    const FlatnessSide side_2(axis.air, axis.line_2, {c.area_2_m2, c.dead_volume_2_m3, c.wall_heat_W_per_m2K},
+                              settings.cells, step_s, differentiator(step_s));
+    port_1 = side_1.invert(chambers.side_1, settings.passes);
+    port_2 = side_2.invert(chambers.side_2, settings.passes);
+  }
+};
+
+double volume_share(const CylinderParameters<double>& c, double area_m2, double dead_m3, double distance_m) noexcept {
+  return (dead_m3 + area_m2 * distance_m) / (dead_m3 + 0.5 * area_m2 * c.stroke_m);
+}
+
+std::vector<FlatnessTick> plan(const AxisParameters<double>& axis, const Motion& motion,
                                const FlatnessSettings& settings) {
-  const auto count = static_cast<std::size_t>(std::max(1LL, std::llround(duration_s / settings.period_s)));
-  const std::size_t n = fine_steps * count + 2 * margin + 1;
-  const double step_s = settings.period_s / fine_steps;
   const auto& c = axis.cylinder;
-  const Chambers chambers(axis, reference, settings, n);
-  const ChamberGeometry<double> geometry_1{c.area_1_m2, c.dead_volume_1_m3, c.wall_heat_W_per_m2K};
-  const ChamberGeometry<double> geometry_2{c.area_2_m2, c.dead_volume_2_m3, c.wall_heat_W_per_m2K};
-  const auto inverse = [&](const LineParameters<double>& line, const ChamberGeometry<double>& geometry,
-                           const SideMotion& motion) {
-    return FlatnessSide(axis.air, line, geometry, settings.cells, step_s, window_s).invert(motion, settings.passes);
-  };
-  const PortMotion port_1 = inverse(axis.line_1, geometry_1, chambers.side_1);
-  const PortMotion port_2 = inverse(axis.line_2, geometry_2, chambers.side_2);
-  const ValveInverse valve_1(axis, port_1, settings.period_s), valve_2(axis, port_2, settings.period_s);
-  std::vector<FlatnessTick> ticks(count);
-  for (std::size_t k = 0; k < count; ++k) {
+  const Chambers chambers(axis, motion, settings.mean_pressure_Pa);
+  const Ports ports(axis, chambers, settings);
+  const ValveInverse valve_1(axis, ports.port_1, settings.period_s), valve_2(axis, ports.port_2, settings.period_s);
+  std::vector<FlatnessTick> ticks(ticks_of(motion));
+  for (std::size_t k = 0; k < ticks.size(); ++k) {
     const std::size_t begin = margin + fine_steps * k, middle = begin + fine_steps / 2;
     FlatnessTick& tick = ticks[k];
     tick.valve_1 = valve_1.tick(begin);
     tick.valve_2 = valve_2.tick(begin);
-    tick.mean_port_pressure_Pa = 0.5 * (port_1.pressure_Pa[begin] + port_2.pressure_Pa[begin]);
-    tick.valve_1.volume_share =
-        geometry_1.volume_m3(chambers.side_1.distance_m[middle]) / geometry_1.volume_m3(0.5 * c.stroke_m);
-    tick.valve_2.volume_share =
-        geometry_2.volume_m3(chambers.side_2.distance_m[middle]) / geometry_2.volume_m3(0.5 * c.stroke_m);
+    tick.mean_port_pressure_Pa = 0.5 * (ports.port_1.pressure_Pa[begin] + ports.port_2.pressure_Pa[begin]);
+    tick.valve_1.volume_share = volume_share(c, c.area_1_m2, c.dead_volume_1_m3, chambers.side_1.distance_m[middle]);
+    tick.valve_2.volume_share = volume_share(c, c.area_2_m2, c.dead_volume_2_m3, chambers.side_2.distance_m[middle]);
   }
   return ticks;
 }
@@ -149,10 +205,11 @@ double mean_pressure_needed_Pa(const AxisParameters<double>& axis, const Referen
   coarse.period_s = std::max(settings.period_s, 1e-3);
   coarse.cells = 2;
   coarse.passes = 1;
+  const Motion motion = motion_of(reference, duration_s, coarse);
   const double limit_V = largest_command_V(axis.valve);
   const auto suffices = [&](double p) {
     coarse.mean_pressure_Pa = p;
-    return peak_V(plan(axis, reference, duration_s, coarse)) <= limit_V;
+    return peak_V(plan(axis, motion, coarse)) <= limit_V;
   };
   // Too low a pressure cannot exhaust, too high a one cannot be charged: look from below for the first that will do.
   const double step_Pa = 20.0 * resolution_Pa, top_Pa = axis.supply.pressure_Pa;
@@ -171,7 +228,8 @@ double mean_pressure_needed_Pa(const AxisParameters<double>& axis, const Referen
 
 FlatnessPlan::FlatnessPlan(const AxisParameters<double>& axis, const Reference& reference, double duration_s,
                            const FlatnessSettings& settings)
-    : ticks_(plan(axis, reference, duration_s, settings)) {
+    : reference_(reference), duration_s_(duration_s), settings_(settings),
+      ticks_(plan(axis, motion_of(reference, duration_s, settings), settings)) {
   peak_command_V_ = peak_V(ticks_);
   const double limit_V = largest_command_V(axis.valve);
   if (peak_command_V_ <= limit_V) return;
@@ -182,6 +240,27 @@ FlatnessPlan::FlatnessPlan(const AxisParameters<double>& axis, const Reference& 
                             " V; ";
   throw std::invalid_argument(found + (needed > 0.0 ? "expected at least " + number_text(needed)
                                                     : std::string("no mean pressure below the supply suffices")));
+}
+
+std::vector<double> FlatnessPlan::flow_of_deviation(const AxisParameters<double>& axis,
+                                                    const std::vector<double>& error_m) const {
+  Motion motion = motion_of(reference_, duration_s_, settings_);
+  add_deviation(motion, error_m, settings_);
+  const Ports ports(axis, Chambers(axis, motion, settings_.mean_pressure_Pa), settings_);
+  std::vector<double> flow(ticks_.size()), rate, curvature;
+  for (std::size_t k = 0; k < flow.size(); ++k) {
+    const std::size_t middle = margin + fine_steps * k + fine_steps / 2;
+    flow[k] = 0.5 * (ports.port_1.flow_kgps[middle] - ticks_[k].valve_1.flow_kgps -
+                     (ports.port_2.flow_kgps[middle] - ticks_[k].valve_2.flow_kgps));
+  }
+  if (!(axis.valve.natural_frequency_Hz > 0.0)) return flow;
+  const SmoothingDifferentiator differentiate = differentiator(settings_.period_s);
+  differentiate(flow, rate);
+  differentiate(rate, curvature);
+  const double w = 2.0 * M_PI * axis.valve.natural_frequency_Hz;
+  for (std::size_t k = 0; k < flow.size(); ++k)
+    flow[k] += 2.0 * axis.valve.damping_ratio / w * rate[k] + curvature[k] / (w * w);
+  return flow;
 }
 
 }  // namespace pneuservo

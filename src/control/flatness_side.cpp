@@ -31,10 +31,10 @@ void integrate_gas(double R, double cp, double step_s, const std::vector<double>
 }  // namespace
 
 FlatnessSide::FlatnessSide(const AirParameters<double>& air, const LineParameters<double>& line,
-                           const ChamberGeometry<double>& chamber, int cells, double step_s, double window_s)
-    : air_(air), line_(line), chamber_(chamber), friction_(line, air_),
-      rate_(std::max(8, static_cast<int>(std::lround(window_s / step_s))), step_s), cells_(cells), step_s_(step_s),
-      section_m2_(0.25 * M_PI * line.diameter_m * line.diameter_m), cell_m_(line.length_m / cells),
+                           const ChamberGeometry<double>& chamber, int cells, double step_s,
+                           SmoothingDifferentiator rate)
+    : air_(air), line_(line), chamber_(chamber), friction_(line, air_), rate_(std::move(rate)), cells_(cells),
+      step_s_(step_s), section_m2_(0.25 * M_PI * line.diameter_m * line.diameter_m), cell_m_(line.length_m / cells),
       cell_m3_(section_m2_ * cell_m_) {}
 
 PortMotion FlatnessSide::invert(const SideMotion& motion, int passes) const {

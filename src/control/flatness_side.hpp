@@ -29,9 +29,9 @@ struct PortMotion {
 /// Chamber and line, run forward in time (gas and wall heat are stable that way) and from the chamber to the valve.
 class FlatnessSide {
  public:
-  /// window_s: half width of the window over which time derivatives are smoothed.
+  /// `rate` takes the time derivatives, on rows of step_s.
   FlatnessSide(const AirParameters<double>& air, const LineParameters<double>& line,
-               const ChamberGeometry<double>& chamber, int cells, double step_s, double window_s);
+               const ChamberGeometry<double>& chamber, int cells, double step_s, SmoothingDifferentiator rate);
   /// `passes` over the line: a pass carries the temperature of what flows one cell further.
   PortMotion invert(const SideMotion& motion, int passes) const;
 

@@ -2,6 +2,7 @@
 // (docs/physics/flatness.md).
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -35,16 +36,18 @@ class FlatnessLaw {
 
   /// Forgets the filtered pressure: the next measured one is taken as it is. HOT.
   void reset() noexcept { filter_started_ = false; }
-  /// Commands of tick k of the reference (negative: before it). feedback_V is
-  /// -(K_p e + K_v e_v + K_a e_a) + K_i int(-e) dt, e = x - x_ref; measured port pressures [Pa]. HOT.
-  FlatnessCommand step(std::int64_t tick, double feedback_V, double port_1_Pa, double port_2_Pa) noexcept;
+  /// Commands of tick k of the reference (negative: before it). error_m: e = x - x_ref as measured; feedback_V:
+  /// -(K_p e + K_v e_v + K_a e_a) + K_i int(-e) dt; measured port pressures [Pa]. HOT.
+  FlatnessCommand step(std::int64_t tick, double error_m, double feedback_V, double port_1_Pa,
+                       double port_2_Pa) noexcept;
 
-  /// After a move of this reference: the flow that its feedback had to add, smoothed, joins the feedforward from the
-  /// next move on. For repeated moves. Cold.
-  void learn_flow();
-  /// After a move: re-estimates how much larger the effective area is than the model's, from what the feedback had to
-  /// add in proportion to the feedforward. For moves that are not repeated. Returns the factor now in use. Cold.
-  double learn_area() noexcept;
+  /// After a move of this reference: what the feedback added, less the flow that belongs to the error that was left,
+  /// joins the feedforward from the next move on. For repeated moves; `axis` is what the plan was made of. A move that
+  /// was not recorded to its end teaches nothing. Cold.
+  void learn_flow(const AxisParameters<double>& axis);
+  /// After a move: re-estimates how much larger the effective area is than the model's, from what was missing in
+  /// proportion to the feedforward. For moves that are not repeated. Returns the factor now in use. Cold.
+  double learn_area(const AxisParameters<double>& axis);
   double area_factor() const noexcept { return area_factor_; }
   /// For the plan of another reference: the area stays known, the flow does not. Cold.
   void set_plan(FlatnessPlan plan);
@@ -57,7 +60,10 @@ class FlatnessLaw {
   double area_factor_ = 1.0;
   double mean_pressure_Pa_ = 0.0;
   bool filter_started_ = false;
-  std::vector<double> feedback_kgps_, learned_kgps_;  // a tick each
+  bool fill_record() noexcept;
+  std::optional<std::vector<double>> take_missing_flow(const AxisParameters<double>& axis);
+
+  std::vector<double> error_m_, feedback_kgps_, learned_kgps_;  // a tick each; NaN: not recorded
 };
 
 }  // namespace pneuservo

@@ -60,8 +60,17 @@ class FlatnessPlan {
   std::size_t ticks() const noexcept { return ticks_.size(); }
   /// Largest magnitude of a feedforward command [V].
   double peak_command_V() const noexcept { return peak_command_V_; }
+  /// Standard deviation of the Gaussian that smooths a deviation: beyond it, near the lines' resonances, the model
+  /// knows too little.
+  static constexpr double deviation_smoothing_s = 3e-3;
+  /// The flow, at the commands, by which valve 1 has to pass more and valve 2 less to deviate from the reference by
+  /// error_m: x - x_ref at each tick, smoothed by a Gaussian. As much work as the plan itself. Cold.
+  std::vector<double> flow_of_deviation(const AxisParameters<double>& axis, const std::vector<double>& error_m) const;
 
  private:
+  Reference reference_;
+  double duration_s_ = 0.0;
+  FlatnessSettings settings_;
   std::vector<FlatnessTick> ticks_ = std::vector<FlatnessTick>(1);
   double peak_command_V_ = 0.0;
 };

@@ -15,8 +15,8 @@ namespace {
 
 // The model's own error where nothing is missing: of pressures, and as a share of the drop between port and chamber;
 // of the force, with and without sensors at the chambers.
-constexpr double pressure_floor_Pa = 35.0, drop_share = 0.015;
-constexpr double force_floor_N = 0.05, force_floor_ports_N = 0.2;
+constexpr double pressure_floor_Pa = 35.0, drop_share = 0.001;
+constexpr double force_floor_N = 0.04, force_floor_ports_N = 0.07;
 constexpr double slow_sigma_s = 0.015;
 constexpr double noise_margin = 1.15;  // a recording this much noisier than its config is believed
 

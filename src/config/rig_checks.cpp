@@ -74,6 +74,15 @@ void check_line_models(const Rig& rig, const Check& check) {
     if (line->natural_frequency_Hz <= 0.0)
       check.refuse(std::string(key) + ".natural_frequency_Hz", {std::string(key) + ".model"},
                    number_text(line->natural_frequency_Hz), "the frequency of the second_order_lag, above 0 Hz");
+  const AxisEffects<double>& e = rig.axis.effects;
+  const std::array<std::pair<const char*, double>, 4> inside{{{"line_restriction_1", e.line_restriction_1.area_m2},
+                                                              {"line_restriction_2", e.line_restriction_2.area_m2},
+                                                              {"line_leak_1", e.line_leak_1.area_m2},
+                                                              {"line_leak_2", e.line_leak_2.area_m2}}};
+  for (const auto& [name_of_effect, area_m2] : inside)
+    if (area_m2 > 0.0)
+      check.refuse(std::string("effects.") + name_of_effect, {"line_1.model"}, number_text(area_m2) + " m2",
+                   "none: a second_order_lag has no inside; line_1.model: distributed");
 }
 
 void check_lines(const Rig& rig, const Check& check) {

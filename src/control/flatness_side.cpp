@@ -39,6 +39,7 @@ FlatnessSide::FlatnessSide(const AirParameters<double>& air, const LineParameter
 
 PortMotion FlatnessSide::invert(const SideMotion& motion, int passes) const {
   const Row wall(motion.pressure_Pa.size(), air_.temperature_K);
+  if (line_.model == LineModel::second_order_lag) return through_lag(chamber_gas(motion, wall));
   std::vector<Row> cell_K(static_cast<std::size_t>(cells_), wall), flow_before(static_cast<std::size_t>(cells_));
   PortMotion port;
   for (int pass = 0; pass < passes; ++pass)
@@ -118,6 +119,18 @@ PortMotion FlatnessSide::through_line(Gas gas, std::vector<Row>& cell_K, std::ve
   PortMotion port{{}, pressure_across(gas, supply_K, 0.5 * cell_m_), {}};
   port.flow_kgps = std::move(gas.flow);
   port.temperature_K = std::move(gas.temperature);
+  return port;
+}
+
+// G_valve = G + 2 zeta/w G^(1) + G^(2)/w^2; the port has the chamber's pressure and temperature.
+PortMotion FlatnessSide::through_lag(const Gas& gas) const {
+  const double w = 2.0 * M_PI * line_.natural_frequency_Hz;
+  PortMotion port{gas.flow, gas.pressure, gas.temperature};
+  Row rate, curvature;
+  rate_(gas.flow, rate);
+  rate_(rate, curvature);
+  for (std::size_t i = 0; i < rate.size(); ++i)
+    port.flow_kgps[i] += 2.0 * line_.damping_ratio / w * rate[i] + curvature[i] / (w * w);
   return port;
 }
 

@@ -130,3 +130,53 @@ TEST_CASE("plant: the coupling of slider and gas springs neither feeds nor eats 
   }
   CHECK(last == Approx(first).epsilon(0.01));
 }
+
+namespace {
+AxisParameters<double> lagged_table(double frequency_Hz, double damping) {
+  AxisParameters<double> axis = nominal_axis();
+  axis.supply.pressure_Pa = 251.3e3;
+  axis.valve = {1.6, 3.1226e-6, 5e-6, 0.4};
+  axis.cylinder = {0.14, 1.2e-3, 1.2e-3, 1.08e-4, 1.08e-4, 50.0};
+  for (auto* line : {&axis.line_1, &axis.line_2}) {
+    line->model = LineModel::second_order_lag;
+    line->natural_frequency_Hz = frequency_Hz;
+    line->damping_ratio = damping;
+  }
+  return axis;
+}
+}  // namespace
+
+TEST_CASE("plant: a line as a second-order lag passes a choked step of flow as the closed form says") {
+  const double f = 40.0, zeta = 0.07, w = 2.0 * M_PI * f, period = 2e-4;
+  AxisPlant<double> plant;
+  plant.configure(lagged_table(f, zeta), period, 1.0, ValveArrangement::three_port_pair);
+  plant.reset({0.0, 80e3, 80e3});  // below 0.4 times the supply: the flow does not see the chamber
+  plant.hold_piston(true);
+  const double m_0 = lane(plant.sides().chamber().mass(), 0);
+  const double flow = orifice_mass_flow(Air<double>{}, 3.1226e-7, 0.4, 251.3e3, 293.0, 80e3, 293.0);
+  for (int k = 1; k <= 60; ++k) {
+    plant.step(0.1, 0.0);
+    const double t = k * period, d = w * std::sqrt(1.0 - zeta * zeta);
+    // Integral of the step response 1 - e^(-zeta w t)(cos d t + zeta w/d sin d t).
+    const double decay = std::exp(-zeta * w * t);
+    const double passed = t - 2.0 * zeta / w +
+                          decay * (2.0 * zeta / w * std::cos(d * t) + (2.0 * zeta * zeta - 1.0) / d * std::sin(d * t));
+    CHECK(lane(plant.sides().chamber().mass(), 0) - m_0 == Approx(flow * passed).margin(2e-4 * flow * t));
+    CHECK(lane(plant.port_pressure(), 0) == lane(plant.chamber_pressure(), 0));
+  }
+  CHECK(lane(plant.sides().chamber().mass(), 1) == Approx(m_0).epsilon(1e-15));
+}
+
+TEST_CASE("plant: each three-port valve obeys its own command") {
+  AxisParameters<double> axis = lagged_table(100.0, 0.7);
+  for (auto* line : {&axis.line_1, &axis.line_2}) *line = {0.5, 0.004};
+  AxisPlant<double> plant;
+  plant.configure(axis, 2e-4, 16.0, ValveArrangement::three_port_pair);
+  plant.reset({0.0, 140e3, 140e3});
+  for (int k = 0; k < 500; ++k) plant.step(0.2, 0.2);  // both fill: the slider stays, both pressures rise
+  CHECK(plant.position() == Approx(0.0).margin(1e-15));
+  CHECK(low(plant.chamber_pressure()) > 155e3);
+  CHECK(low(plant.chamber_pressure()) == high(plant.chamber_pressure()));
+  for (int k = 0; k < 500; ++k) plant.step(0.1, -0.1);
+  CHECK(plant.position() > 1e-4);
+}

@@ -1,6 +1,7 @@
 // A line and the chamber at its end, stepped together: the pneumatic side that plant, estimator and diagnosis share.
 #pragma once
 #include <pneuservo/elements/chamber.hpp>
+#include <pneuservo/elements/lagged_line.hpp>
 #include <pneuservo/elements/wide_line.hpp>
 
 namespace pneuservo {
@@ -10,13 +11,17 @@ template <class S> int cell_count(const S& length_m, double cells_per_m) noexcep
   return std::max(1, static_cast<int>(std::lround(largest(length_m) * cells_per_m)));
 }
 
-/// Line first, chamber after it in the same sub-step. `s` is the piston's distance from this chamber's end stop [m].
+/// Line first, chamber after it in the same sub-step. Behind a valve the line is what its `model` says; with a
+/// prescribed port pressure it is always the distributed one. `s` is the piston's distance from this chamber's end stop
+/// [m].
 template <class S> class LineWithChamber {
  public:
   void configure(const LineParameters<S>& line, const ChamberGeometry<S>& geometry, const AirParameters<S>& air,
                  int cells) {
     line_.configure(line, air, cells);
     chamber_.configure(geometry, line_.air());
+    lags_ = line.model == LineModel::second_order_lag;
+    if (lags_) lagged_.configure(line, air);
     substeps_ = 0;
     // A small chamber behind a big cell is the stiffest spring of the grid; it is smallest at the end stop.
     const S dx = line_.cell_length();
@@ -28,6 +33,7 @@ template <class S> class LineWithChamber {
   /// Everything at rest at one pressure and temperature.
   void reset(const S& pressure_Pa, const S& temperature_K, const S& s) noexcept {
     line_.reset(pressure_Pa, temperature_K);
+    lagged_.reset();
     chamber_.reset(pressure_Pa, temperature_K, s);
   }
   /// Chooses the sub-steps of the coming period, Courant number 0.9 of sound plus flow, and returns their number.
@@ -38,6 +44,7 @@ template <class S> class LineWithChamber {
       period_s_ = period_s;
       step_s_ = period_s / n;
       line_.set_time_step(step_s_);
+      if (lags_) lagged_.set_time_step(step_s_);
     }
     return n;
   }
@@ -45,7 +52,8 @@ template <class S> class LineWithChamber {
   /// Sub-steps for a flow of up to flow_mps.
   int needed_substeps(double period_s, double flow_mps) const noexcept {
     // Nearly always one sub-step, so that case needs no rounding.
-    const double need = (sound_mps_ + flow_mps) * (stiffness_per_m_ * period_s * (1.0 / 0.9));
+    const double need = lags_ ? period_s / lagged_.longest_step_s()
+                              : (sound_mps_ + flow_mps) * (stiffness_per_m_ * period_s * (1.0 / 0.9));
     return need <= 1.0 ? 1 : std::clamp(static_cast<int>(std::ceil(need)), 1, 1000);
   }
   /// This many sub-steps in every period; 0: as many as are needed.
@@ -62,8 +70,10 @@ template <class S> class LineWithChamber {
   }
   /// One sub-step with a valve at the port.
   LineFlow<S> step_valve(const ValvePort<S>& valve, const S& s_new, const ChamberInflow<S>& extra = {}) noexcept {
-    return pass_on(line_.step_valve(valve, end()), s_new, extra);
+    return pass_on(lags_ ? lagged_.step_valve(valve, end()) : line_.step_valve(valve, end()), s_new, extra);
   }
+  /// Pressure at the valve port, of the last sub-step.
+  S port_pressure() const noexcept { return lags_ ? chamber_.pressure() : line_.port_pressure(); }
 
   Line<S>& line() noexcept { return line_; }
   const Line<S>& line() const noexcept { return line_; }
@@ -80,6 +90,8 @@ template <class S> class LineWithChamber {
     return flow;
   }
   Line<S> line_;
+  LaggedLine<S> lagged_;
+  bool lags_ = false;
   Chamber<S> chamber_;
   int substeps_ = 0, fixed_substeps_ = 0;
   double period_s_ = 0.0, step_s_ = 1e-3;

@@ -30,8 +30,7 @@ template <class S> class Valve {
     step_s_ = 0.0;
     history_.assign(static_cast<std::size_t>(std::ceil(0.5 / period_s)) + 2, S(0));
     delayed_ = any(effects.command_delay.delay_s > S(0));
-    moves_within_ =
-        delayed_ || any(effects.valve_lag.time_constant_s > S(0)) || any(valve.natural_frequency_Hz > S(0));
+    moves_within_ = delayed_ || any(effects.valve_lag.time_constant_s > S(0)) || any(valve.natural_frequency_Hz > S(0));
     reset(S(0));
   }
   void reset(const S& command) noexcept {

@@ -109,7 +109,7 @@ template <class S> class AxisPlant {
 
   S position() const noexcept { return slider_.position(); }
   S velocity() const noexcept { return slider_.velocity(); }
-  P port_pressure() const noexcept { return sides_.line().port_pressure(); }
+  P port_pressure() const noexcept { return sides_.port_pressure(); }
   P chamber_pressure() const noexcept { return sides_.chamber().pressure(); }
   S supply_pressure() const noexcept { return supply_pressure_; }
   /// Flows of the last sub-step at both lines' ends.

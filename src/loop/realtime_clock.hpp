@@ -22,6 +22,10 @@ struct MonotonicClock {
     const timespec until{static_cast<time_t>(time_ns / 1'000'000'000), static_cast<long>(time_ns % 1'000'000'000)};
     while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {}
   }
+  /// Looks at the clock until `time_ns`; returns at once if it is past.
+  static void spin_until_ns(std::int64_t time_ns) noexcept {
+    while (now_ns() < time_ns) __builtin_ia32_pause();
+  }
 };
 
 /// What the kernel counts against a real-time thread.
@@ -42,6 +46,11 @@ struct ThreadCounters {
 
 /// Writes to every page of [memory, memory + bytes) without changing it, so that the loop never is the first to touch.
 void prefault(void* memory, std::size_t bytes) noexcept;
+/// HOT. Reads [memory, memory + bytes) once, so that it is in the cache when the tick begins.
+inline void warm(const void* memory, std::size_t bytes) noexcept {
+  const auto* const at = static_cast<const char*>(memory);
+  for (std::size_t offset = 0; offset < bytes; offset += 64) __builtin_prefetch(at + offset, 1);
+}
 /// Touches `bytes` of the calling thread's stack below the caller's frame.
 void prefault_stack(std::size_t bytes) noexcept;
 

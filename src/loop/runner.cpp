@@ -53,12 +53,20 @@ void account(LoopTiming& timing, const StageTimes& stages, std::int64_t lateness
   ++timing.ticks;
 }
 
+// Waits for the slot; what the tick will touch comes into the cache meanwhile, and the processor is awake.
+void wait_for_slot(std::int64_t slot_ns, std::int64_t early_ns, const AxisLoop& loop, const RecordingRing* ring,
+                   const Course& course) noexcept {
+  MonotonicClock::sleep_until_ns(slot_ns - early_ns);
+  warm(&loop, sizeof loop);
+  course.prefetch();
+  if (ring != nullptr) ring->prefetch();
+  MonotonicClock::spin_until_ns(slot_ns);
+}
+
 // One tick of real time: the pass, its row into the ring, the course. False: the run is over.
 bool real_tick(AxisLoop& loop, Backend& backend, RecordingRing* ring, Course& course, std::int64_t tick,
                std::int64_t skipped, std::int64_t lateness_ns, std::int64_t last_work_ns, StageTimes& stages) noexcept {
   const RtScope hot;
-  course.prefetch();
-  if (ring != nullptr) ring->prefetch();
   if (!loop.pass(backend, tick, skipped, &stages, &MonotonicClock::now_ns)) return false;
   loop.row().lateness_us = static_cast<double>(lateness_ns) * 1e-3;
   loop.row().work_us = static_cast<double>(last_work_ns) * 1e-3;  // of the tick before: this one is not done yet
@@ -74,11 +82,14 @@ void run_real(AxisLoop& loop, Backend& backend, const RunSettings& settings, dou
   LoopTiming& timing = *out.timing;
   prefault(&timing, sizeof timing);
   const std::int64_t period_ns = std::llround(period_s * 1e9);
+  const double early_s =
+      settings.early_wake_s < 0.0 ? RunSettings::usual_early_wake_s(period_s) : settings.early_wake_s;
+  const std::int64_t early_ns = std::llround(early_s * 1e9);
   TimeGrid grid(MonotonicClock::now_ns() + period_ns, period_ns);
   ThreadCounters before = ThreadCounters::now();
   std::int64_t skipped = 0, last_work_ns = 0;
   while (!StopRequest::requested()) {
-    MonotonicClock::sleep_until_ns(grid.slot_ns());
+    wait_for_slot(grid.slot_ns(), early_ns, loop, settings.ring, course);
     const std::int64_t woken_ns = MonotonicClock::now_ns();
     const std::int64_t tick = grid.slot(), lateness_ns = grid.lateness_ns(woken_ns);
     StageTimes stages;

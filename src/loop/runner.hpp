@@ -1,5 +1,6 @@
 // Runs the loop on a backend in simulated or real time: approach, reference, moves, recording, safe end.
 #pragma once
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
@@ -20,11 +21,19 @@ class RecordingWriter;
 
 /// How a run goes.
 struct RunSettings {
+  /// Real time: the thread wakes this share of the period before its slot, at most longest_early_wake_s, and looks at
+  /// the clock until the slot comes. A wake-up that is late by less no longer makes the tick late.
+  static constexpr double early_wake_share = 0.05, longest_early_wake_s = 50e-6;
+  static double usual_early_wake_s(double period_s) noexcept {
+    return std::min(early_wake_share * period_s, longest_early_wake_s);
+  }
+
   bool real_time = false;
-  int moves = 1;                        ///< times the reference is run
-  LoadPositions load{};                 ///< references of kind `file`
-  RecordingRing* ring = nullptr;        ///< real time: rows go here
-  RecordingWriter* writer = nullptr;    ///< simulated time: rows go here
+  double early_wake_s = -1.0;  ///< 0: wakes at the slot; below 0: the usual share of the period
+  int moves = 1;  ///< times the reference is run
+  LoadPositions load{};  ///< references of kind `file`
+  RecordingRing* ring = nullptr;  ///< real time: rows go here
+  RecordingWriter* writer = nullptr;  ///< simulated time: rows go here
   std::function<void(double fraction)> progress{};  ///< called between ticks in simulated time only
 };
 
@@ -32,15 +41,15 @@ struct RunSettings {
 struct RunOutcome {
   std::vector<Row> rows;
   std::vector<MoveSpan> moves;
-  std::vector<std::string> faults;      ///< in words, first cause first; empty for a good run
-  std::size_t first_faults = 0;         ///< so many of them came in the first tick: the reason
-  double fault_s = 0.0;                 ///< time of the first tick with a fault; meaningful with faults
+  std::vector<std::string> faults;  ///< in words, first cause first; empty for a good run
+  std::size_t first_faults = 0;  ///< so many of them came in the first tick: the reason
+  double fault_s = 0.0;  ///< time of the first tick with a fault; meaningful with faults
   bool stopped_by_signal = false;
   bool ended_by_backend = false;
-  std::int64_t ticks = 0;               ///< served
-  std::int64_t overruns = 0;            ///< slots skipped
+  std::int64_t ticks = 0;  ///< served
+  std::int64_t overruns = 0;  ///< slots skipped
   double wall_s = 0.0;
-  std::unique_ptr<LoopTiming> timing;   ///< real time only
+  std::unique_ptr<LoopTiming> timing;  ///< real time only
 };
 
 /// Runs `rig` on a configured backend: activates it, and however the run ends the safe output stands and the backend is

@@ -29,6 +29,7 @@ struct RunOptions {
   std::string config, time = "simulated", pressure_source, backend = "sim", record, report, json;
   std::vector<std::string> sets;
   double duration_s = 0.0;
+  double early_wake_us = -1.0;
   int moves = 1, priority = 80, cpu = -1;
   bool dump_config = false;
 };
@@ -103,7 +104,10 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   report.machine = machine_facts(session ? &session->state() : nullptr);
   report.channel_origins = channel_facts(*backend);
 
-  RunSettings settings{.real_time = real_time, .moves = options.moves, .load = load_reference_positions};
+  RunSettings settings{.real_time = real_time,
+                       .early_wake_s = options.early_wake_us * 1e-6,
+                       .moves = options.moves,
+                       .load = load_reference_positions};
   std::unique_ptr<RecordingRing> ring;
   std::unique_ptr<RecordingWriter> writer;
   if (!options.record.empty()) {
@@ -225,6 +229,10 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--json", o->json, "figures as JSON, - for standard output");
   verb->add_option("--priority", o->priority, "SCHED_FIFO priority in real time")->check(CLI::Range(1, 99));
   verb->add_option("--cpu", o->cpu, "processor to pin the loop to in real time");
+  verb->add_option("--early-wake-us", o->early_wake_us,
+                   "real time: wake so long before the slot and watch the clock until it comes; 0: sleep to the slot "
+                   "[default: 5 % of the period, at most 50]")
+      ->check(CLI::Range(0.0, 1000.0));
   verb->add_flag("--dump-config", o->dump_config, "print the config with every key, value, unit and range, and stop");
   verb->footer("Three pressure sources side by side, with a page to look at:\n"
                "  pneuservo run config/cylinder-10m-7.65mm.yaml --pressure-source all --report run.html\n"

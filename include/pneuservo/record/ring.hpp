@@ -1,4 +1,4 @@
-// Rows from the loop to the recording writer: a wait-free queue, and a memory of the last cycles that is never full.
+// Rows from the loop to the recording writer: a wait-free memory of the last cycles that is never full.
 #pragma once
 #include <array>
 #include <atomic>
@@ -6,8 +6,6 @@
 #include <cstdint>
 #include <type_traits>
 #include <vector>
-
-#include <readerwriterqueue/readerwriterqueue.h>
 
 #include <pneuservo/record/row.hpp>
 
@@ -56,34 +54,24 @@ class LastRows {
   std::vector<Slot> slots_;
 };
 
-/// One producer (the loop), one consumer (the recording writer). All memory is taken, and touched, in the constructor.
+/// One producer (the loop), one consumer (the recording writer), wait-free on both sides. All memory is taken, and
+/// touched, in the constructor.
 ///
-/// A full queue refuses rows, but every row also goes into LastRows. The consumer numbers what it gets and takes a
-/// refused row from there, in order. A row is dropped only if the loop has run `last_rows` cycles on before the
-/// consumer came to it; so the last `last_rows` cycles before a fault (or any other end) always reach the file.
+/// The producer never is refused: a consumer that comes more than size() rows late has lost the oldest of them, which
+/// is counted and marked. So the last size() cycles before a fault (or any other end) always reach the file.
 class RecordingRing {
  public:
-  static constexpr std::size_t default_capacity_rows = 16384;  ///< 3 s at 200 us: longer than a slow disk's sync
-  static constexpr std::size_t default_last_rows = 2000;
+  static constexpr std::size_t default_rows = 16384;  ///< 3 s at 200 us: longer than a slow disk's sync
 
-  explicit RecordingRing(std::size_t capacity_rows = default_capacity_rows, std::size_t last_rows = default_last_rows)
-      : queue_(capacity_rows), last_(last_rows) {
-    // Touches every page now, not in the loop.
-    while (queue_.try_enqueue(Numbered{})) {}
-    Numbered touched;
-    while (queue_.try_dequeue(touched)) {}
-  }
+  explicit RecordingRing(std::size_t rows = default_rows) : last_(rows) {}
   RecordingRing(const RecordingRing&) = delete;
   RecordingRing& operator=(const RecordingRing&) = delete;
 
-  /// HOT, producer. False when the queue refused the row; then it is only among the last rows.
-  bool push(const Row& row) noexcept {
+  /// HOT, producer.
+  void push(const Row& row) noexcept {
     const std::int64_t number = pushed_.load(std::memory_order_relaxed);
     last_.keep(number, row);
-    const bool accepted = queue_.try_enqueue(Numbered{number, row});
-    if (!accepted) refused_.store(refused_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
     pushed_.store(number + 1, std::memory_order_release);
-    return accepted;
   }
 
   /// HOT, producer. Before the work of a tick: its row's memory comes into the cache meanwhile.
@@ -93,45 +81,34 @@ class RecordingRing {
   /// first row after dropped ones.
   bool pop(Row& row) noexcept {
     for (;;) {
-      // Read before the queue: of the rows below this number, whatever is not in the queue then was refused.
-      std::int64_t end = pushed_.load(std::memory_order_acquire);
-      while (!held_ && queue_.try_dequeue(front_)) held_ = front_.number >= next_;
-      if (held_) end = front_.number;
-      if (held_ && front_.number == next_) {
-        row = front_.row;
-        held_ = false;
-      } else if (next_ >= end) {
-        return false;
-      } else if (!last_.recall(next_, row)) {
-        dropped_.store(dropped_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
-        ++next_;
-        gap_ = true;
-        continue;
-      }
-      ++next_;
-      if (gap_) row.flags |= row_dropped_before;
-      gap_ = false;
-      return true;
+      const std::int64_t end = pushed_.load(std::memory_order_acquire);
+      skip_to(end - static_cast<std::int64_t>(last_.size()));
+      if (next_ >= end) return false;
+      if (last_.recall(next_, row)) break;
+      skip_to(next_ + 1);  // overwritten since
     }
+    ++next_;
+    if (gap_) row.flags |= row_dropped_before;
+    gap_ = false;
+    return true;
   }
 
   std::int64_t pushed() const noexcept { return pushed_.load(std::memory_order_acquire); }
-  /// Rows that the full queue refused (most come back from the last rows).
-  std::int64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
   /// Rows that are lost: the consumer came too late for them.
   std::int64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 
  private:
-  struct Numbered {
-    std::int64_t number = 0;
-    Row row;
-  };
-  moodycamel::ReaderWriterQueue<Numbered> queue_;
+  void skip_to(std::int64_t number) noexcept {
+    if (number <= next_) return;
+    dropped_.store(dropped_.load(std::memory_order_relaxed) + (number - next_), std::memory_order_relaxed);
+    next_ = number;
+    gap_ = true;
+  }
+
   LastRows last_;
-  std::atomic<std::int64_t> pushed_{0}, refused_{0}, dropped_{0};
+  std::atomic<std::int64_t> pushed_{0}, dropped_{0};
   // Consumer's own.
-  Numbered front_;
-  bool held_ = false, gap_ = false;
+  bool gap_ = false;
   std::int64_t next_ = 0;
 };
 

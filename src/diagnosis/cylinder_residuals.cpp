@@ -16,6 +16,8 @@ namespace {
 // The model's own error where nothing is missing: of pressures, and as a share of the drop between port and chamber;
 // of the force, with and without sensors at the chambers.
 constexpr double pressure_floor_Pa = 35.0, drop_share = 0.001;
+// The gas may start warmer or colder than its wall, which no pressure shows; the wall takes that out within a second.
+constexpr double start_floor_Pa = 200.0, start_fades_s = 0.5;
 constexpr double force_floor_N = 0.04, force_floor_ports_N = 0.07;
 constexpr double slow_sigma_s = 0.015;
 constexpr double noise_margin = 1.15;  // a recording this much noisier than its config is believed
@@ -145,7 +147,11 @@ void CylinderResiduals::declare_rows() {
           row.command_V += recording.inputs.command_V[k] / n;
         }
         const double noise = force ? force_noise(bin) : channels_[c].noise / std::sqrt(n);
-        row.sigma = std::hypot(noise, channels_[c].floor * std::sqrt(floor_correlation_s / bin_s));
+        const double since_s = recording.period_s() * static_cast<double>(first) - first_compared_s;
+        const double start = force || gas_channel_[c] == static_cast<int>(supply)
+                                 ? 0.0
+                                 : start_floor_Pa * std::exp(-since_s / start_fades_s);
+        row.sigma = std::hypot(noise, std::hypot(channels_[c].floor, start) * std::sqrt(floor_correlation_s / bin_s));
         row.held_out = is_held_out(recording.time_s(first));
         rows_.push_back(row);
       }

@@ -1,0 +1,185 @@
+// From fitted explanations to a verdict: how many effects are real, what is left over, how sure that is.
+#include "diagnosis/decision.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace pneuservo {
+
+namespace {
+
+/// Sizes of a member's amplitudes in standard errors; the largest.
+double size_in_errors(const Explanation& explanation, const Candidate& candidate) {
+  const Eigen::MatrixXd covariance = explanation.fit.covariance();
+  double most = 0;
+  bool has_amplitude = false;
+  for (std::size_t p = 0; p < candidate.parameters.size(); ++p) {
+    if (!candidate.amplitude[p]) continue;
+    has_amplitude = true;
+    for (std::size_t i = 0; i < explanation.fit.own_count; ++i) {
+      if (explanation.fit.parameters[i].path != candidate.parameters[p].path) continue;
+      const auto at = static_cast<Eigen::Index>(i);
+      const double neutral = candidate.parameters[p].z(candidate.neutral[p]);
+      most = std::max(most, std::abs(explanation.fit.z(at) - neutral) / std::sqrt(covariance(at, at)));
+    }
+  }
+  return has_amplitude ? most : 1e9;
+}
+
+/// Whether a member is smaller than what clock, converters and grid decide.
+bool is_negligible(const Explanation& explanation, const Candidate& candidate) {
+  bool judged = false;
+  for (std::size_t p = 0; p < candidate.parameters.size(); ++p) {
+    if (candidate.negligible[p] <= 0) continue;
+    judged = true;
+    const FreeParameter& parameter = candidate.parameters[p];
+    for (std::size_t i = 0; i < explanation.fit.own_count; ++i) {
+      if (explanation.fit.parameters[i].path != parameter.path) continue;
+      const double varied = parameter.center + parameter.spread * explanation.fit.z(static_cast<Eigen::Index>(i));
+      if (std::abs(varied - parameter.varied(candidate.neutral[p])) >= candidate.negligible[p]) return false;
+    }
+  }
+  return judged;
+}
+
+std::vector<const Explanation*> sizeable(const Search& search, std::size_t members) {
+  std::vector<const Explanation*> out = search.ranking(members);
+  std::erase_if(out, [&](const Explanation* e) {
+    return std::any_of(e->members.begin(), e->members.end(),
+                       [&](std::size_t m) { return is_negligible(*e, search.candidates()[m]); });
+  });
+  return out;
+}
+
+/// Whether every member beyond the best smaller explanation is sure of its size.
+bool is_sure_of_sizes(const Explanation& explanation, const Search& search, double standard_errors) {
+  return std::all_of(explanation.members.begin(), explanation.members.end(), [&](std::size_t m) {
+    return size_in_errors(explanation, search.candidates()[m]) >= standard_errors;
+  });
+}
+
+std::string what_is_left(const Decision& decision, ResidualModel& model, const DecisionRules& rules) {
+  std::string out;
+  const auto say = [&](const std::string& what) { out += (out.empty() ? "" : "; ") + what; };
+  for (std::size_t c = 0; c < decision.levels.channels.size(); ++c)
+    if (decision.levels.channels[c].fitted > rules.floor_level)
+      say(fmt::format("{} is at {:.2g} times its floor", model.channels()[c].name, decision.levels.channels[c].fitted));
+  if (decision.levels.line)
+    say(fmt::format("a periodic part of {:.2g} {} at {:.2f} Hz in {}", decision.levels.line->amplitude,
+                    model.channels()[static_cast<std::size_t>(decision.levels.line->channel)].unit,
+                    decision.levels.line->frequency_Hz,
+                    model.channels()[static_cast<std::size_t>(decision.levels.line->channel)].name));
+  if (decision.levels.held_out_excess() > rules.held_out_excess)
+    say(fmt::format("held-out stretches fit {:.2g} times worse than fitted ones", decision.levels.held_out_excess()));
+  return out;
+}
+
+Verdict verdict_of(const Explanation& chosen, const Search& search) {
+  bool sensors = true, parameters = true;
+  for (const std::size_t member : chosen.members) {
+    sensors = sensors && search.candidates()[member].kind == CandidateKind::sensor;
+    parameters = parameters && search.candidates()[member].kind == CandidateKind::parameter;
+  }
+  if (chosen.members.empty()) return Verdict::consistent;
+  if (sensors) return Verdict::sensor_error;
+  return parameters ? Verdict::parameter_error : Verdict::missing_physics;
+}
+
+std::vector<double> probabilities_of(const std::vector<const Explanation*>& rivals, const DecisionRules& rules) {
+  std::vector<double> out;
+  double sum = 0;
+  for (const Explanation* rival : rivals) {
+    out.push_back(std::exp(std::max(-700.0, (rival->log_evidence - rivals.front()->log_evidence) / rules.temperature)));
+    sum += out.back();
+  }
+  for (double& p : out) p *= rules.most_sure / sum;
+  return out;
+}
+
+}  // namespace
+
+double ModelLevels::chi2(bool held_out) const {
+  double sum = 0;
+  for (const ChannelLevel& c : channels)
+    sum += held_out ? c.held_out * c.held_out * static_cast<double>(c.held_out_rows)
+                    : c.fitted * c.fitted * static_cast<double>(c.fitted_rows);
+  return sum;
+}
+
+double ModelLevels::highest() const {
+  double most = 0;
+  for (const ChannelLevel& c : channels) most = std::max(most, c.fitted);
+  return most;
+}
+
+double ModelLevels::held_out_excess() const {
+  double rows = 0, held_rows = 0;
+  for (const ChannelLevel& c : channels) {
+    rows += static_cast<double>(c.fitted_rows);
+    held_rows += static_cast<double>(c.held_out_rows);
+  }
+  const double fitted = chi2(false);
+  return held_rows > 0 && fitted > 0 ? (chi2(true) / held_rows) / (fitted / rows) : 1;
+}
+
+ModelLevels model_levels(ResidualModel& model, const Hypothesis& hypothesis, const DecisionRules& rules) {
+  ModelLevels levels;
+  const std::vector<Hypothesis> one{hypothesis};
+  levels.residual = model.residuals(one).col(0);
+  levels.channels = channel_levels(model.rows(), model.channels().size(), levels.residual);
+  levels.line = strongest_line(model.rows(), levels.residual, levels.channels, rules.line_level);
+  if (levels.line && levels.line->ratio < rules.line_ratio) levels.line.reset();
+  return levels;
+}
+
+Decision decide(ResidualModel& model, const Search& search, const DecisionRules& rules) {
+  Decision decision;
+  decision.chosen = &search.owner();
+  std::vector<const Explanation*> ranked = sizeable(search, 1);
+  double first_gain = 0;
+  for (std::size_t members = 1; !ranked.empty(); ranked = sizeable(search, ++members)) {
+    const Explanation* best = nullptr;
+    for (const Explanation* e : ranked)
+      if (members == 1 || is_sure_of_sizes(*e, search, rules.standard_errors)) {
+        best = e;
+        break;
+      }
+    if (best == nullptr) break;
+    const double gain = best->log_evidence - decision.chosen->log_evidence;
+    if (members == 1) first_gain = gain;
+    const double share = members == 2 ? rules.next_share : rules.third_share;
+    const double needed = members == 1 ? rules.alarm_gain : std::max(rules.next_gain, share * first_gain);
+    if (gain < needed) break;
+    decision.chosen = best;
+    decision.rivals = ranked;
+    std::erase(decision.rivals, best);
+    decision.rivals.insert(decision.rivals.begin(), best);
+  }
+  decision.gain = decision.chosen->log_evidence - search.owner().log_evidence;
+  decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
+  decision.verdict = verdict_of(*decision.chosen, search);
+  if (decision.rivals.empty()) decision.rivals = ranked;
+  std::erase_if(decision.rivals, [&](const Explanation* e) { return e->log_evidence > decision.chosen->log_evidence; });
+  decision.probabilities = decision.rivals.empty() ? std::vector<double>{} : probabilities_of(decision.rivals, rules);
+  decision.reason = what_is_left(decision, model, rules);
+  if (!decision.reason.empty()) decision.verdict = Verdict::unknown;
+  return decision;
+}
+
+std::vector<std::string> ambiguous_names(const Decision& decision, const Search& search, std::size_t member,
+                                         const DecisionRules& rules) {
+  std::vector<std::string> names;
+  for (const Explanation* rival : decision.rivals) {
+    if (rival == decision.chosen || rival->log_evidence < decision.chosen->log_evidence - rules.ambiguous_distance)
+      continue;
+    std::vector<std::size_t> rest = decision.chosen->members, other = rival->members;
+    std::erase(rest, member);
+    for (const std::size_t m : rest) std::erase(other, m);
+    if (other.size() == 1) names.push_back(search.candidates()[other.front()].name);
+  }
+  return names;
+}
+
+}  // namespace pneuservo

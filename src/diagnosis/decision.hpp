@@ -1,0 +1,60 @@
+// From fitted explanations to a verdict: how many effects are real, what is left over, how sure that is.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/diagnosis.hpp"
+#include "diagnosis/left_over.hpp"
+#include "diagnosis/search.hpp"
+
+namespace pneuservo {
+
+/// Every limit that a verdict rests on (docs/diagnose.md says where each comes from).
+struct DecisionRules {
+  double alarm_gain = 25;           ///< in log evidence: the least that a first name must bring
+  double next_gain = 60;            ///< and one more name
+  double next_share = 0.003;        ///< of the first name's gain
+  double third_share = 0.02;        ///< the same for every name after the second
+  double standard_errors = 5;       ///< the least size of one more effect
+  double floor_level = 1.25;        ///< residual of a channel in sigma: above it something is left
+  double line_ratio = 60;           ///< of a spectral line's power to its neighbours'
+  double line_level = 0.3;          ///< channels below it have no lines
+  double held_out_excess = 1.4;     ///< chi2 a row on held-out stretches over that on fitted ones
+  double ambiguous_distance = 10;   ///< in log evidence
+  double temperature = 3;           ///< log evidence over it makes probabilities
+  double most_sure = 0.97;          ///< small unmodelled physics is part of every probability
+  double unknown_sure = 0.85;
+};
+
+/// Residuals of one model over all rows, and what they say.
+struct ModelLevels {
+  Eigen::VectorXd residual;
+  std::vector<ChannelLevel> channels;
+  std::optional<SpectralLine> line;  ///< above the rules' ratio
+
+  double chi2(bool held_out) const;
+  double highest() const;
+  /// Chi2 a row on held-out stretches over that on fitted ones; 1 where there are none.
+  double held_out_excess() const;
+};
+ModelLevels model_levels(ResidualModel& model, const Hypothesis& hypothesis, const DecisionRules& rules);
+
+/// The chosen explanation (no members: the owner's model) and its rivals with as many members.
+struct Decision {
+  Verdict verdict = Verdict::consistent;
+  const Explanation* chosen = nullptr;
+  std::vector<const Explanation*> rivals;  ///< chosen first, then by evidence
+  std::vector<double> probabilities;       ///< of the rivals
+  ModelLevels levels;                      ///< of the chosen
+  double gain = 0;                         ///< of the chosen over the owner's model, in log evidence
+  std::string reason;                      ///< of `unknown`
+};
+
+Decision decide(ResidualModel& model, const Search& search, const DecisionRules& rules);
+
+/// Names that cannot be told from the chosen explanation's member.
+std::vector<std::string> ambiguous_names(const Decision& decision, const Search& search, std::size_t member,
+                                         const DecisionRules& rules);
+
+}  // namespace pneuservo

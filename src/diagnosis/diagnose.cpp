@@ -1,0 +1,278 @@
+// A diagnosis from code: a rig and its recordings in, what the model lacks out.
+#include "diagnosis/diagnose.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "config/input_error.hpp"
+#include "config/rig_parameters.hpp"
+#include "diagnosis/driven_axis_residuals.hpp"
+#include "diagnosis/result_text.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+std::vector<double> plain(const Eigen::VectorXd& values) { return {values.data(), values.data() + values.size()}; }
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 1;
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+/// A squared mismatch above what floors alone make.
+double above_floor(double chi2, double floor) { return std::max(chi2 - floor, 0.0); }
+
+void add_parameters(const Explanation& chosen, const Candidate& candidate, DiagnosisAnswer& answer) {
+  const Eigen::MatrixXd covariance = chosen.fit.covariance();
+  for (const FreeParameter& own : candidate.parameters)
+    for (std::size_t i = 0; i < chosen.fit.own_count; ++i) {
+      const FreeParameter& fitted = chosen.fit.parameters[i];
+      if (fitted.path != own.path) continue;
+      const auto at = static_cast<Eigen::Index>(i);
+      const std::string key =
+          candidate.kind == CandidateKind::parameter ? "value" : own.path.substr(own.path.rfind('.') + 1);
+      answer.parameters.push_back(
+          {key, fitted.value(chosen.fit.z(at)), fitted.slope(chosen.fit.z(at)) * std::sqrt(covariance(at, at))});
+    }
+}
+
+double probability_of_member(const Decision& decision, std::size_t member) {
+  double sum = 0;
+  for (std::size_t i = 0; i < decision.rivals.size(); ++i)
+    if (std::find(decision.rivals[i]->members.begin(), decision.rivals[i]->members.end(), member) !=
+        decision.rivals[i]->members.end())
+      sum += decision.probabilities[i];
+  return sum;
+}
+
+void add_answers(const Decision& decision, const Search& search, const DecisionRules& rules, Diagnosis& out) {
+  for (const std::size_t member : decision.chosen->members) {
+    const Candidate& candidate = search.candidates()[member];
+    DiagnosisAnswer answer;
+    answer.effect = candidate.name;
+    answer.element = candidate.element;
+    answer.probability = probability_of_member(decision, member);
+    add_parameters(*decision.chosen, candidate, answer);
+    answer.ambiguous_with = ambiguous_names(decision, search, member, rules);
+    // What leaving it out would cost, of all that the explanation takes.
+    double without = search.owner().fit.chi2();
+    for (const Explanation* smaller : search.ranking(decision.chosen->members.size() - 1))
+      if (std::find(smaller->members.begin(), smaller->members.end(), member) == smaller->members.end() &&
+          std::includes(decision.chosen->members.begin(), decision.chosen->members.end(), smaller->members.begin(),
+                        smaller->members.end()))
+        without = std::min(without, smaller->fit.chi2());
+    const double taken = std::max(search.owner().fit.chi2() - decision.chosen->fit.chi2(), 1e-9);
+    answer.share = std::clamp((without - decision.chosen->fit.chi2()) / taken, 0.0, 1.0);
+    out.answers.push_back(answer);
+  }
+  std::stable_sort(out.answers.begin(), out.answers.end(),
+                   [](const DiagnosisAnswer& a, const DiagnosisAnswer& b) { return a.share > b.share; });
+}
+
+void add_element_shares(const Decision& decision, const Search& search, Diagnosis& out) {
+  std::map<std::string, double> shares;
+  for (std::size_t i = 0; i < decision.rivals.size(); ++i)
+    for (const std::size_t member : decision.rivals[i]->members) {
+      const Candidate& candidate = search.candidates()[member];
+      double weight = 1.0 / static_cast<double>(decision.rivals[i]->members.size());
+      for (const DiagnosisAnswer& answer : out.answers)  // of two at once, by what each takes
+        if (answer.effect == candidate.name && out.answers.size() > 1) weight = answer.share;
+      shares[candidate.element] += weight * decision.probabilities[i];
+    }
+  double sum = 1e-300;
+  for (const auto& [element, share] : shares) sum += share;
+  for (const auto& [element, share] : shares)
+    if (share / sum > 0.005) out.elements.push_back({element, share / sum});
+  std::stable_sort(out.elements.begin(), out.elements.end(),
+                   [](const ElementShare& a, const ElementShare& b) { return a.share > b.share; });
+}
+
+/// Where something sits that has no name: the element whose patterns over all channels take most of what is left on the
+/// owner's model.
+void add_unknown(ResidualModel& model, const Decision& decision, const Search& search, const DecisionRules& rules,
+                 Diagnosis& out) {
+  const Hypothesis here = search.owner().fit.hypothesis();
+  const ModelLevels owner = model_levels(model, here, rules);
+  std::vector<Hypothesis> hypotheses;
+  std::vector<std::string> elements;
+  for (const Candidate& candidate : search.candidates()) {
+    if (candidate.kind == CandidateKind::parameter) continue;
+    for (const std::vector<double>& start : candidate.starts) {
+      std::vector<double> z = start;
+      for (std::size_t p = 0; p < z.size(); ++p)
+        if (candidate.amplitude[p])
+          z[p] = candidate.parameters[p].z(get_parameter(here.rig, candidate.parameters[p].path)) + 0.05;
+      hypotheses.push_back(with_parameters(here, candidate.parameters, z));
+      elements.push_back(candidate.element);
+    }
+  }
+  Eigen::MatrixXd patterns = model.residuals(hypotheses);
+  patterns.colwise() -= owner.residual;
+  for (Eigen::Index c = 0; c < patterns.cols(); ++c)
+    if (!patterns.col(c).allFinite()) patterns.col(c).setZero();
+  double sum = 1e-300;
+  const std::vector<ElementPattern> ranked = element_patterns(model.rows(), owner.residual, patterns, elements);
+  for (const ElementPattern& e : ranked) sum += e.explained;
+  for (const ElementPattern& e : ranked) out.elements.push_back({e.element, e.explained / sum});
+  DiagnosisAnswer answer;
+  answer.effect = "unknown";
+  answer.element = out.elements.empty() ? "motion" : out.elements.front().element;
+  answer.probability = rules.unknown_sure;
+  answer.note = decision.reason;
+  if (!decision.chosen->members.empty()) {
+    const double before = search.owner().fit.chi2(), after = decision.chosen->fit.chi2();
+    std::string names;
+    for (const std::size_t m : decision.chosen->members)
+      names += (names.empty() ? "" : " and ") + search.candidates()[m].name;
+    answer.note += fmt::format("; the best name, {}, takes {:.0f} % of the squared mismatch", names,
+                               100 * std::max(0.0, 1 - after / std::max(before, 1e-300)));
+  }
+  out.answers = {answer};
+}
+
+void add_candidates(const Decision& decision, const Search& search, Diagnosis& out) {
+  for (std::size_t i = 0; i < decision.rivals.size() && i < 12; ++i) {
+    RankedExplanation ranked;
+    for (const std::size_t m : decision.rivals[i]->members) ranked.effects.push_back(search.candidates()[m].name);
+    ranked.probability = decision.probabilities[i];
+    ranked.log_evidence_behind = decision.rivals.front()->log_evidence - decision.rivals[i]->log_evidence;
+    out.candidates.push_back(ranked);
+  }
+}
+
+void add_fit(ResidualModel& model, const Search& search, const Decision& decision, Diagnosis& out) {
+  const std::vector<ResidualChannel>& channels = model.channels();
+  const Hypothesis before = search.as_configured().hypothesis(), after = decision.chosen->fit.hypothesis();
+  const std::vector<ChannelMisfit> misfit_before = model.sample_misfit(before),
+                                   misfit_after = model.sample_misfit(after);
+  std::vector<double> ratios, over;
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    ChannelFit fit;
+    fit.column = channels[c].name + "_" + channels[c].unit;
+    fit.noise = std::hypot(channels[c].noise, channels[c].floor);
+    fit.before = misfit_before[c].fitted;
+    fit.after = misfit_after[c].fitted;
+    fit.held_out_before = misfit_before[c].held_out;
+    fit.held_out_after = misfit_after[c].held_out;
+    fit.correlation = decision.levels.channels[c].correlation;
+    if (fit.held_out_before > 0) ratios.push_back(fit.held_out_after / fit.held_out_before);
+    if (fit.noise > 0) over.push_back(fit.after / fit.noise);
+    out.channels.push_back(fit);
+  }
+  out.held_out_ratio = median(ratios);
+  out.over_noise = median(over);
+  out.residual_channels = channels;
+  out.rows = model.rows();
+  const std::vector<Hypothesis> configured{before};
+  out.residual_before = plain(model.residuals(configured).col(0));
+  out.residual_after = plain(decision.levels.residual);
+  out.courses_before = model.courses(before);
+  out.courses_after = model.courses(after);
+  const double floor = std::min(decision.chosen->fit.chi2(), static_cast<double>(decision.levels.residual.size()));
+  const double total = above_floor(search.owner().fit.chi2(), floor);
+  out.explained_share = total > 0 ? 1 - above_floor(decision.chosen->fit.chi2(), floor) / total : 0;
+}
+
+/// Size at which a candidate would gain what an alarm needs, nine times in ten.
+void add_detectable(const Search& search, const Decision& decision, const DecisionRules& rules, Diagnosis& out) {
+  for (const Screened& screened : search.first_screening()) {
+    const Candidate& candidate = search.candidates()[screened.candidate];
+    if (std::find(decision.chosen->members.begin(), decision.chosen->members.end(), screened.candidate) !=
+        decision.chosen->members.end())
+      continue;
+    for (std::size_t p = 0, a = 0; p < candidate.parameters.size(); ++p) {
+      if (!candidate.amplitude[p]) continue;
+      const FreeParameter& parameter = candidate.parameters[p];
+      const double error = screened.standard_error[a++];
+      if (!(error > 0)) break;
+      const double occam = std::max(0.0, std::log(1 / error));
+      const double size = error * (std::sqrt(2 * (rules.alarm_gain + occam)) + 1.3);
+      const double neutral = parameter.z(candidate.neutral[p]);
+      double value = parameter.value(neutral + size);
+      if (parameter.variation == Variation::linear)
+        value = candidate.neutral[p] + std::max(value - candidate.neutral[p], candidate.negligible[p]);
+      const std::string key =
+          candidate.kind == CandidateKind::parameter ? "value" : parameter.path.substr(parameter.path.rfind('.') + 1);
+      out.detectable.push_back({candidate.name, key, value});
+      break;  // the first amplitude is the one that names it
+    }
+  }
+}
+
+void add_moved(const Rig& rig, const Decision& decision, Diagnosis& out) {
+  const Fit& fit = decision.chosen->fit;
+  for (std::size_t i = fit.own_count; i < fit.parameters.size(); ++i) {
+    const FreeParameter& parameter = fit.parameters[i];
+    if (parameter.start_factor >= 0) continue;
+    const double z = fit.z(static_cast<Eigen::Index>(i));
+    out.moved.push_back({parameter.path, get_parameter(rig, parameter.path), parameter.value(z), z});
+  }
+  std::stable_sort(out.moved.begin(), out.moved.end(), [](const MovedParameter& a, const MovedParameter& b) {
+    return std::abs(a.tolerances) > std::abs(b.tolerances);
+  });
+}
+
+void add_times(const ResidualModel& model, double bin_s, Diagnosis& out) {
+  std::map<std::pair<int, long>, bool> bins;
+  for (const ResidualRow& row : model.rows()) bins[{row.recording, std::lround(row.time_s / bin_s)}] = row.held_out;
+  for (const auto& [bin, held_out] : bins) (held_out ? out.held_out_s : out.admitted_s) += bin_s;
+}
+
+}  // namespace
+
+std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int) {
+  if (!rig.is_pneumatic()) return std::make_unique<DrivenAxisResiduals>(rig, recordings);
+  throw InputError(rig.name + ": found a rig with air, expected a driven_axis");
+}
+
+Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& options) {
+  Diagnosis out;
+  out.rig = rig.name;
+  out.configured = rig;
+  FittedRows rows(model, options.stop);
+  Search search(rows, rig, all_candidates(rig, model.channels(), motion_range(model.rows())), options.search,
+                options.progress);
+  try {
+    search.run();
+  } catch (const DiagnosisStopped&) {
+    out.stopped = true;
+    out.warnings.push_back("stopped early: names not yet tried are missing from the candidates");
+    if (search.owner().fit.z.size() == 0) throw;
+  }
+  if (options.progress) options.progress(0.95, "verdict");
+  const Decision decision = decide(model, search, options.rules);
+  out.verdict = decision.verdict;
+  add_candidates(decision, search, out);
+  if (decision.verdict == Verdict::unknown) add_unknown(model, decision, search, options.rules, out);
+  else if (decision.verdict != Verdict::consistent) {
+    add_answers(decision, search, options.rules, out);
+    add_element_shares(decision, search, out);
+  }
+  add_fit(model, search, decision, out);
+  add_detectable(search, decision, options.rules, out);
+  add_moved(rig, decision, out);
+  add_times(model, 0.01, out);
+  out.improved = decision.chosen->fit.hypothesis().rig;
+  out.hypotheses_tried = rows.hypotheses_tried();
+  out.sentence = verdict_sentence(out);
+  return out;
+}
+
+Diagnosis diagnose(const Rig& rig, const std::vector<Recording>& recordings, const DiagnoseOptions& options) {
+  if (recordings.empty()) throw InputError("diagnose: no recording, expected at least one");
+  const std::unique_ptr<ResidualModel> model = make_residual_model(rig, recordings, options.jobs);
+  Diagnosis out = diagnose(rig, *model, options);
+  for (const Recording& recording : recordings) {
+    out.recordings.push_back(recording.path);
+    for (const std::string& line : problem_lines(recording)) out.warnings.push_back(line);
+  }
+  return out;
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,30 @@
+// A diagnosis from code: a rig and its recordings in, what the model lacks out.
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "diagnosis/decision.hpp"
+#include "diagnosis/diagnosis.hpp"
+#include "record/reader.hpp"
+
+namespace pneuservo {
+
+struct DiagnoseOptions {
+  int jobs = 0;                                                    ///< threads; 0: as many as the machine has
+  std::function<void(double share, const std::string& what)> progress;
+  std::function<bool()> stop;                                      ///< true ends early with what is there
+  SearchSettings search;
+  DecisionRules rules;
+};
+
+/// The comparison of a rig's recordings with its model. Throws InputError: columns missing, another rig's recording.
+std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int jobs);
+
+/// Throws InputError for recordings that cannot be used.
+Diagnosis diagnose(const Rig& rig, const std::vector<Recording>& recordings, const DiagnoseOptions& options = {});
+/// The same on a comparison that is there already.
+Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& options = {});
+
+}  // namespace pneuservo

@@ -1,0 +1,100 @@
+// What a diagnosis found: one result for text, JSON, page and code.
+#pragma once
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <pneuservo/rig/rig.hpp>
+
+#include "diagnosis/residual_model.hpp"
+
+namespace pneuservo {
+
+enum class Verdict { consistent, missing_physics, parameter_error, sensor_error, unknown };
+inline constexpr std::array<std::string_view, 5> verdict_names{"consistent", "missing_physics", "parameter_error",
+                                                               "sensor_error", "unknown"};
+
+struct EstimatedParameter {
+  std::string name;  ///< key of the effect's parameter; `value` for a parameter of the config
+  double value = 0, standard_error = 0;
+};
+
+/// One thing that is held to be true.
+struct DiagnosisAnswer {
+  std::string effect, element;
+  double probability = 0;
+  std::vector<EstimatedParameter> parameters;
+  std::vector<std::string> ambiguous_with;  ///< names that these recordings cannot tell from this one
+  double share = 0;                         ///< of the mismatch above the floor that it takes
+  std::string note;
+};
+
+struct ElementShare {
+  std::string element;
+  double share = 0;
+};
+
+/// One explanation that was fitted in full.
+struct RankedExplanation {
+  std::vector<std::string> effects;
+  double probability = 0;
+  double log_evidence_behind = 0;  ///< of the best
+};
+
+/// Root mean square of simulation minus recording, in the channel's unit.
+struct ChannelFit {
+  std::string column;  ///< with unit: p1_port_Pa
+  double noise = 0, before = 0, after = 0, held_out_before = 0, held_out_after = 0;
+  double correlation = 0;  ///< of neighbouring residual rows at the end: 0 is white
+};
+
+/// The smallest size of an effect that would have been named.
+struct DetectableSize {
+  std::string effect, parameter;
+  double value = 0;
+};
+
+/// A parameter inside its tolerance whose best value is not the configured one.
+struct MovedParameter {
+  std::string path;
+  double configured = 0, fitted = 0, tolerances = 0;  ///< tolerances: by how many
+};
+
+/// A recording to be made that tells rivals apart.
+struct ProposedExperiment {
+  ReferenceSpec reference;
+  std::string setup;       ///< in words, where a change of the machine is needed
+  std::vector<std::string> between;
+  double separation = 0;   ///< predicted, in noise floors
+};
+
+struct Diagnosis {
+  std::string rig;
+  std::vector<std::string> recordings;
+  Verdict verdict = Verdict::consistent;
+  std::string sentence;  ///< the verdict for a reader
+  std::vector<ElementShare> elements;
+  std::vector<DiagnosisAnswer> answers;
+  std::vector<RankedExplanation> candidates;
+  std::vector<ChannelFit> channels;
+  double held_out_ratio = 1, over_noise = 1;
+  double explained_share = 0;  ///< of the squared mismatch above the floor that the answers take
+  std::vector<std::string> warnings;
+  double admitted_s = 0, held_out_s = 0;
+  std::vector<DetectableSize> detectable;
+  std::vector<MovedParameter> moved;
+  std::optional<ProposedExperiment> next_experiment;
+  bool stopped = false;  ///< ended early; what stands here is what was known by then
+
+  Rig configured, improved;  ///< improved: the best model, as a config
+  // For pictures: the compared rows with their residuals (in sigma), and whole courses.
+  std::vector<ResidualChannel> residual_channels;
+  std::vector<ResidualRow> rows;
+  std::vector<double> residual_before, residual_after;
+  std::vector<ResidualCourse> courses_before, courses_after;
+  std::size_t hypotheses_tried = 0;
+};
+
+}  // namespace pneuservo

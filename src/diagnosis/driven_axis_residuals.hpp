@@ -1,0 +1,42 @@
+// Residuals of an axis whose drive force is known: the force balance alone.
+#pragma once
+#include <vector>
+
+#include "diagnosis/force_balance.hpp"
+#include "diagnosis/residual_model.hpp"
+#include "record/reader.hpp"
+
+namespace pneuservo {
+
+/// One channel, F. The drive force of a row acts until the next one: its course is continued in the middle of both.
+class DrivenAxisResiduals : public ResidualModel {
+ public:
+  /// The recordings hold t_s, x_m and F_N (or u_V, where the rig says its force per volt). Throws InputError.
+  DrivenAxisResiduals(const Rig& rig, const std::vector<Recording>& recordings);
+
+  const std::vector<ResidualChannel>& channels() const override { return channels_; }
+  const std::vector<ResidualRow>& rows() const override { return rows_; }
+  Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) override;
+  std::vector<ChannelMisfit> sample_misfit(const Hypothesis& hypothesis) override;
+  std::vector<ResidualCourse> courses(const Hypothesis& hypothesis) override;
+
+ private:
+  struct Part {
+    ForceBalance balance;
+    std::vector<double> time_s, drive_N, drive_rate_Nps;  ///< smoothed drive as recorded, and its rate
+    std::vector<char> usable;
+  };
+  struct Bin {
+    std::size_t part, first, count;
+  };
+  /// The drive force with its sensor's effects undone, and the force that the hypothesis needs.
+  std::pair<std::vector<double>, std::vector<double>> forces(const Part& part, const Rig& rig) const;
+  void add_recording(const Rig& rig, const Recording& recording);
+
+  std::vector<ResidualChannel> channels_;
+  std::vector<ResidualRow> rows_;
+  std::vector<Part> parts_;
+  std::vector<Bin> bins_;
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,137 @@
+// What is left of a mismatch: size by channel, a line in its spectrum, the element whose pattern it has.
+#include "diagnosis/left_over.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <Eigen/Cholesky>
+
+namespace pneuservo {
+
+namespace {
+
+constexpr double lowest_line_Hz = 3, highest_line_Hz = 45;
+constexpr std::size_t median_lines = 41;
+constexpr double stretch_s = 0.1;  ///< within which a pattern keeps its size
+
+struct Series {
+  std::vector<double> time_s, value, sigma;
+};
+
+/// Rows of one channel and recording.
+std::map<std::pair<int, int>, Series> series_of(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual) {
+  std::map<std::pair<int, int>, Series> out;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    Series& series = out[{rows[i].channel, rows[i].recording}];
+    series.time_s.push_back(rows[i].time_s);
+    series.value.push_back(residual(static_cast<Eigen::Index>(i)));
+    series.sigma.push_back(rows[i].sigma);
+  }
+  return out;
+}
+
+/// Squared amplitude of the best sine at each frequency; the mean is taken off first.
+std::vector<double> powers(const Series& series, const std::vector<double>& frequencies) {
+  double mean = 0;
+  for (const double value : series.value) mean += value / static_cast<double>(series.value.size());
+  std::vector<double> out;
+  for (const double frequency : frequencies) {
+    double in_phase = 0, across = 0;
+    for (std::size_t i = 0; i < series.value.size(); ++i) {
+      const double phase = 2 * M_PI * frequency * series.time_s[i];
+      in_phase += (series.value[i] - mean) * std::cos(phase);
+      across += (series.value[i] - mean) * std::sin(phase);
+    }
+    const double scale = 2.0 / static_cast<double>(series.value.size());
+    out.push_back(scale * scale * (in_phase * in_phase + across * across));
+  }
+  return out;
+}
+
+double running_median(const std::vector<double>& values, std::size_t at) {
+  const std::size_t half = median_lines / 2;
+  const std::size_t from = at - std::min(at, half), to = std::min(values.size(), at + half + 1);
+  std::vector<double> window(values.begin() + static_cast<std::ptrdiff_t>(from),
+                             values.begin() + static_cast<std::ptrdiff_t>(to));
+  std::nth_element(window.begin(), window.begin() + static_cast<std::ptrdiff_t>(window.size() / 2), window.end());
+  return window[window.size() / 2];
+}
+
+}  // namespace
+
+std::vector<ChannelLevel> channel_levels(const std::vector<ResidualRow>& rows, std::size_t channels,
+                                         const Eigen::VectorXd& residual) {
+  std::vector<ChannelLevel> levels(channels);
+  std::vector<double> product(channels, 0), square(channels, 0);
+  std::vector<int> last(channels, -1);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto channel = static_cast<std::size_t>(rows[i].channel);
+    const double value = residual(static_cast<Eigen::Index>(i));
+    ChannelLevel& level = levels[channel];
+    (rows[i].held_out ? level.held_out : level.fitted) += value * value;
+    ++(rows[i].held_out ? level.held_out_rows : level.fitted_rows);
+    if (last[channel] >= 0 && rows[static_cast<std::size_t>(last[channel])].recording == rows[i].recording)
+      product[channel] += value * residual(last[channel]);
+    square[channel] += value * value;
+    last[channel] = static_cast<int>(i);
+  }
+  for (std::size_t c = 0; c < channels; ++c) {
+    ChannelLevel& level = levels[c];
+    if (level.fitted_rows > 0) level.fitted = std::sqrt(level.fitted / static_cast<double>(level.fitted_rows));
+    if (level.held_out_rows > 0) level.held_out = std::sqrt(level.held_out / static_cast<double>(level.held_out_rows));
+    level.correlation = square[c] > 0 ? product[c] / square[c] : 0;
+  }
+  return levels;
+}
+
+std::optional<SpectralLine> strongest_line(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual,
+                                           const std::vector<ChannelLevel>& levels, double least_level) {
+  std::optional<SpectralLine> best;
+  for (const auto& [key, series] : series_of(rows, residual)) {
+    if (levels[static_cast<std::size_t>(key.first)].fitted < least_level || series.value.size() < 100) continue;
+    const double length_s = series.time_s.back() - series.time_s.front();
+    if (length_s < 2) continue;
+    std::vector<double> frequencies;
+    for (double f = lowest_line_Hz; f < highest_line_Hz; f += 0.5 / length_s) frequencies.push_back(f);
+    const std::vector<double> power = powers(series, frequencies);
+    for (std::size_t i = 0; i < power.size(); ++i) {
+      const double ratio = power[i] / std::max(running_median(power, i), 1e-300);
+      if (best && ratio <= best->ratio) continue;
+      const double sigma = series.sigma[series.sigma.size() / 2];
+      best = SpectralLine{key.first, frequencies[i], std::sqrt(power[i]) * sigma, ratio};
+    }
+  }
+  return best;
+}
+
+std::vector<ElementPattern> element_patterns(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual,
+                                             const Eigen::MatrixXd& patterns,
+                                             const std::vector<std::string>& elements) {
+  std::map<std::pair<int, long>, std::vector<Eigen::Index>> stretches;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    stretches[{rows[i].recording, std::lround(std::floor(rows[i].time_s / stretch_s))}].push_back(
+        static_cast<Eigen::Index>(i));
+  std::map<std::string, double> explained;
+  const double total = std::max(residual.squaredNorm(), 1e-300);
+  for (const auto& [key, members] : stretches) {
+    const Eigen::VectorXd here = residual(members);
+    std::map<std::string, double> best;
+    for (Eigen::Index p = 0; p < patterns.cols(); ++p) {
+      const Eigen::VectorXd pattern = patterns.col(p)(members);
+      const double norm = pattern.squaredNorm();
+      if (!(norm > 1e-20)) continue;
+      const double gain = std::pow(pattern.dot(here), 2) / norm;
+      double& most = best[elements[static_cast<std::size_t>(p)]];
+      most = std::max(most, gain);
+    }
+    for (const auto& [element, gain] : best) explained[element] += gain / total;
+  }
+  std::vector<ElementPattern> out;
+  for (const auto& [element, share] : explained) out.push_back({element, share});
+  std::stable_sort(out.begin(), out.end(),
+                   [](const ElementPattern& a, const ElementPattern& b) { return a.explained > b.explained; });
+  return out;
+}
+
+}  // namespace pneuservo

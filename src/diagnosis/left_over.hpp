@@ -1,0 +1,43 @@
+// What is left of a mismatch: size by channel, a line in its spectrum, the element whose pattern it has.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "diagnosis/candidates.hpp"
+
+namespace pneuservo {
+
+/// Root mean square of one channel's residual rows, in sigma; held-out rows apart.
+struct ChannelLevel {
+  double fitted = 0, held_out = 0;
+  std::size_t fitted_rows = 0, held_out_rows = 0;
+  double correlation = 0;  ///< of neighbours in time
+};
+std::vector<ChannelLevel> channel_levels(const std::vector<ResidualRow>& rows, std::size_t channels,
+                                         const Eigen::VectorXd& residual);
+
+/// The strongest periodic part between 3 and 45 Hz.
+struct SpectralLine {
+  int channel = 0;
+  double frequency_Hz = 0;
+  double amplitude = 0;  ///< in the channel's unit
+  double ratio = 0;      ///< its power over the running median of its neighbours
+};
+/// Over channels whose level is above `least_level`; nullopt where there is none.
+std::optional<SpectralLine> strongest_line(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual,
+                                           const std::vector<ChannelLevel>& levels, double least_level);
+
+/// Share of a left-over mismatch that each element can have made: every candidate has a pattern over all channels; in
+/// every short stretch of time an element's patterns may have any size.
+struct ElementPattern {
+  std::string element;
+  double explained = 0;  ///< of the sum of squares
+};
+/// patterns: column i belongs to candidate of[i]. Best first.
+std::vector<ElementPattern> element_patterns(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual,
+                                             const Eigen::MatrixXd& patterns, const std::vector<std::string>& elements);
+
+}  // namespace pneuservo

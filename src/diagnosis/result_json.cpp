@@ -1,0 +1,107 @@
+// A diagnosis as JSON, format pneuservo-diagnosis/1.
+#include "diagnosis/result_json.hpp"
+
+#include <filesystem>
+
+#include <yaml-cpp/yaml.h>
+
+#include "config/dump_rig.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json answer_json(const DiagnosisAnswer& answer) {
+  Json parameters = Json::object();
+  for (const EstimatedParameter& p : answer.parameters)
+    parameters[p.name] = {{"value", p.value}, {"standard_error", p.standard_error}};
+  Json out{{"effect", answer.effect},
+           {"element", answer.element},
+           {"probability", answer.probability},
+           {"parameters", parameters},
+           {"ambiguous_with", answer.ambiguous_with}};
+  if (answer.share > 0) out["share"] = answer.share;
+  if (!answer.note.empty()) out["note"] = answer.note;
+  return out;
+}
+
+Json fit_json(const Diagnosis& diagnosis) {
+  Json channels = Json::object();
+  for (const ChannelFit& c : diagnosis.channels)
+    channels[c.column] = {{"noise", c.noise},
+                          {"before", c.before},
+                          {"after", c.after},
+                          {"held_out_before", c.held_out_before},
+                          {"held_out_after", c.held_out_after},
+                          {"neighbour_correlation", c.correlation}};
+  return {{"channels", channels},
+          {"held_out_ratio", diagnosis.held_out_ratio},
+          {"over_noise", diagnosis.over_noise},
+          {"explained_share", diagnosis.explained_share}};
+}
+
+/// The reference as a config has it, so that it can be put into one.
+Json plain_json(const YAML::Node& node) {
+  if (node.IsMap()) {
+    Json out = Json::object();
+    for (const auto& entry : node) out[entry.first.as<std::string>()] = plain_json(entry.second);
+    return out;
+  }
+  if (node.IsSequence()) {
+    Json out = Json::array();
+    for (const auto& entry : node) out.push_back(plain_json(entry));
+    return out;
+  }
+  double number = 0;
+  if (YAML::convert<double>::decode(node, number)) return number;
+  return node.as<std::string>("");
+}
+
+Json experiment_json(const std::optional<ProposedExperiment>& experiment) {
+  if (!experiment) return nullptr;
+  Json out{{"reference", plain_json(YAML::Load(dump_reference(experiment->reference)))}};
+  if (!experiment->setup.empty()) out["setup"] = experiment->setup;
+  out["between"] = experiment->between;
+  out["separation"] = experiment->separation;
+  return out;
+}
+
+}  // namespace
+
+Json diagnosis_json(const Diagnosis& diagnosis) {
+  Json recordings = Json::array(), elements = Json::array(), answers = Json::array(), candidates = Json::array();
+  for (const std::string& path : diagnosis.recordings)
+    recordings.push_back(std::filesystem::path(path).filename().string());
+  for (const ElementShare& e : diagnosis.elements) elements.push_back({{"element", e.element}, {"share", e.share}});
+  for (const DiagnosisAnswer& a : diagnosis.answers) answers.push_back(answer_json(a));
+  for (const RankedExplanation& r : diagnosis.candidates)
+    candidates.push_back(
+        {{"effects", r.effects}, {"probability", r.probability}, {"log_evidence_behind", r.log_evidence_behind}});
+  Json detectable = Json::array(), moved = Json::array();
+  for (const DetectableSize& d : diagnosis.detectable)
+    detectable.push_back({{"effect", d.effect}, {"parameter", d.parameter}, {"value", d.value}});
+  for (const MovedParameter& m : diagnosis.moved)
+    moved.push_back(
+        {{"path", m.path}, {"configured", m.configured}, {"fitted", m.fitted}, {"tolerances", m.tolerances}});
+  return {{"format", "pneuservo-diagnosis/1"},
+          {"rig", diagnosis.rig},
+          {"recordings", recordings},
+          {"verdict", verdict_names[static_cast<std::size_t>(diagnosis.verdict)]},
+          {"sentence", diagnosis.sentence},
+          {"elements", elements},
+          {"answers", answers},
+          {"candidates", candidates},
+          {"fit", fit_json(diagnosis)},
+          {"data",
+           {{"warnings", diagnosis.warnings},
+            {"admitted_s", diagnosis.admitted_s},
+            {"held_out_s", diagnosis.held_out_s},
+            {"stopped", diagnosis.stopped}}},
+          {"parameters_moved", moved},
+          {"detectable", detectable},
+          {"next_experiment", experiment_json(diagnosis.next_experiment)}};
+}
+
+}  // namespace pneuservo

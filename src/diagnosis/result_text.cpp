@@ -1,0 +1,100 @@
+// A diagnosis in words: one sentence, and the page of text that the program prints.
+#include "diagnosis/result_text.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace pneuservo {
+
+namespace {
+
+std::string in_words(const std::string& element) {
+  if (element.starts_with("sensor:")) return "the sensor of " + element.substr(7);
+  if (element.starts_with("line_")) return "line " + element.substr(5);
+  if (element.starts_with("chamber_")) return "chamber " + element.substr(8);
+  if (element == "timing") return "the timing of the command";
+  if (element == "motion") return "the slider and its guide";
+  return "the " + element;
+}
+
+std::string parameters_text(const DiagnosisAnswer& answer) {
+  std::vector<std::string> parts;
+  for (const EstimatedParameter& p : answer.parameters)
+    parts.push_back(fmt::format("{} = {:.4g} +- {:.1g}", p.name, p.value, p.standard_error));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string answer_text(const DiagnosisAnswer& answer) {
+  return fmt::format("{} at {} ({})", answer.effect, in_words(answer.element), parameters_text(answer));
+}
+
+std::string lead(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::missing_physics: return "The model lacks ";
+    case Verdict::parameter_error: return "A parameter is off: ";
+    case Verdict::sensor_error: return "A sensor is at fault: ";
+    default: return "";
+  }
+}
+
+std::string smallest_sizes(const Diagnosis& diagnosis) {
+  std::string out;
+  for (const DetectableSize& d : diagnosis.detectable)
+    if (!d.effect.starts_with("parameter:") && !d.effect.starts_with("sensor_"))
+      out += fmt::format("  {:<32} {:<28} {:>10.3g}\n", d.effect, d.parameter, d.value);
+  return out;
+}
+
+}  // namespace
+
+std::string verdict_sentence(const Diagnosis& diagnosis) {
+  if (diagnosis.verdict == Verdict::consistent)
+    return fmt::format("Model and recordings agree: in {:.3g} s nothing is missing that these data could show.",
+                       diagnosis.admitted_s);
+  if (diagnosis.answers.empty()) return "No verdict.";
+  const DiagnosisAnswer& first = diagnosis.answers.front();
+  if (diagnosis.verdict == Verdict::unknown)
+    return fmt::format("Something is missing at {} that no name explains: {} (probability {:.2f}).",
+                       in_words(first.element), first.note, first.probability);
+  std::string out = lead(diagnosis.verdict) + answer_text(first);
+  for (std::size_t i = 1; i < diagnosis.answers.size(); ++i) out += " and " + answer_text(diagnosis.answers[i]);
+  return out + fmt::format(", probability {:.2f}.", first.probability);
+}
+
+std::string diagnosis_text(const Diagnosis& diagnosis) {
+  std::string out = diagnosis.sentence + "\n\n";
+  out += fmt::format("compared: {:.1f} s in {} recordings, {:.1f} s held out of every fit\n\n", diagnosis.admitted_s,
+                     diagnosis.recordings.size(), diagnosis.held_out_s);
+  out += fmt::format("{:<18}{:>12}{:>12}{:>12}{:>16}{:>16}\n", "channel", "floor", "before", "after", "held out before",
+                     "held out after");
+  for (const ChannelFit& c : diagnosis.channels)
+    out += fmt::format("{:<18}{:>12.4g}{:>12.4g}{:>12.4g}{:>16.4g}{:>16.4g}\n", c.column, c.noise, c.before, c.after,
+                       c.held_out_before, c.held_out_after);
+  if (!diagnosis.candidates.empty()) {
+    out += "\nexplanations tried in full, probability, log evidence behind the best\n";
+    for (const RankedExplanation& r : diagnosis.candidates)
+      out += fmt::format("  {:<56}{:>8.3f}{:>12.1f}\n", fmt::format("{}", fmt::join(r.effects, " + ")), r.probability,
+                         r.log_evidence_behind);
+  }
+  for (const DiagnosisAnswer& answer : diagnosis.answers)
+    if (!answer.ambiguous_with.empty())
+      out += fmt::format("\nThese recordings cannot tell {} from {}.\n", answer.effect,
+                         fmt::join(answer.ambiguous_with, ", "));
+  bool any_moved = false;
+  for (const MovedParameter& m : diagnosis.moved) {
+    if (std::abs(m.tolerances) < 1) continue;
+    if (!any_moved) out += "\nparameters that moved by more than one tolerance\n";
+    any_moved = true;
+    out += fmt::format("  {:<40}{:>12.5g} -> {:<12.5g} ({:+.1f} tolerances)\n", m.path, m.configured, m.fitted,
+                       m.tolerances);
+  }
+  if (diagnosis.verdict == Verdict::consistent)
+    out += "\nsmallest sizes that would have been seen\n" + smallest_sizes(diagnosis);
+  for (const std::string& warning : diagnosis.warnings) out += "\nwarning: " + warning;
+  if (!diagnosis.warnings.empty()) out += "\n";
+  return out;
+}
+
+}  // namespace pneuservo

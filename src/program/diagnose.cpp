@@ -1,0 +1,95 @@
+// Verb diagnose: where and why recordings of the real machine differ from its config.
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "config/dump_rig.hpp"
+#include "config/input_error.hpp"
+#include "config/read_rig.hpp"
+#include "diagnosis/diagnose.hpp"
+#include "diagnosis/result_json.hpp"
+#include "diagnosis/result_text.hpp"
+#include "loop/realtime_stop.hpp"
+#include "program/rig_options.hpp"
+#include "program/verbs.hpp"
+
+namespace pneuservo {
+namespace {
+
+struct DiagnoseVerbOptions {
+  std::string config, json, improved;
+  std::vector<std::string> recordings, sets;
+  int jobs = 0;
+  bool quiet = false;
+};
+
+/// One line that is overwritten on a terminal; nothing elsewhere.
+void show_progress(double share, const std::string& what) {
+  if (isatty(fileno(stderr)) == 0) return;
+  std::fprintf(stderr, "\r\033[K%3.0f %%  %s", 100 * share, share < 1 ? what.c_str() : "");
+  if (share >= 1) std::fprintf(stderr, "\r\033[K");
+}
+
+/// A recording that names another rig is told, not refused: configs are copied and renamed.
+void compare_names(const Rig& rig, Recording& recording) {
+  if (!recording.rig.empty() && recording.rig != rig.name)
+    recording.report(0, ProblemKind::header,
+                     fmt::format("was made with rig '{}', the config is '{}'", recording.rig, rig.name));
+}
+
+void write_improved(const DiagnoseVerbOptions& options, const Diagnosis& diagnosis) {
+  if (options.improved.empty()) return;
+  std::ofstream file(options.improved);
+  file << "# " << diagnosis.sentence << "\n" << dump_rig(diagnosis.improved);
+  if (!file.flush()) throw InputError(options.improved + ": cannot be written");
+}
+
+int run_diagnose(const DiagnoseVerbOptions& options) {
+  const Rig rig = read_rig(options.config, options.sets);
+  require_writable("--json", options.json);
+  require_writable("--improved", options.improved);
+  std::vector<Recording> recordings;
+  for (const std::string& path : options.recordings) {
+    recordings.push_back(read_recording(path));
+    compare_names(rig, recordings.back());
+  }
+  const StopRequest stop_request;
+  DiagnoseOptions settings;
+  settings.jobs = options.jobs;
+  settings.stop = [] { return StopRequest::requested(); };
+  if (!options.quiet) settings.progress = show_progress;
+  Diagnosis diagnosis;
+  try {
+    diagnosis = diagnose(rig, recordings, settings);
+  } catch (const DiagnosisStopped&) {
+    std::fprintf(stderr, "pneuservo: stopped before anything was known\n");
+    return 128 + StopRequest::signal_number();
+  }
+  if (!options.quiet) show_progress(1, "");
+  if (options.json != "-") std::fputs(diagnosis_text(diagnosis).c_str(), stdout);
+  write_json(options.json, diagnosis_json(diagnosis));
+  write_improved(options, diagnosis);
+  return diagnosis.stopped ? 128 + StopRequest::signal_number() : 0;
+}
+
+}  // namespace
+
+void add_diagnose(CLI::App& app, int& status) {
+  auto options = std::make_shared<DiagnoseVerbOptions>();
+  CLI::App* verb = app.add_subcommand("diagnose", "where and why recordings of the machine differ from its config");
+  verb->add_option("CONFIG", options->config, "rig as the owner believes it is, with tolerances")->required();
+  verb->add_option("RECORDING", options->recordings, "recordings of the machine (.csv.gz)")->required();
+  verb->add_option("--json", options->json, "result as JSON; - for standard output");
+  verb->add_option("--improved", options->improved, "config with what was found, for run and simulate");
+  verb->add_option("--jobs", options->jobs, "threads; 0: all of the machine")->check(CLI::Range(0, 1024));
+  verb->add_option("--set", options->sets, "PATH=VALUE: overrides a value of the config");
+  verb->add_flag("--quiet", options->quiet, "no progress");
+  verb->callback([options, &status] { status = run_diagnose(*options); });
+}
+
+}  // namespace pneuservo

@@ -24,13 +24,9 @@ struct ScaleTable {
   std::string channel;  ///< of a sensor effect
 
   double gauge_supply() const { return std::max(rig.axis.supply.pressure_Pa - rig.axis.air.atmosphere_Pa, 1e4); }
-  bool has_air() const { return rig.kind == RigKind::cylinder; }
-  double force() const {
-    return has_air() ? rig.axis.cylinder.area_1_m2 * gauge_supply() : get_parameter(rig, "slider.force_max_N");
-  }
-  double half_stroke() const {
-    return 0.5 * (has_air() ? rig.axis.cylinder.stroke_m : get_parameter(rig, "slider.stroke_m"));
-  }
+  bool has_air() const { return rig.is_pneumatic(); }
+  double force() const { return has_air() ? rig.axis.cylinder.area_1_m2 * gauge_supply() : rig.drive.force_max_N; }
+  double half_stroke() const { return 0.5 * rig.axis.cylinder.stroke_m; }
   double top_speed() const { return std::max(range.top_speed_mps, 1e-3); }
   double channel_offset() const {
     if (channel == "x") return 2 * half_stroke();
@@ -172,7 +168,7 @@ void add_effects(const Rig& rig, const MotionRange& range, std::vector<Candidate
 
 void add_sensors(const Rig& rig, const MotionRange& range, const std::vector<ResidualChannel>& channels,
                  std::vector<Candidate>& out) {
-  for (const std::string_view channel : channel_names) {
+  for (const std::string_view channel : sensor_names) {
     const std::string name(channel);
     const bool compared =
         std::any_of(channels.begin(), channels.end(), [&](const ResidualChannel& c) { return c.name == name; });

@@ -89,10 +89,21 @@ GridParameter grid_parameter(const ParameterTrait& trait, const Field& field, co
   } else if (trait.variation == Variation::inverse_square) {
     free.lower = 0;
   } else {
-    free.lower = -3;
-    free.upper = 3;
+    // Not far beyond the grid: there the effect is another one, or nothing that these data show.
+    const auto [least, most] = std::minmax_element(out.starts.begin(), out.starts.end());
+    free.lower = *least - std::log(2.0) / free.spread;
+    free.upper = *most + std::log(4.0) / free.spread;
   }
   return out;
+}
+
+/// Narrows the bounds to what the parameter's field allows.
+void keep_in_range(FreeParameter& free, const std::vector<ParameterPath>& known) {
+  for (const ParameterPath& parameter : known)
+    if (parameter.path == free.path) {
+      free.lower = std::max(free.lower, free.z(parameter.field.minimum) + 1e-6);
+      free.upper = std::min(free.upper, free.z(parameter.field.maximum) - 1e-6);
+    }
 }
 
 std::string family_of(const std::string& name) {
@@ -230,6 +241,7 @@ std::string element_of_path(const std::string& path) {
 
 std::vector<FreeParameter> nuisances(const Rig& rig, std::size_t start_factor_count, double start_factor_sigma) {
   std::vector<FreeParameter> out;
+  const std::vector<ParameterPath> known = parameter_paths(rig);
   for (const auto& [path, tolerance] : rig.tolerances) {
     const double value = get_parameter(rig, path);
     if (value == 0 || tolerance <= 0) continue;  // nothing to vary
@@ -240,6 +252,7 @@ std::vector<FreeParameter> nuisances(const Rig& rig, std::size_t start_factor_co
     free.lower = -tolerance_cut;
     free.upper = tolerance_cut;
     free.step = 0.05;
+    keep_in_range(free, known);
     out.push_back(free);
   }
   for (std::size_t i = 0; i < start_factor_count; ++i) {
@@ -258,11 +271,13 @@ std::vector<Candidate> all_candidates(const Rig& rig, const std::vector<Residual
                                       const MotionRange& range) {
   std::vector<Candidate> out;
   add_effects(rig, range, out);
+  const std::vector<ParameterPath> known_paths = parameter_paths(rig);
   for (const FreeParameter& known : nuisances(rig, 0, 0)) {
     FreeParameter free = known;
     free.spread = wide_parameter_spread * std::abs(known.center);
     free.lower = -0.9 / wide_parameter_spread;
     free.upper = 10 / wide_parameter_spread;
+    keep_in_range(free, known_paths);
     free.step = known.step * known.spread / free.spread;
     out.push_back({"parameter:" + free.path,
                    element_of_path(free.path),

@@ -44,11 +44,35 @@ bool is_negligible(const Explanation& explanation, const Candidate& candidate) {
   return judged;
 }
 
+/// A force below this share of a simpler law's force does not make another law of it.
+constexpr double law_share = 0.1;
+
+double own_value(const Explanation& explanation, const std::string& path) {
+  for (std::size_t i = 0; i < explanation.fit.own_count; ++i)
+    if (explanation.fit.parameters[i].path == path)
+      return explanation.fit.parameters[i].value(explanation.fit.z(static_cast<Eigen::Index>(i)));
+  return 0;
+}
+
+/// Whether the member is in truth the simpler law that it contains: Stribeck friction with next to no extra force, a
+/// friction that hardly differs by direction.
+bool is_simpler_law(const Explanation& explanation, const Candidate& candidate) {
+  const auto value = [&](const char* key) {
+    return own_value(explanation, fmt::format("effects.{}.{}", candidate.name, key));
+  };
+  if (candidate.name == "stribeck_friction") return value("extra_force_N") < law_share * value("coulomb_force_N");
+  if (candidate.name == "direction_dependent_friction")
+    return std::abs(value("forward_N") - value("backward_N")) <
+           law_share * 0.5 * (value("forward_N") + value("backward_N"));
+  return false;
+}
+
 std::vector<const Explanation*> sizeable(const Search& search, std::size_t members) {
   std::vector<const Explanation*> out = search.ranking(members);
   std::erase_if(out, [&](const Explanation* e) {
-    return std::any_of(e->members.begin(), e->members.end(),
-                       [&](std::size_t m) { return is_negligible(*e, search.candidates()[m]); });
+    return std::any_of(e->members.begin(), e->members.end(), [&](std::size_t m) {
+      return is_negligible(*e, search.candidates()[m]) || is_simpler_law(*e, search.candidates()[m]);
+    });
   });
   return out;
 }

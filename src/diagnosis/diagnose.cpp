@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <thread>
 
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
 #include "config/rig_parameters.hpp"
+#include "diagnosis/cylinder_residuals.hpp"
 #include "diagnosis/driven_axis_residuals.hpp"
 #include "diagnosis/result_text.hpp"
 
@@ -102,7 +104,7 @@ void add_unknown(ResidualModel& model, const Decision& decision, const Search& s
   std::vector<Hypothesis> hypotheses;
   std::vector<std::string> elements;
   for (const Candidate& candidate : search.candidates()) {
-    if (candidate.kind == CandidateKind::parameter) continue;
+    if (candidate.kind != CandidateKind::effect) continue;
     for (const std::vector<double>& start : candidate.starts) {
       std::vector<double> z = start;
       for (std::size_t p = 0; p < z.size(); ++p)
@@ -226,9 +228,11 @@ void add_times(const ResidualModel& model, double bin_s, Diagnosis& out) {
 
 }  // namespace
 
-std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int) {
+std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int jobs) {
   if (!rig.is_pneumatic()) return std::make_unique<DrivenAxisResiduals>(rig, recordings);
-  throw InputError(rig.name + ": found a rig with air, expected a driven_axis");
+  CylinderResidualsSettings settings;
+  settings.jobs = jobs > 0 ? jobs : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  return std::make_unique<CylinderResiduals>(rig, recordings, settings);
 }
 
 Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& options) {

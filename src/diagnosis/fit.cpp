@@ -13,7 +13,9 @@ namespace {
 
 /// Tried at once; the best is taken. The last one is a short step along the first.
 constexpr std::array<double, 5> dampings{0.0, 0.03, 0.3, 3.0, 30.0};
-constexpr double settled_gain = 0.05;  ///< of the objective: 0.025 in log evidence
+/// A step that would gain less than this of the objective is not taken: 0.05 in log evidence, or a share that matters
+/// to no comparison.
+constexpr double settled_gain = 0.1, settled_share = 2e-5;
 
 Eigen::MatrixXd curvature(const Fit& fit) {
   Eigen::MatrixXd h = fit.jacobian.transpose() * fit.jacobian;
@@ -52,6 +54,11 @@ Eigen::VectorXd bounded_step(const Fit& fit, const Eigen::MatrixXd& h, const Eig
     }
   }
   return step;
+}
+
+double predicted_gain(const Fit& fit, const Eigen::MatrixXd& h, const Eigen::VectorXd& gradient) {
+  const Eigen::VectorXd step = bounded_step(fit, h, gradient, 0.0);
+  return -2 * gradient.dot(step) - step.dot(h * step);
 }
 
 std::vector<double> plain(const Eigen::VectorXd& z) { return {z.data(), z.data() + z.size()}; }
@@ -167,23 +174,26 @@ void linearise(FittedRows& rows, std::vector<Fit*> fits) {
   for (Fit* fit : fits) fit->known_columns.assign(fit->parameters.size(), 1);
 }
 
-void improve(FittedRows& rows, std::vector<Fit*> fits, const FitEffort& effort) {
+void improve(FittedRows& rows, std::vector<Fit*> fits, int iterations, Columns columns_at_steps) {
   std::erase_if(fits, [](const Fit* fit) { return fit->failed; });
   for (Fit* fit : fits) fit->settled = false;
   for (int iteration = 0; !fits.empty(); ++iteration) {
     linearise(rows, fits);
     std::erase_if(fits, [](const Fit* fit) { return fit->failed || fit->settled; });
-    if (iteration == effort.iterations) break;
+    if (iteration == iterations) break;
     std::vector<Hypothesis> hypotheses;
     std::vector<Eigen::VectorXd> places;
     for (Fit* fit : fits) {
       const Eigen::MatrixXd h = curvature(*fit);
       const Eigen::VectorXd gradient = fit->jacobian.transpose() * fit->residual + fit->z;
+      fit->settled = predicted_gain(*fit, h, gradient) < std::max(settled_gain, settled_share * fit->objective);
+      if (fit->settled) continue;
       for (const double damping : dampings) {
         places.push_back(fit->z + bounded_step(*fit, h, gradient, damping));
         hypotheses.push_back(with_parameters(fit->base, fit->parameters, plain(places.back())));
       }
     }
+    std::erase_if(fits, [](const Fit* fit) { return fit->settled; });
     const Eigen::MatrixXd columns = rows(hypotheses);
     for (std::size_t f = 0; f < fits.size(); ++f) {
       Fit& fit = *fits[f];
@@ -197,9 +207,9 @@ void improve(FittedRows& rows, std::vector<Fit*> fits, const FitEffort& effort) 
         fit.objective = objective;
         fit.z = places[at];
       }
-      fit.settled = before - fit.objective < settled_gain;
+      fit.settled = before - fit.objective < std::max(settled_gain, settled_share * before);
       for (std::size_t i = 0; i < fit.parameters.size(); ++i)
-        fit.known_columns[i] = effort.keep_nuisance_columns && i >= fit.own_count;
+        fit.known_columns[i] = columns_at_steps == Columns::own && i >= fit.own_count;
     }
   }
 }

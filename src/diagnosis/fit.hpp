@@ -62,14 +62,14 @@ struct Fit {
   Eigen::MatrixXd covariance() const;
 };
 
-struct FitEffort {
-  int iterations = 4;
-  bool keep_nuisance_columns = true;  ///< derivatives of the nuisances from where the fit began
-};
-
 /// Fills the residual and, in every column that is not known, the Jacobian at z.
 void linearise(FittedRows& rows, std::vector<Fit*> fits);
-/// Moves every fit to its minimum; afterwards residual, Jacobian of its own parameters and objective stand at z.
-void improve(FittedRows& rows, std::vector<Fit*> fits, const FitEffort& effort);
+/// Which derivatives are taken anew at every step: those of the explanation's own parameters (the nuisances' are taken
+/// where they are not known yet, and hardly change near a minimum), or all.
+enum class Columns { own, all };
+
+/// Moves every fit towards its minimum, at most `iterations` steps; afterwards residual, Jacobian and objective stand
+/// at z.
+void improve(FittedRows& rows, std::vector<Fit*> fits, int iterations, Columns columns_at_steps);
 
 }  // namespace pneuservo

@@ -50,7 +50,7 @@ struct FreeParameter {
   }
 };
 
-/// The hypothesis that differs from `base` in these parameters. Values outside a field's range are taken to its end.
+/// The hypothesis that differs from `base` in these parameters.
 Hypothesis with_parameters(const Hypothesis& base, const std::vector<FreeParameter>& parameters,
                            const std::vector<double>& z);
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double lowest_line_Hz = 3, highest_line_Hz = 45;
 constexpr std::size_t median_lines = 41;
-constexpr double stretch_s = 0.1;  ///< within which a pattern keeps its size
+constexpr double stretch_s = 0.03;  ///< within which a pattern keeps its size
 
 struct Series {
   std::vector<double> time_s, value, sigma;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -15,80 +16,10 @@ namespace {
 
 constexpr double largest_whole = 1.5;  ///< share of a whole effect (a droop) that its column may stand for
 
-/// A start of a candidate: its columns are changes of the residual by one amplitude each, or one by the whole effect
-/// where it has no amplitude.
-struct Trial {
-  std::size_t candidate;
-  std::vector<double> z;                 ///< of the candidate's parameters, amplitudes as they are at the base
-  std::vector<std::size_t> amplitudes;   ///< parameters that have a column; empty: the whole effect is one
-  std::vector<double> steps;
-  std::vector<Eigen::Index> hypotheses;  ///< of each column in the batch; -1: from the base's Jacobian
-};
-
 /// z of the candidate's parameters where `here` stands.
 double place_in(const Rig& here, const FreeParameter& parameter) {
   return parameter.z(get_parameter(here, parameter.path));
 }
-
-int column_of_path(const Fit& base, const std::string& path) {
-  for (std::size_t i = 0; i < base.parameters.size(); ++i)
-    if (base.parameters[i].start_factor < 0 && base.parameters[i].path == path) return static_cast<int>(i);
-  return -1;
-}
-
-void collect_trials(const Fit& base, const Hypothesis& here, const Candidate& candidate, std::size_t index,
-                    std::vector<Trial>& trials, std::vector<Hypothesis>& hypotheses) {
-  for (const std::vector<double>& start : candidate.starts) {
-    Trial trial{index, start, {}, {}, {}};
-    for (std::size_t p = 0; p < candidate.parameters.size(); ++p) {
-      const FreeParameter& parameter = candidate.parameters[p];
-      if (!candidate.amplitude[p]) continue;
-      trial.z[p] = std::clamp(place_in(here.rig, parameter), parameter.lower, parameter.upper);
-      trial.amplitudes.push_back(p);
-    }
-    for (const std::size_t p : trial.amplitudes) {
-      const FreeParameter& parameter = candidate.parameters[p];
-      trial.steps.push_back(parameter.step);
-      if (candidate.kind == CandidateKind::parameter && column_of_path(base, parameter.path) >= 0) {
-        trial.hypotheses.push_back(-1);
-        continue;
-      }
-      std::vector<double> z = trial.z;
-      z[p] += parameter.step;
-      trial.hypotheses.push_back(static_cast<Eigen::Index>(hypotheses.size()));
-      hypotheses.push_back(with_parameters(here, candidate.parameters, z));
-    }
-    if (trial.amplitudes.empty()) {
-      trial.steps.push_back(1.0);
-      trial.hypotheses.push_back(static_cast<Eigen::Index>(hypotheses.size()));
-      hypotheses.push_back(with_parameters(here, candidate.parameters, trial.z));
-    }
-    trials.push_back(std::move(trial));
-  }
-}
-
-Eigen::MatrixXd columns_of(const Trial& trial, const Fit& base, const Candidate& candidate,
-                           const Eigen::MatrixXd& batch) {
-  Eigen::MatrixXd columns(base.residual.size(), static_cast<Eigen::Index>(trial.steps.size()));
-  for (std::size_t c = 0; c < trial.steps.size(); ++c) {
-    const auto at = static_cast<Eigen::Index>(c);
-    if (trial.hypotheses[c] >= 0) {
-      columns.col(at) = (batch.col(trial.hypotheses[c]) - base.residual) / trial.steps[c];
-      continue;
-    }
-    const FreeParameter& parameter = candidate.parameters[trial.amplitudes[c]];
-    const int known = column_of_path(base, parameter.path);
-    columns.col(at) =
-        base.jacobian.col(known) * (parameter.spread / base.parameters[static_cast<std::size_t>(known)].spread);
-  }
-  return columns;
-}
-
-/// What one trial's columns gain when everything in the base that the candidate does not replace goes with them.
-struct Gain {
-  double chi2 = 0;
-  Eigen::VectorXd amplitude, standard_error;
-};
 
 /// Minimum of x'Ax/2 + b'x in a box, by holding what leaves it.
 Eigen::VectorXd boxed(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& lower,
@@ -106,71 +37,188 @@ Eigen::VectorXd boxed(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const 
   return x;
 }
 
-Gain gain_of(const Trial& trial, const Eigen::MatrixXd& x, const Fit& base, const Candidate& candidate) {
-  std::vector<Eigen::Index> kept;
-  double freed = 0;  // prior cost that goes with a nuisance that the candidate replaces
-  for (std::size_t i = 0; i < base.parameters.size(); ++i) {
-    const bool replaced =
-        std::any_of(candidate.parameters.begin(), candidate.parameters.end(), [&](const FreeParameter& p) {
-          return base.parameters[i].start_factor < 0 && p.path == base.parameters[i].path;
-        });
-    if (replaced) freed += base.z(static_cast<Eigen::Index>(i)) * base.z(static_cast<Eigen::Index>(i));
-    else kept.push_back(static_cast<Eigen::Index>(i));
-  }
-  const Eigen::MatrixXd j = base.jacobian(Eigen::all, kept);
-  Eigen::MatrixXd g = j.transpose() * j;
-  g.diagonal().array() += 1;
-  const Eigen::MatrixXd cross = j.transpose() * x;
-  const Eigen::LDLT<Eigen::MatrixXd> factors(g);
-  const Eigen::VectorXd gradient = j.transpose() * base.residual + base.z(kept);
-  Eigen::MatrixXd a = x.transpose() * x - cross.transpose() * factors.solve(cross);
-  Eigen::VectorXd b = x.transpose() * base.residual - cross.transpose() * factors.solve(gradient);
-  const Eigen::Index count = x.cols();
-  Eigen::VectorXd lower = Eigen::VectorXd::Zero(count), upper = Eigen::VectorXd::Constant(count, largest_whole);
-  for (std::size_t c = 0; c < trial.amplitudes.size(); ++c) {
-    const auto at = static_cast<Eigen::Index>(c);
-    const FreeParameter& parameter = candidate.parameters[trial.amplitudes[c]];
-    lower(at) = parameter.lower - trial.z[trial.amplitudes[c]];
-    upper(at) = parameter.upper - trial.z[trial.amplitudes[c]];
-    a(at, at) += 1;
-    b(at) += trial.z[trial.amplitudes[c]];
-  }
-  a.diagonal().array() += 1e-9;
-  Gain gain;
-  gain.amplitude = boxed(a, b, lower, upper);
-  gain.chi2 = freed - gain.amplitude.dot(a * gain.amplitude) - 2 * b.dot(gain.amplitude);
-  gain.standard_error = a.inverse().diagonal().array().max(0.0).sqrt();
-  return gain;
-}
-
 }  // namespace
 
-std::vector<Screened> screen_candidates(FittedRows& rows, const Fit& base, const std::vector<Candidate>& candidates,
-                                        const std::vector<std::size_t>& chosen) {
+Screening::Screening(FittedRows& rows, const Fit& base, const std::vector<Candidate>& candidates,
+                     const std::vector<std::size_t>& chosen)
+    : base_(base), candidates_(candidates) {
   const Hypothesis here = base.hypothesis();
-  std::vector<Trial> trials;
   std::vector<Hypothesis> hypotheses;
-  for (const std::size_t index : chosen) collect_trials(base, here, candidates[index], index, trials, hypotheses);
-  const Eigen::MatrixXd batch = rows(hypotheses);
-  std::vector<Screened> out;
-  for (const Trial& trial : trials) {
-    const Candidate& candidate = candidates[trial.candidate];
-    const Eigen::MatrixXd x = columns_of(trial, base, candidate, batch);
-    if (out.empty() || out.back().candidate != trial.candidate) {
-      out.push_back({trial.candidate, -1e300, trial.z, std::vector<double>(trial.amplitudes.size(), 0.0)});
+  for (const std::size_t index : chosen) collect(here, candidates[index], index, hypotheses);
+  fill_columns(rows(hypotheses));
+  Eigen::MatrixXd g = base.jacobian.transpose() * base.jacobian;
+  g.diagonal().array() += 1;
+  const Eigen::MatrixXd cross = base.jacobian.transpose() * columns_;
+  const Eigen::LDLT<Eigen::MatrixXd> factors(g);
+  curvature_ = columns_.transpose() * columns_ - cross.transpose() * factors.solve(cross);
+  gradient_ = columns_.transpose() * base.residual -
+              cross.transpose() * factors.solve(base.jacobian.transpose() * base.residual + base.z);
+}
+
+int Screening::column_of_path(const std::string& path) const {
+  for (std::size_t i = 0; i < base_.parameters.size(); ++i)
+    if (base_.parameters[i].start_factor < 0 && base_.parameters[i].path == path) return static_cast<int>(i);
+  return -1;
+}
+
+void Screening::collect(const Hypothesis& here, const Candidate& candidate, std::size_t index,
+                        std::vector<Hypothesis>& hypotheses) {
+  for (const std::vector<double>& start : candidate.starts) {
+    Trial trial{index, start, {}, {}, {}};
+    for (std::size_t p = 0; p < candidate.parameters.size(); ++p) {
+      const FreeParameter& parameter = candidate.parameters[p];
+      if (!candidate.amplitude[p]) continue;
+      trial.z[p] = std::clamp(place_in(here.rig, parameter), parameter.lower, parameter.upper);
+      trial.amplitudes.push_back(p);
     }
-    if (!x.allFinite()) continue;
-    const Gain gain = gain_of(trial, x, base, candidate);
-    Screened& screened = out.back();
-    if (gain.chi2 <= screened.gain) continue;
-    screened.gain = gain.chi2;
-    screened.start = trial.z;
-    for (std::size_t c = 0; c < trial.amplitudes.size(); ++c)
-      screened.start[trial.amplitudes[c]] += gain.amplitude(static_cast<Eigen::Index>(c));
-    screened.standard_error.assign(gain.standard_error.data(),
-                                   gain.standard_error.data() +
-                                       (trial.amplitudes.empty() ? 0 : gain.standard_error.size()));
+    for (const std::size_t p : trial.amplitudes) {
+      const FreeParameter& parameter = candidate.parameters[p];
+      trial.steps.push_back(parameter.step);
+      if (candidate.kind == CandidateKind::parameter && column_of_path(parameter.path) >= 0) {
+        trial.hypotheses.push_back(-1);
+        continue;
+      }
+      std::vector<double> z = trial.z;
+      z[p] += parameter.step;
+      trial.hypotheses.push_back(static_cast<Eigen::Index>(hypotheses.size()));
+      hypotheses.push_back(with_parameters(here, candidate.parameters, z));
+    }
+    if (trial.amplitudes.empty()) {
+      trial.steps.push_back(1.0);
+      trial.hypotheses.push_back(static_cast<Eigen::Index>(hypotheses.size()));
+      hypotheses.push_back(with_parameters(here, candidate.parameters, trial.z));
+    }
+    trials_.push_back(std::move(trial));
   }
+}
+
+void Screening::fill_columns(const Eigen::MatrixXd& batch) {
+  Eigen::Index count = 0;
+  for (Trial& trial : trials_) {
+    trial.first_column = count;
+    count += static_cast<Eigen::Index>(trial.steps.size());
+  }
+  columns_.resize(base_.residual.size(), count);
+  for (Trial& trial : trials_)
+    for (std::size_t c = 0; c < trial.steps.size(); ++c) {
+      const Eigen::Index at = trial.first_column + static_cast<Eigen::Index>(c);
+      if (trial.hypotheses[c] >= 0) {
+        columns_.col(at) = (batch.col(trial.hypotheses[c]) - base_.residual) / trial.steps[c];
+      } else {
+        const FreeParameter& parameter = candidates_[trial.candidate].parameters[trial.amplitudes[c]];
+        const int known = column_of_path(parameter.path);
+        columns_.col(at) =
+            base_.jacobian.col(known) * (parameter.spread / base_.parameters[static_cast<std::size_t>(known)].spread);
+      }
+      if (columns_.col(at).allFinite()) continue;
+      trial.usable = false;  // cannot be simulated there
+      columns_.col(at).setZero();
+    }
+}
+
+void Screening::add_bounds(const Trial& trial, Eigen::Index at, Eigen::VectorXd& lower, Eigen::VectorXd& upper,
+                           Eigen::MatrixXd& a, Eigen::VectorXd& b) const {
+  if (trial.amplitudes.empty()) {
+    lower(at) = 0;
+    upper(at) = largest_whole;
+  }
+  for (std::size_t c = 0; c < trial.amplitudes.size(); ++c, ++at) {
+    const std::size_t p = trial.amplitudes[c];
+    const FreeParameter& parameter = candidates_[trial.candidate].parameters[p];
+    lower(at) = parameter.lower - trial.z[p];
+    upper(at) = parameter.upper - trial.z[p];
+    a(at, at) += 1;
+    b(at) += trial.z[p];
+  }
+}
+
+Screened Screening::with_amplitudes(const Trial& trial, const Eigen::VectorXd& amplitude,
+                                    const Eigen::VectorXd& error) const {
+  Screened out{trial.candidate, 0, trial.z, {}};
+  for (std::size_t c = 0; c < trial.amplitudes.size(); ++c) {
+    out.start[trial.amplitudes[c]] += amplitude(static_cast<Eigen::Index>(c));
+    out.standard_error.push_back(error(static_cast<Eigen::Index>(c)));
+  }
+  return out;
+}
+
+Screened Screening::single(const Trial& trial) const {
+  // A candidate that replaces a nuisance goes without that one's column and prior.
+  std::vector<Eigen::Index> kept;
+  double freed = 0;
+  for (std::size_t i = 0; i < base_.parameters.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    const std::vector<FreeParameter>& own = candidates_[trial.candidate].parameters;
+    const bool replaced = std::any_of(own.begin(), own.end(), [&](const FreeParameter& p) {
+      return base_.parameters[i].start_factor < 0 && p.path == base_.parameters[i].path;
+    });
+    if (replaced) freed += base_.z(at) * base_.z(at);
+    else kept.push_back(at);
+  }
+  const auto count = static_cast<Eigen::Index>(trial.steps.size());
+  Eigen::MatrixXd a;
+  Eigen::VectorXd b;
+  if (kept.size() == base_.parameters.size()) {
+    a = curvature_.block(trial.first_column, trial.first_column, count, count);
+    b = gradient_.segment(trial.first_column, count);
+  } else {
+    const Eigen::MatrixXd x = columns_.middleCols(trial.first_column, count), j = base_.jacobian(Eigen::all, kept);
+    Eigen::MatrixXd g = j.transpose() * j;
+    g.diagonal().array() += 1;
+    const Eigen::MatrixXd cross = j.transpose() * x;
+    const Eigen::LDLT<Eigen::MatrixXd> factors(g);
+    a = x.transpose() * x - cross.transpose() * factors.solve(cross);
+    b = x.transpose() * base_.residual -
+        cross.transpose() * factors.solve(j.transpose() * base_.residual + base_.z(kept));
+  }
+  Eigen::VectorXd lower(count), upper(count);
+  a.diagonal().array() += 1e-9;
+  add_bounds(trial, 0, lower, upper, a, b);
+  const Eigen::VectorXd amplitude = boxed(a, b, lower, upper);
+  Screened out = with_amplitudes(trial, amplitude, a.inverse().diagonal().array().max(0.0).sqrt().matrix());
+  out.gain = freed - amplitude.dot(a * amplitude) - 2 * b.dot(amplitude);
+  return out;
+}
+
+std::vector<Screened> Screening::singles() const {
+  std::vector<Screened> out;
+  for (const Trial& trial : trials_) {
+    if (out.empty() || out.back().candidate != trial.candidate) out.push_back({trial.candidate, -1e300, trial.z, {}});
+    if (!trial.usable) continue;
+    const Screened here = single(trial);
+    if (here.gain > out.back().gain) out.back() = here;
+  }
+  return out;
+}
+
+std::vector<ScreenedPair> Screening::best_pairs(std::size_t count) const {
+  std::map<std::pair<std::size_t, std::size_t>, ScreenedPair> best;
+  for (std::size_t i = 0; i < trials_.size(); ++i)
+    for (std::size_t k = i + 1; k < trials_.size(); ++k) {
+      const Trial &first = trials_[i], &second = trials_[k];
+      if (first.candidate == second.candidate || !first.usable || !second.usable) continue;
+      const auto left = static_cast<Eigen::Index>(first.steps.size());
+      const auto right = static_cast<Eigen::Index>(second.steps.size());
+      std::vector<Eigen::Index> both;
+      for (Eigen::Index c = 0; c < left; ++c) both.push_back(first.first_column + c);
+      for (Eigen::Index c = 0; c < right; ++c) both.push_back(second.first_column + c);
+      Eigen::MatrixXd a = curvature_(both, both);
+      Eigen::VectorXd b = gradient_(both), lower(left + right), upper(left + right);
+      a.diagonal().array() += 1e-9;
+      add_bounds(first, 0, lower, upper, a, b);
+      add_bounds(second, left, lower, upper, a, b);
+      const Eigen::VectorXd amplitude = boxed(a, b, lower, upper);
+      const double gain = -amplitude.dot(a * amplitude) - 2 * b.dot(amplitude);
+      ScreenedPair& known = best[{first.candidate, second.candidate}];
+      if (gain <= known.gain) continue;
+      known = {with_amplitudes(first, amplitude.head(left), amplitude.head(left)),
+               with_amplitudes(second, amplitude.tail(right), amplitude.tail(right)), gain};
+    }
+  std::vector<ScreenedPair> out;
+  for (const auto& [key, pair] : best) out.push_back(pair);
+  std::stable_sort(out.begin(), out.end(),
+                   [](const ScreenedPair& a, const ScreenedPair& b) { return a.gain > b.gain; });
+  if (out.size() > count) out.resize(count);
   return out;
 }
 

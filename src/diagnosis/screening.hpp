@@ -15,8 +15,52 @@ struct Screened {
   std::vector<double> standard_error;  ///< of its amplitudes, in z, all else projected out
 };
 
-/// Screens the candidates `chosen` at a linearised fit, in their order.
-std::vector<Screened> screen_candidates(FittedRows& rows, const Fit& base, const std::vector<Candidate>& candidates,
-                                        const std::vector<std::size_t>& chosen);
+/// Two candidates together.
+struct ScreenedPair {
+  Screened first, second;
+  double gain = 0;
+};
+
+/// All candidates at one linearised fit: a batch of hypotheses once, then closed forms.
+class Screening {
+ public:
+  /// `base` and `candidates` must outlive this.
+  Screening(FittedRows& rows, const Fit& base, const std::vector<Candidate>& candidates,
+            const std::vector<std::size_t>& chosen);
+
+  /// Every chosen candidate alone, in their order.
+  std::vector<Screened> singles() const;
+  /// The pairs that gain most, each two candidates once. Greedy search misses a pair when its better half looks like
+  /// something else as long as the other half is missing.
+  std::vector<ScreenedPair> best_pairs(std::size_t count) const;
+
+ private:
+  /// A start of a candidate: its columns are changes of the residual by one amplitude each, or one by the whole effect
+  /// where it has no amplitude.
+  struct Trial {
+    std::size_t candidate;
+    std::vector<double> z;  ///< of the candidate's parameters, amplitudes as they are at the base
+    std::vector<std::size_t> amplitudes;  ///< parameters that have a column; empty: the whole effect is one
+    std::vector<double> steps;
+    std::vector<Eigen::Index> hypotheses;  ///< of each column in the batch; -1: from the base's Jacobian
+    Eigen::Index first_column = 0;
+    bool usable = true;
+  };
+  void collect(const Hypothesis& here, const Candidate& candidate, std::size_t index,
+               std::vector<Hypothesis>& hypotheses);
+  void fill_columns(const Eigen::MatrixXd& batch);
+  void add_bounds(const Trial& trial, Eigen::Index at, Eigen::VectorXd& lower, Eigen::VectorXd& upper,
+                  Eigen::MatrixXd& a, Eigen::VectorXd& b) const;
+  Screened single(const Trial& trial) const;
+  Screened with_amplitudes(const Trial& trial, const Eigen::VectorXd& amplitude, const Eigen::VectorXd& error) const;
+  int column_of_path(const std::string& path) const;
+
+  const Fit& base_;
+  const std::vector<Candidate>& candidates_;
+  std::vector<Trial> trials_;
+  Eigen::MatrixXd columns_;  ///< of all trials
+  Eigen::MatrixXd curvature_;  ///< columns'columns, the base's own parameters projected out
+  Eigen::VectorXd gradient_;  ///< the same of columns'residual
+};
 
 }  // namespace pneuservo

@@ -18,6 +18,9 @@ constexpr double bent_chi2_per_row = 3;
 /// Shares of the screened size that a fit may start from; the best is taken.
 constexpr std::array<double, 5> start_shares{1.0, 0.5, 0.25, 0.1, 0.02};
 
+/// A fit that gains less than this in log evidence by fresh derivatives is at its end.
+constexpr double settled_evidence = 0.3;
+
 bool same_parameter(const FreeParameter& a, const FreeParameter& b) {
   return a.start_factor == b.start_factor && a.path == b.path;
 }
@@ -59,7 +62,8 @@ Fit Search::start_fit(const std::vector<std::size_t>& members) const {
   return fit;
 }
 
-Fit Search::continued_fit(const Fit& base, const std::vector<std::size_t>& members, const Screened& added) const {
+Fit Search::continued_fit(const Fit& base, const std::vector<std::size_t>& members,
+                          const std::vector<Screened>& added) const {
   Fit fit = start_fit(members);
   for (std::size_t i = 0; i < fit.parameters.size(); ++i)
     for (std::size_t k = 0; k < base.parameters.size(); ++k)
@@ -69,12 +73,14 @@ Fit Search::continued_fit(const Fit& base, const std::vector<std::size_t>& membe
         fit.jacobian.col(static_cast<Eigen::Index>(i)) = base.jacobian.col(static_cast<Eigen::Index>(k));
         fit.known_columns[i] = i >= fit.own_count;
       }
-  const Candidate& candidate = candidates_[added.candidate];
-  for (std::size_t i = 0; i < fit.own_count; ++i)
-    for (std::size_t p = 0; p < candidate.parameters.size(); ++p)
-      if (same_parameter(fit.parameters[i], candidate.parameters[p]))
-        fit.z(static_cast<Eigen::Index>(i)) =
-            std::clamp(added.start[p], fit.parameters[i].lower, fit.parameters[i].upper);
+  for (const Screened& one : added) {
+    const Candidate& candidate = candidates_[one.candidate];
+    for (std::size_t i = 0; i < fit.own_count; ++i)
+      for (std::size_t p = 0; p < candidate.parameters.size(); ++p)
+        if (same_parameter(fit.parameters[i], candidate.parameters[p]))
+          fit.z(static_cast<Eigen::Index>(i)) =
+              std::clamp(one.start[p], fit.parameters[i].lower, fit.parameters[i].upper);
+  }
   return fit;
 }
 
@@ -96,28 +102,39 @@ std::vector<Screened> Search::worth_refitting(std::vector<Screened> screened, st
 }
 
 void Search::refit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& chosen) {
+  std::vector<std::vector<Screened>> sets;
+  for (const Screened& one : chosen) sets.push_back({one});
+  refit(base, members, sets);
+}
+
+void Search::refit(const Fit& base, const std::vector<std::size_t>& members,
+                   const std::vector<std::vector<Screened>>& sets) {
   std::vector<Explanation*> fresh;
   std::vector<std::vector<Eigen::VectorXd>> places;
   std::vector<Hypothesis> hypotheses;
-  for (const Screened& added : chosen) {
-    const std::vector<std::size_t> all = with_member(members, added.candidate);
-    if (contains(members, added.candidate) || tried_.count(all)) continue;
+  for (const std::vector<Screened>& added : sets) {
+    std::vector<std::size_t> all = members;
+    for (const Screened& one : added)
+      if (!contains(all, one.candidate)) all = with_member(all, one.candidate);
+    if (all.size() != members.size() + added.size() || tried_.count(all)) continue;
     Explanation& explanation = tried_[all];
     explanation.members = all;
     explanation.fit = continued_fit(base, all, added);
     fresh.push_back(&explanation);
     // The screening is linear: a large effect may start better at a part of the size that it says.
     const Fit& fit = explanation.fit;
-    const Candidate& candidate = candidates_[added.candidate];
     places.emplace_back();
     for (const double share : start_shares) {
       Eigen::VectorXd z = fit.z;
-      for (std::size_t p = 0; p < candidate.parameters.size(); ++p)
-        for (std::size_t i = 0; i < fit.own_count; ++i)
-          if (candidate.amplitude[p] && same_parameter(fit.parameters[i], candidate.parameters[p])) {
-            const double neutral = candidate.parameters[p].z(candidate.neutral[p]);
-            z(static_cast<Eigen::Index>(i)) = neutral + share * (z(static_cast<Eigen::Index>(i)) - neutral);
-          }
+      for (const Screened& one : added) {
+        const Candidate& candidate = candidates_[one.candidate];
+        for (std::size_t p = 0; p < candidate.parameters.size(); ++p)
+          for (std::size_t i = 0; i < fit.own_count; ++i)
+            if (candidate.amplitude[p] && same_parameter(fit.parameters[i], candidate.parameters[p])) {
+              const double neutral = candidate.parameters[p].z(candidate.neutral[p]);
+              z(static_cast<Eigen::Index>(i)) = neutral + share * (z(static_cast<Eigen::Index>(i)) - neutral);
+            }
+      }
       places.back().push_back(z);
       hypotheses.push_back(with_parameters(fit.base, fit.parameters, {z.data(), z.data() + z.size()}));
     }
@@ -136,7 +153,7 @@ void Search::refit(const Fit& base, const std::vector<std::size_t>& members, con
     fresh[f]->fit.failed = least == 1e300;
     fits.push_back(&fresh[f]->fit);
   }
-  improve(rows_, fits, {4, true});
+  improve(rows_, fits, 4, Columns::own);
   for (Explanation* explanation : fresh)
     if (!explanation->fit.failed) explanation->log_evidence = explanation->fit.log_evidence();
 }
@@ -149,7 +166,7 @@ void Search::polish(std::vector<Explanation*> explanations, int iterations, bool
       fit.known_columns[i] = !all_columns && i >= fit.own_count;
     fits.push_back(&fit);
   }
-  improve(rows_, fits, {iterations, !all_columns});
+  improve(rows_, fits, iterations, all_columns ? Columns::all : Columns::own);
   for (Explanation* explanation : explanations)
     explanation->log_evidence = explanation->fit.failed ? -1e300 : explanation->fit.log_evidence();
 }
@@ -166,12 +183,18 @@ std::vector<Explanation*> Search::rivals(std::size_t members, double distance, s
 }
 
 void Search::polish_best(std::size_t members) {
-  std::set<const Explanation*> done;
-  for (int round = 0; round < 2; ++round) {
-    std::vector<Explanation*> best = rivals(members, settings_.rival_distance, settings_.polished);
-    std::erase_if(best, [&](Explanation* e) { return !done.insert(e).second; });
-    if (best.empty()) return;
-    polish(best, 6, true);
+  // Until nothing moves: a large effect bends the derivatives of everything else on its way.
+  std::map<const Explanation*, double> before;
+  for (int round = 0; round < 6; ++round) {
+    std::vector<Explanation*> moving = rivals(members, settings_.rival_distance, settings_.polished);
+    std::erase_if(moving, [&](const Explanation* e) {
+      return before.count(e) > 0 && e->log_evidence - before.at(e) < settled_evidence;
+    });
+    if (moving.empty()) return;
+    for (const Explanation* e : moving) before[e] = e->log_evidence;
+    polish(moving, 6, true);
+    for (const Explanation* e : moving)  // the first round always counts as a move
+      if (round == 0) before[e] = std::min(before[e], e->log_evidence - 2 * settled_evidence);
   }
 }
 
@@ -204,12 +227,14 @@ void Search::search_singles() {
   linearise(rows_, {&as_configured_});
   if (as_configured_.failed) throw std::runtime_error("the rig as configured cannot be simulated on these recordings");
   owner_.fit = as_configured_;
-  improve(rows_, {&owner_.fit}, {6, false});
+  improve(rows_, {&owner_.fit}, 5, Columns::all);
   owner_.log_evidence = owner_.fit.log_evidence();
   tell(0.15, "screening of all names");
   const bool bent = owner_.fit.chi2() / static_cast<double>(rows_.count()) > bent_chi2_per_row;
   const Fit& base = bent ? as_configured_ : owner_.fit;
-  first_screening_ = screen_candidates(rows_, base, candidates_, others({}));
+  const Screening screening(rows_, base, candidates_, others({}));
+  first_screening_ = screening.singles();
+  first_pairs_ = screening.best_pairs(settings_.pairs);
   tell(0.25, "refits");
   refit(base, {}, worth_refitting(first_screening_, settings_.refits));
   add_families(base, {}, first_screening_);
@@ -235,7 +260,7 @@ void Search::swap_members(const Explanation& best) {
     }
     const Explanation& base = tried_[held];
     if (base.fit.failed) continue;
-    const std::vector<Screened> screened = screen_candidates(rows_, base.fit, candidates_, others(held));
+    const std::vector<Screened> screened = Screening(rows_, base.fit, candidates_, others(held)).singles();
     std::vector<Screened> chosen = worth_refitting(screened, settings_.next_refits);
     for (const Screened& s : screened)  // and all that mimic the one that leaves
       if (candidates_[s.candidate].family == candidates_[leaving].family && s.gain > settings_.least_gain)
@@ -247,13 +272,21 @@ void Search::swap_members(const Explanation& best) {
 bool Search::search_next(std::size_t members) {
   const Explanation* base = best_of(members);
   if (base == nullptr) return false;
-  const std::vector<Screened> screened = screen_candidates(rows_, base->fit, candidates_, others(base->members));
+  const std::vector<Screened> screened = Screening(rows_, base->fit, candidates_, others(base->members)).singles();
   const std::vector<Screened> chosen = worth_refitting(screened, settings_.next_refits);
-  if (chosen.empty() || 0.5 * chosen.front().gain < settings_.next_gain) return false;
+  const double first_gain = best_of(1)->log_evidence - owner_.log_evidence;
+  const double needed = std::max(settings_.next_gain, settings_.next_share * first_gain);
+  if (chosen.empty() || 0.5 * chosen.front().gain < needed) return false;
   refit(base->fit, base->members, chosen);
+  if (members == 1) {
+    const bool bent = owner_.fit.chi2() / static_cast<double>(rows_.count()) > bent_chi2_per_row;
+    std::vector<std::vector<Screened>> sets;
+    for (const ScreenedPair& pair : first_pairs_) sets.push_back({pair.first, pair.second});
+    refit(bent ? as_configured_ : owner_.fit, {}, sets);
+  }
   const Explanation* best = best_of(members + 1);
   const double gained = best == nullptr ? 0 : best->log_evidence - base->log_evidence;
-  if (gained < settings_.next_gain) return false;
+  if (gained < needed) return false;
   swap_members(*best);
   take_defect_at_best(members + 1);
   polish_best(members + 1);
@@ -262,14 +295,10 @@ bool Search::search_next(std::size_t members) {
 
 void Search::run() {
   search_singles();
-  const Explanation* first = best_of(1);
-  if (first == nullptr) return;
+  if (best_of(1) == nullptr) return;
   for (std::size_t members = 1; members < settings_.most_effects; ++members) {
     tell(0.4 + 0.2 * static_cast<double>(members), fmt::format("effects beside the first {}", members));
     if (!search_next(members)) break;
-    const double first_gain = first->log_evidence - owner_.log_evidence;
-    const double gained = best_of(members + 1)->log_evidence - best_of(members)->log_evidence;
-    if (gained < std::max(settings_.next_gain, settings_.next_share * first_gain)) break;
   }
 }
 

@@ -21,6 +21,7 @@ struct Explanation {
 struct SearchSettings {
   std::size_t refits = 8;       ///< candidates refitted after the first screening
   std::size_t next_refits = 5;  ///< and after each later one
+  std::size_t pairs = 6;        ///< pairs refitted that promise most together
   std::size_t polished = 4;     ///< of each number of effects, with all derivatives taken anew
   double least_gain = 10;       ///< in chi2, to be refitted
   double least_share = 0.02;    ///< of the best gain
@@ -54,10 +55,11 @@ class Search {
 
  private:
   Fit start_fit(const std::vector<std::size_t>& members) const;
-  Fit continued_fit(const Fit& base, const std::vector<std::size_t>& members, const Screened& added) const;
+  Fit continued_fit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& added) const;
   std::vector<std::size_t> others(const std::vector<std::size_t>& members) const;
   std::vector<Screened> worth_refitting(std::vector<Screened> screened, std::size_t count) const;
   void refit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& chosen);
+  void refit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<std::vector<Screened>>& sets);
   void add_families(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& screened);
   void polish(std::vector<Explanation*> explanations, int iterations, bool all_columns);
   void polish_best(std::size_t members);
@@ -78,6 +80,7 @@ class Search {
   Explanation owner_;
   std::map<std::vector<std::size_t>, Explanation> tried_;
   std::vector<Screened> first_screening_;
+  std::vector<ScreenedPair> first_pairs_;
 };
 
 }  // namespace pneuservo

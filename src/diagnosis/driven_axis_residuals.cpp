@@ -108,6 +108,11 @@ std::pair<std::vector<double>, std::vector<double>> DrivenAxisResiduals::forces(
     drive[i] = (drive[i] + sensor.sensor_lag.time_constant_s * part.drive_rate_Nps[i] - sensor.sensor_offset.offset) /
                sensor.sensor_gain.gain;
   std::vector<double> needed = part.balance.required_force(rig, drive, {});
+  // Compared as the sensor reads: else a gain would shrink residuals against their noise.
+  for (std::size_t i = 0; i < drive.size(); ++i) {
+    drive[i] *= sensor.sensor_gain.gain;
+    needed[i] *= sensor.sensor_gain.gain;
+  }
   return {std::move(drive), std::move(needed)};
 }
 

@@ -21,6 +21,9 @@ constexpr std::array<double, 5> start_shares{1.0, 0.5, 0.25, 0.1, 0.02};
 /// A fit that gains less than this in log evidence by fresh derivatives is at its end.
 constexpr double settled_evidence = 0.3;
 
+/// Where a sensor's fault and a physical effect are the same model, the physical one is the likelier.
+constexpr double sensor_log_prior = -1;
+
 bool same_parameter(const FreeParameter& a, const FreeParameter& b) {
   return a.start_factor == b.start_factor && a.path == b.path;
 }
@@ -155,7 +158,14 @@ void Search::refit(const Fit& base, const std::vector<std::size_t>& members,
   }
   improve(rows_, fits, 4, Columns::own);
   for (Explanation* explanation : fresh)
-    if (!explanation->fit.failed) explanation->log_evidence = explanation->fit.log_evidence();
+    if (!explanation->fit.failed) explanation->log_evidence = log_evidence(*explanation);
+}
+
+double Search::log_evidence(const Explanation& explanation) const {
+  double prior = 0;
+  for (const std::size_t member : explanation.members)
+    if (candidates_[member].kind == CandidateKind::sensor) prior += sensor_log_prior;
+  return explanation.fit.log_evidence() + prior;
 }
 
 void Search::polish(std::vector<Explanation*> explanations, int iterations, bool all_columns) {
@@ -168,7 +178,7 @@ void Search::polish(std::vector<Explanation*> explanations, int iterations, bool
   }
   improve(rows_, fits, iterations, all_columns ? Columns::all : Columns::own);
   for (Explanation* explanation : explanations)
-    explanation->log_evidence = explanation->fit.failed ? -1e300 : explanation->fit.log_evidence();
+    explanation->log_evidence = explanation->fit.failed ? -1e300 : log_evidence(*explanation);
 }
 
 std::vector<Explanation*> Search::rivals(std::size_t members, double distance, std::size_t most) {

@@ -1,6 +1,8 @@
 // Backend `sim`.
 #include "sim/sim_backend.hpp"
 
+#include "config/rig_parameters.hpp"
+
 namespace pneuservo {
 namespace {
 
@@ -16,6 +18,8 @@ PlantStart<double> plant_start(const Rig& rig) {
   return {start.position_m, start.pressure_1_Pa,
           start.pressure_2_Pa.value_or(balancing_pressure_2(rig.axis, start.pressure_1_Pa))};
 }
+
+SimBackend::SimBackend(const Rig& rig) : rig_(simulated_rig(rig)) {}
 
 void SimBackend::configure() {
   plant_.configure(rig_.axis, rig_.period_s, rig_.simulation.cells_per_m);

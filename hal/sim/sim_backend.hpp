@@ -12,10 +12,10 @@ namespace pneuservo {
 
 /// Sampled at the start of each period, the command held for the period. read(tick) brings the plant to that tick:
 /// slots that the loop skipped pass with the last command, as they would on a machine. Everything random comes from
-/// rig.seed.
+/// rig.seed. The plant is rig with its `deviations`.
 class SimBackend final : public Backend {
  public:
-  explicit SimBackend(const Rig& rig) : rig_(rig) {}
+  explicit SimBackend(const Rig& rig);
   void configure() override;
   void activate() override;
   bool read(std::int64_t tick, Measurement& measurement) noexcept override;

@@ -122,8 +122,9 @@ void apply_override(ConfigNode& root, const std::string& path_and_value) {
 
   ConfigNode* node = &root;
   for (std::size_t start = 0; start <= path.size();) {
-    // The keys under `tolerances` are paths themselves.
-    const bool whole_rest = path.substr(0, start) == "tolerances.";
+    // The keys under `tolerances` and `deviations` are paths themselves.
+    const std::string section = path.substr(0, start);
+    const bool whole_rest = section == "tolerances." || section == "deviations.";
     const std::size_t dot = whole_rest ? std::string::npos : path.find('.', start);
     const std::string key = path.substr(start, dot == std::string::npos ? dot : dot - start);
     if (key.empty()) refuse(origin, path, "an empty name in the path", "names with single dots between");

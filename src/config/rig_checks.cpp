@@ -218,16 +218,33 @@ void check_reference_range(const Rig& rig, const Check& check) {
                fmt::format("positions within +-half of {} ({} m)", stroke_key(rig), number_text(half_stroke)));
 }
 
-void check_tolerances(const Rig& rig, const Check& check) {
-  for (const auto& [path, deviation] : rig.tolerances) {
+/// The keys of a section that are paths of this rig's numbers.
+void check_paths(const Rig& rig, const Check& check, const std::string& section_name,
+                 const std::map<std::string, double>& section_values) {
+  for (const auto& [path, value] : section_values) {
     if (has_parameter(rig, path)) continue;
     std::vector<std::string> known;
     for (const ParameterPath& parameter : parameter_paths(rig)) known.push_back(parameter.path);
     const std::vector<std::string> near = near_names(path, known);
-    const ConfigNode& section = check.root.find("tolerances")->value;
+    const ConfigNode& section = check.root.find(section_name)->value;
     const std::string known_near = fmt::format("a known path (did you mean {}?)", fmt::join(near, ", "));
-    refuse(section.find(path)->origin, join_path("tolerances", path), "a path that names no number of this rig",
+    refuse(section.find(path)->origin, join_path(section_name, path), "a path that names no number of this rig",
            near.empty() ? "a path such as slider.mass_kg" : known_near);
+  }
+}
+
+/// What a simulated plant can have of its own: the physical axis, with numbers that a factor changes.
+void check_deviations(const Rig& rig, const Check& check) {
+  check_paths(rig, check, "deviations", rig.deviations);
+  for (const auto& [path, deviation] : rig.deviations) {
+    const std::string section = path.substr(0, path.find('.'));
+    bool physical = false;
+    AxisParameters<double>::visit([&](const Field& field, const auto&) { physical = physical || field.key == section; },
+                                  rig.axis);
+    if (physical && get_parameter(rig, path) != 0.0) continue;
+    refuse(check.root.find("deviations")->value.find(path)->origin, join_path("deviations", path),
+           physical ? "a number that is 0" : "a number of no part of the plant",
+           "a path of air, supply, valve, lines, cylinder, slider or effects with a value of its own");
   }
 }
 
@@ -292,7 +309,8 @@ void check_rig(const Rig& rig, const ConfigNode& root) {
   check_initial_position(rig, check);
   check_times(rig, check);
   check_reference_range(rig, check);
-  check_tolerances(rig, check);
+  check_paths(rig, check, "tolerances", rig.tolerances);
+  check_deviations(rig, check);
 }
 
 }  // namespace pneuservo

@@ -108,4 +108,14 @@ void set_parameter(Rig& rig, std::string_view path, double value) {
   if (!found) refuse_path(rig, path);
 }
 
+Rig simulated_rig(const Rig& rig) {
+  Rig simulated = rig;
+  for (const auto& [path, deviation] : rig.deviations)
+    walk_numbers(simulated,
+                 [&, &path = path, &deviation = deviation](const std::string& name, const Field&, auto& number) {
+                   if (name == path && is_stated(number)) number = stated_value(number) * (1.0 + deviation);
+                 });
+  return simulated;
+}
+
 }  // namespace pneuservo

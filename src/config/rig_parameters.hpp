@@ -29,4 +29,8 @@ void set_parameter(Rig& rig, std::string_view path, double value);
 /// Whether the path names a number of this rig, stated or not.
 bool has_parameter(const Rig& rig, std::string_view path);
 
+/// The rig that a simulation runs: every number under `deviations` times 1 + its deviation. What the config says is
+/// what controller and estimator believe.
+Rig simulated_rig(const Rig& rig);
+
 }  // namespace pneuservo

@@ -231,6 +231,15 @@ TEST_CASE("unknown effects and their parameters are refused with near names") {
         "rig.yaml:43: effects.sensor_gain:x.gain: found 200, expected a number, -100 to 100");
 }
 
+TEST_CASE("deviations of anything but numbers of the plant are refused") {
+  CHECK_THAT(refusal(plain + "deviations:\n  slider.mas_kg: 0.02\n"),
+             Catch::Contains("deviations.slider.mas_kg: found a path that names no number of this rig"));
+  CHECK_THAT(refusal(plain + "deviations:\n  period_s: 0.02\n"),
+             Catch::Contains("deviations.period_s: found a number of no part of the plant"));
+  CHECK_THAT(refusal(plain, {"deviations.effects.coulomb_friction.force_N=0.1"}),
+             Catch::Contains("deviations.effects.coulomb_friction.force_N: found a number that is 0"));
+}
+
 TEST_CASE("tolerances of unknown paths are refused") {
   CHECK(refusal(plain + "tolerances:\n  slider.mas_kg: 0.02\n") ==
         "rig.yaml:43: tolerances.slider.mas_kg: found a path that names no number of this rig, "

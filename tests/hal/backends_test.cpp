@@ -100,3 +100,12 @@ TEST_CASE("an unknown backend is refused by name") {
   REQUIRE_THROWS_WITH(make_backend("nonsense", a_rig()), Catch::Contains("nonsense") && Catch::Contains("sim"));
   for (const std::string& name : backend_names()) REQUIRE(make_backend(name, a_rig())->name() == name);
 }
+
+TEST_CASE("sim: the plant has the config's deviations, the config keeps what it believes") {
+  const Rig believed = a_rig({"deviations.valve.area_per_volt_m2_per_V=-0.03"});
+  Rig real = a_rig();
+  real.axis.valve.area_per_volt_m2_per_V *= 0.97;
+  CHECK(believed.axis.valve.area_per_volt_m2_per_V == a_rig().axis.valve.area_per_volt_m2_per_V);
+  CHECK(port_1(sim(believed), 200) == port_1(sim(real), 200));
+  CHECK(port_1(sim(believed), 200) != port_1(sim(a_rig()), 200));
+}

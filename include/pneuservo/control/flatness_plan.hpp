@@ -36,8 +36,8 @@ struct FlatnessSettings {
   double period_s = 2e-4;
   double command_delay_s = 0.0;
   double mean_pressure_Pa = 140e3;  ///< mean of both chamber pressures, constant
-  int cells = 8;                    ///< of each line
-  int passes = 3;                   ///< over each line; a pass carries a temperature one cell further
+  int cells = 4;                    ///< of each line
+  int passes = 5;                   ///< over each line; a pass carries a temperature one cell further
 };
 
 /// Commands of both valves for a reference and a constant mean pressure, from the true model of the rig: chambers with

@@ -133,6 +133,7 @@ struct Rig {
   std::uint64_t seed = 1;
   InitialParameters initial;
   std::map<std::string, double> tolerances;  ///< relative standard deviation by config path
+  std::map<std::string, double> deviations;  ///< of the simulated plant from the config, relative, by config path
   SimulationParameters simulation;
   EstimatorSettings estimator;
   LimitParameters limits;
@@ -221,6 +222,9 @@ struct Rig {
     v(Field{"seed", "", 0, 0, "of the simulated noise", optional}, p.seed...);
     v(Field{"tolerances", "", 0, 10, "one standard deviation, relative, of what the owner knows, by path", optional},
       p.tolerances...);
+    v(Field{"deviations", "", -0.9, 10,
+            "of the simulated plant from what controller and estimator believe, relative, by path", optional},
+      p.deviations...);
     v(Field{"limits", "", 0, 0, "a breach ends the motion in the safe output", optional}, p.limits...);
   }
   template <class V, class... P> static void visit_plant(V& v, P&... p) {

@@ -2,7 +2,6 @@
 #include "design/gain_rules.hpp"
 
 #include <cmath>
-#include <stdexcept>
 
 #include "design/itae.hpp"
 #include "design/nelder_mead.hpp"
@@ -16,13 +15,18 @@ Ppd2Gains alpha_beta_gains(const LinearAxis& axis, double position_gain_V_per_m,
 }
 
 Ppd2Gains coefficient_gains(const LinearAxis& axis, double position_gain_V_per_m, double c_1, double c_2) {
-  if (!axis.lines_alike())
-    throw std::invalid_argument("gains by coefficients need both lines alike; expected method alpha_beta or itae_min");
+  // c_1 = open_1 + K (Kv + n_1 Kp),  c_2 = open_2 + K (Ka + n_1 Kv + n_2 Kp), n the numerator of the lags.
   const Polynomial open = product(axis.actuator(), axis.lag_denominator());
-  const double leading = open.back(), n = static_cast<double>(open.size() - 1);
-  const double c_0 = position_gain_V_per_m * axis.gain_per_V / leading, w = std::pow(c_0, 1.0 / n);
-  return {position_gain_V_per_m, (c_1 * std::pow(w, n - 1) * leading - open[1]) / axis.gain_per_V,
-          (c_2 * std::pow(w, n - 2) * leading - open[2]) / axis.gain_per_V};
+  Polynomial numerator = axis.lag_numerator();
+  numerator.resize(3, 0.0);
+  const double leading = open.back(), n = static_cast<double>(open.size() - 1), K = axis.gain_per_V;
+  const double w = std::pow(position_gain_V_per_m * K / leading, 1.0 / n);
+  Ppd2Gains gains{position_gain_V_per_m, 0.0, 0.0};
+  gains.velocity_Vs_per_m =
+      (c_1 * std::pow(w, n - 1) * leading - open[1]) / K - numerator[1] * position_gain_V_per_m;
+  gains.acceleration_Vs2_per_m = (c_2 * std::pow(w, n - 2) * leading - open[2]) / K -
+                                 numerator[1] * gains.velocity_Vs_per_m - numerator[2] * position_gain_V_per_m;
+  return gains;
 }
 
 std::vector<double> normalised_coefficients(const Polynomial& closed_loop) {

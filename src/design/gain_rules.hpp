@@ -9,8 +9,7 @@ namespace pneuservo {
 Ppd2Gains alpha_beta_gains(const LinearAxis& axis, double position_gain_V_per_m, double alpha, double beta);
 
 /// By two normalised coefficients of the loop of the axis' own order n, w^n = c_0: C_1 = c_1/w^(n-1) of s and
-/// C_2 = c_2/w^(n-2) of s^2 (of the seventh order the thesis' C6 and C5, 2.34 and 2.35). Exact where both lines are
-/// alike; throws std::invalid_argument otherwise.
+/// C_2 = c_2/w^(n-2) of s^2 (of the seventh order the thesis' C6 and C5, 2.34 and 2.35).
 Ppd2Gains coefficient_gains(const LinearAxis& axis, double position_gain_V_per_m, double c_1, double c_2);
 
 /// C_i = c_i/w^(n-i) of a loop, for i = 1 ... n-1 by rising power; w^n = c_0.

@@ -27,11 +27,11 @@ template <class Function> double crossing(const Function& crosses, double low, d
 }  // namespace
 
 Eigen::MatrixXd SampledLoop::closed(double gain) const {
-  const Eigen::Index n = plant.A.rows(), m = law.A.rows();
+  const Eigen::Index n = plant.A.rows(), m = law.A.rows(), y = plant.C.rows();
   Eigen::MatrixXd out(n + m, n + m);
-  out.topLeftCorner(n, n) = plant.A + gain * plant.B * law.D * plant.C;
+  out.topLeftCorner(n, n) = plant.A + gain * plant.B * law.D.leftCols(y) * plant.C;
   out.topRightCorner(n, m) = gain * plant.B * law.C;
-  out.bottomLeftCorner(m, n) = law.B * plant.C;
+  out.bottomLeftCorner(m, n) = law.B.leftCols(y) * plant.C;
   out.bottomRightCorner(m, m) = law.A;
   return out;
 }
@@ -46,7 +46,7 @@ std::vector<Complex> SampledLoop::poles(double gain) const {
 
 Complex SampledLoop::open(double frequency_Hz) const {
   const Complex z = std::exp(Complex(0.0, 2.0 * std::numbers::pi * frequency_Hz * period_s));
-  return -(law.transfer(z) * plant.transfer(z))(0, 0);
+  return -(law.transfer(z).leftCols(plant.C.rows()) * plant.transfer(z))(0, 0);
 }
 
 LoopMargins margins_of(const std::function<Complex(double)>& open, double highest_Hz) {
@@ -79,15 +79,26 @@ LoopMargins margins_of(const std::function<Complex(double)>& open, double highes
   return out;
 }
 
-void judge_step(StepResponse& response) {
-  response.overshoot = 0.0;
-  response.settling_s = std::numeric_limits<double>::quiet_NaN();
-  std::size_t settled = response.y.size();
-  for (std::size_t i = response.y.size(); i-- > 0;) {
-    response.overshoot = std::max(response.overshoot, response.y[i] - 1.0);
-    if (settled == i + 1 && std::fabs(response.y[i] - 1.0) <= 0.02) settled = i;
+StepResponse step_response(const SampledLoop& loop, double duration_s) {
+  const Eigen::Index n = loop.plant.A.rows(), m = loop.law.A.rows(), y = loop.plant.C.rows();
+  const Eigen::MatrixXd transition = loop.closed();
+  Eigen::VectorXd input(n + m), state = Eigen::VectorXd::Zero(n + m);
+  input.head(n) = loop.plant.B * loop.law.D.col(y);
+  input.tail(m) = loop.law.B.col(y);
+  StepResponse out;
+  for (int k = 0; k * loop.period_s <= duration_s; ++k) {
+    out.t_s.push_back(k * loop.period_s);
+    out.y.push_back(loop.plant.C.row(0).dot(state.head(n)));
+    state = transition * state + input;
   }
-  if (settled < response.y.size()) response.settling_s = response.t_s[settled];
+  out.settling_s = std::numeric_limits<double>::quiet_NaN();
+  std::size_t settled = out.y.size();
+  for (std::size_t i = out.y.size(); i-- > 0;) {
+    out.overshoot = std::max(out.overshoot, out.y[i] - 1.0);
+    if (settled == i + 1 && std::fabs(out.y[i] - 1.0) <= 0.02) settled = i;
+  }
+  if (settled < out.y.size()) out.settling_s = out.t_s[settled];
+  return out;
 }
 
 }  // namespace pneuservo

@@ -8,7 +8,8 @@
 
 namespace pneuservo {
 
-/// Plant (command to measurements) and law (measurements to command); the law acts without delay of its own.
+/// Plant (command to measurements) and law (measurements, then the reference, to the command); the law acts without
+/// delay of its own. The plant's first output is the position.
 struct SampledLoop {
   StateSpace plant, law;
   double period_s = 0.0;
@@ -36,7 +37,7 @@ struct StepResponse {
   double overshoot = 0.0;      ///< of the final value 1
   double settling_s = 0.0;     ///< from then on within 2 %; NaN if not within the time shown
 };
-/// Fills overshoot and settling.
-void judge_step(StepResponse& response);
+/// Of the position to a step of the reference, while nothing limits the command; sampled for duration_s.
+StepResponse step_response(const SampledLoop& loop, double duration_s);
 
 }  // namespace pneuservo

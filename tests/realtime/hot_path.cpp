@@ -1,5 +1,6 @@
 // Uses of everything that runs in a tick, for tools/check-realtime: clang-tidy follows each call to its end. Templates
 // are only seen where they are used, so each belongs here with the types that the loop gives it.
+#include <pneuservo/control/spool_loop.hpp>
 #include <pneuservo/core/dual.hpp>
 #include <pneuservo/core/rt.hpp>
 #include <pneuservo/estimator/pipeline_estimator.hpp>
@@ -32,6 +33,11 @@ double hot_guard(InputGuard& guard, const Channel& channel) noexcept PNEUSERVO_N
 
 double hot_estimator(PipelineEstimator& estimator, const EstimatorInput& input) noexcept PNEUSERVO_NONBLOCKING {
   return estimator.step(input).chamber_pressure_Pa[0];
+}
+
+double hot_spool_loop(SpoolLoop& loop, const SpoolLoopGains& gains, double x_m) noexcept PNEUSERVO_NONBLOCKING {
+  loop.change(gains);
+  return loop.step(x_m, 0.0);
 }
 
 void hot_last_rows(LastRows& last, const Row& row) noexcept PNEUSERVO_NONBLOCKING {

@@ -75,6 +75,7 @@ struct Ppd2Parameters {
   std::optional<std::vector<double>> observer_gains;  ///< l1 [1/s], l2 [1/s2], l3 [1/s3]
   double command_delay_s = 0.0;
   FeedforwardKind feedforward = FeedforwardKind::none;
+  double equilibrium_pressure_Pa = 110000.0;
   double mean_pressure_Pa = 140000.0;
   Learning learning = Learning::none;
   double command_rate_V_per_s = infinite;
@@ -99,6 +100,8 @@ struct Ppd2Parameters {
     v(Field{"feedforward", "", 0, 0, "order of the linear inverse, or the inverse of the nonlinear plant", optional,
             feedforward_kind_names},
       p.feedforward...);
+    v(Field{"equilibrium_pressure_Pa", "Pa", 1e4, 2e6, "P0 at which the linear models are taken", optional},
+      p.equilibrium_pressure_Pa...);
     v(Field{"mean_pressure_Pa", "Pa", 1e4, 2e6, "mean of both chamber pressures, held", optional},
       p.mean_pressure_Pa...);
     v(Field{"learning", "", 0, 0, "what a finished move teaches the next one", optional, learning_names},

@@ -32,6 +32,8 @@ struct LineTwoPort {
 /// line_acoustics.md). All quantities SI, pressure absolute.
 class LineAcoustics {
  public:
+  /// A line of no length.
+  LineAcoustics() = default;
   /// length, diameter, pressure > 0.
   LineAcoustics(double length_m, double diameter_m, double pressure_Pa, const AirParameters<double>& air,
                 LineLoss loss);
@@ -47,9 +49,9 @@ class LineAcoustics {
   const Air<double>& air() const { return air_; }
 
  private:
-  double length_m_, diameter_m_, area_m2_, density_kgpm3_;
+  double length_m_ = 0.0, diameter_m_ = 0.0, area_m2_ = 0.0, density_kgpm3_ = 0.0;
   Air<double> air_;
-  LineLoss loss_;
+  LineLoss loss_ = LineLoss::none;
 };
 
 /// What stands at a line's ends.

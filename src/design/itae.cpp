@@ -15,8 +15,8 @@ namespace pneuservo {
 namespace {
 
 constexpr double step = 0.05;  // in units of the mean time constant: many in the fastest oscillation that counts
-constexpr int steps_max = 20000;
-constexpr double settled = 1e-11;
+constexpr int steps_max = 40000;
+constexpr double settled = 1e-10;
 
 /// Error of the step in normalised time: e(t) = row exp(A t) start.
 struct ErrorSystem {

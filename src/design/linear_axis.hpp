@@ -9,24 +9,29 @@
 
 namespace pneuservo {
 
-/// x''' + damping x'' + stiffness x' = gain H(s) u with u the command [V] and
+/// x''' + damping x'' + sum_i stiffness_i Q_i(s) x' = gain H(s) u with u the command [V],
 /// H(s) = valve(s) (weight_1 line_1(s) + weight_2 line_2(s)), H(0) = 1. A lag of frequency 0 follows at once.
+/// Q_i(s) = line_i(s) (1 + stiffening_i (1/line_i(s) - 1)): the chamber alone springs when it moves faster than its
+/// line follows, chamber and line together when it moves slowly; stiffening 1: the line has no part in the spring.
 struct LinearAxis {
   double gain_per_V = 0.0;              ///< K [m/(s3 V)], > 0
   double damping_per_s = 0.0;           ///< B/m [1/s]
-  double stiffness_per_s2 = 0.0;        ///< wn^2 [1/s2]
+  std::array<double, 2> stiffness_per_s2{};  ///< of each side; their sum is wn^2
   SecondOrderLag valve;
-  std::array<SecondOrderLag, 2> lines;  ///< of side 1 and 2; alike: one lag in the model
+  std::array<SecondOrderLag, 2> lines;  ///< of side 1 and 2
   std::array<double, 2> weights{0.5, 0.5};
+  std::array<double, 2> stiffening{1.0, 1.0};  ///< fast over slow stiffness, >= 1
 
+  double natural_frequency_squared() const { return stiffness_per_s2[0] + stiffness_per_s2[1]; }
+  /// One lag stands for both lines.
   bool lines_alike() const;
   /// 3 and two for each lag.
   int order() const;
-  /// H = numerator/denominator; both are 1 at s = 0.
-  Polynomial lag_numerator() const;
+  /// x/u = gain numerator/open_loop; the numerator is 1 at s = 0, open_loop begins with wn^2 s.
+  Polynomial numerator() const;
+  Polynomial open_loop() const;
+  /// H = numerator/lag_denominator.
   Polynomial lag_denominator() const;
-  /// s^3 + damping s^2 + stiffness s.
-  Polynomial actuator() const;
 };
 
 /// The servo table, both sides alike: orders 3 (no lags), 5 (one), 7 (both).

@@ -39,6 +39,28 @@ Eigen::Index add_lag(StateSpace& system, const SecondOrderLag& lag, Eigen::Index
 
 }  // namespace
 
+namespace {
+
+/// The same matrix in states whose sizes are alike (Parlett and Reinsch): scaled by powers of two, which rounds
+/// nothing, until rows and columns have the same norm. Poles near each other are found to far more digits then.
+Eigen::MatrixXd balanced(Eigen::MatrixXd A) {
+  for (bool moved = true; moved;) {
+    moved = false;
+    for (Eigen::Index i = 0; i < A.rows(); ++i) {
+      const double column = A.col(i).lpNorm<1>() - std::fabs(A(i, i)), row = A.row(i).lpNorm<1>() - std::fabs(A(i, i));
+      if (column == 0.0 || row == 0.0) continue;
+      const double factor = std::exp2(std::round(0.5 * std::log2(row / column)));
+      if (factor * column + row / factor >= 0.95 * (column + row)) continue;
+      A.col(i) *= factor;
+      A.row(i) /= factor;
+      moved = true;
+    }
+  }
+  return A;
+}
+
+}  // namespace
+
 Eigen::MatrixXcd StateSpace::transfer(std::complex<double> at) const {
   Eigen::MatrixXcd shifted = -A.cast<std::complex<double>>();
   shifted.diagonal().array() += at;
@@ -52,26 +74,30 @@ StateSpace continuous_axis(const LinearAxis& axis) {
                  Eigen::MatrixXd::Zero(3, 1)};
   out.C.leftCols(3).setIdentity();
   out.A(0, 1) = out.A(1, 2) = 1.0;
-  out.A(2, 1) = -axis.stiffness_per_s2;
   out.A(2, 2) = -axis.damping_per_s;
-  Eigen::RowVectorXd signal = Eigen::RowVectorXd::Zero(n);  // what the lines are given: command or spool
+  Eigen::RowVectorXd spool = Eigen::RowVectorXd::Zero(n);  // what the lines are given: command or spool
   double command = 1.0;
   Eigen::Index next = 3;
   if (axis.valve.natural_frequency_rad_per_s > 0.0) {
-    next = add_lag(out, axis.valve, next, signal, command);
-    signal(next - 2) = 1.0;
+    next = add_lag(out, axis.valve, next, spool, command);
+    spool(next - 2) = 1.0;
     command = 0.0;
   }
+  // x''' = -damping x'' - sum k_i stiffening_i x' + y_i with y_i = lag_i(K weight_i spool + k_i (stiffening_i - 1) x').
   const bool alike = axis.lines_alike();
   for (std::size_t side = 0; side < (alike ? 1u : 2u); ++side) {
     const double share = axis.gain_per_V * (alike ? 1.0 : axis.weights[side]);
+    const double stiffness = alike ? axis.natural_frequency_squared() : axis.stiffness_per_s2[side];
+    Eigen::RowVectorXd input = share * spool;
+    input(1) += stiffness * (axis.stiffening[side] - 1.0);
+    out.A(2, 1) -= stiffness * axis.stiffening[side];
     if (!(axis.lines[side].natural_frequency_rad_per_s > 0.0)) {
-      out.A.row(2) += share * signal;
+      out.A.row(2) += input;
       out.B(2, 0) += share * command;
       continue;
     }
-    next = add_lag(out, axis.lines[side], next, signal, command);
-    out.A(2, next - 2) += share;
+    next = add_lag(out, axis.lines[side], next, input, share * command);
+    out.A(2, next - 2) += 1.0;
   }
   return out;
 }
@@ -101,7 +127,7 @@ StateSpace held(const StateSpace& continuous, double period_s, double delay_s) {
 Eigen::MatrixXd matrix_exponential(const Eigen::MatrixXd& A) { return A.exp(); }
 
 std::vector<std::complex<double>> eigenvalues(const Eigen::MatrixXd& A) {
-  const Eigen::VectorXcd values = Eigen::EigenSolver<Eigen::MatrixXd>(A, false).eigenvalues();
+  const Eigen::VectorXcd values = Eigen::EigenSolver<Eigen::MatrixXd>(balanced(A), false).eigenvalues();
   std::vector<std::complex<double>> out(values.begin(), values.end());
   sort_poles(out);
   return out;

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <report/assets.hpp>
 #include <report/plot_json.hpp>
+#include <report/pole_plot.hpp>
 
 namespace pneuservo {
 namespace {
@@ -112,6 +113,14 @@ void HtmlPage::plot(const Plot& plot) {
 void HtmlPage::plots(const std::vector<Plot>& row) {
   body_ += "<div class=\"plot-row\">";
   for (const Plot& one : row) plot(one);
+  body_ += "</div>\n";
+}
+
+void HtmlPage::poles(const std::vector<PolePlot>& row) {
+  body_ += "<div class=\"plot-row\">";
+  for (const PolePlot& one : row)
+    body_ += fmt::format("<figure class=\"drawing\"><figcaption><h3>{}</h3></figcaption>{}</figure>\n",
+                         with_unit(one.title, one.unit), pole_svg(one));
   body_ += "</div>\n";
 }
 

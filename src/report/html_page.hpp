@@ -9,6 +9,8 @@
 
 namespace pneuservo {
 
+struct PolePlot;
+
 /// Text with & < > " ' replaced, fit for HTML text and attributes.
 std::string html_escape(std::string_view text);
 
@@ -82,6 +84,8 @@ class HtmlPage {
   void plot(const Plot& plot);
   /// Plots side by side where there is room.
   void plots(const std::vector<Plot>& row);
+  /// Drawings of the s plane side by side where there is room (pole_plot.hpp).
+  void poles(const std::vector<PolePlot>& row);
   /// Panels of which one is seen, chosen by its name; `selected` is seen first. Call panel() before each one's content.
   void panels_begin(const std::vector<std::string>& names, std::size_t selected);
   void panel(std::size_t index);

@@ -38,7 +38,7 @@ TEST_CASE("golden poles with ideal derivatives") {
 
 TEST_CASE("the seventh-order loop has the coefficients of 2.31") {
   const TableCase& one = table_4mm;
-  const double K = 45.580, wn2 = golden_axis(one).stiffness_per_s2, zt = one.line.damping_ratio, zv = 0.7,
+  const double K = 45.580, wn2 = golden_axis(one).natural_frequency_squared(), zt = one.line.damping_ratio, zv = 0.7,
                wt = one.line.natural_frequency_rad_per_s, wv = cycle_rad * 100.0;
   const Ppd2Gains g = one.gains_5;
   const double wtv2 = wt * wt * wv * wv, cross = zt * wv + zv * wt;
@@ -77,9 +77,7 @@ TEST_CASE("lines that differ: the match keeps their weighted sum, the model grow
   const LinearAxis reduced = matched_at_low_frequency(axis);
   for (const double w : {1.0, 5.0}) {  // the difference is of third order in w
     const Complex s(0.0, w);
-    const auto lag = [&](const LinearAxis& a) {
-      return value_at(a.lag_numerator(), s) / value_at(a.lag_denominator(), s);
-    };
+    const auto lag = [&](const LinearAxis& a) { return value_at(a.numerator(), s) / value_at(a.lag_denominator(), s); };
     CHECK(std::abs(lag(axis) - lag(reduced)) < 4.0 * std::pow(w / 400.0, 3));
   }
 }
@@ -106,11 +104,12 @@ TEST_CASE("the state-space form has the transfer function, held and delayed too"
   axis.lines[1] = table_4mm.line;
   axis.weights = {0.3, 0.7};
   axis.damping_per_s = 2.0;
+  axis.stiffness_per_s2 = {900.0, 1200.0};
+  axis.stiffening = {1.6, 1.2};
   const StateSpace system = continuous_axis(axis);
   REQUIRE(system.A.rows() == axis.order());
   const auto transfer = [&](Complex s) {
-    return axis.gain_per_V * value_at(axis.lag_numerator(), s) / value_at(axis.lag_denominator(), s) /
-           value_at(axis.actuator(), s);
+    return axis.gain_per_V * value_at(axis.numerator(), s) / value_at(axis.open_loop(), s);
   };
   for (const double w : {3.0, 40.0, 650.0}) {
     const Complex s(-1.0, w);

@@ -57,6 +57,12 @@
     return value.toFixed(Math.max(0, Math.min(4, 3 - Math.floor(Math.log10(size || 1)))));
   }
 
+  // toDomXCoord takes every axis as linear; the percentage knows a logarithmic one.
+  function domX(graph, x) {
+    const area = graph.getArea();
+    return area.x + graph.toPercentXCoord(x) * area.w;
+  }
+
   function drawUnder(plot, context, area, graph) {
     context.save();
     context.beginPath();
@@ -64,23 +70,23 @@
     context.clip();
     context.fillStyle = variable("window");
     for (const [from, to] of plot.windows) {
-      const left = graph.toDomXCoord(from);
-      context.fillRect(left, area.y, graph.toDomXCoord(to) - left, area.h);
+      const left = domX(graph, from);
+      context.fillRect(left, area.y, domX(graph, to) - left, area.h);
     }
     for (const band of plot.bands) {
       context.fillStyle = toneColour(band);
       context.globalAlpha = 0.16;
       context.beginPath();
-      band.x.forEach((x, k) => band.high[k] !== null && context.lineTo(graph.toDomXCoord(x), graph.toDomYCoord(band.high[k])));
+      band.x.forEach((x, k) => band.high[k] !== null && context.lineTo(domX(graph, x), graph.toDomYCoord(band.high[k])));
       for (let k = band.x.length - 1; k >= 0; --k)
-        if (band.low[k] !== null) context.lineTo(graph.toDomXCoord(band.x[k]), graph.toDomYCoord(band.low[k]));
+        if (band.low[k] !== null) context.lineTo(domX(graph, band.x[k]), graph.toDomYCoord(band.low[k]));
       context.fill();
       context.globalAlpha = 1;
     }
     context.strokeStyle = variable("alarm");
     context.font = "12px system-ui, sans-serif";
     for (const mark of plot.marks) {
-      const x = graph.toDomXCoord(mark.x);
+      const x = domX(graph, mark.x);
       context.lineWidth = 1.5;
       context.beginPath();
       context.moveTo(x, area.y);
@@ -163,7 +169,7 @@
   function point(x, group, source) {
     for (const plot of plots) {
       if (plot !== source && (!group || plot.group !== group)) continue;
-      const at = x === null ? null : plot.graph.toDomXCoord(x), area = plot.graph.getArea();
+      const at = x === null ? null : domX(plot.graph, x), area = plot.graph.getArea();
       const inside = at !== null && at >= area.x && at <= area.x + area.w;
       plot.hairline.style.display = inside ? "block" : "none";
       if (inside) plot.hairline.style.left = at + "px";

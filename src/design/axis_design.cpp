@@ -1,0 +1,203 @@
+// What the verb design finds out of a config.
+#include "design/axis_design.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include <pneuservo/control/flatness_plan.hpp>
+
+#include "design/gain_rules.hpp"
+#include "design/sampled_laws.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double step_shown_s = 1.0;
+
+bool is_table(const Rig& rig) { return rig.kind == RigKind::servo_table; }
+
+Ppd2Gains gains_of(const ControllerParameters& controller, const AxisLinearisation& linear) {
+  if (controller.kind == ControllerKind::pd_force)
+    return as_ppd2_gains(controller.pd_force, linear.mass_kg, linear.friction_Ns_per_m);
+  const Ppd2Parameters& p = controller.ppd2;
+  return {p.position_gain_V_per_m, p.velocity_gain_Vs_per_m, p.acceleration_gain_Vs2_per_m};
+}
+
+ControllerParameters with_gains(ControllerParameters controller, const Ppd2Gains& gains,
+                                const AxisLinearisation& linear) {
+  if (controller.kind == ControllerKind::pd_force) {
+    controller.pd_force = as_pd_force(controller.pd_force, gains, linear.mass_kg, linear.friction_Ns_per_m);
+    return controller;
+  }
+  controller.ppd2.position_gain_V_per_m = gains.position_V_per_m;
+  controller.ppd2.velocity_gain_Vs_per_m = gains.velocity_Vs_per_m;
+  controller.ppd2.acceleration_gain_Vs2_per_m = gains.acceleration_Vs2_per_m;
+  return controller;
+}
+
+Ppd2Gains designed_gains(const DesignRequest& request, const AxisDesign& design) {
+  const LinearAxis& axis = design.linear.axis;
+  const double Kp = request.position_gain_V_per_m.value_or(design.gains_before.position_V_per_m);
+  if (!(Kp > 0.0))
+    throw std::invalid_argument("a rule needs a position gain above 0; expected --position-gain or one in the config");
+  switch (request.method) {
+    case DesignMethod::alpha_beta: return alpha_beta_gains(axis, Kp, request.alpha, request.beta);
+    case DesignMethod::itae_7: return coefficient_gains(axis, Kp, request.c_1, request.c_2);
+    case DesignMethod::itae_min: return least_itae_gains(axis, Kp);
+    case DesignMethod::config: break;
+  }
+  return design.gains_before;
+}
+
+/// A law refuses gains below 0, so a rule that ends there has no answer.
+void require_usable(const AxisDesign& design) {
+  const ControllerParameters& c = design.controller;
+  const auto refuse = [&](std::string_view gain, double value) {
+    throw std::invalid_argument(fmt::format(
+        "method {} gives {} {:.4g}, which the law does not take; expected another position gain (found {:.4g} V/m)",
+        design_method_names[static_cast<std::size_t>(design.method)], gain, value, design.gains.position_V_per_m));
+  };
+  if (design.gains.acceleration_Vs2_per_m <= 0.0 && c.kind == ControllerKind::pd_force)
+    refuse("force_gain_V_per_N", design.gains.acceleration_Vs2_per_m / design.linear.mass_kg);
+  if (c.kind == ControllerKind::pd_force && c.pd_force.velocity_gain_Ns_per_m < 0.0)
+    refuse("velocity_gain_Ns_per_m", c.pd_force.velocity_gain_Ns_per_m);
+  if (design.gains.velocity_Vs_per_m < 0.0) refuse("velocity_gain_Vs_per_m", design.gains.velocity_Vs_per_m);
+  if (design.gains.acceleration_Vs2_per_m < 0.0)
+    refuse("acceleration_gain_Vs2_per_m", design.gains.acceleration_Vs2_per_m);
+}
+
+ModelFigures figures_of(const LinearAxis& axis, const Ppd2Gains& gains) {
+  const Polynomial loop = closed_loop(axis, gains);
+  return {axis, roots(loop), normalised_coefficients(loop), inverse_of_closed_loop(axis, gains),
+          itae_of_loop(axis, gains)};
+}
+
+StateSpace law_of(const Rig& rig, const ControllerParameters& controller, const AxisLinearisation& linear) {
+  if (controller.kind == ControllerKind::ppd2) return ppd2_law(controller.ppd2, rig.period_s);
+  return pd_force_law(controller.pd_force, linear.mass_kg, linear.friction_Ns_per_m, rig.period_s);
+}
+
+/// rms of the command that white noise of the position makes while the slider rests: from the sum of the law's squared
+/// impulse response. Without the integral: what it gathers the loop takes away.
+double command_noise_V(const Rig& rig, ControllerParameters controller, const AxisLinearisation& linear) {
+  controller.ppd2.integral_gain_V_per_m_s = controller.pd_force.force_integral_V_per_Ns = 0.0;
+  const StateSpace law = law_of(rig, controller, linear);
+  double square = law.D(0, 0) * law.D(0, 0);
+  Eigen::VectorXd state = law.B.col(0);
+  const double start = state.norm();
+  for (int k = 0; k < 200000 && state.norm() > 1e-12 * start; ++k) {
+    square += std::pow((law.C * state)(0), 2);
+    state = law.A * state;
+  }
+  const PositionSensorParameters& sensor = rig.sensors.position;
+  return std::sqrt(square * (sensor.quantum_m * sensor.quantum_m / 12.0 + sensor.noise_m * sensor.noise_m));
+}
+
+void find_mean_pressure(const Rig& rig, const LoadPositions& load, AxisDesign& design) {
+  const Reference reference(rig.reference, load);
+  FlatnessSettings settings;
+  settings.period_s = rig.period_s;
+  settings.command_delay_s = rig.controller.ppd2.command_delay_s;
+  const double end_s = reference.is_move() ? std::min(rig.duration_s, reference.end_s() + 0.1) : rig.duration_s;
+  design.mean_pressure_needed_Pa = mean_pressure_needed_Pa(rig.axis, reference, end_s, settings);
+}
+
+void find_spool(const Rig& rig, AxisDesign& design) {
+  if (!(rig.axis.valve.natural_frequency_Hz > 0.0)) return;
+  SpoolLoopParameters parameters;
+  parameters.natural_frequency_Hz = rig.axis.valve.natural_frequency_Hz;
+  parameters.damping_ratio = rig.axis.valve.damping_ratio;
+  design.spool_in_range = parameters.natural_frequency_Hz >= 50.0 && parameters.natural_frequency_Hz <= 300.0 &&
+                          parameters.damping_ratio < 1.0;
+  if (design.spool_in_range) design.spool = spool_loop_gains(parameters);
+}
+
+void warn_of_margins(std::string_view where, const LoopMargins& margins, std::vector<std::string>& warnings) {
+  if (margins.gain_up < least_gain_margin)
+    warnings.push_back(fmt::format("{}: the gain may grow by {:.3g} only (at {:.3g} Hz); less than {:g}", where,
+                                   margins.gain_up, margins.gain_up_Hz, least_gain_margin));
+  if (margins.gain_down > 1.0 / least_gain_margin)
+    warnings.push_back(fmt::format("{}: the gain must not fall below {:.3g} (at {:.3g} Hz); more than {:g}", where,
+                                   margins.gain_down, margins.gain_down_Hz, 1.0 / least_gain_margin));
+  if (margins.phase_deg < least_phase_margin_deg)
+    warnings.push_back(fmt::format("{}: phase margin {:.3g} deg (at {:.3g} Hz); less than {:g} deg", where,
+                                   margins.phase_deg, margins.phase_Hz, least_phase_margin_deg));
+}
+
+void find_warnings(const Rig& rig, AxisDesign& design) {
+  auto& warnings = design.warnings;
+  if (!design.is_stable) warnings.emplace_back("the loop is unstable with these gains");
+  warn_of_margins("linear model", design.margins, warnings);
+  warn_of_margins("distributed lines", design.exact_margins, warnings);
+  if (!design.spool_in_range)
+    warnings.push_back(
+        fmt::format("valve.natural_frequency_Hz {:g} with damping_ratio {:g} is none that the inner loop "
+                    "makes; expected 50 to 300 Hz and less than 1",
+                    rig.axis.valve.natural_frequency_Hz, rig.axis.valve.damping_ratio));
+  if (!design.mean_pressure_needed_Pa) return;
+  const double needed = *design.mean_pressure_needed_Pa, has = rig.controller.ppd2.mean_pressure_Pa;
+  if (needed == 0.0) warnings.emplace_back("no mean pressure below the supply suffices for the reference");
+  else if (needed > has)
+    warnings.push_back(
+        fmt::format("controller.mean_pressure_Pa {:g} does not suffice for the reference: it needs {:g}", has, needed));
+}
+
+}  // namespace
+
+Complex exact_open(const AxisDesign& design, double frequency_Hz) {
+  const double T = design.loop.period_s;
+  const Complex s(0.0, 2.0 * std::numbers::pi * frequency_Hz), z = std::exp(s * T);
+  const AxisResponse axis = exact_response(design.linear, s);
+  // The law's columns of velocity and acceleration make the force; the port's stands for m x'' + B x' there.
+  Eigen::Vector4cd y(axis.position_m, s * axis.position_m, s * s * axis.position_m, 0.0);
+  const ControllerParameters& c = design.controller;
+  if (c.kind == ControllerKind::pd_force && c.pd_force.pressure_source == PressureSource::valve) {
+    y(1) = 0.0;
+    y(2) = axis.port_force_N / design.linear.mass_kg;
+  }
+  const Complex hold = (1.0 - 1.0 / z) / (s * T) * std::exp(-s * design.delay_s);
+  return -(design.loop.law.transfer(z) * y)(0) * hold;
+}
+
+AxisDesign design_axis(const Rig& rig, const DesignRequest& request, const LoadPositions& load) {
+  if (!rig.is_pneumatic())
+    throw std::invalid_argument("a driven_axis has no lines to design for; expected rig: cylinder or servo_table");
+  AxisDesign out(linearise(rig));
+  out.method = request.method;
+  out.gains_before = gains_of(rig.controller, out.linear);
+  out.gains = designed_gains(request, out);
+  out.controller =
+      request.method == DesignMethod::config ? rig.controller : with_gains(rig.controller, out.gains, out.linear);
+  if (request.method != DesignMethod::config) require_usable(out);
+
+  const LinearAxis &full = out.linear.axis, fifth = matched_at_low_frequency(full);
+  for (const LinearAxis& axis : {without_lags(full), fifth, full})
+    if (out.models.empty() || axis.order() > out.models.back().axis.order())
+      out.models.push_back(figures_of(axis, out.gains));
+  out.matched = fifth.lines[0];
+  out.by_distance = reduced_by_pole_distance(full, out.gains).lines[0];
+
+  out.delay_s = rig.axis.effects.valve.command_delay.delay_s +
+                (rig.controller.kind == ControllerKind::ppd2 ? rig.controller.ppd2.command_delay_s : 0.0);
+  out.loop = {held(continuous_axis(full), rig.period_s, out.delay_s), law_of(rig, out.controller, out.linear),
+              rig.period_s};
+  out.poles = out.loop.poles();
+  out.is_stable = true;
+  for (const Complex& pole : out.poles) out.is_stable = out.is_stable && pole.real() < 0.0;
+  const double highest_Hz = 0.5 / rig.period_s;
+  out.margins = margins_of([&](double f) { return out.loop.open(f); }, highest_Hz);
+  out.exact_margins = margins_of([&](double f) { return exact_open(out, f); }, highest_Hz);
+  out.step = step_response(out.loop, step_shown_s);
+  out.command_noise_V = command_noise_V(rig, out.controller, out.linear);
+  if (is_table(rig) && request.needs_mean_pressure) find_mean_pressure(rig, load, out);
+  find_spool(rig, out);
+  find_warnings(rig, out);
+  return out;
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,94 @@
+// Verb design: linear models, gains by a rule, poles, margins, step, feedforward of a config's axis.
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <stdexcept>
+
+#include <CLI/CLI.hpp>
+
+#include "config/dump_rig.hpp"
+#include "config/input_error.hpp"
+#include "config/read_rig.hpp"
+#include "design/axis_design.hpp"
+#include "program/rig_options.hpp"
+#include "program/verbs.hpp"
+#include "report/design_json.hpp"
+#include "report/design_report.hpp"
+#include "report/design_summary.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+struct DesignOptions {
+  std::string config, method = "config", write, report, json;
+  std::vector<std::string> overrides;
+  double position_gain_V_per_m = 0.0;
+  bool coefficients = false;
+  DesignRequest request;
+};
+
+/// Line of a rule; its options say which they belong to.
+constexpr const char* rules = R"(methods:
+  config      judge the gains that the config has
+  alpha_beta  third order: s^3 + alpha w s^2 + beta w^2 s + w^3, w^3 = Kp K
+  itae_7      two normalised coefficients of the full order: C6 of s, C5 of s^2
+  itae_min    the velocity and acceleration gain that make the ITAE of the step least
+A rule keeps the position gain of the config unless --position-gain is given.
+A warning stands where the gain margin is below 2 or the phase margin below 30 deg.)";
+
+void write_config(const std::string& path, const Rig& designed) {
+  std::ofstream file(path);
+  if (!(file << dump_rig(designed)) || !file.flush()) throw InputError(path + ": cannot be written");
+}
+
+void run_design(DesignOptions& options) {
+  for (const auto& [option, path] :
+       {std::pair{"--write", options.write}, {"--report", options.report}, {"--json", options.json}})
+    require_writable(option, path);
+  Rig rig = read_rig(options.config, options.overrides);
+  require_kind("design", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
+  for (std::size_t i = 0; i < design_method_names.size(); ++i)
+    if (options.method == design_method_names[i]) options.request.method = static_cast<DesignMethod>(i);
+  if (options.position_gain_V_per_m > 0.0) options.request.position_gain_V_per_m = options.position_gain_V_per_m;
+  try {
+    const AxisDesign design = design_axis(rig, options.request, load_reference_positions);
+    Rig designed = rig;
+    designed.controller = design.controller;
+    if (options.json != "-") std::fputs(design_text(rig, design, options.coefficients).c_str(), stdout);
+    write_json(options.json, design_json(rig, design, options.coefficients));
+    if (!options.write.empty()) write_config(options.write, designed);
+    if (!options.report.empty()) write_design_report(rig, design, dump_rig(designed), options.report);
+  } catch (const std::invalid_argument& error) { throw InputError(options.config + ": " + error.what()); }
+}
+
+}  // namespace
+
+void add_design(CLI::App& app, int&) {
+  auto options = std::make_shared<DesignOptions>();
+  CLI::App* verb = app.add_subcommand("design", "linear models, gains by a rule, poles, margins, step, feedforward");
+  verb->footer(rules);
+  verb->add_option("CONFIG", options->config, "rig to design for: a cylinder or a servo table")->required();
+  verb->add_option("--set", options->overrides, "PATH=VALUE: overrides one key of the config; may stand several times");
+  verb->add_option("--method", options->method, "where the gains come from, see below")
+      ->check(CLI::IsMember({"config", "alpha_beta", "itae_7", "itae_min"}))
+      ->capture_default_str();
+  verb->add_option("--position-gain", options->position_gain_V_per_m, "K_p of a rule in V/m (default: the config's)")
+      ->check(CLI::PositiveNumber);
+  verb->add_option("--alpha", options->request.alpha, "of alpha_beta")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb->add_option("--beta", options->request.beta, "of alpha_beta")->check(CLI::PositiveNumber)->capture_default_str();
+  verb->add_option("--c6", options->request.c_1, "of itae_7: of s")->check(CLI::PositiveNumber)->capture_default_str();
+  verb->add_option("--c5", options->request.c_2, "of itae_7: of s^2")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  verb->add_flag("--coefficients", options->coefficients,
+                 "normalised coefficients beside those of least ITAE (seconds)");
+  verb->add_option("--write", options->write, "config with the design's gains, all keys commented");
+  verb->add_option("--report", options->report, "self-contained HTML page with pole loci and Bode diagrams");
+  verb->add_option("--json", options->json, "result as JSON with units in the keys; - for standard output");
+  verb->callback([options] { run_design(*options); });
+}
+
+}  // namespace pneuservo

@@ -21,8 +21,12 @@ PlantStart<double> plant_start(const Rig& rig) {
 
 SimBackend::SimBackend(const Rig& rig) : rig_(simulated_rig(rig)) {}
 
+ValveArrangement valve_arrangement(const Rig& rig) noexcept {
+  return rig.kind == RigKind::servo_table ? ValveArrangement::three_port_pair : ValveArrangement::five_port;
+}
+
 void SimBackend::configure() {
-  plant_.configure(rig_.axis, rig_.period_s, rig_.simulation.cells_per_m);
+  plant_.configure(rig_.axis, rig_.period_s, rig_.simulation.cells_per_m, valve_arrangement(rig_));
   plant_.reset(plant_start(rig_));
   const SensorsParameters& s = rig_.sensors;
   const std::array<double, 6> quantum{s.position.quantum_m,          s.port_pressure.quantum_Pa,
@@ -36,7 +40,7 @@ void SimBackend::configure() {
     sensors_[i].configure(rig_.sensor_effects[i], quantum[i], noise[i], rig_.period_s, Random(rig_.seed, i));
     sensors_[i].reset(values[i]);
   }
-  command_V_ = 0.0;
+  command_ = {};
   started_ = false;
 }
 
@@ -45,7 +49,7 @@ void SimBackend::activate() {}
 bool SimBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
   if (!started_) plant_tick_ = tick;
   started_ = true;
-  for (; plant_tick_ < tick; ++plant_tick_) plant_.step(command_V_);
+  for (; plant_tick_ < tick; ++plant_tick_) plant_.step(command_.valve_V, command_.valve_2_V);
   const auto values = true_values(plant_);
   const auto channels = channels_of(measurement);
   for (std::size_t i = 0; i < 6; ++i) *channels[i] = {sensors_[i].read(values[i]), 0.0, true, Origin::simulated};
@@ -53,11 +57,11 @@ bool SimBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
 }
 
 bool SimBackend::write(std::int64_t, const Command& command) noexcept {
-  command_V_ = command.valve_V;
+  command_ = command;
   return true;
 }
 
-void SimBackend::deactivate() noexcept { command_V_ = rig_.safe_output.command_V; }
+void SimBackend::deactivate() noexcept { command_ = {rig_.safe_output.command_V, rig_.safe_output.command_V}; }
 
 std::array<Origin, 6> SimBackend::origins() const {
   std::array<Origin, 6> all;

@@ -31,10 +31,12 @@ class SimBackend final : public Backend {
   std::array<Sensor, 6> sensors_;  // in the order of channel_names
   std::int64_t plant_tick_ = 0;
   bool started_ = false;
-  double command_V_ = 0.0;
+  Command command_;
 };
 
 /// Start of the simulated plant from the config's `initial`.
 PlantStart<double> plant_start(const Rig& rig);
+/// Valves of the simulated plant.
+ValveArrangement valve_arrangement(const Rig& rig) noexcept;
 
 }  // namespace pneuservo

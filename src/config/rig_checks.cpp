@@ -96,6 +96,26 @@ void check_lines(const Rig& rig, const Check& check) {
   check_line_models(rig, check);
 }
 
+void check_feedforward(const Rig& rig, const Check& check) {
+  const Ppd2Parameters& p = rig.controller.ppd2;
+  const std::string name(feedforward_kind_names[static_cast<std::size_t>(p.feedforward)]);
+  const bool needs_lag = p.feedforward == FeedforwardKind::order_5 || p.feedforward == FeedforwardKind::order_7;
+  if (needs_lag && !(rig.axis.line_1.natural_frequency_Hz > 0.0))
+    check.refuse("controller.feedforward", {"line_1.natural_frequency_Hz"}, name,
+                 "none, 3 or flatness, or line_1.natural_frequency_Hz and damping_ratio of the lines");
+  if (p.feedforward == FeedforwardKind::flatness && p.observer != ObserverInput::error)
+    check.refuse("controller.observer", {"controller.feedforward"}, "measured",
+                 "error: feedforward flatness has its own commands");
+  for (const auto& [key, pressure] : {std::pair{"equilibrium_pressure_Pa", p.equilibrium_pressure_Pa},
+                                      std::pair{"mean_pressure_Pa", p.mean_pressure_Pa}})
+    if (!(pressure > rig.axis.air.atmosphere_Pa && pressure < rig.axis.supply.pressure_Pa))
+      check.refuse(std::string("controller.") + key, {"supply.pressure_Pa", "air.atmosphere_Pa"}, number_text(pressure),
+                   fmt::format("a pressure between air.atmosphere_Pa ({}) and supply.pressure_Pa ({})",
+                               number_text(rig.axis.air.atmosphere_Pa), number_text(rig.axis.supply.pressure_Pa)));
+  if (!(p.position_gain_V_per_m > 0.0))
+    check.refuse("controller.position_gain_V_per_m", {}, number_text(p.position_gain_V_per_m), "more than 0");
+}
+
 /// The law that each kind of rig is run by.
 void check_law(const Rig& rig, const Check& check) {
   const ControllerKind law = rig.kind == RigKind::servo_table ? ControllerKind::ppd2 : ControllerKind::pd_force;
@@ -108,6 +128,7 @@ void check_law(const Rig& rig, const Check& check) {
   const auto& gains = rig.controller.ppd2.observer_gains;
   if (law == ControllerKind::ppd2 && gains && gains->size() != 3)
     check.refuse("controller.observer_gains", {}, fmt::format("{} numbers", gains->size()), "three: l1, l2, l3");
+  if (law == ControllerKind::ppd2) check_feedforward(rig, check);
 }
 
 void check_controller(const Rig& rig, const Check& check) {
@@ -288,7 +309,10 @@ void complete_rig(Rig& rig, const ConfigNode& root) {
     rig.duration_s = default_duration_s(rig.reference, root);
   }
   if (rig.kind == RigKind::servo_table && !is_stated(root, "initial", "pressure_1_Pa"))
-    rig.initial.pressure_1_Pa = rig.controller.ppd2.mean_pressure_Pa;
+    // What the law takes the table's pressure to be.
+    rig.initial.pressure_1_Pa = rig.controller.ppd2.feedforward == FeedforwardKind::flatness
+                                    ? rig.controller.ppd2.mean_pressure_Pa
+                                    : rig.controller.ppd2.equilibrium_pressure_Pa;
   if (rig.kind == RigKind::cylinder && !is_stated(root, "initial", "pressure_1_Pa")) {
     const double supply = rig.axis.supply.pressure_Pa, atmosphere = rig.axis.air.atmosphere_Pa;
     const double usual = rig.initial.pressure_1_Pa;

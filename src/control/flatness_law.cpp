@@ -1,5 +1,6 @@
 // Flatness feedforward in the loop, and learning from a finished move.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -75,7 +76,8 @@ FlatnessCommand FlatnessLaw::step(std::int64_t tick, double error_m, double feed
     feedback_kgps_[static_cast<std::size_t>(tick)] = across_kgps;
     across_kgps += learned_kgps_[static_cast<std::size_t>(tick)];
   }
-  const double per_area = 1.0 / area_factor_;
+  // Another thread may be learning, and ends with this one number.
+  const double per_area = 1.0 / std::atomic_ref(area_factor_).load(std::memory_order_relaxed);
   return {per_area * now.valve_1.command_V(across_kgps + now.valve_1.volume_share * hold_kgps),
           per_area * now.valve_2.command_V(-across_kgps + now.valve_2.volume_share * hold_kgps)};
 }
@@ -121,7 +123,8 @@ double FlatnessLaw::learn_area(const AxisParameters<double>& axis) {
     across += (*missing)[k] * flow;
     along += flow * flow;
   }
-  if (along > 0.0) area_factor_ /= 1.0 + across / along;
+  if (along > 0.0)
+    std::atomic_ref(area_factor_).store(area_factor_ / (1.0 + across / along), std::memory_order_relaxed);
   return area_factor_;
 }
 

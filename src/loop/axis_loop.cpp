@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <pneuservo/control/smoothstep.hpp>
+
 namespace pneuservo {
 namespace {
 
@@ -64,6 +66,7 @@ constexpr double margin = 2.0;                 // over both estimates of steps: 
 constexpr double activity_time_s = 0.2;        // echoes of a change of command die out
 constexpr double first_value_within_s = 0.1;
 constexpr double at_end_stop_m = 1e-3;
+constexpr std::size_t approach_degree = 9;
 constexpr std::int64_t most_caught_up_steps = 10;  // a late tick must not grow long itself
 
 }  // namespace
@@ -92,9 +95,8 @@ EstimatorParameters estimator_parameters(const Rig& rig) {
 
 void AxisLoop::configure(const Rig& rig, const LoadPositions& load) {
   period_s_ = rig.period_s;
-  source_ = rig.controller.pd_force.pressure_source;
-  needs_chambers_ = source_ == PressureSource::chamber;
-  safe_command_V_ = rig.safe_output.command_V;
+  rig_ = rig.kind;
+  safe_V_.fill(rig.safe_output.command_V);
   speed_limit_mps_ = rig.limits.speed_mps;
   cylinder_ = rig.axis.cylinder;
   half_stroke_m_ = 0.5 * rig.axis.cylinder.stroke_m;
@@ -105,21 +107,25 @@ void AxisLoop::configure(const Rig& rig, const LoadPositions& load) {
                      largest_flow_per_volt(rig) * rig.axis.valve.command_max_V * rig.period_s;
   activity_decay_ = std::exp(-rig.period_s / activity_time_s);
   estimator_.configure(estimator_parameters(rig));
-  controller_.configure(rig.controller.pd_force, rig.axis, rig.period_s);
   reference_ = Reference(rig.reference, load);
+  controller_.configure(rig.controller, rig.axis, rig.period_s, reference_, rig.duration_s);
+  source_ = controller_.pressure_source();
+  needs_chambers_ = source_ == PressureSource::chamber;
+  tolerance_m_ =
+      std::min(approach_tolerance_m, approach_quanta * (rig.sensors.position.quantum_m + rig.sensors.position.noise_m));
   const int start_ticks = std::max(3, static_cast<int>(std::lround(first_value_within_s / rig.period_s)));
   position_guard_.configure(plausible_position(rig, start_ticks));
   for (auto& guard : port_guard_) guard.configure(plausible_pressure(rig, rig.sensors.port_pressure, start_ticks));
   for (auto& guard : chamber_guard_)
     guard.configure(plausible_pressure(rig, rig.sensors.chamber_pressure, start_ticks));
-  command_V_ = safe_command_V_;
+  command_V_ = safe_V_;
   rearm();
 }
 
 void AxisLoop::rearm() noexcept {
   faults_ = first_faults_ = 0;
   begins_ = true;
-  stopped_ = limited_ = false;
+  moved_ = stopped_ = limited_ = false;
   velocity_mps_ = 0.0;
   estimator_.reset();
   controller_.reset(command_V_);
@@ -195,34 +201,49 @@ std::uint32_t AxisLoop::check_standstill() noexcept {
   return long_enough && way > 2.0 * half_stroke_m_ * standstill_share ? fault_position_frozen : 0u;
 }
 
-// How much the command has moved of late, from one tick to the next.
-void AxisLoop::note_command(double command_V) noexcept {
-  activity_V_ = std::max(std::fabs(command_V - command_V_), activity_V_ * activity_decay_);
+// How much the commands have moved of late, from one tick to the next.
+void AxisLoop::note_commands(const std::array<double, 2>& command_V) noexcept {
+  const double step_V = std::max(std::fabs(command_V[0] - command_V_[0]), std::fabs(command_V[1] - command_V_[1]));
+  activity_V_ = std::max(step_V, activity_V_ * activity_decay_);
   command_V_ = command_V;
 }
 
-// From here to the reference's first value, at rest at both ends, then the reference's own time begins.
-void AxisLoop::plan_motion(double t_s, double position_m) noexcept {
+// From here to the reference's first value, at rest at both ends, a rest there, then the reference's own time begins.
+void AxisLoop::plan_motion(double t_s, const Inputs& inputs) noexcept {
   begins_ = false;
   approach_start_s_ = t_s;
-  approach_from_m_ = position_m;
+  approach_from_m_ = inputs.position_m;
   approach_to_m_ = reference_.at(0.0).d[0];
   const double way = std::fabs(approach_to_m_ - approach_from_m_);
-  // 1.875: peak over mean speed of a minimum-jerk move.
+  const bool goes = way > tolerance_m_;
   const double duration =
-      way <= approach_tolerance_m ? 0.0 : std::max(approach_shortest_s, 1.875 * way / approach_speed_mps);
-  reference_start_s_ = t_s + period_s_ * std::ceil(duration / period_s_);
+      goes ? std::max(approach_shortest_s, approach_peak_over_mean * way / approach_speed_mps) : 0.0;
+  const auto whole_periods = [&](double time_s) { return period_s_ * std::ceil(time_s / period_s_); };
+  approach_end_s_ = t_s + whole_periods(duration);
+  const double rest_s = controller_.rest_s(goes || moved_, {inputs.port_1_Pa, inputs.port_2_Pa});
+  reference_start_s_ = approach_end_s_ + whole_periods(rest_s);
+  moved_ = false;
 }
 
 ReferencePoint AxisLoop::reference_at(double t_s) const noexcept {
   if (t_s >= reference_start_s_) return reference_.at(t_s - reference_start_s_);
-  const double duration = reference_start_s_ - approach_start_s_, way = approach_to_m_ - approach_from_m_;
-  const double z = std::clamp((t_s - approach_start_s_) / duration, 0.0, 1.0);
   ReferencePoint point;
-  point.d[0] = approach_from_m_ + way * z * z * z * (10.0 + z * (-15.0 + 6.0 * z));
-  point.d[1] = way / duration * z * z * (30.0 + z * (-60.0 + 30.0 * z));
-  point.d[2] = way / (duration * duration) * z * (60.0 + z * (-180.0 + 120.0 * z));
-  point.d[3] = way / (duration * duration * duration) * (60.0 + z * (-360.0 + 360.0 * z));
+  point.d[0] = approach_to_m_;
+  if (t_s >= approach_end_s_) return point;
+  // x = from + way s(z), z = time/duration; a derivative of s by t is one by z over the duration.
+  static constexpr auto smooth = smoothstep_coefficients(approach_degree);
+  const double duration = approach_end_s_ - approach_start_s_, way = approach_to_m_ - approach_from_m_;
+  const double z = std::clamp((t_s - approach_start_s_) / duration, 0.0, 1.0);
+  std::array<double, smoothstep_degree_max + 1> c = smooth;
+  double scale = way;
+  for (std::size_t order = 0; order < point.d.size(); ++order) {
+    double value = 0.0;
+    for (std::size_t i = approach_degree + 1; i-- > 0;) value = value * z + c[i];
+    point.d[order] = scale * value + (order == 0 ? approach_from_m_ : 0.0);
+    for (std::size_t i = 0; i < approach_degree; ++i) c[i] = static_cast<double>(i + 1) * c[i + 1];
+    c[approach_degree] = 0.0;
+    scale /= duration;
+  }
   return point;
 }
 
@@ -235,23 +256,26 @@ std::array<double, 2> AxisLoop::pressures(const Inputs& inputs, const EstimatorO
   return {estimate.chamber_pressure_Pa[0], estimate.chamber_pressure_Pa[1]};
 }
 
-double AxisLoop::control(double t_s, const Inputs& inputs, const EstimatorOutput& estimate) noexcept {
-  if (begins_) plan_motion(t_s, inputs.position_m);
+std::array<double, 2> AxisLoop::control(double t_s, const Inputs& inputs, const EstimatorOutput& estimate) noexcept {
+  if (begins_) plan_motion(t_s, inputs);
+  // What the last move teaches is not known yet: one period more of rest.
+  if (learning_due() && t_s >= reference_start_s_) reference_start_s_ = t_s + period_s_;
+  if (Ppd2GainSet gains; gain_mailbox_ != nullptr && gain_mailbox_->take(gains)) controller_.change_gains(gains);
   now_ = reference_at(t_s);
   const double lead_s = controller_.lead_s();
-  const ReferencePoint ahead = lead_s > 0.0 ? reference_at(t_s + lead_s) : now_;
-  const auto p = pressures(inputs, estimate);
-  const double command = controller_.step(inputs.position_m, p[0], p[1], now_, ahead);
-  const PdForceState& state = controller_.state();
-  velocity_mps_ = state.v_mps;
-  limited_ = state.limit != limit_none;
+  ControlInput in{inputs.position_m, pressures(inputs, estimate), {inputs.port_1_Pa, inputs.port_2_Pa}, now_, now_};
+  if (lead_s > 0.0) in.ahead = reference_at(t_s + lead_s);
+  in.tick = std::llround((t_s - reference_start_s_) / period_s_);
+  const ControlOutput out = controller_.step(in);
+  velocity_mps_ = out.speed_mps;
+  limited_ = out.limited;
   std::uint32_t faults = check_standstill();
-  if (state.fault != controller_healthy) faults |= fault_command_not_finite;
+  if (!out.finite) faults |= fault_command_not_finite;
   if (std::fabs(velocity_mps_) > speed_limit_mps_) faults |= fault_speed;
   if (source_ == PressureSource::estimated && !(estimate.valid[0] && estimate.valid[1]))
     faults |= fault_estimate_invalid;
   if (faults != 0) latch(faults);
-  return command;
+  return out.command_V;
 }
 
 bool AxisLoop::pass(Backend& backend, std::int64_t tick, std::int64_t skipped, StageTimes* times,
@@ -268,36 +292,36 @@ bool AxisLoop::pass(Backend& backend, std::int64_t tick, std::int64_t skipped, S
   const Inputs inputs = guard(measured, skipped);
   // Skipped slots passed without a sample: the model goes through them with the newest one.
   for (std::int64_t i = 0; i < std::min<std::int64_t>(skipped, most_caught_up_steps); ++i)
-    estimator_.step({inputs.port_1_Pa, inputs.port_2_Pa, inputs.position_m, velocity_mps_, command_V_});
+    estimator_.step({inputs.port_1_Pa, inputs.port_2_Pa, inputs.position_m, velocity_mps_, command_V_[0]});
   controller_.skip(skipped);
   const EstimatorOutput estimate =
-      estimator_.step({inputs.port_1_Pa, inputs.port_2_Pa, inputs.position_m, velocity_mps_, command_V_});
+      estimator_.step({inputs.port_1_Pa, inputs.port_2_Pa, inputs.position_m, velocity_mps_, command_V_[0]});
   stamp(&StageTimes::estimated);
-  double command_V = safe_command_V_;
+  std::array<double, 2> command_V = safe_V_;
   limited_ = false;
   if (faults_ == 0 && !stopped_ && !waiting()) command_V = control(t_s, inputs, estimate);
-  if (faults_ != 0) command_V = safe_command_V_;
+  if (faults_ != 0) command_V = safe_V_;
   stamp(&StageTimes::controlled);
-  if (!backend.write(tick, {command_V})) {
+  if (!backend.write(tick, {command_V[0], command_V[1]})) {
     latch(fault_output_missed);
-    command_V = safe_command_V_;
-    backend.write(tick, {command_V});
+    command_V = safe_V_;
+    backend.write(tick, {command_V[0], command_V[1]});
   }
-  note_command(command_V);
+  note_commands(command_V);
   if (faults_ != 0) limited_ = false;
   stamp(&StageTimes::written);
-  fill_row(t_s, skipped, measured, truth, estimate, command_V_);
+  fill_row(t_s, skipped, measured, truth, estimate);
   return true;
 }
 
 void AxisLoop::stop(Backend& backend, std::int64_t tick) noexcept {
   stopped_ = true;
-  note_command(safe_command_V_);
-  backend.write(tick, {command_V_});
+  note_commands(safe_V_);
+  backend.write(tick, {command_V_[0], command_V_[1]});
 }
 
 void AxisLoop::fill_row(double t_s, std::int64_t skipped, const Measurement& measured, const Truth& truth,
-                        const EstimatorOutput& estimate, double command_V) noexcept {
+                        const EstimatorOutput& estimate) noexcept {
   const auto recorded = [](const Channel& channel) { return channel.valid ? channel.value : Row::none; };
   const bool estimated = (estimate.health & estimator_not_started) == 0;
   const auto known = [](bool is_known, double value) { return is_known ? value : Row::none; };
@@ -306,7 +330,16 @@ void AxisLoop::fill_row(double t_s, std::int64_t skipped, const Measurement& mea
   row_.v_ref_mps = known(!begins_, now_.d[1]);
   row_.x_m = recorded(measured.position_m);
   row_.v_mps = velocity_mps_;
-  row_.u_V = command_V;
+  const bool two_valves = rig_ == RigKind::servo_table;
+  row_.u_V = known(!two_valves, command_V_[0]);
+  row_.u1_V = known(two_valves, command_V_[0]);
+  row_.u2_V = known(two_valves, command_V_[1]);
+  const bool has_gains = controller_.kind() == ControllerKind::ppd2;
+  const Ppd2GainSet gains = controller_.ppd2().gains();
+  row_.position_gain_V_per_m = known(has_gains, gains.position_gain_V_per_m);
+  row_.velocity_gain_Vs_per_m = known(has_gains, gains.velocity_gain_Vs_per_m);
+  row_.acceleration_gain_Vs2_per_m = known(has_gains, gains.acceleration_gain_Vs2_per_m);
+  row_.integral_gain_V_per_m_s = known(has_gains, gains.integral_gain_V_per_m_s);
   row_.p1_port_Pa = recorded(measured.port_pressure_1_Pa);
   row_.p2_port_Pa = recorded(measured.port_pressure_2_Pa);
   row_.p1_chamber_Pa = recorded(measured.chamber_pressure_1_Pa);

@@ -4,17 +4,12 @@
 #include <cmath>
 
 namespace pneuservo {
-namespace {
-/// An approach over the longest stroke, at its speed, with some to spare.
-double longest_approach_s(const Rig& rig) {
-  return AxisLoop::approach_shortest_s + 1.875 * rig.axis.cylinder.stroke_m / AxisLoop::approach_speed_mps;
-}
-}  // namespace
-
 Course::Course(const Rig& rig, int moves)
     : period_s_(rig.period_s), duration_s_(rig.duration_s), wanted_moves_(static_cast<std::size_t>(moves)),
       planned_ticks_(std::llround(rig.duration_s / rig.period_s) * moves) {
-  const double most_s = static_cast<double>(moves) * (rig.duration_s + longest_approach_s(rig)) + after_fault_s;
+  const double most_s =
+      static_cast<double>(moves) * (rig.duration_s + AxisLoop::longest_approach_s(rig.axis.cylinder.stroke_m)) +
+      after_fault_s;
   rows_.resize(static_cast<std::size_t>(most_s / rig.period_s) + 16);  // touches every page now, not in the loop
   moves_.resize(wanted_moves_);
 }

@@ -39,22 +39,28 @@ const std::vector<std::string>& replayed_columns() {
                                               "v_ref_mps",
                                               "v_mps",
                                               "u_V",
+                                              "u1_V",
+                                              "u2_V",
                                               "fault"};
   return names;
 }
 
 ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std::int64_t>& ticks,
                          const std::vector<bool>& dropped_before, int moves, const LoadPositions& load,
-                         const std::vector<std::pair<std::string, const std::vector<double>*>>& recorded) {
+                         const std::vector<std::pair<std::string, const std::vector<double>*>>& recorded,
+                         const std::vector<Ppd2GainSet>& gains) {
   ReplayResult result;
   for (const auto& [name, values] : recorded) result.compared.push_back(name);
   result.largest_difference.assign(recorded.size(), 0.0);
   AxisLoop loop;
   loop.configure(rig, load);
+  GainMailbox mailbox;
+  loop.set_gain_mailbox(&mailbox);
   Course course(rig, moves);
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     if (dropped_before[i]) break;
     const std::int64_t skipped = i == 0 ? 0 : ticks[i] - ticks[i - 1] - 1;
+    if (i < gains.size()) mailbox.post(gains[i]);
     if (!loop.pass(backend, ticks[i], skipped, nullptr, nullptr)) break;
     const Row& row = loop.row();
     for (std::size_t c = 0; c < recorded.size(); ++c) {
@@ -66,6 +72,7 @@ ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std
     }
     ++result.compared_rows;
     if (!course.after(ticks[i], loop)) break;
+    if (loop.learning_due()) loop.learn(rig.axis);
   }
   course.close();
   result.rows = course.take_rows();

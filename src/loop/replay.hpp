@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <pneuservo/control/ppd2.hpp>
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/hal/backend.hpp>
 #include <pneuservo/record/row.hpp>
@@ -35,6 +36,7 @@ const std::vector<std::string>& replayed_columns();
 /// Rows after dropped ones start from another state: the comparison ends there, `compared_rows` says where.
 ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std::int64_t>& ticks,
                          const std::vector<bool>& dropped_before, int moves, const LoadPositions& load,
-                         const std::vector<std::pair<std::string, const std::vector<double>*>>& recorded);
+                         const std::vector<std::pair<std::string, const std::vector<double>*>>& recorded,
+                         const std::vector<Ppd2GainSet>& gains = {});
 
 }  // namespace pneuservo

@@ -4,6 +4,7 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <thread>
 
 #include <pneuservo/loop/axis_loop.hpp>
 #include <pneuservo/loop/grid.hpp>
@@ -19,7 +20,8 @@ namespace {
 /// Ticks left out of timing and fault counters: the first pass touches code and data for the first time.
 constexpr std::int64_t warm_up_ticks = 200;
 
-void run_simulated(AxisLoop& loop, Backend& backend, const RunSettings& settings, Course& course, RunOutcome& out) {
+void run_simulated(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSettings& settings, Course& course,
+                   RunOutcome& out) {
   const auto pass = [&](std::int64_t tick) noexcept {
     const RtScope hot;
     return loop.pass(backend, tick, 0, nullptr, nullptr);
@@ -34,6 +36,7 @@ void run_simulated(AxisLoop& loop, Backend& backend, const RunSettings& settings
     if (settings.writer != nullptr) settings.writer->write(loop.row());
     if (settings.progress && tick % 2048 == 0) settings.progress(course.fraction(tick));
     if (!course.after(tick, loop)) break;
+    if (loop.learning_due()) loop.learn(rig.axis);
   }
   out.stopped_by_signal = StopRequest::requested();
   loop.stop(backend, tick + 1);
@@ -76,8 +79,27 @@ bool real_tick(AxisLoop& loop, Backend& backend, RecordingRing* ring, Course& co
   return goes_on;
 }
 
-void run_real(AxisLoop& loop, Backend& backend, const RunSettings& settings, double period_s, Course& course,
+/// Learns from finished moves beside the loop; that is too long for a tick. The reference waits for it.
+class Learner {
+ public:
+  Learner(const Rig& rig, AxisLoop& loop) {
+    if (!loop.controller().learns()) return;
+    thread_ = std::jthread([&rig, &loop](const std::stop_token& ends) {
+      while (!ends.stop_requested()) {
+        if (loop.learning_due()) loop.learn(rig.axis);
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      }
+    });
+  }
+
+ private:
+  std::jthread thread_;
+};
+
+void run_real(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSettings& settings, Course& course,
               RunOutcome& out) {
+  const Learner learner(rig, loop);
+  const double period_s = rig.period_s;
   out.timing = std::make_unique<LoopTiming>();
   LoopTiming& timing = *out.timing;
   prefault(&timing, sizeof timing);
@@ -128,12 +150,13 @@ RunOutcome run_loop(const Rig& rig, Backend& backend, const RunSettings& setting
   RunOutcome out;
   AxisLoop loop;
   loop.configure(rig, settings.load);
+  loop.set_gain_mailbox(settings.gains);
   Course course(rig, settings.moves);
   backend.activate();
   const auto begin = std::chrono::steady_clock::now();
   try {
-    if (settings.real_time) run_real(loop, backend, settings, rig.period_s, course, out);
-    else run_simulated(loop, backend, settings, course, out);
+    if (settings.real_time) run_real(rig, loop, backend, settings, course, out);
+    else run_simulated(rig, loop, backend, settings, course, out);
   } catch (...) {  // e.g. no memory for the recording: never without the safe output
     loop.stop(backend, 0);
     backend.deactivate();

@@ -16,6 +16,7 @@
 
 namespace pneuservo {
 
+class GainMailbox;
 class RecordingRing;
 class RecordingWriter;
 
@@ -34,6 +35,7 @@ struct RunSettings {
   LoadPositions load{};  ///< references of kind `file`
   RecordingRing* ring = nullptr;  ///< real time: rows go here
   RecordingWriter* writer = nullptr;  ///< simulated time: rows go here
+  GainMailbox* gains = nullptr;  ///< gains for the running loop come from here
   std::function<void(double fraction)> progress{};  ///< called between ticks in simulated time only
 };
 

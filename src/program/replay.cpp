@@ -1,4 +1,6 @@
 // Verb replay: estimator and controller on recorded measurements; are the outputs those recorded, bit for bit?
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <iostream>
 #include <memory>
@@ -45,9 +47,20 @@ void adopt_header(const Recording& recording, Rig& rig) {
   std::cerr << fmt::format("{}: the recording {}; differences are to be expected\n", recording.path, reason);
 }
 
+/// Gains in force at each row, where they were recorded.
+std::vector<Ppd2GainSet> gains_of(const Recording& data) {
+  constexpr std::array<const char*, 4> names{"position_gain_V_per_m", "velocity_gain_Vs_per_m",
+                                             "acceleration_gain_Vs2_per_m", "integral_gain_V_per_m_s"};
+  if (!std::all_of(names.begin(), names.end(), [&](const char* name) { return data.has(name); })) return {};
+  std::vector<Ppd2GainSet> gains(data.rows());
+  for (std::size_t i = 0; i < gains.size(); ++i)
+    gains[i] = {data.column(names[0])[i], data.column(names[1])[i], data.column(names[2])[i], data.column(names[3])[i]};
+  return gains;
+}
+
 int run_replay(const ReplayOptions& options) {
   Rig rig = read_rig(options.config, options.sets);
-  require_kind("replay", options.config, rig, {RigKind::cylinder});
+  require_kind("replay", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
   require_writable("--record", options.record);
   require_writable("--json", options.json);
   Recording recording = read_recording(options.recording);
@@ -72,7 +85,8 @@ int run_replay(const ReplayOptions& options) {
   }
   backend.configure();
   backend.activate();
-  const ReplayResult result = replay_loop(rig, backend, ticks, dropped, moves, load_reference_positions, recorded);
+  const ReplayResult result =
+      replay_loop(rig, backend, ticks, dropped, moves, load_reference_positions, recorded, gains_of(data));
   backend.deactivate();
 
   nlohmann::ordered_json json{{"config", rig.name},

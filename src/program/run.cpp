@@ -14,6 +14,7 @@
 #include "config/read_rig.hpp"
 #include "loop/realtime_stop.hpp"
 #include "loop/runner.hpp"
+#include "program/gain_file.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "record/writer.hpp"
@@ -26,7 +27,7 @@ namespace pneuservo {
 namespace {
 
 struct RunOptions {
-  std::string config, time = "simulated", pressure_source, backend = "sim", record, report, json;
+  std::string config, time = "simulated", pressure_source, backend = "sim", record, report, json, gains;
   std::vector<std::string> sets;
   double duration_s = 0.0;
   double early_wake_us = -1.0;
@@ -40,17 +41,34 @@ Rig read_with_options(const RunOptions& options) {
   if (!options.pressure_source.empty() && options.pressure_source != "all")
     sets.push_back("controller.pressure_source=" + options.pressure_source);
   Rig rig = read_rig(options.config, sets);
-  require_kind("run", options.config, rig, {RigKind::cylinder});
+  require_kind("run", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
+  if (rig.controller.kind != ControllerKind::pd_force && !options.pressure_source.empty())
+    throw InputError(fmt::format("--pressure-source: found {}, but {} of {} takes no pressure into its loop",
+                                 options.pressure_source,
+                                 controller_kind_names[static_cast<std::size_t>(rig.controller.kind)], options.config));
   return rig;
 }
 
 std::vector<PressureSource> sources_of(const RunOptions& options, const Rig& rig) {
   if (options.pressure_source == "all")
     return {PressureSource::valve, PressureSource::chamber, PressureSource::estimated};
-  return {rig.controller.pd_force.pressure_source};
+  return {rig.controller.kind == ControllerKind::pd_force ? rig.controller.pd_force.pressure_source
+                                                          : PressureSource::valve};
 }
 
 std::string_view source_word(PressureSource source) { return pressure_source_names[static_cast<std::size_t>(source)]; }
+
+/// What the law takes pressures from.
+std::string pressure_word(const Rig& rig, PressureSource source) {
+  const bool takes_none =
+      rig.controller.kind == ControllerKind::ppd2 && rig.controller.ppd2.feedforward != FeedforwardKind::flatness;
+  return takes_none ? "none" : std::string(source_word(source));
+}
+
+std::string feedforward_word(const ControllerParameters& controller) {
+  if (controller.kind == ControllerKind::pd_force) return controller.pd_force.flow_feedforward ? "flow" : "none";
+  return std::string(feedforward_kind_names[static_cast<std::size_t>(controller.ppd2.feedforward)]);
+}
 
 /// FILE.csv.gz, or FILE-valve.csv.gz and so on where several sources are run.
 std::string record_path(const RunOptions& options, PressureSource source, bool several) {
@@ -61,7 +79,7 @@ std::string record_path(const RunOptions& options, PressureSource source, bool s
 }
 
 /// Columns that this run has.
-std::vector<std::string> recorded_columns(const Backend& backend, bool real_time) {
+std::vector<std::string> recorded_columns(const Rig& rig, const Backend& backend, bool real_time, bool gains_change) {
   std::vector<std::string> columns;
   const auto origins = backend.origins();
   const bool truth = backend.name() == "sim";
@@ -71,7 +89,10 @@ std::vector<std::string> recorded_columns(const Backend& backend, bool real_time
         for (std::size_t i = 0; i < channel_names.size(); ++i)
           if (name == std::string(channel_names[i]) + (i == 0 ? "_m" : "_Pa") && origins[i] == Origin::absent) return;
         if (name.find("_true_") != std::string_view::npos && !truth) return;
+        if (name == (rig.kind == RigKind::servo_table ? "u_V" : "u1_V")) return;
+        if (name == "u2_V" && rig.kind != RigKind::servo_table) return;
         if ((name == "lateness_us" || name == "work_us") && !real_time) return;
+        if (name.find("_gain_") != std::string_view::npos && !gains_change) return;
         columns.emplace_back(name);
       },
       row);
@@ -87,6 +108,13 @@ void show_progress(double fraction, std::string_view source) {
 struct Effort {
   double axis_s = 0.0, wall_s = 0.0;
 };
+
+/// What a law cannot follow becomes a sentence about the config.
+RunOutcome run_or_refuse(const std::string& config, const Rig& rig, Backend& backend, const RunSettings& settings) {
+  try {
+    return run_loop(rig, backend, settings);
+  } catch (const std::invalid_argument& error) { throw InputError(config + ": " + error.what()); }
+}
 
 /// One pressure source from start to safe end; its moves are added to the report. True: no fault, recording whole.
 bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool several, RunReport& report,
@@ -112,7 +140,7 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   std::unique_ptr<RecordingWriter> writer;
   if (!options.record.empty()) {
     const RecordingHeader header = run_header(rig, *backend, report.machine, options.moves);
-    const auto columns = recorded_columns(*backend, real_time);
+    const auto columns = recorded_columns(rig, *backend, real_time, !options.gains.empty());
     const std::string path = record_path(options, source, several);
     if (real_time) {
       ring = std::make_unique<RecordingRing>();
@@ -126,7 +154,14 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   if (interactive && !real_time)
     settings.progress = [&](double fraction) { show_progress(fraction, source_word(source)); };
 
-  RunOutcome outcome = run_loop(rig, *backend, settings);
+  GainMailbox mailbox;
+  std::unique_ptr<GainFileWatcher> watcher;
+  if (!options.gains.empty()) {
+    settings.gains = &mailbox;
+    watcher = std::make_unique<GainFileWatcher>(options.gains, options.config, options.sets, mailbox);
+  }
+  RunOutcome outcome = run_or_refuse(options.config, rig, *backend, settings);
+  watcher.reset();
   effort.wall_s += outcome.wall_s;
   effort.axis_s += static_cast<double>(outcome.ticks + outcome.overruns) * rig.period_s;
   if (interactive && !real_time) std::fputs("\r                    \r", stderr);
@@ -150,8 +185,8 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   for (std::size_t i = 0; i < outcome.moves.size(); ++i) {
     const MoveSpan& span = outcome.moves[i];
     RunResult run;
-    run.pressure_source = source_word(source);
-    run.feedforward = rig.controller.pd_force.flow_feedforward ? "flow" : "none";
+    run.pressure_source = pressure_word(rig, source);
+    run.feedforward = feedforward_word(rig.controller);
     run.move = static_cast<int>(i) + 1;
     run.start_s = span.start_s;
     run.rows.assign(outcome.rows.begin() + static_cast<std::ptrdiff_t>(span.begin),
@@ -182,6 +217,8 @@ int run(const RunOptions& options) {
     throw InputError("--time: found '" + options.time + "', expected real or simulated");
   if (options.moves < 1) throw InputError(fmt::format("--moves: found {}, expected 1 or more", options.moves));
   const Rig rig = read_with_options(options);
+  if (!options.gains.empty() && rig.controller.kind != ControllerKind::ppd2)
+    throw InputError("--gains: found with controller.kind pd_force, expected ppd2");
   if (options.dump_config) {
     std::cout << dump_rig(rig);
     return 0;
@@ -222,6 +259,8 @@ void add_run(CLI::App& app, int& status) {
       ->check(CLI::IsMember({"real", "simulated"}));
   verb->add_option("--duration-s", o->duration_s, "length of the run instead of the config's [s]")
       ->check(CLI::PositiveNumber);
+  verb->add_option("--gains", o->gains,
+                   "gains of a ppd2 law for the running loop, KEY: VALUE; looked at ten times a second");
   verb->add_option("--moves", o->moves, "times the reference is run");
   verb->add_option("--hal", o->backend, "backend: sim");
   verb->add_option("--record", o->record, "recording, FILE.csv.gz; with all sources FILE-valve.csv.gz and so on");

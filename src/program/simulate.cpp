@@ -39,24 +39,33 @@ PlantStart<double> recorded_start(const Rig& rig, const Recording& recording) {
           first_value(recording, {"p2_chamber_true_Pa", "p2_chamber_Pa", "p2_port_Pa"}, own.pressure_2_Pa)};
 }
 
+/// Commands that the rig's plant takes.
+std::vector<std::string> command_columns(const Rig& rig) {
+  if (rig.kind == RigKind::servo_table) return {"u1_V", "u2_V"};
+  return {"u_V"};
+}
+
 std::vector<Row> simulate_plant(const Rig& rig, const Recording& recording) {
-  const auto& command = recording.column("u_V");
+  const std::vector<std::string> names = command_columns(rig);
+  const auto &command_1 = recording.column(names.front()), &command_2 = recording.column(names.back());
   AxisPlant<double> plant;
-  plant.configure(rig.axis, rig.period_s, rig.simulation.cells_per_m);
+  plant.configure(rig.axis, rig.period_s, rig.simulation.cells_per_m, valve_arrangement(rig));
   plant.reset(recorded_start(rig, recording));
   std::vector<Row> rows(recording.rows());
-  double held_V = 0.0;
+  double held_1_V = 0.0, held_2_V = 0.0;
   std::int64_t tick = std::llround(recording.t_s().front() / rig.period_s);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (const std::int64_t due = std::llround(recording.t_s()[i] / rig.period_s); tick < due; ++tick)
-      plant.step(held_V);
-    if (std::isfinite(command[i])) held_V = command[i];
+      plant.step(held_1_V, held_2_V);
+    if (std::isfinite(command_1[i])) held_1_V = command_1[i];
+    if (std::isfinite(command_2[i])) held_2_V = command_2[i];
     const auto port = plant.port_pressure(), chamber = plant.chamber_pressure();
     Row& row = rows[i];
     row.t_s = recording.t_s()[i];
     row.x_m = row.x_true_m = plant.position();
     row.v_mps = plant.velocity();
-    row.u_V = held_V;
+    if (names.size() == 1) row.u_V = held_1_V;
+    else row.u1_V = held_1_V, row.u2_V = held_2_V;
     row.p1_port_Pa = low(port);
     row.p2_port_Pa = high(port);
     row.p1_chamber_Pa = row.p1_chamber_true_Pa = low(chamber);
@@ -98,12 +107,12 @@ std::vector<Difference> differences(const Recording& recording, const std::vecto
 
 int run_simulate(const SimulateOptions& options) {
   const Rig rig = read_rig(options.config, options.sets);
-  require_kind("simulate", options.config, rig, {RigKind::cylinder});
+  require_kind("simulate", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
   require_writable("--record", options.record);
   require_writable("--json", options.json);
   const Recording recording = read_recording(options.command);
   for (const auto& line : problem_lines(recording)) std::cerr << line << "\n";
-  recording.require({"u_V"});
+  recording.require(command_columns(rig));
   const std::vector<Row> rows = simulate_plant(rig, recording);
   nlohmann::ordered_json json{{"config", rig.name}, {"command", options.command}, {"rows", rows.size()}};
   std::string text =
@@ -117,9 +126,10 @@ int run_simulate(const SimulateOptions& options) {
   write_json(options.json, json);
   if (!options.record.empty()) {
     SimBackend backend(rig);
-    RecordingWriter writer(
-        options.record, run_header(rig, backend, machine_facts(nullptr), 1),
-        {"t_s", "x_m", "v_mps", "u_V", "p1_port_Pa", "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"});
+    std::vector<std::string> columns{"t_s",        "x_m",           "v_mps",         "p1_port_Pa",
+                                     "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"};
+    for (const std::string& name : command_columns(rig)) columns.push_back(name);
+    RecordingWriter writer(options.record, run_header(rig, backend, machine_facts(nullptr), 1), columns);
     for (const Row& row : rows) writer.write(row);
     const RecordingSummary summary = writer.close();
     if (!summary.error.empty()) throw InputError(summary.error);
@@ -133,7 +143,8 @@ void add_simulate(CLI::App& app, int& status) {
   auto o = std::make_shared<SimulateOptions>();
   CLI::App* verb = app.add_subcommand("simulate", "simulate the plant alone on a recorded command");
   verb->add_option("CONFIG", o->config, "rig to simulate")->required();
-  verb->add_option("--command", o->command, "recording with the column u_V")->required();
+  verb->add_option("--command", o->command, "recording with the column u_V, of a servo table u1_V and u2_V")
+      ->required();
   verb->add_option("--set", o->sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
   verb->add_option("--record", o->record, "what was simulated, without sensor noise, FILE.csv.gz");
   verb->add_option("--json", o->json, "differences from the recording as JSON, - for standard output");

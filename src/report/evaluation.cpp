@@ -2,6 +2,7 @@
 #include <report/evaluation.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <report/high_pass.hpp>
@@ -11,6 +12,7 @@ namespace {
 
 using Column = double Row::*;
 constexpr double time_tolerance_s = 1e-9;
+constexpr std::array<Column, 3> commands{&Row::u_V, &Row::u1_V, &Row::u2_V};
 
 bool has_values(const std::vector<Row>& rows, Column column) {
   return std::any_of(rows.begin(), rows.end(), [&](const Row& row) { return std::isfinite(row.*column); });
@@ -113,7 +115,8 @@ Metrics evaluate(const Rig& rig, const std::vector<Row>& rows, double start_s) {
   const Column position = metrics.position_is_true ? &Row::x_true_m : &Row::x_m;
 
   const double from_s = metrics.from_s + start_s, to_s = metrics.to_s + start_s;
-  Statistics error, end_error, estimation_1, estimation_2, command_step;
+  Statistics error, end_error, estimation_1, estimation_2;
+  std::array<Statistics, 3> command_step;  // of the one valve, or of either of two
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const Row& row = rows[k];
     if (row.t_s < from_s - time_tolerance_s || row.t_s > to_s + time_tolerance_s) continue;
@@ -121,14 +124,15 @@ Metrics evaluate(const Rig& rig, const std::vector<Row>& rows, double start_s) {
     if (row.t_s > to_s - end_stretch_s + time_tolerance_s) end_error.add(row.x_ref_m - row.*position);
     estimation_1.add(row.p1_estimated_Pa - row.p1_chamber_true_Pa);
     estimation_2.add(row.p2_estimated_Pa - row.p2_chamber_true_Pa);
-    if (k > 0) command_step.add(row.u_V - rows[k - 1].u_V);
+    for (std::size_t i = 0; i < commands.size() && k > 0; ++i)
+      command_step[i].add(row.*commands[i] - rows[k - 1].*commands[i]);
   }
   metrics.max_position_error_m = error.maximum();
   metrics.rms_position_error_m = error.rms();
   metrics.end_error_m = end_error.mean();
   metrics.max_estimation_error_Pa = larger(estimation_1.maximum(), estimation_2.maximum());
   metrics.rms_estimation_error_Pa = larger(estimation_1.rms(), estimation_2.rms());
-  metrics.command_step_rms_V = command_step.rms();
+  metrics.command_step_rms_V = larger(command_step[0].rms(), larger(command_step[1].rms(), command_step[2].rms()));
   const bool truth = has_values(rows, &Row::p1_chamber_true_Pa);
   metrics.chamber_pressure_ripple_Pa =
       larger(ripple_Pa(rows, truth ? &Row::p1_chamber_true_Pa : &Row::p1_chamber_Pa, from_s, to_s),

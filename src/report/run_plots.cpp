@@ -132,10 +132,11 @@ Plot position_plot(const RunReport& report, double period_s) {
 }
 
 Plot position_error_plot(const RunReport& report, double period_s) {
-  Plot plot = time_plot(report, "Position error", "mm", period_s);
+  const LengthUnit unit = error_unit(report);
+  Plot plot = time_plot(report, "Position error", unit.name, period_s);
   for (const RunResult* run : shown_runs(report)) {
     add_curve(plot, *run, run_label(report, *run), tone_of(run->pressure_source), is_dashed(report, *run),
-              [&](const Row& row) { return 1e3 * (row.x_ref_m - true_or_measured_x(*run, row)); });
+              [&](const Row& row) { return unit.per_m * (row.x_ref_m - true_or_measured_x(*run, row)); });
     add_fault_mark(plot, report, *run);
     add_window(plot, run->metrics);
   }
@@ -145,8 +146,15 @@ Plot position_error_plot(const RunReport& report, double period_s) {
 Plot command_plot(const RunReport& report, double period_s) {
   Plot plot = time_plot(report, "Valve command", "V", period_s);
   for (const RunResult* run : shown_runs(report)) {
-    add_curve(plot, *run, run_label(report, *run), tone_of(run->pressure_source), is_dashed(report, *run),
-              [](const Row& row) { return row.u_V; });
+    if (has_values(*run, &Row::u1_V)) {
+      add_curve(plot, *run, run_label(report, *run) + ", valve 1", Tone::valve, is_dashed(report, *run),
+                [](const Row& row) { return row.u1_V; });
+      add_curve(plot, *run, run_label(report, *run) + ", valve 2", Tone::chamber, is_dashed(report, *run),
+                [](const Row& row) { return row.u2_V; });
+    } else {
+      add_curve(plot, *run, run_label(report, *run), tone_of(run->pressure_source), is_dashed(report, *run),
+                [](const Row& row) { return row.u_V; });
+    }
     add_fault_mark(plot, report, *run);
   }
   return plot;

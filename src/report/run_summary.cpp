@@ -43,6 +43,7 @@ std::string length(double value_m) {
 
 std::string source_words(const std::string& pressure_source) {
   if (pressure_source == "valve") return "the valve's port pressures";
+  if (pressure_source == "none") return "no pressure fed back";
   if (pressure_source == "chamber") return "measured chamber pressures";
   if (pressure_source == "estimated") return "estimated chamber pressures";
   return pressure_source;
@@ -106,6 +107,13 @@ std::string fault_words(const RunReport& report) {
 
 }  // namespace
 
+LengthUnit error_unit(const RunReport& report) {
+  constexpr double large_m = 1e-4;
+  const bool large = std::any_of(report.runs.begin(), report.runs.end(),
+                                 [](const RunResult& run) { return !(run.metrics.max_position_error_m < large_m); });
+  return large ? LengthUnit{"mm", 1e3} : LengthUnit{"µm", 1e6};
+}
+
 std::string run_label(const RunReport& report, const RunResult& run) {
   std::string label = run.pressure_source;
   if (differs(report, &RunResult::feedforward))
@@ -150,9 +158,10 @@ Table comparison_table(const RunReport& report) {
     columns.push_back(text_column("feedforward", collect(report, [](auto& run) { return run.feedforward; })));
   if (differs(report, &RunResult::move))
     columns.push_back(count_column("move", collect(report, [](auto& run) { return std::int64_t{run.move}; })));
-  columns.push_back(figure_column("max position error", "mm", scaled(report, &Metrics::max_position_error_m, 1e3)));
-  columns.push_back(figure_column("rms position error", "mm", scaled(report, &Metrics::rms_position_error_m, 1e3)));
-  columns.push_back(figure_column("end error", "mm", scaled(report, &Metrics::end_error_m, 1e3), 5));
+  const auto [unit, per_m] = error_unit(report);
+  columns.push_back(figure_column("max position error", unit, scaled(report, &Metrics::max_position_error_m, per_m)));
+  columns.push_back(figure_column("rms position error", unit, scaled(report, &Metrics::rms_position_error_m, per_m)));
+  columns.push_back(figure_column("end error", unit, scaled(report, &Metrics::end_error_m, per_m), 5));
   columns.push_back(
       figure_column("max estimation error", "kPa", scaled(report, &Metrics::max_estimation_error_Pa, 1e-3)));
   columns.push_back(

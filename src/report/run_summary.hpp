@@ -8,6 +8,13 @@
 
 namespace pneuservo {
 
+/// What position errors are told in: mm, or µm where all of them are below 0.1 mm.
+struct LengthUnit {
+  const char* name;
+  double per_m;
+};
+LengthUnit error_unit(const RunReport& report);
+
 /// "estimated", with feedforward and move where the report has several: "estimated, flow feedforward, move 2".
 std::string run_label(const RunReport& report, const RunResult& run);
 

@@ -18,9 +18,9 @@ namespace {
 using namespace pneuservo;
 
 /// Ticks back to back with the stamps of real time; the ring is drained now and then, outside the clock.
-void loop_tick(benchmark::State& state) {
-  Rig rig = read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/cylinder-10m-7.65mm.yaml");
-  rig.duration_s = 1e6 * rig.period_s;
+void loop_tick(benchmark::State& state, const char* config) {
+  Rig rig = read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/" + config + ".yaml");
+  rig.duration_s = 2.0 * static_cast<double>(state.max_iterations) * rig.period_s;
   SimBackend backend(rig);
   backend.configure();
   backend.activate();
@@ -28,7 +28,7 @@ void loop_tick(benchmark::State& state) {
   loop.configure(rig);
   Course course(rig, 1);
   const auto ring = std::make_unique<RecordingRing>();
-  const auto own = std::make_unique<TimeHistogram>();
+  const auto own = std::make_unique<TimeHistogram>(), model = std::make_unique<TimeHistogram>();
   std::int64_t tick = 0;
   for (auto _ : state) {
     StageTimes stages;
@@ -39,6 +39,7 @@ void loop_tick(benchmark::State& state) {
     course.after(tick++, loop);
     stages.end = MonotonicClock::now_ns();
     own->add(stages.end - stages.written);
+    model->add(stages.controlled - stages.read);
     if (tick % 4096 == 0) {
       state.PauseTiming();
       Row row;
@@ -48,7 +49,12 @@ void loop_tick(benchmark::State& state) {
   }
   state.counters["own_p50_us"] = own->percentile_us(0.5);
   state.counters["own_p99_us"] = own->percentile_us(0.99);
+  state.counters["model_p50_us"] = model->percentile_us(0.5);  // guard, estimator and controller
+  state.counters["model_p99.9_us"] = model->percentile_us(0.999);
 }
-BENCHMARK(loop_tick)->Name("loop/tick with recording")->Iterations(500'000);
+BENCHMARK_CAPTURE(loop_tick, cylinder, "cylinder-10m-7.65mm")->Name("loop/tick with recording")->Iterations(500'000);
+BENCHMARK_CAPTURE(loop_tick, table, "servo-table-0.5m-4mm")
+    ->Name("loop/tick with recording, servo table")
+    ->Iterations(50'000);
 
 }  // namespace

@@ -29,6 +29,7 @@ inline std::vector<Row> recorded_run(const Rig& rig, Backend& backend, const std
     loop.pass(backend, tick, skipped, nullptr, nullptr);
     writer.write(loop.row());
     if (!course.after(tick, loop)) break;
+    if (loop.learning_due()) loop.learn(rig.axis);
     skipped = 0;
     for (const auto& [after, slots] : late)
       if (tick == after) skipped = slots;

@@ -72,7 +72,9 @@ TEST_CASE("the first start approaches the reference from the measured position w
       REQUIRE(start_s == 0.0);
     } else {
       REQUIRE(start_s >= AxisLoop::approach_shortest_s);
-      REQUIRE(start_s == Approx(std::max(AxisLoop::approach_shortest_s, 18.75 * std::fabs(from_m))).margin(2e-3));
+      REQUIRE(start_s == Approx(std::max(AxisLoop::approach_shortest_s,
+                                         10.0 * AxisLoop::approach_peak_over_mean * std::fabs(from_m)))
+                             .margin(2e-3));
       REQUIRE(outcome.rows.front().x_ref_m == outcome.rows.front().x_m);
     }
     double largest_V = 0.0, largest_step_V = 0.0, fastest_mps = 0.0;

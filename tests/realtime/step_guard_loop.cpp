@@ -13,23 +13,21 @@ using namespace pneuservo;
 int main(int argc, char** argv) {
   const bool planted = argc > 1 && std::string_view(argv[1]) == "planted";
   int caught = 0;
-  for (const char* source : {"valve", "chamber", "estimated"})
-    for (const bool feedforward : {false, true}) {
-      const auto loop = std::make_unique<WholeLoop>(source, feedforward);
-      const RealTimeSession session;
-      int ticks = 0;
-      const auto tick = [&] {
-        loop->tick();
-        if (planted && ++ticks % 1000 == 0) {
-          const RtScope hot;
-          delete new volatile double(1.0);
-        }
-      };
-      const StepGuardReport report = guard_steps(tick, 200, 7500);
-      const std::string violations = report.violations();
-      std::fprintf(stderr, "%s%s: %s\n", source, feedforward ? " with feedforward" : "",
-                   violations.empty() ? "nothing caught" : violations.c_str());
-      caught += violations.empty() && loop->loop().faults() == 0 ? 0 : 1;
-    }
+  for (const LoopCase& one : loop_cases()) {
+    const auto loop = std::make_unique<WholeLoop>(one);
+    const RealTimeSession session;
+    int ticks = 0;
+    const auto tick = [&] {
+      loop->tick();
+      if (planted && ++ticks % 1000 == 0) {
+        const RtScope hot;
+        delete new volatile double(1.0);
+      }
+    };
+    const StepGuardReport report = guard_steps(tick, 200, 7500);
+    const std::string violations = report.violations();
+    std::fprintf(stderr, "%s: %s\n", one.name.c_str(), violations.empty() ? "nothing caught" : violations.c_str());
+    caught += violations.empty() && loop->loop().faults() == 0 ? 0 : 1;
+  }
   return caught == 0 ? 0 : 1;
 }

@@ -2,6 +2,7 @@
 // run_loop.
 #pragma once
 #include <string>
+#include <vector>
 
 #include <pneuservo/loop/axis_loop.hpp>
 #include <pneuservo/record/ring.hpp>
@@ -13,24 +14,51 @@
 
 namespace pneuservo {
 
+/// A loop to prove: its config under config/ and what is set beside it.
+struct LoopCase {
+  std::string name, config;
+  std::vector<std::string> sets;
+};
+
+/// Each pressure source of a cylinder with and without feedforward, and the servo table with linear feedforward and
+/// with flatness, learning between its moves.
+inline std::vector<LoopCase> loop_cases() {
+  std::vector<LoopCase> cases;
+  for (const std::string source : {"valve", "chamber", "estimated"})
+    for (const bool feedforward : {false, true})
+      cases.push_back({source + (feedforward ? " with feedforward" : ""),
+                       "cylinder-10m-7.65mm",
+                       {"controller.pressure_source=" + source, "initial.position_m=0.02", "duration_s=1.5",
+                        std::string("controller.flow_feedforward=") + (feedforward ? "true" : "false")}});
+  const std::string move =
+      "reference={kind: waypoints, times_s: [0.0, 0.2], positions_m: [-0.05, -0.0499], smoothness: 9}";
+  for (const std::string feedforward : {"7", "flatness"})
+    cases.push_back({"servo table, feedforward " + feedforward,
+                     "servo-table-0.5m-4mm",
+                     {move, "duration_s=0.3", "initial.position_m=-0.0495", "simulation.cells_per_m=16",
+                      "controller.integral_gain_V_per_m_s=1e4", "controller.learning=flow",
+                      "controller.feedforward=" + feedforward}});
+  return cases;
+}
+
 /// One tick is what real time does between two sleeps.
 class WholeLoop {
  public:
-  /// `source`: a word of pressure_source_names.
-  WholeLoop(const std::string& source, bool feedforward)
-      : rig_(read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/cylinder-10m-7.65mm.yaml",
-                      {"controller.pressure_source=" + source, "initial.position_m=0.02", "duration_s=1.5",
-                       std::string("controller.flow_feedforward=") + (feedforward ? "true" : "false")})),
-        backend_(rig_), course_(rig_, moves) {
+  explicit WholeLoop(const LoopCase& one)
+      : rig_(read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/" + one.config + ".yaml", one.sets)), backend_(rig_),
+        course_(rig_, moves) {
+    loop_.set_gain_mailbox(&gains_);
     loop_.configure(rig_);
     backend_.configure();
     backend_.activate();
   }
 
   /// Every 97th tick comes late and skips three slots. False: the run is over.
-  bool tick() noexcept {
+  bool tick() {
     const std::int64_t skipped = tick_ % 97 == 96 ? 3 : 0;
     tick_ += skipped;
+    if (loop_.learning_due()) loop_.learn(rig_.axis);
+    if (tick_ % 1000 == 0) gains_.post(gain_set(rig_.controller.ppd2));
     const RtScope hot;
     StageTimes stages;
     course_.prefetch();
@@ -59,6 +87,7 @@ class WholeLoop {
   AxisLoop loop_;
   Course course_;
   RecordingRing ring_;
+  GainMailbox gains_;
   std::int64_t tick_ = 0;
 };
 

@@ -1,14 +1,16 @@
 // The one pass of the control loop, the same in simulated time, real time and replay.
 #pragma once
 #include <array>
+#include <atomic>
 #include <cstdint>
 
-#include <pneuservo/control/pd_force.hpp>
+#include <pneuservo/control/axis_controller.hpp>
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/core/rt.hpp>
 #include <pneuservo/estimator/pipeline_estimator.hpp>
 #include <pneuservo/hal/backend.hpp>
 #include <pneuservo/loop/fault.hpp>
+#include <pneuservo/loop/gain_mailbox.hpp>
 #include <pneuservo/loop/input_guard.hpp>
 #include <pneuservo/record/row.hpp>
 #include <pneuservo/rig/rig.hpp>
@@ -26,17 +28,27 @@ struct StageTimes {
 /// read -> guard -> estimator -> reference -> controller -> write -> row. The pass allocates nothing, locks nothing,
 /// throws nothing, and reads no clock of its own: t = tick * period.
 ///
-/// The first motion approaches the reference's first value from the measured position with a minimum-jerk move; where
-/// the axis is already there (within approach_tolerance_m) it starts at once. A fault is latched: from its tick on the
-/// valve gets the safe output, until rearm() starts anew from the measured position with estimator and integral reset.
+/// The first motion approaches the reference's first value from the measured position with a smooth move (degree 9: as
+/// many derivatives are continuous as any law feeds forward) and rests there as long as the law asks for; where the
+/// axis is already there (within approach_tolerance_m, and within 100 quanta of its encoder) it starts at once. A fault
+/// is latched: from its tick on the valve gets the safe output, until rearm() starts anew from the measured position
+/// with estimator and integral reset.
 class AxisLoop {
  public:
   static constexpr double approach_tolerance_m = 5e-4;
-  static constexpr double approach_speed_mps = 0.1;   ///< peak of the approach
+  static constexpr double approach_quanta = 100.0;
+  static constexpr double approach_speed_mps = 0.1;  ///< peak of the approach
   static constexpr double approach_shortest_s = 0.5;
   /// An encoder that did not change for so long while the reference went this share of the stroke is frozen.
   static constexpr double standstill_s = 0.5;
   static constexpr double standstill_share = 0.2;
+
+  /// Peak over mean speed of the approach.
+  static constexpr double approach_peak_over_mean = 315.0 / 128.0;
+  /// Longest approach with its rest, over the whole stroke [s].
+  static double longest_approach_s(double stroke_m) noexcept {
+    return approach_shortest_s + approach_peak_over_mean * stroke_m / approach_speed_mps + Ppd2::settling_s;
+  }
 
   /// Cold: builds estimator, controller and reference from the rig; allocates, may throw std::invalid_argument.
   void configure(const Rig& rig, const LoadPositions& load = {});
@@ -45,7 +57,21 @@ class AxisLoop {
   /// back from every fault: integral and estimator start anew, the latched faults are cleared.
   void rearm() noexcept;
   /// The reference once more from its time 0 (after an approach), everything else goes on.
-  void restart_reference() noexcept { begins_ = true; }
+  void restart_reference() noexcept {
+    begins_ = moved_ = true;
+    learning_due_.store(controller_.learns(), std::memory_order_release);
+  }
+  /// A finished move waits to be learned from; the reference does not begin before that is done.
+  bool learning_due() const noexcept { return learning_due_.load(std::memory_order_acquire); }
+  /// Learns from the finished move (`axis`: the rig's of configure); by one thread only, beside passes if need be: they
+  /// keep away from what it works on. Cold.
+  void learn(const AxisParameters<double>& axis) {
+    controller_.learn(axis);
+    learning_due_.store(false, std::memory_order_release);
+  }
+
+  /// Where gains for the running loop come from; null: nowhere. Before the first pass.
+  void set_gain_mailbox(GainMailbox* mailbox) noexcept { gain_mailbox_ = mailbox; }
 
   /// One tick on the backend. False: the backend has ended. `now` reads a clock for the stage times (null: none read).
   bool pass(Backend& backend, std::int64_t tick, std::int64_t skipped, StageTimes* times,
@@ -62,7 +88,7 @@ class AxisLoop {
   /// Time at which the reference's own time 0 stands [s from tick 0]; meaningful once the approach was planned.
   double reference_start_s() const noexcept { return reference_start_s_; }
   const Reference& reference() const noexcept { return reference_; }
-  const PdForce& controller() const noexcept { return controller_; }
+  const AxisController& controller() const noexcept { return controller_; }
   double period_s() const noexcept { return period_s_; }
 
  private:
@@ -75,21 +101,23 @@ class AxisLoop {
   double chamber_step_Pa(double dead_volume_m3, double area_m2, double way_m) const noexcept;
   std::uint32_t check_standstill() noexcept;
   bool waiting() const noexcept;
-  void note_command(double command_V) noexcept;
-  void plan_motion(double t_s, double position_m) noexcept;
+  void note_commands(const std::array<double, 2>& command_V) noexcept;
+  void plan_motion(double t_s, const Inputs& inputs) noexcept;
   ReferencePoint reference_at(double t_s) const noexcept;
   std::array<double, 2> pressures(const Inputs& inputs, const EstimatorOutput& estimate) const noexcept;
-  double control(double t_s, const Inputs& inputs, const EstimatorOutput& estimate) noexcept;
+  std::array<double, 2> control(double t_s, const Inputs& inputs, const EstimatorOutput& estimate) noexcept;
   void fill_row(double t_s, std::int64_t skipped, const Measurement& measured, const Truth& truth,
-                const EstimatorOutput& estimate, double command_V) noexcept;
+                const EstimatorOutput& estimate) noexcept;
   void latch(std::uint32_t faults) noexcept;
 
   double period_s_ = 0.001;
+  RigKind rig_ = RigKind::cylinder;
   PressureSource source_ = PressureSource::estimated;
-  double safe_command_V_ = 0.0, speed_limit_mps_ = 5.0, half_stroke_m_ = 0.15, position_margin_m_ = 0.005;
+  std::array<double, 2> safe_V_{};  // a valve each
+  double speed_limit_mps_ = 5.0, half_stroke_m_ = 0.15, position_margin_m_ = 0.005;
   bool needs_chambers_ = false;
   PipelineEstimator estimator_;
-  PdForce controller_;
+  AxisController controller_;
   Reference reference_;
   InputGuard position_guard_;
   std::array<InputGuard, 2> port_guard_, chamber_guard_;
@@ -99,9 +127,14 @@ class AxisLoop {
   double activity_V_ = 0.0, activity_decay_ = 0.0;
   double standstill_reference_m_ = 0.0;
 
-  bool begins_ = true, stopped_ = false;
-  double approach_from_m_ = 0.0, approach_to_m_ = 0.0, approach_start_s_ = 0.0, reference_start_s_ = 0.0;
-  double command_V_ = 0.0, velocity_mps_ = 0.0;
+  std::atomic<bool> learning_due_{false};
+  GainMailbox* gain_mailbox_ = nullptr;
+  bool begins_ = true, moved_ = false, stopped_ = false;
+  double tolerance_m_ = approach_tolerance_m;
+  double approach_from_m_ = 0.0, approach_to_m_ = 0.0, approach_start_s_ = 0.0, approach_end_s_ = 0.0,
+         reference_start_s_ = 0.0;
+  std::array<double, 2> command_V_{};
+  double velocity_mps_ = 0.0;
   std::uint32_t faults_ = 0, first_faults_ = 0;
   bool limited_ = false;
   ReferencePoint now_{};

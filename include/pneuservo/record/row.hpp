@@ -21,6 +21,7 @@ struct Row {
   double x_ref_m = none, v_ref_mps = none;
   double x_m = none, v_mps = none;
   double u_V = none;
+  double u1_V = none, u2_V = none;                        ///< of a servo table's two valves, instead of u_V
   double p1_port_Pa = none, p2_port_Pa = none;
   double p1_chamber_Pa = none, p2_chamber_Pa = none;
   double p1_estimated_Pa = none, p2_estimated_Pa = none;
@@ -29,6 +30,8 @@ struct Row {
   double p_supply_Pa = none;
   double x_true_m = none, p1_chamber_true_Pa = none, p2_chamber_true_Pa = none;
   double lateness_us = none, work_us = none;              ///< real time only
+  double position_gain_V_per_m = none, velocity_gain_Vs_per_m = none;       ///< in force, where they may change
+  double acceleration_gain_Vs2_per_m = none, integral_gain_V_per_m_s = none;
   std::uint32_t flags = 0;
   std::uint32_t fault = 0;                                ///< bits of Fault (loop/fault.hpp), 0 while healthy
 
@@ -40,6 +43,8 @@ struct Row {
     v(std::string_view("x_m"), r.x_m...);
     v(std::string_view("v_mps"), r.v_mps...);
     v(std::string_view("u_V"), r.u_V...);
+    v(std::string_view("u1_V"), r.u1_V...);
+    v(std::string_view("u2_V"), r.u2_V...);
     v(std::string_view("p1_port_Pa"), r.p1_port_Pa...);
     v(std::string_view("p2_port_Pa"), r.p2_port_Pa...);
     v(std::string_view("p1_chamber_Pa"), r.p1_chamber_Pa...);
@@ -56,6 +61,10 @@ struct Row {
     v(std::string_view("p2_chamber_true_Pa"), r.p2_chamber_true_Pa...);
     v(std::string_view("lateness_us"), r.lateness_us...);
     v(std::string_view("work_us"), r.work_us...);
+    v(std::string_view("position_gain_V_per_m"), r.position_gain_V_per_m...);
+    v(std::string_view("velocity_gain_Vs_per_m"), r.velocity_gain_Vs_per_m...);
+    v(std::string_view("acceleration_gain_Vs2_per_m"), r.acceleration_gain_Vs2_per_m...);
+    v(std::string_view("integral_gain_V_per_m_s"), r.integral_gain_V_per_m_s...);
     v(std::string_view("flags"), r.flags...);
     v(std::string_view("fault"), r.fault...);
   }

@@ -1,0 +1,98 @@
+// The watched file of gains.
+#include "program/gain_file.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include "config/input_error.hpp"
+#include "config/read_rig.hpp"
+#include "control/linear_trial.hpp"
+
+namespace pneuservo {
+namespace {
+
+constexpr std::array<const char*, 4> gain_keys{"position_gain_V_per_m", "velocity_gain_Vs_per_m",
+                                               "acceleration_gain_Vs2_per_m", "integral_gain_V_per_m_s"};
+constexpr std::chrono::milliseconds look_every{100};
+
+std::string text_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// --set of each key of the file.
+std::vector<std::string> sets_of(const std::string& path, const std::string& text) {
+  std::vector<std::string> sets;
+  YAML::Node root;
+  try {
+    root = YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    throw InputError(fmt::format("{}:{}: {}", path, error.mark.line + 1, error.msg));
+  }
+  if (!root.IsMap())
+    throw InputError(fmt::format("{}: found no keys, expected lines such as {}: 1200", path, gain_keys[0]));
+  for (const auto& entry : root) {
+    const std::string key = entry.first.Scalar();
+    const int line = entry.first.Mark().line + 1;
+    if (std::find(gain_keys.begin(), gain_keys.end(), key) == gain_keys.end())
+      throw InputError(
+          fmt::format("{}:{}: {}: no gain that may change, expected {}", path, line, key, fmt::join(gain_keys, ", ")));
+    if (!entry.second.IsScalar())
+      throw InputError(fmt::format("{}:{}: {}: found no number, expected one", path, line, key));
+    sets.push_back(fmt::format("controller.{}={}", key, entry.second.Scalar()));
+  }
+  return sets;
+}
+
+}  // namespace
+
+Ppd2GainSet read_gain_file(const std::string& path, const std::string& config, const std::vector<std::string>& sets) {
+  std::vector<std::string> all = sets;
+  for (std::string& set : sets_of(path, text_of(path))) all.push_back(std::move(set));
+  Rig rig;
+  try {
+    rig = read_rig(config, all);
+  } catch (const InputError& error) { throw InputError(path + ": " + error.what()); }
+  if (!linear_loop_settles(rig.controller.ppd2, rig.axis, rig.period_s))
+    throw InputError(path + ": with these gains the linear model's loop does not come to rest within 4 s, expected "
+                            "gains of a stable loop (see pneuservo design)");
+  return gain_set(rig.controller.ppd2);
+}
+
+GainFileWatcher::GainFileWatcher(std::string path, std::string config, std::vector<std::string> sets,
+                                 GainMailbox& mailbox)
+    : path_(std::move(path)), config_(std::move(config)), sets_(std::move(sets)), mailbox_(mailbox),
+      thread_([this] { watch(); }) {}
+
+GainFileWatcher::~GainFileWatcher() {
+  ends_ = true;
+  thread_.join();
+}
+
+void GainFileWatcher::watch() {
+  while (!ends_) {
+    look();
+    std::this_thread::sleep_for(look_every);
+  }
+}
+
+void GainFileWatcher::look() {
+  const std::string text = text_of(path_);
+  if (text.empty() || text == seen_) return;
+  seen_ = text;
+  try {
+    const Ppd2GainSet gains = read_gain_file(path_, config_, sets_);
+    mailbox_.post(gains);
+    std::cerr << fmt::format("{}: gains {} V/m, {} V s/m, {} V s2/m, {} V/(m s) given to the loop\n", path_,
+                             gains.position_gain_V_per_m, gains.velocity_gain_Vs_per_m,
+                             gains.acceleration_gain_Vs2_per_m, gains.integral_gain_V_per_m_s);
+  } catch (const std::exception& error) { std::cerr << error.what() << "; the loop keeps its gains\n"; }
+}
+
+}  // namespace pneuservo

@@ -20,6 +20,9 @@ constexpr double pressure_floor_Pa = 35.0, drop_share = 0.001;
 constexpr double start_floor_Pa = 200.0, start_fades_s = 0.5;
 constexpr double force_floor_N = 0.04, force_floor_ports_N = 0.07;
 constexpr double slow_sigma_s = 0.015;
+// At rest a force within this many noises is balanced by whatever holds: otherwise every friction, however small, would
+// gain the noise of all rows at rest.
+constexpr double rest_noises = 2.0;
 constexpr double noise_margin = 1.15;  // a recording this much noisier than its config is believed
 
 double with_quantum(double noise, double quantum) { return std::hypot(noise, quantum / std::sqrt(12.0)); }
@@ -209,7 +212,8 @@ CylinderResiduals::SampledCourse CylinderResiduals::force_course(const Rig& rig,
     out.measured[k] = cylinder.area_1_m2 * (p[0][k] - atmosphere) - cylinder.area_2_m2 * (p[1][k] - atmosphere);
     gauge_sum[k] = std::max(p[0][k] - atmosphere, 0.0) + std::max(p[1][k] - atmosphere, 0.0);
   }
-  out.simulated = balances_[recording].required_force(rig, out.measured, gauge_sum);
+  out.simulated =
+      balances_[recording].required_force(rig, out.measured, gauge_sum, rest_noises * channels_.back().noise);
   return out;
 }
 

@@ -77,7 +77,7 @@ std::vector<char> ForceBalance::near_end_stop(double stroke_m) const {
 }
 
 std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const double> drive_N,
-                                                 std::span<const double> gauge_pressure_sum_Pa) const {
+                                                 std::span<const double> gauge_pressure_sum_Pa, double held_N) const {
   const SensorEffects<double>& sensor = rig.sensor_effects[0];
   const MotionEffects<double>& effects = rig.axis.effects.motion;
   Slider<double> slider;
@@ -97,8 +97,8 @@ std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const
                        (slider.damping_coefficient(speed) - slider.damping_coefficient(0.0)) * v_fast;
     } else {  // at rest dry friction balances what is left, up to its values at v = 0
       abrupt_part[i] =
-          std::clamp(drive_N[i] - smooth_part[i], -std::abs(slider.dry_friction(0.0, -1.0, x_fast, around)),
-                     std::abs(slider.dry_friction(0.0, 1.0, x_fast, around)));
+          std::clamp(drive_N[i] - smooth_part[i], -held_N - std::abs(slider.dry_friction(0.0, -1.0, x_fast, around)),
+                     held_N + std::abs(slider.dry_friction(0.0, 1.0, x_fast, around)));
     }
   }
   const std::vector<double> friction = kernel_.apply(abrupt_part, 0);

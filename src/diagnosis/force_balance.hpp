@@ -32,8 +32,9 @@ class ForceBalance {
   /// Force [N] that the rig's slider with its motion effects needs at every sample, its position sensor's effects
   /// undone first. drive_N: the smoothed drive force, which friction at rest balances within its limits.
   /// gauge_pressure_sum_Pa: max(p1 - p_atm, 0) + max(p2 - p_atm, 0) at every sample; empty without air.
+  /// held_N: force that rest balances beside friction, for what the drive force is not known to.
   std::vector<double> required_force(const Rig& rig, std::span<const double> drive_N,
-                                     std::span<const double> gauge_pressure_sum_Pa) const;
+                                     std::span<const double> gauge_pressure_sum_Pa, double held_N = 0.0) const;
   /// Samples where this rig's slider touches an end stop within the kernel's reach; not to be judged.
   std::vector<char> near_end_stop(double stroke_m) const;
 

@@ -76,6 +76,17 @@ TEST_CASE("cylinder residuals: at the truth every channel is at its noise") {
   }
 }
 
+TEST_CASE("cylinder residuals: a friction that is not there gains nothing from the noise at rest") {
+  const Rig rig = cylinder_rig();
+  CylinderResiduals model(rig, {simulated_recording(rig, 6.0, 9, all_pressures)});
+  // So slow a Stribeck velocity that the friction acts at rest alone.
+  const std::vector<Hypothesis> hypotheses{
+      {rig, {}},
+      with(rig, {{"effects.stribeck_friction.extra_force_N", 5.0}, {"effects.stribeck_friction.velocity_mps", 2e-4}})};
+  const Eigen::MatrixXd columns = model.residuals(hypotheses);
+  CHECK(columns.col(0).squaredNorm() - columns.col(1).squaredNorm() < 10.0);
+}
+
 TEST_CASE("cylinder residuals: with ports alone the force is balanced through the simulated chambers") {
   const Rig rig = cylinder_rig();
   CylinderResiduals model(rig, {simulated_recording(rig, 6.0, 2, {"p1_port_Pa", "p2_port_Pa"})});

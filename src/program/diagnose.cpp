@@ -17,12 +17,13 @@
 #include "loop/realtime_stop.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
+#include "report/diagnosis_report.hpp"
 
 namespace pneuservo {
 namespace {
 
 struct DiagnoseVerbOptions {
-  std::string config, json, improved;
+  std::string config, json, report, improved;
   std::vector<std::string> recordings, sets;
   int jobs = 0;
   bool quiet = false;
@@ -52,6 +53,7 @@ void write_improved(const DiagnoseVerbOptions& options, const Diagnosis& diagnos
 int run_diagnose(const DiagnoseVerbOptions& options) {
   const Rig rig = read_rig(options.config, options.sets);
   require_writable("--json", options.json);
+  require_writable("--report", options.report);
   require_writable("--improved", options.improved);
   std::vector<Recording> recordings;
   for (const std::string& path : options.recordings) {
@@ -73,6 +75,7 @@ int run_diagnose(const DiagnoseVerbOptions& options) {
   if (!options.quiet) show_progress(1, "");
   if (options.json != "-") std::fputs(diagnosis_text(diagnosis).c_str(), stdout);
   write_json(options.json, diagnosis_json(diagnosis));
+  if (!options.report.empty()) write_diagnosis_report(diagnosis, options.report);
   write_improved(options, diagnosis);
   return diagnosis.stopped ? 128 + StopRequest::signal_number() : 0;
 }
@@ -85,6 +88,7 @@ void add_diagnose(CLI::App& app, int& status) {
   verb->add_option("CONFIG", options->config, "rig as the owner believes it is, with tolerances")->required();
   verb->add_option("RECORDING", options->recordings, "recordings of the machine (.csv.gz)")->required();
   verb->add_option("--json", options->json, "result as JSON; - for standard output");
+  verb->add_option("--report", options->report, "self-contained HTML page with pictures");
   verb->add_option("--improved", options->improved, "config with what was found, for run and simulate");
   verb->add_option("--jobs", options->jobs, "threads; 0: all of the machine")->check(CLI::Range(0, 1024));
   verb->add_option("--set", options->sets, "PATH=VALUE: overrides a value of the config");

@@ -101,6 +101,10 @@ void HtmlPage::bars(const std::vector<BarChart>& charts) {
   body_ += "</div>\n";
 }
 
+void HtmlPage::drawing(std::string_view svg, std::string_view caption) {
+  body_ += fmt::format("<figure class=\"drawing\">{}<figcaption>{}</figcaption></figure>\n", svg, html_escape(caption));
+}
+
 void HtmlPage::plot(const Plot& plot) {
   const std::string id = fmt::format("plot-{}", ++plots_);
   body_ +=

@@ -81,6 +81,8 @@ class HtmlPage {
   void alert(std::string_view text);
   void table(const Table& table);
   void bars(const std::vector<BarChart>& charts);
+  /// A drawing that is SVG already (rig_picture), and what is seen on it in words.
+  void drawing(std::string_view svg, std::string_view caption);
   void plot(const Plot& plot);
   /// Plots side by side where there is room.
   void plots(const std::vector<Plot>& row);

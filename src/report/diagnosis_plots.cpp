@@ -1,0 +1,192 @@
+// The plots of a diagnosis: courses before and after, the residual over time and against what the machine does.
+#include <report/diagnosis_plots.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <report/binned_mean.hpp>
+#include <report/diagnosis_words.hpp>
+
+#include "diagnosis/held_out.hpp"
+
+namespace pneuservo {
+namespace {
+
+/// Points that all curves of a page share; some 14 bytes each keep it near 2 MB.
+constexpr std::size_t points_of_page = 110000;
+constexpr std::size_t residual_bins = 40;
+constexpr Tone measured_tone = Tone::neutral, before_tone = Tone::valve, after_tone = Tone::estimated;
+
+const ResidualCourse* find(const std::vector<ResidualCourse>& courses, std::size_t channel, std::size_t recording) {
+  for (const ResidualCourse& course : courses)
+    if (course.channel == static_cast<int>(channel) && course.recording == static_cast<int>(recording)) return &course;
+  return nullptr;
+}
+
+/// Unit that a reader has at hand, and the factor to it.
+std::pair<std::string, double> handy_unit(const std::string& unit) {
+  if (unit == "Pa") return {"kPa", 1e-3};
+  if (unit == "m") return {"mm", 1e3};
+  return {unit, 1.0};
+}
+
+std::size_t points_of_curve(const Diagnosis& diagnosis) {
+  const std::size_t curves = 5 * std::max<std::size_t>(1, diagnosis.courses_before.size());
+  return std::clamp<std::size_t>(points_of_page / curves, 400, 2400);
+}
+
+Plot time_plot(const Diagnosis& diagnosis, std::size_t channel, std::size_t recording) {
+  Plot plot;
+  plot.group = fmt::format("recording {}", recording);
+  plot.x_step = diagnosis.configured.period_s;
+  plot.points_max = points_of_curve(diagnosis);
+  plot.title = diagnosis.residual_channels[channel].name;
+  plot.unit = handy_unit(diagnosis.residual_channels[channel].unit).first;
+  plot.height_px = 210;
+  return plot;
+}
+
+/// x and y with a gap (NaN) wherever times are further apart than a few samples.
+Curve time_curve(std::string name, Tone tone, const std::vector<double>& time, const std::vector<double>& values,
+                 double factor, double period_s) {
+  Curve curve{std::move(name), tone, {}, {}, false, false};
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    if (i > 0 && time[i] - time[i - 1] > 30 * period_s) {
+      curve.x.push_back(time[i - 1] + period_s);
+      curve.y.push_back(std::nan(""));
+    }
+    curve.x.push_back(time[i]);
+    curve.y.push_back(values[i] * factor);
+  }
+  return curve;
+}
+
+std::vector<double> difference(const ResidualCourse& course) {
+  std::vector<double> out(course.measured.size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = course.simulated[i] - course.measured[i];
+  return out;
+}
+
+std::vector<std::pair<double, double>> held_out_windows(const std::vector<double>& time) {
+  std::vector<std::pair<double, double>> windows;
+  bool inside = false;
+  for (const double t : time) {
+    const bool held = is_held_out(t);
+    if (held && !inside) windows.push_back({t, t});
+    if (held) windows.back().second = t;
+    inside = held;
+  }
+  return windows;
+}
+
+Band floor_band(const std::vector<double>& time, double floor) {
+  return {"noise floor", Tone::neutral, {time.front(), time.back()}, {-floor, -floor}, {floor, floor}};
+}
+
+double root_mean_square(const Diagnosis& diagnosis, const std::vector<double>& residual, std::size_t channel) {
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < diagnosis.rows.size() && i < residual.size(); ++i)
+    if (diagnosis.rows[i].channel == static_cast<int>(channel) && std::isfinite(residual[i])) {
+      sum += residual[i] * residual[i];
+      ++count;
+    }
+  return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
+void add_binned(Plot& plot, const std::string& name, Tone tone, const std::vector<double>& x,
+                const std::vector<double>& y) {
+  const BinnedMean binned = binned_mean(x, y, residual_bins);
+  if (binned.center.empty()) return;
+  plot.curves.push_back({name, tone, binned.center, binned.mean, false, false});
+  Band spread{"its spread", tone, binned.center, {}, {}};
+  for (std::size_t i = 0; i < binned.mean.size(); ++i) {
+    spread.low.push_back(binned.mean[i] - binned.deviation[i]);
+    spread.high.push_back(binned.mean[i] + binned.deviation[i]);
+  }
+  plot.bands.push_back(std::move(spread));
+}
+
+}  // namespace
+
+std::size_t recording_count(const Diagnosis& diagnosis) {
+  int last = -1;
+  for (const ResidualCourse& course : diagnosis.courses_before) last = std::max(last, course.recording);
+  return static_cast<std::size_t>(last + 1);
+}
+
+std::vector<std::size_t> channels_by_mismatch(const Diagnosis& diagnosis) {
+  std::vector<std::pair<double, std::size_t>> sized;
+  for (std::size_t c = 0; c < diagnosis.residual_channels.size(); ++c)
+    sized.push_back({-root_mean_square(diagnosis, diagnosis.residual_before, c), c});
+  std::stable_sort(sized.begin(), sized.end());
+  std::vector<std::size_t> out;
+  for (const auto& [size, channel] : sized) out.push_back(channel);
+  return out;
+}
+
+Plot course_plot(const Diagnosis& diagnosis, std::size_t channel, std::size_t recording) {
+  Plot plot = time_plot(diagnosis, channel, recording);
+  const double factor = handy_unit(diagnosis.residual_channels[channel].unit).second;
+  const ResidualCourse* before = find(diagnosis.courses_before, channel, recording);
+  const ResidualCourse* after = find(diagnosis.courses_after, channel, recording);
+  if (before == nullptr || before->time_s.empty()) return plot;
+  const double period_s = diagnosis.configured.period_s;
+  plot.curves.push_back(time_curve("measured", measured_tone, before->time_s, before->measured, factor, period_s));
+  plot.curves.push_back(
+      time_curve("simulated, before", before_tone, before->time_s, before->simulated, factor, period_s));
+  if (after != nullptr)
+    plot.curves.push_back(
+        time_curve("simulated, after", after_tone, after->time_s, after->simulated, factor, period_s));
+  plot.windows = held_out_windows(before->time_s);
+  return plot;
+}
+
+Plot difference_plot(const Diagnosis& diagnosis, std::size_t channel, std::size_t recording) {
+  Plot plot = time_plot(diagnosis, channel, recording);
+  plot.title += ", simulated − measured";
+  const auto [unit, factor] = handy_unit(diagnosis.residual_channels[channel].unit);
+  const ResidualCourse* before = find(diagnosis.courses_before, channel, recording);
+  const ResidualCourse* after = find(diagnosis.courses_after, channel, recording);
+  if (before == nullptr || before->time_s.empty()) return plot;
+  const double period_s = diagnosis.configured.period_s;
+  plot.curves.push_back(time_curve("before", before_tone, before->time_s, difference(*before), factor, period_s));
+  if (after != nullptr)
+    plot.curves.push_back(time_curve("after", after_tone, after->time_s, difference(*after), factor, period_s));
+  if (channel < diagnosis.channels.size())
+    plot.bands.push_back(floor_band(before->time_s, factor * diagnosis.channels[channel].noise));
+  plot.windows = held_out_windows(before->time_s);
+  return plot;
+}
+
+Plot residual_plot(const Diagnosis& diagnosis, std::size_t channel, ResidualAxis axis) {
+  const bool is_driven = !diagnosis.configured.is_pneumatic();
+  Plot plot;
+  plot.group.clear();
+  plot.title = diagnosis.residual_channels[channel].name + " against ";
+  plot.unit = "floors";
+  plot.height_px = 220;
+  double factor = 1;
+  switch (axis) {
+    case ResidualAxis::position: plot.x_title = "position", plot.x_unit = "mm", factor = 1e3; break;
+    case ResidualAxis::velocity: plot.x_title = "speed", plot.x_unit = "mm/s", factor = 1e3; break;
+    case ResidualAxis::command: plot.x_title = "command", plot.x_unit = is_driven ? "N" : "V"; break;
+  }
+  plot.title += plot.x_title;
+  std::vector<double> x, before, after;
+  for (std::size_t i = 0; i < diagnosis.rows.size(); ++i) {
+    const ResidualRow& row = diagnosis.rows[i];
+    if (row.channel != static_cast<int>(channel)) continue;
+    const double value = axis == ResidualAxis::position   ? row.position_m
+                         : axis == ResidualAxis::velocity ? row.velocity_mps
+                                                          : row.command_V;
+    x.push_back(value * factor);
+    before.push_back(diagnosis.residual_before[i]);
+    after.push_back(diagnosis.residual_after[i]);
+  }
+  add_binned(plot, "before", before_tone, x, before);
+  add_binned(plot, "after", after_tone, x, after);
+  return plot;
+}
+
+}  // namespace pneuservo

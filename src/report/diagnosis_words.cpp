@@ -1,0 +1,94 @@
+// What a diagnosis says, in a machine builder's words: effects, elements, sizes.
+#include <report/diagnosis_words.hpp>
+
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace pneuservo {
+namespace {
+
+/// Without side or channel.
+constexpr std::pair<std::string_view, std::string_view> words_of_effects[] = {
+    {"coulomb_friction", "dry friction, the same at every speed"},
+    {"stribeck_friction", "friction that is larger at low speed"},
+    {"direction_dependent_friction", "dry friction that differs by direction"},
+    {"pressure_dependent_friction", "friction that grows with the pressures (seals)"},
+    {"friction_zone", "a tight spot of the guide"},
+    {"quadratic_drag", "drag with the square of the speed"},
+    {"constant_force", "a constant force on the slider (weight, incline, cable)"},
+    {"spring_load", "a spring on the slider"},
+    {"valve_dead_band", "dead band of the valve (overlap)"},
+    {"valve_offset", "offset of the valve's neutral position"},
+    {"valve_hysteresis", "play between command and spool"},
+    {"valve_lag", "lag between command and spool"},
+    {"valve_neutral_leak", "leak through the closed valve"},
+    {"valve_asymmetry", "exhaust edges wider or narrower than supply edges"},
+    {"command_delay", "dead time between command and spool"},
+    {"supply_droop", "supply pressure that gives way under flow"},
+    {"line_restriction", "a narrow place where the line meets the chamber"},
+    {"line_leak", "leak from the line to the room"},
+    {"chamber_leak", "leak from the chamber to the room"},
+    {"piston_leak", "leak past the piston"},
+    {"sensor_offset", "offset of a sensor"},
+    {"sensor_gain", "wrong gain of a sensor"},
+    {"sensor_lag", "lag of a sensor"},
+    {"unknown", "something that no name explains"},
+};
+
+struct HandyUnit {
+  std::string_view ending, unit;
+  double factor;
+};
+constexpr HandyUnit handy_units[] = {{"_m2", "mm²", 1e6},  {"_m3", "cm³", 1e6},   {"_kPa", "kPa", 1},
+                                     {"_Pa", "kPa", 1e-3}, {"_mps", "mm/s", 1e3}, {"_m", "mm", 1e3},
+                                     {"_V", "mV", 1e3},    {"_s", "ms", 1e3}};
+
+}  // namespace
+
+std::string effect_words(std::string_view effect) {
+  if (effect.starts_with("parameter:")) return fmt::format("{} is not what the config says", effect.substr(10));
+  std::string_view name = effect, side;
+  if (const auto colon = effect.find(':'); colon != std::string_view::npos) {
+    name = effect.substr(0, colon);
+    side = effect.substr(colon + 1);
+  } else if (effect.ends_with("_1") || effect.ends_with("_2")) {
+    name = effect.substr(0, effect.size() - 2);
+    side = effect.substr(effect.size() - 1);
+  }
+  for (const auto& [key, words] : words_of_effects)
+    if (key == name) {
+      if (side.empty()) return std::string(words);
+      return effect.find(':') != std::string_view::npos ? fmt::format("{}, {}", words, side)
+                                                        : fmt::format("{}, side {}", words, side);
+    }
+  return std::string(effect);
+}
+
+std::string element_words(std::string_view element) {
+  if (element.starts_with("sensor:")) return fmt::format("sensor of {}", element.substr(7));
+  if (element.starts_with("line_") || element.starts_with("chamber_"))
+    return fmt::format("{} {}", element.substr(0, element.size() - 2), element.substr(element.size() - 1));
+  if (element == "timing") return "timing of the command";
+  if (element == "motion") return "slider, guide and load";
+  return std::string(element);
+}
+
+std::string size_words(std::string_view key, double value) {
+  if (!std::isfinite(value)) return "";
+  for (const HandyUnit& handy : handy_units) {
+    if (!key.ends_with(handy.ending)) continue;
+    std::string words = fmt::format("{:.4g} {}", value * handy.factor, handy.unit);
+    if (handy.unit == "mm²" && value > 0)  // the effective area of a sharp hole is about 0.6 of its own
+      words += fmt::format(", about a hole of {:.2g} mm", 2e3 * std::sqrt(value / (0.6 * M_PI)));
+    return words;
+  }
+  return "";
+}
+
+std::string value_text(double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : "–"; }
+
+std::string error_text(double error) { return std::isfinite(error) ? fmt::format("{:.2g}", error) : "–"; }
+
+}  // namespace pneuservo

@@ -1,0 +1,168 @@
+// The picture of a rig with the elements that a diagnosis holds guilty marked, as SVG.
+#include <report/rig_picture.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <report/html_page.hpp>
+
+namespace pneuservo {
+namespace {
+
+constexpr double tinted_from = 0.01, figured_from = 0.05;
+
+/// Where a share is written.
+struct Place {
+  double x = 0, y = 0;
+};
+
+/// Collects groups; figures of shares lie above all of them.
+class Picture {
+ public:
+  Picture(const std::vector<PictureMark>& marks, std::vector<std::string> sensors)
+      : marks_(marks), sensors_(std::move(sensors)) {}
+
+  /// What belongs to no element: rods, guides, words.
+  void add(const std::string& shapes) { body_ += shapes; }
+
+  void element(const std::string& name, const std::string& title, const std::string& shapes, Place figure) {
+    const double share = share_of(name);
+    if (share < tinted_from) {
+      body_ += fmt::format("<g data-element=\"{}\"><title>{}</title>{}</g>\n", name, html_escape(title), shapes);
+      return;
+    }
+    const std::string percent = fmt::format("{:.0f}", 100 * share);
+    body_ += fmt::format("<g data-element=\"{}\" data-share=\"{}\" class=\"guilty\" style=\"--share:{:.2f}\">"
+                         "<title>{}: {} %</title>{}</g>\n",
+                         name, percent, share, html_escape(title), percent, shapes);
+    if (share < figured_from) return;
+    const double width = percent.size() > 2 ? 58 : 48;
+    figures_ +=
+        fmt::format("<g class=\"share\"><rect x=\"{:.0f}\" y=\"{:.0f}\" width=\"{:.0f}\" height=\"24\" rx=\"12\"/>"
+                    "<text x=\"{:.0f}\" y=\"{:.0f}\">{} %</text></g>\n",
+                    figure.x - width / 2, figure.y - 12, width, figure.x, figure.y + 5, percent);
+  }
+
+  /// A gauge at the end of a short stub from (x, y); drawn only where the recordings have the channel.
+  void sensor(const std::string& channel, const std::string& title, Place at, Place gauge, const std::string& letter) {
+    if (std::find(sensors_.begin(), sensors_.end(), channel) == sensors_.end()) return;
+    element("sensor:" + channel, "sensor of " + title,
+            fmt::format("<path d=\"M{:.0f} {:.0f}L{:.0f} {:.0f}\" class=\"thin\"/><circle cx=\"{:.0f}\" cy=\"{:.0f}\" "
+                        "r=\"13\"/><text x=\"{:.0f}\" y=\"{:.0f}\">{}</text>",
+                        at.x, at.y, gauge.x, gauge.y, gauge.x, gauge.y, gauge.x, gauge.y + 5, letter),
+            {gauge.x, gauge.y + (gauge.y < at.y ? -28 : 28)});
+  }
+
+  std::string svg(double width, double height, const std::string& label) const {
+    return fmt::format("<svg class=\"rig\" viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{}\">{}{}</svg>",
+                       width, height, html_escape(label), body_, figures_);
+  }
+
+ private:
+  double share_of(const std::string& name) const {
+    double share = 0;
+    for (const PictureMark& mark : marks_)
+      if (mark.element == name) share += mark.share;
+    return share;
+  }
+
+  const std::vector<PictureMark>& marks_;
+  std::vector<std::string> sensors_;
+  std::string body_, figures_;
+};
+
+std::string text(double x, double y, std::string_view words, const char* kind = "") {
+  return fmt::format("<text x=\"{:.0f}\" y=\"{:.0f}\" class=\"{}\">{}</text>", x, y, kind, html_escape(words));
+}
+
+std::string box(double x, double y, double width, double height) {
+  return fmt::format("<rect x=\"{:.0f}\" y=\"{:.0f}\" width=\"{:.0f}\" height=\"{:.0f}\"/>", x, y, width, height);
+}
+
+std::string line_words(int side, const LineParameters<double>& line) {
+  return fmt::format("line {}: {:g} m \u00d7 {:g} mm", side, line.length_m, 1e3 * line.diameter_m);
+}
+
+/// A pipe from the valve along y, with turns of a coil in its middle, to the chamber's port at end_y.
+std::string pipe(double from_y, double y, double end_x, double end_y) {
+  std::string path = fmt::format("M250 {:.0f}V{:.0f}H340", from_y, y);
+  for (int turn = 0; turn < 5; ++turn) path += " c34 0 34 -30 14 -30 s-20 30 14 30";
+  return fmt::format("<path class=\"pipe\" d=\"{}H{:.0f}V{:.0f}\"/>", path, end_x, end_y);
+}
+
+/// Two positions of the spool side by side, supply below and exhaust beside it.
+std::string valve_shapes() {
+  return box(190, 180, 60, 60) + box(250, 180, 60, 60) +
+         "<path class=\"thin\" d=\"M205 236L235 186M235 186l-2 11M235 186l-10 6M235 236L205 186M205 186l2 11M205 "
+         "186l10 "
+         "6M265 236V186M265 186l-5 9M265 186l5 9M295 186V236M295 236l-5 -9M295 236l5 -9\"/>";
+}
+
+void draw_slider(Picture& picture, const Rig& rig, double rod_from) {
+  const double mass = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
+  picture.add(
+      "<path class=\"thin\" d=\"M868 262H1064M878 262l-8 10M908 262l-8 10M938 262l-8 10M968 262l-8 10M998 262l-8 "
+      "10M1028 262l-8 10M1058 262l-8 10\"/>");
+  picture.element("motion", "slider, guide and load",
+                  box(rod_from, 202, 900 - rod_from, 16) + box(900, 168, 110, 94) + text(955, 206, "slider") +
+                      text(955, 226, fmt::format("{:g} kg", mass), "small"),
+                  {955, 152});
+  picture.sensor("x", "position", {985, 262}, {985, 300}, "x");
+}
+
+std::string pneumatic_picture(const Rig& rig, const std::vector<std::string>& sensors,
+                              const std::vector<PictureMark>& marks) {
+  Picture picture(marks, sensors);
+  picture.add(box(20, 20, 130, 46) + text(85, 48, "controller"));
+  picture.element("timing", "timing of the command",
+                  "<path d=\"M150 43H220V176\" class=\"signal\"/><path class=\"tip\" d=\"M220 180l-6 -12h12z\"/>",
+                  {220, 92});
+  picture.add(text(150, 100, "command", "small"));
+  picture.element("supply", "supply",
+                  "<path class=\"pipe\" d=\"M82 210H190\"/><circle cx=\"58\" cy=\"210\" r=\"26\"/>"
+                  "<path d=\"M46 196L76 210L46 224Z\"/>" +
+                      text(58, 262, "supply", "") +
+                      text(58, 280, fmt::format("{:g} kPa", 1e-3 * rig.axis.supply.pressure_Pa), "small"),
+                  {58, 168});
+  picture.element("line_1", line_words(1, rig.axis.line_1), pipe(180, 100, 610, 160), {480, 62});
+  picture.element("line_2", line_words(2, rig.axis.line_2), pipe(240, 340, 770, 260), {480, 302});
+  picture.add(text(470, 128, line_words(1, rig.axis.line_1), "small") +
+              text(470, 368, line_words(2, rig.axis.line_2), "small"));
+  picture.element("valve", "valve", valve_shapes() + text(342, 215, "valve"), {280, 160});
+  picture.element("chamber_1", "chamber 1", box(580, 160, 100, 100) + text(630, 215, "chamber 1", "small"), {630, 180});
+  picture.element("chamber_2", "chamber 2", box(700, 160, 120, 100) + text(760, 238, "chamber 2", "small"), {760, 180});
+  draw_slider(picture, rig, 700);
+  picture.element("piston", "piston between the chambers", box(680, 160, 20, 100), {690, 282});
+  picture.sensor("p1_port", "port pressure 1", {250, 140}, {210, 140}, "p");
+  picture.sensor("p2_port", "port pressure 2", {250, 290}, {210, 290}, "p");
+  picture.sensor("p_supply", "supply pressure", {130, 210}, {130, 250}, "p");
+  picture.sensor("p1_chamber", "pressure in chamber 1", {650, 160}, {650, 122}, "p");
+  picture.sensor("p2_chamber", "pressure in chamber 2", {730, 160}, {730, 122}, "p");
+  return picture.svg(1080, 390, "The rig with the share of each element in the mismatch");
+}
+
+std::string driven_picture(const Rig& rig, const std::vector<std::string>& sensors,
+                           const std::vector<PictureMark>& marks) {
+  Picture picture(marks, sensors);
+  picture.add(box(420, 60, 130, 46) + text(485, 88, "controller"));
+  picture.element("timing", "timing of the command",
+                  "<path d=\"M485 106V168\" class=\"signal\"/><path class=\"tip\" d=\"M485 176l-6 -12h12z\"/>",
+                  {485, 136});
+  picture.element("drive", "drive",
+                  box(420, 176, 130, 68) + text(485, 206, "drive") +
+                      text(485, 226, fmt::format("\u00b1{:g} N", rig.drive.force_max_N), "small"),
+                  {485, 262});
+  draw_slider(picture, rig, 550);
+  picture.sensor("F", "drive force", {720, 202}, {720, 166}, "F");
+  return picture.svg(1080, 330, "The axis with the share of each element in the mismatch");
+}
+
+}  // namespace
+
+std::string rig_picture(const Rig& rig, const std::vector<std::string>& sensors,
+                        const std::vector<PictureMark>& marks) {
+  return rig.is_pneumatic() ? pneumatic_picture(rig, sensors, marks) : driven_picture(rig, sensors, marks);
+}
+
+}  // namespace pneuservo

@@ -32,7 +32,7 @@ std::pair<std::string, double> handy_unit(const std::string& unit) {
 }
 
 std::size_t points_of_curve(const Diagnosis& diagnosis) {
-  const std::size_t curves = 5 * std::max<std::size_t>(1, diagnosis.courses_before.size());
+  const std::size_t curves = 4 * std::max<std::size_t>(1, diagnosis.courses_before.size());
   return std::clamp<std::size_t>(points_of_page / curves, 400, 2400);
 }
 
@@ -47,13 +47,13 @@ Plot time_plot(const Diagnosis& diagnosis, std::size_t channel, std::size_t reco
   return plot;
 }
 
-/// x and y with a gap (NaN) wherever times are further apart than a few samples.
+/// x and y with a gap (NaN) wherever times are further apart than gap_s.
 Curve time_curve(std::string name, Tone tone, const std::vector<double>& time, const std::vector<double>& values,
-                 double factor, double period_s) {
+                 double factor, double gap_s) {
   Curve curve{std::move(name), tone, {}, {}, false, false};
   for (std::size_t i = 0; i < time.size(); ++i) {
-    if (i > 0 && time[i] - time[i - 1] > 30 * period_s) {
-      curve.x.push_back(time[i - 1] + period_s);
+    if (i > 0 && time[i] - time[i - 1] > gap_s) {
+      curve.x.push_back(0.5 * (time[i - 1] + time[i]));
       curve.y.push_back(std::nan(""));
     }
     curve.x.push_back(time[i]);
@@ -62,9 +62,21 @@ Curve time_curve(std::string name, Tone tone, const std::vector<double>& time, c
   return curve;
 }
 
-std::vector<double> difference(const ResidualCourse& course) {
-  std::vector<double> out(course.measured.size());
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = course.simulated[i] - course.measured[i];
+/// The residual rows of one channel of one recording, in the channel's unit.
+struct DifferenceCourse {
+  std::vector<double> time, before, after, sigma;
+};
+
+DifferenceCourse difference(const Diagnosis& diagnosis, std::size_t channel, std::size_t recording) {
+  DifferenceCourse out;
+  for (std::size_t i = 0; i < diagnosis.rows.size(); ++i) {
+    const ResidualRow& row = diagnosis.rows[i];
+    if (row.channel != static_cast<int>(channel) || row.recording != static_cast<int>(recording)) continue;
+    out.time.push_back(row.time_s);
+    out.before.push_back(diagnosis.residual_before[i] * row.sigma);
+    out.after.push_back(diagnosis.residual_after[i] * row.sigma);
+    out.sigma.push_back(row.sigma);
+  }
   return out;
 }
 
@@ -80,8 +92,13 @@ std::vector<std::pair<double, double>> held_out_windows(const std::vector<double
   return windows;
 }
 
-Band floor_band(const std::vector<double>& time, double floor) {
-  return {"noise floor", Tone::neutral, {time.front(), time.back()}, {-floor, -floor}, {floor, floor}};
+Band floor_band(const DifferenceCourse& course, double factor) {
+  Band band{"noise floor", Tone::neutral, course.time, {}, {}};
+  for (const double sigma : course.sigma) {
+    band.low.push_back(-factor * sigma);
+    band.high.push_back(factor * sigma);
+  }
+  return band;
 }
 
 double root_mean_square(const Diagnosis& diagnosis, const std::vector<double>& residual, std::size_t channel) {
@@ -99,7 +116,7 @@ void add_binned(Plot& plot, const std::string& name, Tone tone, const std::vecto
   const BinnedMean binned = binned_mean(x, y, residual_bins);
   if (binned.center.empty()) return;
   plot.curves.push_back({name, tone, binned.center, binned.mean, false, false});
-  Band spread{"its spread", tone, binned.center, {}, {}};
+  Band spread{name + ", spread", tone, binned.center, {}, {}};
   for (std::size_t i = 0; i < binned.mean.size(); ++i) {
     spread.low.push_back(binned.mean[i] - binned.deviation[i]);
     spread.high.push_back(binned.mean[i] + binned.deviation[i]);
@@ -131,13 +148,14 @@ Plot course_plot(const Diagnosis& diagnosis, std::size_t channel, std::size_t re
   const ResidualCourse* before = find(diagnosis.courses_before, channel, recording);
   const ResidualCourse* after = find(diagnosis.courses_after, channel, recording);
   if (before == nullptr || before->time_s.empty()) return plot;
-  const double period_s = diagnosis.configured.period_s;
-  plot.curves.push_back(time_curve("measured", measured_tone, before->time_s, before->measured, factor, period_s));
-  plot.curves.push_back(
-      time_curve("simulated, before", before_tone, before->time_s, before->simulated, factor, period_s));
-  if (after != nullptr)
-    plot.curves.push_back(
-        time_curve("simulated, after", after_tone, after->time_s, after->simulated, factor, period_s));
+  const double gap_s = 30 * diagnosis.configured.period_s;
+  const auto add = [&](const char* name, Tone tone, const ResidualCourse& course, const std::vector<double>& values) {
+    plot.curves.push_back(time_curve(name, tone, course.time_s, values, factor, gap_s));
+  };
+  add("simulated, before", before_tone, *before, before->simulated);
+  add("measured", measured_tone, *before, before->measured);
+  if (after != nullptr) add("simulated, after", after_tone, *after, after->simulated);
+  plot.curves.back().dashed = after != nullptr;  // what lies below shows between the dashes
   plot.windows = held_out_windows(before->time_s);
   return plot;
 }
@@ -145,17 +163,14 @@ Plot course_plot(const Diagnosis& diagnosis, std::size_t channel, std::size_t re
 Plot difference_plot(const Diagnosis& diagnosis, std::size_t channel, std::size_t recording) {
   Plot plot = time_plot(diagnosis, channel, recording);
   plot.title += ", simulated − measured";
-  const auto [unit, factor] = handy_unit(diagnosis.residual_channels[channel].unit);
-  const ResidualCourse* before = find(diagnosis.courses_before, channel, recording);
-  const ResidualCourse* after = find(diagnosis.courses_after, channel, recording);
-  if (before == nullptr || before->time_s.empty()) return plot;
-  const double period_s = diagnosis.configured.period_s;
-  plot.curves.push_back(time_curve("before", before_tone, before->time_s, difference(*before), factor, period_s));
-  if (after != nullptr)
-    plot.curves.push_back(time_curve("after", after_tone, after->time_s, difference(*after), factor, period_s));
-  if (channel < diagnosis.channels.size())
-    plot.bands.push_back(floor_band(before->time_s, factor * diagnosis.channels[channel].noise));
-  plot.windows = held_out_windows(before->time_s);
+  const double factor = handy_unit(diagnosis.residual_channels[channel].unit).second;
+  const DifferenceCourse course = difference(diagnosis, channel, recording);
+  if (course.time.empty()) return plot;
+  const double gap_s = 3 * residual_bin_s;
+  plot.curves.push_back(time_curve("before", before_tone, course.time, course.before, factor, gap_s));
+  plot.curves.push_back(time_curve("after", after_tone, course.time, course.after, factor, gap_s));
+  plot.bands.push_back(floor_band(course, factor));
+  plot.windows = held_out_windows(course.time);
   return plot;
 }
 

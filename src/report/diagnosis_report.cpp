@@ -86,10 +86,11 @@ void add_courses(HtmlPage& page, const Diagnosis& diagnosis) {
   if (recordings == 0) return;
   page.section(
       "Measured and simulated",
-      "Left: the courses; right: simulation minus recording, with the noise floor as a band. Held-out stretches "
-      "are shaded. Drag across a plot to zoom, shift and drag to pan, double-click to return; a click on a name "
-      "hides its curve. Curves are thinned to what a screen can show; every peak is kept. F is the force that "
-      "the recorded motion needs beyond that of the pressures (or of the drive): in theory zero.");
+      "Left: the courses; right: simulation minus recording as means over 10 ms, with their noise floor as a band. "
+      "Held-out stretches are shaded. Drag across a plot to zoom, shift and drag to pan, double-click to return; a "
+      "click on a name "
+      "hides its curve. Curves are thinned to what a screen can show; every peak is kept. F: the force of "
+      "the pressures or of the drive (measured) against what the recorded motion needs by the model (simulated).");
   std::vector<std::string> names;
   for (std::size_t r = 0; r < recordings; ++r)
     names.push_back(r < diagnosis.recordings.size() ? std::filesystem::path(diagnosis.recordings[r]).filename().string()
@@ -146,7 +147,8 @@ void add_experiment(HtmlPage& page, const Diagnosis& diagnosis) {
 }
 
 HtmlPage make_page(const Diagnosis& diagnosis) {
-  HtmlPage page(diagnosis.rig + " · diagnosis", eyebrow(diagnosis), diagnosis.sentence);
+  HtmlPage page(diagnosis.rig + " · diagnosis", eyebrow(diagnosis), verdict_words(diagnosis));
+  if (verdict_words(diagnosis) != diagnosis.sentence) page.paragraph(diagnosis.sentence);
   for (const std::string& warning : diagnosis.warnings) page.alert(warning);
   add_picture(page, diagnosis);
   add_answers(page, diagnosis);

@@ -123,8 +123,10 @@ Table detectable_table(const Diagnosis& diagnosis) {
   Table table;
   table.columns = {
       words("what", all, [](const DetectableSize& d) { return effect_words(d.effect); }),
-      words("name", all, [](const DetectableSize& d) { return d.effect; }),
-      words("parameter", all, [](const DetectableSize& d) { return d.parameter; }),
+      words("name", all,
+            [](const DetectableSize& d) {
+              return d.parameter == "value" ? d.effect : fmt::format("{}.{}", d.effect, d.parameter);
+            }),
       column("smallest value", "", all, [](const DetectableSize& d) { return fmt::format("{:.3g}", d.value); }),
       words("that is", all, [](const DetectableSize& d) {
         return size_words(d.parameter == "value" ? d.effect : d.parameter, d.value);

@@ -1,15 +1,18 @@
 // What a diagnosis says, in a machine builder's words: effects, elements, sizes.
 #include <report/diagnosis_words.hpp>
 
+#include <cctype>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace pneuservo {
 namespace {
 
-/// Without side or channel.
+/// Without side or channel, which # stands for.
 constexpr std::pair<std::string_view, std::string_view> words_of_effects[] = {
     {"coulomb_friction", "dry friction, the same at every speed"},
     {"stribeck_friction", "friction that is larger at low speed"},
@@ -19,23 +22,31 @@ constexpr std::pair<std::string_view, std::string_view> words_of_effects[] = {
     {"quadratic_drag", "drag with the square of the speed"},
     {"constant_force", "a constant force on the slider (weight, incline, cable)"},
     {"spring_load", "a spring on the slider"},
-    {"valve_dead_band", "dead band of the valve (overlap)"},
-    {"valve_offset", "offset of the valve's neutral position"},
+    {"valve_dead_band", "a dead band of the valve (overlap)"},
+    {"valve_offset", "an offset of the valve's neutral position"},
     {"valve_hysteresis", "play between command and spool"},
-    {"valve_lag", "lag between command and spool"},
-    {"valve_neutral_leak", "leak through the closed valve"},
+    {"valve_lag", "a lag between command and spool"},
+    {"valve_neutral_leak", "a leak through the closed valve"},
     {"valve_asymmetry", "exhaust edges wider or narrower than supply edges"},
     {"command_delay", "dead time between command and spool"},
     {"supply_droop", "supply pressure that gives way under flow"},
-    {"line_restriction", "a narrow place where the line meets the chamber"},
-    {"line_leak", "leak from the line to the room"},
-    {"chamber_leak", "leak from the chamber to the room"},
-    {"piston_leak", "leak past the piston"},
-    {"sensor_offset", "offset of a sensor"},
-    {"sensor_gain", "wrong gain of a sensor"},
-    {"sensor_lag", "lag of a sensor"},
+    {"line_restriction", "a narrow place where line # meets chamber #"},
+    {"line_leak", "a leak from line # to the room"},
+    {"chamber_leak", "a leak from chamber # to the room"},
+    {"piston_leak", "a leak past the piston"},
+    {"sensor_offset", "an offset of the sensor of #"},
+    {"sensor_gain", "a wrong gain of the sensor of #"},
+    {"sensor_lag", "a lag of the sensor of #"},
     {"unknown", "something that no name explains"},
 };
+
+std::string with_side(std::string_view words, std::string_view side) {
+  std::string out;
+  for (const char c : words)
+    if (c == '#') out += side;
+    else out += c;
+  return out;
+}
 
 struct HandyUnit {
   std::string_view ending, unit;
@@ -58,11 +69,7 @@ std::string effect_words(std::string_view effect) {
     side = effect.substr(effect.size() - 1);
   }
   for (const auto& [key, words] : words_of_effects)
-    if (key == name) {
-      if (side.empty()) return std::string(words);
-      return effect.find(':') != std::string_view::npos ? fmt::format("{}, {}", words, side)
-                                                        : fmt::format("{}, side {}", words, side);
-    }
+    if (key == name) return with_side(words, side);
   return std::string(effect);
 }
 
@@ -76,7 +83,7 @@ std::string element_words(std::string_view element) {
 }
 
 std::string size_words(std::string_view key, double value) {
-  if (!std::isfinite(value)) return "";
+  if (!std::isfinite(value) || key.find("_per_") != std::string_view::npos) return "";
   for (const HandyUnit& handy : handy_units) {
     if (!key.ends_with(handy.ending)) continue;
     std::string words = fmt::format("{:.4g} {}", value * handy.factor, handy.unit);
@@ -85,6 +92,29 @@ std::string size_words(std::string_view key, double value) {
     return words;
   }
   return "";
+}
+
+std::string verdict_words(const Diagnosis& diagnosis) {
+  if (diagnosis.answers.empty() || diagnosis.verdict == Verdict::consistent || diagnosis.verdict == Verdict::unknown)
+    return diagnosis.sentence;
+  std::vector<std::string> parts;
+  for (const DiagnosisAnswer& answer : diagnosis.answers) {
+    std::string part = effect_words(answer.effect), size;
+    for (const EstimatedParameter& p : answer.parameters) {
+      const bool is_path = p.name == "value";
+      std::string one = size_words(is_path ? answer.effect : p.name, p.value);
+      if (one.empty()) one = fmt::format("{} {}", is_path ? "it is" : p.name, value_text(p.value));
+      size += (size.empty() ? "" : "; ") + one;
+    }
+    parts.push_back(size.empty() ? part : fmt::format("{} ({})", part, size));
+  }
+  const DiagnosisAnswer& first = diagnosis.answers.front();
+  std::string out = fmt::format("{}, {:.0f} % sure", fmt::join(parts, ", and "), 100 * first.probability);
+  out.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(out.front())));
+  if (first.effect.starts_with("parameter:")) out.front() = first.effect[10];  // a path stays as it is written
+  if (!first.ambiguous_with.empty())
+    out += fmt::format("; {} would look the same", effect_words(first.ambiguous_with.front()));
+  return out + ".";
 }
 
 std::string value_text(double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : "–"; }

@@ -3,10 +3,12 @@
 #include <string>
 #include <string_view>
 
+#include "diagnosis/diagnosis.hpp"
+
 namespace pneuservo {
 
-/// "leak from chamber 1 to the room" for chamber_leak_1; "dead volume 1" style words for `parameter:PATH`; the name
-/// itself where there are no words for it.
+/// "a leak from chamber 1 to the room" for chamber_leak_1; a path of the config for `parameter:PATH`; the name itself
+/// where there are no words for it.
 std::string effect_words(std::string_view effect);
 
 /// "chamber 1", "sensor of p1_port", "slider, guide and load".
@@ -15,6 +17,9 @@ std::string element_words(std::string_view element);
 /// A value in a unit that is at hand, from its key: area_m2 = 2e-8 is "0.02 mm², as a hole of 0.16 mm". Empty where the
 /// key's own unit serves.
 std::string size_words(std::string_view key, double value);
+
+/// The verdict in one sentence for who built the machine: what, how large, how sure, what would look the same.
+std::string verdict_words(const Diagnosis& diagnosis);
 
 /// Four significant digits, as the text and the page write every value of a diagnosis.
 std::string value_text(double value);

@@ -115,7 +115,7 @@ void HtmlPage::plot(const Plot& plot) {
 }
 
 void HtmlPage::plots(const std::vector<Plot>& row) {
-  body_ += "<div class=\"plot-row\">";
+  body_ += row.size() > 2 ? "<div class=\"plot-row narrow\">" : "<div class=\"plot-row\">";
   for (const Plot& one : row) plot(one);
   body_ += "</div>\n";
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-# Opens the pages of `run` in headless Chromium: every plot is drawn, no message on the console, nothing from outside.
+# Opens the pages of `run` and `diagnose` in headless Chromium: every plot is drawn, no message on the console, nothing from outside.
 import html.parser
 import pathlib
 import re
@@ -13,10 +13,11 @@ browser = next((path for name in ("chromium", "chromium-browser", "google-chrome
 if browser is None:
     print("SKIPPED: no chromium to open the page with")
     sys.exit(77)
-generator = build / "tests" / "make_sample_report"
-if not generator.exists():
-    print(f"SKIPPED: {generator} is not built")
-    sys.exit(77)
+generators = {name: build / "tests" / f"make_sample_{name}" for name in ("report", "diagnosis")}
+for generator in generators.values():
+    if not generator.exists():
+        print(f"SKIPPED: {generator} is not built")
+        sys.exit(77)
 
 
 class Page(html.parser.HTMLParser):
@@ -58,9 +59,10 @@ def check(condition, message):
         sys.exit(1)
 
 
-def check_page(kind, plots_expected, folder):
+def check_page(kind, plots_expected, folder, title="sample <10 m"):
     path = folder / f"{kind}.html"
-    subprocess.run([generator, path, kind], check=True, stdout=subprocess.DEVNULL)
+    command = [generators["diagnosis"], path] if kind == "diagnosis" else [generators["report"], path, kind]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     text = path.read_text(encoding="utf-8")
     check(path.stat().st_size < 3_000_000, f"{kind}: the page has {path.stat().st_size} bytes")
     written = Page()
@@ -74,7 +76,7 @@ def check_page(kind, plots_expected, folder):
     check(not console, f"{kind}: messages on the console: {console}")
     page = Page()
     page.feed(shown.stdout)
-    check(page.title.startswith("sample <10 m"), f"{kind}: the title is {page.title!r}")
+    check(page.title.startswith(title), f"{kind}: the title is {page.title!r}")
     check(len(page.plots) == plots_expected, f"{kind}: {len(page.plots)} plots, expected {plots_expected}")
     for plot in page.plots:
         attributes = plot["attributes"]
@@ -88,3 +90,4 @@ def check_page(kind, plots_expected, folder):
 with tempfile.TemporaryDirectory() as name:
     check_page("simulated", 3 + 3 * 4, pathlib.Path(name))
     check_page("real", 3 + 4 + 1, pathlib.Path(name))
+    check_page("diagnosis", 2 + 3, pathlib.Path(name), "sample <axis>")  # course and difference, residual against three

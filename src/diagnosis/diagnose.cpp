@@ -226,6 +226,32 @@ void add_times(const ResidualModel& model, double bin_s, Diagnosis& out) {
   for (const auto& [bin, held_out] : bins) (held_out ? out.held_out_s : out.admitted_s) += bin_s;
 }
 
+/// Only the columns that are compared here: a virtual machine may record more than the real one has.
+Recording with_compared_columns(Recording recording, const std::vector<ResidualChannel>& channels) {
+  for (std::size_t c = recording.names.size(); c-- > 0;) {
+    const std::string& name = recording.names[c];
+    const bool is_input = name == "t_s" || name == "x_m" || name == "u_V" || name == "F_N";
+    const bool is_compared = std::any_of(channels.begin(), channels.end(),
+                                         [&](const ResidualChannel& r) { return name == r.name + "_" + r.unit; });
+    if (is_input || is_compared) continue;
+    recording.names.erase(recording.names.begin() + static_cast<std::ptrdiff_t>(c));
+    recording.values.erase(recording.values.begin() + static_cast<std::ptrdiff_t>(c));
+  }
+  return recording;
+}
+
+void add_next_experiment(const Rig& rig, const ResidualModel& model, const Decision& decision, const Search& search,
+                         const DiagnoseOptions& options, Diagnosis& out) {
+  const bool has_rivals = out.verdict != Verdict::consistent && out.verdict != Verdict::unknown;
+  if (!options.virtual_machine || !has_rivals || out.stopped) return;
+  if (options.progress) options.progress(0.97, "next experiment");
+  const CompareRecording compare = [&](const Rig& changed, const Recording& recording) {
+    return make_residual_model(changed, {with_compared_columns(recording, model.channels())}, options.jobs);
+  };
+  out.next_experiment = propose_experiment(rig, decision, search, options.rules,
+                                           motion_range(model.rows()).top_speed_mps, options.virtual_machine, compare);
+}
+
 }  // namespace
 
 std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int jobs) {
@@ -262,6 +288,7 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   add_detectable(search, decision, options.rules, out);
   add_moved(rig, decision, out);
   add_times(model, 0.01, out);
+  add_next_experiment(rig, model, decision, search, options, out);
   out.improved = decision.chosen->fit.hypothesis().rig;
   out.hypotheses_tried = rows.hypotheses_tried();
   out.sentence = verdict_sentence(out);

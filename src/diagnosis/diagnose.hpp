@@ -7,6 +7,7 @@
 
 #include "diagnosis/decision.hpp"
 #include "diagnosis/diagnosis.hpp"
+#include "diagnosis/next_experiment.hpp"
 #include "record/reader.hpp"
 
 namespace pneuservo {
@@ -17,6 +18,8 @@ struct DiagnoseOptions {
   std::function<bool()> stop;                                      ///< true ends early with what is there
   SearchSettings search;
   DecisionRules rules;
+  VirtualMachine
+      virtual_machine;  ///< makes the recordings that a next experiment is chosen by; empty: none is proposed
 };
 
 /// The comparison of a rig's recordings with its model. Throws InputError: columns missing, another rig's recording.

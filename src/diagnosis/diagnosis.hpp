@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <pneuservo/rig/rig.hpp>
@@ -68,6 +69,8 @@ struct ProposedExperiment {
   std::string setup;       ///< in words, where a change of the machine is needed
   std::vector<std::string> between;
   double separation = 0;   ///< predicted, in noise floors
+  double duration_s = 0;
+  std::vector<std::pair<std::string, double>> keys;  ///< the setup as config paths and values
 };
 
 struct Diagnosis {

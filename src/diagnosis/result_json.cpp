@@ -62,7 +62,12 @@ Json plain_json(const YAML::Node& node) {
 Json experiment_json(const std::optional<ProposedExperiment>& experiment) {
   if (!experiment) return nullptr;
   Json out{{"reference", plain_json(YAML::Load(dump_reference(experiment->reference)))}};
-  if (!experiment->setup.empty()) out["setup"] = experiment->setup;
+  out["duration_s"] = experiment->duration_s;
+  if (!experiment->setup.empty()) {
+    Json keys = Json::object();
+    for (const auto& [path, value] : experiment->keys) keys[path] = value;
+    out["setup"] = {{"words", experiment->setup}, {"keys", keys}};
+  }
   out["between"] = experiment->between;
   out["separation"] = experiment->separation;
   return out;

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "config/dump_rig.hpp"
+
 namespace pneuservo {
 
 namespace {
@@ -82,6 +84,13 @@ std::string diagnosis_text(const Diagnosis& diagnosis) {
     if (!answer.ambiguous_with.empty())
       out += fmt::format("\nThese recordings cannot tell {} from {}.\n", answer.effect,
                          fmt::join(answer.ambiguous_with, ", "));
+  if (diagnosis.next_experiment) {
+    const ProposedExperiment& next = *diagnosis.next_experiment;
+    out +=
+        fmt::format("\nnext recording, {:g} s, tells {} apart by {:.1f} noise floors\n  reference: {}\n",
+                    next.duration_s, fmt::join(next.between, " and "), next.separation, dump_reference(next.reference));
+    if (!next.setup.empty()) out += fmt::format("  before it: {}\n", next.setup);
+  }
   bool any_moved = false;
   for (const MovedParameter& m : diagnosis.moved) {
     if (std::abs(m.tolerances) < 1) continue;

@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "config/dump_rig.hpp"
 #include "config/input_error.hpp"
@@ -17,13 +18,14 @@
 #include "loop/realtime_stop.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
+#include "program/virtual_machine.hpp"
 #include "report/diagnosis_report.hpp"
 
 namespace pneuservo {
 namespace {
 
 struct DiagnoseVerbOptions {
-  std::string config, json, report, improved;
+  std::string config, json, report, improved, next_experiment;
   std::vector<std::string> recordings, sets;
   int jobs = 0;
   bool quiet = false;
@@ -50,11 +52,27 @@ void write_improved(const DiagnoseVerbOptions& options, const Diagnosis& diagnos
   if (!file.flush()) throw InputError(options.improved + ": cannot be written");
 }
 
+/// The config of the proposed recording; where there is none, nothing is written and that is said.
+void write_next_experiment(const DiagnoseVerbOptions& options, const Diagnosis& diagnosis) {
+  if (options.next_experiment.empty()) return;
+  if (!diagnosis.next_experiment) {
+    std::fprintf(stderr, "pneuservo: no next experiment: there are no rivals that a safe recording tells apart\n");
+    return;
+  }
+  const ProposedExperiment& next = *diagnosis.next_experiment;
+  std::ofstream file(options.next_experiment);
+  file << fmt::format("# Recording that tells {} apart.\n", fmt::join(next.between, " and "));
+  if (!next.setup.empty()) file << fmt::format("# Before it: {}.\n", next.setup);
+  file << dump_rig(experiment_rig(diagnosis.configured, next));
+  if (!file.flush()) throw InputError(options.next_experiment + ": cannot be written");
+}
+
 int run_diagnose(const DiagnoseVerbOptions& options) {
   const Rig rig = read_rig(options.config, options.sets);
   require_writable("--json", options.json);
   require_writable("--report", options.report);
   require_writable("--improved", options.improved);
+  require_writable("--next-experiment", options.next_experiment);
   std::vector<Recording> recordings;
   for (const std::string& path : options.recordings) {
     recordings.push_back(read_recording(path));
@@ -63,6 +81,7 @@ int run_diagnose(const DiagnoseVerbOptions& options) {
   const StopRequest stop_request;
   DiagnoseOptions settings;
   settings.jobs = options.jobs;
+  settings.virtual_machine = record_virtual_run;
   settings.stop = [] { return StopRequest::requested(); };
   if (!options.quiet) settings.progress = show_progress;
   Diagnosis diagnosis;
@@ -77,6 +96,7 @@ int run_diagnose(const DiagnoseVerbOptions& options) {
   write_json(options.json, diagnosis_json(diagnosis));
   if (!options.report.empty()) write_diagnosis_report(diagnosis, options.report);
   write_improved(options, diagnosis);
+  write_next_experiment(options, diagnosis);
   return diagnosis.stopped ? 128 + StopRequest::signal_number() : 0;
 }
 
@@ -90,6 +110,8 @@ void add_diagnose(CLI::App& app, int& status) {
   verb->add_option("--json", options->json, "result as JSON; - for standard output");
   verb->add_option("--report", options->report, "self-contained HTML page with pictures");
   verb->add_option("--improved", options->improved, "config with what was found, for run and simulate");
+  verb->add_option("--next-experiment", options->next_experiment,
+                   "config of the recording that tells rivals apart, for run");
   verb->add_option("--jobs", options->jobs, "threads; 0: all of the machine")->check(CLI::Range(0, 1024));
   verb->add_option("--set", options->sets, "PATH=VALUE: overrides a value of the config");
   verb->add_flag("--quiet", options->quiet, "no progress");

@@ -1,6 +1,7 @@
 // What a diagnosis says, in a machine builder's words: effects, elements, sizes.
 #include <report/diagnosis_words.hpp>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <utility>
@@ -56,6 +57,13 @@ constexpr HandyUnit handy_units[] = {{"_m2", "mm²", 1e6},  {"_m3", "cm³", 1e6}
                                      {"_Pa", "kPa", 1e-3}, {"_mps", "mm/s", 1e3}, {"_m", "mm", 1e3},
                                      {"_V", "mV", 1e3},    {"_s", "ms", 1e3}};
 
+/// "coulomb force" for coulomb_force_N: the key without its unit.
+std::string name_words(std::string_view key) {
+  std::string words(key.substr(0, key.find_last_of('_')));
+  std::replace(words.begin(), words.end(), '_', ' ');
+  return words;
+}
+
 }  // namespace
 
 std::string effect_words(std::string_view effect) {
@@ -101,10 +109,11 @@ std::string verdict_words(const Diagnosis& diagnosis) {
   for (const DiagnosisAnswer& answer : diagnosis.answers) {
     std::string part = effect_words(answer.effect), size;
     for (const EstimatedParameter& p : answer.parameters) {
-      const bool is_path = p.name == "value";
-      std::string one = size_words(is_path ? answer.effect : p.name, p.value);
-      if (one.empty()) one = fmt::format("{} {}", is_path ? "it is" : p.name, value_text(p.value));
-      size += (size.empty() ? "" : "; ") + one;
+      const std::string_view key = p.name == "value" ? std::string_view(answer.effect) : p.name;
+      std::string one = size_words(key, p.value);
+      if (one.empty()) one = key.ends_with("_N") ? value_text(p.value) + " N" : value_text(p.value);
+      if (answer.parameters.size() > 1) one = name_words(p.name) + " " + one;
+      size += (size.empty() ? "" : ", ") + one;
     }
     parts.push_back(size.empty() ? part : fmt::format("{} ({})", part, size));
   }

@@ -54,9 +54,11 @@ class Picture {
             {gauge.x, gauge.y + (gauge.y < at.y ? -28 : 28)});
   }
 
-  std::string svg(double width, double height, const std::string& label) const {
-    return fmt::format("<svg class=\"rig\" viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{}\">{}{}</svg>",
-                       width, height, html_escape(label), body_, figures_);
+  /// What lies in the given rectangle.
+  std::string svg(double x, double y, double width, double height, const std::string& label) const {
+    return fmt::format("<svg class=\"rig\" viewBox=\"{:.0f} {:.0f} {:.0f} {:.0f}\" style=\"max-width:{:.0f}px\" "
+                       "role=\"img\" aria-label=\"{}\">{}{}</svg>",
+                       x, y, width, height, width, html_escape(label), body_, figures_);
   }
 
  private:
@@ -139,7 +141,7 @@ std::string pneumatic_picture(const Rig& rig, const std::vector<std::string>& se
   picture.sensor("p_supply", "supply pressure", {130, 210}, {130, 250}, "p");
   picture.sensor("p1_chamber", "pressure in chamber 1", {650, 160}, {650, 122}, "p");
   picture.sensor("p2_chamber", "pressure in chamber 2", {730, 160}, {730, 122}, "p");
-  return picture.svg(1080, 390, "The rig with the share of each element in the mismatch");
+  return picture.svg(0, 0, 1080, 390, "The rig with the share of each element in the mismatch");
 }
 
 std::string driven_picture(const Rig& rig, const std::vector<std::string>& sensors,
@@ -155,7 +157,7 @@ std::string driven_picture(const Rig& rig, const std::vector<std::string>& senso
                   {485, 262});
   draw_slider(picture, rig, 550);
   picture.sensor("F", "drive force", {720, 202}, {720, 166}, "F");
-  return picture.svg(1080, 330, "The axis with the share of each element in the mismatch");
+  return picture.svg(400, 45, 680, 285, "The axis with the share of each element in the mismatch");
 }
 
 }  // namespace

@@ -1,0 +1,139 @@
+// The recording that would tell rival explanations apart.
+#include "diagnosis/next_experiment.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "config/rig_parameters.hpp"
+#include "diagnosis/safe_references.hpp"
+
+namespace pneuservo {
+namespace {
+
+constexpr std::size_t checked_both_ways = 3;  ///< best choices that are tried under the rival's truth too
+
+Rig with_choice(Rig rig, const ExperimentChoice& choice) {
+  rig.reference = choice.reference;
+  rig.duration_s = choice.duration_s;
+  rig.evaluation.reset();
+  rig.initial.position_m = 0.0;
+  rig.initial.pressure_2_Pa.reset();
+  for (const auto& [path, value] : choice.keys) set_parameter(rig, path, value);
+  return rig;
+}
+
+/// The explanation's fit carried over to another recording: its values stand, the gas at the start is free again.
+Fit carried_over(const Explanation& explanation, const ExperimentChoice& choice, const Rig& owner,
+                 const ResidualModel& model) {
+  const Fit& old = explanation.fit;
+  Fit fit;
+  fit.base.rig = with_choice(old.base.rig, choice);
+  fit.own_count = old.own_count;
+  fit.parameters.assign(old.parameters.begin(), old.parameters.begin() + static_cast<std::ptrdiff_t>(old.own_count));
+  for (const FreeParameter& nuisance : nuisances(owner, model.start_factor_count(), model.start_factor_sigma())) {
+    const bool is_set = std::any_of(choice.keys.begin(), choice.keys.end(),
+                                    [&](const auto& key) { return key.first == nuisance.path; });
+    const bool is_own = std::any_of(fit.parameters.begin(), fit.parameters.end(),
+                                    [&](const FreeParameter& p) { return !p.path.empty() && p.path == nuisance.path; });
+    if (!is_set && !is_own) fit.parameters.push_back(nuisance);
+  }
+  fit.z = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(fit.parameters.size()));
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i)
+    for (std::size_t k = 0; k < old.parameters.size(); ++k)
+      if (!fit.parameters[i].path.empty() && fit.parameters[i].path == old.parameters[k].path)
+        fit.z(static_cast<Eigen::Index>(i)) = old.z(static_cast<Eigen::Index>(k));
+  fit.known_columns.assign(fit.parameters.size(), 0);
+  return fit;
+}
+
+/// Squared misfit with priors after one linear step: min over d of |r + J d|^2 + |z + d|^2.
+double refitted_objective(const Fit& fit) {
+  const Eigen::VectorXd gradient = fit.jacobian.transpose() * fit.residual + fit.z;
+  const Eigen::MatrixXd curvature =
+      fit.jacobian.transpose() * fit.jacobian + Eigen::MatrixXd::Identity(fit.jacobian.cols(), fit.jacobian.cols());
+  return fit.residual.squaredNorm() + fit.z.squaredNorm() - gradient.dot(curvature.ldlt().solve(gradient));
+}
+
+/// Whether a choice sets what an explanation is about: it would hide it.
+bool is_about(const ExperimentChoice& choice, const Explanation& explanation) {
+  for (std::size_t i = 0; i < explanation.fit.own_count; ++i)
+    for (const auto& [path, value] : choice.keys)
+      if (explanation.fit.parameters[i].path == path) return true;
+  return false;
+}
+
+/// What is left of `wrong` on a recording that `truth` would make, in noise floors; nothing where it cannot be made.
+std::optional<double> separation(const ExperimentChoice& choice, const Rig& owner, const Explanation& truth,
+                                 const Explanation& wrong, const VirtualMachine& machine,
+                                 const CompareRecording& compare) {
+  const std::optional<Recording> recording = machine(with_choice(truth.fit.hypothesis().rig, choice));
+  if (!recording) return std::nullopt;
+  const Rig changed = with_choice(owner, choice);
+  const std::unique_ptr<ResidualModel> model = compare(changed, *recording);
+  FittedRows rows(*model, {});
+  Fit right = carried_over(truth, choice, changed, *model), other = carried_over(wrong, choice, changed, *model);
+  linearise(rows, {&right, &other});
+  if (right.failed || other.failed) return std::nullopt;
+  const double left = refitted_objective(other) - refitted_objective(right);
+  return std::isfinite(left) ? std::optional(std::sqrt(std::max(left, 0.0))) : std::nullopt;
+}
+
+std::vector<std::string> names(const Explanation& explanation, const Search& search) {
+  std::vector<std::string> out;
+  for (const std::size_t member : explanation.members) out.push_back(search.candidates()[member].name);
+  return out;
+}
+
+/// The names in which two explanations differ.
+std::vector<std::string> differing_names(const Explanation& a, const Explanation& b, const Search& search) {
+  std::vector<std::string> first = names(a, search), second = names(b, search), out;
+  for (const std::string& name : first)
+    if (std::find(second.begin(), second.end(), name) == second.end()) out.push_back(name);
+  for (const std::string& name : second)
+    if (std::find(first.begin(), first.end(), name) == first.end()) out.push_back(name);
+  return out;
+}
+
+const Explanation* nearest_rival(const Decision& decision, const DecisionRules& rules) {
+  for (const Explanation* rival : decision.rivals)
+    if (rival != decision.chosen && !rival->fit.failed &&
+        rival->log_evidence > decision.chosen->log_evidence - rules.ambiguous_distance)
+      return rival;
+  return nullptr;
+}
+
+}  // namespace
+
+std::optional<ProposedExperiment> propose_experiment(const Rig& owner, const Decision& decision, const Search& search,
+                                                     const DecisionRules& rules, double shown_speed_mps,
+                                                     const VirtualMachine& machine, const CompareRecording& compare) {
+  if (decision.chosen == nullptr || decision.chosen->members.empty() || !machine) return std::nullopt;
+  const Explanation* rival = nearest_rival(decision, rules);
+  if (rival == nullptr) return std::nullopt;
+  std::vector<std::pair<double, ExperimentChoice>> ranked;
+  for (const ExperimentChoice& choice : safe_references(owner, shown_speed_mps)) {
+    if (is_about(choice, *decision.chosen) || is_about(choice, *rival)) continue;
+    if (const auto floors = separation(choice, owner, *decision.chosen, *rival, machine, compare))
+      ranked.emplace_back(*floors, choice);
+  }
+  std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::optional<ProposedExperiment> best;
+  for (std::size_t i = 0; i < std::min(ranked.size(), checked_both_ways); ++i) {
+    const auto& [floors, choice] = ranked[i];
+    const auto back = separation(choice, owner, *rival, *decision.chosen, machine, compare);
+    if (!back) continue;
+    const double sure = std::min(floors, *back);
+    if (sure < least_separation || (best && sure <= best->separation)) continue;
+    best = ProposedExperiment{choice.reference,  choice.setup, differing_names(*decision.chosen, *rival, search), sure,
+                              choice.duration_s, choice.keys};
+  }
+  return best;
+}
+
+Rig experiment_rig(const Rig& owner, const ProposedExperiment& experiment) {
+  return with_choice(owner, {experiment.reference, experiment.duration_s, experiment.setup, experiment.keys});
+}
+
+}  // namespace pneuservo

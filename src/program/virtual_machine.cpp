@@ -1,0 +1,51 @@
+// A rig run in closed loop on the simulated backend, as a recording in memory.
+#include "program/virtual_machine.hpp"
+
+#include <algorithm>
+#include <exception>
+
+#include "backends.hpp"
+#include "loop/runner.hpp"
+#include "program/rig_options.hpp"
+
+namespace pneuservo {
+namespace {
+
+constexpr std::array<std::string_view, 8> recorded{"t_s",        "x_m",           "u_V",           "p1_port_Pa",
+                                                   "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"};
+
+Recording recording_of(const Rig& rig, const std::vector<Row>& rows) {
+  Recording out;
+  out.path = "virtual run";
+  out.rig = rig.name;
+  out.period_s = rig.period_s;
+  for (const std::string_view name : recorded) {
+    out.names.emplace_back(name);
+    std::vector<double> column;
+    column.reserve(rows.size());
+    for (const Row& row : rows)
+      Row::visit(
+          [&](std::string_view key, const auto& value) {
+            if (key == name) column.push_back(static_cast<double>(value));
+          },
+          row);
+    out.values.push_back(std::move(column));
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) out.line_numbers.push_back(i + 1);
+  return out;
+}
+
+}  // namespace
+
+std::optional<Recording> record_virtual_run(const Rig& rig) {
+  if (rig.kind != RigKind::cylinder) return std::nullopt;
+  const auto backend = make_backend("sim", rig);
+  backend->configure();
+  RunSettings settings;
+  settings.load = load_reference_positions;
+  const RunOutcome outcome = run_loop(rig, *backend, settings);
+  if (!outcome.faults.empty() || outcome.stopped_by_signal || outcome.rows.empty()) return std::nullopt;
+  return recording_of(rig, outcome.rows);
+}
+
+}  // namespace pneuservo

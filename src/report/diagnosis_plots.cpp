@@ -124,6 +124,18 @@ void add_binned(Plot& plot, const std::string& name, Tone tone, const std::vecto
   plot.bands.push_back(std::move(spread));
 }
 
+/// Title, unit and the factor to it.
+struct AbscissaWords {
+  std::string title, unit;
+  double factor;
+};
+
+AbscissaWords words_of(ResidualAxis axis, const Rig& rig) {
+  if (axis == ResidualAxis::position) return {"position", "mm", 1e3};
+  if (axis == ResidualAxis::velocity) return {"speed", "mm/s", 1e3};
+  return {"command", std::string(1, rig.is_pneumatic() ? 'V' : 'N'), 1};
+}
+
 }  // namespace
 
 std::size_t recording_count(const Diagnosis& diagnosis) {
@@ -175,18 +187,15 @@ Plot difference_plot(const Diagnosis& diagnosis, std::size_t channel, std::size_
 }
 
 Plot residual_plot(const Diagnosis& diagnosis, std::size_t channel, ResidualAxis axis) {
-  const bool is_driven = !diagnosis.configured.is_pneumatic();
+  const AbscissaWords words = words_of(axis, diagnosis.configured);
+  const double factor = words.factor;
   Plot plot;
   plot.group.clear();
   plot.title = diagnosis.residual_channels[channel].name + " against ";
   plot.unit = "floors";
   plot.height_px = 220;
-  double factor = 1;
-  switch (axis) {
-    case ResidualAxis::position: plot.x_title = "position", plot.x_unit = "mm", factor = 1e3; break;
-    case ResidualAxis::velocity: plot.x_title = "speed", plot.x_unit = "mm/s", factor = 1e3; break;
-    case ResidualAxis::command: plot.x_title = "command", plot.x_unit = is_driven ? "N" : "V"; break;
-  }
+  plot.x_title = words.title;
+  plot.x_unit = words.unit;
   plot.title += plot.x_title;
   std::vector<double> x, before, after;
   for (std::size_t i = 0; i < diagnosis.rows.size(); ++i) {

@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "config/input_error.hpp"
 #include "config/rig_parameters.hpp"
 #include "diagnosis/safe_references.hpp"
 
@@ -20,7 +21,10 @@ Rig with_choice(Rig rig, const ExperimentChoice& choice) {
   rig.evaluation.reset();
   rig.initial.position_m = 0.0;
   rig.initial.pressure_2_Pa.reset();
+  const double supply_Pa = rig.axis.supply.pressure_Pa;
   for (const auto& [path, value] : choice.keys) set_parameter(rig, path, value);
+  if (rig.axis.supply.pressure_Pa < supply_Pa)  // the gas at the start has to lie below the supply
+    rig.initial.pressure_1_Pa *= rig.axis.supply.pressure_Pa / supply_Pa;
   return rig;
 }
 
@@ -30,6 +34,7 @@ Fit carried_over(const Explanation& explanation, const ExperimentChoice& choice,
   const Fit& old = explanation.fit;
   Fit fit;
   fit.base.rig = with_choice(old.base.rig, choice);
+  fit.base.start_factors.assign(model.start_factor_count(), 0.0);
   fit.own_count = old.own_count;
   fit.parameters.assign(old.parameters.begin(), old.parameters.begin() + static_cast<std::ptrdiff_t>(old.own_count));
   for (const FreeParameter& nuisance : nuisances(owner, model.start_factor_count(), model.start_factor_sigma())) {
@@ -115,8 +120,11 @@ std::optional<ProposedExperiment> propose_experiment(const Rig& owner, const Dec
   std::vector<std::pair<double, ExperimentChoice>> ranked;
   for (const ExperimentChoice& choice : safe_references(owner, shown_speed_mps)) {
     if (is_about(choice, *decision.chosen) || is_about(choice, *rival)) continue;
-    if (const auto floors = separation(choice, owner, *decision.chosen, *rival, machine, compare))
-      ranked.emplace_back(*floors, choice);
+    try {
+      if (const auto floors = separation(choice, owner, *decision.chosen, *rival, machine, compare))
+        ranked.emplace_back(*floors, choice);
+    } catch (const InputError&) {  // a value out of its range, a recording too short: this choice cannot be made
+    }
   }
   std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::optional<ProposedExperiment> best;

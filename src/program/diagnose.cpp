@@ -81,7 +81,8 @@ int run_diagnose(const DiagnoseVerbOptions& options) {
   const StopRequest stop_request;
   DiagnoseOptions settings;
   settings.jobs = options.jobs;
-  settings.virtual_machine = record_virtual_run;
+  // It takes longer than the diagnosis itself: only for those who look at it.
+  if (!options.next_experiment.empty() || !options.report.empty()) settings.virtual_machine = record_virtual_run;
   settings.stop = [] { return StopRequest::requested(); };
   if (!options.quiet) settings.progress = show_progress;
   Diagnosis diagnosis;
@@ -111,7 +112,7 @@ void add_diagnose(CLI::App& app, int& status) {
   verb->add_option("--report", options->report, "self-contained HTML page with pictures");
   verb->add_option("--improved", options->improved, "config with what was found, for run and simulate");
   verb->add_option("--next-experiment", options->next_experiment,
-                   "config of the recording that tells rivals apart, for run");
+                   "config of the recording that tells rivals apart, for run; it is also sought for --report");
   verb->add_option("--jobs", options->jobs, "threads; 0: all of the machine")->check(CLI::Range(0, 1024));
   verb->add_option("--set", options->sets, "PATH=VALUE: overrides a value of the config");
   verb->add_flag("--quiet", options->quiet, "no progress");

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 
+#include "composite/composite_backend.hpp"
 #include "config/input_error.hpp"
 #include "sim/sim_backend.hpp"
 
@@ -13,6 +14,7 @@ namespace {
 using Maker = std::function<std::unique_ptr<Backend>(const Rig&)>;
 const std::map<std::string, Maker>& makers() {
   static const std::map<std::string, Maker> table{
+      {"configured", [](const Rig& rig) { return std::make_unique<CompositeBackend>(rig); }},
       {"sim", [](const Rig& rig) { return std::make_unique<SimBackend>(rig); }},
   };
   return table;

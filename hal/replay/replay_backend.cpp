@@ -28,14 +28,19 @@ bool ReplayBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
     const double value = (*columns_[i])[row_];
     *channels[i] = {value, 0.0, std::isfinite(value) && ticks_[row_] == tick, Origin::replayed};
   }
+  measurement.device_faults = (recorded_faults() & device_fault_mask) >> device_fault_shift;
   return true;
 }
 
-bool ReplayBackend::write(std::int64_t, const Command&) noexcept {
-  if (columns_[9] == nullptr) return true;
+std::uint32_t ReplayBackend::recorded_faults() const noexcept {
+  if (columns_[9] == nullptr) return 0;
   const double bits = (*columns_[9])[row_];
   const bool readable = bits >= 0.0 && bits < 4294967296.0;
-  return !readable || (static_cast<std::uint32_t>(bits) & fault_output_missed) == 0;
+  return readable ? static_cast<std::uint32_t>(bits) : 0u;
+}
+
+bool ReplayBackend::write(std::int64_t, const Command&) noexcept {
+  return (recorded_faults() & fault_output_missed) == 0;
 }
 
 std::array<Origin, 6> ReplayBackend::origins() const {

@@ -31,6 +31,8 @@ class ReplayBackend final : public Backend {
   std::int64_t tick(std::size_t i) const noexcept { return ticks_[i]; }
 
  private:
+  std::uint32_t recorded_faults() const noexcept;
+
   Recording recording_;
   std::vector<std::int64_t> ticks_;
   std::vector<const std::vector<double>*> columns_;  // x, ports, chambers, supply, truth, then fault; null: absent

@@ -42,6 +42,7 @@ void SimBackend::configure() {
   }
   command_ = {};
   started_ = false;
+  last_tick_ = -1;
 }
 
 void SimBackend::activate() {}
@@ -53,7 +54,20 @@ bool SimBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
   const auto values = true_values(plant_);
   const auto channels = channels_of(measurement);
   for (std::size_t i = 0; i < 6; ++i) *channels[i] = {sensors_[i].read(values[i]), 0.0, true, Origin::simulated};
+  if (rig_.simulation.input_age_periods > 0) age_by_a_tick(tick, measurement);
   return true;
+}
+
+// Over a bus a tick finds what was sampled at the one before; the first tick finds what has been there for ever.
+void SimBackend::age_by_a_tick(std::int64_t tick, Measurement& measurement) noexcept {
+  const Measurement sampled = measurement;
+  if (last_tick_ >= 0) {
+    measurement = last_;
+    for (Channel* channel : channels_of(measurement))
+      channel->age_s = static_cast<double>(tick - last_tick_) * rig_.period_s;
+  }
+  last_ = sampled;
+  last_tick_ = tick;
 }
 
 bool SimBackend::write(std::int64_t, const Command& command) noexcept {

@@ -26,12 +26,16 @@ class SimBackend final : public Backend {
   std::string name() const override { return "sim"; }
 
  private:
+  void age_by_a_tick(std::int64_t tick, Measurement& measurement) noexcept;
+
   Rig rig_;
   AxisPlant<double> plant_;
   std::array<Sensor, 6> sensors_;  // in the order of channel_names
   std::int64_t plant_tick_ = 0;
   bool started_ = false;
   Command command_;
+  Measurement last_;
+  std::int64_t last_tick_ = -1;  // of last_; -1: none yet
 };
 
 /// Start of the simulated plant from the config's `initial`.

@@ -55,6 +55,12 @@ struct RowCollector {
       rows.push_back(make_row(key, field, accepted_text(field, value), standard_text(field, value)));
     }
   }
+  template <ParameterSection T> void operator()(const Field& field, const std::map<std::string, T>&) const {
+    const std::string key = prefix + std::string(field.key);
+    rows.push_back(make_row(key, field, "section of sections", section_presence(field)));
+    const T section;
+    T::visit(RowCollector{rows, key + ".NAME."}, section);
+  }
   template <class T> void operator()(const Field& field, const std::optional<T>&) const {
     if constexpr (ParameterSection<T>) (*this)(field, T{});
     else rows.push_back(make_row(prefix + std::string(field.key), field, range_text(field), "not stated"));

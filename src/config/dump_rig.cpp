@@ -51,6 +51,13 @@ class SectionWriter {
     line(field, values.empty() ? "{}" : "");
     for (const auto& [key, value] : values) write(fmt::format("  {}: {}", key, number_text(value)), "");
   }
+  template <ParameterSection T> void operator()(const Field& field, const std::map<std::string, T>& sections) const {
+    line(field, sections.empty() ? "{}" : "");
+    for (const auto& [name, section] : sections) {
+      write(fmt::format("  {}:", yaml_text(name)), "");
+      T::visit(SectionWriter{out_, indent_ + 4}, section);
+    }
+  }
   void operator()(const Field& field, const ReferenceSpec& reference) const {
     line(field, "");
     visit_reference(reference.kind, SectionWriter{out_, indent_ + 2}, reference);

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <pneuservo/core/field.hpp>
+#include <pneuservo/hal/can_object.hpp>
 
 #include "config/number_text.hpp"
 #include "config/reference_fields.hpp"
@@ -28,6 +29,7 @@ std::string yaml_text(std::string_view text);
 template <class T> std::string value_text(const Field& field, const T& value) {
   if constexpr (std::is_same_v<T, bool>) return value ? "true" : "false";
   else if constexpr (std::is_enum_v<T>) return std::string(field.choices[static_cast<std::size_t>(value)]);
+  else if constexpr (std::is_same_v<T, CanObject>) return fmt::format("0x{:08x}", value.word);
   else if constexpr (std::is_integral_v<T>) return std::to_string(value);
   else if constexpr (std::is_floating_point_v<T>) return number_text(value);
   else return yaml_text(value);
@@ -43,6 +45,7 @@ template <class T> std::string accepted_text(const Field& field, const T&) {
   if constexpr (std::is_same_v<T, bool>) return "true, false";
   else if constexpr (std::is_same_v<T, int>) return fmt::format("{}", fmt::join(reference_degrees, ", "));
   else if constexpr (std::is_same_v<T, std::uint64_t>) return "whole number";
+  else if constexpr (std::is_same_v<T, CanObject>) return "0x and 8 hexadecimal digits";
   else if constexpr (std::is_same_v<T, std::string>) return field.choices.empty() ? "text" : range_text(field);
   else if constexpr (std::is_same_v<T, std::vector<double>>) return "list, each " + range_text(field);
   else if constexpr (std::is_same_v<T, std::vector<std::array<double, 3>>>) return "list";
@@ -51,9 +54,10 @@ template <class T> std::string accepted_text(const Field& field, const T&) {
   else return range_text(field);
 }
 
-/// An optional number that its own field would refuse stands for "not stated" (ramp_s: one period).
+/// An optional number that its own field would refuse, or an empty text, stands for "not stated" (ramp_s: one period).
 template <class T> bool is_unstated(const Field& field, const T& value) {
   if constexpr (std::is_same_v<T, double>) return field.presence == Presence::optional && value < field.minimum;
+  else if constexpr (std::is_same_v<T, std::string>) return field.presence == Presence::optional && value.empty();
   else return false;
 }
 

@@ -56,6 +56,14 @@ void anchor_paths(ReferenceSpec& reference, const ConfigNode& node, const std::f
     anchor_paths(reference.parts[i], parts->value.items[i], folder);
 }
 
+/// The same for the files of the nodes on a bus.
+void anchor_eds(Rig& rig, const std::filesystem::path& folder) {
+  if (!rig.hal || !rig.hal->can) return;
+  for (auto& [name, node] : rig.hal->can->nodes)
+    if (!node.eds.empty() && std::filesystem::path(node.eds).is_relative())
+      node.eds = std::filesystem::absolute(folder / node.eds).lexically_normal().string();
+}
+
 Rig rig_from_text(const std::string& yaml_text, const std::string& source_name,
                   const std::vector<std::string>& overrides, const std::optional<std::filesystem::path>& anchor) {
   ConfigNode root = parse_config_tree(yaml_text, source_name);
@@ -67,7 +75,7 @@ Rig rig_from_text(const std::string& yaml_text, const std::string& source_name,
   Rig::visit(RigReader{rig, {root, top, true}}, rig);
   require_known_keys(root, top, fields_of(rig));
   Rig::visit(RigReader{rig, {root, top}}, rig);
-  if (anchor) anchor_paths(rig.reference, root.find("reference")->value, *anchor);
+  if (anchor) anchor_paths(rig.reference, root.find("reference")->value, *anchor), anchor_eds(rig, *anchor);
   complete_rig(rig, root);
   check_rig(rig, root);
   return rig;

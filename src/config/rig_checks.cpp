@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "config/hal_checks.hpp"
 #include "config/input_error.hpp"
 #include "config/key_suggestion.hpp"
 #include "config/number_text.hpp"
@@ -335,6 +336,9 @@ void check_rig(const Rig& rig, const ConfigNode& root) {
   check_reference_range(rig, check);
   check_paths(rig, check, "tolerances", rig.tolerances);
   check_deviations(rig, check);
+  check_hal(rig, [&](const std::string& path, const std::string& found, const std::string& expected) {
+    check.refuse(path, {}, found, expected);
+  });
 }
 
 }  // namespace pneuservo

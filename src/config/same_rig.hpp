@@ -1,5 +1,9 @@
 // Equality of parameter structs and rigs, value by value, through the fields they declare.
 #pragma once
+#include <algorithm>
+#include <map>
+#include <string>
+
 #include <pneuservo/rig/rig.hpp>
 
 #include "config/section_reader.hpp"
@@ -24,6 +28,12 @@ struct FieldComparer {
     bool same = a.size() == b.size();
     for (std::size_t i = 0; same && i < a.size(); ++i) same = same_reference(a[i], b[i]);
     return same;
+  }
+  template <ParameterSection T>
+  static bool equal(const std::map<std::string, T>& a, const std::map<std::string, T>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& left, const auto& right) {
+      return left.first == right.first && same_section(left.second, right.second);
+    });
   }
   template <ParameterSection T> static bool equal(const std::optional<T>& a, const std::optional<T>& b) {
     return a.has_value() == b.has_value() && (!a || same_section(*a, *b));

@@ -75,6 +75,27 @@ void read_value(const Field&, const ConfigNode& node, const std::string& path, s
     refuse(node.origin, path, describe(node), "a whole number from 0 to 18446744073709551615");
 }
 
+void read_value(const Field& field, const ConfigNode& node, const std::string& path, std::uint32_t& value) {
+  const auto expected = fmt::format("a whole number from {:g} to {:g}", field.minimum, field.maximum);
+  std::uint32_t read = 0;
+  std::from_chars_result result{nullptr, std::errc::invalid_argument};
+  const char* const end = node.text.data() + node.text.size();
+  if (node.type == Type::scalar && !node.quoted) result = std::from_chars(node.text.data(), end, read);
+  const bool whole = result.ec == std::errc{} && result.ptr == end;
+  if (!whole || read < field.minimum || read > field.maximum) refuse(node.origin, path, describe(node), expected);
+  value = read;
+}
+
+void read_value(const Field&, const ConfigNode& node, const std::string& path, CanObject& value) {
+  constexpr auto expected = "0x and eight hexadecimal digits: index, sub-index, 1 to 32 bits (0x64010110)";
+  const bool form = node.type == Type::scalar && !node.quoted && node.text.size() == 10 && node.text.starts_with("0x");
+  if (!form) refuse(node.origin, path, describe(node), expected);
+  const char* const end = node.text.data() + node.text.size();
+  const std::from_chars_result result = std::from_chars(node.text.data() + 2, end, value.word, 16);
+  const bool whole = result.ec == std::errc{} && result.ptr == end;
+  if (!whole || value.bits() < 1 || value.bits() > 32) refuse(node.origin, path, describe(node), expected);
+}
+
 void read_value(const Field& field, const ConfigNode& node, const std::string& path, int& degree) {
   double value = 0.0;
   read_value(field, node, path, value);

@@ -11,6 +11,7 @@
 
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/core/field.hpp>
+#include <pneuservo/hal/can_object.hpp>
 
 #include "config/config_tree.hpp"
 #include "config/key_suggestion.hpp"
@@ -52,7 +53,9 @@ void require_in_range(const Field& field, double value, const std::string& origi
 void read_value(const Field& field, const ConfigNode& node, const std::string& path, double& value);
 void read_value(const Field& field, const ConfigNode& node, const std::string& path, bool& value);
 void read_value(const Field& field, const ConfigNode& node, const std::string& path, std::uint64_t& value);
+void read_value(const Field& field, const ConfigNode& node, const std::string& path, std::uint32_t& value);
 void read_value(const Field& field, const ConfigNode& node, const std::string& path, int& degree);
+void read_value(const Field& field, const ConfigNode& node, const std::string& path, CanObject& value);
 void read_value(const Field& field, const ConfigNode& node, const std::string& path, std::string& value);
 void read_value(const Field& field, const ConfigNode& node, const std::string& path, std::vector<double>& values);
 void read_value(const Field& field, const ConfigNode& node, const std::string& path,
@@ -115,6 +118,14 @@ struct SectionReader {
   template <ParameterSection T>
   static void read_one(const Field&, const ConfigNode& node, const std::string& path, std::optional<T>& value) {
     read_section(node, path, value.emplace());
+  }
+  template <ParameterSection T>
+  static void read_one(const Field&, const ConfigNode& node, const std::string& path,
+                       std::map<std::string, T>& values) {
+    require_map(node, path);
+    values.clear();
+    for (const ConfigNode::Entry& entry : node.entries)
+      read_section(entry.value, join_path(path, entry.key), values[entry.key]);
   }
 };
 

@@ -185,6 +185,7 @@ AxisLoop::Inputs AxisLoop::guard(const Measurement& measured, std::int64_t skipp
   const double periods = static_cast<double>(skipped + 1);
   std::uint32_t faults = check_position(measured.position_m, periods, in);
   faults |= check_pressures(measured, periods, in);
+  faults |= measured.device_faults << device_fault_shift & device_fault_mask;
   if (faults != 0) latch(faults);
   return in;
 }

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "rig/bus_load.hpp"
+
 namespace pneuservo {
 namespace {
 
@@ -97,6 +99,24 @@ void grade_noise(const Rig& rig, Findings& findings) {
         "give noise_Pa and quantum_Pa of the sensors' data sheet");
 }
 
+void grade_bus(const Rig& rig, Findings& findings) {
+  if (!rig.hal || !rig.hal->can) return;
+  const BusLoad load = bus_load(rig);
+  const std::string what = bus_load_text(load, rig.period_s);
+  const char* remedy =
+      rig.period_s < 0.001
+          ? "classic CAN carries one full frame in 200 us: close this loop over DA/AD boards in the PC, "
+            "or choose period_s of 0.001 or more"
+          : "choose a longer period_s, fewer bytes, or put channels on DA/AD boards";
+  if (load.share > bus_load_limit) add(findings, Level::bad, "bus load", what, remedy);
+  else if (load.share > bus_load_comfortable) add(findings, Level::acceptable, "bus load", what, remedy);
+  else add(findings, Level::good, "bus load", what, "");
+  if (rig.hal->channels.u.can && rig.safe_output.command_V != 0.0)
+    add(findings, Level::acceptable, "substitute output",
+        fmt::format("{:g} V is written into the device: makers align 0x6444 differently", rig.safe_output.command_V),
+        "measure the output after unplugging the bus, or choose safe_output.command_V of 0");
+}
+
 }  // namespace
 
 std::vector<Finding> grade_rig(const Rig& rig) {
@@ -106,6 +126,7 @@ std::vector<Finding> grade_rig(const Rig& rig) {
   if (has_valve) grade_command_range(rig, findings);
   if (has_force_loop) grade_gains(rig, findings);
   if (has_force_loop) grade_noise(rig, findings);
+  grade_bus(rig, findings);
   return findings;
 }
 

@@ -27,7 +27,7 @@ namespace pneuservo {
 namespace {
 
 struct RunOptions {
-  std::string config, time = "simulated", pressure_source, backend = "sim", record, report, json, gains;
+  std::string config, time = "simulated", pressure_source, backend, record, report, json, gains;
   std::vector<std::string> sets;
   double duration_s = 0.0;
   double early_wake_us = -1.0;
@@ -47,6 +47,12 @@ Rig read_with_options(const RunOptions& options) {
                                  options.pressure_source,
                                  controller_kind_names[static_cast<std::size_t>(rig.controller.kind)], options.config));
   return rig;
+}
+
+/// A config that names its devices runs on them unless told otherwise.
+std::string backend_of(const RunOptions& options, const Rig& rig) {
+  if (!options.backend.empty()) return options.backend;
+  return rig.hal ? "configured" : "sim";
 }
 
 std::vector<PressureSource> sources_of(const RunOptions& options, const Rig& rig) {
@@ -127,7 +133,7 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
         .priority = options.priority, .cpu = options.cpu >= 0 ? std::optional(options.cpu) : std::nullopt});
     if (report.runs.empty()) std::cerr << refusal_message(session->findings());
   }
-  auto backend = make_backend(options.backend, rig);
+  auto backend = make_backend(backend_of(options, rig), rig);
   backend->configure();
   report.machine = machine_facts(session ? &session->state() : nullptr);
   report.channel_origins = channel_facts(*backend);
@@ -173,6 +179,7 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
     if (!summary.error.empty()) std::cerr << summary.error << "\n";
     whole = summary.error.empty();
   }
+  for (const std::string& note : backend->notes()) std::cerr << note << "\n";
   if (outcome.stopped_by_signal)
     std::cerr << "stopped by a signal: safe output is set, the recording is closed, results so far follow\n";
   for (std::size_t i = 0; i < outcome.faults.size(); ++i)
@@ -203,7 +210,11 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
 
 /// What would only show after the run: no such backend, no such folder.
 void check_outputs(const RunOptions& options, const Rig& rig, const std::vector<PressureSource>& sources) {
-  make_backend(options.backend, rig);
+  const auto backend = make_backend(backend_of(options, rig), rig);
+  if (options.time != "real" && backend->name() == "configured" && rig.hal->can)
+    throw InputError(
+        "--time: found simulated with channels on real devices, expected --time real, or --hal sim for the "
+        "simulated plant");
   if (!options.record.empty() && !options.record.ends_with(".csv.gz"))
     throw InputError("--record: found " + options.record + ", expected a name that ends in .csv.gz");
   for (const PressureSource source : sources)
@@ -262,7 +273,9 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--gains", o->gains,
                    "gains of a ppd2 law for the running loop, KEY: VALUE; looked at ten times a second");
   verb->add_option("--moves", o->moves, "times the reference is run");
-  verb->add_option("--hal", o->backend, "backend: sim");
+  verb->add_option("--hal", o->backend,
+                   "backend: sim, or configured (each channel from its source in the config's section hal); "
+                   "default: configured where the config has that section");
   verb->add_option("--record", o->record, "recording, FILE.csv.gz; with all sources FILE-valve.csv.gz and so on");
   verb->add_option("--report", o->report, "self-contained HTML page with plots");
   verb->add_option("--json", o->json, "figures as JSON, - for standard output");

@@ -17,6 +17,7 @@ const std::vector<AddVerb>& all_verbs();
 void add_check(CLI::App& app, int& status);
 void add_design(CLI::App& app, int& status);
 void add_diagnose(CLI::App& app, int& status);
+void add_device(CLI::App& app, int& status);
 void add_index(CLI::App& app, int& status);
 void add_keys(CLI::App& app, int& status);
 void add_latency(CLI::App& app, int& status);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <pneuservo/hal/channel.hpp>
 
@@ -29,6 +30,8 @@ class Backend {
   virtual Truth truth() const noexcept { return {}; }
   /// Where each channel comes from, known once configured: position, port 1, port 2, chamber 1, chamber 2, supply.
   virtual std::array<Origin, 6> origins() const = 0;
+  /// What happened on the devices, one sentence each, for the user after a run. Cold.
+  virtual std::vector<std::string> notes() const { return {}; }
   virtual std::string name() const = 0;
 };
 

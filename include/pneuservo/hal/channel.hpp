@@ -18,12 +18,21 @@ struct Channel {
   Origin origin = Origin::absent;
 };
 
+/// What devices say of themselves; each bit ends the motion (fault.hpp has a fault of the same name).
+enum DeviceFault : std::uint32_t {
+  device_bus_off = 1u << 0,
+  device_link_down = 1u << 1,
+  device_node_lost = 1u << 2,
+  device_emergency = 1u << 3,
+};
+
 /// Everything measured at the start of a tick. Pressures are absolute [Pa], position [m] with 0 at mid-stroke.
 struct Measurement {
   Channel position_m;
   Channel port_pressure_1_Pa, port_pressure_2_Pa;
   Channel chamber_pressure_1_Pa, chamber_pressure_2_Pa;
   Channel supply_pressure_Pa;
+  std::uint32_t device_faults = 0;  ///< bits of DeviceFault
 };
 
 /// All channels in the order of the recording's columns: position, ports, chambers, supply.

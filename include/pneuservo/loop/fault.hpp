@@ -28,7 +28,15 @@ enum Fault : std::uint32_t {
   fault_port_pressure_2_jump = 1u << 17,
   fault_chamber_pressure_1_jump = 1u << 18,
   fault_chamber_pressure_2_jump = 1u << 19,
+  fault_bus_off = 1u << 20,
+  fault_link_down = 1u << 21,
+  fault_node_lost = 1u << 22,
+  fault_node_emergency = 1u << 23,
 };
+
+/// The faults that devices report themselves, bit by bit as in DeviceFault (hal/channel.hpp).
+inline constexpr unsigned device_fault_shift = 20;
+inline constexpr std::uint32_t device_fault_mask = 0xFu << device_fault_shift;
 
 /// A fault in words: what it means and, after the colon, what to do about it.
 struct FaultText {
@@ -36,7 +44,7 @@ struct FaultText {
   std::string_view name;
   std::string_view meaning;
 };
-inline constexpr std::array<FaultText, 20> fault_texts{{
+inline constexpr std::array<FaultText, 24> fault_texts{{
     {fault_position_missing, "position_missing",
      "the position was missing, not a number or out of range for three ticks: check encoder, cable and supply"},
     {fault_position_jump, "position_jump",
@@ -86,6 +94,15 @@ inline constexpr std::array<FaultText, 20> fault_texts{{
     {fault_chamber_pressure_2_jump, "chamber_pressure_2_jump",
      "chamber pressure 2 jumped for three ticks by more than valve and line can do: check sensor, cable and "
      "shield"},
+    {fault_bus_off, "bus_off",
+     "the CAN controller went bus-off, nothing is sent any more: check wiring, termination and bit rate, take the "
+     "interface down and up again"},
+    {fault_link_down, "link_down",
+     "the bus interface went down or the adapter is gone: check cable and adapter, set the interface up again"},
+    {fault_node_lost, "node_lost",
+     "a node on the bus fell silent, rebooted or left the operational state: check its supply and cable"},
+    {fault_node_emergency, "node_emergency",
+     "a node on the bus reported an emergency: its code is told after the run, its manual explains it"},
 }};
 
 }  // namespace pneuservo

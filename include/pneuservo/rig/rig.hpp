@@ -10,6 +10,7 @@
 #include <pneuservo/control/parameters.hpp>
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/rig/axis.hpp>
+#include <pneuservo/rig/hal_parameters.hpp>
 
 namespace pneuservo {
 
@@ -30,8 +31,12 @@ struct SensorsParameters {
 /// What the simulated plant is computed on; the estimator has its own, coarser grid.
 struct SimulationParameters {
   double cells_per_m = 4.0;
+  std::uint32_t input_age_periods = 0;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"cells_per_m", "1/m", 0.1, 1000, "cells of the simulated lines", Presence::optional}, p.cells_per_m...);
+    v(Field{"input_age_periods", "-", 0, 1, "1: inputs are those of the tick before, as over a bus",
+            Presence::optional},
+      p.input_age_periods...);
   }
 };
 
@@ -138,6 +143,7 @@ struct Rig {
   EstimatorSettings estimator;
   LimitParameters limits;
   SafeOutputParameters safe_output;
+  std::optional<HalParameters> hal;
 
   /// Whether it has valves, lines and chambers.
   bool is_pneumatic() const noexcept { return kind != RigKind::driven_axis; }
@@ -233,6 +239,7 @@ struct Rig {
     v(Field{"estimator", "", 0, 0, "pipeline estimator", optional}, p.estimator...);
     v(Field{"safe_output", "", 0, 0, "what the valve is given when the loop ends or faults", optional},
       p.safe_output...);
+    v(Field{"hal", "", 0, 0, "devices behind the channels; without it all of them are simulated", optional}, p.hal...);
   }
 };
 

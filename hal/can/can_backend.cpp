@@ -1,0 +1,291 @@
+// Backend `can`.
+#include "can/can_backend.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "can/open_carrier.hpp"
+#include "config/input_error.hpp"
+#include "rig/bus_load.hpp"
+
+namespace pneuservo {
+namespace {
+
+constexpr double answer_share = 0.9;       // of a period: later is too near to the next SYNC
+constexpr double oldest_periods = 2.0;
+constexpr double lost_after_heartbeats = 2.5;
+constexpr int probes = 3;
+constexpr int most_frames_a_tick = 256;    // a babbling node must not hold the loop
+constexpr std::int64_t probe_timeout_ns = 1'000'000'000, start_timeout_ns = 2'000'000'000;
+
+std::int64_t nanoseconds(double time_s) { return std::llround(time_s * 1e9); }
+
+}  // namespace
+
+CanBackend::CanBackend(const Rig& rig, std::unique_ptr<CanCarrier> bus)
+    : rig_(rig), bus_(std::move(bus)), period_ns_(nanoseconds(rig.period_s)) {
+  if (!rig.hal || !rig.hal->can)
+    throw InputError(rig.name + ": hal.can: found nothing, expected the bus with its nodes (docs/can.md)");
+  channels_ = can_channels(*rig.hal);
+  heartbeat_ticks_ = std::max<std::int64_t>(std::llround(rig.hal->can->heartbeat_s / rig.period_s), 1);
+}
+
+CanBackend::~CanBackend() { deactivate(); }
+
+void CanBackend::check_load() const {
+  const BusLoad load = bus_load(rig_);
+  if (load.share <= bus_load_limit) return;
+  throw InputError(
+      fmt::format("{}: hal.can: found a bus load of {}, expected at most {:.0f} %: a longer period_s, fewer "
+                  "bytes, or DA/AD boards",
+                  rig_.name, bus_load_text(load, rig_.period_s), 100.0 * bus_load_limit));
+}
+
+void CanBackend::check_against_eds(const CanChannel& channel, const EdsFile& eds) const {
+  const auto refuse = [&](const std::string& what) {
+    throw InputError(fmt::format("{}: object 0x{:08x} of hal.channels.{}: {}", eds.source(), channel.object.word,
+                                 channel.name, what));
+  };
+  const EdsObject* object = eds.find(channel.object.index(), channel.object.sub());
+  if (object == nullptr) refuse("found no such entry, expected one that the device has");
+  if (!object->can_map) refuse("found PDOMapping=0, expected an entry that can be mapped");
+  if (object->bits() != channel.object.bits())
+    refuse(fmt::format("found a data type of {} bits, expected {}", object->bits(), channel.object.bits()));
+  if (object->is_signed() != channel.is_signed)
+    refuse(fmt::format("found {} data, expected signed: {} in the config", object->is_signed() ? "signed" : "unsigned",
+                       channel.is_signed));
+}
+
+void CanBackend::read_eds_files() {
+  eds_.clear();
+  for (const auto& [name, node] : rig_.hal->can->nodes)
+    if (!node.eds.empty()) eds_.emplace(name, EdsFile::read(node.eds));
+  for (const CanChannel& channel : channels_)
+    if (const auto eds = eds_.find(channel.node); eds != eds_.end()) check_against_eds(channel, eds->second);
+}
+
+// Devices that watch us since an earlier run must not give up while the nodes are started.
+void CanBackend::keep_alive(std::int64_t now_ns) {
+  if (!active_ || now_ns < next_alive_ns_) return;
+  send_or_throw(own_heartbeat());
+  next_alive_ns_ = now_ns + nanoseconds(rig_.hal->can->heartbeat_s);
+}
+
+CanFrame CanBackend::own_heartbeat() const noexcept {
+  return heartbeat_frame(static_cast<std::uint8_t>(rig_.hal->can->node_id), NmtState::operational);
+}
+
+template <class Wanted> bool CanBackend::receive_until(std::int64_t timeout_ns, const Wanted& wanted) {
+  const std::int64_t end_ns = bus_->now_ns() + timeout_ns;
+  for (std::int64_t now_ns = bus_->now_ns(); now_ns < end_ns; now_ns = bus_->now_ns()) {
+    ReceivedFrame received;
+    while (bus_->receive(received)) {
+      process_.on_frame(received);
+      if (wanted(received)) return true;
+    }
+    if (!bus_->is_up()) throw std::runtime_error(bus_->name() + ": the link went down");
+    keep_alive(now_ns);
+    bus_->wait(std::min(end_ns, next_alive_ns_) - now_ns);
+  }
+  return false;
+}
+
+void CanBackend::send_or_throw(const CanFrame& frame) {
+  if (bus_->send(frame) != Sent::sent)
+    throw std::runtime_error(fmt::format("{}: frame 0x{:03x} could not be sent: is the bus connected and terminated?",
+                                         bus_->name(), frame.id));
+}
+
+void CanBackend::wait_for_boot(const std::string& name, const CanNodeParameters& node) {
+  const auto number = static_cast<std::uint8_t>(node.node_id);
+  send_or_throw(nmt_frame(NmtCommand::reset_communication, number));
+  const bool came = receive_until(nanoseconds(node.boot_timeout_s), [&](const ReceivedFrame& received) {
+    const auto heartbeat = parse_heartbeat(received.frame);
+    return heartbeat && heartbeat->node == number && heartbeat->state == NmtState::boot_up;
+  });
+  if (!came)
+    throw std::runtime_error(
+        fmt::format("{}: node {} ({}) did not come up within {:g} s after a reset: is it there, with "
+                    "this number and {:g} bit/s?",
+                    bus_->name(), name, number, node.boot_timeout_s, rig_.hal->can->bit_rate_bps));
+}
+
+void CanBackend::set_up_node(const std::string& name, const CanNodeParameters& node, std::vector<CanInputPdo>& inputs,
+                             std::vector<CanOutputPdo>& outputs) {
+  wait_for_boot(name, node);
+  SdoClient sdo(*bus_, static_cast<std::uint8_t>(node.node_id), name, {});
+  const auto eds = eds_.find(name);
+  const NodeSetup setup{rig_, channels_, name, eds == eds_.end() ? nullptr : &eds->second};
+  NodeConfigurator configurator(sdo, setup);
+  configurator.write_parameters();
+  const std::vector<CanPdo> pdos = can_pdos(channels_);
+  configurator.turn_off_others(pdos);
+  for (const CanPdo& pdo : pdos) {
+    if (pdo.node != name) continue;
+    const SetUpPdo done = configurator.set_up_pdo(pdo);
+    std::vector<CanSignal> signals;
+    for (const std::size_t i : pdo.signals) {
+      const CanChannel& c = channels_[i];
+      signals.push_back({c.channel,
+                         {*done.place_of(c.object), c.object.bits()},
+                         {c.scale, c.zero, c.is_signed, c.object.bits()},
+                         c.lowest,
+                         c.highest});
+    }
+    const auto length = static_cast<std::uint8_t>((done.bits() + 7) / 8);
+    if (pdo.is_output) outputs.push_back({done.id, length, signals});
+    else
+      inputs.push_back({done.id, length, node.transmission == CanTransmission::sync,
+                        nanoseconds(oldest_periods * rig_.period_s), signals});
+  }
+}
+
+std::vector<std::uint32_t> CanBackend::process_ids() const {
+  std::vector<std::uint32_t> ids;
+  for (const CanInputPdo& input : process_.inputs()) ids.push_back(input.id);
+  for (const std::uint8_t node : node_numbers_) {
+    ids.push_back(cob_heartbeat + node);
+    ids.push_back(cob_emergency + node);
+  }
+  return ids;
+}
+
+void CanBackend::configure() {
+  check_load();
+  read_eds_files();
+  const CanBusParameters& can = *rig_.hal->can;
+  if (!bus_) bus_ = open_carrier(can.interface, can.bit_rate_bps, false);
+  node_numbers_.clear();
+  std::vector<std::uint32_t> ids;
+  std::vector<CanWatchedNode> watched;
+  for (const auto& [name, node] : can.nodes) {
+    const auto number = static_cast<std::uint8_t>(node.node_id);
+    node_numbers_.push_back(number);
+    ids.insert(ids.end(), {cob_sdo_answer + number, cob_heartbeat + number, cob_emergency + number});
+    watched.push_back({name, number, nanoseconds(lost_after_heartbeats * node.heartbeat_s)});
+  }
+  bus_->accept_only(ids);
+  process_ = CanProcessImage({}, {}, watched);
+  std::vector<CanInputPdo> inputs;
+  std::vector<CanOutputPdo> outputs;
+  for (const auto& [name, node] : can.nodes) set_up_node(name, node, inputs, outputs);
+  process_ = CanProcessImage(std::move(inputs), std::move(outputs), std::move(watched));
+  bus_->accept_only(process_ids());
+}
+
+void CanBackend::wait_until_operational() {
+  std::vector<std::uint8_t> waiting = node_numbers_;
+  for (const std::uint8_t node : node_numbers_) send_or_throw(nmt_frame(NmtCommand::start, node));
+  receive_until(start_timeout_ns, [&](const ReceivedFrame& received) {
+    const auto heartbeat = parse_heartbeat(received.frame);
+    if (heartbeat && heartbeat->state == NmtState::operational) std::erase(waiting, heartbeat->node);
+    return waiting.empty();
+  });
+  if (!waiting.empty())
+    throw std::runtime_error(
+        fmt::format("{}: node {} did not become operational within 2 s", bus_->name(), waiting.front()));
+}
+
+// An answer that always comes after the next SYNC would look like a quick one of a wrong age: the bus is quiet now.
+void CanBackend::check_answers() {
+  std::int64_t quickest_ns = std::numeric_limits<std::int64_t>::max();
+  for (int probe = 0; probe < probes; ++probe) {
+    process_.start(bus_->now_ns());
+    if (!send_outputs({rig_.safe_output.command_V, rig_.safe_output.command_V}))
+      throw std::runtime_error(bus_->name() + ": SYNC could not be sent");
+    const bool all = receive_until(probe_timeout_ns, [&](const ReceivedFrame&) { return process_.all_answered(); });
+    const bool any_expected = !process_.inputs().empty();
+    if (any_expected && !all) {
+      std::string who;
+      for (const CanInputPdo& input : process_.inputs())
+        who += fmt::format("{}0x{:03x}", who.empty() ? "" : ", ", input.id);
+      throw std::runtime_error(
+          fmt::format("{}: not every PDO ({}) answered a SYNC once within 1 s", bus_->name(), who));
+    }
+    quickest_ns = std::min(quickest_ns, process_.counts().slowest_answer_ns);
+  }
+  if (static_cast<double>(quickest_ns) > answer_share * static_cast<double>(period_ns_))
+    throw std::runtime_error(fmt::format(
+        "{}: the slowest answer to SYNC took {:.0f} us at best, expected at most {:.0f} us "
+        "(0.9 periods)",
+        bus_->name(), static_cast<double>(quickest_ns) * 1e-3, answer_share * static_cast<double>(period_ns_) * 1e-3));
+}
+
+void CanBackend::activate() {
+  if (!bus_) throw std::runtime_error("backend can: activated without configure");
+  active_ = true;
+  next_alive_ns_ = bus_->now_ns();
+  process_.start(bus_->now_ns());
+  wait_until_operational();
+  check_answers();
+  start_ns_ = bus_->now_ns();
+  dropped_before_ = bus_->dropped();
+  queue_full_ = 0;
+  next_heartbeat_tick_ = std::numeric_limits<std::int64_t>::min();
+  // The samples of the last probe stay: they are what tick 0 finds.
+}
+
+bool CanBackend::read(std::int64_t, Measurement& measurement) noexcept {
+  if (!bus_) return false;
+  ReceivedFrame received;
+  for (int i = 0; i < most_frames_a_tick && bus_->receive(received); ++i) process_.on_frame(received);
+  const std::int64_t now_ns = bus_->now_ns();
+  if (!bus_->is_up()) process_.on_link_down(now_ns);
+  process_.take(now_ns, measurement);
+  return true;
+}
+
+bool CanBackend::send_outputs(const std::array<double, 2>& commands) noexcept {
+  bool all = true;
+  for (std::size_t i = 0; i < process_.outputs(); ++i)
+    all = bus_->send(process_.output(i, commands)) == Sent::sent && all;
+  process_.begin_cycle(bus_->now_ns());
+  all = bus_->send(sync_frame()) == Sent::sent && all;
+  if (!all) ++queue_full_;
+  return all;
+}
+
+bool CanBackend::write(std::int64_t tick, const Command& command) noexcept {
+  if (!bus_) return false;
+  // Whatever were handed over now would wait in the queue and act when the bus comes back.
+  if ((process_.faults() & (device_bus_off | device_link_down)) != 0) return false;
+  const bool all = send_outputs({command.valve_V, command.valve_2_V});
+  if (tick >= next_heartbeat_tick_ && bus_->send(own_heartbeat()) == Sent::sent)
+    next_heartbeat_tick_ = tick + heartbeat_ticks_;
+  return all;
+}
+
+void CanBackend::deactivate() noexcept {
+  if (!bus_ || !active_) return;
+  active_ = false;
+  next_alive_ns_ = std::numeric_limits<std::int64_t>::max();
+  dropped_ = bus_->dropped() - dropped_before_;
+  if ((process_.faults() & (device_bus_off | device_link_down)) != 0) return;
+  send_outputs({rig_.safe_output.command_V, rig_.safe_output.command_V});
+  for (const std::uint8_t node : node_numbers_) bus_->send(nmt_frame(NmtCommand::enter_pre_operational, node));
+}
+
+std::array<Origin, 6> CanBackend::origins() const {
+  std::array<Origin, 6> all;
+  all.fill(Origin::absent);
+  for (const CanChannel& channel : channels_)
+    if (!channel.is_output) all[channel.channel] = Origin::real;
+  return all;
+}
+
+std::vector<std::string> CanBackend::notes() const {
+  std::vector<std::string> lines;
+  for (const std::string& line : process_.event_lines(start_ns_)) lines.push_back("can: " + line);
+  const CanCounts& counts = process_.counts();
+  lines.push_back(
+      fmt::format("can: {} samples, {} missed, {} late, {} out of limits, {} malformed, {} error frames, {} "
+                  "outputs not sent, {} frames dropped, slowest answer {:.0f} us",
+                  counts.answers, counts.missed, counts.late, counts.out_of_limits, counts.malformed,
+                  counts.error_frames, queue_full_, dropped_, static_cast<double>(counts.slowest_answer_ns) * 1e-3));
+  return lines;
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,73 @@
+// Backend `can`: the channels of a rig that stand on a CANopen bus.
+#pragma once
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <pneuservo/hal/backend.hpp>
+#include <pneuservo/rig/rig.hpp>
+
+#include "can/eds.hpp"
+#include "can/frame.hpp"
+#include "can/node_setup.hpp"
+#include "can/process_image.hpp"
+#include "can/sdo_client.hpp"
+#include "rig/can_channels.hpp"
+
+namespace pneuservo {
+
+/// One cycle: read() takes what came since the last SYNC; write() sends the outputs, then SYNC, at which the devices
+/// let them act and sample their inputs. The inputs of a tick are therefore one period old, neither more nor less; one
+/// that is not there in time is invalid. A frame that the queue has no room for is a missed output and is never sent
+/// later. After bus-off nothing is sent until a new configure().
+class CanBackend final : public Backend {
+ public:
+  /// `bus`: what carries the frames; null: configure() opens hal.can.interface.
+  explicit CanBackend(const Rig& rig, std::unique_ptr<CanCarrier> bus = nullptr);
+  ~CanBackend() override;
+
+  /// Resets the nodes and sets them up by SDO. Throws InputError or std::runtime_error.
+  void configure() override;
+  /// Starts the nodes with the safe output, and checks that each answers a SYNC once, within 0.9 periods.
+  void activate() override;
+  bool read(std::int64_t tick, Measurement& measurement) noexcept override;
+  bool write(std::int64_t tick, const Command& command) noexcept override;
+  void deactivate() noexcept override;
+  std::array<Origin, 6> origins() const override;
+  std::vector<std::string> notes() const override;
+  std::string name() const override { return "can"; }
+
+  const CanProcessImage& process() const noexcept { return process_; }
+  CanCarrier* bus() noexcept { return bus_.get(); }
+
+ private:
+  void check_load() const;
+  void read_eds_files();
+  void check_against_eds(const CanChannel& channel, const EdsFile& eds) const;
+  std::vector<std::uint32_t> process_ids() const;
+  void wait_for_boot(const std::string& name, const CanNodeParameters& node);
+  void set_up_node(const std::string& name, const CanNodeParameters& node, std::vector<CanInputPdo>& inputs,
+                   std::vector<CanOutputPdo>& outputs);
+  void wait_until_operational();
+  void check_answers();
+  bool send_outputs(const std::array<double, 2>& commands) noexcept;
+  void keep_alive(std::int64_t now_ns);
+  CanFrame own_heartbeat() const noexcept;
+  void send_or_throw(const CanFrame& frame);
+  template <class Wanted> bool receive_until(std::int64_t timeout_ns, const Wanted& wanted);
+
+  Rig rig_;
+  std::vector<CanChannel> channels_;
+  std::unique_ptr<CanCarrier> bus_;
+  std::map<std::string, EdsFile> eds_;
+  CanProcessImage process_;
+  std::vector<std::uint8_t> node_numbers_;
+  std::int64_t period_ns_, heartbeat_ticks_, next_heartbeat_tick_ = 0, start_ns_ = 0,
+                                             next_alive_ns_ = std::numeric_limits<std::int64_t>::max();
+  std::uint64_t queue_full_ = 0, dropped_ = 0, dropped_before_ = 0;
+  bool active_ = false;
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,57 @@
+// Brings one CANopen node from anything to pre-operational with the config's PDOs, watchdog and substitute outputs.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "can/sdo_client.hpp"
+#include "rig/can_channels.hpp"
+
+namespace pneuservo {
+
+class EdsFile;
+
+/// A PDO as the node has it after the setup.
+struct SetUpPdo {
+  std::uint32_t id = 0;
+  std::vector<CanObject> objects;
+  /// First bit of an object; empty where it is not mapped.
+  std::optional<unsigned> place_of(CanObject object) const noexcept;
+  unsigned bits() const noexcept;
+};
+
+/// What the setup of a node needs to know.
+struct NodeSetup {
+  const Rig& rig;
+  const std::vector<CanChannel>& channels;
+  std::string name;
+  const EdsFile* eds = nullptr;  ///< of the device, where the config names one
+};
+
+/// All that SDO does before the loop runs; what is written is read back. Throws SdoError or std::runtime_error with one
+/// sentence.
+class NodeConfigurator {
+ public:
+  NodeConfigurator(SdoClient& sdo, const NodeSetup& setup);
+
+  /// Profile, DCF values, watchdog over our heartbeat, its own heartbeat, substitute outputs.
+  void write_parameters();
+  /// Mapping and transmission of one PDO. Returns what the node has then.
+  SetUpPdo set_up_pdo(const CanPdo& pdo);
+  /// PDOs that no channel uses are turned off: they would take the bus's time.
+  void turn_off_others(const std::vector<CanPdo>& used);
+
+ private:
+  void check_profile();
+  void write_dcf();
+  void write_substitute(const CanChannel& output);
+  void write_mapping(std::uint16_t mapping, const std::vector<CanObject>& objects);
+  std::vector<CanObject> read_mapping(std::uint16_t mapping);
+
+  SdoClient& sdo_;
+  const NodeSetup& setup_;
+  const CanNodeParameters& node_;
+  const CanBusParameters& bus_;
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,215 @@
+// The simulated plant of a rig as the CANopen nodes that its config names.
+#include "can/plant_device.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "config/input_error.hpp"
+
+namespace pneuservo {
+namespace {
+
+constexpr std::uint16_t analog_output = 0x6411, output_error_mode = 0x6443, output_error_value = 0x6444;
+constexpr std::uint32_t profile_analog = 401, profile_encoder = 406;
+constexpr double usual_emergency = 0x5000;  // device hardware
+
+std::uint32_t device_type_of(const CanNodeParameters& node, const std::vector<CanChannel>& channels,
+                             const std::string& name) {
+  if (node.profile != 0) return node.profile;
+  const bool analog = std::any_of(channels.begin(), channels.end(), [&](const CanChannel& c) {
+    return c.node == name && (c.object.index() >> 8 == 0x64);
+  });
+  return analog ? profile_analog : profile_encoder;
+}
+
+}  // namespace
+
+PlantDevice::PlantDevice(const Rig& rig) : rig_(rig), plant_(rig), period_ns_(std::llround(rig.period_s * 1e9)) {
+  if (!rig.hal || !rig.hal->can)
+    throw InputError(rig.name + ": hal.can: found nothing, expected the bus with its nodes (docs/can.md)");
+  channels_ = can_channels(*rig.hal);
+  build_nodes();
+  plant_.configure();
+  plant_.activate();
+}
+
+void PlantDevice::build_nodes() {
+  for (const auto& [name, parameters] : rig_.hal->can->nodes) {
+    auto node = std::make_unique<CanopenNode>(
+        NodeIdentity{static_cast<std::uint8_t>(parameters.node_id), device_type_of(parameters, channels_, name), name});
+    for (const CanChannel& c : channels_) {
+      if (c.node != name) continue;
+      ObjectDictionary& dictionary = node->dictionary();
+      dictionary.add(c.object.index(), c.object.sub(),
+                     {.bits = c.object.bits(), .can_write = c.is_output, .can_map = true});
+      if (c.is_output && c.object.index() == analog_output) {
+        dictionary.add_number(output_error_mode, c.object.sub(), 8, 0, true);  // 0: keep the last value
+        dictionary.add_number(output_error_value, c.object.sub(), 32, 0, true);
+      }
+      signals_.push_back({c, node.get(), {c.scale, c.zero, c.is_signed, c.object.bits()}});
+    }
+    nodes_.push_back(std::move(node));
+  }
+  // A device with a mapping of its own shows it in the order of the config; others get theirs written.
+  for (const CanPdo& pdo : can_pdos(channels_)) {
+    const CanNodeParameters& parameters = rig_.hal->can->nodes.at(pdo.node);
+    if (parameters.mapping != CanMapping::read) continue;
+    std::vector<CanObject> objects;
+    for (const std::size_t i : pdo.signals) objects.push_back(channels_[i].object);
+    for (auto& node : nodes_)
+      if (node->name() == pdo.node) node->map(!pdo.is_output, pdo.pdo, objects, 255);
+  }
+}
+
+void PlantDevice::power_on(std::int64_t now_ns, std::vector<CanFrame>& out) {
+  now_ns_ = now_ns;
+  for (auto& node : nodes_) node->power_on(now_ns, out);
+}
+
+bool PlantDevice::is_active(DeviceFaultKind kind, const std::string& target) const {
+  const double t = time_s();
+  return std::any_of(orders_.begin(), orders_.end(), [&](const Order& o) {
+    return o.order.kind == kind && o.order.target == target && t >= o.order.start_s &&
+           t < o.order.start_s + o.order.duration_s && o.begun;
+  });
+}
+
+bool PlantDevice::is_off(const CanopenNode& node) const { return is_active(DeviceFaultKind::off, node.name()); }
+
+void PlantDevice::on_frame(const ReceivedFrame& received, std::vector<CanFrame>& out) {
+  now_ns_ = received.received_ns;
+  if (is_sync(received.frame)) return on_sync(received, out);
+  for (auto& node : nodes_)
+    if (!is_off(*node)) node->on_frame(received.frame, received.received_ns, out);
+}
+
+void PlantDevice::on_sync(const ReceivedFrame& received, std::vector<CanFrame>& out) {
+  if (syncs_++ > 0) {
+    const double periods = static_cast<double>(received.received_ns - last_step_ns_) / static_cast<double>(period_ns_);
+    tick_ += std::max<std::int64_t>(std::llround(periods), 1);
+  }
+  last_step_ns_ = received.received_ns;
+  begin_orders(out);
+  for (auto& node : nodes_)
+    if (!is_off(*node)) node->act_on_sync();
+  sample_inputs();  // brings the plant here under the command that it had until now
+  take_command();
+  out.insert(out.end(), held_back_.begin(), held_back_.end());
+  held_back_.clear();
+  for (auto& node : nodes_) answer(*node, out);
+}
+
+void PlantDevice::answer(CanopenNode& node, std::vector<CanFrame>& out) {
+  if (is_off(node)) return;
+  std::vector<CanFrame> answers;
+  node.answer_sync(answers);
+  if (is_active(DeviceFaultKind::drop, node.name())) return;
+  auto& where = is_active(DeviceFaultKind::late, node.name()) ? held_back_ : out;
+  where.insert(where.end(), answers.begin(), answers.end());
+}
+
+void PlantDevice::take_command() {
+  for (const Signal& signal : signals_) {
+    if (!signal.channel.is_output) continue;
+    const std::uint32_t raw =
+        signal.node->dictionary().number(signal.channel.object.index(), signal.channel.object.sub());
+    commands_V_[signal.channel.channel] = is_off(*signal.node) ? 0.0 : signal.counts.value_of(raw);  // no supply
+  }
+  plant_.write(tick_, {commands_V_[0], commands_V_[1]});
+}
+
+double PlantDevice::spoiled(const Signal& signal, double value) const {
+  const double t = time_s();
+  for (const Order& o : orders_) {
+    if (!o.begun || o.order.target != signal.channel.name || t >= o.order.start_s + o.order.duration_s) continue;
+    if (o.order.kind == DeviceFaultKind::bias) value += o.order.value;
+    if (o.order.kind == DeviceFaultKind::spike && t < o.order.start_s + rig_.period_s) value += o.order.value;
+    if (o.order.kind == DeviceFaultKind::saturate) value = std::copysign(1e300, signal.counts.scale);
+  }
+  return value;
+}
+
+void PlantDevice::sample_inputs() {
+  Measurement measured;
+  plant_.read(tick_, measured);
+  const auto channels = channels_of(measured);
+  for (Signal& signal : signals_) {
+    if (signal.channel.is_output) continue;
+    const double value = spoiled(signal, channels[signal.channel.channel]->value);
+    auto raw = static_cast<std::uint32_t>(signal.counts.raw_of(value));
+    const bool freeze = is_active(DeviceFaultKind::freeze, signal.channel.name);
+    if (freeze && signal.is_frozen) raw = signal.frozen;
+    signal.frozen = raw;
+    signal.is_frozen = true;
+    signal.node->dictionary().set_number(signal.channel.object.index(), signal.channel.object.sub(), raw);
+  }
+}
+
+void PlantDevice::on_time(std::int64_t now_ns, std::vector<CanFrame>& out) {
+  now_ns_ = now_ns;
+  // Without SYNC the plant goes on alone, a period behind the clock so that it never runs ahead of a SYNC that is late.
+  while (syncs_ > 0 && now_ns - last_step_ns_ > 2 * period_ns_) {
+    last_step_ns_ += period_ns_;
+    ++tick_;
+    begin_orders(out);
+    sample_inputs();
+    take_command();
+  }
+  for (auto& node : nodes_)
+    if (!is_off(*node)) node->on_time(now_ns, out);
+}
+
+std::int64_t PlantDevice::next_due_ns() const noexcept {
+  std::int64_t due = syncs_ > 0 ? last_step_ns_ + 2 * period_ns_ + 1 : std::numeric_limits<std::int64_t>::max();
+  for (const auto& node : nodes_) due = std::min(due, node->next_due_ns());
+  return due;
+}
+
+void PlantDevice::add_fault(const DeviceFaultOrder& order) {
+  std::string known;
+  const auto is_named = [&](const std::string& name) {
+    known += (known.empty() ? "" : ", ") + name;
+    return name == order.target;
+  };
+  const std::string_view target = device_fault_names[static_cast<std::size_t>(order.kind)].target;
+  bool found = target.empty();
+  if (target == "node")
+    for (const auto& node : nodes_) found = is_named(node->name()) || found;
+  if (target == "channel")
+    for (const CanChannel& c : channels_) found = (!c.is_output && is_named(c.name)) || found;
+  if (!found) throw InputError("fault of " + std::string(target) + " '" + order.target + "': expected one of " + known);
+  orders_.push_back({order, false});
+}
+
+void PlantDevice::begin_orders(std::vector<CanFrame>& out) {
+  for (Order& o : orders_) {
+    if (o.begun || time_s() < o.order.start_s) continue;
+    o.begun = true;
+    begin(o.order, out);
+  }
+  for (auto& node : nodes_) {
+    const bool ended = std::any_of(orders_.begin(), orders_.end(), [&](const Order& o) {
+      const double end_s = o.order.start_s + o.order.duration_s;
+      return o.order.kind == DeviceFaultKind::off && o.order.target == node->name() && time_s() >= end_s &&
+             time_s() < end_s + rig_.period_s;
+    });
+    if (ended) node->power_on(now_ns_, out);
+    node->heartbeat_muted = is_active(DeviceFaultKind::no_heartbeat, node->name());
+  }
+}
+
+void PlantDevice::begin(const DeviceFaultOrder& order, std::vector<CanFrame>& out) {
+  if (order.kind == DeviceFaultKind::bus_off) {
+    out.push_back({.id = error_bus_off, .length = 8, .error = true});
+    return;
+  }
+  for (auto& node : nodes_) {
+    if (node->name() != order.target) continue;
+    const double code = order.has_value ? order.value : usual_emergency;
+    if (order.kind == DeviceFaultKind::emergency) node->raise_emergency(static_cast<std::uint16_t>(code), 0x01, out);
+    if (order.kind == DeviceFaultKind::reboot) node->power_on(now_ns_, out);
+  }
+}
+
+}  // namespace pneuservo

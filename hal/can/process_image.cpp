@@ -1,0 +1,193 @@
+// What the control loop does with frames.
+#include "can/process_image.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace pneuservo {
+
+CanProcessImage::CanProcessImage(std::vector<CanInputPdo> inputs, std::vector<CanOutputPdo> outputs,
+                                 std::vector<CanWatchedNode> nodes)
+    : inputs_(std::move(inputs)), outputs_(std::move(outputs)), nodes_(std::move(nodes)), samples_(inputs_.size()),
+      watches_(nodes_.size()) {}
+
+void CanProcessImage::start(std::int64_t now_ns) noexcept {
+  for (Sample& sample : samples_) sample = {};
+  for (Watch& watch : watches_) watch = {now_ns, false};
+  sync_ns_ = now_ns;
+  faults_ = 0;
+  counts_ = {};
+  event_count_ = 0;
+}
+
+void CanProcessImage::begin_cycle(std::int64_t now_ns) noexcept {
+  sync_ns_ = now_ns;
+  for (Sample& sample : samples_) sample.answers = 0;
+}
+
+int CanProcessImage::watched(std::uint8_t node) const noexcept {
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    if (nodes_[i].node == node) return static_cast<int>(i);
+  return -1;
+}
+
+void CanProcessImage::note(CanEvent::Kind kind, std::uint8_t node, std::uint32_t detail, std::int64_t at_ns) noexcept {
+  if (event_count_ < events_.size()) events_[event_count_++] = {kind, node, detail, at_ns};
+}
+
+void CanProcessImage::on_frame(const ReceivedFrame& received) noexcept {
+  const CanFrame& frame = received.frame;
+  if (frame.error) return on_error(received);
+  if (is_plain(frame)) {
+    for (std::size_t i = 0; i < inputs_.size(); ++i)
+      if (inputs_[i].id == frame.id) return on_process_data(i, received);
+    if (const auto heartbeat = parse_heartbeat(frame)) return on_heartbeat(*heartbeat, received.received_ns);
+    if (const auto emergency = parse_emergency(frame)) return on_emergency(*emergency, received.received_ns);
+  }
+  ++counts_.foreign;
+}
+
+void CanProcessImage::on_error(const ReceivedFrame& received) noexcept {
+  ++counts_.error_frames;
+  if ((received.frame.id & error_bus_off) != 0) {
+    if ((faults_ & device_bus_off) == 0) note(CanEvent::Kind::bus_off, 0, 0, received.received_ns);
+    faults_ |= device_bus_off;
+  }
+  // A controller that was restarted behind our back may have sent old commands: still a fault.
+  if ((received.frame.id & error_restarted) != 0) {
+    note(CanEvent::Kind::restarted, 0, 0, received.received_ns);
+    faults_ |= device_bus_off;
+  }
+}
+
+void CanProcessImage::on_link_down(std::int64_t now_ns) noexcept {
+  if ((faults_ & device_link_down) == 0) note(CanEvent::Kind::link_down, 0, 0, now_ns);
+  faults_ |= device_link_down;
+}
+
+void CanProcessImage::on_process_data(std::size_t input, const ReceivedFrame& received) noexcept {
+  const CanInputPdo& pdo = inputs_[input];
+  Sample& sample = samples_[input];
+  if (received.frame.length != pdo.length) {
+    ++counts_.malformed;
+    return;
+  }
+  if (pdo.on_sync) {
+    if (received.received_ns < sync_ns_) {  // the answer to an earlier SYNC, older than a period
+      ++counts_.late;
+      return;
+    }
+    if (++sample.answers > 1) ++counts_.late;  // the first of the two was of an earlier cycle: the latest one counts
+    counts_.slowest_answer_ns = std::max(counts_.slowest_answer_ns, received.received_ns - sync_ns_);
+  }
+  sample.image = image_of(received.frame.data);
+  sample.received_ns = received.received_ns;
+  sample.ever = true;
+}
+
+void CanProcessImage::on_heartbeat(const Heartbeat& heartbeat, std::int64_t at_ns) noexcept {
+  const int i = watched(heartbeat.node);
+  if (i < 0) {
+    ++counts_.foreign;
+    return;
+  }
+  Watch& watch = watches_[static_cast<std::size_t>(i)];
+  watch.seen_ns = std::max(watch.seen_ns, at_ns);
+  if (heartbeat.state == NmtState::operational || watch.lost) return;
+  watch.lost = true;
+  faults_ |= device_node_lost;
+  note(CanEvent::Kind::left_operational, heartbeat.node, static_cast<std::uint32_t>(heartbeat.state), at_ns);
+}
+
+void CanProcessImage::on_emergency(const Emergency& emergency, std::int64_t at_ns) noexcept {
+  if (watched(emergency.node) < 0) {
+    ++counts_.foreign;
+    return;
+  }
+  const bool gone = (emergency.code >> 8) == 0;
+  note(gone ? CanEvent::Kind::emergency_gone : CanEvent::Kind::emergency, emergency.node,
+       static_cast<std::uint32_t>(emergency.code) << 8 | emergency.error_register, at_ns);
+  if (!gone) faults_ |= device_emergency;
+}
+
+void CanProcessImage::take(std::int64_t now_ns, Measurement& measurement) noexcept {
+  for (std::size_t i = 0; i < watches_.size(); ++i) {
+    Watch& watch = watches_[i];
+    if (watch.lost || now_ns - watch.seen_ns <= nodes_[i].silence_ns) continue;
+    watch.lost = true;
+    faults_ |= device_node_lost;
+    note(CanEvent::Kind::silent, nodes_[i].node, 0, now_ns);
+  }
+  const auto channels = channels_of(measurement);
+  const bool bus_works = (faults_ & (device_bus_off | device_link_down)) == 0;
+  for (std::size_t i = 0; i < inputs_.size(); ++i) {
+    const CanInputPdo& pdo = inputs_[i];
+    const Sample& sample = samples_[i];
+    // On SYNC the node samples when the SYNC comes; else the time of arrival is all that is known.
+    const std::int64_t sampled_ns = pdo.on_sync ? sync_ns_ : sample.received_ns;
+    const bool answered = pdo.on_sync ? sample.answers > 0 : sample.ever;
+    const bool fresh = answered && now_ns - sampled_ns <= pdo.oldest_ns;
+    if (fresh) ++counts_.answers;
+    else ++counts_.missed;
+    for (const CanSignal& signal : pdo.signals) {
+      const double value = signal.counts.value_of(extract(sample.image, signal.place));
+      const bool within = value >= signal.lowest && value <= signal.highest;
+      if (fresh && !within) ++counts_.out_of_limits;
+      *channels[signal.channel] = {value, static_cast<double>(now_ns - sampled_ns) * 1e-9, fresh && within && bus_works,
+                                   Origin::real};
+    }
+  }
+  measurement.device_faults |= faults_;
+}
+
+CanFrame CanProcessImage::output(std::size_t i, const std::array<double, 2>& commands) const noexcept {
+  const CanOutputPdo& pdo = outputs_[i];
+  CanFrame frame{.id = pdo.id, .length = pdo.length};
+  std::uint64_t image = 0;
+  for (const CanSignal& signal : pdo.signals) {
+    const double command = commands[signal.channel];
+    const double held = command == command ? std::clamp(command, signal.lowest, signal.highest) : 0.0;
+    image = insert(image, signal.place, signal.counts.raw_of(held));
+  }
+  put_image(frame.data, image);
+  return frame;
+}
+
+bool CanProcessImage::all_answered() const noexcept {
+  for (std::size_t i = 0; i < inputs_.size(); ++i)
+    if (inputs_[i].on_sync ? samples_[i].answers != 1 : !samples_[i].ever) return false;
+  return true;
+}
+
+const char* CanProcessImage::name_of(std::uint8_t node) const noexcept {
+  const int i = watched(node);
+  return i < 0 ? "?" : nodes_[static_cast<std::size_t>(i)].name.c_str();
+}
+
+std::vector<std::string> CanProcessImage::event_lines(std::int64_t start_ns) const {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < event_count_; ++i) {
+    const CanEvent& event = events_[i];
+    const std::string node = fmt::format("node {} ({})", name_of(event.node), event.node);
+    std::string what;
+    switch (event.kind) {
+      case CanEvent::Kind::bus_off: what = "the controller went bus-off"; break;
+      case CanEvent::Kind::restarted: what = "the controller was restarted by somebody else"; break;
+      case CanEvent::Kind::link_down: what = "the link went down"; break;
+      case CanEvent::Kind::silent: what = node + ": no heartbeat any more"; break;
+      case CanEvent::Kind::left_operational:
+        what = fmt::format("{}: state {}", node, nmt_state_word(static_cast<NmtState>(event.detail)));
+        break;
+      case CanEvent::Kind::emergency:
+        what = fmt::format("{}: emergency 0x{:04x} ({}), error register 0x{:02x}", node, event.detail >> 8,
+                           emergency_class_word(static_cast<std::uint16_t>(event.detail >> 8)), event.detail & 0xFF);
+        break;
+      case CanEvent::Kind::emergency_gone: what = node + ": emergency is over"; break;
+    }
+    lines.push_back(fmt::format("t = {:.4f} s: {}", static_cast<double>(event.at_ns - start_ns) * 1e-9, what));
+  }
+  return lines;
+}
+
+}  // namespace pneuservo

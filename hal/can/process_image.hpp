@@ -1,0 +1,138 @@
+// What the control loop does with frames: process data to channels, commands to process data, nodes watched. Allocates
+// nothing after it was built; any frame whatever may be given to it.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <pneuservo/core/rt.hpp>
+#include <pneuservo/hal/channel.hpp>
+
+#include "can/canopen.hpp"
+#include "can/process_data.hpp"
+
+namespace pneuservo {
+
+/// One channel inside a PDO.
+struct CanSignal {
+  std::size_t channel = 0;  ///< index in channels_of, or of the command
+  BitField place;
+  CountScale counts;
+  double lowest = 0.0, highest = 0.0;
+};
+
+/// A PDO that a node sends.
+struct CanInputPdo {
+  std::uint32_t id = 0;
+  std::uint8_t length = 0;
+  bool on_sync = true;          ///< one answer to each SYNC; else by the node's own timer
+  std::int64_t oldest_ns = 0;   ///< an older sample is none
+  std::vector<CanSignal> signals;
+};
+
+/// A PDO that we send.
+struct CanOutputPdo {
+  std::uint32_t id = 0;
+  std::uint8_t length = 0;
+  std::vector<CanSignal> signals;
+};
+
+/// A node whose heartbeat and emergencies are watched.
+struct CanWatchedNode {
+  std::string name;
+  std::uint8_t node = 0;
+  std::int64_t silence_ns = 0;  ///< longer without a heartbeat: lost
+};
+
+/// What happened on the bus, in the order it happened; told after the run.
+struct CanEvent {
+  enum class Kind : std::uint8_t {
+    bus_off,
+    restarted,
+    link_down,
+    silent,
+    left_operational,
+    emergency,
+    emergency_gone
+  } kind{};
+  std::uint8_t node = 0;
+  std::uint32_t detail = 0;  ///< state, or emergency code and register
+  std::int64_t at_ns = 0;
+};
+
+/// Counted since the start.
+struct CanCounts {
+  std::uint64_t answers = 0;      ///< process data taken as samples
+  std::uint64_t missed = 0;       ///< cycles in which an awaited PDO did not come
+  std::uint64_t late = 0;         ///< came after the next SYNC, or twice in a cycle: of an earlier one
+  std::uint64_t malformed = 0;    ///< wrong length of a known PDO
+  std::uint64_t foreign = 0;      ///< frames that belong to nothing here
+  std::uint64_t out_of_limits = 0;
+  std::uint64_t error_frames = 0;
+  std::int64_t slowest_answer_ns = 0;  ///< longest from SYNC to the answer's time stamp
+};
+
+/// The cycle: send outputs, begin_cycle at the SYNC; then every frame that comes; then take at the next tick. An input
+/// on SYNC is a sample only if it came after this cycle's SYNC: its age is one period, known and checked.
+class CanProcessImage {
+ public:
+  CanProcessImage() = default;
+  CanProcessImage(std::vector<CanInputPdo> inputs, std::vector<CanOutputPdo> outputs,
+                  std::vector<CanWatchedNode> nodes);
+
+  /// Nodes count as seen at `now_ns`; faults and counts are forgotten.
+  void start(std::int64_t now_ns) noexcept;
+  void begin_cycle(std::int64_t now_ns) noexcept PNEUSERVO_NONBLOCKING;
+  void on_frame(const ReceivedFrame& received) noexcept PNEUSERVO_NONBLOCKING;
+  void on_link_down(std::int64_t now_ns) noexcept PNEUSERVO_NONBLOCKING;
+  /// Fills the channels that stand on the bus; all others are left as they are. A channel is valid only if its sample
+  /// is of this cycle and within its limits.
+  void take(std::int64_t now_ns, Measurement& measurement) noexcept PNEUSERVO_NONBLOCKING;
+
+  /// The frame of output `i`; commands are held within their limits, not-a-number gives 0 counts' value of 0 V.
+  CanFrame output(std::size_t i, const std::array<double, 2>& commands) const noexcept PNEUSERVO_NONBLOCKING;
+  std::size_t outputs() const noexcept { return outputs_.size(); }
+
+  /// Bits of DeviceFault, latched since start().
+  std::uint32_t faults() const noexcept { return faults_; }
+  const CanCounts& counts() const noexcept { return counts_; }
+  /// Every input on SYNC answered exactly once since begin_cycle.
+  bool all_answered() const noexcept;
+  /// The events in sentences; `start_ns` is time 0.
+  std::vector<std::string> event_lines(std::int64_t start_ns) const;
+  const std::vector<CanInputPdo>& inputs() const noexcept { return inputs_; }
+
+ private:
+  struct Sample {
+    std::uint64_t image = 0;
+    std::int64_t received_ns = 0;
+    std::uint32_t answers = 0;  // in this cycle
+    bool ever = false;
+  };
+  struct Watch {
+    std::int64_t seen_ns = 0;
+    bool lost = false;
+  };
+
+  void on_error(const ReceivedFrame& received) noexcept;
+  void on_process_data(std::size_t input, const ReceivedFrame& received) noexcept;
+  void on_heartbeat(const Heartbeat& heartbeat, std::int64_t at_ns) noexcept;
+  void on_emergency(const Emergency& emergency, std::int64_t at_ns) noexcept;
+  void note(CanEvent::Kind kind, std::uint8_t node, std::uint32_t detail, std::int64_t at_ns) noexcept;
+  int watched(std::uint8_t node) const noexcept;
+  const char* name_of(std::uint8_t node) const noexcept;
+
+  std::vector<CanInputPdo> inputs_;
+  std::vector<CanOutputPdo> outputs_;
+  std::vector<CanWatchedNode> nodes_;
+  std::vector<Sample> samples_;
+  std::vector<Watch> watches_;
+  std::int64_t sync_ns_ = 0;
+  std::uint32_t faults_ = 0;
+  CanCounts counts_;
+  std::array<CanEvent, 32> events_{};  // the first ones tell the cause
+  std::size_t event_count_ = 0;
+};
+
+}  // namespace pneuservo

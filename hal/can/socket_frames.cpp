@@ -1,0 +1,127 @@
+// Frames through a socket whose messages are struct can_frame.
+#include "can/socket_frames.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+#include <stdexcept>
+
+#include <linux/can.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include <pneuservo/core/rt.hpp>
+
+namespace pneuservo {
+namespace {
+
+std::int64_t clock_ns(clockid_t clock) noexcept {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+}
+
+// The kernel stamps frames with the wall clock; its distance from the monotonic one is taken at the moment of reading,
+// so that a step of the wall clock spoils no later frame.
+std::int64_t monotonic_of_wall(const timespec& stamp) noexcept {
+  const std::int64_t wall_ns = static_cast<std::int64_t>(stamp.tv_sec) * 1'000'000'000 + stamp.tv_nsec;
+  const std::int64_t age_ns = std::max<std::int64_t>(clock_ns(CLOCK_REALTIME) - wall_ns, 0);
+  return clock_ns(CLOCK_MONOTONIC) - age_ns;
+}
+
+void read_control(const msghdr& header, SocketMessage& message) noexcept {
+  for (cmsghdr* c = CMSG_FIRSTHDR(&header); c != nullptr; c = CMSG_NXTHDR(const_cast<msghdr*>(&header), c)) {
+    if (c->cmsg_level != SOL_SOCKET) continue;
+    if (c->cmsg_type == SO_TIMESTAMPNS) {
+      timespec stamp{};
+      std::memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
+      message.received_ns = monotonic_of_wall(stamp);
+    } else if (c->cmsg_type == SO_RXQ_OVFL) {
+      std::uint32_t dropped = 0;
+      std::memcpy(&dropped, CMSG_DATA(c), sizeof dropped);
+      message.dropped = dropped;
+    }
+  }
+}
+
+}  // namespace
+
+can_frame to_kernel(const CanFrame& frame) noexcept {
+  can_frame out{};
+  out.can_id = frame.id | (frame.extended ? CAN_EFF_FLAG : 0u) | (frame.remote ? CAN_RTR_FLAG : 0u) |
+               (frame.error ? CAN_ERR_FLAG : 0u);
+  out.can_dlc = frame.length;
+  std::copy(frame.data.begin(), frame.data.end(), out.data);
+  return out;
+}
+
+CanFrame from_kernel(const can_frame& in) noexcept {
+  CanFrame frame;
+  frame.extended = (in.can_id & CAN_EFF_FLAG) != 0;
+  frame.remote = (in.can_id & CAN_RTR_FLAG) != 0;
+  frame.error = (in.can_id & CAN_ERR_FLAG) != 0;
+  frame.id = in.can_id & (frame.extended || frame.error ? CAN_EFF_MASK : CAN_SFF_MASK);
+  frame.length = std::min<std::uint8_t>(in.can_dlc, 8);
+  std::copy(std::begin(in.data), std::end(in.data), frame.data.begin());
+  return frame;
+}
+
+std::int64_t monotonic_ns() noexcept { return clock_ns(CLOCK_MONOTONIC); }
+
+void ask_for_stamps(int socket, const std::string& name) {
+  const int on = 1;
+  if (setsockopt(socket, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) != 0)
+    fail_with_errno(name, "no receive time stamps");
+  // Not every kind of socket counts its drops; where it does not, the counter stays 0.
+  setsockopt(socket, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on);
+}
+
+SocketMessage receive_message(int socket) noexcept {
+  SocketMessage message;
+  can_frame frame{};
+  iovec part{&frame, sizeof frame};
+  alignas(cmsghdr) char control[CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t)) + 64];
+  msghdr header{};
+  header.msg_iov = &part;
+  header.msg_iovlen = 1;
+  header.msg_control = control;
+  header.msg_controllen = sizeof control;
+  ssize_t got = 0;
+  {
+    const RtAllow reviewed;  // does not block
+    got = recvmsg(socket, &header, MSG_DONTWAIT);
+  }
+  if (got == static_cast<ssize_t>(sizeof frame)) {
+    message.kind = SocketMessage::Kind::frame;
+    message.frame = from_kernel(frame);
+    message.received_ns = monotonic_ns();
+    read_control(header, message);
+  } else if (got == 0) {
+    message.kind = SocketMessage::Kind::closed;
+  } else if (got < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) {
+    message.kind = SocketMessage::Kind::down;
+  }
+  return message;
+}
+
+Sent send_message(int socket, const CanFrame& frame) noexcept {
+  const can_frame out = to_kernel(frame);
+  const RtAllow reviewed;  // does not block
+  const ssize_t put = send(socket, &out, sizeof out, MSG_DONTWAIT | MSG_NOSIGNAL);
+  if (put == static_cast<ssize_t>(sizeof out)) return Sent::sent;
+  return put < 0 && (errno == ENOBUFS || errno == EAGAIN || errno == EWOULDBLOCK) ? Sent::queue_full : Sent::down;
+}
+
+void wait_for_input(int file, std::int64_t timeout_ns) {
+  pollfd waited{file, POLLIN, 0};
+  const timespec time{timeout_ns / 1'000'000'000, timeout_ns % 1'000'000'000};
+  ppoll(&waited, 1, &time, nullptr);
+}
+
+void fail_with_errno(const std::string& name, const std::string& what) {
+  const int reason = errno;
+  throw std::runtime_error(name + ": " + what + ": " + std::strerror(reason));
+}
+
+}  // namespace pneuservo

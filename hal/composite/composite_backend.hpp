@@ -1,0 +1,39 @@
+// Backend `configured`: each channel from the source that the config's section `hal` names for it.
+#pragma once
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <pneuservo/hal/backend.hpp>
+#include <pneuservo/rig/rig.hpp>
+
+namespace pneuservo {
+
+/// The one place that routes channels. Commands go to every source: the valve's own by its channel `u`, and the
+/// simulated plant, which follows what the real valve is told. A source that no channel names is not made.
+class CompositeBackend final : public Backend {
+ public:
+  /// Throws InputError where the rig has no section `hal`.
+  explicit CompositeBackend(const Rig& rig);
+
+  void configure() override;
+  void activate() override;
+  bool read(std::int64_t tick, Measurement& measurement) noexcept override;
+  bool write(std::int64_t tick, const Command& command) noexcept override;
+  void deactivate() noexcept override;
+  std::array<Origin, 6> origins() const override { return origins_; }
+  std::vector<std::string> notes() const override;
+  std::string name() const override { return "configured"; }
+
+ private:
+  struct Source {
+    std::unique_ptr<Backend> backend;
+    std::array<bool, 6> gives{};  ///< channels that are taken from it
+  };
+
+  std::vector<Source> sources_;
+  std::array<Origin, 6> origins_{};
+};
+
+}  // namespace pneuservo

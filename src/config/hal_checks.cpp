@@ -1,0 +1,107 @@
+// What no single field of the section `hal` can say.
+#include "config/hal_checks.hpp"
+
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "config/number_text.hpp"
+
+namespace pneuservo {
+namespace {
+
+/// What one channel puts where, collected over all of them.
+struct Wiring {
+  const HalParameters& hal;
+  const RefusePath& refuse;
+  std::map<std::string, unsigned> bits;  ///< by node, direction and PDO
+  std::set<std::string> taken;           ///< objects by node
+
+  template <class Keys>
+  void add(const std::string& path, const CanChannelParameters<Keys>& can, bool is_output) {
+    if (!hal.can) refuse(path, "a channel on CAN without hal.can", "the section hal.can");
+    if (!hal.can->nodes.contains(can.node))
+      refuse(path + ".node", "'" + can.node + "'", "the name of a node in hal.can.nodes");
+    const std::string scale(Keys::scale), lowest(Keys::lowest), highest(Keys::highest);
+    if (can.scale == 0.0) refuse(path + "." + scale, "0", "the value of one count, not 0");
+    if (!(can.lowest < can.highest))
+      refuse(path + "." + lowest, number_text(can.lowest),
+             fmt::format("less than {} ({})", highest, number_text(can.highest)));
+    if (!taken.insert(fmt::format("{} {:08x}", can.node, can.object.word)).second)
+      refuse(path + ".object", fmt::format("0x{:08x} a second time at node {}", can.object.word, can.node),
+             "an object of its own for each channel");
+    unsigned& used = bits[fmt::format("{} {} {}", can.node, is_output, can.pdo)];
+    used += can.object.bits();
+    if (used > 64) refuse(path + ".pdo", fmt::format("{} bits in this PDO", used), "at most 64: take another PDO");
+  }
+  template <class Keys>
+  void channel(const std::string& name, const ChannelParameters<Keys>& c, bool is_output, const std::string& need) {
+    const std::string path = "hal.channels." + name;
+    if (c.simulated && c.can) refuse(path, "both simulated and can", "one source");
+    if (c.is_absent() && !need.empty()) refuse(path, "nothing", need);
+    if (c.can) add(path + ".can", *c.can, is_output);
+  }
+};
+
+void check_bus(const CanBusParameters& bus, double period_s, const RefusePath& refuse) {
+  if (bus.nodes.empty()) refuse("hal.can.nodes", "none", "at least one node");
+  std::map<std::uint32_t, std::string> numbers{{bus.node_id, "this program (hal.can.node_id)"}};
+  for (const auto& [name, node] : bus.nodes) {
+    const std::string path = "hal.can.nodes." + name + ".node_id";
+    const auto [other, is_new] = numbers.emplace(node.node_id, name);
+    if (!is_new) refuse(path, fmt::format("{}, which {} has", node.node_id, other->second), "a number of its own");
+  }
+  if (bus.heartbeat_s < period_s)
+    refuse("hal.can.heartbeat_s", number_text(bus.heartbeat_s),
+           fmt::format("at least period_s ({})", number_text(period_s)));
+  if (bus.watchdog_s < 2.0 * bus.heartbeat_s)
+    refuse("hal.can.watchdog_s", number_text(bus.watchdog_s),
+           fmt::format("at least twice hal.can.heartbeat_s ({})", number_text(bus.heartbeat_s)));
+}
+
+void check_valves(const Rig& rig, const RefusePath& refuse) {
+  const HalChannels& c = rig.hal->channels;
+  const double safe = rig.safe_output.command_V;
+  for (const auto& [name, valve] : {std::pair{"u", &c.u}, {"u1", &c.u1}, {"u2", &c.u2}}) {
+    if (!valve->can || (safe >= valve->can->lowest && safe <= valve->can->highest)) continue;
+    refuse(fmt::format("hal.channels.{}.can.lowest_V", name),
+           fmt::format("{} to {} V", number_text(valve->can->lowest), number_text(valve->can->highest)),
+           fmt::format("a range that holds safe_output.command_V ({})", number_text(safe)));
+  }
+}
+
+}  // namespace
+
+void check_hal(const Rig& rig, const RefusePath& refuse) {
+  if (!rig.hal) return;
+  const HalParameters& hal = *rig.hal;
+  const bool is_table = rig.kind == RigKind::servo_table;
+  const bool chambers = !is_table && rig.controller.pd_force.pressure_source == PressureSource::chamber;
+  const std::string loop = "a source: the loop needs this channel";
+  const std::string command = "a source: the loop needs somewhere to send its command";
+  const std::string chamber = chambers ? "a source: controller.pressure_source is chamber" : "";
+  Wiring wiring{hal, refuse, {}, {}};
+  wiring.channel("x", hal.channels.x, false, loop);
+  wiring.channel("p1_port", hal.channels.p1_port, false, loop);
+  wiring.channel("p2_port", hal.channels.p2_port, false, loop);
+  wiring.channel("p1_chamber", hal.channels.p1_chamber, false, chamber);
+  wiring.channel("p2_chamber", hal.channels.p2_chamber, false, chamber);
+  wiring.channel("p_supply", hal.channels.p_supply, false, "");
+  const auto& absent = is_table ? hal.channels.u : hal.channels.u1;
+  if (!absent.is_absent() || (!is_table && !hal.channels.u2.is_absent()))
+    refuse(is_table ? "hal.channels.u" : "hal.channels", is_table ? "a command u" : "a command u1 or u2",
+           is_table ? "u1 and u2, the two valves of a servo table" : "u, the one valve of a cylinder");
+  if (is_table) {
+    wiring.channel("u1", hal.channels.u1, true, command);
+    wiring.channel("u2", hal.channels.u2, true, command);
+  } else {
+    wiring.channel("u", hal.channels.u, true, command);
+  }
+  if (hal.can) check_bus(*hal.can, rig.period_s, refuse);
+  check_valves(rig, refuse);
+}
+
+}  // namespace pneuservo

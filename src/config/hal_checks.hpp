@@ -1,0 +1,16 @@
+// What no single field of the section `hal` can say: names that must meet, objects that must fit into a PDO.
+#pragma once
+#include <functional>
+#include <string>
+
+#include <pneuservo/rig/rig.hpp>
+
+namespace pneuservo {
+
+/// Refuses `path` with what was found and expected.
+using RefusePath = std::function<void(const std::string& path, const std::string& found, const std::string& expected)>;
+
+/// Calls `refuse` (which throws) at the first contradiction of rig.hal; does nothing where the rig has none.
+void check_hal(const Rig& rig, const RefusePath& refuse);
+
+}  // namespace pneuservo

@@ -1,0 +1,38 @@
+// The section `hal` as one list: every channel that a CANopen object stands behind, whatever its unit.
+#pragma once
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <pneuservo/rig/rig.hpp>
+
+namespace pneuservo {
+
+/// One channel on the bus. `channel` counts as in channel_names; outputs are the commands instead.
+struct CanChannel {
+  std::string name;     ///< as in hal.channels: "x", "u"
+  std::size_t channel;  ///< index in channel_names, or of the command
+  bool is_output;
+  std::string unit;
+  std::string node;
+  std::uint32_t pdo;
+  CanObject object;
+  bool is_signed;
+  double scale, zero, lowest, highest;
+};
+
+/// In the order of the config's manual: inputs as in channel_names, then commands.
+std::vector<CanChannel> can_channels(const HalParameters& hal);
+
+/// One PDO as the channels use it, in the order of can_channels.
+struct CanPdo {
+  std::string node;
+  std::uint32_t pdo;
+  bool is_output;                    ///< sent by us
+  std::vector<std::size_t> signals;  ///< indices in can_channels
+  unsigned bits = 0;                 ///< of these signals alone
+};
+std::vector<CanPdo> can_pdos(const std::vector<CanChannel>& channels);
+
+}  // namespace pneuservo

@@ -1,0 +1,155 @@
+// What carries frames: a local socket between two ends, a serial line with an adapter played by a pseudo-terminal, and
+// words for what is missing. EDS files.
+#include <catch2/catch.hpp>
+
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "can/canopen.hpp"
+#include "can/eds.hpp"
+#include "can/local_bus.hpp"
+#include "can/open_carrier.hpp"
+#include "can/slcan_line.hpp"
+#include "config/input_error.hpp"
+#include "record/files.hpp"
+
+using namespace pneuservo;
+
+namespace {
+
+/// The master's side of a pseudo-terminal: the adapter.
+struct Adapter {
+  int master = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
+  Adapter() {
+    grantpt(master);
+    unlockpt(master);
+  }
+  ~Adapter() { close(master); }
+  Adapter(const Adapter&) = delete;
+  Adapter& operator=(const Adapter&) = delete;
+  std::string device() const { return ptsname(master); }
+  std::string heard() const {
+    char text[4096];
+    const ssize_t got = read(master, text, sizeof text);
+    return got > 0 ? std::string(text, static_cast<std::size_t>(got)) : "";
+  }
+  void say(const std::string& text) const {
+    REQUIRE(write(master, text.data(), text.size()) == static_cast<ssize_t>(text.size()));
+  }
+};
+
+bool receive_within(CanCarrier& bus, ReceivedFrame& received) {
+  for (int i = 0; i < 200; ++i) {
+    if (bus.receive(received)) return true;
+    bus.wait(10'000'000);
+  }
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("a local socket carries frames both ways with time stamps, and tells when the other end goes") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("bus");
+  REQUIRE_THROWS_WITH(LocalBus(path, LocalBus::Side::connects), Catch::Contains("nobody listens there"));
+  LocalBus device(path, LocalBus::Side::listens);
+  REQUIRE_FALSE(device.is_up());
+  REQUIRE(device.send(sync_frame()) == Sent::down);
+  REQUIRE_THROWS_WITH(LocalBus(path, LocalBus::Side::listens), Catch::Contains("somebody listens there already"));
+  {
+    LocalBus controller(path, LocalBus::Side::connects);
+    controller.accept_only({0x705});
+    ReceivedFrame received;
+    const std::int64_t before = controller.now_ns();
+    REQUIRE(controller.send(nmt_frame(NmtCommand::start, 5)) == Sent::sent);
+    while (!device.receive(received)) device.wait(10'000'000);
+    REQUIRE(parse_nmt(received.frame)->node == 5);
+    REQUIRE(received.received_ns >= before);
+    REQUIRE(received.received_ns <= device.now_ns());
+    REQUIRE(device.send(heartbeat_frame(6, NmtState::operational)) == Sent::sent);  // not asked for
+    REQUIRE(device.send(heartbeat_frame(5, NmtState::operational)) == Sent::sent);
+    REQUIRE(device.send({.id = error_bus_off, .length = 8, .error = true}) == Sent::sent);
+    REQUIRE(receive_within(controller, received));
+    REQUIRE(parse_heartbeat(received.frame)->node == 5);
+    REQUIRE(receive_within(controller, received));
+    REQUIRE((received.frame.error && received.frame.id == error_bus_off));
+    int queued = 0;
+    while (queued < 100'000 && device.send(sync_frame()) == Sent::sent) ++queued;
+    REQUIRE(queued < 100'000);
+    REQUIRE(device.send(sync_frame()) == Sent::queue_full);  // never blocks, never goes down for it
+    REQUIRE(device.is_up());
+  }
+  ReceivedFrame received;
+  while (device.receive(received)) {}
+  REQUIRE_FALSE(device.is_up());
+}
+
+TEST_CASE("a serial adapter is opened at its bit rate, and frames pass as its text") {
+  Adapter adapter;
+  {
+    SlcanLine line(adapter.device(), 500e3);
+    REQUIRE(adapter.heard() == "\rC\rS6\rO\r");
+    REQUIRE(line.send({.id = 0x302, .length = 2, .data = {0x12, 0xAB}}) == Sent::sent);
+    REQUIRE(adapter.heard() == "t302212AB\r");
+    line.accept_only({0x183});
+    adapter.say("z\rt18220001\rt183");
+    ReceivedFrame received;
+    REQUIRE_FALSE(line.receive(received));
+    adapter.say("400000001\rsb255000\r");
+    REQUIRE(receive_within(line, received));
+    REQUIRE((received.frame.id == 0x183 && received.frame.length == 4 && received.frame.data[3] == 1));
+    REQUIRE(receive_within(line, received));
+    REQUIRE((received.frame.error && received.frame.id == error_bus_off));
+    // Nobody reads: the line fills, a frame is taken whole or not at all.
+    int taken = 0;
+    while (taken < 100'000 && line.send({.id = 0x302, .length = 8}) == Sent::sent) ++taken;
+    REQUIRE(taken < 100'000);
+    std::string text;
+    for (std::string more = adapter.heard(); !more.empty(); more = adapter.heard()) text += more;
+    line.send({.id = 0x302, .length = 8});
+    for (std::string more = adapter.heard(); !more.empty(); more = adapter.heard()) text += more;
+    const std::string one = "t30280000000000000000\r";
+    REQUIRE(text.size() % one.size() == 0);
+    for (std::size_t i = 0; i < text.size(); i += one.size()) REQUIRE(text.compare(i, one.size(), one) == 0);
+  }
+  REQUIRE(adapter.heard() == "C\r");
+  REQUIRE_THROWS_WITH(SlcanLine(adapter.device(), 123456), Catch::Contains("expected 10000, 20000"));
+  REQUIRE_THROWS_WITH(SlcanLine("/nonexistent", 1e6), Catch::Contains("cannot be opened"));
+}
+
+TEST_CASE("an interface that is not there is named with its remedy") {
+  REQUIRE_THROWS_WITH(open_carrier("nocan77", 1e6, false),
+                      Catch::Contains("nocan77: no such interface") || Catch::Contains("this kernel has no CAN"));
+}
+
+TEST_CASE("EDS and DCF: types, mapping, values with the node's number; mistakes by line") {
+  const EdsFile eds =
+      EdsFile::parse("; a comment\n[DeviceInfo]\nVendorName=Somebody\n[1000]\nParameterName=Device type\n"
+                     "DefaultValue=0x000F0191\nDataType=0x0007\nAccessType=ro\n[1800sub1]\nDataType=0x0007\n"
+                     "AccessType=rw\nDefaultValue=$NODEID+0x180\n[6401Sub1]\nDataType=0x0003\nAccessType=ro\n"
+                     "PDOMapping=1\n[6423]\nDataType=0x0001\nAccessType=rw\nParameterValue=1\n"
+                     "[1014]\nDataType=7\nAccessType=rw\nParameterValue=0x80+$NODEID\n[1A00sub1]\n"
+                     "DataType=7\nAccessType=rw\nParameterValue=0x64010110\n[1008]\nDataType=0x0009\n"
+                     "DefaultValue=A name\n",
+                     "io.dcf");
+  REQUIRE(eds.find(0x1000, 0)->value(9) == 0x000F0191);
+  REQUIRE(eds.find(0x1800, 1)->value(9) == 0x189);
+  const EdsObject& input = *eds.find(0x6401, 1);
+  REQUIRE((input.bits() == 16 && input.is_signed() && input.can_map && !input.can_write));
+  REQUIRE(eds.find(0x1008, 0)->bits() == 0);
+  REQUIRE(eds.find(0x6401, 2) == nullptr);
+  const auto configured = eds.configured();  // not the mapping: that follows from the config
+  REQUIRE(configured.size() == 2);
+  REQUIRE((configured[0].index == 0x1014 && configured[0].value(9) == 0x89));
+  REQUIRE((configured[1].index == 0x6423 && configured[1].value(9) == 1));
+  REQUIRE_THROWS_WITH(EdsFile::parse("[1000]\nDataType=0x0007\nDefaultValue=abc\n", "a.eds"),
+                      Catch::Contains("a.eds:3: found 'abc'"));
+  REQUIRE_THROWS_WITH(EdsFile::parse("[1000\n", "a.eds"), Catch::Contains("a.eds:1: found '[' without ']'"));
+  REQUIRE_THROWS_WITH(EdsFile::parse("Key=1\n", "a.eds"), Catch::Contains("a.eds:1"));
+  REQUIRE_THROWS_WITH(EdsFile::parse("[FileInfo]\n", "a.eds"), Catch::Contains("no objects"));
+  REQUIRE_THROWS_AS(EdsFile::read("/nonexistent.eds"), InputError);
+}

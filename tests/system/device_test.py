@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+# The verb device and a controller as two processes with real frames between them, over a local socket; what the fault of a
+# node does, and the way back. On a kernel with CAN the same over vcan0.
+# tags: timing
+import gzip, json, os, subprocess, sys, tempfile, time
+
+from program import expect, expect_refusal, program, run
+
+CONFIG = "config/can/cylinder-10m-7.65mm.yaml"
+folder = tempfile.mkdtemp()
+# Slow enough for a loaded machine; what is shown here is no matter of speed.
+SLOW = ["period_s=0.02", "hal.can.heartbeat_s=0.1", "hal.can.watchdog_s=0.5", "hal.can.nodes.io.heartbeat_s=0.2",
+        "hal.can.nodes.encoder.heartbeat_s=0.2", "estimator.cells_per_m=0.5", "controller.velocity_filter_s=0.05",
+        "controller.position_gain_N_per_m=1500", "controller.force_gain_V_per_N=0.0008", "reference.amplitude_m=0.02",
+        "reference.frequency_Hz=0.2", "sensors.port_pressure.noise_Pa=300"]
+sets = [word for one in SLOW for word in ("--set", one)]
+
+
+def interfaces():
+    yield "unix:" + os.path.join(folder, "bus")
+    have = subprocess.run(["ip", "link", "show", "vcan0"], capture_output=True).returncode == 0
+    made = have or subprocess.run(["ip", "link", "add", "vcan0", "type", "vcan"], capture_output=True).returncode == 0
+    if made and subprocess.run(["ip", "link", "set", "vcan0", "txqueuelen", "16", "up"], capture_output=True).returncode == 0:
+        yield "vcan0"
+    else:
+        print("vcan0 cannot be made on this kernel: the runs over it are left out here (local socket alone)")
+
+
+class Device:
+    def __init__(self, interface, *more):
+        self.process = subprocess.Popen([program, "device", CONFIG, "--can", interface, *sets, *more], stdin=subprocess.PIPE,
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        expect("are on the bus" in self.process.stderr.readline(), "device: does not begin")
+
+    def end(self):
+        self.process.terminate()
+        out, err = self.process.communicate(timeout=30)
+        expect(self.process.returncode == 0, f"device: status {self.process.returncode}: {err}")
+        return out
+
+
+def control(interface, duration_s, *more):
+    return run("run", CONFIG, *sets, "--set", f"hal.can.interface={interface}", "--time", "real", "--duration-s", str(duration_s), *more)
+
+
+for interface in interfaces():
+    record = os.path.join(folder, "run.csv.gz")
+    device = Device(interface)
+    done = control(interface, 3, "--record", record, "--json", "-")
+    expect(done.returncode == 0, f"{interface}: status {done.returncode}: {done.stderr}")
+    expect(json.loads(done.stdout)["runs"][0]["faults"] == [], f"{interface}: {done.stdout}")
+    expect("can: " in done.stderr and " malformed" in done.stderr and ", 0 malformed, 0 error frames, 0 outputs not sent" in done.stderr,
+           f"{interface}: {done.stderr}")
+    with gzip.open(record, "rt") as file:
+        head = [line for line in file if line.startswith("#")]
+    expect(any(line.startswith("# backend: configured") for line in head), "the recording does not name its backend")
+    expect(any("x: real, p1_port: real, p2_port: real, p1_chamber: absent" in line for line in head), "channels are not stamped")
+    expect(run("replay", CONFIG, record, *sets, "--set", f"hal.can.interface={interface}").returncode == 0, "replay differs")
+    # A second controller on the same device, and a fault that is typed while it runs.
+    controller = subprocess.Popen([program, "run", CONFIG, *sets, "--set", f"hal.can.interface={interface}", "--time", "real",
+                                   "--duration-s", "60"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(3.0)
+    device.process.stdin.write("emergency:io:0x3100\n")
+    device.process.stdin.flush()
+    _, said = controller.communicate(timeout=60)
+    expect(controller.returncode == 1, f"emergency: status {controller.returncode}: {said}")
+    expect("fault: node_emergency" in said and "node io (2): emergency 0x3100 (voltage)" in said, f"emergency: {said}")
+    # The way back is the same command.
+    done = control(interface, 1)
+    expect(done.returncode == 0, f"after an emergency: {done.stderr}")
+    # A controller that is killed: the watchdog of the device closes the valve.
+    controller = subprocess.Popen([program, "run", CONFIG, *sets, "--set", f"hal.can.interface={interface}", "--time", "real",
+                                   "--duration-s", "60"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(3.0)
+    controller.kill()
+    controller.communicate()
+    time.sleep(1.5)
+    expect(device.end().rstrip().endswith("valve 0.0000 V"), "the valve kept the command of a dead controller")
+    # The device goes: the controller says what it sees and ends.
+    device = Device(interface, "--fault", "off:encoder@1")
+    done = control(interface, 20)
+    expect(done.returncode == 1 and ("position_missing" in done.stderr or "node_lost" in done.stderr), f"off: {done.stderr}")
+    device.end()
+
+over_nothing = run("run", CONFIG, "--set", "hal.can.interface=unix:/nonexistent", "--time", "real")
+expect(over_nothing.returncode == 1 and "nobody listens there" in over_nothing.stderr, f"nobody: {over_nothing.stderr}")
+expect_refusal(run("run", CONFIG), ["--time", "expected --time real"], "simulated time on real devices")
+expect_refusal(run("device", "config/cylinder-2m-6.10mm.yaml", "--can", "vcan0"), ["hal.can: found nothing"], "a rig without hal")
+expect_refusal(run("device", CONFIG, "--can", "unix:" + folder + "/b", "--fault", "freeze:nonsense@1"),
+               ["nonsense", "x, p1_port"], "a fault of nothing")
+expect(run("run", CONFIG, "--hal", "sim", "--duration-s", "1").returncode == 0, "--hal sim")
+check = run("check", CONFIG, "--json", "-")
+bus = [one for one in json.loads(check.stdout)["config"] if one["topic"] == "bus load"]
+expect(len(bus) == 1 and bus[0]["level"] == "good" and bus[0]["found"].startswith("39.0 % of 1 ms"), f"check: {bus}")
+fast = os.path.join(folder, "fast.yaml")
+with open(CONFIG) as source, open(fast, "w") as target:
+    target.write(source.read().replace("period_s: 0.001", "period_s: 0.0002"))
+check = run("check", fast)
+expect(check.returncode == 1 and "DA/AD boards" in check.stdout, f"check at 200 us: {check.stdout}")

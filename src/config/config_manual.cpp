@@ -37,7 +37,8 @@ std::string section_presence(const Field& field) {
 template <class T> std::string standard_text(const Field& field, const T& value) {
   if (field.presence == Presence::required) return "required";
   if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T> || std::is_same_v<T, std::string>)
-    return is_unstated(field, value) ? "see help" : value_text(field, value);
+    return is_unstated(field, value) ? (std::is_same_v<T, std::string> ? "not stated" : "see help")
+                                     : value_text(field, value);
   else return "not stated";
 }
 

@@ -26,7 +26,7 @@ std::int64_t nanoseconds(double time_s) { return std::llround(time_s * 1e9); }
 }  // namespace
 
 CanBackend::CanBackend(const Rig& rig, std::unique_ptr<CanCarrier> bus)
-    : rig_(rig), bus_(std::move(bus)), period_ns_(nanoseconds(rig.period_s)) {
+    : rig_(rig), bus_(std::move(bus)), opens_(bus_ == nullptr), period_ns_(nanoseconds(rig.period_s)) {
   if (!rig.hal || !rig.hal->can)
     throw InputError(rig.name + ": hal.can: found nothing, expected the bus with its nodes (docs/can.md)");
   channels_ = can_channels(*rig.hal);
@@ -157,7 +157,11 @@ void CanBackend::configure() {
   check_load();
   read_eds_files();
   const CanBusParameters& can = *rig_.hal->can;
-  if (!bus_) bus_ = open_carrier(can.interface, can.bit_rate_bps, false);
+  // An interface that went down stays down for its socket: the way back opens a new one.
+  if (opens_) {
+    bus_.reset();
+    bus_ = open_carrier(can.interface, can.bit_rate_bps, false);
+  }
   node_numbers_.clear();
   std::vector<std::uint32_t> ids;
   std::vector<CanWatchedNode> watched;
@@ -225,7 +229,7 @@ void CanBackend::activate() {
   dropped_before_ = bus_->dropped();
   queue_full_ = 0;
   next_heartbeat_tick_ = std::numeric_limits<std::int64_t>::min();
-  // The samples of the last probe stay: they are what tick 0 finds.
+  cycling_ = false;
 }
 
 bool CanBackend::read(std::int64_t, Measurement& measurement) noexcept {
@@ -234,7 +238,9 @@ bool CanBackend::read(std::int64_t, Measurement& measurement) noexcept {
   for (int i = 0; i < most_frames_a_tick && bus_->receive(received); ++i) process_.on_frame(received);
   const std::int64_t now_ns = bus_->now_ns();
   if (!bus_->is_up()) process_.on_link_down(now_ns);
-  process_.take(now_ns, measurement);
+  // Before the first SYNC of the loop there is no sample of a known age; the loop waits for it.
+  if (cycling_) process_.take(now_ns, measurement);
+  else measurement.device_faults |= process_.faults();
   return true;
 }
 
@@ -253,6 +259,7 @@ bool CanBackend::write(std::int64_t tick, const Command& command) noexcept {
   // Whatever were handed over now would wait in the queue and act when the bus comes back.
   if ((process_.faults() & (device_bus_off | device_link_down)) != 0) return false;
   const bool all = send_outputs({command.valve_V, command.valve_2_V});
+  cycling_ = true;
   if (tick >= next_heartbeat_tick_ && bus_->send(own_heartbeat()) == Sent::sent)
     next_heartbeat_tick_ = tick + heartbeat_ticks_;
   return all;

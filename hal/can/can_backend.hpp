@@ -61,13 +61,14 @@ class CanBackend final : public Backend {
   Rig rig_;
   std::vector<CanChannel> channels_;
   std::unique_ptr<CanCarrier> bus_;
+  bool opens_;  // bus_ is opened by configure
   std::map<std::string, EdsFile> eds_;
   CanProcessImage process_;
   std::vector<std::uint8_t> node_numbers_;
   std::int64_t period_ns_, heartbeat_ticks_, next_heartbeat_tick_ = 0, start_ns_ = 0,
                                              next_alive_ns_ = std::numeric_limits<std::int64_t>::max();
   std::uint64_t queue_full_ = 0, dropped_ = 0, dropped_before_ = 0;
-  bool active_ = false;
+  bool active_ = false, cycling_ = false;
 };
 
 }  // namespace pneuservo

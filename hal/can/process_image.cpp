@@ -147,7 +147,7 @@ CanFrame CanProcessImage::output(std::size_t i, const std::array<double, 2>& com
   std::uint64_t image = 0;
   for (const CanSignal& signal : pdo.signals) {
     const double command = commands[signal.channel];
-    const double held = command == command ? std::clamp(command, signal.lowest, signal.highest) : 0.0;
+    const double held = std::clamp(command == command ? command : 0.0, signal.lowest, signal.highest);
     image = insert(image, signal.place, signal.counts.raw_of(held));
   }
   put_image(frame.data, image);

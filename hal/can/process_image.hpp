@@ -90,7 +90,7 @@ class CanProcessImage {
   /// is of this cycle and within its limits.
   void take(std::int64_t now_ns, Measurement& measurement) noexcept PNEUSERVO_NONBLOCKING;
 
-  /// The frame of output `i`; commands are held within their limits, not-a-number gives 0 counts' value of 0 V.
+  /// The frame of output `i`; commands are held within their limits, not-a-number counts as 0 V.
   CanFrame output(std::size_t i, const std::array<double, 2>& commands) const noexcept PNEUSERVO_NONBLOCKING;
   std::size_t outputs() const noexcept { return outputs_.size(); }
 

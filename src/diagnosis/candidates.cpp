@@ -113,6 +113,7 @@ std::string family_of(const std::string& name) {
                                                            {"pressure_dependent_friction", "friction"},
                                                            {"friction_zone", "friction"},
                                                            {"quadratic_drag", "friction"},
+                                                           {"direction_dependent_viscous_friction", "friction"},
                                                            {"constant_force", "load"},
                                                            {"spring_load", "load"},
                                                            {"valve_lag", "late"},

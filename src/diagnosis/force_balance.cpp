@@ -90,11 +90,11 @@ std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const
     const double x_fast = undo(sensor, fast_[0][i], fast_[1][i], true);
     const double v_fast = undo(sensor, fast_[1][i], fast_[2][i], false);
     const SliderSurroundings<double> around{gauge_pressure_sum_Pa.empty() ? 0.0 : gauge_pressure_sum_Pa[i]};
-    smooth_part[i] = slider.mass() * a + slider.damping_coefficient(0.0) * v - slider.less_load(0.0, x);
+    smooth_part[i] = slider.mass() * a + slider.damping_coefficient(0.0, 0.0) * v - slider.less_load(0.0, x);
     if (std::abs(v_fast) >= rest_speed_mps_) {
       const double direction = v_fast > 0 ? 1.0 : -1.0, speed = std::abs(v_fast);
       abrupt_part[i] = direction * slider.dry_friction(speed, direction, x_fast, around) +
-                       (slider.damping_coefficient(speed) - slider.damping_coefficient(0.0)) * v_fast;
+                       (slider.damping_coefficient(speed, direction) - slider.damping_coefficient(0.0, 0.0)) * v_fast;
     } else {  // at rest dry friction balances what is left, up to its values at v = 0
       abrupt_part[i] =
           std::clamp(drive_N[i] - smooth_part[i], -held_N - std::abs(slider.dry_friction(0.0, -1.0, x_fast, around)),

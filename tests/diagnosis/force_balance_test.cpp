@@ -107,6 +107,7 @@ TEST_CASE("every law on the slider balances its own motion and no other") {
       {"pressure", [](auto& e) { e.pressure_dependent_friction.force_per_pressure_N_per_Pa = 3e-5; }},
       {"zone", [](auto& e) { e.friction_zone = {12, 0.04, 0.01}; }},
       {"drag", [](auto& e) { e.quadratic_drag.coefficient_Ns2_per_m2 = 80; }},
+      {"viscous by direction", [](auto& e) { e.direction_dependent_viscous_friction = {30, -20}; }},
       {"constant", [](auto& e) { e.constant_force.force_N = -7; }},
       {"spring", [](auto& e) { e.spring_load = {120, 0.02}; }},
   }));

@@ -47,6 +47,9 @@ TEST_CASE("slider: each law has its force, m = 2 kg with payload") {
   e = none, e.quadratic_drag.coefficient_Ns2_per_m2 = 8.0;
   CHECK(acceleration(e, 0.0, 0.5) == Approx(-1.0).epsilon(1e-4));
   CHECK(acceleration(e, 0.0, -0.5) == Approx(1.0).epsilon(1e-4));
+  e = none, e.direction_dependent_viscous_friction = {4.0, -6.0};
+  CHECK(acceleration(e, 0.0, 0.5) == Approx(-1.0).epsilon(1e-4));
+  CHECK(acceleration(e, 0.0, -0.5) == Approx(-1.5).epsilon(1e-4));
   e = none, e.constant_force.force_N = 3.0;
   CHECK(acceleration(e, 10.0, 0.0) == Approx(3.5));
   e = none, e.spring_load = {100.0, 0.02};

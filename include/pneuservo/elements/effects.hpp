@@ -76,6 +76,18 @@ template <class S> struct QuadraticDrag {
     v(Field{"coefficient_Ns2_per_m2", "N s2/m2", 0, 1e5, "c of c |v| v"}, p.coefficient_Ns2_per_m2...);
   }
 };
+template <class S> struct DirectionDependentViscousFriction {
+  static constexpr std::string_view element = "motion";
+  static constexpr std::array traits{
+      ParameterTrait{"forward_Ns_per_m", EffectScale::force_per_speed, 0.03, 1e-4, EffectScale::force_per_speed},
+      ParameterTrait{"backward_Ns_per_m", EffectScale::force_per_speed, 0.03, 1e-4, EffectScale::force_per_speed}};
+  S forward_Ns_per_m = S(0);
+  S backward_Ns_per_m = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"forward_Ns_per_m", "N s/m", -1e5, 1e5, "beside viscous_friction for v > 0"}, p.forward_Ns_per_m...);
+    v(Field{"backward_Ns_per_m", "N s/m", -1e5, 1e5, "beside viscous_friction for v < 0"}, p.backward_Ns_per_m...);
+  }
+};
 template <class S> struct ConstantForce {
   static constexpr std::string_view element = "motion";
   static constexpr std::array traits{ParameterTrait{"force_N", EffectScale::force, 0.03, 5e-5, EffectScale::force}};
@@ -107,6 +119,7 @@ template <class S> struct MotionEffects {
   PressureDependentFriction<S> pressure_dependent_friction;
   FrictionZone<S> friction_zone;
   QuadraticDrag<S> quadratic_drag;
+  DirectionDependentViscousFriction<S> direction_dependent_viscous_friction;
   ConstantForce<S> constant_force;
   SpringLoad<S> spring_load;
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -123,6 +136,8 @@ template <class S> struct MotionEffects {
       p.direction_dependent_friction...);
     v(Field{"friction_zone", "", 0, 0, "a tight spot of the guide", optional}, p.friction_zone...);
     v(Field{"quadratic_drag", "", 0, 0, "drag c |v| v", optional}, p.quadratic_drag...);
+    v(Field{"direction_dependent_viscous_friction", "", 0, 0, "viscous friction that differs by direction", optional},
+      p.direction_dependent_viscous_friction...);
     v(Field{"constant_force", "", 0, 0, "constant load", optional}, p.constant_force...);
     v(Field{"spring_load", "", 0, 0, "spring between slider and frame", optional}, p.spring_load...);
   }

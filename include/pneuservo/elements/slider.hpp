@@ -50,9 +50,12 @@ template <class S> class Slider {
     return driving_force_N - effects_.constant_force.force_N -
            effects_.spring_load.stiffness_N_per_m * (x - effects_.spring_load.rest_m);
   }
-  /// Force over velocity [N s/m] of all friction that vanishes with the speed.
-  S damping_coefficient(const S& speed) const noexcept {
-    return viscous_ + effects_.quadratic_drag.coefficient_Ns2_per_m2 * speed;
+  /// Force over velocity [N s/m] of all friction that vanishes with the speed, in direction sign (+1, -1; 0: without
+  /// what depends on the direction).
+  S damping_coefficient(const S& speed, const S& sign) const noexcept {
+    const DirectionDependentViscousFriction<S>& own = effects_.direction_dependent_viscous_friction;
+    return viscous_ + effects_.quadratic_drag.coefficient_Ns2_per_m2 * speed +
+           select(sign > S(0), own.forward_Ns_per_m, select(sign < S(0), own.backward_Ns_per_m, S(0)));
   }
 
   /// One step of h [s] under the constant driving force [N]. Viscous friction is trapezoidal, dry friction is taken at
@@ -67,7 +70,7 @@ template <class S> class Slider {
     const S dry = has_dry_friction_ ? dry_friction(speed, direction, position_, around) : zero;
     const S holds_most = has_dry_friction_ ? dry_friction(zero, direction, position_, around) : zero;
     const auto held = resting & (absolute(force) <= holds_most);
-    const S damping = S(0.5) * h * damping_coefficient(speed) / mass_;
+    const S damping = S(0.5) * h * damping_coefficient(speed, direction) / mass_;
     const S v_free = (velocity_ * (S(1) - damping) + h * (force - direction * dry) / mass_) / (S(1) + damping);
     // Dry friction cannot turn the motion round: it ends at rest at the instant where v = 0.
     const auto moving = !resting;

@@ -268,6 +268,33 @@ std::vector<FreeParameter> nuisances(const Rig& rig, std::size_t start_factor_co
   return out;
 }
 
+std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels) {
+  std::vector<FreeParameter> out;
+  const std::vector<ParameterPath> known = parameter_paths(rig);
+  const auto add = [&](const std::string& path, double spread) {
+    if (!has_parameter(rig, path) || rig.tolerances.count(path) > 0) return;
+    FreeParameter free;
+    free.path = path;
+    free.center = get_parameter(rig, path);
+    free.spread = spread;
+    free.lower = -tolerance_cut;
+    free.upper = tolerance_cut;
+    free.step = 0.05;
+    keep_in_range(free, known);
+    free.lower = std::min(free.lower, 0.0);
+    out.push_back(free);
+  };
+  if (!rig.is_pneumatic()) return out;
+  constexpr double overlap_V = 0.02, edge_share = 0.02, delay_s = 3e-4, zero_Pa = 200;
+  add("effects.valve_dead_band.width_V", overlap_V);
+  add("effects.valve_neutral_leak.area_m2", 0.5 * overlap_V * rig.axis.valve.area_per_volt_m2_per_V);  // underlap
+  add("effects.valve_asymmetry.exhaust_ratio", edge_share);
+  add("effects.command_delay.delay_s", delay_s);
+  for (const ResidualChannel& channel : channels)
+    if (channel.name.starts_with("p")) add(fmt::format("effects.sensor_offset:{}.offset", channel.name), zero_Pa);
+  return out;
+}
+
 std::vector<Candidate> all_candidates(const Rig& rig, const std::vector<ResidualChannel>& channels,
                                       const MotionRange& range) {
   std::vector<Candidate> out;

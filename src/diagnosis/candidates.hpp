@@ -36,6 +36,10 @@ std::vector<Candidate> all_candidates(const Rig& rig, const std::vector<Residual
 /// Parameters known within a tolerance, and the start factors: always free, with their priors, cut at +-3.
 std::vector<FreeParameter> nuisances(const Rig& rig, std::size_t start_factor_count, double start_factor_sigma);
 
+/// Small physics that every real machine has a little of, as nuisances with narrow priors about neutral: they take up
+/// the small and leave the large, which has a name.
+std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels);
+
 /// Element at which a config path sits: slider.mass_kg is at motion.
 std::string element_of_path(const std::string& path);
 

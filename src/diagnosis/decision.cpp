@@ -2,6 +2,7 @@
 #include "diagnosis/decision.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -154,11 +155,28 @@ ModelLevels model_levels(ResidualModel& model, const Hypothesis& hypothesis, con
   levels.residual = model.residuals(one).col(0);
   levels.channels = channel_levels(model.rows(), model.channels().size(), levels.residual);
   levels.line = strongest_line(model.rows(), levels.residual, levels.channels, rules.line_level);
-  if (levels.line && levels.line->ratio < rules.line_ratio) levels.line.reset();
+  if (levels.line) {
+    const ResidualChannel& channel = model.channels()[static_cast<std::size_t>(levels.line->channel)];
+    const bool is_small = levels.line->amplitude < rules.line_amplitude * std::hypot(channel.noise, channel.floor);
+    if (levels.line->ratio < rules.line_ratio || is_small) levels.line.reset();
+  }
   return levels;
 }
 
-Decision decide(ResidualModel& model, const Search& search, const DecisionRules& rules) {
+bool ModelLevels::is_everywhere(const std::vector<ResidualChannel>& names, double limit) const {
+  std::array<bool, 2> side{false, false};
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    if (channels[c].fitted <= limit) continue;
+    if (names[c].name.starts_with("p1")) side[0] = true;
+    if (names[c].name.starts_with("p2")) side[1] = true;
+  }
+  return side[0] && side[1];
+}
+
+namespace {
+
+/// The best explanation of each number of members, as long as one more brings enough.
+Decision chosen_chain(const Search& search, const DecisionRules& rules, double second_share) {
   Decision decision;
   decision.chosen = &search.owner();
   std::vector<const Explanation*> ranked = sizeable(search, 1);
@@ -173,7 +191,7 @@ Decision decide(ResidualModel& model, const Search& search, const DecisionRules&
     if (best == nullptr) break;
     const double gain = best->log_evidence - decision.chosen->log_evidence;
     if (members == 1) first_gain = gain;
-    const double share = members == 2 ? rules.next_share : rules.third_share;
+    const double share = members == 2 ? second_share : std::max(second_share, rules.third_share);
     const double needed = members == 1 ? rules.alarm_gain : std::max(rules.next_gain, share * first_gain);
     if (gain < needed) break;
     decision.chosen = best;
@@ -182,13 +200,37 @@ Decision decide(ResidualModel& model, const Search& search, const DecisionRules&
     decision.rivals.insert(decision.rivals.begin(), best);
   }
   decision.gain = decision.chosen->log_evidence - search.owner().log_evidence;
-  decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
   decision.verdict = verdict_of(*decision.chosen, search);
   if (decision.rivals.empty()) decision.rivals = ranked;
   std::erase_if(decision.rivals, [&](const Explanation* e) { return e->log_evidence > decision.chosen->log_evidence; });
-  decision.probabilities = decision.rivals.empty() ? std::vector<double>{} : probabilities_of(decision.rivals, rules);
+  if (!decision.rivals.empty()) decision.probabilities = probabilities_of(decision.rivals, rules);
+  return decision;
+}
+
+}  // namespace
+
+Decision decide(ResidualModel& model, const Search& search, const DecisionRules& rules) {
+  Decision decision = chosen_chain(search, rules, rules.next_share);
+  decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
   decision.reason = what_is_left(decision, model, rules);
   if (!decision.reason.empty()) decision.verdict = Verdict::unknown;
+  return decision;
+}
+
+Decision decide_beside_remainder(ResidualModel& model, const Search& search, const DecisionRules& rules) {
+  DecisionRules beside = rules;
+  beside.most_sure = rules.most_sure_beside;
+  Decision decision = chosen_chain(search, beside, rules.next_share_beside);
+  decision.beside_remainder = true;
+  decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
+  decision.reason = what_is_left(decision, model, rules);
+  const ModelLevels before = model_levels(model, search.owner().fit.hypothesis(), rules);
+  double most = 0;
+  for (std::size_t c = 0; c < before.channels.size(); ++c) {
+    const double was = std::pow(before.channels[c].fitted, 2), is = std::pow(decision.levels.channels[c].fitted, 2);
+    if (was > 1) most = std::max(most, 1 - is / was);
+  }
+  if (decision.chosen->members.empty() || most < rules.named_share) decision.verdict = Verdict::unknown;
   return decision;
 }
 

@@ -19,12 +19,17 @@ struct DecisionRules {
   double standard_errors = 5;       ///< the least size of one more effect
   double floor_level = 1.25;        ///< residual of a channel in sigma: above it something is left
   double line_ratio = 60;           ///< of a spectral line's power to its neighbours'
+  double line_amplitude = 0.4;      ///< of a sample's noise and floor: smaller lines are of no account
   double line_level = 0.3;          ///< channels below it have no lines
   double held_out_excess = 1.4;     ///< chi2 a row on held-out stretches over that on fitted ones
   double ambiguous_distance = 10;   ///< in log evidence
   double temperature = 3;           ///< log evidence over it makes probabilities
   double most_sure = 0.97;          ///< small unmodelled physics is part of every probability
   double unknown_sure = 0.85;
+  // A machine that leaves something everywhere (a little of everything that the model leaves out).
+  double named_share = 0.5;         ///< of the squared residual of one channel: what a name must take there
+  double most_sure_beside = 0.85;   ///< of a name beside such a remainder
+  double next_share_beside = 0.15;  ///< what one more name must bring, of the first's gain
 };
 
 /// Residuals of one model over all rows, and what they say.
@@ -35,6 +40,8 @@ struct ModelLevels {
 
   double chi2(bool held_out) const;
   double highest() const;
+  /// Whether pressures of both sides are above the limit: no single place makes that.
+  bool is_everywhere(const std::vector<ResidualChannel>& names, double limit) const;
   /// Chi2 a row on held-out stretches over that on fitted ones; 1 where there are none.
   double held_out_excess() const;
 };
@@ -48,11 +55,14 @@ struct Decision {
   std::vector<double> probabilities;       ///< of the rivals
   ModelLevels levels;                      ///< of the chosen
   double gain = 0;                         ///< of the chosen over the owner's model, in log evidence
-  std::string reason;                      ///< of `unknown`
+  std::string reason;                      ///< of `unknown`; beside a name: what is left
+  bool beside_remainder = false;           ///< the floors have grown with what is left everywhere
 };
 
 Decision decide(ResidualModel& model, const Search& search, const DecisionRules& rules);
-
+/// The same for a search whose residuals were freed from the slow error that is left everywhere: names what takes most
+/// of it, or says unknown. Levels are taken of plain residuals.
+Decision decide_beside_remainder(ResidualModel& model, const Search& search, const DecisionRules& rules);
 /// Names that cannot be told from the chosen explanation's member.
 std::vector<std::string> ambiguous_names(const Decision& decision, const Search& search, std::size_t member,
                                          const DecisionRules& rules);

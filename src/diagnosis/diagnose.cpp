@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <thread>
 
 #include <fmt/format.h>
@@ -120,8 +121,17 @@ void add_unknown(ResidualModel& model, const Decision& decision, const Search& s
     if (!patterns.col(c).allFinite()) patterns.col(c).setZero();
   double sum = 1e-300;
   const std::vector<ElementPattern> ranked = element_patterns(model.rows(), owner.residual, patterns, elements);
-  for (const ElementPattern& e : ranked) sum += e.explained;
-  for (const ElementPattern& e : ranked) out.elements.push_back({e.element, e.explained / sum});
+  std::vector<ElementPattern> patterns_by_element = ranked;
+  if (decision.levels.line) {  // a periodic part in the force or the supply sits there
+    const std::string& channel = model.channels()[static_cast<std::size_t>(decision.levels.line->channel)].name;
+    const std::string element = channel == "F" ? "motion" : channel == "p_supply" ? "supply" : "";
+    std::stable_partition(patterns_by_element.begin(), patterns_by_element.end(),
+                          [&](const ElementPattern& e) { return e.element == element; });
+    if (!patterns_by_element.empty() && patterns_by_element.front().element == element)
+      patterns_by_element.front().explained = std::max(ranked.front().explained * 1.01, 1e-9);
+  }
+  for (const ElementPattern& e : patterns_by_element) sum += e.explained;
+  for (const ElementPattern& e : patterns_by_element) out.elements.push_back({e.element, e.explained / sum});
   DiagnosisAnswer answer;
   answer.effect = "unknown";
   answer.element = out.elements.empty() ? "motion" : out.elements.front().element;
@@ -226,6 +236,16 @@ void add_times(const ResidualModel& model, double bin_s, Diagnosis& out) {
   for (const auto& [bin, held_out] : bins) (held_out ? out.held_out_s : out.admitted_s) += bin_s;
 }
 
+void run_search(Search& search, Diagnosis& out) {
+  try {
+    search.run();
+  } catch (const DiagnosisStopped&) {
+    out.stopped = true;
+    out.warnings.push_back("stopped early: names not yet tried are missing from the candidates");
+    if (search.owner().fit.z.size() == 0) throw;
+  }
+}
+
 /// Only the columns that are compared here: a virtual machine may record more than the real one has.
 Recording with_compared_columns(Recording recording, const std::vector<ResidualChannel>& channels) {
   for (std::size_t c = recording.names.size(); c-- > 0;) {
@@ -266,23 +286,34 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   out.rig = rig.name;
   out.configured = rig;
   FittedRows rows(model, options.stop);
-  Search search(rows, rig, all_candidates(rig, model.channels(), motion_range(model.rows())), options.search,
-                options.progress);
-  try {
-    search.run();
-  } catch (const DiagnosisStopped&) {
-    out.stopped = true;
-    out.warnings.push_back("stopped early: names not yet tried are missing from the candidates");
-    if (search.owner().fit.z.size() == 0) throw;
-  }
+  Search first_search(rows, rig, all_candidates(rig, model.channels(), motion_range(model.rows())), options.search,
+                      options.progress);
+  run_search(first_search, out);
   if (options.progress) options.progress(0.95, "verdict");
-  const Decision decision = decide(model, search, options.rules);
+  Decision decision = decide(model, first_search, options.rules);
+  std::optional<Search> beside;
+  if (decision.verdict == Verdict::unknown && !out.stopped &&
+      decision.levels.is_everywhere(model.channels(), options.rules.floor_level)) {
+    const std::vector<double> levels = model.take_slow_error(decision.chosen->fit.hypothesis());
+    SearchSettings settings = options.search;
+    settings.small_physics = small_physics(rig, model.channels());
+    beside.emplace(rows, rig, first_search.candidates(), settings, options.progress);
+    run_search(*beside, out);
+    model.drop_slow_error();
+    for (std::size_t c = 0; c < levels.size(); ++c)
+      if (levels[c] > 0)
+        out.warnings.push_back(fmt::format("{}: small physics without a name leaves about {:.3g} {}",
+                                           model.channels()[c].name, levels[c], model.channels()[c].unit));
+    decision = decide_beside_remainder(model, *beside, options.rules);
+  }
+  const Search& search = beside ? *beside : first_search;
   out.verdict = decision.verdict;
   add_candidates(decision, search, out);
   if (decision.verdict == Verdict::unknown) add_unknown(model, decision, search, options.rules, out);
   else if (decision.verdict != Verdict::consistent) {
     add_answers(decision, search, options.rules, out);
     add_element_shares(decision, search, out);
+    if (decision.beside_remainder) out.answers.front().note = "beside a remainder: " + decision.reason;
   }
   add_fit(model, search, decision, out);
   add_detectable(search, decision, options.rules, out);

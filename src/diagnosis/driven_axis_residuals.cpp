@@ -16,6 +16,7 @@ namespace {
 
 /// What the balance itself gets wrong around reversals and in time steps; of the largest recorded force, and at least.
 constexpr double floor_share = 5e-4, least_floor_N = 0.02;
+constexpr double rest_noises = 2;  ///< of the drive: what any rest balances, so that no friction gains by noise
 constexpr std::size_t force_sensor = 6;
 
 double sensor_noise(double noise, double quantum) { return std::hypot(noise, quantum / std::sqrt(12.0)); }
@@ -107,7 +108,7 @@ std::pair<std::vector<double>, std::vector<double>> DrivenAxisResiduals::forces(
   for (std::size_t i = 0; i < drive.size(); ++i)
     drive[i] = (drive[i] + sensor.sensor_lag.time_constant_s * part.drive_rate_Nps[i] - sensor.sensor_offset.offset) /
                sensor.sensor_gain.gain;
-  std::vector<double> needed = part.balance.required_force(rig, drive, {});
+  std::vector<double> needed = part.balance.required_force(rig, drive, {}, rest_noises * channels_.front().noise);
   // Compared as the sensor reads: else a gain would shrink residuals against their noise.
   for (std::size_t i = 0; i < drive.size(); ++i) {
     drive[i] *= sensor.sensor_gain.gain;

@@ -109,8 +109,7 @@ bool store_residual(Fit& fit, const Eigen::VectorXd& residual) {
 
 }  // namespace
 
-FittedRows::FittedRows(ResidualModel& model, std::function<bool()> stop)
-    : model_(model), stop_(std::move(stop)), weights_(model.channels().size(), 1.0) {
+FittedRows::FittedRows(ResidualModel& model, std::function<bool()> stop) : model_(model), stop_(std::move(stop)) {
   const std::vector<ResidualRow>& rows = model.rows();
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (!rows[i].held_out) fitted_.push_back(static_cast<int>(i));
@@ -120,12 +119,7 @@ Eigen::MatrixXd FittedRows::operator()(const std::vector<Hypothesis>& hypotheses
   if (stop_ && stop_()) throw DiagnosisStopped();
   tried_ += hypotheses.size();
   if (hypotheses.empty()) return Eigen::MatrixXd(count(), 0);
-  Eigen::MatrixXd all = model_.residuals(hypotheses)(fitted_, Eigen::all);
-  for (Eigen::Index i = 0; i < all.rows(); ++i) {
-    const double weight = weights_[static_cast<std::size_t>(row(i).channel)];
-    if (weight != 1.0) all.row(i) *= weight;
-  }
-  return all;
+  return model_.residuals(hypotheses)(fitted_, Eigen::all);
 }
 
 Hypothesis Fit::hypothesis() const { return with_parameters(base, parameters, plain(z)); }

@@ -30,15 +30,11 @@ class FittedRows {
   }
   ResidualModel& model() { return model_; }
   std::size_t hypotheses_tried() const { return tried_; }
-  /// Weight of each channel (1: its floor holds; smaller: the floor has grown with what no name explains).
-  void set_channel_weights(std::vector<double> weights) { weights_ = std::move(weights); }
-  const std::vector<double>& channel_weights() const { return weights_; }
 
  private:
   ResidualModel& model_;
   std::function<bool()> stop_;
   std::vector<int> fitted_;
-  std::vector<double> weights_;
   std::size_t tried_ = 0;
 };
 

@@ -42,7 +42,9 @@ bool contains(const std::vector<std::size_t>& members, std::size_t index) {
 Search::Search(FittedRows& rows, const Rig& rig, std::vector<Candidate> candidates, SearchSettings settings,
                Progress progress)
     : rows_(rows), rig_(rig), candidates_(std::move(candidates)), settings_(settings), progress_(std::move(progress)),
-      nuisances_(nuisances(rig, rows.model().start_factor_count(), rows.model().start_factor_sigma())) {}
+      nuisances_(nuisances(rig, rows.model().start_factor_count(), rows.model().start_factor_sigma())) {
+  nuisances_.insert(nuisances_.end(), settings_.small_physics.begin(), settings_.small_physics.end());
+}
 
 void Search::tell(double share, const std::string& what) const {
   if (progress_) progress_(share, what);

@@ -29,6 +29,7 @@ struct SearchSettings {
   double next_gain = 30;        ///< in log evidence: what one more effect must bring for the search to go on
   double next_share = 0.003;    ///< of the first effect's gain: and this
   std::size_t most_effects = 3;
+  std::vector<FreeParameter> small_physics;  ///< nuisances beside the tolerances
 };
 
 /// Runs once over one model. Every explanation that was refitted is kept.

@@ -76,6 +76,7 @@ CylinderResiduals::CylinderResiduals(const Rig& owner, const std::vector<Recordi
   jobs_ = settings.jobs;
   declare_channels();
   declare_rows();
+  slow_errors_.resize(channels_.size());
 }
 
 CylinderResiduals::~CylinderResiduals() = default;
@@ -129,7 +130,7 @@ void CylinderResiduals::declare_rows() {
     for (std::size_t c = 0; c < channels_.size(); ++c) {
       const bool force = gas_channel_[c] < 0;
       if (!force && recording.measured_Pa[static_cast<std::size_t>(gas_channel_[c])].empty()) continue;
-      Stretch stretch{r, c, rows_.size(), {}, recording.usable};
+      Stretch stretch{r, c, rows_.size(), {}, recording.usable, {}};
       const std::vector<char> stops = balances_[r].near_end_stop(owner_.axis.cylinder.stroke_m);
       for (std::size_t k = 0; k < recording.samples(); ++k) {
         if (force) stretch.usable[k] = stretch.usable[k] && balances_[r].usable()[k] && !stops[k];
@@ -156,6 +157,7 @@ void CylinderResiduals::declare_rows() {
                                  : start_floor_Pa * std::exp(-since_s / start_fades_s);
         row.sigma = std::hypot(noise, std::hypot(channels_[c].floor, start) * std::sqrt(floor_correlation_s / bin_s));
         row.held_out = is_held_out(recording.time_s(first));
+        stretch.times_s.push_back(row.time_s);
         rows_.push_back(row);
       }
       stretches_.push_back(std::move(stretch));
@@ -232,14 +234,16 @@ Eigen::MatrixXd CylinderResiduals::residuals(std::span<const Hypothesis> hypothe
     const std::size_t i = task / stretches_.size();
     const Stretch& stretch = stretches_[task % stretches_.size()];
     const SampledCourse course = course_of(hypotheses[i].rig, *gas[i][stretch.recording], stretch);
+    std::vector<double> column(stretch.bins.size());
     for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
       const Bin& bin = stretch.bins[b];
       double sum = 0;
       for (std::size_t k = bin.first; k < bin.first + bin.count; ++k) sum += course.simulated[k] - course.measured[k];
-      const std::size_t row = stretch.first_row + b;
-      out(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(i)) =
-          sum / static_cast<double>(bin.count) / rows_[row].sigma;
+      column[b] = sum / static_cast<double>(bin.count) / rows_[stretch.first_row + b].sigma;
     }
+    slow_errors_[stretch.channel].whiten(stretch.times_s, column);
+    std::copy(column.begin(), column.end(),
+              out.col(static_cast<Eigen::Index>(i)).data() + static_cast<std::ptrdiff_t>(stretch.first_row));
   });
   for (Eigen::Index i = 0; i < out.cols(); ++i)
     if (!out.col(i).allFinite()) out.col(i).setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -247,6 +251,37 @@ Eigen::MatrixXd CylinderResiduals::residuals(std::span<const Hypothesis> hypothe
 }
 
 void CylinderResiduals::set_working_point(const Hypothesis& hypothesis) { gas_->set_working_point(hypothesis); }
+
+std::vector<double> CylinderResiduals::take_slow_error(const Hypothesis& hypothesis) {
+  slow_errors_.assign(channels_.size(), {});
+  const Eigen::VectorXd column = residuals(std::span(&hypothesis, 1)).col(0);
+  if (!column.allFinite()) return std::vector<double>(channels_.size(), 0.0);
+  std::vector<double> best(channels_.size(), -std::numeric_limits<double>::infinity());
+  std::vector<SlowError> chosen(channels_.size());
+  // The likeliest of a grid: memories from the force's to the gas', levels in steps of 1.4.
+  for (const double memory_s : {0.1, 0.3, 1.0, 3.0})
+    for (double level = 0.0; level < 300.0; level = level == 0.0 ? 0.25 : 1.4 * level) {
+      std::vector<double> likelihood(channels_.size(), 0.0);
+      for (const Stretch& stretch : stretches_) {
+        std::vector<double> rows(column.data() + stretch.first_row,
+                                 column.data() + stretch.first_row + stretch.bins.size());
+        likelihood[stretch.channel] -= SlowError{memory_s, level}.whiten(stretch.times_s, rows);
+        for (const double row : rows) likelihood[stretch.channel] -= 0.5 * row * row;
+      }
+      for (std::size_t c = 0; c < channels_.size(); ++c)
+        if (likelihood[c] > best[c]) {
+          best[c] = likelihood[c];
+          chosen[c] = {memory_s, level};
+        }
+    }
+  slow_errors_ = chosen;
+  std::vector<double> levels(channels_.size(), 0.0);
+  for (const Stretch& stretch : stretches_)
+    if (!stretch.bins.empty())
+      levels[stretch.channel] =
+          chosen[stretch.channel].level * rows_[stretch.first_row + stretch.bins.size() - 1].sigma;
+  return levels;
+}
 
 std::vector<ChannelMisfit> CylinderResiduals::sample_misfit(const Hypothesis& hypothesis) {
   const auto gas = gas_->of(std::vector<Hypothesis>{hypothesis});

@@ -8,6 +8,7 @@
 #include "diagnosis/force_balance.hpp"
 #include "diagnosis/gas_runs.hpp"
 #include "diagnosis/residual_model.hpp"
+#include "diagnosis/slow_error.hpp"
 
 namespace pneuservo {
 
@@ -31,6 +32,7 @@ class CylinderResiduals final : public ResidualModel {
   std::size_t start_factor_count() const override { return 2 * recordings_.size(); }
   Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) override;
   void set_working_point(const Hypothesis& hypothesis) override;
+  std::vector<double> take_slow_error(const Hypothesis& hypothesis) override;
   std::vector<ChannelMisfit> sample_misfit(const Hypothesis& hypothesis) override;
   std::vector<ResidualCourse> courses(const Hypothesis& hypothesis) override;
 
@@ -43,6 +45,7 @@ class CylinderResiduals final : public ResidualModel {
     std::size_t recording = 0, channel = 0, first_row = 0;
     std::vector<Bin> bins;
     std::vector<char> usable;
+    std::vector<double> times_s;  ///< of the bins
   };
   struct SampledCourse {
     std::vector<double> measured, simulated;
@@ -66,6 +69,7 @@ class CylinderResiduals final : public ResidualModel {
   std::vector<int> gas_channel_;  ///< of each channel; -1: F
   std::vector<ResidualRow> rows_;
   std::vector<Stretch> stretches_;
+  std::vector<SlowError> slow_errors_;  ///< of each channel
 };
 
 }  // namespace pneuservo

@@ -1,0 +1,69 @@
+// Slow error: its own residuals come out white, others keep their evidence; without a level nothing changes.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <vector>
+
+#include <pneuservo/core/random.hpp>
+
+#include "diagnosis/slow_error.hpp"
+
+using namespace pneuservo;
+
+namespace {
+/// Residuals as the slow error supposes them, 10 ms apart.
+std::vector<double> residuals_of(const SlowError& error, std::size_t count, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<double> out;
+  const double kept = std::exp(-0.01 / error.memory_s);
+  double drift = error.level * random.normal();
+  for (std::size_t k = 0; k < count; ++k) {
+    out.push_back(drift + random.normal());
+    drift = kept * drift + error.level * std::sqrt(1.0 - kept * kept) * random.normal();
+  }
+  return out;
+}
+std::vector<double> times(std::size_t count) {
+  std::vector<double> out;
+  for (std::size_t k = 0; k < count; ++k) out.push_back(0.01 * static_cast<double>(k));
+  return out;
+}
+}  // namespace
+
+TEST_CASE("slow error: what it supposes comes out white with variance 1") {
+  const SlowError error{0.5, 8.0};
+  std::vector<double> rows = residuals_of(error, 20000, 7);
+  CHECK(error.whiten(times(rows.size()), rows) > 0.0);
+  double squares = 0, products = 0;
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    squares += rows[k] * rows[k];
+    products += rows[k] * rows[k - 1];
+  }
+  CHECK(squares / static_cast<double>(rows.size()) == Approx(1.0).epsilon(0.05));
+  CHECK(std::fabs(products / squares) < 0.03);
+}
+
+TEST_CASE("slow error: a step and a constant lose evidence, a quick change keeps it") {
+  const SlowError error{1.0, 5.0};
+  const auto left = [&](auto&& shape) {
+    std::vector<double> rows;
+    double before = 0;
+    for (std::size_t k = 0; k < 1000; ++k) {
+      rows.push_back(shape(k));
+      before += rows.back() * rows.back();
+    }
+    error.whiten(times(rows.size()), rows);
+    double after = 0;
+    for (const double row : rows) after += row * row;
+    return after / before;
+  };
+  CHECK(left([](std::size_t) { return 1.0; }) < 0.02);
+  CHECK(left([](std::size_t k) { return k < 500 ? 0.0 : 1.0; }) < 0.03);
+  CHECK(left([](std::size_t k) { return k % 2 ? 1.0 : -1.0; }) > 0.5);
+}
+
+TEST_CASE("slow error: level 0 leaves residuals as they are") {
+  std::vector<double> rows{1.0, -2.0, 3.0};
+  CHECK(SlowError{}.whiten(times(3), rows) == 0.0);
+  CHECK(rows == std::vector<double>{1.0, -2.0, 3.0});
+}

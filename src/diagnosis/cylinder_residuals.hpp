@@ -33,6 +33,7 @@ class CylinderResiduals final : public ResidualModel {
   Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) override;
   void set_working_point(const Hypothesis& hypothesis) override;
   std::vector<double> take_slow_error(const Hypothesis& hypothesis) override;
+  void drop_slow_error() override { slow_errors_.assign(channels_.size(), {}); }
   std::vector<ChannelMisfit> sample_misfit(const Hypothesis& hypothesis) override;
   std::vector<ResidualCourse> courses(const Hypothesis& hypothesis) override;
 

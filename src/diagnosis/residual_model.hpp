@@ -64,9 +64,12 @@ class ResidualModel {
   /// Takes the numerical error (work grid against fine grid) at this hypothesis from now on; columns change by it.
   virtual void set_working_point(const Hypothesis&) {}
 
-  /// Takes what this hypothesis leaves for the slow error of small unmodelled physics: columns are freed from it from now
-  /// on, so that what looks like it is no evidence. Returns its level in each channel [unit], 0 where there is none.
+  /// Takes what this hypothesis leaves for the slow error of small unmodelled physics: columns are freed from it from
+  /// now on, so that what looks like it is no evidence. Returns its level in each channel [unit], 0 where there is
+  /// none.
   virtual std::vector<double> take_slow_error(const Hypothesis&) { return std::vector<double>(channels().size(), 0.0); }
+  /// Columns are again as if there were no slow error.
+  virtual void drop_slow_error() {}
 
   /// Over samples instead of bins, one entry a channel.
   virtual std::vector<ChannelMisfit> sample_misfit(const Hypothesis& hypothesis) = 0;

@@ -19,11 +19,14 @@ namespace fs = std::filesystem;
 
 TEST_CASE("every config of the project reads and is named as its file") {
   const std::vector<fs::path> files = test::config_files();
-  REQUIRE(files.size() == 19);
+  int of_the_thesis = 0;
   for (const fs::path& file : files) {
     INFO(file);
     const Rig rig = read_rig(file);
     REQUIRE(rig.name == file.stem().string());
+    const std::string folder = file.parent_path().filename().string();
+    if (rig.kind != RigKind::cylinder || folder == "can") continue;
+    ++of_the_thesis;
     const std::string lines =
         fmt::format("{:g}m-{:.2f}mm", rig.axis.line_1.length_m, 1000 * rig.axis.line_1.diameter_m);
     REQUIRE(rig.name.ends_with(lines));
@@ -34,6 +37,7 @@ TEST_CASE("every config of the project reads and is named as its file") {
     REQUIRE(rig.reference.amplitude_m == 0.08);
     REQUIRE(rig.tolerances.size() == 12);
   }
+  REQUIRE(of_the_thesis == 19);
 }
 
 TEST_CASE("every rig of the shared data reads") {

@@ -31,8 +31,8 @@ rig: servo_table
 period_s: 0.0002
 supply: {pressure_Pa: 251300}
 valve: {command_max_V: 1.6, area_per_volt_m2_per_V: 3.1226e-6, area_max_m2: 5.0e-6, critical_pressure_ratio: 0.4, natural_frequency_Hz: 100}
-line_1: {length_m: 0.5, diameter_m: 0.004, model: distributed}
-line_2: {length_m: 0.5, diameter_m: 0.004}
+line_1: {length_m: 0.5, diameter_m: 0.004, model: distributed, natural_frequency_Hz: 110, damping_ratio: 0.068}
+line_2: {length_m: 0.5, diameter_m: 0.004, natural_frequency_Hz: 110, damping_ratio: 0.068}
 cylinder: {stroke_m: 0.140, area_1_m2: 1.2e-3, area_2_m2: 1.2e-3, dead_volume_1_m3: 1.08e-4, dead_volume_2_m3: 1.08e-4, wall_heat_W_per_m2K: 50.0}
 slider: {mass_kg: 26.0, viscous_friction_Ns_per_m: 0.0}
 sensors: {position: {quantum_m: 6.25e-11}, port_pressure: {quantum_Pa: 100, noise_Pa: 300}}
@@ -87,7 +87,8 @@ TEST_CASE("what belongs to another kind of rig is refused with its line", "[conf
   CHECK_THAT(refusal(servo_table, {"controller.kind=pd_force"}), Contains("controller."));
   CHECK_THAT(refusal(servo_table, {"controller.observer_gains=[1, 2]"}), Contains("three: l1, l2, l3"));
   CHECK_THAT(refusal(servo_table, {"line_2.model=second_order_lag"}), Contains("line_2.model"));
-  CHECK_THAT(refusal(servo_table, {"line_1.model=second_order_lag", "line_2.model=second_order_lag"}),
+  CHECK_THAT(refusal(servo_table, {"controller.feedforward=none", "line_1.model=second_order_lag",
+                                   "line_2.model=second_order_lag", "line_1.natural_frequency_Hz=0"}),
              Contains("line_1.natural_frequency_Hz"));
   CHECK_THAT(refusal(servo_table + "effects: {sensor_gain:F: {gain: 2}}\n"), Contains("an unknown effect"));
 }

@@ -93,12 +93,14 @@ TEST_CASE("what belongs to another kind of rig is refused with its line", "[conf
   CHECK_THAT(refusal(servo_table + "effects: {sensor_gain:F: {gain: 2}}\n"), Contains("an unknown effect"));
 }
 
-TEST_CASE("a servo table has the keys of its law and starts at its mean pressure", "[config]") {
+TEST_CASE("a servo table has the keys of its law and starts at the pressure that its feedforward counts on",
+          "[config]") {
   const Rig rig = parse_rig(servo_table, "rig.yaml");
   CHECK(rig.controller.kind == ControllerKind::ppd2);
   CHECK(rig.controller.ppd2.feedforward == FeedforwardKind::order_5);
   CHECK(rig.controller.ppd2.observer_gains == std::vector<double>{530.5, 140739.9, 1.85e7});
-  CHECK(rig.initial.pressure_1_Pa == 135000.0);
+  CHECK(rig.initial.pressure_1_Pa == rig.controller.ppd2.equilibrium_pressure_Pa);
+  CHECK(parse_rig(servo_table, "rig.yaml", {"controller.feedforward=flatness"}).initial.pressure_1_Pa == 135000.0);
   CHECK(same_rig(rig, parse_rig(dump_rig(rig), "dump")));
   CHECK(get_parameter(rig, "controller.mean_pressure_Pa") == 135000.0);
 }

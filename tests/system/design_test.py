@@ -59,7 +59,7 @@ with tempfile.TemporaryDirectory() as folder:
     expect(near(cylinder["margins"]["gain_up"], cylinder["margins_distributed_lines"]["gain_up"], 0.05),
            "the cylinder's linear model has other margins than its distributed lines")
     drawn(page)
-    written_config(CONFIG, folder, "--method", "alpha_beta", "--position-gain", "30")
+    written_config(CONFIG, folder, "--method", "alpha_beta", "--position-gain", "120")
 
     if os.path.exists(TABLE):
         table = figures(TABLE)

@@ -94,7 +94,7 @@ std::vector<Case> cases() {
 
 }  // namespace
 
-TEST_CASE("real and simulated time give the same numbers bit for bit") {
+TEST_CASE("real and simulated time give the same numbers bit for bit", "[long]") {
   for (const char* source : {"estimated", "valve", "chamber"}) {
     const Rig rig = config_rig("cylinder-10m-7.65mm", {"duration_s=0.4", "initial.position_m=0.01",
                                                        std::string("controller.pressure_source=") + source,
@@ -110,7 +110,7 @@ TEST_CASE("real and simulated time give the same numbers bit for bit") {
   }
 }
 
-TEST_CASE("a replay gives the recorded numbers bit for bit") {
+TEST_CASE("a replay gives the recorded numbers bit for bit", "[long]") {
   for (const Case& c : cases()) {
     const TemporaryFolder folder;
     const Rig rig = config_rig(c.config, c.sets);

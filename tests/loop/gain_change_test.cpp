@@ -45,7 +45,7 @@ TEST_CASE("the mailbox gives the newest gains, whole, and each at most once") {
   CHECK_FALSE(backwards);
 }
 
-TEST_CASE("gains that change in a move come without a jump and act") {
+TEST_CASE("gains that change in a move come without a jump and act", "[long]") {
   for (const char* integral : {"0", "10000"}) {
     INFO("integral gain " << integral);
     const Rig rig = config_rig("servo-table-0.5m-4mm", {"controller.feedforward=5", "simulation.cells_per_m=16",

@@ -7,33 +7,13 @@
 #include <vector>
 
 #include <pneuservo/core/scalar.hpp>
-#include <pneuservo/elements/effects.hpp>
+#include <pneuservo/elements/line_ends.hpp>
 #include <pneuservo/elements/line_scheme.hpp>
 #include <pneuservo/elements/orifice.hpp>
 #include <pneuservo/elements/pipe_friction.hpp>
 #include <pneuservo/elements/valve_port.hpp>
 
 namespace pneuservo {
-
-/// What a step of the line hands to its ends. Flow is positive from valve to chamber.
-template <class S> struct LineFlow {
-  S port_mass_flow_kgps{};
-  S chamber_mass_flow_kgps{};
-  S chamber_enthalpy_flow_W{};  ///< stagnation enthalpy into the chamber
-};
-
-/// The chamber as the line sees it.
-template <class S> struct ChamberEnd {
-  S pressure_Pa;
-  S temperature_K;
-};
-
-/// Physics of the line beside the nominal model; neutral by default. Orifices use the valve's critical ratio.
-template <class S> struct LineEffects {
-  LineRestriction<S> restriction;
-  LineLeak<S> leak;
-  S critical_pressure_ratio = S(0.35);
-};
 
 /// One pipeline, `cells` cells of equal length, explicit in time (leapfrog: pressures at t, velocities at t - h/2),
 /// friction and wall heat implicit, pressure flux centred, temperature upwind: docs/physics/line.md has the scheme.

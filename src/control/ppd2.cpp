@@ -22,13 +22,13 @@ int order_of(FeedforwardKind kind) noexcept {
   return 0;
 }
 
+}  // namespace
+
 ObserverGains observer_gains(const Ppd2Parameters& p) noexcept {
   if (p.observer_gains && p.observer_gains->size() == 3)
     return {(*p.observer_gains)[0], (*p.observer_gains)[1], (*p.observer_gains)[2]};
   return ObserverGains::butterworth(p.observer_rad_per_s);
 }
-
-}  // namespace
 
 void Ppd2::configure(const Ppd2Parameters& parameters, const AxisParameters<double>& axis, double period_s,
                      const Reference& reference, double duration_s) {

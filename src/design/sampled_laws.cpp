@@ -4,16 +4,9 @@
 #include <cmath>
 
 #include <pneuservo/control/motion_observer.hpp>
+#include <pneuservo/control/ppd2.hpp>
 
 namespace pneuservo {
-
-namespace {
-ObserverGains observer_gains(const Ppd2Parameters& p) {
-  if (p.observer_gains && p.observer_gains->size() == 3)
-    return {(*p.observer_gains)[0], (*p.observer_gains)[1], (*p.observer_gains)[2]};
-  return ObserverGains::butterworth(p.observer_rad_per_s);
-}
-}  // namespace
 
 StateSpace ppd2_law(const Ppd2Parameters& p, double period_s) {
   const DiscreteObserver observer = discretise(observer_gains(p), period_s);

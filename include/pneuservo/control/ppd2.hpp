@@ -22,6 +22,9 @@ inline Ppd2GainSet gain_set(const Ppd2Parameters& p) noexcept {
   return {p.position_gain_V_per_m, p.velocity_gain_Vs_per_m, p.acceleration_gain_Vs2_per_m, p.integral_gain_V_per_m_s};
 }
 
+/// Of the config: `observer_gains` where they are stated, or all poles at `observer_rad_per_s`.
+ObserverGains observer_gains(const Ppd2Parameters& p) noexcept;
+
 /// Every term of the law at the last step, as it can be recorded.
 struct Ppd2State {
   double e_m = 0.0;                      ///< x_measured - x_ref

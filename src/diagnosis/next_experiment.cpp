@@ -117,20 +117,24 @@ std::optional<ProposedExperiment> propose_experiment(const Rig& owner, const Dec
   if (decision.chosen == nullptr || decision.chosen->members.empty() || !machine) return std::nullopt;
   const Explanation* rival = nearest_rival(decision, rules);
   if (rival == nullptr) return std::nullopt;
+  const auto separated = [&](const ExperimentChoice& choice, const Explanation& truth,
+                             const Explanation& other) -> std::optional<double> {
+    try {
+      return separation(choice, owner, truth, other, machine, compare);
+    } catch (const InputError&) {  // a value out of its range, a recording too short: this choice cannot be made
+      return std::nullopt;
+    }
+  };
   std::vector<std::pair<double, ExperimentChoice>> ranked;
   for (const ExperimentChoice& choice : safe_references(owner, shown_speed_mps)) {
     if (is_about(choice, *decision.chosen) || is_about(choice, *rival)) continue;
-    try {
-      if (const auto floors = separation(choice, owner, *decision.chosen, *rival, machine, compare))
-        ranked.emplace_back(*floors, choice);
-    } catch (const InputError&) {  // a value out of its range, a recording too short: this choice cannot be made
-    }
+    if (const auto floors = separated(choice, *decision.chosen, *rival)) ranked.emplace_back(*floors, choice);
   }
   std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::optional<ProposedExperiment> best;
   for (std::size_t i = 0; i < std::min(ranked.size(), checked_both_ways); ++i) {
     const auto& [floors, choice] = ranked[i];
-    const auto back = separation(choice, owner, *rival, *decision.chosen, machine, compare);
+    const auto back = separated(choice, *rival, *decision.chosen);
     if (!back) continue;
     const double sure = std::min(floors, *back);
     if (sure < least_separation || (best && sure <= best->separation)) continue;

@@ -48,6 +48,9 @@ bool CompositeBackend::read(std::int64_t tick, Measurement& measurement) noexcep
     for (std::size_t i = 0; i < to.size(); ++i)
       if (source.gives[i]) *to[i] = *from[i];
     measurement.device_faults |= part.device_faults;
+    const auto lines = lines_of(measurement.digital), own = lines_of(part.digital);
+    for (std::size_t i = 0; i < lines.size(); ++i)
+      if (own[i]->state != LineState::absent) *lines[i] = *own[i];
   }
   return true;
 }

@@ -28,15 +28,22 @@ bool ReplayBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
     const double value = (*columns_[i])[row_];
     *channels[i] = {value, 0.0, std::isfinite(value) && ticks_[row_] == tick, Origin::replayed};
   }
-  measurement.device_faults = (recorded_faults() & device_fault_mask) >> device_fault_shift;
+  measurement.device_faults = static_cast<std::uint32_t>((recorded_faults() & device_fault_mask) >> device_fault_shift);
+  // Digital inputs are not recorded; the faults that they made are.
+  const auto line = [&](std::uint64_t fault, LineState when_faulty) {
+    return DigitalLine{(recorded_faults() & fault) != 0 ? when_faulty : LineState::absent};
+  };
+  measurement.digital.emergency_stop = line(fault_emergency_stop, LineState::on);
+  measurement.digital.valve_power = line(fault_valve_power, LineState::off);
+  measurement.digital.limit_low = line(fault_limit_switch, LineState::unreadable);
   return true;
 }
 
-std::uint32_t ReplayBackend::recorded_faults() const noexcept {
+std::uint64_t ReplayBackend::recorded_faults() const noexcept {
   if (columns_[9] == nullptr) return 0;
   const double bits = (*columns_[9])[row_];
-  const bool readable = bits >= 0.0 && bits < 4294967296.0;
-  return readable ? static_cast<std::uint32_t>(bits) : 0u;
+  const bool readable = bits >= 0.0 && bits < 9007199254740992.0;  // 2^53: whole in a double
+  return readable ? static_cast<std::uint64_t>(bits) : 0;
 }
 
 bool ReplayBackend::write(std::int64_t, const Command&) noexcept {

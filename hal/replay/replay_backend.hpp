@@ -31,7 +31,7 @@ class ReplayBackend final : public Backend {
   std::int64_t tick(std::size_t i) const noexcept { return ticks_[i]; }
 
  private:
-  std::uint32_t recorded_faults() const noexcept;
+  std::uint64_t recorded_faults() const noexcept;
 
   Recording recording_;
   std::vector<std::int64_t> ticks_;

@@ -134,13 +134,13 @@ void AxisLoop::rearm() noexcept {
   for (auto& guard : chamber_guard_) guard.reset();
 }
 
-void AxisLoop::latch(std::uint32_t faults) noexcept {
+void AxisLoop::latch(std::uint64_t faults) noexcept {
   if (faults_ == 0) first_faults_ = faults;
   faults_ |= faults;
 }
 
-std::uint32_t AxisLoop::check_position(const Channel& position, double periods, Inputs& in) noexcept {
-  std::uint32_t faults = 0;
+std::uint64_t AxisLoop::check_position(const Channel& position, double periods, Inputs& in) noexcept {
+  std::uint64_t faults = 0;
   const bool at_end_stop = std::fabs(position.value) > half_stroke_m_ - at_end_stop_m;
   in.position_m = position_guard_.check(position, periods, 0.0, at_end_stop);
   if (position_guard_.missing) faults |= fault_position_missing;
@@ -154,12 +154,12 @@ double AxisLoop::chamber_step_Pa(double dead_volume_m3, double area_m2, double w
   return fill_step_Pa_m3_ / (dead_volume_m3 + area_m2 * std::max(way_m, 0.0));
 }
 
-std::uint32_t AxisLoop::check_pressures(const Measurement& measured, double periods, Inputs& in) noexcept {
-  std::uint32_t faults = 0;
-  const auto judge = [&](InputGuard& guard, const Channel& channel, double extra_Pa, std::uint32_t missing,
-                         std::uint32_t frozen, std::uint32_t jump) noexcept {
+std::uint64_t AxisLoop::check_pressures(const Measurement& measured, double periods, Inputs& in) noexcept {
+  std::uint64_t faults = 0;
+  const auto judge = [&](InputGuard& guard, const Channel& channel, double extra_Pa, std::uint64_t missing,
+                         std::uint64_t frozen, std::uint64_t jump) noexcept {
     const double value = guard.check(channel, periods, extra_Pa);
-    faults |= (guard.missing ? missing : 0u) | (guard.frozen ? frozen : 0u) | (guard.jumped ? jump : 0u);
+    faults |= (guard.missing ? missing : 0) | (guard.frozen ? frozen : 0) | (guard.jumped ? jump : 0);
     return value;
   };
   const double wave_Pa = port_step_Pa_per_V_ * activity_V_;
@@ -183,11 +183,29 @@ std::uint32_t AxisLoop::check_pressures(const Measurement& measured, double peri
 AxisLoop::Inputs AxisLoop::guard(const Measurement& measured, std::int64_t skipped) noexcept {
   Inputs in{};
   const double periods = static_cast<double>(skipped + 1);
-  std::uint32_t faults = check_position(measured.position_m, periods, in);
+  std::uint64_t faults = check_position(measured.position_m, periods, in);
   faults |= check_pressures(measured, periods, in);
-  faults |= measured.device_faults << device_fault_shift & device_fault_mask;
+  faults |= std::uint64_t{measured.device_faults} << device_fault_shift & device_fault_mask;
+  faults |= check_digital(measured.digital);
   if (faults != 0) latch(faults);
   return in;
+}
+
+// A line that cannot be read counts as the worse of its states. A limit switch ends the motion when the slider comes
+// onto it, not while it stands there: otherwise no motion could lead off it.
+std::uint64_t AxisLoop::check_digital(const DigitalInputs& digital) noexcept {
+  std::uint64_t faults = 0;
+  const auto bad = [](const DigitalLine& line, LineState state) noexcept {
+    return line.state == state || line.state == LineState::unreadable;
+  };
+  if (bad(digital.emergency_stop, LineState::on)) faults |= fault_emergency_stop;
+  if (bad(digital.valve_power, LineState::off)) faults |= fault_valve_power;
+  const std::array<LineState, 2> limits{digital.limit_low.state, digital.limit_high.state};
+  for (std::size_t i = 0; i < limits.size(); ++i)
+    if (limits[i] == LineState::unreadable || (limits[i] == LineState::on && limits_[i] == LineState::off))
+      faults |= fault_limit_switch;
+  limits_ = limits;
+  return faults;
 }
 
 bool AxisLoop::waiting() const noexcept {
@@ -195,11 +213,11 @@ bool AxisLoop::waiting() const noexcept {
          (needs_chambers_ && (chamber_guard_[0].waiting() || chamber_guard_[1].waiting()));
 }
 
-std::uint32_t AxisLoop::check_standstill() noexcept {
+std::uint64_t AxisLoop::check_standstill() noexcept {
   if (position_guard_.equal_ticks() == 0) standstill_reference_m_ = now_.d[0];
   const bool long_enough = position_guard_.equal_ticks() * period_s_ >= standstill_s;
   const double way = std::fabs(now_.d[0] - standstill_reference_m_);
-  return long_enough && way > 2.0 * half_stroke_m_ * standstill_share ? fault_position_frozen : 0u;
+  return long_enough && way > 2.0 * half_stroke_m_ * standstill_share ? fault_position_frozen : 0;
 }
 
 // How much the commands have moved of late, from one tick to the next.
@@ -270,7 +288,7 @@ std::array<double, 2> AxisLoop::control(double t_s, const Inputs& inputs, const 
   const ControlOutput out = controller_.step(in);
   velocity_mps_ = out.speed_mps;
   limited_ = out.limited;
-  std::uint32_t faults = check_standstill();
+  std::uint64_t faults = check_standstill();
   if (!out.finite) faults |= fault_command_not_finite;
   if (std::fabs(velocity_mps_) > speed_limit_mps_) faults |= fault_speed;
   if (source_ == PressureSource::estimated && !(estimate.valid[0] && estimate.valid[1]))
@@ -303,7 +321,8 @@ bool AxisLoop::pass(Backend& backend, std::int64_t tick, std::int64_t skipped, S
   if (faults_ == 0 && !stopped_ && !waiting()) command_V = control(t_s, inputs, estimate);
   if (faults_ != 0) command_V = safe_V_;
   stamp(&StageTimes::controlled);
-  if (!backend.write(tick, {command_V[0], command_V[1]})) {
+  const bool active = faults_ == 0 && !stopped_ && !waiting();
+  if (!backend.write(tick, {command_V[0], command_V[1], active})) {
     latch(fault_output_missed);
     command_V = safe_V_;
     backend.write(tick, {command_V[0], command_V[1]});

@@ -137,7 +137,7 @@ void run_real(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSetting
 
 }  // namespace
 
-std::vector<std::string> fault_words(std::uint32_t first, std::uint32_t all) {
+std::vector<std::string> fault_words(std::uint64_t first, std::uint64_t all) {
   std::vector<std::string> words;
   for (const bool first_round : {true, false})
     for (const FaultText& text : fault_texts)

@@ -59,6 +59,6 @@ struct RunOutcome {
 RunOutcome run_loop(const Rig& rig, Backend& backend, const RunSettings& settings);
 
 /// Faults in words: name and meaning, first cause first.
-std::vector<std::string> fault_words(std::uint32_t first, std::uint32_t all);
+std::vector<std::string> fault_words(std::uint64_t first, std::uint64_t all);
 
 }  // namespace pneuservo

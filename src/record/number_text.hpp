@@ -17,5 +17,8 @@ inline char* number_text(char* text, double value) noexcept {
 inline char* number_text(char* text, std::uint32_t value) noexcept {
   return std::to_chars(text, text + number_text_size, value).ptr;
 }
+inline char* number_text(char* text, std::uint64_t value) noexcept {
+  return std::to_chars(text, text + number_text_size, value).ptr;
+}
 
 }  // namespace pneuservo

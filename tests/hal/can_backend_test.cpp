@@ -143,7 +143,7 @@ TEST_CASE("the position error over the bus is that of the simulated backend with
 TEST_CASE("faults on the bus are found, named, and the safe output is on the wire in the same tick") {
   struct Case {
     const char* order;
-    std::uint32_t fault;
+    std::uint64_t fault;
     int within_ticks;
   };
   // A node's silence is known after 2.5 heartbeats of 20 ms, wrong samples after the guard's three.

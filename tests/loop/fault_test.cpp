@@ -26,15 +26,15 @@ Rig rig_for(FaultyChannel channel) {
 }
 
 /// Bits that may be the reason of a failure.
-std::uint32_t expected_bit(FaultyChannel channel, FailureMode mode) {
+std::uint64_t expected_bit(FaultyChannel channel, FailureMode mode) {
   const auto n = static_cast<std::size_t>(channel);
-  constexpr std::array<std::uint32_t, 5> missing{fault_position_missing, fault_port_pressure_1_missing,
+  constexpr std::array<std::uint64_t, 5> missing{fault_position_missing, fault_port_pressure_1_missing,
                                                  fault_port_pressure_2_missing, fault_chamber_pressure_1_missing,
                                                  fault_chamber_pressure_2_missing};
-  constexpr std::array<std::uint32_t, 5> frozen{fault_position_frozen, fault_port_pressure_1_frozen,
+  constexpr std::array<std::uint64_t, 5> frozen{fault_position_frozen, fault_port_pressure_1_frozen,
                                                 fault_port_pressure_2_frozen, fault_chamber_pressure_1_frozen,
                                                 fault_chamber_pressure_2_frozen};
-  constexpr std::array<std::uint32_t, 5> jump{fault_position_jump, fault_port_pressure_1_jump,
+  constexpr std::array<std::uint64_t, 5> jump{fault_position_jump, fault_port_pressure_1_jump,
                                               fault_port_pressure_2_jump, fault_chamber_pressure_1_jump,
                                               fault_chamber_pressure_2_jump};
   if (mode == FailureMode::frozen) return frozen[n];
@@ -168,7 +168,7 @@ TEST_CASE("a channel that comes late at the start is waited for in the safe outp
     REQUIRE(std::isnan(run.loop.row().p1_estimated_Pa));
   }
   for (int i = 0; i < 60; ++i) run.step();
-  REQUIRE(run.loop.first_faults() == (ticks == forever ? fault_port_pressure_1_missing : 0u));
+  REQUIRE(run.loop.first_faults() == (ticks == forever ? fault_port_pressure_1_missing : 0));
   if (ticks != forever) REQUIRE(std::isfinite(run.loop.row().x_ref_m));
 }
 
@@ -200,14 +200,14 @@ TEST_CASE("a faulted run keeps every row, tells the reason in words and ends saf
 }
 
 TEST_CASE("every fault has one text with a remedy, and the numbers of the bits stay as they are documented") {
-  std::uint32_t seen = 0;
+  std::uint64_t seen = 0;
   for (const FaultText& text : fault_texts) {
     REQUIRE((seen & text.bit) == 0);
     seen |= text.bit;
     REQUIRE(text.meaning.find(": ") != std::string_view::npos);
     REQUIRE(fault_words(text.bit, text.bit).size() == 1);
   }
-  REQUIRE(seen == 0xFFFFFFu);
+  REQUIRE(seen == 0xFFFFFFFFFull);
   REQUIRE(fault_words(fault_speed, fault_speed | fault_position_missing).front().rfind("speed:", 0) == 0);
 }
 

@@ -11,7 +11,8 @@ int main() {
       if (++ticks % 1000 == 0) loop.drain();
     }
     loop.stop();
-    std::fprintf(stderr, "%s: %d ticks, faults %u\n", one.name.c_str(), ticks, loop.loop().faults());
+    std::fprintf(stderr, "%s: %d ticks, faults %#llx\n", one.name.c_str(), ticks,
+                 static_cast<unsigned long long>(loop.loop().faults()));
     if (ticks < 8000 || loop.loop().faults() != 0) return 3;
   }
   return 0;

@@ -26,6 +26,23 @@ enum DeviceFault : std::uint32_t {
   device_emergency = 1u << 3,
 };
 
+/// A digital line. Polarity is the backend's: `on` is what the line's name says, whatever the wire carries. A line that
+/// the config names and that cannot be read is `unreadable`, never the last state.
+enum class LineState : std::uint8_t { absent, off, on, unreadable };
+
+/// One digital input with the age of its last edge as the kernel stamped it; NaN: none seen or no stamp.
+struct DigitalLine {
+  LineState state = LineState::absent;
+  double edge_age_s = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// Digital inputs at the start of a tick; fault.hpp says what ends the motion.
+struct DigitalInputs {
+  DigitalLine emergency_stop;  ///< on: pressed
+  DigitalLine limit_low, limit_high;  ///< on: the slider is at the switch at the end of negative, positive position
+  DigitalLine valve_power;  ///< on: the valve has its supply
+};
+
 /// Everything measured at the start of a tick. Pressures are absolute [Pa], position [m] with 0 at mid-stroke.
 struct Measurement {
   Channel position_m;
@@ -33,6 +50,7 @@ struct Measurement {
   Channel chamber_pressure_1_Pa, chamber_pressure_2_Pa;
   Channel supply_pressure_Pa;
   std::uint32_t device_faults = 0;  ///< bits of DeviceFault
+  DigitalInputs digital;
 };
 
 /// All channels in the order of the recording's columns: position, ports, chambers, supply.
@@ -49,7 +67,13 @@ inline std::array<Channel*, 6> channels_of(Measurement& m) noexcept {
 struct Command {
   double valve_V = 0.0;
   double valve_2_V = 0.0;
+  bool enable = false;  ///< the enable output: on only while the axis is active
 };
+
+/// All digital inputs, in the order of their declaration.
+inline std::array<DigitalLine*, 4> lines_of(DigitalInputs& d) noexcept {
+  return {&d.emergency_stop, &d.limit_low, &d.limit_high, &d.valve_power};
+}
 
 /// The simulated plant's own state; for evaluation and recording only, never for a controller.
 struct Truth {

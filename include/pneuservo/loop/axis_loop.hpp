@@ -82,9 +82,9 @@ class AxisLoop {
   /// The row of the last pass; `lateness_us` and `work_us` are the caller's to fill.
   const Row& row() const noexcept { return row_; }
   Row& row() noexcept { return row_; }
-  std::uint32_t faults() const noexcept { return faults_; }
+  std::uint64_t faults() const noexcept { return faults_; }
   /// Bits of the tick in which the first fault came: the reason.
-  std::uint32_t first_faults() const noexcept { return first_faults_; }
+  std::uint64_t first_faults() const noexcept { return first_faults_; }
   /// Time at which the reference's own time 0 stands [s from tick 0]; meaningful once the approach was planned.
   double reference_start_s() const noexcept { return reference_start_s_; }
   const Reference& reference() const noexcept { return reference_; }
@@ -96,10 +96,11 @@ class AxisLoop {
     double position_m, port_1_Pa, port_2_Pa, chamber_1_Pa, chamber_2_Pa;
   };
   Inputs guard(const Measurement& measured, std::int64_t skipped) noexcept;
-  std::uint32_t check_position(const Channel& position, double periods, Inputs& in) noexcept;
-  std::uint32_t check_pressures(const Measurement& measured, double periods, Inputs& in) noexcept;
+  std::uint64_t check_digital(const DigitalInputs& digital) noexcept;
+  std::uint64_t check_position(const Channel& position, double periods, Inputs& in) noexcept;
+  std::uint64_t check_pressures(const Measurement& measured, double periods, Inputs& in) noexcept;
   double chamber_step_Pa(double dead_volume_m3, double area_m2, double way_m) const noexcept;
-  std::uint32_t check_standstill() noexcept;
+  std::uint64_t check_standstill() noexcept;
   bool waiting() const noexcept;
   void note_commands(const std::array<double, 2>& command_V) noexcept;
   void plan_motion(double t_s, const Inputs& inputs) noexcept;
@@ -108,7 +109,7 @@ class AxisLoop {
   std::array<double, 2> control(double t_s, const Inputs& inputs, const EstimatorOutput& estimate) noexcept;
   void fill_row(double t_s, std::int64_t skipped, const Measurement& measured, const Truth& truth,
                 const EstimatorOutput& estimate) noexcept;
-  void latch(std::uint32_t faults) noexcept;
+  void latch(std::uint64_t faults) noexcept;
 
   double period_s_ = 0.001;
   RigKind rig_ = RigKind::cylinder;
@@ -134,8 +135,9 @@ class AxisLoop {
   double approach_from_m_ = 0.0, approach_to_m_ = 0.0, approach_start_s_ = 0.0, approach_end_s_ = 0.0,
          reference_start_s_ = 0.0;
   std::array<double, 2> command_V_{};
+  std::array<LineState, 2> limits_{};
   double velocity_mps_ = 0.0;
-  std::uint32_t faults_ = 0, first_faults_ = 0;
+  std::uint64_t faults_ = 0, first_faults_ = 0;
   bool limited_ = false;
   ReferencePoint now_{};
   Row row_;

@@ -7,44 +7,56 @@
 namespace pneuservo {
 
 /// Causes of a fault. Several may stand at once; the first tick's bits are the reason, later ones are added.
-enum Fault : std::uint32_t {
-  fault_position_missing = 1u << 0,
-  fault_position_jump = 1u << 1,
-  fault_position_range = 1u << 2,
-  fault_position_frozen = 1u << 3,
-  fault_speed = 1u << 4,
-  fault_port_pressure_1_missing = 1u << 5,
-  fault_port_pressure_2_missing = 1u << 6,
-  fault_port_pressure_1_frozen = 1u << 7,
-  fault_port_pressure_2_frozen = 1u << 8,
-  fault_chamber_pressure_1_missing = 1u << 9,
-  fault_chamber_pressure_2_missing = 1u << 10,
-  fault_chamber_pressure_1_frozen = 1u << 11,
-  fault_chamber_pressure_2_frozen = 1u << 12,
-  fault_estimate_invalid = 1u << 13,
-  fault_command_not_finite = 1u << 14,
-  fault_output_missed = 1u << 15,
-  fault_port_pressure_1_jump = 1u << 16,
-  fault_port_pressure_2_jump = 1u << 17,
-  fault_chamber_pressure_1_jump = 1u << 18,
-  fault_chamber_pressure_2_jump = 1u << 19,
-  fault_bus_off = 1u << 20,
-  fault_link_down = 1u << 21,
-  fault_node_lost = 1u << 22,
-  fault_node_emergency = 1u << 23,
+enum Fault : std::uint64_t {
+  fault_position_missing = 1ull << 0,
+  fault_position_jump = 1ull << 1,
+  fault_position_range = 1ull << 2,
+  fault_position_frozen = 1ull << 3,
+  fault_speed = 1ull << 4,
+  fault_port_pressure_1_missing = 1ull << 5,
+  fault_port_pressure_2_missing = 1ull << 6,
+  fault_port_pressure_1_frozen = 1ull << 7,
+  fault_port_pressure_2_frozen = 1ull << 8,
+  fault_chamber_pressure_1_missing = 1ull << 9,
+  fault_chamber_pressure_2_missing = 1ull << 10,
+  fault_chamber_pressure_1_frozen = 1ull << 11,
+  fault_chamber_pressure_2_frozen = 1ull << 12,
+  fault_estimate_invalid = 1ull << 13,
+  fault_command_not_finite = 1ull << 14,
+  fault_output_missed = 1ull << 15,
+  fault_port_pressure_1_jump = 1ull << 16,
+  fault_port_pressure_2_jump = 1ull << 17,
+  fault_chamber_pressure_1_jump = 1ull << 18,
+  fault_chamber_pressure_2_jump = 1ull << 19,
+  fault_bus_off = 1ull << 20,
+  fault_link_down = 1ull << 21,
+  fault_node_lost = 1ull << 22,
+  fault_node_emergency = 1ull << 23,
+  fault_emergency_stop = 1ull << 24,
+  fault_limit_switch = 1ull << 25,
+  fault_valve_power = 1ull << 26,
+  fault_late_tick = 1ull << 27,
+  fault_pressure_limit = 1ull << 28,
+  fault_supply_missing = 1ull << 29,
+  fault_supply_frozen = 1ull << 30,
+  fault_supply_low = 1ull << 31,
+  fault_flow_mismatch_1 = 1ull << 32,
+  fault_flow_mismatch_2 = 1ull << 33,
+  fault_chamber_mismatch_1 = 1ull << 34,
+  fault_chamber_mismatch_2 = 1ull << 35,
 };
 
 /// The faults that devices report themselves, bit by bit as in DeviceFault (hal/channel.hpp).
 inline constexpr unsigned device_fault_shift = 20;
-inline constexpr std::uint32_t device_fault_mask = 0xFu << device_fault_shift;
+inline constexpr std::uint64_t device_fault_mask = 0xFull << device_fault_shift;
 
 /// A fault in words: what it means and, after the colon, what to do about it.
 struct FaultText {
-  std::uint32_t bit;
+  std::uint64_t bit;
   std::string_view name;
   std::string_view meaning;
 };
-inline constexpr std::array<FaultText, 24> fault_texts{{
+inline constexpr std::array<FaultText, 36> fault_texts{{
     {fault_position_missing, "position_missing",
      "the position was missing, not a number or out of range for three ticks: check encoder, cable and supply"},
     {fault_position_jump, "position_jump",
@@ -103,6 +115,35 @@ inline constexpr std::array<FaultText, 24> fault_texts{{
      "a node on the bus fell silent, rebooted or left the operational state: check its supply and cable"},
     {fault_node_emergency, "node_emergency",
      "a node on the bus reported an emergency: its code is told after the run, its manual explains it"},
+    {fault_emergency_stop, "emergency_stop",
+     "the emergency stop is pressed or its line cannot be read: release it when the danger is over, check its wire"},
+    {fault_limit_switch, "limit_switch",
+     "the slider ran onto a limit switch or the switch cannot be read: check reference, encoder's zero and switch"},
+    {fault_valve_power, "valve_power", "the valve has no supply or its line cannot be read: switch it on, check fuse"},
+    {fault_late_tick, "late_tick",
+     "the loop was late by more than limits.lateness_s: see what pneuservo check says of the machine"},
+    {fault_pressure_limit, "pressure_limit",
+     "a measured pressure is above limits.pressure_Pa: check supply regulator, load and reference"},
+    {fault_supply_missing, "supply_missing",
+     "the supply pressure was missing, not a number or impossible: check sensor, cable and range"},
+    {fault_supply_frozen, "supply_frozen",
+     "the supply pressure repeats one value, which sensors.supply_pressure.noise_Pa rules out: check sensor and "
+     "converter, or declare a smaller noise"},
+    {fault_supply_low, "supply_low",
+     "the measured supply pressure is below limits.supply_share of supply.pressure_Pa: check compressor, regulator "
+     "and hose"},
+    {fault_flow_mismatch_1, "flow_mismatch_1",
+     "the air that valve and position say went to side 1 is not in it: check valve 1, supply, leaks, port sensor 1 "
+     "and encoder"},
+    {fault_flow_mismatch_2, "flow_mismatch_2",
+     "the air that valve and position say went to side 2 is not in it: check valve 2, supply, leaks, port sensor 2 "
+     "and encoder"},
+    {fault_chamber_mismatch_1, "chamber_mismatch_1",
+     "measured and estimated pressure of chamber 1 differ by more than limits.chamber_mismatch_Pa: check both sensors "
+     "of side 1, line 1 and the config's line_1"},
+    {fault_chamber_mismatch_2, "chamber_mismatch_2",
+     "measured and estimated pressure of chamber 2 differ by more than limits.chamber_mismatch_Pa: check both sensors "
+     "of side 2, line 2 and the config's line_2"},
 }};
 
 }  // namespace pneuservo

@@ -12,6 +12,7 @@ enum RowFlag : std::uint32_t {
   row_dropped_before = 2,   ///< rows were dropped before this one
   row_command_limited = 4,
   row_fault = 8,
+  row_input_bridged = 16,   ///< a sample of this tick was wrong and was replaced
 };
 
 /// Plain data, copied through the ring. NaN means "no value" and is written as an empty field.
@@ -32,8 +33,9 @@ struct Row {
   double lateness_us = none, work_us = none;              ///< real time only
   double position_gain_V_per_m = none, velocity_gain_Vs_per_m = none;       ///< in force, where they may change
   double acceleration_gain_Vs2_per_m = none, integral_gain_V_per_m_s = none;
+  std::uint32_t state = 0;                                ///< SupervisorState (loop/supervisor.hpp)
   std::uint32_t flags = 0;
-  std::uint32_t fault = 0;                                ///< bits of Fault (loop/fault.hpp), 0 while healthy
+  std::uint64_t fault = 0;                                ///< bits of Fault (loop/fault.hpp), 0 while healthy
 
   /// v(name, member...) for every column in file order.
   template <class V, class... R> static void visit(V&& v, R&... r) {
@@ -65,6 +67,7 @@ struct Row {
     v(std::string_view("velocity_gain_Vs_per_m"), r.velocity_gain_Vs_per_m...);
     v(std::string_view("acceleration_gain_Vs2_per_m"), r.acceleration_gain_Vs2_per_m...);
     v(std::string_view("integral_gain_V_per_m_s"), r.integral_gain_V_per_m_s...);
+    v(std::string_view("state"), r.state...);
     v(std::string_view("flags"), r.flags...);
     v(std::string_view("fault"), r.fault...);
   }

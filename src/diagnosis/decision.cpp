@@ -114,6 +114,7 @@ Verdict verdict_of(const Explanation& chosen, const Search& search) {
 
 std::vector<double> probabilities_of(const std::vector<const Explanation*>& rivals, const DecisionRules& rules) {
   std::vector<double> out;
+  if (rivals.empty()) return out;
   double sum = 0;
   for (const Explanation* rival : rivals) {
     out.push_back(std::exp(std::max(-700.0, (rival->log_evidence - rivals.front()->log_evidence) / rules.temperature)));
@@ -234,12 +235,88 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
   return decision;
 }
 
+namespace {
+
+/// Squared residual of an explanation above what floors alone make, on fitted rows.
+double above_floors(ResidualModel& model, const Explanation& explanation, const DecisionRules& rules) {
+  const ModelLevels levels = model_levels(model, explanation.fit.hypothesis(), rules);
+  double rows = 0;
+  for (const ChannelLevel& c : levels.channels) rows += static_cast<double>(c.fitted_rows);
+  return std::max(levels.chi2(false) - rows, 0.0);
+}
+
+const Explanation* best_sure(const std::vector<const Explanation*>& ranked, const Search& search,
+                             double standard_errors) {
+  for (const Explanation* e : ranked)
+    if (e->members.size() == 1 || is_sure_of_sizes(*e, search, standard_errors)) return e;
+  return nullptr;
+}
+
+/// Rows that a remainder makes worth one: its mean square in floors, and how long neighbours stay alike.
+double floor_growth(const ModelLevels& levels) {
+  double growth = 1;
+  for (const ChannelLevel& c : levels.channels) {
+    const double alike = std::clamp(c.correlation, 0.0, 0.99);
+    growth = std::max(growth, c.fitted * c.fitted * (1 + alike) / (1 - alike));
+  }
+  return growth;
+}
+
+std::string periodic_part(const Decision& decision, const ResidualModel& model) {
+  for (std::size_t c = 0; c < model.channels().size(); ++c)
+    if (const auto period = strongest_period(model.rows(), decision.levels.residual, static_cast<int>(c)))
+      return fmt::format("; {:.0f} % of it is periodic along the way with {:.3g} mm ({:.2g} {})", 100 * period->share,
+                         1e3 * period->period_m, period->amplitude, model.channels()[c].unit);
+  return "";
+}
+
+}  // namespace
+
+Decision decide_in_one_quantity(ResidualModel& model, const Search& search, const DecisionRules& rules) {
+  Decision decision;
+  decision.chosen = &search.owner();
+  decision.beside_remainder = true;
+  const Explanation* richest = &search.owner();
+  for (std::size_t members = 1; search.best_of(members) != nullptr; ++members) richest = search.best_of(members);
+  decision.growth = floor_growth(model_levels(model, richest->fit.hypothesis(), rules));
+  const double all = above_floors(model, search.owner(), rules);
+  double left = all;
+  for (std::size_t members = 1;; ++members) {
+    const std::vector<const Explanation*> ranked = sizeable(search, members);
+    const Explanation* best = best_sure(ranked, search, rules.standard_errors * std::sqrt(decision.growth));
+    if (members == 1) decision.rivals = ranked;
+    if (best == nullptr) break;
+    const double gain = (best->log_evidence - decision.chosen->log_evidence) / decision.growth;
+    const double leaves = above_floors(model, *best, rules);
+    const bool enough =
+        members == 1 ? gain >= rules.alarm_gain : gain >= rules.next_gain && left - leaves >= rules.next_of_left * left;
+    if (!enough) break;
+    decision.chosen = best;
+    decision.rivals = ranked;
+    left = leaves;
+  }
+  std::erase_if(decision.rivals, [&](const Explanation* e) { return e->log_evidence > decision.chosen->log_evidence; });
+  std::erase(decision.rivals, decision.chosen);
+  if (!decision.chosen->members.empty()) decision.rivals.insert(decision.rivals.begin(), decision.chosen);
+  DecisionRules beside = rules;
+  beside.most_sure = rules.most_sure_beside;
+  beside.temperature = rules.temperature * decision.growth;
+  decision.probabilities = probabilities_of(decision.rivals, beside);
+  decision.gain = (decision.chosen->log_evidence - search.owner().log_evidence) / decision.growth;
+  decision.verdict = verdict_of(*decision.chosen, search);
+  decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
+  decision.reason = fmt::format("{}; {:.2g} % of the squared mismatch{}", what_is_left(decision, model, rules),
+                                100 * left / std::max(all, 1e-300), periodic_part(decision, model));
+  if (decision.chosen->members.empty() || all - left < rules.named_share * all) decision.verdict = Verdict::unknown;
+  return decision;
+}
+
 std::vector<std::string> ambiguous_names(const Decision& decision, const Search& search, std::size_t member,
                                          const DecisionRules& rules) {
   std::vector<std::string> names;
   for (const Explanation* rival : decision.rivals) {
-    if (rival == decision.chosen || rival->log_evidence < decision.chosen->log_evidence - rules.ambiguous_distance)
-      continue;
+    const double behind = (decision.chosen->log_evidence - rival->log_evidence) / decision.growth;
+    if (rival == decision.chosen || behind > rules.ambiguous_distance) continue;
     std::vector<std::size_t> rest = decision.chosen->members, other = rival->members;
     std::erase(rest, member);
     for (const std::size_t m : rest) std::erase(other, m);

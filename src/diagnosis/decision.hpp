@@ -30,6 +30,8 @@ struct DecisionRules {
   double named_share = 0.5;         ///< of the squared residual of one channel: what a name must take there
   double most_sure_beside = 0.85;   ///< of a name beside such a remainder
   double next_share_beside = 0.15;  ///< what one more name must bring, of the first's gain
+  // An axis or a part of one that is compared in one quantity.
+  double next_of_left = 0.33;  ///< of the squared residual that the names before it leave: what one more must take
 };
 
 /// Residuals of one model over all rows, and what they say.
@@ -52,17 +54,22 @@ struct Decision {
   Verdict verdict = Verdict::consistent;
   const Explanation* chosen = nullptr;
   std::vector<const Explanation*> rivals;  ///< chosen first, then by evidence
-  std::vector<double> probabilities;       ///< of the rivals
-  ModelLevels levels;                      ///< of the chosen
-  double gain = 0;                         ///< of the chosen over the owner's model, in log evidence
-  std::string reason;                      ///< of `unknown`; beside a name: what is left
-  bool beside_remainder = false;           ///< the floors have grown with what is left everywhere
+  std::vector<double> probabilities;  ///< of the rivals
+  ModelLevels levels;  ///< of the chosen
+  double gain = 0;  ///< of the chosen over the owner's model, in log evidence
+  std::string reason;  ///< of `unknown`; beside a name: what is left
+  bool beside_remainder = false;  ///< the floors have grown with what is left
+  double growth = 1;  ///< of squared floors: what evidence and variances are to be divided by
 };
 
 Decision decide(ResidualModel& model, const Search& search, const DecisionRules& rules);
 /// The same for a search whose residuals were freed from the slow error that is left everywhere: names what takes most
 /// of it, or says unknown. Levels are taken of plain residuals.
 Decision decide_beside_remainder(ResidualModel& model, const Search& search, const DecisionRules& rules);
+/// The same for a rig that is compared in one quantity and leaves something there: floors grow to what the richest
+/// explanation leaves, and a name stays while it takes enough of what the names before it leave. Unknown where the
+/// names together take less than half.
+Decision decide_in_one_quantity(ResidualModel& model, const Search& search, const DecisionRules& rules);
 /// Names that cannot be told from the chosen explanation's member.
 std::vector<std::string> ambiguous_names(const Decision& decision, const Search& search, std::size_t member,
                                          const DecisionRules& rules);

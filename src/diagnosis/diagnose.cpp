@@ -31,8 +31,9 @@ double median(std::vector<double> values) {
 /// A squared mismatch above what floors alone make.
 double above_floor(double chi2, double floor) { return std::max(chi2 - floor, 0.0); }
 
-void add_parameters(const Explanation& chosen, const Candidate& candidate, DiagnosisAnswer& answer) {
-  const Eigen::MatrixXd covariance = chosen.fit.covariance();
+void add_parameters(const Decision& decision, const Candidate& candidate, DiagnosisAnswer& answer) {
+  const Explanation& chosen = *decision.chosen;
+  const Eigen::MatrixXd covariance = decision.growth * chosen.fit.covariance();
   for (const FreeParameter& own : candidate.parameters)
     for (std::size_t i = 0; i < chosen.fit.own_count; ++i) {
       const FreeParameter& fitted = chosen.fit.parameters[i];
@@ -61,7 +62,7 @@ void add_answers(const Decision& decision, const Search& search, const DecisionR
     answer.effect = candidate.name;
     answer.element = candidate.element;
     answer.probability = probability_of_member(decision, member);
-    add_parameters(*decision.chosen, candidate, answer);
+    add_parameters(decision, candidate, answer);
     answer.ambiguous_with = ambiguous_names(decision, search, member, rules);
     // What leaving it out would cost, of all that the explanation takes.
     double without = search.owner().fit.chi2();
@@ -153,7 +154,8 @@ void add_candidates(const Decision& decision, const Search& search, Diagnosis& o
     RankedExplanation ranked;
     for (const std::size_t m : decision.rivals[i]->members) ranked.effects.push_back(search.candidates()[m].name);
     ranked.probability = decision.probabilities[i];
-    ranked.log_evidence_behind = decision.rivals.front()->log_evidence - decision.rivals[i]->log_evidence;
+    ranked.log_evidence_behind =
+        (decision.rivals.front()->log_evidence - decision.rivals[i]->log_evidence) / decision.growth;
     out.candidates.push_back(ranked);
   }
 }
@@ -291,6 +293,8 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   run_search(first_search, out);
   if (options.progress) options.progress(0.95, "verdict");
   Decision decision = decide(model, first_search, options.rules);
+  if (decision.verdict == Verdict::unknown && model.channels().size() == 1)
+    decision = decide_in_one_quantity(model, first_search, options.rules);
   std::optional<Search> beside;
   if (decision.verdict == Verdict::unknown && !out.stopped &&
       decision.levels.is_everywhere(model.channels(), options.rules.floor_level)) {

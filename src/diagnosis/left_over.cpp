@@ -13,6 +13,7 @@ namespace {
 
 constexpr double lowest_line_Hz = 3, highest_line_Hz = 45;
 constexpr std::size_t median_lines = 41;
+constexpr double shortest_period_m = 1e-3, least_periodic_share = 0.05;
 constexpr double stretch_s = 0.03;  ///< within which a pattern keeps its size
 
 struct Series {
@@ -103,6 +104,40 @@ std::optional<SpectralLine> strongest_line(const std::vector<ResidualRow>& rows,
     }
   }
   return best;
+}
+
+std::optional<SpatialPeriod> strongest_period(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual,
+                                              int channel) {
+  std::vector<double> position, value;
+  double lowest = 1e300, highest = -1e300, top = 0, total = 0, sigma = 1;
+  for (const ResidualRow& row : rows) top = std::max(top, std::abs(row.velocity_mps));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].channel != channel || std::abs(rows[i].velocity_mps) < 0.02 * top) continue;
+    position.push_back(rows[i].position_m);
+    value.push_back(residual(static_cast<Eigen::Index>(i)));
+    lowest = std::min(lowest, position.back());
+    highest = std::max(highest, position.back());
+    sigma = rows[i].sigma;
+  }
+  const double way = highest - lowest, count = static_cast<double>(value.size());
+  if (value.size() < 100 || !(way > 3 * shortest_period_m)) return std::nullopt;
+  double mean = 0;
+  for (const double v : value) mean += v / count;
+  for (const double v : value) total += (v - mean) * (v - mean);
+  SpatialPeriod best;
+  double most = 0;
+  for (double per_m = 3 / way; per_m < 1 / shortest_period_m; per_m += 0.25 / way) {
+    double in_phase = 0, across = 0;
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      in_phase += (value[i] - mean) * std::cos(2 * M_PI * per_m * position[i]);
+      across += (value[i] - mean) * std::sin(2 * M_PI * per_m * position[i]);
+    }
+    const double power = 2 / count * (in_phase * in_phase + across * across);
+    if (power <= most) continue;
+    most = power;
+    best = {1 / per_m, std::sqrt(2 * power / count) * sigma, power / std::max(total - count, 1e-300)};
+  }
+  return best.share > least_periodic_share && best.share <= 1 ? std::optional(best) : std::nullopt;
 }
 
 std::vector<ElementPattern> element_patterns(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual,

@@ -30,6 +30,17 @@ struct SpectralLine {
 std::optional<SpectralLine> strongest_line(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual,
                                            const std::vector<ChannelLevel>& levels, double least_level);
 
+/// The strongest part of one channel's residual that is periodic along the way, such as the lead of a screw.
+struct SpatialPeriod {
+  double period_m = 0;
+  double amplitude = 0;  ///< in the channel's unit
+  double share = 0;      ///< of the sum of squares above the floor's
+};
+/// Over rows that move; periods from 1 mm to a third of the way. nullopt: nothing that takes a twentieth of what is
+/// left.
+std::optional<SpatialPeriod> strongest_period(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual,
+                                              int channel);
+
 /// Share of a left-over mismatch that each element can have made: every candidate has a pattern over all channels; in
 /// every short stretch of time an element's patterns may have any size.
 struct ElementPattern {

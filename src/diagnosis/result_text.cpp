@@ -84,6 +84,9 @@ std::string diagnosis_text(const Diagnosis& diagnosis) {
     if (!answer.ambiguous_with.empty())
       out += fmt::format("\nThese recordings cannot tell {} from {}.\n", answer.effect,
                          fmt::join(answer.ambiguous_with, ", "));
+  if (diagnosis.verdict != Verdict::unknown)
+    for (const DiagnosisAnswer& answer : diagnosis.answers)
+      if (!answer.note.empty()) out += fmt::format("\n{}: {}\n", answer.effect, answer.note);
   if (diagnosis.next_experiment) {
     const ProposedExperiment& next = *diagnosis.next_experiment;
     out +=

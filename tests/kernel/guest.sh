@@ -1,0 +1,6 @@
+# What the guest runs in the place of an operating system's start: the scenarios, from a copy in memory.
+export PATH=/usr/sbin:/usr/bin:/sbin:/bin PYTHONPATH=/opt/canopen PYTHONDONTWRITEBYTECODE=1 HOME=/tmp
+ip link set lo up
+mkdir -p /var/tmp /run
+cp -r /share/kernel /share/config /share/pneuservo /tmp/
+cd /tmp/kernel && exec python3 guest.py

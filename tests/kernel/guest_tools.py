@@ -1,0 +1,102 @@
+# What the scenarios share: commands, the program as a process, interfaces, figures for the host.
+import gzip, json, os, signal, subprocess, time
+
+PROGRAM = "/tmp/pneuservo"
+CONFIG = "/tmp/config/can/cylinder-10m-7.65mm.yaml"
+plan = {}      # from the host: length, what the simulated backend gave there
+figures = {}   # to the host
+
+
+def sh(command, check=True):
+    """A shell command; its output."""
+    done = subprocess.run(command, shell=True, capture_output=True, text=True)
+    if check and done.returncode != 0:
+        raise AssertionError(f"{command}: status {done.returncode}: {done.stdout}{done.stderr}")
+    return done.stdout
+
+
+def settings(values):
+    return [word for key, value in values.items() for word in ("--set", f"{key}={value}")]
+
+
+class Program:
+    """The program as a process whose standard error goes to a file, so that it never blocks."""
+
+    count = 0
+
+    def __init__(self, *arguments):
+        Program.count += 1
+        self.err_path = f"/tmp/program-{Program.count}.err"
+        self.arguments = arguments
+        with open(self.err_path, "w") as err:
+            self.process = subprocess.Popen([PROGRAM, *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=err, text=True)
+
+    def said(self):
+        with open(self.err_path) as file:
+            return file.read()
+
+    def wait_for(self, words, timeout_s=20.0):
+        end = time.monotonic() + timeout_s
+        while words not in self.said():
+            if self.process.poll() is not None or time.monotonic() > end:
+                raise AssertionError(f"{self.arguments[:2]}: no word of '{words}': {self.said()}")
+            time.sleep(0.01)
+        return self
+
+    def type(self, line):
+        self.process.stdin.write(line + "\n")
+        self.process.stdin.flush()
+
+    def kill(self):
+        self.process.kill()
+        self.process.communicate()
+
+    def end(self, timeout_s=240.0, terminate=False):
+        """Waits for its end; standard output."""
+        if terminate and self.process.poll() is None:
+            self.process.send_signal(signal.SIGTERM)
+        out, _ = self.process.communicate(timeout=timeout_s)
+        self.status = self.process.returncode
+        return out
+
+
+def device(interface, *more, config=CONFIG):
+    return Program("device", config, "--can", interface, *more).wait_for("are on the bus")
+
+
+def controller(interface, duration_s, *more, config=CONFIG):
+    return Program("run", config, "--set", f"hal.can.interface={interface}", "--time", "real", "--duration-s", str(duration_s),
+                   "--json", "-", *more)
+
+
+def finished(run, status=0):
+    """Waits for a controller; what it reported of its one run, and what it said."""
+    out = run.end()
+    said = run.said()
+    if run.status != status:
+        raise AssertionError(f"{run.arguments}: status {run.status}, expected {status}: {said}")
+    return json.loads(out)["runs"][0], said
+
+
+def rows_of(path):
+    """Head lines and rows of a recording as dictionaries of floats (None where a field is empty)."""
+    with gzip.open(path, "rt") as file:
+        lines = file.read().splitlines()
+    head = [line for line in lines if line.startswith("#")]
+    body = [line for line in lines if not line.startswith("#")]
+    names = body[0].split(",")
+    return head, [{name: float(word) if word else None for name, word in zip(names, line.split(","))} for line in body[1:]]
+
+
+def make_vcan(name, queue=16):
+    sh(f"ip link del {name}", check=False)
+    sh(f"ip link add {name} type vcan && ip link set {name} txqueuelen {queue} up")
+    return name
+
+
+def make_pair():
+    """The two emulated controllers of one bus."""
+    for name in ("can0", "can1"):
+        sh(f"ip link set {name} down; ip link set {name} type can bitrate 1000000 restart-ms 0; "
+           f"ip link set {name} txqueuelen 16 up")
+    return "can0", "can1"

@@ -68,6 +68,16 @@ bool is_simpler_law(const Explanation& explanation, const Candidate& candidate) 
   return false;
 }
 
+/// A leak this far along its line, or further, is one of the chamber: no pressure tells them apart.
+constexpr double line_end_position = 0.9;
+
+/// The candidate's name, but for a leak that the fit puts at the line's end: that is one of the chamber.
+std::string name_by_place(const Explanation& explanation, const Candidate& candidate) {
+  if (!candidate.name.starts_with("line_leak_")) return candidate.name;
+  const bool at_end = own_value(explanation, fmt::format("effects.{}.position", candidate.name)) >= line_end_position;
+  return at_end ? fmt::format("chamber_leak_{}", candidate.name.back()) : candidate.name;
+}
+
 std::vector<const Explanation*> sizeable(const Search& search, std::size_t members) {
   std::vector<const Explanation*> out = search.ranking(members);
   std::erase_if(out, [&](const Explanation* e) {
@@ -112,12 +122,16 @@ Verdict verdict_of(const Explanation& chosen, const Search& search) {
   return parameters ? Verdict::parameter_error : Verdict::missing_physics;
 }
 
+/// A first name has to bring `alarm_gain` before it is as likely as nothing at all.
 std::vector<double> probabilities_of(const std::vector<const Explanation*>& rivals, const DecisionRules& rules) {
   std::vector<double> out;
   if (rivals.empty()) return out;
   double sum = 0;
+  const bool is_owner = rivals.front()->members.empty();
   for (const Explanation* rival : rivals) {
-    out.push_back(std::exp(std::max(-700.0, (rival->log_evidence - rivals.front()->log_evidence) / rules.temperature)));
+    const double handicap = is_owner && !rival->members.empty() ? rules.alarm_gain : 0;
+    const double behind = rival->log_evidence - handicap - rivals.front()->log_evidence;
+    out.push_back(std::exp(std::clamp(behind / rules.temperature, -700.0, 0.0)));
     sum += out.back();
   }
   for (double& p : out) p *= rules.most_sure / sum;
@@ -202,9 +216,14 @@ Decision chosen_chain(const Search& search, const DecisionRules& rules, double s
   }
   decision.gain = decision.chosen->log_evidence - search.owner().log_evidence;
   decision.verdict = verdict_of(*decision.chosen, search);
-  if (decision.rivals.empty()) decision.rivals = ranked;
-  std::erase_if(decision.rivals, [&](const Explanation* e) { return e->log_evidence > decision.chosen->log_evidence; });
-  if (!decision.rivals.empty()) decision.probabilities = probabilities_of(decision.rivals, rules);
+  if (decision.chosen->members.empty()) {
+    decision.rivals = sizeable(search, 1);
+    decision.rivals.insert(decision.rivals.begin(), decision.chosen);
+  } else {
+    std::erase_if(decision.rivals,
+                  [&](const Explanation* e) { return e->log_evidence > decision.chosen->log_evidence; });
+  }
+  decision.probabilities = probabilities_of(decision.rivals, rules);
   return decision;
 }
 
@@ -309,6 +328,18 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
                                 100 * left / std::max(all, 1e-300), periodic_part(decision, model));
   if (decision.chosen->members.empty() || all - left < rules.named_share * all) decision.verdict = Verdict::unknown;
   return decision;
+}
+
+double probability_of_member(const Decision& decision, const Search& search, std::size_t member) {
+  const std::string name = name_by_place(*decision.chosen, search.candidates()[member]);
+  double sum = 0;
+  for (std::size_t i = 0; i < decision.rivals.size(); ++i) {
+    const Explanation& rival = *decision.rivals[i];
+    if (std::any_of(rival.members.begin(), rival.members.end(),
+                    [&](std::size_t m) { return name_by_place(rival, search.candidates()[m]) == name; }))
+      sum += decision.probabilities[i];
+  }
+  return sum;
 }
 
 std::vector<std::string> ambiguous_names(const Decision& decision, const Search& search, std::size_t member,

@@ -46,22 +46,13 @@ void add_parameters(const Decision& decision, const Candidate& candidate, Diagno
     }
 }
 
-double probability_of_member(const Decision& decision, std::size_t member) {
-  double sum = 0;
-  for (std::size_t i = 0; i < decision.rivals.size(); ++i)
-    if (std::find(decision.rivals[i]->members.begin(), decision.rivals[i]->members.end(), member) !=
-        decision.rivals[i]->members.end())
-      sum += decision.probabilities[i];
-  return sum;
-}
-
 void add_answers(const Decision& decision, const Search& search, const DecisionRules& rules, Diagnosis& out) {
   for (const std::size_t member : decision.chosen->members) {
     const Candidate& candidate = search.candidates()[member];
     DiagnosisAnswer answer;
     answer.effect = candidate.name;
     answer.element = candidate.element;
-    answer.probability = probability_of_member(decision, member);
+    answer.probability = probability_of_member(decision, search, member);
     add_parameters(decision, candidate, answer);
     answer.ambiguous_with = ambiguous_names(decision, search, member, rules);
     // What leaving it out would cost, of all that the explanation takes.

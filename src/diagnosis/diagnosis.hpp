@@ -39,9 +39,9 @@ struct ElementShare {
 
 /// One explanation that was fitted in full.
 struct RankedExplanation {
-  std::vector<std::string> effects;
+  std::vector<std::string> effects;  ///< none: the owner's model
   double probability = 0;
-  double log_evidence_behind = 0;  ///< of the best
+  double log_evidence_behind = 0;  ///< of the best; for `consistent` of the owner's model, negative where a name fits better
 };
 
 /// Root mean square of simulation minus recording, in the channel's unit.

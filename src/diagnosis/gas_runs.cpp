@@ -5,7 +5,9 @@
 #include <cmath>
 #include <exception>
 #include <functional>
+#include <limits>
 #include <mutex>
+#include <new>
 #include <thread>
 
 namespace pneuservo {
@@ -27,6 +29,24 @@ struct NumberCollector {
 };
 
 bool finite(const GasCourse& course) { return std::isfinite(course[0].back()); }
+
+/// As run_imposed; a rig that an element refuses has a course of NaN, which drops that hypothesis and no other.
+std::vector<GasCourse> run_or_drop(const ImposedInputs& inputs, std::span<const ImposedRun> runs,
+                                   const PlantGrid& grid) {
+  try {
+    return run_imposed(inputs, runs, grid);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception&) {
+    GasCourse nothing;
+    for (auto& values : nothing)
+      values.assign(inputs.command_V.size(), std::numeric_limits<double>::quiet_NaN());
+    if (runs.size() == 1) return {nothing};
+    std::vector<GasCourse> out;
+    for (const ImposedRun& run : runs) out.push_back(run_or_drop(inputs, std::span(&run, 1), grid)[0]);
+    return out;
+  }
+}
 
 }  // namespace
 
@@ -121,7 +141,7 @@ std::vector<std::vector<GasRuns::Course>> GasRuns::of(std::span<const Hypothesis
     Batch& batch = batches[b];
     std::vector<ImposedRun> runs;
     for (const std::size_t i : batch.hypotheses) runs.push_back(run_of(hypotheses[i], batch.recording));
-    for (GasCourse& course : run_imposed(recordings_[batch.recording].inputs, runs, work_grid_)) {
+    for (GasCourse& course : run_or_drop(recordings_[batch.recording].inputs, runs, work_grid_)) {
       for (std::size_t channel = 0; channel < gas_channels && !grid_error_[batch.recording][channel].empty(); ++channel)
         for (std::size_t k = 0; k < course[channel].size(); ++k)
           course[channel][k] += grid_error_[batch.recording][channel][k];

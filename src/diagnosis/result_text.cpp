@@ -51,6 +51,10 @@ std::string smallest_sizes(const Diagnosis& diagnosis) {
 
 }  // namespace
 
+std::string explanation_text(const RankedExplanation& explanation) {
+  return explanation.effects.empty() ? "nothing" : fmt::format("{}", fmt::join(explanation.effects, " + "));
+}
+
 std::string verdict_sentence(const Diagnosis& diagnosis) {
   if (diagnosis.verdict == Verdict::consistent)
     return fmt::format("Model and recordings agree: in {:.3g} s nothing is missing that these data could show.",
@@ -77,7 +81,7 @@ std::string diagnosis_text(const Diagnosis& diagnosis) {
   if (!diagnosis.candidates.empty()) {
     out += "\nexplanations tried in full, probability, log evidence behind the best\n";
     for (const RankedExplanation& r : diagnosis.candidates)
-      out += fmt::format("  {:<56}{:>8.3f}{:>12.1f}\n", fmt::format("{}", fmt::join(r.effects, " + ")), r.probability,
+      out += fmt::format("  {:<56}{:>8.3f}{:>12.1f}\n", explanation_text(r), r.probability,
                          r.log_evidence_behind);
   }
   for (const DiagnosisAnswer& answer : diagnosis.answers)

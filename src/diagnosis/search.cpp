@@ -281,6 +281,33 @@ void Search::swap_members(const Explanation& best) {
   }
 }
 
+void Search::refit_sibling_pairs(const Explanation& best) {
+  // Where each member of a pair has a sibling that fits nearly as well beside the other, the truth may be both siblings:
+  // no swap of one alone finds them.
+  if (best.members.size() != 2) return;
+  std::array<std::vector<Screened>, 2> stand_ins;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const std::size_t leaving = best.members[k], held = best.members[1 - k];
+    for (const std::size_t sibling : others({held})) {
+      if (candidates_[sibling].family != candidates_[leaving].family) continue;
+      const auto found = tried_.find(with_member({held}, sibling));
+      if (found == tried_.end() || found->second.fit.failed ||
+          found->second.log_evidence < best.log_evidence - settings_.rival_distance)
+        continue;
+      Screened here{sibling, 0, {}, {}};
+      const Fit& fit = found->second.fit;
+      for (const FreeParameter& parameter : candidates_[sibling].parameters)
+        for (std::size_t i = 0; i < fit.own_count; ++i)
+          if (same_parameter(fit.parameters[i], parameter)) here.start.push_back(fit.z(static_cast<Eigen::Index>(i)));
+      stand_ins[k].push_back(here);
+    }
+  }
+  std::vector<std::vector<Screened>> sets;
+  for (const Screened& first : stand_ins[0])
+    for (const Screened& second : stand_ins[1]) sets.push_back({first, second});
+  refit(best.fit, {}, sets);  // leaves out what is known already
+}
+
 bool Search::search_next(std::size_t members) {
   const Explanation* base = best_of(members);
   if (base == nullptr) return false;
@@ -300,6 +327,7 @@ bool Search::search_next(std::size_t members) {
   const double gained = best == nullptr ? 0 : best->log_evidence - base->log_evidence;
   if (gained < needed) return false;
   swap_members(*best);
+  refit_sibling_pairs(*best_of(members + 1));
   take_defect_at_best(members + 1);
   polish_best(members + 1);
   return true;

@@ -69,6 +69,7 @@ class Search {
   void search_singles();
   bool search_next(std::size_t members);
   void swap_members(const Explanation& best);
+  void refit_sibling_pairs(const Explanation& best);
   std::vector<Explanation*> rivals(std::size_t members, double distance, std::size_t most);
   void tell(double share, const std::string& what) const;
 

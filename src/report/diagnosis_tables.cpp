@@ -6,6 +6,7 @@
 #include <report/diagnosis_words.hpp>
 
 #include "config/dump_rig.hpp"
+#include "diagnosis/result_text.hpp"
 
 namespace pneuservo {
 namespace {
@@ -96,9 +97,11 @@ Table candidates_table(const Diagnosis& diagnosis) {
   const auto& all = diagnosis.candidates;
   Table table;
   table.columns = {
-      words("explanation", all,
-            [](const RankedExplanation& r) { return fmt::format("{}", fmt::join(r.effects, " + ")); }),
-      words("in words", all, [](const RankedExplanation& r) { return joined_words(r.effects); }),
+      words("explanation", all, [](const RankedExplanation& r) { return explanation_text(r); }),
+      words("in words", all,
+            [](const RankedExplanation& r) {
+              return r.effects.empty() ? std::string("the model as it stands") : joined_words(r.effects);
+            }),
       column("probability", "", all, [](const RankedExplanation& r) { return fmt::format("{:.3f}", r.probability); }),
       column("log evidence behind the best", "", all,
              [](const RankedExplanation& r) { return fmt::format("{:.1f}", r.log_evidence_behind); })};

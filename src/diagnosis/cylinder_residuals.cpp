@@ -20,6 +20,8 @@ constexpr double pressure_floor_Pa = 35.0, drop_share = 0.001;
 constexpr double start_floor_Pa = 200.0, start_fades_s = 0.5;
 constexpr double force_floor_N = 0.04, force_floor_ports_N = 0.07;
 constexpr double slow_sigma_s = 0.015;
+// Of the port's quick answer to the command: what the grid, which lets it through a little late, may be wrong by.
+constexpr double answer_share = 0.1, slowest_answer_s = 2e-3;
 // At rest a force within this many noises is balanced by whatever holds: otherwise every friction, however small, would
 // gain the noise of all rows at rest.
 constexpr double rest_noises = 2.0;
@@ -130,7 +132,7 @@ void CylinderResiduals::declare_rows() {
     for (std::size_t c = 0; c < channels_.size(); ++c) {
       const bool force = gas_channel_[c] < 0;
       if (!force && recording.measured_Pa[static_cast<std::size_t>(gas_channel_[c])].empty()) continue;
-      Stretch stretch{r, c, rows_.size(), {}, recording.usable, {}};
+      Stretch stretch{r, c, rows_.size(), {}, recording.usable, {}, {}};
       const std::vector<char> stops = balances_[r].near_end_stop(owner_.axis.cylinder.stroke_m);
       for (std::size_t k = 0; k < recording.samples(); ++k) {
         if (force) stretch.usable[k] = stretch.usable[k] && balances_[r].usable()[k] && !stops[k];
@@ -160,9 +162,36 @@ void CylinderResiduals::declare_rows() {
         stretch.times_s.push_back(row.time_s);
         rows_.push_back(row);
       }
+      if (gas_channel_[c] == port_1 || gas_channel_[c] == port_2) declare_answer(stretch);
       stretches_.push_back(std::move(stretch));
     }
   }
+}
+
+void CylinderResiduals::declare_answer(Stretch& stretch) {
+  const CylinderRecording& recording = recordings_[stretch.recording];
+  if (stretch.bins.empty() || recording.period_s() > slowest_answer_s) return;
+  std::vector<char> used(stretch.usable);
+  for (std::size_t k = 0; k < used.size(); ++k) used[k] = used[k] && !is_held_out(recording.time_s(k));
+  stretch.answer = CommandAnswer(recording.inputs.command_V, used);
+  if (stretch.answer.rows() == 0) return;
+  const Hypothesis owner{owner_, {}};
+  const auto gas = gas_->of(std::span(&owner, 1));
+  const SampledCourse course = course_of(owner_, *gas[0][stretch.recording], stretch);
+  const double size = stretch.answer.of(course.simulated).norm();
+  if (!std::isfinite(size)) {
+    stretch.answer = {};
+    return;
+  }
+  std::vector<double> difference(course.simulated);
+  for (std::size_t k = 0; k < difference.size(); ++k) difference[k] -= course.measured[k];
+  // The echoes of earlier steps near half the sampling rate, which no affordable grid carries, are noise here.
+  const double noise = std::max(channels_[stretch.channel].noise, stretch.answer.quick_part(difference));
+  ResidualRow row = rows_[stretch.first_row];
+  row.held_out = false;
+  row.over_recording = true;
+  row.sigma = std::hypot(noise, answer_share * size);
+  rows_.insert(rows_.end(), static_cast<std::size_t>(stretch.answer.rows()), row);
 }
 
 std::vector<double> CylinderResiduals::chamber_pressure(const Rig& rig, const GasCourse& gas, std::size_t recording,
@@ -242,6 +271,12 @@ Eigen::MatrixXd CylinderResiduals::residuals(std::span<const Hypothesis> hypothe
       column[b] = sum / static_cast<double>(bin.count) / rows_[stretch.first_row + b].sigma;
     }
     slow_errors_[stretch.channel].whiten(stretch.times_s, column);
+    if (stretch.answer.rows() > 0) {
+      std::vector<double> difference(course.simulated);
+      for (std::size_t k = 0; k < difference.size(); ++k) difference[k] -= course.measured[k];
+      const double sigma = rows_[stretch.first_row + stretch.bins.size()].sigma;
+      for (const double value : stretch.answer.of(difference)) column.push_back(value / sigma);
+    }
     std::copy(column.begin(), column.end(),
               out.col(static_cast<Eigen::Index>(i)).data() + static_cast<std::ptrdiff_t>(stretch.first_row));
   });

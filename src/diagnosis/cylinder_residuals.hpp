@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "diagnosis/command_answer.hpp"
 #include "diagnosis/cylinder_recording.hpp"
 #include "diagnosis/force_balance.hpp"
 #include "diagnosis/gas_runs.hpp"
@@ -47,6 +48,7 @@ class CylinderResiduals final : public ResidualModel {
     std::vector<Bin> bins;
     std::vector<char> usable;
     std::vector<double> times_s;  ///< of the bins
+    CommandAnswer answer;         ///< of a port; its rows follow the bins'
   };
   struct SampledCourse {
     std::vector<double> measured, simulated;
@@ -54,6 +56,7 @@ class CylinderResiduals final : public ResidualModel {
 
   void declare_channels();
   void declare_rows();
+  void declare_answer(Stretch& stretch);
   double force_noise(std::size_t count) const;  ///< of the mean of `count` neighbouring values
   SampledCourse course_of(const Rig& rig, const GasCourse& gas, const Stretch& stretch) const;
   SampledCourse force_course(const Rig& rig, const GasCourse& gas, std::size_t recording) const;

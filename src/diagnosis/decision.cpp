@@ -227,6 +227,17 @@ Decision chosen_chain(const Search& search, const DecisionRules& rules, double s
   return decision;
 }
 
+
+/// Whether a parameter would have to be off by more than any owner errs.
+bool has_absurd_parameter(const Explanation& explanation, const Search& search, const DecisionRules& rules) {
+  return std::any_of(explanation.members.begin(), explanation.members.end(), [&](std::size_t m) {
+    const Candidate& candidate = search.candidates()[m];
+    if (candidate.kind != CandidateKind::parameter) return false;
+    const double ratio = own_value(explanation, candidate.parameters[0].path) / candidate.neutral[0];
+    return ratio > rules.farthest_parameter || ratio * rules.farthest_parameter < 1;
+  });
+}
+
 }  // namespace
 
 Decision decide(ResidualModel& model, const Search& search, const DecisionRules& rules) {
@@ -250,7 +261,9 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
     const double was = std::pow(before.channels[c].fitted, 2), is = std::pow(decision.levels.channels[c].fitted, 2);
     if (was > 1) most = std::max(most, 1 - is / was);
   }
-  if (decision.chosen->members.empty() || most < rules.named_share) decision.verdict = Verdict::unknown;
+  if (decision.chosen->members.empty() || most < rules.named_share ||
+      has_absurd_parameter(*decision.chosen, search, rules))
+    decision.verdict = Verdict::unknown;
   return decision;
 }
 
@@ -331,6 +344,10 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
 }
 
 double probability_of_member(const Decision& decision, const Search& search, std::size_t member) {
+}
+
+double probability_of_member(const Decision& decision, const Search& search, std::size_t member,
+                             const DecisionRules& rules) {
   const std::string name = name_by_place(*decision.chosen, search.candidates()[member]);
   double sum = 0;
   for (std::size_t i = 0; i < decision.rivals.size(); ++i) {
@@ -339,7 +356,15 @@ double probability_of_member(const Decision& decision, const Search& search, std
                     [&](std::size_t m) { return name_by_place(rival, search.candidates()[m]) == name; }))
       sum += decision.probabilities[i];
   }
-  return sum;
+  // What the member gains where it is beside all others; with each name that is there already, small physics has more to
+  // hide behind.
+  double without = decision.chosen->members.size() == 1 ? search.owner().log_evidence : -1e300;
+  for (const Explanation* smaller : search.ranking(decision.chosen->members.size() - 1))
+    if (std::find(smaller->members.begin(), smaller->members.end(), member) == smaller->members.end())
+      without = std::max(without, smaller->log_evidence);
+  const double gain = std::max(0.0, decision.chosen->log_evidence - without);
+  const auto names = static_cast<double>(decision.chosen->members.size());
+  return sum * gain / (gain + rules.doubted_gain * names * names);
 }
 
 std::vector<std::string> ambiguous_names(const Decision& decision, const Search& search, std::size_t member,

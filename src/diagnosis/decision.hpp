@@ -25,9 +25,11 @@ struct DecisionRules {
   double ambiguous_distance = 10;   ///< in log evidence
   double temperature = 3;           ///< log evidence over it makes probabilities
   double most_sure = 0.97;          ///< small unmodelled physics is part of every probability
-  double unknown_sure = 0.85;
+  double doubted_gain = 15;         ///< in log evidence: what small unmodelled physics gains a name every other time
+  double unknown_sure = 0.75;
   // A machine that leaves something everywhere (a little of everything that the model leaves out).
   double named_share = 0.5;         ///< of the squared residual of one channel: what a name must take there
+  double farthest_parameter = 3;    ///< a parameter off by more than this factor has the pattern of something else
   double most_sure_beside = 0.85;   ///< of a name beside such a remainder
   double next_share_beside = 0.15;  ///< what one more name must bring, of the first's gain
   // An axis or a part of one that is compared in one quantity.
@@ -72,6 +74,9 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
 Decision decide_in_one_quantity(ResidualModel& model, const Search& search, const DecisionRules& rules);
 /// Of all explanations that say the same as this member of the chosen one.
 double probability_of_member(const Decision& decision, const Search& search, std::size_t member);
+/// Of all explanations that say the same as this member of the chosen one, less what small unmodelled physics may gain.
+double probability_of_member(const Decision& decision, const Search& search, std::size_t member,
+                             const DecisionRules& rules);
 /// Names that cannot be told from the chosen explanation's member.
 std::vector<std::string> ambiguous_names(const Decision& decision, const Search& search, std::size_t member,
                                          const DecisionRules& rules);

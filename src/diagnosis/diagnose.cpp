@@ -52,7 +52,7 @@ void add_answers(const Decision& decision, const Search& search, const DecisionR
     DiagnosisAnswer answer;
     answer.effect = candidate.name;
     answer.element = candidate.element;
-    answer.probability = probability_of_member(decision, search, member);
+    answer.probability = probability_of_member(decision, search, member, rules);
     add_parameters(decision, candidate, answer);
     answer.ambiguous_with = ambiguous_names(decision, search, member, rules);
     // What leaving it out would cost, of all that the explanation takes.
@@ -173,10 +173,14 @@ void add_fit(ResidualModel& model, const Search& search, const Decision& decisio
   out.held_out_ratio = median(ratios);
   out.over_noise = median(over);
   out.residual_channels = channels;
-  out.rows = model.rows();
   const std::vector<Hypothesis> configured{before};
-  out.residual_before = plain(model.residuals(configured).col(0));
-  out.residual_after = plain(decision.levels.residual);
+  const Eigen::VectorXd residual_before = model.residuals(configured).col(0);
+  for (std::size_t i = 0; i < model.rows().size(); ++i) {
+    if (model.rows()[i].over_recording) continue;
+    out.rows.push_back(model.rows()[i]);
+    out.residual_before.push_back(residual_before(static_cast<Eigen::Index>(i)));
+    out.residual_after.push_back(decision.levels.residual(static_cast<Eigen::Index>(i)));
+  }
   out.courses_before = model.courses(before);
   out.courses_after = model.courses(after);
   const double floor = std::min(decision.chosen->fit.chi2(), static_cast<double>(decision.levels.residual.size()));

@@ -24,6 +24,7 @@ struct Series {
 std::map<std::pair<int, int>, Series> series_of(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual) {
   std::map<std::pair<int, int>, Series> out;
   for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].over_recording) continue;
     Series& series = out[{rows[i].channel, rows[i].recording}];
     series.time_s.push_back(rows[i].time_s);
     series.value.push_back(residual(static_cast<Eigen::Index>(i)));
@@ -67,6 +68,7 @@ std::vector<ChannelLevel> channel_levels(const std::vector<ResidualRow>& rows, s
   std::vector<double> product(channels, 0), square(channels, 0);
   std::vector<int> last(channels, -1);
   for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].over_recording) continue;
     const auto channel = static_cast<std::size_t>(rows[i].channel);
     const double value = residual(static_cast<Eigen::Index>(i));
     ChannelLevel& level = levels[channel];
@@ -145,8 +147,9 @@ std::vector<ElementPattern> element_patterns(const std::vector<ResidualRow>& row
                                              const std::vector<std::string>& elements) {
   std::map<std::pair<int, long>, std::vector<Eigen::Index>> stretches;
   for (std::size_t i = 0; i < rows.size(); ++i)
-    stretches[{rows[i].recording, std::lround(std::floor(rows[i].time_s / stretch_s))}].push_back(
-        static_cast<Eigen::Index>(i));
+    if (!rows[i].over_recording)
+      stretches[{rows[i].recording, std::lround(std::floor(rows[i].time_s / stretch_s))}].push_back(
+          static_cast<Eigen::Index>(i));
   std::map<std::string, double> explained;
   const double total = std::max(residual.squaredNorm(), 1e-300);
   for (const auto& [key, members] : stretches) {

@@ -32,6 +32,7 @@ struct ResidualRow {
   double time_s = 0, position_m = 0, velocity_mps = 0, command_V = 0;  ///< means over the bin; command of an axis: N
   double sigma = 1;  ///< of the row [unit of the channel], noise and floor together
   bool held_out = false;  ///< no fit may see it
+  bool over_recording = false;  ///< no bin: a projection of the whole fitted part of the recording
 };
 
 /// Measured and simulated course of one channel of one recording, for pictures.

@@ -1,0 +1,38 @@
+// The quick answer of a port's pressure to the steps of the command: what means over a bin cannot show.
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace pneuservo {
+
+/// Under feedback the command carries the sensors' noise, a step every sample, and the pressure at the valve answers
+/// within the sample: for the first moments the line is nothing but its wave impedance, dp = (c / A) dG. When that answer
+/// comes, at once, later or little by little, tells dead time, lag and spool apart to a part of a sample; in means over
+/// 10 ms they are all alike.
+///
+/// Windows of the samples that are used are freed from their parabolas (motion, drift). The command's values 1 to
+/// `latest` samples ago, made orthonormal, span what the pressure can have answered; a signal's projections on them are
+/// as many rows, white where the signal is white, and nearly independent of the means over bins.
+class CommandAnswer {
+ public:
+  static constexpr std::size_t window = 20, latest = 8;
+
+  CommandAnswer() = default;
+  /// used: samples that may be looked at, as many as `command` has.
+  CommandAnswer(const std::vector<double>& command, const std::vector<char>& used);
+
+  /// None where the command has no quick part.
+  Eigen::Index rows() const { return basis_.cols(); }
+  /// Projections of a signal of as many samples as the command.
+  Eigen::VectorXd of(const std::vector<double>& signal) const;
+  /// Root mean square of a signal within the windows, their parabolas taken out.
+  double quick_part(const std::vector<double>& signal) const;
+
+ private:
+  std::vector<std::size_t> first_;  ///< of each window
+  Eigen::MatrixXd basis_;           ///< samples of the windows, one after the other; orthonormal columns
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,86 @@
+// The quick answer to the command: projections keep what follows the command's steps and nothing that is slow; with them
+// dead time and lag are told apart, which means over a bin cannot.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include <pneuservo/core/random.hpp>
+
+#include "config/rig_parameters.hpp"
+#include "diagnosis/command_answer.hpp"
+#include "diagnosis/cylinder_residuals.hpp"
+#include "diagnosis/simulated_recording.hpp"
+
+using namespace pneuservo;
+using namespace pneuservo::test;
+
+namespace {
+
+constexpr std::uint64_t seed = 20;
+
+std::vector<double> white(std::size_t count, double size, std::uint64_t stream) {
+  Random random(seed, stream);
+  std::vector<double> out(count);
+  for (double& value : out) value = size * random.normal();
+  return out;
+}
+
+double squares(const Eigen::VectorXd& values) { return values.squaredNorm(); }
+
+/// Squared residual of the rows over the whole recording.
+double of_answers(CylinderResiduals& model, const Rig& rig) {
+  const Eigen::VectorXd column = model.residuals(std::vector<Hypothesis>{{rig, {}}}).col(0);
+  double sum = 0;
+  for (std::size_t i = 0; i < model.rows().size(); ++i)
+    if (model.rows()[i].over_recording) sum += std::pow(column(static_cast<Eigen::Index>(i)), 2);
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("command answer: what follows the command's steps is kept whole, what is slow is taken out") {
+  constexpr std::size_t count = 4000;
+  const std::vector<double> command = white(count, 0.003, 1);
+  const CommandAnswer answer(command, std::vector<char>(count, 1));
+  REQUIRE(answer.rows() == static_cast<Eigen::Index>(CommandAnswer::latest));
+  std::vector<double> slow(count), late(count), early(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double t = static_cast<double>(k) * 1e-3;
+    slow[k] = 5e5 + 3e4 * t * t - 2e4 * t;
+    late[k] = k >= 3 ? 4e4 * command[k - 3] : 0.0;
+    early[k] = 4e4 * command[k];  // not an answer: the row is taken before its command acts
+  }
+  INFO("seed " << seed);
+  CHECK(squares(answer.of(slow)) < 1e-6);
+  const double quick = std::pow(answer.quick_part(late), 2);
+  const double windows = std::floor((count - CommandAnswer::latest) / double(CommandAnswer::window));
+  const double all = quick * windows * (CommandAnswer::window - 3);
+  CHECK(squares(answer.of(late)) == Approx(all).epsilon(1e-9));
+  CHECK(squares(answer.of(early)) < 0.02 * all);
+}
+
+TEST_CASE("command answer: white noise has the same size in every row; a command without steps has no rows") {
+  constexpr std::size_t count = 20000;
+  const CommandAnswer answer(white(count, 0.003, 2), std::vector<char>(count, 1));
+  double sum = 0;
+  for (std::uint64_t trial = 0; trial < 20; ++trial) sum += squares(answer.of(white(count, 1.0, 10 + trial)));
+  INFO("seed " << seed);
+  // 20 x 8 values of variance 1: standard deviation of their mean square 0.11.
+  CHECK(sum / 20 / static_cast<double>(answer.rows()) == Approx(1.0).margin(0.45));
+  std::vector<double> ramp(count);
+  for (std::size_t k = 0; k < count; ++k) ramp[k] = 1e-4 * static_cast<double>(k);
+  CHECK(CommandAnswer(ramp, std::vector<char>(count, 1)).rows() == 0);
+}
+
+TEST_CASE("command answer: dead time and lag of the same length are told apart") {
+  Rig truth = cylinder_rig(2.0, 6.1e-3), lag = truth;
+  const Rig owner = truth;
+  truth.axis.effects.command_delay.delay_s = 1.5e-3;
+  lag.axis.effects.valve_lag.time_constant_s = 1.5e-3;
+  CylinderResiduals model(owner, {simulated_recording(truth, 8.0, 5, {"p1_port_Pa", "p2_port_Pa"})});
+  const double right = of_answers(model, truth), wrong = of_answers(model, lag), none = of_answers(model, owner);
+  CAPTURE(right, wrong, none);
+  CHECK(right < 30);  // 16 rows
+  CHECK(wrong - right > 20);
+  CHECK(none - right > 20);
+}

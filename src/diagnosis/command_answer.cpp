@@ -44,7 +44,8 @@ CommandAnswer::CommandAnswer(const std::vector<double>& command, const std::vect
     Eigen::MatrixXd here(n, lags);
     for (Eigen::Index i = 0; i < n; ++i)
       for (Eigen::Index lag = 0; lag < lags; ++lag)
-        here(i, lag) = command[first_[static_cast<std::size_t>(w)] + static_cast<std::size_t>(i - lag - 1 + lags) - latest];
+        here(i, lag) =
+            command[first_[static_cast<std::size_t>(w)] + static_cast<std::size_t>(i - lag - 1 + lags) - latest];
     earlier.middleRows(w * n, n) = quick * here;
   }
   const Eigen::MatrixXd normal = earlier.transpose() * earlier;
@@ -61,8 +62,7 @@ CommandAnswer::CommandAnswer(const std::vector<double>& command, const std::vect
 Eigen::VectorXd CommandAnswer::of(const std::vector<double>& signal) const {
   Eigen::VectorXd samples(basis_.rows());
   for (std::size_t w = 0; w < first_.size() && basis_.cols() > 0; ++w)
-    for (std::size_t i = 0; i < window; ++i)
-      samples(static_cast<Eigen::Index>(w * window + i)) = signal[first_[w] + i];
+    for (std::size_t i = 0; i < window; ++i) samples(static_cast<Eigen::Index>(w * window + i)) = signal[first_[w] + i];
   return basis_.transpose() * samples;
 }
 

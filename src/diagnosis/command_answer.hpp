@@ -8,9 +8,9 @@
 namespace pneuservo {
 
 /// Under feedback the command carries the sensors' noise, a step every sample, and the pressure at the valve answers
-/// within the sample: for the first moments the line is nothing but its wave impedance, dp = (c / A) dG. When that answer
-/// comes, at once, later or little by little, tells dead time, lag and spool apart to a part of a sample; in means over
-/// 10 ms they are all alike.
+/// within the sample: for the first moments the line is nothing but its wave impedance, dp = (c / A) dG. When that
+/// answer comes, at once, later or little by little, tells dead time, lag and spool apart to a part of a sample; in
+/// means over 10 ms they are all alike.
 ///
 /// Windows of the samples that are used are freed from their parabolas (motion, drift). The command's values 1 to
 /// `latest` samples ago, made orthonormal, span what the pressure can have answered; a signal's projections on them are
@@ -32,7 +32,7 @@ class CommandAnswer {
 
  private:
   std::vector<std::size_t> first_;  ///< of each window
-  Eigen::MatrixXd basis_;           ///< samples of the windows, one after the other; orthonormal columns
+  Eigen::MatrixXd basis_;  ///< samples of the windows, one after the other; orthonormal columns
 };
 
 }  // namespace pneuservo

@@ -48,7 +48,7 @@ class CylinderResiduals final : public ResidualModel {
     std::vector<Bin> bins;
     std::vector<char> usable;
     std::vector<double> times_s;  ///< of the bins
-    CommandAnswer answer;         ///< of a port; its rows follow the bins'
+    CommandAnswer answer;  ///< of a port; its rows follow the bins'
   };
   struct SampledCourse {
     std::vector<double> measured, simulated;

@@ -191,11 +191,11 @@ bool ModelLevels::is_everywhere(const std::vector<ResidualChannel>& names, doubl
 namespace {
 
 /// The best explanation of each number of members, as long as one more brings enough.
-Decision chosen_chain(const Search& search, const DecisionRules& rules, double second_share) {
+Decision chosen_chain(ResidualModel& model, const Search& search, const DecisionRules& rules, double second_share) {
   Decision decision;
   decision.chosen = &search.owner();
   std::vector<const Explanation*> ranked = sizeable(search, 1);
-  double first_gain = 0;
+  double first_gain = 0, next_gain = rules.next_gain;
   for (std::size_t members = 1; !ranked.empty(); ranked = sizeable(search, ++members)) {
     const Explanation* best = nullptr;
     for (const Explanation* e : ranked)
@@ -207,9 +207,11 @@ Decision chosen_chain(const Search& search, const DecisionRules& rules, double s
     const double gain = best->log_evidence - decision.chosen->log_evidence;
     if (members == 1) first_gain = gain;
     const double share = members == 2 ? second_share : std::max(second_share, rules.third_share);
-    const double needed = members == 1 ? rules.alarm_gain : std::max(rules.next_gain, share * first_gain);
+    const double needed = members == 1 ? rules.alarm_gain : std::max(next_gain, share * first_gain);
     if (gain < needed) break;
     decision.chosen = best;
+    const ModelLevels levels = model_levels(model, best->fit.hypothesis(), rules);
+    next_gain = levels.highest() < rules.floor_level ? rules.next_gain_at_floor : rules.next_gain;
     decision.rivals = ranked;
     std::erase(decision.rivals, best);
     decision.rivals.insert(decision.rivals.begin(), best);
@@ -227,7 +229,6 @@ Decision chosen_chain(const Search& search, const DecisionRules& rules, double s
   return decision;
 }
 
-
 /// Whether a parameter would have to be off by more than any owner errs.
 bool has_absurd_parameter(const Explanation& explanation, const Search& search, const DecisionRules& rules) {
   return std::any_of(explanation.members.begin(), explanation.members.end(), [&](std::size_t m) {
@@ -241,7 +242,7 @@ bool has_absurd_parameter(const Explanation& explanation, const Search& search, 
 }  // namespace
 
 Decision decide(ResidualModel& model, const Search& search, const DecisionRules& rules) {
-  Decision decision = chosen_chain(search, rules, rules.next_share);
+  Decision decision = chosen_chain(model, search, rules, rules.next_share);
   decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
   decision.reason = what_is_left(decision, model, rules);
   if (!decision.reason.empty()) decision.verdict = Verdict::unknown;
@@ -251,7 +252,7 @@ Decision decide(ResidualModel& model, const Search& search, const DecisionRules&
 Decision decide_beside_remainder(ResidualModel& model, const Search& search, const DecisionRules& rules) {
   DecisionRules beside = rules;
   beside.most_sure = rules.most_sure_beside;
-  Decision decision = chosen_chain(search, beside, rules.next_share_beside);
+  Decision decision = chosen_chain(model, search, beside, rules.next_share_beside);
   decision.beside_remainder = true;
   decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
   decision.reason = what_is_left(decision, model, rules);
@@ -343,9 +344,6 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
   return decision;
 }
 
-double probability_of_member(const Decision& decision, const Search& search, std::size_t member) {
-}
-
 double probability_of_member(const Decision& decision, const Search& search, std::size_t member,
                              const DecisionRules& rules) {
   const std::string name = name_by_place(*decision.chosen, search.candidates()[member]);
@@ -356,13 +354,13 @@ double probability_of_member(const Decision& decision, const Search& search, std
                     [&](std::size_t m) { return name_by_place(rival, search.candidates()[m]) == name; }))
       sum += decision.probabilities[i];
   }
-  // What the member gains where it is beside all others; with each name that is there already, small physics has more to
-  // hide behind.
+  // What the member gains where it is beside all others; with each name that is there already, small physics has more
+  // to hide behind.
   double without = decision.chosen->members.size() == 1 ? search.owner().log_evidence : -1e300;
   for (const Explanation* smaller : search.ranking(decision.chosen->members.size() - 1))
     if (std::find(smaller->members.begin(), smaller->members.end(), member) == smaller->members.end())
       without = std::max(without, smaller->log_evidence);
-  const double gain = std::max(0.0, decision.chosen->log_evidence - without);
+  const double gain = std::max(0.0, decision.chosen->log_evidence - without) / decision.growth;
   const auto names = static_cast<double>(decision.chosen->members.size());
   return sum * gain / (gain + rules.doubted_gain * names * names);
 }

@@ -14,6 +14,7 @@ namespace pneuservo {
 struct DecisionRules {
   double alarm_gain = 25;           ///< in log evidence: the least that a first name must bring
   double next_gain = 60;            ///< and one more name
+  double next_gain_at_floor = 300;  ///< the same where every channel is at its floor already: the model's own error
   double next_share = 0.003;        ///< of the first name's gain
   double third_share = 0.02;        ///< the same for every name after the second
   double standard_errors = 5;       ///< the least size of one more effect
@@ -72,8 +73,6 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
 /// explanation leaves, and a name stays while it takes enough of what the names before it leave. Unknown where the
 /// names together take less than half.
 Decision decide_in_one_quantity(ResidualModel& model, const Search& search, const DecisionRules& rules);
-/// Of all explanations that say the same as this member of the chosen one.
-double probability_of_member(const Decision& decision, const Search& search, std::size_t member);
 /// Of all explanations that say the same as this member of the chosen one, less what small unmodelled physics may gain.
 double probability_of_member(const Decision& decision, const Search& search, std::size_t member,
                              const DecisionRules& rules);

@@ -41,7 +41,8 @@ struct ElementShare {
 struct RankedExplanation {
   std::vector<std::string> effects;  ///< none: the owner's model
   double probability = 0;
-  double log_evidence_behind = 0;  ///< of the best; for `consistent` of the owner's model, negative where a name fits better
+  double log_evidence_behind =
+      0;  ///< of the best; for `consistent` of the owner's model, negative where a name fits better
 };
 
 /// Root mean square of simulation minus recording, in the channel's unit.

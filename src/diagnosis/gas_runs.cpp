@@ -35,12 +35,9 @@ std::vector<GasCourse> run_or_drop(const ImposedInputs& inputs, std::span<const 
                                    const PlantGrid& grid) {
   try {
     return run_imposed(inputs, runs, grid);
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception&) {
+  } catch (const std::bad_alloc&) { throw; } catch (const std::exception&) {
     GasCourse nothing;
-    for (auto& values : nothing)
-      values.assign(inputs.command_V.size(), std::numeric_limits<double>::quiet_NaN());
+    for (auto& values : nothing) values.assign(inputs.command_V.size(), std::numeric_limits<double>::quiet_NaN());
     if (runs.size() == 1) return {nothing};
     std::vector<GasCourse> out;
     for (const ImposedRun& run : runs) out.push_back(run_or_drop(inputs, std::span(&run, 1), grid)[0]);

@@ -81,8 +81,7 @@ std::string diagnosis_text(const Diagnosis& diagnosis) {
   if (!diagnosis.candidates.empty()) {
     out += "\nexplanations tried in full, probability, log evidence behind the best\n";
     for (const RankedExplanation& r : diagnosis.candidates)
-      out += fmt::format("  {:<56}{:>8.3f}{:>12.1f}\n", explanation_text(r), r.probability,
-                         r.log_evidence_behind);
+      out += fmt::format("  {:<56}{:>8.3f}{:>12.1f}\n", explanation_text(r), r.probability, r.log_evidence_behind);
   }
   for (const DiagnosisAnswer& answer : diagnosis.answers)
     if (!answer.ambiguous_with.empty())

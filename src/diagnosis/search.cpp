@@ -282,8 +282,8 @@ void Search::swap_members(const Explanation& best) {
 }
 
 void Search::refit_sibling_pairs(const Explanation& best) {
-  // Where each member of a pair has a sibling that fits nearly as well beside the other, the truth may be both siblings:
-  // no swap of one alone finds them.
+  // Where each member of a pair has a sibling that fits nearly as well beside the other, the truth may be both
+  // siblings: no swap of one alone finds them.
   if (best.members.size() != 2) return;
   std::array<std::vector<Screened>, 2> stand_ins;
   for (std::size_t k = 0; k < 2; ++k) {

@@ -26,7 +26,7 @@ struct SearchSettings {
   double least_gain = 10;       ///< in chi2, to be refitted
   double least_share = 0.02;    ///< of the best gain
   double rival_distance = 300;  ///< in log evidence: rivals that are fitted as far as the best
-  double next_gain = 30;        ///< in log evidence: what one more effect must bring for the search to go on
+  double next_gain = 60;        ///< in log evidence: what one more effect must bring for the search to go on
   double next_share = 0.003;    ///< of the first effect's gain: and this
   std::size_t most_effects = 3;
   std::vector<FreeParameter> small_physics;  ///< nuisances beside the tolerances

@@ -1,5 +1,5 @@
-// The quick answer to the command: projections keep what follows the command's steps and nothing that is slow; with them
-// dead time and lag are told apart, which means over a bin cannot.
+// The quick answer to the command: projections keep what follows the command's steps and nothing that is slow; with
+// them dead time and lag are told apart, which means over a bin cannot.
 #include <catch2/catch.hpp>
 
 #include <cmath>

@@ -17,7 +17,8 @@ namespace {
 // of the force, with and without sensors at the chambers.
 constexpr double pressure_floor_Pa = 35.0, drop_share = 0.001;
 // The gas may start warmer or colder than its wall, which no pressure shows; the wall takes that out within a second.
-constexpr double start_floor_Pa = 200.0, start_fades_s = 0.5;
+// A recording that starts in the midst of motion leaves more: waves in the lines, gas not at its wall's temperature.
+constexpr double start_floor_Pa = 200.0, start_share = 0.1, start_fades_s = 0.5;
 constexpr double force_floor_N = 0.04, force_floor_ports_N = 0.07;
 constexpr double slow_sigma_s = 0.015;
 // Of the port's quick answer to the command: what the grid, which lets it through a little late, may be wrong by.
@@ -54,6 +55,18 @@ double largest_noise(const std::vector<CylinderRecording>& recordings, std::size
     if (seen > noise_margin * configured) noise = std::max(noise, seen);
   }
   return noise;
+}
+
+/// Error of the gas of one side where the ports are let go.
+double start_error(const CylinderRecording& recording, std::size_t side) {
+  const std::vector<double>& p = recording.inputs.start_Pa[side];
+  const std::size_t count = std::min(p.size(), recording.inputs.release);
+  if (count == 0) return start_floor_Pa;
+  double sum = 0, squares = 0;
+  for (std::size_t k = 0; k < count; ++k) sum += p[k];
+  const double mean = sum / static_cast<double>(count);
+  for (std::size_t k = 0; k < count; ++k) squares += (p[k] - mean) * (p[k] - mean);
+  return std::max(start_floor_Pa, start_share * std::sqrt(squares / static_cast<double>(count)));
 }
 
 double rms_drop(const GasCourse& course, std::size_t side) {
@@ -140,6 +153,8 @@ void CylinderResiduals::declare_rows() {
           stretch.usable[k] =
               stretch.usable[k] && std::isfinite(recording.measured_Pa[static_cast<std::size_t>(gas_channel_[c])][k]);
       }
+      const bool has_start = !force && gas_channel_[c] != static_cast<int>(supply);
+      const double start_Pa = has_start ? start_error(recording, static_cast<std::size_t>(gas_channel_[c]) % 2) : 0.0;
       for (std::size_t first = 0; first + bin <= recording.samples(); first += bin) {
         const auto begin = stretch.usable.begin() + static_cast<std::ptrdiff_t>(first);
         if (!std::all_of(begin, begin + static_cast<std::ptrdiff_t>(bin), [](char usable) { return usable; })) continue;
@@ -154,9 +169,7 @@ void CylinderResiduals::declare_rows() {
         }
         const double noise = force ? force_noise(bin) : channels_[c].noise / std::sqrt(n);
         const double since_s = recording.period_s() * static_cast<double>(first) - first_compared_s;
-        const double start = force || gas_channel_[c] == static_cast<int>(supply)
-                                 ? 0.0
-                                 : start_floor_Pa * std::exp(-since_s / start_fades_s);
+        const double start = start_Pa * std::exp(-since_s / start_fades_s);
         row.sigma = std::hypot(noise, std::hypot(channels_[c].floor, start) * std::sqrt(floor_correlation_s / bin_s));
         row.held_out = is_held_out(recording.time_s(first));
         stretch.times_s.push_back(row.time_s);

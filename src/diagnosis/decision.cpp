@@ -243,10 +243,14 @@ bool has_absurd_parameter(const Explanation& explanation, const Search& search, 
 
 Decision decide(ResidualModel& model, const Search& search, const DecisionRules& rules) {
   Decision decision = chosen_chain(model, search, rules, rules.next_share);
+  judge_what_is_left(model, search, rules, decision);
+  return decision;
+}
+
+void judge_what_is_left(ResidualModel& model, const Search& search, const DecisionRules& rules, Decision& decision) {
   decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
   decision.reason = what_is_left(decision, model, rules);
-  if (!decision.reason.empty()) decision.verdict = Verdict::unknown;
-  return decision;
+  decision.verdict = decision.reason.empty() ? verdict_of(*decision.chosen, search) : Verdict::unknown;
 }
 
 Decision decide_beside_remainder(ResidualModel& model, const Search& search, const DecisionRules& rules) {

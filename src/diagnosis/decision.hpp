@@ -66,6 +66,8 @@ struct Decision {
 };
 
 Decision decide(ResidualModel& model, const Search& search, const DecisionRules& rules);
+/// Levels of the chosen explanation as it stands now, and the verdict that they leave.
+void judge_what_is_left(ResidualModel& model, const Search& search, const DecisionRules& rules, Decision& decision);
 /// The same for a search whose residuals were freed from the slow error that is left everywhere: names what takes most
 /// of it, or says unknown. Levels are taken of plain residuals.
 Decision decide_beside_remainder(ResidualModel& model, const Search& search, const DecisionRules& rules);

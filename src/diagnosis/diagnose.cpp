@@ -233,6 +233,19 @@ void add_times(const ResidualModel& model, double bin_s, Diagnosis& out) {
   for (const auto& [bin, held_out] : bins) (held_out ? out.held_out_s : out.admitted_s) += bin_s;
 }
 
+/// The verdict on a search, with the chosen explanation fitted to its end.
+Decision decided(ResidualModel& model, Search& search, const DecisionRules& rules, Diagnosis& out) {
+  Decision decision = decide(model, search, rules);
+  if (out.stopped) return decision;
+  try {
+    if (search.settle(*decision.chosen)) judge_what_is_left(model, search, rules, decision);
+  } catch (const DiagnosisStopped&) {
+    out.stopped = true;
+    out.warnings.push_back("stopped early: the chosen explanation is not fitted to its end");
+  }
+  return decision;
+}
+
 void run_search(Search& search, Diagnosis& out) {
   try {
     search.run();
@@ -287,7 +300,7 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
                       options.progress);
   run_search(first_search, out);
   if (options.progress) options.progress(0.95, "verdict");
-  Decision decision = decide(model, first_search, options.rules);
+  Decision decision = decided(model, first_search, options.rules, out);
   if (decision.verdict == Verdict::unknown && model.channels().size() == 1)
     decision = decide_in_one_quantity(model, first_search, options.rules);
   std::optional<Search> beside;

@@ -214,12 +214,23 @@ void Search::take_defect_at_best(std::size_t members) {
   const Explanation* best = best_of(members);
   if (best == nullptr || best->log_evidence - owner_.log_evidence < settings_.rival_distance) return;
   rows_.model().set_working_point(best->fit.hypothesis());
+  working_point_ = best->members;
   std::vector<Explanation*> again = rivals(members, settings_.rival_distance, 12);
   if (members > 1)
     for (Explanation* e : rivals(members - 1, settings_.rival_distance, 2)) again.push_back(e);
   again.push_back(&owner_);
   polish(again, 2, false);
   linearise(rows_, {&as_configured_});
+}
+
+bool Search::settle(const Explanation& explanation) {
+  if (explanation.members == working_point_) return false;
+  Explanation& own = explanation.members.empty() ? owner_ : tried_.at(explanation.members);
+  rows_.model().set_working_point(own.fit.hypothesis());
+  working_point_ = own.members;
+  polish({&own}, 6, true);
+  linearise(rows_, {&as_configured_});
+  return true;
 }
 
 void Search::add_families(const Fit& base, const std::vector<std::size_t>& members,

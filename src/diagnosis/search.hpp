@@ -41,6 +41,9 @@ class Search {
 
   /// Fills all that follows. May throw DiagnosisStopped: what is there by then is valid.
   void run();
+  /// Takes the grid's error at this explanation and fits it to its end there, unless that was done last: the error at
+  /// a larger one is another. Returns whether anything was done. May throw DiagnosisStopped.
+  bool settle(const Explanation& explanation);
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
   /// The owner's values as they stand, nothing fitted.
@@ -84,6 +87,7 @@ class Search {
   std::map<std::vector<std::size_t>, Explanation> tried_;
   std::vector<Screened> first_screening_;
   std::vector<ScreenedPair> first_pairs_;
+  std::vector<std::size_t> working_point_;  ///< members of the explanation where the grid's error was taken last
 };
 
 }  // namespace pneuservo

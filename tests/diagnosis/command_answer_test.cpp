@@ -75,8 +75,8 @@ TEST_CASE("command answer: white noise has the same size in every row; a command
 TEST_CASE("command answer: dead time and lag of the same length are told apart") {
   Rig truth = cylinder_rig(2.0, 6.1e-3), lag = truth;
   const Rig owner = truth;
-  truth.axis.effects.command_delay.delay_s = 1.5e-3;
-  lag.axis.effects.valve_lag.time_constant_s = 1.5e-3;
+  set_parameter(truth, "effects.command_delay.delay_s", 1.5e-3);
+  set_parameter(lag, "effects.valve_lag.time_constant_s", 1.5e-3);
   CylinderResiduals model(owner, {simulated_recording(truth, 8.0, 5, {"p1_port_Pa", "p2_port_Pa"})});
   const double right = of_answers(model, truth), wrong = of_answers(model, lag), none = of_answers(model, owner);
   CAPTURE(right, wrong, none);

@@ -239,6 +239,16 @@ bool has_absurd_parameter(const Explanation& explanation, const Search& search, 
   });
 }
 
+/// Whether something is left that is small beside what the names take: it is told beside them and takes no name away.
+bool is_small_remainder(const Decision& decision, const Search& search, const DecisionRules& rules) {
+  if (decision.reason.empty() || decision.chosen->members.empty() || decision.levels.line) return false;
+  const double before = search.owner().fit.chi2(), after = decision.chosen->fit.chi2();
+  const double floor = std::min(after, static_cast<double>(decision.chosen->fit.residual.size()));
+  const double taken = (before - after) / std::max(before - floor, 1e-300);
+  return taken >= rules.taken_share && decision.levels.highest() < rules.small_remainder &&
+         decision.levels.held_out_excess() < rules.small_held_out_excess;
+}
+
 }  // namespace
 
 Decision decide(ResidualModel& model, const Search& search, const DecisionRules& rules) {
@@ -250,7 +260,12 @@ Decision decide(ResidualModel& model, const Search& search, const DecisionRules&
 void judge_what_is_left(ResidualModel& model, const Search& search, const DecisionRules& rules, Decision& decision) {
   decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
   decision.reason = what_is_left(decision, model, rules);
-  decision.verdict = decision.reason.empty() ? verdict_of(*decision.chosen, search) : Verdict::unknown;
+  decision.beside_remainder = is_small_remainder(decision, search, rules);
+  const bool is_named = decision.reason.empty() || decision.beside_remainder;
+  decision.verdict = is_named ? verdict_of(*decision.chosen, search) : Verdict::unknown;
+  DecisionRules sure = rules;
+  if (decision.beside_remainder) sure.most_sure = rules.most_sure_beside;
+  decision.probabilities = probabilities_of(decision.rivals, sure);
 }
 
 Decision decide_beside_remainder(ResidualModel& model, const Search& search, const DecisionRules& rules) {

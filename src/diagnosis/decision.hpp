@@ -23,6 +23,9 @@ struct DecisionRules {
   double line_amplitude = 0.4;      ///< of a sample's noise and floor: smaller lines are of no account
   double line_level = 0.3;          ///< channels below it have no lines
   double held_out_excess = 1.4;     ///< chi2 a row on held-out stretches over that on fitted ones
+  double taken_share = 0.6;         ///< of the squared mismatch: names that take it stay beside a remainder
+  double small_remainder = 1.6;     ///< that leaves no channel above this many sigma
+  double small_held_out_excess = 2; ///< and held-out stretches no worse than this
   double ambiguous_distance = 10;   ///< in log evidence
   double temperature = 3;           ///< log evidence over it makes probabilities
   double most_sure = 0.97;          ///< small unmodelled physics is part of every probability

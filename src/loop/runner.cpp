@@ -51,6 +51,7 @@ void account(LoopTiming& timing, const StageTimes& stages, std::int64_t lateness
   timing.backend.add(backend);
   timing.estimator.add(estimator);
   timing.controller.add(controller);
+  timing.tick.add(work - backend);
   timing.loop.add(work - backend - estimator - controller);
   timing.keep_worst({tick, lateness_ns, work});
   ++timing.ticks;
@@ -169,6 +170,7 @@ RunOutcome run_loop(const Rig& rig, Backend& backend, const RunSettings& setting
   out.first_faults = static_cast<std::size_t>(std::popcount(loop.first_faults()));
   if (course.fault_tick() >= 0) out.fault_s = static_cast<double>(course.fault_tick()) * rig.period_s;
   out.moves = course.moves();
+  out.moves_not_learned = loop.controller().ppd2().flatness().moves_not_learned();
   out.rows = course.take_rows();
   return out;
 }

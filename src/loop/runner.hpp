@@ -50,6 +50,7 @@ struct RunOutcome {
   bool ended_by_backend = false;
   std::int64_t ticks = 0;  ///< served
   std::int64_t overruns = 0;  ///< slots skipped
+  int moves_not_learned = 0;  ///< too many of their slots were skipped to learn from them
   double wall_s = 0.0;
   std::unique_ptr<LoopTiming> timing;  ///< real time only
 };

@@ -181,9 +181,10 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   }
   for (const std::string& note : backend->notes()) std::cerr << note << "\n";
   if (outcome.moves_not_learned > 0)
-    std::cerr << fmt::format("{} of {} moves taught nothing: more than 1 % of their ticks were skipped because the loop "
-                             "was late; `pneuservo check` names what to mend on this machine\n",
-                             outcome.moves_not_learned, outcome.moves.size());
+    std::cerr << fmt::format(
+        "{} of {} moves taught nothing: more than 1 % of their ticks were skipped because the loop "
+        "was late; `pneuservo check` names what to mend on this machine\n",
+        outcome.moves_not_learned, outcome.moves.size());
   if (outcome.stopped_by_signal)
     std::cerr << "stopped by a signal: safe output is set, the recording is closed, results so far follow\n";
   for (std::size_t i = 0; i < outcome.faults.size(); ++i)

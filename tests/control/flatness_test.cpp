@@ -167,7 +167,8 @@ TEST_CASE("flatness law: learns an area that is off, and a flow that is missing"
 TEST_CASE("flatness law: a few skipped ticks are bridged; a move with more than one percent of them teaches nothing") {
   const AxisParameters<double> axis = test::table_axis(table_4mm);
   for (const std::int64_t every : {200, 50}) {
-    FlatnessLaw law(FlatnessPlan(axis, cruise(-0.02, 0.02), 1.2, at_pressure(140e3)), flatness_gains(axis, 110e3), 2e-4);
+    FlatnessLaw law(FlatnessPlan(axis, cruise(-0.02, 0.02), 1.2, at_pressure(140e3)), flatness_gains(axis, 110e3),
+                    2e-4);
     const double p = law.plan().at(2000).mean_port_pressure_Pa;
     const double before = law.step(2000, 0.0, 0.0, p, p).valve_1_V;
     for (std::int64_t k = 0; k < 6000; ++k)

@@ -176,7 +176,8 @@ TEST_CASE("flatness law: a few skipped ticks are bridged; a move with more than 
     law.learn_flow(axis);
     CAPTURE(every);
     CHECK(law.moves_not_learned() == (every == 50 ? 1 : 0));
-    CHECK((law.step(2000, 0.0, 0.0, p, p).valve_1_V == before) == (every == 50));
+    const double learned_V = law.step(2000, 0.0, 0.0, p, p).valve_1_V - before;
+    CHECK((std::fabs(learned_V) > 1e-4) == (every == 200));
   }
 }
 

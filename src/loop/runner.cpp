@@ -22,13 +22,18 @@ constexpr std::int64_t warm_up_ticks = 200;
 
 void run_simulated(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSettings& settings, Course& course,
                    RunOutcome& out) {
-  const auto pass = [&](std::int64_t tick) noexcept {
+  const auto pass = [&](std::int64_t tick, std::int64_t skipped) noexcept {
     const RtScope hot;
-    return loop.pass(backend, tick, 0, nullptr, nullptr);
+    return loop.pass(backend, tick, skipped, nullptr, nullptr);
   };
   std::int64_t tick = 0;
+  auto late = settings.late.begin();
   for (; !StopRequest::requested(); ++tick) {
-    if (!pass(tick)) {
+    std::int64_t skipped = 0;
+    for (; late != settings.late.end() && late->tick <= tick; ++late) skipped += late->slots;
+    tick += skipped;
+    out.overruns += skipped;
+    if (!pass(tick, skipped)) {
       out.ended_by_backend = true;
       break;
     }
@@ -111,7 +116,14 @@ void run_real(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSetting
   TimeGrid grid(MonotonicClock::now_ns() + period_ns, period_ns);
   ThreadCounters before = ThreadCounters::now();
   std::int64_t skipped = 0, last_work_ns = 0;
+  std::int64_t unserved = 0;
+  auto late = settings.late.begin();
   while (!StopRequest::requested()) {
+    for (; late != settings.late.end() && late->tick <= grid.slot(); ++late) {
+      MonotonicClock::sleep_until_ns(grid.slot_ns() + (late->slots - 1) * period_ns);
+      skipped += 1 + grid.advance(MonotonicClock::now_ns());
+      ++unserved;
+    }
     wait_for_slot(grid.slot_ns(), early_ns, loop, settings.ring, course);
     const std::int64_t woken_ns = MonotonicClock::now_ns();
     const std::int64_t tick = grid.slot(), lateness_ns = grid.lateness_ns(woken_ns);
@@ -133,7 +145,7 @@ void run_real(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSetting
   timing.page_faults = counted.page_faults;
   timing.context_switches_involuntary = counted.context_switches_involuntary;
   out.stopped_by_signal = StopRequest::requested();
-  out.overruns = grid.missed();
+  out.overruns = grid.missed() + unserved;
 }
 
 }  // namespace

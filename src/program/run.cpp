@@ -15,6 +15,7 @@
 #include "loop/realtime_stop.hpp"
 #include "loop/runner.hpp"
 #include "program/gain_file.hpp"
+#include "program/injection.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "record/writer.hpp"
@@ -28,7 +29,7 @@ namespace {
 
 struct RunOptions {
   std::string config, time = "simulated", pressure_source, backend, record, report, json, gains;
-  std::vector<std::string> sets;
+  std::vector<std::string> sets, scenarios, faults;
   double duration_s = 0.0;
   double early_wake_us = -1.0;
   int moves = 1, priority = 80, cpu = -1;
@@ -133,7 +134,8 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
         .priority = options.priority, .cpu = options.cpu >= 0 ? std::optional(options.cpu) : std::nullopt});
     if (report.runs.empty()) std::cerr << refusal_message(session->findings());
   }
-  auto backend = make_backend(backend_of(options, rig), rig);
+  const std::vector<InjectedFault> faults = injected_faults(options.scenarios, options.faults, rig);
+  auto backend = make_faulty_backend(backend_of(options, rig), rig, faults);
   backend->configure();
   report.machine = machine_facts(session ? &session->state() : nullptr);
   report.channel_origins = channel_facts(*backend);
@@ -141,7 +143,8 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   RunSettings settings{.real_time = real_time,
                        .early_wake_s = options.early_wake_us * 1e-6,
                        .moves = options.moves,
-                       .load = load_reference_positions};
+                       .load = load_reference_positions,
+                       .late = late_ticks(faults, rig.period_s)};
   std::unique_ptr<RecordingRing> ring;
   std::unique_ptr<RecordingWriter> writer;
   if (!options.record.empty()) {
@@ -190,9 +193,10 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   for (std::size_t i = 0; i < outcome.faults.size(); ++i)
     std::cerr << (i < outcome.first_faults ? "fault: " : "after it: ") << outcome.faults[i] << "\n";
   if (!outcome.faults.empty())
-    std::cerr << fmt::format("the valve has its safe output of {} V since t = {} s; when the cause is mended, run the "
-                             "same command again\n",
-                             rig.safe_output.command_V, outcome.fault_s);
+    std::cerr << fmt::format(
+        "the valve has its safe output of {} V since t = {:.6g} s; when the cause is mended, run the "
+        "same command again\n",
+        safe_commands_V(rig)[0], outcome.fault_s);
 
   for (std::size_t i = 0; i < outcome.moves.size(); ++i) {
     const MoveSpan& span = outcome.moves[i];
@@ -215,7 +219,8 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
 
 /// What would only show after the run: no such backend, no such folder.
 void check_outputs(const RunOptions& options, const Rig& rig, const std::vector<PressureSource>& sources) {
-  const auto backend = make_backend(backend_of(options, rig), rig);
+  const auto backend =
+      make_faulty_backend(backend_of(options, rig), rig, injected_faults(options.scenarios, options.faults, rig));
   if (options.time != "real" && backend->name() == "configured" && rig.hal->can)
     throw InputError(
         "--time: found simulated with channels on real devices, expected --time real, or --hal sim for the "
@@ -281,6 +286,9 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--hal", o->backend,
                    "backend: sim, or configured (each channel from its source in the config's section hal); "
                    "default: configured where the config has that section");
+  verb->add_option("--scenario", o->scenarios, "faults to inject into the backend sim, a file (docs/faults.md)");
+  verb->add_option("--fault", o->faults, "a fault to inject; may stand several times")
+      ->type_name("KIND[:TARGET[:VALUE]][@START_S[+DURATION_S]]");
   verb->add_option("--record", o->record, "recording, FILE.csv.gz; with all sources FILE-valve.csv.gz and so on");
   verb->add_option("--report", o->report, "self-contained HTML page with plots");
   verb->add_option("--json", o->json, "figures as JSON, - for standard output");

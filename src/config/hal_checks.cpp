@@ -69,7 +69,7 @@ void check_valves(const Rig& rig, const RefusePath& refuse) {
     if (!valve->can || (safe >= valve->can->lowest && safe <= valve->can->highest)) continue;
     refuse(fmt::format("hal.channels.{}.can.lowest_V", name),
            fmt::format("{} to {} V", number_text(valve->can->lowest), number_text(valve->can->highest)),
-           fmt::format("a range that holds the safe output ({})", number_text(safe)));
+           fmt::format("a range that holds safe_output.command_V ({})", number_text(safe)));
   }
 }
 

@@ -18,6 +18,7 @@
 #include "program/injection.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
+#include "program/zeros.hpp"
 #include "record/writer.hpp"
 #include "report/evaluation.hpp"
 #include "report/run_json.hpp"
@@ -29,31 +30,35 @@ namespace {
 
 struct RunOptions {
   std::string config, time = "simulated", pressure_source, backend, record, report, json, gains;
-  std::vector<std::string> sets, scenarios, faults;
+  std::vector<std::string> sets, scenarios, faults, zeros;
   double duration_s = 0.0;
   double early_wake_us = -1.0;
   int moves = 1, priority = 80, cpu = -1;
   bool dump_config = false;
 };
 
+/// A config that names its devices runs on them unless told otherwise.
+std::string backend_of(const RunOptions& options, const Rig& rig) {
+  if (!options.backend.empty()) return options.backend;
+  return rig.hal ? "configured" : "sim";
+}
+
 Rig read_with_options(const RunOptions& options) {
-  std::vector<std::string> sets = options.sets;
+  std::vector<std::string> sets = with_zeros(options.sets, options.zeros);
   if (options.duration_s > 0.0) sets.push_back(fmt::format("duration_s={}", options.duration_s));
   if (!options.pressure_source.empty() && options.pressure_source != "all")
     sets.push_back("controller.pressure_source=" + options.pressure_source);
   Rig rig = read_rig(options.config, sets);
+  if (rig.sensors.position.incremental && backend_of(options, rig) != "sim" && !rig.zeros.contains("x"))
+    throw InputError(options.config +
+                     ": sensors.position.incremental: found true without a zero of x, expected --zeros "
+                     "FILE of the verb home, run after the encoder was switched on");
   require_kind("run", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
   if (rig.controller.kind != ControllerKind::pd_force && !options.pressure_source.empty())
     throw InputError(fmt::format("--pressure-source: found {}, but {} of {} takes no pressure into its loop",
                                  options.pressure_source,
                                  controller_kind_names[static_cast<std::size_t>(rig.controller.kind)], options.config));
   return rig;
-}
-
-/// A config that names its devices runs on them unless told otherwise.
-std::string backend_of(const RunOptions& options, const Rig& rig) {
-  if (!options.backend.empty()) return options.backend;
-  return rig.hal ? "configured" : "sim";
 }
 
 std::vector<PressureSource> sources_of(const RunOptions& options, const Rig& rig) {
@@ -286,6 +291,7 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--hal", o->backend,
                    "backend: sim, or configured (each channel from its source in the config's section hal); "
                    "default: configured where the config has that section");
+  verb->add_option("--zeros", o->zeros, "zeros of the channels, a file that the verbs home and zero wrote");
   verb->add_option("--scenario", o->scenarios, "faults to inject into the backend sim, a file (docs/faults.md)");
   verb->add_option("--fault", o->faults, "a fault to inject; may stand several times")
       ->type_name("KIND[:TARGET[:VALUE]][@START_S[+DURATION_S]]");

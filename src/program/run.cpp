@@ -29,7 +29,7 @@ namespace pneuservo {
 namespace {
 
 struct RunOptions {
-  std::string config, time = "simulated", pressure_source, backend, record, report, json, gains;
+  std::string config, time = "simulated", pressure_source, backend, record, report, json, gains, live;
   std::vector<std::string> sets, scenarios, faults, zeros;
   double duration_s = 0.0;
   double early_wake_us = -1.0;
@@ -151,17 +151,19 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
                        .load = load_reference_positions,
                        .late = late_ticks(faults, rig.period_s)};
   std::unique_ptr<RecordingRing> ring;
+  std::unique_ptr<LiveValues> live;
   std::unique_ptr<RecordingWriter> writer;
   if (!options.record.empty()) {
     const RecordingHeader header = run_header(rig, *backend, report.machine, options.moves);
     const auto columns = recorded_columns(rig, *backend, real_time, !options.gains.empty());
     const std::string path = record_path(options, source, several);
+    if (!options.live.empty()) live = std::make_unique<LiveValues>(options.live, columns);
     if (real_time) {
       ring = std::make_unique<RecordingRing>();
-      writer = std::make_unique<RecordingWriter>(path, header, columns, *ring);
+      writer = std::make_unique<RecordingWriter>(path, header, columns, *ring, live.get());
       settings.ring = ring.get();
     } else {
-      writer = std::make_unique<RecordingWriter>(path, header, columns);
+      writer = std::make_unique<RecordingWriter>(path, header, columns, live.get());
       settings.writer = writer.get();
     }
   }
@@ -232,6 +234,8 @@ void check_outputs(const RunOptions& options, const Rig& rig, const std::vector<
         "simulated plant");
   if (!options.record.empty() && !options.record.ends_with(".csv.gz"))
     throw InputError("--record: found " + options.record + ", expected a name that ends in .csv.gz");
+  if (!options.live.empty() && options.record.empty())
+    throw InputError("--live: found without --record, whose thread sends the values");
   for (const PressureSource source : sources)
     require_writable("--record", record_path(options, source, sources.size() > 1));
   require_writable("--report", options.report);
@@ -296,6 +300,8 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--fault", o->faults, "a fault to inject; may stand several times")
       ->type_name("KIND[:TARGET[:VALUE]][@START_S[+DURATION_S]]");
   verb->add_option("--record", o->record, "recording, FILE.csv.gz; with all sources FILE-valve.csv.gz and so on");
+  verb->add_option("--live", o->live,
+                   "live values as JSON over UDP, for PlotJuggler (port 9870); a PORT of this machine, or HOST:PORT");
   verb->add_option("--report", o->report, "self-contained HTML page with plots");
   verb->add_option("--json", o->json, "figures as JSON, - for standard output");
   verb->add_option("--priority", o->priority, "SCHED_FIFO priority in real time")->check(CLI::Range(1, 99));

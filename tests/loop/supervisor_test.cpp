@@ -25,6 +25,7 @@ class TouchedBackend final : public Backend {
   explicit TouchedBackend(const Rig& rig) : plant_(rig) { plant_.configure(); }
   Measurement extra;                 ///< digital inputs and device faults of the next ticks
   double supply_Pa = std::nan("");   ///< instead of the measured one
+  bool has_supply_sensor = true;
   Command last;
   void configure() override {}
   void activate() override {}
@@ -32,6 +33,7 @@ class TouchedBackend final : public Backend {
     plant_.read(tick, measurement);
     measurement.digital = extra.digital;
     measurement.device_faults = extra.device_faults;
+    if (!has_supply_sensor) measurement.supply_pressure_Pa = {};
     if (std::isfinite(supply_Pa)) measurement.supply_pressure_Pa.value = supply_Pa;
     return true;
   }
@@ -42,6 +44,7 @@ class TouchedBackend final : public Backend {
   void deactivate() noexcept override {}
   std::array<Origin, 6> origins() const override { return plant_.origins(); }
   std::string name() const override { return "sim"; }
+  SimBackend& plant() { return plant_; }
 
  private:
   SimBackend plant_;
@@ -149,6 +152,22 @@ TEST_CASE("supply and pressures beyond their limits") {
   REQUIRE(low.step().fault == fault_supply_low);
   Bench high(usual_rig({"limits.pressure_Pa=4.0e5"}));
   REQUIRE(high.step().fault == fault_pressure_limit);
+}
+
+TEST_CASE("a supply that is lost shows in the air of a side where no sensor stands at it") {
+  Bench bench(usual_rig());
+  bench.backend.has_supply_sensor = false;
+  while (bench.tick < 2000) REQUIRE(bench.step().fault == 0);
+  bench.backend.plant().set_machine(3e5, {0.0, 0.0});
+  while (bench.loop.faults() == 0 && bench.tick < 2500) bench.step();
+  REQUIRE((bench.loop.first_faults() &
+           (fault_flow_mismatch_1 | fault_flow_mismatch_2 | fault_chamber_mismatch_1 | fault_chamber_mismatch_2)) != 0);
+}
+
+TEST_CASE("an encoder of half its scale shows in the air that the moving piston takes") {
+  Bench bench(usual_rig({"effects={'sensor_gain:x': {gain: 0.5}}"}));
+  while (bench.loop.faults() == 0 && bench.tick < 1500) bench.step();
+  REQUIRE((bench.loop.first_faults() & (fault_flow_mismatch_1 | fault_flow_mismatch_2)) != 0);
 }
 
 TEST_CASE("a sample older than limits.age_periods is missing") {

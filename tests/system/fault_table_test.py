@@ -7,6 +7,9 @@ from program import expect, expect_refusal, run
 done = subprocess.run(["tools/fault-table", sys.argv[1]], capture_output=True, text=True, timeout=900)
 expect(done.returncode == 0, f"tools/fault-table: status {done.returncode}:\n{done.stdout}{done.stderr}")
 
+drawn = subprocess.run(["tools/state-figure", "--check"], capture_output=True, text=True, timeout=120)
+expect(drawn.returncode == 0, f"tools/state-figure: {drawn.stderr}")
+
 CONFIG = "config/cylinder-10m-7.65mm.yaml"
 expect_refusal(run("run", CONFIG, "--fault", "bias:p3:1"), ["bias", "'p3'", "p1_port"], "a channel that is not there")
 expect_refusal(run("run", CONFIG, "--fault", "bias:p1_port"), ["bias", "no value"], "a bias without a size")

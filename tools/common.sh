@@ -54,3 +54,10 @@ targets_among() {
     if grep -qxF -- "$name" <<<"$known"; then printf '%s\n' "$name"; fi
   done
 }
+
+# unless_skipped COMMAND...: like the command, but status 77 (skipped, it said why) counts as passed.
+unless_skipped() {
+  local status=0
+  "$@" || status=$?
+  if ((status == 77)); then say "SKIPPED: ${1##*/}, for the reason above"; else return "$status"; fi
+}

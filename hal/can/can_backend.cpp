@@ -198,8 +198,7 @@ void CanBackend::check_answers() {
   std::int64_t quickest_ns = std::numeric_limits<std::int64_t>::max();
   for (int probe = 0; probe < probes; ++probe) {
     process_.start(bus_->now_ns());
-    if (!send_outputs({rig_.safe_output.command_V, rig_.safe_output.command_V}))
-      throw std::runtime_error(bus_->name() + ": SYNC could not be sent");
+    if (!send_outputs(safe_commands_V(rig_))) throw std::runtime_error(bus_->name() + ": SYNC could not be sent");
     const bool all = receive_until(probe_timeout_ns, [&](const ReceivedFrame&) { return process_.all_answered(); });
     const bool any_expected = !process_.inputs().empty();
     if (any_expected && !all) {
@@ -271,7 +270,7 @@ void CanBackend::deactivate() noexcept {
   next_alive_ns_ = std::numeric_limits<std::int64_t>::max();
   dropped_ = bus_->dropped() - dropped_before_;
   if ((process_.faults() & (device_bus_off | device_link_down)) != 0) return;
-  send_outputs({rig_.safe_output.command_V, rig_.safe_output.command_V});
+  send_outputs(safe_commands_V(rig_));
   for (const std::uint8_t node : node_numbers_) bus_->send(nmt_frame(NmtCommand::enter_pre_operational, node));
 }
 

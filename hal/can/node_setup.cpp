@@ -73,7 +73,7 @@ void NodeConfigurator::write_parameters() {
 void NodeConfigurator::write_substitute(const CanChannel& output) {
   if (output.object.index() != analog_output) return;
   const CountScale counts{output.scale, output.zero, output.is_signed, output.object.bits()};
-  const std::uint64_t raw = counts.raw_of(setup_.rig.safe_output.command_V);
+  const std::uint64_t raw = counts.raw_of(safe_commands_V(setup_.rig)[output.channel]);
   const std::int64_t value =
       output.is_signed ? sign_extended(raw, output.object.bits()) : static_cast<std::int64_t>(raw);
   sdo_.write_checked(output_error_mode, output.object.sub(), 1);

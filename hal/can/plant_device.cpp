@@ -25,7 +25,8 @@ std::uint32_t device_type_of(const CanNodeParameters& node, const std::vector<Ca
 
 }  // namespace
 
-PlantDevice::PlantDevice(const Rig& rig) : rig_(rig), plant_(rig), period_ns_(std::llround(rig.period_s * 1e9)) {
+PlantDevice::PlantDevice(const Rig& rig)
+    : rig_(rig), plant_(rig), plant_faults_(rig), period_ns_(std::llround(rig.period_s * 1e9)) {
   if (!rig.hal || !rig.hal->can)
     throw InputError(rig.name + ": hal.can: found nothing, expected the bus with its nodes (docs/can.md)");
   channels_ = can_channels(*rig.hal);
@@ -67,15 +68,14 @@ void PlantDevice::power_on(std::int64_t now_ns, std::vector<CanFrame>& out) {
   for (auto& node : nodes_) node->power_on(now_ns, out);
 }
 
-bool PlantDevice::is_active(DeviceFaultKind kind, const std::string& target) const {
+bool PlantDevice::is_active(InjectedKind kind, const std::string& target) const {
   const double t = time_s();
   return std::any_of(orders_.begin(), orders_.end(), [&](const Order& o) {
-    return o.order.kind == kind && o.order.target == target && t >= o.order.start_s &&
-           t < o.order.start_s + o.order.duration_s && o.begun;
+    return o.order.kind == kind && o.order.target == target && o.order.is_on(t) && o.begun;
   });
 }
 
-bool PlantDevice::is_off(const CanopenNode& node) const { return is_active(DeviceFaultKind::off, node.name()); }
+bool PlantDevice::is_off(const CanopenNode& node) const { return is_active(InjectedKind::off, node.name()); }
 
 void PlantDevice::on_frame(const ReceivedFrame& received, std::vector<CanFrame>& out) {
   now_ns_ = received.received_ns;
@@ -104,8 +104,8 @@ void PlantDevice::answer(CanopenNode& node, std::vector<CanFrame>& out) {
   if (is_off(node)) return;
   std::vector<CanFrame> answers;
   node.answer_sync(answers);
-  if (is_active(DeviceFaultKind::drop, node.name())) return;
-  auto& where = is_active(DeviceFaultKind::late, node.name()) ? held_back_ : out;
+  if (is_active(InjectedKind::drop, node.name())) return;
+  auto& where = is_active(InjectedKind::late, node.name()) ? held_back_ : out;
   where.insert(where.end(), answers.begin(), answers.end());
 }
 
@@ -116,16 +116,18 @@ void PlantDevice::take_command() {
         signal.node->dictionary().number(signal.channel.object.index(), signal.channel.object.sub());
     commands_V_[signal.channel.channel] = is_off(*signal.node) ? 0.0 : signal.counts.value_of(raw);  // no supply
   }
-  plant_.write(tick_, {commands_V_[0], commands_V_[1]});
+  plant_.write(tick_, plant_faults_.command(time_s(), {commands_V_[0], commands_V_[1]}));
 }
 
 double PlantDevice::spoiled(const Signal& signal, double value) const {
   const double t = time_s();
   for (const Order& o : orders_) {
-    if (!o.begun || o.order.target != signal.channel.name || t >= o.order.start_s + o.order.duration_s) continue;
-    if (o.order.kind == DeviceFaultKind::bias) value += o.order.value;
-    if (o.order.kind == DeviceFaultKind::spike && t < o.order.start_s + rig_.period_s) value += o.order.value;
-    if (o.order.kind == DeviceFaultKind::saturate) value = std::copysign(1e300, signal.counts.scale);
+    const InjectedFault& fault = o.order;
+    const bool jumps = fault.kind == InjectedKind::encoder_jump && signal.channel.channel == 0;
+    if (!o.begun || !fault.is_on(t) || (fault.target != signal.channel.name && !jumps)) continue;
+    if (fault.kind == InjectedKind::bias || jumps) value += *fault.value;
+    if (fault.kind == InjectedKind::spike && t < fault.start_s + rig_.period_s) value += *fault.value;
+    if (fault.kind == InjectedKind::saturate) value = std::copysign(1e300, signal.counts.scale);
   }
   return value;
 }
@@ -133,12 +135,13 @@ double PlantDevice::spoiled(const Signal& signal, double value) const {
 void PlantDevice::sample_inputs() {
   Measurement measured;
   plant_.read(tick_, measured);
+  plant_faults_.apply(time_s(), plant_);
   const auto channels = channels_of(measured);
   for (Signal& signal : signals_) {
     if (signal.channel.is_output) continue;
     const double value = spoiled(signal, channels[signal.channel.channel]->value);
     auto raw = static_cast<std::uint32_t>(signal.counts.raw_of(value));
-    const bool freeze = is_active(DeviceFaultKind::freeze, signal.channel.name);
+    const bool freeze = is_active(InjectedKind::freeze, signal.channel.name);
     if (freeze && signal.is_frozen) raw = signal.frozen;
     signal.frozen = raw;
     signal.is_frozen = true;
@@ -166,20 +169,10 @@ std::int64_t PlantDevice::next_due_ns() const noexcept {
   return due;
 }
 
-void PlantDevice::add_fault(const DeviceFaultOrder& order) {
-  std::string known;
-  const auto is_named = [&](const std::string& name) {
-    known += (known.empty() ? "" : ", ") + name;
-    return name == order.target;
-  };
-  const std::string_view target = device_fault_names[static_cast<std::size_t>(order.kind)].target;
-  bool found = target.empty();
-  if (target == "node")
-    for (const auto& node : nodes_) found = is_named(node->name()) || found;
-  if (target == "channel")
-    for (const CanChannel& c : channels_) found = (!c.is_output && is_named(c.name)) || found;
-  if (!found) throw InputError("fault of " + std::string(target) + " '" + order.target + "': expected one of " + known);
-  orders_.push_back({order, false});
+void PlantDevice::add_fault(const InjectedFault& fault) {
+  require_injectable(fault, InjectionPlace::device, rig_, "fault");
+  orders_.push_back({fault, false});
+  plant_faults_.add(fault);
 }
 
 void PlantDevice::begin_orders(std::vector<CanFrame>& out) {
@@ -191,24 +184,24 @@ void PlantDevice::begin_orders(std::vector<CanFrame>& out) {
   for (auto& node : nodes_) {
     const bool ended = std::any_of(orders_.begin(), orders_.end(), [&](const Order& o) {
       const double end_s = o.order.start_s + o.order.duration_s;
-      return o.order.kind == DeviceFaultKind::off && o.order.target == node->name() && time_s() >= end_s &&
+      return o.order.kind == InjectedKind::off && o.order.target == node->name() && time_s() >= end_s &&
              time_s() < end_s + rig_.period_s;
     });
     if (ended) node->power_on(now_ns_, out);
-    node->heartbeat_muted = is_active(DeviceFaultKind::no_heartbeat, node->name());
+    node->heartbeat_muted = is_active(InjectedKind::no_heartbeat, node->name());
   }
 }
 
-void PlantDevice::begin(const DeviceFaultOrder& order, std::vector<CanFrame>& out) {
-  if (order.kind == DeviceFaultKind::bus_off) {
+void PlantDevice::begin(const InjectedFault& order, std::vector<CanFrame>& out) {
+  if (order.kind == InjectedKind::bus_off) {
     out.push_back({.id = error_bus_off, .length = 8, .error = true});
     return;
   }
   for (auto& node : nodes_) {
     if (node->name() != order.target) continue;
-    const double code = order.has_value ? order.value : usual_emergency;
-    if (order.kind == DeviceFaultKind::emergency) node->raise_emergency(static_cast<std::uint16_t>(code), 0x01, out);
-    if (order.kind == DeviceFaultKind::reboot) node->power_on(now_ns_, out);
+    const double code = order.value.value_or(usual_emergency);
+    if (order.kind == InjectedKind::emergency) node->raise_emergency(static_cast<std::uint16_t>(code), 0x01, out);
+    if (order.kind == InjectedKind::reboot) node->power_on(now_ns_, out);
   }
 }
 

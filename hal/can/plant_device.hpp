@@ -9,8 +9,9 @@
 #include <pneuservo/rig/rig.hpp>
 
 #include "can/canopen_node.hpp"
-#include "can/device_fault_order.hpp"
+#include "inject/plant_faults.hpp"
 #include "rig/can_channels.hpp"
+#include "rig/injected_fault.hpp"
 #include "sim/sim_backend.hpp"
 
 namespace pneuservo {
@@ -30,7 +31,7 @@ class PlantDevice {
 
   /// Faults on command; their time counts from the first SYNC. Throws InputError naming a node or channel that is not
   /// there.
-  void add_fault(const DeviceFaultOrder& order);
+  void add_fault(const InjectedFault& fault);
 
   std::vector<std::unique_ptr<CanopenNode>>& nodes() noexcept { return nodes_; }
   std::int64_t syncs() const noexcept { return syncs_; }
@@ -50,7 +51,7 @@ class PlantDevice {
     bool is_frozen = false;
   };
   struct Order {
-    DeviceFaultOrder order;
+    InjectedFault order;
     bool begun = false;
   };
 
@@ -60,13 +61,14 @@ class PlantDevice {
   void sample_inputs();
   double spoiled(const Signal& signal, double value) const;
   void begin_orders(std::vector<CanFrame>& out);
-  void begin(const DeviceFaultOrder& order, std::vector<CanFrame>& out);
-  bool is_active(DeviceFaultKind kind, const std::string& target) const;
+  void begin(const InjectedFault& order, std::vector<CanFrame>& out);
+  bool is_active(InjectedKind kind, const std::string& target) const;
   bool is_off(const CanopenNode& node) const;
   void answer(CanopenNode& node, std::vector<CanFrame>& out);
 
   Rig rig_;
   SimBackend plant_;
+  PlantFaults plant_faults_;
   std::vector<CanChannel> channels_;
   std::vector<std::unique_ptr<CanopenNode>> nodes_;
   std::vector<Signal> signals_;

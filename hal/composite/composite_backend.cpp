@@ -11,6 +11,9 @@
 namespace pneuservo {
 
 CompositeBackend::CompositeBackend(const Rig& rig) {
+  for (std::size_t i = 0; i < channel_names.size(); ++i)
+    if (const auto zero = rig.zeros.find(std::string(channel_names[i])); zero != rig.zeros.end())
+      zeros_[i] = zero->second;
   if (!rig.hal)
     throw InputError(rig.name + ": hal: found nothing, expected the section with the rig's devices (docs/can.md); "
                                 "'--hal sim' runs on the simulated plant");
@@ -46,7 +49,7 @@ bool CompositeBackend::read(std::int64_t tick, Measurement& measurement) noexcep
     if (!source.backend->read(tick, part)) return false;
     const auto from = channels_of(part);
     for (std::size_t i = 0; i < to.size(); ++i)
-      if (source.gives[i]) *to[i] = *from[i];
+      if (source.gives[i]) *to[i] = *from[i], to[i]->value += zeros_[i];
     measurement.device_faults |= part.device_faults;
     const auto lines = lines_of(measurement.digital), own = lines_of(part.digital);
     for (std::size_t i = 0; i < lines.size(); ++i)

@@ -34,6 +34,7 @@ class CompositeBackend final : public Backend {
 
   std::vector<Source> sources_;
   std::array<Origin, 6> origins_{};
+  std::array<double, 6> zeros_{};  ///< added to what the sources give
 };
 
 }  // namespace pneuservo

@@ -75,7 +75,10 @@ bool SimBackend::write(std::int64_t, const Command& command) noexcept {
   return true;
 }
 
-void SimBackend::deactivate() noexcept { command_ = {rig_.safe_output.command_V, rig_.safe_output.command_V}; }
+void SimBackend::deactivate() noexcept {
+  const auto safe_V = safe_commands_V(rig_);
+  command_ = {safe_V[0], safe_V[1]};
+}
 
 std::array<Origin, 6> SimBackend::origins() const {
   std::array<Origin, 6> all;

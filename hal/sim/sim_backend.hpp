@@ -22,6 +22,11 @@ class SimBackend final : public Backend {
   bool write(std::int64_t tick, const Command& command) noexcept override;
   void deactivate() noexcept override;
   Truth truth() const noexcept override;
+  /// The machine from here on: supply pressure, leaks of the chambers. HOT.
+  void set_machine(double supply_pressure_Pa, const std::array<double, 2>& chamber_leak_m2) noexcept {
+    plant_.set_supply_pressure(supply_pressure_Pa);
+    plant_.set_chamber_leaks(chamber_leak_m2[0], chamber_leak_m2[1]);
+  }
   std::array<Origin, 6> origins() const override;
   std::string name() const override { return "sim"; }
 

@@ -2,7 +2,11 @@
 #include "config/config_tree.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
+#include <cstring>
+#include <fstream>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
@@ -154,6 +158,28 @@ void refuse(const std::string& origin, const std::string& path, const std::strin
 
 std::string join_path(const std::string& path, std::string_view key) {
   return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
+}
+
+namespace {
+
+std::string read_text(const std::filesystem::path& file, const std::string& expected_file) {
+  const std::string name = file.string();
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) refuse(name, "(file)", "a folder", expected_file);
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  const auto unreadable = [] { return fmt::format("an unreadable file ({})", std::strerror(errno)); };
+  if (!stream) refuse(name, "(file)", errno == ENOENT ? "no such file" : unreadable(), expected_file);
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (stream.bad()) refuse(name, "(file)", unreadable(), expected_file);
+  if (text.starts_with("\x1f\x8b")) refuse(name + ":1", "(file)", "compressed data", expected_file);
+  return text;
+}
+
+}  // namespace
+
+ConfigNode read_config_tree(const std::filesystem::path& file, const std::string& expected) {
+  return parse_config_tree(read_text(file, expected), file.string());
 }
 
 }  // namespace pneuservo

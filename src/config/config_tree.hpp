@@ -1,5 +1,6 @@
 // A YAML document as a plain tree in which every node knows where it was written: file and line, or a --set.
 #pragma once
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,6 +32,9 @@ struct ConfigNode::Entry {
 /// Parses one YAML document. Throws InputError naming file and line: text that is not YAML, an empty or second
 /// document, a key that stands twice, nesting or aliases beyond all reason.
 ConfigNode parse_config_tree(const std::string& yaml_text, const std::string& source_name);
+
+/// The document in a file; `expected` says what the file should be. Throws InputError.
+ConfigNode read_config_tree(const std::filesystem::path& file, const std::string& expected);
 
 /// Applies one `PATH=VALUE`; VALUE is YAML. Maps on the way are created, list items are named by their index from 0.
 /// Throws InputError naming the --set.

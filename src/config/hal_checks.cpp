@@ -64,8 +64,8 @@ void check_bus(const CanBusParameters& bus, double period_s, const RefusePath& r
 
 void check_valves(const Rig& rig, const RefusePath& refuse) {
   const HalChannels& c = rig.hal->channels;
-  const double safe = rig.safe_output.command_V;
   for (const auto& [name, valve] : {std::pair{"u", &c.u}, {"u1", &c.u1}, {"u2", &c.u2}}) {
+    const double safe = safe_commands_V(rig)[valve == &c.u2 ? 1 : 0];
     if (!valve->can || (safe >= valve->can->lowest && safe <= valve->can->highest)) continue;
     refuse(fmt::format("hal.channels.{}.can.lowest_V", name),
            fmt::format("{} to {} V", number_text(valve->can->lowest), number_text(valve->can->highest)),

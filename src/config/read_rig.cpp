@@ -1,10 +1,6 @@
 // Reads a config file into a Rig; every mistake in it is one sentence with file, line, key, found and expected.
 #include "config/read_rig.hpp"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 #include <optional>
 
 #include <fmt/format.h>
@@ -16,22 +12,6 @@
 namespace pneuservo {
 
 namespace {
-
-constexpr auto expected_file = "a config file (docs/config-keys.md)";
-
-std::string read_text(const std::filesystem::path& file) {
-  const std::string name = file.string();
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) refuse(name, "(file)", "a folder", expected_file);
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  const auto unreadable = [] { return fmt::format("an unreadable file ({})", std::strerror(errno)); };
-  if (!stream) refuse(name, "(file)", errno == ENOENT ? "no such file" : unreadable(), expected_file);
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (stream.bad()) refuse(name, "(file)", unreadable(), expected_file);
-  if (text.starts_with("\x1f\x8b")) refuse(name + ":1", "(file)", "compressed data", expected_file);
-  return text;
-}
 
 /// The section reader, with the effects of the sensors where `effects` stands.
 struct RigReader {
@@ -64,9 +44,8 @@ void anchor_eds(Rig& rig, const std::filesystem::path& folder) {
       node.eds = std::filesystem::absolute(folder / node.eds).lexically_normal().string();
 }
 
-Rig rig_from_text(const std::string& yaml_text, const std::string& source_name,
-                  const std::vector<std::string>& overrides, const std::optional<std::filesystem::path>& anchor) {
-  ConfigNode root = parse_config_tree(yaml_text, source_name);
+Rig rig_from_tree(ConfigNode root, const std::vector<std::string>& overrides,
+                  const std::optional<std::filesystem::path>& anchor) {
   require_map(root, "");
   for (const std::string& override_text : overrides) apply_override(root, override_text);
 
@@ -84,11 +63,11 @@ Rig rig_from_text(const std::string& yaml_text, const std::string& source_name,
 }  // namespace
 
 Rig read_rig(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
-  return rig_from_text(read_text(file), file.string(), overrides, file.parent_path());
+  return rig_from_tree(read_config_tree(file, "a config file (docs/config-keys.md)"), overrides, file.parent_path());
 }
 
 Rig parse_rig(const std::string& yaml_text, const std::string& source_name, const std::vector<std::string>& overrides) {
-  return rig_from_text(yaml_text, source_name, overrides, {});
+  return rig_from_tree(parse_config_tree(yaml_text, source_name), overrides, {});
 }
 
 ReferenceSpec parse_reference(const std::string& yaml_text, const std::string& source_name) {

@@ -143,6 +143,25 @@ void check_controller(const Rig& rig, const Check& check) {
                  fmt::format("at most +-valve.command_max_V ({})", number_text(command_max)));
 }
 
+/// What the valves of this rig can do in the safe state.
+void check_safe_output(const Rig& rig, const Check& check) {
+  const SafeOutputParameters& safe = rig.safe_output;
+  if (safe.action == SafeAction::vent && rig.kind != RigKind::servo_table)
+    check.refuse("safe_output.action", {"rig"},
+                 "vent with a five-port valve, which feeds one side when it vents the other",
+                 "hold or centre; vent takes the two three-port valves of a servo_table");
+  if (safe.action != SafeAction::hold && safe.command_V != 0.0)
+    check.refuse("safe_output.command_V", {"safe_output.action"}, number_text(safe.command_V),
+                 "none: only the action hold has a command of its own");
+}
+
+void check_zeros(const Rig& rig, const Check& check) {
+  for (const auto& [channel, zero] : rig.zeros)
+    if (std::find(channel_names.begin(), channel_names.end(), channel) == channel_names.end())
+      refuse(check.root.find("zeros")->value.find(channel)->origin, join_path("zeros", channel), "no channel of a rig",
+             fmt::format("one of {}", fmt::join(channel_names, ", ")));
+}
+
 void check_times(const Rig& rig, const Check& check) {
   if (rig.duration_s < rig.period_s)
     check.refuse("duration_s", {"period_s"}, number_text(rig.duration_s),
@@ -329,6 +348,8 @@ void check_rig(const Rig& rig, const ConfigNode& root) {
   if (rig.is_pneumatic()) {
     check_lines(rig, check);
     check_controller(rig, check);
+    check_safe_output(rig, check);
+    check_zeros(rig, check);
     check_initial_pressures(rig, check);
   }
   check_initial_position(rig, check);

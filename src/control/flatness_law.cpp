@@ -101,6 +101,8 @@ std::optional<std::vector<double>> FlatnessLaw::take_missing_flow(const AxisPara
     missing = smoothed(feedback_kgps_, period_s_);
     const std::vector<double> of_error = plan_.flow_of_deviation(axis, error_m_);
     for (std::size_t k = 0; k < of_error.size(); ++k) (*missing)[k] -= of_error[k];
+  } else {
+    ++moves_not_learned_;
   }
   error_m_.assign(error_m_.size(), not_recorded);
   return missing;

@@ -22,13 +22,18 @@ constexpr std::int64_t warm_up_ticks = 200;
 
 void run_simulated(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSettings& settings, Course& course,
                    RunOutcome& out) {
-  const auto pass = [&](std::int64_t tick) noexcept {
+  const auto pass = [&](std::int64_t tick, std::int64_t skipped) noexcept {
     const RtScope hot;
-    return loop.pass(backend, tick, 0, nullptr, nullptr);
+    return loop.pass(backend, tick, skipped, nullptr, nullptr);
   };
   std::int64_t tick = 0;
+  auto late = settings.late.begin();
   for (; !StopRequest::requested(); ++tick) {
-    if (!pass(tick)) {
+    std::int64_t skipped = 0;
+    for (; late != settings.late.end() && late->tick <= tick; ++late) skipped += late->slots;
+    tick += skipped;
+    out.overruns += skipped;
+    if (!pass(tick, skipped)) {
       out.ended_by_backend = true;
       break;
     }
@@ -51,6 +56,7 @@ void account(LoopTiming& timing, const StageTimes& stages, std::int64_t lateness
   timing.backend.add(backend);
   timing.estimator.add(estimator);
   timing.controller.add(controller);
+  timing.tick.add(work - backend);
   timing.loop.add(work - backend - estimator - controller);
   timing.keep_worst({tick, lateness_ns, work});
   ++timing.ticks;
@@ -110,7 +116,14 @@ void run_real(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSetting
   TimeGrid grid(MonotonicClock::now_ns() + period_ns, period_ns);
   ThreadCounters before = ThreadCounters::now();
   std::int64_t skipped = 0, last_work_ns = 0;
+  std::int64_t unserved = 0;
+  auto late = settings.late.begin();
   while (!StopRequest::requested()) {
+    for (; late != settings.late.end() && late->tick <= grid.slot(); ++late) {
+      MonotonicClock::sleep_until_ns(grid.slot_ns() + (late->slots - 1) * period_ns);
+      skipped += 1 + grid.advance(MonotonicClock::now_ns());
+      ++unserved;
+    }
     wait_for_slot(grid.slot_ns(), early_ns, loop, settings.ring, course);
     const std::int64_t woken_ns = MonotonicClock::now_ns();
     const std::int64_t tick = grid.slot(), lateness_ns = grid.lateness_ns(woken_ns);
@@ -132,7 +145,7 @@ void run_real(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSetting
   timing.page_faults = counted.page_faults;
   timing.context_switches_involuntary = counted.context_switches_involuntary;
   out.stopped_by_signal = StopRequest::requested();
-  out.overruns = grid.missed();
+  out.overruns = grid.missed() + unserved;
 }
 
 }  // namespace
@@ -169,6 +182,7 @@ RunOutcome run_loop(const Rig& rig, Backend& backend, const RunSettings& setting
   out.first_faults = static_cast<std::size_t>(std::popcount(loop.first_faults()));
   if (course.fault_tick() >= 0) out.fault_s = static_cast<double>(course.fault_tick()) * rig.period_s;
   out.moves = course.moves();
+  out.moves_not_learned = loop.controller().ppd2().flatness().moves_not_learned();
   out.rows = course.take_rows();
   return out;
 }

@@ -20,6 +20,11 @@ class GainMailbox;
 class RecordingRing;
 class RecordingWriter;
 
+/// The first tick at or after `tick` comes `slots` periods late.
+struct LateTick {
+  std::int64_t tick = 0, slots = 0;
+};
+
 /// How a run goes.
 struct RunSettings {
   /// Real time: the thread wakes this share of the period before its slot, at most longest_early_wake_s, and looks at
@@ -36,6 +41,7 @@ struct RunSettings {
   RecordingRing* ring = nullptr;  ///< real time: rows go here
   RecordingWriter* writer = nullptr;  ///< simulated time: rows go here
   GainMailbox* gains = nullptr;  ///< gains for the running loop come from here
+  std::vector<LateTick> late{};  ///< injected: the loop comes so late once, in order of their ticks
   std::function<void(double fraction)> progress{};  ///< called between ticks in simulated time only
 };
 
@@ -50,6 +56,7 @@ struct RunOutcome {
   bool ended_by_backend = false;
   std::int64_t ticks = 0;  ///< served
   std::int64_t overruns = 0;  ///< slots skipped
+  int moves_not_learned = 0;  ///< too many of their slots were skipped to learn from them
   double wall_s = 0.0;
   std::unique_ptr<LoopTiming> timing;  ///< real time only
 };

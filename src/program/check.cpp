@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "config/read_rig.hpp"
+#include "loop/bus_check.hpp"
 #include "loop/machine_check.hpp"
 #include "loop/rig_grade.hpp"
 #include "program/rig_options.hpp"
@@ -21,7 +22,16 @@ struct CheckOptions {
   RealTimeSettings session;
 };
 
-std::vector<Finding> check_config(const std::string& path) { return grade_rig(read_rig(path)); }
+/// The config itself, and the kernel's interface where its devices are on one.
+std::vector<Finding> check_config(const std::string& path) {
+  const Rig rig = read_rig(path);
+  std::vector<Finding> findings = grade_rig(rig);
+  if (!rig.hal || !rig.hal->can || rig.hal->can->interface.find(':') != std::string::npos) return findings;
+  const CanBusParameters& bus = *rig.hal->can;
+  for (Finding& finding : grade_bus_interface(bus.interface, read_bus_interface(bus.interface), bus.bit_rate_bps))
+    findings.push_back(std::move(finding));
+  return findings;
+}
 
 nlohmann::ordered_json as_json(const std::vector<Finding>& findings) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();

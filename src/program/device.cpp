@@ -18,13 +18,14 @@
 #include "loop/realtime.hpp"
 #include "loop/realtime_stop.hpp"
 #include "program/verbs.hpp"
+#include "rig/injected_fault.hpp"
 
 namespace pneuservo {
 namespace {
 
 struct DeviceOptions {
   std::string config, interface;
-  std::vector<std::string> sets, faults;
+  std::vector<std::string> sets, faults, scenarios;
   double duration_s = 0.0;
   int priority = 0;
 };
@@ -69,6 +70,11 @@ int run_device(const DeviceOptions& options) {
   const Rig rig = read_rig(options.config, options.sets);
   PlantDevice device(rig);
   for (const std::string& fault : options.faults) device.add_fault(parse_fault_order(fault, 0.0));
+  for (const std::string& file : options.scenarios)
+    for (const auto& [name, fault] : read_scenario(file).faults) {
+      require_injectable(fault, InjectionPlace::device, rig, fmt::format("{}: faults.{}", file, name));
+      device.add_fault(fault);
+    }
   const auto bus = open_carrier(options.interface, rig.hal->can->bit_rate_bps, true);
   std::unique_ptr<RealTimeSession> session;
   if (options.priority > 0) {
@@ -114,12 +120,13 @@ void add_device(CLI::App& app, int& status) {
   verb->add_option("--set", o->sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
   verb->add_option("--fault", o->faults, "a fault on command; may stand several times")
       ->type_name("KIND[:TARGET[:VALUE]][@START_S[+DURATION_S]]");
+  verb->add_option("--scenario", o->scenarios, "faults from a scenario file (docs/faults.md)");
   verb->add_option("--duration-s", o->duration_s, "end after so much time of the plant [s]; default: Ctrl-C")
       ->check(CLI::PositiveNumber);
   verb->add_option("--priority", o->priority, "SCHED_FIFO priority; 0: an ordinary process")
       ->check(CLI::Range(0, 99))
       ->capture_default_str();
-  verb->footer(fault_order_help() +
+  verb->footer(fault_order_help(InjectionPlace::device) +
                "The same may be typed, one a line, while it runs. Times count from the first SYNC.\n"
                "  pneuservo device config/can/cylinder-10m-7.65mm.yaml --can vcan0 --fault freeze:x@2\n"
                "  pneuservo run config/can/cylinder-10m-7.65mm.yaml --set hal.can.interface=vcan0 --time real");

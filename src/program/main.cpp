@@ -5,13 +5,15 @@
 #include <CLI/CLI.hpp>
 
 #include "config/input_error.hpp"
+#include "config/version.hpp"
 #include "program/verbs.hpp"
 
 namespace {
 int run_program(int argc, char** argv) {
-  CLI::App app{"pneuservo: real-time control of pneumatic servo axes with connected pipelines"};
+  CLI::App app{"pneuservo: real-time control of pneumatic servo axes with connected pipelines", "pneuservo"};
   app.require_subcommand(1);
   app.set_help_all_flag("--help-all", "help of all verbs");
+  app.set_version_flag("--version", "pneuservo " + std::string(pneuservo::version()));
   app.footer("Start here:\n"
              "  pneuservo run config/cylinder-10m-7.65mm.yaml --pressure-source all --report run.html\n"
              "  pneuservo check config/cylinder-10m-7.65mm.yaml\n"

@@ -15,8 +15,10 @@
 #include "loop/realtime_stop.hpp"
 #include "loop/runner.hpp"
 #include "program/gain_file.hpp"
+#include "program/injection.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
+#include "program/zeros.hpp"
 #include "record/writer.hpp"
 #include "report/evaluation.hpp"
 #include "report/run_json.hpp"
@@ -27,32 +29,36 @@ namespace pneuservo {
 namespace {
 
 struct RunOptions {
-  std::string config, time = "simulated", pressure_source, backend, record, report, json, gains;
-  std::vector<std::string> sets;
+  std::string config, time = "simulated", pressure_source, backend, record, report, json, gains, live;
+  std::vector<std::string> sets, scenarios, faults, zeros;
   double duration_s = 0.0;
   double early_wake_us = -1.0;
   int moves = 1, priority = 80, cpu = -1;
   bool dump_config = false;
 };
 
+/// A config that names its devices runs on them unless told otherwise.
+std::string backend_of(const RunOptions& options, const Rig& rig) {
+  if (!options.backend.empty()) return options.backend;
+  return rig.hal ? "configured" : "sim";
+}
+
 Rig read_with_options(const RunOptions& options) {
-  std::vector<std::string> sets = options.sets;
+  std::vector<std::string> sets = with_zeros(options.sets, options.zeros);
   if (options.duration_s > 0.0) sets.push_back(fmt::format("duration_s={}", options.duration_s));
   if (!options.pressure_source.empty() && options.pressure_source != "all")
     sets.push_back("controller.pressure_source=" + options.pressure_source);
   Rig rig = read_rig(options.config, sets);
+  if (rig.sensors.position.incremental && backend_of(options, rig) != "sim" && !rig.zeros.contains("x"))
+    throw InputError(options.config +
+                     ": sensors.position.incremental: found true without a zero of x, expected --zeros "
+                     "FILE of the verb home, run after the encoder was switched on");
   require_kind("run", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
   if (rig.controller.kind != ControllerKind::pd_force && !options.pressure_source.empty())
     throw InputError(fmt::format("--pressure-source: found {}, but {} of {} takes no pressure into its loop",
                                  options.pressure_source,
                                  controller_kind_names[static_cast<std::size_t>(rig.controller.kind)], options.config));
   return rig;
-}
-
-/// A config that names its devices runs on them unless told otherwise.
-std::string backend_of(const RunOptions& options, const Rig& rig) {
-  if (!options.backend.empty()) return options.backend;
-  return rig.hal ? "configured" : "sim";
 }
 
 std::vector<PressureSource> sources_of(const RunOptions& options, const Rig& rig) {
@@ -133,7 +139,8 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
         .priority = options.priority, .cpu = options.cpu >= 0 ? std::optional(options.cpu) : std::nullopt});
     if (report.runs.empty()) std::cerr << refusal_message(session->findings());
   }
-  auto backend = make_backend(backend_of(options, rig), rig);
+  const std::vector<InjectedFault> faults = injected_faults(options.scenarios, options.faults, rig);
+  auto backend = make_faulty_backend(backend_of(options, rig), rig, faults);
   backend->configure();
   report.machine = machine_facts(session ? &session->state() : nullptr);
   report.channel_origins = channel_facts(*backend);
@@ -141,19 +148,22 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   RunSettings settings{.real_time = real_time,
                        .early_wake_s = options.early_wake_us * 1e-6,
                        .moves = options.moves,
-                       .load = load_reference_positions};
+                       .load = load_reference_positions,
+                       .late = late_ticks(faults, rig.period_s)};
   std::unique_ptr<RecordingRing> ring;
+  std::unique_ptr<LiveValues> live;
   std::unique_ptr<RecordingWriter> writer;
   if (!options.record.empty()) {
     const RecordingHeader header = run_header(rig, *backend, report.machine, options.moves);
     const auto columns = recorded_columns(rig, *backend, real_time, !options.gains.empty());
     const std::string path = record_path(options, source, several);
+    if (!options.live.empty()) live = std::make_unique<LiveValues>(options.live, columns);
     if (real_time) {
       ring = std::make_unique<RecordingRing>();
-      writer = std::make_unique<RecordingWriter>(path, header, columns, *ring);
+      writer = std::make_unique<RecordingWriter>(path, header, columns, *ring, live.get());
       settings.ring = ring.get();
     } else {
-      writer = std::make_unique<RecordingWriter>(path, header, columns);
+      writer = std::make_unique<RecordingWriter>(path, header, columns, live.get());
       settings.writer = writer.get();
     }
   }
@@ -180,14 +190,20 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
     whole = summary.error.empty();
   }
   for (const std::string& note : backend->notes()) std::cerr << note << "\n";
+  if (outcome.moves_not_learned > 0)
+    std::cerr << fmt::format(
+        "{} of {} moves taught nothing: more than 1 % of their ticks were skipped because the loop "
+        "was late; `pneuservo check` names what to mend on this machine\n",
+        outcome.moves_not_learned, outcome.moves.size());
   if (outcome.stopped_by_signal)
     std::cerr << "stopped by a signal: safe output is set, the recording is closed, results so far follow\n";
   for (std::size_t i = 0; i < outcome.faults.size(); ++i)
     std::cerr << (i < outcome.first_faults ? "fault: " : "after it: ") << outcome.faults[i] << "\n";
   if (!outcome.faults.empty())
-    std::cerr << fmt::format("the valve has its safe output of {} V since t = {} s; when the cause is mended, run the "
-                             "same command again\n",
-                             rig.safe_output.command_V, outcome.fault_s);
+    std::cerr << fmt::format(
+        "the valve has its safe output of {} V since t = {:.6g} s; when the cause is mended, run the "
+        "same command again\n",
+        safe_commands_V(rig)[0], outcome.fault_s);
 
   for (std::size_t i = 0; i < outcome.moves.size(); ++i) {
     const MoveSpan& span = outcome.moves[i];
@@ -210,13 +226,16 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
 
 /// What would only show after the run: no such backend, no such folder.
 void check_outputs(const RunOptions& options, const Rig& rig, const std::vector<PressureSource>& sources) {
-  const auto backend = make_backend(backend_of(options, rig), rig);
+  const auto backend =
+      make_faulty_backend(backend_of(options, rig), rig, injected_faults(options.scenarios, options.faults, rig));
   if (options.time != "real" && backend->name() == "configured" && rig.hal->can)
     throw InputError(
         "--time: found simulated with channels on real devices, expected --time real, or --hal sim for the "
         "simulated plant");
   if (!options.record.empty() && !options.record.ends_with(".csv.gz"))
     throw InputError("--record: found " + options.record + ", expected a name that ends in .csv.gz");
+  if (!options.live.empty() && options.record.empty())
+    throw InputError("--live: found without --record, whose thread sends the values");
   for (const PressureSource source : sources)
     require_writable("--record", record_path(options, source, sources.size() > 1));
   require_writable("--report", options.report);
@@ -276,7 +295,13 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--hal", o->backend,
                    "backend: sim, or configured (each channel from its source in the config's section hal); "
                    "default: configured where the config has that section");
+  verb->add_option("--zeros", o->zeros, "zeros of the channels, a file that the verbs home and zero wrote");
+  verb->add_option("--scenario", o->scenarios, "faults to inject into the backend sim, a file (docs/faults.md)");
+  verb->add_option("--fault", o->faults, "a fault to inject; may stand several times")
+      ->type_name("KIND[:TARGET[:VALUE]][@START_S[+DURATION_S]]");
   verb->add_option("--record", o->record, "recording, FILE.csv.gz; with all sources FILE-valve.csv.gz and so on");
+  verb->add_option("--live", o->live,
+                   "live values as JSON over UDP, for PlotJuggler (port 9870); a PORT of this machine, or HOST:PORT");
   verb->add_option("--report", o->report, "self-contained HTML page with plots");
   verb->add_option("--json", o->json, "figures as JSON, - for standard output");
   verb->add_option("--priority", o->priority, "SCHED_FIFO priority in real time")->check(CLI::Range(1, 99));

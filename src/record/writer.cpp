@@ -33,8 +33,8 @@ void become_ordinary_thread() {
 }  // namespace
 
 RecordingWriter::RecordingWriter(std::string path, const RecordingHeader& header,
-                                 const std::vector<std::string>& columns)
-    : file_(checked(std::move(path))), text_(columns), buffer_(buffer_size) {
+                                 const std::vector<std::string>& columns, LiveValues* live)
+    : file_(checked(std::move(path))), text_(columns), buffer_(buffer_size), live_(live) {
   file_.write(header.comment_lines());
   file_.write(text_.header_line());
   flush();
@@ -42,8 +42,8 @@ RecordingWriter::RecordingWriter(std::string path, const RecordingHeader& header
 }
 
 RecordingWriter::RecordingWriter(std::string path, const RecordingHeader& header,
-                                 const std::vector<std::string>& columns, RecordingRing& ring)
-    : RecordingWriter(std::move(path), header, columns) {
+                                 const std::vector<std::string>& columns, RecordingRing& ring, LiveValues* live)
+    : RecordingWriter(std::move(path), header, columns, live) {
   ring_ = &ring;
   thread_ = std::thread([this] { run(); });
 }
@@ -79,6 +79,7 @@ void RecordingWriter::append(const Row& row) {
   char* const start = buffer_.data() + used_;
   used_ += static_cast<std::size_t>(text_.line(start, row) - start);
   ++rows_;
+  if (live_ != nullptr) live_->send(row);
   const bool fault = (row.flags & row_fault) != 0;
   if (fault && !in_fault_) flush();
   in_fault_ = fault;

@@ -11,6 +11,7 @@
 
 #include "record/gzip_file.hpp"
 #include "record/header.hpp"
+#include "record/live_values.hpp"
 #include "record/row_text.hpp"
 
 namespace pneuservo {
@@ -32,10 +33,12 @@ class RecordingWriter {
   static constexpr std::chrono::milliseconds flush_interval{200};
 
   /// Simulated time. `columns`: names of the columns that this run has, empty = all. Throws InputError.
-  RecordingWriter(std::string path, const RecordingHeader& header, const std::vector<std::string>& columns);
+  /// `live`: gets each row after it was written, in the writing thread; must outlive the writer; null: nobody.
+  RecordingWriter(std::string path, const RecordingHeader& header, const std::vector<std::string>& columns,
+                  LiveValues* live = nullptr);
   /// Real time. The ring must outlive the writer. Throws InputError.
   RecordingWriter(std::string path, const RecordingHeader& header, const std::vector<std::string>& columns,
-                  RecordingRing& ring);
+                  RecordingRing& ring, LiveValues* live = nullptr);
   /// Closes.
   ~RecordingWriter();
   RecordingWriter(const RecordingWriter&) = delete;
@@ -62,6 +65,7 @@ class RecordingWriter {
   std::int64_t rows_ = 0;
   bool in_fault_ = false;
   std::chrono::steady_clock::time_point flushed_;
+  LiveValues* live_ = nullptr;
   RecordingRing* ring_ = nullptr;
   std::atomic<bool> closing_{false};
   std::thread thread_;

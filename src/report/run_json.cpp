@@ -11,7 +11,10 @@ using Json = nlohmann::ordered_json;
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json quantiles_json(const TimeHistogram& times) {
-  return {{"p50", times.percentile_us(0.5)}, {"p99", times.percentile_us(0.99)}};
+  return {{"mean", times.mean_us()},
+          {"p50", times.percentile_us(0.5)},
+          {"p99", times.percentile_us(0.99)},
+          {"p99_9", times.percentile_us(0.999)}};
 }
 
 Json lateness_json(const TimeHistogram& lateness) {
@@ -23,6 +26,7 @@ Json lateness_json(const TimeHistogram& lateness) {
 
 void add_timing(Json& json, const LoopTiming& timing) {
   json["lateness_us"] = lateness_json(timing.lateness);
+  json["tick_us"] = quantiles_json(timing.tick);
   json["loop_us"] = quantiles_json(timing.loop);
   json["estimator_us"] = quantiles_json(timing.estimator);
   json["controller_us"] = quantiles_json(timing.controller);

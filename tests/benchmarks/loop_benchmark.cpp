@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <pneuservo/loop/axis_loop.hpp>
 #include <pneuservo/loop/timing.hpp>
@@ -56,5 +57,45 @@ BENCHMARK_CAPTURE(loop_tick, cylinder, "cylinder-10m-7.65mm")->Name("loop/tick w
 BENCHMARK_CAPTURE(loop_tick, table, "servo-table-0.5m-4mm")
     ->Name("loop/tick with recording, servo table")
     ->Iterations(50'000);
+
+/// The supervisor alone: judging six channels and the digital lines, cross-checks, motion, on a run of the simulated
+/// axis.
+void supervisor_tick(benchmark::State& state) {
+  const Rig rig = read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/cylinder-10m-7.65mm.yaml");
+  SimBackend backend(rig);
+  backend.configure();
+  AxisLoop loop;
+  loop.configure(rig);
+  struct Tick {
+    Measurement measured;
+    EstimatorOutput estimate;
+    double command_V, speed_mps, reference_m;
+  };
+  std::vector<Tick> ticks(4000);
+  PipelineEstimator estimator;
+  estimator.configure(estimator_parameters(rig));
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    Tick& t = ticks[i];
+    loop.pass(backend, static_cast<std::int64_t>(i), 0, nullptr, nullptr);
+    backend.read(static_cast<std::int64_t>(i), t.measured);
+    const Row& row = loop.row();
+    t.estimate = estimator.step({t.measured.port_pressure_1_Pa.value, t.measured.port_pressure_2_Pa.value,
+                                 t.measured.position_m.value, row.v_mps, row.u_V});
+    t.command_V = row.u_V, t.speed_mps = row.v_mps, t.reference_m = row.x_ref_m;
+  }
+  Supervisor supervisor;
+  supervisor.configure(rig, false);
+  std::size_t i = 0;
+  for (auto _ : state) {
+    const Tick& t = ticks[i];
+    const JudgedInputs in = supervisor.judge(t.measured, 0);
+    supervisor.cross_check(in, t.estimate, 0);
+    supervisor.check_motion({t.speed_mps, t.reference_m, true, true});
+    supervisor.note_commands({t.command_V, 0.0});
+    if (++i == ticks.size()) i = 0, supervisor.rearm();
+  }
+  if (supervisor.faults() != 0) state.SkipWithError("the supervisor found a fault");
+}
+BENCHMARK(supervisor_tick)->Name("loop/supervisor")->Iterations(2'000'000);
 
 }  // namespace

@@ -164,6 +164,23 @@ TEST_CASE("flatness law: learns an area that is off, and a flow that is missing"
   }
 }
 
+TEST_CASE("flatness law: a few skipped ticks are bridged; a move with more than one percent of them teaches nothing") {
+  const AxisParameters<double> axis = test::table_axis(table_4mm);
+  for (const std::int64_t every : {200, 50}) {
+    FlatnessLaw law(FlatnessPlan(axis, cruise(-0.02, 0.02), 1.2, at_pressure(140e3)), flatness_gains(axis, 110e3),
+                    2e-4);
+    const double p = law.plan().at(2000).mean_port_pressure_Pa;
+    const double before = law.step(2000, 0.0, 0.0, p, p).valve_1_V;
+    for (std::int64_t k = 0; k < 6000; ++k)
+      if (k % every != 0) law.step(k, 0.0, 1e-3, p, p);
+    law.learn_flow(axis);
+    CAPTURE(every);
+    CHECK(law.moves_not_learned() == (every == 50 ? 1 : 0));
+    const double learned_V = law.step(2000, 0.0, 0.0, p, p).valve_1_V - before;
+    CHECK((std::fabs(learned_V) > 1e-4) == (every == 200));
+  }
+}
+
 TEST_CASE("flatness plan: the flow of a deviation is that of the linear model where the deviation is slow") {
   AxisParameters<double> axis = test::table_axis(table_4mm);
   axis.cylinder.wall_heat_W_per_m2K = 2e4;  // isothermal chambers

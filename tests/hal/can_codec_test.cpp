@@ -5,12 +5,12 @@
 
 #include "can/canopen.hpp"
 #include "can/canopen_node.hpp"
-#include "can/device_fault_order.hpp"
 #include "can/process_data.hpp"
 #include "can/sdo_codec.hpp"
 #include "can/sdo_server.hpp"
 #include "can/slcan_codec.hpp"
 #include "config/input_error.hpp"
+#include "rig/injected_fault.hpp"
 
 using namespace pneuservo;
 
@@ -217,12 +217,17 @@ TEST_CASE("serial text: frames both ways, states of the adapter, rubbish") {
 }
 
 TEST_CASE("fault orders") {
-  const DeviceFaultOrder order = parse_fault_order("bias:p1_port:2e4@1.5+0.25", 0.0);
-  REQUIRE((order.kind == DeviceFaultKind::bias && order.target == "p1_port" && order.value == 2e4));
+  const InjectedFault order = parse_fault_order("bias:p1_port:2e4@1.5+0.25", 0.0);
+  REQUIRE((order.kind == InjectedKind::bias && order.target == "p1_port" && order.value == 2e4));
   REQUIRE((order.start_s == 1.5 && order.duration_s == 0.25));
   REQUIRE(parse_fault_order("emergency:io:0x3100", 7.0).value == 0x3100);
   REQUIRE(parse_fault_order("bus_off", 7.0).start_s == 7.0);
-  for (const char* wrong :
-       {"nonsense", "freeze", "bias:x", "bias:x:abc", "freeze:x@-1", "freeze:x@1+abc", "bus_off:io"})
+  for (const char* wrong : {"nonsense", "bias:x:abc", "freeze:x@-1", "freeze:x@1+abc", "bus_off:io"})
     REQUIRE_THROWS_AS(parse_fault_order(wrong, 0.0), InputError);
+  for (const char* wrong : {"freeze", "freeze:y", "bias:x", "leak:3:1e-6", "off:io"})
+    REQUIRE_THROWS_AS(require_injectable(parse_fault_order(wrong, 0.0), InjectionPlace::sim, Rig{}, "here"),
+                      InputError);
+  for (const char* wrong : {"nan:x", "late_tick:0.01", "off:io"})
+    REQUIRE_THROWS_AS(require_injectable(parse_fault_order(wrong, 0.0), InjectionPlace::device, Rig{}, "here"),
+                      InputError);
 }

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <unistd.h>
 
+#include "loop/bus_check.hpp"
 #include "loop/machine_check.hpp"
 #include "loop/rig_grade.hpp"
 
@@ -160,4 +161,47 @@ TEST_CASE("values of a config that will work badly are named") {
   REQUIRE(find(findings, topic) != nullptr);
   REQUIRE(find(findings, topic)->level == level);
   require_remedies(findings);
+}
+
+TEST_CASE("the kernel's CAN interface: each planted setting gets its level and a remedy") {
+  const BusInterface sound{.is_can = true,
+                           .is_up = true,
+                           .queue_length = 16,
+                           .queue_discipline = "pfifo_fast",
+                           .bit_rate_bps = 1'000'000,
+                           .restart_ms = 0,
+                           .state = 0};
+  const auto graded = [](const std::optional<BusInterface>& found) {
+    std::vector<Finding> findings = grade_bus_interface("can0", found, 1e6);
+    require_remedies(findings);
+    return findings;
+  };
+  CHECK(graded(sound).size() == 5);
+  CHECK(worst_level(graded(sound)) == FindingLevel::good);
+  CHECK(worst_level(graded(std::nullopt)) == FindingLevel::bad);
+  const auto level_with = [&](const auto& change, const std::string& topic) {
+    BusInterface changed = sound;
+    change(changed);
+    const std::vector<Finding> findings = graded(changed);
+    const Finding* found = find(findings, topic);
+    REQUIRE(found != nullptr);
+    return found->level;
+  };
+  using Level = FindingLevel;
+  CHECK(level_with([](BusInterface& b) { b.is_can = false; }, "CAN interface") == Level::bad);
+  CHECK(level_with([](BusInterface& b) { b.is_up = false; }, "CAN interface") == Level::bad);
+  CHECK(level_with([](BusInterface& b) { b.queue_length = 1000; }, "CAN queue") == Level::acceptable);
+  CHECK(level_with([](BusInterface& b) { b.queue_discipline = "tbf"; }, "CAN queue") == Level::acceptable);
+  CHECK(level_with([](BusInterface& b) { b.bit_rate_bps = 500'000; }, "CAN bit rate") == Level::bad);
+  CHECK(level_with([](BusInterface& b) { b.restart_ms = 100; }, "CAN bus-off") == Level::acceptable);
+  CHECK(level_with([](BusInterface& b) { b.state = 2; }, "CAN controller") == Level::acceptable);
+  CHECK(level_with([](BusInterface& b) { b.state = 3; }, "CAN controller") == Level::bad);
+}
+
+TEST_CASE("the kernel is asked: the loopback interface is there and is no CAN interface") {
+  const auto loopback = read_bus_interface("lo");
+  REQUIRE(loopback);
+  CHECK_FALSE(loopback->is_can);
+  CHECK_FALSE(loopback->queue_discipline.empty());
+  CHECK_FALSE(read_bus_interface("pneuservo-none"));
 }

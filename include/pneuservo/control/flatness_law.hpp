@@ -49,6 +49,8 @@ class FlatnessLaw {
   /// proportion to the feedforward. For moves that are not repeated. Returns the factor now in use. Cold.
   double learn_area(const AxisParameters<double>& axis);
   double area_factor() const noexcept { return area_factor_; }
+  /// Moves that taught nothing because more than 1 % of their ticks were skipped. Not while another thread learns.
+  int moves_not_learned() const noexcept { return moves_not_learned_; }
   /// For the plan of another reference: the area stays known, the flow does not. Cold.
   void set_plan(FlatnessPlan plan);
   const FlatnessPlan& plan() const noexcept { return plan_; }
@@ -60,6 +62,7 @@ class FlatnessLaw {
   double area_factor_ = 1.0;
   double mean_pressure_Pa_ = 0.0;
   bool filter_started_ = false;
+  int moves_not_learned_ = 0;
   bool fill_record() noexcept;
   std::optional<std::vector<double>> take_missing_flow(const AxisParameters<double>& axis);
 

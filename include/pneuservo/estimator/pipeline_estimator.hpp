@@ -78,6 +78,7 @@ enum EstimatorHealth : std::uint32_t {
 struct EstimatorOutput {
   Eigen::Array2d chamber_pressure_Pa = Eigen::Array2d::Zero();
   Eigen::Array2d mass_flow_kgps = Eigen::Array2d::Zero();  ///< into the chamber
+  Eigen::Array2d port_mass_flow_kgps = Eigen::Array2d::Zero();  ///< into the line at the valve port
   Eigen::Array2d chamber_temperature_K = Eigen::Array2d::Zero();
   Eigen::Array2d error_bound_Pa = Eigen::Array2d::Zero();  ///< holds in 99 of 100 ticks, given the uncertainty
   std::array<bool, 2> valid{false, false};  ///< false: inputs missing for too long to be trusted
@@ -281,7 +282,8 @@ class PipelineEstimator {
   }
 
   EstimatorOutput output(std::uint32_t health) noexcept {
-    const Lanes p = axis_.chamber_pressure(), T = axis_.chamber_temperature(), G = axis_.flow().chamber_mass_flow_kgps;
+    const Lanes p = axis_.chamber_pressure(), T = axis_.chamber_temperature(), G = axis_.flow().chamber_mass_flow_kgps,
+                G_port = axis_.flow().port_mass_flow_kgps;
     const Lanes distance = absolute(join(high(p), high(p)) - p);
     const Lanes drop = absolute(both(input_.port_pressure_1_Pa, input_.port_pressure_2_Pa) - p);
     peak_ = maximum(distance, Lanes(peak_decay_) * peak_);
@@ -300,6 +302,7 @@ class PipelineEstimator {
       out.chamber_pressure_Pa[i] = p[i];
       out.chamber_temperature_K[i] = T[i];
       out.mass_flow_kgps[i] = G[i];
+      out.port_mass_flow_kgps[i] = G_port[i];
       out.error_bound_Pa[i] = bound[i];
       out.valid[static_cast<std::size_t>(i)] =
           missing_s_[static_cast<std::size_t>(i)] <= trusted_gap_s && missing_s_[2] <= trusted_gap_s;

@@ -9,9 +9,8 @@
 #include <pneuservo/core/rt.hpp>
 #include <pneuservo/estimator/pipeline_estimator.hpp>
 #include <pneuservo/hal/backend.hpp>
-#include <pneuservo/loop/fault.hpp>
 #include <pneuservo/loop/gain_mailbox.hpp>
-#include <pneuservo/loop/input_guard.hpp>
+#include <pneuservo/loop/supervisor.hpp>
 #include <pneuservo/record/row.hpp>
 #include <pneuservo/rig/rig.hpp>
 
@@ -25,8 +24,8 @@ struct StageTimes {
   std::int64_t start = 0, read = 0, estimated = 0, controlled = 0, written = 0, end = 0;
 };
 
-/// read -> guard -> estimator -> reference -> controller -> write -> row. The pass allocates nothing, locks nothing,
-/// throws nothing, and reads no clock of its own: t = tick * period.
+/// read -> supervisor -> estimator -> reference -> controller -> write -> row. The pass allocates nothing, locks
+/// nothing, throws nothing, and reads no clock of its own: t = tick * period.
 ///
 /// The first motion approaches the reference's first value from the measured position with a smooth move (degree 9: as
 /// many derivatives are continuous as any law feeds forward) and rests there as long as the law asks for; where the
@@ -39,9 +38,6 @@ class AxisLoop {
   static constexpr double approach_quanta = 100.0;
   static constexpr double approach_speed_mps = 0.1;  ///< peak of the approach
   static constexpr double approach_shortest_s = 0.5;
-  /// An encoder that did not change for so long while the reference went this share of the stroke is frozen.
-  static constexpr double standstill_s = 0.5;
-  static constexpr double standstill_share = 0.2;
 
   /// Peak over mean speed of the approach.
   static constexpr double approach_peak_over_mean = 315.0 / 128.0;
@@ -82,9 +78,10 @@ class AxisLoop {
   /// The row of the last pass; `lateness_us` and `work_us` are the caller's to fill.
   const Row& row() const noexcept { return row_; }
   Row& row() noexcept { return row_; }
-  std::uint64_t faults() const noexcept { return faults_; }
+  std::uint64_t faults() const noexcept { return supervisor_.faults(); }
   /// Bits of the tick in which the first fault came: the reason.
-  std::uint64_t first_faults() const noexcept { return first_faults_; }
+  std::uint64_t first_faults() const noexcept { return supervisor_.first_faults(); }
+  const Supervisor& supervisor() const noexcept { return supervisor_; }
   /// Time at which the reference's own time 0 stands [s from tick 0]; meaningful once the approach was planned.
   double reference_start_s() const noexcept { return reference_start_s_; }
   const Reference& reference() const noexcept { return reference_; }
@@ -92,52 +89,30 @@ class AxisLoop {
   double period_s() const noexcept { return period_s_; }
 
  private:
-  struct Inputs {
-    double position_m, port_1_Pa, port_2_Pa, chamber_1_Pa, chamber_2_Pa;
-  };
-  Inputs guard(const Measurement& measured, std::int64_t skipped) noexcept;
-  std::uint64_t check_digital(const DigitalInputs& digital) noexcept;
-  std::uint64_t check_position(const Channel& position, double periods, Inputs& in) noexcept;
-  std::uint64_t check_pressures(const Measurement& measured, double periods, Inputs& in) noexcept;
-  double chamber_step_Pa(double dead_volume_m3, double area_m2, double way_m) const noexcept;
-  std::uint64_t check_standstill() noexcept;
-  bool waiting() const noexcept;
-  void note_commands(const std::array<double, 2>& command_V) noexcept;
-  void plan_motion(double t_s, const Inputs& inputs) noexcept;
+  void plan_motion(double t_s, const JudgedInputs& inputs) noexcept;
   ReferencePoint reference_at(double t_s) const noexcept;
-  std::array<double, 2> pressures(const Inputs& inputs, const EstimatorOutput& estimate) const noexcept;
-  std::array<double, 2> control(double t_s, const Inputs& inputs, const EstimatorOutput& estimate) noexcept;
+  std::array<double, 2> pressures(const JudgedInputs& inputs, const EstimatorOutput& estimate) const noexcept;
+  std::array<double, 2> control(double t_s, const JudgedInputs& inputs, const EstimatorOutput& estimate) noexcept;
   void fill_row(double t_s, std::int64_t skipped, const Measurement& measured, const Truth& truth,
                 const EstimatorOutput& estimate) noexcept;
-  void latch(std::uint64_t faults) noexcept;
+  EstimatorOutput estimate(const JudgedInputs& inputs, std::int64_t skipped) noexcept;
 
   double period_s_ = 0.001;
   RigKind rig_ = RigKind::cylinder;
   PressureSource source_ = PressureSource::estimated;
-  std::array<double, 2> safe_V_{};  // a valve each
-  double speed_limit_mps_ = 5.0, half_stroke_m_ = 0.15, position_margin_m_ = 0.005;
-  bool needs_chambers_ = false;
+  double command_max_V_ = 5.0;
+  Supervisor supervisor_;
   PipelineEstimator estimator_;
   AxisController controller_;
   Reference reference_;
-  InputGuard position_guard_;
-  std::array<InputGuard, 2> port_guard_, chamber_guard_;
-  CylinderParameters<double> cylinder_;
-  double port_step_Pa_per_V_ = 0.0;  // of the narrower line: what a change of command does to a port at once
-  double fill_step_Pa_m3_ = 0.0;  // largest flow into a chamber over a period: its volume times the step
-  double activity_V_ = 0.0, activity_decay_ = 0.0;
-  double standstill_reference_m_ = 0.0;
 
   std::atomic<bool> learning_due_{false};
   GainMailbox* gain_mailbox_ = nullptr;
-  bool begins_ = true, moved_ = false, stopped_ = false;
+  bool begins_ = true, moved_ = false;
   double tolerance_m_ = approach_tolerance_m;
   double approach_from_m_ = 0.0, approach_to_m_ = 0.0, approach_start_s_ = 0.0, approach_end_s_ = 0.0,
          reference_start_s_ = 0.0;
-  std::array<double, 2> command_V_{};
-  std::array<LineState, 2> limits_{};
   double velocity_mps_ = 0.0;
-  std::uint64_t faults_ = 0, first_faults_ = 0;
   bool limited_ = false;
   ReferencePoint now_{};
   Row row_;

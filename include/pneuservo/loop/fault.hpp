@@ -58,7 +58,7 @@ struct FaultText {
 };
 inline constexpr std::array<FaultText, 36> fault_texts{{
     {fault_position_missing, "position_missing",
-     "the position was missing, not a number or out of range for three ticks: check encoder, cable and supply"},
+     "the position was missing, too old, not a number or out of range: check encoder, cable and supply"},
     {fault_position_jump, "position_jump",
      "the position jumped faster than twice limits.speed_mps for three ticks: check the encoder's count and shield"},
     {fault_position_range, "position_range",
@@ -70,9 +70,9 @@ inline constexpr std::array<FaultText, 36> fault_texts{{
     {fault_speed, "speed",
      "the measured speed is above limits.speed_mps: lower gains or reference, or raise the limit"},
     {fault_port_pressure_1_missing, "port_pressure_1_missing",
-     "port pressure 1 was missing, not a number or impossible for three ticks: check sensor, cable and range"},
+     "port pressure 1 was missing, too old, not a number or impossible: check sensor, cable and range"},
     {fault_port_pressure_2_missing, "port_pressure_2_missing",
-     "port pressure 2 was missing, not a number or impossible for three ticks: check sensor, cable and range"},
+     "port pressure 2 was missing, too old, not a number or impossible: check sensor, cable and range"},
     {fault_port_pressure_1_frozen, "port_pressure_1_frozen",
      "port pressure 1 repeats one value, which sensors.port_pressure.noise_Pa rules out: check sensor and "
      "converter, or declare a smaller noise"},
@@ -80,9 +80,9 @@ inline constexpr std::array<FaultText, 36> fault_texts{{
      "port pressure 2 repeats one value, which sensors.port_pressure.noise_Pa rules out: check sensor and "
      "converter, or declare a smaller noise"},
     {fault_chamber_pressure_1_missing, "chamber_pressure_1_missing",
-     "chamber pressure 1 was missing, not a number or impossible for three ticks: check sensor, cable and range"},
+     "chamber pressure 1 was missing, too old, not a number or impossible: check sensor, cable and range"},
     {fault_chamber_pressure_2_missing, "chamber_pressure_2_missing",
-     "chamber pressure 2 was missing, not a number or impossible for three ticks: check sensor, cable and range"},
+     "chamber pressure 2 was missing, too old, not a number or impossible: check sensor, cable and range"},
     {fault_chamber_pressure_1_frozen, "chamber_pressure_1_frozen",
      "chamber pressure 1 repeats one value, which sensors.chamber_pressure.noise_Pa rules out: check sensor and "
      "converter, or declare a smaller noise"},
@@ -125,7 +125,7 @@ inline constexpr std::array<FaultText, 36> fault_texts{{
     {fault_pressure_limit, "pressure_limit",
      "a measured pressure is above limits.pressure_Pa: check supply regulator, load and reference"},
     {fault_supply_missing, "supply_missing",
-     "the supply pressure was missing, not a number or impossible: check sensor, cable and range"},
+     "the supply pressure was missing, too old, not a number or impossible: check sensor, cable and range"},
     {fault_supply_frozen, "supply_frozen",
      "the supply pressure repeats one value, which sensors.supply_pressure.noise_Pa rules out: check sensor and "
      "converter, or declare a smaller noise"},

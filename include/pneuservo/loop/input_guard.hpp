@@ -21,6 +21,9 @@ struct PlausibleChannel {
   double stopping_step = std::numeric_limits<double>::infinity();
   int frozen_ticks = 0;  ///< equal samples in a row that the sensor's noise rules out; 0: equality proves nothing
   int start_ticks = 100;  ///< a channel without any value yet is waited for so long
+  int missing_ticks = 2;  ///< samples in a row that may be missing; a jump may be a spike and is always given two
+  double oldest_s = std::numeric_limits<double>::infinity();  ///< an older sample is none; grows with skipped periods
+  double period_s = 0.0;
 };
 
 /// Equal samples in a row after which a sensor of this noise (rms) and quantum is frozen: by chance once in 1e12 where
@@ -34,9 +37,10 @@ inline int frozen_after_ticks(double noise, double quantum) {
   return ticks <= most ? std::max(fewest, static_cast<int>(std::ceil(ticks))) : 0;
 }
 
-/// Good samples pass. A bad one (missing, NaN, out of range, a jump) is replaced by the last good one for at most two
-/// ticks; the third in a row is a fault. A run of equal samples is a frozen channel only where neither rest nor a
-/// coarse quantum can explain it.
+/// Good samples pass. A bad one is replaced by the last good one in the tick in which it comes and counted: of missing
+/// ones (invalid, too old, NaN, out of range) missing_ticks in a row are bridged, of jumps two, because the first
+/// sample of a jump cannot be told from a spike; one more is a fault. A run of equal samples is a frozen channel only
+/// where neither rest nor a coarse quantum can explain it.
 class InputGuard {
  public:
   static constexpr int bridged_ticks = 2;
@@ -51,16 +55,17 @@ class InputGuard {
     elapsed_ = last_step_ = 0.0;
     value_ = std::numeric_limits<double>::quiet_NaN();
     started_ = false;
-    missing = jumped = frozen = false;
+    missing = jumped = frozen = bridged = false;
   }
   /// The value to use (NaN while waiting for the first); `missing`, `jumped` and `frozen` say afterwards what is wrong
   /// for good. `periods` since the last call; `extra_step`: what else this tick's step may hold; `may_stop`: something
   /// solid is in the way, so that standing still at once is no wonder.
   double check(const Channel& channel, double periods = 1.0, double extra_step = 0.0,
                bool may_stop = false) noexcept PNEUSERVO_NONBLOCKING {
-    missing = jumped = frozen = false;
+    missing = jumped = frozen = bridged = false;
     elapsed_ += periods;
-    const bool readable = channel.valid && channel.value >= plausible_.lowest && channel.value <= plausible_.highest;
+    const bool fresh = channel.valid && channel.age_s <= plausible_.oldest_s + (periods - 1.0) * plausible_.period_s;
+    const bool readable = fresh && channel.value >= plausible_.lowest && channel.value <= plausible_.highest;
     const double step = channel.value - value_;
     const double a_period =
         std::min(plausible_.step_per_period, std::fabs(last_step_) + plausible_.step_growth * elapsed_);
@@ -87,14 +92,19 @@ class InputGuard {
   int equal_ticks() const noexcept { return equal_; }
 
   bool missing = false, jumped = false, frozen = false;
+  bool bridged = false;  ///< this tick's sample was bad and was replaced
 
  private:
   double bridge(bool jump) noexcept {
     bad_ = std::min(bad_ + 1, std::numeric_limits<int>::max() - 1);
     jumps_ += jump ? 1 : 0;
-    if (bad_ > (started_ ? bridged_ticks : plausible_.start_ticks)) {
+    if (!started_) {
+      missing = bad_ > plausible_.start_ticks;
+    } else if (bad_ - jumps_ > plausible_.missing_ticks || bad_ > bridged_ticks) {
       jumped = jump && jumps_ > bridged_ticks;
       missing = !jumped;
+    } else {
+      bridged = true;
     }
     return value_;
   }

@@ -82,9 +82,9 @@ struct WorstCycle {
   std::int64_t total_ns() const noexcept { return lateness_ns + work_ns; }
 };
 
-/// All timing of one run. `loop` is the loop's own work without estimator, controller and backend.
+/// All timing of one run. `tick` is all work but the backend's, `loop` what of it is neither estimator nor controller.
 struct LoopTiming {
-  TimeHistogram lateness, loop, estimator, controller, backend;
+  TimeHistogram lateness, tick, loop, estimator, controller, backend;
   std::array<WorstCycle, 16> worst{};
   std::int64_t worst_kept_ns = -1;  ///< lateness + work of the mildest kept cycle; -1 while there is room
   std::int64_t ticks = 0;

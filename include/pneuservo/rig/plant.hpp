@@ -104,6 +104,17 @@ template <class S> class AxisPlant {
   /// Multiplies the gas of both sides, line and chamber, at its temperature: pressures rise in the same ratio.
   void scale_gas(const P& factor) noexcept { sides_.scale_gas(factor); }
 
+  /// Pressure that feeds the supply from here on; without supply_droop it is that of the supply.
+  void set_supply_pressure(const S& pressure_Pa) noexcept {
+    axis_.supply.pressure_Pa = pressure_Pa;
+    if (!droops_) supply_pressure_ = pressure_Pa;
+  }
+  /// Leak of each chamber to atmosphere from here on [m2].
+  void set_chamber_leaks(const S& area_1_m2, const S& area_2_m2) noexcept {
+    axis_.effects.chamber_leak_1.area_m2 = area_1_m2;
+    axis_.effects.chamber_leak_2.area_m2 = area_2_m2;
+    chambers_leak_ = true;
+  }
   /// Holds the piston where it is (tests, held-piston experiments) or lets it go.
   void hold_piston(bool held) noexcept { held_ = held; }
 

@@ -56,20 +56,55 @@ struct EstimatorSettings {
 struct LimitParameters {
   double speed_mps = 5.0;
   double position_margin_m = 0.005;
+  std::optional<double> pressure_Pa;
+  double supply_share = 0.5;
+  std::uint32_t missing_ticks = 0;
+  double age_periods = 2.5;
+  double lateness_s = 0.1;
+  double flow_mismatch_share = 0.15;
+  double chamber_mismatch_Pa = 15e3;
   template <class V, class... P> static void visit(V&& v, P&... p) {
-    v(Field{"speed_mps", "m/s", 1e-3, 100, "measured speed above it is a fault", Presence::optional}, p.speed_mps...);
+    constexpr auto optional = Presence::optional;
+    v(Field{"speed_mps", "m/s", 1e-3, 100, "measured speed above it is a fault", optional}, p.speed_mps...);
     v(Field{"position_margin_m", "m", 0, 1, "measured position further than this beyond an end stop is a fault",
-            Presence::optional},
+            optional},
       p.position_margin_m...);
+    v(Field{"pressure_Pa", "Pa", 1e4, 1e8, "measured pressure above it is a fault; default: 1.4 times the supply",
+            optional},
+      p.pressure_Pa...);
+    v(Field{"supply_share", "-", 0, 1, "measured supply below this share of supply.pressure_Pa is a fault", optional},
+      p.supply_share...);
+    v(Field{"missing_ticks", "-", 0, 2, "missing samples in a row that are bridged; one more is a fault", optional},
+      p.missing_ticks...);
+    v(Field{"age_periods", "-", 0.5, 1000, "an older sample counts as missing", optional}, p.age_periods...);
+    v(Field{"lateness_s", "s", 0, 3600, "a tick that comes later is a fault, if it skips a slot of the grid", optional},
+      p.lateness_s...);
+    v(Field{"flow_mismatch_share", "-", 0, 10,
+            "air of the last 0.3 s in a side that valve and position do not explain, as a share; 0: not checked",
+            optional},
+      p.flow_mismatch_share...);
+    v(Field{"chamber_mismatch_Pa", "Pa", 0, 1e7,
+            "measured less estimated chamber pressure beyond the estimate's bound; 0: not checked", optional},
+      p.chamber_mismatch_Pa...);
   }
 };
 
-/// What the valve is given when the loop ends or faults.
+/// What the valves do when the loop ends or faults.
+enum class SafeAction {
+  hold,    ///< command_V, the command that closes the valve: the air stays in the chambers
+  vent,    ///< both sides to the exhaust; only a pair of three-port valves can
+  centre,  ///< 0 V: the spool's own centre, whatever the valve does there
+};
+inline constexpr std::array<std::string_view, 3> safe_action_names{"hold", "vent", "centre"};
+
 struct SafeOutputParameters {
+  SafeAction action = SafeAction::hold;
   double command_V = 0.0;
   template <class V, class... P> static void visit(V&& v, P&... p) {
-    v(Field{"command_V", "V", -1000, 1000, "command of the safe state; 0 closes a closed-centre valve (hold)",
-            Presence::optional},
+    v(Field{"action", "", 0, 0, "hold: command_V; vent: exhaust both sides (servo_table); centre: 0 V",
+            Presence::optional, safe_action_names},
+      p.action...);
+    v(Field{"command_V", "V", -1000, 1000, "command of hold; 0 closes a closed-centre valve", Presence::optional},
       p.command_V...);
   }
 };
@@ -143,6 +178,7 @@ struct Rig {
   EstimatorSettings estimator;
   LimitParameters limits;
   SafeOutputParameters safe_output;
+  std::map<std::string, double> zeros;  ///< added to what a device gives, by channel name, in its SI unit
   std::optional<HalParameters> hal;
 
   /// Whether it has valves, lines and chambers.
@@ -239,9 +275,21 @@ struct Rig {
     v(Field{"estimator", "", 0, 0, "pipeline estimator", optional}, p.estimator...);
     v(Field{"safe_output", "", 0, 0, "what the valve is given when the loop ends or faults", optional},
       p.safe_output...);
+    v(Field{"zeros", "", -1e7, 1e7, "added to what a device gives, by channel; written by the verb zero", optional},
+      p.zeros...);
     v(Field{"hal", "", 0, 0, "devices behind the channels; without it all of them are simulated", optional}, p.hal...);
   }
 };
+
+/// What each valve is given in the safe state [V].
+inline std::array<double, 2> safe_commands_V(const Rig& rig) noexcept {
+  switch (rig.safe_output.action) {
+    case SafeAction::vent: return {-rig.axis.valve.command_max_V, -rig.axis.valve.command_max_V};
+    case SafeAction::centre: return {0.0, 0.0};
+    case SafeAction::hold: break;
+  }
+  return {rig.safe_output.command_V, rig.safe_output.command_V};
+}
 
 /// Visits the effects that this kind of rig can have, one struct each; those of the sensors stand apart.
 template <class RigType, class V> void visit_effects(RigType& rig, const V& v) {

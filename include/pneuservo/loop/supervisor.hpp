@@ -1,0 +1,98 @@
+// The supervisor: judges every input, the devices, the loop's own lateness and the motion; latches the reason, keeps
+// the state, and says whether the law may command the valves. The only layer that does so.
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include <pneuservo/core/rt.hpp>
+#include <pneuservo/hal/channel.hpp>
+#include <pneuservo/loop/cross_check.hpp>
+#include <pneuservo/loop/fault.hpp>
+#include <pneuservo/loop/input_guard.hpp>
+#include <pneuservo/loop/supervisor_state.hpp>
+#include <pneuservo/rig/rig.hpp>
+
+namespace pneuservo {
+
+/// What the loop works with in a tick: bad samples replaced where that is allowed, NaN before the first good one.
+struct JudgedInputs {
+  double position_m = 0.0;
+  std::array<double, 2> port_Pa{}, chamber_Pa{};
+  double supply_Pa = 0.0;  ///< the config's where there is no sensor
+};
+
+/// What the law did and where the axis shall be, for the checks of the motion.
+struct MotionCheck {
+  double speed_mps = 0.0, reference_m = 0.0;
+  bool command_good = true;    ///< finite and within the valve's range
+  bool estimate_usable = true; ///< or not needed
+};
+
+/// One object an axis. Called in this order every tick: judge, cross_check, then (where active) check_motion, then
+/// note_commands. All of it but configure is HOT.
+class Supervisor {
+ public:
+  /// An encoder that did not change for so long while the reference went this share of the stroke is frozen.
+  static constexpr double standstill_s = 0.5;
+  static constexpr double standstill_share = 0.2;
+
+  /// Cold. `needs_chambers`: the law cannot do without measured chamber pressures.
+  void configure(const Rig& rig, bool needs_chambers);
+  /// The one way back from every fault: causes, guards and cross-checks are forgotten.
+  void rearm() noexcept;
+  void stop() noexcept { go(SupervisorEvent::stop_asked); }
+
+  /// Judges inputs, digital lines, devices and the tick's own lateness (`skipped` slots before it).
+  JudgedInputs judge(const Measurement& measured, std::int64_t skipped) noexcept PNEUSERVO_NONBLOCKING;
+  /// Inputs against the model.
+  void cross_check(const JudgedInputs& inputs, const EstimatorOutput& estimate, std::int64_t skipped) noexcept;
+  void check_motion(const MotionCheck& motion) noexcept;
+  /// What the valves were given in this tick.
+  void note_commands(const std::array<double, 2>& command_V) noexcept;
+  void latch(std::uint64_t faults) noexcept;
+
+  SupervisorState state() const noexcept { return state_; }
+  bool is_active() const noexcept { return state_ == SupervisorState::active; }
+  std::uint64_t faults() const noexcept { return faults_; }
+  /// Bits of the tick in which the first fault came: the reason.
+  std::uint64_t first_faults() const noexcept { return first_faults_; }
+  /// A sample of this tick was bad and was replaced.
+  bool bridged() const noexcept { return bridged_; }
+  const std::array<double, 2>& safe_V() const noexcept { return safe_V_; }
+  const std::array<double, 2>& command_V() const noexcept { return command_V_; }
+  const CrossCheck& checks() const noexcept { return cross_check_; }
+
+ private:
+  struct Bits {
+    std::uint64_t missing, frozen, jumped;
+  };
+  void go(SupervisorEvent event) noexcept { state_ = next_state(state_, event); }
+  double judge_channel(InputGuard& guard, const Channel& channel, double periods, double extra, const Bits& bits,
+                       std::uint64_t& faults) noexcept;
+  std::uint64_t judge_position(const Channel& position, double periods, JudgedInputs& in) noexcept;
+  std::uint64_t judge_pressures(const Measurement& measured, double periods, JudgedInputs& in) noexcept;
+  std::uint64_t judge_supply(const Channel& supply, double periods, JudgedInputs& in) noexcept;
+  std::uint64_t judge_digital(const DigitalInputs& digital) noexcept;
+  double chamber_step_Pa(double dead_volume_m3, double area_m2, double way_m) const noexcept;
+  bool inputs_ready() const noexcept;
+
+  SupervisorState state_ = SupervisorState::unconfigured;
+  std::uint64_t faults_ = 0, first_faults_ = 0;
+  bool needs_chambers_ = false, bridged_ = false;
+  InputGuard position_guard_, supply_guard_;
+  std::array<InputGuard, 2> port_guard_, chamber_guard_;
+  std::array<bool, 2> has_chamber_{};
+  bool has_supply_ = false;
+  std::array<LineState, 2> limits_{};
+  CrossCheck cross_check_;
+  CylinderParameters<double> cylinder_;
+  std::array<double, 2> safe_V_{}, command_V_{};
+  double period_s_ = 1e-3, speed_limit_mps_ = 5.0, position_limit_m_ = 0.155, half_stroke_m_ = 0.15,
+         pressure_limit_Pa_ = 1e6, supply_Pa_ = 7e5, supply_limit_Pa_ = 0.0, lateness_limit_s_ = 0.1;
+  double port_step_Pa_per_V_ = 0.0;  // of the narrower line: what a change of command does to a port at once
+  double fill_step_Pa_m3_ = 0.0;  // largest flow into a chamber over a period: its volume times the step
+  double activity_V_ = 0.0, activity_decay_ = 0.0;
+  double standstill_reference_m_ = 0.0, reference_m_ = 0.0;
+};
+
+}  // namespace pneuservo

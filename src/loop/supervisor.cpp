@@ -1,0 +1,264 @@
+// The supervisor.
+#include <pneuservo/loop/supervisor.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace pneuservo {
+namespace {
+
+constexpr double margin = 2.0;            // over both estimates of steps: waves add up
+constexpr double activity_time_s = 0.2;   // echoes of a change of command die out
+constexpr double first_value_within_s = 0.1;
+constexpr double at_end_stop_m = 1e-3;
+constexpr std::uint64_t missing_faults = fault_position_missing | fault_port_pressure_1_missing |
+                                         fault_port_pressure_2_missing | fault_chamber_pressure_1_missing |
+                                         fault_chamber_pressure_2_missing | fault_supply_missing;
+constexpr double usual_pressure_limit = 1.4;  // of the supply: a stop at the end of the stroke compresses above it
+
+/// What all channels share.
+PlausibleChannel plausible(const Rig& rig) {
+  return {.start_ticks = std::max(3, static_cast<int>(std::lround(first_value_within_s / rig.period_s))),
+          .missing_ticks = static_cast<int>(rig.limits.missing_ticks),
+          .oldest_s = rig.limits.age_periods * rig.period_s,
+          .period_s = rig.period_s};
+}
+
+double pressure_limit_Pa(const Rig& rig) {
+  return rig.limits.pressure_Pa.value_or(usual_pressure_limit * rig.axis.supply.pressure_Pa);
+}
+
+/// Steps of 5 % of the supply in a period are beyond what lines and chambers do with a calm valve; what an active one
+/// and small volumes add is told tick by tick.
+PlausibleChannel plausible_pressure(const Rig& rig, const PressureSensorParameters& sensor) {
+  PlausibleChannel channel = plausible(rig);
+  channel.lowest = 0.3 * rig.axis.air.atmosphere_Pa;
+  channel.highest = std::max(1.5 * rig.axis.supply.pressure_Pa, 1.1 * pressure_limit_Pa(rig));
+  channel.slack = 6.0 * sensor.noise_Pa + sensor.quantum_Pa;
+  channel.step_per_period = 0.05 * rig.axis.supply.pressure_Pa;
+  channel.frozen_ticks = frozen_after_ticks(sensor.noise_Pa, sensor.quantum_Pa);
+  return channel;
+}
+
+/// A hose that bursts takes the supply away at once: no step is too large.
+PlausibleChannel plausible_supply(const Rig& rig) {
+  PlausibleChannel channel = plausible_pressure(rig, rig.sensors.supply_pressure);
+  channel.step_per_period = std::numeric_limits<double>::infinity();
+  return channel;
+}
+
+/// Full supply on the larger piston area, nothing on the other side.
+double fastest_start_mps2(const Rig& rig) {
+  const auto& cylinder = rig.axis.cylinder;
+  return rig.axis.supply.pressure_Pa * std::max(cylinder.area_1_m2, cylinder.area_2_m2) /
+         (rig.axis.slider.mass_kg + rig.axis.slider.payload_kg);
+}
+
+PlausibleChannel plausible_position(const Rig& rig) {
+  const double noise = rig.sensors.position.noise_m, quantum = rig.sensors.position.quantum_m;
+  // To lose 0.1 m/s, or 100 m/s2 where a period is long, from one sample to the next and then rest takes a blow.
+  const double stopping_mps = std::max(0.1, 100.0 * rig.period_s);
+  PlausibleChannel channel = plausible(rig);
+  channel.highest = rig.axis.cylinder.stroke_m;  // twice the half: beyond that the encoder is not of this axis
+  channel.lowest = -channel.highest;
+  channel.slack = 6.0 * noise + quantum;
+  channel.step_per_period = 2.0 * rig.limits.speed_mps * rig.period_s;  // below that the fault is `speed`
+  channel.step_growth = 3.0 * fastest_start_mps2(rig) * rig.period_s * rig.period_s;
+  channel.stopping_step = stopping_mps * rig.period_s + 6.0 * noise + quantum;
+  channel.frozen_ticks = frozen_after_ticks(noise, quantum);
+  return channel;
+}
+
+/// Choked flow of the fully opened area into the line, per volt [kg/(s V)].
+double largest_flow_per_volt(const Rig& rig) {
+  const auto& air = rig.axis.air;
+  return 0.685 * rig.axis.supply.pressure_Pa / std::sqrt(air.gas_constant_J_per_kgK * air.temperature_K) *
+         rig.axis.valve.area_per_volt_m2_per_V;
+}
+
+/// A change of flow dG sends a wave of c dG / A into a line: what a volt does to the pressure at its port at once.
+double port_step_Pa_per_V(const Rig& rig) {
+  const auto& air = rig.axis.air;
+  const double diameter = std::min(rig.axis.line_1.diameter_m, rig.axis.line_2.diameter_m);
+  const double sound_mps = std::sqrt(air.heat_capacity_ratio * air.gas_constant_J_per_kgK * air.temperature_K);
+  return sound_mps * largest_flow_per_volt(rig) / (0.25 * 3.141592653589793 * diameter * diameter);
+}
+
+}  // namespace
+
+void Supervisor::configure(const Rig& rig, bool needs_chambers) {
+  needs_chambers_ = needs_chambers;
+  period_s_ = rig.period_s;
+  safe_V_ = safe_commands_V(rig);
+  speed_limit_mps_ = rig.limits.speed_mps;
+  cylinder_ = rig.axis.cylinder;
+  half_stroke_m_ = 0.5 * rig.axis.cylinder.stroke_m;
+  position_limit_m_ = half_stroke_m_ + rig.limits.position_margin_m;
+  pressure_limit_Pa_ = pressure_limit_Pa(rig);
+  supply_Pa_ = rig.axis.supply.pressure_Pa;
+  supply_limit_Pa_ = rig.limits.supply_share * supply_Pa_;
+  lateness_limit_s_ = rig.limits.lateness_s;
+  port_step_Pa_per_V_ = margin * port_step_Pa_per_V(rig);
+  const auto& air = rig.axis.air;
+  fill_step_Pa_m3_ = margin * air.heat_capacity_ratio * air.gas_constant_J_per_kgK * air.temperature_K *
+                     largest_flow_per_volt(rig) * rig.axis.valve.command_max_V * rig.period_s;
+  activity_decay_ = std::exp(-rig.period_s / activity_time_s);
+  position_guard_.configure(plausible_position(rig));
+  supply_guard_.configure(plausible_supply(rig));
+  for (auto& guard : port_guard_) guard.configure(plausible_pressure(rig, rig.sensors.port_pressure));
+  for (auto& guard : chamber_guard_) guard.configure(plausible_pressure(rig, rig.sensors.chamber_pressure));
+  cross_check_.configure(rig);
+  command_V_ = safe_V_;
+  state_ = SupervisorState::unconfigured;
+  go(SupervisorEvent::configured);
+  rearm();
+}
+
+void Supervisor::rearm() noexcept {
+  faults_ = first_faults_ = 0;
+  bridged_ = has_supply_ = false;
+  has_chamber_ = {};
+  limits_ = {};
+  position_guard_.reset();
+  supply_guard_.reset();
+  for (auto& guard : port_guard_) guard.reset();
+  for (auto& guard : chamber_guard_) guard.reset();
+  cross_check_.reset();
+  go(SupervisorEvent::rearmed);
+}
+
+void Supervisor::latch(std::uint64_t faults) noexcept {
+  if (faults == 0) return;
+  if (faults_ == 0) first_faults_ = faults;
+  faults_ |= faults;
+  go(SupervisorEvent::fault_found);
+}
+
+double Supervisor::judge_channel(InputGuard& guard, const Channel& channel, double periods, double extra,
+                                 const Bits& bits, std::uint64_t& faults) noexcept {
+  const double value = guard.check(channel, periods, extra);
+  faults |= (guard.missing ? bits.missing : 0) | (guard.frozen ? bits.frozen : 0) | (guard.jumped ? bits.jumped : 0);
+  bridged_ = bridged_ || guard.bridged;
+  return value;
+}
+
+std::uint64_t Supervisor::judge_position(const Channel& position, double periods, JudgedInputs& in) noexcept {
+  std::uint64_t faults = 0;
+  const bool at_end_stop = std::fabs(position.value) > half_stroke_m_ - at_end_stop_m;
+  in.position_m = position_guard_.check(position, periods, 0.0, at_end_stop);
+  if (position_guard_.missing) faults |= fault_position_missing;
+  if (position_guard_.jumped) faults |= fault_position_jump;
+  if (position_guard_.frozen) faults |= fault_position_frozen;
+  bridged_ = bridged_ || position_guard_.bridged;
+  if (std::fabs(in.position_m) > position_limit_m_) faults |= fault_position_range;
+  return faults;
+}
+
+double Supervisor::chamber_step_Pa(double dead_volume_m3, double area_m2, double way_m) const noexcept {
+  return fill_step_Pa_m3_ / (dead_volume_m3 + area_m2 * std::max(way_m, 0.0));
+}
+
+std::uint64_t Supervisor::judge_pressures(const Measurement& measured, double periods, JudgedInputs& in) noexcept {
+  std::uint64_t faults = 0;
+  const std::array<const Channel*, 2> port{&measured.port_pressure_1_Pa, &measured.port_pressure_2_Pa},
+      chamber{&measured.chamber_pressure_1_Pa, &measured.chamber_pressure_2_Pa};
+  const double x = std::isfinite(in.position_m) ? in.position_m : 0.0, wave_Pa = port_step_Pa_per_V_ * activity_V_;
+  const std::array<double, 2> step_Pa{
+      chamber_step_Pa(cylinder_.dead_volume_1_m3, cylinder_.area_1_m2, half_stroke_m_ + x),
+      chamber_step_Pa(cylinder_.dead_volume_2_m3, cylinder_.area_2_m2, half_stroke_m_ - x)};
+  for (std::size_t i = 0; i < 2; ++i) {
+    in.port_Pa[i] = judge_channel(
+        port_guard_[i], *port[i], periods, wave_Pa,
+        {fault_port_pressure_1_missing << i, fault_port_pressure_1_frozen << i, fault_port_pressure_1_jump << i},
+        faults);
+    has_chamber_[i] = has_chamber_[i] || needs_chambers_ || chamber[i]->origin != Origin::absent;
+    in.chamber_Pa[i] = has_chamber_[i]
+                           ? judge_channel(chamber_guard_[i], *chamber[i], periods, step_Pa[i],
+                                           {fault_chamber_pressure_1_missing << i, fault_chamber_pressure_1_frozen << i,
+                                            fault_chamber_pressure_1_jump << i},
+                                           faults)
+                           : std::numeric_limits<double>::quiet_NaN();
+    if (in.port_Pa[i] > pressure_limit_Pa_ || in.chamber_Pa[i] > pressure_limit_Pa_) faults |= fault_pressure_limit;
+  }
+  return faults;
+}
+
+std::uint64_t Supervisor::judge_supply(const Channel& supply, double periods, JudgedInputs& in) noexcept {
+  in.supply_Pa = supply_Pa_;
+  has_supply_ = has_supply_ || supply.origin != Origin::absent;
+  if (!has_supply_) return 0;
+  std::uint64_t faults = 0;
+  const double value = judge_channel(supply_guard_, supply, periods, 0.0,
+                                     {fault_supply_missing, fault_supply_frozen, fault_supply_missing}, faults);
+  if (!std::isfinite(value)) return faults;
+  in.supply_Pa = value;
+  if (value < supply_limit_Pa_) faults |= fault_supply_low;
+  return faults;
+}
+
+// A line that cannot be read counts as the worse of its states. A limit switch ends the motion when the slider comes
+// onto it, not while it stands there: otherwise no motion could lead off it.
+std::uint64_t Supervisor::judge_digital(const DigitalInputs& digital) noexcept {
+  std::uint64_t faults = 0;
+  const auto bad = [](const DigitalLine& line, LineState state) noexcept {
+    return line.state == state || line.state == LineState::unreadable;
+  };
+  if (bad(digital.emergency_stop, LineState::on)) faults |= fault_emergency_stop;
+  if (bad(digital.valve_power, LineState::off)) faults |= fault_valve_power;
+  const std::array<LineState, 2> limits{digital.limit_low.state, digital.limit_high.state};
+  for (std::size_t i = 0; i < limits.size(); ++i)
+    if (limits[i] == LineState::unreadable || (limits[i] == LineState::on && limits_[i] == LineState::off))
+      faults |= fault_limit_switch;
+  limits_ = limits;
+  return faults;
+}
+
+bool Supervisor::inputs_ready() const noexcept {
+  return !position_guard_.waiting() && !port_guard_[0].waiting() && !port_guard_[1].waiting() &&
+         !(needs_chambers_ && (chamber_guard_[0].waiting() || chamber_guard_[1].waiting()));
+}
+
+JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped) noexcept {
+  JudgedInputs in;
+  const double periods = static_cast<double>(skipped + 1);
+  bridged_ = false;
+  std::uint64_t faults = judge_position(measured.position_m, periods, in);
+  faults |= judge_pressures(measured, periods, in);
+  faults |= judge_supply(measured.supply_pressure_Pa, periods, in);
+  // What a dead bus does not bring is its consequence, not the reason.
+  if ((measured.device_faults & (device_bus_off | device_link_down)) != 0) faults &= ~missing_faults;
+  faults |= judge_digital(measured.digital);
+  faults |= std::uint64_t{measured.device_faults} << device_fault_shift & device_fault_mask;
+  // Slots are skipped where lateness and work together passed the next one of the ideal grid.
+  if (static_cast<double>(skipped) * period_s_ > lateness_limit_s_) faults |= fault_late_tick;
+  latch(faults);
+  if (inputs_ready()) go(SupervisorEvent::inputs_ready);
+  return in;
+}
+
+void Supervisor::cross_check(const JudgedInputs& inputs, const EstimatorOutput& estimate,
+                             std::int64_t skipped) noexcept {
+  if (is_active())
+    latch(cross_check_.check({command_V_, inputs.port_Pa, inputs.chamber_Pa, inputs.supply_Pa}, estimate, skipped));
+}
+
+void Supervisor::check_motion(const MotionCheck& motion) noexcept {
+  std::uint64_t faults = 0;
+  if (position_guard_.equal_ticks() == 0) standstill_reference_m_ = motion.reference_m;
+  const bool long_enough = position_guard_.equal_ticks() * period_s_ >= standstill_s;
+  const double way = std::fabs(motion.reference_m - standstill_reference_m_);
+  if (long_enough && way > 2.0 * half_stroke_m_ * standstill_share) faults |= fault_position_frozen;
+  if (!motion.command_good) faults |= fault_command_not_finite;
+  if (std::fabs(motion.speed_mps) > speed_limit_mps_) faults |= fault_speed;
+  if (!motion.estimate_usable) faults |= fault_estimate_invalid;
+  latch(faults);
+}
+
+// How much the commands have moved of late, from one tick to the next.
+void Supervisor::note_commands(const std::array<double, 2>& command_V) noexcept {
+  const double step_V = std::max(std::fabs(command_V[0] - command_V_[0]), std::fabs(command_V[1] - command_V_[1]));
+  activity_V_ = std::max(step_V, activity_V_ * activity_decay_);
+  command_V_ = command_V;
+}
+
+}  // namespace pneuservo

@@ -8,7 +8,8 @@ COMEDI = "/tmp/config/comedi/cylinder-10m-7.65mm.yaml"
 PERIOD_S = 0.01
 SLOW = settings({"period_s": PERIOD_S, "estimator.cells_per_m": 0.5, "controller.velocity_filter_s": 0.05,
                  "controller.position_gain_N_per_m": 1500, "controller.force_gain_V_per_N": 0.0008,
-                 "controller.pressure_source": "valve", "reference.amplitude_m": 0.02, "reference.frequency_Hz": 0.2})
+                 "controller.pressure_source": "valve", "reference.amplitude_m": 0.02, "reference.frequency_Hz": 0.2,
+                 "limits.flow_mismatch_share": 0})  # this slider's pressures know nothing of its valve
 
 
 class Slider(threading.Thread):
@@ -88,7 +89,7 @@ class Analog(unittest.TestCase):
         _, rows = rows_of("/tmp/saturated.csv.gz")
         empty = next(k for k, row in enumerate(rows) if row["p1_port_Pa"] is None)
         fault = next(k for k, row in enumerate(rows) if int(row["fault"]))
-        self.assertEqual(fault - empty, 2)
+        self.assertEqual(fault, empty)  # limits.missing_ticks is 0: none is bridged
         self.slider.fixed_V.clear()
         run, said = finished(self.control(0.5))
         self.assertEqual(run["faults"], [], said)

@@ -77,32 +77,83 @@ void ask_for_stamps(int socket, const std::string& name) {
   setsockopt(socket, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on);
 }
 
-SocketMessage receive_message(int socket) noexcept {
-  SocketMessage message;
+namespace {
+
+/// Where the kernel puts one message.
+struct Slot {
   can_frame frame{};
-  iovec part{&frame, sizeof frame};
+  iovec part{};
   alignas(cmsghdr) char control[CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t)) + 64];
-  msghdr header{};
-  header.msg_iov = &part;
-  header.msg_iovlen = 1;
-  header.msg_control = control;
-  header.msg_controllen = sizeof control;
+
+  void prepare(msghdr& header) noexcept {
+    part = {&frame, sizeof frame};
+    header = {};
+    header.msg_iov = &part;
+    header.msg_iovlen = 1;
+    header.msg_control = control;
+    header.msg_controllen = sizeof control;
+  }
+};
+
+bool is_no_news(int reason) noexcept { return reason == EAGAIN || reason == EWOULDBLOCK || reason == EINTR; }
+
+SocketMessage message_of(const Slot& slot, const msghdr& header, ssize_t length) noexcept {
+  SocketMessage message;
+  if (length == static_cast<ssize_t>(sizeof slot.frame)) {
+    message.kind = SocketMessage::Kind::frame;
+    message.frame = from_kernel(slot.frame);
+    message.received_ns = monotonic_ns();
+    read_control(header, message);
+  } else if (length == 0) {
+    message.kind = SocketMessage::Kind::closed;
+  }
+  return message;
+}
+
+}  // namespace
+
+SocketMessage receive_message(int socket) noexcept {
+  Slot slot;
+  msghdr header;
+  slot.prepare(header);
   ssize_t got = 0;
   {
     const RtAllow reviewed;  // does not block
     got = recvmsg(socket, &header, MSG_DONTWAIT);
   }
-  if (got == static_cast<ssize_t>(sizeof frame)) {
-    message.kind = SocketMessage::Kind::frame;
-    message.frame = from_kernel(frame);
-    message.received_ns = monotonic_ns();
-    read_control(header, message);
-  } else if (got == 0) {
-    message.kind = SocketMessage::Kind::closed;
-  } else if (got < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) {
-    message.kind = SocketMessage::Kind::down;
-  }
+  if (got >= 0) return message_of(slot, header, got);
+  SocketMessage message;
+  if (!is_no_news(errno)) message.kind = SocketMessage::Kind::down;
   return message;
+}
+
+void MessageBatch::fill(int socket) noexcept {
+  std::array<Slot, most> slots;
+  std::array<mmsghdr, most> headers;
+  for (std::size_t i = 0; i < most; ++i) slots[i].prepare(headers[i].msg_hdr);
+  int got = 0;
+  {
+    const RtAllow reviewed;  // does not block
+    got = recvmmsg(socket, headers.data(), most, MSG_DONTWAIT, nullptr);
+  }
+  next_ = count_ = 0;
+  if (got < 0 && !is_no_news(errno)) messages_[count_++].kind = SocketMessage::Kind::down;
+  for (int i = 0; i < got; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    messages_[count_++] = message_of(slots[k], headers[k].msg_hdr, static_cast<ssize_t>(headers[k].msg_len));
+  }
+}
+
+SocketMessage MessageBatch::next(int socket) noexcept {
+  if (next_ == count_) {
+    const bool was_partial = count_ > 0 && count_ < most;
+    if (was_partial) {
+      next_ = count_ = 0;
+      return {};
+    }
+    fill(socket);
+  }
+  return next_ < count_ ? messages_[next_++] : SocketMessage{};
 }
 
 Sent send_message(int socket, const CanFrame& frame) noexcept {

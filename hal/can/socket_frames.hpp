@@ -1,6 +1,7 @@
 // Frames through a socket whose messages are struct can_frame: SocketCAN's own, or a local one that stands in for a
 // bus.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <string>
 
@@ -20,6 +21,21 @@ struct SocketMessage {
   CanFrame frame;
   std::int64_t received_ns = 0;    ///< on CLOCK_MONOTONIC
   std::int64_t dropped = -1;       ///< SO_RXQ_OVFL; -1: not stated
+};
+
+/// Takes the waiting messages of a socket by one system call for up to 16 of them.
+class MessageBatch {
+ public:
+  /// The oldest message; `nothing` where none waits. Never blocks. A batch that did not fill has emptied the queue: the
+  /// `nothing` after it needs no call.
+  SocketMessage next(int socket) noexcept;
+
+ private:
+  void fill(int socket) noexcept;
+
+  static constexpr std::size_t most = 16;
+  std::array<SocketMessage, most> messages_;
+  std::size_t count_ = 0, next_ = 0;
 };
 
 /// Asks the kernel for time stamps and the drop counter. Throws std::runtime_error.

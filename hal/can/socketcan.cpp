@@ -68,7 +68,7 @@ Sent SocketCan::send(const CanFrame& frame) noexcept {
 }
 
 bool SocketCan::receive(ReceivedFrame& received) noexcept {
-  const SocketMessage message = receive_message(socket_);
+  const SocketMessage message = batch_.next(socket_);
   if (message.dropped >= 0) dropped_ = static_cast<std::uint64_t>(message.dropped);
   // ENETDOWN is told once when the interface is taken down.
   if (message.kind == SocketMessage::Kind::down || message.kind == SocketMessage::Kind::closed) up_ = false;

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "can/frame.hpp"
+#include "can/socket_frames.hpp"
 
 namespace pneuservo {
 
@@ -26,6 +27,7 @@ class SocketCan final : public CanCarrier {
  private:
   std::string interface_;
   int socket_ = -1;
+  MessageBatch batch_;
   bool up_ = true;
   std::uint64_t dropped_ = 0;
 };

@@ -4,8 +4,9 @@
 #include <algorithm>
 
 #include "can/can_backend.hpp"
+#include "comedi/comedi_backend.hpp"
 #include "config/input_error.hpp"
-#include "rig/can_channels.hpp"
+#include "gpio/gpio_backend.hpp"
 #include "sim/sim_backend.hpp"
 
 namespace pneuservo {
@@ -18,20 +19,28 @@ CompositeBackend::CompositeBackend(const Rig& rig) {
     throw InputError(rig.name + ": hal: found nothing, expected the section with the rig's devices (docs/can.md); "
                                 "'--hal sim' runs on the simulated plant");
   const HalChannels& c = rig.hal->channels;
-  const std::array<bool, 6> simulated{c.x.simulated,          c.p1_port.simulated,    c.p2_port.simulated,
-                                      c.p1_chamber.simulated, c.p2_chamber.simulated, c.p_supply.simulated};
-  std::array<bool, 6> on_can{};
-  const auto channels = can_channels(*rig.hal);
-  for (const CanChannel& channel : channels)
-    if (!channel.is_output) on_can[channel.channel] = true;
-  const auto any = [](const std::array<bool, 6>& gives) {
-    return std::find(gives.begin(), gives.end(), true) != gives.end();
+  Gives simulated{}, on_can{}, on_board{};
+  const auto sort = [&](std::size_t i, const auto& channel) {
+    simulated[i] = channel.simulated;
+    on_can[i] = channel.can.has_value();
+    on_board[i] = channel.is_on_board();
+    origins_[i] = channel.is_absent() ? Origin::absent : channel.simulated ? Origin::simulated : Origin::real;
   };
-  if (any(simulated) || c.u.simulated || c.u1.simulated || c.u2.simulated)
-    sources_.push_back({std::make_unique<SimBackend>(rig), simulated});
-  if (!channels.empty()) sources_.push_back({std::make_unique<CanBackend>(rig), on_can});
-  for (std::size_t i = 0; i < origins_.size(); ++i)
-    origins_[i] = on_can[i] ? Origin::real : simulated[i] ? Origin::simulated : Origin::absent;
+  sort(0, c.x);
+  std::size_t i = 1;
+  for (const auto* pressure : {&c.p1_port, &c.p2_port, &c.p1_chamber, &c.p2_chamber, &c.p_supply}) sort(i++, *pressure);
+  bool commands_sim = false, commands_can = false, commands_board = false;
+  for (const auto* valve : {&c.u, &c.u1, &c.u2}) {
+    commands_sim = commands_sim || valve->simulated;
+    commands_can = commands_can || valve->can;
+    commands_board = commands_board || valve->is_on_board();
+  }
+  const auto any = [](const Gives& gives) { return std::find(gives.begin(), gives.end(), true) != gives.end(); };
+  if (commands_sim || any(simulated)) sources_.push_back({std::make_unique<SimBackend>(rig), simulated});
+  if (commands_board || any(on_board)) sources_.push_back({std::make_unique<ComediBackend>(rig), on_board});
+  if (commands_can || any(on_can)) sources_.push_back({std::make_unique<CanBackend>(rig), on_can});
+  // Last: the newest state of the lines in a tick, and enabled after the command is out.
+  if (rig.hal->gpio) sources_.push_back({std::make_unique<GpioBackend>(rig), {}});
 }
 
 void CompositeBackend::configure() {

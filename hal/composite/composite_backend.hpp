@@ -27,9 +27,10 @@ class CompositeBackend final : public Backend {
   std::string name() const override { return "configured"; }
 
  private:
+  using Gives = std::array<bool, 6>;  ///< channels that are taken from a source
   struct Source {
     std::unique_ptr<Backend> backend;
-    std::array<bool, 6> gives{};  ///< channels that are taken from it
+    Gives gives{};
   };
 
   std::vector<Source> sources_;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -18,18 +19,36 @@ struct Wiring {
   const HalParameters& hal;
   const RefusePath& refuse;
   std::map<std::string, unsigned> bits;  ///< by node, direction and PDO
-  std::set<std::string> taken;           ///< objects by node
+  std::set<std::string> taken;           ///< objects by node, channels of the board
 
+  template <class Keys, class Parameters>
+  void scale_and_limits(const std::string& path, const Parameters& p, const std::string& scale,
+                        const std::string& expected) {
+    if (p.scale == 0.0) refuse(path + "." + scale, "0", expected);
+    if (!(p.lowest < p.highest))
+      refuse(path + "." + std::string(Keys::lowest), number_text(p.lowest),
+             fmt::format("less than {} ({})", Keys::highest, number_text(p.highest)));
+  }
+  void take_board(const std::string& path, const std::string& what) {
+    if (!hal.comedi) refuse(path, "a channel on a board without hal.comedi", "the section hal.comedi (it may be {})");
+    if (!taken.insert("board " + what).second) refuse(path, what + " a second time", "a channel of its own");
+  }
+  template <class Keys>
+  void add(const std::string& path, const ComediChannelParameters<Keys>& board, bool is_output) {
+    take_board(path, fmt::format("{} {}", is_output ? "output" : "input", board.channel));
+    scale_and_limits<Keys>(path, board, std::string(Keys::scale_V), "the value of one volt, not 0");
+    if (board.readback) take_board(path + ".readback", fmt::format("input {}", board.readback->channel));
+  }
+  template <class Keys> void add(const std::string& path, const ComediCounterParameters<Keys>& counter) {
+    take_board(path, fmt::format("counter {} of subdevice {}", counter.channel, counter.subdevice));
+    scale_and_limits<Keys>(path, counter, std::string(Keys::scale), "the value of one count, not 0");
+  }
   template <class Keys>
   void add(const std::string& path, const CanChannelParameters<Keys>& can, bool is_output) {
     if (!hal.can) refuse(path, "a channel on CAN without hal.can", "the section hal.can");
     if (!hal.can->nodes.contains(can.node))
       refuse(path + ".node", "'" + can.node + "'", "the name of a node in hal.can.nodes");
-    const std::string scale(Keys::scale), lowest(Keys::lowest), highest(Keys::highest);
-    if (can.scale == 0.0) refuse(path + "." + scale, "0", "the value of one count, not 0");
-    if (!(can.lowest < can.highest))
-      refuse(path + "." + lowest, number_text(can.lowest),
-             fmt::format("less than {} ({})", highest, number_text(can.highest)));
+    scale_and_limits<Keys>(path, can, std::string(Keys::scale), "the value of one count, not 0");
     if (!taken.insert(fmt::format("{} {:08x}", can.node, can.object.word)).second)
       refuse(path + ".object", fmt::format("0x{:08x} a second time at node {}", can.object.word, can.node),
              "an object of its own for each channel");
@@ -40,9 +59,11 @@ struct Wiring {
   template <class Keys>
   void channel(const std::string& name, const ChannelParameters<Keys>& c, bool is_output, const std::string& need) {
     const std::string path = "hal.channels." + name;
-    if (c.simulated && c.can) refuse(path, "both simulated and can", "one source");
+    if (c.sources() > 1) refuse(path, fmt::format("{} sources", c.sources()), "one source");
     if (c.is_absent() && !need.empty()) refuse(path, "nothing", need);
     if (c.can) add(path + ".can", *c.can, is_output);
+    if (c.comedi) add(path + ".comedi", *c.comedi, is_output);
+    if (c.comedi_counter) add(path + ".comedi_counter", *c.comedi_counter);
   }
 };
 
@@ -64,13 +85,33 @@ void check_bus(const CanBusParameters& bus, double period_s, const RefusePath& r
 
 void check_valves(const Rig& rig, const RefusePath& refuse) {
   const HalChannels& c = rig.hal->channels;
+  const auto check = [&](const std::string& path, const auto& output, double safe_V) {
+    if (!output || (safe_V >= output->lowest && safe_V <= output->highest)) return;
+    refuse(path + ".lowest_V", fmt::format("{} to {} V", number_text(output->lowest), number_text(output->highest)),
+           fmt::format("a range that holds safe_output.command_V ({})", number_text(safe_V)));
+  };
   for (const auto& [name, valve] : {std::pair{"u", &c.u}, {"u1", &c.u1}, {"u2", &c.u2}}) {
-    const double safe = safe_commands_V(rig)[valve == &c.u2 ? 1 : 0];
-    if (!valve->can || (safe >= valve->can->lowest && safe <= valve->can->highest)) continue;
-    refuse(fmt::format("hal.channels.{}.can.lowest_V", name),
-           fmt::format("{} to {} V", number_text(valve->can->lowest), number_text(valve->can->highest)),
-           fmt::format("a range that holds safe_output.command_V ({})", number_text(safe)));
+    const double safe_V = safe_commands_V(rig)[valve == &c.u2 ? 1 : 0];
+    check(fmt::format("hal.channels.{}.can", name), valve->can, safe_V);
+    check(fmt::format("hal.channels.{}.comedi", name), valve->comedi, safe_V);
   }
+}
+
+void check_lines(const GpioParameters& gpio, const RefusePath& refuse) {
+  std::set<std::string> taken;
+  GpioParameters::visit(
+      [&](const Field& field, const std::optional<GpioLineParameters>& line) {
+        if (!line) return;
+        const std::string path = fmt::format("hal.gpio.{}", field.key);
+        const bool is_number = !line->line.empty() && line->line.find_first_not_of("0123456789") == std::string::npos;
+        if (line->line.empty()) refuse(path + ".line", "nothing", "the name of a line, or its number on the chip");
+        if (is_number && line->chip.empty())
+          refuse(path + ".line", "the number " + line->line,
+                 "a chip beside it: hal.gpio." + std::string(field.key) + ".chip");
+        if (!taken.insert(line->chip + " " + line->line).second)
+          refuse(path + ".line", "'" + line->line + "' a second time", "a line of its own");
+      },
+      gpio);
 }
 
 }  // namespace
@@ -102,6 +143,7 @@ void check_hal(const Rig& rig, const RefusePath& refuse) {
   }
   if (hal.can) check_bus(*hal.can, rig.period_s, refuse);
   check_valves(rig, refuse);
+  if (hal.gpio) check_lines(*hal.gpio, refuse);
 }
 
 }  // namespace pneuservo

@@ -36,12 +36,15 @@ void anchor_paths(ReferenceSpec& reference, const ConfigNode& node, const std::f
     anchor_paths(reference.parts[i], parts->value.items[i], folder);
 }
 
-/// The same for the files of the nodes on a bus.
-void anchor_eds(Rig& rig, const std::filesystem::path& folder) {
+/// The same for the files of the nodes on a bus and of a board.
+void anchor_device_files(Rig& rig, const std::filesystem::path& folder) {
+  const auto anchor = [&](std::string& path) {
+    if (!path.empty() && std::filesystem::path(path).is_relative())
+      path = std::filesystem::absolute(folder / path).lexically_normal().string();
+  };
+  if (rig.hal && rig.hal->comedi) anchor(rig.hal->comedi->calibration);
   if (!rig.hal || !rig.hal->can) return;
-  for (auto& [name, node] : rig.hal->can->nodes)
-    if (!node.eds.empty() && std::filesystem::path(node.eds).is_relative())
-      node.eds = std::filesystem::absolute(folder / node.eds).lexically_normal().string();
+  for (auto& [name, node] : rig.hal->can->nodes) anchor(node.eds);
 }
 
 Rig rig_from_tree(ConfigNode root, const std::vector<std::string>& overrides,
@@ -54,7 +57,7 @@ Rig rig_from_tree(ConfigNode root, const std::vector<std::string>& overrides,
   Rig::visit(RigReader{rig, {root, top, true}}, rig);
   require_known_keys(root, top, fields_of(rig));
   Rig::visit(RigReader{rig, {root, top}}, rig);
-  if (anchor) anchor_paths(rig.reference, root.find("reference")->value, *anchor), anchor_eds(rig, *anchor);
+  if (anchor) anchor_paths(rig.reference, root.find("reference")->value, *anchor), anchor_device_files(rig, *anchor);
   complete_rig(rig, root);
   check_rig(rig, root);
   return rig;

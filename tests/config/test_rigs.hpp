@@ -19,12 +19,13 @@ inline std::string text_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// Every YAML file below config/, in order.
+/// Every rig below config/, in order.
 inline std::vector<std::filesystem::path> config_files() {
   std::vector<std::filesystem::path> files;
   for (const auto& entry :
        std::filesystem::recursive_directory_iterator(std::filesystem::path(PNEUSERVO_SOURCE_DIR) / "config"))
-    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+    if (entry.path().extension() == ".yaml" && entry.path().parent_path().filename() != "scenarios")
+      files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
 }

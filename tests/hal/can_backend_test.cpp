@@ -265,7 +265,7 @@ TEST_CASE("a wiring that contradicts itself is refused with its line") {
   REQUIRE_THROWS_WITH(can_rig({io + "lowest_Pa=9e5"}), Contains("less than highest_Pa"));
   REQUIRE_THROWS_WITH(can_rig({io + "pdo=5"}), Contains("expected a whole number from 1 to 4"));
   REQUIRE_THROWS_WITH(can_rig({io + "scale_m_per_count=1"}), Contains("unknown key"));
-  REQUIRE_THROWS_WITH(can_rig({"hal.channels.x.simulated=true"}), Contains("both simulated and can"));
+  REQUIRE_THROWS_WITH(can_rig({"hal.channels.x.simulated=true"}), Contains("2 sources"));
   REQUIRE_THROWS_WITH(can_rig({"hal.can.nodes.encoder.node_id=2"}), Contains("node_id: found 2, which"));
   REQUIRE_THROWS_WITH(can_rig({"hal.can.watchdog_s=0.02"}), Contains("at least twice"));
   REQUIRE_THROWS_WITH(can_rig({"controller.pressure_source=chamber"}), Contains("hal.channels.p1_chamber"));

@@ -82,7 +82,7 @@ for interface in interfaces():
     expect(done.returncode == 1 and ("position_missing" in done.stderr or "node_lost" in done.stderr), f"off: {done.stderr}")
     device.end()
     # Faults from a file: a port sensor at the end of its counts, after 2 s.
-    device = Device(interface, "--scenario", "scenarios/out-of-range.yaml")
+    device = Device(interface, "--scenario", "config/scenarios/out-of-range.yaml")
     done = control(interface, 20)
     expect(done.returncode == 1 and "fault: port_pressure_1_missing" in done.stderr, f"scenario: {done.stderr}")
     device.end()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-# Every scenario of scenarios gives the fault that it says, in its time, with the safe output and no row lost.
+# Every scenario of config/scenarios gives the fault that it says, in its time, with the safe output and no row lost.
 import subprocess, sys
 
 from program import expect, expect_refusal, run

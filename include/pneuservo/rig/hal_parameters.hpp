@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include <pneuservo/core/field.hpp>
 #include <pneuservo/hal/can_object.hpp>
@@ -80,20 +81,20 @@ struct CanBusParameters {
 
 /// What the keys of a channel's scale and limits are called; keys carry the channel's unit.
 struct PositionKeys {
-  static constexpr std::string_view unit = "m", scale = "scale_m_per_count", zero = "zero_m", lowest = "lowest_m",
-                                    highest = "highest_m";
+  static constexpr std::string_view unit = "m", scale = "scale_m_per_count", scale_V = "scale_m_per_V", zero = "zero_m",
+                                    lowest = "lowest_m", highest = "highest_m";
 };
 struct PressureKeys {
-  static constexpr std::string_view unit = "Pa", scale = "scale_Pa_per_count", zero = "zero_Pa", lowest = "lowest_Pa",
-                                    highest = "highest_Pa";
+  static constexpr std::string_view unit = "Pa", scale = "scale_Pa_per_count", scale_V = "scale_Pa_per_V",
+                                    zero = "zero_Pa", lowest = "lowest_Pa", highest = "highest_Pa";
 };
 struct ForceKeys {
-  static constexpr std::string_view unit = "N", scale = "scale_N_per_count", zero = "zero_N", lowest = "lowest_N",
-                                    highest = "highest_N";
+  static constexpr std::string_view unit = "N", scale = "scale_N_per_count", scale_V = "scale_N_per_V", zero = "zero_N",
+                                    lowest = "lowest_N", highest = "highest_N";
 };
 struct VoltageKeys {
-  static constexpr std::string_view unit = "V", scale = "scale_V_per_count", zero = "zero_V", lowest = "lowest_V",
-                                    highest = "highest_V";
+  static constexpr std::string_view unit = "V", scale = "scale_V_per_count", scale_V = "scale_V_per_V", zero = "zero_V",
+                                    lowest = "lowest_V", highest = "highest_V";
 };
 
 /// A channel behind an object of a CANopen node: value = zero + scale * counts.
@@ -118,15 +119,127 @@ template <class Keys> struct CanChannelParameters {
   }
 };
 
+/// What a DA/AD board measures a voltage against.
+enum class ComediReference { ground, common, differential };
+inline constexpr std::array<std::string_view, 3> comedi_reference_names{"ground", "common", "differential"};
+
+/// Reading an output back: a board's analog input that is wired to it.
+struct ComediReadback {
+  std::uint32_t channel = 0;
+  std::uint32_t range = 0;
+  double tolerance_V = 0.05;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    v(Field{"channel", "-", 0, 65535, "analog input that the output is wired to"}, p.channel...);
+    v(Field{"range", "-", 0, 255, "of that input, number in the board's list", optional}, p.range...);
+    v(Field{"tolerance_V", "V", 1e-6, 100, "at the board's terminal; a longer deviation is a missed output", optional},
+      p.tolerance_V...);
+  }
+};
+
+/// A channel behind an analog input or output of a DA/AD board: value = zero + scale * volts at the board's terminal.
+template <class Keys> struct ComediChannelParameters {
+  std::uint32_t channel = 0, range = 0;
+  ComediReference reference = ComediReference::ground;
+  double scale = 1.0, zero = 0.0, lowest = 0.0, highest = 0.0;
+  std::optional<ComediReadback> readback;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    v(Field{"channel", "-", 0, 65535, "number of the board's analog input, of its output for a command"}, p.channel...);
+    v(Field{"range", "-", 0, 255, "number in the board's list of ranges", optional}, p.range...);
+    v(Field{"reference", "", 0, 0, "what the voltage is against", optional, comedi_reference_names}, p.reference...);
+    v(Field{Keys::scale_V, Keys::unit, -1e12, 1e12, "of one volt; negative turns the direction round"}, p.scale...);
+    v(Field{Keys::zero, Keys::unit, -1e12, 1e12, "value at 0 V (gauge sensors: the atmosphere)", optional}, p.zero...);
+    v(Field{Keys::lowest, Keys::unit, -1e12, 1e12, "below it is no measurement; an output is held at it"}, p.lowest...);
+    v(Field{Keys::highest, Keys::unit, -1e12, 1e12, "above it is no measurement; an output is held at it"},
+      p.highest...);
+    if constexpr (std::is_same_v<Keys, VoltageKeys>)
+      v(Field{"readback", "", 0, 0, "checks the output by an input that is wired to it", optional}, p.readback...);
+  }
+};
+
+/// A channel behind a counter of a DA/AD board: value = zero + scale * counts since the start, past its end and on.
+template <class Keys> struct ComediCounterParameters {
+  std::uint32_t subdevice = 0, channel = 0;
+  double scale = 1.0, zero = 0.0, lowest = 0.0, highest = 0.0;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"subdevice", "-", 0, 255, "number of the board's counter subdevice"}, p.subdevice...);
+    v(Field{"channel", "-", 0, 65535, "number of the counter", Presence::optional}, p.channel...);
+    v(Field{Keys::scale, Keys::unit, -1e12, 1e12, "of one count; negative turns the direction round"}, p.scale...);
+    v(Field{Keys::zero, Keys::unit, -1e12, 1e12, "value where the counter stands at the start", Presence::optional},
+      p.zero...);
+    v(Field{Keys::lowest, Keys::unit, -1e12, 1e12, "below it is no measurement"}, p.lowest...);
+    v(Field{Keys::highest, Keys::unit, -1e12, 1e12, "above it is no measurement"}, p.highest...);
+  }
+};
+
+/// A DA/AD board of the PC.
+struct ComediParameters {
+  std::string device = "/dev/comedi0";
+  std::string calibration;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    v(Field{"device", "", 0, 0, "device file of the board", optional}, p.device...);
+    v(Field{"calibration", "", 0, 0, "calibration file; default: where comedi_calibrate puts it", optional},
+      p.calibration...);
+  }
+};
+
+/// What holds an input line where nothing drives it.
+enum class GpioBias { as_is, none, pull_up, pull_down };
+inline constexpr std::array<std::string_view, 4> gpio_bias_names{"as_is", "none", "pull_up", "pull_down"};
+
+/// A digital line.
+struct GpioLineParameters {
+  std::string chip;
+  std::string line;
+  bool active_low = false;
+  GpioBias bias = GpioBias::as_is;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    v(Field{"chip", "", 0, 0, "gpiochip0, its label or path; default: the chip that has a line of this name", optional},
+      p.chip...);
+    v(Field{"line", "", 0, 0, "name of the line, or its number on the chip"}, p.line...);
+    v(Field{"active_low", "", 0, 0, "a low level is what the key's name says", optional}, p.active_low...);
+    v(Field{"bias", "", 0, 0, "resistor of the chip at an input", optional, gpio_bias_names}, p.bias...);
+  }
+};
+
+/// Digital lines by their meaning.
+struct GpioParameters {
+  std::optional<GpioLineParameters> emergency_stop, limit_low, limit_high, valve_power, enable;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    v(Field{"emergency_stop", "", 0, 0, "input, active: pressed", optional}, p.emergency_stop...);
+    v(Field{"limit_low", "", 0, 0, "input, active: the slider is at the switch at the end of negative positions",
+            optional},
+      p.limit_low...);
+    v(Field{"limit_high", "", 0, 0, "input, active: the slider is at the switch at the end of positive positions",
+            optional},
+      p.limit_high...);
+    v(Field{"valve_power", "", 0, 0, "input, active: the valve has its supply", optional}, p.valve_power...);
+    v(Field{"enable", "", 0, 0, "output, active only while the axis is active", optional}, p.enable...);
+  }
+};
+
 /// One channel of the rig: at most one source. Without any it is absent, and never silently simulated.
 template <class Keys> struct ChannelParameters {
   bool simulated = false;
   std::optional<CanChannelParameters<Keys>> can;
+  std::optional<ComediChannelParameters<Keys>> comedi;
+  std::optional<ComediCounterParameters<Keys>> comedi_counter;
   template <class V, class... P> static void visit(V&& v, P&... p) {
-    v(Field{"simulated", "", 0, 0, "the simulated plant stands behind it", Presence::optional}, p.simulated...);
-    v(Field{"can", "", 0, 0, "an object of a CANopen node", Presence::optional}, p.can...);
+    constexpr auto optional = Presence::optional;
+    v(Field{"simulated", "", 0, 0, "the simulated plant stands behind it", optional}, p.simulated...);
+    v(Field{"can", "", 0, 0, "an object of a CANopen node", optional}, p.can...);
+    v(Field{"comedi", "", 0, 0, "an analog channel of a DA/AD board", optional}, p.comedi...);
+    if constexpr (std::is_same_v<Keys, PositionKeys>)
+      v(Field{"comedi_counter", "", 0, 0, "a counter of a DA/AD board, for incremental encoders", optional},
+        p.comedi_counter...);
   }
-  bool is_absent() const noexcept { return !simulated && !can; }
+  int sources() const noexcept { return simulated + can.has_value() + comedi.has_value() + comedi_counter.has_value(); }
+  bool is_absent() const noexcept { return sources() == 0; }
+  bool is_on_board() const noexcept { return comedi || comedi_counter; }
 };
 
 /// Channels by the names of the recording's columns without their unit.
@@ -151,9 +264,13 @@ struct HalChannels {
 /// Devices and the channels behind them.
 struct HalParameters {
   std::optional<CanBusParameters> can;
+  std::optional<ComediParameters> comedi;
+  std::optional<GpioParameters> gpio;
   HalChannels channels;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"can", "", 0, 0, "CANopen bus", Presence::optional}, p.can...);
+    v(Field{"comedi", "", 0, 0, "DA/AD board", Presence::optional}, p.comedi...);
+    v(Field{"gpio", "", 0, 0, "digital lines", Presence::optional}, p.gpio...);
     v(Field{"channels", "", 0, 0, "what stands behind each channel; one that is not named is absent"}, p.channels...);
   }
 };

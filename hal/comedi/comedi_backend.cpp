@@ -1,0 +1,166 @@
+// Backend `comedi`.
+#include "comedi/comedi_backend.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "config/input_error.hpp"
+
+namespace pneuservo {
+namespace {
+
+constexpr int most_deviating_ticks = 2;  // as a bad sample is bridged: the third is a fault
+
+}  // namespace
+
+ComediBackend::ComediBackend(const Rig& rig) : rig_(rig) {
+  if (!rig.hal || !rig.hal->comedi)
+    throw InputError(rig.name + ": hal.comedi: found nothing, expected the board (docs/comedi.md)");
+}
+
+void ComediBackend::add_inputs() {
+  const HalChannels& c = rig_.hal->channels;
+  const auto add = [&](const std::string& key, std::size_t channel, const auto& parameters) {
+    if (const auto& analog = parameters.comedi)
+      inputs_.push_back({channel, board_->add_input(key, analog->channel, analog->range, analog->reference),
+                         analog->scale, analog->zero, analog->lowest, analog->highest});
+    if (const auto& counter = parameters.comedi_counter)
+      inputs_.push_back({channel, board_->add_counter(key, counter->subdevice, counter->channel), counter->scale,
+                         counter->zero, counter->lowest, counter->highest, true});
+  };
+  add("x", 0, c.x);
+  std::size_t i = 1;
+  for (const auto* pressure : {&c.p1_port, &c.p2_port, &c.p1_chamber, &c.p2_chamber, &c.p_supply}) {
+    add(std::string(channel_names[i]), i, *pressure);
+    ++i;
+  }
+}
+
+void ComediBackend::add_outputs() {
+  const HalChannels& c = rig_.hal->channels;
+  const auto add = [&](const std::string& key, std::size_t command, const auto& parameters) {
+    const auto& analog = parameters.comedi;
+    if (!analog) return;
+    Output output{command, board_->add_output(key, analog->channel, analog->range, analog->reference)};
+    output.scale = analog->scale;
+    output.zero = analog->zero;
+    output.lowest = analog->lowest;
+    output.highest = analog->highest;
+    if (const auto& readback = analog->readback) {
+      output.is_read_back = true;
+      output.readback =
+          board_->add_input(key + ".comedi.readback", readback->channel, readback->range, analog->reference);
+      output.tolerance_V = readback->tolerance_V;
+    }
+    outputs_.push_back(output);
+  };
+  add("u", 0, c.u);
+  add("u1", 0, c.u1);
+  add("u2", 1, c.u2);
+}
+
+void ComediBackend::configure() {
+  deactivate();
+  inputs_.clear();
+  outputs_.clear();
+  board_.reset();
+  board_ = std::make_unique<ComediBoard>(*rig_.hal->comedi);
+  add_inputs();
+  add_outputs();
+  if (!board_->read())
+    throw std::runtime_error(rig_.hal->comedi->device + ": the driver refuses to read all channels at once");
+  description_ = board_->description();
+  saturated_ = out_of_limits_ = refused_ = 0;
+  written_ = output_fails_ = false;
+}
+
+void ComediBackend::activate() {
+  active_ = true;
+  if (!set_outputs(safe_commands()))
+    throw std::runtime_error(rig_.hal->comedi->device + ": the driver refuses to set the outputs");
+}
+
+double ComediBackend::value_of(Input& input) noexcept {
+  if (!input.is_counter) return board_->volts(input.number);
+  return static_cast<double>(input.count.advance(board_->counts(input.number), board_->last_count(input.number)));
+}
+
+bool ComediBackend::read(std::int64_t, Measurement& measurement) noexcept {
+  if (!board_) return false;
+  const bool sampled = board_->read();
+  if (!sampled) ++refused_;
+  const auto channels = channels_of(measurement);
+  for (Input& input : inputs_) {
+    const double raw = value_of(input);
+    const double value = input.zero + input.scale * raw;
+    const bool saturated = !input.is_counter && board_->is_saturated(input.number);
+    const bool within = value >= input.lowest && value <= input.highest;
+    if (sampled && saturated) ++saturated_;
+    else if (sampled && !within) ++out_of_limits_;
+    *channels[input.channel] = {value, 0.0, sampled && !saturated && within, Origin::real};
+  }
+  if (sampled && written_) check_outputs();
+  return true;
+}
+
+void ComediBackend::check_outputs() noexcept {
+  for (Output& output : outputs_) {
+    if (!output.is_read_back) continue;
+    const double deviation_V = std::fabs(board_->volts(output.readback) - board_->set_volts_of(output.number));
+    output.worst_V = std::max(output.worst_V, deviation_V);
+    output.deviates = deviation_V > output.tolerance_V ? output.deviates + 1 : 0;
+    if (output.deviates > most_deviating_ticks) output_fails_ = true;
+  }
+}
+
+Command ComediBackend::safe_commands() const noexcept {
+  const auto volts = safe_commands_V(rig_);
+  return {volts[0], volts[1]};
+}
+
+bool ComediBackend::set_outputs(const Command& command) noexcept {
+  const std::array<double, 2> commands{command.valve_V, command.valve_2_V};
+  for (const Output& output : outputs_) {
+    const double wanted = std::isfinite(commands[output.command]) ? commands[output.command] : 0.0;
+    const double held = std::clamp(wanted, output.lowest, output.highest);
+    board_->set_volts(output.number, (held - output.zero) / output.scale);
+  }
+  const bool done = board_->write();
+  if (!done) ++refused_;
+  written_ = done;
+  return done;
+}
+
+bool ComediBackend::write(std::int64_t, const Command& command) noexcept {
+  return board_ && set_outputs(command) && !output_fails_;
+}
+
+void ComediBackend::deactivate() noexcept {
+  if (!board_ || !active_) return;
+  active_ = false;
+  set_outputs(safe_commands());
+}
+
+std::array<Origin, 6> ComediBackend::origins() const {
+  std::array<Origin, 6> all;
+  all.fill(Origin::absent);
+  for (const Input& input : inputs_) all[input.channel] = Origin::real;
+  return all;
+}
+
+std::vector<std::string> ComediBackend::notes() const {
+  std::vector<std::string> lines;
+  for (const std::string& line : description_) lines.push_back("comedi: " + line);
+  for (const Output& output : outputs_)
+    if (output.is_read_back)
+      lines.push_back(
+          fmt::format("comedi: output {} was read back within {:.4f} V{}", output.command, output.worst_V,
+                      output_fails_ ? ", which is more than its tolerance for three ticks: check its wire" : ""));
+  lines.push_back(fmt::format("comedi: {} samples at the converter's end, {} out of limits, {} calls refused",
+                              saturated_, out_of_limits_, refused_));
+  return lines;
+}
+
+}  // namespace pneuservo

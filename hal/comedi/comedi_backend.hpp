@@ -1,0 +1,68 @@
+// Backend `comedi`: the channels of a rig that stand on a DA/AD board of the PC.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <pneuservo/hal/backend.hpp>
+#include <pneuservo/rig/rig.hpp>
+
+#include "comedi/comedi_board.hpp"
+#include "comedi/running_count.hpp"
+
+namespace pneuservo {
+
+/// Inputs are sampled at the start of the tick, by one call for all; outputs are set at its end, by another. A sample
+/// at the end of the converter's range or outside the channel's limits is invalid. An output that is read back and
+/// deviates for three ticks is a missed output.
+class ComediBackend final : public Backend {
+ public:
+  /// The rig must have hal.comedi.
+  explicit ComediBackend(const Rig& rig);
+  ~ComediBackend() override { deactivate(); }
+
+  /// Opens the board, checks channels and ranges, reads its calibration. Throws std::runtime_error.
+  void configure() override;
+  /// Sets the safe output.
+  void activate() override;
+  bool read(std::int64_t tick, Measurement& measurement) noexcept override;
+  bool write(std::int64_t tick, const Command& command) noexcept override;
+  void deactivate() noexcept override;
+  std::array<Origin, 6> origins() const override;
+  std::vector<std::string> notes() const override;
+  std::string name() const override { return "comedi"; }
+
+ private:
+  /// An input or counter. `channel` counts as in channels_of.
+  struct Input {
+    std::size_t channel = 0, number = 0;
+    double scale = 1.0, zero = 0.0, lowest = 0.0, highest = 0.0;
+    bool is_counter = false;
+    RunningCount count{};
+  };
+  /// An output. `command` counts as in Command.
+  struct Output {
+    std::size_t command = 0, number = 0, readback = 0;
+    double scale = 1.0, zero = 0.0, lowest = 0.0, highest = 0.0, tolerance_V = 0.0;
+    bool is_read_back = false;
+    int deviates = 0;  ///< ticks in a row
+    double worst_V = 0.0;
+  };
+
+  void add_inputs();
+  void add_outputs();
+  double value_of(Input& input) noexcept;
+  void check_outputs() noexcept;
+  Command safe_commands() const noexcept;
+  bool set_outputs(const Command& command) noexcept;
+
+  Rig rig_;
+  std::unique_ptr<ComediBoard> board_;
+  std::vector<Input> inputs_;
+  std::vector<Output> outputs_;
+  std::vector<std::string> description_;
+  std::uint64_t saturated_ = 0, out_of_limits_ = 0, refused_ = 0;
+  bool active_ = false, written_ = false, output_fails_ = false;
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,93 @@
+// Backend `gpio`.
+#include "gpio/gpio_backend.hpp"
+
+#include <ctime>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "config/input_error.hpp"
+
+namespace pneuservo {
+namespace {
+
+constexpr std::array<const char*, 4> input_names{"emergency_stop", "limit_low", "limit_high", "valve_power"};
+constexpr std::size_t emergency_stop = 0;
+
+std::int64_t monotonic_now_ns() noexcept {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+}
+
+}  // namespace
+
+GpioBackend::GpioBackend(const Rig& rig, Requester request) : request_(std::move(request)) {
+  if (!rig.hal || !rig.hal->gpio)
+    throw InputError(rig.name + ": hal.gpio: found nothing, expected the digital lines (docs/gpio.md)");
+  parameters_ = *rig.hal->gpio;
+}
+
+void GpioBackend::configure() {
+  deactivate();
+  const std::array<const std::optional<GpioLineParameters>*, 4> wanted{
+      &parameters_.emergency_stop, &parameters_.limit_low, &parameters_.limit_high, &parameters_.valve_power};
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    if (*wanted[i]) inputs_[i] = {request_(input_names[i], **wanted[i], false)};
+  if (parameters_.enable) enable_ = request_("enable", *parameters_.enable, true);
+  enabled_ = false;
+}
+
+bool GpioBackend::read(std::int64_t, Measurement& measurement) noexcept {
+  const std::int64_t now_ns = monotonic_now_ns();
+  const auto lines = lines_of(measurement.digital);
+  for (std::size_t i = 0; i < inputs_.size(); ++i) {
+    Input& input = inputs_[i];
+    if (!input.line) continue;
+    const GpioLine::Edges edges = input.line->take_edges();
+    if (edges.last_ns != 0) {
+      input.edge_ns = edges.last_ns;
+      ++input.edges;
+    }
+    const std::optional<bool> level = input.line->read();
+    input.is_unreadable = input.is_unreadable || !level;
+    const bool active = level.value_or(false) || (i == emergency_stop && edges.became_active);
+    lines[i]->state = !level ? LineState::unreadable : active ? LineState::on : LineState::off;
+    if (input.edge_ns != 0) lines[i]->edge_age_s = static_cast<double>(now_ns - input.edge_ns) * 1e-9;
+  }
+  return true;
+}
+
+bool GpioBackend::set_enable(bool active) noexcept {
+  if (!enable_ || enabled_ == active) return true;
+  if (!enable_->write(active)) return false;
+  enabled_ = active;
+  return true;
+}
+
+bool GpioBackend::write(std::int64_t, const Command& command) noexcept { return set_enable(command.enable); }
+
+void GpioBackend::deactivate() noexcept {
+  set_enable(false);
+  enable_.reset();
+  for (Input& input : inputs_) input.line.reset();
+}
+
+std::array<Origin, 6> GpioBackend::origins() const {
+  std::array<Origin, 6> none;
+  none.fill(Origin::absent);
+  return none;
+}
+
+std::vector<std::string> GpioBackend::notes() const {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < inputs_.size(); ++i) {
+    if (inputs_[i].is_unreadable) lines.push_back(fmt::format("gpio: {} could not be read", input_names[i]));
+    if (inputs_[i].edges > 0)
+      lines.push_back(fmt::format("gpio: {} changed in {} tick{}", input_names[i], inputs_[i].edges,
+                                  inputs_[i].edges > 1 ? "s" : ""));
+  }
+  return lines;
+}
+
+}  // namespace pneuservo

@@ -133,7 +133,7 @@ void merge_rows(Table& table, const Table& other) {
 /// Sections that another kind of rig has with other keys follow as tables of their own.
 std::vector<Table> all_tables() {
   std::vector<Table> tables = tables_of(RigKind::cylinder);
-  for (const RigKind kind : {RigKind::servo_table, RigKind::driven_axis}) {
+  for (const RigKind kind : {RigKind::servo_table, RigKind::driven_axis, RigKind::vessel, RigKind::switched_cylinder}) {
     std::vector<Table> further = tables_of(kind);
     merge_rows(tables.front(), further.front());
     for (std::size_t i = 1; i < further.size(); ++i) {

@@ -102,7 +102,7 @@ struct EffectWriter {
 
 void write_effects(const Field& field, const Rig& rig, std::string& out) {
   std::string effects;
-  AxisEffects<double>::visit(EffectWriter{effects}, rig.axis.effects);
+  visit_effects(rig, EffectWriter{effects});
   for (std::size_t i = 0; i < sensor_names.size(); ++i)
     SensorEffects<double>::visit(EffectWriter{effects, sensor_names[i]}, rig.sensor_effects[i]);
   SectionWriter(out, 0).line(field, effects.empty() ? "{}" : "");

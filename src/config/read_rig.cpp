@@ -18,7 +18,7 @@ struct RigReader {
   Rig& rig;
   SectionReader section;
   template <class T> void operator()(const Field& field, T& value) const {
-    if constexpr (std::is_same_v<T, AxisEffects<double>>) {
+    if constexpr (std::is_same_v<T, AxisEffects<double>> || std::is_same_v<T, VesselEffects<double>>) {
       const ConfigNode::Entry* entry = section.map.find(std::string(field.key));
       if (entry != nullptr && !section.choices_only) read_effects(entry->value, std::string(field.key), rig);
     } else section(field, value);
@@ -57,7 +57,9 @@ Rig rig_from_tree(ConfigNode root, const std::vector<std::string>& overrides,
   Rig::visit(RigReader{rig, {root, top, true}}, rig);
   require_known_keys(root, top, fields_of(rig));
   Rig::visit(RigReader{rig, {root, top}}, rig);
-  if (anchor) anchor_paths(rig.reference, root.find("reference")->value, *anchor), anchor_device_files(rig, *anchor);
+  const ConfigNode::Entry* reference = root.find("reference");
+  if (anchor && reference != nullptr) anchor_paths(rig.reference, reference->value, *anchor);
+  if (anchor) anchor_device_files(rig, *anchor);
   complete_rig(rig, root);
   check_rig(rig, root);
   return rig;

@@ -322,6 +322,7 @@ void check_reference_keys(const ReferenceSpec& reference, const ConfigNode& node
 }
 
 void complete_rig(Rig& rig, const ConfigNode& root) {
+  if (!rig.has_controller()) return;
   check_reference_keys(rig.reference, root.find("reference")->value, "reference");
   if (root.find("duration_s") == nullptr) {
     if (needs_file(rig.reference))
@@ -342,8 +343,29 @@ void complete_rig(Rig& rig, const ConfigNode& root) {
   }
 }
 
+namespace {
+
+void check_program(const Rig& rig, const Check& check) {
+  const ProgramParameters& program = rig.program;
+  if (program.times_s.size() != program.commands.size())
+    check.refuse("program.commands", {"program.times_s"}, fmt::format("{} commands", program.commands.size()),
+                 fmt::format("as many as times_s has ({})", program.times_s.size()));
+  for (std::size_t i = 1; i < program.times_s.size(); ++i)
+    if (!(program.times_s[i] > program.times_s[i - 1]))
+      check.refuse("program.times_s", {},
+                   fmt::format("{} after {}", number_text(program.times_s[i]), number_text(program.times_s[i - 1])),
+                   "strictly increasing times");
+}
+
+}  // namespace
+
 void check_rig(const Rig& rig, const ConfigNode& root) {
   const Check check{root};
+  if (!rig.has_controller()) {
+    check_program(rig, check);
+    check_paths(rig, check, "tolerances", rig.tolerances);
+    return;
+  }
   check_law(rig, check);
   if (rig.is_pneumatic()) {
     check_lines(rig, check);

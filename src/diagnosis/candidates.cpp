@@ -23,14 +23,25 @@ struct ScaleTable {
   const MotionRange& range;
   std::string channel;  ///< of a sensor effect
 
-  double gauge_supply() const { return std::max(rig.axis.supply.pressure_Pa - rig.axis.air.atmosphere_Pa, 1e4); }
-  bool has_air() const { return rig.is_pneumatic(); }
-  double force() const { return has_air() ? rig.axis.cylinder.area_1_m2 * gauge_supply() : rig.drive.force_max_N; }
+  /// A usual one where the config has none: recordings with pressures need no supply.
+  double supply() const { return rig.axis.supply.pressure_Pa > 0 ? rig.axis.supply.pressure_Pa : 6e5; }
+  double gauge_supply() const { return std::max(supply() - rig.axis.air.atmosphere_Pa, 1e4); }
+  double force() const {
+    return rig.kind == RigKind::driven_axis ? rig.drive.force_max_N : rig.axis.cylinder.area_1_m2 * gauge_supply();
+  }
+  double valve_area() const {
+    if (rig.is_pneumatic()) return rig.axis.valve.area_max_m2;
+    if (rig.kind == RigKind::switched_cylinder) return rig.throttle_1.inflow_area_m2;
+    return 5e-3 * rig.vessel.volume_m3;  // empties the vessel within about a second, whatever its size
+  }
+  double gas_kg() const {
+    return supply() * rig.vessel.volume_m3 / (rig.axis.air.gas_constant_J_per_kgK * rig.axis.air.temperature_K);
+  }
   double half_stroke() const { return 0.5 * rig.axis.cylinder.stroke_m; }
   double top_speed() const { return std::max(range.top_speed_mps, 1e-3); }
   double channel_offset() const {
     if (channel == "x") return 2 * half_stroke();
-    return channel == "F" ? force() : rig.axis.supply.pressure_Pa;
+    return channel == "F" ? force() : supply();
   }
   double operator()(EffectScale scale) const {
     switch (scale) {
@@ -40,8 +51,16 @@ struct ScaleTable {
       case EffectScale::force_per_speed: return force() / top_speed();
       case EffectScale::drag: return force() / (top_speed() * top_speed());
       case EffectScale::stiffness: return force() / half_stroke();
-      case EffectScale::valve_area: return rig.axis.valve.area_max_m2;
-      case EffectScale::inverse_valve_area: return 1 / (rig.axis.valve.area_max_m2 * rig.axis.valve.area_max_m2);
+      case EffectScale::valve_area: return valve_area();
+      case EffectScale::inverse_valve_area: return 1 / (valve_area() * valve_area());
+      case EffectScale::wall_heat: {
+        const AirParameters<double>& air = rig.axis.air;
+        return 0.1 * gas_kg() * air.gas_constant_J_per_kgK / (air.heat_capacity_ratio - 1);
+      }
+      case EffectScale::laminar_conductance: {
+        const Air<double> air(rig.axis.air);
+        return air.flow_constant * valve_area() / (std::sqrt(air.R * air.temperature_K) * supply());
+      }
       case EffectScale::top_speed: return top_speed();
       case EffectScale::half_stroke: return half_stroke();
       case EffectScale::channel_offset: return channel_offset();
@@ -65,7 +84,9 @@ GridParameter grid_parameter(const ParameterTrait& trait, const Field& field, co
   FreeParameter& free = out.free;
   free.path = path;
   free.variation = trait.variation;
-  out.negligible = trait.negligible * scales(trait.negligible_scale);
+  // A vessel that is watched for minutes shows far smaller leaks than an axis that moves.
+  const double watched = scales.rig.kind == RigKind::vessel ? 0.05 : 1.0;
+  out.negligible = watched * trait.negligible * scales(trait.negligible_scale);
   const double scale = scales(trait.scale);
   if (out.amplitude) {
     free.center = free.varied(out.neutral);
@@ -84,8 +105,10 @@ GridParameter grid_parameter(const ParameterTrait& trait, const Field& field, co
   free.lower = -widest_z;
   free.upper = widest_z;
   if (trait.variation == Variation::linear) {
-    free.lower = std::max(free.lower, free.z(field.minimum));
-    free.upper = std::min(free.upper, free.z(field.maximum));
+    // A rounding inside the range, but for a neutral value that stands at its end.
+    const double inside = field.minimum < out.neutral ? 1e-9 : 0.0;
+    free.lower = std::max(free.lower, free.z(field.minimum) + inside);
+    free.upper = std::min(free.upper, free.z(field.maximum) - 1e-9);
   } else if (trait.variation == Variation::inverse_square) {
     free.lower = 0;
   } else {
@@ -126,6 +149,11 @@ std::string family_of(const std::string& name) {
                                                            {"piston_leak", "balance"},
                                                            {"line_leak_1", "leak_1"},
                                                            {"chamber_leak_1", "leak_1"},
+                                                           {"laminar_leak_1", "leak_1"},
+                                                           {"porous_leak_1", "leak_1"},
+                                                           {"wall_heat_exchange", "heat"},
+                                                           {"charging_heat", "heat"},
+                                                           {"drop_out_delay", "late"},
                                                            {"line_leak_2", "leak_2"},
                                                            {"chamber_leak_2", "leak_2"}};
   const auto found = families.find(name);
@@ -165,17 +193,14 @@ Candidate effect_candidate(const std::string& name, const std::string& element, 
 
 void add_effects(const Rig& rig, const MotionRange& range, std::vector<Candidate>& out) {
   const ScaleTable scales{rig, range, ""};
-  AxisEffects<double>::visit(
-      [&](const Field& field, const auto& effect) {
-        using Effect = std::remove_cvref_t<decltype(effect)>;
-        const std::string name(field.key);
-        std::string element(Effect::element);
-        const bool has_side = name.ends_with("_1") || name.ends_with("_2");
-        if (has_side) element += name.substr(name.size() - 2);
-        if (!scales.has_air() && (element != "motion" || name == "pressure_dependent_friction")) return;
-        out.push_back(effect_candidate<Effect>(name, element, CandidateKind::effect, scales));
-      },
-      rig.axis.effects);
+  visit_effects(rig, [&](const Field& field, const auto& effect) {
+    using Effect = std::remove_cvref_t<decltype(effect)>;
+    const std::string name(field.key);
+    std::string element(Effect::element);
+    const bool has_side = name.ends_with("_1") || name.ends_with("_2");
+    if (has_side) element += name.substr(name.size() - 2);
+    out.push_back(effect_candidate<Effect>(name, element, CandidateKind::effect, scales));
+  });
 }
 
 void add_sensors(const Rig& rig, const MotionRange& range, const std::vector<ResidualChannel>& channels,
@@ -184,7 +209,9 @@ void add_sensors(const Rig& rig, const MotionRange& range, const std::vector<Res
     const std::string name(channel);
     const bool compared =
         std::any_of(channels.begin(), channels.end(), [&](const ResidualChannel& c) { return c.name == name; });
-    if (name != "x" && !(compared && has_parameter(rig, fmt::format("effects.sensor_offset:{}.offset", name))))
+    const bool moves = name == "x" && rig.kind != RigKind::vessel;
+    const bool acts = name.ends_with("_chamber") && rig.kind == RigKind::driven_axis;  // in the force balance
+    if (!moves && !((compared || acts) && has_parameter(rig, fmt::format("effects.sensor_offset:{}.offset", name))))
       continue;
     const ScaleTable scales{rig, range, name};
     const SensorEffects<double> none;
@@ -215,7 +242,10 @@ std::string element_of_path(const std::string& path) {
   const std::string section = path.substr(0, path.find('.'));
   if (section == "slider") return "motion";
   if (section == "line_1" || section == "line_2" || section == "valve" || section == "supply") return section;
+  if (section.starts_with("throttle_") || section.starts_with("cushion_")) return section;
   if (section == "air") return "supply";
+  if (section == "vessel") return "chamber_1";
+  if (section == "line") return "line_1";
   if (section == "cylinder") {
     if (path.find("_2") != std::string::npos && path.find("_m2") == std::string::npos) return "chamber_2";
     if (path.starts_with("cylinder.area_2")) return "chamber_2";
@@ -227,14 +257,15 @@ std::string element_of_path(const std::string& path) {
     if (colon != std::string::npos) return "sensor:" + name.substr(colon + 1);
     std::string element = "motion";
     const AxisEffects<double> none;
-    AxisEffects<double>::visit(
-        [&](const Field& field, const auto& effect) {
-          using Effect = std::remove_cvref_t<decltype(effect)>;
-          if (field.key != name) return;
-          element = std::string(Effect::element);
-          if (name.ends_with("_1") || name.ends_with("_2")) element += name.substr(name.size() - 2);
-        },
-        none);
+    const auto take = [&](const Field& field, const auto& effect) {
+      using Effect = std::remove_cvref_t<decltype(effect)>;
+      if (field.key != name) return;
+      element = std::string(Effect::element);
+      if (name.ends_with("_1") || name.ends_with("_2")) element += name.substr(name.size() - 2);
+    };
+    AxisEffects<double>::visit(take, none);
+    const VesselEffects<double> vessel;
+    VesselEffects<double>::visit(take, vessel);
     return element;
   }
   return "motion";

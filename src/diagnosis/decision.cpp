@@ -45,6 +45,8 @@ bool is_negligible(const Explanation& explanation, const Candidate& candidate) {
   return judged;
 }
 
+/// Explanations of one size whose prediction of held-out rows is looked at.
+constexpr std::size_t most_predicted = 24;
 /// A force below this share of a simpler law's force does not make another law of it.
 constexpr double law_share = 0.1;
 
@@ -125,7 +127,6 @@ Verdict verdict_of(const Explanation& chosen, const Search& search) {
 /// A first name has to bring `alarm_gain` before it is as likely as nothing at all.
 std::vector<double> probabilities_of(const std::vector<const Explanation*>& rivals, const DecisionRules& rules) {
   std::vector<double> out;
-  if (rivals.empty()) return out;
   double sum = 0;
   const bool is_owner = rivals.front()->members.empty();
   for (const Explanation* rival : rivals) {
@@ -289,19 +290,28 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
 
 namespace {
 
-/// Squared residual of an explanation above what floors alone make, on fitted rows.
+/// Squared residual of an explanation above what floors alone make, on fitted and held-out rows.
 double above_floors(ResidualModel& model, const Explanation& explanation, const DecisionRules& rules) {
   const ModelLevels levels = model_levels(model, explanation.fit.hypothesis(), rules);
   double rows = 0;
-  for (const ChannelLevel& c : levels.channels) rows += static_cast<double>(c.fitted_rows);
-  return std::max(levels.chi2(false) - rows, 0.0);
+  for (const ChannelLevel& c : levels.channels) rows += static_cast<double>(c.fitted_rows + c.held_out_rows);
+  return std::max(levels.chi2(false) + levels.chi2(true) - rows, 0.0);
 }
 
-const Explanation* best_sure(const std::vector<const Explanation*>& ranked, const Search& search,
-                             double standard_errors) {
-  for (const Explanation* e : ranked)
-    if (e->members.size() == 1 || is_sure_of_sizes(*e, search, standard_errors)) return e;
-  return nullptr;
+/// The explanations of one size by evidence, with what they foretell of the held-out rows counted in: a law that fits
+/// but does not go on is behind its rivals.
+std::vector<std::pair<double, const Explanation*>> by_prediction(ResidualModel& model, const Search& search,
+                                                                 std::size_t members, double growth,
+                                                                 const DecisionRules& rules) {
+  std::vector<std::pair<double, const Explanation*>> out;
+  const std::vector<const Explanation*> ranked = sizeable(search, members);
+  for (const Explanation* e : ranked) {
+    if (out.size() >= most_predicted) break;
+    const double foretold = model_levels(model, e->fit.hypothesis(), rules).chi2(true);
+    out.push_back({(e->log_evidence - 0.5 * foretold) / growth, e});
+  }
+  std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  return out;
 }
 
 /// Rows that a remainder makes worth one: its mean square in floors, and how long neighbours stay alike.
@@ -331,35 +341,59 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
   const Explanation* richest = &search.owner();
   for (std::size_t members = 1; search.best_of(members) != nullptr; ++members) richest = search.best_of(members);
   decision.growth = floor_growth(model_levels(model, richest->fit.hypothesis(), rules));
-  const double all = above_floors(model, search.owner(), rules);
-  double left = all;
+  const double all = above_floors(model, search.owner(), rules), growth = decision.growth;
+  double left = all, score = by_prediction(model, search, 0, growth, rules).front().first;
+  std::vector<double> scores;
   for (std::size_t members = 1;; ++members) {
-    const std::vector<const Explanation*> ranked = sizeable(search, members);
-    const Explanation* best = best_sure(ranked, search, rules.standard_errors * std::sqrt(decision.growth));
-    if (members == 1) decision.rivals = ranked;
-    if (best == nullptr) break;
-    const double gain = (best->log_evidence - decision.chosen->log_evidence) / decision.growth;
-    const double leaves = above_floors(model, *best, rules);
-    const bool enough =
-        members == 1 ? gain >= rules.alarm_gain : gain >= rules.next_gain && left - leaves >= rules.next_of_left * left;
+    const auto ranked = by_prediction(model, search, members, growth, rules);
+    const auto is_sure = [&](const auto& r) {
+      return members == 1 || is_sure_of_sizes(*r.second, search, rules.standard_errors * std::sqrt(growth));
+    };
+    auto best = std::find_if(ranked.begin(), ranked.end(), is_sure);
+    double leaves = best == ranked.end() ? left : above_floors(model, *best->second, rules);
+    // An explanation with more numbers stands for one with fewer only where it takes enough of what that one leaves.
+    for (auto plainer = best; plainer != ranked.end(); ++plainer) {
+      if (plainer->second->fit.own_count >= best->second->fit.own_count || !is_sure(*plainer)) continue;
+      const double plainer_leaves = above_floors(model, *plainer->second, rules);
+      // A number that the owner may have wrong goes before physics that the config has not.
+      const bool is_owned =
+          std::all_of(plainer->second->members.begin(), plainer->second->members.end(),
+                      [&](std::size_t m) { return search.candidates()[m].kind == CandidateKind::parameter; });
+      const double most = is_owned ? std::max(rules.richer_of_left * plainer_leaves, rules.richer_of_all * all)
+                                   : rules.richer_of_left * plainer_leaves;
+      if (plainer_leaves - leaves >= most) continue;
+      best = plainer;
+      leaves = plainer_leaves;
+    }
+    const bool enough = best != ranked.end() && (members == 1 ? best->first - score >= rules.alarm_gain
+                                                              : best->first - score >= rules.next_gain &&
+                                                                    left - leaves >= rules.next_of_left * left);
+    if (members == 1 || enough) {
+      decision.rivals.clear();
+      scores.clear();
+      for (auto r = enough ? best : ranked.begin(); r != ranked.end(); ++r) {
+        decision.rivals.push_back(r->second);
+        scores.push_back(r->first);
+      }
+    }
     if (!enough) break;
-    decision.chosen = best;
-    decision.rivals = ranked;
+    decision.chosen = best->second;
     left = leaves;
+    score = best->first;
   }
-  std::erase_if(decision.rivals, [&](const Explanation* e) { return e->log_evidence > decision.chosen->log_evidence; });
-  std::erase(decision.rivals, decision.chosen);
-  if (!decision.chosen->members.empty()) decision.rivals.insert(decision.rivals.begin(), decision.chosen);
-  DecisionRules beside = rules;
-  beside.most_sure = rules.most_sure_beside;
-  beside.temperature = rules.temperature * decision.growth;
-  decision.probabilities = probabilities_of(decision.rivals, beside);
-  decision.gain = (decision.chosen->log_evidence - search.owner().log_evidence) / decision.growth;
+  double sum = 0;
+  for (const double s : scores) sum += std::exp(std::max(-700.0, (s - scores.front()) / rules.temperature));
+  for (const double s : scores)
+    decision.probabilities.push_back(rules.most_sure_beside / sum *
+                                     std::exp(std::max(-700.0, (s - scores.front()) / rules.temperature)));
+  decision.gain = (decision.chosen->log_evidence - search.owner().log_evidence) / growth;
   decision.verdict = verdict_of(*decision.chosen, search);
   decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
   decision.reason = fmt::format("{}; {:.2g} % of the squared mismatch{}", what_is_left(decision, model, rules),
                                 100 * left / std::max(all, 1e-300), periodic_part(decision, model));
-  if (decision.chosen->members.empty() || all - left < rules.named_share * all) decision.verdict = Verdict::unknown;
+  const bool at_floor = decision.levels.highest() <= rules.floor_level && !decision.levels.line;
+  if (decision.chosen->members.empty() ? !at_floor : all - left < rules.named_share * all)
+    decision.verdict = Verdict::unknown;
   return decision;
 }
 

@@ -14,6 +14,8 @@
 #include "diagnosis/cylinder_residuals.hpp"
 #include "diagnosis/driven_axis_residuals.hpp"
 #include "diagnosis/result_text.hpp"
+#include "diagnosis/stroke_residuals.hpp"
+#include "diagnosis/vessel_residuals.hpp"
 
 namespace pneuservo {
 
@@ -146,7 +148,7 @@ void add_candidates(const Decision& decision, const Search& search, Diagnosis& o
     for (const std::size_t m : decision.rivals[i]->members) ranked.effects.push_back(search.candidates()[m].name);
     ranked.probability = decision.probabilities[i];
     ranked.log_evidence_behind =
-        (decision.rivals.front()->log_evidence - decision.rivals[i]->log_evidence) / decision.growth;
+        std::max(0.0, (decision.rivals.front()->log_evidence - decision.rivals[i]->log_evidence) / decision.growth);
     out.candidates.push_back(ranked);
   }
 }
@@ -246,6 +248,22 @@ Decision decided(ResidualModel& model, Search& search, const DecisionRules& rule
   return decision;
 }
 
+/// Recordings of one speed show nothing of how friction depends on it.
+std::vector<Candidate> without_unexcited(std::vector<Candidate> candidates, const std::vector<ResidualRow>& rows) {
+  constexpr double least_spread = 2.0;  // of the tenth highest over the tenth lowest speed
+  std::vector<double> speeds;
+  for (const ResidualRow& row : rows) speeds.push_back(std::abs(row.velocity_mps));
+  if (speeds.empty()) return candidates;
+  std::sort(speeds.begin(), speeds.end());
+  const double low = speeds[speeds.size() / 10], high = speeds[speeds.size() - 1 - speeds.size() / 10];
+  if (low == 0 || high > least_spread * low) return candidates;
+  std::erase_if(candidates, [](const Candidate& c) {
+    return c.name == "stribeck_friction" || c.name == "quadratic_drag" ||
+           c.name == "direction_dependent_viscous_friction";
+  });
+  return candidates;
+}
+
 void run_search(Search& search, Diagnosis& out) {
   try {
     search.run();
@@ -285,9 +303,12 @@ void add_next_experiment(const Rig& rig, const ResidualModel& model, const Decis
 }  // namespace
 
 std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int jobs) {
-  if (!rig.is_pneumatic()) return std::make_unique<DrivenAxisResiduals>(rig, recordings);
+  const int threads = jobs > 0 ? jobs : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  if (rig.kind == RigKind::driven_axis) return std::make_unique<DrivenAxisResiduals>(rig, recordings);
+  if (rig.kind == RigKind::vessel) return std::make_unique<VesselResiduals>(rig, recordings, threads);
+  if (rig.kind == RigKind::switched_cylinder) return std::make_unique<StrokeResiduals>(rig, recordings, threads);
   CylinderResidualsSettings settings;
-  settings.jobs = jobs > 0 ? jobs : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  settings.jobs = threads;
   return std::make_unique<CylinderResiduals>(rig, recordings, settings);
 }
 
@@ -296,12 +317,13 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   out.rig = rig.name;
   out.configured = rig;
   FittedRows rows(model, options.stop);
-  Search first_search(rows, rig, all_candidates(rig, model.channels(), motion_range(model.rows())), options.search,
-                      options.progress);
+  const std::vector<Candidate> candidates =
+      without_unexcited(all_candidates(rig, model.channels(), motion_range(model.rows())), model.rows());
+  Search first_search(rows, rig, candidates, options.search, options.progress);
   run_search(first_search, out);
   if (options.progress) options.progress(0.95, "verdict");
   Decision decision = decided(model, first_search, options.rules, out);
-  if (decision.verdict == Verdict::unknown && model.channels().size() == 1)
+  if (!rig.is_pneumatic() && (decision.verdict == Verdict::unknown || !rig.has_controller()))
     decision = decide_in_one_quantity(model, first_search, options.rules);
   std::optional<Search> beside;
   if (decision.verdict == Verdict::unknown && !out.stopped &&

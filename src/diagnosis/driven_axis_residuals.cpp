@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -17,17 +18,50 @@ namespace {
 /// What the balance itself gets wrong around reversals and in time steps; of the largest recorded force, and at least.
 constexpr double floor_share = 5e-4, least_floor_N = 0.02;
 constexpr double rest_noises = 2;  ///< of the drive: what any rest balances, so that no friction gains by noise
-constexpr std::size_t force_sensor = 6;
+constexpr std::size_t force_sensor = 6, chamber_sensor_1 = 3;
+constexpr double longest_step_periods = 1.8;  ///< of neighbours between which nothing is missing
+constexpr double turn_share = 0.5;            ///< of the usual speed
+constexpr double same_place = 0.05;           ///< of a period
+constexpr double least_bin_periods = 5;       ///< rows of slowly sampled recordings are longer than residual_bin_s
 
 double sensor_noise(double noise, double quantum) { return std::hypot(noise, quantum / std::sqrt(12.0)); }
 
-/// The rows on an even grid; NaN where one is missing.
+/// The rows on an even grid, between uneven ones on a straight line; NaN where a row is missing.
 std::vector<double> on_grid(const std::vector<double>& time_s, const std::vector<double>& values, double period_s) {
   const auto count = static_cast<std::size_t>(std::llround((time_s.back() - time_s.front()) / period_s)) + 1;
   std::vector<double> out(count, std::numeric_limits<double>::quiet_NaN());
-  for (std::size_t i = 0; i < time_s.size(); ++i)
-    out[static_cast<std::size_t>(std::llround((time_s[i] - time_s.front()) / period_s))] = values[i];
+  for (std::size_t i = 0; i + 1 < time_s.size(); ++i) {
+    const double from = (time_s[i] - time_s.front()) / period_s, to = (time_s[i + 1] - time_s.front()) / period_s;
+    if (to - from > longest_step_periods) continue;
+    for (auto k = static_cast<std::size_t>(std::ceil(from - same_place)); static_cast<double>(k) <= to && k < count;
+         ++k)
+      out[k] =
+          values[i] + (values[i + 1] - values[i]) * std::clamp((static_cast<double>(k) - from) / (to - from), 0.0, 1.0);
+  }
+  for (std::size_t i = 0; i < time_s.size(); ++i) {  // a row at its place stands as it is
+    const double place = (time_s[i] - time_s.front()) / period_s;
+    if (std::abs(place - std::round(place)) < same_place)
+      out[static_cast<std::size_t>(std::llround(place))] = values[i];
+  }
   return out;
+}
+
+/// A seal is dragged along elastically where the motion turns, which no friction of the vocabulary is: beside pistons
+/// only samples of at least half the usual speed are judged, beyond the smoothing's reach of slower ones.
+void leave_out_turns(const std::vector<double>& velocity_mps, std::size_t reach, std::vector<char>& usable) {
+  std::vector<double> speeds;
+  for (std::size_t i = 0; i < usable.size(); ++i)
+    if (usable[i]) speeds.push_back(std::abs(velocity_mps[i]));
+  if (speeds.empty()) return;
+  const auto usual = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
+  std::nth_element(speeds.begin(), usual, speeds.end());
+  const double least = turn_share * *usual;
+  std::vector<char> kept = usable;
+  for (std::size_t i = 0; i < usable.size(); ++i)
+    if (std::abs(velocity_mps[i]) < least)
+      std::fill(kept.begin() + static_cast<std::ptrdiff_t>(i - std::min(i, reach)),
+                kept.begin() + static_cast<std::ptrdiff_t>(std::min(usable.size(), i + reach + 1)), 0);
+  usable = std::move(kept);
 }
 
 std::vector<double> drive_force(const Rig& rig, const Recording& recording) {
@@ -45,6 +79,7 @@ std::vector<double> drive_force(const Rig& rig, const Recording& recording) {
 
 DrivenAxisResiduals::DrivenAxisResiduals(const Rig& rig, const std::vector<Recording>& recordings) {
   channels_.push_back({"F", "N", 0, least_floor_N});
+  has_held_out_ = std::any_of(recordings.begin(), recordings.end(), [](const Recording& r) { return r.is_held_out; });
   for (const Recording& recording : recordings) add_recording(rig, recording);
   double largest = 0;
   for (const Part& part : parts_)
@@ -59,7 +94,7 @@ DrivenAxisResiduals::DrivenAxisResiduals(const Rig& rig, const std::vector<Recor
   channel.noise = noise_of(parts_.front(), 1);
   for (std::size_t i = 0; i < bins_.size(); ++i)
     rows_[i].sigma = std::hypot(noise_of(parts_[bins_[i].part], bins_[i].count),
-                                channel.floor * std::sqrt(floor_correlation_s / residual_bin_s));
+                                channel.floor * std::sqrt(std::max(1.0, floor_correlation_s / bin_s_)));
 }
 
 void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recording) {
@@ -75,6 +110,7 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
       {},
       {},
       {},
+      {},
       {}};
   // Held over the period: around a row the mean of its own force and the one before it.
   std::vector<double> middle(force.size());
@@ -85,20 +121,55 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
   part.drive_N = part.balance.kernel().apply(middle, 0);
   part.drive_rate_Nps = part.balance.kernel().apply(middle, 1);
   part.usable = part.balance.usable();
+  if (rig.has_pistons()) {
+    add_pressures(rig, recording, part);
+    leave_out_turns(part.balance.velocity_mps(), part.balance.kernel().reach(), part.usable);
+  }
   const std::vector<char> stops = part.balance.near_end_stop(rig.axis.cylinder.stroke_m);
   for (std::size_t i = 0; i < stops.size(); ++i) part.usable[i] = part.usable[i] && !stops[i];
   for (std::size_t i = 0; i < force.size(); ++i)
     part.time_s.push_back(time_s.front() + static_cast<double>(i) * period_s);
-  const auto bin = std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(residual_bin_s / period_s)));
+  bin_s_ = std::max(residual_bin_s, least_bin_periods * period_s);
+  const auto bin = static_cast<std::size_t>(std::llround(bin_s_ / period_s));
   for (std::size_t first = 0; first + bin <= force.size(); first += bin) {
     const auto from = part.usable.begin() + static_cast<std::ptrdiff_t>(first);
     if (std::any_of(from, from + static_cast<std::ptrdiff_t>(bin), [](char usable) { return !usable; })) continue;
     const std::size_t center = first + bin / 2;
     bins_.push_back({parts_.size(), first, bin});
     rows_.push_back({0, static_cast<int>(parts_.size()), part.time_s[center], part.balance.position_m()[center],
-                     part.balance.velocity_mps()[center], part.drive_N[center], 1.0, is_held_out(part.time_s[center])});
+                     part.balance.velocity_mps()[center], part.drive_N[center], 1.0,
+                     has_held_out_ ? recording.is_held_out : is_held_out(part.time_s[center])});
   }
   parts_.push_back(std::move(part));
+}
+
+void DrivenAxisResiduals::add_pressures(const Rig& rig, const Recording& recording, Part& part) const {
+  const std::array<double, 2> areas{rig.axis.cylinder.area_1_m2, rig.axis.cylinder.area_2_m2};
+  for (std::size_t side = 0; side < 2; ++side) {
+    if (areas[side] == 0) continue;
+    const std::string column = fmt::format("p{}_chamber_Pa", side + 1);
+    recording.require({column});
+    part.pressure_Pa[side] =
+        part.balance.kernel().apply(on_grid(recording.t_s(), recording.column(column), rig.period_s), 0);
+    for (std::size_t i = 0; i < part.usable.size(); ++i)
+      part.usable[i] = part.usable[i] && std::isfinite(part.pressure_Pa[side][i]);
+  }
+}
+
+/// Force of the measured pressures on the slider at sample i by this rig, and their gauge sum.
+std::pair<double, double> DrivenAxisResiduals::piston_force(const Part& part, const Rig& rig, std::size_t i) const {
+  const std::array<double, 2> areas{rig.axis.cylinder.area_1_m2, -rig.axis.cylinder.area_2_m2};
+  double force = 0, sum = 0;
+  for (std::size_t side = 0; side < 2; ++side) {
+    if (part.pressure_Pa[side].empty()) continue;
+    const SensorEffects<double>& sensor = rig.sensor_effects[chamber_sensor_1 + side];
+    const double gauge = (part.pressure_Pa[side][i] - sensor.sensor_offset.offset) / sensor.sensor_gain.gain -
+                         rig.axis.air.atmosphere_Pa;
+    if (!std::isfinite(gauge)) continue;  // not usable
+    force += areas[side] * gauge;
+    sum += std::max(gauge, 0.0);
+  }
+  return {force, sum};
 }
 
 std::pair<std::vector<double>, std::vector<double>> DrivenAxisResiduals::forces(const Part& part,
@@ -108,7 +179,17 @@ std::pair<std::vector<double>, std::vector<double>> DrivenAxisResiduals::forces(
   for (std::size_t i = 0; i < drive.size(); ++i)
     drive[i] = (drive[i] + sensor.sensor_lag.time_constant_s * part.drive_rate_Nps[i] - sensor.sensor_offset.offset) /
                sensor.sensor_gain.gain;
-  std::vector<double> needed = part.balance.required_force(rig, drive, {}, rest_noises * channels_.front().noise);
+  std::vector<double> pistons(drive.size(), 0.0), gauge_sum(rig.has_pistons() ? drive.size() : 0);
+  for (std::size_t i = 0; i < gauge_sum.size(); ++i) {
+    std::tie(pistons[i], gauge_sum[i]) = piston_force(part, rig, i);
+    drive[i] += pistons[i];
+  }
+  std::vector<double> needed =
+      part.balance.required_force(rig, drive, gauge_sum, rest_noises * channels_.front().noise);
+  for (std::size_t i = 0; i < drive.size(); ++i) {
+    drive[i] -= pistons[i];
+    needed[i] -= pistons[i];
+  }
   // Compared as the sensor reads: else a gain would shrink residuals against their noise.
   for (std::size_t i = 0; i < drive.size(); ++i) {
     drive[i] *= sensor.sensor_gain.gain;

@@ -1,5 +1,7 @@
 // Residuals of an axis whose drive force is known: the force balance alone.
 #pragma once
+#include <array>
+#include <utility>
 #include <vector>
 
 #include "diagnosis/force_balance.hpp"
@@ -11,6 +13,7 @@ namespace pneuservo {
 /// One channel, F. The drive force of a row acts until the next one: its course is continued in the middle of both.
 class DrivenAxisResiduals : public ResidualModel {
  public:
+  /// Where the rig has piston areas the pressures of their chambers act beside the drive force.
   /// The recordings hold t_s, x_m and F_N (or u_V, where the rig says its force per volt). Throws InputError.
   DrivenAxisResiduals(const Rig& rig, const std::vector<Recording>& recordings);
 
@@ -25,6 +28,7 @@ class DrivenAxisResiduals : public ResidualModel {
     ForceBalance balance;
     std::vector<double> time_s, drive_N, drive_rate_Nps;  ///< smoothed drive as recorded, and its rate
     std::vector<char> usable;
+    std::array<std::vector<double>, 2> pressure_Pa;  ///< of the chambers, smoothed; empty: no piston
   };
   struct Bin {
     std::size_t part, first, count;
@@ -32,11 +36,15 @@ class DrivenAxisResiduals : public ResidualModel {
   /// The drive force with its sensor's effects undone, and the force that the hypothesis needs.
   std::pair<std::vector<double>, std::vector<double>> forces(const Part& part, const Rig& rig) const;
   void add_recording(const Rig& rig, const Recording& recording);
+  void add_pressures(const Rig& rig, const Recording& recording, Part& part) const;
+  std::pair<double, double> piston_force(const Part& part, const Rig& rig, std::size_t i) const;
 
   std::vector<ResidualChannel> channels_;
   std::vector<ResidualRow> rows_;
   std::vector<Part> parts_;
   std::vector<Bin> bins_;
+  double bin_s_ = 0.01;
+  bool has_held_out_ = false;  ///< whole recordings are; else stretches of each
 };
 
 }  // namespace pneuservo

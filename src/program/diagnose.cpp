@@ -13,6 +13,7 @@
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "diagnosis/diagnose.hpp"
+#include "diagnosis/import.hpp"
 #include "diagnosis/result_json.hpp"
 #include "diagnosis/result_text.hpp"
 #include "loop/realtime_stop.hpp"
@@ -26,7 +27,7 @@ namespace {
 
 struct DiagnoseVerbOptions {
   std::string config, json, report, improved, next_experiment;
-  std::vector<std::string> recordings, sets;
+  std::vector<std::string> recordings, held_out, sets;
   int jobs = 0;
   bool quiet = false;
 };
@@ -74,10 +75,15 @@ int run_diagnose(const DiagnoseVerbOptions& options) {
   require_writable("--improved", options.improved);
   require_writable("--next-experiment", options.next_experiment);
   std::vector<Recording> recordings;
-  for (const std::string& path : options.recordings) {
-    recordings.push_back(read_recording(path));
-    compare_names(rig, recordings.back());
-  }
+  const auto add = [&](const std::string& path, bool is_held_out) {
+    for (Recording& run : read_recordings(path, rig.imported, rig.period_s)) {
+      compare_names(rig, run);
+      run.is_held_out = is_held_out;
+      recordings.push_back(std::move(run));
+    }
+  };
+  for (const std::string& path : options.recordings) add(path, false);
+  for (const std::string& path : options.held_out) add(path, true);
   const StopRequest stop_request;
   DiagnoseOptions settings;
   settings.jobs = options.jobs;
@@ -108,6 +114,8 @@ void add_diagnose(CLI::App& app, int& status) {
   CLI::App* verb = app.add_subcommand("diagnose", "where and why recordings of the machine differ from its config");
   verb->add_option("CONFIG", options->config, "rig as the owner believes it is, with tolerances")->required();
   verb->add_option("RECORDING", options->recordings, "recordings of the machine (.csv.gz)")->required();
+  verb->add_option("--held-out", options->held_out,
+                   "recordings kept from every fit, for the proof; the others are then fitted whole");
   verb->add_option("--json", options->json, "result as JSON; - for standard output");
   verb->add_option("--report", options->report, "self-contained HTML page with pictures");
   verb->add_option("--improved", options->improved, "config with what was found, for run and simulate");

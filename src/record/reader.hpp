@@ -14,6 +14,7 @@ struct Recording : CsvTable {
       std::numeric_limits<double>::quiet_NaN();  ///< > 0, or NaN if the header lacks it (gaps are not sought then)
 
   const std::vector<double>& t_s() const { return column("t_s"); }
+  bool is_held_out = false;  ///< as a whole: kept from every fit of a diagnosis
   /// Rows that gaps in time show to be missing, and how many of them the recorder marked as dropped by itself.
   std::size_t missing_rows = 0, dropped_rows = 0;
 };

@@ -157,14 +157,75 @@ std::string driven_picture(const Rig& rig, const std::vector<std::string>& senso
                   {485, 262});
   draw_slider(picture, rig, 550);
   picture.sensor("F", "drive force", {720, 202}, {720, 166}, "F");
+  if (rig.has_pistons()) {
+    picture.element(rig.axis.cylinder.area_1_m2 > 0 ? "chamber_1" : "chamber_2", "piston that a pressure pushes",
+                    box(640, 186, 40, 48) + text(660, 262, "piston", "small"), {660, 282});
+    picture.sensor("p1_chamber", "pressure in chamber 1", {650, 186}, {650, 150}, "p");
+    picture.sensor("p2_chamber", "pressure in chamber 2", {672, 186}, {690, 130}, "p");
+  }
   return picture.svg(400, 45, 680, 285, "The axis with the share of each element in the mismatch");
+}
+
+std::string vessel_picture(const Rig& rig, const std::vector<std::string>& sensors,
+                           const std::vector<PictureMark>& marks) {
+  Picture picture(marks, sensors);
+  picture.element("timing", "timing of the command",
+                  "<path d=\"M150 43H220V176\" class=\"signal\"/><path class=\"tip\" d=\"M220 180l-6 -12h12z\"/>",
+                  {220, 92});
+  picture.add(text(150, 100, "command", "small"));
+  picture.element("supply", "supply",
+                  "<path class=\"pipe\" d=\"M82 210H190\"/><circle cx=\"58\" cy=\"210\" r=\"26\"/>" +
+                      text(58, 262, "supply"),
+                  {58, 168});
+  picture.element("valve", "on/off valve", box(190, 180, 120, 60) + text(250, 215, "valve"), {250, 262});
+  const std::string words = rig.line ? line_words(1, *rig.line) : std::string("no line");
+  picture.element("line_1", words, "<path class=\"pipe\" d=\"M310 210H560\"/>", {435, 240});
+  picture.add(text(435, 190, words, "small"));
+  picture.element("chamber_1", "vessel",
+                  box(560, 150, 200, 120) + text(660, 206, "vessel") +
+                      text(660, 226, fmt::format("{:g} l", 1e3 * rig.vessel.volume_m3), "small"),
+                  {660, 132});
+  picture.sensor("p1_port", "pressure at the valve", {330, 210}, {330, 160}, "p");
+  picture.sensor("p1_chamber", "pressure in the vessel", {720, 150}, {720, 112}, "p");
+  return picture.svg(0, 30, 800, 270, "The vessel with the share of each element in the mismatch");
+}
+
+std::string switched_picture(const Rig& rig, const std::vector<std::string>& sensors,
+                             const std::vector<PictureMark>& marks) {
+  Picture picture(marks, sensors);
+  picture.element("timing", "timing of the command",
+                  "<path d=\"M150 43H220V176\" class=\"signal\"/><path class=\"tip\" d=\"M220 180l-6 -12h12z\"/>",
+                  {220, 92});
+  picture.add(text(150, 100, "command", "small"));
+  picture.element("supply", "supply",
+                  "<path class=\"pipe\" d=\"M82 210H190\"/><circle cx=\"58\" cy=\"210\" r=\"26\"/>" +
+                      text(58, 262, "supply"),
+                  {58, 168});
+  picture.element("valve", "on/off valve", valve_shapes() + text(342, 215, "valve"), {280, 160});
+  picture.add("<path class=\"pipe\" d=\"M250 180V100H610V160M250 240V340H790V260\"/>");
+  picture.element("throttle_1", "flow control valve of chamber 1",
+                  box(400, 80, 90, 40) + text(445, 105, "throttle 1", "small"), {445, 62});
+  picture.element("throttle_2", "flow control valve of chamber 2",
+                  box(400, 320, 90, 40) + text(445, 345, "throttle 2", "small"), {445, 302});
+  picture.element("chamber_1", "chamber 1", box(580, 160, 100, 100) + text(630, 215, "chamber 1", "small"), {630, 180});
+  picture.element("chamber_2", "chamber 2", box(700, 160, 120, 100) + text(760, 238, "chamber 2", "small"), {760, 180});
+  draw_slider(picture, rig, 700);
+  picture.element("piston", "piston between the chambers", box(680, 160, 20, 100), {690, 282});
+  picture.element("cushion_1", "cushion at the end of chamber 1", box(580, 160, 14, 100), {580, 145});
+  picture.element("cushion_2", "cushion at the end of chamber 2", box(806, 160, 14, 100), {820, 145});
+  return picture.svg(0, 0, 1080, 390, "The cylinder with the share of each element in the mismatch");
 }
 
 }  // namespace
 
 std::string rig_picture(const Rig& rig, const std::vector<std::string>& sensors,
                         const std::vector<PictureMark>& marks) {
-  return rig.is_pneumatic() ? pneumatic_picture(rig, sensors, marks) : driven_picture(rig, sensors, marks);
+  switch (rig.kind) {
+    case RigKind::driven_axis: return driven_picture(rig, sensors, marks);
+    case RigKind::vessel: return vessel_picture(rig, sensors, marks);
+    case RigKind::switched_cylinder: return switched_picture(rig, sensors, marks);
+    default: return pneumatic_picture(rig, sensors, marks);
+  }
 }
 
 }  // namespace pneuservo

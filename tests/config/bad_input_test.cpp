@@ -142,7 +142,8 @@ TEST_CASE("other formats, rigs and controllers are refused with the known ones")
   CHECK(refusal(with(plain, "pneuservo-rig/1", "pneuservo-rig/2")) ==
         "rig.yaml:1: format: found 'pneuservo-rig/2', expected pneuservo-rig/1");
   CHECK(refusal(with(plain, "rig: cylinder", "rig: gantry")) ==
-        "rig.yaml:3: rig: found 'gantry', expected one of cylinder, servo_table, driven_axis");
+        "rig.yaml:3: rig: found 'gantry', expected one of cylinder, servo_table, driven_axis, vessel, "
+        "switched_cylinder");
   CHECK(refusal(with(plain, "rig: cylinder", "rig: servo_table")) ==
         "rig.yaml:34: controller.kind: found pd_force, expected ppd2, the law of a servo_table");
   CHECK(refusal(with(plain, "kind: pd_force\n", "kind: lqr\n")) ==

@@ -8,6 +8,74 @@ from program import expect, run
 RECORDINGS = os.path.join(os.environ.get("PNEUSERVO_SHARED", "../shared"), "recordings")
 
 
+def diagnosis_of(config, folder, files, held_out=(), sets=()):
+    """Result for these files, or None with a word where one is absent."""
+    paths = [os.path.join(RECORDINGS, folder, name) for name in (*files, *held_out)]
+    absent = [path for path in paths if not os.path.exists(path)]
+    if absent:
+        print(f"left out: {absent[0]} is not there")
+        return None
+    command = ["diagnose", f"config/machines/{config}", *paths[: len(files)], "--quiet", "--json", "-"]
+    for path in paths[len(files):]:
+        command += ["--held-out", path]
+    for value in sets:
+        command += ["--set", value]
+    done = run(*command)
+    expect(done.returncode == 0, f"{config} {files}: status {done.returncode}: {done.stderr}")
+    return json.loads(done.stdout)
+
+
+def names_of(found):
+    return sorted(answer["effect"] for answer in found["answers"])
+
+
+def seals():
+    """Friction that rises with pressure; of the lip seal the effective area matters more."""
+    found = diagnosis_of("seal-friction-25mm.yaml", "seal_friction", ["kdn25_1bar.csv.gz", "kdn25_7bar.csv.gz"],
+                         held_out=["kdn25_3bar.csv.gz"])
+    if found:
+        expect(names_of(found) == ["coulomb_friction", "pressure_dependent_friction"], f"kdn25: {names_of(found)}")
+        held_out = found["fit"]["channels"]["F_N"]["held_out_after"]
+        expect(held_out <= 0.55, f"kdn25: {held_out} N are left on the held-out pressure")
+    found = diagnosis_of("seal-friction-25.7mm.yaml", "seal_friction",
+                         [f"xring257_{bar}bar.csv.gz" for bar in (1, 3, 7)])
+    if found:
+        expect("pressure_dependent_friction" in names_of(found), f"xring257: {names_of(found)}")
+        held_out = found["fit"]["channels"]["F_N"]["held_out_after"]
+        expect(held_out <= 2.0, f"xring257: {held_out} N are left on held-out stretches")
+
+
+def tank():
+    """Neither isothermal nor adiabatic: heat of the wall, and an orifice larger than a coefficient of 0.6 says."""
+    found = diagnosis_of("tank-discharge.yaml", "tank_discharge", ["tank_orifice_0p067in.csv.gz"])
+    if not found:
+        return
+    expect(names_of(found) == ["parameter:valve.exhaust_area_m2", "wall_heat_exchange"], f"tank: {names_of(found)}")
+    held_out = found["fit"]["channels"]["p1_chamber_Pa"]["held_out_after"]
+    expect(held_out <= 2400, f"tank: {held_out} Pa are left on the last third")
+
+
+def strokes():
+    """The throttle through which the air leaves; changed dampers are not named."""
+    for name, throttle in (("valve1_0", "throttle_2"), ("valve2_2", "throttle_1")):
+        found = diagnosis_of("cylinder-strokes.yaml", "cylinder_strokes", [f"cylinder_{name}.csv.gz"])
+        if found:
+            named = names_of(found)
+            expect(named == [f"parameter:{throttle}.outflow_area_m2"], f"{name}: {named}")
+    for name in ("healthy_2", "damp_bot_5", "damp_bot_7", "damp_up_2"):
+        found = diagnosis_of("cylinder-strokes.yaml", "cylinder_strokes", [f"cylinder_{name}.csv.gz"])
+        if found:
+            named = [effect for effect in names_of(found) if effect != "unknown"]
+            expect(not named, f"{name}: {named} is named")
+
+
+def chambers():
+    """The aluminium chamber cools and does not leak."""
+    found = diagnosis_of("air-chamber.yaml", "air_chamber", ["chamber_aluminium.csv.gz"])
+    if found:
+        expect(names_of(found) == ["charging_heat"], f"aluminium chamber: {names_of(found)}")
+
+
 def emps():
     """Coulomb friction and a viscous one that differs by direction; held out, 1.63 N are known to be reachable."""
     recording = os.path.join(RECORDINGS, "emps", "emps_base.csv.gz")
@@ -31,3 +99,7 @@ def emps():
 
 
 emps()
+seals()
+tank()
+strokes()
+chambers()

@@ -19,6 +19,8 @@ enum class EffectScale {
   inverse_valve_area,  ///< of 1/area^2: 1 over the square of the valve's largest area
   top_speed,
   half_stroke,
+  wall_heat,           ///< W/K that brings a vessel's gas to its wall's temperature within 10 s
+  laminar_conductance, ///< kg/(s Pa2) that passes at supply pressure what the valve's largest area does
   channel_offset,      ///< supply pressure, stroke or force, by the sensor's channel
   channel_gain,        ///< 0.6 for pressures, 1 for others
 };
@@ -51,6 +53,8 @@ inline constexpr std::array<double, 3> spring_rest{-0.5, 0, 0.5};
 inline constexpr std::array<double, 3> leak_position{0, 0.5, 1};
 inline constexpr std::array<double, 3> droop_area{0.1, 0.3, 1};
 inline constexpr std::array<double, 3> droop_volume{2e-4, 1e-3, 5e-3};
+inline constexpr std::array<double, 4> charging_time{3, 10, 30, 100};
+inline constexpr std::array<double, 3> porous_orifice{0.02, 0.06, 0.2};
 }  // namespace effect_grids
 
 }  // namespace pneuservo

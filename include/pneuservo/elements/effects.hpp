@@ -332,6 +332,15 @@ template <class S> struct AxisEffects {
   template <class V, class... P> static void visit_without_air(V&& v, P&... p) {
     MotionEffects<S>::visit_without_air(v, p.motion...);
   }
+  /// Those of a cylinder with an on/off valve.
+  template <class V, class... P> static void visit_switched(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    MotionEffects<S>::visit(v, p.motion...);
+    v(Field{"command_delay", "", 0, 0, "dead time of the command", optional}, p.valve.command_delay...);
+    v(Field{"chamber_leak_1", "", 0, 0, "leak of chamber 1 to atmosphere", optional}, p.chamber_leak_1...);
+    v(Field{"chamber_leak_2", "", 0, 0, "leak of chamber 2 to atmosphere", optional}, p.chamber_leak_2...);
+    v(Field{"piston_leak", "", 0, 0, "leak between the chambers", optional}, p.piston_leak...);
+  }
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     MotionEffects<S>::visit(v, p.motion...);

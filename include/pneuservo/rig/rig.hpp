@@ -9,8 +9,10 @@
 
 #include <pneuservo/control/parameters.hpp>
 #include <pneuservo/control/reference.hpp>
+#include <pneuservo/elements/vessel_effects.hpp>
 #include <pneuservo/rig/axis.hpp>
 #include <pneuservo/rig/hal_parameters.hpp>
+#include <pneuservo/rig/switched_parameters.hpp>
 
 namespace pneuservo {
 
@@ -144,9 +146,12 @@ struct DriveParameters {
   }
 };
 
-/// A cylinder with a five-port valve, a table with two three-port valves, or an axis whose drive force is known.
-enum class RigKind { cylinder, servo_table, driven_axis };
-inline constexpr std::array<std::string_view, 3> rig_kind_names{"cylinder", "servo_table", "driven_axis"};
+/// A cylinder with a five-port valve, a table with two three-port valves, an axis whose drive force is known; and two
+/// that are recorded and diagnosed, not run: a vessel behind an on/off valve, a cylinder that an on/off valve sends
+/// from end to end.
+enum class RigKind { cylinder, servo_table, driven_axis, vessel, switched_cylinder };
+inline constexpr std::array<std::string_view, 5> rig_kind_names{"cylinder", "servo_table", "driven_axis", "vessel",
+                                                                "switched_cylinder"};
 inline constexpr std::array<std::string_view, 1> rig_format_names{"pneuservo-rig/1"};
 
 /// The six measured channels of a pneumatic axis, in the order of the recording's columns without their unit.
@@ -167,6 +172,15 @@ struct Rig {
   SensorsParameters sensors;
   ControllerParameters controller;
   DriveParameters drive;  ///< of a driven axis
+  VesselParameters vessel;
+  OnOffValveParameters on_off_valve;           ///< of a vessel
+  std::optional<LineParameters<double>> line;  ///< between on/off valve and vessel
+  VesselEffects<double> vessel_effects;
+  ThrottleParameters throttle_1, throttle_2;  ///< of a switched cylinder
+  CushionParameters cushion_1, cushion_2;
+  double cylinder_critical_ratio = 0.35;  ///< b of its valve and throttles
+  ProgramParameters program;
+  ModelErrorParameters model_error;
   ReferenceSpec reference;
   double duration_s = 0.0;
   std::optional<EvaluationParameters> evaluation;
@@ -180,13 +194,27 @@ struct Rig {
   SafeOutputParameters safe_output;
   std::map<std::string, double> zeros;  ///< added to what a device gives, by channel name, in its SI unit
   std::optional<HalParameters> hal;
+  std::optional<ImportParameters> imported;  ///< how recordings of a foreign format are read
 
-  /// Whether it has valves, lines and chambers.
-  bool is_pneumatic() const noexcept { return kind != RigKind::driven_axis; }
+  /// Whether it is a pneumatic servo axis: proportional valve, lines and chambers.
+  bool is_pneumatic() const noexcept { return kind == RigKind::cylinder || kind == RigKind::servo_table; }
+  /// Whether a controller moves it along a reference.
+  bool has_controller() const noexcept { return is_pneumatic() || kind == RigKind::driven_axis; }
+  /// Whether pressures act on its slider.
+  bool has_pistons() const noexcept {
+    return kind != RigKind::vessel && (axis.cylinder.area_1_m2 > 0.0 || axis.cylinder.area_2_m2 > 0.0);
+  }
   /// Whether it has the channel of sensor_names[index].
   bool has_sensor(std::size_t index) const noexcept {
-    const bool is_force = index + 1 == sensor_names.size();
-    return index == 0 || is_force != is_pneumatic();
+    constexpr std::size_t x = 0, p1_port = 1, p1_chamber = 3, p2_chamber = 4, force = 6;
+    switch (kind) {
+      case RigKind::driven_axis:
+        return index == x || index == force || (index == p1_chamber && axis.cylinder.area_1_m2 > 0.0) ||
+               (index == p2_chamber && axis.cylinder.area_2_m2 > 0.0);
+      case RigKind::vessel: return index == p1_chamber || (index == p1_port && line.has_value());
+      case RigKind::switched_cylinder: return index == x;
+      default: return index != force;
+    }
   }
 
   /// The keys of a config in their order; sections follow the kind of rig. The keys of a reference depend on its kind
@@ -194,9 +222,14 @@ struct Rig {
   template <class V, class First, class... Rest> static void visit(V&& v, First& first, Rest&... rest) {
     visit_head(v, first, rest...);
     if (first.is_pneumatic()) visit_pneumatic(v, first, rest...);
+    else if (first.kind == RigKind::vessel) visit_vessel(v, first, rest...);
+    else if (first.kind == RigKind::switched_cylinder) visit_switched_cylinder(v, first, rest...);
     else visit_driven(v, first, rest...);
-    visit_run(v, first, rest...);
+    if (first.has_controller()) visit_run(v, first, rest...);
+    else visit_recorded(v, first, rest...);
     if (first.is_pneumatic()) visit_plant(v, first, rest...);
+    const auto optional = Presence::optional;
+    v(Field{"import", "", 0, 0, "recordings of a foreign format", optional}, first.imported, rest.imported...);
   }
 
  private:
@@ -209,11 +242,48 @@ struct Rig {
       DriveParameters::visit(v, p.rig.drive...);
     }
   };
+  template <class R> struct DrivenCylinder {
+    R& rig;
+    template <class V, class... P> static void visit(V&& v, P&... p) {
+      constexpr auto optional = Presence::optional;
+      v(Field{"area_1_m2", "m2", 0, 1, "effective piston area that p1_chamber_Pa pushes to positive x", optional},
+        p.rig.axis.cylinder.area_1_m2...);
+      v(Field{"area_2_m2", "m2", 0, 1, "effective piston area that p2_chamber_Pa pushes to negative x", optional},
+        p.rig.axis.cylinder.area_2_m2...);
+    }
+  };
   template <class R> struct DrivenSensors {
     R& rig;
     template <class V, class... P> static void visit(V&& v, P&... p) {
       v(Field{"position", "", 0, 0, "encoder"}, p.rig.sensors.position...);
       v(Field{"force", "", 0, 0, "drive force, measured or commanded"}, p.rig.sensors.force...);
+      v(Field{"chamber_pressure", "", 0, 0, "where pressures act on the slider", Presence::optional},
+        p.rig.sensors.chamber_pressure...);
+    }
+  };
+  template <class R> struct VesselSensors {
+    R& rig;
+    template <class V, class... P> static void visit(V&& v, P&... p) {
+      v(Field{"pressure", "", 0, 0, "in the vessel, and at the valve's port"}, p.rig.sensors.chamber_pressure...);
+    }
+  };
+  template <class R> struct StrokeSensors {
+    R& rig;
+    template <class V, class... P> static void visit(V&& v, P&... p) {
+      v(Field{"position", "", 0, 0, "encoder"}, p.rig.sensors.position...);
+    }
+  };
+  template <class R> struct VesselSupply {
+    R& rig;
+    template <class V, class... P> static void visit(V&& v, P&... p) {
+      v(Field{"pressure_Pa", "Pa", 0, 2e6, "supply pressure, absolute, where a recording has no p_supply_Pa"},
+        p.rig.axis.supply.pressure_Pa...);
+    }
+  };
+  template <class R> struct StrokeValve {
+    R& rig;
+    template <class V, class... P> static void visit(V&& v, P&... p) {
+      v(Field{"critical_pressure_ratio", "-", 0.05, 0.9, "b of valve and throttles"}, p.rig.cylinder_critical_ratio...);
     }
   };
   template <class R> struct DrivenController {
@@ -246,11 +316,50 @@ struct Rig {
   template <class V, class... P> static void visit_driven(V& v, P&... p) {
     const auto section = [&v](const Field& field, auto... views) { v(field, views...); };
     section(Field{"slider", "", 0, 0, "moving mass and its drive"}, DrivenSlider<P>{p}...);
+    section(Field{"cylinder", "", 0, 0, "pistons that measured pressures push", Presence::optional},
+            DrivenCylinder<P>{p}...);
     v(Field{"effects", "", 0, 0, "physics beside the nominal model, by name", Presence::optional}, p.axis.effects...);
     section(Field{"sensors", "", 0, 0, "resolution and noise of the sensors"}, DrivenSensors<P>{p}...);
     section(Field{"controller", "", 0, 0, "control law and its gains"}, DrivenController<P>{p}...);
     section(Field{"initial", "", 0, 0, "state at the start of a simulation", Presence::optional},
             DrivenInitial<P>{p}...);
+  }
+  template <class V, class... P> static void visit_vessel(V& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    const auto section = [&v](const Field& field, auto... views) { v(field, views...); };
+    v(Field{"air", "", 0, 0, "gas and surroundings", optional}, p.axis.air...);
+    section(Field{"supply", "", 0, 0, "pressure supply", optional}, VesselSupply<P>{p}...);
+    v(Field{"valve", "", 0, 0, "on/off valve: command 1 to supply, -1 to exhaust, 0 closed", optional},
+      p.on_off_valve...);
+    v(Field{"line", "", 0, 0, "pipeline from valve to vessel", optional}, p.line...);
+    v(Field{"vessel", "", 0, 0, "rigid volume"}, p.vessel...);
+    v(Field{"effects", "", 0, 0, "physics beside the nominal model, by name", optional}, p.vessel_effects...);
+    section(Field{"sensors", "", 0, 0, "resolution and noise of the sensors"}, VesselSensors<P>{p}...);
+  }
+  template <class V, class... P> static void visit_switched_cylinder(V& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    const auto section = [&v](const Field& field, auto... views) { v(field, views...); };
+    v(Field{"air", "", 0, 0, "gas and surroundings", optional}, p.axis.air...);
+    v(Field{"supply", "", 0, 0, "pressure supply"}, p.axis.supply...);
+    section(Field{"valve", "", 0, 0, "on/off five-port valve: command 1 fills chamber 1, -1 chamber 2"},
+            StrokeValve<P>{p}...);
+    v(Field{"throttle_1", "", 0, 0, "flow control valve of chamber 1"}, p.throttle_1...);
+    v(Field{"throttle_2", "", 0, 0, "flow control valve of chamber 2"}, p.throttle_2...);
+    v(Field{"cylinder", "", 0, 0, "double-acting cylinder"}, p.axis.cylinder...);
+    v(Field{"cushion_1", "", 0, 0, "end cushioning at chamber 1's end", optional}, p.cushion_1...);
+    v(Field{"cushion_2", "", 0, 0, "end cushioning at chamber 2's end", optional}, p.cushion_2...);
+    v(Field{"slider", "", 0, 0, "moving mass"}, p.axis.slider...);
+    v(Field{"effects", "", 0, 0, "physics beside the nominal model, by name", optional}, p.axis.effects...);
+    section(Field{"sensors", "", 0, 0, "resolution and noise of the sensors"}, StrokeSensors<P>{p}...);
+  }
+  /// Of rigs that are recorded, not run.
+  template <class V, class... P> static void visit_recorded(V& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    v(Field{"program", "", 0, 0, "command where a recording has no column u_V", optional}, p.program...);
+    v(Field{"model_error", "", 0, 0, "by how much the model of a healthy machine is known to miss", optional},
+      p.model_error...);
+    v(Field{"tolerances", "", 0, 10, "one standard deviation, relative, of what the owner knows, by path", optional},
+      p.tolerances...);
   }
   template <class V, class... P> static void visit_run(V& v, P&... p) {
     constexpr auto optional = Presence::optional;
@@ -294,8 +403,15 @@ inline std::array<double, 2> safe_commands_V(const Rig& rig) noexcept {
 /// Visits the effects that this kind of rig can have, one struct each; those of the sensors stand apart.
 template <class RigType, class V> void visit_effects(RigType& rig, const V& v) {
   using Effects = AxisEffects<double>;
-  if (rig.is_pneumatic()) Effects::visit(v, rig.axis.effects);
-  else Effects::visit_without_air(v, rig.axis.effects);
+  switch (rig.kind) {
+    case RigKind::driven_axis:
+      if (rig.has_pistons()) MotionEffects<double>::visit(v, rig.axis.effects.motion);
+      else Effects::visit_without_air(v, rig.axis.effects);
+      break;
+    case RigKind::vessel: VesselEffects<double>::visit(v, rig.vessel_effects); break;
+    case RigKind::switched_cylinder: Effects::visit_switched(v, rig.axis.effects); break;
+    default: Effects::visit(v, rig.axis.effects);
+  }
 }
 
 }  // namespace pneuservo

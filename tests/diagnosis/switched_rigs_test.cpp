@@ -1,0 +1,148 @@
+// Vessels and switched cylinders against closed forms, and their diagnosis on recordings of their own making.
+#include <cmath>
+#include <random>
+
+#include <catch2/catch.hpp>
+
+#include <pneuservo/elements/air.hpp>
+
+#include "config/read_rig.hpp"
+#include "config/rig_parameters.hpp"
+#include "diagnosis/diagnose.hpp"
+#include "diagnosis/stroke_residuals.hpp"
+#include "diagnosis/vessel_residuals.hpp"
+
+using namespace pneuservo;
+
+namespace {
+
+constexpr const char* tank = R"(format: pneuservo-rig/1
+name: tank
+rig: vessel
+period_s: 0.5
+valve: {exhaust_area_m2: 2.0e-6}
+vessel: {volume_m3: 0.1}
+sensors: {pressure: {quantum_Pa: 10.0, noise_Pa: 200.0}}
+program: {times_s: [0.0], commands: [-1.0]}
+)";
+
+constexpr const char* lift = R"(format: pneuservo-rig/1
+name: lift
+rig: switched_cylinder
+period_s: 0.001
+supply: {pressure_Pa: 600000}
+valve: {critical_pressure_ratio: 0.36}
+throttle_1: {inflow_area_m2: 4.0e-6, outflow_area_m2: 5.0e-7}
+throttle_2: {inflow_area_m2: 4.0e-6, outflow_area_m2: 5.0e-7}
+cylinder: {stroke_m: 0.2, area_1_m2: 3.1e-4, area_2_m2: 2.6e-4, dead_volume_1_m3: 4.0e-6, dead_volume_2_m3: 4.0e-6, wall_heat_W_per_m2K: 100000}
+slider: {mass_kg: 2.0, viscous_friction_Ns_per_m: 5.0}
+sensors: {position: {quantum_m: 1.0e-5}}
+program: {times_s: [0.0, 0.2, 3.0], commands: [-1.0, 1.0, -1.0]}
+model_error: {position_m: 2.0e-4}
+tolerances: {throttle_1.inflow_area_m2: 0.05, throttle_1.outflow_area_m2: 0.05, throttle_2.inflow_area_m2: 0.05, throttle_2.outflow_area_m2: 0.05}
+)";
+
+Recording recording_of(std::vector<std::string> names, std::vector<std::vector<double>> values) {
+  Recording out;
+  out.path = "made here";
+  out.names = std::move(names);
+  out.values = std::move(values);
+  out.line_numbers.resize(out.values.front().size());
+  return out;
+}
+
+std::vector<double> times(double period_s, std::size_t count) {
+  std::vector<double> out;
+  for (std::size_t k = 0; k < count; ++k) out.push_back(period_s * static_cast<double>(k));
+  return out;
+}
+
+/// What the rig's own simulation reads at these times, with white noise.
+std::vector<double> simulated(ResidualModel& model, const Rig& rig, double noise, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> white(0.0, noise);
+  std::vector<double> out = model.courses({rig, {}}).front().simulated;
+  for (double& value : out) value += white(generator);
+  return out;
+}
+
+Recording tank_recording(const Rig& rig, unsigned seed) {
+  const std::vector<double> t = times(0.5, 400);
+  VesselResiduals model(rig, {recording_of({"t_s", "p1_chamber_Pa"}, {t, std::vector<double>(t.size(), 5e5)})}, 1);
+  return recording_of({"t_s", "p1_chamber_Pa"}, {t, simulated(model, rig, 200.0, seed)});
+}
+
+Recording lift_recording(const Rig& rig, unsigned seed) {
+  const std::vector<double> t = times(0.001, 5000);
+  StrokeResiduals model(rig, {recording_of({"t_s", "x_m"}, {t, std::vector<double>(t.size(), -0.1)})}, 1);
+  return recording_of({"t_s", "x_m"}, {t, simulated(model, rig, 1e-5, seed)});
+}
+
+}  // namespace
+
+TEST_CASE("an isothermal tank empties through a choked orifice by its exponential") {
+  const Rig rig =
+      parse_rig(std::string(tank) + "effects: {wall_heat_exchange: {conductance_W_per_K: 900000}}\n", "tank");
+  const Recording recording = tank_recording(rig, 1);
+  VesselResiduals model(rig, {recording}, 1);
+  const ResidualCourse course = model.courses({rig, {}}).front();
+  const Air<double> air(rig.axis.air);
+  const double tau = 0.1 / (2.0e-6 * air.flow_constant * std::sqrt(air.R * air.temperature_K));
+  for (std::size_t k = 0; k < course.time_s.size() && course.simulated[k] > 2.0 * air.atmosphere_Pa; k += 20)
+    CHECK(course.simulated[k] == Approx(course.simulated[0] * std::exp(-course.time_s[k] / tau)).epsilon(2e-3));
+}
+
+TEST_CASE("a laminar and an orifice resistance in series pass less than either and tend to the narrower one") {
+  VesselEffects<double> effects;
+  const Air<double> air;
+  const double p = 7e5, T = 293, K = 1e-16, area = 2e-8, b = 0.528;
+  effects.laminar_leak_1.conductance_kgps_per_Pa2 = K;
+  const double laminar = vessel_leak_flow(effects, air, b, p, T);
+  effects = {};
+  effects.chamber_leak_1.area_m2 = area;
+  const double orifice = vessel_leak_flow(effects, air, b, p, T);
+  effects = {};
+  effects.porous_leak_1 = {K, area};
+  const double both = vessel_leak_flow(effects, air, b, p, T);
+  CHECK(both < std::min(laminar, orifice));
+  CHECK(both > 0.5 * std::min(laminar, orifice));
+  effects.porous_leak_1 = {K, 1e-3};
+  CHECK(vessel_leak_flow(effects, air, b, p, T) == Approx(laminar).epsilon(1e-3));
+  effects.porous_leak_1 = {1e-10, area};
+  CHECK(vessel_leak_flow(effects, air, b, p, T) == Approx(orifice).epsilon(1e-3));
+}
+
+TEST_CASE("a tank's wall heat and a wrong orifice come out of its blow-down") {
+  const Rig owner = parse_rig(tank, "tank");
+  Rig machine = owner;
+  set_parameter(machine, "effects.wall_heat_exchange.conductance_W_per_K", 8.0);
+  const Diagnosis found = diagnose(owner, {tank_recording(machine, 5)});
+  REQUIRE(found.answers.size() == 1);
+  CHECK(found.answers[0].effect == "wall_heat_exchange");
+  CHECK(found.answers[0].parameters[0].value == Approx(8.0).epsilon(0.05));
+}
+
+TEST_CASE("metered out, a stroke has the speed at which the exhaust throttle passes what the piston sweeps") {
+  const Rig rig = parse_rig(lift, "lift");
+  const Recording recording = lift_recording(rig, 1);
+  const Air<double> air(rig.axis.air);
+  // Isothermal and choked: A v p / (R T) = K_f S p / sqrt(R T).
+  const double speed = air.flow_constant * 5.0e-7 * std::sqrt(air.R * air.temperature_K) / 2.6e-4;
+  const std::vector<double>&t = recording.t_s(), &x = recording.column("x_m");
+  std::size_t from = 0, to = 0;
+  while (x[from] < 0.0) ++from;
+  for (to = from; x[to] < 0.05;) ++to;
+  CHECK((x[to] - x[from]) / (t[to] - t[from]) == Approx(speed).epsilon(0.03));
+}
+
+TEST_CASE("an exhaust throttle that was opened is named, and a healthy cylinder is not") {
+  const Rig owner = parse_rig(lift, "lift");
+  Rig machine = owner;
+  set_parameter(machine, "throttle_2.outflow_area_m2", 8.0e-7);
+  const Diagnosis found = diagnose(owner, {lift_recording(machine, 3)});
+  REQUIRE(found.answers.size() == 1);
+  CHECK(found.verdict == Verdict::parameter_error);
+  CHECK(found.answers[0].effect == "parameter:throttle_2.outflow_area_m2");
+  CHECK(found.answers[0].parameters[0].value == Approx(8.0e-7).epsilon(0.03));
+  CHECK(diagnose(owner, {lift_recording(owner, 4)}).verdict == Verdict::consistent);
+}

@@ -302,7 +302,7 @@ std::vector<FreeParameter> nuisances(const Rig& rig, std::size_t start_factor_co
 std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels) {
   std::vector<FreeParameter> out;
   const std::vector<ParameterPath> known = parameter_paths(rig);
-  const auto add = [&](const std::string& path, double spread) {
+  const auto add = [&](const std::string& path, double spread, double step = 0.05) {
     if (!has_parameter(rig, path) || rig.tolerances.count(path) > 0) return;
     FreeParameter free;
     free.path = path;
@@ -310,15 +310,20 @@ std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<Resid
     free.spread = spread;
     free.lower = -tolerance_cut;
     free.upper = tolerance_cut;
-    free.step = 0.05;
+    free.step = step;
     keep_in_range(free, known);
     free.lower = std::min(free.lower, 0.0);
     out.push_back(free);
   };
   if (!rig.is_pneumatic()) return out;
-  constexpr double overlap_V = 0.02, edge_share = 0.02, delay_s = 3e-4, zero_Pa = 200;
-  add("effects.valve_dead_band.width_V", overlap_V);
-  add("effects.valve_neutral_leak.area_m2", 0.5 * overlap_V * rig.axis.valve.area_per_volt_m2_per_V);  // underlap
+  constexpr double overlap_V = 0.02, overlap_step = 0.2;  // a step of 4 mV: more than the command dithers at rest
+  constexpr double edge_share = 0.02, delay_s = 3e-4, zero_Pa = 200;
+  const std::size_t before = out.size();
+  add("effects.valve_dead_band.width_V", overlap_V, overlap_step);
+  if (out.size() > before) {  // overlap or underlap: the law of the edges is one, whatever the sign
+    out.back().signed_overlap = true;
+    out.back().lower = -tolerance_cut;
+  }
   add("effects.valve_asymmetry.exhaust_ratio", edge_share);
   add("effects.command_delay.delay_s", delay_s);
   for (const ResidualChannel& channel : channels)

@@ -28,6 +28,11 @@ constexpr double answer_share = 0.1, slowest_answer_s = 2e-3;
 constexpr double rest_noises = 2.0;
 constexpr double noise_margin = 1.15;  // a recording this much noisier than its config is believed
 
+// Memories that a slow error may have. Faults of flow add up in the gas and stay; a force is at once what it is, and its
+// small faults change as fast as the motion does: a constant one is a load, not a floor.
+constexpr std::array slow_memories_s{0.03, 0.1, 0.3, 1.0, 3.0};
+constexpr double force_memory_s = 0.1;
+
 double with_quantum(double noise, double quantum) { return std::hypot(noise, quantum / std::sqrt(12.0)); }
 
 /// What the sensor would read of true values.
@@ -307,7 +312,7 @@ std::vector<double> CylinderResiduals::take_slow_error(const Hypothesis& hypothe
   std::vector<double> best(channels_.size(), -std::numeric_limits<double>::infinity());
   std::vector<SlowError> chosen(channels_.size());
   // The likeliest of a grid: memories from the force's to the gas', levels in steps of 1.4.
-  for (const double memory_s : {0.1, 0.3, 1.0, 3.0})
+  for (const double memory_s : slow_memories_s)
     for (double level = 0.0; level < 300.0; level = level == 0.0 ? 0.25 : 1.4 * level) {
       std::vector<double> likelihood(channels_.size(), 0.0);
       for (const Stretch& stretch : stretches_) {
@@ -317,7 +322,7 @@ std::vector<double> CylinderResiduals::take_slow_error(const Hypothesis& hypothe
         for (const double row : rows) likelihood[stretch.channel] -= 0.5 * row * row;
       }
       for (std::size_t c = 0; c < channels_.size(); ++c)
-        if (likelihood[c] > best[c]) {
+        if (likelihood[c] > best[c] && (gas_channel_[c] >= 0 || memory_s <= force_memory_s)) {
           best[c] = likelihood[c];
           chosen[c] = {memory_s, level};
         }

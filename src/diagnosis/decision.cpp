@@ -67,6 +67,9 @@ bool is_simpler_law(const Explanation& explanation, const Candidate& candidate) 
   if (candidate.name == "direction_dependent_friction")
     return std::abs(value("forward_N") - value("backward_N")) <
            law_share * 0.5 * (value("forward_N") + value("backward_N"));
+  if (candidate.name == "direction_dependent_viscous_friction")
+    return std::abs(value("forward_Ns_per_m") - value("backward_Ns_per_m")) <
+           law_share * 0.5 * (value("forward_Ns_per_m") + value("backward_Ns_per_m"));
   return false;
 }
 
@@ -191,6 +194,21 @@ bool ModelLevels::is_everywhere(const std::vector<ResidualChannel>& names, doubl
 
 namespace {
 
+/// Whether what is left of the force is mostly one sine; it then is the line of the decision's levels and in its reason.
+bool find_periodic_force(const ResidualModel& model, const DecisionRules& rules, Decision& decision) {
+  for (std::size_t c = 0; c < model.channels().size(); ++c) {
+    if (model.channels()[c].name != "F" || decision.levels.channels[c].fitted <= rules.floor_level) continue;
+    const std::optional<SpectralLine> line =
+        line_in_motion(model.rows(), decision.levels.residual, static_cast<int>(c));
+    if (!line || line->ratio < rules.periodic_share) continue;
+    decision.levels.line = line;
+    decision.reason += fmt::format("; a periodic force of {:.2g} N at {:.2f} Hz takes {:.0f} % of what is left of F",
+                                   line->amplitude, line->frequency_Hz, 100 * line->ratio);
+    return true;
+  }
+  return false;
+}
+
 /// The best explanation of each number of members, as long as one more brings enough.
 Decision chosen_chain(ResidualModel& model, const Search& search, const DecisionRules& rules, double second_share) {
   Decision decision;
@@ -282,9 +300,11 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
     const double was = std::pow(before.channels[c].fitted, 2), is = std::pow(decision.levels.channels[c].fitted, 2);
     if (was > 1) most = std::max(most, 1 - is / was);
   }
-  if (decision.chosen->members.empty() || most < rules.named_share ||
-      has_absurd_parameter(*decision.chosen, search, rules))
-    decision.verdict = Verdict::unknown;
+  const bool is_periodic = find_periodic_force(model, rules, decision);
+  const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
+                        search.owner_level() >= rules.refuted_level && most >= rules.named_share &&
+                        !has_absurd_parameter(*decision.chosen, search, rules);
+  if (is_periodic || !is_named) decision.verdict = Verdict::unknown;
   return decision;
 }
 

@@ -104,7 +104,9 @@ void add_unknown(ResidualModel& model, const Decision& decision, const Search& s
       std::vector<double> z = start;
       for (std::size_t p = 0; p < z.size(); ++p)
         if (candidate.amplitude[p])
-          z[p] = candidate.parameters[p].z(get_parameter(here.rig, candidate.parameters[p].path)) + 0.05;
+          z[p] = std::clamp(candidate.parameters[p].z(get_parameter(here.rig, candidate.parameters[p].path)),
+                            candidate.parameters[p].lower, candidate.parameters[p].upper) +
+                 0.05;
       hypotheses.push_back(with_parameters(here, candidate.parameters, z));
       elements.push_back(candidate.element);
     }
@@ -153,7 +155,18 @@ void add_candidates(const Decision& decision, const Search& search, Diagnosis& o
   }
 }
 
-void add_fit(ResidualModel& model, const Search& search, const Decision& decision, Diagnosis& out) {
+/// Share of the squared mismatch above the sensors' floors that the chosen names take, the grown floor left aside.
+double plainly_explained(ResidualModel& model, const Search& search, const Decision& decision,
+                         const DecisionRules& rules) {
+  const ModelLevels owner = model_levels(model, search.owner().fit.hypothesis(), rules);
+  double rows = 0;
+  for (const ChannelLevel& c : owner.channels) rows += static_cast<double>(c.fitted_rows);
+  const double all = above_floor(owner.chi2(false), rows), left = above_floor(decision.levels.chi2(false), rows);
+  return all > 0 ? std::max(0.0, 1 - left / all) : 0;
+}
+
+void add_fit(ResidualModel& model, const Search& search, const Decision& decision, const DecisionRules& rules,
+             Diagnosis& out) {
   const std::vector<ResidualChannel>& channels = model.channels();
   const Hypothesis before = search.as_configured().hypothesis(), after = decision.chosen->fit.hypothesis();
   const std::vector<ChannelMisfit> misfit_before = model.sample_misfit(before),
@@ -188,6 +201,7 @@ void add_fit(ResidualModel& model, const Search& search, const Decision& decisio
   const double floor = std::min(decision.chosen->fit.chi2(), static_cast<double>(decision.levels.residual.size()));
   const double total = above_floor(search.owner().fit.chi2(), floor);
   out.explained_share = total > 0 ? 1 - above_floor(decision.chosen->fit.chi2(), floor) / total : 0;
+  if (decision.beside_remainder) out.explained_share = plainly_explained(model, search, decision, rules);
 }
 
 /// Size at which a candidate would gain what an alarm needs, nine times in ten.
@@ -328,11 +342,14 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   std::optional<Search> beside;
   if (decision.verdict == Verdict::unknown && !out.stopped &&
       decision.levels.is_everywhere(model.channels(), options.rules.floor_level)) {
-    const std::vector<double> levels = model.take_slow_error(decision.chosen->fit.hypothesis());
     SearchSettings settings = options.search;
     settings.small_physics = small_physics(rig, model.channels());
+    settings.grow_floor = true;
+    settings.most_effects = 1;
     beside.emplace(rows, rig, first_search.candidates(), settings, options.progress);
     run_search(*beside, out);
+    const Explanation* best = beside->best_of(1);
+    const std::vector<double> levels = model.take_slow_error((best ? *best : beside->owner()).fit.hypothesis());
     model.drop_slow_error();
     for (std::size_t c = 0; c < levels.size(); ++c)
       if (levels[c] > 0)
@@ -347,14 +364,23 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   else if (decision.verdict != Verdict::consistent) {
     add_answers(decision, search, options.rules, out);
     add_element_shares(decision, search, out);
-    if (decision.beside_remainder) out.answers.front().note = "beside a remainder: " + decision.reason;
   }
-  add_fit(model, search, decision, out);
+  add_fit(model, search, decision, options.rules, out);
+  if (decision.beside_remainder && out.verdict != Verdict::unknown)
+    out.answers.front().note = fmt::format("takes {:.0f} % of the squared mismatch; the remainder: {}",
+                                           100 * out.explained_share, decision.reason);
   add_detectable(search, decision, options.rules, out);
   add_moved(rig, decision, out);
   add_times(model, 0.01, out);
   add_next_experiment(rig, model, decision, search, options, out);
   out.improved = decision.chosen->fit.hypothesis().rig;
+  double& overlap_V = out.improved.axis.effects.valve.valve_dead_band.width_V;
+  if (overlap_V < 0) {
+    out.warnings.push_back(fmt::format("the edges of the valve overlap by {:.3g} V (an underlap), for which a config has "
+                                       "no key: the improved config goes without it",
+                                       overlap_V));
+    overlap_V = 0;
+  }
   out.hypotheses_tried = rows.hypotheses_tried();
   out.sentence = verdict_sentence(out);
   return out;

@@ -11,7 +11,8 @@ Hypothesis with_parameters(const Hypothesis& base, const std::vector<FreeParamet
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const FreeParameter& parameter = parameters[i];
     const double value = parameter.value(z[i]);
-    if (parameter.start_factor < 0) set_parameter(hypothesis.rig, parameter.path, value);
+    if (parameter.signed_overlap) hypothesis.rig.axis.effects.valve.valve_dead_band.width_V = value;
+    else if (parameter.start_factor < 0) set_parameter(hypothesis.rig, parameter.path, value);
     else hypothesis.start_factors.at(static_cast<std::size_t>(parameter.start_factor)) = value;
   }
   return hypothesis;

@@ -19,6 +19,7 @@ struct FreeParameter {
   double spread = 1;
   double lower = -3, upper = 3;  ///< of z
   double step = 0.02;            ///< of z, for differences
+  bool signed_overlap = false;   ///< path is the valve's dead band, and it may be negative: an underlap
 
   double varied(double value) const {
     switch (variation) {

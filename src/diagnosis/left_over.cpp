@@ -13,6 +13,7 @@ namespace {
 
 constexpr double lowest_line_Hz = 3, highest_line_Hz = 45;
 constexpr std::size_t median_lines = 41;
+constexpr double moving_share = 0.05;  ///< of the top speed: slower counts as rest
 constexpr double shortest_period_m = 1e-3, least_periodic_share = 0.05;
 constexpr double stretch_s = 0.03;  ///< within which a pattern keeps its size
 
@@ -104,6 +105,46 @@ std::optional<SpectralLine> strongest_line(const std::vector<ResidualRow>& rows,
       const double sigma = series.sigma[series.sigma.size() / 2];
       best = SpectralLine{key.first, frequencies[i], std::sqrt(power[i]) * sigma, ratio};
     }
+  }
+  return best;
+}
+
+std::optional<SpectralLine> line_in_motion(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual,
+                                           int channel) {
+  std::map<int, Series> moving;  // of each recording
+  double top = 0, total = 0, longest_s = 0, sigma = 1;
+  std::size_t count = 0;
+  for (const ResidualRow& row : rows) top = std::max(top, std::abs(row.velocity_mps));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].channel != channel || std::abs(rows[i].velocity_mps) < moving_share * top) continue;
+    Series& series = moving[rows[i].recording];
+    const double value = residual(static_cast<Eigen::Index>(i));
+    series.time_s.push_back(rows[i].time_s);
+    series.value.push_back(value);
+    longest_s = std::max(longest_s, series.time_s.back() - series.time_s.front());
+    total += value * value;
+    sigma = rows[i].sigma;
+    ++count;
+  }
+  if (count < 100 || !(longest_s > 0)) return std::nullopt;
+  SpectralLine best{channel, 0, 0, 0};
+  for (double frequency = lowest_line_Hz; frequency < highest_line_Hz; frequency += 0.25 / longest_s) {
+    double taken = 0, squares = 0;
+    for (const auto& [recording, series] : moving) {
+      Eigen::Matrix2d a = Eigen::Matrix2d::Zero();
+      Eigen::Vector2d b = Eigen::Vector2d::Zero();
+      for (std::size_t i = 0; i < series.value.size(); ++i) {
+        const double phase = 2 * M_PI * frequency * series.time_s[i];
+        const Eigen::Vector2d sine(std::cos(phase), std::sin(phase));
+        a += sine * sine.transpose();
+        b += sine * series.value[i];
+      }
+      const Eigen::Vector2d amplitude = (a + 1e-9 * Eigen::Matrix2d::Identity()).ldlt().solve(b);
+      taken += amplitude.dot(b);
+      squares += amplitude.squaredNorm() * static_cast<double>(series.value.size()) / static_cast<double>(count);
+    }
+    if (taken <= best.ratio * total) continue;
+    best = {channel, frequency, std::sqrt(squares) * sigma, taken / std::max(total, 1e-300)};
   }
   return best;
 }

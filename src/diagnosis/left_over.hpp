@@ -30,6 +30,12 @@ struct SpectralLine {
 std::optional<SpectralLine> strongest_line(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual,
                                            const std::vector<ChannelLevel>& levels, double least_level);
 
+/// The sine between 3 and 45 Hz that takes most of one channel's residual while the slider moves, over all recordings
+/// at one frequency, each with its own phase; `ratio` is the share of the sum of squares. At rest friction balances a
+/// force up to its hold force: there it cannot be seen. nullopt: hardly any motion.
+std::optional<SpectralLine> line_in_motion(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual,
+                                           int channel);
+
 /// The strongest part of one channel's residual that is periodic along the way, such as the lead of a screw.
 struct SpatialPeriod {
   double period_m = 0;

@@ -18,6 +18,9 @@ constexpr double bent_chi2_per_row = 3;
 /// Shares of the screened size that a fit may start from; the best is taken.
 constexpr std::array<double, 5> start_shares{1.0, 0.5, 0.25, 0.1, 0.02};
 
+/// How often the floor and the owner's fit follow each other: then neither moves any more.
+constexpr int floor_rounds = 2;
+
 /// A fit that gains less than this in log evidence by fresh derivatives is at its end.
 constexpr double settled_evidence = 0.3;
 
@@ -249,12 +252,10 @@ void Search::search_singles() {
   as_configured_ = start_fit({});
   linearise(rows_, {&as_configured_});
   if (as_configured_.failed) throw std::runtime_error("the rig as configured cannot be simulated on these recordings");
-  owner_.fit = as_configured_;
-  improve(rows_, {&owner_.fit}, 5, Columns::all);
-  owner_.log_evidence = owner_.fit.log_evidence();
+  fit_owner();
   tell(0.15, "screening of all names");
   const bool bent = owner_.fit.chi2() / static_cast<double>(rows_.count()) > bent_chi2_per_row;
-  const Fit& base = bent ? as_configured_ : owner_.fit;
+  const Fit& base = bent && !settings_.grow_floor ? as_configured_ : owner_.fit;
   const Screening screening(rows_, base, candidates_, others({}));
   first_screening_ = screening.singles();
   first_pairs_ = screening.best_pairs(settings_.pairs);
@@ -262,6 +263,34 @@ void Search::search_singles() {
   refit(base, {}, worth_refitting(first_screening_, settings_.refits));
   add_families(base, {}, first_screening_);
   take_defect_at_best(1);
+  polish_best(1);
+  if (const Explanation* best = best_of(1)) first_gain_ = best->log_evidence - owner_.log_evidence;
+  if (settings_.grow_floor) take_floor_at_best();
+}
+
+void Search::fit_owner() {
+  owner_.fit = as_configured_;
+  improve(rows_, {&owner_.fit}, 5, Columns::all);
+  for (int round = 0; settings_.grow_floor && round < floor_rounds; ++round) {
+    rows_.model().take_slow_error(owner_.fit.hypothesis());
+    owner_.fit.known_columns.assign(owner_.fit.parameters.size(), 0);
+    improve(rows_, {&owner_.fit}, 4, Columns::all);
+  }
+  if (settings_.grow_floor) {
+    as_configured_.known_columns.assign(as_configured_.parameters.size(), 0);
+    linearise(rows_, {&as_configured_});
+  }
+  owner_.log_evidence = owner_.fit.log_evidence();
+}
+
+void Search::take_floor_at_best() {
+  const Explanation* best = best_of(1);
+  if (best == nullptr || first_gain_ < settings_.next_gain) return;
+  rows_.model().take_slow_error(best->fit.hypothesis());
+  std::vector<Explanation*> again = rivals(1, 1e300, tried_.size());
+  again.push_back(&owner_);
+  polish(again, 2, true);
+  linearise(rows_, {&as_configured_});
   polish_best(1);
 }
 

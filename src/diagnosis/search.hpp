@@ -30,6 +30,8 @@ struct SearchSettings {
   double next_share = 0.003;    ///< of the first effect's gain: and this
   std::size_t most_effects = 3;
   std::vector<FreeParameter> small_physics;  ///< nuisances beside the tolerances
+  /// Whether the model's slow error follows what is left: first by the owner's model, then by the best single name.
+  bool grow_floor = false;
 };
 
 /// Runs once over one model. Every explanation that was refitted is kept.
@@ -54,6 +56,11 @@ class Search {
   std::vector<const Explanation*> ranking(std::size_t members) const;
   /// The best of that many members; nullptr where there is none.
   const Explanation* best_of(std::size_t members) const;
+  /// Gain of the best single name in log evidence on the floor that the owner's model leaves: the smaller of two, where
+  /// the floor has been taken anew since.
+  double first_gain() const { return first_gain_; }
+  /// Mean square of the owner's model over the fitted rows, in the floor as it stands: above 1 it is refuted by it.
+  double owner_level() const { return owner_.fit.chi2() / static_cast<double>(rows_.count()); }
   /// What each candidate would gain alone on the owner's fit.
   const std::vector<Screened>& first_screening() const { return first_screening_; }
 
@@ -70,6 +77,8 @@ class Search {
   void polish_best(std::size_t members);
   void take_defect_at_best(std::size_t members);
   void search_singles();
+  void fit_owner();
+  void take_floor_at_best();
   bool search_next(std::size_t members);
   void swap_members(const Explanation& best);
   void refit_sibling_pairs(const Explanation& best);
@@ -84,6 +93,7 @@ class Search {
   std::vector<FreeParameter> nuisances_;
   Fit as_configured_;
   Explanation owner_;
+  double first_gain_ = 0;
   std::map<std::vector<std::size_t>, Explanation> tried_;
   std::vector<Screened> first_screening_;
   std::vector<ScreenedPair> first_pairs_;

@@ -71,6 +71,18 @@ TEST_CASE("valve: dead band, offset, neutral leak and asymmetry") {
   CHECK(valve.areas(-1.1).exhaust == Approx(1e-9 + 1.1 * 2.6e-6 * 0.8));  // |-1.1 + 0.1| - 0.2
 }
 
+TEST_CASE("valve: an underlap opens both edges about the centre") {
+  ValveEffects<double> effects;
+  effects.valve_dead_band.width_V = -0.02;
+  const Valve<double> valve = make_valve(effects);
+  CHECK(valve.areas(0.0).supply == Approx(2.6e-6 * 0.02));
+  CHECK(valve.areas(0.0).exhaust == Approx(2.6e-6 * 0.02));
+  CHECK(valve.areas(0.015).supply == Approx(2.6e-6 * 0.035));
+  CHECK(valve.areas(0.015).exhaust == Approx(2.6e-6 * 0.005));
+  CHECK(valve.areas(-1.0).supply == 0.0);
+  CHECK(valve.areas(-1.0).exhaust == Approx(2.6e-6 * 1.02));
+}
+
 TEST_CASE("valve: the command is limited to its range") {
   Valve<double> valve = make_valve();
   CHECK(spool_after(valve, 9.0) == Approx(5.0));

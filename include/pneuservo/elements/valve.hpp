@@ -73,13 +73,12 @@ template <class S> class Valve {
   /// Areas of the edges at spool signal s [V].
   PortAreas<S> areas(const S& spool_V) const noexcept {
     const S shifted = spool_V + effects_.valve_offset.offset_V;
-    const S open = maximum(absolute(shifted) - effects_.valve_dead_band.width_V, S(0));
-    const S area = minimum(parameters_.area_per_volt_m2_per_V * open, parameters_.area_max_m2);
+    // Each edge opens where the spool is past its overlap, also where that is negative (an underlap).
+    const S overlap = effects_.valve_dead_band.width_V, slope = parameters_.area_per_volt_m2_per_V;
+    const S supply = minimum(slope * maximum(shifted - overlap, S(0)), parameters_.area_max_m2);
+    const S exhaust = minimum(slope * maximum(-shifted - overlap, S(0)), parameters_.area_max_m2);
     const S leak = effects_.valve_neutral_leak.area_m2;
-    const S exhaust = area * effects_.valve_asymmetry.exhaust_ratio;
-    const auto forward = shifted > S(0);
-    const S zero(0);
-    return {leak + select(forward, area, zero), leak + select(forward, zero, exhaust)};
+    return {leak + supply, leak + exhaust * effects_.valve_asymmetry.exhaust_ratio};
   }
   /// Spool at the end of the last sub-step [V], offset and dead band not in it.
   S spool() const noexcept { return select(parameters_.natural_frequency_Hz > S(0), spool_.value(), lag_); }

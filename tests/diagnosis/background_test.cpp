@@ -1,0 +1,96 @@
+// Machines with a background of small physics: it raises no alarm, what is large beside it is named, and a periodic
+// force is seen where the slider moves.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include <pneuservo/core/random.hpp>
+
+#include "diagnosis/cylinder_residuals.hpp"
+#include "diagnosis/decision.hpp"
+#include "diagnosis/search.hpp"
+#include "diagnosis/simulated_recording.hpp"
+
+using namespace pneuservo;
+using namespace pneuservo::test;
+
+namespace {
+
+/// What the owner believes: a rig with tolerances where the background will push.
+Rig owners_rig() {
+  Rig rig = cylinder_rig(2.0);
+  rig.tolerances = {{"valve.area_per_volt_m2_per_V", 0.03}, {"supply.pressure_Pa", 0.005}};
+  return rig;
+}
+
+/// The machine: underlap, a late command and sensors a little off, none of them in the owner's rig.
+Rig with_background(Rig rig) {
+  ValveEffects<double>& valve = rig.axis.effects.valve;
+  valve.valve_dead_band.width_V = -0.012;
+  valve.command_delay.delay_s = 2e-4;
+  rig.sensor_effects[1].sensor_offset.offset = 120;
+  rig.sensor_effects[3].sensor_offset.offset = -150;
+  return rig;
+}
+
+struct Judged {
+  std::string name;
+  double size = 0;
+  Verdict verdict{};
+};
+
+Judged judge(const Rig& machine) {
+  const Rig owner = owners_rig();
+  CylinderResiduals model(owner, {simulated_recording(machine, 6.5, 5, all_pressures)});
+  FittedRows rows(model, {});
+  SearchSettings settings;
+  settings.grow_floor = true;
+  settings.most_effects = 1;
+  settings.small_physics = small_physics(owner, model.channels());
+  Search search(rows, owner, all_candidates(owner, model.channels(), motion_range(model.rows())), settings, {});
+  search.run();
+  model.drop_slow_error();
+  const Decision decision = decide_beside_remainder(model, search, {});
+  Judged out{"", 0, decision.verdict};
+  if (decision.chosen->members.empty()) return out;
+  out.name = search.candidates()[decision.chosen->members.front()].name;
+  out.size = decision.chosen->fit.parameters.front().value(decision.chosen->fit.z(0));
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("background: underlap, delay and sensors a little off are no alarm, a leak beside them is named") {
+  const Rig machine = with_background(owners_rig());
+  CHECK(judge(machine).verdict == Verdict::unknown);
+  Rig leaking = machine;
+  leaking.axis.effects.piston_leak.area_m2 = 5e-8;
+  const Judged judged = judge(leaking);
+  CHECK(judged.verdict == Verdict::missing_physics);
+  CHECK(judged.name == "piston_leak");
+  CHECK(judged.size == Approx(5e-8).epsilon(0.05));
+}
+
+TEST_CASE("background: a periodic force is found where the slider moves, and noise is none") {
+  Random random(11);
+  std::vector<ResidualRow> rows;
+  Eigen::VectorXd sine(1400), noise(1400);
+  for (int i = 0; i < 1400; ++i) {
+    ResidualRow row;
+    row.recording = i / 700;
+    row.time_s = 0.01 * (i % 700);
+    row.velocity_mps = std::fmod(row.time_s, 2.0) < 1.2 ? 0.2 : 0.0;  // at rest friction holds against the force
+    row.sigma = 0.2;
+    const double moving = row.velocity_mps > 0 ? 1.0 : 0.0;
+    noise(i) = 2 * random.normal();
+    sine(i) = moving * 12 * std::sin(2 * M_PI * 7.35 * row.time_s + 1.3 * row.recording) + noise(i);
+    rows.push_back(row);
+  }
+  const auto found = line_in_motion(rows, sine, 0);
+  REQUIRE(found);
+  CHECK(found->frequency_Hz == Approx(7.35).margin(0.05));
+  CHECK(found->amplitude == Approx(12 * 0.2).epsilon(0.05));
+  CHECK(found->ratio > 0.9);
+  const auto none = line_in_motion(rows, noise, 0);
+  CHECK((!none || none->ratio < 0.1));
+}

@@ -28,8 +28,8 @@ constexpr double answer_share = 0.1, slowest_answer_s = 2e-3;
 constexpr double rest_noises = 2.0;
 constexpr double noise_margin = 1.15;  // a recording this much noisier than its config is believed
 
-// Memories that a slow error may have. Faults of flow add up in the gas and stay; a force is at once what it is, and its
-// small faults change as fast as the motion does: a constant one is a load, not a floor.
+// Memories that a slow error may have. Faults of flow add up in the gas and stay; a force is at once what it is, and
+// its small faults change as fast as the motion does: a constant one is a load, not a floor.
 constexpr std::array slow_memories_s{0.03, 0.1, 0.3, 1.0, 3.0};
 constexpr double force_memory_s = 0.1;
 

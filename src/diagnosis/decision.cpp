@@ -194,7 +194,8 @@ bool ModelLevels::is_everywhere(const std::vector<ResidualChannel>& names, doubl
 
 namespace {
 
-/// Whether what is left of the force is mostly one sine; it then is the line of the decision's levels and in its reason.
+/// Whether what is left of the force is mostly one sine; it then is the line of the decision's levels and in its
+/// reason.
 bool find_periodic_force(const ResidualModel& model, const DecisionRules& rules, Decision& decision) {
   for (std::size_t c = 0; c < model.channels().size(); ++c) {
     if (model.channels()[c].name != "F" || decision.levels.channels[c].fitted <= rules.floor_level) continue;

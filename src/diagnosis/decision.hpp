@@ -76,9 +76,9 @@ Decision decide(ResidualModel& model, const Search& search, const DecisionRules&
 /// Levels of the chosen explanation as it stands now, and the verdict that they leave.
 void judge_what_is_left(ResidualModel& model, const Search& search, const DecisionRules& rules, Decision& decision);
 /// The same for a search whose residuals were freed from the slow error that is left everywhere: names what takes most
-/// of it, or says unknown. A name needs three things: it brings enough on the floor that the owner's model leaves; on the
-/// floor that it leaves itself, the owner's model is refuted; and it takes most of some channel. A force that is periodic
-/// while the slider moves has no name. Levels are taken of plain residuals.
+/// of it, or says unknown. A name needs three things: it brings enough on the floor that the owner's model leaves; on
+/// the floor that it leaves itself, the owner's model is refuted; and it takes most of some channel. A force that is
+/// periodic while the slider moves has no name. Levels are taken of plain residuals.
 Decision decide_beside_remainder(ResidualModel& model, const Search& search, const DecisionRules& rules);
 /// The same for a rig that is compared in one quantity and leaves something there: floors grow to what the richest
 /// explanation leaves, and a name stays while it takes enough of what the names before it leave. Unknown where the

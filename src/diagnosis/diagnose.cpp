@@ -376,9 +376,10 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   out.improved = decision.chosen->fit.hypothesis().rig;
   double& overlap_V = out.improved.axis.effects.valve.valve_dead_band.width_V;
   if (overlap_V < 0) {
-    out.warnings.push_back(fmt::format("the edges of the valve overlap by {:.3g} V (an underlap), for which a config has "
-                                       "no key: the improved config goes without it",
-                                       overlap_V));
+    out.warnings.push_back(
+        fmt::format("the edges of the valve overlap by {:.3g} V (an underlap), for which a config has "
+                    "no key: the improved config goes without it",
+                    overlap_V));
     overlap_V = 0;
   }
   out.hypotheses_tried = rows.hypotheses_tried();

@@ -194,14 +194,19 @@ bool ModelLevels::is_everywhere(const std::vector<ResidualChannel>& names, doubl
 
 namespace {
 
-/// Whether what is left of the force is mostly one sine; it then is the line of the decision's levels and in its
-/// reason.
-bool find_periodic_force(const ResidualModel& model, const DecisionRules& rules, Decision& decision) {
+/// Of a force's squared residual in motion: what a sine must take to tell where an `unknown` sits. Without a periodic
+/// force no sine took more than a tenth.
+constexpr double told_share = 0.2;
+
+/// Whether one sine takes this share of what is left of the force in motion; it then is the line of the decision's
+/// levels and in its reason.
+bool find_periodic_force(const ResidualModel& model, const DecisionRules& rules, double least_share,
+                         Decision& decision) {
   for (std::size_t c = 0; c < model.channels().size(); ++c) {
     if (model.channels()[c].name != "F" || decision.levels.channels[c].fitted <= rules.floor_level) continue;
     const std::optional<SpectralLine> line =
         line_in_motion(model.rows(), decision.levels.residual, static_cast<int>(c));
-    if (!line || line->ratio < rules.periodic_share) continue;
+    if (!line || line->ratio < least_share) continue;
     decision.levels.line = line;
     decision.reason += fmt::format("; a periodic force of {:.2g} N at {:.2f} Hz takes {:.0f} % of what is left of F",
                                    line->amplitude, line->frequency_Hz, 100 * line->ratio);
@@ -301,10 +306,10 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
     const double was = std::pow(before.channels[c].fitted, 2), is = std::pow(decision.levels.channels[c].fitted, 2);
     if (was > 1) most = std::max(most, 1 - is / was);
   }
-  const bool is_periodic = find_periodic_force(model, rules, decision);
   const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
                         search.owner_level() >= rules.refuted_level && most >= rules.named_share &&
                         !has_absurd_parameter(*decision.chosen, search, rules);
+  const bool is_periodic = find_periodic_force(model, rules, is_named ? rules.periodic_share : told_share, decision);
   if (is_periodic || !is_named) decision.verdict = Verdict::unknown;
   return decision;
 }

@@ -366,7 +366,7 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
     add_element_shares(decision, search, out);
   }
   add_fit(model, search, decision, options.rules, out);
-  if (decision.beside_remainder && out.verdict != Verdict::unknown)
+  if (decision.beside_remainder && out.verdict != Verdict::unknown && !out.answers.empty())
     out.answers.front().note = fmt::format("takes {:.0f} % of the squared mismatch; the remainder: {}",
                                            100 * out.explained_share, decision.reason);
   add_detectable(search, decision, options.rules, out);

@@ -73,7 +73,7 @@ std::vector<Case> cases() {
        {}},
       {"overruns",
        "cylinder-10m-7.65mm",
-       {move, "duration_s=0.8"},
+       {move, "duration_s=0.8", "limits.lateness_s=0.2"},
        2,
        {{100, 1}, {300, 7}, {301, 2}, {797, 4}, {900, 120}},
        {}},

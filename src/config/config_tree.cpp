@@ -7,8 +7,10 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 
 #include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include "config/input_error.hpp"
@@ -65,16 +67,43 @@ class TreeBuilder {
   int count_ = 0;
 };
 
+/// Notes where documents begin, and nothing else.
+class DocumentStarts : public YAML::EventHandler {
+ public:
+  std::vector<YAML::Mark> marks;
+  void OnDocumentStart(const YAML::Mark& mark) override { marks.push_back(mark); }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+};
+
+/// Where the first two documents begin. LoadAll would find documents without end in a text that starts with a comma
+/// or a closing bracket: the parser takes such a sign for an empty document and does not go on.
+std::vector<YAML::Mark> first_documents(const std::string& yaml_text) {
+  std::istringstream stream(yaml_text);
+  YAML::Parser parser(stream);
+  DocumentStarts starts;
+  while (starts.marks.size() < 2 && parser.HandleNextDocument(starts)) {}
+  return starts.marks;
+}
+
 ConfigNode load(const std::string& yaml_text, const std::string& source, bool has_lines, const std::string& path,
                 const std::string& expected) {
   const auto line = [&](const YAML::Mark& mark) {
     return has_lines ? fmt::format("{}:{}", source, mark.line + 1) : source;
   };
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(yaml_text);
+    const std::vector<YAML::Mark> documents = first_documents(yaml_text);
     if (documents.empty()) refuse(has_lines ? source + ":1" : source, path, "nothing", expected);
-    if (documents.size() > 1) refuse(line(documents[1].Mark()), path, "a second YAML document", "one document");
-    return TreeBuilder(source, has_lines).build(documents[0], path == "(file)" ? "" : path, 0);
+    if (documents.size() > 1 && documents[1].pos == documents[0].pos)
+      refuse(line(documents[0]), path, "text that is not YAML (a sign where a key should be)", expected);
+    if (documents.size() > 1) refuse(line(documents[1]), path, "a second YAML document", "one document");
+    return TreeBuilder(source, has_lines).build(YAML::Load(yaml_text), path == "(file)" ? "" : path, 0);
   } catch (const YAML::ParserException& error) {
     refuse(line(error.mark), path, fmt::format("text that is not YAML ({})", error.msg), expected);
   } catch (const YAML::Exception& error) {

@@ -174,7 +174,10 @@ TEST_CASE("what is no config at all is refused") {
   CHECK_THAT(refusal("# only a comment\n"), Catch::Contains("rig.yaml") && Catch::Contains("found nothing"));
   CHECK(refusal("just words") == "rig.yaml:1: (top): found 'just words', expected a map of keys");
   CHECK(refusal("- a\n- b\n") == "rig.yaml:1: (top): found a list, expected a map of keys");
-  CHECK(refusal(plain + "---\n" + plain) == "rig.yaml:43: (file): found a second YAML document, expected one document");
+  // The parser itself would find documents without end here.
+  CHECK(refusal(", a\n" + plain) == "rig.yaml:1: (file): found text that is not YAML (a sign where a key should be), "
+                                    "expected a config in YAML (docs/config-keys.md)");
+  CHECK(refusal(plain + "---\n" + plain) == "rig.yaml:42: (file): found a second YAML document, expected one document");
   CHECK(refusal(plain + "? [a, b]\n: 1\n") ==
         "rig.yaml:42: (top): found a key that is not plain text, expected a name as key");
   std::string bomb = "a0: &a0 [1]\n";

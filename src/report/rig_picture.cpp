@@ -166,9 +166,8 @@ std::string driven_picture(const Rig& rig, const std::vector<std::string>& senso
   return picture.svg(400, 45, 680, 285, "The axis with the share of each element in the mismatch");
 }
 
-std::string vessel_picture(const Rig& rig, const std::vector<std::string>& sensors,
-                           const std::vector<PictureMark>& marks) {
-  Picture picture(marks, sensors);
+// What stands before an on/off valve.
+void draw_switched_supply(Picture& picture) {
   picture.element("timing", "timing of the command",
                   "<path d=\"M150 43H220V176\" class=\"signal\"/><path class=\"tip\" d=\"M220 180l-6 -12h12z\"/>",
                   {220, 92});
@@ -177,6 +176,12 @@ std::string vessel_picture(const Rig& rig, const std::vector<std::string>& senso
                   "<path class=\"pipe\" d=\"M82 210H190\"/><circle cx=\"58\" cy=\"210\" r=\"26\"/>" +
                       text(58, 262, "supply"),
                   {58, 168});
+}
+
+std::string vessel_picture(const Rig& rig, const std::vector<std::string>& sensors,
+                           const std::vector<PictureMark>& marks) {
+  Picture picture(marks, sensors);
+  draw_switched_supply(picture);
   picture.element("valve", "on/off valve", box(190, 180, 120, 60) + text(250, 215, "valve"), {250, 262});
   const std::string words = rig.line ? line_words(1, *rig.line) : std::string("no line");
   picture.element("line_1", words, "<path class=\"pipe\" d=\"M310 210H560\"/>", {435, 240});
@@ -193,14 +198,7 @@ std::string vessel_picture(const Rig& rig, const std::vector<std::string>& senso
 std::string switched_picture(const Rig& rig, const std::vector<std::string>& sensors,
                              const std::vector<PictureMark>& marks) {
   Picture picture(marks, sensors);
-  picture.element("timing", "timing of the command",
-                  "<path d=\"M150 43H220V176\" class=\"signal\"/><path class=\"tip\" d=\"M220 180l-6 -12h12z\"/>",
-                  {220, 92});
-  picture.add(text(150, 100, "command", "small"));
-  picture.element("supply", "supply",
-                  "<path class=\"pipe\" d=\"M82 210H190\"/><circle cx=\"58\" cy=\"210\" r=\"26\"/>" +
-                      text(58, 262, "supply"),
-                  {58, 168});
+  draw_switched_supply(picture);
   picture.element("valve", "on/off valve", valve_shapes() + text(342, 215, "valve"), {280, 160});
   picture.add("<path class=\"pipe\" d=\"M250 180V100H610V160M250 240V340H790V260\"/>");
   picture.element("throttle_1", "flow control valve of chamber 1",

@@ -21,6 +21,14 @@ def first_row_with(rows, bit):
 class Faults(unittest.TestCase):
     """tests/kernel: faults on a real CAN stack."""
 
+    def running(self, *more):
+        """Device and controller in the middle of a run of 6 s on a new bus."""
+        interface = make_vcan("vcan0")
+        plant = device(interface, "--priority", "60")
+        run = controller(interface, 6, *more)
+        time.sleep(1.5)
+        return interface, plant, run
+
     def expect_safe(self, record, bit):
         """The fault is there, and from its first tick on the command is the safe one. Its row, all rows."""
         _, rows = rows_of(record)
@@ -35,10 +43,7 @@ class Faults(unittest.TestCase):
         self.assertEqual(run["faults"], [], said)
 
     def test_device_killed(self):
-        interface = make_vcan("vcan0")
-        plant = device(interface, "--priority", "60")
-        run = controller(interface, 6, "--record", "/tmp/killed.csv.gz")
-        time.sleep(2.0)
+        interface, plant, run = self.running("--record", "/tmp/killed.csv.gz")
         plant.kill()
         _, said = finished(run, status=1)
         first, rows = self.expect_safe("/tmp/killed.csv.gz", 1)  # position_missing: three answers did not come
@@ -114,10 +119,7 @@ class Faults(unittest.TestCase):
 
     def test_queue_full(self):
         """A bus that takes nothing: a full queue is a missed output, and no old command is sent when it takes again."""
-        interface = make_vcan("vcan0")
-        plant = device(interface, "--priority", "60")
-        run = controller(interface, 6, "--record", "/tmp/full.csv.gz")
-        time.sleep(1.5)
+        interface, plant, run = self.running("--record", "/tmp/full.csv.gz")
         sh(f"tc qdisc replace dev {interface} root tbf rate 8bit burst 20 limit 160")
         _, said = finished(run, status=1)
         sh(f"tc qdisc del dev {interface} root")
@@ -128,10 +130,7 @@ class Faults(unittest.TestCase):
         plant.end(terminate=True)
 
     def test_link_down(self):
-        interface = make_vcan("vcan0")
-        plant = device(interface, "--priority", "60")
-        run = controller(interface, 6, "--record", "/tmp/down.csv.gz")
-        time.sleep(1.5)
+        interface, plant, run = self.running("--record", "/tmp/down.csv.gz")
         sh(f"ip link set {interface} down")
         _, said = finished(run, status=1)
         self.assertIn("the link went down", said)

@@ -173,7 +173,8 @@ TEST_CASE("a channel that comes late at the start is waited for in the safe outp
     REQUIRE(std::isnan(run.loop.row().p1_estimated_Pa));
   }
   for (int i = 0; i < 60; ++i) run.step();
-  REQUIRE(run.loop.first_faults() == (ticks == forever ? fault_port_pressure_1_missing : 0));
+  const std::uint64_t expected = ticks == forever ? std::uint64_t{fault_port_pressure_1_missing} : 0;
+  REQUIRE(run.loop.first_faults() == expected);
   if (ticks != forever) REQUIRE(std::isfinite(run.loop.row().x_ref_m));
 }
 

@@ -9,8 +9,9 @@
 
 namespace pneuservo {
 
-/// A pack that fills half a register or less is computed several elements at once; every other scalar stands for
-/// itself. Element operations are the same ones, so the numbers do not depend on the grouping.
+/// A pack that fills half a register or less is computed several elements at once, a plain double two (four would idle
+/// more often at the end of a row, and shift in slower registers); every other scalar stands for itself. Element
+/// operations are the same ones, so the numbers do not depend on the grouping.
 template <class S> struct GroupOf {
   using type = S;
   static constexpr int elements = 1;
@@ -20,9 +21,23 @@ template <class T, int N> struct GroupOf<Pack<T, N>> {
   static constexpr int elements = N < register_lanes ? register_lanes / N : 1;
   using type = Pack<T, N * elements>;
 };
+template <> struct GroupOf<double> {
+  static constexpr int elements = 2;
+  using type = Pack<double, elements>;
+};
 template <class S> using Group = typename GroupOf<S>::type;
 
 namespace detail {
+// What an element keeps in memory.
+template <class T, int N> [[gnu::always_inline]] inline auto& bits_of(Pack<T, N>& element) noexcept {
+  return element.r;
+}
+template <class T, int N> [[gnu::always_inline]] inline const auto& bits_of(const Pack<T, N>& element) noexcept {
+  return element.r;
+}
+[[gnu::always_inline]] inline double& bits_of(double& element) noexcept { return element; }
+[[gnu::always_inline]] inline const double& bits_of(const double& element) noexcept { return element; }
+
 // Lanes from .. from + W - 1 of a and b laid end to end.
 template <class R, int from, int... i> [[gnu::always_inline]] inline R
 window(R a, R b, std::integer_sequence<int, i...>) noexcept {
@@ -39,6 +54,8 @@ template <class R, int... i> [[gnu::always_inline]] inline auto repeated(R a,
 template <class S> [[gnu::always_inline]] inline Group<S> replicate(const S& element) noexcept {
   if constexpr (GroupOf<S>::elements == 1) {
     return element;
+  } else if constexpr (ScalarTraits<S>::lanes == 1) {
+    return Group<S>(element);
   } else {
     Group<S> out;
     out.r = detail::repeated(element.r, std::make_integer_sequence<int, ScalarTraits<Group<S>>::lanes>{});
@@ -77,8 +94,9 @@ template <class S> [[gnu::always_inline]] inline S element(const Group<S>& group
     return group;
   } else {
     S out;
-    std::memcpy(&out.r, reinterpret_cast<const char*>(&group.r) + static_cast<std::size_t>(i) * sizeof(out.r),
-                sizeof(out.r));
+    auto& bits = detail::bits_of(out);
+    std::memcpy(&bits, reinterpret_cast<const char*>(&group.r) + static_cast<std::size_t>(i) * sizeof(bits),
+                sizeof(bits));
     return out;
   }
 }
@@ -86,8 +104,8 @@ template <class S> [[gnu::always_inline]] inline void set_element(Group<S>& grou
   if constexpr (GroupOf<S>::elements == 1) {
     group = value;
   } else {
-    std::memcpy(reinterpret_cast<char*>(&group.r) + static_cast<std::size_t>(i) * sizeof(value.r), &value.r,
-                sizeof(value.r));
+    const auto& bits = detail::bits_of(value);
+    std::memcpy(reinterpret_cast<char*>(&group.r) + static_cast<std::size_t>(i) * sizeof(bits), &bits, sizeof(bits));
   }
 }
 /// Mask of the places first .. elements - 1 of a group.

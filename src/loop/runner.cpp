@@ -53,6 +53,7 @@ void account(LoopTiming& timing, const StageTimes& stages, std::int64_t lateness
   const std::int64_t estimator = stages.estimated - stages.read, controller = stages.controlled - stages.estimated;
   const std::int64_t work = stages.end - stages.start;
   timing.lateness.add(lateness_ns);
+  timing.work.add(work);
   timing.backend.add(backend);
   timing.estimator.add(estimator);
   timing.controller.add(controller);

@@ -14,18 +14,14 @@ Json quantiles_json(const TimeHistogram& times) {
   return {{"mean", times.mean_us()},
           {"p50", times.percentile_us(0.5)},
           {"p99", times.percentile_us(0.99)},
-          {"p99_9", times.percentile_us(0.999)}};
-}
-
-Json lateness_json(const TimeHistogram& lateness) {
-  Json json = quantiles_json(lateness);
-  json["p99_99"] = lateness.percentile_us(0.9999);
-  json["max"] = lateness.maximum_us();
-  return json;
+          {"p99_9", times.percentile_us(0.999)},
+          {"p99_99", times.percentile_us(0.9999)},
+          {"max", times.maximum_us()}};
 }
 
 void add_timing(Json& json, const LoopTiming& timing) {
-  json["lateness_us"] = lateness_json(timing.lateness);
+  json["lateness_us"] = quantiles_json(timing.lateness);
+  json["work_us"] = quantiles_json(timing.work);
   json["tick_us"] = quantiles_json(timing.tick);
   json["loop_us"] = quantiles_json(timing.loop);
   json["estimator_us"] = quantiles_json(timing.estimator);

@@ -2,5 +2,5 @@
 export PATH=/usr/sbin:/usr/bin:/sbin:/bin PYTHONPATH=/opt/canopen PYTHONDONTWRITEBYTECODE=1 HOME=/tmp
 ip link set lo up
 mkdir -p /var/tmp /run
-cp -r /share/kernel /share/config /share/pneuservo /tmp/
+cp -r /share/kernel /share/config /share/pneuservo /share/bare_loop /tmp/
 cd /tmp/kernel && exec python3 guest.py

@@ -37,7 +37,7 @@ done = run("run", CONFIG, "--time", "real", "--duration-s", "1", "--record", at(
 expect(done.returncode == 0, f"real time: status {done.returncode}: {done.stderr}")
 result = json.loads(done.stdout)
 one = result["runs"][0]
-for key in ("lateness_us", "loop_us", "estimator_us", "controller_us", "backend_us", "page_faults", "context_switches_involuntary"):
+for key in ("lateness_us", "work_us", "loop_us", "estimator_us", "controller_us", "backend_us", "page_faults", "context_switches_involuntary"):
     expect(key in one, f"real time: {key} is missing")
 expect(one["ticks"] + one["overruns"] == 1000, f"real time: {one['ticks']} ticks and {one['overruns']} overruns are not 1000 slots")
 counted = sum(count for _, count in one["lateness_histogram_us"])

@@ -82,9 +82,10 @@ struct WorstCycle {
   std::int64_t total_ns() const noexcept { return lateness_ns + work_ns; }
 };
 
-/// All timing of one run. `tick` is all work but the backend's, `loop` what of it is neither estimator nor controller.
+/// All timing of one run. `work` is all of a tick, `tick` all but the backend's part, `loop` what of that is neither
+/// estimator nor controller.
 struct LoopTiming {
-  TimeHistogram lateness, tick, loop, estimator, controller, backend;
+  TimeHistogram lateness, work, tick, loop, estimator, controller, backend;
   std::array<WorstCycle, 16> worst{};
   std::int64_t worst_kept_ns = -1;  ///< lateness + work of the mildest kept cycle; -1 while there is room
   std::int64_t ticks = 0;

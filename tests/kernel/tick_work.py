@@ -1,0 +1,31 @@
+# What recording, CANopen and supervisor cost a tick, beside a loop that does nothing but the same frames.
+import unittest
+
+from guest_tools import *
+
+COMMAND_ID = "0x302"
+
+
+class Work(unittest.TestCase):
+    """tests/kernel: work of a tick."""
+
+    def test_beside_the_bare_loop(self):
+        ticks = 1000 * min(plan["duration_s"], 20)
+        interface = make_vcan("vcan0")
+        plant = device(interface, "--priority", "60")
+        # The device gets its mapping from the controller and keeps it; its watchdog outlasts the bare loop, which sends no
+        # heartbeat.
+        run, said = finished(controller(interface, plan["duration_s"], "--set", "hal.can.watchdog_s=30",
+                                        "--record", "/tmp/work.csv.gz"))
+        self.assertEqual(run["faults"], [], said)
+        bare = json.loads(sh(f"/tmp/bare_loop {interface} {COMMAND_ID} 1000 {ticks}"))
+        self.assertEqual(bare["unsent"], 0)
+        self.assertGreaterEqual(bare["frames"], 2 * (ticks - 1))  # two answers to each SYNC but the last
+        ours = run["work_us"]
+        more = {name: round(ours[name] - bare[name], 1) for name in ("p50", "p99", "p99_99")}
+        figures["tick_work"] = {"work_us": ours, "bare_us": bare, "more_us": more, "tick_us": run["tick_us"],
+                                "backend_us": run["backend_us"], "estimator_us": run["estimator_us"],
+                                "controller_us": run["controller_us"], "loop_us": run["loop_us"]}
+        # Counted in instructions, so that a limit on time may stand in a test.
+        self.assertLessEqual(more["p99_99"], 20.0)
+        plant.end(terminate=True)

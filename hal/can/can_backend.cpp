@@ -274,11 +274,10 @@ void CanBackend::deactivate() noexcept {
   for (const std::uint8_t node : node_numbers_) bus_->send(nmt_frame(NmtCommand::enter_pre_operational, node));
 }
 
-std::array<Origin, 6> CanBackend::origins() const {
-  std::array<Origin, 6> all;
-  all.fill(Origin::absent);
+Origins CanBackend::origins() const {
+  Origins all;
   for (const CanChannel& channel : channels_)
-    if (!channel.is_output) all[channel.channel] = Origin::real;
+    (channel.is_output ? all.command : all.channels[channel.channel]) = Origin::real;
   return all;
 }
 

@@ -143,10 +143,9 @@ void ComediBackend::deactivate() noexcept {
   set_outputs(safe_commands());
 }
 
-std::array<Origin, 6> ComediBackend::origins() const {
-  std::array<Origin, 6> all;
-  all.fill(Origin::absent);
-  for (const Input& input : inputs_) all[input.channel] = Origin::real;
+Origins ComediBackend::origins() const {
+  Origins all{.command = outputs_.empty() ? Origin::absent : Origin::real};
+  for (const Input& input : inputs_) all.channels[input.channel] = Origin::real;
   return all;
 }
 

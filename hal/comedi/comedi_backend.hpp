@@ -28,7 +28,7 @@ class ComediBackend final : public Backend {
   bool read(std::int64_t tick, Measurement& measurement) noexcept override;
   bool write(std::int64_t tick, const Command& command) noexcept override;
   void deactivate() noexcept override;
-  std::array<Origin, 6> origins() const override;
+  Origins origins() const override;
   std::vector<std::string> notes() const override;
   std::string name() const override { return "comedi"; }
 

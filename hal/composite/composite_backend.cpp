@@ -24,7 +24,7 @@ CompositeBackend::CompositeBackend(const Rig& rig) {
     simulated[i] = channel.simulated;
     on_can[i] = channel.can.has_value();
     on_board[i] = channel.is_on_board();
-    origins_[i] = channel.is_absent() ? Origin::absent : channel.simulated ? Origin::simulated : Origin::real;
+    origins_.channels[i] = channel.is_absent() ? Origin::absent : channel.simulated ? Origin::simulated : Origin::real;
   };
   sort(0, c.x);
   std::size_t i = 1;
@@ -35,12 +35,23 @@ CompositeBackend::CompositeBackend(const Rig& rig) {
     commands_can = commands_can || valve->can;
     commands_board = commands_board || valve->is_on_board();
   }
+  origins_.command = commands_can || commands_board ? Origin::real : Origin::simulated;
   const auto any = [](const Gives& gives) { return std::find(gives.begin(), gives.end(), true) != gives.end(); };
   if (commands_sim || any(simulated)) sources_.push_back({std::make_unique<SimBackend>(rig), simulated});
   if (commands_board || any(on_board)) sources_.push_back({std::make_unique<ComediBackend>(rig), on_board});
   if (commands_can || any(on_can)) sources_.push_back({std::make_unique<CanBackend>(rig), on_can});
   // Last: the newest state of the lines in a tick, and enabled after the command is out.
   if (rig.hal->gpio) sources_.push_back({std::make_unique<GpioBackend>(rig), {}});
+}
+
+Origins CompositeBackend::origins() const {
+  Origins all = origins_;
+  for (const Source& source : sources_) {
+    const auto lines = source.backend->origins().lines;
+    for (std::size_t i = 0; i < lines.size(); ++i)
+      if (lines[i] != Origin::absent) all.lines[i] = lines[i];
+  }
+  return all;
 }
 
 void CompositeBackend::configure() {

@@ -22,7 +22,7 @@ class CompositeBackend final : public Backend {
   bool read(std::int64_t tick, Measurement& measurement) noexcept override;
   bool write(std::int64_t tick, const Command& command) noexcept override;
   void deactivate() noexcept override;
-  std::array<Origin, 6> origins() const override { return origins_; }
+  Origins origins() const override;
   std::vector<std::string> notes() const override;
   std::string name() const override { return "configured"; }
 
@@ -34,7 +34,7 @@ class CompositeBackend final : public Backend {
   };
 
   std::vector<Source> sources_;
-  std::array<Origin, 6> origins_{};
+  Origins origins_;
   std::array<double, 6> zeros_{};  ///< added to what the sources give
 };
 

@@ -11,7 +11,6 @@
 namespace pneuservo {
 namespace {
 
-constexpr std::array<const char*, 4> input_names{"emergency_stop", "limit_low", "limit_high", "valve_power"};
 constexpr std::size_t emergency_stop = 0;
 
 std::int64_t monotonic_now_ns() noexcept {
@@ -33,7 +32,7 @@ void GpioBackend::configure() {
   const std::array<const std::optional<GpioLineParameters>*, 4> wanted{
       &parameters_.emergency_stop, &parameters_.limit_low, &parameters_.limit_high, &parameters_.valve_power};
   for (std::size_t i = 0; i < wanted.size(); ++i)
-    if (*wanted[i]) inputs_[i] = {request_(input_names[i], **wanted[i], false)};
+    if (*wanted[i]) inputs_[i] = {request_(line_names[i], **wanted[i], false)};
   if (parameters_.enable) enable_ = request_("enable", *parameters_.enable, true);
   enabled_ = false;
 }
@@ -73,18 +72,19 @@ void GpioBackend::deactivate() noexcept {
   for (Input& input : inputs_) input.line.reset();
 }
 
-std::array<Origin, 6> GpioBackend::origins() const {
-  std::array<Origin, 6> none;
-  none.fill(Origin::absent);
-  return none;
+Origins GpioBackend::origins() const {
+  Origins all;
+  for (std::size_t i = 0; i < inputs_.size(); ++i)
+    if (inputs_[i].line) all.lines[i] = Origin::real;
+  return all;
 }
 
 std::vector<std::string> GpioBackend::notes() const {
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
-    if (inputs_[i].is_unreadable) lines.push_back(fmt::format("gpio: {} could not be read", input_names[i]));
+    if (inputs_[i].is_unreadable) lines.push_back(fmt::format("gpio: {} could not be read", line_names[i]));
     if (inputs_[i].edges > 0)
-      lines.push_back(fmt::format("gpio: {} changed in {} tick{}", input_names[i], inputs_[i].edges,
+      lines.push_back(fmt::format("gpio: {} changed in {} tick{}", line_names[i], inputs_[i].edges,
                                   inputs_[i].edges > 1 ? "s" : ""));
   }
   return lines;

@@ -31,7 +31,7 @@ class GpioBackend final : public Backend {
   bool write(std::int64_t tick, const Command& command) noexcept override;
   /// Enable off; all lines released.
   void deactivate() noexcept override;
-  std::array<Origin, 6> origins() const override;
+  Origins origins() const override;
   std::vector<std::string> notes() const override;
   std::string name() const override { return "gpio"; }
 

@@ -39,6 +39,12 @@ bool InjectingBackend::bus_is_off(double t_s) const noexcept {
   });
 }
 
+Origins InjectingBackend::origins() const {
+  Origins all = plant_.origins();
+  all.lines[0] = Origin::simulated;  // read() gives the emergency stop
+  return all;
+}
+
 bool InjectingBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
   const double t_s = time_of(tick, rig_.period_s);
   plant_.read(tick, measurement);

@@ -26,7 +26,7 @@ class InjectingBackend final : public Backend {
   bool write(std::int64_t tick, const Command& command) noexcept override;
   void deactivate() noexcept override { plant_.deactivate(); }
   Truth truth() const noexcept override { return plant_.truth(); }
-  std::array<Origin, 6> origins() const override { return plant_.origins(); }
+  Origins origins() const override;
   std::vector<std::string> notes() const override;
   std::string name() const override { return "sim"; }
 

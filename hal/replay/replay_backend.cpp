@@ -50,9 +50,9 @@ bool ReplayBackend::write(std::int64_t, const Command&) noexcept {
   return (recorded_faults() & fault_output_missed) == 0;
 }
 
-std::array<Origin, 6> ReplayBackend::origins() const {
-  std::array<Origin, 6> all;
-  for (std::size_t i = 0; i < 6; ++i) all[i] = columns_[i] == nullptr ? Origin::absent : Origin::replayed;
+Origins ReplayBackend::origins() const {
+  Origins all{.command = Origin::replayed};
+  for (std::size_t i = 0; i < 6; ++i) all.channels[i] = columns_[i] == nullptr ? Origin::absent : Origin::replayed;
   return all;
 }
 

@@ -22,7 +22,7 @@ class ReplayBackend final : public Backend {
   bool write(std::int64_t, const Command&) noexcept override;
   void deactivate() noexcept override {}
   Truth truth() const noexcept override;
-  std::array<Origin, 6> origins() const override;
+  Origins origins() const override;
   std::string name() const override { return "replay"; }
 
   const Recording& recording() const noexcept { return recording_; }

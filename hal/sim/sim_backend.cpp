@@ -80,9 +80,9 @@ void SimBackend::deactivate() noexcept {
   command_ = {safe_V[0], safe_V[1]};
 }
 
-std::array<Origin, 6> SimBackend::origins() const {
-  std::array<Origin, 6> all;
-  all.fill(Origin::simulated);
+Origins SimBackend::origins() const {
+  Origins all{.command = Origin::simulated};
+  all.channels.fill(Origin::simulated);
   return all;
 }
 

@@ -27,7 +27,7 @@ class SimBackend final : public Backend {
     plant_.set_supply_pressure(supply_pressure_Pa);
     plant_.set_chamber_leaks(chamber_leak_m2[0], chamber_leak_m2[1]);
   }
-  std::array<Origin, 6> origins() const override;
+  Origins origins() const override;
   std::string name() const override { return "sim"; }
 
  private:

@@ -127,7 +127,7 @@ std::vector<ChannelZero> find_pressure_zeros(const Rig& rig, Backend& backend, d
   if (!whole) throw std::runtime_error("zeroing: stopped before its end");
   std::vector<ChannelZero> zeros;
   const double atmosphere_Pa = rig.axis.air.atmosphere_Pa;
-  const auto origins = backend.origins();
+  const auto origins = backend.origins().channels;
   for (std::size_t i = 1; i < origins.size(); ++i) {
     if (origins[i] == Origin::absent) continue;
     const std::string name(channel_names[i]);

@@ -91,8 +91,12 @@ Facts machine_facts(const RealTimeState* session) {
 
 Facts channel_facts(const Backend& backend) {
   Facts facts;
-  const auto origins = backend.origins();
-  for (std::size_t i = 0; i < origins.size(); ++i) facts.emplace_back(channel_names[i], origin_name(origins[i]));
+  const Origins origins = backend.origins();
+  for (std::size_t i = 0; i < origins.channels.size(); ++i)
+    facts.emplace_back(channel_names[i], origin_name(origins.channels[i]));
+  facts.emplace_back("command", origin_name(origins.command));
+  for (std::size_t i = 0; i < origins.lines.size(); ++i)
+    if (origins.lines[i] != Origin::absent) facts.emplace_back(line_names[i], origin_name(origins.lines[i]));
   return facts;
 }
 

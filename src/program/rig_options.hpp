@@ -33,7 +33,7 @@ void require_writable(const std::string& option, const std::string& path);
 
 /// Kernel, policy, code path, version, ... of this run; without a session: simulated time.
 Facts machine_facts(const RealTimeState* session);
-/// Channel name and origin.
+/// Name and origin of each channel, of the command and of the digital lines that there are.
 Facts channel_facts(const Backend& backend);
 
 /// Header of a run's recording: rig, config, reference, machine, channels.

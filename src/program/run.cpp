@@ -93,7 +93,7 @@ std::string record_path(const RunOptions& options, PressureSource source, bool s
 /// Columns that this run has.
 std::vector<std::string> recorded_columns(const Rig& rig, const Backend& backend, bool real_time, bool gains_change) {
   std::vector<std::string> columns;
-  const auto origins = backend.origins();
+  const auto origins = backend.origins().channels;
   const bool truth = backend.name() == "sim";
   Row row;
   Row::visit(

@@ -57,7 +57,7 @@ class FaultyBackend final : public Backend {
     active = false;
   }
   Truth truth() const noexcept override { return plant_.truth(); }
-  std::array<Origin, 6> origins() const override { return plant_.origins(); }
+  Origins origins() const override { return plant_.origins(); }
   std::string name() const override { return "sim"; }
 
  private:

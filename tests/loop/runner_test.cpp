@@ -44,7 +44,7 @@ class EventfulBackend final : public Backend {
   }
   void deactivate() noexcept override { ++deactivated; }
   Truth truth() const noexcept override { return plant_.truth(); }
-  std::array<Origin, 6> origins() const override { return plant_.origins(); }
+  Origins origins() const override { return plant_.origins(); }
   std::string name() const override { return "sim"; }
 
  private:

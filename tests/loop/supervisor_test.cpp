@@ -42,7 +42,7 @@ class TouchedBackend final : public Backend {
     return plant_.write(tick, command);
   }
   void deactivate() noexcept override {}
-  std::array<Origin, 6> origins() const override { return plant_.origins(); }
+  Origins origins() const override { return plant_.origins(); }
   std::string name() const override { return "sim"; }
   SimBackend& plant() { return plant_; }
 

@@ -28,8 +28,8 @@ class Backend {
 
   /// What the simulated plant really does; absent (NaN) for real hardware. Never reaches estimator or controller.
   virtual Truth truth() const noexcept { return {}; }
-  /// Where each channel comes from, known once configured: position, port 1, port 2, chamber 1, chamber 2, supply.
-  virtual std::array<Origin, 6> origins() const = 0;
+  /// Known once configured.
+  virtual Origins origins() const = 0;
   /// What happened on the devices, one sentence each, for the user after a run. Cold.
   virtual std::vector<std::string> notes() const { return {}; }
   virtual std::string name() const = 0;

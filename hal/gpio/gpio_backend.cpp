@@ -32,7 +32,7 @@ void GpioBackend::configure() {
   const std::array<const std::optional<GpioLineParameters>*, 4> wanted{
       &parameters_.emergency_stop, &parameters_.limit_low, &parameters_.limit_high, &parameters_.valve_power};
   for (std::size_t i = 0; i < wanted.size(); ++i)
-    if (*wanted[i]) inputs_[i] = {request_(line_names[i], **wanted[i], false)};
+    if (*wanted[i]) inputs_[i] = {request_(digital_line_names[i], **wanted[i], false)};
   if (parameters_.enable) enable_ = request_("enable", *parameters_.enable, true);
   enabled_ = false;
 }
@@ -82,9 +82,9 @@ Origins GpioBackend::origins() const {
 std::vector<std::string> GpioBackend::notes() const {
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
-    if (inputs_[i].is_unreadable) lines.push_back(fmt::format("gpio: {} could not be read", line_names[i]));
+    if (inputs_[i].is_unreadable) lines.push_back(fmt::format("gpio: {} could not be read", digital_line_names[i]));
     if (inputs_[i].edges > 0)
-      lines.push_back(fmt::format("gpio: {} changed in {} tick{}", line_names[i], inputs_[i].edges,
+      lines.push_back(fmt::format("gpio: {} changed in {} tick{}", digital_line_names[i], inputs_[i].edges,
                                   inputs_[i].edges > 1 ? "s" : ""));
   }
   return lines;

@@ -78,7 +78,7 @@ int run_device(const DeviceOptions& options) {
   const auto bus = open_carrier(options.interface, rig.hal->can->bit_rate_bps, true);
   std::unique_ptr<RealTimeSession> session;
   if (options.priority > 0) {
-    session = std::make_unique<RealTimeSession>(RealTimeSettings{.priority = options.priority});
+    session = std::make_unique<RealTimeSession>(RealTimeSettings{.priority = options.priority, .cpu = std::nullopt});
     std::cerr << refusal_message(session->findings());
   }
   StopRequest stop;

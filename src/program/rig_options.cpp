@@ -96,7 +96,7 @@ Facts channel_facts(const Backend& backend) {
     facts.emplace_back(channel_names[i], origin_name(origins.channels[i]));
   facts.emplace_back("command", origin_name(origins.command));
   for (std::size_t i = 0; i < origins.lines.size(); ++i)
-    if (origins.lines[i] != Origin::absent) facts.emplace_back(line_names[i], origin_name(origins.lines[i]));
+    if (origins.lines[i] != Origin::absent) facts.emplace_back(digital_line_names[i], origin_name(origins.lines[i]));
   return facts;
 }
 

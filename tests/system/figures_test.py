@@ -7,9 +7,7 @@ import subprocess
 import sys
 
 # docs/figures.md gives the reasons. A figure that is reached leaves this list.
-KNOWN = {("wrong start", "5m-4.15mm", "2 kPa, estimate in the loop"),
-         ("wrong start", "5m-4.15mm", "2 kPa, chamber sensors in the loop"),
-         ("stated bound", "all, noise alone", "holds"),
+KNOWN = {("stated bound", "all, noise alone", "holds"),
          ("stated bound", "all, noise alone", "median of bound over error"),
          ("payload", "quiet gains", "position error, estimated"),
          *(("payload", loop, "position error rms, estimated")

@@ -124,6 +124,7 @@ class PipelineEstimator {
     grid_share_of_cell_ = grid_share / cells;
     alike_ = parameters.line_1.length_m == parameters.line_2.length_m &&
              parameters.line_1.diameter_m == parameters.line_2.diameter_m;
+    start_decay_ = std::exp(-parameters.period_s / start_time_s);
     peak_decay_ = std::exp(-parameters.period_s / peak_time_s);
     rms_gain_ = -std::expm1(-parameters.period_s / rms_time_s);
     grid_decay_ = std::exp(-parameters.period_s / grid_time_s);
@@ -134,7 +135,7 @@ class PipelineEstimator {
   /// Forgets everything; the next valid measurement starts it again.
   void reset() noexcept {
     started_ = false;
-    peak_ = mean_square_ = drop_peak_ = correction_ = port_ = Lanes(0);
+    peak_ = mean_square_ = drop_peak_ = correction_ = surplus_ = port_ = Lanes(0);
     missing_s_ = {0.0, 0.0, 0.0};
     guards_seen_ = axis_.side().line().guard_actions();
   }
@@ -158,8 +159,8 @@ class PipelineEstimator {
       const double scale = sigma * 3.4641016151377544;
       const Lanes port =
           lanes(p_1, p_2, p_1 + scale * (random_.uniform() - 0.5), p_2 + scale * (random_.uniform() - 0.5));
-      axis_.step(port + correction_, input_.position_m);
-      if (corrects_flow_) correction_ = flow_correction(measured.valve_command_V, port);
+      axis_.step(port + correction_, input_.position_m, Lanes(-start_gain_) * surplus_);
+      if (corrects_flow_) correct(measured.valve_command_V, port);
     }
     return output(health);
   }
@@ -188,6 +189,10 @@ class PipelineEstimator {
   static constexpr double grid_share = 0.017;
   static constexpr double grid_growth_per_Pa = 5e-6;
   static constexpr double grid_floor_Pa = 45.0;
+  /// Share of the port's surplus flow that goes into the chamber after a start, and how fast that fades: a valve whose
+  /// area is not known well must not bend the estimate for ever.
+  static constexpr double start_gain = 1.0;
+  static constexpr double start_time_s = 0.5;
   /// A wave of more than this is no error of a model but a valve that does something else.
   static constexpr double correction_limit_Pa = 20e3;
 
@@ -229,16 +234,20 @@ class PipelineEstimator {
     axis_.reset(lanes(p_1, p_2, p_1 + (p_1 < middle ? off : -off), p_2 + (p_2 < middle ? off : -off)),
                 input_.position_m);
     port_ = lanes(p_1, p_2, p_1, p_2);
-    correction_ = Lanes(0);
+    correction_ = surplus_ = Lanes(0);
+    start_gain_ = start_gain;
     started_ = true;
   }
 
-  // What the next port pressure is corrected by: the valve's flow over the period less the model's, as the pressure of
-  // the wave that leaves by the valve. It damps the ringing that sensor noise feeds, and forgets a wrong start sooner.
-  Lanes flow_correction(double command_V, const Lanes& port) noexcept {
+  // The valve's flow over the period less the model's corrects the next port pressure, as the pressure of the wave that
+  // leaves by the valve: it damps the ringing that sensor noise feeds. While the start is not yet forgotten it also goes
+  // into the chamber: the line's resistance holds an error there for the time R C, with a share k for R C / (1 + k).
+  void correct(double command_V, const Lanes& port) noexcept {
     const Lanes middle = Lanes(0.5) * (port + port_);
     port_ = port;
-    if (!std::isfinite(command_V)) return Lanes(0);
+    start_gain_ *= start_decay_;
+    correction_ = surplus_ = Lanes(0);
+    if (!std::isfinite(command_V)) return;
     const auto& valve = parameters_.valve;
     const double area = std::fmin(std::fabs(command_V) * valve.area_per_volt_m2_per_V, valve.area_max_m2),
                  wide = area * (1.0 + parameters_.uncertainty.relative_valve_area);
@@ -247,7 +256,8 @@ class PipelineEstimator {
     const Lanes flow = orifice_mass_flow(air_, lanes(area, area, wide, wide), Lanes(valve.critical_pressure_ratio),
                                          outside, air_.temperature_K, middle, air_.temperature_K);
     const Lanes largest(correction_limit_Pa);
-    return maximum(minimum(correction_gain_ * (flow - axis_.flow().port_mass_flow_kgps), largest), -largest);
+    surplus_ = flow - axis_.flow().port_mass_flow_kgps;
+    correction_ = maximum(minimum(correction_gain_ * surplus_, largest), -largest);
   }
 
   // Replaces what cannot be by what was, and says so.
@@ -321,6 +331,8 @@ class PipelineEstimator {
   Lanes peak_, mean_square_, drop_peak_;
   Air<Lanes> air_;
   Lanes correction_, correction_gain_, port_;  // Pa, Pa s/kg, Pa of the last tick
+  Lanes surplus_;  // of the valve's flow over the model's in the last tick, kg/s
+  double start_gain_ = 0.0, start_decay_ = 1.0;
   bool corrects_flow_ = false, alike_ = true;
   double grid_share_of_cell_ = grid_share;
   double peak_decay_ = 0.0, rms_gain_ = 1.0, grid_decay_ = 0.0;

@@ -74,7 +74,7 @@ struct Command {
 inline std::array<DigitalLine*, 4> lines_of(DigitalInputs& d) noexcept {
   return {&d.emergency_stop, &d.limit_low, &d.limit_high, &d.valve_power};
 }
-inline constexpr std::array<const char*, 4> line_names{"emergency_stop", "limit_low", "limit_high", "valve_power"};
+inline constexpr std::array<const char*, 4> digital_line_names{"emergency_stop", "limit_low", "limit_high", "valve_power"};
 
 /// Where everything of a run comes from and goes to.
 struct Origins {

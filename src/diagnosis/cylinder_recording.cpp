@@ -117,7 +117,7 @@ CylinderRecording prepare_recording(const Recording& recording, double longest_s
   const GaussianKernel kernel(std::max(position_sigma_s, out.period_s()), out.period_s());
   out.inputs.position_m = smoothed_position(kernel, position);
   out.inputs.velocity_mps = kernel.apply(position, 1);
-  out.inputs.release = static_cast<std::size_t>(std::lround(ports_imposed_s / out.period_s()));
+  out.inputs.release = static_cast<std::size_t>(std::lround(ports_followed_s / out.period_s()));
   const auto first = static_cast<std::size_t>(std::lround(first_compared_s / out.period_s()));
   if (out.samples() < first + static_cast<std::size_t>(1.0 / out.period_s()))
     throw InputError(fmt::format("{}: found {:.3g} s of samples, expected at least {:.3g} s", recording.path,

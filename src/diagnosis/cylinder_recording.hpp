@@ -12,7 +12,7 @@
 namespace pneuservo {
 
 /// Times within a recording that the comparison treats in a way of its own [s].
-inline constexpr double ports_imposed_s = 0.3;   ///< the gas finds its state behind the measured port pressures
+inline constexpr double ports_followed_s = 0.3;  ///< the gas finds its state after the measured port pressures
 inline constexpr double first_compared_s = 0.35;
 
 struct CylinderRecording {

@@ -33,6 +33,8 @@ constexpr double noise_margin = 1.15;  // a recording this much noisier than its
 constexpr std::array slow_memories_s{0.03, 0.1, 0.3, 1.0, 3.0};
 constexpr double force_memory_s = 0.1;
 
+constexpr std::size_t most_known_rows = 15'000'000;  // of columns that are remembered: 120 MB
+
 double with_quantum(double noise, double quantum) { return std::hypot(noise, quantum / std::sqrt(12.0)); }
 
 /// What the sensor would read of true values.
@@ -62,7 +64,7 @@ double largest_noise(const std::vector<CylinderRecording>& recordings, std::size
   return noise;
 }
 
-/// Error of the gas of one side where the ports are let go.
+/// Error of the gas of one side where it is left to itself.
 double start_error(const CylinderRecording& recording, std::size_t side) {
   const std::vector<double>& p = recording.inputs.start_Pa[side];
   const std::size_t count = std::min(p.size(), recording.inputs.release);
@@ -274,36 +276,71 @@ CylinderResiduals::SampledCourse CylinderResiduals::course_of(const Rig& rig, co
   return {data.measured_Pa[channel], readings(rig.sensor_effects[channel + 1], gas[channel], data.period_s())};
 }
 
-Eigen::MatrixXd CylinderResiduals::residuals(std::span<const Hypothesis> hypotheses) {
-  const auto gas = gas_->of(hypotheses);
-  Eigen::MatrixXd out(static_cast<Eigen::Index>(rows_.size()), static_cast<Eigen::Index>(hypotheses.size()));
-  in_parallel(hypotheses.size() * stretches_.size(), jobs_, [&](std::size_t task) {
-    const std::size_t i = task / stretches_.size();
-    const Stretch& stretch = stretches_[task % stretches_.size()];
-    const SampledCourse course = course_of(hypotheses[i].rig, *gas[i][stretch.recording], stretch);
-    std::vector<double> column(stretch.bins.size());
+Eigen::VectorXd CylinderResiduals::plain_column(const Rig& rig, const std::vector<GasRuns::Course>& gas) const {
+  Eigen::VectorXd out(static_cast<Eigen::Index>(rows_.size()));
+  for (const Stretch& stretch : stretches_) {
+    const SampledCourse course = course_of(rig, *gas[stretch.recording], stretch);
+    double* row = out.data() + stretch.first_row;
     for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
       const Bin& bin = stretch.bins[b];
       double sum = 0;
       for (std::size_t k = bin.first; k < bin.first + bin.count; ++k) sum += course.simulated[k] - course.measured[k];
-      column[b] = sum / static_cast<double>(bin.count) / rows_[stretch.first_row + b].sigma;
+      *row++ = sum / static_cast<double>(bin.count) / rows_[stretch.first_row + b].sigma;
     }
-    slow_errors_[stretch.channel].whiten(stretch.times_s, column);
-    if (stretch.answer.rows() > 0) {
-      std::vector<double> difference(course.simulated);
-      for (std::size_t k = 0; k < difference.size(); ++k) difference[k] -= course.measured[k];
-      const double sigma = rows_[stretch.first_row + stretch.bins.size()].sigma;
-      for (const double value : stretch.answer.of(difference)) column.push_back(value / sigma);
-    }
-    std::copy(column.begin(), column.end(),
-              out.col(static_cast<Eigen::Index>(i)).data() + static_cast<std::ptrdiff_t>(stretch.first_row));
-  });
-  for (Eigen::Index i = 0; i < out.cols(); ++i)
-    if (!out.col(i).allFinite()) out.col(i).setConstant(std::numeric_limits<double>::quiet_NaN());
+    if (stretch.answer.rows() == 0) continue;
+    std::vector<double> difference(course.simulated);
+    for (std::size_t k = 0; k < difference.size(); ++k) difference[k] -= course.measured[k];
+    const double sigma = rows_[stretch.first_row + stretch.bins.size()].sigma;
+    for (const double value : stretch.answer.of(difference)) *row++ = value / sigma;
+  }
   return out;
 }
 
-void CylinderResiduals::set_working_point(const Hypothesis& hypothesis) { gas_->set_working_point(hypothesis); }
+std::vector<CylinderResiduals::Column> CylinderResiduals::plain_columns(std::span<const Hypothesis> hypotheses) {
+  std::vector<Column> out(hypotheses.size());
+  std::vector<std::vector<double>> keys(hypotheses.size());
+  std::vector<std::size_t> missing;
+  std::vector<Hypothesis> wanted;
+  for (std::size_t i = 0; i < hypotheses.size(); ++i) {
+    const NumberCollector collect{keys[i]};
+    AxisParameters<double>::visit(collect, hypotheses[i].rig.axis);
+    for (const SensorEffects<double>& sensor : hypotheses[i].rig.sensor_effects)
+      SensorEffects<double>::visit(collect, sensor);
+    keys[i].insert(keys[i].end(), hypotheses[i].start_factors.begin(), hypotheses[i].start_factors.end());
+    const auto known = known_columns_.find(keys[i]);
+    if (known != known_columns_.end()) {
+      out[i] = known->second;
+    } else {
+      missing.push_back(i);
+      wanted.push_back(hypotheses[i]);
+    }
+  }
+  const auto gas = gas_->of(wanted);
+  in_parallel(missing.size(), jobs_, [&](std::size_t m) {
+    out[missing[m]] = std::make_shared<const Eigen::VectorXd>(plain_column(wanted[m].rig, gas[m]));
+  });
+  if ((known_columns_.size() + missing.size()) * rows_.size() > most_known_rows) known_columns_.clear();
+  for (const std::size_t i : missing) known_columns_.emplace(std::move(keys[i]), out[i]);
+  return out;
+}
+
+Eigen::MatrixXd CylinderResiduals::residuals(std::span<const Hypothesis> hypotheses) {
+  const std::vector<Column> plain = plain_columns(hypotheses);
+  Eigen::MatrixXd out(static_cast<Eigen::Index>(rows_.size()), static_cast<Eigen::Index>(hypotheses.size()));
+  for (Eigen::Index i = 0; i < out.cols(); ++i) {
+    out.col(i) = *plain[static_cast<std::size_t>(i)];
+    for (const Stretch& stretch : stretches_)
+      slow_errors_[stretch.channel].whiten(stretch.times_s,
+                                           std::span(out.col(i).data() + stretch.first_row, stretch.bins.size()));
+    if (!out.col(i).allFinite()) out.col(i).setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+  return out;
+}
+
+void CylinderResiduals::set_working_point(const Hypothesis& hypothesis) {
+  gas_->set_working_point(hypothesis);
+  known_columns_.clear();
+}
 
 std::vector<double> CylinderResiduals::take_slow_error(const Hypothesis& hypothesis) {
   slow_errors_.assign(channels_.size(), {});

@@ -62,6 +62,10 @@ class CylinderResiduals final : public ResidualModel {
   SampledCourse force_course(const Rig& rig, const GasCourse& gas, std::size_t recording) const;
   std::vector<double> chamber_pressure(const Rig& rig, const GasCourse& gas, std::size_t recording,
                                        std::size_t side) const;
+  using Column = std::shared_ptr<const Eigen::VectorXd>;
+  /// Residual in sigmas, slow errors still in it; remembered, for fits come back to where they were.
+  std::vector<Column> plain_columns(std::span<const Hypothesis> hypotheses);
+  Eigen::VectorXd plain_column(const Rig& rig, const std::vector<GasRuns::Course>& gas) const;
 
   Rig owner_;
   std::vector<CylinderRecording> recordings_;
@@ -74,6 +78,7 @@ class CylinderResiduals final : public ResidualModel {
   std::vector<ResidualRow> rows_;
   std::vector<Stretch> stretches_;
   std::vector<SlowError> slow_errors_;  ///< of each channel
+  std::map<std::vector<double>, Column> known_columns_;  ///< by every number of the hypothesis
 };
 
 }  // namespace pneuservo

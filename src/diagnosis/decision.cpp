@@ -164,8 +164,8 @@ double ModelLevels::held_out_excess() const {
     rows += static_cast<double>(c.fitted_rows);
     held_rows += static_cast<double>(c.held_out_rows);
   }
-  const double fitted = chi2(false);
-  return held_rows > 0 && fitted > 0 ? (chi2(true) / held_rows) / (fitted / rows) : 1;
+  const double fitted = chi2(false), held = chi2(true);
+  return held > held_rows && fitted > 0 ? (held / held_rows) / (fitted / rows) : 1;
 }
 
 ModelLevels model_levels(ResidualModel& model, const Hypothesis& hypothesis, const DecisionRules& rules) {
@@ -180,16 +180,6 @@ ModelLevels model_levels(ResidualModel& model, const Hypothesis& hypothesis, con
     if (levels.line->ratio < rules.line_ratio || is_small) levels.line.reset();
   }
   return levels;
-}
-
-bool ModelLevels::is_everywhere(const std::vector<ResidualChannel>& names, double limit) const {
-  std::array<bool, 2> side{false, false};
-  for (std::size_t c = 0; c < channels.size(); ++c) {
-    if (channels[c].fitted <= limit) continue;
-    if (names[c].name.starts_with("p1")) side[0] = true;
-    if (names[c].name.starts_with("p2")) side[1] = true;
-  }
-  return side[0] && side[1];
 }
 
 namespace {

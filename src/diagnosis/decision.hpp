@@ -52,9 +52,8 @@ struct ModelLevels {
 
   double chi2(bool held_out) const;
   double highest() const;
-  /// Whether pressures of both sides are above the limit: no single place makes that.
-  bool is_everywhere(const std::vector<ResidualChannel>& names, double limit) const;
-  /// Chi2 a row on held-out stretches over that on fitted ones; 1 where there are none.
+  /// Chi2 a row on held-out stretches over that on fitted ones; 1 where there are none or they are at their floor: the
+  /// floor is wider at the start of a recording, so that fitted rows may stay further below it.
   double held_out_excess() const;
 };
 ModelLevels model_levels(ResidualModel& model, const Hypothesis& hypothesis, const DecisionRules& rules);

@@ -249,6 +249,9 @@ void add_times(const ResidualModel& model, double bin_s, Diagnosis& out) {
   for (const auto& [bin, held_out] : bins) (held_out ? out.held_out_s : out.admitted_s) += bin_s;
 }
 
+/// Beside small physics the residual is not smooth, and fits creep on: by a twentieth of an alarm's gain in all.
+constexpr double settled_gain_beside = 3.0;
+
 /// The verdict on a search, with the chosen explanation fitted to its end.
 Decision decided(ResidualModel& model, Search& search, const DecisionRules& rules, Diagnosis& out) {
   Decision decision = decide(model, search, rules);
@@ -341,11 +344,12 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
     decision = decide_in_one_quantity(model, first_search, options.rules);
   std::optional<Search> beside;
   if (decision.verdict == Verdict::unknown && !out.stopped &&
-      decision.levels.is_everywhere(model.channels(), options.rules.floor_level)) {
+      is_everywhere(model.channels(), decision.levels.channels, options.rules.floor_level)) {
     SearchSettings settings = options.search;
     settings.small_physics = small_physics(rig, model.channels());
     settings.grow_floor = true;
     settings.most_effects = 1;
+    settings.settled_gain = settled_gain_beside;
     beside.emplace(rows, rig, first_search.candidates(), settings, options.progress);
     run_search(*beside, out);
     const Explanation* best = beside->best_of(1);

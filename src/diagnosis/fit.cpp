@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include <Eigen/Cholesky>
 
@@ -11,11 +12,12 @@ namespace pneuservo {
 
 namespace {
 
-/// Tried at once; the best is taken. The last one is a short step along the first.
-constexpr std::array<double, 5> dampings{0.0, 0.03, 0.3, 3.0, 30.0};
-/// A step that would gain less than this of the objective is not taken: 0.05 in log evidence, or a share that matters
-/// to no comparison.
-constexpr double settled_gain = 0.1, settled_share = 2e-5;
+/// Where the undamped step keeps less than this of what it promises, damped ones are tried at once; the best is taken.
+/// The last one is a short step along the first.
+constexpr double kept_promise = 0.7;
+constexpr std::array<double, 4> dampings{0.03, 0.3, 3.0, 30.0};
+/// A step that would gain less than this share of the objective matters to no comparison.
+constexpr double settled_share = 2e-5;
 
 Eigen::MatrixXd curvature(const Fit& fit) {
   Eigen::MatrixXd h = fit.jacobian.transpose() * fit.jacobian;
@@ -24,9 +26,9 @@ Eigen::MatrixXd curvature(const Fit& fit) {
 }
 
 /// Minimum of the quadratic model within the bounds: what leaves them is held there and the rest solved again.
-Eigen::VectorXd bounded_step(const Fit& fit, const Eigen::MatrixXd& h, const Eigen::VectorXd& gradient,
-                             double damping) {
-  const Eigen::Index n = fit.z.size();
+Eigen::VectorXd bounded_step(const Fit& fit, const Eigen::VectorXd& start, const Eigen::MatrixXd& h,
+                             const Eigen::VectorXd& gradient, double damping) {
+  const Eigen::Index n = start.size();
   Eigen::MatrixXd damped = h;
   damped.diagonal() *= 1 + damping;
   Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
@@ -41,9 +43,9 @@ Eigen::VectorXd bounded_step(const Fit& fit, const Eigen::MatrixXd& h, const Eig
     for (std::size_t k = 0; k < free.size(); ++k) {
       const Eigen::Index i = free[k];
       const FreeParameter& p = fit.parameters[static_cast<std::size_t>(i)];
-      const double z = fit.z(i) + step(i) + solved(static_cast<Eigen::Index>(k));
+      const double z = start(i) + step(i) + solved(static_cast<Eigen::Index>(k));
       if (z < p.lower || z > p.upper) {
-        step(i) = std::clamp(z, p.lower, p.upper) - fit.z(i);
+        step(i) = std::clamp(z, p.lower, p.upper) - start(i);
         held[static_cast<std::size_t>(i)] = 1;
         left = true;
       }
@@ -56,8 +58,8 @@ Eigen::VectorXd bounded_step(const Fit& fit, const Eigen::MatrixXd& h, const Eig
   return step;
 }
 
-double predicted_gain(const Fit& fit, const Eigen::MatrixXd& h, const Eigen::VectorXd& gradient) {
-  const Eigen::VectorXd step = bounded_step(fit, h, gradient, 0.0);
+double promised_gain(const Fit& fit, const Eigen::MatrixXd& h, const Eigen::VectorXd& gradient) {
+  const Eigen::VectorXd step = bounded_step(fit, fit.z, h, gradient, 0.0);
   return -2 * gradient.dot(step) - step.dot(h * step);
 }
 
@@ -168,40 +170,62 @@ void linearise(FittedRows& rows, std::vector<Fit*> fits) {
   for (Fit* fit : fits) fit->known_columns.assign(fit->parameters.size(), 1);
 }
 
-void improve(FittedRows& rows, std::vector<Fit*> fits, int iterations, Columns columns_at_steps) {
+namespace {
+
+/// A fit on its way: what its step starts from and how much it promises.
+struct Stepping {
+  Fit* fit;
+  Eigen::MatrixXd curvature;
+  Eigen::VectorXd start, gradient;
+  double before, promised;
+};
+
+/// Tries a step of every damping for every fit and takes what is better than where the fit stands.
+void try_steps(FittedRows& rows, const std::vector<Stepping*>& steppings, std::span<const double> tried) {
+  std::vector<Hypothesis> hypotheses;
+  std::vector<Eigen::VectorXd> places;
+  for (const Stepping* s : steppings)
+    for (const double damping : tried) {
+      places.push_back(s->start + bounded_step(*s->fit, s->start, s->curvature, s->gradient, damping));
+      hypotheses.push_back(with_parameters(s->fit->base, s->fit->parameters, plain(places.back())));
+    }
+  const Eigen::MatrixXd columns = rows(hypotheses);
+  for (std::size_t at = 0; at < places.size(); ++at) {
+    Fit& fit = *steppings[at / tried.size()]->fit;
+    const auto column = columns.col(static_cast<Eigen::Index>(at));
+    const double objective = column.squaredNorm() + places[at].squaredNorm();
+    if (!column.allFinite() || objective >= fit.objective) continue;
+    fit.objective = objective;
+    fit.z = places[at];
+  }
+}
+
+}  // namespace
+
+void improve(FittedRows& rows, std::vector<Fit*> fits, int iterations, Columns columns_at_steps, double settled_gain) {
   std::erase_if(fits, [](const Fit* fit) { return fit->failed; });
   for (Fit* fit : fits) fit->settled = false;
   for (int iteration = 0; !fits.empty(); ++iteration) {
     linearise(rows, fits);
     std::erase_if(fits, [](const Fit* fit) { return fit->failed || fit->settled; });
     if (iteration == iterations) break;
-    std::vector<Hypothesis> hypotheses;
-    std::vector<Eigen::VectorXd> places;
+    std::vector<Stepping> steppings;
     for (Fit* fit : fits) {
-      const Eigen::MatrixXd h = curvature(*fit);
-      const Eigen::VectorXd gradient = fit->jacobian.transpose() * fit->residual + fit->z;
-      fit->settled = predicted_gain(*fit, h, gradient) < std::max(settled_gain, settled_share * fit->objective);
-      if (fit->settled) continue;
-      for (const double damping : dampings) {
-        places.push_back(fit->z + bounded_step(*fit, h, gradient, damping));
-        hypotheses.push_back(with_parameters(fit->base, fit->parameters, plain(places.back())));
-      }
+      Stepping s{fit, curvature(*fit), fit->z, fit->jacobian.transpose() * fit->residual + fit->z, fit->objective, 0};
+      s.promised = promised_gain(*fit, s.curvature, s.gradient);
+      fit->settled = s.promised < std::max(settled_gain, settled_share * fit->objective);
+      if (!fit->settled) steppings.push_back(std::move(s));
     }
     std::erase_if(fits, [](const Fit* fit) { return fit->settled; });
-    const Eigen::MatrixXd columns = rows(hypotheses);
-    for (std::size_t f = 0; f < fits.size(); ++f) {
-      Fit& fit = *fits[f];
-      const double before = fit.objective;
-      const Eigen::VectorXd start = fit.z;
-      for (std::size_t d = 0; d < dampings.size(); ++d) {
-        const std::size_t at = f * dampings.size() + d;
-        const auto column = columns.col(static_cast<Eigen::Index>(at));
-        const double objective = column.squaredNorm() + places[at].squaredNorm();
-        if (!column.allFinite() || objective >= fit.objective) continue;
-        fit.objective = objective;
-        fit.z = places[at];
-      }
-      fit.settled = before - fit.objective < std::max(settled_gain, settled_share * before);
+    std::vector<Stepping*> chosen;
+    for (Stepping& s : steppings) chosen.push_back(&s);
+    try_steps(rows, chosen, std::array{0.0});
+    std::erase_if(chosen,
+                  [](const Stepping* s) { return s->before - s->fit->objective >= kept_promise * s->promised; });
+    try_steps(rows, chosen, dampings);
+    for (const Stepping& s : steppings) {
+      Fit& fit = *s.fit;
+      fit.settled = s.before - fit.objective < std::max(settled_gain, settled_share * s.before);
       for (std::size_t i = 0; i < fit.parameters.size(); ++i)
         fit.known_columns[i] = columns_at_steps == Columns::own && i >= fit.own_count;
     }

@@ -64,8 +64,9 @@ void linearise(FittedRows& rows, std::vector<Fit*> fits);
 /// where they are not known yet, and hardly change near a minimum), or all.
 enum class Columns { own, all };
 
-/// Moves every fit towards its minimum, at most `iterations` steps; afterwards residual, Jacobian and objective stand
-/// at z.
-void improve(FittedRows& rows, std::vector<Fit*> fits, int iterations, Columns columns_at_steps);
+/// Moves every fit towards its minimum, at most `iterations` steps, or until a step promises or gains less than
+/// settled_gain of the objective; afterwards residual, Jacobian and objective stand at z.
+void improve(FittedRows& rows, std::vector<Fit*> fits, int iterations, Columns columns_at_steps,
+             double settled_gain = 0.1);
 
 }  // namespace pneuservo

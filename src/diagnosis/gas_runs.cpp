@@ -18,16 +18,6 @@ namespace {
 constexpr double work_effort = 100.0, fine_effort = 2000.0;
 constexpr std::size_t most_known = 64;  // courses kept of each recording, 0.3 MB each for 8 s
 
-/// Every number of a parameter struct, in its order.
-struct NumberCollector {
-  std::vector<double>& numbers;
-  template <class T> void operator()(const Field&, const T& value) const {
-    if constexpr (std::is_arithmetic_v<T>) numbers.push_back(static_cast<double>(value));
-    else if constexpr (std::is_enum_v<T>) numbers.push_back(static_cast<double>(static_cast<int>(value)));
-    else T::visit(*this, value);
-  }
-};
-
 bool finite(const GasCourse& course) { return std::isfinite(course[0].back()); }
 
 /// As run_imposed; a rig that an element refuses has a course of NaN, which drops that hypothesis and no other.

@@ -15,6 +15,16 @@ namespace pneuservo {
 /// Calls work(i) for i = 0 .. count - 1 from `jobs` threads, this one among them; the first exception is thrown on.
 void in_parallel(std::size_t count, int jobs, const std::function<void(std::size_t)>& work);
 
+/// Every number of a parameter struct, in its order: what a memory of results goes by.
+struct NumberCollector {
+  std::vector<double>& numbers;
+  template <class T> void operator()(const Field&, const T& value) const {
+    if constexpr (std::is_arithmetic_v<T>) numbers.push_back(static_cast<double>(value));
+    else if constexpr (std::is_enum_v<T>) numbers.push_back(static_cast<double>(static_cast<int>(value)));
+    else T::visit(*this, value);
+  }
+};
+
 class GasRuns {
  public:
   using Course = std::shared_ptr<const GasCourse>;

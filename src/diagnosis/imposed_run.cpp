@@ -11,6 +11,9 @@ namespace {
 
 constexpr double fastest_flow_mps = 100.0;  // above it the Courant margin is used up, beyond 170 the guards act
 constexpr double highest_pressure_Pa = 1e7;
+/// How fast the gas follows the measured port pressures at the start. Slowly, through the mass of a whole side: a
+/// pressure imposed at the port would turn line and chamber into a resonator that rings with the sensor's noise.
+constexpr double follow_s = 0.1;
 
 /// Motion that the slider made where its sensor read this one: y = gain lag(x) + offset turned round.
 double true_value(const SensorEffects<double>& sensor, double reading, double rate) {
@@ -37,9 +40,9 @@ template <class S> class ImposedSimulation {
     store(0);
     for (std::size_t k = 0; k + 1 < samples; ++k) {
       const S command(inputs_.command_V[k]);
-      if (k < inputs_.release) plant_.step_led(command, -command, position(k + 1), port_pressures(k + 1));
-      else plant_.step_led(command, -command, position(k + 1));
-      if (k + 1 == inputs_.release) plant_.scale_gas(start_factors());
+      plant_.step_led(command, -command, position(k + 1));
+      if (k + 1 < inputs_.release) follow_ports(k + 1);
+      if (k + 1 == inputs_.release) plant_.warm_gas(start_factors());
       store(k + 1);
     }
     for (GasCourse& course : courses_) refuse_absurd(course);
@@ -71,6 +74,11 @@ template <class S> class ImposedSimulation {
       return each_lane([&](const ImposedRun& run) { return 1.0 + run.start_factor[i]; });
     };
     return join(side(0), side(1));
+  }
+  /// Brings the gas a part of the way to the measured port pressures: their running mean, then what they do slowly.
+  void follow_ports(std::size_t k) {
+    const double gain = std::max(1.0 / static_cast<double>(k + 1), inputs_.period_s / follow_s);
+    plant_.scale_gas(P(1) + P(gain) * (port_pressures(k) / plant_.port_pressure() - P(1)));
   }
   void store(std::size_t k) {
     const P port = plant_.port_pressure(), chamber = plant_.chamber_pressure();

@@ -19,17 +19,17 @@ struct ImposedInputs {
   std::array<std::vector<double>, 2> start_Pa;        ///< pressure at or near each port, as measured, smoothed
   std::array<std::vector<double>, 2> start_Pa_per_s;  ///< and its rate
   std::array<std::size_t, 2> start_sensor{1, 2};      ///< whose reading that is (index into channel_names)
-  std::size_t release = 0;                            ///< samples with the port pressures imposed
+  std::size_t release = 0;                            ///< samples in which the gas follows these pressures
 };
 
 /// Simulated quantities at every sample, just before its command acts: true values, no sensor in them.
 enum GasChannel : std::size_t { port_1, port_2, chamber_1, chamber_2, supply, gas_channels };
 using GasCourse = std::array<std::vector<double>, gas_channels>;
 
-/// One rig to simulate with the factors on its gas when the ports are let go.
+/// One rig to simulate with the factors on its gas when it is left to itself.
 struct ImposedRun {
   const Rig* rig = nullptr;
-  std::array<double, 2> start_factor{};  ///< relative gas mass minus 1 of sides 1 and 2
+  std::array<double, 2> start_factor{};  ///< relative temperature minus 1 of sides 1 and 2
 };
 
 /// Rigs that run side by side in one call at most.

@@ -89,6 +89,17 @@ std::vector<ChannelLevel> channel_levels(const std::vector<ResidualRow>& rows, s
   return levels;
 }
 
+bool is_everywhere(const std::vector<ResidualChannel>& channels, const std::vector<ChannelLevel>& levels,
+                   double limit) {
+  bool side[2] = {};
+  for (std::size_t c = 0; c < levels.size(); ++c) {
+    if (levels[c].fitted <= limit) continue;
+    if (channels[c].name.starts_with("p1")) side[0] = true;
+    if (channels[c].name.starts_with("p2")) side[1] = true;
+  }
+  return side[0] && side[1];
+}
+
 std::optional<SpectralLine> strongest_line(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual,
                                            const std::vector<ChannelLevel>& levels, double least_level) {
   std::optional<SpectralLine> best;

@@ -19,6 +19,9 @@ struct ChannelLevel {
 std::vector<ChannelLevel> channel_levels(const std::vector<ResidualRow>& rows, std::size_t channels,
                                          const Eigen::VectorXd& residual);
 
+/// Whether pressures of both sides are above the limit: no single place makes that.
+bool is_everywhere(const std::vector<ResidualChannel>& channels, const std::vector<ChannelLevel>& levels, double limit);
+
 /// The strongest periodic part between 3 and 45 Hz.
 struct SpectralLine {
   int channel = 0;

@@ -14,7 +14,9 @@ namespace pneuservo {
 /// One explanation to be tried: the rig with physics and parameters as supposed, and the gas at each recording's start.
 struct Hypothesis {
   Rig rig;
-  std::vector<double> start_factors;  ///< relative gas mass minus 1, side 1 and 2 of each recording; empty: neutral
+  /// What no pressure tells of the gas at a recording's start, relative to what is supposed, minus 1, side 1 and 2 of
+  /// each recording: a cylinder's temperature, a vessel's pressure. Empty: neutral.
+  std::vector<double> start_factors;
 };
 
 /// One compared quantity.

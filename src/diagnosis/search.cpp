@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "diagnosis/left_over.hpp"
+
 namespace pneuservo {
 
 namespace {
@@ -161,7 +163,7 @@ void Search::refit(const Fit& base, const std::vector<std::size_t>& members,
     fresh[f]->fit.failed = least == 1e300;
     fits.push_back(&fresh[f]->fit);
   }
-  improve(rows_, fits, 4, Columns::own);
+  improve(rows_, fits, 4, Columns::own, settings_.settled_gain);
   for (Explanation* explanation : fresh)
     if (!explanation->fit.failed) explanation->log_evidence = log_evidence(*explanation);
 }
@@ -181,7 +183,7 @@ void Search::polish(std::vector<Explanation*> explanations, int iterations, bool
       fit.known_columns[i] = !all_columns && i >= fit.own_count;
     fits.push_back(&fit);
   }
-  improve(rows_, fits, iterations, all_columns ? Columns::all : Columns::own);
+  improve(rows_, fits, iterations, all_columns ? Columns::all : Columns::own, settings_.settled_gain);
   for (Explanation* explanation : explanations)
     explanation->log_evidence = explanation->fit.failed ? -1e300 : log_evidence(*explanation);
 }
@@ -199,23 +201,22 @@ std::vector<Explanation*> Search::rivals(std::size_t members, double distance, s
 
 void Search::polish_best(std::size_t members) {
   // Until nothing moves: a large effect bends the derivatives of everything else on its way.
-  std::map<const Explanation*, double> before;
+  std::set<const Explanation*> at_end;
   for (int round = 0; round < 6; ++round) {
     std::vector<Explanation*> moving = rivals(members, settings_.rival_distance, settings_.polished);
-    std::erase_if(moving, [&](const Explanation* e) {
-      return before.count(e) > 0 && e->log_evidence - before.at(e) < settled_evidence;
-    });
+    std::erase_if(moving, [&](const Explanation* e) { return at_end.count(e) > 0; });
     if (moving.empty()) return;
-    for (const Explanation* e : moving) before[e] = e->log_evidence;
+    std::vector<double> before;
+    for (const Explanation* e : moving) before.push_back(e->log_evidence);
     polish(moving, 6, true);
-    for (const Explanation* e : moving)  // the first round always counts as a move
-      if (round == 0) before[e] = std::min(before[e], e->log_evidence - 2 * settled_evidence);
+    for (std::size_t i = 0; i < moving.size(); ++i)
+      if (moving[i]->fit.settled || moving[i]->log_evidence - before[i] < settled_evidence) at_end.insert(moving[i]);
   }
 }
 
 void Search::take_defect_at_best(std::size_t members) {
   const Explanation* best = best_of(members);
-  if (best == nullptr || best->log_evidence - owner_.log_evidence < settings_.rival_distance) return;
+  if (best == nullptr || best->log_evidence - owner_.log_evidence < settings_.audible_gain) return;
   rows_.model().set_working_point(best->fit.hypothesis());
   working_point_ = best->members;
   std::vector<Explanation*> again = rivals(members, settings_.rival_distance, 12);
@@ -223,6 +224,7 @@ void Search::take_defect_at_best(std::size_t members) {
     for (Explanation* e : rivals(members - 1, settings_.rival_distance, 2)) again.push_back(e);
   again.push_back(&owner_);
   polish(again, 2, false);
+  owner_.log_evidence = std::max(owner_.log_evidence, owner_evidence_at_home_);
   linearise(rows_, {&as_configured_});
 }
 
@@ -254,8 +256,9 @@ void Search::search_singles() {
   if (as_configured_.failed) throw std::runtime_error("the rig as configured cannot be simulated on these recordings");
   fit_owner();
   tell(0.15, "screening of all names");
-  const bool bent = owner_.fit.chi2() / static_cast<double>(rows_.count()) > bent_chi2_per_row;
-  const Fit& base = bent && !settings_.grow_floor ? as_configured_ : owner_.fit;
+  const bool bent = is_bent() && !settings_.grow_floor;
+  if (!bent) take_defect_at_owner();
+  const Fit& base = bent ? as_configured_ : owner_.fit;
   const Screening screening(rows_, base, candidates_, others({}));
   first_screening_ = screening.singles();
   first_pairs_ = screening.best_pairs(settings_.pairs);
@@ -270,17 +273,27 @@ void Search::search_singles() {
 
 void Search::fit_owner() {
   owner_.fit = as_configured_;
-  improve(rows_, {&owner_.fit}, 5, Columns::all);
+  improve(rows_, {&owner_.fit}, 5, Columns::all, settings_.settled_gain);
   for (int round = 0; settings_.grow_floor && round < floor_rounds; ++round) {
     rows_.model().take_slow_error(owner_.fit.hypothesis());
     owner_.fit.known_columns.assign(owner_.fit.parameters.size(), 0);
-    improve(rows_, {&owner_.fit}, 4, Columns::all);
+    improve(rows_, {&owner_.fit}, 4, Columns::all, settings_.settled_gain);
   }
   if (settings_.grow_floor) {
     as_configured_.known_columns.assign(as_configured_.parameters.size(), 0);
     linearise(rows_, {&as_configured_});
   }
   owner_.log_evidence = owner_.fit.log_evidence();
+}
+
+bool Search::is_bent() const { return owner_.fit.chi2() / static_cast<double>(rows_.count()) > bent_chi2_per_row; }
+
+void Search::take_defect_at_owner() {
+  rows_.model().set_working_point(owner_.fit.hypothesis());
+  working_point_.clear();
+  linearise(rows_, {&as_configured_});
+  polish({&owner_}, 4, true);
+  if (!settings_.grow_floor) owner_evidence_at_home_ = owner_.log_evidence;
 }
 
 void Search::take_floor_at_best() {
@@ -358,10 +371,9 @@ bool Search::search_next(std::size_t members) {
   if (chosen.empty() || 0.5 * chosen.front().gain < needed) return false;
   refit(base->fit, base->members, chosen);
   if (members == 1) {
-    const bool bent = owner_.fit.chi2() / static_cast<double>(rows_.count()) > bent_chi2_per_row;
     std::vector<std::vector<Screened>> sets;
     for (const ScreenedPair& pair : first_pairs_) sets.push_back({pair.first, pair.second});
-    refit(bent ? as_configured_ : owner_.fit, {}, sets);
+    refit(is_bent() ? as_configured_ : owner_.fit, {}, sets);
   }
   const Explanation* best = best_of(members + 1);
   const double gained = best == nullptr ? 0 : best->log_evidence - base->log_evidence;
@@ -373,10 +385,20 @@ bool Search::search_next(std::size_t members) {
   return true;
 }
 
+bool Search::is_everywhere_beside(std::size_t members) {
+  const std::array<Hypothesis, 1> best{best_of(members)->fit.hypothesis()};
+  ResidualModel& model = rows_.model();
+  const Eigen::VectorXd residual = model.residuals(best).col(0);
+  return is_everywhere(model.channels(), channel_levels(model.rows(), model.channels().size(), residual),
+                       settings_.everywhere_level);
+}
+
 void Search::run() {
   search_singles();
   if (best_of(1) == nullptr) return;
   for (std::size_t members = 1; members < settings_.most_effects; ++members) {
+    // Two names that leave the pressures of both sides above their floors: a machine with a little of everything.
+    if (members == 2 && is_everywhere_beside(members)) break;
     tell(0.4 + 0.2 * static_cast<double>(members), fmt::format("effects beside the first {}", members));
     if (!search_next(members)) break;
   }

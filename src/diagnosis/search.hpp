@@ -26,9 +26,12 @@ struct SearchSettings {
   double least_gain = 10;       ///< in chi2, to be refitted
   double least_share = 0.02;    ///< of the best gain
   double rival_distance = 300;  ///< in log evidence: rivals that are fitted as far as the best
+  double audible_gain = 15;     ///< in log evidence: names that bring less raise no alarm, whatever the grid does
   double next_gain = 60;        ///< in log evidence: what one more effect must bring for the search to go on
   double next_share = 0.003;    ///< of the first effect's gain: and this
   std::size_t most_effects = 3;
+  double settled_gain = 0.1;    ///< in chi2: a fit that a step improves by less is at its end
+  double everywhere_level = 1.25;  ///< of a channel in sigma: both sides' pressures above it are no third name
   std::vector<FreeParameter> small_physics;  ///< nuisances beside the tolerances
   /// Whether the model's slow error follows what is left: first by the owner's model, then by the best single name.
   bool grow_floor = false;
@@ -78,6 +81,9 @@ class Search {
   void take_defect_at_best(std::size_t members);
   void search_singles();
   void fit_owner();
+  bool is_bent() const;
+  bool is_everywhere_beside(std::size_t members);
+  void take_defect_at_owner();
   void take_floor_at_best();
   bool search_next(std::size_t members);
   void swap_members(const Explanation& best);
@@ -93,6 +99,9 @@ class Search {
   std::vector<FreeParameter> nuisances_;
   Fit as_configured_;
   Explanation owner_;
+  /// Of the owner's model with the grid's error taken at its own fit: taken elsewhere, the error would count against
+  /// it.
+  double owner_evidence_at_home_ = -1e300;
   double first_gain_ = 0;
   std::map<std::vector<std::size_t>, Explanation> tried_;
   std::vector<Screened> first_screening_;

@@ -35,7 +35,7 @@ struct FreeRun {
   std::vector<double> position;
 };
 
-/// What is led along a free run after starting from a gas wrong by a factor on side 1.
+/// What is led along a free run after starting from a gas wrong by a factor of its mass on side 1.
 template <class S> AxisPlant<S> led_along(const FreeRun& free, double factor, const AxisParameters<S>& axis) {
   AxisPlant<S> plant;
   plant.configure(axis, 1e-3, PlantGrid{20, 4});
@@ -75,6 +75,15 @@ TEST_CASE("led plant: led port pressures are what the lines see") {
   plant.scale_gas(join(1.01, 1.0));
   CHECK(lane(plant.sides().line().mass(), 0) == Approx(1.01 * mass));
   CHECK(lane(plant.chamber_pressure(), 0) == Approx(1.01 * 450e3).margin(300.0));
+  const double pressure = lane(plant.chamber_pressure(), 1), cold = lane(plant.sides().chamber().mass(), 1),
+               line = lane(plant.sides().line().mass(), 1), warmth = lane(plant.sides().chamber().temperature(), 1);
+  plant.warm_gas(join(1.0, 1.02));
+  CHECK(lane(plant.chamber_pressure(), 1) == pressure);
+  CHECK(lane(plant.sides().chamber().temperature(), 1) == Approx(1.02 * warmth));
+  CHECK(lane(plant.sides().chamber().mass(), 1) == Approx(cold / 1.02));
+  CHECK(lane(plant.sides().line().mass(), 1) == Approx(line / 1.02));
+  for (int k = 0; k < 3000; ++k) plant.step_led(0.0, 0.0, 0.02);  // shut in, it cools to the wall
+  CHECK(lane(plant.chamber_pressure(), 1) == Approx(pressure / 1.02).epsilon(2e-3));
   CHECK(plant.position() == 0.02);
 }
 

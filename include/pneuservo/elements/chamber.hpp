@@ -67,6 +67,11 @@ template <class S> class Chamber {
     energy_ *= factor;
     pressure_ *= factor;
   }
+  /// Multiplies the gas's temperature at its pressure: so much less gas is there.
+  void warm_gas(const S& factor) noexcept {
+    mass_ = mass_ / factor;
+    temperature_ *= factor;
+  }
 
   S pressure() const noexcept { return pressure_; }
   S temperature() const noexcept { return temperature_; }

@@ -89,6 +89,15 @@ template <class S> class Line {
     port_pressure_ *= factor;
     port_before_ *= factor;
   }
+  /// Multiplies the gas's temperature at its pressure; its velocities stay.
+  void warm_gas(const S& factor) noexcept {
+    for (int i = 0; i < cells_; ++i) {
+      Cell c = cell(i);
+      c.density = c.density / factor;
+      set_cell(i, c);
+    }
+    fill_places_beyond();
+  }
 
   /// Sub-step h [s] of all following steps.
   void set_time_step(double step_s) noexcept {

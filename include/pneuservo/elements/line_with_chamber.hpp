@@ -63,6 +63,11 @@ template <class S> class LineWithChamber {
     line_.scale_gas(factor);
     chamber_.scale_gas(factor);
   }
+  /// Multiplies the gas's temperature at its pressure.
+  void warm_gas(const S& factor) noexcept {
+    line_.warm_gas(factor);
+    chamber_.warm_gas(factor);
+  }
 
   /// One sub-step with the port pressure of its middle; returns the flows of the line's ends.
   LineFlow<S> step_prescribed(const S& port_pressure_Pa, const S& s_new, const ChamberInflow<S>& extra = {}) noexcept {

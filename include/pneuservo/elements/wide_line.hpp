@@ -52,6 +52,10 @@ class Line<Pack<T, N>> {
     low_.scale_gas(low(factor));
     high_.scale_gas(high(factor));
   }
+  void warm_gas(const S& factor) noexcept {
+    low_.warm_gas(low(factor));
+    high_.warm_gas(high(factor));
+  }
   void set_time_step(double step_s) noexcept {
     low_.set_time_step(step_s);
     high_.set_time_step(step_s);

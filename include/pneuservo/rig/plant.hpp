@@ -103,6 +103,8 @@ template <class S> class AxisPlant {
   }
   /// Multiplies the gas of both sides, line and chamber, at its temperature: pressures rise in the same ratio.
   void scale_gas(const P& factor) noexcept { sides_.scale_gas(factor); }
+  /// Multiplies the gas's temperature in both sides, line and chamber, at its pressure.
+  void warm_gas(const P& factor) noexcept { sides_.warm_gas(factor); }
 
   /// Pressure that feeds the supply from here on; without supply_droop it is that of the supply.
   void set_supply_pressure(const S& pressure_Pa) noexcept {

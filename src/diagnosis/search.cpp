@@ -217,7 +217,11 @@ void Search::polish_best(std::size_t members) {
 void Search::take_defect_at_best(std::size_t members) {
   const Explanation* best = best_of(members);
   if (best == nullptr || best->log_evidence - owner_.log_evidence < settings_.audible_gain) return;
-  rows_.model().set_working_point(best->fit.hypothesis());
+  // Fitted to its end there first, and once more at the error that it has there: a fit that moves on leaves an error.
+  for (int round = 0; round < 2; ++round) {
+    polish({&tried_.at(best->members)}, 6, true);
+    rows_.model().set_working_point(best->fit.hypothesis());
+  }
   working_point_ = best->members;
   std::vector<Explanation*> again = rivals(members, settings_.rival_distance, 12);
   if (members > 1)

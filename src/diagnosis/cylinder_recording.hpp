@@ -6,6 +6,7 @@
 
 #include <pneuservo/rig/rig.hpp>
 
+#include "diagnosis/held_out.hpp"
 #include "diagnosis/imposed_run.hpp"
 #include "record/reader.hpp"
 
@@ -20,6 +21,7 @@ struct CylinderRecording {
   ImposedInputs inputs;
   std::vector<double> position_m;              ///< as measured; NaN: no value
   std::array<std::vector<double>, gas_channels> measured_Pa;  ///< empty: no such column; NaN: no value
+  HeldOut held_out;
   std::vector<char> usable;  ///< may be compared: known inputs, and the gas has forgotten the start
 
   std::size_t samples() const { return position_m.size(); }

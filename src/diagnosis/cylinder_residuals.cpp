@@ -90,7 +90,10 @@ double rms_drop(const GasCourse& course, std::size_t side) {
 CylinderResiduals::CylinderResiduals(const Rig& owner, const std::vector<Recording>& recordings,
                                      const CylinderResidualsSettings& settings)
     : owner_(owner), slow_kernel_(std::max(slow_sigma_s, 2.5 * owner.period_s), owner.period_s) {
-  for (const Recording& recording : recordings) recordings_.push_back(prepare_recording(recording, settings.longest_s));
+  for (const Recording& recording : recordings) {
+    recordings_.push_back(prepare_recording(recording, settings.longest_s));
+    recordings_.back().held_out = {any_held_out(recordings), recording.is_held_out};
+  }
   const double position_noise = with_quantum(owner.sensors.position.noise_m, owner.sensors.position.quantum_m);
   for (const CylinderRecording& recording : recordings_)
     balances_.emplace_back(recording.position_m, recording.period_s(), position_noise);
@@ -178,7 +181,7 @@ void CylinderResiduals::declare_rows() {
         const double since_s = recording.period_s() * static_cast<double>(first) - first_compared_s;
         const double start = start_Pa * std::exp(-since_s / start_fades_s);
         row.sigma = std::hypot(noise, std::hypot(channels_[c].floor, start) * std::sqrt(floor_correlation_s / bin_s));
-        row.held_out = is_held_out(recording.time_s(first));
+        row.held_out = recording.held_out(recording.time_s(first));
         stretch.times_s.push_back(row.time_s);
         rows_.push_back(row);
       }
@@ -192,7 +195,7 @@ void CylinderResiduals::declare_answer(Stretch& stretch) {
   const CylinderRecording& recording = recordings_[stretch.recording];
   if (stretch.bins.empty() || recording.period_s() > slowest_answer_s) return;
   std::vector<char> used(stretch.usable);
-  for (std::size_t k = 0; k < used.size(); ++k) used[k] = used[k] && !is_held_out(recording.time_s(k));
+  for (std::size_t k = 0; k < used.size(); ++k) used[k] = used[k] && !recording.held_out(recording.time_s(k));
   stretch.answer = CommandAnswer(recording.inputs.command_V, used);
   if (stretch.answer.rows() == 0) return;
   const Hypothesis owner{owner_, {}};

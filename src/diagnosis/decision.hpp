@@ -10,7 +10,7 @@
 
 namespace pneuservo {
 
-/// Every limit that a verdict rests on (docs/diagnose.md says where each comes from).
+/// Every limit that a verdict rests on.
 struct DecisionRules {
   double alarm_gain = 25;           ///< in log evidence: the least that a first name must bring
   double next_gain = 60;            ///< and one more name

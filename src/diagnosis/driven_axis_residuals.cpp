@@ -79,7 +79,7 @@ std::vector<double> drive_force(const Rig& rig, const Recording& recording) {
 
 DrivenAxisResiduals::DrivenAxisResiduals(const Rig& rig, const std::vector<Recording>& recordings) {
   channels_.push_back({"F", "N", 0, least_floor_N});
-  has_held_out_ = std::any_of(recordings.begin(), recordings.end(), [](const Recording& r) { return r.is_held_out; });
+  has_held_out_ = any_held_out(recordings);
   for (const Recording& recording : recordings) add_recording(rig, recording);
   double largest = 0;
   for (const Part& part : parts_)
@@ -111,7 +111,8 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
       {},
       {},
       {},
-      {}};
+      {},
+      {has_held_out_, recording.is_held_out}};
   // Held over the period: around a row the mean of its own force and the one before it.
   std::vector<double> middle(force.size());
   for (std::size_t i = 0; i < force.size(); ++i) {
@@ -138,7 +139,7 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
     bins_.push_back({parts_.size(), first, bin});
     rows_.push_back({0, static_cast<int>(parts_.size()), part.time_s[center], part.balance.position_m()[center],
                      part.balance.velocity_mps()[center], part.drive_N[center], 1.0,
-                     has_held_out_ ? recording.is_held_out : is_held_out(part.time_s[center])});
+                     part.held_out(part.time_s[center])});
   }
   parts_.push_back(std::move(part));
 }
@@ -222,8 +223,9 @@ std::vector<ChannelMisfit> DrivenAxisResiduals::sample_misfit(const Hypothesis& 
     for (std::size_t i = 0; i < drive.size(); ++i) {
       if (!part.usable[i]) continue;
       const double square = (needed[i] - drive[i]) * (needed[i] - drive[i]);
-      (is_held_out(part.time_s[i]) ? held_out : fitted) += square;
-      ++(is_held_out(part.time_s[i]) ? held_out_count : fitted_count);
+      const bool kept = part.held_out(part.time_s[i]);
+      (kept ? held_out : fitted) += square;
+      ++(kept ? held_out_count : fitted_count);
     }
   }
   return {{std::sqrt(fitted / std::max(fitted_count, 1.0)), std::sqrt(held_out / std::max(held_out_count, 1.0))}};

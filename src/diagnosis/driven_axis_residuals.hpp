@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "diagnosis/force_balance.hpp"
+#include "diagnosis/held_out.hpp"
 #include "diagnosis/residual_model.hpp"
 #include "record/reader.hpp"
 
@@ -29,6 +30,7 @@ class DrivenAxisResiduals : public ResidualModel {
     std::vector<double> time_s, drive_N, drive_rate_Nps;  ///< smoothed drive as recorded, and its rate
     std::vector<char> usable;
     std::array<std::vector<double>, 2> pressure_Pa;  ///< of the chambers, smoothed; empty: no piston
+    HeldOut held_out;
   };
   struct Bin {
     std::size_t part, first, count;

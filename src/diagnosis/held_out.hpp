@@ -1,11 +1,22 @@
 // Which stretches of a recording no fit may see.
 #pragma once
+#include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include "record/reader.hpp"
 
 namespace pneuservo {
 
-/// The last second of every four.
-inline bool is_held_out(double time_s) { return std::fmod(time_s, 4.0) >= 3.0; }
+/// Whether whole recordings are kept from the fits: then the others are fitted whole.
+inline bool any_held_out(const std::vector<Recording>& recordings) {
+  return std::any_of(recordings.begin(), recordings.end(), [](const Recording& r) { return r.is_held_out; });
+}
+/// Of one recording: all or nothing of it, or the last second of every four.
+struct HeldOut {
+  bool whole_recordings = false, this_one = false;
+  bool operator()(double time_s) const { return whole_recordings ? this_one : std::fmod(time_s, 4.0) >= 3.0; }
+};
 /// Length of a row of residuals.
 inline constexpr double residual_bin_s = 0.01;
 /// Time over which the model's own error stays alike, so that it counts once.

@@ -11,6 +11,7 @@
 #include <pneuservo/elements/slider.hpp>
 
 #include "config/input_error.hpp"
+#include "diagnosis/held_out.hpp"
 
 namespace pneuservo {
 
@@ -89,8 +90,7 @@ double sensor_noise(const PositionSensorParameters& sensor) {
 }  // namespace
 
 StrokeResiduals::StrokeResiduals(const Rig& rig, const std::vector<Recording>& recordings, int jobs) {
-  const bool has_held_out =
-      std::any_of(recordings.begin(), recordings.end(), [](const Recording& r) { return r.is_held_out; });
+  const bool has_held_out = any_held_out(recordings);
   std::vector<SampledRecording> prepared;
   for (const Recording& recording : recordings) {
     recording.require({"x_m"});

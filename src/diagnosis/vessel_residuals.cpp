@@ -99,8 +99,7 @@ VesselResiduals::VesselResiduals(const Rig& rig, const std::vector<Recording>& r
     channels.push_back(channels.front());
     channels.back().name = "p1_port";
   }
-  const bool has_held_out =
-      std::any_of(recordings.begin(), recordings.end(), [](const Recording& r) { return r.is_held_out; });
+  const bool has_held_out = any_held_out(recordings);
   std::vector<SampledRecording> prepared;
   for (const Recording& recording : recordings) {
     recording.require({"p1_chamber_Pa"});

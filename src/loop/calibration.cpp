@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -21,14 +22,15 @@ namespace {
 /// A sensor of either kind may be off by so much before it counts as broken.
 constexpr double sensor_tolerance_Pa = 20e3;
 
-/// Calls `tick(k)` once a period until it says that it is done; false: stopped by a signal.
-bool each_period(double period_s, bool real_time, const std::function<bool(std::int64_t)>& tick) {
+/// Calls `tick(k, skipped)` once a period until it says that it is done; false: stopped by a signal. `skipped`: slots
+/// missed since the last call.
+bool each_period(double period_s, bool real_time, const std::function<bool(std::int64_t, std::int64_t)>& tick) {
   const std::int64_t period_ns = std::llround(period_s * 1e9);
   TimeGrid grid(MonotonicClock::now_ns() + period_ns, period_ns);
-  for (std::int64_t k = 0; !StopRequest::requested(); ++k) {
+  for (std::int64_t k = 0, skipped = 0; !StopRequest::requested(); k += 1 + skipped) {
     if (real_time) MonotonicClock::sleep_until_ns(grid.slot_ns());
-    if (tick(k)) return true;
-    if (real_time) k += grid.advance(MonotonicClock::now_ns());
+    if (tick(k, skipped)) return true;
+    if (real_time) skipped = grid.advance(MonotonicClock::now_ns());
   }
   return false;
 }
@@ -73,26 +75,33 @@ ChannelZero find_home(const Rig& rig, Backend& backend, const HomingSettings& se
   Supervisor supervisor;
   supervisor.configure(rig_without_zero(rig), false);
   SafeEnd run(rig, backend);
-  double stands_at_m = 0.0, before_m = 0.0;
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  double stands_at_m = none, before_m = none, first_m = none;
   std::int64_t stands_since = -1;
-  bool home = false;
-  const bool whole = each_period(rig.period_s, settings.real_time, [&](std::int64_t tick) {
+  bool home = false, moved = false;
+  const bool whole = each_period(rig.period_s, settings.real_time, [&](std::int64_t tick, std::int64_t skipped) {
     run.tick = tick;
     const double t_s = static_cast<double>(tick) * rig.period_s;
     Measurement measured;
     if (!backend.read(tick, measured)) throw std::runtime_error("homing: the backend ended");
-    const JudgedInputs in = supervisor.judge(measured, 0);
+    const JudgedInputs in = supervisor.judge(measured, skipped);
     // A dead stop is what is looked for.
     const std::uint64_t faults = supervisor.faults() & ~std::uint64_t{fault_position_frozen};
     if (faults != 0) throw std::runtime_error("homing: " + fault_words(faults, faults).front());
     if (!std::isfinite(in.position_m)) return !run.write_safe();
     if (stands_since < 0 || std::fabs(in.position_m - stands_at_m) > HomingSettings::standing_m)
       stands_at_m = in.position_m, stands_since = tick;
-    if (tick > 0 && std::fabs(in.position_m - before_m) > rig.limits.speed_mps * rig.period_s)
+    const double period_s = rig.period_s * static_cast<double>(skipped + 1);
+    if (std::fabs(in.position_m - before_m) > rig.limits.speed_mps * period_s)
       throw std::runtime_error("homing: the slider is faster than limits.speed_mps: give a smaller command");
     before_m = in.position_m;
+    if (std::isnan(first_m)) first_m = in.position_m;
+    moved = moved || std::fabs(in.position_m - first_m) > HomingSettings::standing_m;
     home = static_cast<double>(tick - stands_since) * rig.period_s >= HomingSettings::standing_s &&
            t_s > HomingSettings::ramp_s + HomingSettings::standing_s;
+    if (home && !moved)
+      throw std::runtime_error(
+          "homing: the slider did not move: check air and valve, give a larger command, or move it off the stop");
     if (home) return true;
     if (t_s > settings.timeout_s)
       throw std::runtime_error(fmt::format("homing: the slider did not come to rest within {:g} s: give a larger "
@@ -114,7 +123,7 @@ std::vector<ChannelZero> find_pressure_zeros(const Rig& rig, Backend& backend, d
   std::array<double, 6> sum{};
   std::array<std::int64_t, 6> count{};
   const auto ticks = std::max<std::int64_t>(std::llround(duration_s / rig.period_s), 1);
-  const bool whole = each_period(rig.period_s, real_time, [&](std::int64_t tick) {
+  const bool whole = each_period(rig.period_s, real_time, [&](std::int64_t tick, std::int64_t) {
     run.tick = tick;
     Measurement measured;
     if (!backend.read(tick, measured)) throw std::runtime_error("zeroing: the backend ended");

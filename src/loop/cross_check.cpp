@@ -74,14 +74,19 @@ CrossCheck::Two CrossCheck::known_leaks(const EstimatorOutput& estimate) const n
 std::uint64_t CrossCheck::check(const CrossCheckInput& in, const EstimatorOutput& estimate,
                                 std::int64_t skipped) noexcept {
   const bool whole = std::isfinite(in.port_Pa[0]) && std::isfinite(in.port_Pa[1]) && std::isfinite(in.supply_Pa);
-  // What happened in skipped slots is not known: the balance begins anew.
-  if (!whole || skipped > 0 || (estimate.health & estimator_not_started) != 0) {
+  if (!whole || (estimate.health & estimator_not_started) != 0) {
     reset();
     return 0;
   }
   if (!started_) port_Pa_ = join(in.port_Pa[0], in.port_Pa[1]);
   started_ = true;
   const Two through_valve = valve_flow(in);
+  if (skipped > 0) {  // what passed in skipped slots is not known: it is left out of the balance
+    const Two fade(std::pow(decay_, static_cast<double>(skipped + 1)));
+    missing_kg_ = fade * missing_kg_;
+    through_kg_ = fade * through_kg_;
+    return 0;
+  }
   if (ticks_ < settled_after_) {
     ++ticks_;
     return 0;

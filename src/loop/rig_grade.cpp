@@ -43,7 +43,8 @@ void grade_command_range(const Rig& rig, Findings& findings) {
   const double full_V = valve.area_max_m2 / valve.area_per_volt_m2_per_V;
   if (rig.safe_output.command_V != 0)
     add(findings, Level::acceptable, "safe_output.command_V",
-        fmt::format("{:g} V: the slider moves in the safe state", rig.safe_output.command_V), "choose 0 to hold it");
+        fmt::format("{:g} V: holds only a valve that closes there", rig.safe_output.command_V),
+        "choose the command at which the valve was measured to close, 0 unless it has an offset");
   if (full_V < 0.5 * valve.command_max_V)
     add(findings, Level::acceptable, "valve.area_max_m2",
         fmt::format("is reached at {:.3g} V of {:g} V: the rest of the range does nothing", full_V,

@@ -71,8 +71,8 @@ PlausibleChannel plausible_position(const Rig& rig) {
 
 /// Choked flow of the fully opened area into the line, per volt [kg/(s V)].
 double largest_flow_per_volt(const Rig& rig) {
-  const auto& air = rig.axis.air;
-  return 0.685 * rig.axis.supply.pressure_Pa / std::sqrt(air.gas_constant_J_per_kgK * air.temperature_K) *
+  const Air<double> air(rig.axis.air);
+  return air.flow_constant * rig.axis.supply.pressure_Pa / std::sqrt(air.R * air.temperature_K) *
          rig.axis.valve.area_per_volt_m2_per_V;
 }
 
@@ -81,7 +81,7 @@ double port_step_Pa_per_V(const Rig& rig) {
   const auto& air = rig.axis.air;
   const double diameter = std::min(rig.axis.line_1.diameter_m, rig.axis.line_2.diameter_m);
   const double sound_mps = std::sqrt(air.heat_capacity_ratio * air.gas_constant_J_per_kgK * air.temperature_K);
-  return sound_mps * largest_flow_per_volt(rig) / (0.25 * 3.141592653589793 * diameter * diameter);
+  return sound_mps * largest_flow_per_volt(rig) / (0.25 * M_PI * diameter * diameter);
 }
 
 }  // namespace
@@ -215,7 +215,8 @@ std::uint64_t Supervisor::judge_digital(const DigitalInputs& digital) noexcept {
 
 bool Supervisor::inputs_ready() const noexcept {
   return !position_guard_.waiting() && !port_guard_[0].waiting() && !port_guard_[1].waiting() &&
-         !(needs_chambers_ && (chamber_guard_[0].waiting() || chamber_guard_[1].waiting()));
+         !(has_chamber_[0] && chamber_guard_[0].waiting()) && !(has_chamber_[1] && chamber_guard_[1].waiting()) &&
+         !(has_supply_ && supply_guard_.waiting());
 }
 
 JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped) noexcept {

@@ -34,9 +34,11 @@ Rig read_calibrated(const CalibrateOptions& options) {
 }
 
 std::unique_ptr<Backend> opened(const CalibrateOptions& options, const Rig& rig) {
-  if (rig.hal && rig.hal->can && options.time != "real")
+  if (!rig.hal)
+    throw InputError(options.config + ": hal: found nothing, expected the channels whose zeros are to be found");
+  if (rig.hal->has_devices() && options.time != "real")
     throw InputError("--time: found simulated with channels on real devices, expected --time real");
-  auto backend = make_backend(rig.hal ? "configured" : "sim", rig);
+  auto backend = make_backend("configured", rig);
   backend->configure();
   return backend;
 }

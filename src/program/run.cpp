@@ -228,10 +228,13 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
 void check_outputs(const RunOptions& options, const Rig& rig, const std::vector<PressureSource>& sources) {
   const auto backend =
       make_faulty_backend(backend_of(options, rig), rig, injected_faults(options.scenarios, options.faults, rig));
-  if (options.time != "real" && backend->name() == "configured" && rig.hal->can)
+  if (options.time != "real" && backend->name() == "configured" && rig.hal->has_devices())
     throw InputError(
         "--time: found simulated with channels on real devices, expected --time real, or --hal sim for the "
         "simulated plant");
+  if (!options.zeros.empty() && backend->name() != "configured")
+    throw InputError("--zeros: found with the backend " + backend->name() +
+                     ", expected devices, whose values the zeros are added to");
   if (!options.record.empty() && !options.record.ends_with(".csv.gz"))
     throw InputError("--record: found " + options.record + ", expected a name that ends in .csv.gz");
   if (!options.live.empty() && options.record.empty())

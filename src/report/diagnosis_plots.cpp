@@ -80,14 +80,16 @@ DifferenceCourse difference(const Diagnosis& diagnosis, std::size_t channel, std
   return out;
 }
 
-std::vector<std::pair<double, double>> held_out_windows(const std::vector<double>& time) {
+std::vector<std::pair<double, double>> held_out_windows(const Diagnosis& diagnosis, std::size_t channel,
+                                                        std::size_t recording) {
   std::vector<std::pair<double, double>> windows;
   bool inside = false;
-  for (const double t : time) {
-    const bool held = is_held_out(t);
-    if (held && !inside) windows.push_back({t, t});
-    if (held) windows.back().second = t;
-    inside = held;
+  for (const ResidualRow& row : diagnosis.rows) {
+    if (row.channel != static_cast<int>(channel) || row.recording != static_cast<int>(recording)) continue;
+    if (row.over_recording) continue;
+    if (row.held_out && !inside) windows.push_back({row.time_s, row.time_s});
+    if (row.held_out) windows.back().second = row.time_s;
+    inside = row.held_out;
   }
   return windows;
 }
@@ -168,7 +170,7 @@ Plot course_plot(const Diagnosis& diagnosis, std::size_t channel, std::size_t re
   add("measured", measured_tone, *before, before->measured);
   if (after != nullptr) add("simulated, after", after_tone, *after, after->simulated);
   plot.curves.back().dashed = after != nullptr;  // what lies below shows between the dashes
-  plot.windows = held_out_windows(before->time_s);
+  plot.windows = held_out_windows(diagnosis, channel, recording);
   return plot;
 }
 
@@ -182,7 +184,7 @@ Plot difference_plot(const Diagnosis& diagnosis, std::size_t channel, std::size_
   plot.curves.push_back(time_curve("before", before_tone, course.time, course.before, factor, gap_s));
   plot.curves.push_back(time_curve("after", after_tone, course.time, course.after, factor, gap_s));
   plot.bands.push_back(floor_band(course, factor));
-  plot.windows = held_out_windows(course.time);
+  plot.windows = held_out_windows(diagnosis, channel, recording);
   return plot;
 }
 

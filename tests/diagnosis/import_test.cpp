@@ -1,18 +1,18 @@
 // Recordings of a foreign format: columns, units, runs, events logged twice.
-#include <filesystem>
 #include <fstream>
 
 #include <catch2/catch.hpp>
 
 #include "config/input_error.hpp"
 #include "diagnosis/import.hpp"
+#include "record/files.hpp"
 
 using namespace pneuservo;
 
 namespace {
 
-std::string foreign_file() {
-  const std::string path = (std::filesystem::temp_directory_path() / "pneuservo-import-test.csv").string();
+std::string foreign_file(const TemporaryFolder& folder) {
+  const std::string path = folder.file("foreign.csv");
   std::ofstream(path) << "# logged on change\nfill,t_s,p_kPa\n1,0.02,10\n1,0.01,4\n0,0.01,90\n1,0.02,14\n0,0.03,70\n";
   return path;
 }
@@ -20,10 +20,11 @@ std::string foreign_file() {
 }  // namespace
 
 TEST_CASE("a column map makes runs in order of time, scaled, with repeats averaged") {
+  const TemporaryFolder folder;
   ImportParameters map;
   map.columns["u_V"] = {"fill", 2.0, -1.0, true};
   map.columns["p1_chamber_Pa"] = {"p_kPa", 1000.0, 101325.0};
-  const std::vector<Recording> runs = read_recordings(foreign_file(), map, 0.01);
+  const std::vector<Recording> runs = read_recordings(foreign_file(folder), map, 0.01);
   REQUIRE(runs.size() == 2);  // by the value that tells them
   CHECK(runs[0].column("u_V") == std::vector<double>{-1, -1});
   CHECK(runs[0].column("p1_chamber_Pa") == std::vector<double>{191325, 171325});
@@ -32,14 +33,15 @@ TEST_CASE("a column map makes runs in order of time, scaled, with repeats averag
 }
 
 TEST_CASE("what a map names and the file lacks is told, but without times or rows nothing can be read") {
+  const TemporaryFolder folder;
   ImportParameters map;
   map.columns["x_m"] = {"position"};
-  const std::vector<Recording> runs = read_recordings(foreign_file(), map, 0.01);
+  const std::vector<Recording> runs = read_recordings(foreign_file(folder), map, 0.01);
   CHECK(!runs.front().has("x_m"));
   REQUIRE(runs.front().problems.size() == 1);
   CHECK_THAT(runs.front().problems[0].sentence, Catch::Contains("position is missing"));
   map.from_s = 1.0;
-  CHECK_THROWS_AS(read_recordings(foreign_file(), map, 0.01), InputError);
+  CHECK_THROWS_AS(read_recordings(foreign_file(folder), map, 0.01), InputError);
   map.columns["t_s"] = {"clock"};
-  CHECK_THROWS_AS(read_recordings(foreign_file(), map, 0.01), InputError);
+  CHECK_THROWS_AS(read_recordings(foreign_file(folder), map, 0.01), InputError);
 }

@@ -1,4 +1,5 @@
-// The least that a loop over CAN does: wake on the grid, take what came, send a command and SYNC. Prints its work a tick.
+// The least that a loop over CAN does: wake on the grid, take what came, send a command and SYNC, and a heartbeat now
+// and then. Prints its work a tick.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -62,23 +63,24 @@ int taken(int file) {
 }  // namespace
 
 int main(int count, char** words) {
-  if (count != 5) {
-    std::fputs("usage: bare_loop INTERFACE COMMAND_ID PERIOD_US TICKS\n", stderr);
+  if (count != 6) {
+    std::fputs("usage: bare_loop INTERFACE COMMAND_ID PERIOD_US TICKS TICKS_PER_HEARTBEAT\n", stderr);
     return 2;
   }
   const int file = opened(words[1]);
   const auto command = static_cast<canid_t>(std::strtoul(words[2], nullptr, 0));
   const std::int64_t period_ns = std::atoll(words[3]) * 1000;
   const auto ticks = static_cast<std::size_t>(std::atoll(words[4]));
+  const std::int64_t ticks_per_heartbeat = std::atoll(words[5]);
   const sched_param priority{80};
   if (file < 0 || mlockall(MCL_CURRENT | MCL_FUTURE) != 0 || sched_setscheduler(0, SCHED_FIFO, &priority) != 0) {
     std::perror("bare_loop");
     return 1;
   }
-  constexpr canid_t nmt = 0x000, sync = 0x080;
+  constexpr canid_t nmt = 0x000, sync = 0x080, heartbeat = 0x77F;
   put(file, nmt, {0x01, 0x00});  // start all nodes
   std::vector<std::int64_t> work_ns(ticks);
-  std::int64_t slot_ns = now_ns() + 100 * period_ns, frames = 0, unsent = 0;
+  std::int64_t slot_ns = now_ns() + 100 * period_ns, frames = 0, unsent = 0, tick = 0;
   for (std::int64_t& work : work_ns) {
     slot_ns += period_ns;
     const timespec until{slot_ns / second_ns, slot_ns % second_ns};
@@ -87,6 +89,7 @@ int main(int count, char** words) {
     frames += taken(file);
     unsent += !put(file, command, {0, 0});
     unsent += !put(file, sync, {});
+    if (tick++ % ticks_per_heartbeat == 0) unsent += !put(file, heartbeat, {0x05});
     work = now_ns() - began_ns;
   }
   put(file, nmt, {0x80, 0x00});  // pre-operational again

@@ -4,6 +4,7 @@ import unittest
 from guest_tools import *
 
 COMMAND_ID = "0x302"
+TICKS_PER_HEARTBEAT = 20  # hal.can.heartbeat_s of the config
 
 
 class Work(unittest.TestCase):
@@ -13,12 +14,12 @@ class Work(unittest.TestCase):
         ticks = 1000 * min(plan["duration_s"], 20)
         interface = make_vcan("vcan0")
         plant = device(interface, "--priority", "60")
-        # The device gets its mapping from the controller and keeps it; its watchdog outlasts the bare loop, which sends no
-        # heartbeat.
+        # The device gets its mapping from the controller and keeps it; its watchdog outlasts the bare loop, whose
+        # heartbeat is not its master's.
         run, said = finished(controller(interface, plan["duration_s"], "--set", "hal.can.watchdog_s=30",
                                         "--record", "/tmp/work.csv.gz"))
         self.assertEqual(run["faults"], [], said)
-        bare = json.loads(sh(f"/tmp/bare_loop {interface} {COMMAND_ID} 1000 {ticks}"))
+        bare = json.loads(sh(f"/tmp/bare_loop {interface} {COMMAND_ID} 1000 {ticks} {TICKS_PER_HEARTBEAT}"))
         self.assertEqual(bare["unsent"], 0)
         self.assertGreaterEqual(bare["frames"], 2 * (ticks - 1))  # two answers to each SYNC but the last
         ours = run["work_us"]

@@ -24,6 +24,15 @@ done = run("run", CONFIG, *displaced, "--zeros", at("x.yaml"), "--duration-s", "
 expect(done.returncode == 0, f"run with zeros: {done.stderr}")
 done = run("home", CONFIG, *displaced, "--set", "limits.speed_mps=0.005")
 expect(done.returncode == 1 and "faster than limits.speed_mps" in done.stderr, f"home too fast: {done.stderr}")
+for end, sign in (("low", -1), ("high", 1)):  # an encoder that begins far from 0
+    done = run("home", CONFIG, *devices, "--end", end)
+    expect(done.returncode == 0, f"home {end} of an encoder at 40 mm: {done.stderr}")
+done = run("home", CONFIG, *displaced, "--command-V", "1e-6")
+expect(done.returncode == 1 and "did not move" in done.stderr, f"home without motion: {done.returncode} {done.stderr}")
+expect_refusal(run("home", CONFIG), ["hal", "channels"], "home without channels")
+expect_refusal(run("run", CONFIG, "--zeros", at("x.yaml")), ["--zeros", "sim"], "zeros on the simulated plant")
+for verb in ("run", "home", "zero"):
+    expect_refusal(run(verb, "config/comedi/cylinder-10m-7.65mm.yaml"), ["--time", "real"], f"{verb} of a board in simulated time")
 
 vented = ["--set", "initial={pressure_1_Pa: 101325, pressure_2_Pa: 101325}", "--set", f"hal={CHANNELS}"]
 gauge = "'sensor_offset:p1_port': {offset: -101000}, 'sensor_offset:p2_port': {offset: 1200}, 'sensor_offset:p_supply': {offset: -598675}"

@@ -4,8 +4,12 @@ import subprocess, sys
 
 from program import expect, expect_refusal, run
 
-done = subprocess.run(["tools/fault-table", sys.argv[1]], capture_output=True, text=True, timeout=900)
+done = subprocess.run(["tools/fault-table", sys.argv[1], "--markdown"], capture_output=True, text=True, timeout=900)
 expect(done.returncode == 0, f"tools/fault-table: status {done.returncode}:\n{done.stdout}{done.stderr}")
+with open("docs/faults.md") as page:
+    rows = set(page.read().splitlines())
+stale = [row for row in done.stdout.splitlines() if row.startswith("| ") and row not in rows]
+expect(not stale, "docs/faults.md does not have these rows of tools/fault-table --markdown: " + "; ".join(stale))
 
 drawn = subprocess.run(["tools/state-figure", "--check"], capture_output=True, text=True, timeout=120)
 expect(drawn.returncode == 0, f"tools/state-figure: {drawn.stderr}")

@@ -78,13 +78,9 @@ def chambers():
 
 def emps():
     """Coulomb friction and a viscous one that differs by direction; held out, 1.63 N are known to be reachable."""
-    recording = os.path.join(RECORDINGS, "emps", "emps_base.csv.gz")
-    if not os.path.exists(recording):
-        print(f"left out: {recording} is not there")
+    found = diagnosis_of("emps.yaml", "emps", ["emps_base.csv.gz"])
+    if not found:
         return
-    done = run("diagnose", "config/machines/emps.yaml", recording, "--quiet", "--json", "-")
-    expect(done.returncode == 0, f"emps: status {done.returncode}: {done.stderr}")
-    found = json.loads(done.stdout)
     expect(found["verdict"] == "missing_physics", f"emps: the verdict is {found['verdict']}")
     named = {answer["effect"]: answer for answer in found["answers"]}
     friction = ["coulomb_friction", "direction_dependent_viscous_friction"]

@@ -65,3 +65,8 @@ expect(len(bad) == 301 and all(row[command] == "0.125" and row[fault] == "16" fo
 expect(len(rows) > 400 and rows[-301:] == bad, "fault: rows before it are lost")
 expect(run("replay", CONFIG, at("f.csv.gz"), "--set", "limits.speed_mps=0.2", "--set", "safe_output.command_V=0.125").returncode == 0, "replay of a faulted run differs")
 expect(run("run", CONFIG, "--duration-s", "0.5").returncode == 0, "the same axis does not run after a fault")
+
+# A machine that skips a slot now and then keeps its cross-checks.
+late = [word for k in range(1, 12) for word in ("--fault", f"late_tick:0.001@{0.4 * k:g}")]
+done = run("run", CONFIG, "--duration-s", "4", "--fault", "leak:1:1e-6@2", *late)
+expect(done.returncode == 1 and "flow_mismatch_1" in done.stderr, f"leak beside late ticks: {done.returncode} {done.stderr}")

@@ -22,7 +22,7 @@ constexpr std::array<double, smoothstep_degree_max + 1> smoothstep_coefficients(
   std::array<double, smoothstep_degree_max + 1> c{};
   double binomial = 1.0;  // C(k, j) (-1)^j
   for (int j = 0; j <= k; ++j) {
-    c[static_cast<std::size_t>(k + j + 1)] = inverse_beta * binomial / (k + j + 1);
+    c[static_cast<std::size_t>(k) + static_cast<std::size_t>(j) + 1] = inverse_beta * binomial / (k + j + 1);
     binomial = -binomial * (k - j) / (j + 1);
   }
   return c;

@@ -28,16 +28,6 @@ template <> struct GroupOf<double> {
 template <class S> using Group = typename GroupOf<S>::type;
 
 namespace detail {
-// What an element keeps in memory.
-template <class T, int N> [[gnu::always_inline]] inline auto& bits_of(Pack<T, N>& element) noexcept {
-  return element.r;
-}
-template <class T, int N> [[gnu::always_inline]] inline const auto& bits_of(const Pack<T, N>& element) noexcept {
-  return element.r;
-}
-[[gnu::always_inline]] inline double& bits_of(double& element) noexcept { return element; }
-[[gnu::always_inline]] inline const double& bits_of(const double& element) noexcept { return element; }
-
 // Lanes from .. from + W - 1 of a and b laid end to end.
 template <class R, int from, int... i> [[gnu::always_inline]] inline R
 window(R a, R b, std::integer_sequence<int, i...>) noexcept {
@@ -94,9 +84,8 @@ template <class S> [[gnu::always_inline]] inline S element(const Group<S>& group
     return group;
   } else {
     S out;
-    auto& bits = detail::bits_of(out);
-    std::memcpy(&bits, reinterpret_cast<const char*>(&group.r) + static_cast<std::size_t>(i) * sizeof(bits),
-                sizeof(bits));
+    std::memcpy(static_cast<void*>(&out), reinterpret_cast<const char*>(&group) + static_cast<std::size_t>(i) * sizeof out,
+                sizeof out);
     return out;
   }
 }
@@ -104,15 +93,14 @@ template <class S> [[gnu::always_inline]] inline void set_element(Group<S>& grou
   if constexpr (GroupOf<S>::elements == 1) {
     group = value;
   } else {
-    const auto& bits = detail::bits_of(value);
-    std::memcpy(reinterpret_cast<char*>(&group.r) + static_cast<std::size_t>(i) * sizeof(bits), &bits, sizeof(bits));
+    std::memcpy(reinterpret_cast<char*>(&group) + static_cast<std::size_t>(i) * sizeof value, &value, sizeof value);
   }
 }
 /// Mask of the places first .. elements - 1 of a group.
 template <class S> inline Mask<Group<S>> places_from(int first) noexcept {
   using G = Group<S>;
   G place;
-  for (int i = 0; i < ScalarTraits<G>::lanes; ++i) set_lane(place, i, i / ScalarTraits<S>::lanes);
+  for (int i = 0; i < ScalarTraits<G>::lanes; ++i) set_lane(place, i, static_cast<double>(i / ScalarTraits<S>::lanes));
   return place >= G(first);
 }
 

@@ -10,12 +10,14 @@
 #endif
 
 #if defined(PNEUSERVO_RTSAN)
+// NOLINTBEGIN(bugprone-reserved-identifier): names of the sanitizer's runtime
 extern "C" {
 void __rtsan_realtime_enter();
 void __rtsan_realtime_exit();
 void __rtsan_off();
 void __rtsan_on();
 }
+// NOLINTEND(bugprone-reserved-identifier)
 #endif
 
 namespace pneuservo {
@@ -77,6 +79,7 @@ class RtAllow {
 
 #else
 
+// NOLINTBEGIN(modernize-use-equals-default): a trivial guard would be an unused variable
 /// Around one step of the loop.
 class RtScope {
  public:
@@ -94,6 +97,7 @@ class RtAllow {
   RtAllow(const RtAllow&) = delete;
   RtAllow& operator=(const RtAllow&) = delete;
 };
+// NOLINTEND(modernize-use-equals-default)
 
 #endif
 

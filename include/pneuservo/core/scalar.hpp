@@ -58,6 +58,11 @@ inline double lane(float a, int) noexcept { return static_cast<double>(a); }
 inline void set_lane(double& a, int, double value) noexcept { a = value; }
 inline void set_lane(float& a, int, double value) noexcept { a = static_cast<float>(value); }
 
+/// False for a NaN, lane by lane.
+template <class S> Mask<S> is_number(const S& a) noexcept {
+  return a == a;  // NOLINT(misc-redundant-expression): a NaN differs from itself
+}
+
 template <class S> S clamp(const S& value, const S& low, const S& high) noexcept {
   return minimum(maximum(value, low), high);
 }

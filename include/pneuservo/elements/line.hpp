@@ -462,7 +462,7 @@ template <class S> class Line {
     const S sound = square_root(limit);
     const auto bad = !(absolute(face.velocity) <= sound);
     guard_actions_ += count(bad);
-    face.velocity = select(face.velocity == face.velocity, clamp(face.velocity, -sound, sound), S(0));
+    face.velocity = select(is_number(face.velocity), clamp(face.velocity, -sound, sound), S(0));
   }
 
   // Gas that enters has the static temperature T_stagnation - u^2/(2 c_p).
@@ -547,7 +547,7 @@ template <class S> class Line {
       const auto outside = !((T >= S(150)) & (T <= S(600)));
       guard_actions_ += count(thin) + count(outside);
       const auto mend = thin | outside;
-      const S T_mended = select(T == T, clamp(T, S(150), S(600)), air_.temperature_K);
+      const S T_mended = select(is_number(T), clamp(T, S(150), S(600)), air_.temperature_K);
       c.density = select(thin, S(1e-3), c.density);
       c.temperature = select(mend, T_mended, T);
       c.pressure = select(mend, c.density * air_.R * T_mended, c.pressure);

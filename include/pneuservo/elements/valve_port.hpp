@@ -94,7 +94,7 @@ PortSolution<S> solve_valve_port(const PortConstants<S>& k, const Air<S>& air, c
   };
   set_outflow(u_star + K * p);
   S flow(0);
-  auto done = flow > flow;
+  auto done = flow > S(0);
   for (int iteration = 0; iteration < 40; ++iteration) {
     const S u = u_star + K * p, inverse_p = S(1) / p;
     const auto from_supply = k.shape.at(supply, p, inverse_p), from_exhaust = k.shape.at(exhaust, p, inverse_p);

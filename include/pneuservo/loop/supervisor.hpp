@@ -92,7 +92,7 @@ class Supervisor {
   double port_step_Pa_per_V_ = 0.0;  // of the narrower line: what a change of command does to a port at once
   double fill_step_Pa_m3_ = 0.0;  // largest flow into a chamber over a period: its volume times the step
   double activity_V_ = 0.0, activity_decay_ = 0.0;
-  double standstill_reference_m_ = 0.0, reference_m_ = 0.0;
+  double standstill_reference_m_ = 0.0;
 };
 
 }  // namespace pneuservo

@@ -267,6 +267,8 @@ struct HalParameters {
   std::optional<ComediParameters> comedi;
   std::optional<GpioParameters> gpio;
   HalChannels channels;
+  /// Anything beside the simulated plant, which alone can be run in simulated time.
+  bool has_devices() const noexcept { return can || comedi || gpio; }
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"can", "", 0, 0, "CANopen bus", Presence::optional}, p.can...);
     v(Field{"comedi", "", 0, 0, "DA/AD board", Presence::optional}, p.comedi...);

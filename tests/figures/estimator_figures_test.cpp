@@ -30,7 +30,8 @@ const std::array<std::array<double, 2>, 4> wrong_starts_Pa{
 
 /// Within 2 kPa after.
 constexpr double asked_start_s = 1.4;
-/// The bound with noise alone misses its figures by little (docs/figures.md says why); here it is kept from getting worse.
+/// The bound with noise alone misses its figures by little (docs/figures.md says why); here it is kept from getting
+/// worse.
 constexpr double known_noise_holds = 98.5, known_noise_ratio = 4.2;
 
 /// One realisation has a few hundred independent draws at most, too few for a share of 99 %: seeds are pooled.

@@ -295,7 +295,7 @@ TEST_CASE("configured: each channel from its source, and the others stay absent"
   const auto origins = backend.origins();
   REQUIRE(origins.command == Origin::real);
   REQUIRE(origins.channels == std::array<Origin, 6>{Origin::simulated, Origin::real, Origin::real, Origin::absent,
-                                           Origin::absent, Origin::simulated});
+                                                    Origin::absent, Origin::simulated});
   REQUIRE_THROWS_WITH(backend.configure(), Catch::Contains("nobody listens there"));
   REQUIRE_THROWS_AS(CompositeBackend(read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/cylinder-2m-6.10mm.yaml")),
                     InputError);

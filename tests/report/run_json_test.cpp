@@ -72,8 +72,9 @@ TEST_CASE("in real time every run has its latencies, and no realtime factor is n
   const auto& run = json["runs"][0];
   const auto names = keys(run);
   REQUIRE(std::vector<std::string>(names.begin() + 13, names.end()) ==
-          std::vector<std::string>{"lateness_us", "work_us", "tick_us", "loop_us", "estimator_us", "controller_us", "backend_us",
-                                   "page_faults", "context_switches_involuntary", "lateness_histogram_us"});
+          std::vector<std::string>{"lateness_us", "work_us", "tick_us", "loop_us", "estimator_us", "controller_us",
+                                   "backend_us", "page_faults", "context_switches_involuntary",
+                                   "lateness_histogram_us"});
   REQUIRE(keys(run["lateness_us"]) == std::vector<std::string>{"mean", "p50", "p99", "p99_9", "p99_99", "max"});
   REQUIRE(keys(run["work_us"]) == keys(run["lateness_us"]));
   REQUIRE(run["lateness_us"]["p50"].get<double>() == Approx(50.0).epsilon(0.02));

@@ -84,8 +84,8 @@ template <class S> [[gnu::always_inline]] inline S element(const Group<S>& group
     return group;
   } else {
     S out;
-    std::memcpy(static_cast<void*>(&out), reinterpret_cast<const char*>(&group) + static_cast<std::size_t>(i) * sizeof out,
-                sizeof out);
+    std::memcpy(static_cast<void*>(&out),
+                reinterpret_cast<const char*>(&group) + static_cast<std::size_t>(i) * sizeof out, sizeof out);
     return out;
   }
 }

@@ -101,7 +101,8 @@ struct PositionSensorParameters {
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"quantum_m", "m", 0, 0.01, "resolution; 0: none"}, p.quantum_m...);
     v(Field{"noise_m", "m", 0, 0.01, "white noise, rms", Presence::optional}, p.noise_m...);
-    v(Field{"incremental", "", 0, 0, "counts from where it was switched on: devices run only with --zeros FILE of the verb home",
+    v(Field{"incremental", "", 0, 0,
+            "counts from where it was switched on: devices run only with --zeros FILE of the verb home",
             Presence::optional},
       p.incremental...);
   }

@@ -74,13 +74,14 @@ struct Command {
 inline std::array<DigitalLine*, 4> lines_of(DigitalInputs& d) noexcept {
   return {&d.emergency_stop, &d.limit_low, &d.limit_high, &d.valve_power};
 }
-inline constexpr std::array<const char*, 4> digital_line_names{"emergency_stop", "limit_low", "limit_high", "valve_power"};
+inline constexpr std::array<const char*, 4> digital_line_names{"emergency_stop", "limit_low", "limit_high",
+                                                               "valve_power"};
 
 /// Where everything of a run comes from and goes to.
 struct Origins {
   std::array<Origin, 6> channels{};  ///< in the order of channels_of
-  std::array<Origin, 4> lines{};     ///< in the order of lines_of
-  Origin command = Origin::absent;   ///< whose valve is told
+  std::array<Origin, 4> lines{};  ///< in the order of lines_of
+  Origin command = Origin::absent;  ///< whose valve is told
 };
 
 /// The simulated plant's own state; for evaluation and recording only, never for a controller.

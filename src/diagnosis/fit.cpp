@@ -12,9 +12,10 @@ namespace pneuservo {
 
 namespace {
 
-/// Where the undamped step keeps less than this of what it promises, damped ones are tried at once; the best is taken.
-/// The last one is a short step along the first.
-constexpr double kept_promise = 0.7;
+/// An undamped step is tried alone where it promises less than this, and is enough where it keeps that share of it;
+/// else damped ones are tried at once and the best is taken: far from its minimum a fit that takes the first step that
+/// does well ends in another one. The last damping is a short step along the first.
+constexpr double near_promise = 50, kept_promise = 0.7;
 constexpr std::array<double, 4> dampings{0.03, 0.3, 3.0, 30.0};
 /// A step that would gain less than this share of the objective matters to no comparison.
 constexpr double settled_share = 2e-5;
@@ -220,8 +221,9 @@ void improve(FittedRows& rows, std::vector<Fit*> fits, int iterations, Columns c
     std::vector<Stepping*> chosen;
     for (Stepping& s : steppings) chosen.push_back(&s);
     try_steps(rows, chosen, std::array{0.0});
-    std::erase_if(chosen,
-                  [](const Stepping* s) { return s->before - s->fit->objective >= kept_promise * s->promised; });
+    std::erase_if(chosen, [](const Stepping* s) {
+      return s->promised < near_promise && s->before - s->fit->objective >= kept_promise * s->promised;
+    });
     try_steps(rows, chosen, dampings);
     for (const Stepping& s : steppings) {
       Fit& fit = *s.fit;

@@ -1,6 +1,7 @@
 // Cross-checks of the sensors against the model.
 #include <pneuservo/loop/cross_check.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 #include <pneuservo/elements/orifice.hpp>
@@ -85,6 +86,8 @@ std::uint64_t CrossCheck::check(const CrossCheckInput& in, const EstimatorOutput
     const Two fade(std::pow(decay_, static_cast<double>(skipped + 1)));
     missing_kg_ = fade * missing_kg_;
     through_kg_ = fade * through_kg_;
+    // Nor did the estimator see it, which forgets that as it forgets a wrong start.
+    ticks_ = std::max<std::int64_t>(0, ticks_ - rest_per_skipped * skipped);
     return 0;
   }
   if (ticks_ < settled_after_) {

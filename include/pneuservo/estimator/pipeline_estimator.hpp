@@ -159,7 +159,7 @@ class PipelineEstimator {
       const double scale = sigma * 3.4641016151377544;
       const Lanes port =
           lanes(p_1, p_2, p_1 + scale * (random_.uniform() - 0.5), p_2 + scale * (random_.uniform() - 0.5));
-      axis_.step(port + correction_, input_.position_m, Lanes(-start_gain_) * surplus_);
+      axis_.step(port + correction_, input_.position_m, -start_shares() * surplus_);
       if (corrects_flow_) correct(measured.valve_command_V, port);
     }
     return output(health);
@@ -193,6 +193,7 @@ class PipelineEstimator {
   /// area is not known well must not bend the estimate for ever.
   static constexpr double start_gain = 1.0;
   static constexpr double start_time_s = 0.5;
+  static constexpr double nearly_closed = 0.2;  ///< of half the stroke
   /// A wave of more than this is no error of a model but a valve that does something else.
   static constexpr double correction_limit_Pa = 20e3;
 
@@ -259,6 +260,14 @@ class PipelineEstimator {
     const Lanes largest(correction_limit_Pa);
     surplus_ = flow - axis_.flow().port_mass_flow_kgps;
     correction_ = maximum(minimum(correction_gain_ * surplus_, largest), -largest);
+  }
+
+  // Of the surplus that goes into each chamber. One that is nearly closed has its line's pressure anyway, and would make
+  // much of the noise.
+  Lanes start_shares() const noexcept {
+    const double half = 0.5 * parameters_.cylinder.stroke_m, x = input_.position_m;
+    const auto open = [&](double s) { return std::fmin(std::fmax(s / (nearly_closed * half), 0.0), 1.0); };
+    return Lanes(start_gain_) * both(open(half + x), open(half - x));
   }
 
   // Replaces what cannot be by what was, and says so.

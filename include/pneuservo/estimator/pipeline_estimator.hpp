@@ -262,8 +262,8 @@ class PipelineEstimator {
     correction_ = maximum(minimum(correction_gain_ * surplus_, largest), -largest);
   }
 
-  // Of the surplus that goes into each chamber. One that is nearly closed has its line's pressure anyway, and would make
-  // much of the noise.
+  // Of the surplus that goes into each chamber. One that is nearly closed has its line's pressure anyway, and would
+  // make much of the noise.
   Lanes start_shares() const noexcept {
     const double half = 0.5 * parameters_.cylinder.stroke_m, x = input_.position_m;
     const auto open = [&](double s) { return std::fmin(std::fmax(s / (nearly_closed * half), 0.0), 1.0); };

@@ -23,8 +23,8 @@ struct CrossCheckInput {
 /// G_valve by the valve's own law (its effects as configured) from command, supply and port pressure, G_port by the
 /// line model from port pressure and position; known leaks are taken off. And, smoothed over smoothing_s,
 ///   |p_measured - p_estimated| > limit + the estimate's stated bound.
-/// Both rest for settle_s after a start, for the estimator begins at rest and the axis may not, and for rest_per_skipped
-/// slots for each one that the loop skipped, at most as long.
+/// Both rest for settle_s after a start, for the estimator begins at rest and the axis may not, and for
+/// rest_per_skipped slots for each one that the loop skipped, at most as long.
 class CrossCheck {
  public:
   static constexpr double window_s = 0.3, smoothing_s = 0.02, settle_s = 0.5;

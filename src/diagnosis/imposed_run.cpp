@@ -42,7 +42,7 @@ template <class S> class ImposedSimulation {
       const S command(inputs_.command_V[k]);
       plant_.step_led(command, -command, position(k + 1));
       if (k + 1 < inputs_.release) follow_ports(k + 1);
-      if (k + 1 == inputs_.release) plant_.warm_gas(start_factors());
+      if (k + 1 == inputs_.release) plant_.scale_gas(P(1), start_factors());
       store(k + 1);
     }
     for (GasCourse& course : courses_) refuse_absurd(course);
@@ -78,7 +78,7 @@ template <class S> class ImposedSimulation {
   /// Brings the gas a part of the way to the measured port pressures: their running mean, then what they do slowly.
   void follow_ports(std::size_t k) {
     const double gain = std::max(1.0 / static_cast<double>(k + 1), inputs_.period_s / follow_s);
-    plant_.scale_gas(P(1) + P(gain) * (port_pressures(k) / plant_.port_pressure() - P(1)));
+    plant_.scale_gas(P(1) + P(gain) * (port_pressures(k) / plant_.port_pressure() - P(1)), P(1));
   }
   void store(std::size_t k) {
     const P port = plant_.port_pressure(), chamber = plant_.chamber_pressure();

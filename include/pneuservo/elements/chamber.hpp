@@ -61,16 +61,12 @@ template <class S> class Chamber {
     pressure_ = energy_ * per_volume;
   }
 
-  /// Multiplies the gas at its temperature.
-  void scale_gas(const S& factor) noexcept {
-    mass_ *= factor;
-    energy_ *= factor;
-    pressure_ *= factor;
-  }
-  /// Multiplies the gas's temperature at its pressure: so much less gas is there.
-  void warm_gas(const S& factor) noexcept {
-    mass_ = mass_ / factor;
-    temperature_ *= factor;
+  /// Multiplies the gas's pressure and temperature; its mass follows.
+  void scale_gas(const S& pressure, const S& temperature) noexcept {
+    mass_ *= pressure / temperature;
+    energy_ *= pressure;
+    pressure_ *= pressure;
+    temperature_ *= temperature;
   }
 
   S pressure() const noexcept { return pressure_; }

@@ -77,26 +77,11 @@ template <class S> class Line {
     set_element<S>(face_.velocity[face_group(j)], face_place(j), velocity_mps);
   }
 
-  /// Multiplies the gas at its temperature; its velocities stay.
-  void scale_gas(const S& factor) noexcept {
-    for (int i = 0; i < cells_; ++i) {
-      Cell c = cell(i);
-      c.pressure *= factor;
-      c.density *= factor;
-      set_cell(i, c);
-    }
-    fill_places_beyond();
-    port_pressure_ *= factor;
-    port_before_ *= factor;
-  }
-  /// Multiplies the gas's temperature at its pressure; its velocities stay.
-  void warm_gas(const S& factor) noexcept {
-    for (int i = 0; i < cells_; ++i) {
-      Cell c = cell(i);
-      c.density = c.density / factor;
-      set_cell(i, c);
-    }
-    fill_places_beyond();
+  /// Multiplies the gas's pressure and temperature; its density follows, its velocities stay.
+  void scale_gas(const S& pressure, const S& temperature) noexcept {
+    for (int i = 0; i < cells_; ++i) set_cell_state(i, cell(i).pressure * pressure, cell(i).temperature * temperature);
+    port_pressure_ *= pressure;
+    port_before_ *= pressure;
   }
 
   /// Sub-step h [s] of all following steps.

@@ -58,15 +58,10 @@ template <class S> class LineWithChamber {
   }
   /// This many sub-steps in every period; 0: as many as are needed.
   void fix_substeps(int substeps) noexcept { fixed_substeps_ = substeps; }
-  /// Multiplies the gas at its temperature: pressures rise in the same ratio.
-  void scale_gas(const S& factor) noexcept {
-    line_.scale_gas(factor);
-    chamber_.scale_gas(factor);
-  }
-  /// Multiplies the gas's temperature at its pressure.
-  void warm_gas(const S& factor) noexcept {
-    line_.warm_gas(factor);
-    chamber_.warm_gas(factor);
+  /// Multiplies the pressure and the temperature of all gas; its mass follows.
+  void scale_gas(const S& pressure, const S& temperature) noexcept {
+    line_.scale_gas(pressure, temperature);
+    chamber_.scale_gas(pressure, temperature);
   }
 
   /// One sub-step with the port pressure of its middle; returns the flows of the line's ends.

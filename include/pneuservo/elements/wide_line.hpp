@@ -48,13 +48,9 @@ class Line<Pack<T, N>> {
     low_.set_face_velocity(j, low(velocity_mps));
     high_.set_face_velocity(j, high(velocity_mps));
   }
-  void scale_gas(const S& factor) noexcept {
-    low_.scale_gas(low(factor));
-    high_.scale_gas(high(factor));
-  }
-  void warm_gas(const S& factor) noexcept {
-    low_.warm_gas(low(factor));
-    high_.warm_gas(high(factor));
+  void scale_gas(const S& pressure, const S& temperature) noexcept {
+    low_.scale_gas(low(pressure), low(temperature));
+    high_.scale_gas(high(pressure), high(temperature));
   }
   void set_time_step(double step_s) noexcept {
     low_.set_time_step(step_s);

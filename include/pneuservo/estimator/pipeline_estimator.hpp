@@ -242,8 +242,8 @@ class PipelineEstimator {
 
   // The valve's flow over the period less the model's corrects the next port pressure, as the pressure of the wave that
   // leaves by the valve: it damps the ringing that sensor noise feeds. While the start is not yet forgotten it also
-  // goes into the chamber: the line's resistance holds an error there for the time R C, with a share k for R C / (1 +
-  // k).
+  // goes into the chamber: the line's resistance R holds an error of the chamber's capacity C for the time R C; with a
+  // share k of the surplus it takes R C / (1 + k).
   void correct(double command_V, const Lanes& port) noexcept {
     const Lanes middle = Lanes(0.5) * (port + port_);
     port_ = port;

@@ -76,35 +76,17 @@ template <class S> class AxisPlant {
   void step(const S& command_V) noexcept { step(command_V, -command_V); }
   /// One period under a command for each three-port valve [V].
   void step(const S& command_1_V, const S& command_2_V) noexcept {
-    run_period(
-        command_1_V, command_2_V,
-        [this](double h, int, int) noexcept {
-          if (!held_) slider_.step(h, middle_force(h), {gauge_pressure_sum()});
-        },
-        [this](const ValvePort<P>& port, const ChamberInflow<P>& leaks, int, int) noexcept {
-          return sides_.step_valve(port, distances(), leaks);
-        });
+    run_period(command_1_V, command_2_V, [this](double h, int, int) noexcept {
+      if (!held_) slider_.step(h, middle_force(h), {gauge_pressure_sum()});
+    });
   }
 
   /// One period with the piston led from outside to position_m at its end, at even speed.
   void step_led(const S& command_1_V, const S& command_2_V, const S& position_m) noexcept {
-    run_period(command_1_V, command_2_V, Leading(*this, position_m),
-               [this](const ValvePort<P>& port, const ChamberInflow<P>& leaks, int, int) noexcept {
-                 return sides_.step_valve(port, distances(), leaks);
-               });
+    run_period(command_1_V, command_2_V, Leading(*this, position_m));
   }
-  /// The same with the port pressures led to port_pressure_Pa as well; the valves move, their flow is not used.
-  void step_led(const S& command_1_V, const S& command_2_V, const S& position_m, const P& port_pressure_Pa) noexcept {
-    const P start = port_pressure(), rise = port_pressure_Pa - start;
-    run_period(command_1_V, command_2_V, Leading(*this, position_m),
-               [&](const ValvePort<P>&, const ChamberInflow<P>& leaks, int i, int n) noexcept {
-                 return sides_.step_prescribed(start + P((i + 1.0) / n) * rise, distances(), leaks);
-               });
-  }
-  /// Multiplies the gas of both sides, line and chamber, at its temperature: pressures rise in the same ratio.
-  void scale_gas(const P& factor) noexcept { sides_.scale_gas(factor); }
-  /// Multiplies the gas's temperature in both sides, line and chamber, at its pressure.
-  void warm_gas(const P& factor) noexcept { sides_.warm_gas(factor); }
+  /// Multiplies the pressure and the temperature of the gas of both sides, lines and chambers; its mass follows.
+  void scale_gas(const P& pressure, const P& temperature) noexcept { sides_.scale_gas(pressure, temperature); }
 
   /// Pressure that feeds the supply from here on; without supply_droop it is that of the supply.
   void set_supply_pressure(const S& pressure_Pa) noexcept {
@@ -165,9 +147,8 @@ template <class S> class AxisPlant {
     Slider<S>& slider;
     S start, way, velocity;
   };
-  // move(h, i, n) brings the slider to the end of sub-step i of n, flow(port, leaks, i, n) the gas.
-  template <class Move, class Flow>
-  void run_period(const S& command_1_V, const S& command_2_V, Move&& move, Flow&& flow) noexcept {
+  // move(h, i, n) brings the slider to the end of sub-step i of n.
+  template <class Move> void run_period(const S& command_1_V, const S& command_2_V, Move&& move) noexcept {
     valves_.set_commands(command_1_V, command_2_V);
     const int n = sides_.begin_period(period_s_);
     const double h = sides_.step_s();
@@ -178,7 +159,7 @@ template <class S> class AxisPlant {
       move(h, i, n);
       const ValvePort<P> port{areas.supply, areas.exhaust, join(supply_pressure_, supply_pressure_),
                               join(axis_.valve.critical_pressure_ratio, axis_.valve.critical_pressure_ratio)};
-      flow_ = flow(port, leaks, i, n);
+      flow_ = sides_.step_valve(port, distances(), leaks);
       if (droops_) step_supply(h, areas);
     }
   }

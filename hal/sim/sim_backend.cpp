@@ -21,10 +21,6 @@ PlantStart<double> plant_start(const Rig& rig) {
 
 SimBackend::SimBackend(const Rig& rig) : rig_(simulated_rig(rig)) {}
 
-ValveArrangement valve_arrangement(const Rig& rig) noexcept {
-  return rig.kind == RigKind::servo_table ? ValveArrangement::three_port_pair : ValveArrangement::five_port;
-}
-
 void SimBackend::configure() {
   plant_.configure(rig_.axis, rig_.period_s, rig_.simulation.cells_per_m, valve_arrangement(rig_));
   plant_.reset(plant_start(rig_));

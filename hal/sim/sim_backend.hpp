@@ -45,7 +45,5 @@ class SimBackend final : public Backend {
 
 /// Start of the simulated plant from the config's `initial`.
 PlantStart<double> plant_start(const Rig& rig);
-/// Valves of the simulated plant.
-ValveArrangement valve_arrangement(const Rig& rig) noexcept;
 
 }  // namespace pneuservo

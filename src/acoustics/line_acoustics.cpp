@@ -40,7 +40,7 @@ LineAcoustics::LineAcoustics(double length_m, double diameter_m, double pressure
     : length_m_(length_m), diameter_m_(diameter_m), area_m2_(0.25 * std::numbers::pi * diameter_m * diameter_m),
       density_kgpm3_(pressure_Pa / (air.gas_constant_J_per_kgK * air.temperature_K)), air_(air), loss_(loss) {}
 
-double LineAcoustics::sound_speed_mps() const { return std::sqrt(air_.kappa * air_.R * air_.temperature_K); }
+double LineAcoustics::sound_speed_mps() const { return air_.sound_speed(); }
 
 LineWave LineAcoustics::wave(Complex s) const {
   // Momentum s G = -A dp/dx (1 - B), continuity s A rho' = -dG/dx with rho' = p/c^2 (1 + (kappa - 1) B_t).

@@ -94,8 +94,7 @@ double command_noise_V(const Rig& rig, ControllerParameters controller, const Ax
     square += std::pow((law.C * state)(0), 2);
     state = law.A * state;
   }
-  const PositionSensorParameters& sensor = rig.sensors.position;
-  return std::sqrt(square * (sensor.quantum_m * sensor.quantum_m / 12.0 + sensor.noise_m * sensor.noise_m));
+  return std::sqrt(square) * rig.sensors.position.rms_m();
 }
 
 void find_mean_pressure(const Rig& rig, const LoadPositions& load, AxisDesign& design) {

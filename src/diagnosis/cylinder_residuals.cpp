@@ -35,8 +35,6 @@ constexpr double force_memory_s = 0.1;
 
 constexpr std::size_t most_known_rows = 15'000'000;  // of columns that are remembered: 120 MB
 
-double with_quantum(double noise, double quantum) { return std::hypot(noise, quantum / std::sqrt(12.0)); }
-
 /// What the sensor would read of true values.
 std::vector<double> readings(const SensorEffects<double>& sensor, const std::vector<double>& truth, double period_s) {
   std::vector<double> out(truth);
@@ -94,7 +92,7 @@ CylinderResiduals::CylinderResiduals(const Rig& owner, const std::vector<Recordi
     recordings_.push_back(prepare_recording(recording, settings.longest_s));
     recordings_.back().held_out = {any_held_out(recordings), recording.is_held_out};
   }
-  const double position_noise = with_quantum(owner.sensors.position.noise_m, owner.sensors.position.quantum_m);
+  const double position_noise = owner.sensors.position.rms_m();
   for (const CylinderRecording& recording : recordings_)
     balances_.emplace_back(recording.position_m, recording.period_s(), position_noise);
   gas_ = std::make_unique<GasRuns>(owner_, recordings_, settings.jobs);
@@ -117,7 +115,7 @@ void CylinderResiduals::declare_channels() {
                                              : channel == port_1 || channel == port_2 ? sensors.port_pressure
                                                                                       : sensors.chamber_pressure;
     ResidualChannel out{std::string(gas_channel_names[channel]), "Pa", 0, pressure_floor_Pa};
-    out.noise = largest_noise(recordings_, channel, with_quantum(sensor.noise_Pa, sensor.quantum_Pa));
+    out.noise = largest_noise(recordings_, channel, sensor.rms_Pa());
     double drop = 0;
     if (channel != supply)
       for (const auto& course : courses[0]) drop = std::max(drop, rms_drop(*course, channel % 2));

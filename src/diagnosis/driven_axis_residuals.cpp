@@ -24,7 +24,6 @@ constexpr double turn_share = 0.5;            ///< of the usual speed
 constexpr double same_place = 0.05;           ///< of a period
 constexpr double least_bin_periods = 5;       ///< rows of slowly sampled recordings are longer than residual_bin_s
 
-double sensor_noise(double noise, double quantum) { return std::hypot(noise, quantum / std::sqrt(12.0)); }
 
 /// The rows on an even grid, between uneven ones on a straight line; NaN where a row is missing.
 std::vector<double> on_grid(const std::vector<double>& time_s, const std::vector<double>& values, double period_s) {
@@ -86,7 +85,7 @@ DrivenAxisResiduals::DrivenAxisResiduals(const Rig& rig, const std::vector<Recor
     for (const double force : part.drive_N) largest = std::max(largest, std::abs(force));
   ResidualChannel& channel = channels_.front();
   channel.floor = std::max(least_floor_N, floor_share * largest);
-  const double force_noise = sensor_noise(rig.sensors.force.noise_N, rig.sensors.force.quantum_N);
+  const double force_noise = rig.sensors.force.rms_N();
   const double mass = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
   const auto noise_of = [&](const Part& part, std::size_t count) {
     return std::hypot(part.balance.force_noise(mass, count), force_noise * part.balance.kernel().noise_gain(0, count));
@@ -106,7 +105,7 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
     throw InputError(fmt::format("{}: found {:.2f} s, expected at least 2 s to compare", recording.path,
                                  static_cast<double>(position.size()) * period_s));
   Part part{
-      ForceBalance(position, period_s, sensor_noise(rig.sensors.position.noise_m, rig.sensors.position.quantum_m)),
+      ForceBalance(position, period_s, rig.sensors.position.rms_m()),
       {},
       {},
       {},

@@ -83,10 +83,6 @@ class StrokeSimulation {
   Slider<double> slider_;
 };
 
-double sensor_noise(const PositionSensorParameters& sensor) {
-  return std::hypot(sensor.noise_m, sensor.quantum_m / std::sqrt(12.0));
-}
-
 }  // namespace
 
 StrokeResiduals::StrokeResiduals(const Rig& rig, const std::vector<Recording>& recordings, int jobs) {
@@ -121,7 +117,7 @@ StrokeResiduals::StrokeResiduals(const Rig& rig, const std::vector<Recording>& r
     prepared.push_back(std::move(out));
     programs_.push_back(std::move(program));
   }
-  declare({{"x", "m", sensor_noise(rig.sensors.position), rig.model_error.position_m}}, std::move(prepared), jobs);
+  declare({{"x", "m", rig.sensors.position.rms_m(), rig.model_error.position_m}}, std::move(prepared), jobs);
 }
 
 std::vector<std::vector<double>> StrokeResiduals::simulated(const Hypothesis& hypothesis, std::size_t r) const {

@@ -21,10 +21,6 @@ constexpr std::size_t port_sensor = 1, chamber_sensor = 3;
 constexpr double fitted_share = 2.0 / 3.0;
 constexpr std::size_t start_samples = 3;  ///< whose mean the simulation starts from, if they are within 1 s
 
-double sensor_noise(const PressureSensorParameters& sensor) {
-  return std::hypot(sensor.noise_Pa, sensor.quantum_Pa / std::sqrt(12.0));
-}
-
 double reading(const SensorEffects<double>& sensor, double truth) {
   return sensor.sensor_gain.gain * truth + sensor.sensor_offset.offset;
 }
@@ -94,7 +90,7 @@ class VesselSimulation {
 
 VesselResiduals::VesselResiduals(const Rig& rig, const std::vector<Recording>& recordings, int jobs) {
   std::vector<ResidualChannel> channels{
-      {"p1_chamber", "Pa", sensor_noise(rig.sensors.chamber_pressure), rig.model_error.pressure_Pa}};
+      {"p1_chamber", "Pa", rig.sensors.chamber_pressure.rms_Pa(), rig.model_error.pressure_Pa}};
   if (rig.line) {
     channels.push_back(channels.front());
     channels.back().name = "p1_port";

@@ -30,9 +30,7 @@ EstimatorParameters estimator_parameters(const Rig& rig) {
   p.cells_per_m = rig.estimator.cells_per_m;
   p.valve = rig.axis.valve;
   p.flow_correction = rig.estimator.flow_correction;
-  // Rounding to the quantum adds a variance of q^2/12.
-  p.uncertainty.port_noise_Pa =
-      std::hypot(rig.sensors.port_pressure.noise_Pa, rig.sensors.port_pressure.quantum_Pa / std::sqrt(12.0));
+  p.uncertainty.port_noise_Pa = rig.sensors.port_pressure.rms_Pa();
   p.uncertainty.relative_diameter =
       std::max(tolerance_of(rig, "line_1.diameter_m"), tolerance_of(rig, "line_2.diameter_m"));
   p.uncertainty.relative_area =

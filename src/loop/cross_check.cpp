@@ -25,8 +25,7 @@ double full_air_kg(const Rig& rig, const LineParameters<double>& line, double ar
 void CrossCheck::configure(const Rig& rig) {
   const auto& axis = rig.axis;
   air_ = Air<Two>(cast<AirParameters<Two>>(axis.air));
-  valves_.configure(rig.kind == RigKind::servo_table ? ValveArrangement::three_port_pair : ValveArrangement::five_port,
-                    axis.valve, axis.effects.valve, rig.period_s);
+  valves_.configure(valve_arrangement(rig), axis.valve, axis.effects.valve, rig.period_s);
   valves_.set_time_step(rig.period_s);
   period_s_ = rig.period_s;
   critical_ratio_ = axis.valve.critical_pressure_ratio;

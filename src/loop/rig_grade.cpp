@@ -20,9 +20,7 @@ void add(Findings& findings, Level level, std::string topic, std::string what, s
 
 /// Explicit steps that a pressure wave forces on one period: it may cross at most one cell a step.
 double wave_steps_per_period(const Rig& rig, double cells_per_m) {
-  const auto& air = rig.axis.air;
-  const double sound_speed_mps = std::sqrt(air.heat_capacity_ratio * air.gas_constant_J_per_kgK * air.temperature_K);
-  return rig.period_s * sound_speed_mps * cells_per_m;
+  return rig.period_s * Air<double>(rig.axis.air).sound_speed() * cells_per_m;
 }
 
 void grade_period(const Rig& rig, Findings& findings) {
@@ -77,14 +75,11 @@ void grade_gains(const Rig& rig, Findings& findings) {
 /// What the sensors' noise and quanta make of the command from one period to the next, one standard deviation.
 void grade_noise(const Rig& rig, Findings& findings) {
   const auto& controller = rig.controller.pd_force;
-  const auto deviation = [](double noise, double quantum) { return std::sqrt(noise * noise + quantum * quantum / 12); };
   const auto& pressure =
       controller.pressure_source == PressureSource::chamber ? rig.sensors.chamber_pressure : rig.sensors.port_pressure;
-  const double force_N = deviation(pressure.noise_Pa, pressure.quantum_Pa) *
-                         std::hypot(rig.axis.cylinder.area_1_m2, rig.axis.cylinder.area_2_m2);
+  const double force_N = pressure.rms_Pa() * std::hypot(rig.axis.cylinder.area_1_m2, rig.axis.cylinder.area_2_m2);
   const double smoothing = 1 - std::exp(-rig.period_s / std::max(controller.velocity_filter_s, 1e-9));
-  const double velocity_mps = deviation(rig.sensors.position.noise_m, rig.sensors.position.quantum_m) * smoothing *
-                              std::sqrt(2.0) / rig.period_s;
+  const double velocity_mps = rig.sensors.position.rms_m() * smoothing * std::sqrt(2.0) / rig.period_s;
   const double command_V =
       controller.force_gain_V_per_N * std::hypot(force_N, controller.velocity_gain_Ns_per_m * velocity_mps);
   const double share = command_V / rig.axis.valve.command_max_V;

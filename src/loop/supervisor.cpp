@@ -78,10 +78,8 @@ double largest_flow_per_volt(const Rig& rig) {
 
 /// A change of flow dG sends a wave of c dG / A into a line: what a volt does to the pressure at its port at once.
 double port_step_Pa_per_V(const Rig& rig) {
-  const auto& air = rig.axis.air;
   const double diameter = std::min(rig.axis.line_1.diameter_m, rig.axis.line_2.diameter_m);
-  const double sound_mps = std::sqrt(air.heat_capacity_ratio * air.gas_constant_J_per_kgK * air.temperature_K);
-  return sound_mps * largest_flow_per_volt(rig) / (0.25 * M_PI * diameter * diameter);
+  return Air<double>(rig.axis.air).sound_speed() * largest_flow_per_volt(rig) / (0.25 * M_PI * diameter * diameter);
 }
 
 }  // namespace

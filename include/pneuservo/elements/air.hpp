@@ -43,6 +43,8 @@ template <class S> struct Air {
     const S exponent = (k + S(1)) / (k - S(1));
     return square_root(k * exponential(exponent * logarithm(S(2) / (k + S(1)))));
   }
+  /// At ambient temperature [m/s].
+  S sound_speed() const noexcept { return square_root(kappa * R * temperature_K); }
   /// Thermal conductivity k(T) = 7.95e-5 T + 2.0465e-3 W/(m K) (3.10).
   static S conductivity(const S& T) noexcept { return S(7.95e-5) * T + S(2.0465e-3); }
 };

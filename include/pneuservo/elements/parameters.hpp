@@ -1,5 +1,7 @@
 // Parameter structs of supply, valve, line, cylinder, slider and sensors: one declaration of each key of a rig.
 #pragma once
+#include <cmath>
+
 #include <array>
 #include <string_view>
 
@@ -94,10 +96,16 @@ template <class S> struct SliderParameters {
   }
 };
 
+/// Noise and rounding of a sensor together, root mean square: rounding to a quantum q adds a variance of q^2/12.
+inline double rms_with_quantum(double noise, double quantum) noexcept {
+  return std::hypot(noise, quantum / std::sqrt(12.0));
+}
+
 struct PositionSensorParameters {
   double quantum_m = 0.0;
   double noise_m = 0.0;
   bool incremental = false;
+  double rms_m() const noexcept { return rms_with_quantum(noise_m, quantum_m); }
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"quantum_m", "m", 0, 0.01, "resolution; 0: none"}, p.quantum_m...);
     v(Field{"noise_m", "m", 0, 0.01, "white noise, rms", Presence::optional}, p.noise_m...);
@@ -111,6 +119,7 @@ struct PositionSensorParameters {
 struct ForceSensorParameters {
   double quantum_N = 0.0;
   double noise_N = 0.0;
+  double rms_N() const noexcept { return rms_with_quantum(noise_N, quantum_N); }
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"quantum_N", "N", 0, 1e5, "resolution; 0: none"}, p.quantum_N...);
     v(Field{"noise_N", "N", 0, 1e5, "white noise, rms", Presence::optional}, p.noise_N...);
@@ -120,6 +129,7 @@ struct ForceSensorParameters {
 struct PressureSensorParameters {
   double quantum_Pa = 0.0;
   double noise_Pa = 0.0;
+  double rms_Pa() const noexcept { return rms_with_quantum(noise_Pa, quantum_Pa); }
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"quantum_Pa", "Pa", 0, 1e5, "resolution; 0: none"}, p.quantum_Pa...);
     v(Field{"noise_Pa", "Pa", 0, 1e5, "white noise, rms", Presence::optional}, p.noise_Pa...);

@@ -114,8 +114,7 @@ class PipelineEstimator {
                     both(1.0, -1.0), parameters.period_s, cells);
     air_ = Air<Lanes>(cast<AirParameters<Lanes>>(parameters.air));
     // A plane wave that leaves the line changes the port's pressure by c G / A.
-    const double sound_mps = std::sqrt(parameters.air.heat_capacity_ratio * parameters.air.gas_constant_J_per_kgK *
-                                       parameters.air.temperature_K);
+    const double sound_mps = lane(air_.sound_speed(), 0);
     const auto impedance = [&](const LineParameters<double>& l) {
       return parameters.flow_correction * sound_mps / (0.25 * M_PI * l.diameter_m * l.diameter_m);
     };

@@ -9,6 +9,7 @@
 
 #include <pneuservo/control/parameters.hpp>
 #include <pneuservo/control/reference.hpp>
+#include <pneuservo/elements/valves.hpp>
 #include <pneuservo/elements/vessel_effects.hpp>
 #include <pneuservo/rig/axis.hpp>
 #include <pneuservo/rig/hal_parameters.hpp>
@@ -389,6 +390,10 @@ struct Rig {
     v(Field{"hal", "", 0, 0, "devices behind the channels; without it all of them are simulated", optional}, p.hal...);
   }
 };
+
+inline ValveArrangement valve_arrangement(const Rig& rig) noexcept {
+  return rig.kind == RigKind::servo_table ? ValveArrangement::three_port_pair : ValveArrangement::five_port;
+}
 
 /// What each valve is given in the safe state [V].
 inline std::array<double, 2> safe_commands_V(const Rig& rig) noexcept {

@@ -13,13 +13,13 @@
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "diagnosis/diagnose.hpp"
-#include "diagnosis/import.hpp"
 #include "diagnosis/result_json.hpp"
 #include "diagnosis/result_text.hpp"
 #include "loop/realtime_stop.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "program/virtual_machine.hpp"
+#include "record/import.hpp"
 #include "report/diagnosis_report.hpp"
 
 namespace pneuservo {

@@ -11,6 +11,7 @@
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/elements/valves.hpp>
 #include <pneuservo/elements/vessel_effects.hpp>
+#include <pneuservo/record/import_parameters.hpp>
 #include <pneuservo/rig/axis.hpp>
 #include <pneuservo/rig/hal_parameters.hpp>
 #include <pneuservo/rig/switched_parameters.hpp>
@@ -353,14 +354,19 @@ struct Rig {
     v(Field{"effects", "", 0, 0, "physics beside the nominal model, by name", optional}, p.axis.effects...);
     section(Field{"sensors", "", 0, 0, "resolution and noise of the sensors"}, StrokeSensors<P>{p}...);
   }
+  /// Of every rig, whether it is run or recorded.
+  template <class V, class... P> static void visit_tolerances(V& v, P&... p) {
+    v(Field{"tolerances", "", 0, 10, "one standard deviation, relative, of what the owner knows, by path",
+            Presence::optional},
+      p.tolerances...);
+  }
   /// Of rigs that are recorded, not run.
   template <class V, class... P> static void visit_recorded(V& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"program", "", 0, 0, "command where a recording has no column u_V", optional}, p.program...);
     v(Field{"model_error", "", 0, 0, "by how much the model of a healthy machine is known to miss", optional},
       p.model_error...);
-    v(Field{"tolerances", "", 0, 10, "one standard deviation, relative, of what the owner knows, by path", optional},
-      p.tolerances...);
+    visit_tolerances(v, p...);
   }
   template <class V, class... P> static void visit_run(V& v, P&... p) {
     constexpr auto optional = Presence::optional;
@@ -372,8 +378,7 @@ struct Rig {
             "window of the errors; default: second half of a sine, a move until 0.6 s after its end", optional},
       p.evaluation...);
     v(Field{"seed", "", 0, 0, "of the simulated noise", optional}, p.seed...);
-    v(Field{"tolerances", "", 0, 10, "one standard deviation, relative, of what the owner knows, by path", optional},
-      p.tolerances...);
+    visit_tolerances(v, p...);
     v(Field{"deviations", "", -0.9, 10,
             "of the simulated plant from what controller and estimator believe, relative, by path", optional},
       p.deviations...);

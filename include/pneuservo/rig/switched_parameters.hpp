@@ -1,7 +1,5 @@
 // Parameters of rigs that an on/off valve switches: a vessel, and a cylinder that goes from end stop to end stop.
 #pragma once
-#include <map>
-#include <string>
 #include <vector>
 
 #include <pneuservo/core/field.hpp>
@@ -76,34 +74,6 @@ struct ProgramParameters {
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"times_s", "s", 0, 1e6, "after the recording's first row, increasing"}, p.times_s...);
     v(Field{"commands", "-", -1, 1, "1, 0 or -1; as many as times"}, p.commands...);
-  }
-};
-
-/// One column of a foreign recording: ours = factor theirs + offset.
-struct ImportedColumn {
-  std::string column;
-  double factor = 1.0;
-  double offset = 0.0;
-  bool tells_runs = false;
-  template <class V, class... P> static void visit(V&& v, P&... p) {
-    v(Field{"column", "", 0, 0, "its name in the file"}, p.column...);
-    v(Field{"factor", "-", -infinite, infinite, "ours = factor x theirs + offset", Presence::optional}, p.factor...);
-    v(Field{"offset", "", -infinite, infinite, "in our column's unit", Presence::optional}, p.offset...);
-    v(Field{"tells_runs", "", 0, 0, "rows with another value belong to another run", Presence::optional},
-      p.tells_runs...);
-  }
-};
-
-/// How a foreign recording is read: its columns under the names of the recording format.
-struct ImportParameters {
-  std::map<std::string, ImportedColumn> columns;
-  double from_s = -infinite;
-  double to_s = infinite;
-  template <class V, class... P> static void visit(V&& v, P&... p) {
-    v(Field{"columns", "", 0, 0, "by the names of the recording format; t_s is taken as it is unless named"},
-      p.columns...);
-    v(Field{"from_s", "s", -infinite, infinite, "earlier rows are left out", Presence::optional}, p.from_s...);
-    v(Field{"to_s", "s", -infinite, infinite, "later rows are left out", Presence::optional}, p.to_s...);
   }
 };
 

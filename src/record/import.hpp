@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <pneuservo/rig/switched_parameters.hpp>
+#include <pneuservo/record/import_parameters.hpp>
 
 #include "record/reader.hpp"
 

@@ -1,5 +1,5 @@
 // Foreign recordings by a column map.
-#include "diagnosis/import.hpp"
+#include "record/import.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 
 #include "config/input_error.hpp"
-#include "diagnosis/import.hpp"
 #include "record/files.hpp"
+#include "record/import.hpp"
 
 using namespace pneuservo;
 

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "can/bus_interface.hpp"
 #include "config/read_rig.hpp"
 #include "loop/bus_check.hpp"
 #include "loop/machine_check.hpp"

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <unistd.h>
 
+#include "can/bus_interface.hpp"
 #include "loop/bus_check.hpp"
 #include "loop/machine_check.hpp"
 #include "loop/rig_grade.hpp"

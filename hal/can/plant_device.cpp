@@ -23,10 +23,20 @@ std::uint32_t device_type_of(const CanNodeParameters& node, const std::vector<Ca
   return analog ? profile_analog : profile_encoder;
 }
 
+/// What a saturated channel sends: beyond the highest of its counts, which hold it there.
+std::array<double, 6> highest_counts(const Rig& rig) {
+  std::array<double, 6> values{};
+  if (!rig.hal) return values;
+  for (const CanChannel& c : can_channels(*rig.hal))
+    if (!c.is_output) values[c.channel] = std::copysign(1e300, c.scale);
+  return values;
+}
+
 }  // namespace
 
 PlantDevice::PlantDevice(const Rig& rig)
-    : rig_(rig), plant_(rig), plant_faults_(rig), period_ns_(std::llround(rig.period_s * 1e9)) {
+    : rig_(rig), plant_(rig), plant_faults_(rig), sample_faults_(rig.period_s, highest_counts(rig)),
+      period_ns_(std::llround(rig.period_s * 1e9)) {
   if (!rig.hal || !rig.hal->can)
     throw InputError(rig.name + ": hal.can: found nothing, expected the bus with its nodes (docs/can.md)");
   channels_ = can_channels(*rig.hal);
@@ -119,32 +129,16 @@ void PlantDevice::take_command() {
   plant_.write(tick_, plant_faults_.command(time_s(), {commands_V_[0], commands_V_[1]}));
 }
 
-double PlantDevice::spoiled(const Signal& signal, double value) const {
-  const double t = time_s();
-  for (const Order& o : orders_) {
-    const InjectedFault& fault = o.order;
-    const bool jumps = fault.kind == InjectedKind::encoder_jump && signal.channel.channel == 0;
-    if (!o.begun || !fault.is_on(t) || (fault.target != signal.channel.name && !jumps)) continue;
-    if (fault.kind == InjectedKind::bias || jumps) value += *fault.value;
-    if (fault.kind == InjectedKind::spike && t < fault.start_s + rig_.period_s) value += *fault.value;
-    if (fault.kind == InjectedKind::saturate) value = std::copysign(1e300, signal.counts.scale);
-  }
-  return value;
-}
-
 void PlantDevice::sample_inputs() {
   Measurement measured;
   plant_.read(tick_, measured);
   plant_faults_.apply(time_s(), plant_);
+  sample_faults_.apply(tick_, time_s(), measured);
   const auto channels = channels_of(measured);
-  for (Signal& signal : signals_) {
+  for (const Signal& signal : signals_) {
     if (signal.channel.is_output) continue;
-    const double value = spoiled(signal, channels[signal.channel.channel]->value);
-    auto raw = static_cast<std::uint32_t>(signal.counts.raw_of(value));
-    const bool freeze = is_active(InjectedKind::freeze, signal.channel.name);
-    if (freeze && signal.is_frozen) raw = signal.frozen;
-    signal.frozen = raw;
-    signal.is_frozen = true;
+    const double value = channels[signal.channel.channel]->value;
+    const auto raw = static_cast<std::uint32_t>(signal.counts.raw_of(value));
     signal.node->dictionary().set_number(signal.channel.object.index(), signal.channel.object.sub(), raw);
   }
 }
@@ -173,6 +167,7 @@ void PlantDevice::add_fault(const InjectedFault& fault) {
   require_injectable(fault, InjectionPlace::device, rig_, "fault");
   orders_.push_back({fault, false});
   plant_faults_.add(fault);
+  sample_faults_.add(fault);
 }
 
 void PlantDevice::begin_orders(std::vector<CanFrame>& out) {

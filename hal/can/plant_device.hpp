@@ -10,6 +10,7 @@
 
 #include "can/canopen_node.hpp"
 #include "inject/plant_faults.hpp"
+#include "inject/sample_faults.hpp"
 #include "rig/can_channels.hpp"
 #include "rig/injected_fault.hpp"
 #include "sim/sim_backend.hpp"
@@ -47,8 +48,6 @@ class PlantDevice {
     CanChannel channel;
     CanopenNode* node;
     CountScale counts;
-    std::uint32_t frozen = 0;
-    bool is_frozen = false;
   };
   struct Order {
     InjectedFault order;
@@ -59,7 +58,6 @@ class PlantDevice {
   void on_sync(const ReceivedFrame& received, std::vector<CanFrame>& out);
   void take_command();
   void sample_inputs();
-  double spoiled(const Signal& signal, double value) const;
   void begin_orders(std::vector<CanFrame>& out);
   void begin(const InjectedFault& order, std::vector<CanFrame>& out);
   bool is_active(InjectedKind kind, const std::string& target) const;
@@ -69,6 +67,7 @@ class PlantDevice {
   Rig rig_;
   SimBackend plant_;
   PlantFaults plant_faults_;
+  SampleFaults sample_faults_;
   std::vector<CanChannel> channels_;
   std::vector<std::unique_ptr<CanopenNode>> nodes_;
   std::vector<Signal> signals_;

@@ -7,6 +7,7 @@
 #include <pneuservo/rig/rig.hpp>
 
 #include "inject/plant_faults.hpp"
+#include "inject/sample_faults.hpp"
 #include "rig/injected_fault.hpp"
 #include "sim/sim_backend.hpp"
 
@@ -31,23 +32,13 @@ class InjectingBackend final : public Backend {
   std::string name() const override { return "sim"; }
 
  private:
-  static constexpr double longest_delay_s = 1.0;
-
-  struct Injected {
-    InjectedFault fault;
-    std::size_t channel = 0;  ///< past the last one: it has none
-    double kept = 0.0;  ///< what a frozen channel repeats
-    bool spent = false;
-  };
-  void spoil(Injected& injected, Channel& sample) noexcept;
-  bool bus_is_off(double t_s) const noexcept;
+  bool is_on(InjectedKind kind, double t_s) const noexcept;
 
   Rig rig_;
   SimBackend plant_;
   PlantFaults plant_faults_;
-  std::vector<Injected> faults_;
-  std::vector<std::array<double, 6>> history_;  // ring of samples, for delays
-  std::size_t newest_ = 0;
+  SampleFaults sample_faults_;
+  std::vector<InjectedFault> faults_;
   double bus_off_since_s_ = -1.0;
 };
 

@@ -106,9 +106,11 @@ void require_injectable(const InjectedFault& fault, InjectionPlace place, const 
   const auto refuse = [&](const std::string& found, const std::string& expected) {
     throw InputError(fmt::format("{}: {}: found {}, expected {}", origin, kind.name, found, expected));
   };
-  if (!(device ? kind.in_device : kind.in_sim))
-    refuse(device ? "on a simulated device" : "in the backend sim",
-           device ? "it in run --hal sim" : "it with the verb device, on a bus");
+  if (device && !kind.in_device)
+    refuse("on a simulated device", kind.why_not_in_device.empty()
+                                        ? "it in run --hal sim"
+                                        : fmt::format("it in run --hal sim: {}", kind.why_not_in_device));
+  if (!device && !kind.in_sim) refuse("in the backend sim", "it with the verb device, on a bus");
   const InjectedTarget target = device ? kind.device : kind.sim;
   if (target == InjectedTarget::none && !fault.target.empty()) refuse("the target '" + fault.target + "'", "none");
   if (target != InjectedTarget::none) {
@@ -118,6 +120,8 @@ void require_injectable(const InjectedFault& fault, InjectionPlace place, const 
              fmt::format("a {}, one of {}", word(target), fmt::join(known, ", ")));
   }
   if (kind.needs_value && !fault.value) refuse("no value", "a value: " + std::string(kind.meaning));
+  if (fault.kind == InjectedKind::delay && !(*fault.value >= 0.0 && *fault.value <= longest_injected_delay_s))
+    refuse(fmt::format("{:g} s", *fault.value), fmt::format("0 to {:g} s", longest_injected_delay_s));
 }
 
 std::string fault_order_help(InjectionPlace place) {

@@ -45,6 +45,7 @@ struct InjectedKindText {
   InjectedTarget sim, device;  ///< target there
   bool in_sim, in_device, needs_value;
   std::string_view meaning;
+  std::string_view why_not_in_device{};  ///< where that is not plain
 };
 inline constexpr std::array<InjectedKindText, 19> injected_kinds{{
     {"drop", InjectedTarget::channel, InjectedTarget::node, true, true, false, "no sample comes; a node: no answer"},
@@ -52,9 +53,11 @@ inline constexpr std::array<InjectedKindText, 19> injected_kinds{{
     {"bias", InjectedTarget::channel, InjectedTarget::channel, true, true, true, "adds VALUE"},
     {"spike", InjectedTarget::channel, InjectedTarget::channel, true, true, true, "adds VALUE to one sample"},
     {"saturate", InjectedTarget::channel, InjectedTarget::channel, true, true, false,
-     "shows the end of its counts; sim: VALUE, or far out of range"},
-    {"delay", InjectedTarget::channel, InjectedTarget::none, true, false, true, "samples are VALUE seconds old"},
-    {"nan", InjectedTarget::channel, InjectedTarget::none, true, false, false, "is not a number"},
+     "shows VALUE; without it the end of its counts, sim: far out of range"},
+    {"delay", InjectedTarget::channel, InjectedTarget::channel, true, true, true,
+     "samples are VALUE seconds old, 1 at most; a device tells no age"},
+    {"nan", InjectedTarget::channel, InjectedTarget::none, true, false, false, "is not a number",
+     "an object in a PDO is an integer, which cannot be a NaN"},
     {"encoder_jump", InjectedTarget::none, InjectedTarget::none, true, true, true, "adds VALUE to the position"},
     {"stuck_valve", InjectedTarget::none, InjectedTarget::none, true, true, false,
      "the valve stays at its command; with VALUE: at that command"},
@@ -81,6 +84,8 @@ inline constexpr auto injected_kind_names = [] {
 inline constexpr const InjectedKindText& text_of(InjectedKind kind) noexcept {
   return injected_kinds[static_cast<std::size_t>(kind)];
 }
+
+inline constexpr double longest_injected_delay_s = 1.0;
 
 /// One fault; its time counts from tick 0 of the run, of a device from the first SYNC.
 struct InjectedFault {

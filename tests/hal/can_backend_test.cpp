@@ -176,6 +176,26 @@ TEST_CASE("a spike is bridged, and a period in which an answer is a cycle late i
   REQUIRE(late.backend.process().counts().missed == 1);
 }
 
+TEST_CASE("a delayed channel of the device sends the counts of some periods before, and says nothing of it") {
+  constexpr std::size_t periods = 7;
+  Bench plain, delayed({}, {"delay:x:0.007@0.1"});
+  const auto counts = [](Bench& b) { return b.device.nodes()[0]->dictionary().number(0x6020, 1); };
+  std::vector<std::uint32_t> before;
+  for (int i = 0; i < 300; ++i) {
+    Measurement m;
+    for (Bench* b : {&plain, &delayed}) {
+      REQUIRE(b->backend.read(i, m));
+      REQUIRE(b->backend.write(i, {2.0 * std::sin(0.05 * i)}));
+    }
+    REQUIRE((i == 0 || m.position_m.age_s == Approx(delayed.rig.period_s).epsilon(1e-9)));
+    before.push_back(counts(plain));
+    const bool is_on = delayed.device.tick() >= 100;
+    REQUIRE(counts(delayed) == (is_on ? before[before.size() - 1 - periods] : before.back()));
+    for (Bench* b : {&plain, &delayed}) b->bus->advance(b->period_ns);
+  }
+  REQUIRE(before[290] != before[290 - periods]);  // it moves, or nothing would be seen
+}
+
 TEST_CASE("after bus-off nothing is sent until the user configures anew; then it goes on") {
   Bench b({}, {"bus_off@0.1"});
   REQUIRE(b.run(500) >= 0);

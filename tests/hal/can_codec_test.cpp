@@ -224,10 +224,16 @@ TEST_CASE("fault orders") {
   REQUIRE(parse_fault_order("bus_off", 7.0).start_s == 7.0);
   for (const char* wrong : {"nonsense", "bias:x:abc", "freeze:x@-1", "freeze:x@1+abc", "bus_off:io"})
     REQUIRE_THROWS_AS(parse_fault_order(wrong, 0.0), InputError);
-  for (const char* wrong : {"freeze", "freeze:y", "bias:x", "leak:3:1e-6", "off:io"})
+  for (const char* wrong : {"freeze", "freeze:y", "bias:x", "leak:3:1e-6", "off:io", "delay:x:2", "delay:x:-1"})
     REQUIRE_THROWS_AS(require_injectable(parse_fault_order(wrong, 0.0), InjectionPlace::sim, Rig{}, "here"),
                       InputError);
-  for (const char* wrong : {"nan:x", "late_tick:0.01", "off:io"})
+  for (const char* wrong : {"off:io", "delay:x:0.01"})
     REQUIRE_THROWS_AS(require_injectable(parse_fault_order(wrong, 0.0), InjectionPlace::device, Rig{}, "here"),
                       InputError);
+  // What belongs to the controller, and what no counts can say.
+  for (const char* wrong : {"nan:x", "late_tick:0.01", "emergency_stop"})
+    REQUIRE_THROWS_WITH(require_injectable(parse_fault_order(wrong, 0.0), InjectionPlace::device, Rig{}, "here"),
+                        Catch::Contains("expected it in run --hal sim"));
+  REQUIRE_THROWS_WITH(require_injectable(parse_fault_order("nan:x", 0.0), InjectionPlace::device, Rig{}, "here"),
+                      Catch::Contains("an integer, which cannot be a NaN"));
 }

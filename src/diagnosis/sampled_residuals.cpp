@@ -111,9 +111,4 @@ std::vector<ResidualCourse> SampledResiduals::courses(const Hypothesis& hypothes
   return out;
 }
 
-double command_at(const std::vector<double>& times_s, const std::vector<double>& commands, double time_s) {
-  const auto after = std::upper_bound(times_s.begin(), times_s.end(), time_s);
-  return after == times_s.begin() ? commands.front() : commands[static_cast<std::size_t>(after - times_s.begin()) - 1];
-}
-
 }  // namespace pneuservo

@@ -44,7 +44,4 @@ class SampledResiduals : public ResidualModel {
   int jobs_ = 1;
 };
 
-/// Command of a program at a time: the last one that has begun.
-double command_at(const std::vector<double>& times_s, const std::vector<double>& commands, double time_s);
-
 }  // namespace pneuservo

@@ -1,5 +1,6 @@
 // Residuals of a cylinder that an on/off valve sends from end to end: its position alone.
 #pragma once
+#include "diagnosis/command_program.hpp"
 #include "diagnosis/sampled_residuals.hpp"
 
 namespace pneuservo {
@@ -15,10 +16,7 @@ class StrokeResiduals : public SampledResiduals {
   std::vector<std::vector<double>> simulated(const Hypothesis& hypothesis, std::size_t recording) const override;
 
  private:
-  struct Program {
-    std::vector<double> times_s, commands;
-  };
-  std::vector<Program> programs_;
+  std::vector<CommandProgram> programs_;
 };
 
 }  // namespace pneuservo

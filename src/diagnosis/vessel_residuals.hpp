@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 
+#include "diagnosis/command_program.hpp"
 #include "diagnosis/sampled_residuals.hpp"
 
 namespace pneuservo {
@@ -22,7 +23,7 @@ class VesselResiduals : public SampledResiduals {
  private:
   struct Inputs {
     double start_Pa = 0, supply_Pa = 0;  ///< supply 0: as the config has it
-    std::vector<double> switch_s, commands;
+    CommandProgram program;
   };
   Inputs inputs_of(const Rig& rig, const Recording& recording) const;
   std::vector<Inputs> inputs_;

@@ -1,4 +1,5 @@
-// Vessels and switched cylinders against closed forms, and their diagnosis on recordings of their own making.
+// The diagnosis' vessel against the exponential of its blow-down, its leaks in series, and the diagnosis of vessels and
+// switched cylinders on recordings of their own making (the plants' closed forms: tests/rig/switched_plants_test.cpp).
 #include <cmath>
 #include <random>
 

@@ -9,6 +9,7 @@
 
 #include <pneuservo/control/parameters.hpp>
 #include <pneuservo/control/reference.hpp>
+#include <pneuservo/elements/cushion.hpp>
 #include <pneuservo/elements/valves.hpp>
 #include <pneuservo/elements/vessel_effects.hpp>
 #include <pneuservo/record/import_parameters.hpp>
@@ -179,7 +180,7 @@ struct Rig {
   std::optional<LineParameters<double>> line;  ///< between on/off valve and vessel
   VesselEffects<double> vessel_effects;
   ThrottleParameters throttle_1, throttle_2;  ///< of a switched cylinder
-  CushionParameters cushion_1, cushion_2;
+  CushionParameters<double> cushion_1, cushion_2;
   double cylinder_critical_ratio = 0.35;  ///< b of its valve and throttles
   ProgramParameters program;
   ModelErrorParameters model_error;

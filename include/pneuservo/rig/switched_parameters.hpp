@@ -46,17 +46,6 @@ struct ThrottleParameters {
   }
 };
 
-/// End cushioning: a force against the motion towards an end within its length.
-struct CushionParameters {
-  double length_m = 0.0;
-  double damping_Ns_per_m = 0.0;
-  template <class V, class... P> static void visit(V&& v, P&... p) {
-    v(Field{"length_m", "m", 0, 1, "from the end stop", Presence::optional}, p.length_m...);
-    v(Field{"damping_Ns_per_m", "N s/m", 0, 1e7, "force over speed towards the end", Presence::optional},
-      p.damping_Ns_per_m...);
-  }
-};
-
 /// What even a healthy machine's model misses by, root mean square: strokes are not repeated exactly.
 struct ModelErrorParameters {
   double position_m = 1e-4;

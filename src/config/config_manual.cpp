@@ -132,16 +132,16 @@ void merge_rows(Table& table, const Table& other) {
 
 /// Sections that another kind of rig has with other keys follow as tables of their own.
 std::vector<Table> all_tables() {
-  std::vector<Table> tables = tables_of(RigKind::cylinder);
-  for (const RigKind kind : {RigKind::servo_table, RigKind::driven_axis, RigKind::vessel, RigKind::switched_cylinder}) {
-    std::vector<Table> further = tables_of(kind);
+  std::vector<Table> tables = tables_of(RigKind{});
+  for (std::size_t kind = 1; kind < rig_kind_names.size(); ++kind) {
+    std::vector<Table> further = tables_of(static_cast<RigKind>(kind));
     merge_rows(tables.front(), further.front());
     for (std::size_t i = 1; i < further.size(); ++i) {
       Table& table = further[i];
       const auto same =
           std::find_if(tables.begin(), tables.end(), [&](const Table& t) { return t.title == table.title; });
       if (same != tables.end() && same->rows == table.rows) continue;
-      table.title += fmt::format(" of a `{}`", rig_kind_names[static_cast<std::size_t>(kind)]);
+      table.title += fmt::format(" of a `{}`", rig_kind_names[kind]);
       tables.push_back(std::move(table));
     }
   }

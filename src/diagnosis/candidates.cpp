@@ -2,7 +2,7 @@
 #include "diagnosis/candidates.hpp"
 
 #include <algorithm>
-#include <map>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -129,44 +129,17 @@ void keep_in_range(FreeParameter& free, const std::vector<ParameterPath>& known)
     }
 }
 
-std::string family_of(const std::string& name) {
-  static const std::map<std::string, std::string> families{{"coulomb_friction", "friction"},
-                                                           {"stribeck_friction", "friction"},
-                                                           {"direction_dependent_friction", "friction"},
-                                                           {"pressure_dependent_friction", "friction"},
-                                                           {"friction_zone", "friction"},
-                                                           {"quadratic_drag", "friction"},
-                                                           {"direction_dependent_viscous_friction", "friction"},
-                                                           {"constant_force", "load"},
-                                                           {"spring_load", "load"},
-                                                           {"valve_lag", "late"},
-                                                           {"command_delay", "late"},
-                                                           {"valve_hysteresis", "late"},
-                                                           {"valve_neutral_leak", "edges"},
-                                                           {"valve_asymmetry", "edges"},
-                                                           {"valve_dead_band", "edges"},
-                                                           {"valve_offset", "balance"},
-                                                           {"piston_leak", "balance"},
-                                                           {"line_leak_1", "leak_1"},
-                                                           {"chamber_leak_1", "leak_1"},
-                                                           {"laminar_leak_1", "leak_1"},
-                                                           {"porous_leak_1", "leak_1"},
-                                                           {"wall_heat_exchange", "heat"},
-                                                           {"charging_heat", "heat"},
-                                                           {"drop_out_delay", "late"},
-                                                           {"line_leak_2", "leak_2"},
-                                                           {"chamber_leak_2", "leak_2"}};
-  const auto found = families.find(name);
-  if (found != families.end()) return found->second;
-  const std::size_t colon = name.find(':');
-  return colon == std::string::npos ? name : name.substr(colon);  // a sensor's offset, gain and lag; one parameter
+/// `whole`, with the side of an effect's name: "chamber" and "chamber_leak_1" make "chamber_1".
+std::string on_its_side(std::string_view whole, std::string_view name) {
+  const bool has_side = name.ends_with("_1") || name.ends_with("_2");
+  return std::string(whole) + std::string(has_side ? name.substr(name.size() - 2) : "");
 }
 
 /// The effect as a candidate: every combination of its grids is a start.
 template <class Effect>
-Candidate effect_candidate(const std::string& name, const std::string& element, CandidateKind kind,
-                           const ScaleTable& scales) {
-  Candidate candidate{name, element, kind, {}, {}, {}, {{}}, {}, family_of(name)};
+Candidate effect_candidate(const std::string& name, const std::string& element, const std::string& family,
+                           CandidateKind kind, const ScaleTable& scales) {
+  Candidate candidate{name, element, kind, {}, {}, {}, {{}}, {}, family};
   const Effect none;
   for (const ParameterTrait& trait : Effect::traits) {
     Effect::visit(
@@ -195,11 +168,8 @@ void add_effects(const Rig& rig, const MotionRange& range, std::vector<Candidate
   const ScaleTable scales{rig, range, ""};
   visit_effects(rig, [&](const Field& field, const auto& effect) {
     using Effect = std::remove_cvref_t<decltype(effect)>;
-    const std::string name(field.key);
-    std::string element(Effect::element);
-    const bool has_side = name.ends_with("_1") || name.ends_with("_2");
-    if (has_side) element += name.substr(name.size() - 2);
-    out.push_back(effect_candidate<Effect>(name, element, CandidateKind::effect, scales));
+    out.push_back(effect_candidate<Effect>(std::string(field.key), on_its_side(Effect::element, field.key),
+                                           on_its_side(Effect::family, field.key), CandidateKind::effect, scales));
   });
 }
 
@@ -218,7 +188,8 @@ void add_sensors(const Rig& rig, const MotionRange& range, const std::vector<Res
     SensorEffects<double>::visit(
         [&](const Field& field, const auto& effect) {
           using Effect = std::remove_cvref_t<decltype(effect)>;
-          out.push_back(effect_candidate<Effect>(fmt::format("{}:{}", field.key, name), "sensor:" + name,
+          // Offset, gain and lag of one sensor mimic each other.
+          out.push_back(effect_candidate<Effect>(fmt::format("{}:{}", field.key, name), "sensor:" + name, ":" + name,
                                                  CandidateKind::sensor, scales));
         },
         none);
@@ -259,9 +230,7 @@ std::string element_of_path(const std::string& path) {
     const AxisEffects<double> none;
     const auto take = [&](const Field& field, const auto& effect) {
       using Effect = std::remove_cvref_t<decltype(effect)>;
-      if (field.key != name) return;
-      element = std::string(Effect::element);
-      if (name.ends_with("_1") || name.ends_with("_2")) element += name.substr(name.size() - 2);
+      if (field.key == name) element = on_its_side(Effect::element, field.key);
     };
     AxisEffects<double>::visit(take, none);
     const VesselEffects<double> vessel;

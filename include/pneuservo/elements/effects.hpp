@@ -1,5 +1,7 @@
 // The effects of the vocabulary (docs/physics/effects.md): physics that an element has beside the nominal model,
-// neutral by default. Their equations stand in the elements that apply them.
+// neutral by default. Their equations stand in the elements that apply them. `element` is where an effect sits,
+// `family` names those that mimic each other in recordings; both are of one side where the effect's name ends in _1 or
+// _2.
 #pragma once
 #include <pneuservo/core/effect_traits.hpp>
 #include <pneuservo/core/field.hpp>
@@ -8,6 +10,7 @@ namespace pneuservo {
 
 template <class S> struct CoulombFriction {
   static constexpr std::string_view element = "motion";
+  static constexpr std::string_view family = "friction";
   static constexpr std::array traits{ParameterTrait{"force_N", EffectScale::force, 0.03, 5e-5, EffectScale::force}};
   S force_N = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -16,6 +19,7 @@ template <class S> struct CoulombFriction {
 };
 template <class S> struct StribeckFriction {
   static constexpr std::string_view element = "motion";
+  static constexpr std::string_view family = "friction";
   static constexpr std::array traits{
       ParameterTrait{"extra_force_N", EffectScale::force, 0.03, 5e-5, EffectScale::force},
       ParameterTrait{"coulomb_force_N", EffectScale::force, 0.03},
@@ -32,6 +36,7 @@ template <class S> struct StribeckFriction {
 };
 template <class S> struct DirectionDependentFriction {
   static constexpr std::string_view element = "motion";
+  static constexpr std::string_view family = "friction";
   static constexpr std::array traits{ParameterTrait{"forward_N", EffectScale::force, 0.03, 5e-5, EffectScale::force},
                                      ParameterTrait{"backward_N", EffectScale::force, 0.03, 5e-5, EffectScale::force}};
   S forward_N = S(0);
@@ -43,6 +48,7 @@ template <class S> struct DirectionDependentFriction {
 };
 template <class S> struct PressureDependentFriction {
   static constexpr std::string_view element = "motion";
+  static constexpr std::string_view family = "friction";
   static constexpr std::array traits{ParameterTrait{"force_per_pressure_N_per_Pa", EffectScale::force_per_pressure,
                                                     0.03, 5e-5, EffectScale::force_per_pressure}};
   S force_per_pressure_N_per_Pa = S(0);
@@ -53,6 +59,7 @@ template <class S> struct PressureDependentFriction {
 };
 template <class S> struct FrictionZone {
   static constexpr std::string_view element = "motion";
+  static constexpr std::string_view family = "friction";
   static constexpr std::array traits{ParameterTrait{"force_N", EffectScale::force, 0.03, 1e-4, EffectScale::force},
                                      ParameterTrait{"center_m", EffectScale::half_stroke, 0.5, 0, EffectScale::one,
                                                     Variation::linear, effect_grids::zone_center, true},
@@ -69,6 +76,7 @@ template <class S> struct FrictionZone {
 };
 template <class S> struct QuadraticDrag {
   static constexpr std::string_view element = "motion";
+  static constexpr std::string_view family = "friction";
   static constexpr std::array traits{
       ParameterTrait{"coefficient_Ns2_per_m2", EffectScale::drag, 0.03, 5e-5, EffectScale::drag}};
   S coefficient_Ns2_per_m2 = S(0);
@@ -78,6 +86,7 @@ template <class S> struct QuadraticDrag {
 };
 template <class S> struct DirectionDependentViscousFriction {
   static constexpr std::string_view element = "motion";
+  static constexpr std::string_view family = "friction";
   static constexpr std::array traits{
       ParameterTrait{"forward_Ns_per_m", EffectScale::force_per_speed, 0.03, 1e-4, EffectScale::force_per_speed},
       ParameterTrait{"backward_Ns_per_m", EffectScale::force_per_speed, 0.03, 1e-4, EffectScale::force_per_speed}};
@@ -90,6 +99,7 @@ template <class S> struct DirectionDependentViscousFriction {
 };
 template <class S> struct ConstantForce {
   static constexpr std::string_view element = "motion";
+  static constexpr std::string_view family = "load";
   static constexpr std::array traits{ParameterTrait{"force_N", EffectScale::force, 0.03, 5e-5, EffectScale::force}};
   S force_N = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -98,6 +108,7 @@ template <class S> struct ConstantForce {
 };
 template <class S> struct SpringLoad {
   static constexpr std::string_view element = "motion";
+  static constexpr std::string_view family = "load";
   static constexpr std::array traits{
       ParameterTrait{"stiffness_N_per_m", EffectScale::stiffness, 0.03, 1e-4, EffectScale::stiffness},
       ParameterTrait{"rest_m", EffectScale::half_stroke, 0.7, 0, EffectScale::one, Variation::linear,
@@ -145,6 +156,7 @@ template <class S> struct MotionEffects {
 
 template <class S> struct ValveDeadBand {
   static constexpr std::string_view element = "valve";
+  static constexpr std::string_view family = "edges";
   static constexpr std::array traits{ParameterTrait{"width_V", EffectScale::one, 0.15, 5e-4}};
   S width_V = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -153,6 +165,7 @@ template <class S> struct ValveDeadBand {
 };
 template <class S> struct ValveOffset {
   static constexpr std::string_view element = "valve";
+  static constexpr std::string_view family = "balance";
   static constexpr std::array traits{ParameterTrait{"offset_V", EffectScale::one, 0.1, 5e-4}};
   S offset_V = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -161,6 +174,7 @@ template <class S> struct ValveOffset {
 };
 template <class S> struct ValveHysteresis {
   static constexpr std::string_view element = "valve";
+  static constexpr std::string_view family = "late";
   static constexpr std::array traits{ParameterTrait{"width_V", EffectScale::one, 0.15, 1e-3}};
   S width_V = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -169,6 +183,7 @@ template <class S> struct ValveHysteresis {
 };
 template <class S> struct ValveLag {
   static constexpr std::string_view element = "valve";
+  static constexpr std::string_view family = "late";
   static constexpr std::array traits{ParameterTrait{"time_constant_s", EffectScale::one, 0.008, 5e-4}};
   S time_constant_s = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -177,6 +192,7 @@ template <class S> struct ValveLag {
 };
 template <class S> struct ValveNeutralLeak {
   static constexpr std::string_view element = "valve";
+  static constexpr std::string_view family = "edges";
   static constexpr std::array traits{
       ParameterTrait{"area_m2", EffectScale::valve_area, 0.01, 2.5e-5, EffectScale::valve_area}};
   S area_m2 = S(0);
@@ -187,6 +203,7 @@ template <class S> struct ValveNeutralLeak {
 };
 template <class S> struct ValveAsymmetry {
   static constexpr std::string_view element = "valve";
+  static constexpr std::string_view family = "edges";
   static constexpr std::array traits{ParameterTrait{"exhaust_ratio", EffectScale::one, 0.15, 2e-3}};
   S exhaust_ratio = S(1);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -195,6 +212,7 @@ template <class S> struct ValveAsymmetry {
 };
 template <class S> struct CommandDelay {
   static constexpr std::string_view element = "timing";
+  static constexpr std::string_view family = "late";
   static constexpr std::array traits{ParameterTrait{"delay_s", EffectScale::one, 0.006, 5e-4}};
   S delay_s = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -227,6 +245,7 @@ template <class S> struct ValveEffects {
 /// The regulator feeds a volume at the valve through an orifice; area 0: the supply is constant.
 template <class S> struct SupplyDroop {
   static constexpr std::string_view element = "supply";
+  static constexpr std::string_view family = "supply_droop";
   static constexpr std::array traits{ParameterTrait{"area_m2", EffectScale::valve_area, 1.2, 0, EffectScale::one,
                                                     Variation::logarithmic, effect_grids::droop_area},
                                      ParameterTrait{"volume_m3", EffectScale::one, 1.5, 0, EffectScale::one,
@@ -242,6 +261,7 @@ template <class S> struct SupplyDroop {
 /// Orifice between line end and chamber; area 0: none.
 template <class S> struct LineRestriction {
   static constexpr std::string_view element = "line";
+  static constexpr std::string_view family = "line_restriction";
   static constexpr std::array traits{ParameterTrait{"area_m2", EffectScale::inverse_valve_area, 4, 0.01,
                                                     EffectScale::inverse_valve_area, Variation::inverse_square}};
   S area_m2 = S(0);
@@ -251,6 +271,7 @@ template <class S> struct LineRestriction {
 };
 template <class S> struct LineLeak {
   static constexpr std::string_view element = "line";
+  static constexpr std::string_view family = "leak";
   static constexpr std::array traits{
       ParameterTrait{"area_m2", EffectScale::valve_area, 0.01, 2.5e-5, EffectScale::valve_area},
       ParameterTrait{"position", EffectScale::one, 0.4, 0, EffectScale::one, Variation::linear,
@@ -264,6 +285,7 @@ template <class S> struct LineLeak {
 };
 template <class S> struct ChamberLeak {
   static constexpr std::string_view element = "chamber";
+  static constexpr std::string_view family = "leak";
   static constexpr std::array traits{
       ParameterTrait{"area_m2", EffectScale::valve_area, 0.01, 2.5e-5, EffectScale::valve_area}};
   S area_m2 = S(0);
@@ -273,6 +295,7 @@ template <class S> struct ChamberLeak {
 };
 template <class S> struct PistonLeak {
   static constexpr std::string_view element = "piston";
+  static constexpr std::string_view family = "balance";
   static constexpr std::array traits{
       ParameterTrait{"area_m2", EffectScale::valve_area, 0.01, 2.5e-5, EffectScale::valve_area}};
   S area_m2 = S(0);

@@ -8,6 +8,7 @@ namespace pneuservo {
 /// Heat between gas and wall beside the configured one.
 template <class S> struct WallHeatExchange {
   static constexpr std::string_view element = "chamber_1";
+  static constexpr std::string_view family = "heat";
   static constexpr std::array traits{
       ParameterTrait{"conductance_W_per_K", EffectScale::wall_heat, 0.3, 1e-4, EffectScale::wall_heat}};
   S conductance_W_per_K = S(0);
@@ -19,6 +20,7 @@ template <class S> struct WallHeatExchange {
 /// Gas that charging has warmed above the wall and that cools towards it.
 template <class S> struct ChargingHeat {
   static constexpr std::string_view element = "chamber_1";
+  static constexpr std::string_view family = "heat";
   static constexpr std::array traits{ParameterTrait{"excess_K", EffectScale::one, 10, 0.02},
                                      ParameterTrait{"time_constant_s", EffectScale::one, 1.2, 0, EffectScale::one,
                                                     Variation::logarithmic, effect_grids::charging_time}};
@@ -32,6 +34,7 @@ template <class S> struct ChargingHeat {
 /// Leak through narrow ways: compressible Poiseuille flow, G = K (p^2 - p_atm^2).
 template <class S> struct LaminarLeak {
   static constexpr std::string_view element = "chamber";
+  static constexpr std::string_view family = "leak";
   static constexpr std::array traits{ParameterTrait{"conductance_kgps_per_Pa2", EffectScale::laminar_conductance, 0.01,
                                                     2.5e-5, EffectScale::laminar_conductance}};
   S conductance_kgps_per_Pa2 = S(0);
@@ -43,6 +46,7 @@ template <class S> struct LaminarLeak {
 /// Leak through a porous wall: a laminar resistance and an orifice in series.
 template <class S> struct PorousLeak {
   static constexpr std::string_view element = "chamber";
+  static constexpr std::string_view family = "leak";
   static constexpr std::array traits{ParameterTrait{"conductance_kgps_per_Pa2", EffectScale::laminar_conductance, 0.01,
                                                     2.5e-5, EffectScale::laminar_conductance},
                                      ParameterTrait{"orifice_area_m2", EffectScale::valve_area, 1.2, 0,
@@ -59,6 +63,7 @@ template <class S> struct PorousLeak {
 /// A solenoid valve that drops out later than it pulls in.
 template <class S> struct DropOutDelay {
   static constexpr std::string_view element = "timing";
+  static constexpr std::string_view family = "late";
   static constexpr std::array traits{ParameterTrait{"delay_s", EffectScale::one, 0.01, 5e-4}};
   S delay_s = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {

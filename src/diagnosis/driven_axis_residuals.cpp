@@ -24,7 +24,6 @@ constexpr double turn_share = 0.5;            ///< of the usual speed
 constexpr double same_place = 0.05;           ///< of a period
 constexpr double least_bin_periods = 5;       ///< rows of slowly sampled recordings are longer than residual_bin_s
 
-
 /// The rows on an even grid, between uneven ones on a straight line; NaN where a row is missing.
 std::vector<double> on_grid(const std::vector<double>& time_s, const std::vector<double>& values, double period_s) {
   const auto count = static_cast<std::size_t>(std::llround((time_s.back() - time_s.front()) / period_s)) + 1;
@@ -104,14 +103,13 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
   if (position.size() < 2000 * 0.001 / period_s)
     throw InputError(fmt::format("{}: found {:.2f} s, expected at least 2 s to compare", recording.path,
                                  static_cast<double>(position.size()) * period_s));
-  Part part{
-      ForceBalance(position, period_s, rig.sensors.position.rms_m()),
-      {},
-      {},
-      {},
-      {},
-      {},
-      {has_held_out_, recording.is_held_out}};
+  Part part{ForceBalance(position, period_s, rig.sensors.position.rms_m()),
+            {},
+            {},
+            {},
+            {},
+            {},
+            {has_held_out_, recording.is_held_out}};
   // Held over the period: around a row the mean of its own force and the one before it.
   std::vector<double> middle(force.size());
   for (std::size_t i = 0; i < force.size(); ++i) {

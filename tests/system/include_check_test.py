@@ -32,6 +32,8 @@ PLANTED = {
                                         "include/pneuservo/estimator/x.hpp:2: <yaml-cpp/yaml.h> does not belong"),
     "an element includes a system header": ("include/pneuservo/elements/x.hpp", "// X.\n#include <sys/mman.h>\n",
                                             "include/pneuservo/elements/x.hpp:2: <sys/mman.h>"),
+    "record includes a rig": ("include/pneuservo/record/x.hpp", "// X.\n#include <pneuservo/rig/f.hpp>\n",
+                              "include/pneuservo/record/x.hpp:2: include/pneuservo/rig/f.hpp must not"),
     "a public header includes a private one": ("include/pneuservo/rig/x.hpp", '// X.\n#include "config/g.hpp"\n',
                                                "include/pneuservo/rig/x.hpp:2: src/config/g.hpp must not"),
     "config includes a verb": ("src/config/x.cpp", '// X.\n#include "program/h.hpp"\n', "src/config/x.cpp:2: src/program/h.hpp"),

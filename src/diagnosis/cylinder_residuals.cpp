@@ -33,6 +33,8 @@ constexpr double noise_margin = 1.15;  // a recording this much noisier than its
 constexpr std::array slow_memories_s{0.03, 0.1, 0.3, 1.0, 3.0};
 constexpr double force_memory_s = 0.1;
 
+constexpr double ringing_effort = 500.0;  // cells times sub-steps that show it, if not where it lies
+
 constexpr std::size_t most_known_rows = 15'000'000;  // of columns that are remembered: 120 MB
 
 /// What the sensor would read of true values.
@@ -147,6 +149,10 @@ double CylinderResiduals::force_noise(std::size_t count) const {
 }
 
 void CylinderResiduals::declare_rows() {
+  std::vector<PossibleRinging> ringing(recordings_.size());
+  in_parallel(recordings_.size(), jobs_, [&](std::size_t r) {
+    ringing[r] = possible_ringing(recordings_[r].inputs, owner_, grid_for(owner_, ringing_effort));
+  });
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
     const CylinderRecording& recording = recordings_[r];
     const auto bin = static_cast<std::size_t>(std::max(1.0, std::round(residual_bin_s / recording.period_s())));
@@ -179,6 +185,7 @@ void CylinderResiduals::declare_rows() {
         const double since_s = recording.period_s() * static_cast<double>(first) - first_compared_s;
         const double start = start_Pa * std::exp(-since_s / start_fades_s);
         row.sigma = std::hypot(noise, std::hypot(channels_[c].floor, start) * std::sqrt(floor_correlation_s / bin_s));
+        row.sigma = std::hypot(row.sigma, largest_ringing(ringing[r], c, first, bin));
         row.held_out = recording.held_out(recording.time_s(first));
         stretch.times_s.push_back(row.time_s);
         rows_.push_back(row);
@@ -187,6 +194,25 @@ void CylinderResiduals::declare_rows() {
       stretches_.push_back(std::move(stretch));
     }
   }
+}
+
+double CylinderResiduals::largest_ringing(const PossibleRinging& ringing, std::size_t channel, std::size_t first,
+                                          std::size_t count) const {
+  const int gas = gas_channel_[channel];
+  const auto& measured = recordings_.front().measured_Pa;
+  // Force per pressure, where the force rests on a port's pressure.
+  std::array<double, 2> factor{gas == port_1 ? 1.0 : 0.0, gas == port_2 ? 1.0 : 0.0};
+  if (gas < 0)
+    factor = {measured[chamber_1].empty() ? owner_.axis.cylinder.area_1_m2 : 0.0,
+              measured[chamber_2].empty() ? owner_.axis.cylinder.area_2_m2 : 0.0};
+  double largest = 0;
+  for (const auto& sides : ringing)
+    for (std::size_t side = 0; side < 2; ++side) {
+      double sum = 0;
+      for (std::size_t k = first; k < first + count; ++k) sum += sides[side][k];
+      largest = std::max(largest, factor[side] * std::abs(sum) / static_cast<double>(count));
+    }
+  return largest;
 }
 
 void CylinderResiduals::declare_answer(Stretch& stretch) {

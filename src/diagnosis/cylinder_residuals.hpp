@@ -6,6 +6,7 @@
 
 #include "diagnosis/command_answer.hpp"
 #include "diagnosis/cylinder_recording.hpp"
+#include "diagnosis/folded_ringing.hpp"
 #include "diagnosis/force_balance.hpp"
 #include "diagnosis/gas_runs.hpp"
 #include "diagnosis/residual_model.hpp"
@@ -57,6 +58,9 @@ class CylinderResiduals final : public ResidualModel {
   void declare_channels();
   void declare_rows();
   void declare_answer(Stretch& stretch);
+  /// What the lines' ringing may make of the mean over `count` samples [unit of the channel].
+  double largest_ringing(const PossibleRinging& ringing, std::size_t channel, std::size_t first,
+                         std::size_t count) const;
   double force_noise(std::size_t count) const;  ///< of the mean of `count` neighbouring values
   SampledCourse course_of(const Rig& rig, const GasCourse& gas, const Stretch& stretch) const;
   SampledCourse force_course(const Rig& rig, const GasCourse& gas, std::size_t recording) const;

@@ -21,7 +21,6 @@ namespace pneuservo {
 
 namespace {
 
-std::vector<double> plain(const Eigen::VectorXd& values) { return {values.data(), values.data() + values.size()}; }
 
 double median(std::vector<double> values) {
   if (values.empty()) return 1;

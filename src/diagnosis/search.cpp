@@ -20,6 +20,10 @@ constexpr double bent_chi2_per_row = 3;
 /// Shares of the screened size that a fit may start from; the best is taken.
 constexpr std::array<double, 5> start_shares{1.0, 0.5, 0.25, 0.1, 0.02};
 
+/// Of what a second name gains in the end, its screening sees at least this share: beside a large first one the owner's
+/// parameters stand at their bounds, and derivatives there know little of where they would go.
+constexpr double screened_share = 0.3;
+
 /// How often the floor and the owner's fit follow each other: then neither moves any more.
 constexpr int floor_rounds = 2;
 
@@ -372,7 +376,7 @@ bool Search::search_next(std::size_t members) {
   const std::vector<Screened> chosen = worth_refitting(screened, settings_.next_refits);
   const double first_gain = best_of(1)->log_evidence - owner_.log_evidence;
   const double needed = std::max(settings_.next_gain, settings_.next_share * first_gain);
-  if (chosen.empty() || 0.5 * chosen.front().gain < needed) return false;
+  if (chosen.empty() || 0.5 * chosen.front().gain < screened_share * needed) return false;
   refit(base->fit, base->members, chosen);
   if (members == 1) {
     std::vector<std::vector<Screened>> sets;

@@ -1,0 +1,22 @@
+// Ringing of a line at the sampling rate, which sampling folds down to slow changes of the port pressures.
+#pragma once
+#include "diagnosis/imposed_run.hpp"
+
+namespace pneuservo {
+
+/// Ringing at each sample of both ports [Pa], one entry for each length that was tried.
+using PossibleRinging = std::vector<std::array<std::vector<double>, 2>>;
+
+/// A held command is a staircase. A line with a mode near the sampling rate (2 m of pipe have one every 86 Hz) rings
+/// with every stair alike while little gas flows and friction sleeps: by up to 1 kPa, which sampling once a stair
+/// shows as a change over a tenth of a second. Whether a mode lies there, a part of a length's tolerance decides, and
+/// no affordable grid has it where the machine has it. So what it may make of a port's pressure is an error of the
+/// model.
+///
+/// Lengths of both lines within their tolerances are simulated along the recording. Within each period a parabola, the
+/// command's stair and sines of the sampling rate and twice it are fitted to a port's pressure; the sines' value at
+/// the period's end is the ringing. None where the command's stairs are slower than 2 ms: they ring with modes that
+/// every grid carries.
+PossibleRinging possible_ringing(const ImposedInputs& inputs, const Rig& owner, const PlantGrid& grid);
+
+}  // namespace pneuservo

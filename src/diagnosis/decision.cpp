@@ -47,9 +47,6 @@ bool is_negligible(const Explanation& explanation, const Candidate& candidate) {
 
 /// Explanations of one size whose prediction of held-out rows is looked at.
 constexpr std::size_t most_predicted = 24;
-/// A force below this share of a simpler law's force does not make another law of it.
-constexpr double law_share = 0.1;
-
 double own_value(const Explanation& explanation, const std::string& path) {
   for (std::size_t i = 0; i < explanation.fit.own_count; ++i)
     if (explanation.fit.parameters[i].path == path)
@@ -59,7 +56,7 @@ double own_value(const Explanation& explanation, const std::string& path) {
 
 /// Whether the member is in truth the simpler law that it contains: Stribeck friction with next to no extra force, a
 /// friction that hardly differs by direction.
-bool is_simpler_law(const Explanation& explanation, const Candidate& candidate) {
+bool is_simpler_law(const Explanation& explanation, const Candidate& candidate, double law_share) {
   const auto value = [&](const char* key) {
     return own_value(explanation, fmt::format("effects.{}.{}", candidate.name, key));
   };
@@ -73,21 +70,19 @@ bool is_simpler_law(const Explanation& explanation, const Candidate& candidate) 
   return false;
 }
 
-/// A leak this far along its line, or further, is one of the chamber: no pressure tells them apart.
-constexpr double line_end_position = 0.9;
-
 /// The candidate's name, but for a leak that the fit puts at the line's end: that is one of the chamber.
-std::string name_by_place(const Explanation& explanation, const Candidate& candidate) {
+std::string name_by_place(const Explanation& explanation, const Candidate& candidate, const DecisionRules& rules) {
   if (!candidate.name.starts_with("line_leak_")) return candidate.name;
-  const bool at_end = own_value(explanation, fmt::format("effects.{}.position", candidate.name)) >= line_end_position;
+  const bool at_end = own_value(explanation, fmt::format("effects.{}.position", candidate.name)) >= rules.line_end_position;
   return at_end ? fmt::format("chamber_leak_{}", candidate.name.back()) : candidate.name;
 }
 
-std::vector<const Explanation*> sizeable(const Search& search, std::size_t members) {
+std::vector<const Explanation*> sizeable(const Search& search, std::size_t members,
+                                         const DecisionRules& rules) {
   std::vector<const Explanation*> out = search.ranking(members);
   std::erase_if(out, [&](const Explanation* e) {
     return std::any_of(e->members.begin(), e->members.end(), [&](std::size_t m) {
-      return is_negligible(*e, search.candidates()[m]) || is_simpler_law(*e, search.candidates()[m]);
+      return is_negligible(*e, search.candidates()[m]) || is_simpler_law(*e, search.candidates()[m], rules.law_share);
     });
   });
   return out;
@@ -209,9 +204,9 @@ bool find_periodic_force(const ResidualModel& model, const DecisionRules& rules,
 Decision chosen_chain(ResidualModel& model, const Search& search, const DecisionRules& rules, double second_share) {
   Decision decision;
   decision.chosen = &search.owner();
-  std::vector<const Explanation*> ranked = sizeable(search, 1);
+  std::vector<const Explanation*> ranked = sizeable(search, 1, rules);
   double first_gain = 0, next_gain = rules.next_gain;
-  for (std::size_t members = 1; !ranked.empty(); ranked = sizeable(search, ++members)) {
+  for (std::size_t members = 1; !ranked.empty(); ranked = sizeable(search, ++members, rules)) {
     const Explanation* best = nullptr;
     for (const Explanation* e : ranked)
       if (members == 1 || is_sure_of_sizes(*e, search, rules.standard_errors)) {
@@ -234,7 +229,7 @@ Decision chosen_chain(ResidualModel& model, const Search& search, const Decision
   decision.gain = decision.chosen->log_evidence - search.owner().log_evidence;
   decision.verdict = verdict_of(*decision.chosen, search);
   if (decision.chosen->members.empty()) {
-    decision.rivals = sizeable(search, 1);
+    decision.rivals = sizeable(search, 1, rules);
     decision.rivals.insert(decision.rivals.begin(), decision.chosen);
   } else {
     std::erase_if(decision.rivals,
@@ -320,7 +315,7 @@ std::vector<std::pair<double, const Explanation*>> by_prediction(ResidualModel& 
                                                                  std::size_t members, double growth,
                                                                  const DecisionRules& rules) {
   std::vector<std::pair<double, const Explanation*>> out;
-  const std::vector<const Explanation*> ranked = sizeable(search, members);
+  const std::vector<const Explanation*> ranked = sizeable(search, members, rules);
   for (const Explanation* e : ranked) {
     if (out.size() >= most_predicted) break;
     const double foretold = model_levels(model, e->fit.hypothesis(), rules).chi2(true);
@@ -415,12 +410,12 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
 
 double probability_of_member(const Decision& decision, const Search& search, std::size_t member,
                              const DecisionRules& rules) {
-  const std::string name = name_by_place(*decision.chosen, search.candidates()[member]);
+  const std::string name = name_by_place(*decision.chosen, search.candidates()[member], rules);
   double sum = 0;
   for (std::size_t i = 0; i < decision.rivals.size(); ++i) {
     const Explanation& rival = *decision.rivals[i];
     if (std::any_of(rival.members.begin(), rival.members.end(),
-                    [&](std::size_t m) { return name_by_place(rival, search.candidates()[m]) == name; }))
+                    [&](std::size_t m) { return name_by_place(rival, search.candidates()[m], rules) == name; }))
       sum += decision.probabilities[i];
   }
   // What the member gains where it is beside all others; with each name that is there already, small physics has more

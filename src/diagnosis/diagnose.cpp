@@ -335,7 +335,7 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   FittedRows rows(model, options.stop);
   const std::vector<Candidate> candidates =
       without_unexcited(all_candidates(rig, model.channels(), motion_range(model.rows())), model.rows());
-  Search first_search(rows, rig, candidates, options.search, options.progress);
+  Search first_search(rows, rig, candidates, {}, options.rules, options.progress);
   run_search(first_search, out);
   if (options.progress) options.progress(0.95, "verdict");
   Decision decision = decided(model, first_search, options.rules, out);
@@ -344,12 +344,12 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   std::optional<Search> beside;
   if (decision.verdict == Verdict::unknown && !out.stopped &&
       is_everywhere(model.channels(), decision.levels.channels, options.rules.floor_level)) {
-    SearchSettings settings = options.search;
+    SearchSettings settings;
     settings.small_physics = small_physics(rig, model.channels());
     settings.grow_floor = true;
     settings.most_effects = 1;
     settings.settled_gain = settled_gain_beside;
-    beside.emplace(rows, rig, first_search.candidates(), settings, options.progress);
+    beside.emplace(rows, rig, first_search.candidates(), settings, options.rules, options.progress);
     run_search(*beside, out);
     const Explanation* best = beside->best_of(1);
     const std::vector<double> levels = model.take_slow_error((best ? *best : beside->owner()).fit.hypothesis());

@@ -16,7 +16,6 @@ struct DiagnoseOptions {
   int jobs = 0;                                                    ///< threads; 0: as many as the machine has
   std::function<void(double share, const std::string& what)> progress;
   std::function<bool()> stop;                                      ///< true ends early with what is there
-  SearchSettings search;
   DecisionRules rules;
   VirtualMachine
       virtual_machine;  ///< makes the recordings that a next experiment is chosen by; empty: none is proposed

@@ -20,10 +20,6 @@ constexpr double bent_chi2_per_row = 3;
 /// Shares of the screened size that a fit may start from; the best is taken.
 constexpr std::array<double, 5> start_shares{1.0, 0.5, 0.25, 0.1, 0.02};
 
-/// Of what a second name gains in the end, its screening sees at least this share: beside a large first one the owner's
-/// parameters stand at their bounds, and derivatives there know little of where they would go.
-constexpr double screened_share = 0.3;
-
 /// How often the floor and the owner's fit follow each other: then neither moves any more.
 constexpr int floor_rounds = 2;
 
@@ -49,8 +45,8 @@ bool contains(const std::vector<std::size_t>& members, std::size_t index) {
 }  // namespace
 
 Search::Search(FittedRows& rows, const Rig& rig, std::vector<Candidate> candidates, SearchSettings settings,
-               Progress progress)
-    : rows_(rows), rig_(rig), candidates_(std::move(candidates)), settings_(settings), progress_(std::move(progress)),
+               const DecisionRules& rules, Progress progress)
+    : rows_(rows), rig_(rig), candidates_(std::move(candidates)), settings_(settings), rules_(rules), progress_(std::move(progress)),
       nuisances_(nuisances(rig, rows.model().start_factor_count(), rows.model().start_factor_sigma())) {
   nuisances_.insert(nuisances_.end(), settings_.small_physics.begin(), settings_.small_physics.end());
 }
@@ -220,7 +216,7 @@ void Search::polish_best(std::size_t members) {
 
 void Search::take_defect_at_best(std::size_t members) {
   const Explanation* best = best_of(members);
-  if (best == nullptr || best->log_evidence - owner_.log_evidence < settings_.audible_gain) return;
+  if (best == nullptr || best->log_evidence - owner_.log_evidence < rules_.doubted_gain) return;
   // Fitted to its end there first, and once more at the error that it has there: a fit that moves on leaves an error.
   for (int round = 0; round < 2; ++round) {
     polish({&tried_.at(best->members)}, 6, true);
@@ -306,7 +302,7 @@ void Search::take_defect_at_owner() {
 
 void Search::take_floor_at_best() {
   const Explanation* best = best_of(1);
-  if (best == nullptr || first_gain_ < settings_.next_gain) return;
+  if (best == nullptr || first_gain_ < rules_.next_gain) return;
   rows_.model().take_slow_error(best->fit.hypothesis());
   std::vector<Explanation*> again = rivals(1, 1e300, tried_.size());
   again.push_back(&owner_);
@@ -375,8 +371,10 @@ bool Search::search_next(std::size_t members) {
   const std::vector<Screened> screened = Screening(rows_, base->fit, candidates_, others(base->members)).singles();
   const std::vector<Screened> chosen = worth_refitting(screened, settings_.next_refits);
   const double first_gain = best_of(1)->log_evidence - owner_.log_evidence;
-  const double needed = std::max(settings_.next_gain, settings_.next_share * first_gain);
-  if (chosen.empty() || 0.5 * chosen.front().gain < screened_share * needed) return false;
+  const double needed = std::max(rules_.next_gain, rules_.next_share * first_gain);
+  // Beside a large first name the owner's parameters stand at their bounds, and derivatives there know little of where
+  // they would go.
+  if (chosen.empty() || 0.5 * chosen.front().gain < rules_.screened_share * needed) return false;
   refit(base->fit, base->members, chosen);
   if (members == 1) {
     std::vector<std::vector<Screened>> sets;
@@ -398,7 +396,7 @@ bool Search::is_everywhere_beside(std::size_t members) {
   ResidualModel& model = rows_.model();
   const Eigen::VectorXd residual = model.residuals(best).col(0);
   return is_everywhere(model.channels(), channel_levels(model.rows(), model.channels().size(), residual),
-                       settings_.everywhere_level);
+                       rules_.floor_level);
 }
 
 void Search::run() {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "diagnosis/candidates.hpp"
+#include "diagnosis/decision_rules.hpp"
 #include "diagnosis/fit.hpp"
 #include "diagnosis/screening.hpp"
 
@@ -18,6 +19,7 @@ struct Explanation {
   double log_evidence = -1e300;
 };
 
+/// How much work a search does.
 struct SearchSettings {
   std::size_t refits = 8;       ///< candidates refitted after the first screening
   std::size_t next_refits = 5;  ///< and after each later one
@@ -26,12 +28,8 @@ struct SearchSettings {
   double least_gain = 10;       ///< in chi2, to be refitted
   double least_share = 0.02;    ///< of the best gain
   double rival_distance = 300;  ///< in log evidence: rivals that are fitted as far as the best
-  double audible_gain = 15;     ///< in log evidence: names that bring less raise no alarm, whatever the grid does
-  double next_gain = 60;        ///< in log evidence: what one more effect must bring for the search to go on
-  double next_share = 0.003;    ///< of the first effect's gain: and this
   std::size_t most_effects = 3;
   double settled_gain = 0.1;    ///< in chi2: a fit that a step improves by less is at its end
-  double everywhere_level = 1.25;  ///< of a channel in sigma: both sides' pressures above it are no third name
   std::vector<FreeParameter> small_physics;  ///< nuisances beside the tolerances
   /// Whether the model's slow error follows what is left: first by the owner's model, then by the best single name.
   bool grow_floor = false;
@@ -42,7 +40,7 @@ class Search {
  public:
   using Progress = std::function<void(double share, const std::string& what)>;
   Search(FittedRows& rows, const Rig& rig, std::vector<Candidate> candidates, SearchSettings settings,
-         Progress progress);
+         const DecisionRules& rules, Progress progress);
 
   /// Fills all that follows. May throw DiagnosisStopped: what is there by then is valid.
   void run();
@@ -95,6 +93,7 @@ class Search {
   Rig rig_;
   std::vector<Candidate> candidates_;
   SearchSettings settings_;
+  DecisionRules rules_;
   Progress progress_;
   std::vector<FreeParameter> nuisances_;
   Fit as_configured_;

@@ -47,7 +47,7 @@ Judged judge(const Rig& machine) {
   settings.grow_floor = true;
   settings.most_effects = 1;
   settings.small_physics = small_physics(owner, model.channels());
-  Search search(rows, owner, all_candidates(owner, model.channels(), motion_range(model.rows())), settings, {});
+  Search search(rows, owner, all_candidates(owner, model.channels(), motion_range(model.rows())), settings, {}, {});
   search.run();
   model.drop_slow_error();
   const Decision decision = decide_beside_remainder(model, search, {});

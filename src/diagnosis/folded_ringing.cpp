@@ -11,7 +11,7 @@ namespace pneuservo {
 
 namespace {
 
-constexpr int parts = 16;             // of a period
+constexpr int parts = 16;                   // of a period
 constexpr double slowest_period_s = 2e-3;  // of commands whose stairs ring above all that is compared
 // Lengths tried: so many tolerances to both sides, of at least so much.
 constexpr double length_spread = 1.5, least_tolerance = 0.003;

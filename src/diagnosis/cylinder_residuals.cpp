@@ -23,6 +23,8 @@ constexpr double force_floor_N = 0.04, force_floor_ports_N = 0.07;
 constexpr double slow_sigma_s = 0.015;
 // Of the port's quick answer to the command: what the grid, which lets it through a little late, may be wrong by.
 constexpr double answer_share = 0.1, slowest_answer_s = 2e-3;
+// A line of 7.65 mm at rest keeps ringing for a second with what went before the recording.
+constexpr double answer_from_s = 1.5;
 // At rest a force within this many noises is balanced by whatever holds: otherwise every friction, however small, would
 // gain the noise of all rows at rest.
 constexpr double rest_noises = 2.0;
@@ -219,7 +221,9 @@ void CylinderResiduals::declare_answer(Stretch& stretch) {
   const CylinderRecording& recording = recordings_[stretch.recording];
   if (stretch.bins.empty() || recording.period_s() > slowest_answer_s) return;
   std::vector<char> used(stretch.usable);
-  for (std::size_t k = 0; k < used.size(); ++k) used[k] = used[k] && !recording.held_out(recording.time_s(k));
+  for (std::size_t k = 0; k < used.size(); ++k)
+    used[k] = used[k] && !recording.held_out(recording.time_s(k)) &&
+              static_cast<double>(k) * recording.period_s() >= answer_from_s;
   stretch.answer = CommandAnswer(recording.inputs.command_V, used);
   if (stretch.answer.rows() == 0) return;
   const Hypothesis owner{owner_, {}};

@@ -73,12 +73,12 @@ bool is_simpler_law(const Explanation& explanation, const Candidate& candidate, 
 /// The candidate's name, but for a leak that the fit puts at the line's end: that is one of the chamber.
 std::string name_by_place(const Explanation& explanation, const Candidate& candidate, const DecisionRules& rules) {
   if (!candidate.name.starts_with("line_leak_")) return candidate.name;
-  const bool at_end = own_value(explanation, fmt::format("effects.{}.position", candidate.name)) >= rules.line_end_position;
+  const bool at_end =
+      own_value(explanation, fmt::format("effects.{}.position", candidate.name)) >= rules.line_end_position;
   return at_end ? fmt::format("chamber_leak_{}", candidate.name.back()) : candidate.name;
 }
 
-std::vector<const Explanation*> sizeable(const Search& search, std::size_t members,
-                                         const DecisionRules& rules) {
+std::vector<const Explanation*> sizeable(const Search& search, std::size_t members, const DecisionRules& rules) {
   std::vector<const Explanation*> out = search.ranking(members);
   std::erase_if(out, [&](const Explanation* e) {
     return std::any_of(e->members.begin(), e->members.end(), [&](std::size_t m) {

@@ -23,7 +23,7 @@ struct DecisionRules {
   double ambiguous_distance = 10;   ///< in log evidence
   double temperature = 3;           ///< log evidence over it makes probabilities
   double law_share = 0.1;           ///< a force below this share of a simpler law's does not make another law of it
-  double line_end_position = 0.9;   ///< a leak this far along its line is one of the chamber: no pressure tells them apart
+  double line_end_position = 0.9;   ///< along its line: a leak beyond is one of the chamber, no pressure tells
   double most_sure = 0.97;          ///< small unmodelled physics is part of every probability
   double doubted_gain = 15;         ///< in log evidence: what small unmodelled physics gains a name every other time
   double unknown_sure = 0.75;

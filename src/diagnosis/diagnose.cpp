@@ -21,7 +21,6 @@ namespace pneuservo {
 
 namespace {
 
-
 double median(std::vector<double> values) {
   if (values.empty()) return 1;
   std::sort(values.begin(), values.end());

@@ -46,7 +46,8 @@ bool contains(const std::vector<std::size_t>& members, std::size_t index) {
 
 Search::Search(FittedRows& rows, const Rig& rig, std::vector<Candidate> candidates, SearchSettings settings,
                const DecisionRules& rules, Progress progress)
-    : rows_(rows), rig_(rig), candidates_(std::move(candidates)), settings_(settings), rules_(rules), progress_(std::move(progress)),
+    : rows_(rows), rig_(rig), candidates_(std::move(candidates)), settings_(settings), rules_(rules),
+      progress_(std::move(progress)),
       nuisances_(nuisances(rig, rows.model().start_factor_count(), rows.model().start_factor_sigma())) {
   nuisances_.insert(nuisances_.end(), settings_.small_physics.begin(), settings_.small_physics.end());
 }

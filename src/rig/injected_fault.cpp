@@ -106,10 +106,7 @@ void require_injectable(const InjectedFault& fault, InjectionPlace place, const 
   const auto refuse = [&](const std::string& found, const std::string& expected) {
     throw InputError(fmt::format("{}: {}: found {}, expected {}", origin, kind.name, found, expected));
   };
-  if (device && !kind.in_device)
-    refuse("on a simulated device", kind.why_not_in_device.empty()
-                                        ? "it in run --hal sim"
-                                        : fmt::format("it in run --hal sim: {}", kind.why_not_in_device));
+  if (device && !kind.in_device) refuse("on a simulated device", std::string(kind.instead_of_device));
   if (!device && !kind.in_sim) refuse("in the backend sim", "it with the verb device, on a bus");
   const InjectedTarget target = device ? kind.device : kind.sim;
   if (target == InjectedTarget::none && !fault.target.empty()) refuse("the target '" + fault.target + "'", "none");

@@ -45,7 +45,7 @@ struct InjectedKindText {
   InjectedTarget sim, device;  ///< target there
   bool in_sim, in_device, needs_value;
   std::string_view meaning;
-  std::string_view why_not_in_device{};  ///< where that is not plain
+  std::string_view instead_of_device = "it in run --hal sim";  ///< where to inject it, and why
 };
 inline constexpr std::array<InjectedKindText, 19> injected_kinds{{
     {"drop", InjectedTarget::channel, InjectedTarget::node, true, true, false, "no sample comes; a node: no answer"},
@@ -57,14 +57,15 @@ inline constexpr std::array<InjectedKindText, 19> injected_kinds{{
     {"delay", InjectedTarget::channel, InjectedTarget::channel, true, true, true,
      "samples are VALUE seconds old, 1 at most; a device tells no age"},
     {"nan", InjectedTarget::channel, InjectedTarget::none, true, false, false, "is not a number",
-     "an object in a PDO is an integer, which cannot be a NaN"},
+     "it in run --hal sim: an object in a PDO is an integer, which cannot be a NaN"},
     {"encoder_jump", InjectedTarget::none, InjectedTarget::none, true, true, true, "adds VALUE to the position"},
     {"stuck_valve", InjectedTarget::none, InjectedTarget::none, true, true, false,
      "the valve stays at its command; with VALUE: at that command"},
     {"leak", InjectedTarget::side, InjectedTarget::side, true, true, true,
      "the side's chamber leaks through an area of VALUE m2"},
     {"supply_loss", InjectedTarget::none, InjectedTarget::none, true, true, true, "the supply falls to VALUE Pa"},
-    {"late_tick", InjectedTarget::none, InjectedTarget::none, true, false, true, "the loop comes VALUE seconds late"},
+    {"late_tick", InjectedTarget::none, InjectedTarget::none, true, false, true, "the loop comes VALUE seconds late",
+     "it in run: the loop is late, not its devices"},
     {"emergency_stop", InjectedTarget::none, InjectedTarget::none, true, false, false, "the emergency stop is pressed"},
     {"bus_off", InjectedTarget::none, InjectedTarget::none, true, true, false,
      "the CAN controller goes bus-off: nothing comes, nothing goes"},

@@ -231,9 +231,12 @@ TEST_CASE("fault orders") {
     REQUIRE_THROWS_AS(require_injectable(parse_fault_order(wrong, 0.0), InjectionPlace::device, Rig{}, "here"),
                       InputError);
   // What belongs to the controller, and what no counts can say.
-  for (const char* wrong : {"nan:x", "late_tick:0.01", "emergency_stop"})
+  for (const char* wrong : {"nan:x", "emergency_stop"})
     REQUIRE_THROWS_WITH(require_injectable(parse_fault_order(wrong, 0.0), InjectionPlace::device, Rig{}, "here"),
                         Catch::Contains("expected it in run --hal sim"));
   REQUIRE_THROWS_WITH(require_injectable(parse_fault_order("nan:x", 0.0), InjectionPlace::device, Rig{}, "here"),
                       Catch::Contains("an integer, which cannot be a NaN"));
+  REQUIRE_THROWS_WITH(
+      require_injectable(parse_fault_order("late_tick:0.01", 0.0), InjectionPlace::device, Rig{}, "here"),
+      Catch::Contains("expected it in run: the loop is late"));
 }

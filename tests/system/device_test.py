@@ -4,6 +4,8 @@
 # tags: timing
 import gzip, json, os, subprocess, sys, tempfile, time
 
+import yaml
+
 from program import expect, expect_refusal, program, run
 
 CONFIG = "config/can/cylinder-10m-7.65mm.yaml"
@@ -86,6 +88,30 @@ for interface in interfaces():
     done = control(interface, 20)
     expect(done.returncode == 1 and "fault: port_pressure_1_missing" in done.stderr, f"scenario: {done.stderr}")
     device.end()
+
+# Verbs home and zero over the bus: an incremental encoder that counts from 40 mm, a pressure sensor 1.2 kPa off.
+bus_path = "unix:" + os.path.join(folder, "named steps")
+steps = ["--set", "sensors.position.incremental=true", "--set", "hal.channels.x.can.lowest_m=-0.3"]
+over_bus = ["--set", f"hal.can.interface={bus_path}", "--time", "real"]
+zeros = os.path.join(folder, "zeros.yaml")
+for end in ("low", "high"):
+    device = Device(bus_path, *steps, "--set", "initial.position_m=0.04", "--set", "effects={'sensor_offset:x': {offset: -0.04}}")
+    expect_refusal(run("run", CONFIG, *sets, *steps, *over_bus, "--duration-s", "1"), ["incremental", "verb home"], "no zero yet")
+    done = run("home", CONFIG, *sets, *steps, *over_bus, "--end", end, "--write", zeros)
+    expect(done.returncode == 0 and f"{end} end at" in done.stdout, f"home over the bus: {done.stdout}{done.stderr}")
+    with open(zeros) as file:
+        expect(abs(yaml.safe_load(file)["zeros"]["x"] - 0.04) < 1e-3, f"home over the bus, {end}: zero")
+    done = run("run", CONFIG, *sets, *steps, *over_bus, "--zeros", zeros, "--duration-s", "1")
+    expect(done.returncode == 0, f"run with zeros over the bus: {done.stderr}")
+    device.end()
+vented = ["--set", "initial={pressure_1_Pa: 101325, pressure_2_Pa: 101325}"]
+device = Device(bus_path, *vented, "--set", "effects={'sensor_offset:p2_port': {offset: 1200}, 'sensor_offset:p_supply': {offset: -598675}}")
+done = run("zero", CONFIG, *sets, *over_bus, "--write", zeros)
+expect(done.returncode == 0, f"zero over the bus: {done.stderr}")
+with open(zeros) as file:
+    found = yaml.safe_load(file)["zeros"]
+expect(abs(found["p2_port"] + 1200) < 100 and abs(found["p1_port"]) < 100, f"zero over the bus: {found}")
+device.end()
 
 over_nothing = run("run", CONFIG, "--set", "hal.can.interface=unix:/nonexistent", "--time", "real")
 expect(over_nothing.returncode == 1 and "nobody listens there" in over_nothing.stderr, f"nobody: {over_nothing.stderr}")

@@ -18,6 +18,7 @@ namespace {
 constexpr double steps_a_recording = 8000, longest_step_s = 0.05, line_period_s = 1e-3;
 constexpr std::size_t port_sensor = 1, chamber_sensor = 3;
 constexpr double fitted_share = 2.0 / 3.0;
+constexpr double supply_sigma = 0.03;  ///< of a supply that was set, not measured
 constexpr std::size_t start_samples = 3;  ///< whose mean the simulation starts from, if they are within 1 s
 
 double reading(const SensorEffects<double>& sensor, double truth) {
@@ -25,6 +26,11 @@ double reading(const SensorEffects<double>& sensor, double truth) {
 }
 
 }  // namespace
+
+double VesselResiduals::start_factor_sigma() const {
+  const bool any_fills = std::any_of(inputs_.begin(), inputs_.end(), [](const Inputs& i) { return i.fills; });
+  return any_fills ? supply_sigma : SampledResiduals::start_factor_sigma();
+}
 
 VesselResiduals::VesselResiduals(const Rig& rig, const std::vector<Recording>& recordings, int jobs) {
   std::vector<ResidualChannel> channels{
@@ -66,6 +72,7 @@ VesselResiduals::Inputs VesselResiduals::inputs_of(const Rig& rig, const Recordi
       inputs.supply_Pa += value / static_cast<double>(t.size());
   }
   const double first_command = inputs.program.commands.front();
+  inputs.fills = first_command > 0;
   if (first_command != 0.0 && t.front() > inputs.program.times_s.front()) {
     // Logged from an event at t = 0 on: what was there before it is the other end of the step.
     inputs.start_Pa = first_command > 0 ? rig.axis.air.atmosphere_Pa : inputs.supply_Pa;
@@ -83,7 +90,8 @@ std::vector<std::vector<double>> VesselResiduals::simulated(const Hypothesis& hy
   const Inputs& inputs = inputs_[r];
   const std::vector<double>& times = recordings()[r].time_s;
   const double factor = 1.0 + (2 * r < hypothesis.start_factors.size() ? hypothesis.start_factors[2 * r] : 0.0);
-  const double supply_Pa = inputs.supply_Pa > 0 ? inputs.supply_Pa : rig.axis.supply.pressure_Pa;
+  const double stated_Pa = inputs.supply_Pa > 0 ? inputs.supply_Pa : rig.axis.supply.pressure_Pa;
+  const double supply_Pa = inputs.fills ? stated_Pa * factor : stated_Pa;
   const double span = times.back() - times.front();
   const double longest = rig.line ? line_period_s : std::min(longest_step_s, span / steps_a_recording);
   const VesselEffects<double>& late = rig.vessel_effects;
@@ -92,7 +100,7 @@ std::vector<std::vector<double>> VesselResiduals::simulated(const Hypothesis& hy
   program.times_s.insert(program.times_s.begin(), now - 1.0);
   program.commands.insert(program.commands.begin(), 0.0);  // closed before the first
 
-  VesselPlant plant(rig, inputs.start_Pa * factor);
+  VesselPlant plant(rig, inputs.fills ? inputs.start_Pa : inputs.start_Pa * factor);
   std::vector<std::vector<double>> out(rig.line ? 2 : 1);
   for (const double t : times) {
     while (now < t - 1e-12) {

@@ -16,6 +16,7 @@ class VesselResiduals : public SampledResiduals {
   /// there. Throws InputError.
   VesselResiduals(const Rig& rig, const std::vector<Recording>& recordings, int jobs);
   std::size_t start_factor_count() const override { return 2 * recordings().size(); }
+  double start_factor_sigma() const override;
 
  protected:
   std::vector<std::vector<double>> simulated(const Hypothesis& hypothesis, std::size_t recording) const override;
@@ -23,6 +24,7 @@ class VesselResiduals : public SampledResiduals {
  private:
   struct Inputs {
     double start_Pa = 0, supply_Pa = 0;  ///< supply 0: as the config has it
+    bool fills = false;  ///< begins with the valve open to the supply: the start factor is then the supply's
     CommandProgram program;
   };
   Inputs inputs_of(const Rig& rig, const Recording& recording) const;

@@ -81,6 +81,19 @@ def chambers():
         expect(names_of(found) == ["charging_heat"], f"aluminium chamber: {names_of(found)}")
 
 
+def tubes():
+    """The valve drops out late, 20 to 23 ms by arrival times at the far end; the tube's own travel time is in the model."""
+    for length in (2, 4, 7):
+        found = diagnosis_of("tube.yaml", "tube_pressure", [f"tube_{length}m.csv.gz"], sets=[f"line.length_m={length}"])
+        if not found:
+            continue
+        expect(names_of(found) == ["drop_out_delay"], f"tube of {length} m: {names_of(found)}")
+        delay_s = found["answers"][0]["parameters"]["delay_s"]["value"]
+        expect(0.019 < delay_s < 0.027, f"tube of {length} m: drops out {delay_s} s late")
+        front = found["fit"]["channels"]["p1_chamber_Pa"]
+        expect(front["after"] < 0.3 * front["before"], f"tube of {length} m: {front}")
+
+
 def emps():
     """Coulomb friction and a viscous one that differs by direction; held out, 1.63 N are known to be reachable."""
     found = diagnosis_of("emps.yaml", "emps", ["emps_base.csv.gz"])
@@ -103,4 +116,5 @@ emps()
 seals()
 tank()
 strokes()
+tubes()
 chambers()

@@ -17,7 +17,7 @@ void SampleFaults::add(const InjectedFault& fault) {
   if (found == channel_names.end()) return;
   const auto channel = static_cast<std::size_t>(found - channel_names.begin());
   Spoiled spoiled{fault, channel, {}};
-  if (newest_tick_) spoiled.kept = history_[newest_][channel];  // one that comes while samples are taken
+  if (newest_tick_) spoiled.kept = shown_[channel];  // one that comes while samples are taken
   faults_.push_back(spoiled);
 }
 
@@ -34,6 +34,7 @@ void SampleFaults::apply(std::int64_t tick, double t_s, Measurement& measured) n
     if (spoiled.fault.is_on(t_s)) spoil(spoiled, sample);
     else spoiled.kept = sample.value;
   }
+  for (std::size_t i = 0; i < shown_.size(); ++i) shown_[i] = channels[i]->value;
 }
 
 void SampleFaults::remember(std::int64_t tick, const std::array<Channel*, 6>& channels) noexcept {

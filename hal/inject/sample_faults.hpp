@@ -41,6 +41,7 @@ class SampleFaults {
   std::vector<std::array<double, 6>> history_;  // ring of what was measured, a slot a tick
   std::size_t newest_ = 0;
   std::optional<std::int64_t> newest_tick_;
+  std::array<double, 6> shown_{};  // in the last tick, faults included
 };
 
 }  // namespace pneuservo

@@ -23,7 +23,7 @@ constexpr double force_floor_N = 0.04, force_floor_ports_N = 0.07;
 constexpr double slow_sigma_s = 0.015;
 // Of the port's quick answer to the command: what the grid, which lets it through a little late, may be wrong by.
 constexpr double answer_share = 0.1, slowest_answer_s = 2e-3;
-// A line of 7.65 mm at rest keeps ringing for a second with what went before the recording.
+// A line of 7.65 mm at rest keeps ringing with what went before the recording, and forgets it in 1.2 s (1/e).
 constexpr double answer_from_s = 1.5;
 // At rest a force within this many noises is balanced by whatever holds: otherwise every friction, however small, would
 // gain the noise of all rows at rest.
@@ -35,7 +35,8 @@ constexpr double noise_margin = 1.15;  // a recording this much noisier than its
 constexpr std::array slow_memories_s{0.03, 0.1, 0.3, 1.0, 3.0};
 constexpr double force_memory_s = 0.1;
 
-constexpr double ringing_effort = 500.0;  // cells times sub-steps that show it, if not where it lies
+constexpr double ringing_effort =
+    500.0;  // cells times sub-steps that show a line's ringing, though not at which length
 
 constexpr std::size_t most_known_rows = 15'000'000;  // of columns that are remembered: 120 MB
 
@@ -187,7 +188,7 @@ void CylinderResiduals::declare_rows() {
         const double since_s = recording.period_s() * static_cast<double>(first) - first_compared_s;
         const double start = start_Pa * std::exp(-since_s / start_fades_s);
         row.sigma = std::hypot(noise, std::hypot(channels_[c].floor, start) * std::sqrt(floor_correlation_s / bin_s));
-        row.sigma = std::hypot(row.sigma, largest_ringing(ringing[r], c, first, bin));
+        row.sigma = std::hypot(row.sigma, largest_ringing(ringing[r], r, c, first, bin));
         row.held_out = recording.held_out(recording.time_s(first));
         stretch.times_s.push_back(row.time_s);
         rows_.push_back(row);
@@ -198,22 +199,20 @@ void CylinderResiduals::declare_rows() {
   }
 }
 
-double CylinderResiduals::largest_ringing(const PossibleRinging& ringing, std::size_t channel, std::size_t first,
-                                          std::size_t count) const {
+double CylinderResiduals::largest_ringing(const PossibleRinging& ringing, std::size_t recording, std::size_t channel,
+                                          std::size_t first, std::size_t count) const {
   const int gas = gas_channel_[channel];
-  const auto& measured = recordings_.front().measured_Pa;
-  // Force per pressure, where the force rests on a port's pressure.
+  const auto& measured = recordings_[recording].measured_Pa;
   std::array<double, 2> factor{gas == port_1 ? 1.0 : 0.0, gas == port_2 ? 1.0 : 0.0};
-  if (gas < 0)
+  if (gas < 0)  // the force rests on a port's pressure where its chamber has no sensor
     factor = {measured[chamber_1].empty() ? owner_.axis.cylinder.area_1_m2 : 0.0,
-              measured[chamber_2].empty() ? owner_.axis.cylinder.area_2_m2 : 0.0};
+              measured[chamber_2].empty() ? -owner_.axis.cylinder.area_2_m2 : 0.0};
   double largest = 0;
-  for (const auto& sides : ringing)
-    for (std::size_t side = 0; side < 2; ++side) {
-      double sum = 0;
-      for (std::size_t k = first; k < first + count; ++k) sum += sides[side][k];
-      largest = std::max(largest, factor[side] * std::abs(sum) / static_cast<double>(count));
-    }
+  for (const auto& sides : ringing) {
+    double sum = 0;
+    for (std::size_t k = first; k < first + count; ++k) sum += factor[0] * sides[0][k] + factor[1] * sides[1][k];
+    largest = std::max(largest, std::abs(sum) / static_cast<double>(count));
+  }
   return largest;
 }
 

@@ -59,7 +59,7 @@ class CylinderResiduals final : public ResidualModel {
   void declare_rows();
   void declare_answer(Stretch& stretch);
   /// What the lines' ringing may make of the mean over `count` samples [unit of the channel].
-  double largest_ringing(const PossibleRinging& ringing, std::size_t channel, std::size_t first,
+  double largest_ringing(const PossibleRinging& ringing, std::size_t recording, std::size_t channel, std::size_t first,
                          std::size_t count) const;
   double force_noise(std::size_t count) const;  ///< of the mean of `count` neighbouring values
   SampledCourse course_of(const Rig& rig, const GasCourse& gas, const Stretch& stretch) const;

@@ -47,6 +47,7 @@ bool is_negligible(const Explanation& explanation, const Candidate& candidate) {
 
 /// Explanations of one size whose prediction of held-out rows is looked at.
 constexpr std::size_t most_predicted = 24;
+
 double own_value(const Explanation& explanation, const std::string& path) {
   for (std::size_t i = 0; i < explanation.fit.own_count; ++i)
     if (explanation.fit.parameters[i].path == path)

@@ -25,19 +25,20 @@ struct DecisionRules {
   double law_share = 0.1;           ///< a force below this share of a simpler law's does not make another law of it
   double line_end_position = 0.9;   ///< along its line: a leak beyond is one of the chamber, no pressure tells
   double most_sure = 0.97;          ///< small unmodelled physics is part of every probability
-  double doubted_gain = 15;         ///< in log evidence: what small unmodelled physics gains a name every other time
+  double grid_error_gain = 15;  ///< in log evidence: names that bring less raise no alarm, whatever the grid does
+  double doubted_gain = 15;  ///< in log evidence: what small unmodelled physics gains a name every other time
   double unknown_sure = 0.75;
   // A machine that leaves something everywhere (a little of everything that the model leaves out).
-  double refuted_level = 1.25;      ///< of the owner's mean square, in the floor that the best name leaves
-  double periodic_share = 0.5;      ///< of a force's squared residual in motion: what makes it a periodic force
-  double named_share = 0.5;         ///< of the squared residual of one channel: what a name must take there
-  double farthest_parameter = 3;    ///< a parameter off by more than this factor has the pattern of something else
-  double most_sure_beside = 0.85;   ///< of a name beside such a remainder
+  double refuted_level = 1.25;  ///< of the owner's mean square, in the floor that the best name leaves
+  double periodic_share = 0.5;  ///< of a force's squared residual in motion: what makes it a periodic force
+  double named_share = 0.5;  ///< of the squared residual of one channel: what a name must take there
+  double farthest_parameter = 3;  ///< a parameter off by more than this factor has the pattern of something else
+  double most_sure_beside = 0.85;  ///< of a name beside such a remainder
   double next_share_beside = 0.15;  ///< what one more name must bring, of the first's gain
   // An axis or a part of one that is compared in one quantity.
-  double next_of_left = 0.15;   ///< of the squared residual that the names before it leave: what one more must take
+  double next_of_left = 0.15;  ///< of the squared residual that the names before it leave: what one more must take
   double richer_of_all = 0.05;  ///< of all: what it must take beyond a parameter of the config that is off
-  double richer_of_left = 0.33; ///< of what a simpler law leaves: what a richer one must take
+  double richer_of_left = 0.33;  ///< of what a simpler law leaves: what a richer one must take
 };
 
 }  // namespace pneuservo

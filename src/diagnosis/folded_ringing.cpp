@@ -1,11 +1,11 @@
 // Ringing of a line at the sampling rate, which sampling folds down to slow changes of the port pressures.
 #include "diagnosis/folded_ringing.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/QR>
-
-#include "config/rig_parameters.hpp"
 
 namespace pneuservo {
 
@@ -13,9 +13,10 @@ namespace {
 
 constexpr int parts = 16;                   // of a period
 constexpr double slowest_period_s = 2e-3;  // of commands whose stairs ring above all that is compared
-// Lengths tried: so many tolerances to both sides, of at least so much.
-constexpr double length_spread = 1.5, least_tolerance = 0.003;
-constexpr double two_pi = 6.283185307179586;
+// Lengths tried: so many tolerances to both sides, of at least so much where the owner is surer or says nothing.
+// At most so much: modes lie closer than that.
+constexpr double length_spread = 1.5, least_tolerance = 0.003, most_tolerance = 0.03;
+constexpr double two_pi = 2.0 * std::numbers::pi;
 
 std::vector<double> repeated(const std::vector<double>& samples) {
   std::vector<double> out;
@@ -78,6 +79,11 @@ double stair_of(const Rig& rig, double period_s) {
   return delay - std::floor(delay);
 }
 
+double length_tolerance(const Rig& owner, const char* path) {
+  const auto found = owner.tolerances.find(path);
+  return found == owner.tolerances.end() ? least_tolerance : std::clamp(found->second, least_tolerance, most_tolerance);
+}
+
 }  // namespace
 
 PossibleRinging possible_ringing(const ImposedInputs& inputs, const Rig& owner, const PlantGrid& grid) {
@@ -87,11 +93,8 @@ PossibleRinging possible_ringing(const ImposedInputs& inputs, const Rig& owner, 
   for (std::size_t i = 0; i < imposed_lanes; ++i) {
     rigs[i] = owner;
     const double z = length_spread * (2.0 * static_cast<double>(i) / (imposed_lanes - 1) - 1.0);
-    for (const char* path : {"line_1.length_m", "line_2.length_m"}) {
-      const auto tolerance = owner.tolerances.find(path);
-      const double relative = tolerance == owner.tolerances.end() ? 0.0 : tolerance->second;
-      set_parameter(rigs[i], path, get_parameter(owner, path) * (1.0 + z * std::max(least_tolerance, relative)));
-    }
+    rigs[i].axis.line_1.length_m *= 1.0 + z * length_tolerance(owner, "line_1.length_m");
+    rigs[i].axis.line_2.length_m *= 1.0 + z * length_tolerance(owner, "line_2.length_m");
     runs[i] = {&rigs[i], {}};
   }
   const std::vector<GasCourse> courses = run_imposed(in_parts(inputs), runs, in_parts(grid));

@@ -9,14 +9,13 @@ using PossibleRinging = std::vector<std::array<std::vector<double>, 2>>;
 
 /// A held command is a staircase. A line with a mode near the sampling rate (2 m of pipe have one every 86 Hz) rings
 /// with every stair alike while little gas flows and friction sleeps: by up to 1 kPa, which sampling once a stair
-/// shows as a change over a tenth of a second. Whether a mode lies there, a part of a length's tolerance decides, and
-/// no affordable grid has it where the machine has it. So what it may make of a port's pressure is an error of the
-/// model.
+/// shows as a change over 60 ms. Whether a mode lies there, a quarter of a per cent of length decides, and no
+/// affordable grid has it where the machine has it. So what it may make of a port's pressure is an error of the model.
 ///
-/// Lengths of both lines within their tolerances are simulated along the recording. Within each period a parabola, the
-/// command's stair and sines of the sampling rate and twice it are fitted to a port's pressure; the sines' value at
-/// the period's end is the ringing. None where the command's stairs are slower than 2 ms: they ring with modes that
-/// every grid carries.
+/// Four lengths, up to 1.5 tolerances to both sides, are simulated along the recording (3.5 kB a sample meanwhile).
+/// Within each period a parabola, the command's stair and sines of the sampling rate and twice it are fitted to a
+/// port's pressure; the sines' value at the period's end is the ringing. None where the command's stairs are slower
+/// than 2 ms: they ring with modes that every grid carries.
 PossibleRinging possible_ringing(const ImposedInputs& inputs, const Rig& owner, const PlantGrid& grid);
 
 }  // namespace pneuservo

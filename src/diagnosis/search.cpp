@@ -217,7 +217,7 @@ void Search::polish_best(std::size_t members) {
 
 void Search::take_defect_at_best(std::size_t members) {
   const Explanation* best = best_of(members);
-  if (best == nullptr || best->log_evidence - owner_.log_evidence < rules_.doubted_gain) return;
+  if (best == nullptr || best->log_evidence - owner_.log_evidence < rules_.grid_error_gain) return;
   // Fitted to its end there first, and once more at the error that it has there: a fit that moves on leaves an error.
   for (int round = 0; round < 2; ++round) {
     polish({&tried_.at(best->members)}, 6, true);

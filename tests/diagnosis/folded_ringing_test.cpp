@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "diagnosis/cylinder_residuals.hpp"
 #include "diagnosis/folded_ringing.hpp"
@@ -19,7 +20,8 @@ ImposedInputs quiet_inputs(double amplitude_V, double period_s) {
   inputs.period_s = period_s;
   const auto samples = static_cast<std::size_t>(1.5 / period_s);
   for (std::size_t k = 0; k < samples; ++k)
-    inputs.command_V.push_back(amplitude_V * std::sin(6.283185307 * 2.0 * static_cast<double>(k) * period_s));
+    inputs.command_V.push_back(amplitude_V *
+                               std::sin(2.0 * std::numbers::pi * 2.0 * static_cast<double>(k) * period_s));
   inputs.position_m.assign(samples, 0.0);
   inputs.velocity_mps.assign(samples, 0.0);
   for (std::size_t side = 0; side < 2; ++side) {
@@ -83,6 +85,14 @@ TEST_CASE("a command at rest makes no ringing, a slow one none that is folded", 
   const Rig rig = cylinder_rig(2.0, 4.15e-3);
   CHECK(largest(possible_ringing(quiet_inputs(0.0, 1e-3), rig, fine)) < 0.01);
   CHECK(possible_ringing(quiet_inputs(0.1, 5e-3), rig, fine).empty());
+}
+
+TEST_CASE("lengths that are tried stay lengths, whatever the tolerance", "[diagnosis]") {
+  Rig rig = cylinder_rig(0.01, 4.15e-3);
+  rig.tolerances = {{"line_1.length_m", 0.7}, {"line_2.length_m", 10}};
+  const PossibleRinging ringing = possible_ringing(quiet_inputs(0.1, 1e-3), rig, {4, 160});
+  REQUIRE(ringing.size() == imposed_lanes);
+  CHECK(largest(ringing) < 100);
 }
 
 TEST_CASE("rows of ports allow for the ringing, rows of chambers need not", "[diagnosis]") {

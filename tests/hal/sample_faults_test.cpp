@@ -87,6 +87,10 @@ TEST_CASE("a channel that is frozen from the start keeps its first sample, one f
   on_command.faults.add(parse_fault_order("freeze:x", 0.006));
   REQUIRE(on_command.at(7).value == 6.0);
   REQUIRE(on_command.at(8).value == 6.0);
+  Samples spoiled_before({"bias:x:0.5"});
+  spoiled_before.at(6);
+  spoiled_before.faults.add(parse_fault_order("freeze:x", 0.006));
+  REQUIRE(spoiled_before.at(7).value == 6.5);  // what was shown, not what was measured
 }
 
 TEST_CASE("faults of one channel act in their order") {

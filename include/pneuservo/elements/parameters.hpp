@@ -1,8 +1,7 @@
 // Parameter structs of supply, valve, line, cylinder, slider and sensors: one declaration of each key of a rig.
 #pragma once
-#include <cmath>
-
 #include <array>
+#include <cmath>
 #include <string_view>
 
 #include <pneuservo/core/field.hpp>

@@ -6,7 +6,7 @@
 
 namespace pneuservo {
 
-/// What the kernel says of a network interface. Bit rate, restart time and state: of real CAN controllers alone.
+/// Bit rate, restart time and state: of real CAN controllers alone.
 struct BusInterface {
   bool is_can = false;
   bool is_up = false;

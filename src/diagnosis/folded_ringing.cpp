@@ -87,7 +87,10 @@ double length_tolerance(const Rig& owner, const char* path) {
 }  // namespace
 
 PossibleRinging possible_ringing(const ImposedInputs& inputs, const Rig& owner, const PlantGrid& grid) {
-  if (inputs.period_s > slowest_period_s) return {};
+  const double wave_m = Air<double>(owner.axis.air).sound_speed() * inputs.period_s;
+  const auto long_enough = [&](const LineParameters<double>& line) { return line.length_m >= wave_m; };
+  if (inputs.period_s > slowest_period_s || !(long_enough(owner.axis.line_1) || long_enough(owner.axis.line_2)))
+    return {};
   std::array<Rig, imposed_lanes> rigs;
   std::array<ImposedRun, imposed_lanes> runs;
   for (std::size_t i = 0; i < imposed_lanes; ++i) {
@@ -103,6 +106,8 @@ PossibleRinging possible_ringing(const ImposedInputs& inputs, const Rig& owner, 
   for (const GasCourse& whole : courses) {
     if (!std::isfinite(whole[port_1].back())) continue;
     out.push_back({ringing(whole[port_1], weights), ringing(whole[port_2], weights)});
+    if (!long_enough(owner.axis.line_1)) out.back()[0].assign(out.back()[0].size(), 0.0);
+    if (!long_enough(owner.axis.line_2)) out.back()[1].assign(out.back()[1].size(), 0.0);
   }
   return out;
 }

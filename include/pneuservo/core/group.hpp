@@ -93,14 +93,18 @@ template <class S> [[gnu::always_inline]] inline void set_element(Group<S>& grou
   if constexpr (GroupOf<S>::elements == 1) {
     group = value;
   } else {
-    std::memcpy(reinterpret_cast<char*>(&group) + static_cast<std::size_t>(i) * sizeof value, &value, sizeof value);
+    std::memcpy(reinterpret_cast<char*>(&group) + static_cast<std::size_t>(i) * sizeof value,
+                static_cast<const void*>(&value), sizeof value);
   }
 }
 /// Mask of the places first .. elements - 1 of a group.
 template <class S> inline Mask<Group<S>> places_from(int first) noexcept {
   using G = Group<S>;
   G place;
-  for (int i = 0; i < ScalarTraits<G>::lanes; ++i) set_lane(place, i, static_cast<double>(i / ScalarTraits<S>::lanes));
+  for (int i = 0; i < ScalarTraits<G>::lanes; ++i) {
+    const int element = i / ScalarTraits<S>::lanes;
+    set_lane(place, i, static_cast<double>(element));
+  }
   return place >= G(first);
 }
 

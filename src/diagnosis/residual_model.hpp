@@ -15,7 +15,8 @@ namespace pneuservo {
 struct Hypothesis {
   Rig rig;
   /// What no pressure tells of the gas at a recording's start, relative to what is supposed, minus 1, side 1 and 2 of
-  /// each recording: a cylinder's temperature, a vessel's pressure. Empty: neutral.
+  /// each recording: a cylinder's temperature, a vessel's pressure, or that of the supply that fills it. Empty:
+  /// neutral.
   std::vector<double> start_factors;
 };
 

@@ -210,7 +210,7 @@ MotionRange motion_range(const std::vector<ResidualRow>& rows) {
 }
 
 std::string element_of_path(const std::string& path) {
-  const std::string section = path.substr(0, path.find('.'));
+  std::string section = path.substr(0, path.find('.'));
   if (section == "slider") return "motion";
   if (section == "line_1" || section == "line_2" || section == "valve" || section == "supply") return section;
   if (section.starts_with("throttle_") || section.starts_with("cushion_")) return section;

@@ -34,6 +34,12 @@ constexpr double noise_margin = 1.15;  // a recording this much noisier than its
 // its small faults change as fast as the motion does: a constant one is a load, not a floor.
 constexpr std::array slow_memories_s{0.03, 0.1, 0.3, 1.0, 3.0};
 constexpr double force_memory_s = 0.1;
+/// Levels that a slow error may have, in sigma: none, then in steps of 1.4.
+std::vector<double> slow_levels() {
+  std::vector<double> levels{0.0, 0.25};
+  while (1.4 * levels.back() < 300.0) levels.push_back(1.4 * levels.back());
+  return levels;
+}
 
 constexpr double ringing_effort =
     500.0;  // cells times sub-steps that show a line's ringing, though not at which length
@@ -378,9 +384,9 @@ std::vector<double> CylinderResiduals::take_slow_error(const Hypothesis& hypothe
   if (!column.allFinite()) return std::vector<double>(channels_.size(), 0.0);
   std::vector<double> best(channels_.size(), -std::numeric_limits<double>::infinity());
   std::vector<SlowError> chosen(channels_.size());
-  // The likeliest of a grid: memories from the force's to the gas', levels in steps of 1.4.
+  // The likeliest of a grid.
   for (const double memory_s : slow_memories_s)
-    for (double level = 0.0; level < 300.0; level = level == 0.0 ? 0.25 : 1.4 * level) {
+    for (const double level : slow_levels()) {
       std::vector<double> likelihood(channels_.size(), 0.0);
       for (const Stretch& stretch : stretches_) {
         std::vector<double> rows(column.data() + stretch.first_row,

@@ -320,7 +320,7 @@ std::vector<std::pair<double, const Explanation*>> by_prediction(ResidualModel& 
   for (const Explanation* e : ranked) {
     if (out.size() >= most_predicted) break;
     const double foretold = model_levels(model, e->fit.hypothesis(), rules).chi2(true);
-    out.push_back({(e->log_evidence - 0.5 * foretold) / growth, e});
+    out.emplace_back((e->log_evidence - 0.5 * foretold) / growth, e);
   }
   std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   return out;

@@ -258,7 +258,7 @@ Decision decided(ResidualModel& model, Search& search, const DecisionRules& rule
     if (search.settle(*decision.chosen)) judge_what_is_left(model, search, rules, decision);
   } catch (const DiagnosisStopped&) {
     out.stopped = true;
-    out.warnings.push_back("stopped early: the chosen explanation is not fitted to its end");
+    out.warnings.emplace_back("stopped early: the chosen explanation is not fitted to its end");
   }
   return decision;
 }
@@ -267,6 +267,7 @@ Decision decided(ResidualModel& model, Search& search, const DecisionRules& rule
 std::vector<Candidate> without_unexcited(std::vector<Candidate> candidates, const std::vector<ResidualRow>& rows) {
   constexpr double least_spread = 2.0;  // of the tenth highest over the tenth lowest speed
   std::vector<double> speeds;
+  speeds.reserve(rows.size());
   for (const ResidualRow& row : rows) speeds.push_back(std::abs(row.velocity_mps));
   if (speeds.empty()) return candidates;
   std::sort(speeds.begin(), speeds.end());
@@ -284,7 +285,7 @@ void run_search(Search& search, Diagnosis& out) {
     search.run();
   } catch (const DiagnosisStopped&) {
     out.stopped = true;
-    out.warnings.push_back("stopped early: names not yet tried are missing from the candidates");
+    out.warnings.emplace_back("stopped early: names not yet tried are missing from the candidates");
     if (search.owner().fit.z.size() == 0) throw;
   }
 }

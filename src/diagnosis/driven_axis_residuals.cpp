@@ -200,6 +200,7 @@ Eigen::MatrixXd DrivenAxisResiduals::residuals(std::span<const Hypothesis> hypot
   Eigen::MatrixXd out(static_cast<Eigen::Index>(rows_.size()), static_cast<Eigen::Index>(hypotheses.size()));
   for (std::size_t h = 0; h < hypotheses.size(); ++h) {
     std::vector<std::pair<std::vector<double>, std::vector<double>>> sides;
+    sides.reserve(parts_.size());
     for (const Part& part : parts_) sides.push_back(forces(part, hypotheses[h].rig));
     for (std::size_t b = 0; b < bins_.size(); ++b) {
       const Bin& bin = bins_[b];

@@ -136,7 +136,7 @@ Eigen::MatrixXd Fit::covariance() const {
   return curvature(*this).ldlt().solve(Eigen::MatrixXd::Identity(z.size(), z.size()));
 }
 
-void linearise(FittedRows& rows, std::vector<Fit*> fits) {
+void linearise(FittedRows& rows, const std::vector<Fit*>& fits) {
   std::vector<Hypothesis> hypotheses;
   std::vector<Probe> probes;
   for (Fit* fit : fits) {
@@ -187,7 +187,7 @@ void try_steps(FittedRows& rows, const std::vector<Stepping*>& steppings, std::s
   std::vector<Eigen::VectorXd> places;
   for (const Stepping* s : steppings)
     for (const double damping : tried) {
-      places.push_back(s->start + bounded_step(*s->fit, s->start, s->curvature, s->gradient, damping));
+      places.emplace_back(s->start + bounded_step(*s->fit, s->start, s->curvature, s->gradient, damping));
       hypotheses.push_back(with_parameters(s->fit->base, s->fit->parameters, plain(places.back())));
     }
   const Eigen::MatrixXd columns = rows(hypotheses);
@@ -219,6 +219,7 @@ void improve(FittedRows& rows, std::vector<Fit*> fits, int iterations, Columns c
     }
     std::erase_if(fits, [](const Fit* fit) { return fit->settled; });
     std::vector<Stepping*> chosen;
+    chosen.reserve(steppings.size());
     for (Stepping& s : steppings) chosen.push_back(&s);
     try_steps(rows, chosen, std::array{0.0});
     std::erase_if(chosen, [](const Stepping* s) {

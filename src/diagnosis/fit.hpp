@@ -59,7 +59,7 @@ struct Fit {
 };
 
 /// Fills the residual and, in every column that is not known, the Jacobian at z.
-void linearise(FittedRows& rows, std::vector<Fit*> fits);
+void linearise(FittedRows& rows, const std::vector<Fit*>& fits);
 /// Which derivatives are taken anew at every step: those of the explanation's own parameters (the nuisances' are taken
 /// where they are not known yet, and hardly change near a minimum), or all.
 enum class Columns { own, all };

@@ -127,6 +127,7 @@ std::vector<std::vector<GasRuns::Course>> GasRuns::of(std::span<const Hypothesis
   in_parallel(batches.size(), jobs_, [&](std::size_t b) {
     Batch& batch = batches[b];
     std::vector<ImposedRun> runs;
+    runs.reserve(batch.hypotheses.size());
     for (const std::size_t i : batch.hypotheses) runs.push_back(run_of(hypotheses[i], batch.recording));
     for (GasCourse& course : run_or_drop(recordings_[batch.recording].inputs, runs, work_grid_)) {
       for (std::size_t channel = 0; channel < gas_channels && !grid_error_[batch.recording][channel].empty(); ++channel)

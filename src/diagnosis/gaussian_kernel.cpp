@@ -24,10 +24,11 @@ GaussianKernel::GaussianKernel(double sigma_s, double period_s) {
     wanted(order) = std::tgamma(order + 1.0) / std::pow(sigma_s, order);
     const Eigen::VectorXd coefficients = moments.colPivHouseholderQr().solve(wanted);
     taps_[order].resize(static_cast<std::size_t>(count));
-    for (int k = -reach; k <= reach; ++k) {
+    for (int i = 0; i < count; ++i) {
+      const int k = i - reach;
       double polynomial = 0;
       for (int j = order; j >= 0; --j) polynomial = polynomial * (k / sigma) + coefficients(j);
-      taps_[order][static_cast<std::size_t>(k + reach)] = weight(k) * polynomial;
+      taps_[order][static_cast<std::size_t>(i)] = weight(k) * polynomial;
     }
   }
 }

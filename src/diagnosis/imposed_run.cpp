@@ -91,7 +91,7 @@ template <class S> class ImposedSimulation {
   static void refuse_absurd(GasCourse& course) {
     for (const auto& values : course)
       for (const double value : values)
-        if (!(value > 0.0 && value < highest_pressure_Pa)) {
+        if (!(value > 0.0) || !(value < highest_pressure_Pa)) {  // NaN too
           for (auto& all : course) std::fill(all.begin(), all.end(), std::numeric_limits<double>::quiet_NaN());
           return;
         }

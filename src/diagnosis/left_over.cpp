@@ -108,7 +108,10 @@ std::optional<SpectralLine> strongest_line(const std::vector<ResidualRow>& rows,
     const double length_s = series.time_s.back() - series.time_s.front();
     if (length_s < 2) continue;
     std::vector<double> frequencies;
-    for (double f = lowest_line_Hz; f < highest_line_Hz; f += 0.5 / length_s) frequencies.push_back(f);
+    const auto lines = static_cast<std::size_t>(2 * length_s * (highest_line_Hz - lowest_line_Hz));
+    frequencies.reserve(lines);
+    for (std::size_t i = 0; i < lines; ++i)
+      frequencies.push_back(lowest_line_Hz + 0.5 * static_cast<double>(i) / length_s);
     const std::vector<double> power = powers(series, frequencies);
     for (std::size_t i = 0; i < power.size(); ++i) {
       const double ratio = power[i] / std::max(running_median(power, i), 1e-300);
@@ -139,7 +142,9 @@ std::optional<SpectralLine> line_in_motion(const std::vector<ResidualRow>& rows,
   }
   if (count < 100 || !(longest_s > 0)) return std::nullopt;
   SpectralLine best{channel, 0, 0, 0};
-  for (double frequency = lowest_line_Hz; frequency < highest_line_Hz; frequency += 0.25 / longest_s) {
+  const int lines = static_cast<int>(4 * longest_s * (highest_line_Hz - lowest_line_Hz));
+  for (int line = 0; line < lines; ++line) {
+    const double frequency = lowest_line_Hz + 0.25 * line / longest_s;
     double taken = 0, squares = 0;
     for (const auto& [recording, series] : moving) {
       Eigen::Matrix2d a = Eigen::Matrix2d::Zero();
@@ -180,7 +185,9 @@ std::optional<SpatialPeriod> strongest_period(const std::vector<ResidualRow>& ro
   for (const double v : value) total += (v - mean) * (v - mean);
   SpatialPeriod best;
   double most = 0;
-  for (double per_m = 3 / way; per_m < 1 / shortest_period_m; per_m += 0.25 / way) {
+  const int periods = static_cast<int>(4 * (way / shortest_period_m - 3));
+  for (int period = 0; period < periods; ++period) {
+    const double per_m = (3 + 0.25 * period) / way;
     double in_phase = 0, across = 0;
     for (std::size_t i = 0; i < value.size(); ++i) {
       in_phase += (value[i] - mean) * std::cos(2 * M_PI * per_m * position[i]);
@@ -218,6 +225,7 @@ std::vector<ElementPattern> element_patterns(const std::vector<ResidualRow>& row
     for (const auto& [element, gain] : best) explained[element] += gain / total;
   }
   std::vector<ElementPattern> out;
+  out.reserve(explained.size());
   for (const auto& [element, share] : explained) out.push_back({element, share});
   std::stable_sort(out.begin(), out.end(),
                    [](const ElementPattern& a, const ElementPattern& b) { return a.explained > b.explained; });

@@ -87,6 +87,7 @@ std::optional<double> separation(const ExperimentChoice& choice, const Rig& owne
 
 std::vector<std::string> names(const Explanation& explanation, const Search& search) {
   std::vector<std::string> out;
+  out.reserve(explanation.members.size());
   for (const std::size_t member : explanation.members) out.push_back(search.candidates()[member].name);
   return out;
 }

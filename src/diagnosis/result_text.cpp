@@ -23,6 +23,7 @@ std::string in_words(const std::string& element) {
 
 std::string parameters_text(const DiagnosisAnswer& answer) {
   std::vector<std::string> parts;
+  parts.reserve(answer.parameters.size());
   for (const EstimatedParameter& p : answer.parameters)
     parts.push_back(fmt::format("{} = {:.4g} +- {:.1g}", p.name, p.value, p.standard_error));
   return fmt::format("{}", fmt::join(parts, ", "));

@@ -84,6 +84,7 @@ std::vector<ExperimentChoice> safe_references(const Rig& rig, double shown_speed
                                    fast_moves,
                                    full_stroke};
   std::vector<ExperimentChoice> menu;
+  menu.reserve(plain.size() + 2);
   for (const ReferenceSpec& reference : plain) menu.push_back({reference, duration_s, "", {}});
   if (rig.is_pneumatic()) {
     const double lower_Pa = 0.75 * rig.axis.supply.pressure_Pa;

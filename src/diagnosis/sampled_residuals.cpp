@@ -60,6 +60,7 @@ Eigen::MatrixXd SampledResiduals::residuals(std::span<const Hypothesis> hypothes
   Eigen::MatrixXd out(static_cast<Eigen::Index>(rows_.size()), static_cast<Eigen::Index>(hypotheses.size()));
   in_parallel(hypotheses.size(), jobs_, [&](std::size_t h) {
     std::vector<std::vector<std::vector<double>>> courses;
+    courses.reserve(recordings_.size());
     for (std::size_t r = 0; r < recordings_.size(); ++r) courses.push_back(simulated(hypotheses[h], r));
     auto column = out.col(static_cast<Eigen::Index>(h));
     for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -87,6 +88,7 @@ std::vector<ChannelMisfit> SampledResiduals::sample_misfit(const Hypothesis& hyp
       }
   }
   std::vector<ChannelMisfit> out;
+  out.reserve(channels_.size());
   for (std::size_t c = 0; c < channels_.size(); ++c)
     out.push_back({std::sqrt(squares[c][0] / std::max(1.0, counts[c][0])),
                    std::sqrt(squares[c][1] / std::max(1.0, counts[c][1]))});

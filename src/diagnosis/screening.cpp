@@ -200,6 +200,7 @@ std::vector<ScreenedPair> Screening::best_pairs(std::size_t count) const {
       const auto left = static_cast<Eigen::Index>(first.steps.size());
       const auto right = static_cast<Eigen::Index>(second.steps.size());
       std::vector<Eigen::Index> both;
+      both.reserve(static_cast<std::size_t>(left + right));
       for (Eigen::Index c = 0; c < left; ++c) both.push_back(first.first_column + c);
       for (Eigen::Index c = 0; c < right; ++c) both.push_back(second.first_column + c);
       Eigen::MatrixXd a = curvature_(both, both);
@@ -215,6 +216,7 @@ std::vector<ScreenedPair> Screening::best_pairs(std::size_t count) const {
                with_amplitudes(second, amplitude.tail(right), amplitude.tail(right)), gain};
     }
   std::vector<ScreenedPair> out;
+  out.reserve(best.size());
   for (const auto& [key, pair] : best) out.push_back(pair);
   std::stable_sort(out.begin(), out.end(),
                    [](const ScreenedPair& a, const ScreenedPair& b) { return a.gain > b.gain; });

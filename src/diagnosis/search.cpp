@@ -46,7 +46,7 @@ bool contains(const std::vector<std::size_t>& members, std::size_t index) {
 
 Search::Search(FittedRows& rows, const Rig& rig, std::vector<Candidate> candidates, SearchSettings settings,
                const DecisionRules& rules, Progress progress)
-    : rows_(rows), rig_(rig), candidates_(std::move(candidates)), settings_(settings), rules_(rules),
+    : rows_(rows), rig_(rig), candidates_(std::move(candidates)), settings_(std::move(settings)), rules_(rules),
       progress_(std::move(progress)),
       nuisances_(nuisances(rig, rows.model().start_factor_count(), rows.model().start_factor_sigma())) {
   nuisances_.insert(nuisances_.end(), settings_.small_physics.begin(), settings_.small_physics.end());
@@ -114,6 +114,7 @@ std::vector<Screened> Search::worth_refitting(std::vector<Screened> screened, st
 
 void Search::refit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& chosen) {
   std::vector<std::vector<Screened>> sets;
+  sets.reserve(chosen.size());
   for (const Screened& one : chosen) sets.push_back({one});
   refit(base, members, sets);
 }
@@ -176,7 +177,7 @@ double Search::log_evidence(const Explanation& explanation) const {
   return explanation.fit.log_evidence() + prior;
 }
 
-void Search::polish(std::vector<Explanation*> explanations, int iterations, bool all_columns) {
+void Search::polish(const std::vector<Explanation*>& explanations, int iterations, bool all_columns) {
   std::vector<Fit*> fits;
   for (Explanation* explanation : explanations) {
     Fit& fit = explanation->fit;
@@ -208,6 +209,7 @@ void Search::polish_best(std::size_t members) {
     std::erase_if(moving, [&](const Explanation* e) { return at_end.count(e) > 0; });
     if (moving.empty()) return;
     std::vector<double> before;
+    before.reserve(moving.size());
     for (const Explanation* e : moving) before.push_back(e->log_evidence);
     polish(moving, 6, true);
     for (std::size_t i = 0; i < moving.size(); ++i)
@@ -379,6 +381,7 @@ bool Search::search_next(std::size_t members) {
   refit(base->fit, base->members, chosen);
   if (members == 1) {
     std::vector<std::vector<Screened>> sets;
+    sets.reserve(first_pairs_.size());
     for (const ScreenedPair& pair : first_pairs_) sets.push_back({pair.first, pair.second});
     refit(is_bent() ? as_configured_ : owner_.fit, {}, sets);
   }

@@ -74,7 +74,7 @@ class Search {
   void refit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<std::vector<Screened>>& sets);
   void add_families(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& screened);
   double log_evidence(const Explanation& explanation) const;
-  void polish(std::vector<Explanation*> explanations, int iterations, bool all_columns);
+  void polish(const std::vector<Explanation*>& explanations, int iterations, bool all_columns);
   void polish_best(std::size_t members);
   void take_defect_at_best(std::size_t members);
   void search_singles();

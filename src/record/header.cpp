@@ -72,7 +72,7 @@ void RecordingHeader::add(std::string key, std::string value) {
 
 std::string RecordingHeader::comment_lines() const {
   std::string result;
-  for (const auto& [key, value] : entries_) result += prefixed(key + ":" + value, "# ");
+  for (const auto& [key, value] : entries_) result += prefixed(fmt::format("{}:{}", key, value), "# ");
   return result;
 }
 

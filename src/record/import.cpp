@@ -77,6 +77,7 @@ std::vector<Recording> read_recordings(const std::string& path, const std::optio
     const double t = columns.values[time][row];
     if (!std::isfinite(t) || t < imported->from_s || t > imported->to_s) continue;
     std::vector<double> key;
+    key.reserve(columns.telling.size());
     for (const std::size_t c : columns.telling) key.push_back(columns.values[c][row]);
     runs[key].push_back(row);
   }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -42,20 +43,30 @@ bool parse(std::string_view field, double& value) {
   return error == std::errc() && end == field.data() + field.size();
 }
 
+/// None where it is no YAML, or no map.
+std::optional<YAML::Node> map_in(const std::string& text) {
+  try {
+    YAML::Node node = YAML::Load(text);
+    return node.IsMap() ? std::optional(std::move(node)) : std::nullopt;
+  } catch (const YAML::Exception&) { return std::nullopt; }
+}
+
+/// The keys of one stretch of text; nothing where it is no YAML, or no map.
+void add_keys(const std::string& text, YAML::Node& header) {
+  const auto entry = map_in(text);
+  if (!entry) return;
+  for (const auto& pair : *entry)
+    if (pair.first.IsScalar()) header[pair.first.Scalar()] = pair.second;
+}
+
 /// A foreign file may mix keys with free text: then each key is read by itself, with the indented lines below it.
 YAML::Node parse_header(const std::string& comments) {
-  try {
-    if (YAML::Node whole = YAML::Load(comments); whole.IsMap()) return whole;
-  } catch (const YAML::Exception&) {}
+  if (const auto whole = map_in(comments)) return *whole;
   YAML::Node header(YAML::NodeType::Map);
   for (std::size_t start = 0; start < comments.size();) {
     std::size_t end = comments.find('\n', start) + 1;
     while (end < comments.size() && comments[end] == ' ') end = comments.find('\n', end) + 1;
-    try {
-      const YAML::Node entry = YAML::Load(comments.substr(start, end - start));
-      if (entry.IsMap())
-        for (const auto& pair : entry) header[pair.first.Scalar()] = pair.second;
-    } catch (const YAML::Exception&) {}
+    add_keys(comments.substr(start, end - start), header);
     start = end;
   }
   return header;

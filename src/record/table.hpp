@@ -32,14 +32,14 @@ struct RecordingProblem {
 };
 
 /// Columns by name, all kept, known or not. NaN = no value.
-struct CsvTable {
+struct CsvTable {  // NOLINT(bugprone-exception-escape): of a YAML node that is moved, whose only failure is no memory
   std::string path;
-  YAML::Node header;     ///< the keys of the comment header; a map, possibly empty
+  YAML::Node header;  ///< the keys of the comment header; a map, possibly empty
   std::string comments;  ///< the comment header with the `# ` taken off
   std::vector<std::string> names;
-  std::vector<std::vector<double>> values;   ///< as long as names; each as long as rows()
-  std::vector<std::size_t> line_numbers;     ///< of each row
-  std::vector<RecordingProblem> problems;    ///< by line
+  std::vector<std::vector<double>> values;  ///< as long as names; each as long as rows()
+  std::vector<std::size_t> line_numbers;  ///< of each row
+  std::vector<RecordingProblem> problems;  ///< by line
 
   std::size_t rows() const { return line_numbers.size(); }
   bool has(std::string_view name) const;

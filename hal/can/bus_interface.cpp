@@ -87,7 +87,8 @@ std::optional<BusInterface> read_bus_interface(const std::string& name) {
     throw std::runtime_error(fmt::format("the kernel cannot be asked about {}: {}", name, std::strerror(errno)));
   const ssize_t length = recv(socket.fd, answer, sizeof answer, 0);
   const auto* message = reinterpret_cast<const nlmsghdr*>(answer);
-  if (length < 0 || !NLMSG_OK(message, static_cast<std::size_t>(length)) || message->nlmsg_type != RTM_NEWLINK)
+  const bool is_whole = length >= 0 && NLMSG_OK(message, static_cast<std::size_t>(length));
+  if (!is_whole || message->nlmsg_type != RTM_NEWLINK)
     throw std::runtime_error(fmt::format("the kernel gives no answer about {}", name));
   return read_link(message);
 }

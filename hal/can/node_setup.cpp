@@ -106,6 +106,7 @@ SetUpPdo NodeConfigurator::set_up_pdo(const CanPdo& pdo) {
   sdo_.write(parameters, 1, id | pdo_off | kept, 4);
   if (node_.mapping == CanMapping::write) {
     std::vector<CanObject> objects;
+    objects.reserve(pdo.signals.size());
     for (const std::size_t i : pdo.signals) objects.push_back(setup_.channels[i].object);
     write_mapping(mapping, objects);
   }

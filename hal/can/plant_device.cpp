@@ -67,6 +67,7 @@ void PlantDevice::build_nodes() {
     const CanNodeParameters& parameters = rig_.hal->can->nodes.at(pdo.node);
     if (parameters.mapping != CanMapping::read) continue;
     std::vector<CanObject> objects;
+    objects.reserve(pdo.signals.size());
     for (const std::size_t i : pdo.signals) objects.push_back(channels_[i].object);
     for (auto& node : nodes_)
       if (node->name() == pdo.node) node->map(!pdo.is_output, pdo.pdo, objects, 255);

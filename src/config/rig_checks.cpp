@@ -76,13 +76,20 @@ void check_line_models(const Rig& rig, const Check& check) {
       check.refuse(std::string(key) + ".natural_frequency_Hz", {std::string(key) + ".model"},
                    number_text(line->natural_frequency_Hz), "the frequency of the second_order_lag, above 0 Hz");
   const AxisEffects<double>& e = rig.axis.effects;
-  const std::array<std::pair<const char*, double>, 4> inside{{{"line_restriction_1", e.line_restriction_1.area_m2},
-                                                              {"line_restriction_2", e.line_restriction_2.area_m2},
-                                                              {"line_leak_1", e.line_leak_1.area_m2},
-                                                              {"line_leak_2", e.line_leak_2.area_m2}}};
-  for (const auto& [name_of_effect, area_m2] : inside)
-    if (area_m2 > 0.0)
-      check.refuse(std::string("effects.") + name_of_effect, {"line_1.model"}, number_text(area_m2) + " m2",
+  struct Inside {
+    const char* effect;
+    double size;
+    const char* unit;
+  };
+  const std::array<Inside, 6> inside{{{"line_restriction_1", e.line_restriction_1.area_m2, " m2"},
+                                      {"line_restriction_2", e.line_restriction_2.area_m2, " m2"},
+                                      {"line_leak_1", e.line_leak_1.area_m2, " m2"},
+                                      {"line_leak_2", e.line_leak_2.area_m2, " m2"},
+                                      {"line_branch_1", e.line_branch_1.volume_m3, " m3"},
+                                      {"line_branch_2", e.line_branch_2.volume_m3, " m3"}}};
+  for (const auto& [effect, size, unit] : inside)
+    if (size > 0.0)
+      check.refuse(std::string("effects.") + effect, {"line_1.model"}, number_text(size) + unit,
                    "none: a second_order_lag has no inside; line_1.model: distributed");
 }
 

@@ -38,6 +38,7 @@ constexpr std::pair<std::string_view, std::string_view> words_of_effects[] = {
     {"command_delay", "dead time between command and spool"},
     {"supply_droop", "supply pressure that gives way under flow"},
     {"line_restriction", "a narrow place where line # meets chamber #"},
+    {"line_branch", "a dead-end branch of line # (a T-piece with a hose or a vessel)"},
     {"line_leak", "a leak from line # to the room"},
     {"chamber_leak", "a leak from chamber # to the room"},
     {"piston_leak", "a leak past the piston"},

@@ -66,6 +66,8 @@ AxisParameters<double> random_axis(Random& random) {
   e.valve.valve_offset.offset_V = sometimes(0.05);
   e.line_restriction_1.area_m2 = sometimes(2e-5);
   e.line_leak_2.area_m2 = sometimes(1e-7);
+  e.line_branch_1.volume_m3 = sometimes(2e-4);
+  e.line_branch_2.volume_m3 = sometimes(1e-5);
   e.chamber_leak_1.area_m2 = sometimes(1e-7);
   e.piston_leak.area_m2 = sometimes(1e-7);
   e.supply_droop.area_m2 = sometimes(3e-5);

@@ -283,6 +283,29 @@ template <class S> struct LineLeak {
     v(Field{"position", "-", 0, 1, "0 valve end, 1 chamber end"}, p.position...);
   }
 };
+/// Dead-end branch, as a T-piece with the hose of a gauge or a pressure switch has: a volume behind a neck; volume 0:
+/// none.
+template <class S> struct LineBranch {
+  static constexpr std::string_view element = "line";
+  static constexpr std::string_view family = "line_branch";
+  static constexpr std::array traits{ParameterTrait{"volume_m3", EffectScale::one, 1e-4, 1e-6},
+                                     ParameterTrait{"neck_length_m", EffectScale::one, 0.7, 0, EffectScale::one,
+                                                    Variation::logarithmic, effect_grids::branch_neck_length},
+                                     ParameterTrait{"neck_diameter_m", EffectScale::one, 0.7, 0, EffectScale::one,
+                                                    Variation::logarithmic, effect_grids::branch_neck_diameter},
+                                     ParameterTrait{"position", EffectScale::one, 0.4, 0, EffectScale::one,
+                                                    Variation::linear, effect_grids::branch_position}};
+  S volume_m3 = S(0);
+  S neck_length_m = S(0.1);
+  S neck_diameter_m = S(0.004);
+  S position = S(0.5);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"volume_m3", "m3", 0, 1, "volume behind the neck, without heat through its walls"}, p.volume_m3...);
+    v(Field{"neck_length_m", "m", 1e-3, 10, "length of the neck between line and volume"}, p.neck_length_m...);
+    v(Field{"neck_diameter_m", "m", 1e-4, 0.1, "inner diameter of the neck"}, p.neck_diameter_m...);
+    v(Field{"position", "-", 0, 1, "0 valve end, 1 chamber end"}, p.position...);
+  }
+};
 template <class S> struct ChamberLeak {
   static constexpr std::string_view element = "chamber";
   static constexpr std::string_view family = "leak";
@@ -306,7 +329,7 @@ template <class S> struct PistonLeak {
 template <class S> struct SensorOffset {
   static constexpr std::string_view element = "sensor";
   static constexpr std::array traits{
-      ParameterTrait{"offset", EffectScale::channel_offset, 0.01, 1e-4, EffectScale::channel_offset}};
+      ParameterTrait{"offset", EffectScale::channel_offset, 0.03, 1e-4, EffectScale::channel_offset}};
   S offset = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"offset", "SI", -1e7, 1e7, "added to the reading, in the channel's unit"}, p.offset...);
@@ -349,6 +372,7 @@ template <class S> struct AxisEffects {
   SupplyDroop<S> supply_droop;
   LineRestriction<S> line_restriction_1, line_restriction_2;
   LineLeak<S> line_leak_1, line_leak_2;
+  LineBranch<S> line_branch_1, line_branch_2;
   ChamberLeak<S> chamber_leak_1, chamber_leak_2;
   PistonLeak<S> piston_leak;
   /// Those of an axis without pneumatics.
@@ -373,6 +397,8 @@ template <class S> struct AxisEffects {
     v(Field{"line_restriction_2", "", 0, 0, "fitting between line 2 and chamber 2", optional}, p.line_restriction_2...);
     v(Field{"line_leak_1", "", 0, 0, "leak of line 1 to atmosphere", optional}, p.line_leak_1...);
     v(Field{"line_leak_2", "", 0, 0, "leak of line 2 to atmosphere", optional}, p.line_leak_2...);
+    v(Field{"line_branch_1", "", 0, 0, "dead-end branch of line 1", optional}, p.line_branch_1...);
+    v(Field{"line_branch_2", "", 0, 0, "dead-end branch of line 2", optional}, p.line_branch_2...);
     v(Field{"chamber_leak_1", "", 0, 0, "leak of chamber 1 to atmosphere", optional}, p.chamber_leak_1...);
     v(Field{"chamber_leak_2", "", 0, 0, "leak of chamber 2 to atmosphere", optional}, p.chamber_leak_2...);
     v(Field{"piston_leak", "", 0, 0, "leak between the chambers", optional}, p.piston_leak...);

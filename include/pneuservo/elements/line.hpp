@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <pneuservo/core/scalar.hpp>
+#include <pneuservo/elements/branch.hpp>
 #include <pneuservo/elements/line_ends.hpp>
 #include <pneuservo/elements/line_scheme.hpp>
 #include <pneuservo/elements/orifice.hpp>
@@ -42,6 +43,7 @@ template <class S> class Line {
     effects_ = effects;
     restricted_ = any(effects.restriction.area_m2 > S(0));
     leaking_ = any(effects.leak.area_m2 > S(0));
+    branched_ = any(effects.branch.volume_m3 > S(0));
   }
   /// Wall heat off: an adiabatic line, for tests against closed forms.
   void set_adiabatic(bool adiabatic) noexcept {
@@ -64,6 +66,7 @@ template <class S> class Line {
     for (int i = 0; i < cells(); ++i) set_cell_state(i, pressure_Pa, temperature_K);
     for (G& u : face_.velocity) u = G(0);
     port_pressure_ = port_before_ = pressure_Pa;
+    branch_.reset(pressure_Pa, pressure_Pa / (air_.R * temperature_K));
     fastest_squared_ = G(0);
   }
   /// Sets the state of cell i = 0..cells-1, e.g. to a mode shape.
@@ -82,6 +85,7 @@ template <class S> class Line {
     for (int i = 0; i < cells_; ++i) set_cell_state(i, cell(i).pressure * pressure, cell(i).temperature * temperature);
     port_pressure_ *= pressure;
     port_before_ *= pressure;
+    branch_.scale_gas(pressure, temperature);
   }
 
   /// Sub-step h [s] of all following steps.
@@ -156,6 +160,8 @@ template <class S> class Line {
   std::int64_t guard_actions() const noexcept { return guard_actions_; }
   /// Mass flow lost through the leak in the last sub-step [kg/s].
   S leak_mass_flow() const noexcept { return leak_flow_; }
+  /// Gas behind the neck of a branch [kg].
+  S branch_mass() const noexcept { return branch_.mass(effects_.branch); }
 
  private:
   using G = Group<S>;
@@ -269,8 +275,10 @@ template <class S> class Line {
     face_.fill(0, all_places_, port);
     face_.fill(face_group(n), from_end_, end);
     leak_flow_ = S(0);
-    if (leaking_) {
-      find_leak();
+    if (leaking_ || branched_) {
+      std::fill(loss_.begin(), loss_.end(), line_scheme::CellLoss<G>{});
+      if (leaking_) find_leak();
+      if (branched_) find_branch();
       find_balances<true>();
     } else {
       find_balances<false>();
@@ -355,7 +363,7 @@ template <class S> class Line {
     }
   }
 
-  template <bool leaking> void find_balances() noexcept {
+  template <bool losing> void find_balances() noexcept {
     const auto k = group_k_;
     const CellRow row(cell_);
     const FaceRow faces(face_);
@@ -367,7 +375,7 @@ template <class S> class Line {
       const G squared = right.velocity * right.velocity, heat = right.friction_coefficient * squared;
       fastest = maximum(fastest, squared);
       const line_scheme::CellLoss<G>* loss = nullptr;
-      if constexpr (leaking) loss = &loss_[static_cast<std::size_t>(q)];
+      if constexpr (losing) loss = &loss_[static_cast<std::size_t>(q)];
       const auto made = line_scheme::balance(k, row[q], one_face_before(previous, right), right,
                                              one_before<S>(previous_heat, heat), heat, loss);
       row.density[q] = made.density;
@@ -541,7 +549,17 @@ template <class S> class Line {
     }
   }
 
-  // Orifice to atmosphere in the cell that holds the leak's position: what each cell loses in this sub-step.
+  // What cell i loses in this sub-step beside its faces [kg/m3], with the enthalpy of gas of temperature_K from its
+  // internal energy (the gas's kinetic energy is not part of that).
+  void add_loss(int i, const S& density, const S& temperature_K) noexcept {
+    auto& loss = loss_[static_cast<std::size_t>(i / per_group)];
+    const int at = i % per_group;
+    set_element<S>(loss.density, at, element<S>(loss.density, at) + density);
+    set_element<S>(loss.pressure, at,
+                   element<S>(loss.pressure, at) + density * k_.kappa_minus_one * air_.cp * temperature_K);
+  }
+
+  // Orifice to atmosphere in the cell that holds the leak's position.
   void find_leak() noexcept {
     for (int i = 0; i < cells_; ++i) {
       const Cell c = cell(i);
@@ -552,12 +570,23 @@ template <class S> class Line {
       const S flow = orifice_mass_flow(air_, effects_.leak.area_m2 * share, effects_.critical_pressure_ratio,
                                        c.pressure, stagnation_K, air_.atmosphere_Pa, air_.temperature_K);
       leak_flow_ += flow;
-      const S lost = flow * S(step_s_) / (cross_section_ * cell_length());
-      auto& loss = loss_[static_cast<std::size_t>(i / per_group)];
-      set_element<S>(loss.density, i % per_group, lost);
-      // A leak takes its static enthalpy from the internal energy (its kinetic energy is not part of that).
-      set_element<S>(loss.pressure, i % per_group, lost * k_.kappa_minus_one * air_.cp * c.temperature);
+      add_loss(i, flow * S(step_s_) / (cross_section_ * cell_length()), c.temperature);
     }
+  }
+
+  // The branch shares its flow between the two cells whose middles lie beside it.
+  void find_branch() noexcept {
+    const S place = clamp(effects_.branch.position * S(cells()) - S(0.5), S(0), S(cells() - 1));
+    const auto share = [&](int i) { return maximum(S(0), S(1) - absolute(place - S(i))); };
+    S pressure(0), density(0);
+    for (int i = 0; i < cells(); ++i) {
+      pressure += share(i) * cell(i).pressure;
+      density += share(i) * cell(i).density;
+    }
+    const S cell_volume = cross_section_ * cell_length(), from_branch_K = branch_.temperature(air_);
+    const S flow = branch_.step(effects_.branch, air_, friction_, step_s_, {pressure, density, cell_volume});
+    for (int i = 0; i < cells(); ++i)
+      add_loss(i, share(i) * flow * S(step_s_) / cell_volume, select(flow > S(0), cell(i).temperature, from_branch_K));
   }
 
   double step_s_ = 1e-3;
@@ -566,7 +595,8 @@ template <class S> class Line {
   PipeFriction<S> friction_;
   Constants k_;
   LineEffects<S> effects_;
-  bool restricted_ = false, leaking_ = false, adiabatic_ = false, isothermal_ = false, frictionless_ = false;
+  bool restricted_ = false, leaking_ = false, branched_ = false, adiabatic_ = false, isothermal_ = false,
+       frictionless_ = false;
   line_scheme::Constants<G> group_k_;
   int cells_ = 1;
   Cells cell_;
@@ -575,6 +605,7 @@ template <class S> class Line {
   Mask<G> all_places_{}, from_end_{}, beyond_last_{};
   PortConstants<S> port_constants_;
   S port_pressure_{}, port_before_{}, leak_flow_{};
+  Branch<S> branch_;
   G fastest_squared_{};
   std::int64_t guard_actions_ = 0;
 };

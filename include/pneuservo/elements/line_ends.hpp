@@ -21,6 +21,7 @@ template <class S> struct ChamberEnd {
 template <class S> struct LineEffects {
   LineRestriction<S> restriction;
   LineLeak<S> leak;
+  LineBranch<S> branch;
   S critical_pressure_ratio = S(0.35);
 };
 

@@ -88,6 +88,7 @@ class Line<Pack<T, N>> {
   S internal_energy() const noexcept { return join(low_.internal_energy(), high_.internal_energy()); }
   std::int64_t guard_actions() const noexcept { return low_.guard_actions() + high_.guard_actions(); }
   S leak_mass_flow() const noexcept { return join(low_.leak_mass_flow(), high_.leak_mass_flow()); }
+  S branch_mass() const noexcept { return join(low_.branch_mass(), high_.branch_mass()); }
 
  private:
   using Half = Pack<T, N / 2>;
@@ -110,6 +111,7 @@ class Line<Pack<T, N>> {
     LineEffects<Half> out;
     out.restriction = half_of<LineRestriction<Half>, upper>(both.restriction);
     out.leak = half_of<LineLeak<Half>, upper>(both.leak);
+    out.branch = half_of<LineBranch<Half>, upper>(both.branch);
     out.critical_pressure_ratio = half_of<upper>(both.critical_pressure_ratio);
     return out;
   }

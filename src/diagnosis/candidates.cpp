@@ -16,6 +16,7 @@ constexpr double tolerance_cut = 3;        ///< a parameter further off than thi
 constexpr double start_factor_cut = 6;
 constexpr double wide_parameter_spread = 0.3;
 constexpr double widest_z = 40;            ///< of an effect's size
+constexpr double difference_step = 0.01;   ///< of z, for what has a prior of its own
 
 /// Numbers behind the scales of the vocabulary.
 struct ScaleTable {
@@ -99,7 +100,7 @@ GridParameter grid_parameter(const ParameterTrait& trait, const Field& field, co
       free.center += free.varied(middle + reach * value) / double(trait.grid.size());
     free.spread = trait.variation == Variation::logarithmic ? trait.spread : trait.spread * reach;
     for (const double value : trait.grid) out.starts.push_back(free.z(middle + reach * value));
-    free.step = 0.05;
+    free.step = difference_step;
   }
   // Bounds: the field's range, and not beyond what a prior of this width can mean.
   free.lower = -widest_z;
@@ -252,7 +253,7 @@ std::vector<FreeParameter> nuisances(const Rig& rig, std::size_t start_factor_co
     free.spread = tolerance * std::abs(value);
     free.lower = -tolerance_cut;
     free.upper = tolerance_cut;
-    free.step = 0.05;
+    free.step = difference_step;
     keep_in_range(free, known);
     out.push_back(free);
   }
@@ -262,7 +263,7 @@ std::vector<FreeParameter> nuisances(const Rig& rig, std::size_t start_factor_co
     free.spread = start_factor_sigma;
     free.lower = -start_factor_cut;
     free.upper = start_factor_cut;
-    free.step = 0.05;
+    free.step = difference_step;
     out.push_back(free);
   }
   return out;
@@ -271,7 +272,7 @@ std::vector<FreeParameter> nuisances(const Rig& rig, std::size_t start_factor_co
 std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels) {
   std::vector<FreeParameter> out;
   const std::vector<ParameterPath> known = parameter_paths(rig);
-  const auto add = [&](const std::string& path, double spread, double step = 0.05) {
+  const auto add = [&](const std::string& path, double spread, double step = difference_step) {
     if (!has_parameter(rig, path) || rig.tolerances.count(path) > 0) return;
     FreeParameter free;
     free.path = path;

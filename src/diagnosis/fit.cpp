@@ -14,9 +14,10 @@ namespace {
 
 /// An undamped step is tried alone where it promises less than this, and is enough where it keeps that share of it;
 /// else damped ones are tried at once and the best is taken: far from its minimum a fit that takes the first step that
-/// does well ends in another one. The last damping is a short step along the first.
+/// does well ends in another one. Small ones are for narrow valleys: the damping has to lie below the valley's
+/// curvature over that across it, or the fit creeps. The last one is a short step along the first.
 constexpr double near_promise = 50, kept_promise = 0.7;
-constexpr std::array<double, 4> dampings{0.03, 0.3, 3.0, 30.0};
+constexpr std::array<double, 7> dampings{3e-5, 3e-4, 3e-3, 0.03, 0.3, 3.0, 30.0};
 /// A step that would gain less than this share of the objective matters to no comparison.
 constexpr double settled_share = 2e-5;
 

@@ -37,6 +37,21 @@ Eigen::VectorXd boxed(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const 
   return x;
 }
 
+/// The Jacobian without the columns of parameters that a bound holds: free of it they would run far beyond, and with
+/// them most of what a candidate has to explain.
+Eigen::MatrixXd without_held_columns(const Fit& fit) {
+  constexpr double at_bound = 1e-9;
+  Eigen::MatrixXd out = fit.jacobian;
+  const Eigen::VectorXd gradient = fit.jacobian.transpose() * fit.residual + fit.z;
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    const bool held = (fit.z(at) >= fit.parameters[i].upper - at_bound && gradient(at) < 0) ||
+                      (fit.z(at) <= fit.parameters[i].lower + at_bound && gradient(at) > 0);
+    if (held) out.col(at).setZero();
+  }
+  return out;
+}
+
 }  // namespace
 
 Screening::Screening(FittedRows& rows, const Fit& base, const std::vector<Candidate>& candidates,
@@ -46,13 +61,14 @@ Screening::Screening(FittedRows& rows, const Fit& base, const std::vector<Candid
   std::vector<Hypothesis> hypotheses;
   for (const std::size_t index : chosen) collect(here, candidates[index], index, hypotheses);
   fill_columns(rows(hypotheses));
-  Eigen::MatrixXd g = base.jacobian.transpose() * base.jacobian;
+  free_jacobian_ = without_held_columns(base);
+  Eigen::MatrixXd g = free_jacobian_.transpose() * free_jacobian_;
   g.diagonal().array() += 1;
-  const Eigen::MatrixXd cross = base.jacobian.transpose() * columns_;
+  const Eigen::MatrixXd cross = free_jacobian_.transpose() * columns_;
   const Eigen::LDLT<Eigen::MatrixXd> factors(g);
   curvature_ = columns_.transpose() * columns_ - cross.transpose() * factors.solve(cross);
   gradient_ = columns_.transpose() * base.residual -
-              cross.transpose() * factors.solve(base.jacobian.transpose() * base.residual + base.z);
+              cross.transpose() * factors.solve(free_jacobian_.transpose() * base.residual + base.z);
 }
 
 int Screening::column_of_path(const std::string& path) const {
@@ -162,7 +178,7 @@ Screened Screening::single(const Trial& trial) const {
     a = curvature_.block(trial.first_column, trial.first_column, count, count);
     b = gradient_.segment(trial.first_column, count);
   } else {
-    const Eigen::MatrixXd x = columns_.middleCols(trial.first_column, count), j = base_.jacobian(Eigen::all, kept);
+    const Eigen::MatrixXd x = columns_.middleCols(trial.first_column, count), j = free_jacobian_(Eigen::all, kept);
     Eigen::MatrixXd g = j.transpose() * j;
     g.diagonal().array() += 1;
     const Eigen::MatrixXd cross = j.transpose() * x;

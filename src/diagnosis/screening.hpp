@@ -21,7 +21,8 @@ struct ScreenedPair {
   double gain = 0;
 };
 
-/// All candidates at one linearised fit: a batch of hypotheses once, then closed forms.
+/// All candidates at one linearised fit: a batch of hypotheses once, then closed forms. What is fitted anyway follows
+/// each candidate, but for parameters that stand at a bound and push against it.
 class Screening {
  public:
   /// `base` and `candidates` must outlive this.
@@ -58,6 +59,7 @@ class Screening {
   const Fit& base_;
   const std::vector<Candidate>& candidates_;
   std::vector<Trial> trials_;
+  Eigen::MatrixXd free_jacobian_;  ///< of the base; columns of parameters held at a bound are 0
   Eigen::MatrixXd columns_;  ///< of all trials
   Eigen::MatrixXd curvature_;  ///< columns'columns, the base's own parameters projected out
   Eigen::VectorXd gradient_;  ///< the same of columns'residual

@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
+
+#include "config/rig_parameters.hpp"
 
 namespace pneuservo {
 
@@ -250,13 +253,36 @@ bool has_absurd_parameter(const Explanation& explanation, const Search& search, 
   });
 }
 
+/// The line whose length and diameter would both have to be off; empty: none. Each is read with a ruler, and an owner
+/// errs once: with two numbers free a line stands for any volume and resistance, such as those of a branch.
+std::string twice_wrong_line(const Explanation& explanation, const Search& search) {
+  std::vector<std::string> wrong;
+  for (const std::size_t m : explanation.members) {
+    const Candidate& candidate = search.candidates()[m];
+    if (candidate.kind != CandidateKind::parameter || !candidate.element.starts_with("line_")) continue;
+    if (std::find(wrong.begin(), wrong.end(), candidate.element) != wrong.end()) return candidate.element;
+    wrong.push_back(candidate.element);
+  }
+  return "";
+}
+
+/// Volume that a line would have more than its owner says [m3].
+double volume_beyond(const Explanation& explanation, const Search& search, const std::string& line) {
+  const auto volume = [&](const Rig& rig) {
+    const double diameter_m = get_parameter(rig, line + ".diameter_m");
+    return 0.25 * std::numbers::pi * diameter_m * diameter_m * get_parameter(rig, line + ".length_m");
+  };
+  return volume(explanation.fit.hypothesis().rig) - volume(search.owner().fit.hypothesis().rig);
+}
+
 /// Whether something is left that is small beside what the names take: it is told beside them and takes no name away.
 bool is_small_remainder(const Decision& decision, const Search& search, const DecisionRules& rules) {
   if (decision.reason.empty() || decision.chosen->members.empty() || decision.levels.line) return false;
   const double before = search.owner().fit.chi2(), after = decision.chosen->fit.chi2();
   const double floor = std::min(after, static_cast<double>(decision.chosen->fit.residual.size()));
   const double taken = (before - after) / std::max(before - floor, 1e-300);
-  return taken >= rules.taken_share && decision.levels.highest() < rules.small_remainder &&
+  const double largest = taken >= rules.nearly_all_share ? rules.nearly_all_remainder : rules.small_remainder;
+  return taken >= rules.taken_share && decision.levels.highest() < largest &&
          decision.levels.held_out_excess() < rules.small_held_out_excess;
 }
 
@@ -274,6 +300,15 @@ void judge_what_is_left(ResidualModel& model, const Search& search, const Decisi
   decision.beside_remainder = is_small_remainder(decision, search, rules);
   const bool is_named = decision.reason.empty() || decision.beside_remainder;
   decision.verdict = is_named ? verdict_of(*decision.chosen, search) : Verdict::unknown;
+  decision.element = twice_wrong_line(*decision.chosen, search);
+  if (!decision.element.empty()) {
+    decision.verdict = Verdict::unknown;
+    decision.reason += fmt::format("{}length and diameter of {} would both have to be wrong: it holds {:+.3g} cm3 of "
+                                   "gas beside what its owner says, "
+                                   "as a branch or a vessel on it would",
+                                   decision.reason.empty() ? "" : "; ", decision.element,
+                                   1e6 * volume_beyond(*decision.chosen, search, decision.element));
+  }
   DecisionRules sure = rules;
   if (decision.beside_remainder) sure.most_sure = rules.most_sure_beside;
   decision.probabilities = probabilities_of(decision.rivals, sure);

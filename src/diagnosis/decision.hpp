@@ -34,6 +34,7 @@ struct Decision {
   ModelLevels levels;  ///< of the chosen
   double gain = 0;  ///< of the chosen over the owner's model, in log evidence
   std::string reason;  ///< of `unknown`; beside a name: what is left
+  std::string element;  ///< where an `unknown` sits, if its names tell; empty: the pattern of what is left has to
   bool beside_remainder = false;  ///< the floors have grown with what is left
   double growth = 1;  ///< of squared floors: what evidence and variances are to be divided by
 };

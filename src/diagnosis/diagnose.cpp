@@ -116,9 +116,12 @@ void add_unknown(ResidualModel& model, const Decision& decision, const Search& s
   double sum = 1e-300;
   const std::vector<ElementPattern> ranked = element_patterns(model.rows(), owner.residual, patterns, elements);
   std::vector<ElementPattern> patterns_by_element = ranked;
-  if (decision.levels.line) {  // a periodic part in the force or the supply sits there
+  std::string element = decision.element;
+  if (decision.levels.line && element.empty()) {  // a periodic part in the force or the supply sits there
     const std::string& channel = model.channels()[static_cast<std::size_t>(decision.levels.line->channel)].name;
-    const std::string element = channel == "F" ? "motion" : channel == "p_supply" ? "supply" : "";
+    element = channel == "F" ? "motion" : channel == "p_supply" ? "supply" : "";
+  }
+  if (!element.empty()) {
     std::stable_partition(patterns_by_element.begin(), patterns_by_element.end(),
                           [&](const ElementPattern& e) { return e.element == element; });
     if (!patterns_by_element.empty() && patterns_by_element.front().element == element)
@@ -349,7 +352,10 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
     settings.grow_floor = true;
     settings.most_effects = 1;
     settings.settled_gain = settled_gain_beside;
-    beside.emplace(rows, rig, first_search.candidates(), settings, options.rules, options.progress);
+    // The volume at a valve's port and the fittings of every real line look like a branch.
+    std::vector<Candidate> names = candidates;
+    std::erase_if(names, [](const Candidate& c) { return c.name.starts_with("line_branch_"); });
+    beside.emplace(rows, rig, names, settings, options.rules, options.progress);
     run_search(*beside, out);
     const Explanation* best = beside->best_of(1);
     const std::vector<double> levels = model.take_slow_error((best ? *best : beside->owner()).fit.hypothesis());

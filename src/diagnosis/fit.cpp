@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <span>
 
 #include <Eigen/Cholesky>
 
@@ -180,26 +179,67 @@ struct Stepping {
   Eigen::MatrixXd curvature;
   Eigen::VectorXd start, gradient;
   double before, promised;
+  Eigen::VectorXd undamped, residual_there;  ///< the step without damping, and the residual at its end
 };
 
-/// Tries a step of every damping for every fit and takes what is better than where the fit stands.
-void try_steps(FittedRows& rows, const std::vector<Stepping*>& steppings, std::span<const double> tried) {
-  std::vector<Hypothesis> hypotheses;
-  std::vector<Eigen::VectorXd> places;
-  for (const Stepping* s : steppings)
-    for (const double damping : tried) {
-      places.emplace_back(s->start + bounded_step(*s->fit, s->start, s->curvature, s->gradient, damping));
-      hypotheses.push_back(with_parameters(s->fit->base, s->fit->parameters, plain(places.back())));
-    }
-  const Eigen::MatrixXd columns = rows(hypotheses);
-  for (std::size_t at = 0; at < places.size(); ++at) {
-    Fit& fit = *steppings[at / tried.size()]->fit;
-    const auto column = columns.col(static_cast<Eigen::Index>(at));
-    const double objective = column.squaredNorm() + places[at].squaredNorm();
-    if (!column.allFinite() || objective >= fit.objective) continue;
-    fit.objective = objective;
-    fit.z = places[at];
+/// The undamped step bent to where the residual really goes: r(z + d) - r - J d is what the linear model misses of it, half
+/// its second derivative along d. In a narrow bent valley the undamped step alone climbs out and damped ones creep.
+Eigen::VectorXd bent_step(const Stepping& s) {
+  const Fit& fit = *s.fit;
+  const Eigen::VectorXd missed = s.residual_there - fit.residual - fit.jacobian * s.undamped;
+  std::vector<Eigen::Index> free;  // what the step has led to a bound stays there
+  for (Eigen::Index i = 0; i < s.start.size(); ++i) {
+    const FreeParameter& p = fit.parameters[static_cast<std::size_t>(i)];
+    const double z = s.start(i) + s.undamped(i);
+    if (z > p.lower && z < p.upper) free.push_back(i);
   }
+  Eigen::VectorXd step = s.undamped;
+  const Eigen::VectorXd right = fit.jacobian.transpose() * missed;
+  step(free) -= s.curvature(free, free).ldlt().solve(right(free));
+  for (Eigen::Index i = 0; i < step.size(); ++i) {
+    const FreeParameter& p = fit.parameters[static_cast<std::size_t>(i)];
+    step(i) = std::clamp(s.start(i) + step(i), p.lower, p.upper) - s.start(i);
+  }
+  return step;
+}
+
+/// Tries every step for its fit, takes the best if it is better than where the fit stands; residuals of all.
+Eigen::MatrixXd try_steps(FittedRows& rows, const std::vector<std::pair<Stepping*, Eigen::VectorXd>>& steps) {
+  std::vector<Hypothesis> hypotheses;
+  hypotheses.reserve(steps.size());
+  for (const auto& [s, step] : steps)
+    hypotheses.push_back(with_parameters(s->fit->base, s->fit->parameters, plain(s->start + step)));
+  Eigen::MatrixXd columns = rows(hypotheses);
+  for (std::size_t at = 0; at < steps.size(); ++at) {
+    const auto& [s, step] = steps[at];
+    const auto column = columns.col(static_cast<Eigen::Index>(at));
+    const Eigen::VectorXd place = s->start + step;
+    const double objective = column.squaredNorm() + place.squaredNorm();
+    if (!column.allFinite() || objective >= s->fit->objective) continue;
+    s->fit->objective = objective;
+    s->fit->z = place;
+  }
+  return columns;
+}
+
+/// The undamped step of every fit; where that does not keep what it promises, damped ones and the bent one beside it.
+void step_on(FittedRows& rows, std::vector<Stepping>& steppings) {
+  std::vector<std::pair<Stepping*, Eigen::VectorXd>> steps;
+  for (Stepping& s : steppings) {
+    s.undamped = bounded_step(*s.fit, s.start, s.curvature, s.gradient, 0.0);
+    steps.emplace_back(&s, s.undamped);
+  }
+  const Eigen::MatrixXd there = try_steps(rows, steps);
+  steps.clear();
+  for (std::size_t i = 0; i < steppings.size(); ++i) {
+    Stepping& s = steppings[i];
+    if (s.promised < near_promise && s.before - s.fit->objective >= kept_promise * s.promised) continue;
+    for (const double damping : dampings)
+      steps.emplace_back(&s, bounded_step(*s.fit, s.start, s.curvature, s.gradient, damping));
+    s.residual_there = there.col(static_cast<Eigen::Index>(i));
+    if (s.residual_there.allFinite()) steps.emplace_back(&s, bent_step(s));
+  }
+  try_steps(rows, steps);
 }
 
 }  // namespace
@@ -213,20 +253,13 @@ void improve(FittedRows& rows, std::vector<Fit*> fits, int iterations, Columns c
     if (iteration == iterations) break;
     std::vector<Stepping> steppings;
     for (Fit* fit : fits) {
-      Stepping s{fit, curvature(*fit), fit->z, fit->jacobian.transpose() * fit->residual + fit->z, fit->objective, 0};
+      Stepping s{fit, curvature(*fit), fit->z, fit->jacobian.transpose() * fit->residual + fit->z, fit->objective, 0, {}, {}};
       s.promised = promised_gain(*fit, s.curvature, s.gradient);
       fit->settled = s.promised < std::max(settled_gain, settled_share * fit->objective);
       if (!fit->settled) steppings.push_back(std::move(s));
     }
     std::erase_if(fits, [](const Fit* fit) { return fit->settled; });
-    std::vector<Stepping*> chosen;
-    chosen.reserve(steppings.size());
-    for (Stepping& s : steppings) chosen.push_back(&s);
-    try_steps(rows, chosen, std::array{0.0});
-    std::erase_if(chosen, [](const Stepping* s) {
-      return s->promised < near_promise && s->before - s->fit->objective >= kept_promise * s->promised;
-    });
-    try_steps(rows, chosen, dampings);
+    step_on(rows, steppings);
     for (const Stepping& s : steppings) {
       Fit& fit = *s.fit;
       fit.settled = s.before - fit.objective < std::max(settled_gain, settled_share * s.before);

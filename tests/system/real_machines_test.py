@@ -51,11 +51,13 @@ def seals():
 
 
 def tank():
-    """Neither isothermal nor adiabatic: heat of the wall, and an orifice larger than a coefficient of 0.6 says."""
+    """Neither isothermal nor adiabatic: heat of the wall; within its wide tolerance the coefficient goes from 0.6 to 1."""
     found = diagnosis_of("tank-discharge.yaml", "tank_discharge", ["tank_orifice_0p067in.csv.gz"])
     if not found:
         return
-    expect(names_of(found) == ["parameter:valve.exhaust_area_m2", "wall_heat_exchange"], f"tank: {names_of(found)}")
+    expect(names_of(found) == ["wall_heat_exchange"], f"tank: {names_of(found)}")
+    moved = {one["path"]: one["fitted"] / one["configured"] for one in found["parameters_moved"]}
+    expect(1.6 < moved["valve.exhaust_area_m2"] < 1.9, f"tank: the orifice is {moved['valve.exhaust_area_m2']} times as large")
     held_out = found["fit"]["channels"]["p1_chamber_Pa"]["held_out_after"]
     expect(held_out <= 2400, f"tank: {held_out} Pa are left on the last third")
 

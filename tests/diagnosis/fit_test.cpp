@@ -1,0 +1,77 @@
+// Fits: a narrow bent valley is followed to its end, parameters stay in their bounds.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include "diagnosis/fit.hpp"
+
+using namespace pneuservo;
+
+namespace {
+
+/// Two numbers that nearly stand for each other: residuals of a valley b = a + a^2/8 some 1e-4 wide and 1 long.
+class BentValley : public ResidualModel {
+ public:
+  static constexpr double across = 3000, along = 12, end = 1.2;
+  BentValley() : channels_(1), rows_(2) {}
+  const std::vector<ResidualChannel>& channels() const override { return channels_; }
+  const std::vector<ResidualRow>& rows() const override { return rows_; }
+  Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) override {
+    Eigen::MatrixXd out(2, static_cast<Eigen::Index>(hypotheses.size()));
+    for (Eigen::Index i = 0; i < out.cols(); ++i) {
+      const auto& slider = hypotheses[static_cast<std::size_t>(i)].rig.axis.slider;
+      const double a = slider.mass_kg - 2, b = slider.payload_kg - 2;
+      out(0, i) = across * (b - a - a * a / 8);
+      out(1, i) = along * (a - end);
+    }
+    return out;
+  }
+  std::vector<ChannelMisfit> sample_misfit(const Hypothesis&) override { return {}; }
+  std::vector<ResidualCourse> courses(const Hypothesis&) override { return {}; }
+
+ private:
+  std::vector<ResidualChannel> channels_;
+  std::vector<ResidualRow> rows_;
+};
+
+Fit valley_fit() {
+  Fit fit;
+  for (const char* path : {"slider.mass_kg", "slider.payload_kg"}) {
+    FreeParameter parameter;
+    parameter.path = path;
+    parameter.center = 2;
+    parameter.spread = 1;
+    parameter.lower = -3;
+    parameter.upper = 3;
+    fit.parameters.push_back(parameter);
+  }
+  fit.base.rig.axis.slider.mass_kg = fit.base.rig.axis.slider.payload_kg = 2;
+  fit.own_count = 2;
+  fit.z.setZero(2);
+  return fit;
+}
+
+}  // namespace
+
+TEST_CASE("a fit follows a narrow bent valley to its end") {
+  BentValley model;
+  FittedRows rows(model, {});
+  Fit fit = valley_fit();
+  improve(rows, {&fit}, 6, Columns::all);
+  // With the residual across the valley at 0 the objective is one of a alone.
+  double least = 1e300;
+  for (double a = 0.9; a < 1.3; a += 1e-5)
+    least = std::min(least, std::pow(BentValley::along * (a - BentValley::end), 2) + a * a + std::pow(a + a * a / 8, 2));
+  CAPTURE(fit.z(0), fit.z(1), fit.objective, least);
+  CHECK(fit.objective < least + 0.1);
+}
+
+TEST_CASE("a fit that a bound holds ends on it, at the best place there") {
+  BentValley model;
+  FittedRows rows(model, {});
+  Fit fit = valley_fit();
+  fit.parameters[0].upper = 0.5;
+  improve(rows, {&fit}, 6, Columns::all);
+  CHECK(fit.z(0) == Approx(0.5));
+  CHECK(fit.z(1) == Approx(0.5 + 0.125 * 0.25).epsilon(1e-4));
+}

@@ -17,6 +17,9 @@ namespace {
 /// curvature over that across it, or the fit creeps. The last one is a short step along the first.
 constexpr double near_promise = 50, kept_promise = 0.7;
 constexpr std::array<double, 7> dampings{3e-5, 3e-4, 3e-3, 0.03, 0.3, 3.0, 30.0};
+/// The step is bent too where it promises no more than this share of the objective: a fit that has far to go would be
+/// bent into the valley of another minimum.
+constexpr double bent_share = 0.3;
 /// A step that would gain less than this share of the objective matters to no comparison.
 constexpr double settled_share = 2e-5;
 
@@ -182,8 +185,9 @@ struct Stepping {
   Eigen::VectorXd undamped, residual_there;  ///< the step without damping, and the residual at its end
 };
 
-/// The undamped step bent to where the residual really goes: r(z + d) - r - J d is what the linear model misses of it, half
-/// its second derivative along d. In a narrow bent valley the undamped step alone climbs out and damped ones creep.
+/// The undamped step bent to where the residual really goes: r(z + d) - r - J d is what the linear model misses of it,
+/// half its second derivative along d. In a narrow bent valley the undamped step alone climbs out and damped ones
+/// creep.
 Eigen::VectorXd bent_step(const Stepping& s) {
   const Fit& fit = *s.fit;
   const Eigen::VectorXd missed = s.residual_there - fit.residual - fit.jacobian * s.undamped;
@@ -237,7 +241,7 @@ void step_on(FittedRows& rows, std::vector<Stepping>& steppings) {
     for (const double damping : dampings)
       steps.emplace_back(&s, bounded_step(*s.fit, s.start, s.curvature, s.gradient, damping));
     s.residual_there = there.col(static_cast<Eigen::Index>(i));
-    if (s.residual_there.allFinite()) steps.emplace_back(&s, bent_step(s));
+    if (s.promised < bent_share * s.before && s.residual_there.allFinite()) steps.emplace_back(&s, bent_step(s));
   }
   try_steps(rows, steps);
 }
@@ -253,7 +257,8 @@ void improve(FittedRows& rows, std::vector<Fit*> fits, int iterations, Columns c
     if (iteration == iterations) break;
     std::vector<Stepping> steppings;
     for (Fit* fit : fits) {
-      Stepping s{fit, curvature(*fit), fit->z, fit->jacobian.transpose() * fit->residual + fit->z, fit->objective, 0, {}, {}};
+      Stepping s{
+          fit, curvature(*fit), fit->z, fit->jacobian.transpose() * fit->residual + fit->z, fit->objective, 0, {}, {}};
       s.promised = promised_gain(*fit, s.curvature, s.gradient);
       fit->settled = s.promised < std::max(settled_gain, settled_share * fit->objective);
       if (!fit->settled) steppings.push_back(std::move(s));

@@ -19,7 +19,7 @@ constexpr double near_promise = 50, kept_promise = 0.7;
 constexpr std::array<double, 7> dampings{3e-5, 3e-4, 3e-3, 0.03, 0.3, 3.0, 30.0};
 /// The step is bent too where it promises no more than this share of the objective: a fit that has far to go would be
 /// bent into the valley of another minimum.
-constexpr double bent_share = 0.7;
+constexpr double bent_share = 0.4;
 /// A step that would gain less than this share of the objective matters to no comparison.
 constexpr double settled_share = 2e-5;
 

@@ -9,6 +9,7 @@
 #include <pneuservo/core/scalar.hpp>
 #include <pneuservo/elements/branch.hpp>
 #include <pneuservo/elements/line_ends.hpp>
+#include <pneuservo/elements/line_rows.hpp>
 #include <pneuservo/elements/line_scheme.hpp>
 #include <pneuservo/elements/orifice.hpp>
 #include <pneuservo/elements/pipe_friction.hpp>
@@ -168,74 +169,9 @@ template <class S> class Line {
   using Cell = line_scheme::Cell<S>;
   using Face = line_scheme::Face<S>;
   using Constants = line_scheme::Constants<S>;
+  using CellRow = line_scheme::CellRow<S>;
+  using FaceRow = line_scheme::FaceRow<S>;
   static constexpr int per_group = GroupOf<S>::elements;
-
-  // State of the line in rows, one a quantity.
-  struct Cells {
-    std::vector<G> pressure, density, temperature, density_per_pressure, a, d;  // p = a/d
-
-    void resize(std::size_t groups) {
-      for (auto* row : {&pressure, &density, &temperature, &density_per_pressure, &a, &d}) row->assign(groups, G(0));
-    }
-    line_scheme::Cell<G> group(std::size_t q) const noexcept {
-      return {pressure[q], density[q], temperature[q], density_per_pressure[q]};
-    }
-    void fill(std::size_t q, const Mask<G>& places, const Cell& with) noexcept {
-      pressure[q] = select(places, replicate(with.pressure), pressure[q]);
-      density[q] = select(places, replicate(with.density), density[q]);
-      temperature[q] = select(places, replicate(with.temperature), temperature[q]);
-      density_per_pressure[q] = select(places, replicate(with.density_per_pressure), density_per_pressure[q]);
-    }
-  };
-  struct Faces {
-    std::vector<G> velocity, mass_flux, pressure_flux, friction_coefficient, nusselt, density, reynolds, reynolds_root;
-
-    void resize(std::size_t groups) {
-      for (auto* row : {&velocity, &mass_flux, &pressure_flux, &friction_coefficient, &nusselt, &density, &reynolds,
-                        &reynolds_root})
-        row->assign(groups, G(0));
-    }
-    void fill(std::size_t q, const Mask<G>& places, const Face& with) noexcept {
-      velocity[q] = select(places, replicate(with.velocity), velocity[q]);
-      mass_flux[q] = select(places, replicate(with.mass_flux), mass_flux[q]);
-      pressure_flux[q] = select(places, replicate(with.pressure_flux), pressure_flux[q]);
-      friction_coefficient[q] = select(places, replicate(with.friction_coefficient), friction_coefficient[q]);
-      nusselt[q] = select(places, replicate(with.nusselt), nusselt[q]);
-    }
-  };
-  // The rows' addresses, held in registers during a pass.
-  struct CellRow {
-    explicit CellRow(Cells& c) noexcept
-        : pressure(c.pressure.data()), density(c.density.data()), temperature(c.temperature.data()),
-          density_per_pressure(c.density_per_pressure.data()), a(c.a.data()), d(c.d.data()) {}
-    line_scheme::Cell<G> operator[](int q) const noexcept {
-      return {pressure[q], density[q], temperature[q], density_per_pressure[q]};
-    }
-    G *const pressure, *const density, *const temperature, *const density_per_pressure, *const a, *const d;
-  };
-  struct FaceRow {
-    explicit FaceRow(Faces& f) noexcept
-        : velocity(f.velocity.data()), mass_flux(f.mass_flux.data()), pressure_flux(f.pressure_flux.data()),
-          friction_coefficient(f.friction_coefficient.data()), nusselt(f.nusselt.data()), density(f.density.data()),
-          reynolds(f.reynolds.data()), reynolds_root(f.reynolds_root.data()) {}
-    line_scheme::Face<G> operator[](int q) const noexcept {
-      return {velocity[q], mass_flux[q], pressure_flux[q], friction_coefficient[q], nusselt[q]};
-    }
-    G *const velocity, *const mass_flux, *const pressure_flux,
-                                             *const friction_coefficient,
-                                                 *const nusselt, *const density, *const reynolds, *const reynolds_root;
-  };
-  static line_scheme::Cell<G> one_cell_after(const line_scheme::Cell<G>& c, const line_scheme::Cell<G>& next) noexcept {
-    return {one_after<S>(c.pressure, next.pressure), one_after<S>(c.density, next.density),
-            one_after<S>(c.temperature, next.temperature),
-            one_after<S>(c.density_per_pressure, next.density_per_pressure)};
-  }
-  static line_scheme::Face<G> one_face_before(const line_scheme::Face<G>& previous,
-                                              const line_scheme::Face<G>& f) noexcept {
-    return {one_before<S>(previous.velocity, f.velocity), one_before<S>(previous.mass_flux, f.mass_flux),
-            one_before<S>(previous.pressure_flux, f.pressure_flux), f.friction_coefficient,
-            one_before<S>(previous.nusselt, f.nusselt)};
-  }
 
   // Cells q g .. q g + g - 1 stand in cell group q, faces (q-1) g + 1 .. q g in face group q (g = per_group): the left
   // cells of a face group are a cell group, the right faces of a cell group are a face group.
@@ -336,7 +272,7 @@ template <class S> class Line {
     auto subsonic = G(0) == G(0);
     for (int q = 1; q <= groups; ++q) {
       const auto next = cells_in[q];
-      const auto right = one_cell_after(left, next);
+      const auto right = line_scheme::one_cell_after<S>(left, next);
       line_scheme::Face<G> face;
       face.velocity = faces.velocity[q];
       subsonic = subsonic & (face.velocity * face.velocity <= coldest);
@@ -376,7 +312,7 @@ template <class S> class Line {
       fastest = maximum(fastest, squared);
       const line_scheme::CellLoss<G>* loss = nullptr;
       if constexpr (losing) loss = &loss_[static_cast<std::size_t>(q)];
-      const auto made = line_scheme::balance(k, row[q], one_face_before(previous, right), right,
+      const auto made = line_scheme::balance(k, row[q], line_scheme::one_face_before<S>(previous, right), right,
                                              one_before<S>(previous_heat, heat), heat, loss);
       row.density[q] = made.density;
       row.a[q] = made.a;
@@ -599,8 +535,8 @@ template <class S> class Line {
        frictionless_ = false;
   line_scheme::Constants<G> group_k_;
   int cells_ = 1;
-  Cells cell_;
-  Faces face_;
+  line_scheme::Cells<S> cell_;
+  line_scheme::Faces<S> face_;
   std::vector<line_scheme::CellLoss<G>> loss_;
   Mask<G> all_places_{}, from_end_{}, beyond_last_{};
   PortConstants<S> port_constants_;

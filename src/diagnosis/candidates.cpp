@@ -141,6 +141,8 @@ template <class Effect>
 Candidate effect_candidate(const std::string& name, const std::string& element, const std::string& family,
                            CandidateKind kind, const ScaleTable& scales) {
   Candidate candidate{name, element, kind, {}, {}, {}, {{}}, {}, family};
+  if constexpr (requires { Effect::is_mimicked_by_small_physics; })
+    candidate.is_mimicked_by_small_physics = Effect::is_mimicked_by_small_physics;
   const Effect none;
   for (const ParameterTrait& trait : Effect::traits) {
     Effect::visit(

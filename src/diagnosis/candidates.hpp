@@ -26,6 +26,7 @@ struct Candidate {
   std::vector<std::vector<double>> starts;  ///< z to screen and start from; where amplitudes are neutral, z of neutral
   std::vector<char> amplitude;  ///< of each parameter: found by its derivative
   std::string family;  ///< names that mimic each other; all are refitted when one is
+  bool is_mimicked_by_small_physics = false;  ///< has no name beside small physics that is everywhere
 };
 
 /// Every candidate that the rig and the channels allow, in the order of the vocabulary. `tolerances` of the rig name

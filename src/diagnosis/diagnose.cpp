@@ -352,9 +352,8 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
     settings.grow_floor = true;
     settings.most_effects = 1;
     settings.settled_gain = settled_gain_beside;
-    // The volume at a valve's port and the fittings of every real line look like a branch.
     std::vector<Candidate> names = candidates;
-    std::erase_if(names, [](const Candidate& c) { return c.name.starts_with("line_branch_"); });
+    std::erase_if(names, [](const Candidate& c) { return c.is_mimicked_by_small_physics; });
     beside.emplace(rows, rig, names, settings, options.rules, options.progress);
     run_search(*beside, out);
     const Explanation* best = beside->best_of(1);

@@ -288,6 +288,9 @@ template <class S> struct LineLeak {
 template <class S> struct LineBranch {
   static constexpr std::string_view element = "line";
   static constexpr std::string_view family = "line_branch";
+  /// Beside small physics that is everywhere it has no name: the volume at a valve's port and the fittings of every
+  /// real line look like it.
+  static constexpr bool is_mimicked_by_small_physics = true;
   static constexpr std::array traits{ParameterTrait{"volume_m3", EffectScale::one, 1e-4, 1e-6},
                                      ParameterTrait{"neck_length_m", EffectScale::one, 0.7, 0, EffectScale::one,
                                                     Variation::logarithmic, effect_grids::branch_neck_length},

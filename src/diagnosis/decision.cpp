@@ -253,8 +253,8 @@ bool has_absurd_parameter(const Explanation& explanation, const Search& search, 
   });
 }
 
-/// The line whose length and diameter would both have to be off; empty: none. Each is read with a ruler, and an owner
-/// errs once: with two numbers free a line stands for any volume and resistance, such as those of a branch.
+/// The line of which two numbers would have to be off; empty: none. Each is read with a ruler, and an owner errs once:
+/// with two numbers free a line stands for any volume and resistance, such as those of a branch.
 std::string twice_wrong_line(const Explanation& explanation, const Search& search) {
   std::vector<std::string> wrong;
   for (const std::size_t m : explanation.members) {
@@ -303,11 +303,11 @@ void judge_what_is_left(ResidualModel& model, const Search& search, const Decisi
   decision.element = twice_wrong_line(*decision.chosen, search);
   if (!decision.element.empty()) {
     decision.verdict = Verdict::unknown;
-    decision.reason += fmt::format("{}length and diameter of {} would both have to be wrong: it holds {:+.3g} cm3 of "
-                                   "gas beside what its owner says, "
-                                   "as a branch or a vessel on it would",
-                                   decision.reason.empty() ? "" : "; ", decision.element,
-                                   1e6 * volume_beyond(*decision.chosen, search, decision.element));
+    decision.reason +=
+        fmt::format("{}two numbers of {} would both have to be wrong: it holds {:+.3g} cm3 of gas beside "
+                    "what its owner says, as a branch or a vessel on it would",
+                    decision.reason.empty() ? "" : "; ", decision.element,
+                    1e6 * volume_beyond(*decision.chosen, search, decision.element));
   }
   DecisionRules sure = rules;
   if (decision.beside_remainder) sure.most_sure = rules.most_sure_beside;

@@ -30,9 +30,9 @@ const std::array<std::array<double, 2>, 4> wrong_starts_Pa{
 
 /// Within 2 kPa after.
 constexpr double asked_start_s = 1.4;
-/// The bound with noise alone misses its figures by little (docs/figures.md says why); here it is kept from getting
-/// worse.
-constexpr double known_noise_holds = 98.5, known_noise_ratio = 4.2;
+/// The bound with noise alone reaches its figures by little (docs/figures.md says why), and a draw that falls otherwise
+/// is no fault.
+constexpr double least_noise_holds = 98.8, largest_noise_ratio = 4.1;
 
 /// One realisation has a few hundred independent draws at most, too few for a share of 99 %: seeds are pooled.
 TrialOutcome pooled(const std::string& line, const Trial& trial, int seeds) {
@@ -85,8 +85,8 @@ void each_bound(const std::vector<std::string>& lines, int seeds, const Show& sh
 void check(const char* group, const std::string& what, const std::string& of, double measured, const char* relation,
            double asked, const char*) {
   INFO(group << ": " << what << ": " << of);
-  if (what == "all, noise alone" && std::string(relation) == "at most") CHECK(measured <= known_noise_ratio);
-  else if (what == "all, noise alone") CHECK(measured >= known_noise_holds);
+  if (what == "all, noise alone" && std::string(relation) == "at most") CHECK(measured <= largest_noise_ratio);
+  else if (what == "all, noise alone") CHECK(measured >= least_noise_holds);
   else if (std::string(relation) == "at most") CHECK(measured <= asked);
   else CHECK(measured >= asked);
 }

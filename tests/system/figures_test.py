@@ -7,9 +7,7 @@ import subprocess
 import sys
 
 # docs/figures.md gives the reasons. A figure that is reached leaves this list.
-KNOWN = {("stated bound", "all, noise alone", "holds"),
-         ("stated bound", "all, noise alone", "median of bound over error"),
-         ("payload", "quiet gains", "position error, estimated"),
+KNOWN = {("payload", "quiet gains", "position error, estimated"),
          *(("payload", loop, "position error rms, estimated")
            for loop in ("quiet gains", "with feedforward", "set R"))}
 

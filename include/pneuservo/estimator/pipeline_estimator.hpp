@@ -177,7 +177,7 @@ class PipelineEstimator {
   static constexpr double fastest_position_mps = 5.0;
   /// Mean square of the shadows' distance over about this time, the mean of both chambers where their lines are alike:
   /// noise makes of them two draws of one spread. About 2.6 of its root is passed once in 100 by normal noise.
-  static constexpr double rms_time_s = 0.7;
+  static constexpr double rms_time_s = 0.5;
   static constexpr double rms_factor = 2.6;
   /// A distance that rises is followed at once: its peaks, with a margin, fade with this time constant.
   static constexpr double peak_time_s = 0.25;
@@ -187,7 +187,7 @@ class PipelineEstimator {
   static constexpr double grid_time_s = 0.5;
   static constexpr double grid_share = 0.017;
   static constexpr double grid_growth_per_Pa = 5e-6;
-  static constexpr double grid_floor_Pa = 45.0;
+  static constexpr double grid_floor_Pa = 55.0;
   /// Share of the port's surplus flow that goes into the chamber after a start, and how fast that fades: a valve whose
   /// area is not known well must not bend the estimate for ever.
   static constexpr double start_gain = 1.0;

@@ -72,6 +72,11 @@ struct ProposedExperiment {
   double separation = 0;   ///< predicted, in noise floors
   double duration_s = 0;
   std::vector<std::pair<std::string, double>> keys;  ///< the setup as config paths and values
+
+  /// How the recording is to be diagnosed for the separation to hold.
+  const char* use() const {
+    return keys.empty() ? "together with the recordings so far" : "alone, with the proposal's file as config";
+  }
 };
 
 struct Diagnosis {

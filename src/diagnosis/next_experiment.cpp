@@ -53,14 +53,6 @@ Fit carried_over(const Explanation& explanation, const ExperimentChoice& choice,
   return fit;
 }
 
-/// Squared misfit with priors after one linear step: min over d of |r + J d|^2 + |z + d|^2.
-double refitted_objective(const Fit& fit) {
-  const Eigen::VectorXd gradient = fit.jacobian.transpose() * fit.residual + fit.z;
-  const Eigen::MatrixXd curvature =
-      fit.jacobian.transpose() * fit.jacobian + Eigen::MatrixXd::Identity(fit.jacobian.cols(), fit.jacobian.cols());
-  return fit.residual.squaredNorm() + fit.z.squaredNorm() - gradient.dot(curvature.ldlt().solve(gradient));
-}
-
 /// Whether a choice sets what an explanation is about: it would hide it.
 bool is_about(const ExperimentChoice& choice, const Explanation& explanation) {
   for (std::size_t i = 0; i < explanation.fit.own_count; ++i)
@@ -81,7 +73,8 @@ std::optional<double> separation(const ExperimentChoice& choice, const Rig& owne
   Fit right = carried_over(truth, choice, changed, *model), other = carried_over(wrong, choice, changed, *model);
   linearise(rows, {&right, &other});
   if (right.failed || other.failed) return std::nullopt;
-  const double left = refitted_objective(other) - refitted_objective(right);
+  const double left = choice.keys.empty() ? refitted_misfit(other, &wrong.fit) - refitted_misfit(right, &truth.fit)
+                                          : refitted_misfit(other, nullptr) - refitted_misfit(right, nullptr);
   return std::isfinite(left) ? std::optional(std::sqrt(std::max(left, 0.0))) : std::nullopt;
 }
 
@@ -110,7 +103,42 @@ const Explanation* nearest_rival(const Decision& decision, const DecisionRules& 
   return nullptr;
 }
 
+Eigen::MatrixXd curvature(const Fit& fit) {
+  return fit.jacobian.transpose() * fit.jacobian + Eigen::MatrixXd::Identity(fit.jacobian.cols(), fit.jacobian.cols());
+}
+
+/// What a fit at its minimum has against moving the parameters `kept`, all others following them.
+Eigen::MatrixXd reduced_curvature(const Fit& fit, const std::vector<int>& kept) {
+  std::vector<int> others;
+  for (int i = 0; i < static_cast<int>(fit.parameters.size()); ++i)
+    if (std::find(kept.begin(), kept.end(), i) == kept.end()) others.push_back(i);
+  const Eigen::MatrixXd h = curvature(fit), across = h(kept, others);
+  if (others.empty()) return h(kept, kept);
+  return h(kept, kept) - across * h(others, others).ldlt().solve(across.transpose());
+}
+
 }  // namespace
+
+double refitted_misfit(const Fit& added, const Fit* before) {
+  Eigen::VectorXd gradient = added.jacobian.transpose() * added.residual + added.z;
+  Eigen::MatrixXd h = curvature(added);
+  double misfit = added.residual.squaredNorm() + added.z.squaredNorm();
+  std::vector<int> here, there;  // the same parameters' places in both fits; the gas at the start has no path
+  for (std::size_t i = 0; before != nullptr && i < added.parameters.size(); ++i)
+    for (std::size_t k = 0; !added.parameters[i].path.empty() && k < before->parameters.size(); ++k)
+      if (before->parameters[k].path == added.parameters[i].path) {
+        here.push_back(static_cast<int>(i));
+        there.push_back(static_cast<int>(k));
+      }
+  if (!here.empty()) {
+    // Where the earlier fit stands its gradient is zero; its curvature has the priors, which must not count twice.
+    h(here, here) +=
+        reduced_curvature(*before, there) - Eigen::MatrixXd::Identity(h(here, here).rows(), h(here, here).cols());
+    gradient(here) -= added.z(here);
+    misfit -= added.z(here).squaredNorm();
+  }
+  return misfit - gradient.dot(h.ldlt().solve(gradient));
+}
 
 std::optional<ProposedExperiment> propose_experiment(const Rig& owner, const Decision& decision, const Search& search,
                                                      const DecisionRules& rules, double shown_speed_mps,

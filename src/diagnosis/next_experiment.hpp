@@ -21,10 +21,16 @@ using CompareRecording = std::function<std::unique_ptr<ResidualModel>(const Rig&
 /// apart.
 inline constexpr double least_separation = 5.0;
 
+/// Squared misfit with priors of an added recording after one linear step of all that is free. before: the same
+/// explanation's fit to the recordings so far, at its minimum; parameters that both have move against its curvature
+/// too, and only what the added recording adds is counted. Null: the added recording stands alone.
+double refitted_misfit(const Fit& added, const Fit* before);
+
 /// Of safe_references the one whose recording, made under the chosen explanation, leaves most of the nearest rival's
-/// misfit after the rival's own refit (its parameters, the tolerances and the start free, linearly). The separation is
-/// the root of what is left in chi2, the smaller of both directions. Nothing where no rival is within
-/// rules.ambiguous_distance. shown_speed_mps: largest speed of the recordings so far.
+/// misfit after the rival's own refit (its parameters, the tolerances and the start free, linearly): beside the
+/// recordings so far, or alone where the machine is changed for it. The separation is the root of what is left in chi2,
+/// the smaller of both directions. Nothing where no rival is within rules.ambiguous_distance. shown_speed_mps: largest
+/// speed of the recordings so far.
 std::optional<ProposedExperiment> propose_experiment(const Rig& owner, const Decision& decision, const Search& search,
                                                      const DecisionRules& rules, double shown_speed_mps,
                                                      const VirtualMachine& machine, const CompareRecording& compare);

@@ -68,6 +68,7 @@ Json experiment_json(const std::optional<ProposedExperiment>& experiment) {
     for (const auto& [path, value] : experiment->keys) keys[path] = value;
     out["setup"] = {{"words", experiment->setup}, {"keys", keys}};
   }
+  out["use"] = experiment->use();
   out["between"] = experiment->between;
   out["separation"] = experiment->separation;
   return out;

@@ -97,6 +97,7 @@ std::string diagnosis_text(const Diagnosis& diagnosis) {
         fmt::format("\nnext recording, {:g} s, tells {} apart by {:.1f} noise floors\n  reference: {}\n",
                     next.duration_s, fmt::join(next.between, " and "), next.separation, dump_reference(next.reference));
     if (!next.setup.empty()) out += fmt::format("  before it: {}\n", next.setup);
+    out += fmt::format("  then diagnose it {}\n", next.use());
   }
   bool any_moved = false;
   for (const MovedParameter& m : diagnosis.moved) {

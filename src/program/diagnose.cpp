@@ -64,6 +64,7 @@ void write_next_experiment(const DiagnoseVerbOptions& options, const Diagnosis& 
   std::ofstream file(options.next_experiment);
   file << fmt::format("# Recording that tells {} apart.\n", fmt::join(next.between, " and "));
   if (!next.setup.empty()) file << fmt::format("# Before it: {}.\n", next.setup);
+  file << fmt::format("# Then diagnose it {}.\n", next.use());
   file << dump_rig(experiment_rig(diagnosis.configured, next));
   if (!file.flush()) throw InputError(options.next_experiment + ": cannot be written");
 }

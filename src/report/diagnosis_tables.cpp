@@ -140,9 +140,10 @@ Table detectable_table(const Diagnosis& diagnosis) {
 Table experiment_table(const ProposedExperiment& experiment) {
   Table table;
   table.columns = {
-      text_column("", {"tells apart", "reference", "change of the machine", "predicted separation"}),
+      text_column("",
+                  {"tells apart", "reference", "change of the machine", "then diagnose it", "predicted separation"}),
       text_column("", {fmt::format("{}", fmt::join(experiment.between, " from ")), dump_reference(experiment.reference),
-                       experiment.setup.empty() ? "none" : experiment.setup,
+                       experiment.setup.empty() ? "none" : experiment.setup, experiment.use(),
                        fmt::format("{:.1f} noise floors", experiment.separation)})};
   return table;
 }

@@ -108,7 +108,7 @@ TEST_CASE("the estimator forgets a start 100 kPa wrong") { each_start(few_lines,
 TEST_CASE("the stated bound holds in 99 of 100 ticks and is no more than four times the error") {
   each_bound(few_lines, 2,
              [](auto group, const auto& what, const auto& of, double measured, auto relation, double asked, auto unit) {
-    // Two seeds of two lines: noise alone is judged on the nine lines below.
+               // Two seeds of two lines: noise alone is judged on the nine lines below.
                if (what.find("noise alone") == std::string::npos)
                  check(group, what, of, measured, relation, asked, unit);
              });

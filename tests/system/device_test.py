@@ -2,7 +2,7 @@
 # The verb device and a controller as two processes with real frames between them, over a local socket; what the fault of a
 # node does, and the way back. On a kernel with CAN the same over vcan0.
 # tags: timing
-import gzip, json, os, subprocess, sys, tempfile, time
+import atexit, gzip, json, os, subprocess, sys, tempfile, time
 
 import yaml
 
@@ -32,6 +32,7 @@ class Device:
     def __init__(self, interface, *more):
         self.process = subprocess.Popen([program, "device", CONFIG, "--can", interface, *sets, *more], stdin=subprocess.PIPE,
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        atexit.register(self.process.kill)  # a test that fails leaves nothing behind
         expect("are on the bus" in self.process.stderr.readline(), "device: does not begin")
 
     def end(self):

@@ -48,8 +48,9 @@ template <class T> std::string accepted_text(const Field& field, const T&) {
   else if constexpr (std::is_same_v<T, CanObject>) return "0x and 8 hexadecimal digits";
   else if constexpr (std::is_same_v<T, std::string>) return field.choices.empty() ? "text" : range_text(field);
   else if constexpr (std::is_same_v<T, std::vector<double>>) return "list, each " + range_text(field);
-  else if constexpr (std::is_same_v<T, std::vector<std::array<double, 3>>>) return "list";
-  else if constexpr (std::is_same_v<T, std::vector<ReferenceSpec>>) return "list";
+  else if constexpr (std::is_same_v<T, std::vector<std::array<double, 3>>> ||
+                     std::is_same_v<T, std::vector<ReferenceSpec>>)
+    return "list";
   else if constexpr (std::is_same_v<T, std::map<std::string, double>>) return "section";
   else return range_text(field);
 }

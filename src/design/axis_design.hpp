@@ -38,7 +38,7 @@ struct ModelFigures {
 inline constexpr double least_gain_margin = 2.0, least_phase_margin_deg = 30.0;
 
 struct AxisDesign {
-  explicit AxisDesign(AxisLinearisation linearisation) : linear(std::move(linearisation)) {}
+  explicit AxisDesign(const AxisLinearisation& linearisation) : linear(linearisation) {}
 
   DesignMethod method = DesignMethod::config;
   AxisLinearisation linear;

@@ -30,7 +30,8 @@ void find_lag(AxisSide& side, const LineParameters<double>& line, const LineAcou
   const LineEnds ends{0.0, side.chamber_volume_m3 / exponent};
   try {
     side.resonance = first_resonance(acoustics, ends);
-  } catch (const std::invalid_argument&) {  // friction leaves no peak
+  } catch (const std::invalid_argument&) {
+    side.resonance.reset();  // friction leaves no peak
   }
   if (line.natural_frequency_Hz > 0.0) {
     side.source = LagSource::config;

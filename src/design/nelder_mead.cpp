@@ -73,7 +73,7 @@ Minimum one_search(const Value& value, const std::vector<double>& start, double 
 
 }  // namespace
 
-Minimum nelder_mead(const Value& value, std::vector<double> start, double relative_step, double tolerance) {
+Minimum nelder_mead(const Value& value, const std::vector<double>& start, double relative_step, double tolerance) {
   Minimum best{start, value(start)};
   for (int restart = 0; restart < restarts_max; ++restart) {
     const Minimum found = one_search(value, best.at, relative_step, tolerance);

@@ -171,6 +171,11 @@ void add_effects(const Rig& rig, const MotionRange& range, std::vector<Candidate
   const ScaleTable scales{rig, range, ""};
   visit_effects(rig, [&](const Field& field, const auto& effect) {
     using Effect = std::remove_cvref_t<decltype(effect)>;
+    // An effect that the owner knows is not missing: what may be wrong is its size, as of any other parameter.
+    const std::string own = fmt::format("effects.{}.", field.key);
+    if (std::any_of(rig.tolerances.begin(), rig.tolerances.end(),
+                    [&](const auto& t) { return t.first.starts_with(own); }))
+      return;
     out.push_back(effect_candidate<Effect>(std::string(field.key), on_its_side(Effect::element, field.key),
                                            on_its_side(Effect::family, field.key), CandidateKind::effect, scales));
   });

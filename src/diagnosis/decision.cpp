@@ -331,8 +331,13 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
                         search.owner_level() >= rules.refuted_level && most >= rules.named_share &&
                         !has_absurd_parameter(*decision.chosen, search, rules);
   const bool is_periodic = find_periodic_force(model, rules, is_named ? rules.periodic_share : told_share, decision);
-  if (is_periodic || !is_named) decision.verdict = Verdict::unknown;
-  return decision;
+  if (!is_periodic && is_named) return decision;
+  decision.verdict = Verdict::unknown;
+  Decision owners;
+  owners.chosen = &search.owner();
+  owners.levels = before;
+  owners.reason = what_is_left(owners, model, rules);
+  return is_periodic || !owners.reason.empty() ? decision : owners;  // small physics alone brings all to its floor
 }
 
 namespace {

@@ -1,5 +1,6 @@
 // The limits that a verdict rests on, for the search and the decision alike.
 #pragma once
+#include <cstddef>
 
 namespace pneuservo {
 
@@ -31,6 +32,8 @@ struct DecisionRules {
   double doubted_gain = 15;  ///< in log evidence: what small unmodelled physics gains a name every other time
   double unknown_sure = 0.75;
   // A machine that leaves something everywhere (a little of everything that the model leaves out).
+  double stretched_tolerance = 2.9;  ///< a fit beyond so many tolerances stands at the end of their range,
+  std::size_t stretched_count = 3;   ///< and so many of them are no owner's errors any more
   double refuted_level = 1.25;  ///< of the owner's mean square, in the floor that the best name leaves
   double periodic_share = 0.5;  ///< of a force's squared residual in motion: what makes it a periodic force
   double named_share = 0.5;  ///< of the squared residual of one channel: what a name must take there

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "config/input_error.hpp"
 #include "config/rig_parameters.hpp"
@@ -319,6 +320,33 @@ void add_next_experiment(const Rig& rig, const ResidualModel& model, const Decis
                                            motion_range(model.rows()).top_speed_mps, options.virtual_machine, compare);
 }
 
+/// Whether the verdict needs more of the owner's tolerances at the end of their range than any owner errs by: together
+/// they stand for small physics that is everywhere.
+bool is_stretched(const Rig& rig, const Decision& decision, const DecisionRules& rules) {
+  if (!rig.is_pneumatic() || decision.verdict == Verdict::consistent) return false;
+  const Fit& fit = decision.chosen->fit;
+  std::size_t at_end = 0;
+  for (std::size_t i = fit.own_count; i < fit.parameters.size(); ++i)
+    if (rig.tolerances.count(fit.parameters[i].path) > 0 &&
+        std::abs(fit.z(static_cast<Eigen::Index>(i))) >= rules.stretched_tolerance)
+      ++at_end;
+  return at_end >= rules.stretched_count;
+}
+
+/// What the model agrees with only if it is granted: no name of its own, but nothing that goes unsaid.
+void add_small_physics(const Rig& rig, const Decision& decision, Diagnosis& out) {
+  const Fit& fit = decision.chosen->fit;
+  std::vector<std::string> granted;
+  for (std::size_t i = fit.own_count; i < fit.parameters.size(); ++i) {
+    const FreeParameter& p = fit.parameters[i];
+    const double z = fit.z(static_cast<Eigen::Index>(i));
+    if (!p.path.empty() && rig.tolerances.count(p.path) == 0 && std::abs(z) >= 0.3)
+      granted.push_back(fmt::format("{} = {:.3g}", p.path, p.value(z)));
+  }
+  out.warnings.push_back(
+      fmt::format("the model agrees with small physics granted beside the config: {}", fmt::join(granted, ", ")));
+}
+
 }  // namespace
 
 std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int jobs) {
@@ -345,8 +373,9 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   if (!rig.is_pneumatic() && (decision.verdict == Verdict::unknown || !rig.has_controller()))
     decision = decide_in_one_quantity(model, first_search, options.rules);
   std::optional<Search> beside;
-  if (decision.verdict == Verdict::unknown && !out.stopped &&
-      is_everywhere(model.channels(), decision.levels.channels, options.rules.floor_level)) {
+  const bool left_everywhere = decision.verdict == Verdict::unknown &&
+                               is_everywhere(model.channels(), decision.levels.channels, options.rules.floor_level);
+  if (!out.stopped && (left_everywhere || is_stretched(rig, decision, options.rules))) {
     SearchSettings settings;
     settings.small_physics = small_physics(rig, model.channels());
     settings.grow_floor = true;
@@ -367,6 +396,7 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   }
   const Search& search = beside ? *beside : first_search;
   out.verdict = decision.verdict;
+  if (beside && out.verdict == Verdict::consistent) add_small_physics(rig, decision, out);
   add_candidates(decision, search, out);
   if (decision.verdict == Verdict::unknown) add_unknown(model, decision, search, options.rules, out);
   else if (decision.verdict != Verdict::consistent) {

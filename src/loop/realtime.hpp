@@ -14,7 +14,7 @@ namespace pneuservo {
 struct RealTimeSettings {
   int priority = 80;       ///< of SCHED_FIFO, 1..99; above the interrupt threads' 50
   std::optional<int> cpu;  ///< pins the thread; none: any processor
-  std::size_t stack_bytes = 512 * 1024;  ///< touched in advance
+  std::size_t stack_bytes = std::size_t{512} * 1024;  ///< touched in advance
 };
 
 /// What it has, for the recording's header and the reports.

@@ -127,7 +127,7 @@ int run_latency(LatencyOptions options) {
     require_kind("latency", options.config, *rig, {RigKind::cylinder, RigKind::servo_table});
     if (!options.period_stated) options.period_us = rig->period_s * 1e6;  // the same grid for both
   }
-  options.settings.period_ns = static_cast<std::int64_t>(options.period_us * 1e3 + 0.5);
+  options.settings.period_ns = std::llround(options.period_us * 1e3);
   const StopRequest stop;
   Results results;
   results.push_back(measure_latency(options.settings));

@@ -48,7 +48,8 @@ RecordingWriter::RecordingWriter(std::string path, const RecordingHeader& header
   thread_ = std::thread([this] { run(); });
 }
 
-RecordingWriter::~RecordingWriter() { close(); }
+// Throws where memory has run out, and there is no way on from that.
+RecordingWriter::~RecordingWriter() { close(); }  // NOLINT(bugprone-exception-escape)
 
 void RecordingWriter::run() {
   become_ordinary_thread();

@@ -87,7 +87,7 @@ std::vector<std::pair<double, double>> held_out_windows(const Diagnosis& diagnos
   for (const ResidualRow& row : diagnosis.rows) {
     if (row.channel != static_cast<int>(channel) || row.recording != static_cast<int>(recording)) continue;
     if (row.over_recording) continue;
-    if (row.held_out && !inside) windows.push_back({row.time_s, row.time_s});
+    if (row.held_out && !inside) windows.emplace_back(row.time_s, row.time_s);
     if (row.held_out) windows.back().second = row.time_s;
     inside = row.held_out;
   }
@@ -141,15 +141,16 @@ AbscissaWords words_of(ResidualAxis axis, const Rig& rig) {
 }  // namespace
 
 std::size_t recording_count(const Diagnosis& diagnosis) {
-  int last = -1;
-  for (const ResidualCourse& course : diagnosis.courses_before) last = std::max(last, course.recording);
-  return static_cast<std::size_t>(last + 1);
+  std::size_t count = 0;
+  for (const ResidualCourse& course : diagnosis.courses_before)
+    count = std::max(count, static_cast<std::size_t>(course.recording) + 1);
+  return count;
 }
 
 std::vector<std::size_t> channels_by_mismatch(const Diagnosis& diagnosis) {
   std::vector<std::pair<double, std::size_t>> sized;
   for (std::size_t c = 0; c < diagnosis.residual_channels.size(); ++c)
-    sized.push_back({-root_mean_square(diagnosis, diagnosis.residual_before, c), c});
+    sized.emplace_back(-root_mean_square(diagnosis, diagnosis.residual_before, c), c);
   std::stable_sort(sized.begin(), sized.end());
   std::vector<std::size_t> out;
   for (const auto& [size, channel] : sized) out.push_back(channel);

@@ -119,7 +119,7 @@ std::string verdict_words(const Diagnosis& diagnosis) {
       const std::string_view key = p.name == "value" ? std::string_view(answer.effect) : p.name;
       std::string one = size_words(key, p.value);
       if (one.empty()) one = key.ends_with("_N") ? value_text(p.value) + " N" : value_text(p.value);
-      if (answer.parameters.size() > 1) one = name_words(p.name) + " " + one;
+      if (answer.parameters.size() > 1) one.insert(0, name_words(p.name) + " ");
       size += (size.empty() ? "" : ", ") + one;
     }
     parts.push_back(size.empty() ? part : fmt::format("{} ({})", part, size));

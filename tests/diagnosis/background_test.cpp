@@ -71,23 +71,19 @@ TEST_CASE("background: tolerances at the end of their range together are no proo
   Rig owner = owners_rig();
   owner.tolerances = {{"valve.area_per_volt_m2_per_V", 0.03},
                       {"supply.pressure_Pa", 0.005},
-                      {"line_1.length_m", 0.005},
-                      {"line_2.length_m", 0.005},
-                      {"line_1.diameter_m", 0.01},
-                      {"line_2.diameter_m", 0.01},
-                      {"cylinder.dead_volume_1_m3", 0.05},
-                      {"cylinder.dead_volume_2_m3", 0.05},
-                      {"slider.viscous_friction_Ns_per_m", 0.1}};
+                      {"line_1.length_m", 0.003},
+                      {"line_2.length_m", 0.003},
+                      {"cylinder.dead_volume_1_m3", 0.03},
+                      {"cylinder.dead_volume_2_m3", 0.03}};
   Rig machine = with_background(owner);
   machine.axis.effects.valve.valve_dead_band.width_V = 0.012;  // an overlap, which has a name
   machine.axis.effects.line_branch_1 = {5e-6, 0.01, 0.006, 0.0};
   machine.axis.effects.line_branch_2 = {3e-6, 0.01, 0.006, 0.0};
   const std::vector<Recording> recordings{simulated_recording(machine, 6.5, 5, all_pressures)};
+  CHECK(diagnose(owner, recordings, {}).verdict == Verdict::missing_physics);
   DiagnoseOptions options;
-  options.rules.stretched_count = 99;
-  const Diagnosis believed = diagnose(owner, recordings, options);
-  CHECK(believed.verdict == Verdict::missing_physics);
-  const Diagnosis doubted = diagnose(owner, recordings, {});
+  options.rules.stretched_count = 2;  // both dead volumes, of the few numbers that are free here
+  const Diagnosis doubted = diagnose(owner, recordings, options);
   INFO(doubted.sentence);
   CHECK((doubted.verdict == Verdict::unknown || doubted.verdict == Verdict::consistent));
 }

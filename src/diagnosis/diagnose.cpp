@@ -333,6 +333,13 @@ bool is_stretched(const Rig& rig, const Decision& decision, const DecisionRules&
   return at_end >= rules.stretched_count;
 }
 
+/// Whether a decision leaves about as little as another, fitted and held-out rows together.
+bool fits_as_well(const Decision& decision, const Decision& other, const DecisionRules& rules) {
+  const double left = decision.levels.chi2(false) + decision.levels.chi2(true),
+               others = other.levels.chi2(false) + other.levels.chi2(true);
+  return left <= rules.doubted_left * others;
+}
+
 /// What the model agrees with only if it is granted: no name of its own, but nothing that goes unsaid.
 void add_small_physics(const Rig& rig, const Decision& decision, Diagnosis& out) {
   const Fit& fit = decision.chosen->fit;
@@ -376,6 +383,7 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   const bool left_everywhere = decision.verdict == Verdict::unknown &&
                                is_everywhere(model.channels(), decision.levels.channels, options.rules.floor_level);
   if (!out.stopped && (left_everywhere || is_stretched(rig, decision, options.rules))) {
+    const std::vector<std::string> before = out.warnings;
     SearchSettings settings;
     settings.small_physics = small_physics(rig, model.channels());
     settings.grow_floor = true;
@@ -392,7 +400,14 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
       if (levels[c] > 0)
         out.warnings.push_back(fmt::format("{}: small physics without a name leaves about {:.3g} {}",
                                            model.channels()[c].name, levels[c], model.channels()[c].unit));
-    decision = decide_beside_remainder(model, *beside, options.rules);
+    const Decision granted = decide_beside_remainder(model, *beside, options.rules);
+    if (left_everywhere || fits_as_well(granted, decision, options.rules)) {
+      decision = granted;
+    } else {  // what was doubted explains what small physics and one name do not
+      beside.reset();
+      out.warnings = before;
+      model.set_working_point(decision.chosen->fit.hypothesis());
+    }
   }
   const Search& search = beside ? *beside : first_search;
   out.verdict = decision.verdict;

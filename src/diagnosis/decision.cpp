@@ -337,7 +337,9 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
   owners.chosen = &search.owner();
   owners.levels = before;
   owners.reason = what_is_left(owners, model, rules);
-  return is_periodic || !owners.reason.empty() ? decision : owners;  // small physics alone brings all to its floor
+  if (!is_periodic && owners.reason.empty()) return owners;  // small physics alone brings all to its floor
+  if (decision.reason.empty()) decision.reason = owners.reason;  // the best name takes it, and is not to be given
+  return decision;
 }
 
 namespace {

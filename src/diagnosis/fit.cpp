@@ -23,12 +23,6 @@ constexpr double bent_share = 0.4;
 /// A step that would gain less than this share of the objective matters to no comparison.
 constexpr double settled_share = 2e-5;
 
-Eigen::MatrixXd curvature(const Fit& fit) {
-  Eigen::MatrixXd h = fit.jacobian.transpose() * fit.jacobian;
-  h.diagonal().array() += 1.0;  // the prior, in units of its standard deviation
-  return h;
-}
-
 /// Minimum of the quadratic model within the bounds: what leaves them is held there and the rest solved again.
 Eigen::VectorXd bounded_step(const Fit& fit, const Eigen::VectorXd& start, const Eigen::MatrixXd& h,
                              const Eigen::VectorXd& gradient, double damping) {
@@ -130,13 +124,19 @@ Eigen::MatrixXd FittedRows::operator()(const std::vector<Hypothesis>& hypotheses
 
 Hypothesis Fit::hypothesis() const { return with_parameters(base, parameters, plain(z)); }
 
+Eigen::MatrixXd Fit::curvature() const {
+  Eigen::MatrixXd h = jacobian.transpose() * jacobian;
+  h.diagonal().array() += 1.0;
+  return h;
+}
+
 double Fit::log_evidence() const {
-  const Eigen::LDLT<Eigen::MatrixXd> factors(curvature(*this));
+  const Eigen::LDLT<Eigen::MatrixXd> factors(curvature());
   return -0.5 * objective - 0.5 * factors.vectorD().array().max(1e-300).log().sum();
 }
 
 Eigen::MatrixXd Fit::covariance() const {
-  return curvature(*this).ldlt().solve(Eigen::MatrixXd::Identity(z.size(), z.size()));
+  return curvature().ldlt().solve(Eigen::MatrixXd::Identity(z.size(), z.size()));
 }
 
 void linearise(FittedRows& rows, const std::vector<Fit*>& fits) {
@@ -257,8 +257,7 @@ void improve(FittedRows& rows, std::vector<Fit*> fits, int iterations, Columns c
     if (iteration == iterations) break;
     std::vector<Stepping> steppings;
     for (Fit* fit : fits) {
-      Stepping s{
-          fit, curvature(*fit), fit->z, fit->jacobian.transpose() * fit->residual + fit->z, fit->objective, 0, {}, {}};
+      Stepping s{fit, fit->curvature(), fit->z, fit->gradient(), fit->objective, 0, {}, {}};
       s.promised = promised_gain(*fit, s.curvature, s.gradient);
       fit->settled = s.promised < std::max(settled_gain, settled_share * fit->objective);
       if (!fit->settled) steppings.push_back(std::move(s));

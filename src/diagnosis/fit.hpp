@@ -51,6 +51,9 @@ struct Fit {
   bool settled = false;
 
   Hypothesis hypothesis() const;
+  /// Of half the objective, by the linear model: J'r + z and J'J + 1, the prior in units of its standard deviation.
+  Eigen::VectorXd gradient() const { return jacobian.transpose() * residual + z; }
+  Eigen::MatrixXd curvature() const;
   double chi2() const { return residual.squaredNorm(); }
   /// Laplace evidence, but for a constant of the data: -objective/2 - logdet(J'J + 1)/2.
   double log_evidence() const;

@@ -73,8 +73,9 @@ std::optional<double> separation(const ExperimentChoice& choice, const Rig& owne
   Fit right = carried_over(truth, choice, changed, *model), other = carried_over(wrong, choice, changed, *model);
   linearise(rows, {&right, &other});
   if (right.failed || other.failed) return std::nullopt;
-  const double left = choice.keys.empty() ? refitted_misfit(other, &wrong.fit) - refitted_misfit(right, &truth.fit)
-                                          : refitted_misfit(other, nullptr) - refitted_misfit(right, nullptr);
+  const bool alone = !choice.keys.empty();  // a changed machine: one diagnosis takes one config
+  const double left =
+      refitted_misfit(other, alone ? nullptr : &wrong.fit) - refitted_misfit(right, alone ? nullptr : &truth.fit);
   return std::isfinite(left) ? std::optional(std::sqrt(std::max(left, 0.0))) : std::nullopt;
 }
 
@@ -103,16 +104,12 @@ const Explanation* nearest_rival(const Decision& decision, const DecisionRules& 
   return nullptr;
 }
 
-Eigen::MatrixXd curvature(const Fit& fit) {
-  return fit.jacobian.transpose() * fit.jacobian + Eigen::MatrixXd::Identity(fit.jacobian.cols(), fit.jacobian.cols());
-}
-
 /// What a fit at its minimum has against moving the parameters `kept`, all others following them.
 Eigen::MatrixXd reduced_curvature(const Fit& fit, const std::vector<int>& kept) {
   std::vector<int> others;
   for (int i = 0; i < static_cast<int>(fit.parameters.size()); ++i)
     if (std::find(kept.begin(), kept.end(), i) == kept.end()) others.push_back(i);
-  const Eigen::MatrixXd h = curvature(fit), across = h(kept, others);
+  const Eigen::MatrixXd h = fit.curvature(), across = h(kept, others);
   if (others.empty()) return h(kept, kept);
   return h(kept, kept) - across * h(others, others).ldlt().solve(across.transpose());
 }
@@ -120,8 +117,8 @@ Eigen::MatrixXd reduced_curvature(const Fit& fit, const std::vector<int>& kept) 
 }  // namespace
 
 double refitted_misfit(const Fit& added, const Fit* before) {
-  Eigen::VectorXd gradient = added.jacobian.transpose() * added.residual + added.z;
-  Eigen::MatrixXd h = curvature(added);
+  Eigen::VectorXd gradient = added.gradient();
+  Eigen::MatrixXd h = added.curvature();
   double misfit = added.residual.squaredNorm() + added.z.squaredNorm();
   std::vector<int> here, there;  // the same parameters' places in both fits; the gas at the start has no path
   for (std::size_t i = 0; before != nullptr && i < added.parameters.size(); ++i)

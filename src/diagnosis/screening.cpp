@@ -42,7 +42,7 @@ Eigen::VectorXd boxed(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const 
 Eigen::MatrixXd without_held_columns(const Fit& fit) {
   constexpr double at_bound = 1e-9;
   Eigen::MatrixXd out = fit.jacobian;
-  const Eigen::VectorXd gradient = fit.jacobian.transpose() * fit.residual + fit.z;
+  const Eigen::VectorXd gradient = fit.gradient();
   for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(i);
     const bool held = (fit.z(at) >= fit.parameters[i].upper - at_bound && gradient(at) < 0) ||

@@ -354,6 +354,28 @@ void add_small_physics(const Rig& rig, const Decision& decision, Diagnosis& out)
       fmt::format("the model agrees with small physics granted beside the config: {}", fmt::join(granted, ", ")));
 }
 
+/// The search and its verdict with small physics free beside the tolerances; what that leaves is warned of.
+Decision with_small_physics(const Rig& rig, FittedRows& rows, std::vector<Candidate> candidates,
+                            const DiagnoseOptions& options, std::optional<Search>& search, Diagnosis& out) {
+  ResidualModel& model = rows.model();
+  SearchSettings settings;
+  settings.small_physics = small_physics(rig, model.channels());
+  settings.grow_floor = true;
+  settings.most_effects = 1;
+  settings.settled_gain = settled_gain_beside;
+  std::erase_if(candidates, [](const Candidate& c) { return c.is_mimicked_by_small_physics; });
+  search.emplace(rows, rig, std::move(candidates), settings, options.rules, options.progress);
+  run_search(*search, out);
+  const Explanation* best = search->best_of(1);
+  const std::vector<double> levels = model.take_slow_error((best ? *best : search->owner()).fit.hypothesis());
+  model.drop_slow_error();
+  for (std::size_t c = 0; c < levels.size(); ++c)
+    if (levels[c] > 0)
+      out.warnings.push_back(fmt::format("{}: small physics without a name leaves about {:.3g} {}",
+                                         model.channels()[c].name, levels[c], model.channels()[c].unit));
+  return decide_beside_remainder(model, *search, options.rules);
+}
+
 }  // namespace
 
 std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int jobs) {
@@ -383,29 +405,13 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   const bool left_everywhere = decision.verdict == Verdict::unknown &&
                                is_everywhere(model.channels(), decision.levels.channels, options.rules.floor_level);
   if (!out.stopped && (left_everywhere || is_stretched(rig, decision, options.rules))) {
-    const std::vector<std::string> before = out.warnings;
-    SearchSettings settings;
-    settings.small_physics = small_physics(rig, model.channels());
-    settings.grow_floor = true;
-    settings.most_effects = 1;
-    settings.settled_gain = settled_gain_beside;
-    std::vector<Candidate> names = candidates;
-    std::erase_if(names, [](const Candidate& c) { return c.is_mimicked_by_small_physics; });
-    beside.emplace(rows, rig, names, settings, options.rules, options.progress);
-    run_search(*beside, out);
-    const Explanation* best = beside->best_of(1);
-    const std::vector<double> levels = model.take_slow_error((best ? *best : beside->owner()).fit.hypothesis());
-    model.drop_slow_error();
-    for (std::size_t c = 0; c < levels.size(); ++c)
-      if (levels[c] > 0)
-        out.warnings.push_back(fmt::format("{}: small physics without a name leaves about {:.3g} {}",
-                                           model.channels()[c].name, levels[c], model.channels()[c].unit));
-    const Decision granted = decide_beside_remainder(model, *beside, options.rules);
+    const std::vector<std::string> warnings = out.warnings;
+    const Decision granted = with_small_physics(rig, rows, candidates, options, beside, out);
     if (left_everywhere || fits_as_well(granted, decision, options.rules)) {
       decision = granted;
     } else {  // what was doubted explains what small physics and one name do not
       beside.reset();
-      out.warnings = before;
+      out.warnings = warnings;
       model.set_working_point(decision.chosen->fit.hypothesis());
     }
   }

@@ -71,6 +71,7 @@ AxisParameters<double> random_axis(Random& random) {
   e.chamber_leak_1.area_m2 = sometimes(1e-7);
   e.piston_leak.area_m2 = sometimes(1e-7);
   e.supply_droop.area_m2 = sometimes(3e-5);
+  e.frequency_dependent_losses.share = sometimes(1.0);
   return axis;
 }
 
@@ -91,6 +92,7 @@ TEMPLATE_TEST_CASE("a line in a lane is the scalar line, guards included", "", (
   for (const int cells : {1, 2, 3, 4, 5, 10, 13}) {
     LineParameters<TestType> line;
     AirParameters<TestType> air;
+    LineEffects<TestType> effects;
     Line<TestType> packed;
     std::vector<Line<double>> scalar(lanes);
     for (int i = 0; i < lanes; ++i) {
@@ -99,8 +101,13 @@ TEMPLATE_TEST_CASE("a line in a lane is the scalar line, guards included", "", (
       set_parameters_lane(line, i, one);
       set_parameters_lane(air, i, gas);
       scalar[static_cast<std::size_t>(i)].configure(one, gas, cells);
+      LineEffects<double> own;
+      own.frequency_dependent_losses.share = random.uniform() < 0.5 ? 0.0 : random.uniform(0.5, 1.5);
+      scalar[static_cast<std::size_t>(i)].set_effects(own);
+      set_lane(effects.frequency_dependent_losses.share, i, own.frequency_dependent_losses.share);
     }
     packed.configure(line, air, cells);
+    packed.set_effects(effects);
     const double step_s = 0.4e-3 * 6.0 / cells;  // near the Courant limit, so that jumps set off the guards
     packed.set_time_step(step_s);
     for (auto& s : scalar) s.set_time_step(step_s);

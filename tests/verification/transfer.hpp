@@ -11,14 +11,18 @@ namespace verification {
 /// for.
 class PulseResponse {
  public:
-  PulseResponse(Resolution resolution, double L, double D_mm, bool adiabatic)
+  PulseResponse(Resolution resolution, double L, double D_mm, bool adiabatic, bool with_memory = false)
       : PulseResponse(L, D_mm, adiabatic, resolution == Resolution::normal ? 10 : 100,
-                      resolution == Resolution::normal ? 1e-3 : 2.5e-5) {}
-  PulseResponse(double L, double D_mm, bool adiabatic, int cells, double period) {
+                      resolution == Resolution::normal ? 1e-3 : 2.5e-5, with_memory) {}
+  /// with_memory: the line's losses depend on frequency.
+  PulseResponse(double L, double D_mm, bool adiabatic, int cells, double period, bool with_memory = false) {
     LineWithChamber<double> side;
     side.configure(line_of(L, D_mm), chamber_1(adiabatic ? 0.0 : 50.0), nominal_air(), cells);
     side.reset(p_start, T_start, half_stroke);
     side.line().set_adiabatic(adiabatic);
+    LineEffects<double> effects;
+    effects.frequency_dependent_losses.share = with_memory ? 1.0 : 0.0;
+    side.line().set_effects(effects);
     double t = 0.0, end = 14.0;
     while (t < end) {
       const int n = side.begin_period(period);

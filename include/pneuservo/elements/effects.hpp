@@ -309,6 +309,20 @@ template <class S> struct LineBranch {
     v(Field{"position", "-", 0, 1, "0 valve end, 1 chamber end"}, p.position...);
   }
 };
+/// Friction and wall heat of both lines beside the quasi-steady ones (wall_memory.hpp); share 0: none, 1: the theory of
+/// laminar layers, with the Nusselt number 8 of slow changes in place of 3.66.
+template <class S> struct FrequencyDependentLosses {
+  static constexpr std::string_view element = "line";
+  static constexpr std::string_view family = "line_losses";
+  /// Every real line has it: granted beside other physics, never a name of its own.
+  static constexpr bool is_always_granted = true;
+  static constexpr std::array traits{ParameterTrait{"share", EffectScale::one, 1, 0.05}};
+  S share = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"share", "-", 0, 3, "of the friction and wall heat that depend on frequency; 1: theory of laminar layers"},
+      p.share...);
+  }
+};
 template <class S> struct ChamberLeak {
   static constexpr std::string_view element = "chamber";
   static constexpr std::string_view family = "leak";
@@ -376,6 +390,7 @@ template <class S> struct AxisEffects {
   LineRestriction<S> line_restriction_1, line_restriction_2;
   LineLeak<S> line_leak_1, line_leak_2;
   LineBranch<S> line_branch_1, line_branch_2;
+  FrequencyDependentLosses<S> frequency_dependent_losses;
   ChamberLeak<S> chamber_leak_1, chamber_leak_2;
   PistonLeak<S> piston_leak;
   /// Those of an axis without pneumatics.
@@ -402,6 +417,9 @@ template <class S> struct AxisEffects {
     v(Field{"line_leak_2", "", 0, 0, "leak of line 2 to atmosphere", optional}, p.line_leak_2...);
     v(Field{"line_branch_1", "", 0, 0, "dead-end branch of line 1", optional}, p.line_branch_1...);
     v(Field{"line_branch_2", "", 0, 0, "dead-end branch of line 2", optional}, p.line_branch_2...);
+    v(Field{"frequency_dependent_losses", "", 0, 0, "friction and wall heat of both lines that depend on frequency",
+            optional},
+      p.frequency_dependent_losses...);
     v(Field{"chamber_leak_1", "", 0, 0, "leak of chamber 1 to atmosphere", optional}, p.chamber_leak_1...);
     v(Field{"chamber_leak_2", "", 0, 0, "leak of chamber 2 to atmosphere", optional}, p.chamber_leak_2...);
     v(Field{"piston_leak", "", 0, 0, "leak between the chambers", optional}, p.piston_leak...);

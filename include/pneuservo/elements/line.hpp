@@ -34,8 +34,8 @@ template <class S> class Line {
     friction_ = PipeFriction<S>(line, air_);
     arrange(std::max(1, cells));
     guard_actions_ = 0;
+    step_s_ = 1e-3;
     set_effects(LineEffects<S>{});
-    set_time_step(1e-3);
     reset(air_.atmosphere_Pa, air_.temperature_K);
   }
 
@@ -45,6 +45,10 @@ template <class S> class Line {
     restricted_ = any(effects.restriction.area_m2 > S(0));
     leaking_ = any(effects.leak.area_m2 > S(0));
     branched_ = any(effects.branch.volume_m3 > S(0));
+    const S share = effects.frequency_dependent_losses.share;
+    remembers_ = any(share > S(0));
+    friction_.nusselt_laminar = S(3.66) + minimum(share, S(1)) * S(8 - 3.66);
+    set_time_step(step_s_);
   }
   /// Wall heat off: an adiabatic line, for tests against closed forms.
   void set_adiabatic(bool adiabatic) noexcept {
@@ -69,6 +73,7 @@ template <class S> class Line {
     port_pressure_ = port_before_ = pressure_Pa;
     branch_.reset(pressure_Pa, pressure_Pa / (air_.R * temperature_K));
     fastest_squared_ = G(0);
+    forget();
   }
   /// Sets the state of cell i = 0..cells-1, e.g. to a mode shape.
   void set_cell_state(int i, const S& pressure_Pa, const S& temperature_K) noexcept {
@@ -92,6 +97,7 @@ template <class S> class Line {
   /// Sub-step h [s] of all following steps.
   void set_time_step(double step_s) noexcept {
     step_s_ = step_s;
+    step_of_memory_ = 0;
     const S h(step_s), diameter_squared = diameter_ * diameter_;
     k_.grid_ratio = h / cell_length();
     k_.reynolds_factor = diameter_ / air_.viscosity_Pas;
@@ -109,6 +115,8 @@ template <class S> class Line {
     k_.sound_factor = isothermal_ ? air_.R : air_.kappa * air_.R;
     k_.inverse_wall_factor = S(1) / k_.wall_pressure_factor;
     k_.half_inverse_cp = isothermal_ ? S(0) : S(0.5) / air_.cp;
+    k_.memory_factor = S(4) * effects_.frequency_dependent_losses.share;
+    k_.gas_constant = air_.R;
     k_.friction = friction_;
     group_k_ = line_scheme::replicate_constants(k_);
   }
@@ -119,8 +127,7 @@ template <class S> class Line {
   /// Gas that enters at the port has the stagnation temperature of the supply.
   LineFlow<S> step_prescribed(const S& port_pressure_Pa, const ChamberEnd<S>& chamber) noexcept {
     port_pressure_ = port_before_ = port_pressure_Pa;
-    return sweep(chamber,
-                 [this](Face& face, const Cell& first, const S&) noexcept { prescribed_port_flux(face, first); });
+    return sweep(chamber, [this](Face& face, const Cell& first) noexcept { prescribed_port_flux(face, first); });
   }
 
   /// One sub-step with a valve at the port: the port pressure follows from orifice and line together. The orifice's own
@@ -129,9 +136,7 @@ template <class S> class Line {
     // Once, unless somebody changes the valve in flight.
     if (any(!(valve.critical_pressure_ratio == port_constants_.shape.critical))) [[unlikely]]
       port_constants_ = PortConstants<S>(air_, valve.critical_pressure_ratio);
-    return sweep(chamber, [&](Face& face, const Cell& first, const S& density) noexcept {
-      valve_port_flux(valve, face, first, density);
-    });
+    return sweep(chamber, [&](Face& face, const Cell& first) noexcept { valve_port_flux(valve, face, first); });
   }
 
   int cells() const noexcept { return cells_; }
@@ -201,25 +206,32 @@ template <class S> class Line {
     const int n = cells_;
     const S u_0 = velocity(0), u_n = velocity(n), u_1 = velocity(1), u_before_n = velocity(n - 1);
     const Cell first = cell(0), last = cell(n - 1);
+    if (remembers_ && step_of_memory_++ % steps_between_layers == 0) find_layers();
     find_reynolds();
     // The ends have the longest chains and go first.
     Face end = chamber_face(last, u_before_n, u_n, chamber);
     const S enthalpy_flux = chamber_end_flux(end, last, u_before_n, chamber);
     const Face port = port_face(first, u_0, u_1, port_flux);
-    advance_velocities();
+    if (remembers_) advance_velocities<true>();
+    else advance_velocities<false>();
     find_inner_fluxes();
     face_.fill(0, all_places_, port);
     face_.fill(face_group(n), from_end_, end);
     leak_flow_ = S(0);
-    if (leaking_ || branched_) {
+    const bool losing = leaking_ || branched_;
+    if (losing) {
       std::fill(loss_.begin(), loss_.end(), line_scheme::CellLoss<G>{});
       if (leaking_) find_leak();
       if (branched_) find_branch();
-      find_balances<true>();
-    } else {
-      find_balances<false>();
     }
-    find_states();
+    if (remembers_) {
+      find_balances<true, true>();
+      find_states<true>();
+    } else {
+      if (losing) find_balances<true, false>();
+      else find_balances<false, false>();
+      find_states<false>();
+    }
     return {cross_section_ * port.mass_flux, cross_section_ * end.mass_flux, cross_section_ * enthalpy_flux};
   }
 
@@ -242,7 +254,7 @@ template <class S> class Line {
     }
   }
 
-  void advance_velocities() noexcept {
+  template <bool remembering> void advance_velocities() noexcept {
     const auto k = group_k_;
     const G* const pressure = cell_.pressure.data();
     const FaceRow faces(face_);
@@ -253,7 +265,18 @@ template <class S> class Line {
       const auto friction = k.friction.at_root(faces.reynolds[q], faces.reynolds_root[q]);
       const G f = k.friction_factor * friction.lambda_reynolds;
       const G du = select(u > G(0), u - one_before<S>(previous, u), one_after<S>(u, u_next) - u);
-      faces.velocity[q] = line_scheme::new_velocity(k, faces.density[q], f, u, du, one_after<S>(left, next) - left);
+      const G rho = faces.density[q];
+      const G momentum = line_scheme::momentum(k, rho, u, du, one_after<S>(left, next) - left);
+      if constexpr (remembering) {
+        WallMemory<G>& memory = face_memory_[static_cast<std::size_t>(q)];
+        const auto wall =
+            line_scheme::wall_answer(k.memory_factor * line_scheme::flow_diffusion(k), flow_layers_, memory, u);
+        const G u_new = (momentum + wall.source) / (rho + f + wall.conductance);
+        memory.advance(flow_layers_, u_new - u);
+        faces.velocity[q] = u_new;
+      } else {
+        faces.velocity[q] = momentum / (rho + f);
+      }
       faces.friction_coefficient[q] = f;
       faces.nusselt[q] = friction.nusselt;
       left = next;
@@ -299,7 +322,7 @@ template <class S> class Line {
     }
   }
 
-  template <bool losing> void find_balances() noexcept {
+  template <bool losing, bool remembering> void find_balances() noexcept {
     const auto k = group_k_;
     const CellRow row(cell_);
     const FaceRow faces(face_);
@@ -312,8 +335,16 @@ template <class S> class Line {
       fastest = maximum(fastest, squared);
       const line_scheme::CellLoss<G>* loss = nullptr;
       if constexpr (losing) loss = &loss_[static_cast<std::size_t>(q)];
+      const line_scheme::WallAnswer<G>* memory = nullptr;
+      line_scheme::WallAnswer<G> wall{};
+      if constexpr (remembering) {
+        const G T = row.temperature[q];
+        wall = line_scheme::wall_answer(k.memory_factor * line_scheme::heat_diffusion(k, T), heat_layers_,
+                                        cell_memory_[static_cast<std::size_t>(q)], T);
+        memory = &wall;
+      }
       const auto made = line_scheme::balance(k, row[q], line_scheme::one_face_before<S>(previous, right), right,
-                                             one_before<S>(previous_heat, heat), heat, loss);
+                                             one_before<S>(previous_heat, heat), heat, loss, memory);
       row.density[q] = made.density;
       row.a[q] = made.a;
       row.d[q] = made.d;
@@ -323,7 +354,7 @@ template <class S> class Line {
     fastest_squared_ = fastest;
   }
 
-  void find_states() noexcept {
+  template <bool remembering> void find_states() noexcept {
     const auto k = group_k_;
     const CellRow row(cell_);
     const int groups = cell_groups();
@@ -331,6 +362,8 @@ template <class S> class Line {
     for (int q = 0; q < groups; ++q) {
       const auto made = line_scheme::state_of(k, row.density[q], row.a[q], row.d[q]);
       sound = sound & line_scheme::sound_cell(made);
+      if constexpr (remembering)
+        cell_memory_[static_cast<std::size_t>(q)].advance(heat_layers_, made.temperature - row.temperature[q]);
       row.pressure[q] = made.pressure;
       row.temperature[q] = made.temperature;
       row.density_per_pressure[q] = made.density_per_pressure;
@@ -353,33 +386,73 @@ template <class S> class Line {
     cell_.resize(static_cast<std::size_t>(cell_groups()) + 1);
     face_.resize(static_cast<std::size_t>(cell_groups()) + 2);
     loss_.assign(static_cast<std::size_t>(cell_groups()), {});
+    face_memory_.assign(static_cast<std::size_t>(cell_groups()) + 1, {});
+    cell_memory_.assign(static_cast<std::size_t>(cell_groups()), {});
     all_places_ = places_from<S>(0);
     from_end_ = places_from<S>(face_place(cells));
     beyond_last_ = places_from<S>(cells % per_group == 0 ? per_group : cells % per_group);
   }
 
-  Face end_face(const S& rho, const S& u, const S& du, const S& dp) const noexcept {
+  Face end_face(const S& rho, const S& u, const S& du, const S& dp, const WallMemory<S>& memory) const noexcept {
     const auto friction = k_.friction(line_scheme::reynolds(k_, rho, u));
+    S momentum = line_scheme::momentum(k_, rho, u, du, dp);
     Face made;
     made.friction_coefficient = k_.friction_factor * friction.lambda_reynolds;
     made.nusselt = friction.nusselt;
-    made.velocity = line_scheme::new_velocity(k_, rho, made.friction_coefficient, u, du, dp);
+    made.inertia = rho + made.friction_coefficient;
+    if (remembers_) {
+      const auto wall =
+          line_scheme::wall_answer(k_.memory_factor * line_scheme::flow_diffusion(k_), flow_layer_, memory, u);
+      made.inertia += wall.conductance;
+      momentum += wall.source;
+    }
+    made.velocity = momentum / made.inertia;
     return made;
+  }
+  // One layer for the whole line, of its mean density, temperature and speed: what it remembers differs from place to
+  // place, how it fades hardly does, and density and turbulence change slowly beside the waves.
+  static constexpr unsigned steps_between_layers = 8;
+  void find_layers() noexcept {
+    S density(0), temperature(0), speed(0);
+    for (int i = 0; i < cells_; ++i) {
+      density += cell(i).density;
+      temperature += cell(i).temperature;
+      speed += absolute(velocity(i));
+    }
+    const S share = S(1) / S(cells_);
+    density *= share;
+    const S Re = line_scheme::reynolds(k_, density, share * speed);
+    const S renewal = k_.friction.renewal(Re, PipeFriction<S>::root(Re));
+    flow_layer_ = WallLayer<S>(line_scheme::flow_diffusion(k_) / density, renewal);
+    flow_layers_ = flow_layer_.template grouped<G>();
+    heat_layers_ = WallLayer<S>(line_scheme::heat_diffusion(k_, share * temperature) / (density * air_.cp), renewal)
+                       .template grouped<G>();
+  }
+  void forget() noexcept {
+    for (auto* memories : {&face_memory_, &cell_memory_})
+      for (WallMemory<G>& memory : *memories) memory.forget();
+    port_memory_.forget();
+    end_memory_.forget();
+    step_of_memory_ = 0;
   }
   // The end faces are half a cell from the first and last pressures: twice the gradient; density of the gas that moves.
   template <class PortFlux> Face port_face(const Cell& first, const S& u, const S& u_after,
                                            PortFlux&& port_flux) noexcept {
     const S rho = select(u > S(0), port_pressure_ * k_.inverse_wall_factor, first.density);
-    Face made = end_face(rho, u, select(u > S(0), S(0), u_after - u), S(2) * (first.pressure - port_pressure_));
-    port_flux(made, first, rho);
+    Face made =
+        end_face(rho, u, select(u > S(0), S(0), u_after - u), S(2) * (first.pressure - port_pressure_), port_memory_);
+    port_flux(made, first);
+    if (remembers_) port_memory_.advance(flow_layer_, made.velocity - u);
     return made;
   }
   Face chamber_face(const Cell& last, const S& u_before, const S& u, const ChamberEnd<S>& chamber) noexcept {
     const S rho =
         select(u < S(0), face_pressure_at_chamber(last, chamber) / (air_.R * chamber.temperature_K), last.density);
-    Face made = end_face(rho, u, select(u > S(0), u - u_before, S(0)), S(2) * (chamber.pressure_Pa - last.pressure));
+    Face made = end_face(rho, u, select(u > S(0), u - u_before, S(0)), S(2) * (chamber.pressure_Pa - last.pressure),
+                         end_memory_);
     if (restricted_) apply_restriction(made, last, u, rho, chamber);
     limit_speed(made, last.temperature, chamber.temperature_K);
+    if (remembers_) end_memory_.advance(flow_layer_, made.velocity - u);
     return made;
   }
 
@@ -411,8 +484,8 @@ template <class S> class Line {
 
   // u = u* + K p and A rho_b(p) u = G_supply(p) - G_exhaust(p); the momentum step was taken with the last port
   // pressure.
-  void valve_port_flux(const ValvePort<S>& valve, Face& face, const Cell& first, const S& density) noexcept {
-    const S K = S(2) * k_.grid_ratio / (density + face.friction_coefficient);
+  void valve_port_flux(const ValvePort<S>& valve, Face& face, const Cell& first) noexcept {
+    const S K = S(2) * k_.grid_ratio / face.inertia;
     const S c = square_root(k_.sound_factor * maximum(first.temperature, air_.temperature_K));
     const PortSolution<S> port =
         solve_valve_port(port_constants_, air_, valve, cross_section_, face.velocity - K * port_pressure_, K, c,
@@ -437,8 +510,7 @@ template <class S> class Line {
     const S T_up = select(outward, last.temperature + u_old * u_old * k_.half_inverse_cp, chamber.temperature_K);
     const S sonic =
         air_.flow_constant * select(fitted, area, S(1)) * p_up / square_root(air_.R * T_up) / (rho * cross_section_);
-    const S drop =
-        S(2) * k_.grid_ratio / (rho + face.friction_coefficient) * p_up * (S(1) - effects_.critical_pressure_ratio);
+    const S drop = S(2) * k_.grid_ratio / face.inertia * p_up * (S(1) - effects_.critical_pressure_ratio);
     const S d = drop - minimum(absolute(face.velocity), sonic + drop);
     const S square = sonic * sonic + drop * drop;
     const S share = (drop * square_root(square - d * d) - sonic * d) / square;
@@ -531,13 +603,18 @@ template <class S> class Line {
   PipeFriction<S> friction_;
   Constants k_;
   LineEffects<S> effects_;
-  bool restricted_ = false, leaking_ = false, branched_ = false, adiabatic_ = false, isothermal_ = false,
-       frictionless_ = false;
+  bool restricted_ = false, leaking_ = false, branched_ = false, remembers_ = false, adiabatic_ = false,
+       isothermal_ = false, frictionless_ = false;
   line_scheme::Constants<G> group_k_;
   int cells_ = 1;
   line_scheme::Cells<S> cell_;
   line_scheme::Faces<S> face_;
   std::vector<line_scheme::CellLoss<G>> loss_;
+  std::vector<WallMemory<G>> face_memory_, cell_memory_;
+  WallMemory<S> port_memory_, end_memory_;
+  WallLayer<S> flow_layer_;
+  WallLayer<G> flow_layers_, heat_layers_;
+  unsigned step_of_memory_ = 0;
   Mask<G> all_places_{}, from_end_{}, beyond_last_{};
   PortConstants<S> port_constants_;
   S port_pressure_{}, port_before_{}, leak_flow_{};

@@ -22,6 +22,7 @@ template <class S> struct LineEffects {
   LineRestriction<S> restriction;
   LineLeak<S> leak;
   LineBranch<S> branch;
+  FrequencyDependentLosses<S> frequency_dependent_losses;
   S critical_pressure_ratio = S(0.35);
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <pneuservo/core/group.hpp>
 #include <pneuservo/elements/pipe_friction.hpp>
+#include <pneuservo/elements/wall_memory.hpp>
 
 namespace pneuservo::line_scheme {
 
@@ -11,43 +12,52 @@ template <class V> struct Cell {
 /// A face after its momentum step, with what it carries: m [kg/(m2 s)], z = p u (z/(kappa-1) is internal energy).
 template <class V> struct Face {
   V velocity{}, mass_flux{}, pressure_flux{}, friction_coefficient{}, nusselt{};
+  V inertia{};  ///< of an end face: what divides its momentum
 };
 
 /// What does not change within a step; a = h/dx is the grid ratio.
 template <class V> struct Constants {
   V grid_ratio, reynolds_factor, friction_factor, wall_slope, wall_offset, heat_share, compression_factor;
   V kappa_minus_one, cv, inverse_R, wall_pressure_factor, sound_factor, inverse_wall_factor, half_inverse_cp,
-      half_inverse_grid_ratio;
+      half_inverse_grid_ratio, memory_factor, gas_constant;
   PipeFriction<V> friction;
 };
 template <class S> Constants<Group<S>> replicate_constants(const Constants<S>& k) noexcept {
-  return {replicate(k.grid_ratio),
-          replicate(k.reynolds_factor),
-          replicate(k.friction_factor),
-          replicate(k.wall_slope),
-          replicate(k.wall_offset),
-          replicate(k.heat_share),
-          replicate(k.compression_factor),
-          replicate(k.kappa_minus_one),
-          replicate(k.cv),
-          replicate(k.inverse_R),
-          replicate(k.wall_pressure_factor),
-          replicate(k.sound_factor),
-          replicate(k.inverse_wall_factor),
-          replicate(k.half_inverse_cp),
-          replicate(k.half_inverse_grid_ratio),
-          k.friction.template grouped<Group<S>>()};
+  return {replicate(k.grid_ratio),          replicate(k.reynolds_factor),      replicate(k.friction_factor),
+          replicate(k.wall_slope),          replicate(k.wall_offset),          replicate(k.heat_share),
+          replicate(k.compression_factor),  replicate(k.kappa_minus_one),      replicate(k.cv),
+          replicate(k.inverse_R),           replicate(k.wall_pressure_factor), replicate(k.sound_factor),
+          replicate(k.inverse_wall_factor), replicate(k.half_inverse_cp),      replicate(k.half_inverse_grid_ratio),
+          replicate(k.memory_factor),       replicate(k.gas_constant),         k.friction.template grouped<Group<S>>()};
 }
 
 template <class V> [[gnu::always_inline]] inline V reynolds(const Constants<V>& k, const V& rho, const V& u) noexcept {
   return rho * absolute(u) * k.reynolds_factor;
 }
 
-/// Momentum: u' = (rho (u - a u du) - a dp) / (rho + f), du upwind, friction implicit.
+/// Momentum rho (u - a u du) - a dp, du upwind; over rho + f, the friction implicit, it is the new velocity.
+template <class V> [[gnu::always_inline]] inline V momentum(const Constants<V>& k, const V& rho, const V& u,
+                                                            const V& du, const V& dp) noexcept {
+  return rho * (u - k.grid_ratio * (u * du)) - k.grid_ratio * dp;
+}
+
+/// What the memory of the layer at the wall adds to an implicit balance of v: `source` above, `conductance` below.
+template <class V> struct WallAnswer {
+  V conductance, source;
+};
+/// 4 mu/R^2 sum y (momentum) or 4 k/R^2 sum y (energy) over the step; `factor` is share 4 mu h/R^2 or share 4 k h/R^2.
 template <class V>
-[[gnu::always_inline]] inline V new_velocity(const Constants<V>& k, const V& rho, const V& f, const V& u, const V& du,
-                                             const V& dp) noexcept {
-  return (rho * (u - k.grid_ratio * (u * du)) - k.grid_ratio * dp) / (rho + f);
+[[gnu::always_inline]] inline WallAnswer<V> wall_answer(const V& factor, const WallLayer<V>& layer,
+                                                        const WallMemory<V>& memory, const V& v) noexcept {
+  return {factor * layer.answer, factor * (layer.answer * v - memory.kept(layer))};
+}
+/// mu h/R^2, of friction_factor.
+template <class V> [[gnu::always_inline]] inline V flow_diffusion(const Constants<V>& k) noexcept {
+  return V(8) * k.friction_factor;
+}
+/// k h/R^2, of which the wall's slope and offset are half.
+template <class V> [[gnu::always_inline]] inline V heat_diffusion(const Constants<V>& k, const V& T) noexcept {
+  return V(2) * (k.wall_slope * T + k.wall_offset);
 }
 
 /// Face pressure centred, but within 10 % of the upwind cell's: a shock must not carry energy the cell does not have.
@@ -76,7 +86,7 @@ template <class V> struct Balance {
 template <class V>
 [[gnu::always_inline]] inline Balance<V> balance(const Constants<V>& k, const Cell<V>& cell, const Face<V>& left,
                                                  const Face<V>& right, const V& left_heat, const V& right_heat,
-                                                 const CellLoss<V>* loss) noexcept {
+                                                 const CellLoss<V>* loss, const WallAnswer<V>* memory) noexcept {
   V rho = cell.density - k.grid_ratio * (right.mass_flux - left.mass_flux);
   const V b = k.compression_factor * (right.velocity - left.velocity);
   const V one_plus = V(1) + b;
@@ -88,6 +98,11 @@ template <class V>
   const V heat = k.heat_share * (left_heat + right_heat);
   const V wall = (left.nusselt + right.nusselt) * (k.wall_slope * cell.temperature + k.wall_offset);
   const V rho_cv = rho * k.cv;
+  if (memory != nullptr)
+    return {rho,
+            rho_cv * (x + one_plus * heat) +
+                one_plus * (wall * (rho * k.wall_pressure_factor) + rho * (memory->source * k.gas_constant)),
+            one_plus * (rho_cv + wall + memory->conductance)};
   return {rho, rho_cv * (x + one_plus * heat) + one_plus * (wall * (rho * k.wall_pressure_factor)),
           one_plus * (rho_cv + wall)};
 }

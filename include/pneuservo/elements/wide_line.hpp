@@ -112,6 +112,7 @@ class Line<Pack<T, N>> {
     out.restriction = half_of<LineRestriction<Half>, upper>(both.restriction);
     out.leak = half_of<LineLeak<Half>, upper>(both.leak);
     out.branch = half_of<LineBranch<Half>, upper>(both.branch);
+    out.frequency_dependent_losses = half_of<FrequencyDependentLosses<Half>, upper>(both.frequency_dependent_losses);
     out.critical_pressure_ratio = half_of<upper>(both.critical_pressure_ratio);
     return out;
   }

@@ -54,6 +54,8 @@ template <class S> class AxisPlant {
         join_parameters<LineRestriction<P>>(axis.effects.line_restriction_1, axis.effects.line_restriction_2);
     line_effects.leak = join_parameters<LineLeak<P>>(axis.effects.line_leak_1, axis.effects.line_leak_2);
     line_effects.branch = join_parameters<LineBranch<P>>(axis.effects.line_branch_1, axis.effects.line_branch_2);
+    line_effects.frequency_dependent_losses = join_parameters<FrequencyDependentLosses<P>>(
+        axis.effects.frequency_dependent_losses, axis.effects.frequency_dependent_losses);
     line_effects.critical_pressure_ratio = join(axis.valve.critical_pressure_ratio, axis.valve.critical_pressure_ratio);
     sides_.line().set_effects(line_effects);
     valves_.configure(arrangement, axis.valve, axis.effects.valve, period_s);

@@ -121,6 +121,9 @@ GridParameter grid_parameter(const ParameterTrait& trait, const Field& field, co
   return out;
 }
 
+/// Fittings and bore of a valve's port: a volume right at the line's end.
+constexpr LineBranch<double> port_volume{0, 0.01, 0.006, 0};
+
 /// Narrows the bounds to what the parameter's field allows.
 void keep_in_range(FreeParameter& free, const std::vector<ParameterPath>& known) {
   for (const ParameterPath& parameter : known)
@@ -171,6 +174,7 @@ void add_effects(const Rig& rig, const MotionRange& range, std::vector<Candidate
   const ScaleTable scales{rig, range, ""};
   visit_effects(rig, [&](const Field& field, const auto& effect) {
     using Effect = std::remove_cvref_t<decltype(effect)>;
+    if constexpr (requires { Effect::is_always_granted; }) return;
     // An effect that the owner knows is not missing: what may be wrong is its size, as of any other parameter.
     const std::string own = fmt::format("effects.{}.", field.key);
     if (std::any_of(rig.tolerances.begin(), rig.tolerances.end(),
@@ -276,7 +280,7 @@ std::vector<FreeParameter> nuisances(const Rig& rig, std::size_t start_factor_co
   return out;
 }
 
-std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels) {
+SmallPhysics small_physics(Rig rig, const std::vector<ResidualChannel>& channels) {
   std::vector<FreeParameter> out;
   const std::vector<ParameterPath> known = parameter_paths(rig);
   const auto add = [&](const std::string& path, double spread, double step = difference_step) {
@@ -292,9 +296,9 @@ std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<Resid
     free.lower = std::min(free.lower, 0.0);
     out.push_back(free);
   };
-  if (!rig.is_pneumatic()) return out;
+  if (!rig.is_pneumatic()) return {std::move(rig), {}};
   constexpr double overlap_V = 0.02, overlap_step = 0.2;  // a step of 4 mV: more than the command dithers at rest
-  constexpr double edge_share = 0.02, delay_s = 3e-4, zero_Pa = 200;
+  constexpr double edge_share = 0.02, delay_s = 3e-4, zero_Pa = 200, port_volume_m3 = 5e-6;
   const std::size_t before = out.size();
   add("effects.valve_dead_band.width_V", overlap_V, overlap_step);
   if (out.size() > before) {  // overlap or underlap: the law of the edges is one, whatever the sign
@@ -303,9 +307,21 @@ std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<Resid
   }
   add("effects.valve_asymmetry.exhaust_ratio", edge_share);
   add("effects.command_delay.delay_s", delay_s);
+  add("effects.frequency_dependent_losses.share", 1);
+  for (const auto& [name, branch] : {std::pair{"line_branch_1", &rig.axis.effects.line_branch_1},
+                                     std::pair{"line_branch_2", &rig.axis.effects.line_branch_2}}) {
+    if (branch->volume_m3 == 0) *branch = port_volume;
+    add(fmt::format("effects.{}.volume_m3", name), port_volume_m3);
+  }
   for (const ResidualChannel& channel : channels)
     if (channel.name.starts_with("p")) add(fmt::format("effects.sensor_offset:{}.offset", channel.name), zero_Pa);
-  return out;
+  return {std::move(rig), std::move(out)};
+}
+
+Rig without_empty_port_volumes(Rig rig) {
+  for (LineBranch<double>* branch : {&rig.axis.effects.line_branch_1, &rig.axis.effects.line_branch_2})
+    if (branch->volume_m3 == 0) *branch = {};
+  return rig;
 }
 
 std::vector<Candidate> all_candidates(const Rig& rig, const std::vector<ResidualChannel>& channels,

@@ -39,7 +39,13 @@ std::vector<FreeParameter> nuisances(const Rig& rig, std::size_t start_factor_co
 
 /// Small physics that every real machine has a little of, as nuisances with narrow priors about neutral: they take up
 /// the small and leave the large, which has a name.
-std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels);
+struct SmallPhysics {
+  Rig rig;  ///< with a volume of no size at either valve port, behind a neck that is no hindrance
+  std::vector<FreeParameter> parameters;
+};
+SmallPhysics small_physics(Rig rig, const std::vector<ResidualChannel>& channels);
+/// The rig without those volumes that have stayed empty.
+Rig without_empty_port_volumes(Rig rig);
 
 /// Element at which a config path sits: slider.mass_kg is at motion.
 std::string element_of_path(const std::string& path);

@@ -359,12 +359,13 @@ Decision with_small_physics(const Rig& rig, FittedRows& rows, std::vector<Candid
                             const DiagnoseOptions& options, std::optional<Search>& search, Diagnosis& out) {
   ResidualModel& model = rows.model();
   SearchSettings settings;
-  settings.small_physics = small_physics(rig, model.channels());
+  SmallPhysics granted = small_physics(rig, model.channels());
+  settings.small_physics = std::move(granted.parameters);
   settings.grow_floor = true;
   settings.most_effects = 1;
   settings.settled_gain = settled_gain_beside;
   std::erase_if(candidates, [](const Candidate& c) { return c.is_mimicked_by_small_physics; });
-  search.emplace(rows, rig, std::move(candidates), settings, options.rules, options.progress);
+  search.emplace(rows, granted.rig, std::move(candidates), settings, options.rules, options.progress);
   run_search(*search, out);
   const Explanation* best = search->best_of(1);
   const std::vector<double> levels = model.take_slow_error((best ? *best : search->owner()).fit.hypothesis());
@@ -432,7 +433,7 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   add_moved(rig, decision, out);
   add_times(model, 0.01, out);
   add_next_experiment(rig, model, decision, search, options, out);
-  out.improved = decision.chosen->fit.hypothesis().rig;
+  out.improved = without_empty_port_volumes(decision.chosen->fit.hypothesis().rig);
   double& overlap_V = out.improved.axis.effects.valve.valve_dead_band.width_V;
   if (overlap_V < 0) {
     out.warnings.push_back(

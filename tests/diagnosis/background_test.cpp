@@ -39,6 +39,7 @@ struct Judged {
   std::string name;
   double size = 0;
   Verdict verdict{};
+  Rig rig;  ///< as fitted
 };
 
 Judged judge(const Rig& machine) {
@@ -48,12 +49,14 @@ Judged judge(const Rig& machine) {
   SearchSettings settings;
   settings.grow_floor = true;
   settings.most_effects = 1;
-  settings.small_physics = small_physics(owner, model.channels());
-  Search search(rows, owner, all_candidates(owner, model.channels(), motion_range(model.rows())), settings, {}, {});
+  const SmallPhysics granted = small_physics(owner, model.channels());
+  settings.small_physics = granted.parameters;
+  Search search(rows, granted.rig, all_candidates(owner, model.channels(), motion_range(model.rows())), settings, {},
+                {});
   search.run();
   model.drop_slow_error();
   const Decision decision = decide_beside_remainder(model, search, {});
-  Judged out{"", 0, decision.verdict};
+  Judged out{"", 0, decision.verdict, decision.chosen->fit.hypothesis().rig};
   if (decision.chosen->members.empty()) return out;
   out.name = search.candidates()[decision.chosen->members.front()].name;
   out.size = decision.chosen->fit.parameters.front().value(decision.chosen->fit.z(0));
@@ -103,6 +106,28 @@ TEST_CASE("an effect that the owner knows is not missing: its size may be wrong"
   CHECK_FALSE(has(owner, "coulomb_friction"));
   CHECK(has(owner, "parameter:effects.coulomb_friction.force_N"));
   CHECK(has(owner, "stribeck_friction"));
+}
+
+TEST_CASE(
+    "background: losses that depend on frequency and volumes at the ports are found, beside a leak that is named") {
+  Rig machine = with_background(owners_rig());
+  machine.axis.effects.chamber_leak_1.area_m2 = 3e-8;
+  machine.axis.effects.frequency_dependent_losses.share = 1;
+  machine.axis.effects.line_branch_1 = {6e-6, 0.01, 0.006, 0.0};
+  machine.axis.effects.line_branch_2 = {3e-6, 0.01, 0.006, 0.0};
+  const Judged judged = judge(machine);
+  CHECK(judged.name == "chamber_leak_1");
+  const AxisEffects<double>& found = judged.rig.axis.effects;
+  CHECK(found.frequency_dependent_losses.share == Approx(1).epsilon(0.25));
+  CHECK(found.line_branch_1.volume_m3 == Approx(6e-6).epsilon(0.25));
+  CHECK(found.line_branch_2.volume_m3 == Approx(3e-6).epsilon(0.25));
+}
+
+TEST_CASE("losses that depend on frequency are granted, and no name of their own") {
+  for (const Candidate& candidate : all_candidates(owners_rig(), {}, {})) {
+    CAPTURE(candidate.name);
+    CHECK(candidate.name != "frequency_dependent_losses");
+  }
 }
 
 TEST_CASE("background: a leak beside it is named") {

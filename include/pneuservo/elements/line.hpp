@@ -202,42 +202,49 @@ template <class S> class Line {
 
   // Three passes over the line, each of independent places: a place's chain friction -> velocity -> flux -> cell takes
   // longer than all else together, so the processor must have many places under way at once.
+  // The passes are functions of their own, not inlined: four sweeps share them (with a valve or without, with memory or
+  // without), and what the compiler makes of each does not hang on which of them a program uses.
   template <class PortFlux> LineFlow<S> sweep(const ChamberEnd<S>& chamber, PortFlux&& port_flux) noexcept {
+    if (remembers_) [[unlikely]]
+      return sweep_with_memory(chamber, port_flux);
+    return sweep_through<false>(chamber, port_flux);
+  }
+  // Apart, so that the plain line's code stays as short as if there were no memory.
+  template <class PortFlux>
+  [[gnu::noinline]] LineFlow<S> sweep_with_memory(const ChamberEnd<S>& chamber, PortFlux&& port_flux) noexcept {
+    if (step_of_memory_++ % steps_between_layers == 0) find_layers();
+    return sweep_through<true>(chamber, port_flux);
+  }
+  template <bool remembering, class PortFlux>
+  [[gnu::always_inline]] LineFlow<S> sweep_through(const ChamberEnd<S>& chamber, PortFlux&& port_flux) noexcept {
     const int n = cells_;
     const S u_0 = velocity(0), u_n = velocity(n), u_1 = velocity(1), u_before_n = velocity(n - 1);
     const Cell first = cell(0), last = cell(n - 1);
-    if (remembers_ && step_of_memory_++ % steps_between_layers == 0) find_layers();
     find_reynolds();
     // The ends have the longest chains and go first.
-    Face end = chamber_face(last, u_before_n, u_n, chamber);
+    Face end = chamber_face<remembering>(last, u_before_n, u_n, chamber);
     const S enthalpy_flux = chamber_end_flux(end, last, u_before_n, chamber);
-    const Face port = port_face(first, u_0, u_1, port_flux);
-    if (remembers_) advance_velocities<true>();
-    else advance_velocities<false>();
+    const Face port = port_face<remembering>(first, u_0, u_1, port_flux);
+    advance_velocities<remembering>();
     find_inner_fluxes();
     face_.fill(0, all_places_, port);
     face_.fill(face_group(n), from_end_, end);
     leak_flow_ = S(0);
-    const bool losing = leaking_ || branched_;
-    if (losing) {
+    if (leaking_ || branched_) {
       std::fill(loss_.begin(), loss_.end(), line_scheme::CellLoss<G>{});
       if (leaking_) find_leak();
       if (branched_) find_branch();
-    }
-    if (remembers_) {
-      find_balances<true, true>();
-      find_states<true>();
+      find_balances<true, remembering>();
     } else {
-      if (losing) find_balances<true, false>();
-      else find_balances<false, false>();
-      find_states<false>();
+      find_balances<false, remembering>();
     }
+    find_states<remembering>();
     return {cross_section_ * port.mass_flux, cross_section_ * end.mass_flux, cross_section_ * enthalpy_flux};
   }
 
   int inner_face_groups() const noexcept { return (cells_ - 1 + per_group - 1) / per_group; }
 
-  void find_reynolds() noexcept {
+  [[gnu::noinline]] void find_reynolds() noexcept {
     const auto factor = group_k_;  // local: a store into the rows must not make the compiler reload it
     const G* const density = cell_.density.data();
     const FaceRow faces(face_);
@@ -254,7 +261,7 @@ template <class S> class Line {
     }
   }
 
-  template <bool remembering> void advance_velocities() noexcept {
+  template <bool remembering> [[gnu::noinline]] void advance_velocities() noexcept {
     const auto k = group_k_;
     const G* const pressure = cell_.pressure.data();
     const FaceRow faces(face_);
@@ -285,7 +292,7 @@ template <class S> class Line {
     }
   }
 
-  void find_inner_fluxes() noexcept {
+  [[gnu::noinline]] void find_inner_fluxes() noexcept {
     const auto k = group_k_;
     const CellRow cells_in(cell_);
     const FaceRow faces(face_);
@@ -322,7 +329,7 @@ template <class S> class Line {
     }
   }
 
-  template <bool losing, bool remembering> void find_balances() noexcept {
+  template <bool losing, bool remembering> [[gnu::noinline]] void find_balances() noexcept {
     const auto k = group_k_;
     const CellRow row(cell_);
     const FaceRow faces(face_);
@@ -354,7 +361,7 @@ template <class S> class Line {
     fastest_squared_ = fastest;
   }
 
-  template <bool remembering> void find_states() noexcept {
+  template <bool remembering> [[gnu::noinline]] void find_states() noexcept {
     const auto k = group_k_;
     const CellRow row(cell_);
     const int groups = cell_groups();
@@ -393,6 +400,7 @@ template <class S> class Line {
     beyond_last_ = places_from<S>(cells % per_group == 0 ? per_group : cells % per_group);
   }
 
+  template <bool remembering>
   Face end_face(const S& rho, const S& u, const S& du, const S& dp, const WallMemory<S>& memory) const noexcept {
     const auto friction = k_.friction(line_scheme::reynolds(k_, rho, u));
     S momentum = line_scheme::momentum(k_, rho, u, du, dp);
@@ -400,7 +408,7 @@ template <class S> class Line {
     made.friction_coefficient = k_.friction_factor * friction.lambda_reynolds;
     made.nusselt = friction.nusselt;
     made.inertia = rho + made.friction_coefficient;
-    if (remembers_) {
+    if constexpr (remembering) {
       const auto wall =
           line_scheme::wall_answer(k_.memory_factor * line_scheme::flow_diffusion(k_), flow_layer_, memory, u);
       made.inertia += wall.conductance;
@@ -436,23 +444,24 @@ template <class S> class Line {
     step_of_memory_ = 0;
   }
   // The end faces are half a cell from the first and last pressures: twice the gradient; density of the gas that moves.
-  template <class PortFlux> Face port_face(const Cell& first, const S& u, const S& u_after,
-                                           PortFlux&& port_flux) noexcept {
+  template <bool remembering, class PortFlux>
+  Face port_face(const Cell& first, const S& u, const S& u_after, PortFlux&& port_flux) noexcept {
     const S rho = select(u > S(0), port_pressure_ * k_.inverse_wall_factor, first.density);
-    Face made =
-        end_face(rho, u, select(u > S(0), S(0), u_after - u), S(2) * (first.pressure - port_pressure_), port_memory_);
+    Face made = end_face<remembering>(rho, u, select(u > S(0), S(0), u_after - u),
+                                      S(2) * (first.pressure - port_pressure_), port_memory_);
     port_flux(made, first);
-    if (remembers_) port_memory_.advance(flow_layer_, made.velocity - u);
+    if constexpr (remembering) port_memory_.advance(flow_layer_, made.velocity - u);
     return made;
   }
+  template <bool remembering>
   Face chamber_face(const Cell& last, const S& u_before, const S& u, const ChamberEnd<S>& chamber) noexcept {
     const S rho =
         select(u < S(0), face_pressure_at_chamber(last, chamber) / (air_.R * chamber.temperature_K), last.density);
-    Face made = end_face(rho, u, select(u > S(0), u - u_before, S(0)), S(2) * (chamber.pressure_Pa - last.pressure),
-                         end_memory_);
+    Face made = end_face<remembering>(rho, u, select(u > S(0), u - u_before, S(0)),
+                                      S(2) * (chamber.pressure_Pa - last.pressure), end_memory_);
     if (restricted_) apply_restriction(made, last, u, rho, chamber);
     limit_speed(made, last.temperature, chamber.temperature_K);
-    if (remembers_) end_memory_.advance(flow_layer_, made.velocity - u);
+    if constexpr (remembering) end_memory_.advance(flow_layer_, made.velocity - u);
     return made;
   }
 

@@ -9,6 +9,7 @@
 #include <pneuservo/core/scalar.hpp>
 #include <pneuservo/elements/branch.hpp>
 #include <pneuservo/elements/line_ends.hpp>
+#include <pneuservo/elements/line_memory.hpp>
 #include <pneuservo/elements/line_rows.hpp>
 #include <pneuservo/elements/line_scheme.hpp>
 #include <pneuservo/elements/orifice.hpp>
@@ -46,7 +47,7 @@ template <class S> class Line {
     leaking_ = any(effects.leak.area_m2 > S(0));
     branched_ = any(effects.branch.volume_m3 > S(0));
     const S share = effects.frequency_dependent_losses.share;
-    remembers_ = any(share > S(0));
+    memory_.set_share(share, air_.R);
     friction_.nusselt_laminar = S(3.66) + minimum(share, S(1)) * S(8 - 3.66);
     set_time_step(step_s_);
   }
@@ -73,7 +74,7 @@ template <class S> class Line {
     port_pressure_ = port_before_ = pressure_Pa;
     branch_.reset(pressure_Pa, pressure_Pa / (air_.R * temperature_K));
     fastest_squared_ = G(0);
-    forget();
+    memory_.forget();
   }
   /// Sets the state of cell i = 0..cells-1, e.g. to a mode shape.
   void set_cell_state(int i, const S& pressure_Pa, const S& temperature_K) noexcept {
@@ -97,7 +98,7 @@ template <class S> class Line {
   /// Sub-step h [s] of all following steps.
   void set_time_step(double step_s) noexcept {
     step_s_ = step_s;
-    step_of_memory_ = 0;
+    memory_.renew();
     const S h(step_s), diameter_squared = diameter_ * diameter_;
     k_.grid_ratio = h / cell_length();
     k_.reynolds_factor = diameter_ / air_.viscosity_Pas;
@@ -115,8 +116,6 @@ template <class S> class Line {
     k_.sound_factor = isothermal_ ? air_.R : air_.kappa * air_.R;
     k_.inverse_wall_factor = S(1) / k_.wall_pressure_factor;
     k_.half_inverse_cp = isothermal_ ? S(0) : S(0.5) / air_.cp;
-    k_.memory_factor = S(4) * effects_.frequency_dependent_losses.share;
-    k_.gas_constant = air_.R;
     k_.friction = friction_;
     group_k_ = line_scheme::replicate_constants(k_);
   }
@@ -176,6 +175,7 @@ template <class S> class Line {
   using Constants = line_scheme::Constants<S>;
   using CellRow = line_scheme::CellRow<S>;
   using FaceRow = line_scheme::FaceRow<S>;
+  using End = typename LineMemory<S>::End;
   static constexpr int per_group = GroupOf<S>::elements;
 
   // Cells q g .. q g + g - 1 stand in cell group q, faces (q-1) g + 1 .. q g in face group q (g = per_group): the left
@@ -203,16 +203,18 @@ template <class S> class Line {
   // Three passes over the line, each of independent places: a place's chain friction -> velocity -> flux -> cell takes
   // longer than all else together, so the processor must have many places under way at once.
   // The passes are functions of their own, not inlined: four sweeps share them (with a valve or without, with memory or
-  // without), and what the compiler makes of each does not hang on which of them a program uses.
+  // without), and what the compiler makes of each does not hang on which of them a program uses. What computes the ends
+  // is always inlined: a program of many lines uses up what the compiler allows itself, and a face that goes through
+  // memory there costs a fifth of a step.
   template <class PortFlux> LineFlow<S> sweep(const ChamberEnd<S>& chamber, PortFlux&& port_flux) noexcept {
-    if (remembers_) [[unlikely]]
+    if (memory_.is_present()) [[unlikely]]
       return sweep_with_memory(chamber, port_flux);
     return sweep_through<false>(chamber, port_flux);
   }
   // Apart, so that the plain line's code stays as short as if there were no memory.
   template <class PortFlux>
   [[gnu::noinline]] LineFlow<S> sweep_with_memory(const ChamberEnd<S>& chamber, PortFlux&& port_flux) noexcept {
-    if (step_of_memory_++ % steps_between_layers == 0) find_layers();
+    if (memory_.begin_step()) find_layers();
     return sweep_through<true>(chamber, port_flux);
   }
   template <bool remembering, class PortFlux>
@@ -275,11 +277,9 @@ template <class S> class Line {
       const G rho = faces.density[q];
       const G momentum = line_scheme::momentum(k, rho, u, du, one_after<S>(left, next) - left);
       if constexpr (remembering) {
-        WallMemory<G>& memory = face_memory_[static_cast<std::size_t>(q)];
-        const auto wall =
-            line_scheme::wall_answer(k.memory_factor * line_scheme::flow_diffusion(k), flow_layers_, memory, u);
+        const WallAnswer<G> wall = memory_.at_faces(q, u);
         const G u_new = (momentum + wall.source) / (rho + f + wall.conductance);
-        memory.advance(flow_layers_, u_new - u);
+        memory_.advance_faces(q, u_new - u);
         faces.velocity[q] = u_new;
       } else {
         faces.velocity[q] = momentum / (rho + f);
@@ -342,12 +342,11 @@ template <class S> class Line {
       fastest = maximum(fastest, squared);
       const line_scheme::CellLoss<G>* loss = nullptr;
       if constexpr (losing) loss = &loss_[static_cast<std::size_t>(q)];
-      const line_scheme::WallAnswer<G>* memory = nullptr;
-      line_scheme::WallAnswer<G> wall{};
+      const WallAnswer<G>* memory = nullptr;
+      WallAnswer<G> wall{};
       if constexpr (remembering) {
         const G T = row.temperature[q];
-        wall = line_scheme::wall_answer(k.memory_factor * line_scheme::heat_diffusion(k, T), heat_layers_,
-                                        cell_memory_[static_cast<std::size_t>(q)], T);
+        wall = memory_.in_cells(q, line_scheme::heat_diffusion(k, T), T);
         memory = &wall;
       }
       const auto made = line_scheme::balance(k, row[q], line_scheme::one_face_before<S>(previous, right), right,
@@ -369,8 +368,7 @@ template <class S> class Line {
     for (int q = 0; q < groups; ++q) {
       const auto made = line_scheme::state_of(k, row.density[q], row.a[q], row.d[q]);
       sound = sound & line_scheme::sound_cell(made);
-      if constexpr (remembering)
-        cell_memory_[static_cast<std::size_t>(q)].advance(heat_layers_, made.temperature - row.temperature[q]);
+      if constexpr (remembering) memory_.advance_cells(q, made.temperature - row.temperature[q]);
       row.pressure[q] = made.pressure;
       row.temperature[q] = made.temperature;
       row.density_per_pressure[q] = made.density_per_pressure;
@@ -393,15 +391,14 @@ template <class S> class Line {
     cell_.resize(static_cast<std::size_t>(cell_groups()) + 1);
     face_.resize(static_cast<std::size_t>(cell_groups()) + 2);
     loss_.assign(static_cast<std::size_t>(cell_groups()), {});
-    face_memory_.assign(static_cast<std::size_t>(cell_groups()) + 1, {});
-    cell_memory_.assign(static_cast<std::size_t>(cell_groups()), {});
+    memory_.resize(static_cast<std::size_t>(cell_groups()) + 1, static_cast<std::size_t>(cell_groups()));
     all_places_ = places_from<S>(0);
     from_end_ = places_from<S>(face_place(cells));
     beyond_last_ = places_from<S>(cells % per_group == 0 ? per_group : cells % per_group);
   }
 
   template <bool remembering>
-  Face end_face(const S& rho, const S& u, const S& du, const S& dp, const WallMemory<S>& memory) const noexcept {
+  [[gnu::always_inline]] Face end_face(const S& rho, const S& u, const S& du, const S& dp, End end) const noexcept {
     const auto friction = k_.friction(line_scheme::reynolds(k_, rho, u));
     S momentum = line_scheme::momentum(k_, rho, u, du, dp);
     Face made;
@@ -409,17 +406,14 @@ template <class S> class Line {
     made.nusselt = friction.nusselt;
     made.inertia = rho + made.friction_coefficient;
     if constexpr (remembering) {
-      const auto wall =
-          line_scheme::wall_answer(k_.memory_factor * line_scheme::flow_diffusion(k_), flow_layer_, memory, u);
+      const WallAnswer<S> wall = memory_.at_end(end, u);
       made.inertia += wall.conductance;
       momentum += wall.source;
     }
     made.velocity = momentum / made.inertia;
     return made;
   }
-  // One layer for the whole line, of its mean density, temperature and speed: what it remembers differs from place to
-  // place, how it fades hardly does, and density and turbulence change slowly beside the waves.
-  static constexpr unsigned steps_between_layers = 8;
+  // Of the line's mean density, temperature and speed.
   void find_layers() noexcept {
     S density(0), temperature(0), speed(0);
     for (int i = 0; i < cells_; ++i) {
@@ -429,44 +423,35 @@ template <class S> class Line {
     }
     const S share = S(1) / S(cells_);
     density *= share;
-    const S Re = line_scheme::reynolds(k_, density, share * speed);
-    const S renewal = k_.friction.renewal(Re, PipeFriction<S>::root(Re));
-    flow_layer_ = WallLayer<S>(line_scheme::flow_diffusion(k_) / density, renewal);
-    flow_layers_ = flow_layer_.template grouped<G>();
-    heat_layers_ = WallLayer<S>(line_scheme::heat_diffusion(k_, share * temperature) / (density * air_.cp), renewal)
-                       .template grouped<G>();
-  }
-  void forget() noexcept {
-    for (auto* memories : {&face_memory_, &cell_memory_})
-      for (WallMemory<G>& memory : *memories) memory.forget();
-    port_memory_.forget();
-    end_memory_.forget();
-    step_of_memory_ = 0;
+    memory_.set_layers({line_scheme::flow_diffusion(k_), line_scheme::heat_diffusion(k_, share * temperature), density,
+                        air_.cp, k_.friction.renewal(line_scheme::reynolds(k_, density, share * speed))});
   }
   // The end faces are half a cell from the first and last pressures: twice the gradient; density of the gas that moves.
   template <bool remembering, class PortFlux>
-  Face port_face(const Cell& first, const S& u, const S& u_after, PortFlux&& port_flux) noexcept {
+  [[gnu::always_inline]] Face port_face(const Cell& first, const S& u, const S& u_after,
+                                        PortFlux&& port_flux) noexcept {
     const S rho = select(u > S(0), port_pressure_ * k_.inverse_wall_factor, first.density);
     Face made = end_face<remembering>(rho, u, select(u > S(0), S(0), u_after - u),
-                                      S(2) * (first.pressure - port_pressure_), port_memory_);
+                                      S(2) * (first.pressure - port_pressure_), End::port);
     port_flux(made, first);
-    if constexpr (remembering) port_memory_.advance(flow_layer_, made.velocity - u);
+    if constexpr (remembering) memory_.advance_end(End::port, made.velocity - u);
     return made;
   }
   template <bool remembering>
-  Face chamber_face(const Cell& last, const S& u_before, const S& u, const ChamberEnd<S>& chamber) noexcept {
+  [[gnu::always_inline]] Face chamber_face(const Cell& last, const S& u_before, const S& u,
+                                           const ChamberEnd<S>& chamber) noexcept {
     const S rho =
         select(u < S(0), face_pressure_at_chamber(last, chamber) / (air_.R * chamber.temperature_K), last.density);
     Face made = end_face<remembering>(rho, u, select(u > S(0), u - u_before, S(0)),
-                                      S(2) * (chamber.pressure_Pa - last.pressure), end_memory_);
+                                      S(2) * (chamber.pressure_Pa - last.pressure), End::chamber);
     if (restricted_) apply_restriction(made, last, u, rho, chamber);
     limit_speed(made, last.temperature, chamber.temperature_K);
-    if constexpr (remembering) end_memory_.advance(flow_layer_, made.velocity - u);
+    if constexpr (remembering) memory_.advance_end(End::chamber, made.velocity - u);
     return made;
   }
 
   // |u| <= sound speed of the gas that moves: chokes the ends and tames a jump of a prescribed port pressure.
-  void limit_speed(Face& face, const S& T_left, const S& T_right) noexcept {
+  [[gnu::always_inline]] void limit_speed(Face& face, const S& T_left, const S& T_right) noexcept {
     const S limit = k_.sound_factor * select(face.velocity > S(0), T_left, T_right);
     if (all(face.velocity * face.velocity <= limit)) [[likely]]
       return;
@@ -481,7 +466,7 @@ template <class S> class Line {
     return S(1) / (air_.R * (stagnation_K - u * u * k_.half_inverse_cp));
   }
 
-  void prescribed_port_flux(Face& face, const Cell& first) noexcept {
+  [[gnu::always_inline]] void prescribed_port_flux(Face& face, const Cell& first) noexcept {
     limit_speed(face, air_.temperature_K, first.temperature);
     const S u = face.velocity;
     const auto enters = u > S(0);
@@ -535,7 +520,8 @@ template <class S> class Line {
   // cell gives away: internal energy, the work p u of its own pressure and the kinetic energy that came to it, less
   // what it keeps as heat of the end face: whatever chokes or bends the end, no energy is made or lost there in steady
   // flow.
-  S chamber_end_flux(Face& end, const Cell& last, const S& u_before, const ChamberEnd<S>& chamber) const noexcept {
+  [[gnu::always_inline]] S chamber_end_flux(Face& end, const Cell& last, const S& u_before,
+                                            const ChamberEnd<S>& chamber) const noexcept {
     const S u = end.velocity;
     const auto enters = u < S(0);  // from the chamber into the line
     const S p = face_pressure_at_chamber(last, chamber);
@@ -612,18 +598,14 @@ template <class S> class Line {
   PipeFriction<S> friction_;
   Constants k_;
   LineEffects<S> effects_;
-  bool restricted_ = false, leaking_ = false, branched_ = false, remembers_ = false, adiabatic_ = false,
-       isothermal_ = false, frictionless_ = false;
+  bool restricted_ = false, leaking_ = false, branched_ = false, adiabatic_ = false, isothermal_ = false,
+       frictionless_ = false;
   line_scheme::Constants<G> group_k_;
   int cells_ = 1;
   line_scheme::Cells<S> cell_;
   line_scheme::Faces<S> face_;
   std::vector<line_scheme::CellLoss<G>> loss_;
-  std::vector<WallMemory<G>> face_memory_, cell_memory_;
-  WallMemory<S> port_memory_, end_memory_;
-  WallLayer<S> flow_layer_;
-  WallLayer<G> flow_layers_, heat_layers_;
-  unsigned step_of_memory_ = 0;
+  LineMemory<S> memory_;
   Mask<G> all_places_{}, from_end_{}, beyond_last_{};
   PortConstants<S> port_constants_;
   S port_pressure_{}, port_before_{}, leak_flow_{};

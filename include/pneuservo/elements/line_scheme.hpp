@@ -19,16 +19,26 @@ template <class V> struct Face {
 template <class V> struct Constants {
   V grid_ratio, reynolds_factor, friction_factor, wall_slope, wall_offset, heat_share, compression_factor;
   V kappa_minus_one, cv, inverse_R, wall_pressure_factor, sound_factor, inverse_wall_factor, half_inverse_cp,
-      half_inverse_grid_ratio, memory_factor, gas_constant;
+      half_inverse_grid_ratio;
   PipeFriction<V> friction;
 };
 template <class S> Constants<Group<S>> replicate_constants(const Constants<S>& k) noexcept {
-  return {replicate(k.grid_ratio),          replicate(k.reynolds_factor),      replicate(k.friction_factor),
-          replicate(k.wall_slope),          replicate(k.wall_offset),          replicate(k.heat_share),
-          replicate(k.compression_factor),  replicate(k.kappa_minus_one),      replicate(k.cv),
-          replicate(k.inverse_R),           replicate(k.wall_pressure_factor), replicate(k.sound_factor),
-          replicate(k.inverse_wall_factor), replicate(k.half_inverse_cp),      replicate(k.half_inverse_grid_ratio),
-          replicate(k.memory_factor),       replicate(k.gas_constant),         k.friction.template grouped<Group<S>>()};
+  return {replicate(k.grid_ratio),
+          replicate(k.reynolds_factor),
+          replicate(k.friction_factor),
+          replicate(k.wall_slope),
+          replicate(k.wall_offset),
+          replicate(k.heat_share),
+          replicate(k.compression_factor),
+          replicate(k.kappa_minus_one),
+          replicate(k.cv),
+          replicate(k.inverse_R),
+          replicate(k.wall_pressure_factor),
+          replicate(k.sound_factor),
+          replicate(k.inverse_wall_factor),
+          replicate(k.half_inverse_cp),
+          replicate(k.half_inverse_grid_ratio),
+          k.friction.template grouped<Group<S>>()};
 }
 
 template <class V> [[gnu::always_inline]] inline V reynolds(const Constants<V>& k, const V& rho, const V& u) noexcept {
@@ -41,16 +51,6 @@ template <class V> [[gnu::always_inline]] inline V momentum(const Constants<V>& 
   return rho * (u - k.grid_ratio * (u * du)) - k.grid_ratio * dp;
 }
 
-/// What the memory of the layer at the wall adds to an implicit balance of v: `source` above, `conductance` below.
-template <class V> struct WallAnswer {
-  V conductance, source;
-};
-/// 4 mu/R^2 sum y (momentum) or 4 k/R^2 sum y (energy) over the step; `factor` is share 4 mu h/R^2 or share 4 k h/R^2.
-template <class V>
-[[gnu::always_inline]] inline WallAnswer<V> wall_answer(const V& factor, const WallLayer<V>& layer,
-                                                        const WallMemory<V>& memory, const V& v) noexcept {
-  return {factor * layer.answer, factor * (layer.answer * v - memory.kept(layer))};
-}
 /// mu h/R^2, of friction_factor.
 template <class V> [[gnu::always_inline]] inline V flow_diffusion(const Constants<V>& k) noexcept {
   return V(8) * k.friction_factor;
@@ -100,8 +100,7 @@ template <class V>
   const V rho_cv = rho * k.cv;
   if (memory != nullptr)
     return {rho,
-            rho_cv * (x + one_plus * heat) +
-                one_plus * (wall * (rho * k.wall_pressure_factor) + rho * (memory->source * k.gas_constant)),
+            rho_cv * (x + one_plus * heat) + one_plus * (wall * (rho * k.wall_pressure_factor) + rho * memory->source),
             one_plus * (rho_cv + wall + memory->conductance)};
   return {rho, rho_cv * (x + one_plus * heat) + one_plus * (wall * (rho * k.wall_pressure_factor)),
           one_plus * (rho_cv + wall)};

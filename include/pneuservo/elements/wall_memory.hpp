@@ -44,16 +44,24 @@ template <class V> struct WallLayer {
   }
 };
 
+/// What a memory adds to an implicit balance of v: `source` above, `conductance` below.
+template <class V> struct WallAnswer {
+  V conductance, source;
+};
+
 /// The y_i of one place.
 template <class V> class WallMemory {
  public:
   void forget() noexcept { y_.fill(V(0)); }
-  /// What the layer keeps over a step of what was before: of the mean of sum y_i, which has the layer's `answer` times
-  /// the change of the step beside it.
+  /// Of the mean of sum y_i over a step: what is kept of what was before, beside `answer` times the change of the step.
   [[gnu::always_inline]] V kept(const WallLayer<V>& layer) const noexcept {
     V sum(0);
     for (std::size_t i = 0; i < WallLayer<V>::terms; ++i) sum += y_[i] + layer.kept[i] * y_[i];
     return V(0.5) * sum;
+  }
+  /// factor times that mean, on a balance of v.
+  [[gnu::always_inline]] WallAnswer<V> answer(const WallLayer<V>& layer, const V& factor, const V& v) const noexcept {
+    return {factor * layer.answer, factor * (layer.answer * v - kept(layer))};
   }
   /// Ends a step with the change that it has brought.
   [[gnu::always_inline]] void advance(const WallLayer<V>& layer, const V& change) noexcept {

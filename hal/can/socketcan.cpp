@@ -26,7 +26,7 @@ SocketCan::SocketCan(const std::string& interface) : interface_(interface) {
     ifreq request{};
     if (interface.size() >= sizeof request.ifr_name)
       throw std::runtime_error(interface + ": no name of an interface: at most 15 characters");
-    std::strcpy(request.ifr_name, interface.c_str());
+    std::memcpy(request.ifr_name, interface.c_str(), interface.size() + 1);
     if (ioctl(socket_, SIOCGIFINDEX, &request) != 0)
       fail_with_errno(interface, "no such interface (see 'ip -br link'; 'ip link set " + interface +
                                      " type can bitrate 1000000')");

@@ -26,7 +26,7 @@ const ConfigNode& require_list(const Field& field, const ConfigNode& node, const
     const std::string found = node.type == Type::list ? "an empty list" : describe(node);
     refuse(node.origin, path, found, expected_list(field, of));
   }
-  return node;
+  return node;  // NOLINT(bugprone-return-const-ref-from-parameter): of a config that outlives its reading
 }
 
 }  // namespace

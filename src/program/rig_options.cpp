@@ -109,7 +109,7 @@ RecordingHeader run_header(const Rig& rig, const Backend& backend, const Facts& 
     if (key != "version" && key != "code_path") header.add_text(key, value);
   std::string channels = "{";
   for (const auto& [channel, origin] : channel_facts(backend))
-    channels += (channels.size() > 1 ? ", " : "") + channel + ": " + origin;
+    channels += fmt::format("{}{}: {}", channels.size() > 1 ? ", " : "", channel, origin);
   header.add_yaml("channels", channels + "}");
   header.add_yaml("fault_bits", fault_legend());
   header.add_text("config", dump_rig(rig));

@@ -12,6 +12,7 @@ using test::with;
 namespace {
 
 const std::string plain = test::plain_rig;
+const std::string accepted;  // what refusal() says where nothing is wrong
 
 std::string refusal_of_reference(const std::string& reference) {
   return refusal(with(plain, "{kind: sine, amplitude_m: 0.080, frequency_Hz: 1.0}", reference));
@@ -25,7 +26,7 @@ TEST_CASE("values that contradict each other are refused") {
   CHECK(refusal(plain, {"line_2.turbulent_reynolds=2000"}) ==
         "--set line_2.turbulent_reynolds=2000: line_2.laminar_reynolds: found 2300, expected at most "
         "line_2.turbulent_reynolds (2000)");
-  CHECK(refusal(plain, {"line_2.laminar_reynolds=2300", "line_2.turbulent_reynolds=2300"}) == "");
+  CHECK(refusal(plain, {"line_2.laminar_reynolds=2300", "line_2.turbulent_reynolds=2300"}) == accepted);
   CHECK(refusal(plain + "safe_output: {command_V: -5.5}\n") ==
         "rig.yaml:42: safe_output.command_V: found -5.5, expected at most +-valve.command_max_V (5)");
   CHECK(refusal(plain + "evaluation: {from_s: 3, to_s: 3}\n") ==
@@ -51,8 +52,8 @@ TEST_CASE("chamber feedback needs chamber sensors") {
   CHECK(refusal(with(plain, "estimated", "chamber")) ==
         "rig.yaml:35: controller.pressure_source: found 'chamber' without sensors.chamber_pressure, "
         "expected valve or estimated, or the section sensors.chamber_pressure");
-  CHECK(refusal(with(plain, "estimated", "chamber"), {"sensors.chamber_pressure={quantum_Pa: 100}"}) == "");
-  CHECK(refusal(with(plain, "estimated", "valve")) == "");
+  CHECK(refusal(with(plain, "estimated", "chamber"), {"sensors.chamber_pressure={quantum_Pa: 100}"}) == accepted);
+  CHECK(refusal(with(plain, "estimated", "valve")) == accepted);
 }
 
 TEST_CASE("the initial state fits the stroke and the supply") {
@@ -65,7 +66,7 @@ TEST_CASE("the initial state fits the stroke and the supply") {
   CHECK_THAT(refusal(plain + "initial: {pressure_1_Pa: 650000}\n"),
              Catch::StartsWith("rig.yaml:42: initial.pressure_1_Pa: found 650000, which 75") &&
                  Catch::Contains(", or pressure_2_Pa"));
-  CHECK(refusal(plain + "initial: {pressure_1_Pa: 650000, pressure_2_Pa: 700000}\n") == "");
+  CHECK(refusal(plain + "initial: {pressure_1_Pa: 650000, pressure_2_Pa: 700000}\n") == accepted);
 }
 
 TEST_CASE("initial pressures that nobody stated follow the supply") {
@@ -82,7 +83,7 @@ TEST_CASE("references that leave the stroke are refused with place and time") {
              Catch::StartsWith("rig.yaml:40: reference: found the position ") && Catch::EndsWith(expected));
   CHECK_THAT(refusal_of_reference("{kind: sine, amplitude_m: 0.1, frequency_Hz: 1, center_m: -0.06}"),
              Catch::EndsWith(expected));
-  CHECK(refusal_of_reference("{kind: sine, amplitude_m: 0.15, frequency_Hz: 1}") == "");
+  CHECK(refusal_of_reference("{kind: sine, amplitude_m: 0.15, frequency_Hz: 1}") == accepted);
   CHECK(refusal_of_reference("{kind: waypoints, times_s: [0, 1, 2], positions_m: [0, 0.151, 0]}") ==
         "rig.yaml:40: reference: found the position 0.151 m at 1 s" + expected);
   CHECK_THAT(refusal_of_reference("{kind: cruise, start_m: 0, end_m: -0.2, speed_mps: 0.1, ramp_s: 0.1}"),
@@ -92,11 +93,11 @@ TEST_CASE("references that leave the stroke are refused with place and time") {
   CHECK_THAT(refusal_of_reference("{kind: multisine, components: [[0.1, 1, 0], [0.1, 1, 0.1]]}"),
              Catch::EndsWith(expected));
   // Components whose amplitudes add up beyond the stroke, but never at one time.
-  CHECK(refusal_of_reference("{kind: multisine, components: [[0.1, 1, 0], [0.1, 1, 3.14159]]}") == "");
+  CHECK(refusal_of_reference("{kind: multisine, components: [[0.1, 1, 0], [0.1, 1, 3.14159]]}") == accepted);
   // A sum whose parts go far at different times.
   CHECK(refusal_of_reference(
             "{kind: sum, parts: [{kind: waypoints, times_s: [0, 1, 2, 3], positions_m: [0, 0.14, 0.14, 0]}, "
-            "{kind: sine, amplitude_m: 0.1, frequency_Hz: 1, start_s: 3}]}") == "");
+            "{kind: sine, amplitude_m: 0.1, frequency_Hz: 1, start_s: 3}]}") == accepted);
   CHECK_THAT(refusal_of_reference("{kind: sum, parts: [{kind: waypoints, times_s: [0, 1], positions_m: [0, 0.14]}, "
                                   "{kind: sine, amplitude_m: 0.1, frequency_Hz: 1, start_s: 1}]}"),
              Catch::EndsWith(expected));

@@ -11,7 +11,6 @@
 #include "config/test_rigs.hpp"
 
 using namespace pneuservo;
-using test::with;
 namespace fs = std::filesystem;
 
 namespace {
@@ -48,15 +47,16 @@ TEST_CASE("every rig of the shared data comes back from its dump") {
 }
 
 TEST_CASE("every kind of reference comes back, in a dump and on one line") {
+  const char* const nested =
+      "{kind: sum, parts: [{kind: sine, amplitude_m: 0.01, frequency_Hz: 1}, {kind: sum, parts: [{kind: minimum_jerk, "
+      "start_m: 0, end_m: 0.05, duration_s: 0.8}]}]}";
   for (const char* reference :
        {"{kind: sine, amplitude_m: 0.08, frequency_Hz: 1, ramp_s: 0, start_s: 0.1, smoothness: 11}",
         "{kind: multisine, components: [[0.01, 1.1, 0.1], [0.02, 0.7, -3]], center_m: 0.01}",
         "{kind: waypoints, times_s: [0, 0.1, 0.30000000000000004], positions_m: [0, 0.05, 0.05], smoothness: 7}",
         "{kind: cruise, start_m: -0.05, end_m: 0.05, speed_mps: 0.0597, ramp_s: 0.156, start_s: 0.2}",
         "{kind: minimum_jerk, start_m: -0.05, end_m: 0.05, duration_s: 0.8}", "{kind: file, path: '/dev/null'}",
-        "{kind: sum, parts: [{kind: sine, amplitude_m: 0.01, frequency_Hz: 1}, {kind: sum, parts: [{kind: "
-        "minimum_jerk, "
-        "start_m: 0, end_m: 0.05, duration_s: 0.8}]}]}"}) {
+        nested}) {
     INFO(reference);
     const Rig rig = parse_rig(plain, "rig.yaml", {std::string("reference=") + reference});
     require_round_trip(rig);

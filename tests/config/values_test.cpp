@@ -177,7 +177,7 @@ TEST_CASE("units have their endings and names their distance") {
   CHECK(unit_suffix("V/(N s)") == "_V_per_Ns");
   CHECK(unit_suffix("1/m") == "_per_m");
   CHECK(unit_suffix("m/s") == "_mps");
-  CHECK(unit_suffix("-") == "");
+  CHECK(unit_suffix("-").empty());
   CHECK(edit_distance("supply", "suply") == 1);
   CHECK(edit_distance("length", "lenght") == 1);
   CHECK(edit_distance("", "abc") == 3);

@@ -15,7 +15,7 @@ constexpr double period_s = 0.001;
 /// A position that is its tick, in m; the other channels are absent.
 struct Samples {
   SampleFaults faults{period_s, {1e9, 0, 0, 0, 0, 0}};
-  explicit Samples(std::initializer_list<const char*> orders) {
+  Samples(std::initializer_list<const char*> orders) {
     for (const char* order : orders) faults.add(parse_fault_order(order, 0.0));
   }
   Channel at(std::int64_t tick) {

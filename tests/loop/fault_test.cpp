@@ -17,6 +17,7 @@ using namespace pneuservo;
 namespace {
 
 constexpr std::int64_t first_bad = 700, forever = 1'000'000;
+const std::vector<std::string> no_faults;
 
 Rig rig_for(FaultyChannel channel) {
   const bool chamber = channel == FaultyChannel::chamber_1 || channel == FaultyChannel::chamber_2;
@@ -110,7 +111,7 @@ TEST_CASE("a spike of one or two ticks in any channel is bridged") {
   double worst_V = 0.0;
   std::int64_t worst_at = 0;
   for (int spike = 0; spike < 12; ++spike) {
-    const std::int64_t at = first_bad + 97 * spike;
+    const std::int64_t at = first_bad + std::int64_t{97} * spike;
     run.backend.failure = {channel, mode, at, 1 + spike % 2, jump_of(channel)};
     while (run.tick < at + 97) {
       const Row& row = run.step();
@@ -224,7 +225,7 @@ TEST_CASE("no fault in normal running: nine lines, three pressure sources, noise
         for (const bool feedforward : {false, true}) {
           std::vector<std::string> sets{std::string("controller.pressure_source=") + source, "duration_s=3", "seed=7",
                                         "initial.position_m=-0.05"};
-          if (feedforward) sets.push_back("controller.flow_feedforward=true");
+          if (feedforward) sets.emplace_back("controller.flow_feedforward=true");
           if (!noise)
             for (const char* channel : {"port_pressure", "chamber_pressure"})
               for (const char* key : {"noise_Pa", "quantum_Pa"})
@@ -234,7 +235,7 @@ TEST_CASE("no fault in normal running: nine lines, three pressure sources, noise
           backend.configure();
           const RunOutcome outcome = run_loop(rig, backend, {});
           CAPTURE(name, source, noise, feedforward, outcome.fault_s);
-          REQUIRE(outcome.faults == std::vector<std::string>{});
+          REQUIRE(outcome.faults == no_faults);
           REQUIRE(outcome.moves.size() == 1);
         }
   }
@@ -260,6 +261,6 @@ TEST_CASE("no fault while resting, against an end stop, with friction that stick
     backend.configure();
     const RunOutcome outcome = run_loop(rig, backend, {});
     CAPTURE(name, sets, outcome.fault_s);
-    REQUIRE(outcome.faults == std::vector<std::string>{});
+    REQUIRE(outcome.faults == no_faults);
   }
 }

@@ -138,7 +138,7 @@ TEST_CASE("sleeping to an absolute time does not end early, nor by a signal") {
 }
 
 TEST_CASE("touched memory faults no more") {
-  constexpr std::size_t bytes = 256 * 4096;
+  constexpr std::size_t bytes = std::size_t{256} * 4096;
   auto* memory = static_cast<char*>(mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
   madvise(memory, bytes, MADV_NOHUGEPAGE);
   memory[5] = 42;

@@ -8,7 +8,7 @@
 
 using namespace pneuservo;
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): a program that ends so has failed
   const std::string_view name = argc > 1 ? argv[1] : "";
   prepare_step(name);
   // Fresh pages must stay fresh: with all memory locked the kernel would have filled them.

@@ -34,7 +34,7 @@ RunReport three_sources() {
 
 LoopTiming timing() {
   LoopTiming timing;
-  for (int k = 1; k <= 1000; ++k) timing.lateness.add(k * 100);
+  for (int k = 1; k <= 1000; ++k) timing.lateness.add(std::int64_t{100} * k);
   timing.loop.add(300);
   timing.estimator.add(200);
   timing.controller.add(100);

@@ -53,11 +53,12 @@ struct Decay {
 };
 Decay prony(const std::vector<double>& y, double dt, int order) {
   const int rows = static_cast<int>(y.size()) - order;
+  const auto at = [&](int i) { return y[static_cast<std::size_t>(i)]; };
   Eigen::MatrixXd A(rows, order);
   Eigen::VectorXd b(rows);
   for (int i = 0; i < rows; ++i) {
-    for (int k = 0; k < order; ++k) A(i, k) = y[static_cast<std::size_t>(i + k)];
-    b(i) = -y[static_cast<std::size_t>(i + order)];
+    for (int k = 0; k < order; ++k) A(i, k) = at(i + k);
+    b(i) = -at(i + order);
   }
   const Eigen::VectorXd c = A.colPivHouseholderQr().solve(b);
   Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(order, order);

@@ -4,15 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <vector>
 
 #include <pneuservo/core/scalar.hpp>
-#include <pneuservo/elements/branch.hpp>
 #include <pneuservo/elements/line_ends.hpp>
+#include <pneuservo/elements/line_losses.hpp>
 #include <pneuservo/elements/line_memory.hpp>
 #include <pneuservo/elements/line_rows.hpp>
 #include <pneuservo/elements/line_scheme.hpp>
-#include <pneuservo/elements/orifice.hpp>
 #include <pneuservo/elements/pipe_friction.hpp>
 #include <pneuservo/elements/valve_port.hpp>
 
@@ -32,7 +30,7 @@ template <class S> class Line {
     port_constants_ = PortConstants<S>(air_, S(0.35));
     diameter_ = line.diameter_m;
     cross_section_ = S(0.78539816339744831) * diameter_ * diameter_;
-    friction_ = PipeFriction<S>(line, air_);
+    k_.friction = PipeFriction<S>(line, air_);
     arrange(std::max(1, cells));
     guard_actions_ = 0;
     step_s_ = 1e-3;
@@ -44,11 +42,10 @@ template <class S> class Line {
   void set_effects(const LineEffects<S>& effects) noexcept {
     effects_ = effects;
     restricted_ = any(effects.restriction.area_m2 > S(0));
-    leaking_ = any(effects.leak.area_m2 > S(0));
-    branched_ = any(effects.branch.volume_m3 > S(0));
+    losses_.set_effects(effects);
     const S share = effects.frequency_dependent_losses.share;
     memory_.set_share(share, air_.R);
-    friction_.nusselt_laminar = S(3.66) + minimum(share, S(1)) * S(8 - 3.66);
+    k_.friction.nusselt_laminar = S(3.66) + minimum(share, S(1)) * S(8 - 3.66);
     set_time_step(step_s_);
   }
   /// Wall heat off: an adiabatic line, for tests against closed forms.
@@ -72,7 +69,7 @@ template <class S> class Line {
     for (int i = 0; i < cells(); ++i) set_cell_state(i, pressure_Pa, temperature_K);
     for (G& u : face_.velocity) u = G(0);
     port_pressure_ = port_before_ = pressure_Pa;
-    branch_.reset(pressure_Pa, pressure_Pa / (air_.R * temperature_K));
+    losses_.reset(pressure_Pa, pressure_Pa / (air_.R * temperature_K));
     fastest_squared_ = G(0);
     memory_.forget();
   }
@@ -92,7 +89,7 @@ template <class S> class Line {
     for (int i = 0; i < cells_; ++i) set_cell_state(i, cell(i).pressure * pressure, cell(i).temperature * temperature);
     port_pressure_ *= pressure;
     port_before_ *= pressure;
-    branch_.scale_gas(pressure, temperature);
+    losses_.scale_gas(pressure, temperature);
   }
 
   /// Sub-step h [s] of all following steps.
@@ -116,7 +113,6 @@ template <class S> class Line {
     k_.sound_factor = isothermal_ ? air_.R : air_.kappa * air_.R;
     k_.inverse_wall_factor = S(1) / k_.wall_pressure_factor;
     k_.half_inverse_cp = isothermal_ ? S(0) : S(0.5) / air_.cp;
-    k_.friction = friction_;
     group_k_ = line_scheme::replicate_constants(k_);
   }
   /// Largest speed on any face in the last sub-step [m/s], over all lanes.
@@ -164,9 +160,9 @@ template <class S> class Line {
   /// Times a guard has acted since configure, over all lanes.
   std::int64_t guard_actions() const noexcept { return guard_actions_; }
   /// Mass flow lost through the leak in the last sub-step [kg/s].
-  S leak_mass_flow() const noexcept { return leak_flow_; }
+  S leak_mass_flow() const noexcept { return losses_.leak_mass_flow(); }
   /// Gas behind the neck of a branch [kg].
-  S branch_mass() const noexcept { return branch_.mass(effects_.branch); }
+  S branch_mass() const noexcept { return losses_.branch_mass(effects_.branch); }
 
  private:
   using G = Group<S>;
@@ -200,12 +196,12 @@ template <class S> class Line {
   }
   S velocity(int j) const noexcept { return element<S>(face_.velocity[face_group(j)], face_place(j)); }
 
-  // Three passes over the line, each of independent places: a place's chain friction -> velocity -> flux -> cell takes
+  // Five passes over the line, each of independent places: a place's chain friction -> velocity -> flux -> cell takes
   // longer than all else together, so the processor must have many places under way at once.
   // The passes are functions of their own, not inlined: four sweeps share them (with a valve or without, with memory or
   // without), and what the compiler makes of each does not hang on which of them a program uses. What computes the ends
-  // is always inlined: a program of many lines uses up what the compiler allows itself, and a face that goes through
-  // memory there costs a fifth of a step.
+  // is always inlined: a program of many lines uses up what the compiler allows itself, and a face handed over through
+  // the stack there costs a fifth of a step.
   template <class PortFlux> LineFlow<S> sweep(const ChamberEnd<S>& chamber, PortFlux&& port_flux) noexcept {
     if (memory_.is_present()) [[unlikely]]
       return sweep_with_memory(chamber, port_flux);
@@ -231,11 +227,8 @@ template <class S> class Line {
     find_inner_fluxes();
     face_.fill(0, all_places_, port);
     face_.fill(face_group(n), from_end_, end);
-    leak_flow_ = S(0);
-    if (leaking_ || branched_) {
-      std::fill(loss_.begin(), loss_.end(), line_scheme::CellLoss<G>{});
-      if (leaking_) find_leak();
-      if (branched_) find_branch();
+    if (losses_.are_present()) {
+      losses_.step(*this, effects_, k_, step_s_);
       find_balances<true, remembering>();
     } else {
       find_balances<false, remembering>();
@@ -341,7 +334,7 @@ template <class S> class Line {
       const G squared = right.velocity * right.velocity, heat = right.friction_coefficient * squared;
       fastest = maximum(fastest, squared);
       const line_scheme::CellLoss<G>* loss = nullptr;
-      if constexpr (losing) loss = &loss_[static_cast<std::size_t>(q)];
+      if constexpr (losing) loss = &losses_.in_cells(q);
       const WallAnswer<G>* memory = nullptr;
       WallAnswer<G> wall{};
       if constexpr (remembering) {
@@ -390,7 +383,7 @@ template <class S> class Line {
     cells_ = cells;
     cell_.resize(static_cast<std::size_t>(cell_groups()) + 1);
     face_.resize(static_cast<std::size_t>(cell_groups()) + 2);
-    loss_.assign(static_cast<std::size_t>(cell_groups()), {});
+    losses_.resize(static_cast<std::size_t>(cell_groups()));
     memory_.resize(static_cast<std::size_t>(cell_groups()) + 1, static_cast<std::size_t>(cell_groups()));
     all_places_ = places_from<S>(0);
     from_end_ = places_from<S>(face_place(cells));
@@ -552,64 +545,21 @@ template <class S> class Line {
     }
   }
 
-  // What cell i loses in this sub-step beside its faces [kg/m3], with the enthalpy of gas of temperature_K from its
-  // internal energy (the gas's kinetic energy is not part of that).
-  void add_loss(int i, const S& density, const S& temperature_K) noexcept {
-    auto& loss = loss_[static_cast<std::size_t>(i / per_group)];
-    const int at = i % per_group;
-    set_element<S>(loss.density, at, element<S>(loss.density, at) + density);
-    set_element<S>(loss.pressure, at,
-                   element<S>(loss.pressure, at) + density * k_.kappa_minus_one * air_.cp * temperature_K);
-  }
-
-  // Orifice to atmosphere in the cell that holds the leak's position.
-  void find_leak() noexcept {
-    for (int i = 0; i < cells_; ++i) {
-      const Cell c = cell(i);
-      const S place = minimum(effects_.leak.position * S(cells()), S(cells() - 0.5));
-      const S share = select((place >= S(i)) & (place < S(i + 1)), S(1), S(0));
-      const S u = S(0.5) * (velocity(i) + velocity(i + 1));
-      const S stagnation_K = c.temperature + u * u * k_.half_inverse_cp;
-      const S flow = orifice_mass_flow(air_, effects_.leak.area_m2 * share, effects_.critical_pressure_ratio,
-                                       c.pressure, stagnation_K, air_.atmosphere_Pa, air_.temperature_K);
-      leak_flow_ += flow;
-      add_loss(i, flow * S(step_s_) / (cross_section_ * cell_length()), c.temperature);
-    }
-  }
-
-  // The branch shares its flow between the two cells whose middles lie beside it.
-  void find_branch() noexcept {
-    const S place = clamp(effects_.branch.position * S(cells()) - S(0.5), S(0), S(cells() - 1));
-    const auto share = [&](int i) { return maximum(S(0), S(1) - absolute(place - S(i))); };
-    S pressure(0), density(0);
-    for (int i = 0; i < cells(); ++i) {
-      pressure += share(i) * cell(i).pressure;
-      density += share(i) * cell(i).density;
-    }
-    const S cell_volume = cross_section_ * cell_length(), from_branch_K = branch_.temperature(air_);
-    const S flow = branch_.step(effects_.branch, air_, friction_, step_s_, {pressure, density, cell_volume});
-    for (int i = 0; i < cells(); ++i)
-      add_loss(i, share(i) * flow * S(step_s_) / cell_volume, select(flow > S(0), cell(i).temperature, from_branch_K));
-  }
-
   double step_s_ = 1e-3;
   Air<S> air_;
   S length_{}, diameter_{}, cross_section_{};
-  PipeFriction<S> friction_;
   Constants k_;
   LineEffects<S> effects_;
-  bool restricted_ = false, leaking_ = false, branched_ = false, adiabatic_ = false, isothermal_ = false,
-       frictionless_ = false;
+  bool restricted_ = false, adiabatic_ = false, isothermal_ = false, frictionless_ = false;
   line_scheme::Constants<G> group_k_;
   int cells_ = 1;
   line_scheme::Cells<S> cell_;
   line_scheme::Faces<S> face_;
-  std::vector<line_scheme::CellLoss<G>> loss_;
+  LineLosses<S> losses_;
   LineMemory<S> memory_;
   Mask<G> all_places_{}, from_end_{}, beyond_last_{};
   PortConstants<S> port_constants_;
-  S port_pressure_{}, port_before_{}, leak_flow_{};
-  Branch<S> branch_;
+  S port_pressure_{}, port_before_{};
   G fastest_squared_{};
   std::int64_t guard_actions_ = 0;
 };

@@ -1,0 +1,107 @@
+// What a line loses along its length, beside its ends: a leak to the atmosphere and a dead-end branch.
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include <pneuservo/core/scalar.hpp>
+#include <pneuservo/elements/branch.hpp>
+#include <pneuservo/elements/line_ends.hpp>
+#include <pneuservo/elements/line_scheme.hpp>
+#include <pneuservo/elements/orifice.hpp>
+
+namespace pneuservo {
+
+/// The state of both effects; what they take from each cell in a step goes into the cells' balances. Their parameters
+/// are the line's, which each step takes as an argument beside them; of it the public interface alone is used.
+template <class S> class LineLosses {
+ public:
+  using CellLoss = line_scheme::CellLoss<Group<S>>;
+  using Constants = line_scheme::Constants<S>;
+
+  /// Allocates.
+  void resize(std::size_t cell_groups) { loss_.assign(cell_groups, {}); }
+  /// Which of the two the line has from now on.
+  void set_effects(const LineEffects<S>& effects) noexcept {
+    leaking_ = any(effects.leak.area_m2 > S(0));
+    branched_ = any(effects.branch.volume_m3 > S(0));
+    leak_flow_ = S(0);
+  }
+  bool are_present() const noexcept { return leaking_ || branched_; }
+
+  /// Gas at rest in the branch.
+  void reset(const S& pressure_Pa, const S& density_kg_per_m3) noexcept {
+    branch_.reset(pressure_Pa, density_kg_per_m3);
+  }
+  /// Multiplies pressure and temperature of the gas in the branch.
+  void scale_gas(const S& pressure, const S& temperature) noexcept { branch_.scale_gas(pressure, temperature); }
+
+  /// One sub-step beside the line as it stands, its faces already at their new velocities.
+  template <class Line>
+  void step(const Line& line, const LineEffects<S>& effects, const Constants& k, double step_s) noexcept {
+    std::fill(loss_.begin(), loss_.end(), CellLoss{});
+    if (leaking_) step_leak(line, effects, k, step_s);
+    if (branched_) step_branch(line, effects.branch, k, step_s);
+  }
+  /// What the last sub-step took from a group of cells.
+  const CellLoss& in_cells(int group) const noexcept { return loss_[static_cast<std::size_t>(group)]; }
+
+  /// Mass flow lost through the leak in the last sub-step [kg/s].
+  S leak_mass_flow() const noexcept { return leak_flow_; }
+  /// Gas behind the neck of the branch [kg].
+  S branch_mass(const LineBranch<S>& branch) const noexcept { return branch_.mass(branch); }
+
+ private:
+  // Orifice to atmosphere in the cell that holds the leak's position.
+  template <class Line>
+  void step_leak(const Line& line, const LineEffects<S>& effects, const Constants& k, double step_s) noexcept {
+    const Air<S>& air = line.air();
+    const S place = minimum(effects.leak.position * S(line.cells()), S(line.cells() - 0.5));
+    leak_flow_ = S(0);
+    for (int i = 0; i < line.cells(); ++i) {
+      const S share = select((place >= S(i)) & (place < S(i + 1)), S(1), S(0));
+      const S u = S(0.5) * (line.face_velocity(i) + line.face_velocity(i + 1)), T = line.cell_temperature(i);
+      const S stagnation_K = T + u * u * k.half_inverse_cp;
+      const S flow = orifice_mass_flow(air, effects.leak.area_m2 * share, effects.critical_pressure_ratio,
+                                       line.cell_pressure(i), stagnation_K, air.atmosphere_Pa, air.temperature_K);
+      leak_flow_ += flow;
+      add(i, air.cp, k, flow * S(step_s) / (line.cross_section() * line.cell_length()), T);
+    }
+  }
+
+  // The branch shares its flow between the two cells whose middles lie beside it.
+  template <class Line>
+  void step_branch(const Line& line, const LineBranch<S>& branch, const Constants& k, double step_s) noexcept {
+    const int n = line.cells();
+    const S place = clamp(branch.position * S(n) - S(0.5), S(0), S(n - 1));
+    const auto share = [&](int i) { return maximum(S(0), S(1) - absolute(place - S(i))); };
+    S pressure(0), density(0);
+    for (int i = 0; i < n; ++i) {
+      pressure += share(i) * line.cell_pressure(i);
+      density += share(i) * line.cell_density(i);
+    }
+    const Air<S>& air = line.air();
+    const S cell_volume = line.cross_section() * line.cell_length(), from_branch_K = branch_.temperature(air);
+    const S flow = branch_.step(branch, air, k.friction, step_s, {pressure, density, cell_volume});
+    for (int i = 0; i < n; ++i)
+      add(i, air.cp, k, share(i) * flow * S(step_s) / cell_volume,
+          select(flow > S(0), line.cell_temperature(i), from_branch_K));
+  }
+
+  // What cell i loses in this sub-step [kg/m3], with the enthalpy of gas of temperature_K from its internal energy (the
+  // gas's kinetic energy is not part of that).
+  void add(int i, const S& cp, const Constants& k, const S& density, const S& temperature_K) noexcept {
+    constexpr int per_group = GroupOf<S>::elements;
+    CellLoss& loss = loss_[static_cast<std::size_t>(i / per_group)];
+    const int at = i % per_group;
+    set_element<S>(loss.density, at, element<S>(loss.density, at) + density);
+    set_element<S>(loss.pressure, at, element<S>(loss.pressure, at) + density * k.kappa_minus_one * cp * temperature_K);
+  }
+
+  S leak_flow_{};
+  Branch<S> branch_;
+  std::vector<CellLoss> loss_;
+  bool leaking_ = false, branched_ = false;
+};
+
+}  // namespace pneuservo

@@ -10,6 +10,7 @@
 #include "config/test_rigs.hpp"
 
 using namespace pneuservo;
+using test::accepted;
 using test::refusal;
 using test::with;
 namespace fs = std::filesystem;
@@ -17,7 +18,6 @@ namespace fs = std::filesystem;
 namespace {
 
 const std::string plain = test::plain_rig;
-const std::string accepted;  // what refusal() says where nothing is wrong
 
 std::string file_refusal(const fs::path& file) {
   try {

@@ -6,13 +6,13 @@
 #include "config/test_rigs.hpp"
 
 using namespace pneuservo;
+using test::accepted;
 using test::refusal;
 using test::with;
 
 namespace {
 
 const std::string plain = test::plain_rig;
-const std::string accepted;  // what refusal() says where nothing is wrong
 
 std::string refusal_of_reference(const std::string& reference) {
   return refusal(with(plain, "{kind: sine, amplitude_m: 0.080, frequency_Hz: 1.0}", reference));

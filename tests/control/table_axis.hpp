@@ -1,7 +1,8 @@
 // The nominal servo table (chapter 2) with the two lines of the thesis, for tests.
 #pragma once
 #include <pneuservo/control/linear_servo_table.hpp>
-#include <pneuservo/rig/axis.hpp>
+
+#include "rig/nominal_axis.hpp"
 
 namespace pneuservo::test {
 
@@ -19,21 +20,19 @@ inline constexpr TableCase table_4mm{
 inline constexpr TableCase table_8mm{
     "8 mm", 1.0, 0.008, {cycle_rad * 102.0, 0.048}, {1500, 72.3, 1.79}, {1500, 60.0, 1.80}};
 
+/// What the table has beside the cylinder's axis: another valve with a spool of its own, equal sides, no friction.
 inline AxisParameters<double> table_axis(const TableCase& one) {
-  AxisParameters<double> axis;
+  AxisParameters<double> axis = nominal_axis(one.length_m, one.diameter_m);
   axis.supply.pressure_Pa = 251.3e3;
-  axis.valve.command_max_V = 1.6;
-  axis.valve.area_per_volt_m2_per_V = 3.1226e-6;
-  axis.valve.area_max_m2 = 5.0e-6;
-  axis.valve.critical_pressure_ratio = 0.4;
-  axis.valve.natural_frequency_Hz = 100.0;
-  axis.valve.damping_ratio = 0.7;
-  axis.line_1.length_m = axis.line_2.length_m = one.length_m;
-  axis.line_1.diameter_m = axis.line_2.diameter_m = one.diameter_m;
+  axis.valve = {.command_max_V = 1.6,
+                .area_per_volt_m2_per_V = 3.1226e-6,
+                .area_max_m2 = 5.0e-6,
+                .critical_pressure_ratio = 0.4,
+                .natural_frequency_Hz = 100.0,
+                .damping_ratio = 0.7};
   axis.cylinder.stroke_m = 0.140;
   axis.cylinder.area_1_m2 = axis.cylinder.area_2_m2 = 1.2e-3;
   axis.cylinder.dead_volume_1_m3 = axis.cylinder.dead_volume_2_m3 = 1.08e-4;
-  axis.cylinder.wall_heat_W_per_m2K = 50.0;
   axis.slider.mass_kg = 26.0;
   axis.slider.viscous_friction_Ns_per_m = 0.0;
   return axis;

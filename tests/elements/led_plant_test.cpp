@@ -6,19 +6,12 @@
 
 #include <pneuservo/rig/plant.hpp>
 
+#include "rig/nominal_axis.hpp"
+
 using namespace pneuservo;
 
 namespace {
-AxisParameters<double> nominal_axis() {
-  AxisParameters<double> axis;
-  axis.supply.pressure_Pa = 700e3;
-  axis.valve = {5.0, 2.6e-6, 1.3e-5, 0.35};
-  axis.line_1 = axis.line_2 = {5.0, 6.1e-3};
-  axis.cylinder = {0.3, 1.257e-3, 1.056e-3, 2e-5, 2e-5, 50.0};
-  axis.slider.mass_kg = 2.0;
-  axis.slider.viscous_friction_Ns_per_m = 60.0;
-  return axis;
-}
+AxisParameters<double> nominal_axis() { return test::nominal_axis(5.0, 6.1e-3); }
 double command_at(int k) { return 1.0 * std::sin(0.01 * k) + 0.1 * std::sin(0.07 * k); }
 
 /// A free run and its positions at the period's ends.

@@ -12,21 +12,14 @@
 #include <pneuservo/estimator/axis_estimator.hpp>
 #include <pneuservo/rig/plant.hpp>
 
+#include "rig/nominal_axis.hpp"
+
 using namespace pneuservo;
+using test::nominal_axis;
 
 namespace {
 using P = Pack<double, 2>;
 
-AxisParameters<double> nominal_axis(double L, double D) {
-  AxisParameters<double> axis;
-  axis.supply.pressure_Pa = 700e3;
-  axis.valve = {5.0, 2.6e-6, 1.3e-5, 0.35};
-  axis.line_1 = axis.line_2 = {L, D};
-  axis.cylinder = {0.3, 1.257e-3, 1.056e-3, 2e-5, 2e-5, 50.0};
-  axis.slider.mass_kg = 2.0;
-  axis.slider.viscous_friction_Ns_per_m = 60.0;
-  return axis;
-}
 AxisEstimator<P> make_estimator(const AxisParameters<double>& axis, double cells_per_m) {
   using Plant = AxisPlant<double>;
   AxisEstimator<P> estimator;

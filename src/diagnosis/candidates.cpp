@@ -172,17 +172,59 @@ Candidate effect_candidate(const std::string& name, const std::string& element, 
 
 void add_effects(const Rig& rig, const MotionRange& range, std::vector<Candidate>& out) {
   const ScaleTable scales{rig, range, ""};
+  const std::vector<FreeParameter> known = nuisances(rig, 0, 0);
   visit_effects(rig, [&](const Field& field, const auto& effect) {
     using Effect = std::remove_cvref_t<decltype(effect)>;
     if constexpr (requires { Effect::is_always_granted; }) return;
     // An effect that the owner knows is not missing: what may be wrong is its size, as of any other parameter.
     const std::string own = fmt::format("effects.{}.", field.key);
-    if (std::any_of(rig.tolerances.begin(), rig.tolerances.end(),
-                    [&](const auto& t) { return t.first.starts_with(own); }))
+    if (std::any_of(known.begin(), known.end(), [&](const FreeParameter& p) { return p.path.starts_with(own); }))
       return;
     out.push_back(effect_candidate<Effect>(std::string(field.key), on_its_side(Effect::element, field.key),
                                            on_its_side(Effect::family, field.key), CandidateKind::effect, scales));
   });
+}
+
+/// The size of an effect at a path, as of one that no owner knows.
+struct EffectSize {
+  double spread = 0;  ///< prior, in what is varied; 0: the path is none of an effect's sizes
+  std::string family;
+};
+EffectSize effect_size(const std::string& path, const ScaleTable& scales) {
+  EffectSize out;
+  visit_effects(scales.rig, [&](const Field& field, const auto& effect) {
+    using Effect = std::remove_cvref_t<decltype(effect)>;
+    for (const ParameterTrait& trait : Effect::traits)
+      if (path == fmt::format("effects.{}.{}", field.key, trait.key) && trait.variation == Variation::linear &&
+          trait.grid.empty())
+        out = {trait.spread * scales(trait.scale), on_its_side(Effect::family, field.key)};
+  });
+  return out;
+}
+
+/// A parameter that is off: a number that is read off by a tenth to eleven times itself, the size of an effect that the
+/// owner has guessed by as much as that of one that he does not know.
+Candidate parameter_candidate(const FreeParameter& known, const ScaleTable& scales) {
+  Candidate candidate;
+  candidate.name = "parameter:" + known.path;
+  candidate.element = element_of_path(known.path);
+  candidate.kind = CandidateKind::parameter;
+  const EffectSize size = effect_size(known.path, scales);
+  candidate.is_guessed = size.spread > 0;
+  candidate.family = candidate.is_guessed ? size.family : candidate.name;
+  FreeParameter free = known;
+  const double magnitude = std::abs(known.center);
+  free.spread = std::max(wide_parameter_spread * magnitude, size.spread);
+  free.lower = candidate.is_guessed ? -widest_z : (known.center < 0 ? -10 : -0.9) * magnitude / free.spread;
+  free.upper = candidate.is_guessed ? widest_z : (known.center < 0 ? 0.9 : 10) * magnitude / free.spread;
+  keep_in_range(free, parameter_paths(scales.rig));
+  free.step = known.step * known.spread / free.spread;
+  candidate.parameters = {free};
+  candidate.negligible = {0.0};
+  candidate.neutral = {free.center};
+  candidate.starts = {{0.0}};
+  candidate.amplitude = {1};
+  return candidate;
 }
 
 void add_sensors(const Rig& rig, const MotionRange& range, const std::vector<ResidualChannel>& channels,
@@ -328,24 +370,8 @@ std::vector<Candidate> all_candidates(const Rig& rig, const std::vector<Residual
                                       const MotionRange& range) {
   std::vector<Candidate> out;
   add_effects(rig, range, out);
-  const std::vector<ParameterPath> known_paths = parameter_paths(rig);
-  for (const FreeParameter& known : nuisances(rig, 0, 0)) {
-    FreeParameter free = known;
-    free.spread = wide_parameter_spread * std::abs(known.center);
-    free.lower = -0.9 / wide_parameter_spread;
-    free.upper = 10 / wide_parameter_spread;
-    keep_in_range(free, known_paths);
-    free.step = known.step * known.spread / free.spread;
-    out.push_back({"parameter:" + free.path,
-                   element_of_path(free.path),
-                   CandidateKind::parameter,
-                   {free},
-                   {0.0},
-                   {free.center},
-                   {{0.0}},
-                   {1},
-                   "parameter:" + free.path});
-  }
+  for (const FreeParameter& known : nuisances(rig, 0, 0))
+    out.push_back(parameter_candidate(known, ScaleTable{rig, range, ""}));
   add_sensors(rig, range, channels, out);
   return out;
 }

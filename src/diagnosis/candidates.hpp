@@ -27,6 +27,7 @@ struct Candidate {
   std::vector<char> amplitude;  ///< of each parameter: found by its derivative
   std::string family;  ///< names that mimic each other; all are refitted when one is
   bool is_mimicked_by_small_physics = false;  ///< has no name beside small physics that is everywhere
+  bool is_guessed = false;  ///< the size of an effect that the config has: no owner can read it off
 };
 
 /// Every candidate that the rig and the channels allow, in the order of the vocabulary. `tolerances` of the rig name

@@ -243,11 +243,11 @@ Decision chosen_chain(ResidualModel& model, const Search& search, const Decision
   return decision;
 }
 
-/// Whether a parameter would have to be off by more than any owner errs.
+/// Whether a parameter would have to be off by more than any owner errs; what is guessed may be off by any factor.
 bool has_absurd_parameter(const Explanation& explanation, const Search& search, const DecisionRules& rules) {
   return std::any_of(explanation.members.begin(), explanation.members.end(), [&](std::size_t m) {
     const Candidate& candidate = search.candidates()[m];
-    if (candidate.kind != CandidateKind::parameter) return false;
+    if (candidate.kind != CandidateKind::parameter || candidate.is_guessed) return false;
     const double ratio = own_value(explanation, candidate.parameters[0].path) / candidate.neutral[0];
     return ratio > rules.farthest_parameter || ratio * rules.farthest_parameter < 1;
   });
@@ -284,6 +284,13 @@ bool is_small_remainder(const Decision& decision, const Search& search, const De
   const double largest = taken >= rules.nearly_all_share ? rules.nearly_all_remainder : rules.small_remainder;
   return taken >= rules.taken_share && decision.levels.highest() < largest &&
          decision.levels.held_out_excess() < rules.small_held_out_excess;
+}
+
+/// Whether the owner's model stands clearly above the chosen one's mean square, or above one where the chosen one does
+/// too. Where the floor has grown too large both are below one, and their ratio counts.
+bool is_owner_refuted(const Search& search, const Decision& decision, const DecisionRules& rules) {
+  const double chosen = decision.chosen->fit.chi2(), rows = static_cast<double>(decision.chosen->fit.residual.size());
+  return search.owner().fit.chi2() >= rules.refuted_level * std::min(chosen, rows);
 }
 
 }  // namespace
@@ -328,7 +335,7 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
     if (was > 1) most = std::max(most, 1 - is / was);
   }
   const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
-                        search.owner_level() >= rules.refuted_level && most >= rules.named_share &&
+                        is_owner_refuted(search, decision, rules) && most >= rules.named_share &&
                         !has_absurd_parameter(*decision.chosen, search, rules);
   const bool is_periodic = find_periodic_force(model, rules, is_named ? rules.periodic_share : told_share, decision);
   if (!is_periodic && is_named) return decision;

@@ -34,8 +34,9 @@ struct DecisionRules {
   // A machine that leaves something everywhere (a little of everything that the model leaves out).
   double stretched_tolerance = 2.9;  ///< a fit beyond so many tolerances stands at the end of their range,
   std::size_t stretched_count = 3;   ///< and so many of them are no owner's errors any more
+  std::size_t most_names = 3;  ///< sought; a verdict of so many is doubted as one beyond the tolerances is
   double doubted_left = 1.5;  ///< of the squared residual of what is doubted: the most that small physics leaves
-  double refuted_level = 1.25;  ///< of the owner's mean square, in the floor that the best name leaves
+  double refuted_level = 1.25;  ///< of the owner's mean square over the best name's, or over one
   double periodic_share = 0.5;  ///< of a force's squared residual in motion: what makes it a periodic force
   double named_share = 0.5;  ///< of the squared residual of one channel: what a name must take there
   double farthest_parameter = 3;  ///< a parameter off by more than this factor has the pattern of something else

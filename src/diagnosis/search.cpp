@@ -28,6 +28,9 @@ constexpr double settled_evidence = 0.3;
 
 /// Where a sensor's fault and a physical effect are the same model, the physical one is the likelier.
 constexpr double sensor_log_prior = -1;
+/// An owner who gives a tolerance has looked: where a size far outside it and physics that nobody has looked for are
+/// the same model, the physics is the likelier.
+constexpr double guessed_log_prior = -2;
 
 bool same_parameter(const FreeParameter& a, const FreeParameter& b) {
   return a.start_factor == b.start_factor && a.path == b.path;
@@ -112,6 +115,14 @@ std::vector<Screened> Search::worth_refitting(std::vector<Screened> screened, st
   return screened;
 }
 
+void Search::add_known(std::vector<Screened>& chosen) const {
+  for (const KnownStart& known : settings_.known_starts)
+    for (std::size_t i = 0; i < candidates_.size(); ++i)
+      if (candidates_[i].name == known.name &&
+          std::none_of(chosen.begin(), chosen.end(), [&](const Screened& s) { return s.candidate == i; }))
+        chosen.push_back({i, 0, known.z, {}});
+}
+
 void Search::refit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& chosen) {
   std::vector<std::vector<Screened>> sets;
   sets.reserve(chosen.size());
@@ -172,8 +183,10 @@ void Search::refit(const Fit& base, const std::vector<std::size_t>& members,
 
 double Search::log_evidence(const Explanation& explanation) const {
   double prior = 0;
-  for (const std::size_t member : explanation.members)
+  for (const std::size_t member : explanation.members) {
     if (candidates_[member].kind == CandidateKind::sensor) prior += sensor_log_prior;
+    if (candidates_[member].is_guessed) prior += guessed_log_prior;
+  }
   return explanation.fit.log_evidence() + prior;
 }
 
@@ -270,7 +283,9 @@ void Search::search_singles() {
   first_screening_ = screening.singles();
   first_pairs_ = screening.best_pairs(settings_.pairs);
   tell(0.25, "refits");
-  refit(base, {}, worth_refitting(first_screening_, settings_.refits));
+  std::vector<Screened> chosen = worth_refitting(first_screening_, settings_.refits);
+  add_known(chosen);
+  refit(base, {}, chosen);
   add_families(base, {}, first_screening_);
   if (bent) {
     // Far from its truth an explanation may promise little at the owner's values and all beside the best that the
@@ -424,6 +439,17 @@ void Search::run() {
 const Explanation* Search::best_of(std::size_t members) const {
   const std::vector<const Explanation*> ranked = ranking(members);
   return ranked.empty() ? nullptr : ranked.front();
+}
+
+std::vector<KnownStart> Search::best_starts(std::size_t most) const {
+  std::vector<KnownStart> out;
+  for (const Explanation* e : ranking(1)) {
+    if (out.size() == most) break;
+    if (candidates_[e->members.front()].is_mimicked_by_small_physics) continue;
+    const double* z = e->fit.z.data();
+    out.push_back({candidates_[e->members.front()].name, {z, z + e->fit.own_count}});
+  }
+  return out;
 }
 
 std::vector<const Explanation*> Search::ranking(std::size_t members) const {

@@ -19,6 +19,12 @@ struct Explanation {
   double log_evidence = -1e300;
 };
 
+/// Where a search before this one ended with a name.
+struct KnownStart {
+  std::string name;
+  std::vector<double> z;  ///< of the candidate's parameters
+};
+
 /// How much work a search does.
 struct SearchSettings {
   std::size_t refits = 8;       ///< candidates refitted after the first screening
@@ -31,6 +37,7 @@ struct SearchSettings {
   std::size_t most_effects = 3;
   double settled_gain = 0.1;    ///< in chi2: a fit that a step improves by less is at its end
   std::vector<FreeParameter> small_physics;  ///< nuisances beside the tolerances
+  std::vector<KnownStart> known_starts;      ///< names refitted from there where the screening leaves them out
   /// Whether the model's slow error follows what is left: first by the owner's model, then by the best single name.
   bool grow_floor = false;
 };
@@ -57,11 +64,11 @@ class Search {
   std::vector<const Explanation*> ranking(std::size_t members) const;
   /// The best of that many members; nullptr where there is none.
   const Explanation* best_of(std::size_t members) const;
+  /// Where the best single names stand that small physics does not mimic, for a search after this one.
+  std::vector<KnownStart> best_starts(std::size_t most) const;
   /// Gain of the best single name in log evidence on the floor that the owner's model leaves: the smaller of two, where
   /// the floor has been taken anew since.
   double first_gain() const { return first_gain_; }
-  /// Mean square of the owner's model over the fitted rows, in the floor as it stands: above 1 it is refuted by it.
-  double owner_level() const { return owner_.fit.chi2() / static_cast<double>(rows_.count()); }
   /// What each candidate would gain alone on the owner's fit.
   const std::vector<Screened>& first_screening() const { return first_screening_; }
 
@@ -70,6 +77,7 @@ class Search {
   Fit continued_fit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& added) const;
   std::vector<std::size_t> others(const std::vector<std::size_t>& members) const;
   std::vector<Screened> worth_refitting(std::vector<Screened> screened, std::size_t count) const;
+  void add_known(std::vector<Screened>& chosen) const;
   void refit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& chosen);
   void refit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<std::vector<Screened>>& sets);
   void add_families(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& screened);

@@ -15,6 +15,9 @@ die() {
 
 jobs_of_this_machine() { nproc 2>/dev/null || echo 2; }
 
+# Where quietly notes what failed.
+failure_list=$root/build/log/failures
+
 # quietly NAME COMMAND...: runs the command, shows its output only when it fails.
 quietly() {
   local name=$1 log status=0
@@ -25,8 +28,20 @@ quietly() {
   if ((status != 0)); then
     tail -n 60 "$log" >&2
     say "failed with status $status (all output: $log): $*"
+    printf '%s\t%s\n' "$log" "status $status: $*" >>"$failure_list"
   fi
   return "$status"
+}
+
+# failures_again LINES: the last lines of what failed since failure_list was removed; what came between has pushed them
+# out of sight.
+failures_again() {
+  local log what
+  [[ -e $failure_list ]] || return 0
+  while IFS=$'\t' read -r log what; do
+    say "$what"
+    tail -n "$1" "$log" >&2
+  done <"$failure_list"
 }
 
 # configure PRESET [CMAKE OPTION]...

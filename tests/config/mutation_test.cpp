@@ -9,6 +9,7 @@
 #include "config/read_rig.hpp"
 #include "config/same_rig.hpp"
 #include "config/test_rigs.hpp"
+#include "core/test_seed.hpp"
 
 using namespace pneuservo;
 
@@ -39,8 +40,7 @@ std::string damaged(std::string text, std::mt19937& random) {
 }  // namespace
 
 TEST_CASE("a damaged config reads or is refused with its line") {
-  const char* stated = std::getenv("PNEUSERVO_TEST_SEED");
-  const unsigned seed = stated != nullptr ? static_cast<unsigned>(std::strtoul(stated, nullptr, 10)) : 20261121u;
+  const unsigned seed = test::stated_seed().value_or(20261121u);
   INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   std::mt19937 random(seed);
   const std::string text = std::string(test::plain_rig) +

@@ -7,6 +7,7 @@
 #include <pneuservo/control/smoothstep.hpp>
 
 #include "control/reference_kinds.hpp"
+#include "core/test_seed.hpp"
 
 using namespace pneuservo;
 using namespace pneuservo::test;
@@ -68,8 +69,8 @@ TEST_CASE("moves and the ramped sine give known values") {
 }
 
 TEST_CASE("every derivative is the slope of the one below, for every kind") {
-  const unsigned seed = std::random_device{}();
-  INFO("seed " << seed);
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> time(-0.1, 2.6);
   constexpr double h = 1e-4;

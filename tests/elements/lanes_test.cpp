@@ -11,15 +11,11 @@
 #include <pneuservo/core/random.hpp>
 #include <pneuservo/rig/plant.hpp>
 
+#include "core/test_seed.hpp"
+
 using namespace pneuservo;
 
 namespace {
-// A new seed each run, printed with a failure; PNEUSERVO_SEED repeats one.
-std::uint64_t new_seed() {
-  if (const char* given = std::getenv("PNEUSERVO_SEED")) return std::strtoull(given, nullptr, 10);
-  return std::random_device{}();
-}
-
 bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
 LineParameters<double> random_line(Random& random) {
@@ -84,8 +80,8 @@ template <class P> P random_lanes(Random& random, double low, double high) {
 
 TEMPLATE_TEST_CASE("a line in a lane is the scalar line, guards included", "", (Pack<double, 2>), (Pack<double, 4>),
                    (Pack<double, 8>)) {
-  const std::uint64_t seed = new_seed();
-  INFO("seed " << seed);
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   Random random(seed);
   constexpr int lanes = ScalarTraits<TestType>::lanes;
   std::int64_t guards = 0;
@@ -118,6 +114,10 @@ TEMPLATE_TEST_CASE("a line in a lane is the scalar line, guards included", "", (
       if (k % 20 == 0) port = random_lanes<TestType>(random, 0.5e5, 12e5);
       if (k % 30 == 0)
         chamber = {random_lanes<TestType>(random, 1e5, 8e5), random_lanes<TestType>(random, 240.0, 380.0)};
+      if (k == 380) {  // for the guards of those whose own jumps were small
+        port = TestType(0.2e5);
+        chamber.pressure_Pa = TestType(40e5);
+      }
       const auto flow = packed.step_prescribed(port, chamber);
       for (int i = 0; i < lanes; ++i) {
         auto& s = scalar[static_cast<std::size_t>(i)];
@@ -147,8 +147,8 @@ TEMPLATE_TEST_CASE("a line in a lane is the scalar line, guards included", "", (
 
 TEMPLATE_TEST_CASE("a chamber in a lane is the scalar chamber", "", (Pack<double, 2>), (Pack<double, 4>),
                    (Pack<double, 8>)) {
-  const std::uint64_t seed = new_seed();
-  INFO("seed " << seed);
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   Random random(seed);
   constexpr int lanes = ScalarTraits<TestType>::lanes;
   const ChamberGeometry<TestType> geometry{random_lanes<TestType>(random, 5e-4, 2e-3),
@@ -181,8 +181,8 @@ TEMPLATE_TEST_CASE("a chamber in a lane is the scalar chamber", "", (Pack<double
 
 TEMPLATE_TEST_CASE("an axis in a lane is the scalar axis, whatever its neighbours do", "", (Pack<double, 2>),
                    (Pack<double, 4>), (Pack<double, 8>)) {
-  const std::uint64_t seed = new_seed();
-  INFO("seed " << seed);
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   Random random(seed);
   constexpr int lanes = ScalarTraits<TestType>::lanes;
   for (int round = 0; round < 4; ++round) {

@@ -11,16 +11,14 @@
 #include "can/slcan_codec.hpp"
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
+#include "core/test_seed.hpp"
 #include "hal/device_bus.hpp"
 
 using namespace pneuservo;
 
 namespace {
 
-unsigned stated_seed() {
-  const char* stated = std::getenv("PNEUSERVO_TEST_SEED");
-  return stated != nullptr ? static_cast<unsigned>(std::strtoul(stated, nullptr, 10)) : 20261122u;
-}
+unsigned stated_seed() { return test::stated_seed().value_or(20261122u); }
 
 /// 10 million in full length.
 int frames_to_try() { return std::getenv("PNEUSERVO_LONG") != nullptr ? 10'000'000 : 200'000; }

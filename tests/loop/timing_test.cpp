@@ -6,6 +6,8 @@
 
 #include <pneuservo/loop/timing.hpp>
 
+#include "core/test_seed.hpp"
+
 using namespace pneuservo;
 
 TEST_CASE("bins cover the times without gap or overlap, at most 1.6 % wide") {
@@ -47,8 +49,8 @@ TEST_CASE("percentiles of known counts") {
 }
 
 TEST_CASE("percentiles are those of the sorted times to the bin's width") {
-  const auto seed = std::random_device{}();
-  CAPTURE(seed);
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   std::mt19937_64 random(seed);
   std::lognormal_distribution<double> time_ns(9.0, 2.0);
   std::vector<std::int64_t> times(20'000);

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "config/input_error.hpp"
+#include "core/test_seed.hpp"
 #include "record/files.hpp"
 
 using namespace pneuservo;
@@ -135,8 +136,8 @@ TEST_CASE("unusable files are one clear sentence with file and line") {
 }
 
 TEST_CASE("a file cut anywhere gives its whole rows and says where it ends, or is refused") {
-  const unsigned seed = std::random_device{}();
-  CAPTURE(seed);
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   std::mt19937 generator(seed);
   std::uniform_real_distribution<double> value(-1.0, 1.0);
   const TemporaryFolder folder;
@@ -172,17 +173,17 @@ TEST_CASE("a file cut anywhere gives its whole rows and says where it ends, or i
   }
   REQUIRE(most >= 1999);
 
-  // Wrong bytes: never a crash, and never silent.
+  // Wrong bytes: never a crash, and never silent. The bits that fill the last byte before a flush carry nothing: one of
+  // 10 000 changes hits no other, and the file reads as before.
   for (int i = 0; i < 200; ++i) {
     std::string wrong = bytes;
     const std::size_t at = 20 + generator() % (wrong.size() - 20);
     wrong[at] = static_cast<char>(wrong[at] ^ (1 + generator() % 255));
     CAPTURE(at);
-    bool told = false;
     try {
-      told = !read_recording(put_plain(folder.file("wrong.csv.gz"), wrong)).problems.empty();
-    } catch (const InputError&) { told = true; }
-    REQUIRE(told);
+      const Recording read = read_recording(put_plain(folder.file("wrong.csv.gz"), wrong));
+      if (read.problems.empty()) REQUIRE((read.t_s() == all.t_s() && read.column("x_m") == all.column("x_m")));
+    } catch (const InputError&) { continue; }
   }
 }
 

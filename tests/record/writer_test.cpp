@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "config/input_error.hpp"
+#include "core/test_seed.hpp"
 #include "record/files.hpp"
 #include "record/writer.hpp"
 
@@ -66,8 +67,8 @@ void require_same(const std::string& path, const std::vector<Row>& rows, const s
 }  // namespace
 
 TEST_CASE("any numbers read back to the same bits, from the caller's thread and from the writer's") {
-  const unsigned seed = std::random_device{}();
-  CAPTURE(seed);
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   const auto rows = random_rows(3000, seed);
   const TemporaryFolder folder;
   const RecordingHeader header("bits", 0.0002);

@@ -49,6 +49,15 @@ TEST_CASE("a sine is judged over the second half of the run, against the true po
   REQUIRE(metrics.command_step_rms_V == Approx(0.005));
 }
 
+TEST_CASE("a stretch of lost rows leaves the figures to the others") {
+  auto rows = sine_rows();
+  rows.erase(rows.begin() + 7000, rows.begin() + 7030);
+  const Metrics metrics = evaluate(sine_rig(), rows);
+  REQUIRE(metrics.max_position_error_m == Approx(0.003).epsilon(1e-4));
+  REQUIRE(metrics.rms_position_error_m == Approx(0.003 / std::sqrt(2.0)).epsilon(5e-3));
+  REQUIRE(metrics.rms_estimation_error_Pa == Approx(640.0 / std::sqrt(2.0)).epsilon(5e-3));
+}
+
 TEST_CASE("without truth the encoder is judged, and there is no estimation error") {
   auto rows = sine_rows();
   for (Row& row : rows) row.x_true_m = row.p1_chamber_true_Pa = row.p2_chamber_true_Pa = Row::none;

@@ -8,6 +8,7 @@
 
 #include "diagnosis/held_out.hpp"
 #include "diagnosis/imposed_run.hpp"
+#include "diagnosis/recorded_rigs.hpp"
 #include "record/reader.hpp"
 
 namespace pneuservo {
@@ -22,6 +23,7 @@ struct CylinderRecording {
   std::vector<double> position_m;              ///< as measured; NaN: no value
   std::array<std::vector<double>, gas_channels> measured_Pa;  ///< empty: no such column; NaN: no value
   HeldOut held_out;
+  MachineChanges changes;    ///< of the owner's rig while it was made
   std::vector<char> usable;  ///< may be compared: known inputs, and the gas has forgotten the start
 
   std::size_t samples() const { return position_m.size(); }

@@ -102,6 +102,7 @@ CylinderResiduals::CylinderResiduals(const Rig& owner, const std::vector<Recordi
   for (const Recording& recording : recordings) {
     recordings_.push_back(prepare_recording(recording, settings.longest_s));
     recordings_.back().held_out = {any_held_out(recordings), recording.is_held_out};
+    recordings_.back().changes = machine_changes(owner, recording);
   }
   const double position_noise = owner.sensors.position.rms_m();
   for (const CylinderRecording& recording : recordings_)
@@ -159,8 +160,9 @@ double CylinderResiduals::force_noise(std::size_t count) const {
 
 void CylinderResiduals::declare_rows() {
   std::vector<PossibleRinging> ringing(recordings_.size());
+  const RecordedRigs rigs(owner_, recordings_);
   in_parallel(recordings_.size(), jobs_, [&](std::size_t r) {
-    ringing[r] = possible_ringing(recordings_[r].inputs, owner_, grid_for(owner_, ringing_effort));
+    ringing[r] = possible_ringing(recordings_[r].inputs, rigs[r], grid_for(owner_, ringing_effort));
   });
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
     const CylinderRecording& recording = recordings_[r];
@@ -233,7 +235,7 @@ void CylinderResiduals::declare_answer(Stretch& stretch) {
   if (stretch.answer.rows() == 0) return;
   const Hypothesis owner{owner_, {}};
   const auto gas = gas_->of(std::span(&owner, 1));
-  const SampledCourse course = course_of(owner_, *gas[0][stretch.recording], stretch);
+  const SampledCourse course = course_of(RecordedRigs(owner_, recordings_), *gas[0][stretch.recording], stretch);
   const double size = stretch.answer.of(course.simulated).norm();
   if (!std::isfinite(size)) {
     stretch.answer = {};
@@ -304,8 +306,9 @@ CylinderResiduals::SampledCourse CylinderResiduals::force_course(const Rig& rig,
   return out;
 }
 
-CylinderResiduals::SampledCourse CylinderResiduals::course_of(const Rig& rig, const GasCourse& gas,
+CylinderResiduals::SampledCourse CylinderResiduals::course_of(const RecordedRigs& rigs, const GasCourse& gas,
                                                               const Stretch& stretch) const {
+  const Rig& rig = rigs[stretch.recording];
   if (gas_channel_[stretch.channel] < 0) return force_course(rig, gas, stretch.recording);
   const auto channel = static_cast<std::size_t>(gas_channel_[stretch.channel]);
   const CylinderRecording& data = recordings_[stretch.recording];
@@ -314,8 +317,9 @@ CylinderResiduals::SampledCourse CylinderResiduals::course_of(const Rig& rig, co
 
 Eigen::VectorXd CylinderResiduals::plain_column(const Rig& rig, const std::vector<GasRuns::Course>& gas) const {
   Eigen::VectorXd out(static_cast<Eigen::Index>(rows_.size()));
+  const RecordedRigs rigs(rig, recordings_);
   for (const Stretch& stretch : stretches_) {
-    const SampledCourse course = course_of(rig, *gas[stretch.recording], stretch);
+    const SampledCourse course = course_of(rigs, *gas[stretch.recording], stretch);
     double* row = out.data() + stretch.first_row;
     for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
       const Bin& bin = stretch.bins[b];
@@ -413,8 +417,9 @@ std::vector<ChannelMisfit> CylinderResiduals::sample_misfit(const Hypothesis& hy
   const auto gas = gas_->of(std::vector<Hypothesis>{hypothesis});
   std::vector<ChannelMisfit> out(channels_.size());
   std::vector<std::array<double, 2>> squares(channels_.size()), counts(channels_.size());
+  const RecordedRigs rigs(hypothesis.rig, recordings_);
   for (const Stretch& stretch : stretches_) {
-    const SampledCourse course = course_of(hypothesis.rig, *gas[0][stretch.recording], stretch);
+    const SampledCourse course = course_of(rigs, *gas[0][stretch.recording], stretch);
     for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
       const std::size_t held_out = rows_[stretch.first_row + b].held_out;
       for (std::size_t k = stretch.bins[b].first; k < stretch.bins[b].first + stretch.bins[b].count; ++k) {
@@ -431,9 +436,10 @@ std::vector<ChannelMisfit> CylinderResiduals::sample_misfit(const Hypothesis& hy
 
 std::vector<ResidualCourse> CylinderResiduals::courses(const Hypothesis& hypothesis) {
   const auto gas = gas_->of(std::vector<Hypothesis>{hypothesis});
+  const RecordedRigs rigs(hypothesis.rig, recordings_);
   std::vector<ResidualCourse> out;
   for (const Stretch& stretch : stretches_) {
-    const SampledCourse course = course_of(hypothesis.rig, *gas[0][stretch.recording], stretch);
+    const SampledCourse course = course_of(rigs, *gas[0][stretch.recording], stretch);
     ResidualCourse compared{static_cast<int>(stretch.channel), static_cast<int>(stretch.recording), {}, {}, {}};
     for (std::size_t k = 0; k < stretch.usable.size(); ++k) {
       if (!stretch.usable[k]) continue;

@@ -62,7 +62,7 @@ class CylinderResiduals final : public ResidualModel {
   double largest_ringing(const PossibleRinging& ringing, std::size_t recording, std::size_t channel, std::size_t first,
                          std::size_t count) const;
   double force_noise(std::size_t count) const;  ///< of the mean of `count` neighbouring values
-  SampledCourse course_of(const Rig& rig, const GasCourse& gas, const Stretch& stretch) const;
+  SampledCourse course_of(const RecordedRigs& rigs, const GasCourse& gas, const Stretch& stretch) const;
   SampledCourse force_course(const Rig& rig, const GasCourse& gas, std::size_t recording) const;
   std::vector<double> chamber_pressure(const Rig& rig, const GasCourse& gas, std::size_t recording,
                                        std::size_t side) const;

@@ -313,8 +313,8 @@ void add_next_experiment(const Rig& rig, const ResidualModel& model, const Decis
   const bool has_rivals = out.verdict != Verdict::consistent && out.verdict != Verdict::unknown;
   if (!options.virtual_machine || !has_rivals || out.stopped) return;
   if (options.progress) options.progress(0.97, "next experiment");
-  const CompareRecording compare = [&](const Rig& changed, const Recording& recording) {
-    return make_residual_model(changed, {with_compared_columns(recording, model.channels())}, options.jobs);
+  const CompareRecording compare = [&](const Recording& recording) {
+    return make_residual_model(rig, {with_compared_columns(recording, model.channels())}, options.jobs);
   };
   out.next_experiment = propose_experiment(rig, decision, search, options.rules,
                                            motion_range(model.rows()).top_speed_mps, options.virtual_machine, compare);
@@ -388,6 +388,12 @@ Decision with_small_physics(const Rig& rig, FittedRows& rows, std::vector<Candid
 
 std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int jobs) {
   const int threads = jobs > 0 ? jobs : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  if (rig.kind == RigKind::vessel || rig.kind == RigKind::switched_cylinder)
+    for (const Recording& recording : recordings)
+      if (!recording.changed.empty())
+        throw InputError(fmt::format("{}: found a changed {}, expected none: recordings of a {} share one config",
+                                     recording.path, recording.changed.front().first,
+                                     rig_kind_names[static_cast<std::size_t>(rig.kind)]));
   if (rig.kind == RigKind::driven_axis) return std::make_unique<DrivenAxisResiduals>(rig, recordings);
   if (rig.kind == RigKind::vessel) return std::make_unique<VesselResiduals>(rig, recordings, threads);
   if (rig.kind == RigKind::switched_cylinder) return std::make_unique<StrokeResiduals>(rig, recordings, threads);
@@ -463,6 +469,9 @@ Diagnosis diagnose(const Rig& rig, const std::vector<Recording>& recordings, con
   Diagnosis out = diagnose(rig, *model, options);
   for (const Recording& recording : recordings) {
     out.recordings.push_back(recording.path);
+    for (const auto& [path, value] : recording.changed)
+      out.warnings.push_back(fmt::format("{}: made with {} = {:g} instead of {:g}, and compared so", recording.path,
+                                         path, value, get_parameter(rig, path)));
     for (const std::string& line : problem_lines(recording)) out.warnings.push_back(line);
   }
   return out;

@@ -74,9 +74,7 @@ struct ProposedExperiment {
   std::vector<std::pair<std::string, double>> keys;  ///< the setup as config paths and values
 
   /// How the recording is to be diagnosed for the separation to hold.
-  const char* use() const {
-    return keys.empty() ? "together with the recordings so far" : "alone, with the proposal's file as config";
-  }
+  std::string use() const;
 };
 
 struct Diagnosis {

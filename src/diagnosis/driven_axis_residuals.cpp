@@ -109,7 +109,8 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
             {},
             {},
             {},
-            {has_held_out_, recording.is_held_out}};
+            {has_held_out_, recording.is_held_out},
+            machine_changes(rig, recording)};
   // Held over the period: around a row the mean of its own force and the one before it.
   std::vector<double> middle(force.size());
   for (std::size_t i = 0; i < force.size(); ++i) {
@@ -199,9 +200,10 @@ std::pair<std::vector<double>, std::vector<double>> DrivenAxisResiduals::forces(
 Eigen::MatrixXd DrivenAxisResiduals::residuals(std::span<const Hypothesis> hypotheses) {
   Eigen::MatrixXd out(static_cast<Eigen::Index>(rows_.size()), static_cast<Eigen::Index>(hypotheses.size()));
   for (std::size_t h = 0; h < hypotheses.size(); ++h) {
+    const RecordedRigs rigs(hypotheses[h].rig, parts_);
     std::vector<std::pair<std::vector<double>, std::vector<double>>> sides;
     sides.reserve(parts_.size());
-    for (const Part& part : parts_) sides.push_back(forces(part, hypotheses[h].rig));
+    for (std::size_t p = 0; p < parts_.size(); ++p) sides.push_back(forces(parts_[p], rigs[p]));
     for (std::size_t b = 0; b < bins_.size(); ++b) {
       const Bin& bin = bins_[b];
       double sum = 0;
@@ -216,8 +218,10 @@ Eigen::MatrixXd DrivenAxisResiduals::residuals(std::span<const Hypothesis> hypot
 
 std::vector<ChannelMisfit> DrivenAxisResiduals::sample_misfit(const Hypothesis& hypothesis) {
   double fitted = 0, held_out = 0, fitted_count = 0, held_out_count = 0;
-  for (const Part& part : parts_) {
-    const auto [drive, needed] = forces(part, hypothesis.rig);
+  const RecordedRigs rigs(hypothesis.rig, parts_);
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    const Part& part = parts_[p];
+    const auto [drive, needed] = forces(part, rigs[p]);
     for (std::size_t i = 0; i < drive.size(); ++i) {
       if (!part.usable[i]) continue;
       const double square = (needed[i] - drive[i]) * (needed[i] - drive[i]);
@@ -230,9 +234,10 @@ std::vector<ChannelMisfit> DrivenAxisResiduals::sample_misfit(const Hypothesis& 
 }
 
 std::vector<ResidualCourse> DrivenAxisResiduals::courses(const Hypothesis& hypothesis) {
+  const RecordedRigs rigs(hypothesis.rig, parts_);
   std::vector<ResidualCourse> out;
   for (std::size_t p = 0; p < parts_.size(); ++p) {
-    const auto [drive, needed] = forces(parts_[p], hypothesis.rig);
+    const auto [drive, needed] = forces(parts_[p], rigs[p]);
     ResidualCourse course{0, static_cast<int>(p), {}, {}, {}};
     for (std::size_t i = 0; i < drive.size(); ++i) {
       if (!parts_[p].usable[i]) continue;

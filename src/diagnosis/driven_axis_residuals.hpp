@@ -6,6 +6,7 @@
 
 #include "diagnosis/force_balance.hpp"
 #include "diagnosis/held_out.hpp"
+#include "diagnosis/recorded_rigs.hpp"
 #include "diagnosis/residual_model.hpp"
 #include "record/reader.hpp"
 
@@ -31,6 +32,7 @@ class DrivenAxisResiduals : public ResidualModel {
     std::vector<char> usable;
     std::array<std::vector<double>, 2> pressure_Pa;  ///< of the chambers, smoothed; empty: no piston
     HeldOut held_out;
+    MachineChanges changes;  ///< of the owner's rig while it was recorded
   };
   struct Bin {
     std::size_t part, first, count;

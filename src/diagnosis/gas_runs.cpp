@@ -64,25 +64,24 @@ GasRuns::GasRuns(const Rig& owner, const std::vector<CylinderRecording>& recordi
   set_working_point({owner, {}});
 }
 
-GasRuns::Key GasRuns::key_of(const Hypothesis& hypothesis, std::size_t recording) const {
-  AxisParameters<double> axis = hypothesis.rig.axis;
+GasRuns::Key GasRuns::key_of(const ImposedRun& run, std::size_t recording) const {
+  AxisParameters<double> axis = run.rig->axis;
   axis.slider = {};
   axis.effects.motion = {};
   Key key;
   const NumberCollector collect{key};
   AxisParameters<double>::visit(collect, axis);
-  SensorEffects<double>::visit(collect, hypothesis.rig.sensor_effects[0]);
+  SensorEffects<double>::visit(collect, run.rig->sensor_effects[0]);
   for (const std::size_t sensor : recordings_[recording].inputs.start_sensor)
-    SensorEffects<double>::visit(collect, hypothesis.rig.sensor_effects[sensor]);
-  for (const double factor : run_of(hypothesis, recording).start_factor) key.push_back(factor);
+    SensorEffects<double>::visit(collect, run.rig->sensor_effects[sensor]);
+  for (const double factor : run.start_factor) key.push_back(factor);
   return key;
 }
 
-ImposedRun GasRuns::run_of(const Hypothesis& hypothesis, std::size_t recording) const {
-  ImposedRun run{&hypothesis.rig, {}};
+ImposedRun GasRuns::run_of(const RecordedRigs& rigs, const std::vector<double>& start_factors, std::size_t recording) {
+  ImposedRun run{&rigs[recording], {}};
   for (std::size_t side = 0; side < 2; ++side)
-    if (2 * recording + side < hypothesis.start_factors.size())
-      run.start_factor[side] = hypothesis.start_factors[2 * recording + side];
+    if (2 * recording + side < start_factors.size()) run.start_factor[side] = start_factors[2 * recording + side];
   return run;
 }
 
@@ -99,9 +98,13 @@ void GasRuns::remember(std::size_t recording, Key key, Course course) {
 
 std::vector<std::vector<GasRuns::Course>> GasRuns::of(std::span<const Hypothesis> hypotheses) {
   std::vector<std::vector<Course>> out(hypotheses.size(), std::vector<Course>(recordings_.size()));
+  std::vector<RecordedRigs> rigs;
+  rigs.reserve(hypotheses.size());
+  for (const Hypothesis& hypothesis : hypotheses) rigs.emplace_back(hypothesis.rig, recordings_);
   struct Batch {
     std::size_t recording;
     std::vector<std::size_t> hypotheses;
+    std::vector<ImposedRun> runs;
     std::vector<Key> keys;
     std::vector<Course> courses;
   };
@@ -110,7 +113,8 @@ std::vector<std::vector<GasRuns::Course>> GasRuns::of(std::span<const Hypothesis
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
     std::map<Key, std::size_t> wanted;
     for (std::size_t i = 0; i < hypotheses.size(); ++i) {
-      Key key = key_of(hypotheses[i], r);
+      const ImposedRun run = run_of(rigs[i], hypotheses[i].start_factors, r);
+      Key key = key_of(run, r);
       if (const auto found = known_[r].find(key); found != known_[r].end()) {
         order_[r].splice(order_[r].begin(), order_[r], found->second.use);
         out[i][r] = found->second.course;
@@ -118,18 +122,16 @@ std::vector<std::vector<GasRuns::Course>> GasRuns::of(std::span<const Hypothesis
         repeats[r].emplace_back(i, first->second);
       } else {
         if (batches.empty() || batches.back().recording != r || batches.back().hypotheses.size() == imposed_lanes)
-          batches.push_back({r, {}, {}, {}});
+          batches.push_back({r, {}, {}, {}, {}});
         batches.back().hypotheses.push_back(i);
+        batches.back().runs.push_back(run);
         batches.back().keys.push_back(std::move(key));
       }
     }
   }
   in_parallel(batches.size(), jobs_, [&](std::size_t b) {
     Batch& batch = batches[b];
-    std::vector<ImposedRun> runs;
-    runs.reserve(batch.hypotheses.size());
-    for (const std::size_t i : batch.hypotheses) runs.push_back(run_of(hypotheses[i], batch.recording));
-    for (GasCourse& course : run_or_drop(recordings_[batch.recording].inputs, runs, work_grid_)) {
+    for (GasCourse& course : run_or_drop(recordings_[batch.recording].inputs, batch.runs, work_grid_)) {
       for (std::size_t channel = 0; channel < gas_channels && !grid_error_[batch.recording][channel].empty(); ++channel)
         for (std::size_t k = 0; k < course[channel].size(); ++k)
           course[channel][k] += grid_error_[batch.recording][channel][k];
@@ -148,10 +150,11 @@ std::vector<std::vector<GasRuns::Course>> GasRuns::of(std::span<const Hypothesis
 
 void GasRuns::set_working_point(const Hypothesis& hypothesis) {
   std::vector<GasCourse> fine(recordings_.size()), work(recordings_.size());
+  const RecordedRigs rigs(hypothesis.rig, recordings_);
   in_parallel(2 * recordings_.size(), jobs_, [&](std::size_t i) {  // the long ones first
     const std::size_t r = i % recordings_.size();
     const bool is_fine = i < recordings_.size();
-    const std::array<ImposedRun, 1> run{run_of(hypothesis, r)};
+    const std::array<ImposedRun, 1> run{run_of(rigs, hypothesis.start_factors, r)};
     (is_fine ? fine : work)[r] = run_imposed(recordings_[r].inputs, run, is_fine ? fine_grid_ : work_grid_)[0];
   });
   for (std::size_t r = 0; r < recordings_.size(); ++r) {

@@ -42,8 +42,8 @@ class GasRuns {
     Course course;
     std::list<const Key*>::iterator use;
   };
-  Key key_of(const Hypothesis& hypothesis, std::size_t recording) const;
-  ImposedRun run_of(const Hypothesis& hypothesis, std::size_t recording) const;
+  Key key_of(const ImposedRun& run, std::size_t recording) const;
+  static ImposedRun run_of(const RecordedRigs& rigs, const std::vector<double>& start_factors, std::size_t recording);
   void remember(std::size_t recording, Key key, Course course);
 
   const std::vector<CylinderRecording>& recordings_;

@@ -7,7 +7,7 @@
 #include <Eigen/Cholesky>
 
 #include "config/input_error.hpp"
-#include "config/rig_parameters.hpp"
+#include "diagnosis/recorded_rigs.hpp"
 #include "diagnosis/safe_references.hpp"
 
 namespace pneuservo {
@@ -15,34 +15,33 @@ namespace {
 
 constexpr std::size_t checked_both_ways = 3;  ///< best choices that are tried under the rival's truth too
 
-Rig with_choice(Rig rig, const ExperimentChoice& choice) {
-  rig.reference = choice.reference;
-  rig.duration_s = choice.duration_s;
-  rig.evaluation.reset();
-  rig.initial.position_m = 0.0;
-  rig.initial.pressure_2_Pa.reset();
-  const double supply_Pa = rig.axis.supply.pressure_Pa;
-  for (const auto& [path, value] : choice.keys) set_parameter(rig, path, value);
-  if (rig.axis.supply.pressure_Pa < supply_Pa)  // the gas at the start has to lie below the supply
-    rig.initial.pressure_1_Pa *= rig.axis.supply.pressure_Pa / supply_Pa;
-  return rig;
+/// `rig`, the owner's or a supposed one, as it makes this recording.
+Rig with_choice(const Rig& rig, const Rig& owner, const ExperimentChoice& choice) {
+  Recording planned;
+  planned.changed = choice.keys;
+  Rig out = changed_rig(rig, machine_changes(owner, planned));
+  out.reference = choice.reference;
+  out.duration_s = choice.duration_s;
+  out.evaluation.reset();
+  out.initial.position_m = 0.0;
+  out.initial.pressure_2_Pa.reset();
+  if (out.axis.supply.pressure_Pa < rig.axis.supply.pressure_Pa)  // the gas at the start has to lie below the supply
+    out.initial.pressure_1_Pa *= out.axis.supply.pressure_Pa / rig.axis.supply.pressure_Pa;
+  return out;
 }
 
 /// The explanation's fit carried over to another recording: its values stand, the gas at the start is free again.
-Fit carried_over(const Explanation& explanation, const ExperimentChoice& choice, const Rig& owner,
-                 const ResidualModel& model) {
+Fit carried_over(const Explanation& explanation, const Rig& owner, const ResidualModel& model) {
   const Fit& old = explanation.fit;
   Fit fit;
-  fit.base.rig = with_choice(old.base.rig, choice);
+  fit.base.rig = old.base.rig;
   fit.base.start_factors.assign(model.start_factor_count(), 0.0);
   fit.own_count = old.own_count;
   fit.parameters.assign(old.parameters.begin(), old.parameters.begin() + static_cast<std::ptrdiff_t>(old.own_count));
   for (const FreeParameter& nuisance : nuisances(owner, model.start_factor_count(), model.start_factor_sigma())) {
-    const bool is_set = std::any_of(choice.keys.begin(), choice.keys.end(),
-                                    [&](const auto& key) { return key.first == nuisance.path; });
     const bool is_own = std::any_of(fit.parameters.begin(), fit.parameters.end(),
                                     [&](const FreeParameter& p) { return !p.path.empty() && p.path == nuisance.path; });
-    if (!is_set && !is_own) fit.parameters.push_back(nuisance);
+    if (!is_own) fit.parameters.push_back(nuisance);
   }
   fit.z = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(fit.parameters.size()));
   for (std::size_t i = 0; i < fit.parameters.size(); ++i)
@@ -53,29 +52,19 @@ Fit carried_over(const Explanation& explanation, const ExperimentChoice& choice,
   return fit;
 }
 
-/// Whether a choice sets what an explanation is about: it would hide it.
-bool is_about(const ExperimentChoice& choice, const Explanation& explanation) {
-  for (std::size_t i = 0; i < explanation.fit.own_count; ++i)
-    for (const auto& [path, value] : choice.keys)
-      if (explanation.fit.parameters[i].path == path) return true;
-  return false;
-}
-
 /// What is left of `wrong` on a recording that `truth` would make, in noise floors; nothing where it cannot be made.
 std::optional<double> separation(const ExperimentChoice& choice, const Rig& owner, const Explanation& truth,
                                  const Explanation& wrong, const VirtualMachine& machine,
                                  const CompareRecording& compare) {
-  const std::optional<Recording> recording = machine(with_choice(truth.fit.hypothesis().rig, choice));
+  std::optional<Recording> recording = machine(with_choice(truth.fit.hypothesis().rig, owner, choice));
   if (!recording) return std::nullopt;
-  const Rig changed = with_choice(owner, choice);
-  const std::unique_ptr<ResidualModel> model = compare(changed, *recording);
+  recording->changed = choice.keys;
+  const std::unique_ptr<ResidualModel> model = compare(*recording);
   FittedRows rows(*model, {});
-  Fit right = carried_over(truth, choice, changed, *model), other = carried_over(wrong, choice, changed, *model);
+  Fit right = carried_over(truth, owner, *model), other = carried_over(wrong, owner, *model);
   linearise(rows, {&right, &other});
   if (right.failed || other.failed) return std::nullopt;
-  const bool alone = !choice.keys.empty();  // a changed machine: one diagnosis takes one config
-  const double left =
-      refitted_misfit(other, alone ? nullptr : &wrong.fit) - refitted_misfit(right, alone ? nullptr : &truth.fit);
+  const double left = refitted_misfit(other, &wrong.fit) - refitted_misfit(right, &truth.fit);
   return std::isfinite(left) ? std::optional(std::sqrt(std::max(left, 0.0))) : std::nullopt;
 }
 
@@ -152,10 +141,8 @@ std::optional<ProposedExperiment> propose_experiment(const Rig& owner, const Dec
     }
   };
   std::vector<std::pair<double, ExperimentChoice>> ranked;
-  for (const ExperimentChoice& choice : safe_references(owner, shown_speed_mps)) {
-    if (is_about(choice, *decision.chosen) || is_about(choice, *rival)) continue;
+  for (const ExperimentChoice& choice : safe_references(owner, shown_speed_mps))
     if (const auto floors = separated(choice, *decision.chosen, *rival)) ranked.emplace_back(*floors, choice);
-  }
   std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::optional<ProposedExperiment> best;
   for (std::size_t i = 0; i < std::min(ranked.size(), checked_both_ways); ++i) {
@@ -171,7 +158,7 @@ std::optional<ProposedExperiment> propose_experiment(const Rig& owner, const Dec
 }
 
 Rig experiment_rig(const Rig& owner, const ProposedExperiment& experiment) {
-  return with_choice(owner, {experiment.reference, experiment.duration_s, experiment.setup, experiment.keys});
+  return with_choice(owner, owner, {experiment.reference, experiment.duration_s, experiment.setup, experiment.keys});
 }
 
 }  // namespace pneuservo

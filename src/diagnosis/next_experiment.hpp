@@ -15,7 +15,7 @@ namespace pneuservo {
 /// run ends in a fault or this kind of rig cannot be simulated.
 using VirtualMachine = std::function<std::optional<Recording>(const Rig& rig)>;
 /// Compares one recording with hypotheses of the owner's rig.
-using CompareRecording = std::function<std::unique_ptr<ResidualModel>(const Rig& rig, const Recording& recording)>;
+using CompareRecording = std::function<std::unique_ptr<ResidualModel>(const Recording& recording)>;
 
 /// Separations below it [noise floors] are no proposal: the rivals are the same model, or no safe move tells them
 /// apart.
@@ -27,10 +27,9 @@ inline constexpr double least_separation = 5.0;
 double refitted_misfit(const Fit& added, const Fit* before);
 
 /// Of safe_references the one whose recording, made under the chosen explanation, leaves most of the nearest rival's
-/// misfit after the rival's own refit (its parameters, the tolerances and the start free, linearly): beside the
-/// recordings so far, or alone where the machine is changed for it. The separation is the root of what is left in chi2,
-/// the smaller of both directions. Nothing where no rival is within rules.ambiguous_distance. shown_speed_mps: largest
-/// speed of the recordings so far.
+/// misfit after the rival's own refit beside the recordings so far (its parameters, the tolerances and the start free,
+/// linearly). The separation is the root of what is left in chi2, the smaller of both directions. Nothing where no
+/// rival is within rules.ambiguous_distance. shown_speed_mps: largest speed of the recordings so far.
 std::optional<ProposedExperiment> propose_experiment(const Rig& owner, const Decision& decision, const Search& search,
                                                      const DecisionRules& rules, double shown_speed_mps,
                                                      const VirtualMachine& machine, const CompareRecording& compare);

@@ -114,4 +114,10 @@ std::string diagnosis_text(const Diagnosis& diagnosis) {
   return out;
 }
 
+std::string ProposedExperiment::use() const {
+  std::string out = "together with the recordings so far";
+  for (const auto& [path, value] : keys) out += fmt::format(", --changed RECORDING:{}={:g}", path, value);
+  return out;
+}
+
 }  // namespace pneuservo

@@ -8,6 +8,7 @@ namespace pneuservo {
 namespace {
 
 constexpr double duration_s = 8.0, begin_s = 0.4;
+constexpr double least_supply_Pa = 250e3;  ///< absolute: below it valve and cylinder are at the end of their range
 constexpr double force_share = 0.3;      ///< of the drive, for acceleration
 constexpr double peak_of_move = 1.875;   ///< speed of a minimum-jerk move over its mean
 constexpr double jerk_of_move = 5.7735;  ///< its acceleration over way / duration^2
@@ -84,15 +85,15 @@ std::vector<ExperimentChoice> safe_references(const Rig& rig, double shown_speed
                                    fast_moves,
                                    full_stroke};
   std::vector<ExperimentChoice> menu;
-  menu.reserve(plain.size() + 2);
+  menu.reserve(plain.size() + 3);
   for (const ReferenceSpec& reference : plain) menu.push_back({reference, duration_s, "", {}});
-  if (rig.is_pneumatic()) {
-    const double lower_Pa = 0.75 * rig.axis.supply.pressure_Pa;
-    menu.push_back({fast_moves,
-                    duration_s,
-                    "set the supply to three quarters of its pressure",
-                    {{"supply.pressure_Pa", lower_Pa}}});
-  }
+  const auto lower_supply = [&](double share, const char* words) {
+    const double supply_Pa = share * rig.axis.supply.pressure_Pa;
+    if (rig.is_pneumatic() && supply_Pa > least_supply_Pa)
+      menu.push_back({fast_moves, duration_s, words, {{"supply.pressure_Pa", supply_Pa}}});
+  };
+  lower_supply(0.75, "set the supply to three quarters of its pressure");
+  lower_supply(0.5, "set the supply to half its pressure");
   const double payload_kg = rig.axis.slider.payload_kg + 0.5 * rig.axis.slider.mass_kg;
   menu.push_back({fast_moves,
                   duration_s,

@@ -1,9 +1,13 @@
 // Verb diagnose: where and why recordings of the real machine differ from its config.
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
+#include <set>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -11,6 +15,7 @@
 
 #include "config/dump_rig.hpp"
 #include "config/input_error.hpp"
+#include "config/number_text.hpp"
 #include "config/read_rig.hpp"
 #include "diagnosis/diagnose.hpp"
 #include "diagnosis/result_json.hpp"
@@ -27,7 +32,7 @@ namespace {
 
 struct DiagnoseVerbOptions {
   std::string config, json, report, improved, next_experiment;
-  std::vector<std::string> recordings, held_out, sets;
+  std::vector<std::string> recordings, held_out, changed, sets;
   int jobs = 0;
   bool quiet = false;
 };
@@ -44,6 +49,51 @@ void compare_names(const Rig& rig, Recording& recording) {
   if (!recording.rig.empty() && recording.rig != rig.name)
     recording.report(0, ProblemKind::header,
                      fmt::format("was made with rig '{}', the config is '{}'", recording.rig, rig.name));
+}
+
+/// What --changed says of a recording.
+struct StatedChange {
+  std::set<std::string> paths;  ///< of the recordings meant
+  std::string key;
+  double value = 0;
+};
+
+/// RECORDING:PATH=VALUE; the recording by its path, or by its file's name where no other has the same.
+StatedChange stated_change(const std::string& stated, const std::vector<Recording>& recordings) {
+  StatedChange out;
+  std::set<std::string> known;
+  const auto name_of = [](const std::string& path) { return std::filesystem::path(path).filename().string(); };
+  const auto take = [&](const std::string& path, const std::string& name) {
+    if (!stated.starts_with(name + ":")) return;
+    out.paths.insert(path);
+    out.key = stated.substr(name.size() + 1);
+  };
+  for (const Recording& recording : recordings) known.insert(recording.path);
+  for (const std::string& path : known) take(path, path);
+  if (out.paths.empty())
+    for (const std::string& path : known) take(path, name_of(path));
+  const std::size_t equals = out.key.rfind('=');
+  if (out.paths.size() != 1 || equals == std::string::npos)
+    throw InputError(fmt::format("--changed {}: found {}, expected RECORDING:PATH=VALUE with one of {}", stated,
+                                 out.paths.empty()       ? "no recording of that name"
+                                 : out.paths.size() != 1 ? "several recordings of that name"
+                                                         : "no value",
+                                 fmt::join(known, ", ")));
+  const std::string text = out.key.substr(equals + 1);
+  const std::optional<double> value = number_from_text(text);
+  if (!value || !std::isfinite(*value))
+    throw InputError(fmt::format("--changed {}: found '{}', expected a number in the unit of its key", stated, text));
+  out.value = *value;
+  out.key.resize(equals);
+  return out;
+}
+
+void apply_changes(const std::vector<std::string>& changes, std::vector<Recording>& recordings) {
+  for (const std::string& stated : changes) {
+    const StatedChange change = stated_change(stated, recordings);
+    for (Recording& recording : recordings)
+      if (change.paths.contains(recording.path)) recording.changed.emplace_back(change.key, change.value);
+  }
 }
 
 void write_improved(const DiagnoseVerbOptions& options, const Diagnosis& diagnosis) {
@@ -85,6 +135,7 @@ int run_diagnose(const DiagnoseVerbOptions& options) {
   };
   for (const std::string& path : options.recordings) add(path, false);
   for (const std::string& path : options.held_out) add(path, true);
+  apply_changes(options.changed, recordings);
   const StopRequest stop_request;
   DiagnoseOptions settings;
   settings.jobs = options.jobs;
@@ -117,6 +168,9 @@ void add_diagnose(CLI::App& app, int& status) {
   verb->add_option("RECORDING", options->recordings, "recordings of the machine (.csv.gz)")->required();
   verb->add_option("--held-out", options->held_out,
                    "recordings kept from every fit, for the proof; the others are then fitted whole");
+  verb->add_option("--changed", options->changed,
+                   "RECORDING:PATH=VALUE: what the machine had otherwise while this recording was made, e.g. "
+                   "slow.csv.gz:supply.pressure_Pa=525e3");
   verb->add_option("--json", options->json, "result as JSON; - for standard output");
   verb->add_option("--report", options->report, "self-contained HTML page with pictures");
   verb->add_option("--improved", options->improved, "config with what was found, for run and simulate");

@@ -2,6 +2,8 @@
 #pragma once
 #include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "record/table.hpp"
 
@@ -15,6 +17,8 @@ struct Recording : CsvTable {
 
   const std::vector<double>& t_s() const { return column("t_s"); }
   bool is_held_out = false;  ///< as a whole: kept from every fit of a diagnosis
+  /// What of its config the machine had otherwise while this was made (another supply pressure): paths and values.
+  std::vector<std::pair<std::string, double>> changed;
   /// Rows that gaps in time show to be missing, and how many of them the recorder marked as dropped by itself.
   std::size_t missing_rows = 0, dropped_rows = 0;
 };

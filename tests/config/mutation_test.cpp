@@ -18,7 +18,7 @@ namespace {
 std::string damaged(std::string text, std::mt19937& random) {
   const std::string alphabet = "{}[]:,#&*!|>'\"%@`-?~ \n\t.0123456789eE+abcxyz_/\\\x01\xff";
   const auto below = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
-  for (std::size_t change = 0, changes = 1 + below(3); change < changes; ++change) {
+  for (std::size_t change = 0, changes = 1 + below(3); change < changes && !text.empty(); ++change) {
     const std::size_t place = below(text.size());
     switch (below(8)) {
       case 5:

@@ -204,11 +204,27 @@ bool find_periodic_force(const ResidualModel& model, const DecisionRules& rules,
   return false;
 }
 
+/// An explanation by less than is ever named, where it fits better than all that is: no such name then stands for it.
+/// It is named after all where the owner's model leaves more than the floors, else nothing is missing; nullptr: there
+/// is none.
+const Explanation* unnamed_best(const Search& search, const std::vector<const Explanation*>& ranked,
+                                const DecisionRules& rules) {
+  const Explanation* best = search.best_of(1);
+  if (best == nullptr || !is_negligible(*best, search.candidates()[best->members.front()])) return nullptr;
+  const double next = ranked.empty() ? search.owner().log_evidence : ranked.front()->log_evidence;
+  return best->log_evidence > next + rules.ambiguous_distance ? best : nullptr;
+}
+
 /// The best explanation of each number of members, as long as one more brings enough.
 Decision chosen_chain(ResidualModel& model, const Search& search, const DecisionRules& rules, double second_share) {
   Decision decision;
   decision.chosen = &search.owner();
   std::vector<const Explanation*> ranked = sizeable(search, 1, rules);
+  if (const Explanation* small = unnamed_best(search, ranked, rules)) {
+    const bool is_seen = model_levels(model, search.owner().fit.hypothesis(), rules).highest() > rules.floor_level;
+    if (is_seen) ranked.insert(ranked.begin(), small);
+    else ranked.clear();
+  }
   double first_gain = 0, next_gain = rules.next_gain;
   for (std::size_t members = 1; !ranked.empty(); ranked = sizeable(search, ++members, rules)) {
     const Explanation* best = nullptr;

@@ -32,6 +32,9 @@ constexpr double sensor_log_prior = -1;
 /// the same model, the physics is the likelier.
 constexpr double guessed_log_prior = -2;
 
+/// Whether an explanation's size is a single time.
+bool is_one_time(const Fit& fit) { return fit.own_count == 1 && fit.parameters.front().path.ends_with("_s"); }
+
 bool same_parameter(const FreeParameter& a, const FreeParameter& b) {
   return a.start_factor == b.start_factor && a.path == b.path;
 }
@@ -230,6 +233,34 @@ void Search::polish_best(std::size_t members) {
   }
 }
 
+bool Search::restart_siblings() {
+  const Explanation* best = best_of(1);
+  if (best == nullptr || !is_one_time(best->fit)) return false;
+  const auto family_of = [&](const Explanation* e) { return candidates_[e->members.front()].family; };
+  std::vector<Explanation*> siblings = rivals(1, 1e300, tried_.size());
+  std::erase_if(siblings,
+                [&](const Explanation* e) { return !is_one_time(e->fit) || family_of(e) != family_of(best); });
+  if (siblings.size() < 2) return false;
+  std::vector<Explanation> again;
+  for (const Explanation* e : siblings) {
+    const Fit& from = (e == siblings[0] ? siblings[1] : siblings[0])->fit;
+    again.push_back({e->members, continued_fit(from, e->members, {})});
+    Fit& fit = again.back().fit;
+    const FreeParameter& own = fit.parameters.front();
+    fit.z(0) = std::clamp(own.z(from.parameters.front().value(from.z(0))), own.lower, own.upper);
+  }
+  std::vector<Explanation*> moving;
+  for (Explanation& e : again) moving.push_back(&e);
+  polish(moving, 6, true);
+  bool any_better = false;
+  for (std::size_t i = 0; i < again.size(); ++i) {
+    if (again[i].log_evidence <= siblings[i]->log_evidence + settled_evidence) continue;
+    *siblings[i] = std::move(again[i]);
+    any_better = true;
+  }
+  return any_better;
+}
+
 void Search::take_defect_at_best(std::size_t members) {
   const Explanation* best = best_of(members);
   if (best == nullptr || best->log_evidence - owner_.log_evidence < rules_.grid_error_gain) return;
@@ -296,6 +327,7 @@ void Search::search_singles() {
   }
   take_defect_at_best(1);
   polish_best(1);
+  if (restart_siblings()) polish_best(1);
   if (const Explanation* best = best_of(1)) first_gain_ = best->log_evidence - owner_.log_evidence;
   if (settings_.grow_floor) take_floor_at_best();
 }

@@ -64,7 +64,7 @@ std::optional<double> separation(const ExperimentChoice& choice, const Rig& owne
   Fit right = carried_over(truth, owner, *model), other = carried_over(wrong, owner, *model);
   linearise(rows, {&right, &other});
   if (right.failed || other.failed) return std::nullopt;
-  const double left = refitted_misfit(other, &wrong.fit) - refitted_misfit(right, &truth.fit);
+  const double left = refitted_misfit(other, wrong.fit) - refitted_misfit(right, truth.fit);
   return std::isfinite(left) ? std::optional(std::sqrt(std::max(left, 0.0))) : std::nullopt;
 }
 
@@ -105,21 +105,21 @@ Eigen::MatrixXd reduced_curvature(const Fit& fit, const std::vector<int>& kept) 
 
 }  // namespace
 
-double refitted_misfit(const Fit& added, const Fit* before) {
+double refitted_misfit(const Fit& added, const Fit& before) {
   Eigen::VectorXd gradient = added.gradient();
   Eigen::MatrixXd h = added.curvature();
   double misfit = added.residual.squaredNorm() + added.z.squaredNorm();
   std::vector<int> here, there;  // the same parameters' places in both fits; the gas at the start has no path
-  for (std::size_t i = 0; before != nullptr && i < added.parameters.size(); ++i)
-    for (std::size_t k = 0; !added.parameters[i].path.empty() && k < before->parameters.size(); ++k)
-      if (before->parameters[k].path == added.parameters[i].path) {
+  for (std::size_t i = 0; i < added.parameters.size(); ++i)
+    for (std::size_t k = 0; !added.parameters[i].path.empty() && k < before.parameters.size(); ++k)
+      if (before.parameters[k].path == added.parameters[i].path) {
         here.push_back(static_cast<int>(i));
         there.push_back(static_cast<int>(k));
       }
   if (!here.empty()) {
     // Where the earlier fit stands its gradient is zero; its curvature has the priors, which must not count twice.
     h(here, here) +=
-        reduced_curvature(*before, there) - Eigen::MatrixXd::Identity(h(here, here).rows(), h(here, here).cols());
+        reduced_curvature(before, there) - Eigen::MatrixXd::Identity(h(here, here).rows(), h(here, here).cols());
     gradient(here) -= added.z(here);
     misfit -= added.z(here).squaredNorm();
   }

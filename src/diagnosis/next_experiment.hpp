@@ -23,8 +23,8 @@ inline constexpr double least_separation = 5.0;
 
 /// Squared misfit with priors of an added recording after one linear step of all that is free. before: the same
 /// explanation's fit to the recordings so far, at its minimum; parameters that both have move against its curvature
-/// too, and only what the added recording adds is counted. Null: the added recording stands alone.
-double refitted_misfit(const Fit& added, const Fit* before);
+/// too, and only what the added recording adds is counted.
+double refitted_misfit(const Fit& added, const Fit& before);
 
 /// Of safe_references the one whose recording, made under the chosen explanation, leaves most of the nearest rival's
 /// misfit after the rival's own refit beside the recordings so far (its parameters, the tolerances and the start free,

@@ -162,7 +162,7 @@ void CylinderResiduals::declare_rows() {
   std::vector<PossibleRinging> ringing(recordings_.size());
   const RecordedRigs rigs(owner_, recordings_);
   in_parallel(recordings_.size(), jobs_, [&](std::size_t r) {
-    ringing[r] = possible_ringing(recordings_[r].inputs, rigs[r], grid_for(owner_, ringing_effort));
+    ringing[r] = possible_ringing(recordings_[r].inputs, rigs[r], grid_for(rigs[r], ringing_effort));
   });
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
     const CylinderRecording& recording = recordings_[r];

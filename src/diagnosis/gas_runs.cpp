@@ -58,9 +58,13 @@ void in_parallel(std::size_t count, int jobs, const std::function<void(std::size
 }
 
 GasRuns::GasRuns(const Rig& owner, const std::vector<CylinderRecording>& recordings, int jobs)
-    : recordings_(recordings), jobs_(jobs), work_grid_(grid_for(owner, work_effort)),
-      fine_grid_(grid_for(owner, fine_effort)), known_(recordings.size()), order_(recordings.size()),
+    : recordings_(recordings), jobs_(jobs), known_(recordings.size()), order_(recordings.size()),
       grid_error_(recordings.size()) {
+  const RecordedRigs rigs(owner, recordings);
+  for (std::size_t r = 0; r < recordings.size(); ++r) {
+    work_grid_.push_back(grid_for(rigs[r], work_effort));
+    fine_grid_.push_back(grid_for(rigs[r], fine_effort));
+  }
   set_working_point({owner, {}});
 }
 
@@ -131,7 +135,8 @@ std::vector<std::vector<GasRuns::Course>> GasRuns::of(std::span<const Hypothesis
   }
   in_parallel(batches.size(), jobs_, [&](std::size_t b) {
     Batch& batch = batches[b];
-    for (GasCourse& course : run_or_drop(recordings_[batch.recording].inputs, batch.runs, work_grid_)) {
+    for (GasCourse& course :
+         run_or_drop(recordings_[batch.recording].inputs, batch.runs, work_grid_[batch.recording])) {
       for (std::size_t channel = 0; channel < gas_channels && !grid_error_[batch.recording][channel].empty(); ++channel)
         for (std::size_t k = 0; k < course[channel].size(); ++k)
           course[channel][k] += grid_error_[batch.recording][channel][k];
@@ -155,7 +160,7 @@ void GasRuns::set_working_point(const Hypothesis& hypothesis) {
     const std::size_t r = i % recordings_.size();
     const bool is_fine = i < recordings_.size();
     const std::array<ImposedRun, 1> run{run_of(rigs, hypothesis.start_factors, r)};
-    (is_fine ? fine : work)[r] = run_imposed(recordings_[r].inputs, run, is_fine ? fine_grid_ : work_grid_)[0];
+    (is_fine ? fine : work)[r] = run_imposed(recordings_[r].inputs, run, (is_fine ? fine_grid_ : work_grid_)[r])[0];
   });
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
     if (!finite(fine[r]) || !finite(work[r])) continue;

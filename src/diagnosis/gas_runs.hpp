@@ -48,7 +48,7 @@ class GasRuns {
 
   const std::vector<CylinderRecording>& recordings_;
   int jobs_;
-  PlantGrid work_grid_, fine_grid_;
+  std::vector<PlantGrid> work_grid_, fine_grid_;     ///< of each recording, whose line may be another
   std::vector<std::map<Key, Stored>> known_;         ///< of each recording, without the grid's error
   std::vector<std::list<const Key*>> order_;         ///< of each recording, the last used first
   std::vector<GasCourse> grid_error_;                ///< of each recording: fine less work; empty: none

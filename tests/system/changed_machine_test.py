@@ -22,7 +22,7 @@ for stated, words in (("third.csv.gz:supply.pressure_Pa=5e5", ["no recording of 
                       ("second.csv.gz:supply.pressure_Pa=5 bar", ["found '5 bar'", "a number"]),
                       ("second.csv.gz:supply.presure_Pa=5e5", ["second.csv.gz", "supply.pressure_Pa"]),
                       ("second.csv.gz:supply.pressure_Pa=-1", ["second.csv.gz", "supply.pressure_Pa", "-1"]),
-                      ("second.csv.gz:controller.position_gain_N_per_m=1", ["a number of the machine itself"])):
+                      ("second.csv.gz:controller.position_gain_N_per_m=1", ["a number of air, supply"])):
     expect_refusal(diagnose("--changed", stated), words, stated)
 expect_refusal(diagnose(str(other), "--changed", "second.csv.gz:supply.pressure_Pa=5e5"),
                ["several recordings of that name"], "two of one name")

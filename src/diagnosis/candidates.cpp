@@ -143,7 +143,7 @@ std::string on_its_side(std::string_view whole, std::string_view name) {
 template <class Effect>
 Candidate effect_candidate(const std::string& name, const std::string& element, const std::string& family,
                            CandidateKind kind, const ScaleTable& scales) {
-  Candidate candidate{name, element, kind, {}, {}, {}, {{}}, {}, family};
+  Candidate candidate{name, element, kind, {}, {}, {}, {{}}, {}, {}, family};
   if constexpr (requires { Effect::is_mimicked_by_small_physics; })
     candidate.is_mimicked_by_small_physics = Effect::is_mimicked_by_small_physics;
   const Effect none;
@@ -167,6 +167,12 @@ Candidate effect_candidate(const std::string& name, const std::string& element, 
         },
         none);
   }
+  for (std::size_t p = 0; p < Effect::traits.size(); ++p)
+    for (const double z : Effect::traits[p].whole)
+      for (std::vector<double> start : candidate.starts) {
+        start[p] = z;
+        candidate.whole_starts.push_back(start);
+      }
   return candidate;
 }
 

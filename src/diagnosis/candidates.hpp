@@ -25,6 +25,7 @@ struct Candidate {
   std::vector<double> neutral;               ///< value of each parameter where the effect does nothing
   std::vector<std::vector<double>> starts;  ///< z to screen and start from; where amplitudes are neutral, z of neutral
   std::vector<char> amplitude;  ///< of each parameter: found by its derivative
+  std::vector<std::vector<double>> whole_starts;  ///< z whose whole change is screened beside the derivative
   std::string family;  ///< names that mimic each other; all are refitted when one is
   bool is_mimicked_by_small_physics = false;  ///< has no name beside small physics that is everywhere
   bool is_guessed = false;  ///< the size of an effect that the config has: no owner can read it off

@@ -106,6 +106,10 @@ void Screening::collect(const Hypothesis& here, const Candidate& candidate, std:
     }
     trials_.push_back(std::move(trial));
   }
+  for (const std::vector<double>& start : candidate.whole_starts) {
+    trials_.push_back({index, start, {}, {1.0}, {static_cast<Eigen::Index>(hypotheses.size())}});
+    hypotheses.push_back(with_parameters(here, candidate.parameters, start));
+  }
 }
 
 void Screening::fill_columns(const Eigen::MatrixXd& batch) {
@@ -201,8 +205,10 @@ std::vector<Screened> Screening::singles() const {
   for (const Trial& trial : trials_) {
     if (out.empty() || out.back().candidate != trial.candidate) out.push_back({trial.candidate, -1e300, trial.z, {}});
     if (!trial.usable) continue;
-    const Screened here = single(trial);
-    if (here.gain > out.back().gain) out.back() = here;
+    Screened here = single(trial);
+    if (here.gain <= out.back().gain) continue;
+    if (here.standard_error.empty()) here.standard_error = out.back().standard_error;  // a whole change has none
+    out.back() = std::move(here);
   }
   return out;
 }

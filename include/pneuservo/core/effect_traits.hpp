@@ -43,6 +43,9 @@ struct ParameterTrait {
   std::span<const double> grid{};
   /// Whether that grid lies relative to the middle of the recorded motion (of centres) instead of to zero.
   bool grid_over_motion = false;
+  /// Sizes of an amplitude, in prior standard deviations, whose whole change is looked at beside its derivative: what
+  /// tolerances mimic while it is small may be all that is left of it.
+  std::span<const double> whole{};
 };
 
 namespace effect_grids {
@@ -52,8 +55,10 @@ inline constexpr std::array<double, 2> zone_width{0.07, 0.2};
 inline constexpr std::array<double, 3> spring_rest{-0.5, 0, 0.5};
 inline constexpr std::array<double, 3> leak_position{0, 0.5, 1};
 inline constexpr std::array<double, 3> branch_position{0.15, 0.5, 0.85};
+inline constexpr std::array<double, 2> branch_volumes{0.3, 1.5};
 inline constexpr std::array<double, 1> branch_neck_length{0.3};
 inline constexpr std::array<double, 2> branch_neck_diameter{0.0025, 0.007};
+inline constexpr std::array<double, 3> restriction_sizes{0.1, 0.5, 2};
 inline constexpr std::array<double, 3> droop_area{0.1, 0.3, 1};
 inline constexpr std::array<double, 3> droop_volume{2e-4, 1e-3, 5e-3};
 inline constexpr std::array<double, 4> charging_time{3, 10, 30, 100};

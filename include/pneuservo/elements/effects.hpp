@@ -262,8 +262,15 @@ template <class S> struct SupplyDroop {
 template <class S> struct LineRestriction {
   static constexpr std::string_view element = "line";
   static constexpr std::string_view family = "line_restriction";
-  static constexpr std::array traits{ParameterTrait{"area_m2", EffectScale::inverse_valve_area, 4, 0.01,
-                                                    EffectScale::inverse_valve_area, Variation::inverse_square}};
+  static constexpr std::array traits{ParameterTrait{"area_m2",
+                                                    EffectScale::inverse_valve_area,
+                                                    4,
+                                                    0.01,
+                                                    EffectScale::inverse_valve_area,
+                                                    Variation::inverse_square,
+                                                    {},
+                                                    false,
+                                                    effect_grids::restriction_sizes}};
   S area_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"area_m2", "m2", 0, 1e-2, "effective area between line end and chamber"}, p.area_m2...);
@@ -291,7 +298,15 @@ template <class S> struct LineBranch {
   /// Beside small physics that is everywhere it has no name: the volume at a valve's port and the fittings of every
   /// real line look like it.
   static constexpr bool is_mimicked_by_small_physics = true;
-  static constexpr std::array traits{ParameterTrait{"volume_m3", EffectScale::one, 1e-4, 1e-6},
+  static constexpr std::array traits{ParameterTrait{"volume_m3",
+                                                    EffectScale::one,
+                                                    1e-4,
+                                                    1e-6,
+                                                    EffectScale::one,
+                                                    Variation::linear,
+                                                    {},
+                                                    false,
+                                                    effect_grids::branch_volumes},
                                      ParameterTrait{"neck_length_m", EffectScale::one, 0.7, 0, EffectScale::one,
                                                     Variation::logarithmic, effect_grids::branch_neck_length},
                                      ParameterTrait{"neck_diameter_m", EffectScale::one, 0.7, 0, EffectScale::one,

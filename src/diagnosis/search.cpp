@@ -23,6 +23,9 @@ constexpr std::array<double, 5> start_shares{1.0, 0.5, 0.25, 0.1, 0.02};
 /// How often the floor and the owner's fit follow each other: then neither moves any more.
 constexpr int floor_rounds = 2;
 
+/// Rivals that try each other's places.
+constexpr std::size_t compared_places = 8;
+
 /// A fit that gains less than this in log evidence by fresh derivatives is at its end.
 constexpr double settled_evidence = 0.3;
 
@@ -217,9 +220,43 @@ std::vector<Explanation*> Search::rivals(std::size_t members, double distance, s
   return out;
 }
 
-void Search::polish_best(std::size_t members) {
+std::vector<Explanation*> Search::try_places_of_rivals(std::size_t members) {
+  const std::vector<Explanation*> close = rivals(members, settings_.rival_distance, compared_places);
+  std::vector<std::pair<Explanation*, Eigen::VectorXd>> places;
+  std::vector<Hypothesis> hypotheses;
+  const auto add_place = [&](Explanation* mover, const Fit& other) {
+    Fit& fit = mover->fit;
+    Eigen::VectorXd z = fit.z;
+    for (std::size_t i = 0; i < fit.parameters.size(); ++i)
+      for (std::size_t k = 0; k < other.parameters.size(); ++k)
+        if (same_parameter(fit.parameters[i], other.parameters[k]) &&
+            fit.parameters[i].spread == other.parameters[k].spread)
+          z(static_cast<Eigen::Index>(i)) = other.z(static_cast<Eigen::Index>(k));
+    hypotheses.push_back(with_parameters(fit.base, fit.parameters, {z.data(), z.data() + z.size()}));
+    places.emplace_back(mover, std::move(z));
+  };
+  for (std::size_t i = 1; i < close.size(); ++i) {
+    add_place(close[i], close[0]->fit);
+    add_place(close[0], close[i]->fit);
+  }
+  const Eigen::MatrixXd columns = rows_(hypotheses);
+  std::vector<Explanation*> moved;
+  for (std::size_t at = 0; at < places.size(); ++at) {
+    auto& [mover, z] = places[at];
+    const auto column = columns.col(static_cast<Eigen::Index>(at));
+    const double objective = column.squaredNorm() + z.squaredNorm();
+    if (!column.allFinite() || objective >= mover->fit.objective - settings_.settled_gain) continue;
+    mover->fit.z = z;
+    mover->fit.residual = column;
+    mover->fit.objective = objective;
+    mover->log_evidence = log_evidence(*mover);
+    moved.push_back(mover);
+  }
+  return moved;
+}
+
+void Search::polish_rivals(std::size_t members, std::set<const Explanation*>& at_end) {
   // Until nothing moves: a large effect bends the derivatives of everything else on its way.
-  std::set<const Explanation*> at_end;
   for (int round = 0; round < 6; ++round) {
     std::vector<Explanation*> moving = rivals(members, settings_.rival_distance, settings_.polished);
     std::erase_if(moving, [&](const Explanation* e) { return at_end.count(e) > 0; });
@@ -231,6 +268,15 @@ void Search::polish_best(std::size_t members) {
     for (std::size_t i = 0; i < moving.size(); ++i)
       if (moving[i]->fit.settled || moving[i]->log_evidence - before[i] < settled_evidence) at_end.insert(moving[i]);
   }
+}
+
+void Search::polish_best(std::size_t members) {
+  std::set<const Explanation*> at_end;
+  polish_rivals(members, at_end);
+  // Not before: a fit under way would leave the valley that it is about to enter.
+  const std::vector<Explanation*> moved = try_places_of_rivals(members);
+  for (const Explanation* e : moved) at_end.erase(e);
+  if (!moved.empty()) polish_rivals(members, at_end);
 }
 
 bool Search::restart_siblings() {
@@ -428,7 +474,8 @@ bool Search::search_next(std::size_t members) {
   const std::vector<Screened> screened = Screening(rows_, base->fit, candidates_, others(base->members)).singles();
   const std::vector<Screened> chosen = worth_refitting(screened, settings_.next_refits);
   const double first_gain = best_of(1)->log_evidence - owner_.log_evidence;
-  const double needed = std::max(rules_.next_gain, rules_.next_share * first_gain);
+  const double share = members == 1 ? rules_.next_share : std::max(rules_.next_share, rules_.third_share);
+  const double needed = std::max(rules_.next_gain, share * first_gain);
   // Beside a large first name the owner's parameters stand at their bounds, and derivatives there know little of where
   // they would go.
   if (chosen.empty() || 0.5 * chosen.front().gain < rules_.screened_share * needed) return false;

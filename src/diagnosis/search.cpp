@@ -364,15 +364,21 @@ void Search::search_singles() {
   add_known(chosen);
   refit(base, {}, chosen);
   add_families(base, {}, first_screening_);
+  std::vector<Screened> beside_fit;
   if (bent) {
     // Far from its truth an explanation may promise little at the owner's values and all beside the best that the
     // owner's model can do: exhaust edges 8 % narrower promised 0.2 % of what a wrong valve area did.
-    const std::vector<Screened> beside_fit = Screening(rows_, owner_.fit, candidates_, others({})).singles();
+    beside_fit = Screening(rows_, owner_.fit, candidates_, others({})).singles();
     refit(owner_.fit, {}, worth_refitting(beside_fit, settings_.refits));
     add_families(owner_.fit, {}, beside_fit);
   }
   take_defect_at_best(1);
   polish_best(1);
+  // A name that has come forward since brings its relatives: a lag was the best without its dead time being tried.
+  const std::size_t known = tried_.size();
+  add_families(base, {}, first_screening_);
+  add_families(owner_.fit, {}, beside_fit);
+  if (tried_.size() > known) polish_best(1);
   if (restart_siblings()) polish_best(1);
   if (const Explanation* best = best_of(1)) first_gain_ = best->log_evidence - owner_.log_evidence;
   if (settings_.grow_floor) take_floor_at_best();

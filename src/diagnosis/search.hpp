@@ -28,7 +28,7 @@ struct KnownStart {
 
 /// How much work a search does.
 struct SearchSettings {
-  std::size_t refits = 8;       ///< candidates refitted after the first screening
+  std::size_t refits = 12;      ///< candidates refitted after the first screening
   std::size_t next_refits = 5;  ///< and after each later one
   std::size_t pairs = 6;        ///< pairs refitted that promise most together
   std::size_t polished = 4;     ///< of each number of effects, with all derivatives taken anew

@@ -85,17 +85,17 @@ GridParameter grid_parameter(const ParameterTrait& trait, const Field& field, co
   FreeParameter& free = out.free;
   free.path = path;
   free.variation = trait.variation;
+  const double scale = scales(trait.scale);
   // A vessel that is watched for minutes shows far smaller leaks than an axis that moves.
   const double watched = scales.rig.kind == RigKind::vessel ? 0.05 : 1.0;
-  out.negligible = watched * trait.negligible * scales(trait.negligible_scale);
-  const double scale = scales(trait.scale);
+  out.negligible = watched * trait.negligible * scale;
   if (out.amplitude) {
     free.center = free.varied(out.neutral);
     free.spread = trait.spread * scale;
     out.starts = {0.0};
   } else {
-    const double middle = trait.grid_over_motion ? 0.5 * (scales.range.lowest_m + scales.range.highest_m) : 0.0;
-    const double reach = trait.grid_over_motion ? 0.5 * (scales.range.highest_m - scales.range.lowest_m) + 1e-4 : scale;
+    const double middle = trait.is_over_motion ? 0.5 * (scales.range.lowest_m + scales.range.highest_m) : 0.0;
+    const double reach = trait.is_over_motion ? 0.5 * (scales.range.highest_m - scales.range.lowest_m) + 1e-4 : scale;
     for (const double value : trait.grid)
       free.center += free.varied(middle + reach * value) / double(trait.grid.size());
     free.spread = trait.variation == Variation::logarithmic ? trait.spread : trait.spread * reach;

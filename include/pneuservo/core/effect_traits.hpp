@@ -28,25 +28,48 @@ enum class EffectScale {
 /// In what a parameter is varied: itself, its logarithm, or 1/value^2 (0 stands for "none" there).
 enum class Variation { linear, logarithmic, inverse_square };
 
-/// How one parameter of an effect is looked for.
+/// How one parameter of an effect is looked for; made by amplitude() or shape().
 struct ParameterTrait {
   std::string_view key;
   EffectScale scale = EffectScale::one;
   /// Prior standard deviation over scale; of a logarithm in itself.
   double spread = 1;
-  /// Smaller sizes than this times `negligible_scale` are never named; 0: does not decide.
+  /// Smaller sizes than this, over scale, are never named; 0: does not decide.
   double negligible = 0;
-  EffectScale negligible_scale = EffectScale::one;
   Variation variation = Variation::linear;
-  /// Start values over scale of a parameter that enters nonlinearly (its prior is centred on their mean); empty: the
-  /// parameter is an amplitude, starts at its neutral value and is found by its derivative.
+  /// Start values over scale of a shape; empty: an amplitude.
   std::span<const double> grid{};
   /// Whether that grid lies relative to the middle of the recorded motion (of centres) instead of to zero.
-  bool grid_over_motion = false;
+  bool is_over_motion = false;
   /// Sizes of an amplitude, in prior standard deviations, whose whole change is looked at beside its derivative: what
   /// tolerances mimic while it is small may be all that is left of it.
   std::span<const double> whole{};
+
+  constexpr ParameterTrait by(Variation how) const {
+    ParameterTrait out = *this;
+    out.variation = how;
+    return out;
+  }
+  constexpr ParameterTrait over_motion() const {
+    ParameterTrait out = *this;
+    out.is_over_motion = true;
+    return out;
+  }
+  constexpr ParameterTrait whole_at(std::span<const double> sizes) const {
+    ParameterTrait out = *this;
+    out.whole = sizes;
+    return out;
+  }
 };
+
+/// A parameter that starts at its neutral value and is found by its derivative.
+constexpr ParameterTrait amplitude(std::string_view key, EffectScale scale, double spread, double negligible = 0) {
+  return {key, scale, spread, negligible};
+}
+/// A parameter that enters nonlinearly: it starts at every value of a grid, and its prior is centred on their mean.
+constexpr ParameterTrait shape(std::string_view key, EffectScale scale, double spread, std::span<const double> grid) {
+  return {key, scale, spread, 0, Variation::linear, grid};
+}
 
 namespace effect_grids {
 inline constexpr std::array<double, 4> stribeck_speed{0.01, 0.03, 0.1, 0.3};

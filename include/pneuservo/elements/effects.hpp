@@ -11,7 +11,7 @@ namespace pneuservo {
 template <class S> struct CoulombFriction {
   static constexpr std::string_view element = "motion";
   static constexpr std::string_view family = "friction";
-  static constexpr std::array traits{ParameterTrait{"force_N", EffectScale::force, 0.03, 5e-5, EffectScale::force}};
+  static constexpr std::array traits{amplitude("force_N", EffectScale::force, 0.03, 5e-5)};
   S force_N = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"force_N", "N", 0, 1e5, "opposes motion; holds a slider at rest up to it"}, p.force_N...);
@@ -21,10 +21,9 @@ template <class S> struct StribeckFriction {
   static constexpr std::string_view element = "motion";
   static constexpr std::string_view family = "friction";
   static constexpr std::array traits{
-      ParameterTrait{"extra_force_N", EffectScale::force, 0.03, 5e-5, EffectScale::force},
-      ParameterTrait{"coulomb_force_N", EffectScale::force, 0.03},
-      ParameterTrait{"velocity_mps", EffectScale::top_speed, 1.2, 0, EffectScale::one, Variation::logarithmic,
-                     effect_grids::stribeck_speed}};
+      amplitude("extra_force_N", EffectScale::force, 0.03, 5e-5),
+      amplitude("coulomb_force_N", EffectScale::force, 0.03),
+      shape("velocity_mps", EffectScale::top_speed, 1.2, effect_grids::stribeck_speed).by(Variation::logarithmic)};
   S extra_force_N = S(0);
   S velocity_mps = S(0.02);
   S coulomb_force_N = S(0);
@@ -37,8 +36,8 @@ template <class S> struct StribeckFriction {
 template <class S> struct DirectionDependentFriction {
   static constexpr std::string_view element = "motion";
   static constexpr std::string_view family = "friction";
-  static constexpr std::array traits{ParameterTrait{"forward_N", EffectScale::force, 0.03, 5e-5, EffectScale::force},
-                                     ParameterTrait{"backward_N", EffectScale::force, 0.03, 5e-5, EffectScale::force}};
+  static constexpr std::array traits{amplitude("forward_N", EffectScale::force, 0.03, 5e-5),
+                                     amplitude("backward_N", EffectScale::force, 0.03, 5e-5)};
   S forward_N = S(0);
   S backward_N = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -49,8 +48,8 @@ template <class S> struct DirectionDependentFriction {
 template <class S> struct PressureDependentFriction {
   static constexpr std::string_view element = "motion";
   static constexpr std::string_view family = "friction";
-  static constexpr std::array traits{ParameterTrait{"force_per_pressure_N_per_Pa", EffectScale::force_per_pressure,
-                                                    0.03, 5e-5, EffectScale::force_per_pressure}};
+  static constexpr std::array traits{
+      amplitude("force_per_pressure_N_per_Pa", EffectScale::force_per_pressure, 0.03, 5e-5)};
   S force_per_pressure_N_per_Pa = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"force_per_pressure_N_per_Pa", "N/Pa", 0, 1, "c of c (max(p1 - p_atm, 0) + max(p2 - p_atm, 0))/2"},
@@ -60,11 +59,10 @@ template <class S> struct PressureDependentFriction {
 template <class S> struct FrictionZone {
   static constexpr std::string_view element = "motion";
   static constexpr std::string_view family = "friction";
-  static constexpr std::array traits{ParameterTrait{"force_N", EffectScale::force, 0.03, 1e-4, EffectScale::force},
-                                     ParameterTrait{"center_m", EffectScale::half_stroke, 0.5, 0, EffectScale::one,
-                                                    Variation::linear, effect_grids::zone_center, true},
-                                     ParameterTrait{"width_m", EffectScale::half_stroke, 0.7, 0, EffectScale::one,
-                                                    Variation::logarithmic, effect_grids::zone_width}};
+  static constexpr std::array traits{
+      amplitude("force_N", EffectScale::force, 0.03, 1e-4),
+      shape("center_m", EffectScale::half_stroke, 0.5, effect_grids::zone_center).over_motion(),
+      shape("width_m", EffectScale::half_stroke, 0.7, effect_grids::zone_width).by(Variation::logarithmic)};
   S force_N = S(0);
   S center_m = S(0);
   S width_m = S(0.01);
@@ -77,8 +75,7 @@ template <class S> struct FrictionZone {
 template <class S> struct QuadraticDrag {
   static constexpr std::string_view element = "motion";
   static constexpr std::string_view family = "friction";
-  static constexpr std::array traits{
-      ParameterTrait{"coefficient_Ns2_per_m2", EffectScale::drag, 0.03, 5e-5, EffectScale::drag}};
+  static constexpr std::array traits{amplitude("coefficient_Ns2_per_m2", EffectScale::drag, 0.03, 5e-5)};
   S coefficient_Ns2_per_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"coefficient_Ns2_per_m2", "N s2/m2", 0, 1e5, "c of c |v| v"}, p.coefficient_Ns2_per_m2...);
@@ -87,9 +84,8 @@ template <class S> struct QuadraticDrag {
 template <class S> struct DirectionDependentViscousFriction {
   static constexpr std::string_view element = "motion";
   static constexpr std::string_view family = "friction";
-  static constexpr std::array traits{
-      ParameterTrait{"forward_Ns_per_m", EffectScale::force_per_speed, 0.03, 1e-4, EffectScale::force_per_speed},
-      ParameterTrait{"backward_Ns_per_m", EffectScale::force_per_speed, 0.03, 1e-4, EffectScale::force_per_speed}};
+  static constexpr std::array traits{amplitude("forward_Ns_per_m", EffectScale::force_per_speed, 0.03, 1e-4),
+                                     amplitude("backward_Ns_per_m", EffectScale::force_per_speed, 0.03, 1e-4)};
   S forward_Ns_per_m = S(0);
   S backward_Ns_per_m = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -100,7 +96,7 @@ template <class S> struct DirectionDependentViscousFriction {
 template <class S> struct ConstantForce {
   static constexpr std::string_view element = "motion";
   static constexpr std::string_view family = "load";
-  static constexpr std::array traits{ParameterTrait{"force_N", EffectScale::force, 0.03, 5e-5, EffectScale::force}};
+  static constexpr std::array traits{amplitude("force_N", EffectScale::force, 0.03, 5e-5)};
   S force_N = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"force_N", "N", -1e5, 1e5, "subtracted from the driving force: incline, weight, cable"}, p.force_N...);
@@ -109,10 +105,8 @@ template <class S> struct ConstantForce {
 template <class S> struct SpringLoad {
   static constexpr std::string_view element = "motion";
   static constexpr std::string_view family = "load";
-  static constexpr std::array traits{
-      ParameterTrait{"stiffness_N_per_m", EffectScale::stiffness, 0.03, 1e-4, EffectScale::stiffness},
-      ParameterTrait{"rest_m", EffectScale::half_stroke, 0.7, 0, EffectScale::one, Variation::linear,
-                     effect_grids::spring_rest}};
+  static constexpr std::array traits{amplitude("stiffness_N_per_m", EffectScale::stiffness, 0.03, 1e-4),
+                                     shape("rest_m", EffectScale::half_stroke, 0.7, effect_grids::spring_rest)};
   S stiffness_N_per_m = S(0);
   S rest_m = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -157,7 +151,7 @@ template <class S> struct MotionEffects {
 template <class S> struct ValveDeadBand {
   static constexpr std::string_view element = "valve";
   static constexpr std::string_view family = "edges";
-  static constexpr std::array traits{ParameterTrait{"width_V", EffectScale::one, 0.15, 5e-4}};
+  static constexpr std::array traits{amplitude("width_V", EffectScale::one, 0.15, 5e-4)};
   S width_V = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"width_V", "V", 0, 1000, "w of s_eff = sign(s) max(|s| - w, 0)"}, p.width_V...);
@@ -166,7 +160,7 @@ template <class S> struct ValveDeadBand {
 template <class S> struct ValveOffset {
   static constexpr std::string_view element = "valve";
   static constexpr std::string_view family = "balance";
-  static constexpr std::array traits{ParameterTrait{"offset_V", EffectScale::one, 0.1, 5e-4}};
+  static constexpr std::array traits{amplitude("offset_V", EffectScale::one, 0.1, 5e-4)};
   S offset_V = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"offset_V", "V", -1000, 1000, "o of s_eff = s + o"}, p.offset_V...);
@@ -175,7 +169,7 @@ template <class S> struct ValveOffset {
 template <class S> struct ValveHysteresis {
   static constexpr std::string_view element = "valve";
   static constexpr std::string_view family = "late";
-  static constexpr std::array traits{ParameterTrait{"width_V", EffectScale::one, 0.15, 1e-3}};
+  static constexpr std::array traits{amplitude("width_V", EffectScale::one, 0.15, 1e-3)};
   S width_V = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"width_V", "V", 0, 1000, "total width of the play between command and spool"}, p.width_V...);
@@ -184,7 +178,7 @@ template <class S> struct ValveHysteresis {
 template <class S> struct ValveLag {
   static constexpr std::string_view element = "valve";
   static constexpr std::string_view family = "late";
-  static constexpr std::array traits{ParameterTrait{"time_constant_s", EffectScale::one, 0.008, 5e-4}};
+  static constexpr std::array traits{amplitude("time_constant_s", EffectScale::one, 0.008, 5e-4)};
   S time_constant_s = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"time_constant_s", "s", 0, 10, "first-order lag between command and spool"}, p.time_constant_s...);
@@ -193,8 +187,7 @@ template <class S> struct ValveLag {
 template <class S> struct ValveNeutralLeak {
   static constexpr std::string_view element = "valve";
   static constexpr std::string_view family = "edges";
-  static constexpr std::array traits{
-      ParameterTrait{"area_m2", EffectScale::valve_area, 0.01, 2.5e-5, EffectScale::valve_area}};
+  static constexpr std::array traits{amplitude("area_m2", EffectScale::valve_area, 0.01, 2.5e-5)};
   S area_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"area_m2", "m2", 0, 1e-2, "supply to each port and each port to exhaust, at every spool position"},
@@ -204,7 +197,7 @@ template <class S> struct ValveNeutralLeak {
 template <class S> struct ValveAsymmetry {
   static constexpr std::string_view element = "valve";
   static constexpr std::string_view family = "edges";
-  static constexpr std::array traits{ParameterTrait{"exhaust_ratio", EffectScale::one, 0.15, 2e-3}};
+  static constexpr std::array traits{amplitude("exhaust_ratio", EffectScale::one, 0.15, 2e-3)};
   S exhaust_ratio = S(1);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"exhaust_ratio", "-", 0.01, 100, "exhaust areas over supply areas"}, p.exhaust_ratio...);
@@ -213,7 +206,7 @@ template <class S> struct ValveAsymmetry {
 template <class S> struct CommandDelay {
   static constexpr std::string_view element = "timing";
   static constexpr std::string_view family = "late";
-  static constexpr std::array traits{ParameterTrait{"delay_s", EffectScale::one, 0.006, 5e-4}};
+  static constexpr std::array traits{amplitude("delay_s", EffectScale::one, 0.006, 5e-4)};
   S delay_s = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"delay_s", "s", 0, 0.5, "dead time between command and spool"}, p.delay_s...);
@@ -246,10 +239,9 @@ template <class S> struct ValveEffects {
 template <class S> struct SupplyDroop {
   static constexpr std::string_view element = "supply";
   static constexpr std::string_view family = "supply_droop";
-  static constexpr std::array traits{ParameterTrait{"area_m2", EffectScale::valve_area, 1.2, 0, EffectScale::one,
-                                                    Variation::logarithmic, effect_grids::droop_area},
-                                     ParameterTrait{"volume_m3", EffectScale::one, 1.5, 0, EffectScale::one,
-                                                    Variation::logarithmic, effect_grids::droop_volume}};
+  static constexpr std::array traits{
+      shape("area_m2", EffectScale::valve_area, 1.2, effect_grids::droop_area).by(Variation::logarithmic),
+      shape("volume_m3", EffectScale::one, 1.5, effect_grids::droop_volume).by(Variation::logarithmic)};
   S area_m2 = S(0);
   S volume_m3 = S(1e-3);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -262,15 +254,9 @@ template <class S> struct SupplyDroop {
 template <class S> struct LineRestriction {
   static constexpr std::string_view element = "line";
   static constexpr std::string_view family = "line_restriction";
-  static constexpr std::array traits{ParameterTrait{"area_m2",
-                                                    EffectScale::inverse_valve_area,
-                                                    4,
-                                                    0.01,
-                                                    EffectScale::inverse_valve_area,
-                                                    Variation::inverse_square,
-                                                    {},
-                                                    false,
-                                                    effect_grids::restriction_sizes}};
+  static constexpr std::array traits{amplitude("area_m2", EffectScale::inverse_valve_area, 4, 0.01)
+                                         .by(Variation::inverse_square)
+                                         .whole_at(effect_grids::restriction_sizes)};
   S area_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"area_m2", "m2", 0, 1e-2, "effective area between line end and chamber"}, p.area_m2...);
@@ -279,10 +265,8 @@ template <class S> struct LineRestriction {
 template <class S> struct LineLeak {
   static constexpr std::string_view element = "line";
   static constexpr std::string_view family = "leak";
-  static constexpr std::array traits{
-      ParameterTrait{"area_m2", EffectScale::valve_area, 0.01, 2.5e-5, EffectScale::valve_area},
-      ParameterTrait{"position", EffectScale::one, 0.4, 0, EffectScale::one, Variation::linear,
-                     effect_grids::leak_position}};
+  static constexpr std::array traits{amplitude("area_m2", EffectScale::valve_area, 0.01, 2.5e-5),
+                                     shape("position", EffectScale::one, 0.4, effect_grids::leak_position)};
   S area_m2 = S(0);
   S position = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -298,21 +282,11 @@ template <class S> struct LineBranch {
   /// Beside small physics that is everywhere it has no name: the volume at a valve's port and the fittings of every
   /// real line look like it.
   static constexpr bool is_mimicked_by_small_physics = true;
-  static constexpr std::array traits{ParameterTrait{"volume_m3",
-                                                    EffectScale::one,
-                                                    1e-4,
-                                                    1e-6,
-                                                    EffectScale::one,
-                                                    Variation::linear,
-                                                    {},
-                                                    false,
-                                                    effect_grids::branch_volumes},
-                                     ParameterTrait{"neck_length_m", EffectScale::one, 0.7, 0, EffectScale::one,
-                                                    Variation::logarithmic, effect_grids::branch_neck_length},
-                                     ParameterTrait{"neck_diameter_m", EffectScale::one, 0.7, 0, EffectScale::one,
-                                                    Variation::logarithmic, effect_grids::branch_neck_diameter},
-                                     ParameterTrait{"position", EffectScale::one, 0.4, 0, EffectScale::one,
-                                                    Variation::linear, effect_grids::branch_position}};
+  static constexpr std::array traits{
+      amplitude("volume_m3", EffectScale::one, 1e-4, 1e-6).whole_at(effect_grids::branch_volumes),
+      shape("neck_length_m", EffectScale::one, 0.7, effect_grids::branch_neck_length).by(Variation::logarithmic),
+      shape("neck_diameter_m", EffectScale::one, 0.7, effect_grids::branch_neck_diameter).by(Variation::logarithmic),
+      shape("position", EffectScale::one, 0.4, effect_grids::branch_position)};
   S volume_m3 = S(0);
   S neck_length_m = S(0.1);
   S neck_diameter_m = S(0.004);
@@ -331,7 +305,7 @@ template <class S> struct FrequencyDependentLosses {
   static constexpr std::string_view family = "line_losses";
   /// Every real line has it: granted beside other physics, never a name of its own.
   static constexpr bool is_always_granted = true;
-  static constexpr std::array traits{ParameterTrait{"share", EffectScale::one, 1, 0.05}};
+  static constexpr std::array traits{amplitude("share", EffectScale::one, 1, 0.05)};
   S share = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"share", "-", 0, 3, "of the friction and wall heat that depend on frequency; 1: theory of laminar layers"},
@@ -341,8 +315,7 @@ template <class S> struct FrequencyDependentLosses {
 template <class S> struct ChamberLeak {
   static constexpr std::string_view element = "chamber";
   static constexpr std::string_view family = "leak";
-  static constexpr std::array traits{
-      ParameterTrait{"area_m2", EffectScale::valve_area, 0.01, 2.5e-5, EffectScale::valve_area}};
+  static constexpr std::array traits{amplitude("area_m2", EffectScale::valve_area, 0.01, 2.5e-5)};
   S area_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"area_m2", "m2", 0, 1e-2, "orifice from chamber to atmosphere"}, p.area_m2...);
@@ -351,8 +324,7 @@ template <class S> struct ChamberLeak {
 template <class S> struct PistonLeak {
   static constexpr std::string_view element = "piston";
   static constexpr std::string_view family = "balance";
-  static constexpr std::array traits{
-      ParameterTrait{"area_m2", EffectScale::valve_area, 0.01, 2.5e-5, EffectScale::valve_area}};
+  static constexpr std::array traits{amplitude("area_m2", EffectScale::valve_area, 0.01, 2.5e-5)};
   S area_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"area_m2", "m2", 0, 1e-2, "orifice between the chambers"}, p.area_m2...);
@@ -360,8 +332,7 @@ template <class S> struct PistonLeak {
 };
 template <class S> struct SensorOffset {
   static constexpr std::string_view element = "sensor";
-  static constexpr std::array traits{
-      ParameterTrait{"offset", EffectScale::channel_offset, 0.03, 1e-4, EffectScale::channel_offset}};
+  static constexpr std::array traits{amplitude("offset", EffectScale::channel_offset, 0.03, 1e-4)};
   S offset = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"offset", "SI", -1e7, 1e7, "added to the reading, in the channel's unit"}, p.offset...);
@@ -369,7 +340,7 @@ template <class S> struct SensorOffset {
 };
 template <class S> struct SensorGain {
   static constexpr std::string_view element = "sensor";
-  static constexpr std::array traits{ParameterTrait{"gain", EffectScale::channel_gain, 0.05, 1e-3}};
+  static constexpr std::array traits{amplitude("gain", EffectScale::channel_gain, 0.05, 1.7e-3)};
   S gain = S(1);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"gain", "-", -100, 100, "factor on the reading"}, p.gain...);
@@ -377,7 +348,7 @@ template <class S> struct SensorGain {
 };
 template <class S> struct SensorLag {
   static constexpr std::string_view element = "sensor";
-  static constexpr std::array traits{ParameterTrait{"time_constant_s", EffectScale::one, 0.007, 5e-4}};
+  static constexpr std::array traits{amplitude("time_constant_s", EffectScale::one, 0.007, 5e-4)};
   S time_constant_s = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"time_constant_s", "s", 0, 10, "first-order lag of the sensor"}, p.time_constant_s...);

@@ -9,8 +9,7 @@ namespace pneuservo {
 template <class S> struct WallHeatExchange {
   static constexpr std::string_view element = "chamber_1";
   static constexpr std::string_view family = "heat";
-  static constexpr std::array traits{
-      ParameterTrait{"conductance_W_per_K", EffectScale::wall_heat, 0.3, 1e-4, EffectScale::wall_heat}};
+  static constexpr std::array traits{amplitude("conductance_W_per_K", EffectScale::wall_heat, 0.3, 1e-4)};
   S conductance_W_per_K = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"conductance_W_per_K", "W/K", 0, 1e6, "heat flow over gas temperature less wall temperature"},
@@ -21,9 +20,9 @@ template <class S> struct WallHeatExchange {
 template <class S> struct ChargingHeat {
   static constexpr std::string_view element = "chamber_1";
   static constexpr std::string_view family = "heat";
-  static constexpr std::array traits{ParameterTrait{"excess_K", EffectScale::one, 10, 0.02},
-                                     ParameterTrait{"time_constant_s", EffectScale::one, 1.2, 0, EffectScale::one,
-                                                    Variation::logarithmic, effect_grids::charging_time}};
+  static constexpr std::array traits{
+      amplitude("excess_K", EffectScale::one, 10, 0.02),
+      shape("time_constant_s", EffectScale::one, 1.2, effect_grids::charging_time).by(Variation::logarithmic)};
   S excess_K = S(0);
   S time_constant_s = S(10);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -35,8 +34,8 @@ template <class S> struct ChargingHeat {
 template <class S> struct LaminarLeak {
   static constexpr std::string_view element = "chamber";
   static constexpr std::string_view family = "leak";
-  static constexpr std::array traits{ParameterTrait{"conductance_kgps_per_Pa2", EffectScale::laminar_conductance, 0.01,
-                                                    2.5e-5, EffectScale::laminar_conductance}};
+  static constexpr std::array traits{
+      amplitude("conductance_kgps_per_Pa2", EffectScale::laminar_conductance, 0.01, 2.5e-5)};
   S conductance_kgps_per_Pa2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"conductance_kgps_per_Pa2", "kg/(s Pa2)", 0, 1, "K of G = K (p^2 - p_atm^2)"},
@@ -47,11 +46,9 @@ template <class S> struct LaminarLeak {
 template <class S> struct PorousLeak {
   static constexpr std::string_view element = "chamber";
   static constexpr std::string_view family = "leak";
-  static constexpr std::array traits{ParameterTrait{"conductance_kgps_per_Pa2", EffectScale::laminar_conductance, 0.01,
-                                                    2.5e-5, EffectScale::laminar_conductance},
-                                     ParameterTrait{"orifice_area_m2", EffectScale::valve_area, 1.2, 0,
-                                                    EffectScale::one, Variation::logarithmic,
-                                                    effect_grids::porous_orifice}};
+  static constexpr std::array traits{
+      amplitude("conductance_kgps_per_Pa2", EffectScale::laminar_conductance, 0.01, 2.5e-5),
+      shape("orifice_area_m2", EffectScale::valve_area, 1.2, effect_grids::porous_orifice).by(Variation::logarithmic)};
   S conductance_kgps_per_Pa2 = S(0);
   S orifice_area_m2 = S(1e-8);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -64,7 +61,7 @@ template <class S> struct PorousLeak {
 template <class S> struct DropOutDelay {
   static constexpr std::string_view element = "timing";
   static constexpr std::string_view family = "late";
-  static constexpr std::array traits{ParameterTrait{"delay_s", EffectScale::one, 0.01, 5e-4}};
+  static constexpr std::array traits{amplitude("delay_s", EffectScale::one, 0.01, 5e-4)};
   S delay_s = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"delay_s", "s", 0, 5, "dead time of switching to exhaust, beside command_delay"}, p.delay_s...);

@@ -374,10 +374,11 @@ Decision with_small_physics(const Rig& rig, FittedRows& rows, std::vector<Candid
   settings.small_physics = std::move(granted.parameters);
   settings.known_starts = plain.best_starts(carried_over);
   settings.grow_floor = true;
-  settings.most_effects = 1;
   settings.settled_gain = settled_gain_beside;
   std::erase_if(candidates, [](const Candidate& c) { return c.is_mimicked_by_small_physics; });
-  search.emplace(rows, granted.rig, std::move(candidates), settings, options.rules, options.progress);
+  DecisionRules rules = options.rules;
+  rules.most_names = 1;
+  search.emplace(rows, granted.rig, std::move(candidates), settings, rules, options.progress);
   run_search(*search, out);
   const Explanation* best = search->best_of(1);
   const std::vector<double> levels = model.take_slow_error((best ? *best : search->owner()).fit.hypothesis());
@@ -415,7 +416,6 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   const std::vector<Candidate> candidates =
       without_unexcited(all_candidates(rig, model.channels(), motion_range(model.rows())), model.rows());
   SearchSettings settings;
-  settings.most_effects = options.rules.most_names;
   Search first_search(rows, rig, candidates, settings, options.rules, options.progress);
   run_search(first_search, out);
   if (options.progress) options.progress(0.95, "verdict");

@@ -107,7 +107,7 @@ void Screening::collect(const Hypothesis& here, const Candidate& candidate, std:
     trials_.push_back(std::move(trial));
   }
   for (const std::vector<double>& start : candidate.whole_starts) {
-    trials_.push_back({index, start, {}, {1.0}, {static_cast<Eigen::Index>(hypotheses.size())}});
+    trials_.push_back({index, start, {}, {1.0}, {static_cast<Eigen::Index>(hypotheses.size())}, true});
     hypotheses.push_back(with_parameters(here, candidate.parameters, start));
   }
 }
@@ -201,14 +201,24 @@ Screened Screening::single(const Trial& trial) const {
 }
 
 std::vector<Screened> Screening::singles() const {
-  std::vector<Screened> out;
+  std::vector<Screened> out, whole;
   for (const Trial& trial : trials_) {
-    if (out.empty() || out.back().candidate != trial.candidate) out.push_back({trial.candidate, -1e300, trial.z, {}});
+    if (out.empty() || out.back().candidate != trial.candidate) {
+      out.push_back({trial.candidate, -1e300, trial.z, {}});
+      whole.push_back(out.back());
+    }
     if (!trial.usable) continue;
     Screened here = single(trial);
-    if (here.gain <= out.back().gain) continue;
-    if (here.standard_error.empty()) here.standard_error = out.back().standard_error;  // a whole change has none
-    out.back() = std::move(here);
+    Screened& best = trial.is_whole ? whole.back() : out.back();
+    if (here.gain > best.gain) best = std::move(here);
+  }
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    Screened &best = out[i], &other = whole[i];
+    if (other.gain > best.gain) {  // but a standard error is the derivative's alone
+      std::swap(best.gain, other.gain);
+      std::swap(best.start, other.start);
+    }
+    if (other.gain > 0) best.second_start = other.start;
   }
   return out;
 }

@@ -23,7 +23,7 @@ constexpr std::array<double, 5> start_shares{1.0, 0.5, 0.25, 0.1, 0.02};
 /// How often the floor and the owner's fit follow each other: then neither moves any more.
 constexpr int floor_rounds = 2;
 
-/// Rivals that try each other's places.
+/// Rivals that are fitted from each other's places.
 constexpr std::size_t compared_places = 8;
 
 /// A fit that gains less than this in log evidence by fresh derivatives is at its end.
@@ -40,6 +40,28 @@ bool is_one_time(const Fit& fit) { return fit.own_count == 1 && fit.parameters.f
 
 bool same_parameter(const FreeParameter& a, const FreeParameter& b) {
   return a.start_factor == b.start_factor && a.path == b.path;
+}
+
+/// Places of the parameters that two fits have in common, in units that agree: a name may free wider what is a nuisance
+/// elsewhere.
+std::vector<std::pair<Eigen::Index, Eigen::Index>> shared_parameters(const Fit& a, const Fit& b) {
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> out;
+  for (std::size_t i = 0; i < a.parameters.size(); ++i)
+    for (std::size_t k = 0; k < b.parameters.size(); ++k)
+      if (same_parameter(a.parameters[i], b.parameters[k]) && a.parameters[i].spread == b.parameters[k].spread)
+        out.emplace_back(i, k);
+  return out;
+}
+
+/// What is to be refitted, and the same with each member's second start in place of its first.
+std::vector<std::vector<Screened>> with_second_starts(const std::vector<Screened>& added) {
+  std::vector<std::vector<Screened>> out{added};
+  for (std::size_t i = 0; i < added.size(); ++i) {
+    if (added[i].second_start.empty()) continue;
+    out.push_back(added);
+    out.back()[i].start = added[i].second_start;
+  }
+  return out;
 }
 
 std::vector<std::size_t> with_member(std::vector<std::size_t> members, std::size_t added) {
@@ -85,14 +107,11 @@ Fit Search::start_fit(const std::vector<std::size_t>& members) const {
 Fit Search::continued_fit(const Fit& base, const std::vector<std::size_t>& members,
                           const std::vector<Screened>& added) const {
   Fit fit = start_fit(members);
-  for (std::size_t i = 0; i < fit.parameters.size(); ++i)
-    for (std::size_t k = 0; k < base.parameters.size(); ++k)
-      if (same_parameter(fit.parameters[i], base.parameters[k]) &&
-          fit.parameters[i].spread == base.parameters[k].spread) {
-        fit.z(static_cast<Eigen::Index>(i)) = base.z(static_cast<Eigen::Index>(k));
-        fit.jacobian.col(static_cast<Eigen::Index>(i)) = base.jacobian.col(static_cast<Eigen::Index>(k));
-        fit.known_columns[i] = i >= fit.own_count;
-      }
+  for (const auto& [i, k] : shared_parameters(fit, base)) {
+    fit.z(i) = base.z(k);
+    fit.jacobian.col(i) = base.jacobian.col(k);
+    fit.known_columns[static_cast<std::size_t>(i)] = static_cast<std::size_t>(i) >= fit.own_count;
+  }
   for (const Screened& one : added) {
     const Candidate& candidate = candidates_[one.candidate];
     for (std::size_t i = 0; i < fit.own_count; ++i)
@@ -138,24 +157,39 @@ void Search::refit(const Fit& base, const std::vector<std::size_t>& members, con
 
 void Search::refit(const Fit& base, const std::vector<std::size_t>& members,
                    const std::vector<std::vector<Screened>>& sets) {
-  std::vector<Explanation*> fresh;
-  std::vector<std::vector<Eigen::VectorXd>> places;
-  std::vector<Hypothesis> hypotheses;
+  std::vector<Explanation> attempts;
+  std::vector<std::vector<Screened>> starts;
   for (const std::vector<Screened>& added : sets) {
     std::vector<std::size_t> all = members;
     for (const Screened& one : added)
       if (!contains(all, one.candidate)) all = with_member(all, one.candidate);
     if (all.size() != members.size() + added.size() || tried_.count(all)) continue;
-    Explanation& explanation = tried_[all];
-    explanation.members = all;
-    explanation.fit = continued_fit(base, all, added);
-    fresh.push_back(&explanation);
-    // The screening is linear: a large effect may start better at a part of the size that it says.
-    const Fit& fit = explanation.fit;
-    places.emplace_back();
+    tried_[all].fit.failed = true;  // until an attempt has come to an end
+    for (std::vector<Screened>& start : with_second_starts(added)) {
+      attempts.push_back({all, continued_fit(base, all, start)});
+      starts.push_back(std::move(start));
+    }
+  }
+  move_to_best_share(attempts, starts);
+  std::vector<Fit*> fits;
+  fits.reserve(attempts.size());
+  for (Explanation& attempt : attempts) fits.push_back(&attempt.fit);
+  improve(rows_, fits, 4, Columns::own, settings_.settled_gain);
+  for (Explanation& attempt : attempts) {
+    Explanation& kept = tried_.at(attempt.members);
+    if (!attempt.fit.failed) attempt.log_evidence = log_evidence(attempt);
+    if (kept.fit.failed || attempt.log_evidence > kept.log_evidence) kept = std::move(attempt);
+  }
+}
+
+void Search::move_to_best_share(std::vector<Explanation>& attempts, const std::vector<std::vector<Screened>>& starts) {
+  std::vector<Eigen::VectorXd> places;
+  std::vector<Hypothesis> hypotheses;
+  for (std::size_t f = 0; f < attempts.size(); ++f) {
+    const Fit& fit = attempts[f].fit;
     for (const double share : start_shares) {
       Eigen::VectorXd z = fit.z;
-      for (const Screened& one : added) {
+      for (const Screened& one : starts[f]) {
         const Candidate& candidate = candidates_[one.candidate];
         for (std::size_t p = 0; p < candidate.parameters.size(); ++p)
           for (std::size_t i = 0; i < fit.own_count; ++i)
@@ -164,27 +198,22 @@ void Search::refit(const Fit& base, const std::vector<std::size_t>& members,
               z(static_cast<Eigen::Index>(i)) = neutral + share * (z(static_cast<Eigen::Index>(i)) - neutral);
             }
       }
-      places.back().push_back(z);
       hypotheses.push_back(with_parameters(fit.base, fit.parameters, {z.data(), z.data() + z.size()}));
+      places.push_back(std::move(z));
     }
   }
   const Eigen::MatrixXd columns = rows_(hypotheses);
-  std::vector<Fit*> fits;
-  for (std::size_t f = 0; f < fresh.size(); ++f) {
+  for (std::size_t f = 0; f < attempts.size(); ++f) {
     double least = 1e300;
-    for (std::size_t s = 0; s < start_shares.size(); ++s) {
-      const auto column = columns.col(static_cast<Eigen::Index>(f * start_shares.size() + s));
-      const double objective = column.squaredNorm() + places[f][s].squaredNorm();
+    for (std::size_t at = f * start_shares.size(); at < (f + 1) * start_shares.size(); ++at) {
+      const auto column = columns.col(static_cast<Eigen::Index>(at));
+      const double objective = column.squaredNorm() + places[at].squaredNorm();
       if (!column.allFinite() || objective >= least) continue;
       least = objective;
-      fresh[f]->fit.z = places[f][s];
+      attempts[f].fit.z = places[at];
     }
-    fresh[f]->fit.failed = least == 1e300;
-    fits.push_back(&fresh[f]->fit);
+    attempts[f].fit.failed = least == 1e300;
   }
-  improve(rows_, fits, 4, Columns::own, settings_.settled_gain);
-  for (Explanation* explanation : fresh)
-    if (!explanation->fit.failed) explanation->log_evidence = log_evidence(*explanation);
 }
 
 double Search::log_evidence(const Explanation& explanation) const {
@@ -220,35 +249,28 @@ std::vector<Explanation*> Search::rivals(std::size_t members, double distance, s
   return out;
 }
 
-std::vector<Explanation*> Search::try_places_of_rivals(std::size_t members) {
+std::vector<Explanation*> Search::refit_at_rivals(std::size_t members) {
   const std::vector<Explanation*> close = rivals(members, settings_.rival_distance, compared_places);
-  std::vector<std::pair<Explanation*, Eigen::VectorXd>> places;
-  std::vector<Hypothesis> hypotheses;
-  const auto add_place = [&](Explanation* mover, const Fit& other) {
-    Fit& fit = mover->fit;
-    Eigen::VectorXd z = fit.z;
-    for (std::size_t i = 0; i < fit.parameters.size(); ++i)
-      for (std::size_t k = 0; k < other.parameters.size(); ++k)
-        if (same_parameter(fit.parameters[i], other.parameters[k]) &&
-            fit.parameters[i].spread == other.parameters[k].spread)
-          z(static_cast<Eigen::Index>(i)) = other.z(static_cast<Eigen::Index>(k));
-    hypotheses.push_back(with_parameters(fit.base, fit.parameters, {z.data(), z.data() + z.size()}));
-    places.emplace_back(mover, std::move(z));
+  std::vector<std::pair<Explanation*, Fit>> attempts;
+  const auto attempt = [&](Explanation* mover, const Fit& other) {
+    Fit fit = continued_fit(other, mover->members, {});
+    Eigen::VectorXd z = mover->fit.z;
+    for (const auto& [i, k] : shared_parameters(fit, other)) z(i) = other.z(k);
+    fit.z = std::move(z);
+    attempts.emplace_back(mover, std::move(fit));
   };
   for (std::size_t i = 1; i < close.size(); ++i) {
-    add_place(close[i], close[0]->fit);
-    add_place(close[0], close[i]->fit);
+    attempt(close[i], close[0]->fit);
+    attempt(close[0], close[i]->fit);
   }
-  const Eigen::MatrixXd columns = rows_(hypotheses);
+  std::vector<Fit*> fits;
+  fits.reserve(attempts.size());
+  for (auto& [mover, fit] : attempts) fits.push_back(&fit);
+  improve(rows_, fits, 3, Columns::own, settings_.settled_gain);
   std::vector<Explanation*> moved;
-  for (std::size_t at = 0; at < places.size(); ++at) {
-    auto& [mover, z] = places[at];
-    const auto column = columns.col(static_cast<Eigen::Index>(at));
-    const double objective = column.squaredNorm() + z.squaredNorm();
-    if (!column.allFinite() || objective >= mover->fit.objective - settings_.settled_gain) continue;
-    mover->fit.z = z;
-    mover->fit.residual = column;
-    mover->fit.objective = objective;
+  for (auto& [mover, fit] : attempts) {
+    if (fit.failed || fit.objective >= mover->fit.objective - settings_.settled_gain) continue;
+    mover->fit = std::move(fit);
     mover->log_evidence = log_evidence(*mover);
     moved.push_back(mover);
   }
@@ -274,7 +296,7 @@ void Search::polish_best(std::size_t members) {
   std::set<const Explanation*> at_end;
   polish_rivals(members, at_end);
   // Not before: a fit under way would leave the valley that it is about to enter.
-  const std::vector<Explanation*> moved = try_places_of_rivals(members);
+  const std::vector<Explanation*> moved = refit_at_rivals(members);
   for (const Explanation* e : moved) at_end.erase(e);
   if (!moved.empty()) polish_rivals(members, at_end);
 }
@@ -430,10 +452,7 @@ void Search::swap_members(const Explanation& best) {
       Explanation& explanation = tried_[held];
       explanation.members = held;
       explanation.fit = start_fit(held);
-      for (std::size_t i = 0; i < explanation.fit.parameters.size(); ++i)
-        for (std::size_t k = 0; k < best.fit.parameters.size(); ++k)
-          if (same_parameter(explanation.fit.parameters[i], best.fit.parameters[k]))
-            explanation.fit.z(static_cast<Eigen::Index>(i)) = best.fit.z(static_cast<Eigen::Index>(k));
+      for (const auto& [i, k] : shared_parameters(explanation.fit, best.fit)) explanation.fit.z(i) = best.fit.z(k);
       polish({&explanation}, 4, true);
     }
     const Explanation& base = tried_[held];
@@ -513,7 +532,7 @@ bool Search::is_everywhere_beside(std::size_t members) {
 void Search::run() {
   search_singles();
   if (best_of(1) == nullptr) return;
-  for (std::size_t members = 1; members < settings_.most_effects; ++members) {
+  for (std::size_t members = 1; members < rules_.most_names; ++members) {
     // Two names that leave the pressures of both sides above their floors: a machine with a little of everything.
     if (members == 2 && is_everywhere_beside(members)) break;
     tell(0.4 + 0.2 * static_cast<double>(members), fmt::format("effects beside the first {}", members));

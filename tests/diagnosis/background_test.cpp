@@ -46,12 +46,12 @@ struct Judged {
 };
 
 Judged judge(const Rig& machine, const Rig& owner = owners_rig(), const SearchSettings& wanted = {},
-             const DecisionRules& rules = {}) {
+             DecisionRules rules = {}) {
+  rules.most_names = 1;
   CylinderResiduals model(owner, {simulated_recording(machine, 6.5, 5, all_pressures)});
   FittedRows rows(model, {});
   SearchSettings settings = wanted;
   settings.grow_floor = true;
-  settings.most_effects = 1;
   const SmallPhysics granted = small_physics(owner, model.channels());
   settings.small_physics = granted.parameters;
   Search search(rows, granted.rig, all_candidates(owner, model.channels(), motion_range(model.rows())), settings, rules,

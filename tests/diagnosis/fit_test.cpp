@@ -3,38 +3,25 @@
 
 #include <cmath>
 
+#include "diagnosis/closed_form_model.hpp"
 #include "diagnosis/fit.hpp"
 
 using namespace pneuservo;
+using namespace pneuservo::test;
 
 namespace {
 
 /// Two numbers that nearly stand for each other: residuals of a valley b = a + a^2/8 some 1e-4 wide and 1 long.
-class BentValley : public ResidualModel {
- public:
-  static constexpr double across = 3000, along = 12, end = 1.2;
-  static constexpr double floor = 60;  ///< a residual that nothing moves
-  BentValley() : channels_(1), rows_(3) {}
-  const std::vector<ResidualChannel>& channels() const override { return channels_; }
-  const std::vector<ResidualRow>& rows() const override { return rows_; }
-  Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) override {
-    Eigen::MatrixXd out(3, static_cast<Eigen::Index>(hypotheses.size()));
-    for (Eigen::Index i = 0; i < out.cols(); ++i) {
-      const auto& slider = hypotheses[static_cast<std::size_t>(i)].rig.axis.slider;
-      const double a = slider.mass_kg - 2, b = slider.payload_kg - 2;
-      out(0, i) = across * (b - a - a * a / 8);
-      out(1, i) = along * (a - end);
-      out(2, i) = floor;
-    }
-    return out;
-  }
-  std::vector<ChannelMisfit> sample_misfit(const Hypothesis&) override { return {}; }
-  std::vector<ResidualCourse> courses(const Hypothesis&) override { return {}; }
-
- private:
-  std::vector<ResidualChannel> channels_;
-  std::vector<ResidualRow> rows_;
-};
+namespace bent_valley {
+constexpr double across = 3000, along = 12, end = 1.2;
+constexpr double floor = 60;  ///< a residual that nothing moves
+ClosedFormModel model() {
+  return ClosedFormModel([](const Rig& rig) {
+    const double a = rig.axis.slider.mass_kg - 2, b = rig.axis.slider.payload_kg - 2;
+    return std::vector{across * (b - a - a * a / 8), along * (a - end), floor};
+  });
+}
+}  // namespace bent_valley
 
 Fit valley_fit() {
   Fit fit;
@@ -56,7 +43,7 @@ Fit valley_fit() {
 }  // namespace
 
 TEST_CASE("a fit follows a narrow bent valley to its end") {
-  BentValley model;
+  ClosedFormModel model = bent_valley::model();
   FittedRows rows(model, {});
   Fit fit = valley_fit();
   improve(rows, {&fit}, 6, Columns::all);
@@ -64,13 +51,13 @@ TEST_CASE("a fit follows a narrow bent valley to its end") {
   double least = 1e300;
   for (double a = 0.9; a < 1.3; a += 1e-5)
     least =
-        std::min(least, std::pow(BentValley::along * (a - BentValley::end), 2) + a * a + std::pow(a + a * a / 8, 2));
+        std::min(least, std::pow(bent_valley::along * (a - bent_valley::end), 2) + a * a + std::pow(a + a * a / 8, 2));
   CAPTURE(fit.z(0), fit.z(1), fit.objective, least);
-  CHECK(fit.objective - BentValley::floor * BentValley::floor < least + 0.2);
+  CHECK(fit.objective - bent_valley::floor * bent_valley::floor < least + 0.2);
 }
 
 TEST_CASE("a fit that a bound holds ends on it, at the best place there") {
-  BentValley model;
+  ClosedFormModel model = bent_valley::model();
   FittedRows rows(model, {});
   Fit fit = valley_fit();
   fit.parameters[0].upper = 0.5;

@@ -10,22 +10,6 @@ using namespace pneuservo::test;
 
 namespace {
 
-/// With an owner who does not know most of his numbers to better than some percent.
-Rig owners_rig(double length_m, double diameter_m) {
-  Rig rig = cylinder_rig(length_m, diameter_m);
-  rig.tolerances = {{"slider.mass_kg", 0.02},
-                    {"slider.viscous_friction_Ns_per_m", 0.1},
-                    {"line_1.length_m", 0.005},
-                    {"line_2.length_m", 0.005},
-                    {"line_1.diameter_m", 0.01},
-                    {"line_2.diameter_m", 0.01},
-                    {"cylinder.dead_volume_1_m3", 0.05},
-                    {"cylinder.dead_volume_2_m3", 0.05},
-                    {"supply.pressure_Pa", 0.005},
-                    {"valve.area_per_volt_m2_per_V", 0.03}};
-  return rig;
-}
-
 Diagnosis diagnosis_of(const Rig& machine, const Rig& owner, const std::vector<std::string>& channels) {
   return diagnose(owner, {simulated_recording(machine, 7.0, 11, channels)});
 }
@@ -34,7 +18,7 @@ Diagnosis diagnosis_of(const Rig& machine, const Rig& owner, const std::vector<s
 
 TEST_CASE("late command: a dead time of many samples is none of the lags of its length") {
   const double delay_s = GENERATE(4e-3, 8e-3);
-  const Rig owner = owners_rig(10.0, 4.15e-3);
+  const Rig owner = toleranced_cylinder_rig(10.0, 4.15e-3);
   Rig machine = owner;
   machine.axis.line_1.length_m *= 1.004;
   machine.axis.effects.valve.command_delay.delay_s = delay_s;
@@ -46,7 +30,7 @@ TEST_CASE("late command: a dead time of many samples is none of the lags of its 
 }
 
 TEST_CASE("late command: a lag of less than half a sample that is seen is called late, and no hysteresis") {
-  Rig owner = owners_rig(2.0, 6.1e-3);
+  Rig owner = toleranced_cylinder_rig(2.0, 6.1e-3);
   owner.axis.valve.natural_frequency_Hz = 120;
   owner.axis.valve.damping_ratio = 0.7;
   Rig machine = owner;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "diagnosis/closed_form_model.hpp"
 #include "diagnosis/diagnose.hpp"
 #include "diagnosis/search.hpp"
 #include "diagnosis/simulated_recording.hpp"
@@ -13,64 +14,40 @@ using namespace pneuservo::test;
 
 namespace {
 
+constexpr double missing = 400;  ///< the residual that a name takes
+constexpr double mass_kg = 2, tolerance = 0.1;
+
 /// A load and a spring that take the same large residual. Along the mass m, in tolerances, there is a valley on either
 /// side of a ridge at 0.3, which the load moves to 0: from m = 0 a fit slides to the better one with the load, and to
-/// the worse one with the spring.
-class TwoValleys : public ResidualModel {
- public:
-  static constexpr double missing = 400, ridge = 17, pull = 10, mass_kg = 2, tolerance = 0.1;
-  TwoValleys() : channels_(1), rows_(4) {}
-  const std::vector<ResidualChannel>& channels() const override { return channels_; }
-  const std::vector<ResidualRow>& rows() const override { return rows_; }
-  Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) override {
-    Eigen::MatrixXd out(4, static_cast<Eigen::Index>(hypotheses.size()));
-    for (Eigen::Index i = 0; i < out.cols(); ++i) {
-      const auto& axis = hypotheses[static_cast<std::size_t>(i)].rig.axis;
-      const double load = axis.effects.motion.constant_force.force_N,
-                   spring = axis.effects.motion.spring_load.stiffness_N_per_m;
-      const double m = (axis.slider.mass_kg / mass_kg - 1) / tolerance;
-      const double along = m - 0.3 * (1 - load);
-      out(0, i) = missing * (1 - load - spring);
-      out(1, i) = ridge * (along * along - 1);
-      out(2, i) = pull * (m - 1);
-      out(3, i) = 0;
-    }
-    return out;
-  }
-  std::vector<ChannelMisfit> sample_misfit(const Hypothesis&) override { return {}; }
-  std::vector<ResidualCourse> courses(const Hypothesis&) override { return {}; }
-
- private:
-  std::vector<ResidualChannel> channels_;
-  std::vector<ResidualRow> rows_;
-};
+/// the worse one with the spring. With `stiffening` the spring that takes the residual is another one in each valley.
+std::vector<double> two_valleys(const Rig& rig, double stiffening) {
+  constexpr double ridge = 17, pull = 10;
+  const double load = rig.axis.effects.motion.constant_force.force_N,
+               spring = rig.axis.effects.motion.spring_load.stiffness_N_per_m;
+  const double m = (rig.axis.slider.mass_kg / mass_kg - 1) / tolerance;
+  const double along = m - 0.3 * (1 - load);
+  return {missing * (1 - load - spring * (1 + stiffening * m)), ridge * (along * along - 1), pull * (m - 1), 0};
+}
 
 /// A spring that shows with the fourth power of its stiffness: nothing of it while it is weak.
-class Bent : public ResidualModel {
- public:
-  static constexpr double missing = 400;
-  Bent() : channels_(1), rows_(2) {}
-  const std::vector<ResidualChannel>& channels() const override { return channels_; }
-  const std::vector<ResidualRow>& rows() const override { return rows_; }
-  Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) override {
-    Eigen::MatrixXd out(2, static_cast<Eigen::Index>(hypotheses.size()));
-    for (Eigen::Index i = 0; i < out.cols(); ++i) {
-      const auto& axis = hypotheses[static_cast<std::size_t>(i)].rig.axis;
-      const double spring = axis.effects.motion.spring_load.stiffness_N_per_m;
-      out(0, i) = missing * (1 - std::pow(spring, 4));
-      out(1, i) = axis.slider.mass_kg - 2;
-    }
-    return out;
-  }
-  std::vector<ChannelMisfit> sample_misfit(const Hypothesis&) override { return {}; }
-  std::vector<ResidualCourse> courses(const Hypothesis&) override { return {}; }
+std::vector<double> bent(const Rig& rig) {
+  const double spring = rig.axis.effects.motion.spring_load.stiffness_N_per_m;
+  return {missing * (1 - std::pow(spring, 4)), rig.axis.slider.mass_kg - mass_kg};
+}
 
- private:
-  std::vector<ResidualChannel> channels_;
-  std::vector<ResidualRow> rows_;
-};
+/// A spring with a deep valley at 2 behind a ridge and a shallow one at -1, to which its derivative points.
+std::vector<double> behind_a_ridge(const Rig& rig) {
+  const double spring = rig.axis.effects.motion.spring_load.stiffness_N_per_m;
+  return {missing * (spring + 1) * (spring - 2) / 2, 30 * (spring - 2)};
+}
 
-Candidate amplitude(const char* name, const char* path) {
+DecisionRules one_name() {
+  DecisionRules rules;
+  rules.most_names = 1;
+  return rules;
+}
+
+Candidate found_by_size(const char* name, const char* path) {
   Candidate candidate;
   candidate.name = candidate.family = name;
   candidate.element = "motion";
@@ -87,61 +64,59 @@ Candidate amplitude(const char* name, const char* path) {
 
 TEST_CASE("search: a rival that ended in another valley of the tolerances is fitted from where the best one stands") {
   Rig rig = cylinder_rig();
-  rig.axis.slider.mass_kg = TwoValleys::mass_kg;
-  rig.tolerances = {{"slider.mass_kg", TwoValleys::tolerance}};
-  TwoValleys model;
+  rig.axis.slider.mass_kg = mass_kg;
+  rig.tolerances = {{"slider.mass_kg", tolerance}};
+  const double stiffening = GENERATE(0.0, 0.3);
+  ClosedFormModel model([&](const Rig& r) { return two_valleys(r, stiffening); });
   FittedRows rows(model, {});
-  SearchSettings settings;
-  settings.most_effects = 1;
   Search search(rows, rig,
-                {amplitude("constant_force", "effects.constant_force.force_N"),
-                 amplitude("spring_load", "effects.spring_load.stiffness_N_per_m")},
-                settings, DecisionRules{}, {});
+                {found_by_size("constant_force", "effects.constant_force.force_N"),
+                 found_by_size("spring_load", "effects.spring_load.stiffness_N_per_m")},
+                {}, one_name(), {});
   search.run();
   const auto ranked = search.ranking(1);
   REQUIRE(ranked.size() == 2);
   for (const Explanation* e : ranked) {
-    CAPTURE(e->members.front(), e->fit.z.transpose(), e->fit.objective);
+    CAPTURE(stiffening, e->members.front(), e->fit.z.transpose(), e->fit.objective);
     CHECK(e->fit.z(1) > 0.5);
   }
-}
-
-/// Most numbers known to some percent, and none of them what the owner says.
-Rig owners_rig(double length_m, double diameter_m) {
-  Rig rig = cylinder_rig(length_m, diameter_m);
-  rig.tolerances = {{"slider.mass_kg", 0.02},
-                    {"slider.viscous_friction_Ns_per_m", 0.1},
-                    {"line_1.length_m", 0.005},
-                    {"line_2.length_m", 0.005},
-                    {"line_1.diameter_m", 0.01},
-                    {"line_2.diameter_m", 0.01},
-                    {"cylinder.dead_volume_1_m3", 0.05},
-                    {"cylinder.dead_volume_2_m3", 0.05},
-                    {"valve.area_per_volt_m2_per_V", 0.03}};
-  return rig;
 }
 
 TEST_CASE("search: what a derivative does not promise a whole change does") {
   Rig rig = cylinder_rig();
   rig.tolerances = {{"slider.mass_kg", 0.02}};
-  Bent model;
+  ClosedFormModel model(bent);
   FittedRows rows(model, {});
-  SearchSettings settings;
-  settings.most_effects = 1;
-  Candidate spring = amplitude("spring_load", "effects.spring_load.stiffness_N_per_m");
+  Candidate spring = found_by_size("spring_load", "effects.spring_load.stiffness_N_per_m");
   SECTION("by its derivative alone it is not even fitted") {
-    Search search(rows, rig, {spring}, settings, DecisionRules{}, {});
+    Search search(rows, rig, {spring}, {}, one_name(), {});
     search.run();
     CHECK(search.best_of(1) == nullptr);
   }
   SECTION("with a size to look at it is found") {
     spring.whole_starts = {{0.3}};
-    Search search(rows, rig, {spring}, settings, DecisionRules{}, {});
+    Search search(rows, rig, {spring}, {}, one_name(), {});
     search.run();
     REQUIRE(search.best_of(1) != nullptr);
     CHECK(search.best_of(1)->fit.z(0) == Approx(1).epsilon(0.01));
     REQUIRE(search.first_screening().at(0).standard_error.size() == 1);
   }
+}
+
+TEST_CASE("search: a name is fitted from its derivative and from its best whole change, the better is kept") {
+  Rig rig = cylinder_rig();
+  rig.tolerances = {{"slider.mass_kg", 0.02}};
+  ClosedFormModel model(behind_a_ridge);
+  FittedRows rows(model, {});
+  Candidate spring = found_by_size("spring_load", "effects.spring_load.stiffness_N_per_m");
+  const auto end = [&] {
+    Search search(rows, rig, {spring}, {}, one_name(), {});
+    search.run();
+    return search.best_of(1)->fit.z(0);
+  };
+  CHECK(end() == Approx(-1).margin(0.1));
+  spring.whole_starts = {{1.5}};
+  CHECK(end() == Approx(2).margin(0.1));
 }
 
 TEST_CASE("search: fittings and branches have such sizes, a branch at every place that is looked at") {
@@ -156,7 +131,7 @@ TEST_CASE("search: fittings and branches have such sizes, a branch at every plac
 }
 
 TEST_CASE("search: a small leak is named beside a leak of the spool fifty times as large") {
-  const Rig owner = owners_rig(10.0, 4.15e-3);
+  const Rig owner = toleranced_cylinder_rig(10.0, 4.15e-3);
   Rig machine = owner;
   machine.axis.effects.valve.valve_neutral_leak.area_m2 = 8e-8;
   machine.axis.effects.chamber_leak_1.area_m2 = 1.6e-9;

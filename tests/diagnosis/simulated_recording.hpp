@@ -29,6 +29,22 @@ inline Rig cylinder_rig(double length_m = 5.0, double diameter_m = 6.1e-3) {
   return rig;
 }
 
+/// The same with an owner who does not know most of his numbers to better than some percent.
+inline Rig toleranced_cylinder_rig(double length_m, double diameter_m) {
+  Rig rig = cylinder_rig(length_m, diameter_m);
+  rig.tolerances = {{"slider.mass_kg", 0.02},
+                    {"slider.viscous_friction_Ns_per_m", 0.1},
+                    {"line_1.length_m", 0.005},
+                    {"line_2.length_m", 0.005},
+                    {"line_1.diameter_m", 0.01},
+                    {"line_2.diameter_m", 0.01},
+                    {"cylinder.dead_volume_1_m3", 0.05},
+                    {"cylinder.dead_volume_2_m3", 0.05},
+                    {"supply.pressure_Pa", 0.005},
+                    {"valve.area_per_volt_m2_per_V", 0.03}};
+  return rig;
+}
+
 /// Moves and rests under a position loop with force feedback, seconds long; channels as given.
 inline Recording simulated_recording(const Rig& rig, double seconds, std::uint64_t seed,
                                      const std::vector<std::string>& channels) {

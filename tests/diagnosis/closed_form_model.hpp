@@ -1,0 +1,39 @@
+// A residual model whose rows are written down as a function of the rig: fits and searches with known answers.
+#pragma once
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "diagnosis/residual_model.hpp"
+
+namespace pneuservo::test {
+
+/// One channel, no grid and no recording: the rows of a hypothesis are `residual` of its rig, which has always as many
+/// entries.
+class ClosedFormModel final : public ResidualModel {
+ public:
+  using Residual = std::function<std::vector<double>(const Rig&)>;
+  explicit ClosedFormModel(Residual residual)
+      : residual_(std::move(residual)), channels_(1), rows_(residual_(Rig{}).size()) {}
+
+  const std::vector<ResidualChannel>& channels() const override { return channels_; }
+  const std::vector<ResidualRow>& rows() const override { return rows_; }
+  Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) override {
+    const auto count = static_cast<Eigen::Index>(rows_.size());
+    Eigen::MatrixXd out(count, static_cast<Eigen::Index>(hypotheses.size()));
+    for (Eigen::Index i = 0; i < out.cols(); ++i) {
+      const std::vector<double> column = residual_(hypotheses[static_cast<std::size_t>(i)].rig);
+      out.col(i) = Eigen::Map<const Eigen::VectorXd>(column.data(), count);
+    }
+    return out;
+  }
+  std::vector<ChannelMisfit> sample_misfit(const Hypothesis&) override { return {}; }
+  std::vector<ResidualCourse> courses(const Hypothesis&) override { return {}; }
+
+ private:
+  Residual residual_;
+  std::vector<ResidualChannel> channels_;
+  std::vector<ResidualRow> rows_;
+};
+
+}  // namespace pneuservo::test

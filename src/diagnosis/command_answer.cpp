@@ -66,6 +66,14 @@ Eigen::VectorXd CommandAnswer::of(const std::vector<double>& signal) const {
   return basis_.transpose() * samples;
 }
 
+Eigen::VectorXd CommandAnswer::turn_along(const Eigen::MatrixXd& possible) {
+  const Eigen::MatrixXd spread =
+      possible * possible.transpose() / static_cast<double>(std::max<Eigen::Index>(1, possible.cols()));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solved(spread);
+  basis_ *= solved.eigenvectors();
+  return solved.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+}
+
 double CommandAnswer::quick_part(const std::vector<double>& signal) const {
   const Eigen::MatrixXd quick = without_parabola();
   double sum = 0;

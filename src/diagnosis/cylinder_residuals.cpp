@@ -201,7 +201,7 @@ void CylinderResiduals::declare_rows() {
         stretch.times_s.push_back(row.time_s);
         rows_.push_back(row);
       }
-      if (gas_channel_[c] == port_1 || gas_channel_[c] == port_2) declare_answer(stretch);
+      if (gas_channel_[c] == port_1 || gas_channel_[c] == port_2) declare_answer(stretch, ringing[r]);
       stretches_.push_back(std::move(stretch));
     }
   }
@@ -216,15 +216,16 @@ double CylinderResiduals::largest_ringing(const PossibleRinging& ringing, std::s
     factor = {measured[chamber_1].empty() ? owner_.axis.cylinder.area_1_m2 : 0.0,
               measured[chamber_2].empty() ? -owner_.axis.cylinder.area_2_m2 : 0.0};
   double largest = 0;
-  for (const auto& sides : ringing) {
+  for (const PossibleCourse& course : ringing) {
     double sum = 0;
-    for (std::size_t k = first; k < first + count; ++k) sum += factor[0] * sides[0][k] + factor[1] * sides[1][k];
+    for (std::size_t k = first; k < first + count; ++k)
+      sum += factor[0] * course.ringing[0][k] + factor[1] * course.ringing[1][k];
     largest = std::max(largest, std::abs(sum) / static_cast<double>(count));
   }
   return largest;
 }
 
-void CylinderResiduals::declare_answer(Stretch& stretch) {
+void CylinderResiduals::declare_answer(Stretch& stretch, const PossibleRinging& possible) {
   const CylinderRecording& recording = recordings_[stretch.recording];
   if (stretch.bins.empty() || recording.period_s() > slowest_answer_s) return;
   std::vector<char> used(stretch.usable);
@@ -236,7 +237,8 @@ void CylinderResiduals::declare_answer(Stretch& stretch) {
   const Hypothesis owner{owner_, {}};
   const auto gas = gas_->of(std::span(&owner, 1));
   const SampledCourse course = course_of(RecordedRigs(owner_, recordings_), *gas[0][stretch.recording], stretch);
-  const double size = stretch.answer.of(course.simulated).norm();
+  const Eigen::VectorXd answer = stretch.answer.of(course.simulated);
+  const double size = answer.norm();
   if (!std::isfinite(size)) {
     stretch.answer = {};
     return;
@@ -248,8 +250,16 @@ void CylinderResiduals::declare_answer(Stretch& stretch) {
   ResidualRow row = rows_[stretch.first_row];
   row.held_out = false;
   row.over_recording = true;
-  row.sigma = std::hypot(noise, answer_share * size);
-  rows_.insert(rows_.end(), static_cast<std::size_t>(stretch.answer.rows()), row);
+  // What rings with every stair is an answer too, though not the one of a grid that can be afforded: a machine's was
+  // 48 kPa off, and a branch of the line took it.
+  Eigen::MatrixXd off(stretch.answer.rows(), static_cast<Eigen::Index>(possible.size()));
+  const std::size_t side = gas_channel_[stretch.channel] == port_1 ? 0 : 1;
+  for (std::size_t i = 0; i < possible.size(); ++i)
+    off.col(static_cast<Eigen::Index>(i)) = stretch.answer.of(possible[i].pressure[side]) - answer;
+  for (const double rings : stretch.answer.turn_along(off)) {
+    row.sigma = std::hypot(noise, answer_share * size, rings);
+    rows_.push_back(row);
+  }
 }
 
 std::vector<double> CylinderResiduals::chamber_pressure(const Rig& rig, const GasCourse& gas, std::size_t recording,
@@ -330,8 +340,8 @@ Eigen::VectorXd CylinderResiduals::plain_column(const Rig& rig, const std::vecto
     if (stretch.answer.rows() == 0) continue;
     std::vector<double> difference(course.simulated);
     for (std::size_t k = 0; k < difference.size(); ++k) difference[k] -= course.measured[k];
-    const double sigma = rows_[stretch.first_row + stretch.bins.size()].sigma;
-    for (const double value : stretch.answer.of(difference)) *row++ = value / sigma;
+    std::size_t at = stretch.first_row + stretch.bins.size();
+    for (const double value : stretch.answer.of(difference)) *row++ = value / rows_[at++].sigma;
   }
   return out;
 }

@@ -57,7 +57,7 @@ class CylinderResiduals final : public ResidualModel {
 
   void declare_channels();
   void declare_rows();
-  void declare_answer(Stretch& stretch);
+  void declare_answer(Stretch& stretch, const PossibleRinging& possible);
   /// What the lines' ringing may make of the mean over `count` samples [unit of the channel].
   double largest_ringing(const PossibleRinging& ringing, std::size_t recording, std::size_t channel, std::size_t first,
                          std::size_t count) const;

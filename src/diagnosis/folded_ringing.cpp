@@ -71,6 +71,12 @@ std::vector<double> ringing(const std::vector<double>& whole, const Eigen::RowVe
   return out;
 }
 
+std::vector<double> at_samples(const std::vector<double>& whole) {
+  std::vector<double> out(whole.size() / parts);
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = whole[parts * k];
+  return out;
+}
+
 PlantGrid in_parts(const PlantGrid& grid) { return {grid.cells, (grid.substeps + parts - 1) / parts}; }
 
 /// When the stair of a command comes, as a share of the period.
@@ -105,9 +111,11 @@ PossibleRinging possible_ringing(const ImposedInputs& inputs, const Rig& owner, 
   PossibleRinging out;
   for (const GasCourse& whole : courses) {
     if (!std::isfinite(whole[port_1].back())) continue;
-    out.push_back({ringing(whole[port_1], weights), ringing(whole[port_2], weights)});
-    if (!long_enough(owner.axis.line_1)) out.back()[0].assign(out.back()[0].size(), 0.0);
-    if (!long_enough(owner.axis.line_2)) out.back()[1].assign(out.back()[1].size(), 0.0);
+    out.push_back({{ringing(whole[port_1], weights), ringing(whole[port_2], weights)},
+                   {at_samples(whole[port_1]), at_samples(whole[port_2])}});
+    std::array<std::vector<double>, 2>& rings = out.back().ringing;
+    if (!long_enough(owner.axis.line_1)) rings[0].assign(rings[0].size(), 0.0);
+    if (!long_enough(owner.axis.line_2)) rings[1].assign(rings[1].size(), 0.0);
   }
   return out;
 }

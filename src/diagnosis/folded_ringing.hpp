@@ -4,8 +4,12 @@
 
 namespace pneuservo {
 
-/// Ringing at each sample of both ports [Pa], one entry for each length that was tried.
-using PossibleRinging = std::vector<std::array<std::vector<double>, 2>>;
+/// At each sample of both ports [Pa]; a line that is too short to ring has no ringing.
+struct PossibleCourse {
+  std::array<std::vector<double>, 2> ringing, pressure;
+};
+/// One for each length that was tried.
+using PossibleRinging = std::vector<PossibleCourse>;
 
 /// A held command is a staircase. A line with a mode near the sampling rate (2 m of pipe have one every 86 Hz) rings
 /// with every stair alike while little gas flows and friction sleeps: by up to 1 kPa, which sampling once a stair

@@ -73,6 +73,30 @@ TEST_CASE("command answer: white noise has the same size in every row; a command
   CHECK(CommandAnswer(ramp, std::vector<char>(count, 1)).rows() == 0);
 }
 
+TEST_CASE("command answer: rows are turned so that few carry what is uncertain, and nothing is lost") {
+  constexpr std::size_t count = 4000;
+  const std::vector<double> command = white(count, 0.003, 3);
+  CommandAnswer answer(command, std::vector<char>(count, 1));
+  std::vector<double> late(count), later(count);
+  for (std::size_t k = 5; k < count; ++k) {
+    late[k] = 4e4 * command[k - 2];
+    later[k] = 1e4 * command[k - 5];
+  }
+  Eigen::MatrixXd possible(answer.rows(), 2);
+  possible << answer.of(late), answer.of(later);
+  const Eigen::VectorXd sizes = answer.turn_along(possible);
+  INFO("seed " << seed);
+  CHECK(squares(sizes) == Approx(possible.squaredNorm() / 2));
+  CHECK(squares(answer.of(late)) == Approx(possible.col(0).squaredNorm()));
+  const double largest = sizes.maxCoeff();
+  int uncertain = 0;
+  for (Eigen::Index i = 0; i < sizes.size(); ++i) {
+    if (sizes(i) > 1e-6 * largest) ++uncertain;
+    else CHECK(std::abs(answer.of(late)(i)) < 1e-5 * largest);
+  }
+  CHECK(uncertain == 2);
+}
+
 TEST_CASE("command answer: dead time and lag of the same length are told apart") {
   Rig truth = cylinder_rig(2.0, 6.1e-3), lag = truth;
   const Rig owner = truth;

@@ -43,12 +43,12 @@ double mean(const std::vector<double>& values, std::size_t first) {
 /// Largest mean over a bin of port 1, of all lengths.
 double largest(const PossibleRinging& ringing, std::size_t first) {
   double out = 0;
-  for (const auto& sides : ringing) out = std::max(out, std::abs(mean(sides[0], first)));
+  for (const PossibleCourse& course : ringing) out = std::max(out, std::abs(mean(course.ringing[0], first)));
   return out;
 }
 double largest(const PossibleRinging& ringing) {
   double out = 0;
-  for (std::size_t first = 100; first + bin <= ringing[0][0].size(); first += bin)
+  for (std::size_t first = 100; first + bin <= ringing[0].ringing[0].size(); first += bin)
     out = std::max(out, largest(ringing, first));
   return out;
 }
@@ -96,7 +96,7 @@ TEST_CASE("a line shorter than sound goes in a stair has no ringing, whatever th
   const PossibleRinging ringing = possible_ringing(quiet_inputs(0.1, 1e-3), rig, grid_for(rig, 500));
   REQUIRE(ringing.size() == imposed_lanes);
   CHECK(largest(ringing) == 0);
-  CHECK(*std::max_element(ringing[0][1].begin(), ringing[0][1].end()) > 0);
+  CHECK(*std::max_element(ringing[0].ringing[1].begin(), ringing[0].ringing[1].end()) > 0);
 }
 
 TEST_CASE("rows of ports allow for the ringing, rows of chambers need not", "[diagnosis]") {
@@ -115,4 +115,23 @@ TEST_CASE("rows of ports allow for the ringing, rows of chambers need not", "[di
   INFO("ports " << narrowest_port << " to " << widest_port << " Pa, chambers up to " << widest_chamber << " Pa");
   CHECK(widest_port > 1.3 * narrowest_port);
   CHECK(narrowest_port < 1.3 * widest_chamber);
+}
+
+TEST_CASE("answers to the command allow for the ringing of a quick spool's stairs in a wide line, none of a slow one's",
+          "[diagnosis]") {
+  const auto widest_over_narrowest = [](double length_m, double natural_frequency_Hz) {
+    Rig rig = cylinder_rig(length_m, 7.65e-3);
+    rig.axis.valve.natural_frequency_Hz = natural_frequency_Hz;
+    rig.axis.valve.damping_ratio = 0.7;
+    const CylinderResiduals model(rig, {simulated_recording(rig, 5.0, 3, all_pressures)});
+    double narrowest = 1e9, widest = 0;
+    for (const ResidualRow& row : model.rows()) {
+      if (!row.over_recording) continue;
+      narrowest = std::min(narrowest, row.sigma);
+      widest = std::max(widest, row.sigma);
+    }
+    return widest / narrowest;
+  };
+  CHECK(widest_over_narrowest(2.0, 0.0) > 2);
+  CHECK(widest_over_narrowest(5.0, 100.0) < 1.2);
 }

@@ -66,9 +66,10 @@ Eigen::VectorXd CommandAnswer::of(const std::vector<double>& signal) const {
   return basis_.transpose() * samples;
 }
 
-Eigen::VectorXd CommandAnswer::turn_along(const Eigen::MatrixXd& possible) {
-  const Eigen::MatrixXd spread =
-      possible * possible.transpose() / static_cast<double>(std::max<Eigen::Index>(1, possible.cols()));
+Eigen::VectorXd CommandAnswer::turn_along(const std::vector<Eigen::VectorXd>& possible) {
+  if (possible.empty()) return Eigen::VectorXd::Zero(rows());
+  Eigen::MatrixXd spread = Eigen::MatrixXd::Zero(rows(), rows());
+  for (const Eigen::VectorXd& one : possible) spread += one * one.transpose() / static_cast<double>(possible.size());
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solved(spread);
   basis_ *= solved.eigenvectors();
   return solved.eigenvalues().cwiseMax(0.0).cwiseSqrt();

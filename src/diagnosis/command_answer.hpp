@@ -27,9 +27,9 @@ class CommandAnswer {
   Eigen::Index rows() const { return basis_.cols(); }
   /// Projections of a signal of as many samples as the command.
   Eigen::VectorXd of(const std::vector<double>& signal) const;
-  /// Turns the rows so that what is uncertain lies in as few as can be: `possible` has a column for each set of
-  /// projections that an error of the model may have. Returns their root mean square in each row as it is then.
-  Eigen::VectorXd turn_along(const Eigen::MatrixXd& possible);
+  /// Turns the rows so that what is uncertain lies in as few as can be: `possible` are projections that an error of the
+  /// model may have. Returns their root mean square in each row as it is then, 0 where there are none.
+  Eigen::VectorXd turn_along(const std::vector<Eigen::VectorXd>& possible);
   /// Root mean square of a signal within the windows, their parabolas taken out.
   double quick_part(const std::vector<double>& signal) const;
 

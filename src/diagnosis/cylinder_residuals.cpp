@@ -218,8 +218,9 @@ double CylinderResiduals::largest_ringing(const PossibleRinging& ringing, std::s
   double largest = 0;
   for (const PossibleCourse& course : ringing) {
     double sum = 0;
-    for (std::size_t k = first; k < first + count; ++k)
-      sum += factor[0] * course.ringing[0][k] + factor[1] * course.ringing[1][k];
+    for (std::size_t side = 0; side < 2; ++side)
+      for (std::size_t k = first; k < first + count && !course.ringing[side].empty(); ++k)
+        sum += factor[side] * course.ringing[side][k];
     largest = std::max(largest, std::abs(sum) / static_cast<double>(count));
   }
   return largest;
@@ -236,7 +237,8 @@ void CylinderResiduals::declare_answer(Stretch& stretch, const PossibleRinging& 
   if (stretch.answer.rows() == 0) return;
   const Hypothesis owner{owner_, {}};
   const auto gas = gas_->of(std::span(&owner, 1));
-  const SampledCourse course = course_of(RecordedRigs(owner_, recordings_), *gas[0][stretch.recording], stretch);
+  const RecordedRigs rigs(owner_, recordings_);
+  const SampledCourse course = course_of(rigs, *gas[0][stretch.recording], stretch);
   const Eigen::VectorXd answer = stretch.answer.of(course.simulated);
   const double size = answer.norm();
   if (!std::isfinite(size)) {
@@ -252,10 +254,14 @@ void CylinderResiduals::declare_answer(Stretch& stretch, const PossibleRinging& 
   row.over_recording = true;
   // What rings with every stair is an answer too, though not the one of a grid that can be afforded: a machine's was
   // 48 kPa off, and a branch of the line took it.
-  Eigen::MatrixXd off(stretch.answer.rows(), static_cast<Eigen::Index>(possible.size()));
-  const std::size_t side = gas_channel_[stretch.channel] == port_1 ? 0 : 1;
-  for (std::size_t i = 0; i < possible.size(); ++i)
-    off.col(static_cast<Eigen::Index>(i)) = stretch.answer.of(possible[i].pressure[side]) - answer;
+  std::vector<Eigen::VectorXd> off;
+  for (const PossibleCourse& possible_course : possible) {
+    GasCourse ports;
+    ports[port_1] = possible_course.pressure[0];
+    ports[port_2] = possible_course.pressure[1];
+    if (ports[static_cast<std::size_t>(gas_channel_[stretch.channel])].empty()) continue;
+    off.emplace_back(stretch.answer.of(course_of(rigs, ports, stretch).simulated) - answer);
+  }
   for (const double rings : stretch.answer.turn_along(off)) {
     row.sigma = std::hypot(noise, answer_share * size, rings);
     rows_.push_back(row);

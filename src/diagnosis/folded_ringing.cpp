@@ -111,11 +111,15 @@ PossibleRinging possible_ringing(const ImposedInputs& inputs, const Rig& owner, 
   PossibleRinging out;
   for (const GasCourse& whole : courses) {
     if (!std::isfinite(whole[port_1].back())) continue;
-    out.push_back({{ringing(whole[port_1], weights), ringing(whole[port_2], weights)},
-                   {at_samples(whole[port_1]), at_samples(whole[port_2])}});
-    std::array<std::vector<double>, 2>& rings = out.back().ringing;
-    if (!long_enough(owner.axis.line_1)) rings[0].assign(rings[0].size(), 0.0);
-    if (!long_enough(owner.axis.line_2)) rings[1].assign(rings[1].size(), 0.0);
+    PossibleCourse& course = out.emplace_back();
+    if (long_enough(owner.axis.line_1)) {
+      course.ringing[0] = ringing(whole[port_1], weights);
+      course.pressure[0] = at_samples(whole[port_1]);
+    }
+    if (long_enough(owner.axis.line_2)) {
+      course.ringing[1] = ringing(whole[port_2], weights);
+      course.pressure[1] = at_samples(whole[port_2]);
+    }
   }
   return out;
 }

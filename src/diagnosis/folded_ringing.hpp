@@ -4,9 +4,10 @@
 
 namespace pneuservo {
 
-/// At each sample of both ports [Pa]; a line that is too short to ring has no ringing.
+/// At each sample of both ports [Pa]; empty where the line is too short to ring.
 struct PossibleCourse {
-  std::array<std::vector<double>, 2> ringing, pressure;
+  std::array<std::vector<double>, 2> ringing;   ///< the part that sampling folds down
+  std::array<std::vector<double>, 2> pressure;  ///< all of it, true value
 };
 /// One for each length that was tried.
 using PossibleRinging = std::vector<PossibleCourse>;
@@ -18,8 +19,8 @@ using PossibleRinging = std::vector<PossibleCourse>;
 ///
 /// Four lengths, up to 1.5 tolerances to both sides, are simulated along the recording (3.5 kB a sample meanwhile).
 /// Within each period a parabola, the command's stair and sines of the sampling rate and twice it are fitted to a
-/// port's pressure; the sines' value at the period's end is the ringing. None where the command's stairs are slower
-/// than 2 ms: they ring with modes that every grid carries.
+/// port's pressure; the sines' value at the period's end is the ringing. No courses where the command's stairs are
+/// slower than 2 ms (they ring with modes that every grid carries), or where sound crosses both lines within a stair.
 PossibleRinging possible_ringing(const ImposedInputs& inputs, const Rig& owner, const PlantGrid& grid);
 
 }  // namespace pneuservo

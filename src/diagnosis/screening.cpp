@@ -218,7 +218,9 @@ std::vector<Screened> Screening::singles() const {
       std::swap(best.gain, other.gain);
       std::swap(best.start, other.start);
     }
-    if (other.gain > 0) best.second_start = other.start;
+    if (other.gain <= 0) continue;
+    best.second_start = other.start;
+    best.second_gain = other.gain;
   }
   return out;
 }

@@ -16,6 +16,7 @@ struct Screened {
   /// The best of its other kind, by derivative or by whole change, where both promise something: their fits may end in
   /// different valleys. A branch of 241 cm3 whose derivative promised more ended at 226 cm3, 42 in log evidence behind.
   std::vector<double> second_start{};
+  double second_gain = 0;
 };
 
 /// Two candidates together.
@@ -40,10 +41,10 @@ class Screening {
 
  private:
   /// A start of a candidate: its columns are changes of the residual by one amplitude each, or one by the whole effect
-  /// where it has no amplitude.
+  /// where it has no amplitude or is looked at whole.
   struct Trial {
     std::size_t candidate;
-    std::vector<double> z;  ///< of the candidate's parameters, amplitudes as they are at the base
+    std::vector<double> z;  ///< of the candidate's parameters; amplitudes that have a column as they are at the base
     std::vector<std::size_t> amplitudes;  ///< parameters that have a column; empty: the whole effect is one
     std::vector<double> steps;
     std::vector<Eigen::Index> hypotheses;  ///< of each column in the batch; -1: from the base's Jacobian

@@ -42,22 +42,27 @@ bool same_parameter(const FreeParameter& a, const FreeParameter& b) {
   return a.start_factor == b.start_factor && a.path == b.path;
 }
 
-/// Places of the parameters that two fits have in common, in units that agree: a name may free wider what is a nuisance
-/// elsewhere.
+bool same_prior(const FreeParameter& a, const FreeParameter& b) {
+  return a.spread == b.spread && a.lower == b.lower && a.upper == b.upper;
+}
+
+/// Places of the parameters that two fits have in common, with one unit and one range: a name frees wider what is a
+/// nuisance elsewhere.
 std::vector<std::pair<Eigen::Index, Eigen::Index>> shared_parameters(const Fit& a, const Fit& b) {
   std::vector<std::pair<Eigen::Index, Eigen::Index>> out;
   for (std::size_t i = 0; i < a.parameters.size(); ++i)
     for (std::size_t k = 0; k < b.parameters.size(); ++k)
-      if (same_parameter(a.parameters[i], b.parameters[k]) && a.parameters[i].spread == b.parameters[k].spread)
+      if (same_parameter(a.parameters[i], b.parameters[k]) && same_prior(a.parameters[i], b.parameters[k]))
         out.emplace_back(i, k);
   return out;
 }
 
-/// What is to be refitted, and the same with each member's second start in place of its first.
-std::vector<std::vector<Screened>> with_second_starts(const std::vector<Screened>& added) {
+/// What is to be refitted, and the same with each member's second start in place of its first, where that promises
+/// enough.
+std::vector<std::vector<Screened>> with_second_starts(const std::vector<Screened>& added, double least_gain) {
   std::vector<std::vector<Screened>> out{added};
   for (std::size_t i = 0; i < added.size(); ++i) {
-    if (added[i].second_start.empty()) continue;
+    if (added[i].second_start.empty() || added[i].second_gain < least_gain) continue;
     out.push_back(added);
     out.back()[i].start = added[i].second_start;
   }
@@ -165,7 +170,7 @@ void Search::refit(const Fit& base, const std::vector<std::size_t>& members,
       if (!contains(all, one.candidate)) all = with_member(all, one.candidate);
     if (all.size() != members.size() + added.size() || tried_.count(all)) continue;
     tried_[all].fit.failed = true;  // until an attempt has come to an end
-    for (std::vector<Screened>& start : with_second_starts(added)) {
+    for (std::vector<Screened>& start : with_second_starts(added, settings_.least_gain)) {
       attempts.push_back({all, continued_fit(base, all, start)});
       starts.push_back(std::move(start));
     }
@@ -253,10 +258,12 @@ std::vector<Explanation*> Search::refit_at_rivals(std::size_t members) {
   const std::vector<Explanation*> close = rivals(members, settings_.rival_distance, compared_places);
   std::vector<std::pair<Explanation*, Fit>> attempts;
   const auto attempt = [&](Explanation* mover, const Fit& other) {
-    Fit fit = continued_fit(other, mover->members, {});
-    Eigen::VectorXd z = mover->fit.z;
-    for (const auto& [i, k] : shared_parameters(fit, other)) z(i) = other.z(k);
-    fit.z = std::move(z);
+    Fit fit = mover->fit;
+    for (const auto& [i, k] : shared_parameters(fit, other)) {
+      fit.z(i) = other.z(k);
+      fit.jacobian.col(i) = other.jacobian.col(k);
+    }
+    for (std::size_t i = 0; i < fit.known_columns.size(); ++i) fit.known_columns[i] = i >= fit.own_count;
     attempts.emplace_back(mover, std::move(fit));
   };
   for (std::size_t i = 1; i < close.size(); ++i) {
@@ -271,9 +278,9 @@ std::vector<Explanation*> Search::refit_at_rivals(std::size_t members) {
   for (auto& [mover, fit] : attempts) {
     if (fit.failed || fit.objective >= mover->fit.objective - settings_.settled_gain) continue;
     mover->fit = std::move(fit);
-    mover->log_evidence = log_evidence(*mover);
-    moved.push_back(mover);
+    if (!std::count(moved.begin(), moved.end(), mover)) moved.push_back(mover);
   }
+  polish(moved, 1, true);  // their derivatives are still those of where they came from
   return moved;
 }
 
@@ -449,13 +456,12 @@ void Search::swap_members(const Explanation& best) {
     std::erase(held, leaving);
     if (held.empty()) continue;
     if (!tried_.count(held)) {
-      Explanation& explanation = tried_[held];
-      explanation.members = held;
-      explanation.fit = start_fit(held);
+      Explanation explanation{held, start_fit(held)};
       for (const auto& [i, k] : shared_parameters(explanation.fit, best.fit)) explanation.fit.z(i) = best.fit.z(k);
       polish({&explanation}, 4, true);
+      tried_[held] = std::move(explanation);
     }
-    const Explanation& base = tried_[held];
+    const Explanation& base = tried_.at(held);
     if (base.fit.failed) continue;
     const std::vector<Screened> screened = Screening(rows_, base.fit, candidates_, others(held)).singles();
     std::vector<Screened> chosen = worth_refitting(screened, settings_.next_refits);

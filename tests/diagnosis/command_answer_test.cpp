@@ -82,12 +82,11 @@ TEST_CASE("command answer: rows are turned so that few carry what is uncertain, 
     late[k] = 4e4 * command[k - 2];
     later[k] = 1e4 * command[k - 5];
   }
-  Eigen::MatrixXd possible(answer.rows(), 2);
-  possible << answer.of(late), answer.of(later);
+  const std::vector<Eigen::VectorXd> possible{answer.of(late), answer.of(later)};
   const Eigen::VectorXd sizes = answer.turn_along(possible);
   INFO("seed " << seed);
-  CHECK(squares(sizes) == Approx(possible.squaredNorm() / 2));
-  CHECK(squares(answer.of(late)) == Approx(possible.col(0).squaredNorm()));
+  CHECK(squares(sizes) == Approx((squares(possible[0]) + squares(possible[1])) / 2));
+  CHECK(squares(answer.of(late)) == Approx(squares(possible[0])));
   const double largest = sizes.maxCoeff();
   int uncertain = 0;
   for (Eigen::Index i = 0; i < sizes.size(); ++i) {

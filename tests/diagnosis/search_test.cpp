@@ -19,14 +19,16 @@ constexpr double mass_kg = 2, tolerance = 0.1;
 
 /// A load and a spring that take the same large residual. Along the mass m, in tolerances, there is a valley on either
 /// side of a ridge at 0.3, which the load moves to 0: from m = 0 a fit slides to the better one with the load, and to
-/// the worse one with the spring. With `stiffening` the spring that takes the residual is another one in each valley.
-std::vector<double> two_valleys(const Rig& rig, double stiffening) {
+/// the worse one with the spring. With `stiffening` the spring that takes the residual is another one in each valley;
+/// with `burden` the load leaves more than the spring does in either.
+std::vector<double> two_valleys(const Rig& rig, double stiffening, double burden) {
   constexpr double ridge = 17, pull = 10;
   const double load = rig.axis.effects.motion.constant_force.force_N,
                spring = rig.axis.effects.motion.spring_load.stiffness_N_per_m;
   const double m = (rig.axis.slider.mass_kg / mass_kg - 1) / tolerance;
   const double along = m - 0.3 * (1 - load);
-  return {missing * (1 - load - spring * (1 + stiffening * m)), ridge * (along * along - 1), pull * (m - 1), 0};
+  return {missing * (1 - load - spring * (1 + stiffening * m)), ridge * (along * along - 1), pull * (m - 1),
+          burden * load};
 }
 
 /// A spring that shows with the fourth power of its stiffness: nothing of it while it is weak.
@@ -66,8 +68,8 @@ TEST_CASE("search: a rival that ended in another valley of the tolerances is fit
   Rig rig = cylinder_rig();
   rig.axis.slider.mass_kg = mass_kg;
   rig.tolerances = {{"slider.mass_kg", tolerance}};
-  const double stiffening = GENERATE(0.0, 0.3);
-  ClosedFormModel model([&](const Rig& r) { return two_valleys(r, stiffening); });
+  const double stiffening = GENERATE(0.0, 0.3), burden = GENERATE(0.0, 20.0);
+  ClosedFormModel model([&](const Rig& r) { return two_valleys(r, stiffening, burden); });
   FittedRows rows(model, {});
   Search search(rows, rig,
                 {found_by_size("constant_force", "effects.constant_force.force_N"),
@@ -76,8 +78,9 @@ TEST_CASE("search: a rival that ended in another valley of the tolerances is fit
   search.run();
   const auto ranked = search.ranking(1);
   REQUIRE(ranked.size() == 2);
+  CHECK(ranked.front()->members.front() == (burden > 0 ? 1 : 0));
   for (const Explanation* e : ranked) {
-    CAPTURE(stiffening, e->members.front(), e->fit.z.transpose(), e->fit.objective);
+    CAPTURE(stiffening, burden, e->members.front(), e->fit.z.transpose(), e->fit.objective);
     CHECK(e->fit.z(1) > 0.5);
   }
 }
@@ -126,7 +129,14 @@ TEST_CASE("search: fittings and branches have such sizes, a branch at every plac
     else if (candidate.name.starts_with("line_branch"))
       CHECK(candidate.whole_starts.size() == 2 * candidate.starts.size());
     else CHECK(candidate.whole_starts.empty());
-    for (const std::vector<double>& start : candidate.whole_starts) CHECK(start.size() == candidate.parameters.size());
+    for (const std::vector<double>& whole : candidate.whole_starts) {
+      REQUIRE(whole.size() == candidate.parameters.size());
+      CHECK(whole.front() > 0);  // the size; everything else is a place of the grid
+      const auto is_beside = [&](const std::vector<double>& start) {
+        return std::equal(start.begin() + 1, start.end(), whole.begin() + 1);
+      };
+      CHECK(std::any_of(candidate.starts.begin(), candidate.starts.end(), is_beside));
+    }
   }
 }
 

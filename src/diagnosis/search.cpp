@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <set>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -55,6 +56,18 @@ std::vector<std::pair<Eigen::Index, Eigen::Index>> shared_parameters(const Fit& 
       if (same_parameter(a.parameters[i], b.parameters[k]) && same_prior(a.parameters[i], b.parameters[k]))
         out.emplace_back(i, k);
   return out;
+}
+
+/// Where a parameter of one of the fit's names stands among the fit's own.
+Eigen::Index own_place(const Fit& fit, const FreeParameter& parameter) {
+  for (std::size_t i = 0; i < fit.own_count; ++i)
+    if (same_parameter(fit.parameters[i], parameter)) return static_cast<Eigen::Index>(i);
+  throw std::logic_error("a fit has no parameter " + parameter.path + " of its own");
+}
+
+/// Derivatives by nuisances are kept as they are, those by the explanation's own parameters are to be taken anew.
+void keep_nuisance_columns(Fit& fit) {
+  for (std::size_t i = 0; i < fit.known_columns.size(); ++i) fit.known_columns[i] = i >= fit.own_count;
 }
 
 /// What is to be refitted, and the same with each member's second start in place of its first, where that promises
@@ -119,11 +132,10 @@ Fit Search::continued_fit(const Fit& base, const std::vector<std::size_t>& membe
   }
   for (const Screened& one : added) {
     const Candidate& candidate = candidates_[one.candidate];
-    for (std::size_t i = 0; i < fit.own_count; ++i)
-      for (std::size_t p = 0; p < candidate.parameters.size(); ++p)
-        if (same_parameter(fit.parameters[i], candidate.parameters[p]))
-          fit.z(static_cast<Eigen::Index>(i)) =
-              std::clamp(one.start[p], fit.parameters[i].lower, fit.parameters[i].upper);
+    for (std::size_t p = 0; p < candidate.parameters.size(); ++p) {
+      const FreeParameter& parameter = candidate.parameters[p];
+      fit.z(own_place(fit, parameter)) = std::clamp(one.start[p], parameter.lower, parameter.upper);
+    }
   }
   return fit;
 }
@@ -196,12 +208,12 @@ void Search::move_to_best_share(std::vector<Explanation>& attempts, const std::v
       Eigen::VectorXd z = fit.z;
       for (const Screened& one : starts[f]) {
         const Candidate& candidate = candidates_[one.candidate];
-        for (std::size_t p = 0; p < candidate.parameters.size(); ++p)
-          for (std::size_t i = 0; i < fit.own_count; ++i)
-            if (candidate.amplitude[p] && same_parameter(fit.parameters[i], candidate.parameters[p])) {
-              const double neutral = candidate.parameters[p].z(candidate.neutral[p]);
-              z(static_cast<Eigen::Index>(i)) = neutral + share * (z(static_cast<Eigen::Index>(i)) - neutral);
-            }
+        for (std::size_t p = 0; p < candidate.parameters.size(); ++p) {
+          if (!candidate.amplitude[p]) continue;
+          const double neutral = candidate.parameters[p].z(candidate.neutral[p]);
+          double& size = z(own_place(fit, candidate.parameters[p]));
+          size = neutral + share * (size - neutral);
+        }
       }
       hypotheses.push_back(with_parameters(fit.base, fit.parameters, {z.data(), z.data() + z.size()}));
       places.push_back(std::move(z));
@@ -234,8 +246,8 @@ void Search::polish(const std::vector<Explanation*>& explanations, int iteration
   std::vector<Fit*> fits;
   for (Explanation* explanation : explanations) {
     Fit& fit = explanation->fit;
-    for (std::size_t i = 0; i < fit.known_columns.size(); ++i)
-      fit.known_columns[i] = !all_columns && i >= fit.own_count;
+    if (all_columns) fit.known_columns.assign(fit.parameters.size(), 0);
+    else keep_nuisance_columns(fit);
     fits.push_back(&fit);
   }
   improve(rows_, fits, iterations, all_columns ? Columns::all : Columns::own, settings_.settled_gain);
@@ -263,7 +275,7 @@ std::vector<Explanation*> Search::refit_at_rivals(std::size_t members) {
       fit.z(i) = other.z(k);
       fit.jacobian.col(i) = other.jacobian.col(k);
     }
-    for (std::size_t i = 0; i < fit.known_columns.size(); ++i) fit.known_columns[i] = i >= fit.own_count;
+    keep_nuisance_columns(fit);
     attempts.emplace_back(mover, std::move(fit));
   };
   for (std::size_t i = 1; i < close.size(); ++i) {
@@ -488,8 +500,7 @@ void Search::refit_sibling_pairs(const Explanation& best) {
       Screened here{sibling, 0, {}, {}};
       const Fit& fit = found->second.fit;
       for (const FreeParameter& parameter : candidates_[sibling].parameters)
-        for (std::size_t i = 0; i < fit.own_count; ++i)
-          if (same_parameter(fit.parameters[i], parameter)) here.start.push_back(fit.z(static_cast<Eigen::Index>(i)));
+        here.start.push_back(fit.z(own_place(fit, parameter)));
       stand_ins[k].push_back(here);
     }
   }

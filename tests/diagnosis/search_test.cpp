@@ -62,6 +62,28 @@ Candidate found_by_size(const char* name, const char* path) {
   return candidate;
 }
 
+/// A search that has a spring as its only name, looked at whole at these sizes.
+struct SpringSearch {
+  SpringSearch(const ClosedFormModel::Residual& residual, std::vector<std::vector<double>> whole_starts)
+      : model(residual), rows(model, {}), search(rows, rig(), {spring(std::move(whole_starts))}, {}, one_name(), {}) {
+    search.run();
+  }
+  static Rig rig() {
+    Rig out = cylinder_rig();
+    out.tolerances = {{"slider.mass_kg", 0.02}};
+    return out;
+  }
+  static Candidate spring(std::vector<std::vector<double>> whole_starts) {
+    Candidate out = found_by_size("spring_load", "effects.spring_load.stiffness_N_per_m");
+    out.whole_starts = std::move(whole_starts);
+    return out;
+  }
+
+  ClosedFormModel model;
+  FittedRows rows;
+  Search search;
+};
+
 }  // namespace
 
 TEST_CASE("search: a rival that ended in another valley of the tolerances is fitted from where the best one stands") {
@@ -86,40 +108,17 @@ TEST_CASE("search: a rival that ended in another valley of the tolerances is fit
 }
 
 TEST_CASE("search: what a derivative does not promise a whole change does") {
-  Rig rig = cylinder_rig();
-  rig.tolerances = {{"slider.mass_kg", 0.02}};
-  ClosedFormModel model(bent);
-  FittedRows rows(model, {});
-  Candidate spring = found_by_size("spring_load", "effects.spring_load.stiffness_N_per_m");
-  SECTION("by its derivative alone it is not even fitted") {
-    Search search(rows, rig, {spring}, {}, one_name(), {});
-    search.run();
-    CHECK(search.best_of(1) == nullptr);
-  }
-  SECTION("with a size to look at it is found") {
-    spring.whole_starts = {{0.3}};
-    Search search(rows, rig, {spring}, {}, one_name(), {});
-    search.run();
-    REQUIRE(search.best_of(1) != nullptr);
-    CHECK(search.best_of(1)->fit.z(0) == Approx(1).epsilon(0.01));
-    REQUIRE(search.first_screening().at(0).standard_error.size() == 1);
-  }
+  SpringSearch by_derivative(bent, {});
+  CHECK(by_derivative.search.best_of(1) == nullptr);  // not even fitted
+  SpringSearch looked_at(bent, {{0.3}});
+  REQUIRE(looked_at.search.best_of(1) != nullptr);
+  CHECK(looked_at.search.best_of(1)->fit.z(0) == Approx(1).epsilon(0.01));
+  REQUIRE(looked_at.search.first_screening().at(0).standard_error.size() == 1);
 }
 
 TEST_CASE("search: a name is fitted from its derivative and from its best whole change, the better is kept") {
-  Rig rig = cylinder_rig();
-  rig.tolerances = {{"slider.mass_kg", 0.02}};
-  ClosedFormModel model(behind_a_ridge);
-  FittedRows rows(model, {});
-  Candidate spring = found_by_size("spring_load", "effects.spring_load.stiffness_N_per_m");
-  const auto end = [&] {
-    Search search(rows, rig, {spring}, {}, one_name(), {});
-    search.run();
-    return search.best_of(1)->fit.z(0);
-  };
-  CHECK(end() == Approx(-1).margin(0.1));
-  spring.whole_starts = {{1.5}};
-  CHECK(end() == Approx(2).margin(0.1));
+  CHECK(SpringSearch(behind_a_ridge, {}).search.best_of(1)->fit.z(0) == Approx(-1).margin(0.1));
+  CHECK(SpringSearch(behind_a_ridge, {{1.5}}).search.best_of(1)->fit.z(0) == Approx(2).margin(0.1));
 }
 
 TEST_CASE("search: fittings and branches have such sizes, a branch at every place that is looked at") {

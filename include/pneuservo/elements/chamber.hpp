@@ -47,9 +47,10 @@ template <class S> class Chamber {
   void step(double h, const ChamberInflow<S>& inflow, const S& s_new) noexcept {
     // Everything that needs only the piston comes first: the flow is known last.
     const S volume_new = geometry_.volume_m3(s_new), sum = volume_new + volume_;
-    const S work = kappa_minus_one_ * (volume_new - volume_);
-    const S compressed = (sum - work) / (sum + work);
-    const S per_volume = kappa_minus_one_ / volume_new;
+    const S work = kappa_minus_one_ * (volume_new - volume_), larger = sum + work;
+    const S reciprocal = S(1) / (larger * volume_new);  // one division for both
+    const S compressed = (sum - work) * (volume_new * reciprocal);
+    const S per_volume = kappa_minus_one_ * (larger * reciprocal);
     const S heat = S(h) * geometry_.wall_heat_W_per_m2K * (ends_area_ + perimeter_ * s_new);
     mass_ = maximum(mass_ + S(h) * inflow.mass_flow_kgps, S(1e-12));
     energy_ = (energy_ + S(h) * inflow.enthalpy_flow_W) * compressed;

@@ -30,7 +30,7 @@ template <class S> class Line {
     port_constants_ = PortConstants<S>(air_, S(0.35));
     diameter_ = line.diameter_m;
     cross_section_ = S(0.78539816339744831) * diameter_ * diameter_;
-    k_.friction = PipeFriction<S>(line, air_);
+    friction_ = PipeFriction<S>(line, air_);
     arrange(std::max(1, cells));
     guard_actions_ = 0;
     step_s_ = 1e-3;
@@ -45,7 +45,7 @@ template <class S> class Line {
     losses_.set_effects(effects);
     const S share = effects.frequency_dependent_losses.share;
     memory_.set_share(share, air_.R);
-    k_.friction.nusselt_laminar = S(3.66) + minimum(share, S(1)) * S(8 - 3.66);
+    friction_.nusselt_laminar = S(3.66) + minimum(share, S(1)) * S(8 - 3.66);
     set_time_step(step_s_);
   }
   /// Wall heat off: an adiabatic line, for tests against closed forms.
@@ -75,8 +75,8 @@ template <class S> class Line {
   }
   /// Sets the state of cell i = 0..cells-1, e.g. to a mode shape.
   void set_cell_state(int i, const S& pressure_Pa, const S& temperature_K) noexcept {
-    const S density_per_pressure = S(1) / (air_.R * temperature_K);
-    set_cell(i, {pressure_Pa, pressure_Pa * density_per_pressure, temperature_K, density_per_pressure});
+    const S RT = air_.R * temperature_K, density_per_pressure = S(1) / RT;
+    set_cell(i, {pressure_Pa, pressure_Pa * density_per_pressure, RT, density_per_pressure});
     if (i == cells_ - 1) fill_places_beyond();
   }
   /// Sets the velocity on face j = 0..cells at t - h/2.
@@ -86,7 +86,7 @@ template <class S> class Line {
 
   /// Multiplies the gas's pressure and temperature; its density follows, its velocities stay.
   void scale_gas(const S& pressure, const S& temperature) noexcept {
-    for (int i = 0; i < cells_; ++i) set_cell_state(i, cell(i).pressure * pressure, cell(i).temperature * temperature);
+    for (int i = 0; i < cells_; ++i) set_cell_state(i, cell(i).pressure * pressure, cell_temperature(i) * temperature);
     port_pressure_ *= pressure;
     port_before_ *= pressure;
     losses_.scale_gas(pressure, temperature);
@@ -99,20 +99,25 @@ template <class S> class Line {
     const S h(step_s), diameter_squared = diameter_ * diameter_;
     k_.grid_ratio = h / cell_length();
     k_.reynolds_factor = diameter_ / air_.viscosity_Pas;
-    k_.friction_factor = frictionless_ ? S(0) : h * air_.viscosity_Pas / (S(2) * diameter_squared);
-    const S wall = adiabatic_ ? S(0) : S(isothermal_ ? 2e12 : 2.0) * h / diameter_squared;
-    k_.wall_offset = wall * Air<S>::conductivity(S(0));
-    k_.wall_slope = wall * Air<S>::conductivity(S(1)) - k_.wall_offset;
     k_.heat_share = S(0.5) * (air_.kappa - S(1));
-    k_.half_inverse_grid_ratio = S(0.5) / k_.grid_ratio;
     k_.compression_factor = S(0.5) * (air_.kappa - S(1)) * k_.grid_ratio;
-    k_.kappa_minus_one = air_.kappa - S(1);
-    k_.cv = air_.cv;
+    const S friction = frictionless_ ? S(0) : h * air_.viscosity_Pas / (S(2) * diameter_squared);
+    k_.flow_diffusion = S(8) * friction;
+    k_.friction = friction_.multiplied(friction);
     k_.inverse_R = S(1) / air_.R;
-    k_.wall_pressure_factor = air_.R * air_.temperature_K;
+    k_.cv = air_.cv;
+    k_.inverse_cv = S(1) / air_.cv;
+    const S wall = adiabatic_ ? S(0) : S(isothermal_ ? 2e12 : 2.0) * h / diameter_squared * k_.inverse_cv;
+    k_.wall_offset = wall * Air<S>::conductivity(S(0));
+    k_.wall_slope = (wall * Air<S>::conductivity(S(1)) - k_.wall_offset) * k_.inverse_R;
+    k_.wall_pressure_per_density = air_.R * air_.temperature_K;
+    k_.inverse_wall_pressure_per_density = S(1) / k_.wall_pressure_per_density;
+    k_.coldest = air_.R * S(150);
+    k_.hottest = air_.R * S(600);
+    k_.kappa_minus_one = air_.kappa - S(1);
     k_.sound_factor = isothermal_ ? air_.R : air_.kappa * air_.R;
-    k_.inverse_wall_factor = S(1) / k_.wall_pressure_factor;
     k_.half_inverse_cp = isothermal_ ? S(0) : S(0.5) / air_.cp;
+    k_.half_inverse_grid_ratio = S(0.5) / k_.grid_ratio;
     group_k_ = line_scheme::replicate_constants(k_);
   }
   /// Largest speed on any face in the last sub-step [m/s], over all lanes.
@@ -121,17 +126,34 @@ template <class S> class Line {
   /// One sub-step with the port pressure prescribed (middle of the sub-step): the estimator's boundary.
   /// Gas that enters at the port has the stagnation temperature of the supply.
   LineFlow<S> step_prescribed(const S& port_pressure_Pa, const ChamberEnd<S>& chamber) noexcept {
-    port_pressure_ = port_before_ = port_pressure_Pa;
-    return sweep(chamber, [this](Face& face, const Cell& first) noexcept { prescribed_port_flux(face, first); });
+    const LineFlow<S> flow = advance_ends_prescribed(port_pressure_Pa, chamber);
+    advance_inside();
+    return flow;
   }
-
   /// One sub-step with a valve at the port: the port pressure follows from orifice and line together. The orifice's own
   /// flow is booked, so that valve and line agree in mass to rounding.
   LineFlow<S> step_valve(const ValvePort<S>& valve, const ChamberEnd<S>& chamber) noexcept {
+    const LineFlow<S> flow = advance_ends_valve(valve, chamber);
+    advance_inside();
+    return flow;
+  }
+
+  /// The same in two parts: first the ends, whose flows are all that valve and chamber want of the step, then the gas
+  /// between them. What is computed from the flows in between runs beside the second part.
+  LineFlow<S> advance_ends_prescribed(const S& port_pressure_Pa, const ChamberEnd<S>& chamber) noexcept {
+    port_pressure_ = port_before_ = port_pressure_Pa;
+    return advance_ends(chamber, [this](Face& face, const Cell& first) noexcept { prescribed_port_flux(face, first); });
+  }
+  LineFlow<S> advance_ends_valve(const ValvePort<S>& valve, const ChamberEnd<S>& chamber) noexcept {
     // Once, unless somebody changes the valve in flight.
     if (any(!(valve.critical_pressure_ratio == port_constants_.shape.critical))) [[unlikely]]
       port_constants_ = PortConstants<S>(air_, valve.critical_pressure_ratio);
-    return sweep(chamber, [&](Face& face, const Cell& first) noexcept { valve_port_flux(valve, face, first); });
+    return advance_ends(chamber, [&](Face& face, const Cell& first) noexcept { valve_port_flux(valve, face, first); });
+  }
+  void advance_inside() noexcept {
+    if (memory_.is_present()) [[unlikely]]
+      advance_inside<true>();
+    else advance_inside<false>();
   }
 
   int cells() const noexcept { return cells_; }
@@ -141,10 +163,11 @@ template <class S> class Line {
   const Air<S>& air() const noexcept { return air_; }
   S cell_pressure(int i) const noexcept { return cell(i).pressure; }
   S cell_density(int i) const noexcept { return cell(i).density; }
-  S cell_temperature(int i) const noexcept { return cell(i).temperature; }
+  S cell_temperature(int i) const noexcept { return temperature(cell(i)); }
   S face_velocity(int j) const noexcept { return velocity(j); }
   /// Pressure at the valve port, of the last sub-step.
   S port_pressure() const noexcept { return port_pressure_; }
+  const PipeFriction<S>& friction() const noexcept { return friction_; }
   /// Mass of the gas in the line [kg].
   S mass() const noexcept {
     S sum(0);
@@ -183,7 +206,7 @@ template <class S> class Line {
   Cell cell(int i) const noexcept {
     const int at = i % per_group;
     const auto c = cell_.group(static_cast<std::size_t>(i / per_group));
-    return {element<S>(c.pressure, at), element<S>(c.density, at), element<S>(c.temperature, at),
+    return {element<S>(c.pressure, at), element<S>(c.density, at), element<S>(c.pressure_per_density, at),
             element<S>(c.density_per_pressure, at)};
   }
   void set_cell(int i, const Cell& c) noexcept {
@@ -191,42 +214,48 @@ template <class S> class Line {
     const int at = i % per_group;
     set_element<S>(cell_.pressure[q], at, c.pressure);
     set_element<S>(cell_.density[q], at, c.density);
-    set_element<S>(cell_.temperature[q], at, c.temperature);
+    set_element<S>(cell_.pressure_per_density[q], at, c.pressure_per_density);
     set_element<S>(cell_.density_per_pressure[q], at, c.density_per_pressure);
   }
+  S temperature(const Cell& c) const noexcept { return c.pressure_per_density * k_.inverse_R; }
   S velocity(int j) const noexcept { return element<S>(face_.velocity[face_group(j)], face_place(j)); }
 
-  // Five passes over the line, each of independent places: a place's chain friction -> velocity -> flux -> cell takes
-  // longer than all else together, so the processor must have many places under way at once.
-  // The passes are functions of their own, not inlined: four sweeps share them (with a valve or without, with memory or
-  // without), and what the compiler makes of each does not hang on which of them a program uses. What computes the ends
-  // is always inlined: a program of many lines uses up what the compiler allows itself, and a face handed over through
-  // the stack there costs a fifth of a step.
-  template <class PortFlux> LineFlow<S> sweep(const ChamberEnd<S>& chamber, PortFlux&& port_flux) noexcept {
+  // The ends have the longest chains and go first. What computes them is always inlined: a program of many lines uses
+  // up what the compiler allows itself, and a face handed over through the stack there costs a fifth of a step.
+  template <class PortFlux> LineFlow<S> advance_ends(const ChamberEnd<S>& chamber, PortFlux&& port_flux) noexcept {
     if (memory_.is_present()) [[unlikely]]
-      return sweep_with_memory(chamber, port_flux);
-    return sweep_through<false>(chamber, port_flux);
+      return advance_ends_with_memory(chamber, port_flux);
+    return advance_both_ends<false>(chamber, port_flux);
   }
   // Apart, so that the plain line's code stays as short as if there were no memory.
   template <class PortFlux>
-  [[gnu::noinline]] LineFlow<S> sweep_with_memory(const ChamberEnd<S>& chamber, PortFlux&& port_flux) noexcept {
+  [[gnu::noinline]] LineFlow<S> advance_ends_with_memory(const ChamberEnd<S>& chamber, PortFlux&& port_flux) noexcept {
     if (memory_.begin_step()) find_layers();
-    return sweep_through<true>(chamber, port_flux);
+    return advance_both_ends<true>(chamber, port_flux);
   }
   template <bool remembering, class PortFlux>
-  [[gnu::always_inline]] LineFlow<S> sweep_through(const ChamberEnd<S>& chamber, PortFlux&& port_flux) noexcept {
+  [[gnu::always_inline]] LineFlow<S> advance_both_ends(const ChamberEnd<S>& chamber, PortFlux&& port_flux) noexcept {
     const int n = cells_;
     const S u_0 = velocity(0), u_n = velocity(n), u_1 = velocity(1), u_before_n = velocity(n - 1);
     const Cell first = cell(0), last = cell(n - 1);
-    find_reynolds();
-    // The ends have the longest chains and go first.
     Face end = chamber_face<remembering>(last, u_before_n, u_n, chamber);
     const S enthalpy_flux = chamber_end_flux(end, last, u_before_n, chamber);
     const Face port = port_face<remembering>(first, u_0, u_1, port_flux);
+    chamber_face_ = end;
+    port_face_ = port;
+    return {cross_section_ * port.mass_flux, cross_section_ * end.mass_flux, cross_section_ * enthalpy_flux};
+  }
+
+  // Passes over the line, each of independent places: a place's chain friction -> velocity -> flux -> cell takes longer
+  // than all else together, so the processor must have many places under way at once.
+  // The passes are functions of their own, not inlined: what the compiler makes of each does not hang on which of them
+  // a program uses.
+  template <bool remembering> void advance_inside() noexcept {
+    find_reynolds();
     advance_velocities<remembering>();
     find_inner_fluxes();
-    face_.fill(0, all_places_, port);
-    face_.fill(face_group(n), from_end_, end);
+    face_.fill(0, all_places_, port_face_);
+    face_.fill(face_group(cells_), from_end_, chamber_face_);
     if (losses_.are_present()) {
       losses_.step(*this, effects_, k_, step_s_);
       find_balances<true, remembering>();
@@ -234,13 +263,12 @@ template <class S> class Line {
       find_balances<false, remembering>();
     }
     find_states<remembering>();
-    return {cross_section_ * port.mass_flux, cross_section_ * end.mass_flux, cross_section_ * enthalpy_flux};
   }
 
   int inner_face_groups() const noexcept { return (cells_ - 1 + per_group - 1) / per_group; }
 
   [[gnu::noinline]] void find_reynolds() noexcept {
-    const auto factor = group_k_;  // local: a store into the rows must not make the compiler reload it
+    const auto& k = group_k_;
     const G* const density = cell_.density.data();
     const FaceRow faces(face_);
     const int groups = inner_face_groups();
@@ -248,7 +276,7 @@ template <class S> class Line {
     for (int q = 1; q <= groups; ++q) {
       const G next = density[q];
       const G rho = G(0.5) * (left + one_after<S>(left, next));
-      const G Re = line_scheme::reynolds(factor, rho, faces.velocity[q]);
+      const G Re = line_scheme::reynolds(k, rho, faces.velocity[q]);
       faces.density[q] = rho;
       faces.reynolds[q] = Re;
       faces.reynolds_root[q] = PipeFriction<G>::root(Re);
@@ -257,7 +285,7 @@ template <class S> class Line {
   }
 
   template <bool remembering> [[gnu::noinline]] void advance_velocities() noexcept {
-    const auto k = group_k_;
+    const auto& k = group_k_;
     const G* const pressure = cell_.pressure.data();
     const FaceRow faces(face_);
     const int groups = inner_face_groups();
@@ -265,7 +293,7 @@ template <class S> class Line {
     for (int q = 1; q <= groups; ++q) {
       const G u_next = faces.velocity[q + 1], next = pressure[q];
       const auto friction = k.friction.at_root(faces.reynolds[q], faces.reynolds_root[q]);
-      const G f = k.friction_factor * friction.lambda_reynolds;
+      const G f = friction.lambda_reynolds;
       const G du = select(u > G(0), u - one_before<S>(previous, u), one_after<S>(u, u_next) - u);
       const G rho = faces.density[q];
       const G momentum = line_scheme::momentum(k, rho, u, du, one_after<S>(left, next) - left);
@@ -286,7 +314,7 @@ template <class S> class Line {
   }
 
   [[gnu::noinline]] void find_inner_fluxes() noexcept {
-    const auto k = group_k_;
+    const auto& k = group_k_;
     const CellRow cells_in(cell_);
     const FaceRow faces(face_);
     const int groups = inner_face_groups();
@@ -314,7 +342,7 @@ template <class S> class Line {
       const Cell left = cell(j - 1), right = cell(j);
       Face mended;
       mended.velocity = velocity(j);
-      limit_speed(mended, left.temperature, right.temperature);
+      limit_speed(mended, temperature(left), temperature(right));
       line_scheme::inner_flux(mended, left, right);
       set_element<S>(face_.velocity[face_group(j)], face_place(j), mended.velocity);
       set_element<S>(face_.mass_flux[face_group(j)], face_place(j), mended.mass_flux);
@@ -323,7 +351,7 @@ template <class S> class Line {
   }
 
   template <bool losing, bool remembering> [[gnu::noinline]] void find_balances() noexcept {
-    const auto k = group_k_;
+    const auto& k = group_k_;
     const CellRow row(cell_);
     const FaceRow faces(face_);
     const int groups = cell_groups();
@@ -338,8 +366,8 @@ template <class S> class Line {
       const WallAnswer<G>* memory = nullptr;
       WallAnswer<G> wall{};
       if constexpr (remembering) {
-        const G T = row.temperature[q];
-        wall = memory_.in_cells(q, line_scheme::heat_diffusion(k, T), T);
+        const G RT = row.pressure_per_density[q];
+        wall = memory_.in_cells(q, line_scheme::heat_diffusion(k, RT), RT * k.inverse_R);
         memory = &wall;
       }
       const auto made = line_scheme::balance(k, row[q], line_scheme::one_face_before<S>(previous, right), right,
@@ -354,16 +382,17 @@ template <class S> class Line {
   }
 
   template <bool remembering> [[gnu::noinline]] void find_states() noexcept {
-    const auto k = group_k_;
+    const auto& k = group_k_;
     const CellRow row(cell_);
     const int groups = cell_groups();
     auto sound = G(0) == G(0);
     for (int q = 0; q < groups; ++q) {
-      const auto made = line_scheme::state_of(k, row.density[q], row.a[q], row.d[q]);
-      sound = sound & line_scheme::sound_cell(made);
-      if constexpr (remembering) memory_.advance_cells(q, made.temperature - row.temperature[q]);
+      const auto made = line_scheme::state_of(row.density[q], row.a[q], row.d[q]);
+      sound = sound & line_scheme::sound_cell(k, made);
+      if constexpr (remembering)
+        memory_.advance_cells(q, (made.pressure_per_density - row.pressure_per_density[q]) * k.inverse_R);
       row.pressure[q] = made.pressure;
-      row.temperature[q] = made.temperature;
+      row.pressure_per_density[q] = made.pressure_per_density;
       row.density_per_pressure[q] = made.density_per_pressure;
     }
     if (!all(sound)) [[unlikely]]
@@ -395,7 +424,7 @@ template <class S> class Line {
     const auto friction = k_.friction(line_scheme::reynolds(k_, rho, u));
     S momentum = line_scheme::momentum(k_, rho, u, du, dp);
     Face made;
-    made.friction_coefficient = k_.friction_factor * friction.lambda_reynolds;
+    made.friction_coefficient = friction.lambda_reynolds;
     made.nusselt = friction.nusselt;
     made.inertia = rho + made.friction_coefficient;
     if constexpr (remembering) {
@@ -408,22 +437,22 @@ template <class S> class Line {
   }
   // Of the line's mean density, temperature and speed.
   void find_layers() noexcept {
-    S density(0), temperature(0), speed(0);
+    S density(0), RT(0), speed(0);
     for (int i = 0; i < cells_; ++i) {
       density += cell(i).density;
-      temperature += cell(i).temperature;
+      RT += cell(i).pressure_per_density;
       speed += absolute(velocity(i));
     }
     const S share = S(1) / S(cells_);
     density *= share;
-    memory_.set_layers({line_scheme::flow_diffusion(k_), line_scheme::heat_diffusion(k_, share * temperature), density,
-                        air_.cp, k_.friction.renewal(line_scheme::reynolds(k_, density, share * speed))});
+    memory_.set_layers({k_.flow_diffusion, line_scheme::heat_diffusion(k_, share * RT), density, air_.cp,
+                        k_.friction.renewal(line_scheme::reynolds(k_, density, share * speed))});
   }
   // The end faces are half a cell from the first and last pressures: twice the gradient; density of the gas that moves.
   template <bool remembering, class PortFlux>
   [[gnu::always_inline]] Face port_face(const Cell& first, const S& u, const S& u_after,
                                         PortFlux&& port_flux) noexcept {
-    const S rho = select(u > S(0), port_pressure_ * k_.inverse_wall_factor, first.density);
+    const S rho = select(u > S(0), port_pressure_ * k_.inverse_wall_pressure_per_density, first.density);
     Face made = end_face<remembering>(rho, u, select(u > S(0), S(0), u_after - u),
                                       S(2) * (first.pressure - port_pressure_), End::port);
     port_flux(made, first);
@@ -438,7 +467,7 @@ template <class S> class Line {
     Face made = end_face<remembering>(rho, u, select(u > S(0), u - u_before, S(0)),
                                       S(2) * (chamber.pressure_Pa - last.pressure), End::chamber);
     if (restricted_) apply_restriction(made, last, u, rho, chamber);
-    limit_speed(made, last.temperature, chamber.temperature_K);
+    limit_speed(made, temperature(last), chamber.temperature_K);
     if constexpr (remembering) memory_.advance_end(End::chamber, made.velocity - u);
     return made;
   }
@@ -460,7 +489,7 @@ template <class S> class Line {
   }
 
   [[gnu::always_inline]] void prescribed_port_flux(Face& face, const Cell& first) noexcept {
-    limit_speed(face, air_.temperature_K, first.temperature);
+    limit_speed(face, air_.temperature_K, temperature(first));
     const S u = face.velocity;
     const auto enters = u > S(0);
     face.pressure_flux =
@@ -473,17 +502,17 @@ template <class S> class Line {
   // pressure.
   void valve_port_flux(const ValvePort<S>& valve, Face& face, const Cell& first) noexcept {
     const S K = S(2) * k_.grid_ratio / face.inertia;
-    const S c = square_root(k_.sound_factor * maximum(first.temperature, air_.temperature_K));
+    const S T_first = temperature(first), c = square_root(k_.sound_factor * maximum(T_first, air_.temperature_K));
     const PortSolution<S> port =
         solve_valve_port(port_constants_, air_, valve, cross_section_, face.velocity - K * port_pressure_, K, c,
-                         first.density, first.temperature, S(2) * port_pressure_ - port_before_);
+                         first.density, T_first, S(2) * port_pressure_ - port_before_);
     port_before_ = port_pressure_;
     port_pressure_ = port.pressure_Pa;
     face.velocity = port.velocity_mps;
-    limit_speed(face, air_.temperature_K, first.temperature);
+    limit_speed(face, air_.temperature_K, temperature(first));
     face.mass_flux = port.mass_flow_kgps / cross_section_;
-    const S T_flow = select(face.mass_flux > S(0),
-                            air_.temperature_K - face.velocity * face.velocity * k_.half_inverse_cp, first.temperature);
+    const S T_flow =
+        select(face.mass_flux > S(0), air_.temperature_K - face.velocity * face.velocity * k_.half_inverse_cp, T_first);
     face.pressure_flux = face.mass_flux * air_.R * T_flow;
   }
 
@@ -494,7 +523,7 @@ template <class S> class Line {
     const S area = effects_.restriction.area_m2;
     const auto fitted = area > S(0), outward = face.velocity > S(0);
     const S p_up = select(outward, maximum(last.pressure, chamber.pressure_Pa), chamber.pressure_Pa);
-    const S T_up = select(outward, last.temperature + u_old * u_old * k_.half_inverse_cp, chamber.temperature_K);
+    const S T_up = select(outward, temperature(last) + u_old * u_old * k_.half_inverse_cp, chamber.temperature_K);
     const S sonic =
         air_.flow_constant * select(fitted, area, S(1)) * p_up / square_root(air_.R * T_up) / (rho * cross_section_);
     const S drop = S(2) * k_.grid_ratio / face.inertia * p_up * (S(1) - effects_.critical_pressure_ratio);
@@ -523,7 +552,7 @@ template <class S> class Line {
                     select(enters, inflow_density_per_pressure(chamber.temperature_K, u), last.density_per_pressure);
     const S kept = k_.half_inverse_grid_ratio * (end.friction_coefficient * u * u);
     const S leaves =
-        end.mass_flux * (air_.cv * last.temperature + S(0.5) * u_before * u_before) + last.pressure * u - kept;
+        end.mass_flux * (air_.cv * temperature(last) + S(0.5) * u_before * u_before) + last.pressure * u - kept;
     return select(enters, end.mass_flux * air_.cp * chamber.temperature_K, leaves);
   }
 
@@ -531,16 +560,16 @@ template <class S> class Line {
   [[gnu::noinline, gnu::cold]] void mend_cells() noexcept {
     for (int i = 0; i < cells_; ++i) {
       Cell c = cell(i);
-      const S T = c.temperature;
+      const S RT = c.pressure_per_density;
       const auto thin = !(c.density >= S(1e-3));
-      const auto outside = !((T >= S(150)) & (T <= S(600)));
+      const auto outside = !((RT >= k_.coldest) & (RT <= k_.hottest));
       guard_actions_ += count(thin) + count(outside);
       const auto mend = thin | outside;
-      const S T_mended = select(is_number(T), clamp(T, S(150), S(600)), air_.temperature_K);
+      const S RT_mended = select(is_number(RT), clamp(RT, k_.coldest, k_.hottest), k_.wall_pressure_per_density);
       c.density = select(thin, S(1e-3), c.density);
-      c.temperature = select(mend, T_mended, T);
-      c.pressure = select(mend, c.density * air_.R * T_mended, c.pressure);
-      c.density_per_pressure = select(mend, S(1) / (air_.R * T_mended), c.density_per_pressure);
+      c.pressure_per_density = select(mend, RT_mended, RT);
+      c.pressure = select(mend, c.density * RT_mended, c.pressure);
+      c.density_per_pressure = select(mend, S(1) / RT_mended, c.density_per_pressure);
       set_cell(i, c);
     }
   }
@@ -548,6 +577,7 @@ template <class S> class Line {
   double step_s_ = 1e-3;
   Air<S> air_;
   S length_{}, diameter_{}, cross_section_{};
+  PipeFriction<S> friction_;
   Constants k_;
   LineEffects<S> effects_;
   bool restricted_ = false, adiabatic_ = false, isothermal_ = false, frictionless_ = false;
@@ -558,6 +588,7 @@ template <class S> class Line {
   LineLosses<S> losses_;
   LineMemory<S> memory_;
   Mask<G> all_places_{}, from_end_{}, beyond_last_{};
+  Face port_face_, chamber_face_;  // of the step under way
   PortConstants<S> port_constants_;
   S port_pressure_{}, port_before_{};
   G fastest_squared_{};

@@ -82,7 +82,7 @@ template <class S> class LineLosses {
     }
     const Air<S>& air = line.air();
     const S cell_volume = line.cross_section() * line.cell_length(), from_branch_K = branch_.temperature(air);
-    const S flow = branch_.step(branch, air, k.friction, step_s, {pressure, density, cell_volume});
+    const S flow = branch_.step(branch, air, line.friction(), step_s, {pressure, density, cell_volume});
     for (int i = 0; i < n; ++i)
       add(i, air.cp, k, share(i) * flow * S(step_s) / cell_volume,
           select(flow > S(0), line.cell_temperature(i), from_branch_K));

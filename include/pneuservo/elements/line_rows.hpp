@@ -10,18 +10,19 @@ namespace pneuservo::line_scheme {
 /// Cells in rows, one a quantity, in groups of neighbours.
 template <class S> struct Cells {
   using G = Group<S>;
-  std::vector<G> pressure, density, temperature, density_per_pressure, a, d;  // p = a/d
+  std::vector<G> pressure, density, pressure_per_density, density_per_pressure, a, d;  // R T = a/d
 
   void resize(std::size_t groups) {
-    for (auto* row : {&pressure, &density, &temperature, &density_per_pressure, &a, &d}) row->assign(groups, G(0));
+    for (auto* row : {&pressure, &density, &pressure_per_density, &density_per_pressure, &a, &d})
+      row->assign(groups, G(0));
   }
   Cell<G> group(std::size_t q) const noexcept {
-    return {pressure[q], density[q], temperature[q], density_per_pressure[q]};
+    return {pressure[q], density[q], pressure_per_density[q], density_per_pressure[q]};
   }
   void fill(std::size_t q, const Mask<G>& places, const Cell<S>& with) noexcept {
     pressure[q] = select(places, replicate(with.pressure), pressure[q]);
     density[q] = select(places, replicate(with.density), density[q]);
-    temperature[q] = select(places, replicate(with.temperature), temperature[q]);
+    pressure_per_density[q] = select(places, replicate(with.pressure_per_density), pressure_per_density[q]);
     density_per_pressure[q] = select(places, replicate(with.density_per_pressure), density_per_pressure[q]);
   }
 };
@@ -47,12 +48,12 @@ template <class S> struct Faces {
 template <class S> struct CellRow {
   using G = Group<S>;
   explicit CellRow(Cells<S>& c) noexcept
-      : pressure(c.pressure.data()), density(c.density.data()), temperature(c.temperature.data()),
+      : pressure(c.pressure.data()), density(c.density.data()), pressure_per_density(c.pressure_per_density.data()),
         density_per_pressure(c.density_per_pressure.data()), a(c.a.data()), d(c.d.data()) {}
   Cell<G> operator[](int q) const noexcept {
-    return {pressure[q], density[q], temperature[q], density_per_pressure[q]};
+    return {pressure[q], density[q], pressure_per_density[q], density_per_pressure[q]};
   }
-  G *const pressure, *const density, *const temperature, *const density_per_pressure, *const a, *const d;
+  G *const pressure, *const density, *const pressure_per_density, *const density_per_pressure, *const a, *const d;
 };
 template <class S> struct FaceRow {
   using G = Group<S>;
@@ -70,7 +71,7 @@ template <class S> struct FaceRow {
 /// Every cell's neighbour behind it.
 template <class S> Cell<Group<S>> one_cell_after(const Cell<Group<S>>& c, const Cell<Group<S>>& next) noexcept {
   return {one_after<S>(c.pressure, next.pressure), one_after<S>(c.density, next.density),
-          one_after<S>(c.temperature, next.temperature),
+          one_after<S>(c.pressure_per_density, next.pressure_per_density),
           one_after<S>(c.density_per_pressure, next.density_per_pressure)};
 }
 /// Every face's neighbour before it; its friction stays its own.

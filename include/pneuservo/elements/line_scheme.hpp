@@ -7,7 +7,7 @@
 namespace pneuservo::line_scheme {
 
 template <class V> struct Cell {
-  V pressure{}, density{}, temperature{}, density_per_pressure{};  // the last is 1/(R T)
+  V pressure{}, density{}, pressure_per_density{}, density_per_pressure{};  // the last two are R T and 1/(R T)
 };
 /// A face after its momentum step, with what it carries: m [kg/(m2 s)], z = p u (z/(kappa-1) is internal energy).
 template <class V> struct Face {
@@ -15,27 +15,34 @@ template <class V> struct Face {
   V inertia{};  ///< of an end face: what divides its momentum
 };
 
-/// What does not change within a step; a = h/dx is the grid ratio.
+/// What does not change within a step; a = h/dx is the grid ratio. What multiplies is multiplied out beforehand: the
+/// passes are bound by what multiplies and divides.
 template <class V> struct Constants {
-  V grid_ratio, reynolds_factor, friction_factor, wall_slope, wall_offset, heat_share, compression_factor;
-  V kappa_minus_one, cv, inverse_R, wall_pressure_factor, sound_factor, inverse_wall_factor, half_inverse_cp,
-      half_inverse_grid_ratio;
-  PipeFriction<V> friction;
+  V grid_ratio, reynolds_factor, heat_share, compression_factor;
+  V flow_diffusion;  ///< mu h/R^2
+  V wall_slope, wall_offset;  ///< h/(2 c_v R^2) of the gas's conductivity, over R T
+  V wall_pressure_per_density, inverse_wall_pressure_per_density;  ///< R T_wall
+  V coldest, hottest;  ///< the guards' bounds of R T
+  V kappa_minus_one, cv, inverse_cv, inverse_R, sound_factor, half_inverse_cp, half_inverse_grid_ratio;
+  PipeFriction<V> friction;  ///< phi mu h/(2 D^2)
 };
 template <class S> Constants<Group<S>> replicate_constants(const Constants<S>& k) noexcept {
   return {replicate(k.grid_ratio),
           replicate(k.reynolds_factor),
-          replicate(k.friction_factor),
-          replicate(k.wall_slope),
-          replicate(k.wall_offset),
           replicate(k.heat_share),
           replicate(k.compression_factor),
+          replicate(k.flow_diffusion),
+          replicate(k.wall_slope),
+          replicate(k.wall_offset),
+          replicate(k.wall_pressure_per_density),
+          replicate(k.inverse_wall_pressure_per_density),
+          replicate(k.coldest),
+          replicate(k.hottest),
           replicate(k.kappa_minus_one),
           replicate(k.cv),
+          replicate(k.inverse_cv),
           replicate(k.inverse_R),
-          replicate(k.wall_pressure_factor),
           replicate(k.sound_factor),
-          replicate(k.inverse_wall_factor),
           replicate(k.half_inverse_cp),
           replicate(k.half_inverse_grid_ratio),
           k.friction.template grouped<Group<S>>()};
@@ -48,16 +55,13 @@ template <class V> [[gnu::always_inline]] inline V reynolds(const Constants<V>& 
 /// Momentum rho (u - a u du) - a dp, du upwind; over rho + f, the friction implicit, it is the new velocity.
 template <class V> [[gnu::always_inline]] inline V momentum(const Constants<V>& k, const V& rho, const V& u,
                                                             const V& du, const V& dp) noexcept {
-  return rho * (u - k.grid_ratio * (u * du)) - k.grid_ratio * dp;
+  const V m = rho * u;
+  return m - k.grid_ratio * (m * du + dp);
 }
 
-/// mu h/R^2, of friction_factor.
-template <class V> [[gnu::always_inline]] inline V flow_diffusion(const Constants<V>& k) noexcept {
-  return V(8) * k.friction_factor;
-}
-/// k h/R^2, of which the wall's slope and offset are half.
-template <class V> [[gnu::always_inline]] inline V heat_diffusion(const Constants<V>& k, const V& T) noexcept {
-  return V(2) * (k.wall_slope * T + k.wall_offset);
+/// k h/R^2, of which the wall's slope and offset are half, over c_v.
+template <class V> [[gnu::always_inline]] inline V heat_diffusion(const Constants<V>& k, const V& RT) noexcept {
+  return V(2) * k.cv * (k.wall_slope * RT + k.wall_offset);
 }
 
 /// Face pressure centred, but within 10 % of the upwind cell's: a shock must not carry energy the cell does not have.
@@ -79,7 +83,7 @@ template <class V> struct CellLoss {
   V density{}, pressure{};
 };
 
-/// Mass and energy of a cell: compression trapezoidal, wall heat implicit, friction heat of both faces. p = a/d.
+/// Mass and energy of a cell: compression trapezoidal, wall heat implicit, friction heat of both faces. R T = a/d.
 template <class V> struct Balance {
   V density, a, d;
 };
@@ -95,27 +99,25 @@ template <class V>
     rho -= loss->density;
     x -= loss->pressure;
   }
-  const V heat = k.heat_share * (left_heat + right_heat);
-  const V wall = (left.nusselt + right.nusselt) * (k.wall_slope * cell.temperature + k.wall_offset);
-  const V rho_cv = rho * k.cv;
-  if (memory != nullptr)
-    return {rho,
-            rho_cv * (x + one_plus * heat) + one_plus * (wall * (rho * k.wall_pressure_factor) + rho * memory->source),
-            one_plus * (rho_cv + wall + memory->conductance)};
-  return {rho, rho_cv * (x + one_plus * heat) + one_plus * (wall * (rho * k.wall_pressure_factor)),
-          one_plus * (rho_cv + wall)};
+  const V wall = (left.nusselt + right.nusselt) * (k.wall_slope * cell.pressure_per_density + k.wall_offset);
+  V heat = k.heat_share * (left_heat + right_heat) + wall * k.wall_pressure_per_density, capacity = rho + wall;
+  if (memory != nullptr) {
+    heat += memory->source * k.inverse_cv;
+    capacity += memory->conductance * k.inverse_cv;
+  }
+  return {rho, x + one_plus * heat, one_plus * capacity};
 }
-/// p = a/d, T = p/(rho R) and 1/(R T) = rho/p all come from the one division 1/(rho a d).
-template <class V> [[gnu::always_inline]] inline Cell<V> state_of(const Constants<V>& k, const V& rho, const V& a,
-                                                                  const V& d) noexcept {
-  const V reciprocal = V(1) / (rho * (a * d));
-  const V a_squared_r = a * a * reciprocal;
-  return {rho * a_squared_r, rho, a_squared_r * k.inverse_R, rho * rho * (d * d * reciprocal)};
+/// p = rho R T, R T = a/d and 1/(R T) = d/a all come from the one division 1/(a d).
+template <class V> [[gnu::always_inline]] inline Cell<V> state_of(const V& rho, const V& a, const V& d) noexcept {
+  const V reciprocal = V(1) / (a * d), RT = a * a * reciprocal;
+  return {rho * RT, rho, RT, d * d * reciprocal};
 }
 
 /// Where the guards let a cell pass.
-template <class V> [[gnu::always_inline]] inline Mask<V> sound_cell(const Cell<V>& cell) noexcept {
-  return (cell.density >= V(1e-3)) & (cell.temperature >= V(150)) & (cell.temperature <= V(600));
+template <class V> [[gnu::always_inline]] inline Mask<V> sound_cell(const Constants<V>& k,
+                                                                    const Cell<V>& cell) noexcept {
+  return (cell.density >= V(1e-3)) & (cell.pressure_per_density >= k.coldest) &
+         (cell.pressure_per_density <= k.hottest);
 }
 
 }  // namespace pneuservo::line_scheme

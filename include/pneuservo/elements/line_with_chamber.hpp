@@ -11,7 +11,8 @@ template <class S> int cell_count(const S& length_m, double cells_per_m) noexcep
   return std::max(1, static_cast<int>(std::lround(largest(length_m) * cells_per_m)));
 }
 
-/// Line first, chamber after it in the same sub-step. Behind a valve the line is what its `model` says; with a
+/// The line's ends first, then the chamber, last the gas inside the line, in the same sub-step: what waits for the
+/// chamber need not wait for the line. Behind a valve the line is what its `model` says; with a
 /// prescribed port pressure it is always the distributed one. `s` is the piston's distance from this chamber's end stop
 /// [m].
 template <class S> class LineWithChamber {
@@ -66,11 +67,17 @@ template <class S> class LineWithChamber {
 
   /// One sub-step with the port pressure of its middle; returns the flows of the line's ends.
   LineFlow<S> step_prescribed(const S& port_pressure_Pa, const S& s_new, const ChamberInflow<S>& extra = {}) noexcept {
-    return pass_on(line_.step_prescribed(port_pressure_Pa, end()), s_new, extra);
+    const LineFlow<S> flow = line_.advance_ends_prescribed(port_pressure_Pa, end());
+    step_chamber(flow, s_new, extra);
+    line_.advance_inside();
+    return flow;
   }
   /// One sub-step with a valve at the port.
   LineFlow<S> step_valve(const ValvePort<S>& valve, const S& s_new, const ChamberInflow<S>& extra = {}) noexcept {
-    return pass_on(lags_ ? lagged_.step_valve(valve, end()) : line_.step_valve(valve, end()), s_new, extra);
+    const LineFlow<S> flow = lags_ ? lagged_.step_valve(valve, end()) : line_.advance_ends_valve(valve, end());
+    step_chamber(flow, s_new, extra);
+    if (!lags_) line_.advance_inside();
+    return flow;
   }
   /// Pressure at the valve port, of the last sub-step.
   S port_pressure() const noexcept { return lags_ ? chamber_.pressure() : line_.port_pressure(); }
@@ -82,12 +89,11 @@ template <class S> class LineWithChamber {
 
  private:
   ChamberEnd<S> end() const noexcept { return {chamber_.pressure(), chamber_.temperature()}; }
-  LineFlow<S> pass_on(const LineFlow<S>& flow, const S& s_new, const ChamberInflow<S>& extra) noexcept {
+  void step_chamber(const LineFlow<S>& flow, const S& s_new, const ChamberInflow<S>& extra) noexcept {
     chamber_.step(
         step_s_,
         {flow.chamber_mass_flow_kgps + extra.mass_flow_kgps, flow.chamber_enthalpy_flow_W + extra.enthalpy_flow_W},
         s_new);
-    return flow;
   }
   Line<S> line_;
   LaggedLine<S> lagged_;

@@ -18,6 +18,7 @@ template <class S> class Slider {
   void configure(const SliderParameters<S>& slider, const MotionEffects<S>& effects, const S& stroke_m,
                  const S& restitution) noexcept {
     mass_ = slider.mass_kg + slider.payload_kg;
+    inverse_mass_ = S(1) / mass_;
     viscous_ = slider.viscous_friction_Ns_per_m;
     effects_ = effects;
     half_stroke_ = S(0.5) * stroke_m;
@@ -70,12 +71,13 @@ template <class S> class Slider {
     const S dry = has_dry_friction_ ? dry_friction(speed, direction, position_, around) : zero;
     const S holds_most = has_dry_friction_ ? dry_friction(zero, direction, position_, around) : zero;
     const auto held = resting & (absolute(force) <= holds_most);
-    const S damping = S(0.5) * h * damping_coefficient(speed, direction) / mass_;
-    const S v_free = (velocity_ * (S(1) - damping) + h * (force - direction * dry) / mass_) / (S(1) + damping);
+    const S damping = S(0.5) * h * damping_coefficient(speed, direction) * inverse_mass_;
+    const S v_free = (velocity_ * (S(1) - damping) + h * (force - direction * dry) * inverse_mass_) / (S(1) + damping);
     // Dry friction cannot turn the motion round: it ends at rest at the instant where v = 0.
     const auto moving = !resting;
     const auto stops = moving & (v_free * direction <= zero) & (dry > zero);
-    const S fraction = clamp(speed / maximum(absolute(velocity_ - v_free), S(1e-30)), zero, S(1));
+    const S fraction =
+        has_dry_friction_ ? clamp(speed / maximum(absolute(velocity_ - v_free), S(1e-30)), zero, S(1)) : zero;
     const S v_new = select(held | stops, zero, v_free);
     const S moved =
         select(held, zero, select(stops, S(0.5) * fraction * h * velocity_, S(0.5) * h * (velocity_ + v_free)));
@@ -107,7 +109,7 @@ template <class S> class Slider {
   /// Slower rebounds than this are rest: the last bounces of a series that never ends by itself.
   static constexpr double rest_speed_mps = 1e-4;
 
-  S mass_ = S(1), viscous_{}, half_stroke_ = S(1), restitution_{};
+  S mass_ = S(1), inverse_mass_ = S(1), viscous_{}, half_stroke_ = S(1), restitution_{};
   MotionEffects<S> effects_;
   bool has_dry_friction_ = true;
   S position_{}, velocity_{};

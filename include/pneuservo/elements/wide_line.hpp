@@ -59,19 +59,34 @@ class Line<Pack<T, N>> {
   double largest_speed() const noexcept { return std::max(low_.largest_speed(), high_.largest_speed()); }
 
   LineFlow<S> step_prescribed(const S& port_pressure_Pa, const ChamberEnd<S>& chamber) noexcept {
-    const auto a = low_.step_prescribed(low(port_pressure_Pa), {low(chamber.pressure_Pa), low(chamber.temperature_K)});
-    const auto b =
-        high_.step_prescribed(high(port_pressure_Pa), {high(chamber.pressure_Pa), high(chamber.temperature_K)});
-    return joined(a, b);
+    const LineFlow<S> flow = advance_ends_prescribed(port_pressure_Pa, chamber);
+    advance_inside();
+    return flow;
   }
   LineFlow<S> step_valve(const ValvePort<S>& valve, const ChamberEnd<S>& chamber) noexcept {
-    const auto a = low_.step_valve({low(valve.supply_area_m2), low(valve.exhaust_area_m2),
-                                    low(valve.supply_pressure_Pa), low(valve.critical_pressure_ratio)},
-                                   {low(chamber.pressure_Pa), low(chamber.temperature_K)});
-    const auto b = high_.step_valve({high(valve.supply_area_m2), high(valve.exhaust_area_m2),
-                                     high(valve.supply_pressure_Pa), high(valve.critical_pressure_ratio)},
-                                    {high(chamber.pressure_Pa), high(chamber.temperature_K)});
+    const LineFlow<S> flow = advance_ends_valve(valve, chamber);
+    advance_inside();
+    return flow;
+  }
+  LineFlow<S> advance_ends_prescribed(const S& port_pressure_Pa, const ChamberEnd<S>& chamber) noexcept {
+    const auto a =
+        low_.advance_ends_prescribed(low(port_pressure_Pa), {low(chamber.pressure_Pa), low(chamber.temperature_K)});
+    const auto b =
+        high_.advance_ends_prescribed(high(port_pressure_Pa), {high(chamber.pressure_Pa), high(chamber.temperature_K)});
     return joined(a, b);
+  }
+  LineFlow<S> advance_ends_valve(const ValvePort<S>& valve, const ChamberEnd<S>& chamber) noexcept {
+    const auto a = low_.advance_ends_valve({low(valve.supply_area_m2), low(valve.exhaust_area_m2),
+                                            low(valve.supply_pressure_Pa), low(valve.critical_pressure_ratio)},
+                                           {low(chamber.pressure_Pa), low(chamber.temperature_K)});
+    const auto b = high_.advance_ends_valve({high(valve.supply_area_m2), high(valve.exhaust_area_m2),
+                                             high(valve.supply_pressure_Pa), high(valve.critical_pressure_ratio)},
+                                            {high(chamber.pressure_Pa), high(chamber.temperature_K)});
+    return joined(a, b);
+  }
+  void advance_inside() noexcept {
+    low_.advance_inside();
+    high_.advance_inside();
   }
 
   int cells() const noexcept { return low_.cells(); }

@@ -15,6 +15,7 @@
 //     const double force_N = 1.257e-3 * chambers.chamber_pressure_Pa[0] - 1.056e-3 * chambers.chamber_pressure_Pa[1];
 //   }
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -123,6 +124,7 @@ class PipelineEstimator {
     grid_share_of_cell_ = grid_share / cells;
     alike_ = parameters.line_1.length_m == parameters.line_2.length_m &&
              parameters.line_1.diameter_m == parameters.line_2.diameter_m;
+    open_per_m_ = 1.0 / (nearly_closed * 0.5 * c.stroke_m);
     start_decay_ = std::exp(-parameters.period_s / start_time_s);
     peak_decay_ = std::exp(-parameters.period_s / peak_time_s);
     rms_gain_ = -std::expm1(-parameters.period_s / rms_time_s);
@@ -250,7 +252,7 @@ class PipelineEstimator {
     correction_ = surplus_ = Lanes(0);
     if (!std::isfinite(command_V)) return;
     const auto& valve = parameters_.valve;
-    const double area = std::fmin(std::fabs(command_V) * valve.area_per_volt_m2_per_V, valve.area_max_m2),
+    const double area = std::min(std::fabs(command_V) * valve.area_per_volt_m2_per_V, valve.area_max_m2),
                  wide = area * (1.0 + parameters_.uncertainty.relative_valve_area);
     const auto feeds = both(command_V, -command_V) >= Lanes(0);
     const Lanes outside = select(feeds, Lanes(parameters_.supply_pressure_Pa), Lanes(parameters_.air.atmosphere_Pa));
@@ -265,8 +267,8 @@ class PipelineEstimator {
   // make much of the noise.
   Lanes start_shares() const noexcept {
     const double half = 0.5 * parameters_.cylinder.stroke_m, x = input_.position_m;
-    const auto open = [&](double s) { return std::fmin(std::fmax(s / (nearly_closed * half), 0.0), 1.0); };
-    return Lanes(start_gain_) * both(open(half + x), open(half - x));
+    const Lanes open = both(half + x, half - x) * Lanes(open_per_m_);
+    return Lanes(start_gain_) * minimum(maximum(open, Lanes(0)), Lanes(1));
   }
 
   // Replaces what cannot be by what was, and says so.
@@ -290,7 +292,7 @@ class PipelineEstimator {
       health |= estimator_position_held;
       wanted =
           input_.position_m + (missing_s_[2] <= position_bridge_s ? input_.velocity_mps * parameters_.period_s : 0.0);
-      wanted = std::fmin(std::fmax(wanted, -reach), reach);
+      wanted = std::clamp(wanted, -reach, reach);
     }
     if (started_ && std::fabs(wanted - input_.position_m) > longest) {
       health |= estimator_position_limited;
@@ -316,21 +318,19 @@ class PipelineEstimator {
     const Lanes grid = Lanes(grid_floor_Pa) +
                        Lanes(grid_share_of_cell_) * drop_peak_ * (Lanes(1) + Lanes(grid_growth_per_Pa) * drop_peak_);
     const Lanes bound = square_root(stray_squared + grid * grid);
-    EstimatorOutput out;
-    for (int i = 0; i < 2; ++i) {
-      out.chamber_pressure_Pa[i] = p[i];
-      out.chamber_temperature_K[i] = T[i];
-      out.mass_flow_kgps[i] = G[i];
-      out.port_mass_flow_kgps[i] = G_port[i];
-      out.error_bound_Pa[i] = bound[i];
-      out.valid[static_cast<std::size_t>(i)] =
-          missing_s_[static_cast<std::size_t>(i)] <= trusted_gap_s && missing_s_[2] <= trusted_gap_s;
-    }
     const std::int64_t guards = axis_.side().line().guard_actions();
     if (guards != guards_seen_) health |= estimator_state_guarded;
     guards_seen_ = guards;
-    out.health = health;
-    return out;
+    const auto trusted = [&](std::size_t i) {
+      return missing_s_[i] <= trusted_gap_s && missing_s_[2] <= trusted_gap_s;
+    };
+    return {.chamber_pressure_Pa = {p[0], p[1]},
+            .mass_flow_kgps = {G[0], G[1]},
+            .port_mass_flow_kgps = {G_port[0], G_port[1]},
+            .chamber_temperature_K = {T[0], T[1]},
+            .error_bound_Pa = {bound[0], bound[1]},
+            .valid = {trusted(0), trusted(1)},
+            .health = health};
   }
 
   EstimatorParameters parameters_;
@@ -341,7 +341,7 @@ class PipelineEstimator {
   Air<Lanes> air_;
   Lanes correction_, correction_gain_, port_;  // Pa, Pa s/kg, Pa of the last tick
   Lanes surplus_;  // of the valve's flow over the model's in the last tick, kg/s
-  double start_gain_ = 0.0, start_decay_ = 1.0;
+  double start_gain_ = 0.0, start_decay_ = 1.0, open_per_m_ = 0.0;
   bool corrects_flow_ = false, alike_ = true;
   double grid_share_of_cell_ = grid_share;
   double peak_decay_ = 0.0, rms_gain_ = 1.0, grid_decay_ = 0.0;

@@ -77,21 +77,17 @@ double counter_period_ns() {
   return (now_ns() - start_ns) / static_cast<double>(end - start);
 }
 
-/// A million ticks, each between two reads of the time stamp counter; percentiles include the reads and whatever else
-/// the machine did meanwhile.
-void estimator_tail(benchmark::State& state) {
-  PipelineEstimator estimator;
-  estimator.configure(nominal_estimator());
-  const auto inputs = swung_inputs();
-  constexpr int ticks = 1'000'000;
-  std::vector<std::uint32_t> spent(ticks);
+/// A million turns of work(k), each between two reads of the time stamp counter; percentiles include the reads and
+/// whatever else the machine did meanwhile.
+template <class Work> void report_tail(benchmark::State& state, Work&& work) {
+  constexpr int turns = 1'000'000;
+  std::vector<std::uint32_t> spent(turns);
   const double period_ns = counter_period_ns();
   const std::int64_t before = allocations();
   unsigned core;
-  for (int k = 0; k < ticks; ++k) {
+  for (int k = 0; k < turns; ++k) {
     const auto start = __rdtscp(&core);
-    const auto out = estimator.step(inputs[static_cast<std::size_t>(k % 1000)]);
-    benchmark::DoNotOptimize(out);
+    work(k);
     spent[static_cast<std::size_t>(k)] = static_cast<std::uint32_t>(__rdtscp(&core) - start);
   }
   state.counters["allocations"] = static_cast<double>(allocations() - before);
@@ -99,16 +95,36 @@ void estimator_tail(benchmark::State& state) {
   for (const auto one : spent) sum += one;
   std::sort(spent.begin(), spent.end());
   const auto percentile_ns = [&](double share) {
-    return spent[static_cast<std::size_t>(share * (ticks - 1))] * period_ns;
+    return spent[static_cast<std::size_t>(share * (turns - 1))] * period_ns;
   };
-  state.counters["mean_ns"] = sum / ticks * period_ns;
+  state.counters["mean_ns"] = sum / turns * period_ns;
   state.counters["p50_ns"] = percentile_ns(0.5);
   state.counters["p99_ns"] = percentile_ns(0.99);
   state.counters["p99_99_ns"] = percentile_ns(0.9999);
   state.counters["max_ns"] = percentile_ns(1.0);
-  report(state, sum / ticks * period_ns);
+  report(state, sum / turns * period_ns);
+}
+
+void estimator_tail(benchmark::State& state) {
+  PipelineEstimator estimator;
+  estimator.configure(nominal_estimator());
+  const auto inputs = swung_inputs();
+  report_tail(state, [&](int k) {
+    const auto out = estimator.step(inputs[static_cast<std::size_t>(k % 1000)]);
+    benchmark::DoNotOptimize(out);
+  });
 }
 BENCHMARK(estimator_tail)->Iterations(1)->UseManualTime()->Unit(benchmark::kNanosecond);
+
+/// What the machine itself makes of a tail: about as long a turn that lives in one register.
+void machine_tail(benchmark::State& state) {
+  double x = 1.0;
+  report_tail(state, [&](int) {
+    for (int i = 0; i < 640; ++i) benchmark::DoNotOptimize(x *= 0.999);
+    x = 1.0;
+  });
+}
+BENCHMARK(machine_tail)->Iterations(1)->UseManualTime()->Unit(benchmark::kNanosecond);
 
 }  // namespace
 }  // namespace pneuservo::bench

@@ -203,7 +203,7 @@ template <class S> class Line {
   int cell_groups() const noexcept { return (cells_ + per_group - 1) / per_group; }
   static std::size_t face_group(int j) noexcept { return static_cast<std::size_t>((j + per_group - 1) / per_group); }
   static int face_place(int j) noexcept { return (j + per_group - 1) % per_group; }
-  Cell cell(int i) const noexcept {
+  [[gnu::always_inline]] Cell cell(int i) const noexcept {
     const int at = i % per_group;
     const auto c = cell_.group(static_cast<std::size_t>(i / per_group));
     return {element<S>(c.pressure, at), element<S>(c.density, at), element<S>(c.pressure_per_density, at),

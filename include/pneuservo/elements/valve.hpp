@@ -60,7 +60,11 @@ template <class S> class Valve {
   /// One sub-step that begins `in_period_s` after the start of the period; areas at the spool's exact mean over it, or
   /// over pieces that resolve delay and lag however long the sub-step of the gas is.
   PortAreas<S> step(double in_period_s) noexcept {
-    if (!moves_within_) return piece(history_[newest_]);
+    if (!moves_within_) {  // the spool is where the play leaves it, at once
+      follow_play(history_[newest_]);
+      lag_ = play_;
+      return areas(play_);
+    }
     PortAreas<S> mean{};
     for (int i = 0; i < pieces_; ++i) {
       const double start = in_period_s + i * piece_s_;
@@ -86,13 +90,16 @@ template <class S> class Valve {
  private:
   // The path over one piece under a constant command: play, lag, spool; areas at the spool's mean.
   PortAreas<S> piece(const S& command) noexcept {
-    const S half = S(0.5) * effects_.valve_hysteresis.width_V;
-    play_ = clamp(play_, command - half, command + half);
+    follow_play(command);
     const S gap = play_ - lag_;
     const S mean = select(lagging_, play_ - lag_mean_gain_ * gap, play_);
     lag_ = select(lagging_, lag_ + lag_gain_ * gap, play_);
     spool_.step(mean);
     return areas(spool_.mean());
+  }
+  void follow_play(const S& command) noexcept {
+    const S half = S(0.5) * effects_.valve_hysteresis.width_V;
+    play_ = clamp(play_, command - half, command + half);
   }
   // Mean of the command in force between two instants of the period, at most a period apart, each lane with its delay:
   // at most one change falls between them.

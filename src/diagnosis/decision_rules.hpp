@@ -8,7 +8,7 @@ namespace pneuservo {
 struct DecisionRules {
   double alarm_gain = 25;           ///< in log evidence: the least that a first name must bring
   double next_gain = 60;            ///< and one more name
-  double next_gain_at_floor = 150;  ///< the same where every channel is at its floor already: the model's own error
+  double next_gain_at_floor = 100;  ///< the same where every channel is at its floor already: the model's own error
   double next_share = 2e-5;         ///< of the first name's gain
   double third_share = 0.02;        ///< the same for every name after the second
   double screened_share = 0.3;      ///< of a further name's gain that its linear screening shows at least

@@ -11,6 +11,7 @@
 #include <pneuservo/elements/line_memory.hpp>
 #include <pneuservo/elements/line_rows.hpp>
 #include <pneuservo/elements/line_scheme.hpp>
+#include <pneuservo/elements/line_steps.hpp>
 #include <pneuservo/elements/pipe_friction.hpp>
 #include <pneuservo/elements/valve_port.hpp>
 
@@ -21,7 +22,7 @@ namespace pneuservo {
 /// S may carry several lines in lanes (both sides of an axis, several rigs).
 /// Guards keep every state physical: |u| <= c of the gas that moves, density >= 1e-3 kg/m3, 150 K <= T <= 600 K; what
 /// they did is counted. Mass is conserved to rounding, guards included (the density floor excepted).
-template <class S> class Line {
+template <class S> class Line : public LineSteps<Line<S>, S> {
  public:
   /// Allocates; cells >= 1.
   void configure(const LineParameters<S>& line, const AirParameters<S>& air_parameters, int cells) {
@@ -112,8 +113,8 @@ template <class S> class Line {
     k_.wall_slope = (wall * Air<S>::conductivity(S(1)) - k_.wall_offset) * k_.inverse_R;
     k_.wall_pressure_per_density = air_.R * air_.temperature_K;
     k_.inverse_wall_pressure_per_density = S(1) / k_.wall_pressure_per_density;
-    k_.coldest = air_.R * S(150);
-    k_.hottest = air_.R * S(600);
+    k_.coldest = air_.R * S(line_scheme::coldest_K);
+    k_.hottest = air_.R * S(line_scheme::hottest_K);
     k_.kappa_minus_one = air_.kappa - S(1);
     k_.sound_factor = isothermal_ ? air_.R : air_.kappa * air_.R;
     k_.half_inverse_cp = isothermal_ ? S(0) : S(0.5) / air_.cp;
@@ -123,23 +124,7 @@ template <class S> class Line {
   /// Largest speed on any face in the last sub-step [m/s], over all lanes.
   double largest_speed() const noexcept { return std::sqrt(largest(fastest_squared_)); }
 
-  /// One sub-step with the port pressure prescribed (middle of the sub-step): the estimator's boundary.
-  /// Gas that enters at the port has the stagnation temperature of the supply.
-  LineFlow<S> step_prescribed(const S& port_pressure_Pa, const ChamberEnd<S>& chamber) noexcept {
-    const LineFlow<S> flow = advance_ends_prescribed(port_pressure_Pa, chamber);
-    advance_inside();
-    return flow;
-  }
-  /// One sub-step with a valve at the port: the port pressure follows from orifice and line together. The orifice's own
-  /// flow is booked, so that valve and line agree in mass to rounding.
-  LineFlow<S> step_valve(const ValvePort<S>& valve, const ChamberEnd<S>& chamber) noexcept {
-    const LineFlow<S> flow = advance_ends_valve(valve, chamber);
-    advance_inside();
-    return flow;
-  }
-
-  /// The same in two parts: first the ends, whose flows are all that valve and chamber want of the step, then the gas
-  /// between them. What is computed from the flows in between runs beside the second part.
+  /// The two parts of a sub-step: LineSteps has the whole.
   LineFlow<S> advance_ends_prescribed(const S& port_pressure_Pa, const ChamberEnd<S>& chamber) noexcept {
     port_pressure_ = port_before_ = port_pressure_Pa;
     return advance_ends(chamber, [this](Face& face, const Cell& first) noexcept { prescribed_port_flux(face, first); });
@@ -167,6 +152,7 @@ template <class S> class Line {
   S face_velocity(int j) const noexcept { return velocity(j); }
   /// Pressure at the valve port, of the last sub-step.
   S port_pressure() const noexcept { return port_pressure_; }
+  /// The correlation of its walls, for what hangs on the line.
   const PipeFriction<S>& friction() const noexcept { return friction_; }
   /// Mass of the gas in the line [kg].
   S mass() const noexcept {
@@ -318,7 +304,8 @@ template <class S> class Line {
     const CellRow cells_in(cell_);
     const FaceRow faces(face_);
     const int groups = inner_face_groups();
-    const G coldest = k.sound_factor * G(150);  // the sound speed of the coldest gas there is; mending looks closer
+    const G coldest = k.sound_factor *
+                      G(line_scheme::coldest_K);  // the sound speed of the coldest gas there is; mending looks closer
     auto left = cells_in[0];
     auto subsonic = G(0) == G(0);
     for (int q = 1; q <= groups; ++q) {
@@ -561,12 +548,12 @@ template <class S> class Line {
     for (int i = 0; i < cells_; ++i) {
       Cell c = cell(i);
       const S RT = c.pressure_per_density;
-      const auto thin = !(c.density >= S(1e-3));
+      const auto thin = !(c.density >= S(line_scheme::thinnest_kg_per_m3));
       const auto outside = !((RT >= k_.coldest) & (RT <= k_.hottest));
       guard_actions_ += count(thin) + count(outside);
       const auto mend = thin | outside;
       const S RT_mended = select(is_number(RT), clamp(RT, k_.coldest, k_.hottest), k_.wall_pressure_per_density);
-      c.density = select(thin, S(1e-3), c.density);
+      c.density = select(thin, S(line_scheme::thinnest_kg_per_m3), c.density);
       c.pressure_per_density = select(mend, RT_mended, RT);
       c.pressure = select(mend, c.density * RT_mended, c.pressure);
       c.density_per_pressure = select(mend, S(1) / RT_mended, c.density_per_pressure);

@@ -6,6 +6,9 @@
 
 namespace pneuservo::line_scheme {
 
+/// The guards' bounds of a cell.
+inline constexpr double thinnest_kg_per_m3 = 1e-3, coldest_K = 150, hottest_K = 600;
+
 template <class V> struct Cell {
   V pressure{}, density{}, pressure_per_density{}, density_per_pressure{};  // the last two are R T and 1/(R T)
 };
@@ -116,7 +119,7 @@ template <class V> [[gnu::always_inline]] inline Cell<V> state_of(const V& rho, 
 /// Where the guards let a cell pass.
 template <class V> [[gnu::always_inline]] inline Mask<V> sound_cell(const Constants<V>& k,
                                                                     const Cell<V>& cell) noexcept {
-  return (cell.density >= V(1e-3)) & (cell.pressure_per_density >= k.coldest) &
+  return (cell.density >= V(thinnest_kg_per_m3)) & (cell.pressure_per_density >= k.coldest) &
          (cell.pressure_per_density <= k.hottest);
 }
 

@@ -8,7 +8,7 @@ namespace pneuservo {
 /// registers would not fit twice.
 template <class T, int N>
   requires(!detail::single_register<T, N>)
-class Line<Pack<T, N>> {
+class Line<Pack<T, N>> : public LineSteps<Line<Pack<T, N>>, Pack<T, N>> {
  public:
   using S = Pack<T, N>;
 
@@ -58,16 +58,6 @@ class Line<Pack<T, N>> {
   }
   double largest_speed() const noexcept { return std::max(low_.largest_speed(), high_.largest_speed()); }
 
-  LineFlow<S> step_prescribed(const S& port_pressure_Pa, const ChamberEnd<S>& chamber) noexcept {
-    const LineFlow<S> flow = advance_ends_prescribed(port_pressure_Pa, chamber);
-    advance_inside();
-    return flow;
-  }
-  LineFlow<S> step_valve(const ValvePort<S>& valve, const ChamberEnd<S>& chamber) noexcept {
-    const LineFlow<S> flow = advance_ends_valve(valve, chamber);
-    advance_inside();
-    return flow;
-  }
   LineFlow<S> advance_ends_prescribed(const S& port_pressure_Pa, const ChamberEnd<S>& chamber) noexcept {
     const auto a =
         low_.advance_ends_prescribed(low(port_pressure_Pa), {low(chamber.pressure_Pa), low(chamber.temperature_K)});

@@ -146,6 +146,7 @@ Candidate effect_candidate(const std::string& name, const std::string& element, 
   Candidate candidate{name, element, kind, {}, {}, {}, {{}}, {}, {}, family};
   if constexpr (requires { Effect::is_mimicked_by_small_physics; })
     candidate.is_mimicked_by_small_physics = Effect::is_mimicked_by_small_physics;
+  if constexpr (requires { Effect::is_description; }) candidate.is_description = Effect::is_description;
   const Effect none;
   for (const ParameterTrait& trait : Effect::traits) {
     Effect::visit(

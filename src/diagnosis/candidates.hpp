@@ -28,6 +28,8 @@ struct Candidate {
   std::vector<std::vector<double>> whole_starts;  ///< z whose whole change is screened beside the derivative
   std::string family;  ///< names that mimic each other; all are refitted when one is
   bool is_mimicked_by_small_physics = false;  ///< has no name beside small physics that is everywhere
+  /// Tells where and how much, and no law: sought alone, and its verdict is `unknown` at its element.
+  bool is_description = false;
   bool is_guessed = false;  ///< the size of an effect that the config has: no owner can read it off
 };
 

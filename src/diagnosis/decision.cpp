@@ -309,12 +309,56 @@ bool is_owner_refuted(const Search& search, const Decision& decision, const Deci
   return search.owner().fit.chi2() >= rules.refuted_level * std::min(chosen, rows);
 }
 
+/// What a description that explains the recordings tells: where, by which shape, how much.
+std::string description_words(const Decision& decision, const Search& search) {
+  const Explanation& chosen = *decision.chosen;
+  const Candidate& candidate = search.candidates()[chosen.members.front()];
+  std::string sizes;
+  for (const FreeParameter& own : candidate.parameters)
+    sizes += fmt::format("{}{} = {:.4g}", sizes.empty() ? "" : ", ", own.path.substr(own.path.rfind('.') + 1),
+                         own_value(chosen, own.path));
+  const double before = search.owner().fit.chi2(), after = chosen.fit.chi2();
+  return fmt::format("{} describes it ({}) and takes {:.0f} % of the squared mismatch", candidate.name, sizes,
+                     100 * std::max(0.0, 1 - after / std::max(before, 1e-300)));
+}
+
+/// Makes a verdict by a description `unknown` at its element, with what it tells.
+void say_described(const Search& search, Decision& decision) {
+  decision.is_described = !decision.chosen->members.empty() && search.is_description(*decision.chosen);
+  if (!decision.is_described) return;
+  decision.verdict = Verdict::unknown;
+  decision.element = search.candidates()[decision.chosen->members.front()].element;
+  decision.reason =
+      description_words(decision, search) + (decision.reason.empty() ? "" : "; beside it ") + decision.reason;
+}
+
+/// The best description, where it leaves about as little as names that leave something: two names that together
+/// follow a bent curve are not what is missing.
+const Explanation* as_good_description(const Search& search, const Decision& decision, const DecisionRules& rules) {
+  if (decision.reason.empty() || decision.chosen->members.empty() || search.is_description(*decision.chosen))
+    return nullptr;
+  for (const Explanation* e : search.ranking(1))
+    if (search.is_description(*e) && e->log_evidence >= search.owner().log_evidence + rules.alarm_gain)
+      return e->fit.chi2() <= rules.doubted_left * decision.chosen->fit.chi2() ? e : nullptr;
+  return nullptr;
+}
+
 }  // namespace
 
 Decision decide(ResidualModel& model, const Search& search, const DecisionRules& rules) {
   Decision decision = chosen_chain(model, search, rules, rules.next_share);
   judge_what_is_left(model, search, rules, decision);
-  return decision;
+  const Explanation* description =
+      decision.chosen->members.size() > 1 ? as_good_description(search, decision, rules) : nullptr;
+  if (description == nullptr) return decision;
+  Decision described = decision;
+  described.chosen = description;
+  described.rivals = search.ranking(1);
+  std::erase_if(described.rivals, [&](const Explanation* e) { return e->log_evidence >= description->log_evidence; });
+  described.rivals.insert(described.rivals.begin(), description);
+  described.gain = description->log_evidence - search.owner().log_evidence;
+  judge_what_is_left(model, search, rules, described);
+  return described.is_described ? described : decision;
 }
 
 void judge_what_is_left(ResidualModel& model, const Search& search, const DecisionRules& rules, Decision& decision) {
@@ -332,6 +376,7 @@ void judge_what_is_left(ResidualModel& model, const Search& search, const Decisi
                     decision.reason.empty() ? "" : "; ", decision.element,
                     1e6 * volume_beyond(*decision.chosen, search, decision.element));
   }
+  if (is_named) say_described(search, decision);
   DecisionRules sure = rules;
   if (decision.beside_remainder) sure.most_sure = rules.most_sure_beside;
   decision.probabilities = probabilities_of(decision.rivals, sure);
@@ -354,7 +399,10 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
                         is_owner_refuted(search, decision, rules) && most >= rules.named_share &&
                         !has_absurd_parameter(*decision.chosen, search, rules);
   const bool is_periodic = find_periodic_force(model, rules, is_named ? rules.periodic_share : told_share, decision);
-  if (!is_periodic && is_named) return decision;
+  if (!is_periodic && is_named) {
+    say_described(search, decision);
+    return decision;
+  }
   decision.verdict = Verdict::unknown;
   Decision owners;
   owners.chosen = &search.owner();

@@ -135,7 +135,7 @@ void add_unknown(ResidualModel& model, const Decision& decision, const Search& s
   answer.element = out.elements.empty() ? "motion" : out.elements.front().element;
   answer.probability = rules.unknown_sure;
   answer.note = decision.reason;
-  if (!decision.chosen->members.empty()) {
+  if (!decision.chosen->members.empty() && !decision.is_described) {
     const double before = search.owner().fit.chi2(), after = decision.chosen->fit.chi2();
     std::string names;
     for (const std::size_t m : decision.chosen->members)
@@ -214,6 +214,7 @@ constexpr double detectable_margin = 2.0;
 void add_detectable(const Search& search, const Decision& decision, const DecisionRules& rules, Diagnosis& out) {
   for (const Screened& screened : search.first_screening()) {
     const Candidate& candidate = search.candidates()[screened.candidate];
+    if (candidate.is_description) continue;
     if (std::find(decision.chosen->members.begin(), decision.chosen->members.end(), screened.candidate) !=
         decision.chosen->members.end())
       continue;
@@ -423,7 +424,7 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   if (!rig.is_pneumatic() && (decision.verdict == Verdict::unknown || !rig.has_controller()))
     decision = decide_in_one_quantity(model, first_search, options.rules);
   std::optional<Search> beside;
-  const bool left_everywhere = decision.verdict == Verdict::unknown &&
+  const bool left_everywhere = decision.verdict == Verdict::unknown && !decision.is_described &&
                                is_everywhere(model.channels(), decision.levels.channels, options.rules.floor_level);
   if (!out.stopped && (left_everywhere || is_stretched(rig, decision, options.rules))) {
     const std::vector<std::string> warnings = out.warnings;

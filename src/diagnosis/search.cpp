@@ -35,6 +35,8 @@ constexpr double sensor_log_prior = -1;
 /// An owner who gives a tolerance has looked: where a size far outside it and physics that nobody has looked for are
 /// the same model, the physics is the likelier.
 constexpr double guessed_log_prior = -2;
+/// A shape that fits anything of its element has to be clearly better than every law.
+constexpr double description_log_prior = -10;
 
 /// Whether an explanation's size is a single time.
 bool is_one_time(const Fit& fit) { return fit.own_count == 1 && fit.parameters.front().path.ends_with("_s"); }
@@ -143,7 +145,7 @@ Fit Search::continued_fit(const Fit& base, const std::vector<std::size_t>& membe
 std::vector<std::size_t> Search::others(const std::vector<std::size_t>& members) const {
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < candidates_.size(); ++i)
-    if (!contains(members, i)) out.push_back(i);
+    if (!contains(members, i) && (members.empty() || !candidates_[i].is_description)) out.push_back(i);
   return out;
 }
 
@@ -238,6 +240,7 @@ double Search::log_evidence(const Explanation& explanation) const {
   for (const std::size_t member : explanation.members) {
     if (candidates_[member].kind == CandidateKind::sensor) prior += sensor_log_prior;
     if (candidates_[member].is_guessed) prior += guessed_log_prior;
+    if (candidates_[member].is_description) prior += description_log_prior;
   }
   return explanation.fit.log_evidence() + prior;
 }
@@ -261,7 +264,10 @@ std::vector<Explanation*> Search::rivals(std::size_t members, double distance, s
     if (key.size() == members && !explanation.fit.failed) out.push_back(&explanation);
   std::stable_sort(out.begin(), out.end(),
                    [](const Explanation* a, const Explanation* b) { return a->log_evidence > b->log_evidence; });
-  std::erase_if(out, [&](const Explanation* e) { return e->log_evidence < out.front()->log_evidence - distance; });
+  // A description takes no name its place: where two names are missing it may be far before the better of them.
+  const Explanation* named = best_named(members);
+  const double least = (named != nullptr ? named : out.empty() ? &owner_ : out.front())->log_evidence - distance;
+  std::erase_if(out, [&](const Explanation* e) { return e->log_evidence < least; });
   if (out.size() > most) out.resize(most);
   return out;
 }
@@ -511,11 +517,11 @@ void Search::refit_sibling_pairs(const Explanation& best) {
 }
 
 bool Search::search_next(std::size_t members) {
-  const Explanation* base = best_of(members);
+  const Explanation* base = best_named(members);
   if (base == nullptr) return false;
   const std::vector<Screened> screened = Screening(rows_, base->fit, candidates_, others(base->members)).singles();
   const std::vector<Screened> chosen = worth_refitting(screened, settings_.next_refits);
-  const double first_gain = best_of(1)->log_evidence - owner_.log_evidence;
+  const double first_gain = best_named(1)->log_evidence - owner_.log_evidence;
   const double share = members == 1 ? rules_.next_share : std::max(rules_.next_share, rules_.third_share);
   const double needed = std::max(rules_.next_gain, share * first_gain);
   // Beside a large first name the owner's parameters stand at their bounds, and derivatives there know little of where
@@ -555,6 +561,17 @@ void Search::run() {
     tell(0.4 + 0.2 * static_cast<double>(members), fmt::format("effects beside the first {}", members));
     if (!search_next(members)) break;
   }
+}
+
+bool Search::is_description(const Explanation& explanation) const {
+  return std::any_of(explanation.members.begin(), explanation.members.end(),
+                     [this](std::size_t m) { return candidates_[m].is_description; });
+}
+
+const Explanation* Search::best_named(std::size_t members) const {
+  for (const Explanation* e : ranking(members))
+    if (!is_description(*e)) return e;
+  return nullptr;
 }
 
 const Explanation* Search::best_of(std::size_t members) const {

@@ -64,6 +64,10 @@ class Search {
   std::vector<const Explanation*> ranking(std::size_t members) const;
   /// The best of that many members; nullptr where there is none.
   const Explanation* best_of(std::size_t members) const;
+  /// The best by effects that are laws; nullptr where there is none.
+  const Explanation* best_named(std::size_t members) const;
+  /// Whether one of its effects is a description (Candidate::is_description).
+  bool is_description(const Explanation& explanation) const;
   /// Where the best single names stand that small physics does not mimic, for a search after this one.
   std::vector<KnownStart> best_starts(std::size_t most) const;
   /// Gain of the best single name in log evidence on the floor that the owner's model leaves: the smaller of two, where

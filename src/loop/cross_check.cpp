@@ -35,6 +35,7 @@ void CrossCheck::configure(const Rig& rig) {
   const auto& e = axis.effects;
   leak_area_ = join(e.chamber_leak_1.area_m2 + e.line_leak_1.area_m2, e.chamber_leak_2.area_m2 + e.line_leak_2.area_m2);
   piston_leak_m2_ = e.piston_leak.area_m2;
+  leak_zone_ = e.piston_leak_zone;
   const auto& c = axis.cylinder;
   floor_kg_ = join(floor_share * full_air_kg(rig, axis.line_1, c.area_1_m2, c.dead_volume_1_m3),
                    floor_share * full_air_kg(rig, axis.line_2, c.area_2_m2, c.dead_volume_2_m3));
@@ -63,12 +64,12 @@ CrossCheck::Two CrossCheck::valve_flow(const CrossCheckInput& in) noexcept {
          orifice_mass_flow(air_, areas.exhaust, b, middle, T, Two(atmosphere_Pa_), T);
 }
 
-CrossCheck::Two CrossCheck::known_leaks(const EstimatorOutput& estimate) const noexcept {
+CrossCheck::Two CrossCheck::known_leaks(double position_m, const EstimatorOutput& estimate) const noexcept {
   const Two p = join(estimate.chamber_pressure_Pa[0], estimate.chamber_pressure_Pa[1]), T = air_.temperature_K;
   const Two b(critical_ratio_);
   const Two other = join(estimate.chamber_pressure_Pa[1], estimate.chamber_pressure_Pa[0]);
   return orifice_mass_flow(air_, leak_area_, b, p, T, Two(atmosphere_Pa_), T) +
-         orifice_mass_flow(air_, Two(piston_leak_m2_), b, p, T, other, T);
+         orifice_mass_flow(air_, Two(piston_leak_m2_ + leak_zone_.area_at(position_m)), b, p, T, other, T);
 }
 
 std::uint64_t CrossCheck::check(const CrossCheckInput& in, const EstimatorOutput& estimate,
@@ -95,7 +96,7 @@ std::uint64_t CrossCheck::check(const CrossCheckInput& in, const EstimatorOutput
   }
   const Two into_line = join(estimate.port_mass_flow_kgps[0], estimate.port_mass_flow_kgps[1]);
   const Two dt(period_s_), keep(decay_);
-  missing_kg_ = keep * missing_kg_ + dt * (through_valve - into_line - known_leaks(estimate));
+  missing_kg_ = keep * missing_kg_ + dt * (through_valve - into_line - known_leaks(in.position_m, estimate));
   through_kg_ = keep * through_kg_ + dt * Two(0.5) * (absolute(through_valve) + absolute(into_line));
   const Two measured = join(in.chamber_Pa[0], in.chamber_Pa[1]),
             estimated = join(estimate.chamber_pressure_Pa[0], estimate.chamber_pressure_Pa[1]);

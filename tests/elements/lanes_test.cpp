@@ -66,6 +66,8 @@ AxisParameters<double> random_axis(Random& random) {
   e.line_branch_2.volume_m3 = sometimes(1e-5);
   e.chamber_leak_1.area_m2 = sometimes(1e-7);
   e.piston_leak.area_m2 = sometimes(1e-7);
+  e.piston_leak_zone = {sometimes(1e-7), 0.02, 0.03};
+  e.valve.valve_curve = {sometimes(0.2), sometimes(-0.3)};
   e.supply_droop.area_m2 = sometimes(3e-5);
   e.frequency_dependent_losses.share = sometimes(1.0);
   return axis;

@@ -67,6 +67,24 @@ TEST_CASE("plant: a chamber leak discharges to atmosphere, a piston leak only mo
   CHECK(high(plant.chamber_pressure()) == Approx(300e3).epsilon(1e-3));
 }
 
+TEST_CASE("plant: a piston that leaks about one place leaks there, less beside it and not afar") {
+  AxisParameters<double> axis = nominal_axis();
+  axis.effects.piston_leak_zone = {1e-7, 0.02, 0.01};
+  const auto lost = [&](double position_m) {
+    AxisPlant<double> plant;
+    plant.configure(axis, 1e-3, 1.0);
+    plant.reset({position_m, 600e3, 300e3});
+    plant.hold_piston(true);
+    const double before = mass_of(plant, 0);
+    plant.step(0.0);
+    return before - mass_of(plant, 0);
+  };
+  const double whole = 1e-3 * orifice_mass_flow(Air<double>{}, 1e-7, 0.35, 600e3, 293.0, 300e3, 293.0);
+  CHECK(lost(0.02) == Approx(whole).epsilon(1e-3));
+  CHECK(lost(0.03) == Approx(whole * std::exp(-1.0)).epsilon(1e-3));
+  CHECK(lost(-0.05) == Approx(0.0).margin(1e-9 * whole));
+}
+
 TEST_CASE("plant: at the balancing pressure it rests for ever, exactly where it was put") {
   AxisPlant<double> plant;
   const auto axis = nominal_axis();

@@ -71,6 +71,19 @@ TEST_CASE("valve: dead band, offset, neutral leak and asymmetry") {
   CHECK(valve.areas(-1.1).exhaust == Approx(1e-9 + 1.1 * 2.6e-6 * 0.8));  // |-1.1 + 0.1| - 0.2
 }
 
+TEST_CASE("valve: a curve changes the slope about the middle and wide open, of both edges alike") {
+  ValveEffects<double> effects;
+  effects.valve_curve = {0.2, -0.1};
+  const Valve<double> valve = make_valve(effects);
+  const double slope = 2.6e-6;  // s_max is 5 V, the bend lies at 0.5 V
+  CHECK(valve.areas(1e-6).supply == Approx(1e-6 * slope * 1.2).epsilon(1e-5));
+  CHECK(valve.areas(0.5).supply == Approx(0.5 * slope * (1 + 0.2 / 2 - 0.1 * 0.1)));
+  CHECK(valve.areas(-2.0).exhaust == Approx(2.0 * slope * (1 + 0.2 * 0.2 - 0.1 * 0.4)));
+  CHECK(valve.areas(-2.0).supply == 0.0);
+  effects.valve_curve = {-0.9, -0.9};
+  CHECK(make_valve(effects).areas(4.9).supply >= 0.0);  // a slope may vanish, an area not turn its sign
+}
+
 TEST_CASE("valve: an underlap opens both edges about the centre") {
   ValveEffects<double> effects;
   effects.valve_dead_band.width_V = -0.02;

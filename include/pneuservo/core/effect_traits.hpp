@@ -75,6 +75,8 @@ namespace effect_grids {
 inline constexpr std::array<double, 4> stribeck_speed{0.01, 0.03, 0.1, 0.3};
 inline constexpr std::array<double, 9> zone_center{-0.9, -0.675, -0.45, -0.225, 0, 0.225, 0.45, 0.675, 0.9};
 inline constexpr std::array<double, 2> zone_width{0.07, 0.2};
+inline constexpr std::array<double, 5> leak_zone_center{-0.9, -0.45, 0, 0.45, 0.9};
+inline constexpr std::array<double, 1> leak_zone_width{0.3};
 inline constexpr std::array<double, 3> spring_rest{-0.5, 0, 0.5};
 inline constexpr std::array<double, 3> leak_position{0, 0.5, 1};
 inline constexpr std::array<double, 3> branch_position{0.15, 0.5, 0.85};

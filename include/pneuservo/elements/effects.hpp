@@ -5,6 +5,7 @@
 #pragma once
 #include <pneuservo/core/effect_traits.hpp>
 #include <pneuservo/core/field.hpp>
+#include <pneuservo/core/scalar.hpp>
 
 namespace pneuservo {
 
@@ -203,6 +204,29 @@ template <class S> struct ValveAsymmetry {
     v(Field{"exhaust_ratio", "-", 0.01, 100, "exhaust areas over supply areas"}, p.exhaust_ratio...);
   }
 };
+/// Edges whose area is no straight line of the spool's way: its slope is (1 + n) times the configured one about the
+/// middle (within a tenth of the largest command) and (1 + w) times it wide open.
+template <class S> struct ValveCurve {
+  static constexpr std::string_view element = "valve";
+  static constexpr std::string_view family = "edges";
+  static constexpr bool is_mimicked_by_small_physics = true;
+  /// Two numbers for whatever shape the edges have: they tell where and how much, and no law.
+  static constexpr bool is_description = true;
+  static constexpr std::array traits{amplitude("near_middle", EffectScale::one, 0.15, 0.005),
+                                     amplitude("wide_open", EffectScale::one, 0.5, 0.02)};
+  S near_middle = S(0);
+  S wide_open = S(0);
+  /// Of the slope; s_max: the largest command.
+  S factor(const S& opening_V, const S& command_max_V) const noexcept {
+    const S bend = S(0.1) * command_max_V;
+    return maximum(S(1) + near_middle * bend / (bend + opening_V) + wide_open * opening_V / command_max_V, S(0));
+  }
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"near_middle", "-", -0.9, 10, "n of slope (1 + n s_b/(s_b + |s|) + w |s|/s_max), s_b = s_max/10"},
+      p.near_middle...);
+    v(Field{"wide_open", "-", -0.9, 10, "w"}, p.wide_open...);
+  }
+};
 template <class S> struct CommandDelay {
   static constexpr std::string_view element = "timing";
   static constexpr std::string_view family = "late";
@@ -222,6 +246,7 @@ template <class S> struct ValveEffects {
   ValveDeadBand<S> valve_dead_band;
   ValveNeutralLeak<S> valve_neutral_leak;
   ValveAsymmetry<S> valve_asymmetry;
+  ValveCurve<S> valve_curve;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"command_delay", "", 0, 0, "dead time of the command", optional}, p.command_delay...);
@@ -232,6 +257,8 @@ template <class S> struct ValveEffects {
     v(Field{"valve_neutral_leak", "", 0, 0, "leak of the spool at every position", optional}, p.valve_neutral_leak...);
     v(Field{"valve_asymmetry", "", 0, 0, "exhaust edges larger or smaller than supply edges", optional},
       p.valve_asymmetry...);
+    v(Field{"valve_curve", "", 0, 0, "slope of the edges that changes along the spool's way", optional},
+      p.valve_curve...);
   }
 };
 
@@ -330,6 +357,30 @@ template <class S> struct PistonLeak {
     v(Field{"area_m2", "m2", 0, 1e-2, "orifice between the chambers"}, p.area_m2...);
   }
 };
+/// A leak past the piston that depends on where it stands: a worn or scored place of the bore.
+template <class S> struct PistonLeakZone {
+  static constexpr std::string_view element = "piston";
+  static constexpr std::string_view family = "balance";
+  /// A bell of any place and width stands for whatever the wear is.
+  static constexpr bool is_description = true;
+  static constexpr std::array traits{
+      amplitude("area_m2", EffectScale::valve_area, 0.01, 2.5e-5),
+      shape("center_m", EffectScale::half_stroke, 0.5, effect_grids::leak_zone_center).over_motion(),
+      shape("width_m", EffectScale::half_stroke, 0.7, effect_grids::leak_zone_width).by(Variation::logarithmic)};
+  S area_m2 = S(0);
+  S center_m = S(0);
+  S width_m = S(0.01);
+  /// With the piston at x.
+  S area_at(const S& x_m) const noexcept {
+    const S offset = (x_m - center_m) / width_m;
+    return area_m2 * exponential(-offset * offset);
+  }
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"area_m2", "m2", 0, 1e-2, "S of an orifice S exp(-((x - c)/w)^2) between the chambers"}, p.area_m2...);
+    v(Field{"center_m", "m", -10, 10, "c: place of the wear"}, p.center_m...);
+    v(Field{"width_m", "m", 1e-5, 10, "w"}, p.width_m...);
+  }
+};
 template <class S> struct SensorOffset {
   static constexpr std::string_view element = "sensor";
   static constexpr std::array traits{amplitude("offset", EffectScale::channel_offset, 0.03, 1e-4)};
@@ -379,6 +430,7 @@ template <class S> struct AxisEffects {
   FrequencyDependentLosses<S> frequency_dependent_losses;
   ChamberLeak<S> chamber_leak_1, chamber_leak_2;
   PistonLeak<S> piston_leak;
+  PistonLeakZone<S> piston_leak_zone;
   /// Those of an axis without pneumatics.
   template <class V, class... P> static void visit_without_air(V&& v, P&... p) {
     MotionEffects<S>::visit_without_air(v, p.motion...);
@@ -409,6 +461,8 @@ template <class S> struct AxisEffects {
     v(Field{"chamber_leak_1", "", 0, 0, "leak of chamber 1 to atmosphere", optional}, p.chamber_leak_1...);
     v(Field{"chamber_leak_2", "", 0, 0, "leak of chamber 2 to atmosphere", optional}, p.chamber_leak_2...);
     v(Field{"piston_leak", "", 0, 0, "leak between the chambers", optional}, p.piston_leak...);
+    v(Field{"piston_leak_zone", "", 0, 0, "leak between the chambers about one place", optional},
+      p.piston_leak_zone...);
   }
 };
 

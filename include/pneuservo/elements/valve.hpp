@@ -18,8 +18,9 @@ template <class S> struct PortAreas {
 };
 
 /// A spool and the port that it fills for s > 0 and empties for s < 0: a three-port valve. Area = area_per_volt
-/// |s_eff|, at most area_max. Order of the command path: hold, delay, play, lag, spool dynamics, offset, dead band,
-/// area. The other port of a five-port spool sees everything with the opposite sign (elements/valves.hpp).
+/// |s_eff|, at most area_max (valve_curve bends the slope). Order of the command path: hold, delay, play, lag, spool
+/// dynamics, offset, dead band, area. The other port of a five-port spool sees everything with the opposite sign
+/// (elements/valves.hpp).
 template <class S> class Valve {
  public:
   /// Allocates the delay line; longest delay 0.5 s.
@@ -29,6 +30,8 @@ template <class S> class Valve {
     period_s_ = period_s;
     step_s_ = 0.0;
     history_.assign(static_cast<std::size_t>(std::ceil(0.5 / period_s)) + 2, S(0));
+    const S bent = absolute(effects.valve_curve.near_middle) + absolute(effects.valve_curve.wide_open);
+    is_curved_ = any(bent > S(0));
     delayed_ = any(effects.command_delay.delay_s > S(0));
     moves_within_ = delayed_ || any(effects.valve_lag.time_constant_s > S(0)) || any(valve.natural_frequency_Hz > S(0));
     reset(S(0));
@@ -78,7 +81,9 @@ template <class S> class Valve {
   PortAreas<S> areas(const S& spool_V) const noexcept {
     const S shifted = spool_V + effects_.valve_offset.offset_V;
     // Each edge opens where the spool is past its overlap, also where that is negative (an underlap).
-    const S overlap = effects_.valve_dead_band.width_V, slope = parameters_.area_per_volt_m2_per_V;
+    const S overlap = effects_.valve_dead_band.width_V;
+    S slope = parameters_.area_per_volt_m2_per_V;
+    if (is_curved_) slope = slope * effects_.valve_curve.factor(absolute(shifted), parameters_.command_max_V);
     const S supply = minimum(slope * maximum(shifted - overlap, S(0)), parameters_.area_max_m2);
     const S exhaust = minimum(slope * maximum(-shifted - overlap, S(0)), parameters_.area_max_m2);
     const S leak = effects_.valve_neutral_leak.area_m2;
@@ -125,7 +130,7 @@ template <class S> class Valve {
   double period_s_ = 1e-3, step_s_ = 0.0;
   std::vector<S> history_;
   std::size_t newest_ = 0;
-  bool delayed_ = false, moves_within_ = false;
+  bool delayed_ = false, moves_within_ = false, is_curved_ = false;
   int pieces_ = 1;
   double piece_s_ = 1e-3;
   S play_{}, lag_{}, lag_gain_{}, lag_mean_gain_{};

@@ -62,6 +62,8 @@ template <class S> class AxisPlant {
     slider_.configure(axis.slider, axis.effects.motion, axis.cylinder.stroke_m, axis.cylinder.end_stop_restitution);
     chambers_leak_ = any(axis.effects.chamber_leak_1.area_m2 > S(0)) ||
                      any(axis.effects.chamber_leak_2.area_m2 > S(0)) || any(axis.effects.piston_leak.area_m2 > S(0));
+    leak_zone_ = any(axis.effects.piston_leak_zone.area_m2 > S(0));
+    chambers_leak_ = chambers_leak_ || leak_zone_;
     droops_ = any(axis.effects.supply_droop.area_m2 > S(0));
     reset({S(0), air_.atmosphere_Pa, air_.atmosphere_Pa});
   }
@@ -191,7 +193,9 @@ template <class S> class AxisPlant {
     const S b = axis_.valve.critical_pressure_ratio, p_atm = air_.atmosphere_Pa, T_amb = air_.temperature_K;
     const S out_1 = orifice_mass_flow(air_, axis_.effects.chamber_leak_1.area_m2, b, low(p), low(T), p_atm, T_amb);
     const S out_2 = orifice_mass_flow(air_, axis_.effects.chamber_leak_2.area_m2, b, high(p), high(T), p_atm, T_amb);
-    const S across = orifice_mass_flow(air_, axis_.effects.piston_leak.area_m2, b, low(p), low(T), high(p), high(T));
+    S past_piston = axis_.effects.piston_leak.area_m2;
+    if (leak_zone_) past_piston += axis_.effects.piston_leak_zone.area_at(slider_.position());
+    const S across = orifice_mass_flow(air_, past_piston, b, low(p), low(T), high(p), high(T));
     const S h_1 = orifice_enthalpy_flow(air_, out_1, low(T), T_amb),
             h_2 = orifice_enthalpy_flow(air_, out_2, high(T), T_amb);
     const S h_across = orifice_enthalpy_flow(air_, across, low(T), high(T));
@@ -219,7 +223,7 @@ template <class S> class AxisPlant {
   S supply_pressure_{};
   S last_force_{};
   double last_step_s_ = 0.0;  // 0: no step yet
-  bool chambers_leak_ = false, droops_ = false, held_ = false;
+  bool chambers_leak_ = false, leak_zone_ = false, droops_ = false, held_ = false;
 };
 
 }  // namespace pneuservo

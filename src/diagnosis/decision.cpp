@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "config/rig_parameters.hpp"
+#include "diagnosis/periodic_supply.hpp"
 
 namespace pneuservo {
 
@@ -202,6 +203,28 @@ bool find_periodic_force(const ResidualModel& model, const DecisionRules& rules,
     return true;
   }
   return false;
+}
+
+/// Whether a supply that swings takes more of the owner's squared mismatch than the names do, at its one frequency; the
+/// verdict then is `unknown` there. The pressures that it moves move the piston too, so no sine of F speaks against it.
+bool find_supply_swing(ResidualModel& model, const Search& search, const DecisionRules& rules, double taken_by_names,
+                       Decision& decision) {
+  if (taken_by_names >= rules.nearly_all_share) return false;  // spares the sweep
+  const auto swing = strongest_supply_swing(model, search.owner().fit.hypothesis());
+  if (!swing || swing->share < std::max(rules.swing_share, taken_by_names) ||
+      1 - swing->share > rules.swing_left * (1 - swing->next_share))
+    return false;
+  decision.chosen = &search.owner();
+  decision.rivals = {decision.chosen};
+  decision.probabilities = probabilities_of(decision.rivals, rules);
+  decision.gain = 0;
+  decision.verdict = Verdict::unknown;
+  decision.element = "supply";
+  decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
+  decision.reason = fmt::format(
+      "a supply pressure that swings by {:.2g} kPa at {:.2f} Hz takes {:.0f} % of the squared mismatch; {}",
+      1e-3 * swing->amplitude_Pa, swing->frequency_Hz, 100 * swing->share, what_is_left(decision, model, rules));
+  return true;
 }
 
 /// An explanation by less than is ever named, where it fits better than all that is: no such name then stands for it.
@@ -398,6 +421,8 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
   const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
                         is_owner_refuted(search, decision, rules) && most >= rules.named_share &&
                         !has_absurd_parameter(*decision.chosen, search, rules);
+  const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;
+  if (find_supply_swing(model, search, rules, taken, decision)) return decision;
   const bool is_periodic = find_periodic_force(model, rules, is_named ? rules.periodic_share : told_share, decision);
   if (!is_periodic && is_named) {
     say_described(search, decision);

@@ -79,13 +79,16 @@ GasRuns::Key GasRuns::key_of(const ImposedRun& run, std::size_t recording) const
   for (const std::size_t sensor : recordings_[recording].inputs.start_sensor)
     SensorEffects<double>::visit(collect, run.rig->sensor_effects[sensor]);
   for (const double factor : run.start_factor) key.push_back(factor);
+  const SupplySwing& swing = run.supply_swing;
+  if (!swing.is_none()) key.insert(key.end(), {swing.frequency_Hz, swing.cosine_Pa, swing.sine_Pa});
   return key;
 }
 
-ImposedRun GasRuns::run_of(const RecordedRigs& rigs, const std::vector<double>& start_factors, std::size_t recording) {
-  ImposedRun run{&rigs[recording], {}};
+ImposedRun GasRuns::run_of(const RecordedRigs& rigs, const Hypothesis& hypothesis, std::size_t recording) {
+  ImposedRun run{&rigs[recording], {}, hypothesis.supply_swing};
+  const std::vector<double>& factors = hypothesis.start_factors;
   for (std::size_t side = 0; side < 2; ++side)
-    if (2 * recording + side < start_factors.size()) run.start_factor[side] = start_factors[2 * recording + side];
+    if (2 * recording + side < factors.size()) run.start_factor[side] = factors[2 * recording + side];
   return run;
 }
 
@@ -117,7 +120,7 @@ std::vector<std::vector<GasRuns::Course>> GasRuns::of(std::span<const Hypothesis
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
     std::map<Key, std::size_t> wanted;
     for (std::size_t i = 0; i < hypotheses.size(); ++i) {
-      const ImposedRun run = run_of(rigs[i], hypotheses[i].start_factors, r);
+      const ImposedRun run = run_of(rigs[i], hypotheses[i], r);
       Key key = key_of(run, r);
       if (const auto found = known_[r].find(key); found != known_[r].end()) {
         order_[r].splice(order_[r].begin(), order_[r], found->second.use);
@@ -159,7 +162,7 @@ void GasRuns::set_working_point(const Hypothesis& hypothesis) {
   in_parallel(2 * recordings_.size(), jobs_, [&](std::size_t i) {  // the long ones first
     const std::size_t r = i % recordings_.size();
     const bool is_fine = i < recordings_.size();
-    const std::array<ImposedRun, 1> run{run_of(rigs, hypothesis.start_factors, r)};
+    const std::array<ImposedRun, 1> run{run_of(rigs, hypothesis, r)};
     (is_fine ? fine : work)[r] = run_imposed(recordings_[r].inputs, run, (is_fine ? fine_grid_ : work_grid_)[r])[0];
   });
   for (std::size_t r = 0; r < recordings_.size(); ++r) {

@@ -43,7 +43,7 @@ class GasRuns {
     std::list<const Key*>::iterator use;
   };
   Key key_of(const ImposedRun& run, std::size_t recording) const;
-  static ImposedRun run_of(const RecordedRigs& rigs, const std::vector<double>& start_factors, std::size_t recording);
+  static ImposedRun run_of(const RecordedRigs& rigs, const Hypothesis& hypothesis, std::size_t recording);
   void remember(std::size_t recording, Key key, Course course);
 
   const std::vector<CylinderRecording>& recordings_;

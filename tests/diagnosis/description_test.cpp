@@ -54,6 +54,23 @@ TEST_CASE("a leak past the piston about one place is told with its place, and is
   CHECK(zone.width_m == Approx(0.02).epsilon(0.25));
 }
 
+TEST_CASE("a supply whose pressure swings is located there with its frequency, measured or not") {
+  const Rig owner = toleranced_cylinder_rig(5.0, 6.1e-3);
+  std::vector<std::string> channels{"p1_port_Pa", "p2_port_Pa"};
+  if (GENERATE(false, true)) channels.emplace_back("p_supply_Pa");
+  CAPTURE(channels.size());
+  const Recording first = simulated_recording(owner, 8.0, 34, channels, {3.7, 30e3, 0}),
+                  second = simulated_recording(owner, 8.0, 35, channels, {3.7, -12e3, 27e3});
+  const Diagnosis found = diagnose(owner, {first, second});
+  CAPTURE(found.sentence);
+  CHECK(found.verdict == Verdict::unknown);
+  REQUIRE(found.answers.size() == 1);
+  CHECK(found.answers.front().element == "supply");
+  const std::string& note = found.answers.front().note;
+  CHECK(note.find("a supply pressure that swings by") != std::string::npos);
+  CHECK((note.find("at 3.7") != std::string::npos || note.find("at 3.6") != std::string::npos));
+}
+
 TEST_CASE("a leak of the whole piston keeps its name") {
   const Rig owner = toleranced_cylinder_rig(5.0, 6.1e-3);
   Rig machine = owner;

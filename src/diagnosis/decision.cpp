@@ -515,9 +515,10 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
       best = plainer;
       leaves = plainer_leaves;
     }
-    const bool enough = best != ranked.end() && (members == 1 ? best->first - score >= rules.alarm_gain
-                                                              : best->first - score >= rules.next_gain &&
-                                                                    left - leaves >= rules.next_of_left * left);
+    // What is left counts as noise already (growth), so that one more name is asked for no more evidence than the
+    // first.
+    const bool enough = best != ranked.end() && best->first - score >= rules.alarm_gain &&
+                        (members == 1 || left - leaves >= rules.next_of_left * left);
     if (members == 1 || enough) {
       decision.rivals.clear();
       scores.clear();

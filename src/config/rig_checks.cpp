@@ -150,6 +150,21 @@ void check_controller(const Rig& rig, const Check& check) {
                  fmt::format("at most +-valve.command_max_V ({})", number_text(command_max)));
 }
 
+/// A load on a coupling is a part of what moves.
+void check_coupled_loads(const Rig& rig, const Check& check) {
+  const double moves_kg = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
+  const MotionEffects<double>& effects = rig.axis.effects.motion;
+  double coupled_kg = 0.0;
+  for (const auto& [effect, mass_kg] : {std::pair{"elastic_load", effects.elastic_load.mass_kg},
+                                        std::pair{"load_backlash", effects.load_backlash.mass_kg}}) {
+    coupled_kg += mass_kg;
+    if (mass_kg > 0.0 && coupled_kg >= moves_kg)
+      check.refuse(
+          fmt::format("effects.{}.mass_kg", effect), {"slider.mass_kg", "slider.payload_kg"}, number_text(mass_kg),
+          fmt::format("coupled loads of less than slider.mass_kg + slider.payload_kg ({})", number_text(moves_kg)));
+  }
+}
+
 /// What the valves of this rig can do in the safe state.
 void check_safe_output(const Rig& rig, const Check& check) {
   const SafeOutputParameters& safe = rig.safe_output;
@@ -368,6 +383,7 @@ void check_program(const Rig& rig, const Check& check) {
 
 void check_rig(const Rig& rig, const ConfigNode& root) {
   const Check check{root};
+  check_coupled_loads(rig, check);
   if (!rig.has_controller()) {
     check_program(rig, check);
     check_paths(rig, check, "tolerances", rig.tolerances);

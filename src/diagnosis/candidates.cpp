@@ -16,6 +16,7 @@ constexpr double tolerance_cut = 3;        ///< a parameter further off than thi
 constexpr double start_factor_cut = 6;
 constexpr double wide_parameter_spread = 0.3;
 constexpr double widest_z = 40;            ///< of an effect's size
+constexpr double largest_load = 0.95;       ///< of the moving mass, on a soft coupling
 constexpr double difference_step = 0.01;   ///< of z, for what has a prior of its own
 
 /// Numbers behind the scales of the vocabulary.
@@ -38,6 +39,7 @@ struct ScaleTable {
   double gas_kg() const {
     return supply() * rig.vessel.volume_m3 / (rig.axis.air.gas_constant_J_per_kgK * rig.axis.air.temperature_K);
   }
+  double moving_mass() const { return rig.axis.slider.mass_kg + rig.axis.slider.payload_kg; }
   double half_stroke() const { return 0.5 * rig.axis.cylinder.stroke_m; }
   double top_speed() const { return std::max(range.top_speed_mps, 1e-3); }
   double channel_offset() const {
@@ -62,6 +64,7 @@ struct ScaleTable {
         const Air<double> air(rig.axis.air);
         return air.flow_constant * valve_area() / (std::sqrt(air.R * air.temperature_K) * supply());
       }
+      case EffectScale::moving_mass: return moving_mass();
       case EffectScale::top_speed: return top_speed();
       case EffectScale::half_stroke: return half_stroke();
       case EffectScale::channel_offset: return channel_offset();
@@ -110,6 +113,8 @@ GridParameter grid_parameter(const ParameterTrait& trait, const Field& field, co
     const double inside = field.minimum < out.neutral ? 1e-9 : 0.0;
     free.lower = std::max(free.lower, free.z(field.minimum) + inside);
     free.upper = std::min(free.upper, free.z(field.maximum) - 1e-9);
+    // Something of the moving mass stays on the slider.
+    if (trait.scale == EffectScale::moving_mass) free.upper = std::min(free.upper, free.z(largest_load * scale));
   } else if (trait.variation == Variation::inverse_square) {
     free.lower = 0;
   } else {
@@ -146,7 +151,9 @@ Candidate effect_candidate(const std::string& name, const std::string& element, 
   Candidate candidate{name, element, kind, {}, {}, {}, {{}}, {}, {}, family};
   if constexpr (requires { Effect::is_mimicked_by_small_physics; })
     candidate.is_mimicked_by_small_physics = Effect::is_mimicked_by_small_physics;
-  if constexpr (requires { Effect::is_description; }) candidate.is_description = Effect::is_description;
+  if constexpr (requires { Effect::is_description; })
+    candidate.is_description = candidate.is_never_added = Effect::is_description;
+  if constexpr (requires { Effect::is_never_added; }) candidate.is_never_added = Effect::is_never_added;
   const Effect none;
   for (const ParameterTrait& trait : Effect::traits) {
     Effect::visit(
@@ -182,7 +189,7 @@ void add_effects(const Rig& rig, const MotionRange& range, std::vector<Candidate
   const std::vector<FreeParameter> known = nuisances(rig, 0, 0);
   visit_effects(rig, [&](const Field& field, const auto& effect) {
     using Effect = std::remove_cvref_t<decltype(effect)>;
-    if constexpr (requires { Effect::is_always_granted; }) return;
+    if constexpr (requires { Effect::is_always_granted; } || requires { Effect::is_sought_apart; }) return;
     // An effect that the owner knows is not missing: what may be wrong is its size, as of any other parameter.
     const std::string own = fmt::format("effects.{}.", field.key);
     if (std::any_of(known.begin(), known.end(), [&](const FreeParameter& p) { return p.path.starts_with(own); }))
@@ -347,7 +354,7 @@ SmallPhysics small_physics(Rig rig, const std::vector<ResidualChannel>& channels
   };
   if (!rig.is_pneumatic()) return {std::move(rig), {}};
   constexpr double overlap_V = 0.02, overlap_step = 0.2;  // a step of 4 mV: more than the command dithers at rest
-  constexpr double edge_share = 0.02, delay_s = 3e-4, zero_Pa = 200, port_volume_m3 = 5e-6;
+  constexpr double edge_share = 0.02, delay_s = 3e-4, zero_Pa = 200, lag_s = 3e-4, port_volume_m3 = 5e-6;
   const std::size_t before = out.size();
   add("effects.valve_dead_band.width_V", overlap_V, overlap_step);
   if (out.size() > before) {  // overlap or underlap: the law of the edges is one, whatever the sign
@@ -355,6 +362,8 @@ SmallPhysics small_physics(Rig rig, const std::vector<ResidualChannel>& channels
     out.back().lower = -tolerance_cut;
   }
   add("effects.valve_asymmetry.exhaust_ratio", edge_share);
+  add("effects.valve_curve.near_middle", 2 * edge_share);
+  add("effects.valve_curve.wide_open", 2 * edge_share);
   add("effects.command_delay.delay_s", delay_s);
   add("effects.frequency_dependent_losses.share", 1);
   for (const auto& [name, branch] : {std::pair{"line_branch_1", &rig.axis.effects.line_branch_1},
@@ -362,8 +371,11 @@ SmallPhysics small_physics(Rig rig, const std::vector<ResidualChannel>& channels
     if (branch->volume_m3 == 0) *branch = port_volume;
     add(fmt::format("effects.{}.volume_m3", name), port_volume_m3);
   }
-  for (const ResidualChannel& channel : channels)
-    if (channel.name.starts_with("p")) add(fmt::format("effects.sensor_offset:{}.offset", channel.name), zero_Pa);
+  for (const ResidualChannel& channel : channels) {
+    if (!channel.name.starts_with("p")) continue;
+    add(fmt::format("effects.sensor_offset:{}.offset", channel.name), zero_Pa);
+    add(fmt::format("effects.sensor_lag:{}.time_constant_s", channel.name), lag_s);
+  }
   return {std::move(rig), std::move(out)};
 }
 

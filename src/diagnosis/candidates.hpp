@@ -30,6 +30,7 @@ struct Candidate {
   bool is_mimicked_by_small_physics = false;  ///< has no name beside small physics that is everywhere
   /// Tells where and how much, and no law: sought alone, and its verdict is `unknown` at its element.
   bool is_description = false;
+  bool is_never_added = false;  ///< to other names; every description is one such
   bool is_guessed = false;  ///< the size of an effect that the config has: no owner can read it off
 };
 

@@ -363,8 +363,6 @@ std::vector<CylinderResiduals::Column> CylinderResiduals::plain_columns(std::spa
     for (const SensorEffects<double>& sensor : hypotheses[i].rig.sensor_effects)
       SensorEffects<double>::visit(collect, sensor);
     keys[i].insert(keys[i].end(), hypotheses[i].start_factors.begin(), hypotheses[i].start_factors.end());
-    const SupplySwing& swing = hypotheses[i].supply_swing;
-    if (!swing.is_none()) keys[i].insert(keys[i].end(), {swing.frequency_Hz, swing.cosine_Pa, swing.sine_Pa});
     const auto known = known_columns_.find(keys[i]);
     if (known != known_columns_.end()) {
       out[i] = known->second;

@@ -48,7 +48,7 @@ double undo(const SensorEffects<double>& sensor, double value, double next_deriv
 }  // namespace
 
 ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, double noise_m)
-    : noise_m_(noise_m), kernel_(kernel_sigma(noise_m, period_s), period_s),
+    : period_s_(period_s), noise_m_(noise_m), kernel_(kernel_sigma(noise_m, period_s), period_s),
       fast_kernel_(std::max(0.6 * kernel_sigma(noise_m, period_s), 1.5 * period_s), period_s) {
   const std::vector<double> position = filled(position_m);
   for (int order = 0; order < 4; ++order) derivative_[order] = kernel_.apply(position, order);
@@ -82,6 +82,11 @@ std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const
   const MotionEffects<double>& effects = rig.axis.effects.motion;
   Slider<double> slider;
   slider.configure(rig.axis.slider, effects, 1.0, 0.0);
+  // Its spring is linear: carried along the smoothed motion it pulls with its smoothed force.
+  HangingMass<double> load, loose_load;
+  load.configure(effects.elastic_load);
+  loose_load.configure(effects.load_backlash);
+  const bool has_loose_load = loose_load.is_there();
   std::vector<double> smooth_part(samples()), abrupt_part(samples());
   for (std::size_t i = 0; i < samples(); ++i) {
     const double x = undo(sensor, derivative_[0][i], derivative_[1][i], true);
@@ -90,7 +95,9 @@ std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const
     const double x_fast = undo(sensor, fast_[0][i], fast_[1][i], true);
     const double v_fast = undo(sensor, fast_[1][i], fast_[2][i], false);
     const SliderSurroundings<double> around{gauge_pressure_sum_Pa.empty() ? 0.0 : gauge_pressure_sum_Pa[i]};
-    smooth_part[i] = slider.mass() * a + slider.damping_coefficient(0.0, 0.0) * v - slider.less_load(0.0, x);
+    if (i == 0) load.reset(x, v);
+    else load.step(period_s_, x, v);
+    smooth_part[i] = slider.mass() * a + slider.damping_coefficient(0.0, 0.0) * v - slider.less_load(load.force(), x);
     if (std::abs(v_fast) >= rest_speed_mps_) {
       const double direction = v_fast > 0 ? 1.0 : -1.0, speed = std::abs(v_fast);
       abrupt_part[i] = direction * slider.dry_friction(speed, direction, x_fast, around) +
@@ -99,6 +106,11 @@ std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const
       abrupt_part[i] =
           std::clamp(drive_N[i] - smooth_part[i], -held_N - std::abs(slider.dry_friction(0.0, -1.0, x_fast, around)),
                      held_N + std::abs(slider.dry_friction(0.0, 1.0, x_fast, around)));
+    }
+    if (has_loose_load) {  // its blows are as short as friction's steps
+      if (i == 0) loose_load.reset(x_fast, v_fast);
+      else loose_load.step(period_s_, x_fast, v_fast);
+      abrupt_part[i] -= loose_load.force();
     }
   }
   const std::vector<double> friction = kernel_.apply(abrupt_part, 0);

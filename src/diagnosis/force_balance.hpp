@@ -39,7 +39,7 @@ class ForceBalance {
   std::vector<char> near_end_stop(double stroke_m) const;
 
  private:
-  double noise_m_;
+  double period_s_, noise_m_;
   GaussianKernel kernel_, fast_kernel_;
   std::vector<double> derivative_[4];  ///< position and its derivatives, smoothed
   std::vector<double> fast_[3];  ///< the same with the shorter kernel of friction

@@ -79,13 +79,11 @@ GasRuns::Key GasRuns::key_of(const ImposedRun& run, std::size_t recording) const
   for (const std::size_t sensor : recordings_[recording].inputs.start_sensor)
     SensorEffects<double>::visit(collect, run.rig->sensor_effects[sensor]);
   for (const double factor : run.start_factor) key.push_back(factor);
-  const SupplySwing& swing = run.supply_swing;
-  if (!swing.is_none()) key.insert(key.end(), {swing.frequency_Hz, swing.cosine_Pa, swing.sine_Pa});
   return key;
 }
 
 ImposedRun GasRuns::run_of(const RecordedRigs& rigs, const Hypothesis& hypothesis, std::size_t recording) {
-  ImposedRun run{&rigs[recording], {}, hypothesis.supply_swing};
+  ImposedRun run{&rigs[recording], {}};
   const std::vector<double>& factors = hypothesis.start_factors;
   for (std::size_t side = 0; side < 2; ++side)
     if (2 * recording + side < factors.size()) run.start_factor[side] = factors[2 * recording + side];

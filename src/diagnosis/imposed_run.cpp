@@ -29,7 +29,6 @@ template <class S> class ImposedSimulation {
     auto axis = cast<AxisParameters<S>>(runs[0].rig->axis);
     for (std::size_t i = 1; i < runs.size(); ++i) set_parameters_lane(axis, static_cast<int>(i), runs[i].rig->axis);
     plant_.configure(axis, inputs.period_s, grid);
-    swings_ = std::any_of(runs.begin(), runs.end(), [](const ImposedRun& run) { return !run.supply_swing.is_none(); });
     for (GasCourse& course : courses_)
       for (auto& values : course) values.resize(inputs.command_V.size());
   }
@@ -41,7 +40,6 @@ template <class S> class ImposedSimulation {
     store(0);
     for (std::size_t k = 0; k + 1 < samples; ++k) {
       const S command(inputs_.command_V[k]);
-      if (swings_) plant_.set_supply_pressure(supply_pressure(k));
       plant_.step_led(command, -command, position(k + 1));
       if (k + 1 < inputs_.release) follow_ports(k + 1);
       if (k + 1 == inputs_.release) plant_.scale_gas(P(1), start_factors());
@@ -60,11 +58,6 @@ template <class S> class ImposedSimulation {
   S position(std::size_t k) const {
     return each_lane([&](const ImposedRun& run) {
       return true_value(run.rig->sensor_effects[0], inputs_.position_m[k], inputs_.velocity_mps[k]);
-    });
-  }
-  S supply_pressure(std::size_t k) const {
-    return each_lane([&](const ImposedRun& run) {
-      return run.rig->axis.supply.pressure_Pa + run.supply_swing.at(inputs_.period_s * static_cast<double>(k));
     });
   }
   P port_pressures(std::size_t k) const {
@@ -108,7 +101,6 @@ template <class S> class ImposedSimulation {
   std::span<const ImposedRun> runs_;
   std::vector<GasCourse> courses_;
   AxisPlant<S> plant_;
-  bool swings_ = false;
 };
 
 /// Sub-steps that sound and flow need with this many cells.

@@ -9,8 +9,6 @@
 #include <pneuservo/rig/plant.hpp>
 #include <pneuservo/rig/rig.hpp>
 
-#include "diagnosis/supply_swing.hpp"
-
 namespace pneuservo {
 
 /// What is imposed; all vectors have one entry a sample, period_s apart.
@@ -32,7 +30,6 @@ using GasCourse = std::array<std::vector<double>, gas_channels>;
 struct ImposedRun {
   const Rig* rig = nullptr;
   std::array<double, 2> start_factor{};  ///< relative temperature minus 1 of sides 1 and 2
-  SupplySwing supply_swing{};
 };
 
 /// Rigs that run side by side in one call at most.

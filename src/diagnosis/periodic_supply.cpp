@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -77,7 +78,8 @@ std::optional<PeriodicSupply> strongest_supply_swing(ResidualModel& model, const
     for (std::size_t i = 0; i < count; ++i)
       for (const bool is_cosine : {true, false}) {
         swings.push_back(hypothesis);
-        swings.back().supply_swing = {frequencies_Hz[first + i], is_cosine ? tried_Pa : 0, is_cosine ? 0 : tried_Pa};
+        swings.back().rig.axis.effects.supply_swing = {tried_Pa, frequencies_Hz[first + i],
+                                                       is_cosine ? 0.5 * std::numbers::pi : 0.0};
       }
     Eigen::MatrixXd answers = model.residuals(swings);
     answers.colwise() -= left;

@@ -9,8 +9,6 @@
 
 #include <pneuservo/rig/rig.hpp>
 
-#include "diagnosis/supply_swing.hpp"
-
 namespace pneuservo {
 
 /// One explanation to be tried: the rig with physics and parameters as supposed, and the gas at each recording's start.
@@ -20,7 +18,6 @@ struct Hypothesis {
   /// each recording: a cylinder's temperature, a vessel's pressure, or that of the supply that fills it. Empty:
   /// neutral.
   std::vector<double> start_factors;
-  SupplySwing supply_swing{};  ///< of a cylinder's supply; other rigs have none
 };
 
 /// One compared quantity.

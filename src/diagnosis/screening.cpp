@@ -231,7 +231,7 @@ std::vector<ScreenedPair> Screening::best_pairs(std::size_t count) const {
     for (std::size_t k = i + 1; k < trials_.size(); ++k) {
       const Trial &first = trials_[i], &second = trials_[k];
       if (first.candidate == second.candidate || !first.usable || !second.usable) continue;
-      if (candidates_[first.candidate].is_description || candidates_[second.candidate].is_description) continue;
+      if (candidates_[first.candidate].is_never_added || candidates_[second.candidate].is_never_added) continue;
       const auto left = static_cast<Eigen::Index>(first.steps.size());
       const auto right = static_cast<Eigen::Index>(second.steps.size());
       std::vector<Eigen::Index> both;

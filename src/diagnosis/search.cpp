@@ -145,7 +145,7 @@ Fit Search::continued_fit(const Fit& base, const std::vector<std::size_t>& membe
 std::vector<std::size_t> Search::others(const std::vector<std::size_t>& members) const {
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < candidates_.size(); ++i)
-    if (!contains(members, i) && (members.empty() || !candidates_[i].is_description)) out.push_back(i);
+    if (!contains(members, i) && (members.empty() || !candidates_[i].is_never_added)) out.push_back(i);
   return out;
 }
 

@@ -29,6 +29,8 @@ constexpr std::pair<std::string_view, std::string_view> words_of_effects[] = {
     {"drop_out_delay", "a valve that drops out later than it pulls in"},
     {"constant_force", "a constant force on the slider (weight, incline, cable)"},
     {"spring_load", "a spring on the slider"},
+    {"elastic_load", "a load that swings on a soft coupling"},
+    {"load_backlash", "a load that is coupled with play"},
     {"valve_dead_band", "a dead band of the valve (overlap)"},
     {"valve_offset", "an offset of the valve's neutral position"},
     {"valve_hysteresis", "play between command and spool"},

@@ -37,6 +37,14 @@ TEST_CASE("values that contradict each other are refused") {
         "--set period_s=0.01: duration_s: found 0.005, expected at least period_s (0.01)");
 }
 
+TEST_CASE("an elastic load is a part of what moves") {
+  CHECK(refusal(plain, {"effects.elastic_load.mass_kg=50"}) ==
+        "--set effects.elastic_load.mass_kg=50: effects.elastic_load.mass_kg: found 50, expected coupled "
+        "loads of less than slider.mass_kg + slider.payload_kg (2)");
+  CHECK(refusal(plain, {"effects.elastic_load={mass_kg: 1.0, natural_frequency_Hz: 12, damping_ratio: 0.05}"}) ==
+        accepted);
+}
+
 TEST_CASE("the --set that makes two values contradict is named") {
   CHECK(refusal(plain + "safe_output: {command_V: 2}\n", {"valve.command_max_V=1"}) ==
         "--set valve.command_max_V=1: safe_output.command_V: found 2, expected at most +-valve.command_max_V (1)");

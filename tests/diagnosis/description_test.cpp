@@ -59,8 +59,11 @@ TEST_CASE("a supply whose pressure swings is located there with its frequency, m
   std::vector<std::string> channels{"p1_port_Pa", "p2_port_Pa"};
   if (GENERATE(false, true)) channels.emplace_back("p_supply_Pa");
   CAPTURE(channels.size());
-  const Recording first = simulated_recording(owner, 8.0, 34, channels, {3.7, 30e3, 0}),
-                  second = simulated_recording(owner, 8.0, 35, channels, {3.7, -12e3, 27e3});
+  Rig machine = owner;
+  machine.axis.effects.supply_swing = {30e3, 3.7, 0.4};
+  const Recording first = simulated_recording(machine, 8.0, 34, channels);
+  machine.axis.effects.supply_swing.phase_rad = 2.0;
+  const Recording second = simulated_recording(machine, 8.0, 35, channels);
   const Diagnosis found = diagnose(owner, {first, second});
   CAPTURE(found.sentence);
   CHECK(found.verdict == Verdict::unknown);

@@ -9,7 +9,6 @@
 #include <pneuservo/rig/plant.hpp>
 #include <pneuservo/rig/rig.hpp>
 
-#include "diagnosis/supply_swing.hpp"
 #include "record/reader.hpp"
 
 namespace pneuservo::test {
@@ -46,10 +45,9 @@ inline Rig toleranced_cylinder_rig(double length_m, double diameter_m) {
   return rig;
 }
 
-/// Moves and rests under a position loop with force feedback, seconds long; channels as given. The supply's pressure
-/// may swing, from the recording's start on.
+/// Moves and rests under a position loop with force feedback, seconds long; channels as given.
 inline Recording simulated_recording(const Rig& rig, double seconds, std::uint64_t seed,
-                                     const std::vector<std::string>& channels, const SupplySwing& swing = {}) {
+                                     const std::vector<std::string>& channels) {
   AxisPlant<double> plant;
   plant.configure(rig.axis, rig.period_s, 25.0);
   plant.reset({0.0, 470e3, balancing_pressure_2(rig.axis, 470e3)});
@@ -105,7 +103,6 @@ inline Recording simulated_recording(const Rig& rig, double seconds, std::uint64
       }
       recording.line_numbers.push_back(k);
     }
-    if (k >= before && !swing.is_none()) plant.set_supply_pressure(rig.axis.supply.pressure_Pa + swing.at(t));
     plant.step(command);
   }
   return recording;

@@ -124,6 +124,31 @@ TEST_CASE("plant: supply droop lowers the supply while air is taken and lets it 
   CHECK(plant.supply_pressure() == Approx(700e3).epsilon(1e-3));
 }
 
+TEST_CASE("plant: a supply that swings does so from the start on, and feeds what droops") {
+  AxisParameters<double> axis = nominal_axis();
+  axis.effects.supply_swing = {20e3, 3.0, 0.7};
+  AxisPlant<double> plant;
+  plant.configure(axis, 1e-3, 1.0);
+  plant.reset({0.0, 470e3, 470e3});
+  for (int k = 0; k < 500; ++k) {
+    CHECK(plant.supply_pressure() == Approx(700e3 + 20e3 * std::sin(2 * M_PI * 3.0 * 1e-3 * k + 0.7)).epsilon(1e-9));
+    plant.step(0.0);
+  }
+  axis.effects.supply_droop = {5e-5, 1e-3};
+  plant.configure(axis, 1e-3, 1.0);
+  plant.reset({0.0, 470e3, 470e3});
+  double largest = 0.0, smallest = 1e9;
+  for (int k = 0; k < 2000; ++k) {
+    plant.step(0.0);
+    if (k < 1000) continue;
+    largest = std::max(largest, plant.supply_pressure());
+    smallest = std::min(smallest, plant.supply_pressure());
+  }
+  // The volume follows the swing, less than wholly.
+  CHECK((largest > 708e3 && largest < 720e3));
+  CHECK((smallest < 692e3 && smallest > 680e3));
+}
+
 TEST_CASE("plant: the coupling of slider and gas springs neither feeds nor eats the oscillation") {
   // No losses but the lines' small ones: the swing after many periods must not depend on the sub-step.
   AxisParameters<double> axis = nominal_axis(0.01, 5e-5);  // a line without gas to speak of

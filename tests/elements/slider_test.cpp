@@ -1,7 +1,9 @@
 // Slider: every friction law and load by its own formula, rest that holds exactly, end stops.
 #include <catch2/catch.hpp>
 
+#include <cmath>
 #include <functional>
+#include <vector>
 
 #include <pneuservo/elements/slider.hpp>
 
@@ -104,4 +106,80 @@ TEST_CASE("slider: end stops hold, rebound and come to rest") {
   CHECK((slider.position() == 0.15 && std::fabs(slider.velocity()) < 1e-12));
   slider.step(1e-3, -50.0, {});  // and lets go
   CHECK(slider.velocity() < 0.0);
+}
+
+TEST_CASE(
+    "hanging mass: where its carrier stands still it swings with its frequency and damping, and pulls by its law") {
+  HangingMass<double> load;
+  load.configure(ElasticLoad<double>{0.8, 6.0, 0.05});
+  load.reset(0.0, 0.3);  // the carrier stands at 0, the mass passes it
+  const double w = 2 * M_PI * 6.0, w_d = w * std::sqrt(1 - 0.05 * 0.05), h = 2e-5;
+  for (int k = 1; k <= 20000; ++k) {
+    load.step(h, 0.0, 0.0);
+    const double t = k * h, decay = std::exp(-0.05 * w * t);
+    const double y = 0.3 / w_d * decay * std::sin(w_d * t),
+                 v = 0.3 * decay * (std::cos(w_d * t) - 0.05 * w / w_d * std::sin(w_d * t));
+    REQUIRE(load.force() == Approx(0.8 * (w * w * y + 2 * 0.05 * w * v)).margin(2e-4 * 0.8 * w * 0.3));
+  }
+}
+
+TEST_CASE("slider: slider and elastic load keep their momentum and swing with the frequency of two masses") {
+  MotionEffects<double> e;
+  e.elastic_load = {0.8, 6.0, 0.0};  // of 2 kg
+  Slider<double> slider = make_slider(e);
+  CHECK(slider.mass() == Approx(1.2));
+  slider.reset(0.0, 0.0);
+  const double h = 1e-4;
+  for (int k = 0; k < 100; ++k) slider.step(h, 40.0, {});  // 0.4 N s, then left alone
+  std::vector<double> crossings;
+  double mean = 0, largest = 0;
+  const double drift = 0.4 / 2.0;
+  double last = slider.velocity() - drift;
+  const int steps = 100000;
+  for (int k = 0; k < steps; ++k) {
+    slider.step(h, 0.0, {});
+    const double now = slider.velocity() - drift;
+    if (last < 0 && now >= 0) crossings.push_back(h * (k + last / (last - now)));
+    if (k >= steps - 10000) largest = std::max(largest, std::abs(now));
+    mean += slider.velocity() / steps;
+    last = now;
+  }
+  CHECK(mean == Approx(drift).epsilon(5e-3));
+  const double frequency_Hz = static_cast<double>(crossings.size() - 1) / (crossings.back() - crossings.front());
+  CHECK(frequency_Hz == Approx(6.0 * std::sqrt(2.0 / 1.2)).epsilon(1e-4));
+  // The pulse is short beside a period: the swing starts with what the pulse gave the slider beyond the drift, and ten
+  // seconds later the coupling has neither fed nor eaten it.
+  CHECK(largest == Approx(0.4 / 1.2 - drift).epsilon(0.03));
+}
+
+TEST_CASE("slider: a periodic force moves it as its law says") {
+  MotionEffects<double> e;
+  e.periodic_force = {3.0, 7.0, 0.5};
+  Slider<double> slider = make_slider(e);
+  slider.reset(0.0, 0.0);
+  const double w = 2 * M_PI * 7.0, h = 1e-5;
+  for (int k = 0; k < 50000; ++k) slider.step(h, 0.0, {});
+  // m v = integral of A sin(w t + phase).
+  CHECK(slider.velocity() == Approx(3.0 / 2.0 / w * (std::cos(0.5) - std::cos(w * 0.5 + 0.5))).epsilon(1e-3));
+}
+
+TEST_CASE("slider: a loose load flies at even speed across its play, strikes, and the two keep their momentum") {
+  MotionEffects<double> e;
+  e.load_backlash = {0.8, 2e-3, 80.0, 0.2};  // of 2 kg
+  Slider<double> slider = make_slider(e);
+  slider.reset(0.0, 0.0);
+  const double h = 1e-5;
+  for (int k = 0; k < 100; ++k) slider.step(h, 12.0, {});  // 0.012 N s: half the play takes 0.1 s at 0.01 m/s
+  const double pushed = slider.velocity();
+  CHECK(pushed == Approx(0.012 / 1.2));
+  int free_steps = 0;
+  while (slider.velocity() == pushed && free_steps < 20000) slider.step(h, 0.0, {}), ++free_steps;
+  CHECK(h * free_steps == Approx(1e-3 / pushed).epsilon(0.02));  // half the play, from the middle of it
+  double mean = 0;
+  const int steps = 400000;
+  for (int k = 0; k < steps; ++k) {
+    slider.step(h, 0.0, {});
+    if (k >= steps / 2) mean += slider.velocity() / (steps - steps / 2);
+  }
+  CHECK(mean == Approx(0.012 / 2.0).epsilon(0.02));
 }

@@ -17,6 +17,7 @@ enum class EffectScale {
   stiffness,           ///< that force over half the stroke
   valve_area,          ///< the valve's largest area
   inverse_valve_area,  ///< of 1/area^2: 1 over the square of the valve's largest area
+  moving_mass,         ///< slider and payload
   top_speed,
   half_stroke,
   wall_heat,           ///< W/K that brings a vessel's gas to its wall's temperature within 10 s
@@ -76,8 +77,14 @@ inline constexpr std::array<double, 4> stribeck_speed{0.01, 0.03, 0.1, 0.3};
 inline constexpr std::array<double, 9> zone_center{-0.9, -0.675, -0.45, -0.225, 0, 0.225, 0.45, 0.675, 0.9};
 inline constexpr std::array<double, 2> zone_width{0.07, 0.2};
 inline constexpr std::array<double, 5> leak_zone_center{-0.9, -0.45, 0, 0.45, 0.9};
-inline constexpr std::array<double, 1> leak_zone_width{0.3};
+inline constexpr std::array<double, 2> leak_zone_width{0.12, 0.3};
 inline constexpr std::array<double, 3> spring_rest{-0.5, 0, 0.5};
+inline constexpr std::array<double, 12> load_frequency{3, 3.8, 4.8, 6, 7.5, 9.5, 12, 15, 19, 24, 30, 38};
+inline constexpr std::array<double, 1> load_damping{0.03};
+inline constexpr std::array<double, 16> load_play{5e-5,   7e-5,   1e-4,   1.3e-4, 1.8e-4, 2.5e-4, 3.3e-4, 4.5e-4,
+                                                  6.1e-4, 8.2e-4, 1.1e-3, 1.5e-3, 2e-3,   2.7e-3, 3.7e-3, 5e-3};
+inline constexpr std::array<double, 2> contact_frequency{25, 80};
+inline constexpr std::array<double, 1> contact_damping{0.2};
 inline constexpr std::array<double, 3> leak_position{0, 0.5, 1};
 inline constexpr std::array<double, 3> branch_position{0.15, 0.5, 0.85};
 inline constexpr std::array<double, 2> branch_volumes{0.3, 1.5};

@@ -117,6 +117,70 @@ template <class S> struct SpringLoad {
   }
 };
 
+/// A part of slider.mass_kg + slider.payload_kg that is carried on a soft coupling: a load on a long arm, a belt, a
+/// bellows.
+template <class S> struct ElasticLoad {
+  static constexpr std::string_view element = "motion";
+  static constexpr std::string_view family = "elastic_load";
+  /// Beside large friction it would take what the force balance has wrong where the motion turns.
+  static constexpr bool is_never_added = true;
+  static constexpr std::array traits{
+      amplitude("mass_kg", EffectScale::moving_mass, 0.3, 0.01),
+      shape("natural_frequency_Hz", EffectScale::one, 0.7, effect_grids::load_frequency).by(Variation::logarithmic),
+      shape("damping_ratio", EffectScale::one, 0.7, effect_grids::load_damping).by(Variation::logarithmic)};
+  S mass_kg = S(0);
+  S natural_frequency_Hz = S(10);
+  S damping_ratio = S(0.05);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"mass_kg", "kg", 0, 1e4, "of the moving mass, on a spring; below mass_kg + payload_kg of the slider"},
+      p.mass_kg...);
+    v(Field{"natural_frequency_Hz", "Hz", 0.1, 500, "of that mass where the slider stands still: sqrt(k/m)/(2 pi)"},
+      p.natural_frequency_Hz...);
+    v(Field{"damping_ratio", "-", 0, 10, "of that mass where the slider stands still"}, p.damping_ratio...);
+  }
+};
+/// A part of slider.mass_kg + slider.payload_kg that is coupled with play: a worn pin, a loose nut. It flies from one
+/// end of the play to the other, and strikes there.
+template <class S> struct LoadBacklash {
+  static constexpr std::string_view element = "motion";
+  static constexpr std::string_view family = "elastic_load";
+  /// When the load strikes and how it comes back hangs on more than any recording shows.
+  static constexpr bool is_description = true;
+  static constexpr std::array traits{
+      amplitude("mass_kg", EffectScale::moving_mass, 0.3, 0.01),
+      shape("play_m", EffectScale::one, 1.0, effect_grids::load_play).by(Variation::logarithmic),
+      shape("contact_frequency_Hz", EffectScale::one, 0.5, effect_grids::contact_frequency).by(Variation::logarithmic),
+      shape("contact_damping_ratio", EffectScale::one, 1.0, effect_grids::contact_damping).by(Variation::logarithmic)};
+  S mass_kg = S(0);
+  S play_m = S(1e-3);
+  S contact_frequency_Hz = S(60);
+  S contact_damping_ratio = S(0.1);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"mass_kg", "kg", 0, 1e4, "of the moving mass, loose; below mass_kg + payload_kg of the slider"},
+      p.mass_kg...);
+    v(Field{"play_m", "m", 1e-6, 1, "from end to end"}, p.play_m...);
+    v(Field{"contact_frequency_Hz", "Hz", 1, 500, "of that mass on what it strikes"}, p.contact_frequency_Hz...);
+    v(Field{"contact_damping_ratio", "-", 0, 10, "of that mass on what it strikes"}, p.contact_damping_ratio...);
+  }
+};
+/// A force of one frequency, from a neighbouring machine or a fan.
+template <class S> struct PeriodicForce {
+  static constexpr std::string_view element = "motion";
+  static constexpr std::string_view family = "periodic_force";
+  /// Each recording has another phase of it: the verdict is `unknown` there, with the frequency, and no config holds
+  /// it.
+  static constexpr bool is_sought_apart = true;
+  static constexpr std::array traits{amplitude("amplitude_N", EffectScale::force, 0.03, 5e-5)};
+  S amplitude_N = S(0);
+  S frequency_Hz = S(10);
+  S phase_rad = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"amplitude_N", "N", 0, 1e5, "A of A sin(2 pi f t + phase), added to the driving force"}, p.amplitude_N...);
+    v(Field{"frequency_Hz", "Hz", 0.01, 1000, "f"}, p.frequency_Hz...);
+    v(Field{"phase_rad", "rad", -100, 100, "at the run's start", Presence::optional}, p.phase_rad...);
+  }
+};
+
 /// Everything that acts on the slider beside B v.
 template <class S> struct MotionEffects {
   CoulombFriction<S> coulomb_friction;
@@ -128,6 +192,9 @@ template <class S> struct MotionEffects {
   DirectionDependentViscousFriction<S> direction_dependent_viscous_friction;
   ConstantForce<S> constant_force;
   SpringLoad<S> spring_load;
+  ElasticLoad<S> elastic_load;
+  LoadBacklash<S> load_backlash;
+  PeriodicForce<S> periodic_force;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     visit_without_air(v, p...);
     v(Field{"pressure_dependent_friction", "", 0, 0, "seal friction that grows with pressure", Presence::optional},
@@ -146,6 +213,9 @@ template <class S> struct MotionEffects {
       p.direction_dependent_viscous_friction...);
     v(Field{"constant_force", "", 0, 0, "constant load", optional}, p.constant_force...);
     v(Field{"spring_load", "", 0, 0, "spring between slider and frame", optional}, p.spring_load...);
+    v(Field{"elastic_load", "", 0, 0, "load on a soft coupling", optional}, p.elastic_load...);
+    v(Field{"load_backlash", "", 0, 0, "load coupled with play", optional}, p.load_backlash...);
+    v(Field{"periodic_force", "", 0, 0, "force of one frequency", optional}, p.periodic_force...);
   }
 };
 
@@ -274,6 +344,25 @@ template <class S> struct SupplyDroop {
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"area_m2", "m2", 0, 1e-2, "orifice between regulator and valve"}, p.area_m2...);
     v(Field{"volume_m3", "m3", 1e-7, 10, "volume at the valve, at ambient temperature"}, p.volume_m3...);
+  }
+};
+
+/// A supply whose pressure swings: a compressor that cuts in and out, a regulator that hunts.
+template <class S> struct SupplySwing {
+  static constexpr std::string_view element = "supply";
+  static constexpr std::string_view family = "supply_swing";
+  /// Each recording has another phase of it: the verdict is `unknown` there, with the frequency, and no config holds
+  /// it.
+  static constexpr bool is_sought_apart = true;
+  static constexpr std::array traits{amplitude("amplitude_Pa", EffectScale::channel_offset, 0.03)};
+  S amplitude_Pa = S(0);
+  S frequency_Hz = S(1);
+  S phase_rad = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"amplitude_Pa", "Pa", 0, 1e6, "A of A sin(2 pi f t + phase), added to the supply's pressure"},
+      p.amplitude_Pa...);
+    v(Field{"frequency_Hz", "Hz", 0.01, 1000, "f"}, p.frequency_Hz...);
+    v(Field{"phase_rad", "rad", -100, 100, "at the run's start", Presence::optional}, p.phase_rad...);
   }
 };
 
@@ -424,6 +513,7 @@ template <class S> struct AxisEffects {
   MotionEffects<S> motion;
   ValveEffects<S> valve;
   SupplyDroop<S> supply_droop;
+  SupplySwing<S> supply_swing;
   LineRestriction<S> line_restriction_1, line_restriction_2;
   LineLeak<S> line_leak_1, line_leak_2;
   LineBranch<S> line_branch_1, line_branch_2;
@@ -449,6 +539,7 @@ template <class S> struct AxisEffects {
     MotionEffects<S>::visit(v, p.motion...);
     ValveEffects<S>::visit(v, p.valve...);
     v(Field{"supply_droop", "", 0, 0, "supply pressure that falls with flow", optional}, p.supply_droop...);
+    v(Field{"supply_swing", "", 0, 0, "supply pressure that swings", optional}, p.supply_swing...);
     v(Field{"line_restriction_1", "", 0, 0, "fitting between line 1 and chamber 1", optional}, p.line_restriction_1...);
     v(Field{"line_restriction_2", "", 0, 0, "fitting between line 2 and chamber 2", optional}, p.line_restriction_2...);
     v(Field{"line_leak_1", "", 0, 0, "leak of line 1 to atmosphere", optional}, p.line_leak_1...);

@@ -1,6 +1,8 @@
 // Moving mass with friction laws, loads and end stops (thesis 3.22 with the friction opposing the motion).
 #pragma once
 #include <pneuservo/elements/effects.hpp>
+#include <pneuservo/elements/hanging_mass.hpp>
+#include <pneuservo/elements/oscillation.hpp>
 #include <pneuservo/elements/parameters.hpp>
 
 namespace pneuservo {
@@ -17,7 +19,7 @@ template <class S> class Slider {
   /// stroke: end stops at +-stroke/2 with coefficient of restitution.
   void configure(const SliderParameters<S>& slider, const MotionEffects<S>& effects, const S& stroke_m,
                  const S& restitution) noexcept {
-    mass_ = slider.mass_kg + slider.payload_kg;
+    mass_ = slider.mass_kg + slider.payload_kg - effects.elastic_load.mass_kg - effects.load_backlash.mass_kg;
     inverse_mass_ = S(1) / mass_;
     viscous_ = slider.viscous_friction_Ns_per_m;
     effects_ = effects;
@@ -28,10 +30,20 @@ template <class S> class Slider {
                   effects.direction_dependent_friction.backward_N +
                   effects.pressure_dependent_friction.force_per_pressure_N_per_Pa + effects.friction_zone.force_N;
     has_dry_friction_ = any(!(dry == S(0)));
+    load_.configure(effects.elastic_load);
+    loose_load_.configure(effects.load_backlash);
+    has_load_ = load_.is_there();
+    has_loose_load_ = loose_load_.is_there();
+    const PeriodicForce<S>& periodic = effects.periodic_force;
+    disturbance_.configure(periodic.amplitude_N, periodic.frequency_Hz, periodic.phase_rad);
+    is_disturbed_ = disturbance_.is_there();
+    has_others_ = has_load_ || has_loose_load_ || is_disturbed_;
   }
+  /// With coupled loads at rest in the middle of their couplings.
   void reset(const S& position_m, const S& velocity_mps) noexcept {
     position_ = position_m;
     velocity_ = velocity_mps;
+    if (has_others_) reset_others();
   }
 
   /// Dry friction [N] (a magnitude) at speed `speed` in direction sign (+1, -1).
@@ -63,7 +75,7 @@ template <class S> class Slider {
   /// the start speed; the position follows the mean velocity.
   void step(double h_s, const S& driving_force_N, const SliderSurroundings<S>& around) noexcept {
     const S h(h_s), zero(0);
-    const S force = less_load(driving_force_N, position_);
+    const S force = less_load(has_others_ ? driving_force_N + other_forces(h_s) : driving_force_N, position_);
     const auto resting = velocity_ == zero;
     const S direction = select(resting, select(force >= zero, S(1), S(-1)), select(velocity_ > zero, S(1), S(-1)));
     const S speed = absolute(velocity_);
@@ -85,13 +97,41 @@ template <class S> class Slider {
     const S gained = absolute(v_new - velocity_);
     velocity_ = v_new;
     stop_at_ends(gained);
+    if (has_others_) carry_loads(h_s);
   }
 
   S position() const noexcept { return position_; }
   S velocity() const noexcept { return velocity_; }
+  /// Without coupled loads.
   S mass() const noexcept { return mass_; }
 
  private:
+  void reset_others() noexcept {
+    load_.reset(position_, velocity_);
+    loose_load_.reset(position_, velocity_);
+    last_load_force_ = S(0);
+    disturbance_.reset();
+  }
+  void carry_loads(double h_s) noexcept {
+    if (has_load_) load_.step(h_s, position_, velocity_);
+    if (has_loose_load_) loose_load_.step(h_s, position_, velocity_);
+  }
+  // Of an elastic coupling, carried on to the middle of the step as the plant does with the gas; the blows of a loose
+  // one, which must not be counted twice; and of a disturbance.
+  S other_forces(double h_s) noexcept {
+    S sum(0);
+    if (has_load_) {
+      const S force = load_.force();
+      sum += S(1.5) * force - S(0.5) * last_load_force_;
+      last_load_force_ = force;
+    }
+    if (has_loose_load_) sum += loose_load_.force();
+    if (is_disturbed_) {
+      disturbance_.step(h_s);
+      sum += disturbance_.value();
+    }
+    return sum;
+  }
   // Inelastic end stop: the way beyond it is travelled back with the reflected speed. A rebound slower than what the
   // force gains in a step would be back before the step ends: it is rest.
   void stop_at_ends(const S& gained) noexcept {
@@ -111,7 +151,10 @@ template <class S> class Slider {
 
   S mass_ = S(1), inverse_mass_ = S(1), viscous_{}, half_stroke_ = S(1), restitution_{};
   MotionEffects<S> effects_;
-  bool has_dry_friction_ = true;
+  bool has_dry_friction_ = true, has_load_ = false, has_loose_load_ = false, is_disturbed_ = false, has_others_ = false;
+  HangingMass<S> load_, loose_load_;
+  S last_load_force_{};
+  Oscillation<S> disturbance_;
   S position_{}, velocity_{};
 };
 

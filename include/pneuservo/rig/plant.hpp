@@ -65,6 +65,9 @@ template <class S> class AxisPlant {
     leak_zone_ = any(axis.effects.piston_leak_zone.area_m2 > S(0));
     chambers_leak_ = chambers_leak_ || leak_zone_;
     droops_ = any(axis.effects.supply_droop.area_m2 > S(0));
+    const SupplySwing<S>& swing = axis.effects.supply_swing;
+    supply_swing_.configure(swing.amplitude_Pa, swing.frequency_Hz, swing.phase_rad);
+    swings_ = supply_swing_.is_there();
     reset({S(0), air_.atmosphere_Pa, air_.atmosphere_Pa});
   }
 
@@ -73,7 +76,8 @@ template <class S> class AxisPlant {
     sides_.reset(join(start.pressure_1_Pa, start.pressure_2_Pa), join(air_.temperature_K, air_.temperature_K),
                  distances());
     valves_.reset(S(0));
-    supply_pressure_ = axis_.supply.pressure_Pa;
+    supply_swing_.reset();
+    supply_pressure_ = fed_pressure();
     last_step_s_ = 0.0;
   }
 
@@ -96,7 +100,7 @@ template <class S> class AxisPlant {
   /// Pressure that feeds the supply from here on; without supply_droop it is that of the supply.
   void set_supply_pressure(const S& pressure_Pa) noexcept {
     axis_.supply.pressure_Pa = pressure_Pa;
-    if (!droops_) supply_pressure_ = pressure_Pa;
+    if (!droops_) supply_pressure_ = fed_pressure();
   }
   /// Leak of each chamber to atmosphere from here on [m2].
   void set_chamber_leaks(const S& area_1_m2, const S& area_2_m2) noexcept {
@@ -165,9 +169,13 @@ template <class S> class AxisPlant {
       const ValvePort<P> port{areas.supply, areas.exhaust, join(supply_pressure_, supply_pressure_),
                               join(axis_.valve.critical_pressure_ratio, axis_.valve.critical_pressure_ratio)};
       flow_ = sides_.step_valve(port, distances(), leaks);
+      if (swings_) supply_swing_.step(h);
       if (droops_) step_supply(h, areas);
+      else if (swings_) supply_pressure_ = fed_pressure();
     }
   }
+  // Of what feeds the supply.
+  S fed_pressure() const noexcept { return axis_.supply.pressure_Pa + supply_swing_.value(); }
   // Force at the middle of the sub-step: the gas moves after the slider, so the force of its start acts on the slider's
   // way and would take w h/4 from the damping ratio of the gas springs. Its last change, whatever made it, is carried
   // on.
@@ -206,11 +214,11 @@ template <class S> class AxisPlant {
     const SupplyDroop<S>& droop = axis_.effects.supply_droop;
     const S b = axis_.valve.critical_pressure_ratio, T = air_.temperature_K;
     const P p = port_pressure();
-    const S fed = orifice_mass_flow(air_, droop.area_m2, b, axis_.supply.pressure_Pa, T, supply_pressure_, T);
+    const S fed = orifice_mass_flow(air_, droop.area_m2, b, fed_pressure(), T, supply_pressure_, T);
     const S taken = orifice_mass_flow(air_, low(areas.supply), b, supply_pressure_, T, low(p), T) +
                     orifice_mass_flow(air_, high(areas.supply), b, supply_pressure_, T, high(p), T);
     const S next = supply_pressure_ + S(h) * air_.R * T * (fed - taken) / droop.volume_m3;
-    supply_pressure_ = select(droop.area_m2 > S(0), maximum(next, S(1e3)), axis_.supply.pressure_Pa);
+    supply_pressure_ = select(droop.area_m2 > S(0), maximum(next, S(1e3)), fed_pressure());
   }
 
   AxisParameters<S> axis_;
@@ -221,9 +229,10 @@ template <class S> class AxisPlant {
   Slider<S> slider_;
   LineFlow<P> flow_;
   S supply_pressure_{};
+  Oscillation<S> supply_swing_;
   S last_force_{};
   double last_step_s_ = 0.0;  // 0: no step yet
-  bool chambers_leak_ = false, leak_zone_ = false, droops_ = false, held_ = false;
+  bool chambers_leak_ = false, leak_zone_ = false, droops_ = false, swings_ = false, held_ = false;
 };
 
 }  // namespace pneuservo

@@ -205,6 +205,28 @@ bool find_periodic_force(const ResidualModel& model, const DecisionRules& rules,
   return false;
 }
 
+/// Whether one sine takes more of what the owner's model leaves of F than the names do: names that are fitted to a
+/// shaken motion follow the shaking. The verdict then is `unknown` at the motion.
+bool find_shaking(ResidualModel& model, const Search& search, const DecisionRules& rules, Decision& decision) {
+  Decision shaken = decision;
+  shaken.chosen = &search.owner();
+  shaken.levels = model_levels(model, shaken.chosen->fit.hypothesis(), rules);
+  shaken.reason = what_is_left(shaken, model, rules);
+  double taken = 0;
+  for (std::size_t c = 0; c < model.channels().size(); ++c)
+    if (model.channels()[c].name == "F")
+      taken = 1 - std::pow(decision.levels.channels[c].fitted / std::max(shaken.levels.channels[c].fitted, 1e-300), 2);
+  if (!find_periodic_force(model, rules, std::max(rules.periodic_share, taken), shaken)) return false;
+  shaken.rivals = {shaken.chosen};
+  shaken.probabilities = probabilities_of(shaken.rivals, rules);
+  shaken.gain = 0;
+  shaken.verdict = Verdict::unknown;
+  shaken.element = "motion";
+  shaken.is_shaken = true;
+  decision = std::move(shaken);
+  return true;
+}
+
 /// Whether a supply that swings takes more of the owner's squared mismatch than the names do, at its one frequency; the
 /// verdict then is `unknown` there. The pressures that it moves move the piston too, so no sine of F speaks against it.
 bool find_supply_swing(ResidualModel& model, const Search& search, const DecisionRules& rules, double taken_by_names,
@@ -400,6 +422,7 @@ void judge_what_is_left(ResidualModel& model, const Search& search, const Decisi
                     1e6 * volume_beyond(*decision.chosen, search, decision.element));
   }
   if (is_named) say_described(search, decision);
+  else if (decision.element.empty() && find_shaking(model, search, rules, decision)) return;
   DecisionRules sure = rules;
   if (decision.beside_remainder) sure.most_sure = rules.most_sure_beside;
   decision.probabilities = probabilities_of(decision.rivals, sure);
@@ -423,6 +446,7 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
                         !has_absurd_parameter(*decision.chosen, search, rules);
   const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;
   if (find_supply_swing(model, search, rules, taken, decision)) return decision;
+  if (!is_named && find_shaking(model, search, rules, decision)) return decision;
   const bool is_periodic = find_periodic_force(model, rules, is_named ? rules.periodic_share : told_share, decision);
   if (!is_periodic && is_named) {
     say_described(search, decision);

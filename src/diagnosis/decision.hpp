@@ -35,6 +35,7 @@ struct Decision {
   double gain = 0;  ///< of the chosen over the owner's model, in log evidence
   std::string reason;  ///< of `unknown`; beside a name: what is left
   std::string element;  ///< where an `unknown` sits, if its names tell; empty: the pattern of what is left has to
+  bool is_shaken = false;  ///< `unknown`, but for the frequency of the force that shakes the slider
   bool is_described = false;  ///< `unknown`, but for a shape that its element takes
   bool beside_remainder = false;  ///< the floors have grown with what is left
   double growth = 1;  ///< of squared floors: what evidence and variances are to be divided by

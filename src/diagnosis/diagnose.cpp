@@ -327,10 +327,13 @@ void add_next_experiment(const Rig& rig, const ResidualModel& model, const Decis
 }
 
 /// Whether the verdict needs more than any one machine should lack: as many names as are ever sought, or more of the
-/// owner's tolerances at the end of their range than any owner errs by. Together they stand for small physics that is
-/// everywhere.
+/// owner's tolerances at the end of their range than any owner errs by; or whether held-out stretches speak against it.
+/// Then names may stand for small physics that is everywhere.
 bool is_stretched(const Rig& rig, const Decision& decision, const DecisionRules& rules) {
   if (!rig.is_pneumatic() || decision.verdict == Verdict::consistent) return false;
+  // Names that fit and do not go on: what they stand for is not what is missing.
+  const bool is_unconfirmed = decision.levels.held_out_excess() > rules.held_out_excess;
+  if (decision.verdict == Verdict::unknown && !decision.is_described && is_unconfirmed) return true;
   const Fit& fit = decision.chosen->fit;
   if (decision.chosen->members.size() >= rules.most_names) return true;
   std::size_t at_end = 0;
@@ -421,7 +424,9 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   run_search(first_search, out);
   if (options.progress) options.progress(0.95, "verdict");
   Decision decision = decided(model, first_search, options.rules, out);
-  if (!rig.is_pneumatic() && (decision.verdict == Verdict::unknown || !rig.has_controller()))
+  const bool leaves_something = decision.levels.highest() > options.rules.floor_level;
+  if (!rig.is_pneumatic() && !decision.is_shaken &&
+      (decision.verdict == Verdict::unknown || leaves_something || !rig.has_controller()))
     decision = decide_in_one_quantity(model, first_search, options.rules);
   std::optional<Search> beside;
   const bool left_everywhere = decision.verdict == Verdict::unknown && !decision.is_described &&

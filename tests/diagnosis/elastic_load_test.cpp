@@ -1,0 +1,53 @@
+// Diagnosis of a cylinder whose load hangs on a soft coupling or on one with play, and of one that is shaken.
+#include <catch2/catch.hpp>
+
+#include "diagnosis/diagnose.hpp"
+#include "diagnosis/simulated_recording.hpp"
+
+using namespace pneuservo;
+using namespace pneuservo::test;
+
+TEST_CASE("a load on a soft coupling is named with mass, frequency and damping, and the fit comes to the floors") {
+  const Rig owner = toleranced_cylinder_rig(2.0, 6.1e-3);
+  Rig machine = owner;
+  machine.axis.effects.motion.elastic_load = {0.7, 11.0, 0.05};
+  const Diagnosis found = diagnose(owner, {simulated_recording(machine, 9.0, 41, all_pressures)});
+  CAPTURE(found.sentence);
+  CHECK(found.verdict == Verdict::missing_physics);
+  REQUIRE(found.answers.size() == 1);
+  CHECK(found.answers.front().effect == "elastic_load");
+  const ElasticLoad<double>& load = found.improved.axis.effects.motion.elastic_load;
+  CHECK(load.mass_kg == Approx(0.7).epsilon(0.1));
+  CHECK(load.natural_frequency_Hz == Approx(11.0).epsilon(0.02));
+  CHECK(load.damping_ratio == Approx(0.05).epsilon(0.3));
+  CHECK(found.over_noise < 1.3);
+}
+
+TEST_CASE("a cylinder that is shaken is no elastic load: unknown at the motion, with the frequency") {
+  const Rig owner = toleranced_cylinder_rig(2.0, 6.1e-3);
+  Rig machine = owner;
+  const double amplitude_N = GENERATE(0.4, 4.0);
+  CAPTURE(amplitude_N);
+  machine.axis.effects.motion.periodic_force = {amplitude_N, 7.9, 1.0};
+  const Diagnosis found = diagnose(owner, {simulated_recording(machine, 9.0, 42, all_pressures)});
+  CAPTURE(found.sentence);
+  CHECK(found.verdict == Verdict::unknown);
+  REQUIRE(found.answers.size() == 1);
+  CHECK(found.answers.front().element == "motion");
+  CHECK(found.answers.front().note.find("7.9") != std::string::npos);
+}
+
+TEST_CASE("a load that is coupled with play is told with its play, and is no elastic load") {
+  const Rig owner = toleranced_cylinder_rig(2.0, 6.1e-3);
+  Rig machine = owner;
+  const double play_m = GENERATE(6e-4, 1.5e-3);
+  CAPTURE(play_m);
+  machine.axis.effects.motion.load_backlash = {1.2, play_m, 70.0, 0.2};
+  const Diagnosis found = diagnose(owner, {simulated_recording(machine, 9.0, 43, all_pressures)});
+  CAPTURE(found.sentence);
+  CHECK(found.verdict == Verdict::unknown);
+  REQUIRE(found.answers.size() == 1);
+  CHECK(found.answers.front().element == "motion");
+  CHECK(found.answers.front().note.find("load_backlash") != std::string::npos);
+  CHECK(found.improved.axis.effects.motion.load_backlash.play_m == Approx(play_m).epsilon(0.2));
+}

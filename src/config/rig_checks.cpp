@@ -165,6 +165,15 @@ void check_coupled_loads(const Rig& rig, const Check& check) {
   }
 }
 
+/// A supply that swings stays one.
+void check_supply_swing(const Rig& rig, const Check& check) {
+  const double swing_Pa = rig.axis.effects.supply_swing.amplitude_Pa,
+               most_Pa = rig.axis.supply.pressure_Pa - rig.axis.air.atmosphere_Pa;
+  if (swing_Pa > 0.0 && swing_Pa > most_Pa)
+    check.refuse("effects.supply_swing.amplitude_Pa", {"supply.pressure_Pa"}, number_text(swing_Pa),
+                 fmt::format("at most what the supply has above the atmosphere ({})", number_text(most_Pa)));
+}
+
 /// What the valves of this rig can do in the safe state.
 void check_safe_output(const Rig& rig, const Check& check) {
   const SafeOutputParameters& safe = rig.safe_output;
@@ -392,6 +401,7 @@ void check_rig(const Rig& rig, const ConfigNode& root) {
   check_law(rig, check);
   if (rig.is_pneumatic()) {
     check_lines(rig, check);
+    check_supply_swing(rig, check);
     check_controller(rig, check);
     check_safe_output(rig, check);
     check_zeros(rig, check);

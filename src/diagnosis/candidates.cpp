@@ -16,7 +16,7 @@ constexpr double tolerance_cut = 3;        ///< a parameter further off than thi
 constexpr double start_factor_cut = 6;
 constexpr double wide_parameter_spread = 0.3;
 constexpr double widest_z = 40;            ///< of an effect's size
-constexpr double largest_load = 0.95;       ///< of the moving mass, on a soft coupling
+constexpr double largest_load = 0.85;       ///< of the moving mass, on a soft coupling
 constexpr double difference_step = 0.01;   ///< of z, for what has a prior of its own
 
 /// Numbers behind the scales of the vocabulary.
@@ -190,6 +190,9 @@ void add_effects(const Rig& rig, const MotionRange& range, std::vector<Candidate
   visit_effects(rig, [&](const Field& field, const auto& effect) {
     using Effect = std::remove_cvref_t<decltype(effect)>;
     if constexpr (requires { Effect::is_always_granted; } || requires { Effect::is_sought_apart; }) return;
+    // Where positions alone are compared, what swings on the slider looks like any other fault.
+    if constexpr (requires { Effect::is_told_by_force; })
+      if (rig.kind == RigKind::switched_cylinder) return;
     // An effect that the owner knows is not missing: what may be wrong is its size, as of any other parameter.
     const std::string own = fmt::format("effects.{}.", field.key);
     if (std::any_of(known.begin(), known.end(), [&](const FreeParameter& p) { return p.path.starts_with(own); }))

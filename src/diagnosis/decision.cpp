@@ -407,6 +407,7 @@ Decision decide(ResidualModel& model, const Search& search, const DecisionRules&
 }
 
 void judge_what_is_left(ResidualModel& model, const Search& search, const DecisionRules& rules, Decision& decision) {
+  decision.is_shaken = decision.is_described = false;
   decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
   decision.reason = what_is_left(decision, model, rules);
   decision.beside_remainder = is_small_remainder(decision, search, rules);
@@ -569,6 +570,7 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
   const bool at_floor = decision.levels.highest() <= rules.floor_level && !decision.levels.line;
   if (decision.chosen->members.empty() ? !at_floor : all - left < rules.named_share * all)
     decision.verdict = Verdict::unknown;
+  else say_described(search, decision);
   return decision;
 }
 

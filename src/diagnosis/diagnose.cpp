@@ -333,6 +333,7 @@ bool is_stretched(const Rig& rig, const Decision& decision, const DecisionRules&
   if (!rig.is_pneumatic() || decision.verdict == Verdict::consistent) return false;
   // Names that fit and do not go on: what they stand for is not what is missing.
   const bool is_unconfirmed = decision.levels.held_out_excess() > rules.held_out_excess;
+  if (decision.is_shaken) return false;  // its levels are the owner's, and names would follow the shaking
   if (decision.verdict == Verdict::unknown && !decision.is_described && is_unconfirmed) return true;
   const Fit& fit = decision.chosen->fit;
   if (decision.chosen->members.size() >= rules.most_names) return true;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <pneuservo/elements/hanging_mass.hpp>
 #include <pneuservo/elements/slider.hpp>
 
 namespace pneuservo {
@@ -39,6 +40,49 @@ std::vector<char> widened(const std::vector<char>& marks, std::size_t reach) {
   return out;
 }
 
+/// A load on a coupling, carried along a sampled motion.
+class CarriedLoad {
+ public:
+  template <class Coupling>
+  CarriedLoad(const Coupling& coupling, double period_s)
+      : steps_(static_cast<int>(std::ceil(period_s / longest_step_s))), step_s_(period_s / steps_) {
+    load_.configure(coupling);
+    is_there_ = load_.is_there();
+  }
+  /// On its carrier, which is at x with speed v one period after the last call. It starts, and starts again where the
+  /// motion is missing, at rest in its coupling.
+  double force_at(double x, double v, bool is_missing) {
+    if (!is_there_) return 0.0;
+    if (!is_carried_ || is_missing) load_.reset(x, v);
+    else carry(x, v);
+    is_carried_ = true;
+    x_ = x;
+    v_ = v;
+    return load_.force();
+  }
+
+ private:
+  // Along the cubic through both ends.
+  void carry(double x, double v) {
+    const double period_s = steps_ * step_s_, way = x - x_;
+    double last_x = x_, last_v = v_;
+    for (int i = 1; i <= steps_; ++i) {
+      const double s = static_cast<double>(i) / steps_, s2 = s * s, s3 = s2 * s;
+      const double next_x = x_ + (3 * s2 - 2 * s3) * way + period_s * ((s - 2 * s2 + s3) * v_ + (s3 - s2) * v);
+      const double next_v = 6 * (s - s2) * way / period_s + (1 - 4 * s + 3 * s2) * v_ + (3 * s2 - 2 * s) * v;
+      load_.step(step_s_, last_x, last_v, next_x, next_v);
+      last_x = next_x;
+      last_v = next_v;
+    }
+  }
+  static constexpr double longest_step_s = 5e-4;  ///< swings of 100 Hz are then 1 % too slow, of 10 Hz none
+
+  HangingMass<double> load_;
+  int steps_;
+  double step_s_, x_ = 0, v_ = 0;
+  bool is_there_ = false, is_carried_ = false;
+};
+
 /// Position or one of its derivatives as the true slider had it: y = gain lag(x) + offset turned round.
 double undo(const SensorEffects<double>& sensor, double value, double next_derivative, bool is_position) {
   const double lagged = value + sensor.sensor_lag.time_constant_s * next_derivative;
@@ -53,11 +97,11 @@ ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, 
   const std::vector<double> position = filled(position_m);
   for (int order = 0; order < 4; ++order) derivative_[order] = kernel_.apply(position, order);
   for (int order = 0; order < 3; ++order) fast_[order] = fast_kernel_.apply(position, order);
-  std::vector<char> missing(position.size(), 0);
-  for (std::size_t i = 0; i < position.size(); ++i) missing[i] = !std::isfinite(position_m[i]);
+  is_missing_.assign(position.size(), 0);
+  for (std::size_t i = 0; i < position.size(); ++i) is_missing_[i] = !std::isfinite(position_m[i]);
   // Friction is smoothed once more after the fast kernel has made its velocity: reach of both at the ends.
   const std::size_t reach = kernel_.reach() + fast_kernel_.reach();
-  usable_ = widened(missing, reach);
+  usable_ = widened(is_missing_, reach);
   for (std::size_t i = 0; i < usable_.size(); ++i) usable_[i] = !usable_[i] && i >= reach && i + reach < usable_.size();
   double top = 0;
   for (std::size_t i = 0; i < usable_.size(); ++i)
@@ -83,10 +127,7 @@ std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const
   Slider<double> slider;
   slider.configure(rig.axis.slider, effects, 1.0, 0.0);
   // Its spring is linear: carried along the smoothed motion it pulls with its smoothed force.
-  HangingMass<double> load, loose_load;
-  load.configure(effects.elastic_load);
-  loose_load.configure(effects.load_backlash);
-  const bool has_loose_load = loose_load.is_there();
+  CarriedLoad load(effects.elastic_load, period_s_), loose_load(effects.load_backlash, period_s_);
   std::vector<double> smooth_part(samples()), abrupt_part(samples());
   for (std::size_t i = 0; i < samples(); ++i) {
     const double x = undo(sensor, derivative_[0][i], derivative_[1][i], true);
@@ -95,22 +136,17 @@ std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const
     const double x_fast = undo(sensor, fast_[0][i], fast_[1][i], true);
     const double v_fast = undo(sensor, fast_[1][i], fast_[2][i], false);
     const SliderSurroundings<double> around{gauge_pressure_sum_Pa.empty() ? 0.0 : gauge_pressure_sum_Pa[i]};
-    if (i == 0) load.reset(x, v);
-    else load.step(period_s_, x, v);
-    smooth_part[i] = slider.mass() * a + slider.damping_coefficient(0.0, 0.0) * v - slider.less_load(load.force(), x);
+    smooth_part[i] = slider.mass() * a + slider.damping_coefficient(0.0, 0.0) * v -
+                     slider.less_load(load.force_at(x, v, is_missing_[i]), x);
+    const double blow_N = loose_load.force_at(x_fast, v_fast, is_missing_[i]);  // as short as friction's steps
     if (std::abs(v_fast) >= rest_speed_mps_) {
       const double direction = v_fast > 0 ? 1.0 : -1.0, speed = std::abs(v_fast);
-      abrupt_part[i] = direction * slider.dry_friction(speed, direction, x_fast, around) +
+      abrupt_part[i] = -blow_N + direction * slider.dry_friction(speed, direction, x_fast, around) +
                        (slider.damping_coefficient(speed, direction) - slider.damping_coefficient(0.0, 0.0)) * v_fast;
     } else {  // at rest dry friction balances what is left, up to its values at v = 0
-      abrupt_part[i] =
-          std::clamp(drive_N[i] - smooth_part[i], -held_N - std::abs(slider.dry_friction(0.0, -1.0, x_fast, around)),
-                     held_N + std::abs(slider.dry_friction(0.0, 1.0, x_fast, around)));
-    }
-    if (has_loose_load) {  // its blows are as short as friction's steps
-      if (i == 0) loose_load.reset(x_fast, v_fast);
-      else loose_load.step(period_s_, x_fast, v_fast);
-      abrupt_part[i] -= loose_load.force();
+      abrupt_part[i] = -blow_N + std::clamp(drive_N[i] - smooth_part[i] + blow_N,
+                                            -held_N - std::abs(slider.dry_friction(0.0, -1.0, x_fast, around)),
+                                            held_N + std::abs(slider.dry_friction(0.0, 1.0, x_fast, around)));
     }
   }
   const std::vector<double> friction = kernel_.apply(abrupt_part, 0);

@@ -64,9 +64,9 @@ struct HandyUnit {
   std::string_view ending, unit;
   double factor;
 };
-constexpr HandyUnit handy_units[] = {{"_m2", "mm²", 1e6},  {"_m3", "cm³", 1e6},   {"_kPa", "kPa", 1},
-                                     {"_Pa", "kPa", 1e-3}, {"_mps", "mm/s", 1e3}, {"_m", "mm", 1e3},
-                                     {"_V", "mV", 1e3},    {"_s", "ms", 1e3}};
+constexpr HandyUnit handy_units[] = {
+    {"_m2", "mm²", 1e6}, {"_m3", "cm³", 1e6}, {"_kPa", "kPa", 1}, {"_Pa", "kPa", 1e-3}, {"_mps", "mm/s", 1e3},
+    {"_m", "mm", 1e3},   {"_V", "mV", 1e3},   {"_kg", "kg", 1},   {"_Hz", "Hz", 1},     {"_s", "ms", 1e3}};
 
 /// "coulomb force" for coulomb_force_N: the key without its unit.
 std::string name_words(std::string_view key) {

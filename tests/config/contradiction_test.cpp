@@ -38,9 +38,15 @@ TEST_CASE("values that contradict each other are refused") {
 }
 
 TEST_CASE("an elastic load is a part of what moves") {
-  CHECK(refusal(plain, {"effects.elastic_load.mass_kg=50"}) ==
-        "--set effects.elastic_load.mass_kg=50: effects.elastic_load.mass_kg: found 50, expected coupled "
-        "loads of less than slider.mass_kg + slider.payload_kg (2)");
+  CHECK(refusal(plain, {"effects.elastic_load={mass_kg: 50, natural_frequency_Hz: 12, damping_ratio: 0.05}"})
+            .find("effects.elastic_load.mass_kg: found 50, expected coupled loads of less than slider.mass_kg + "
+                  "slider.payload_kg (2)") != std::string::npos);
+  CHECK(refusal(plain, {"effects.elastic_load={mass_kg: 1.2, natural_frequency_Hz: 12, damping_ratio: 0.05}",
+                        "effects.load_backlash={mass_kg: 1.2, play_m: 0.001, contact_frequency_Hz: 60, "
+                        "contact_damping_ratio: 0.1}"})
+            .find("effects.load_backlash.mass_kg: found 1.2, expected coupled loads of less") != std::string::npos);
+  CHECK(refusal(plain, {"effects.supply_swing={amplitude_Pa: 900000, frequency_Hz: 2}"})
+            .find("effects.supply_swing.amplitude_Pa: found 900000, expected at most") != std::string::npos);
   CHECK(refusal(plain, {"effects.elastic_load={mass_kg: 1.0, natural_frequency_Hz: 12, damping_ratio: 0.05}"}) ==
         accepted);
 }

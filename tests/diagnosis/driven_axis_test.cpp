@@ -128,6 +128,15 @@ TEST_CASE("a periodic force has no name: unknown at the motion, with its frequen
   CHECK(found.answers[0].note.find("9.3") != std::string::npos);
 }
 
+TEST_CASE("a load that is coupled with play is no law on an axis either: described, and unknown") {
+  const Diagnosis found = diagnosis_of(with_values(
+      scattered(driven_axis_rig()), {{"effects.load_backlash.mass_kg", 5}, {"effects.load_backlash.play_m", 2e-3}}));
+  INFO(found.sentence);
+  CHECK(found.verdict == Verdict::unknown);
+  REQUIRE(found.answers.size() == 1);
+  CHECK(found.answers[0].element == "motion");
+}
+
 TEST_CASE("the JSON has every key of the format") {
   const Diagnosis found = diagnosis_of(with_values(driven_axis_rig(), {{"effects.coulomb_friction.force_N", 6}}));
   const nlohmann::ordered_json json = diagnosis_json(found);

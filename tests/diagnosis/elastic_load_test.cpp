@@ -1,4 +1,6 @@
 // Diagnosis of a cylinder whose load hangs on a soft coupling or on one with play, and of one that is shaken.
+#include <cstdio>
+
 #include <catch2/catch.hpp>
 
 #include "diagnosis/diagnose.hpp"
@@ -10,15 +12,15 @@ using namespace pneuservo::test;
 TEST_CASE("a load on a soft coupling is named with mass, frequency and damping, and the fit comes to the floors") {
   const Rig owner = toleranced_cylinder_rig(2.0, 6.1e-3);
   Rig machine = owner;
-  machine.axis.effects.motion.elastic_load = {0.7, 11.0, 0.05};
+  machine.axis.effects.motion.elastic_load = {1.2, 8.0, 0.05};
   const Diagnosis found = diagnose(owner, {simulated_recording(machine, 9.0, 41, all_pressures)});
   CAPTURE(found.sentence);
   CHECK(found.verdict == Verdict::missing_physics);
   REQUIRE(found.answers.size() == 1);
   CHECK(found.answers.front().effect == "elastic_load");
   const ElasticLoad<double>& load = found.improved.axis.effects.motion.elastic_load;
-  CHECK(load.mass_kg == Approx(0.7).epsilon(0.1));
-  CHECK(load.natural_frequency_Hz == Approx(11.0).epsilon(0.02));
+  CHECK(load.mass_kg == Approx(1.2).epsilon(0.1));
+  CHECK(load.natural_frequency_Hz == Approx(8.0).epsilon(0.02));
   CHECK(load.damping_ratio == Approx(0.05).epsilon(0.3));
   CHECK(found.over_noise < 1.3);
 }
@@ -26,15 +28,24 @@ TEST_CASE("a load on a soft coupling is named with mass, frequency and damping, 
 TEST_CASE("a cylinder that is shaken is no elastic load: unknown at the motion, with the frequency") {
   const Rig owner = toleranced_cylinder_rig(2.0, 6.1e-3);
   Rig machine = owner;
-  const double amplitude_N = GENERATE(0.4, 4.0);
+  const double amplitude_N = GENERATE(0.5, 5.0);
   CAPTURE(amplitude_N);
   machine.axis.effects.motion.periodic_force = {amplitude_N, 7.9, 1.0};
-  const Diagnosis found = diagnose(owner, {simulated_recording(machine, 9.0, 42, all_pressures)});
+  const Recording first = simulated_recording(machine, 9.0, 42, all_pressures);
+  machine.axis.effects.motion.periodic_force.phase_rad = 2.5;
+  const Diagnosis found = diagnose(owner, {first, simulated_recording(machine, 9.0, 44, all_pressures)});
   CAPTURE(found.sentence);
   CHECK(found.verdict == Verdict::unknown);
   REQUIRE(found.answers.size() == 1);
   CHECK(found.answers.front().element == "motion");
-  CHECK(found.answers.front().note.find("7.9") != std::string::npos);
+  const std::string& note = found.answers.front().note;
+  const std::size_t at = note.find("a periodic force of ");
+  REQUIRE(at != std::string::npos);
+  double told_N = 0, told_Hz = 0;
+  REQUIRE(std::sscanf(note.c_str() + at, "a periodic force of %lf N at %lf Hz", &told_N, &told_Hz) == 2);
+  CHECK(told_Hz == Approx(7.9).margin(0.05));
+  // The smoothing of F passes 0.97 of it.
+  CHECK(told_N == Approx(amplitude_N).epsilon(0.12));
 }
 
 TEST_CASE("a load that is coupled with play is told with its play, and is no elastic load") {

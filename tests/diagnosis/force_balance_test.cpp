@@ -110,6 +110,7 @@ TEST_CASE("every law on the slider balances its own motion and no other") {
       {"viscous by direction", [](auto& e) { e.direction_dependent_viscous_friction = {30, -20}; }},
       {"constant", [](auto& e) { e.constant_force.force_N = -7; }},
       {"spring", [](auto& e) { e.spring_load = {120, 0.02}; }},
+      {"elastic load", [](auto& e) { e.elastic_load = {1.5, 6, 0.05}; }},
   }));
   INFO(law.name);
   Rig rig = slider_rig();

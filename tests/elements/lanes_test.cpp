@@ -69,6 +69,10 @@ AxisParameters<double> random_axis(Random& random) {
   e.piston_leak_zone = {sometimes(1e-7), 0.02, 0.03};
   e.valve.valve_curve = {sometimes(0.2), sometimes(-0.3)};
   e.supply_droop.area_m2 = sometimes(3e-5);
+  e.supply_swing = {sometimes(2e4), 3.0, 0.5};
+  e.motion.elastic_load = {sometimes(0.4), 12.0, 0.05};
+  e.motion.load_backlash = {sometimes(0.4), 5e-4, 60.0, 0.2};
+  e.motion.periodic_force = {sometimes(3.0), 8.0, 0.2};
   e.frequency_dependent_losses.share = sometimes(1.0);
   return axis;
 }

@@ -115,7 +115,7 @@ TEST_CASE(
   load.reset(0.0, 0.3);  // the carrier stands at 0, the mass passes it
   const double w = 2 * M_PI * 6.0, w_d = w * std::sqrt(1 - 0.05 * 0.05), h = 2e-5;
   for (int k = 1; k <= 20000; ++k) {
-    load.step(h, 0.0, 0.0);
+    load.step(h, 0.0, 0.0, 0.0, 0.0);
     const double t = k * h, decay = std::exp(-0.05 * w * t);
     const double y = 0.3 / w_d * decay * std::sin(w_d * t),
                  v = 0.3 * decay * (std::cos(w_d * t) - 0.05 * w / w_d * std::sin(w_d * t));
@@ -161,6 +161,28 @@ TEST_CASE("slider: a periodic force moves it as its law says") {
   for (int k = 0; k < 50000; ++k) slider.step(h, 0.0, {});
   // m v = integral of A sin(w t + phase).
   CHECK(slider.velocity() == Approx(3.0 / 2.0 / w * (std::cos(0.5) - std::cos(w * 0.5 + 0.5))).epsilon(1e-3));
+}
+
+TEST_CASE("slider: couplings stay bounded at any stiffness and step, and momentum is kept") {
+  const double mass_kg = GENERATE(0.2, 1.0, 1.8), frequency_Hz = GENERATE(30.0, 150.0, 500.0),
+               damping_ratio = GENERATE(0.0, 0.1, 5.0);
+  const bool is_loose = GENERATE(false, true);
+  CAPTURE(mass_kg, frequency_Hz, damping_ratio, is_loose);
+  MotionEffects<double> e;
+  if (is_loose) e.load_backlash = {mass_kg, 1e-3, frequency_Hz, damping_ratio};
+  else e.elastic_load = {mass_kg, frequency_Hz, damping_ratio};
+  Slider<double> slider = make_slider(e);
+  slider.reset(0.0, 0.0);
+  const double h = 5e-4;  // a coarse plant's
+  for (int k = 0; k < 20; ++k) slider.step(h, 40.0, {});  // 0.4 N s
+  double fastest = 0, mean = 0;
+  for (int k = 0; k < 8000; ++k) {
+    slider.step(h, 0.0, {});
+    fastest = std::max(fastest, std::abs(slider.velocity()));
+    if (k >= 4000) mean += slider.velocity() / 4000;
+  }
+  CHECK(fastest <= 1.02 * 0.4 / (2.0 - mass_kg));  // as if the slider had got it all
+  CHECK(mean == Approx(0.2).epsilon(0.03));
 }
 
 TEST_CASE("slider: a loose load flies at even speed across its play, strikes, and the two keep their momentum") {

@@ -94,6 +94,7 @@ inline constexpr std::array<double, 3> restriction_sizes{0.1, 0.5, 2};
 inline constexpr std::array<double, 3> droop_area{0.1, 0.3, 1};
 inline constexpr std::array<double, 3> droop_volume{2e-4, 1e-3, 5e-3};
 inline constexpr std::array<double, 4> charging_time{3, 10, 30, 100};
+inline constexpr std::array<double, 2> drop_out_delays{1, 2.5};
 inline constexpr std::array<double, 3> porous_orifice{0.02, 0.06, 0.2};
 }  // namespace effect_grids
 

@@ -124,6 +124,7 @@ template <class S> struct ElasticLoad {
   static constexpr std::string_view family = "elastic_load";
   /// Beside large friction it would take what the force balance has wrong where the motion turns.
   static constexpr bool is_never_added = true;
+  static constexpr bool is_told_by_force = true;
   static constexpr std::array traits{
       amplitude("mass_kg", EffectScale::moving_mass, 0.3, 0.01),
       shape("natural_frequency_Hz", EffectScale::one, 0.7, effect_grids::load_frequency).by(Variation::logarithmic),
@@ -146,6 +147,7 @@ template <class S> struct LoadBacklash {
   static constexpr std::string_view family = "elastic_load";
   /// When the load strikes and how it comes back hangs on more than any recording shows.
   static constexpr bool is_description = true;
+  static constexpr bool is_told_by_force = true;
   static constexpr std::array traits{
       amplitude("mass_kg", EffectScale::moving_mass, 0.3, 0.01),
       shape("play_m", EffectScale::one, 1.0, effect_grids::load_play).by(Variation::logarithmic),
@@ -199,8 +201,9 @@ template <class S> struct MotionEffects {
     visit_without_air(v, p...);
     v(Field{"pressure_dependent_friction", "", 0, 0, "seal friction that grows with pressure", Presence::optional},
       p.pressure_dependent_friction...);
+    v(Field{"periodic_force", "", 0, 0, "force of one frequency", Presence::optional}, p.periodic_force...);
   }
-  /// Those that need no pressure.
+  /// Those of an axis that is recorded and not run, without pressures.
   template <class V, class... P> static void visit_without_air(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"coulomb_friction", "", 0, 0, "dry friction", optional}, p.coulomb_friction...);
@@ -215,7 +218,6 @@ template <class S> struct MotionEffects {
     v(Field{"spring_load", "", 0, 0, "spring between slider and frame", optional}, p.spring_load...);
     v(Field{"elastic_load", "", 0, 0, "load on a soft coupling", optional}, p.elastic_load...);
     v(Field{"load_backlash", "", 0, 0, "load coupled with play", optional}, p.load_backlash...);
-    v(Field{"periodic_force", "", 0, 0, "force of one frequency", optional}, p.periodic_force...);
   }
 };
 

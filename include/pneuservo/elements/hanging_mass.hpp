@@ -1,8 +1,5 @@
 // A mass on a spring and a damper that is carried along, with play or without: the load of a coupling.
 #pragma once
-#include <algorithm>
-#include <cmath>
-
 #include <pneuservo/elements/effects.hpp>
 
 namespace pneuservo {
@@ -10,7 +7,7 @@ namespace pneuservo {
 /// m_l y'' = k (x - y) + d (x' - y'), carried at x with speed x'; y, its own place beside its length at rest, starts
 /// with the carrier. k = m_l w^2, d = 2 zeta m_l w with w = 2 pi natural_frequency_Hz, the frequency that it has where
 /// the carrier stands still. With play g the coupling pushes where |x - y| > g/2 alone, on what is beyond, and never
-/// pulls.
+/// pulls. By the trapezoidal rule, which no stiffness upsets: the speed at a step's end is affine in the carrier's.
 template <class S> class HangingMass {
  public:
   void configure(const ElasticLoad<S>& load) noexcept {
@@ -23,23 +20,40 @@ template <class S> class HangingMass {
     position_ = position_m;
     velocity_ = velocity_mps;
     acceleration_ = S(0);
-    carrier_position_ = position_m;
-    carrier_velocity_ = velocity_mps;
   }
-  /// h [s] later the carrier is at position_m with velocity_mps. Without play by the trapezoidal rule, which no
-  /// stiffness upsets; with it in steps that resolve a contact.
-  void step(double h_s, const S& position_m, const S& velocity_mps) noexcept {
-    if (has_play_) step_contact(h_s, position_m, velocity_mps);
-    else step_linear(h_s, position_m, velocity_mps);
-    carrier_position_ = position_m;
-    carrier_velocity_ = velocity_mps;
+
+  /// Momentum that a carrier gives away in a step of h [s] from position and velocity on: free [N s] +
+  /// by_velocity [kg] times its speed at the step's end. A carrier that solves its own step with these two and the load
+  /// stay together whatever the stiffness.
+  struct Given {
+    S free, by_velocity;
+  };
+  Given given(double h_s, const S& position_m, const S& velocity_mps) const noexcept {
+    const Step step = prepared(h_s, position_m, velocity_mps);
+    return {mass_ * (step.free - velocity_), mass_ * step.by_velocity};
   }
-  /// On the carrier [N]; with play the mean over the last step.
+  /// h [s] later the carrier, which was at position and velocity, is at the next ones.
+  void step(double h_s, const S& position_m, const S& velocity_mps, const S& next_position_m,
+            const S& next_velocity_mps) noexcept {
+    const Step step = prepared(h_s, position_m, velocity_mps);
+    const S half(0.5 * h_s);
+    // Where the carrier did not end as it would by its mean speed (an end stop), its place counts.
+    const S astray = next_position_m - (position_m + half * (velocity_mps + next_velocity_mps));
+    const S next = step.free + step.by_velocity * next_velocity_mps + step.by_place * astray;
+    position_ += half * (velocity_ + next);
+    velocity_ = next;
+    const S way = next_position_m - position_;
+    acceleration_ = pushed(way - edge(way), next_velocity_mps - velocity_);
+  }
+  /// On the carrier at the last step's end [N].
   S force() const noexcept { return -mass_ * acceleration_; }
   /// Whether any lane has such a mass.
   bool is_there() const noexcept { return any(mass_ > S(0)); }
 
  private:
+  struct Step {
+    S free, by_velocity, by_place;  ///< speed at the end: free + by_velocity x' + by_place x, x beside the mean speed's
+  };
   void configure(const S& mass_kg, const S& natural_frequency_Hz, const S& damping_ratio, const S& play_m) noexcept {
     mass_ = mass_kg;
     const S w = S(6.283185307179586) * natural_frequency_Hz;
@@ -47,37 +61,35 @@ template <class S> class HangingMass {
     damping_ = S(2) * damping_ratio * w;
     half_play_ = S(0.5) * play_m;
     has_play_ = any(play_m > S(0));
-    fastest_per_s_ = largest(w);
     reset(S(0), S(0));
   }
-  void step_linear(double h_s, const S& position_m, const S& velocity_mps) noexcept {
+  // End of the play that is touched at this way of the carrier ahead of the mass; 0 without play.
+  S edge(const S& way) const noexcept { return has_play_ ? clamp(way, -half_play_, half_play_) : S(0); }
+  // Acceleration of the mass where the carrier is beyond the play.
+  S pushed(const S& beyond, const S& faster) const noexcept {
+    const S both = stiffness_ * beyond + damping_ * faster;
+    return has_play_ ? select(both * beyond > S(0), both, S(0)) : both;
+  }
+  Step prepared(double h_s, const S& position_m, const S& velocity_mps) const noexcept {
     const S half(0.5 * h_s);
-    const S v = velocity_ + half * acceleration_, y = position_ + half * velocity_;
-    const S next = (v + half * (stiffness_ * (position_m - y) + damping_ * velocity_mps)) /
-                   (S(1) + half * (damping_ + half * stiffness_));
-    position_ = y + half * next;
-    velocity_ = next;
-    acceleration_ = stiffness_ * (position_m - position_) + damping_ * (velocity_mps - velocity_);
-  }
-  void step_contact(double h_s, const S& position_m, const S& velocity_mps) noexcept {
-    const int n = std::clamp(static_cast<int>(std::ceil(h_s * fastest_per_s_ / resolved)), 1, 1000);
-    const S h(h_s / n), before = velocity_;
-    for (int i = 1; i <= n; ++i) {
-      const S share(double(i) / n);
-      const S x = carrier_position_ + share * (position_m - carrier_position_),
-              v = carrier_velocity_ + share * (velocity_mps - carrier_velocity_);
-      const S way = x - position_, beyond = way - clamp(way, -half_play_, half_play_);
-      const S pushed = stiffness_ * beyond + damping_ * (v - velocity_);
-      velocity_ += h * select(beyond * pushed > S(0), pushed, S(0));
-      position_ += h * velocity_;
+    // Contact by where both would be half a step on; one that would pull is none.
+    const S halfway = position_m - position_ + half * (velocity_mps - velocity_), at = edge(halfway);
+    S k = stiffness_, d = damping_;
+    if (has_play_) {
+      const auto touches = pushed(halfway - at, velocity_mps - velocity_) * halfway > S(0);
+      k = select(touches, k, S(0));
+      d = select(touches, d, S(0));
     }
-    acceleration_ = (velocity_ - before) / S(h_s);
+    const S way = position_m - at - position_, faster = velocity_mps - velocity_;
+    const S start = k * way + d * faster, now = has_play_ ? select(start * halfway > S(0), start, S(0)) : start;
+    const S inverse = S(1) / (S(1) + half * (d + half * k));
+    // y_1 = y_0 + h/2 (y'_0 + y'_1), x_1 likewise; y'_1 = y'_0 + h/2 (y''_0 + k (x_1 - y_1) + d (x'_1 - y'_1)).
+    const S free = inverse * (velocity_ + half * (now + k * (way + half * faster)));
+    return {free, inverse * half * (d + half * k), inverse * half * k};
   }
-  static constexpr double resolved = 0.1;  ///< of a radian of the coupling's own swing
 
   S mass_{}, stiffness_{}, damping_{}, half_play_{};
-  S position_{}, velocity_{}, acceleration_{}, carrier_position_{}, carrier_velocity_{};
-  double fastest_per_s_ = 0.0;
+  S position_{}, velocity_{}, acceleration_{};
   bool has_play_ = false;
 };
 

@@ -22,6 +22,8 @@ template <class S> class Oscillation {
     value_ = amplitude_ * sine(phase_);
   }
   S value() const noexcept { return value_; }
+  /// A time from now.
+  S ahead(double time_s) const noexcept { return amplitude_ * sine(phase_ + S(time_s) * per_s_); }
   /// Whether any lane has one.
   bool is_there() const noexcept { return any(!(amplitude_ == S(0))); }
 

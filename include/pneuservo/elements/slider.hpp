@@ -32,18 +32,17 @@ template <class S> class Slider {
     has_dry_friction_ = any(!(dry == S(0)));
     load_.configure(effects.elastic_load);
     loose_load_.configure(effects.load_backlash);
-    has_load_ = load_.is_there();
-    has_loose_load_ = loose_load_.is_there();
+    has_couplings_ = load_.is_there() || loose_load_.is_there();
     const PeriodicForce<S>& periodic = effects.periodic_force;
     disturbance_.configure(periodic.amplitude_N, periodic.frequency_Hz, periodic.phase_rad);
     is_disturbed_ = disturbance_.is_there();
-    has_others_ = has_load_ || has_loose_load_ || is_disturbed_;
   }
   /// With coupled loads at rest in the middle of their couplings.
   void reset(const S& position_m, const S& velocity_mps) noexcept {
     position_ = position_m;
     velocity_ = velocity_mps;
-    if (has_others_) reset_others();
+    if (has_couplings_) load_.reset(position_m, velocity_mps), loose_load_.reset(position_m, velocity_mps);
+    if (is_disturbed_) disturbance_.reset();
   }
 
   /// Dry friction [N] (a magnitude) at speed `speed` in direction sign (+1, -1).
@@ -71,11 +70,13 @@ template <class S> class Slider {
            select(sign > S(0), own.forward_Ns_per_m, select(sign < S(0), own.backward_Ns_per_m, S(0)));
   }
 
-  /// One step of h [s] under the constant driving force [N]. Viscous friction is trapezoidal, dry friction is taken at
-  /// the start speed; the position follows the mean velocity.
+  /// One step of h [s] under the constant driving force [N]. Viscous friction and couplings are trapezoidal, dry
+  /// friction is taken at the start speed; the position follows the mean velocity.
   void step(double h_s, const S& driving_force_N, const SliderSurroundings<S>& around) noexcept {
     const S h(h_s), zero(0);
-    const S force = less_load(has_others_ ? driving_force_N + other_forces(h_s) : driving_force_N, position_);
+    const S alone =
+        less_load(is_disturbed_ ? driving_force_N + disturbance_.ahead(0.5 * h_s) : driving_force_N, position_);
+    const S force = has_couplings_ ? alone + load_.force() + loose_load_.force() : alone;
     const auto resting = velocity_ == zero;
     const S direction = select(resting, select(force >= zero, S(1), S(-1)), select(velocity_ > zero, S(1), S(-1)));
     const S speed = absolute(velocity_);
@@ -84,7 +85,13 @@ template <class S> class Slider {
     const S holds_most = has_dry_friction_ ? dry_friction(zero, direction, position_, around) : zero;
     const auto held = resting & (absolute(force) <= holds_most);
     const S damping = S(0.5) * h * damping_coefficient(speed, direction) * inverse_mass_;
-    const S v_free = (velocity_ * (S(1) - damping) + h * (force - direction * dry) * inverse_mass_) / (S(1) + damping);
+    S pushed = h * (alone - direction * dry), carried = S(1) + damping;
+    if (has_couplings_) {
+      const auto load = load_.given(h_s, position_, velocity_), loose = loose_load_.given(h_s, position_, velocity_);
+      pushed -= load.free + loose.free;
+      carried += (load.by_velocity + loose.by_velocity) * inverse_mass_;
+    }
+    const S v_free = (velocity_ * (S(1) - damping) + pushed * inverse_mass_) / carried;
     // Dry friction cannot turn the motion round: it ends at rest at the instant where v = 0.
     const auto moving = !resting;
     const auto stops = moving & (v_free * direction <= zero) & (dry > zero);
@@ -93,11 +100,16 @@ template <class S> class Slider {
     const S v_new = select(held | stops, zero, v_free);
     const S moved =
         select(held, zero, select(stops, S(0.5) * fraction * h * velocity_, S(0.5) * h * (velocity_ + v_free)));
+    const S start_position = position_, start_velocity = velocity_;
     position_ += moved;
     const S gained = absolute(v_new - velocity_);
     velocity_ = v_new;
     stop_at_ends(gained);
-    if (has_others_) carry_loads(h_s);
+    if (has_couplings_) {
+      load_.step(h_s, start_position, start_velocity, position_, velocity_);
+      loose_load_.step(h_s, start_position, start_velocity, position_, velocity_);
+    }
+    if (is_disturbed_) disturbance_.step(h_s);
   }
 
   S position() const noexcept { return position_; }
@@ -106,32 +118,6 @@ template <class S> class Slider {
   S mass() const noexcept { return mass_; }
 
  private:
-  void reset_others() noexcept {
-    load_.reset(position_, velocity_);
-    loose_load_.reset(position_, velocity_);
-    last_load_force_ = S(0);
-    disturbance_.reset();
-  }
-  void carry_loads(double h_s) noexcept {
-    if (has_load_) load_.step(h_s, position_, velocity_);
-    if (has_loose_load_) loose_load_.step(h_s, position_, velocity_);
-  }
-  // Of an elastic coupling, carried on to the middle of the step as the plant does with the gas; the blows of a loose
-  // one, which must not be counted twice; and of a disturbance.
-  S other_forces(double h_s) noexcept {
-    S sum(0);
-    if (has_load_) {
-      const S force = load_.force();
-      sum += S(1.5) * force - S(0.5) * last_load_force_;
-      last_load_force_ = force;
-    }
-    if (has_loose_load_) sum += loose_load_.force();
-    if (is_disturbed_) {
-      disturbance_.step(h_s);
-      sum += disturbance_.value();
-    }
-    return sum;
-  }
   // Inelastic end stop: the way beyond it is travelled back with the reflected speed. A rebound slower than what the
   // force gains in a step would be back before the step ends: it is rest.
   void stop_at_ends(const S& gained) noexcept {
@@ -151,9 +137,8 @@ template <class S> class Slider {
 
   S mass_ = S(1), inverse_mass_ = S(1), viscous_{}, half_stroke_ = S(1), restitution_{};
   MotionEffects<S> effects_;
-  bool has_dry_friction_ = true, has_load_ = false, has_loose_load_ = false, is_disturbed_ = false, has_others_ = false;
+  bool has_dry_friction_ = true, has_couplings_ = false, is_disturbed_ = false;
   HangingMass<S> load_, loose_load_;
-  S last_load_force_{};
   Oscillation<S> disturbance_;
   S position_{}, velocity_{};
 };

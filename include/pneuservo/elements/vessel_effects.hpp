@@ -61,7 +61,8 @@ template <class S> struct PorousLeak {
 template <class S> struct DropOutDelay {
   static constexpr std::string_view element = "timing";
   static constexpr std::string_view family = "late";
-  static constexpr std::array traits{amplitude("delay_s", EffectScale::one, 0.01, 5e-4)};
+  static constexpr std::array traits{
+      amplitude("delay_s", EffectScale::one, 0.01, 5e-4).whole_at(effect_grids::drop_out_delays)};
   S delay_s = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"delay_s", "s", 0, 5, "dead time of switching to exhaust, beside command_delay"}, p.delay_s...);

@@ -444,6 +444,7 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
   }
   const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
                         is_owner_refuted(search, decision, rules) && most >= rules.named_share &&
+                        decision.levels.highest() <= rules.largest_remainder &&
                         !has_absurd_parameter(*decision.chosen, search, rules);
   const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;
   if (find_supply_swing(model, search, rules, taken, decision)) return decision;

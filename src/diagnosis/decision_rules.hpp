@@ -40,6 +40,8 @@ struct DecisionRules {
   double periodic_share = 0.5;  ///< of a force's squared residual in motion: what makes it a periodic force
   double swing_share = 0.5;     ///< of the squared mismatch: the least that a supply which swings takes
   double swing_left = 0.6;      ///< of what the best sine of another frequency leaves: the most that its own leaves
+  double largest_remainder =
+      40; ///< in sigma: more beside a name is no small physics; the given machines left 17 at most
   double named_share = 0.5;  ///< of the squared residual of one channel: what a name must take there
   double farthest_parameter = 3;  ///< a parameter off by more than this factor has the pattern of something else
   double most_sure_beside = 0.85;  ///< of a name beside such a remainder

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "config/rig_parameters.hpp"
-#include "diagnosis/periodic_supply.hpp"
+#include "diagnosis/disturbances.hpp"
 
 namespace pneuservo {
 
@@ -100,6 +100,19 @@ bool is_sure_of_sizes(const Explanation& explanation, const Search& search, doub
   });
 }
 
+Verdict verdict_of(const Explanation& chosen, const Search& search) {
+  bool sensors = true, parameters = true;
+  for (const std::size_t member : chosen.members) {
+    sensors = sensors && search.candidates()[member].kind == CandidateKind::sensor;
+    parameters = parameters && search.candidates()[member].kind == CandidateKind::parameter;
+  }
+  if (chosen.members.empty()) return Verdict::consistent;
+  if (sensors) return Verdict::sensor_error;
+  return parameters ? Verdict::parameter_error : Verdict::missing_physics;
+}
+
+}  // namespace
+
 std::string what_is_left(const Decision& decision, ResidualModel& model, const DecisionRules& rules) {
   std::string out;
   const auto say = [&](const std::string& what) { out += (out.empty() ? "" : "; ") + what; };
@@ -116,18 +129,6 @@ std::string what_is_left(const Decision& decision, ResidualModel& model, const D
   return out;
 }
 
-Verdict verdict_of(const Explanation& chosen, const Search& search) {
-  bool sensors = true, parameters = true;
-  for (const std::size_t member : chosen.members) {
-    sensors = sensors && search.candidates()[member].kind == CandidateKind::sensor;
-    parameters = parameters && search.candidates()[member].kind == CandidateKind::parameter;
-  }
-  if (chosen.members.empty()) return Verdict::consistent;
-  if (sensors) return Verdict::sensor_error;
-  return parameters ? Verdict::parameter_error : Verdict::missing_physics;
-}
-
-/// A first name has to bring `alarm_gain` before it is as likely as nothing at all.
 std::vector<double> probabilities_of(const std::vector<const Explanation*>& rivals, const DecisionRules& rules) {
   std::vector<double> out;
   double sum = 0;
@@ -141,8 +142,6 @@ std::vector<double> probabilities_of(const std::vector<const Explanation*>& riva
   for (double& p : out) p *= rules.most_sure / sum;
   return out;
 }
-
-}  // namespace
 
 double ModelLevels::chi2(bool held_out) const {
   double sum = 0;
@@ -183,71 +182,6 @@ ModelLevels model_levels(ResidualModel& model, const Hypothesis& hypothesis, con
 }
 
 namespace {
-
-/// Of a force's squared residual in motion: what a sine must take to tell where an `unknown` sits. Without a periodic
-/// force no sine took more than a tenth.
-constexpr double told_share = 0.2;
-
-/// Whether one sine takes this share of what is left of the force in motion; it then is the line of the decision's
-/// levels and in its reason.
-bool find_periodic_force(const ResidualModel& model, const DecisionRules& rules, double least_share,
-                         Decision& decision) {
-  for (std::size_t c = 0; c < model.channels().size(); ++c) {
-    if (model.channels()[c].name != "F" || decision.levels.channels[c].fitted <= rules.floor_level) continue;
-    const std::optional<SpectralLine> line =
-        line_in_motion(model.rows(), decision.levels.residual, static_cast<int>(c));
-    if (!line || line->ratio < least_share) continue;
-    decision.levels.line = line;
-    decision.reason += fmt::format("; a periodic force of {:.2g} N at {:.2f} Hz takes {:.0f} % of what is left of F",
-                                   line->amplitude, line->frequency_Hz, 100 * line->ratio);
-    return true;
-  }
-  return false;
-}
-
-/// Whether one sine takes more of what the owner's model leaves of F than the names do: names that are fitted to a
-/// shaken motion follow the shaking. The verdict then is `unknown` at the motion.
-bool find_shaking(ResidualModel& model, const Search& search, const DecisionRules& rules, Decision& decision) {
-  Decision shaken = decision;
-  shaken.chosen = &search.owner();
-  shaken.levels = model_levels(model, shaken.chosen->fit.hypothesis(), rules);
-  shaken.reason = what_is_left(shaken, model, rules);
-  double taken = 0;
-  for (std::size_t c = 0; c < model.channels().size(); ++c)
-    if (model.channels()[c].name == "F")
-      taken = 1 - std::pow(decision.levels.channels[c].fitted / std::max(shaken.levels.channels[c].fitted, 1e-300), 2);
-  if (!find_periodic_force(model, rules, std::max(rules.periodic_share, taken), shaken)) return false;
-  shaken.rivals = {shaken.chosen};
-  shaken.probabilities = probabilities_of(shaken.rivals, rules);
-  shaken.gain = 0;
-  shaken.verdict = Verdict::unknown;
-  shaken.element = "motion";
-  shaken.is_shaken = true;
-  decision = std::move(shaken);
-  return true;
-}
-
-/// Whether a supply that swings takes more of the owner's squared mismatch than the names do, at its one frequency; the
-/// verdict then is `unknown` there. The pressures that it moves move the piston too, so no sine of F speaks against it.
-bool find_supply_swing(ResidualModel& model, const Search& search, const DecisionRules& rules, double taken_by_names,
-                       Decision& decision) {
-  if (taken_by_names >= rules.nearly_all_share) return false;  // spares the sweep
-  const auto swing = strongest_supply_swing(model, search.owner().fit.hypothesis());
-  if (!swing || swing->share < std::max(rules.swing_share, taken_by_names) ||
-      1 - swing->share > rules.swing_left * (1 - swing->next_share))
-    return false;
-  decision.chosen = &search.owner();
-  decision.rivals = {decision.chosen};
-  decision.probabilities = probabilities_of(decision.rivals, rules);
-  decision.gain = 0;
-  decision.verdict = Verdict::unknown;
-  decision.element = "supply";
-  decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
-  decision.reason = fmt::format(
-      "a supply pressure that swings by {:.2g} kPa at {:.2f} Hz takes {:.0f} % of the squared mismatch; {}",
-      1e-3 * swing->amplitude_Pa, swing->frequency_Hz, 100 * swing->share, what_is_left(decision, model, rules));
-  return true;
-}
 
 /// An explanation by less than is ever named, where it fits better than all that is: no such name then stands for it.
 /// It is named after all where the owner's model leaves more than the floors, else nothing is missing; nullptr: there

@@ -41,6 +41,11 @@ struct Decision {
   double growth = 1;  ///< of squared floors: what evidence and variances are to be divided by
 };
 
+/// What of the decision's levels is above the rules' limits, in words; empty: nothing.
+std::string what_is_left(const Decision& decision, ResidualModel& model, const DecisionRules& rules);
+/// Of rivals, the chosen one first: a first name has to bring `alarm_gain` before it is as likely as nothing at all.
+std::vector<double> probabilities_of(const std::vector<const Explanation*>& rivals, const DecisionRules& rules);
+
 Decision decide(ResidualModel& model, const Search& search, const DecisionRules& rules);
 /// Levels of the chosen explanation as it stands now, and the verdict that they leave.
 void judge_what_is_left(ResidualModel& model, const Search& search, const DecisionRules& rules, Decision& decision);

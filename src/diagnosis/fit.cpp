@@ -122,6 +122,24 @@ Eigen::MatrixXd FittedRows::operator()(const std::vector<Hypothesis>& hypotheses
   return model_.residuals(hypotheses)(fitted_, Eigen::all);
 }
 
+Eigen::Index Fit::own_place(const FreeParameter& parameter) const {
+  for (std::size_t i = 0; i < own_count; ++i)
+    if (parameters[i].is_same(parameter)) return static_cast<Eigen::Index>(i);
+  throw std::logic_error("a fit has no parameter " + parameter.path + " of its own");
+}
+
+std::vector<std::pair<Eigen::Index, Eigen::Index>> shared_parameters(const Fit& a, const Fit& b) {
+  const auto same_prior = [](const FreeParameter& one, const FreeParameter& other) {
+    return one.spread == other.spread && one.lower == other.lower && one.upper == other.upper;
+  };
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> out;
+  for (std::size_t i = 0; i < a.parameters.size(); ++i)
+    for (std::size_t k = 0; k < b.parameters.size(); ++k)
+      if (a.parameters[i].is_same(b.parameters[k]) && same_prior(a.parameters[i], b.parameters[k]))
+        out.emplace_back(i, k);
+  return out;
+}
+
 Hypothesis Fit::hypothesis() const { return with_parameters(base, parameters, plain(z)); }
 
 Eigen::MatrixXd Fit::curvature() const {

@@ -3,6 +3,7 @@
 #include <functional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -51,6 +52,8 @@ struct Fit {
   bool settled = false;
 
   Hypothesis hypothesis() const;
+  /// Where a parameter of the explanation stands; throws std::logic_error where the explanation has none such.
+  Eigen::Index own_place(const FreeParameter& parameter) const;
   /// Of half the objective, by the linear model: J'r + z and J'J + 1, the prior in units of its standard deviation.
   Eigen::VectorXd gradient() const { return jacobian.transpose() * residual + z; }
   Eigen::MatrixXd curvature() const;
@@ -60,6 +63,10 @@ struct Fit {
   /// (J'J + 1)^-1.
   Eigen::MatrixXd covariance() const;
 };
+
+/// Places of the parameters that two fits have in common, with one unit and one range: a name frees wider what is a
+/// nuisance elsewhere.
+std::vector<std::pair<Eigen::Index, Eigen::Index>> shared_parameters(const Fit& a, const Fit& b);
 
 /// Fills the residual and, in every column that is not known, the Jacobian at z.
 void linearise(FittedRows& rows, const std::vector<Fit*>& fits);

@@ -23,6 +23,9 @@ struct FreeParameter {
   double step = 0.005;
   bool signed_overlap = false;  ///< path is the valve's dead band, and it may be negative: an underlap
 
+  /// Whether both are one number, whatever their priors.
+  bool is_same(const FreeParameter& other) const { return start_factor == other.start_factor && path == other.path; }
+
   double varied(double value) const {
     switch (variation) {
       case Variation::logarithmic: return std::log(value);

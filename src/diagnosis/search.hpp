@@ -1,5 +1,6 @@
 // The search for what explains a mismatch: screening by derivatives, refits side by side, pairs with swaps, more.
 #pragma once
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <set>
@@ -19,6 +20,14 @@ struct Explanation {
   Fit fit;
   double log_evidence = -1e300;
 };
+
+inline std::vector<std::size_t> with_member(std::vector<std::size_t> members, std::size_t added) {
+  members.insert(std::upper_bound(members.begin(), members.end(), added), added);
+  return members;
+}
+inline bool contains(const std::vector<std::size_t>& members, std::size_t index) {
+  return std::find(members.begin(), members.end(), index) != members.end();
+}
 
 /// Where a search before this one ended with a name.
 struct KnownStart {

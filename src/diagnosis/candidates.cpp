@@ -190,9 +190,6 @@ void add_effects(const Rig& rig, const MotionRange& range, std::vector<Candidate
   visit_effects(rig, [&](const Field& field, const auto& effect) {
     using Effect = std::remove_cvref_t<decltype(effect)>;
     if constexpr (requires { Effect::is_always_granted; } || requires { Effect::is_sought_apart; }) return;
-    // Where positions alone are compared, what swings on the slider looks like any other fault.
-    if constexpr (requires { Effect::is_told_by_force; })
-      if (rig.kind == RigKind::switched_cylinder) return;
     // An effect that the owner knows is not missing: what may be wrong is its size, as of any other parameter.
     const std::string own = fmt::format("effects.{}.", field.key);
     if (std::any_of(known.begin(), known.end(), [&](const FreeParameter& p) { return p.path.starts_with(own); }))

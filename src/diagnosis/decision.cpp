@@ -383,7 +383,8 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
   const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;
   if (find_supply_swing(model, search, rules, taken, decision)) return decision;
   if (!is_named && find_shaking(model, search, rules, decision)) return decision;
-  const bool is_periodic = find_periodic_force(model, rules, is_named ? rules.periodic_share : told_share, decision);
+  const bool is_periodic =
+      find_periodic_force(model, rules, is_named ? rules.periodic_share : rules.told_share, decision);
   if (!is_periodic && is_named) {
     say_described(search, decision);
     return decision;

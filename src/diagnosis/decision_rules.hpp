@@ -37,11 +37,11 @@ struct DecisionRules {
   std::size_t most_names = 3;  ///< sought; a verdict of so many is doubted as one beyond the tolerances is
   double doubted_left = 1.5;  ///< of the squared residual of what is doubted: the most that small physics leaves
   double refuted_level = 1.25;  ///< of the owner's mean square over the best name's, or over one
+  double told_share = 0.2;  ///< of the same: what tells where an `unknown` sits; else no sine took more than a tenth
   double periodic_share = 0.5;  ///< of a force's squared residual in motion: what makes it a periodic force
   double swing_share = 0.5;     ///< of the squared mismatch: the least that a supply which swings takes
   double swing_left = 0.6;      ///< of what the best sine of another frequency leaves: the most that its own leaves
-  double largest_remainder =
-      40; ///< in sigma: more beside a name is no small physics; the given machines left 17 at most
+  double largest_remainder = 40;  ///< in sigma: more beside a name is no small physics
   double named_share = 0.5;  ///< of the squared residual of one channel: what a name must take there
   double farthest_parameter = 3;  ///< a parameter off by more than this factor has the pattern of something else
   double most_sure_beside = 0.85;  ///< of a name beside such a remainder

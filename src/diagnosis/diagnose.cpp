@@ -329,12 +329,13 @@ void add_next_experiment(const Rig& rig, const ResidualModel& model, const Decis
 /// Whether the verdict needs more than any one machine should lack: as many names as are ever sought, or more of the
 /// owner's tolerances at the end of their range than any owner errs by; or whether held-out stretches speak against it.
 /// Then names may stand for small physics that is everywhere.
-bool is_stretched(const Rig& rig, const Decision& decision, const DecisionRules& rules) {
+bool is_doubtful(const Rig& rig, const Decision& decision, const DecisionRules& rules) {
   if (!rig.is_pneumatic() || decision.verdict == Verdict::consistent) return false;
-  // Names that fit and do not go on: what they stand for is not what is missing.
-  const bool is_unconfirmed = decision.levels.held_out_excess() > rules.held_out_excess;
   if (decision.is_shaken) return false;  // its levels are the owner's, and names would follow the shaking
-  if (decision.verdict == Verdict::unknown && !decision.is_described && is_unconfirmed) return true;
+  // Names that fit and do not go on: what they stand for is not what is missing.
+  if (decision.verdict == Verdict::unknown && !decision.is_described &&
+      decision.levels.held_out_excess() > rules.held_out_excess)
+    return true;
   const Fit& fit = decision.chosen->fit;
   if (decision.chosen->members.size() >= rules.most_names) return true;
   std::size_t at_end = 0;
@@ -395,6 +396,18 @@ Decision with_small_physics(const Rig& rig, FittedRows& rows, std::vector<Candid
   return decide_beside_remainder(model, *search, options.rules);
 }
 
+/// The rig without the disturbances that its config plays in simulation: no recording repeats their phase.
+Rig without_disturbances(Rig rig, std::vector<std::string>& warnings) {
+  const auto leave_out = [&](const char* effect, double& amplitude) {
+    if (amplitude == 0) return;
+    amplitude = 0;
+    warnings.push_back(fmt::format("effects.{} of the config is left out: its phase is that of a simulation", effect));
+  };
+  leave_out("periodic_force", rig.axis.effects.motion.periodic_force.amplitude_N);
+  leave_out("supply_swing", rig.axis.effects.supply_swing.amplitude_Pa);
+  return rig;
+}
+
 }  // namespace
 
 std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int jobs) {
@@ -432,7 +445,7 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   std::optional<Search> beside;
   const bool left_everywhere = decision.verdict == Verdict::unknown && !decision.is_described &&
                                is_everywhere(model.channels(), decision.levels.channels, options.rules.floor_level);
-  if (!out.stopped && (left_everywhere || is_stretched(rig, decision, options.rules))) {
+  if (!out.stopped && (left_everywhere || is_doubtful(rig, decision, options.rules))) {
     const std::vector<std::string> warnings = out.warnings;
     const Decision granted = with_small_physics(rig, rows, candidates, first_search, options, beside, out);
     if (left_everywhere || fits_as_well(granted, decision, options.rules)) {
@@ -475,10 +488,13 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   return out;
 }
 
-Diagnosis diagnose(const Rig& rig, const std::vector<Recording>& recordings, const DiagnoseOptions& options) {
+Diagnosis diagnose(const Rig& configured, const std::vector<Recording>& recordings, const DiagnoseOptions& options) {
   if (recordings.empty()) throw InputError("diagnose: no recording, expected at least one");
+  std::vector<std::string> left_out;
+  const Rig rig = without_disturbances(configured, left_out);
   const std::unique_ptr<ResidualModel> model = make_residual_model(rig, recordings, options.jobs);
   Diagnosis out = diagnose(rig, *model, options);
+  out.warnings.insert(out.warnings.end(), left_out.begin(), left_out.end());
   for (const Recording& recording : recordings) {
     out.recordings.push_back(recording.path);
     for (const auto& [path, value] : recording.changed)

@@ -25,7 +25,8 @@ struct DiagnoseOptions {
 std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int jobs);
 
 /// Throws InputError for recordings that cannot be used.
-Diagnosis diagnose(const Rig& rig, const std::vector<Recording>& recordings, const DiagnoseOptions& options = {});
+Diagnosis diagnose(const Rig& configured, const std::vector<Recording>& recordings,
+                   const DiagnoseOptions& options = {});
 /// The same on a comparison that is there already.
 Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& options = {});
 

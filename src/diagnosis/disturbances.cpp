@@ -10,6 +10,24 @@
 
 namespace pneuservo {
 
+namespace {
+
+/// That no name is given, for what disturbs the owner's machine at this element.
+Decision unknown_at(const std::string& element, ResidualModel& model, const Search& search,
+                    const DecisionRules& rules) {
+  Decision decision;
+  decision.verdict = Verdict::unknown;
+  decision.element = element;
+  decision.chosen = &search.owner();
+  decision.rivals = {decision.chosen};
+  decision.probabilities = probabilities_of(decision.rivals, rules);
+  decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
+  decision.reason = what_is_left(decision, model, rules);
+  return decision;
+}
+
+}  // namespace
+
 bool find_periodic_force(const ResidualModel& model, const DecisionRules& rules, double least_share,
                          Decision& decision) {
   for (std::size_t c = 0; c < model.channels().size(); ++c) {
@@ -26,21 +44,13 @@ bool find_periodic_force(const ResidualModel& model, const DecisionRules& rules,
 }
 
 bool find_shaking(ResidualModel& model, const Search& search, const DecisionRules& rules, Decision& decision) {
-  Decision shaken = decision;
-  shaken.chosen = &search.owner();
-  shaken.levels = model_levels(model, shaken.chosen->fit.hypothesis(), rules);
-  shaken.reason = what_is_left(shaken, model, rules);
+  Decision shaken = unknown_at("motion", model, search, rules);
+  shaken.is_shaken = true;
   double taken = 0;
   for (std::size_t c = 0; c < model.channels().size(); ++c)
     if (model.channels()[c].name == "F")
       taken = 1 - std::pow(decision.levels.channels[c].fitted / std::max(shaken.levels.channels[c].fitted, 1e-300), 2);
   if (!find_periodic_force(model, rules, std::max(rules.periodic_share, taken), shaken)) return false;
-  shaken.rivals = {shaken.chosen};
-  shaken.probabilities = probabilities_of(shaken.rivals, rules);
-  shaken.gain = 0;
-  shaken.verdict = Verdict::unknown;
-  shaken.element = "motion";
-  shaken.is_shaken = true;
   decision = std::move(shaken);
   return true;
 }
@@ -52,16 +62,10 @@ bool find_supply_swing(ResidualModel& model, const Search& search, const Decisio
   if (!swing || swing->share < std::max(rules.swing_share, taken_by_names) ||
       1 - swing->share > rules.swing_left * (1 - swing->next_share))
     return false;
-  decision.chosen = &search.owner();
-  decision.rivals = {decision.chosen};
-  decision.probabilities = probabilities_of(decision.rivals, rules);
-  decision.gain = 0;
-  decision.verdict = Verdict::unknown;
-  decision.element = "supply";
-  decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
-  decision.reason = fmt::format(
-      "a supply pressure that swings by {:.2g} kPa at {:.2f} Hz takes {:.0f} % of the squared mismatch; {}",
-      1e-3 * swing->amplitude_Pa, swing->frequency_Hz, 100 * swing->share, what_is_left(decision, model, rules));
+  decision = unknown_at("supply", model, search, rules);
+  decision.reason =
+      fmt::format("a supply pressure that swings by {:.2g} kPa at {:.2f} Hz takes {:.0f} % of the squared mismatch; {}",
+                  1e-3 * swing->amplitude_Pa, swing->frequency_Hz, 100 * swing->share, decision.reason);
   return true;
 }
 

@@ -4,10 +4,6 @@
 
 namespace pneuservo {
 
-/// Of a force's squared residual in motion: what a sine must take to tell where an `unknown` sits. Without a periodic
-/// force no sine took more than a tenth.
-inline constexpr double told_share = 0.2;
-
 /// Whether one sine takes this share of what is left of the force in motion; it then is the line of the decision's
 /// levels and in its reason.
 bool find_periodic_force(const ResidualModel& model, const DecisionRules& rules, double least_share,

@@ -104,9 +104,9 @@ void Search::refit(const Fit& base, const std::vector<std::size_t>& members,
       attempts.push_back({all, continued_fit(base, all, start)});
       starts.push_back(std::move(start));
     }
-    // A vessel has few numbers, and a fit without the name may have bent them all: once more from the configured ones.
+    // What tolerances mimic while it is small has bent the fit without it: once more from the configured numbers.
     const std::vector<std::vector<double>>& whole = candidates_[added.front().candidate].whole_starts;
-    if (rig_.is_pneumatic() || !members.empty() || whole.empty() || &base == &as_configured_) continue;
+    if (!members.empty() || whole.empty() || &base == &as_configured_) continue;
     starts.push_back(added);
     starts.back().front().start = whole.back();
     attempts.push_back({all, continued_fit(as_configured_, all, starts.back())});

@@ -135,6 +135,18 @@ TEST_CASE("a load that is coupled with play is no law on an axis either: describ
   CHECK(found.verdict == Verdict::unknown);
   REQUIRE(found.answers.size() == 1);
   CHECK(found.answers[0].element == "motion");
+  CHECK(found.answers[0].note.find("load_backlash describes it") != std::string::npos);
+}
+
+TEST_CASE("a disturbance of the config is left out of a diagnosis, with a word") {
+  Rig owner = driven_axis_rig();
+  owner.axis.effects.motion.periodic_force = {5.0, 9.0, 0.0};
+  const Diagnosis found = diagnose(owner, {axis_recording(driven_axis_rig(), 7, no_extra)});
+  INFO(diagnosis_text(found));
+  CHECK(found.verdict == Verdict::consistent);
+  CHECK(std::count_if(found.warnings.begin(), found.warnings.end(), [](const std::string& warning) {
+          return warning.find("effects.periodic_force of the config is left out") != std::string::npos;
+        }) == 1);
 }
 
 TEST_CASE("the JSON has every key of the format") {

@@ -124,7 +124,6 @@ template <class S> struct ElasticLoad {
   static constexpr std::string_view family = "elastic_load";
   /// Beside large friction it would take what the force balance has wrong where the motion turns.
   static constexpr bool is_never_added = true;
-  static constexpr bool is_told_by_force = true;
   static constexpr std::array traits{
       amplitude("mass_kg", EffectScale::moving_mass, 0.3, 0.01),
       shape("natural_frequency_Hz", EffectScale::one, 0.7, effect_grids::load_frequency).by(Variation::logarithmic),
@@ -147,7 +146,6 @@ template <class S> struct LoadBacklash {
   static constexpr std::string_view family = "elastic_load";
   /// When the load strikes and how it comes back hangs on more than any recording shows.
   static constexpr bool is_description = true;
-  static constexpr bool is_told_by_force = true;
   static constexpr std::array traits{
       amplitude("mass_kg", EffectScale::moving_mass, 0.3, 0.01),
       shape("play_m", EffectScale::one, 1.0, effect_grids::load_play).by(Variation::logarithmic),
@@ -199,12 +197,22 @@ template <class S> struct MotionEffects {
   PeriodicForce<S> periodic_force;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     visit_without_air(v, p...);
-    v(Field{"pressure_dependent_friction", "", 0, 0, "seal friction that grows with pressure", Presence::optional},
-      p.pressure_dependent_friction...);
+    visit_seals(v, p...);
     v(Field{"periodic_force", "", 0, 0, "force of one frequency", Presence::optional}, p.periodic_force...);
   }
   /// Those of an axis that is recorded and not run, without pressures.
   template <class V, class... P> static void visit_without_air(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    visit_rigid(v, p...);
+    v(Field{"elastic_load", "", 0, 0, "load on a soft coupling", optional}, p.elastic_load...);
+    v(Field{"load_backlash", "", 0, 0, "load coupled with play", optional}, p.load_backlash...);
+  }
+  template <class V, class... P> static void visit_seals(V&& v, P&... p) {
+    v(Field{"pressure_dependent_friction", "", 0, 0, "seal friction that grows with pressure", Presence::optional},
+      p.pressure_dependent_friction...);
+  }
+  /// Those of a slider all of one piece.
+  template <class V, class... P> static void visit_rigid(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"coulomb_friction", "", 0, 0, "dry friction", optional}, p.coulomb_friction...);
     v(Field{"stribeck_friction", "", 0, 0, "friction that falls with speed", optional}, p.stribeck_friction...);
@@ -216,8 +224,6 @@ template <class S> struct MotionEffects {
       p.direction_dependent_viscous_friction...);
     v(Field{"constant_force", "", 0, 0, "constant load", optional}, p.constant_force...);
     v(Field{"spring_load", "", 0, 0, "spring between slider and frame", optional}, p.spring_load...);
-    v(Field{"elastic_load", "", 0, 0, "load on a soft coupling", optional}, p.elastic_load...);
-    v(Field{"load_backlash", "", 0, 0, "load coupled with play", optional}, p.load_backlash...);
   }
 };
 
@@ -527,10 +533,12 @@ template <class S> struct AxisEffects {
   template <class V, class... P> static void visit_without_air(V&& v, P&... p) {
     MotionEffects<S>::visit_without_air(v, p.motion...);
   }
-  /// Those of a cylinder with an on/off valve.
+  /// Those of a cylinder with an on/off valve, of which positions alone are compared: what swings on its slider would
+  /// look like any other fault.
   template <class V, class... P> static void visit_switched(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
-    MotionEffects<S>::visit(v, p.motion...);
+    MotionEffects<S>::visit_rigid(v, p.motion...);
+    MotionEffects<S>::visit_seals(v, p.motion...);
     v(Field{"command_delay", "", 0, 0, "dead time of the command", optional}, p.valve.command_delay...);
     v(Field{"chamber_leak_1", "", 0, 0, "leak of chamber 1 to atmosphere", optional}, p.chamber_leak_1...);
     v(Field{"chamber_leak_2", "", 0, 0, "leak of chamber 2 to atmosphere", optional}, p.chamber_leak_2...);

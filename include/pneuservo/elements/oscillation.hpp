@@ -13,22 +13,15 @@ template <class S> class Oscillation {
     start_ = phase_rad;
     reset();
   }
-  void reset() noexcept {
-    phase_ = start_;
-    value_ = amplitude_ * sine(phase_);
-  }
-  void step(double h_s) noexcept {
-    phase_ += S(h_s) * per_s_;
-    value_ = amplitude_ * sine(phase_);
-  }
-  S value() const noexcept { return value_; }
+  void reset() noexcept { phase_ = start_; }
+  void step(double h_s) noexcept { phase_ += S(h_s) * per_s_; }
   /// A time from now.
-  S ahead(double time_s) const noexcept { return amplitude_ * sine(phase_ + S(time_s) * per_s_); }
+  S value(double ahead_s = 0) const noexcept { return amplitude_ * sine(phase_ + S(ahead_s) * per_s_); }
   /// Whether any lane has one.
   bool is_there() const noexcept { return any(!(amplitude_ == S(0))); }
 
  private:
-  S amplitude_{}, per_s_{}, start_{}, phase_{}, value_{};
+  S amplitude_{}, per_s_{}, start_{}, phase_{};
 };
 
 }  // namespace pneuservo

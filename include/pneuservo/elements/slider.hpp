@@ -75,7 +75,7 @@ template <class S> class Slider {
   void step(double h_s, const S& driving_force_N, const SliderSurroundings<S>& around) noexcept {
     const S h(h_s), zero(0);
     const S alone =
-        less_load(is_disturbed_ ? driving_force_N + disturbance_.ahead(0.5 * h_s) : driving_force_N, position_);
+        less_load(is_disturbed_ ? driving_force_N + disturbance_.value(0.5 * h_s) : driving_force_N, position_);
     const S force = has_couplings_ ? alone + load_.force() + loose_load_.force() : alone;
     const auto resting = velocity_ == zero;
     const S direction = select(resting, select(force >= zero, S(1), S(-1)), select(velocity_ > zero, S(1), S(-1)));

@@ -175,7 +175,9 @@ template <class S> class AxisPlant {
     }
   }
   // Of what feeds the supply.
-  S fed_pressure() const noexcept { return axis_.supply.pressure_Pa + supply_swing_.value(); }
+  S fed_pressure() const noexcept {
+    return swings_ ? axis_.supply.pressure_Pa + supply_swing_.value() : axis_.supply.pressure_Pa;
+  }
   // Force at the middle of the sub-step: the gas moves after the slider, so the force of its start acts on the slider's
   // way and would take w h/4 from the damping ratio of the gas springs. Its last change, whatever made it, is carried
   // on.

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <pneuservo/elements/hanging_mass.hpp>
+#include <pneuservo/elements/coupled_load.hpp>
 #include <pneuservo/elements/slider.hpp>
 
 namespace pneuservo {
@@ -77,7 +77,7 @@ class CarriedLoad {
   }
   static constexpr double longest_step_s = 5e-4;  ///< swings of 100 Hz are then 1 % too slow, of 10 Hz none
 
-  HangingMass<double> load_;
+  CoupledLoad<double> load_;
   int steps_;
   double step_s_, x_ = 0, v_ = 0;
   bool is_there_ = false, is_carried_ = false;

@@ -109,8 +109,8 @@ TEST_CASE("slider: end stops hold, rebound and come to rest") {
 }
 
 TEST_CASE(
-    "hanging mass: where its carrier stands still it swings with its frequency and damping, and pulls by its law") {
-  HangingMass<double> load;
+    "coupled load: where its carrier stands still it swings with its frequency and damping, and pulls by its law") {
+  CoupledLoad<double> load;
   load.configure(ElasticLoad<double>{0.8, 6.0, 0.05});
   load.reset(0.0, 0.3);  // the carrier stands at 0, the mass passes it
   const double w = 2 * M_PI * 6.0, w_d = w * std::sqrt(1 - 0.05 * 0.05), h = 2e-5;

@@ -1,7 +1,7 @@
 // Moving mass with friction laws, loads and end stops (thesis 3.22 with the friction opposing the motion).
 #pragma once
 #include <pneuservo/elements/effects.hpp>
-#include <pneuservo/elements/hanging_mass.hpp>
+#include <pneuservo/elements/coupled_load.hpp>
 #include <pneuservo/elements/oscillation.hpp>
 #include <pneuservo/elements/parameters.hpp>
 
@@ -138,7 +138,7 @@ template <class S> class Slider {
   S mass_ = S(1), inverse_mass_ = S(1), viscous_{}, half_stroke_ = S(1), restitution_{};
   MotionEffects<S> effects_;
   bool has_dry_friction_ = true, has_couplings_ = false, is_disturbed_ = false;
-  HangingMass<S> load_, loose_load_;
+  CoupledLoad<S> load_, loose_load_;
   Oscillation<S> disturbance_;
   S position_{}, velocity_{};
 };

@@ -1,4 +1,4 @@
-// A mass on a spring and a damper that is carried along, with play or without: the load of a coupling.
+// The load of a coupling: a mass on a spring and a damper that is carried along, with play or without.
 #pragma once
 #include <pneuservo/elements/effects.hpp>
 
@@ -8,7 +8,7 @@ namespace pneuservo {
 /// with the carrier. k = m_l w^2, d = 2 zeta m_l w with w = 2 pi natural_frequency_Hz, the frequency that it has where
 /// the carrier stands still. With play g the coupling pushes where |x - y| > g/2 alone, on what is beyond, and never
 /// pulls. By the trapezoidal rule, which no stiffness upsets: the speed at a step's end is affine in the carrier's.
-template <class S> class HangingMass {
+template <class S> class CoupledLoad {
  public:
   void configure(const ElasticLoad<S>& load) noexcept {
     configure(load.mass_kg, load.natural_frequency_Hz, load.damping_ratio, S(0));

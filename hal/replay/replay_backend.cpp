@@ -28,7 +28,7 @@ bool ReplayBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
     const double value = (*columns_[i])[row_];
     *channels[i] = {value, 0.0, std::isfinite(value) && ticks_[row_] == tick, Origin::replayed};
   }
-  measurement.device_faults = static_cast<std::uint32_t>((recorded_faults() & device_fault_mask) >> device_fault_shift);
+  measurement.device_faults = device_faults_of(recorded_faults());
   // Digital inputs are not recorded; the faults that they made are.
   const auto line = [&](std::uint64_t fault, LineState when_faulty) {
     return DigitalLine{(recorded_faults() & fault) != 0 ? when_faulty : LineState::absent};

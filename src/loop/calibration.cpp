@@ -92,7 +92,7 @@ ChannelZero find_home(const Rig& rig, Backend& backend, const HomingSettings& se
     if (stands_since < 0 || std::fabs(in.position_m - stands_at_m) > HomingSettings::standing_m)
       stands_at_m = in.position_m, stands_since = tick;
     const double period_s = rig.period_s * static_cast<double>(skipped + 1);
-    if (std::fabs(in.position_m - before_m) > rig.limits.speed_mps * period_s)
+    if (std::fabs(in.position_m - before_m) > rig.limits.speed_mps.value_or(HomingSettings::fastest_mps) * period_s)
       throw std::runtime_error("homing: the slider is faster than limits.speed_mps: give a smaller command");
     before_m = in.position_m;
     if (std::isnan(first_m)) first_m = in.position_m;

@@ -19,6 +19,7 @@ struct HomingSettings {
   double timeout_s = 30.0;
   bool real_time = false;   ///< on the machine's clock; else as fast as it goes
   static constexpr double usual_share = 0.02;
+  static constexpr double fastest_mps = 5.0;  ///< where limits.speed_mps says nothing
   static constexpr double ramp_s = 0.5, standing_s = 1.0;
   static constexpr double standing_m = 2e-4;  ///< less way than this in standing_s is standing
 };

@@ -14,6 +14,7 @@ constexpr double at_end_stop_m = 1e-3;
 constexpr std::uint64_t missing_faults = fault_position_missing | fault_port_pressure_1_missing |
                                          fault_port_pressure_2_missing | fault_chamber_pressure_1_missing |
                                          fault_chamber_pressure_2_missing | fault_supply_missing;
+constexpr double fastest_mps = 5.0;
 constexpr double usual_pressure_limit = 1.4;  // of the supply: a stop at the end of the stroke compresses above it
 
 /// What all channels share.
@@ -62,7 +63,8 @@ PlausibleChannel plausible_position(const Rig& rig) {
   channel.highest = rig.axis.cylinder.stroke_m;  // twice the half: beyond that the encoder is not of this axis
   channel.lowest = -channel.highest;
   channel.slack = 6.0 * noise + quantum;
-  channel.step_per_period = 2.0 * rig.limits.speed_mps * rig.period_s;  // below that the fault is `speed`
+  channel.step_per_period =
+      2.0 * rig.limits.speed_mps.value_or(fastest_mps) * rig.period_s;  // below that the fault is `speed`
   channel.step_growth = 3.0 * fastest_start_mps2(rig) * rig.period_s * rig.period_s;
   channel.stopping_step = stopping_mps * rig.period_s + 6.0 * noise + quantum;
   channel.frozen_ticks = frozen_after_ticks(noise, quantum);
@@ -88,7 +90,7 @@ void Supervisor::configure(const Rig& rig, bool needs_chambers) {
   needs_chambers_ = needs_chambers;
   period_s_ = rig.period_s;
   safe_V_ = safe_commands_V(rig);
-  speed_limit_mps_ = rig.limits.speed_mps;
+  speed_limit_mps_ = rig.limits.speed_mps.value_or(fastest_mps);
   cylinder_ = rig.axis.cylinder;
   half_stroke_m_ = 0.5 * rig.axis.cylinder.stroke_m;
   position_limit_m_ = half_stroke_m_ + rig.limits.position_margin_m;
@@ -227,7 +229,7 @@ JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped
   // What a dead bus does not bring is its consequence, not the reason.
   if ((measured.device_faults & (device_bus_off | device_link_down)) != 0) faults &= ~missing_faults;
   faults |= judge_digital(measured.digital);
-  faults |= std::uint64_t{measured.device_faults} << device_fault_shift & device_fault_mask;
+  faults |= faults_of_devices(measured.device_faults);
   // Slots are skipped where lateness and work together passed the next one of the ideal grid.
   if (static_cast<double>(skipped) * period_s_ > lateness_limit_s_) faults |= fault_late_tick;
   latch(faults);

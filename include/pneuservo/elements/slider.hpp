@@ -1,7 +1,7 @@
 // Moving mass with friction laws, loads and end stops (thesis 3.22 with the friction opposing the motion).
 #pragma once
-#include <pneuservo/elements/effects.hpp>
 #include <pneuservo/elements/coupled_load.hpp>
+#include <pneuservo/elements/effects.hpp>
 #include <pneuservo/elements/oscillation.hpp>
 #include <pneuservo/elements/parameters.hpp>
 

@@ -24,6 +24,9 @@ enum DeviceFault : std::uint32_t {
   device_link_down = 1u << 1,
   device_node_lost = 1u << 2,
   device_emergency = 1u << 3,
+  device_double_answer = 1u << 4,  ///< more than one answer a cycle: two devices with one number, or two masters
+  device_output_unconfirmed = 1u << 5,  ///< the read-back output is not the one that was sent
+  device_guard_lost = 1u << 6,  ///< what watches this program from outside does not answer
 };
 
 /// A digital line. Polarity is the backend's: `on` is what the line's name says, whatever the wire carries. A line that

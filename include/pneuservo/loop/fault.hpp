@@ -44,11 +44,29 @@ enum Fault : std::uint64_t {
   fault_flow_mismatch_2 = 1ull << 33,
   fault_chamber_mismatch_1 = 1ull << 34,
   fault_chamber_mismatch_2 = 1ull << 35,
+  fault_deviation = 1ull << 36,
+  fault_stall = 1ull << 37,
+  fault_end_stop = 1ull << 38,
+  fault_start_motion = 1ull << 39,
+  fault_position_unreliable = 1ull << 40,
+  fault_pressure_unreliable = 1ull << 41,
+  fault_missed_slots = 1ull << 42,
+  fault_checks_rested = 1ull << 43,
+  fault_suspended = 1ull << 44,
+  fault_double_answer = 1ull << 48,
+  fault_output_unconfirmed = 1ull << 49,
+  fault_guard_lost = 1ull << 50,
 };
 
-/// The faults that devices report themselves, bit by bit as in DeviceFault (hal/channel.hpp).
-inline constexpr unsigned device_fault_shift = 20;
-inline constexpr std::uint64_t device_fault_mask = 0xFull << device_fault_shift;
+/// The faults that devices report themselves: the bits of DeviceFault (hal/channel.hpp), the first four from bit 20 on,
+/// the others from bit 48 on.
+constexpr std::uint64_t faults_of_devices(std::uint32_t device_faults) noexcept {
+  return std::uint64_t{device_faults & 0xFu} << 20 | std::uint64_t{device_faults >> 4 & 0xFu} << 48;
+}
+
+constexpr std::uint32_t device_faults_of(std::uint64_t faults) noexcept {
+  return static_cast<std::uint32_t>((faults >> 20 & 0xFu) | (faults >> 48 & 0xFu) << 4);
+}
 
 /// A fault in words: what it means and, after the colon, what to do about it.
 struct FaultText {
@@ -56,7 +74,7 @@ struct FaultText {
   std::string_view name;
   std::string_view meaning;
 };
-inline constexpr std::array<FaultText, 36> fault_texts{{
+inline constexpr std::array<FaultText, 48> fault_texts{{
     {fault_position_missing, "position_missing",
      "the position was missing, too old, not a number or out of range: check encoder, cable and supply"},
     {fault_position_jump, "position_jump",
@@ -144,6 +162,34 @@ inline constexpr std::array<FaultText, 36> fault_texts{{
     {fault_chamber_mismatch_2, "chamber_mismatch_2",
      "measured and estimated pressure of chamber 2 differ by more than limits.chamber_mismatch_Pa: check both sensors "
      "of side 2, line 2 and the config's line_2"},
+    {fault_deviation, "deviation",
+     "the position is further from the predicted motion than limits.deviation_m: look for an obstacle, a jam, a "
+     "payload "
+     "above limits.payload_max_kg, a wrong gain or a valve that does not answer"},
+    {fault_stall, "stall",
+     "the air pushed with more than limits.stall_force_N while the slider stood: look for what blocks it"},
+    {fault_end_stop, "end_stop",
+     "the slider ran onto an end stop: check reference, encoder's zero and gains, or allow it by "
+     "limits.end_stop_contact"},
+    {fault_start_motion, "start_motion",
+     "the first motion did not go where the valve should send it: check the signs of valve and encoder, both hoses and "
+     "both port sensors (pneuservo commission tells which)"},
+    {fault_position_unreliable, "position_unreliable",
+     "more than limits.bad_share of the position's samples were bad: check encoder, cable and bus"},
+    {fault_pressure_unreliable, "pressure_unreliable",
+     "more than limits.bad_share of a pressure's samples were bad: check sensors, cables and bus"},
+    {fault_missed_slots, "missed_slots",
+     "the loop missed more than limits.missed_share of its slots: see what pneuservo check says of the machine"},
+    {fault_checks_rested, "checks_rested",
+     "the cross-checks could not watch the moving axis for longer than limits.checks_rest_s: end what makes the loop "
+     "late or its inputs bad"},
+    {fault_suspended, "suspended",
+     "the machine was suspended while the axis was active: forbid it (systemctl mask sleep.target suspend.target)"},
+    {fault_double_answer, "double_answer",
+     "a device answered more than once a cycle: look for a second device with its number or a second master"},
+    {fault_output_unconfirmed, "output_unconfirmed",
+     "the output that the device reads back is not the one that was sent: check the device and who else commands it"},
+    {fault_guard_lost, "guard_lost", "pneuservo guard does not answer: start it before the run"},
 }};
 
 }  // namespace pneuservo

@@ -20,6 +20,7 @@ struct Row {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
   double t_s = 0.0;
   double x_ref_m = none, v_ref_mps = none;
+  double x_predicted_m = none;                            ///< of the simulated closed loop
   double x_m = none, v_mps = none;
   double u_V = none;
   double u1_V = none, u2_V = none;                        ///< of a servo table's two valves, instead of u_V
@@ -42,6 +43,7 @@ struct Row {
     v(std::string_view("t_s"), r.t_s...);
     v(std::string_view("x_ref_m"), r.x_ref_m...);
     v(std::string_view("v_ref_mps"), r.v_ref_mps...);
+    v(std::string_view("x_predicted_m"), r.x_predicted_m...);
     v(std::string_view("x_m"), r.x_m...);
     v(std::string_view("v_mps"), r.v_mps...);
     v(std::string_view("u_V"), r.u_V...);

@@ -57,9 +57,22 @@ struct EstimatorSettings {
   }
 };
 
-/// Limits whose breach ends the motion in the safe output.
+/// What the slider may do at an end stop.
+enum class EndStopContact { fault, allowed };
+inline constexpr std::array<std::string_view, 2> end_stop_contact_names{"fault", "allowed"};
+
+/// Limits whose breach ends the motion in the safe output. What is not stated is derived from the config's own
+/// simulation over tolerances, payload and friction (loop/motion_limits.hpp); `pneuservo check` prints it.
 struct LimitParameters {
-  double speed_mps = 5.0;
+  std::optional<double> speed_mps;
+  std::optional<double> deviation_m;
+  std::optional<double> stall_force_N;
+  EndStopContact end_stop_contact = EndStopContact::fault;
+  std::optional<double> payload_max_kg;
+  std::optional<double> dry_friction_max_N;
+  double bad_share = 0.1;
+  double missed_share = 0.1;
+  double checks_rest_s = 1.0;
   double position_margin_m = 0.005;
   std::optional<double> pressure_Pa;
   double supply_share = 0.5;
@@ -70,7 +83,35 @@ struct LimitParameters {
   double chamber_mismatch_Pa = 15e3;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
-    v(Field{"speed_mps", "m/s", 1e-3, 100, "measured speed above it is a fault", optional}, p.speed_mps...);
+    v(Field{"speed_mps", "m/s", 1e-3, 100, "measured speed above it is a fault; default: derived", optional},
+      p.speed_mps...);
+    v(Field{"deviation_m", "m", 0, 10,
+            "measured position further than this from the predicted motion is a fault; default: derived; 0: not "
+            "checked",
+            optional},
+      p.deviation_m...);
+    v(Field{"stall_force_N", "N", 0, 1e9,
+            "force of the air on a slider that stands above it is a fault; default: derived; 0: not checked", optional},
+      p.stall_force_N...);
+    v(Field{"end_stop_contact", "", 0, 0, "whether running onto an end stop is a fault", optional,
+            end_stop_contact_names},
+      p.end_stop_contact...);
+    v(Field{"payload_max_kg", "kg", 0, 1e4,
+            "largest payload that the derived limits allow for; default: slider.payload_kg", optional},
+      p.payload_max_kg...);
+    v(Field{"dry_friction_max_N", "N", 0, 1e6,
+            "largest dry friction that the derived limits allow for; default: 10 kPa on the larger piston area",
+            optional},
+      p.dry_friction_max_N...);
+    v(Field{"bad_share", "-", 0, 1,
+            "bad samples of a channel above this share of about 0.3 s are a fault; 1: not checked", optional},
+      p.bad_share...);
+    v(Field{"missed_share", "-", 0, 1, "missed slots above this share of about 0.3 s are a fault; 1: not checked",
+            optional},
+      p.missed_share...);
+    v(Field{"checks_rest_s", "s", 0, 3600,
+            "cross-checks that rest longer than this while the axis is active are a fault; 0: not checked", optional},
+      p.checks_rest_s...);
     v(Field{"position_margin_m", "m", 0, 1, "measured position further than this beyond an end stop is a fault",
             optional},
       p.position_margin_m...);

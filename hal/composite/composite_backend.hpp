@@ -23,6 +23,7 @@ class CompositeBackend final : public Backend {
   bool write(std::int64_t tick, const Command& command) noexcept override;
   void deactivate() noexcept override;
   Origins origins() const override;
+  SafeOutput safe_output() const override;
   std::vector<std::string> notes() const override;
   std::string name() const override { return "configured"; }
 

@@ -40,7 +40,7 @@ class SafeEnd {
  public:
   SafeEnd(const Rig& rig, Backend& backend) : safe_V_(safe_commands_V(rig)), backend_(backend) { backend.activate(); }
   ~SafeEnd() {
-    backend_.write(tick + 1, {safe_V_[0], safe_V_[1]});
+    backend_.write(tick + 1, {safe_V_[0], safe_V_[1], false, true});
     backend_.deactivate();
   }
   SafeEnd(const SafeEnd&) = delete;

@@ -14,6 +14,7 @@
 #include "config/read_rig.hpp"
 #include "loop/realtime_stop.hpp"
 #include "loop/runner.hpp"
+#include "loop/safe_output_text.hpp"
 #include "program/gain_file.hpp"
 #include "program/injection.hpp"
 #include "program/rig_options.hpp"
@@ -48,7 +49,7 @@ Rig read_with_options(const RunOptions& options) {
   if (options.duration_s > 0.0) sets.push_back(fmt::format("duration_s={}", options.duration_s));
   if (!options.pressure_source.empty() && options.pressure_source != "all")
     sets.push_back("controller.pressure_source=" + options.pressure_source);
-  Rig rig = read_rig(options.config, sets);
+  Rig rig = read_rig(options.config, sets, options.backend == "sim" ? ConfigUse::simulation : ConfigUse::machine);
   if (rig.sensors.position.incremental && backend_of(options, rig) != "sim" && !rig.zeros.contains("x"))
     throw InputError(options.config +
                      ": sensors.position.incremental: found true without a zero of x, expected --zeros "
@@ -200,10 +201,8 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   for (std::size_t i = 0; i < outcome.faults.size(); ++i)
     std::cerr << (i < outcome.first_faults ? "fault: " : "after it: ") << outcome.faults[i] << "\n";
   if (!outcome.faults.empty())
-    std::cerr << fmt::format(
-        "the valve has its safe output of {} V since t = {:.6g} s; when the cause is mended, run the "
-        "same command again\n",
-        safe_commands_V(rig)[0], outcome.fault_s);
+    std::cerr << safe_output_text(backend->safe_output(), rig)
+              << "; when the cause is mended, run the same command again\n";
 
   for (std::size_t i = 0; i < outcome.moves.size(); ++i) {
     const MoveSpan& span = outcome.moves[i];

@@ -198,7 +198,7 @@ void CanopenNode::on_frame(const CanFrame& frame, std::int64_t now_ns, std::vect
     if (const auto answer = server_.answer(frame)) out.push_back(*answer);
     return;
   }
-  if (state_ != NmtState::operational) return;
+  if (state_ != NmtState::operational || is_deaf) return;
   for (Pdo& pdo : receive_) {
     if (!pdo.enabled || pdo.id != frame.id) continue;
     if (frame.length * 8u < pdo.bits) {

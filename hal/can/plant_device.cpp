@@ -87,8 +87,10 @@ bool PlantDevice::is_off(const CanopenNode& node) const { return is_active(Injec
 void PlantDevice::on_frame(const ReceivedFrame& received, std::vector<CanFrame>& out) {
   now_ns_ = received.received_ns;
   if (is_sync(received.frame)) return on_sync(received, out);
-  for (auto& node : nodes_)
+  for (auto& node : nodes_) {
+    node->is_deaf = is_active(InjectedKind::deaf, node->name());
     if (!is_off(*node)) node->on_frame(received.frame, received.received_ns, out);
+  }
 }
 
 void PlantDevice::on_sync(const ReceivedFrame& received, std::vector<CanFrame>& out) {
@@ -114,6 +116,7 @@ void PlantDevice::answer(CanopenNode& node, std::vector<CanFrame>& out) {
   if (is_active(InjectedKind::drop, node.name())) return;
   auto& where = is_active(InjectedKind::late, node.name()) ? held_back_ : out;
   where.insert(where.end(), answers.begin(), answers.end());
+  if (is_active(InjectedKind::doubled, node.name())) where.insert(where.end(), answers.begin(), answers.end());
 }
 
 void PlantDevice::take_command() {
@@ -198,6 +201,8 @@ void PlantDevice::begin(const InjectedFault& order, std::vector<CanFrame>& out) 
     if (node->name() != order.target) continue;
     const double code = order.value.value_or(usual_emergency);
     if (order.kind == InjectedKind::emergency) node->raise_emergency(static_cast<std::uint16_t>(code), 0x01, out);
+    if (order.kind == InjectedKind::pre_operational)
+      node->on_frame(nmt_frame(NmtCommand::enter_pre_operational, node->node()), now_ns_, out);
     if (order.kind == InjectedKind::reboot) node->power_on(now_ns_, out);
   }
 }

@@ -12,6 +12,7 @@
 #include "config/dump_rig.hpp"
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
+#include "loop/device_grade.hpp"
 #include "loop/realtime_stop.hpp"
 #include "loop/runner.hpp"
 #include "loop/safe_output_text.hpp"
@@ -142,6 +143,7 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   }
   const std::vector<InjectedFault> faults = injected_faults(options.scenarios, options.faults, rig);
   auto backend = make_faulty_backend(backend_of(options, rig), rig, faults);
+  if (report.runs.empty() && backend->name() == "configured") std::cerr << device_warning(rig);
   backend->configure();
   report.machine = machine_facts(session ? &session->state() : nullptr);
   report.channel_origins = channel_facts(*backend);

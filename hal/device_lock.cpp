@@ -32,10 +32,9 @@ std::string process_text(int pid) {
 
 // A line of /proc/locks: "1: FLOCK  ADVISORY  WRITE 1234 00:2e:56789 0 EOF", device in hexadecimal.
 int holder_of(int file) {
-  struct stat status {};
+  struct stat status{};
   if (fstat(file, &status) != 0) return 0;
-  const std::string wanted =
-      fmt::format("{:02x}:{:02x}:{}", major(status.st_dev), minor(status.st_dev), status.st_ino);
+  const std::string wanted = fmt::format("{:02x}:{:02x}:{}", major(status.st_dev), minor(status.st_dev), status.st_ino);
   std::ifstream locks("/proc/locks");
   std::string number, kind, mode, access, place, begin, end;
   for (int pid = 0; locks >> number >> kind >> mode >> access >> pid >> place >> begin >> end;)

@@ -174,9 +174,8 @@ void CanBackend::configure() {
     const auto number = static_cast<std::uint8_t>(node.node_id);
     node_numbers_.push_back(number);
     ids.insert(ids.end(), {cob_sdo_answer + number, cob_heartbeat + number, cob_emergency + number});
-    const bool has_output = std::any_of(channels_.begin(), channels_.end(), [&](const CanChannel& c) {
-      return c.is_output && c.node == name;
-    });
+    const bool has_output = std::any_of(channels_.begin(), channels_.end(),
+                                        [&](const CanChannel& c) { return c.is_output && c.node == name; });
     watched.push_back({name, number, nanoseconds(lost_after_heartbeats * node.heartbeat_s), has_output});
   }
   bus_->accept_only(ids);
@@ -195,9 +194,10 @@ void CanBackend::refuse_second_master() {
   const double longest_s = std::max(lost_after_heartbeats * rig_.hal->can->heartbeat_s, 2.0 * rig_.period_s);
   receive_until(nanoseconds(longest_s), [&](const ReceivedFrame&) { return process_.master_frames() > 0; });
   if (process_.master_frames() > 0)
-    throw std::runtime_error(fmt::format("{}: somebody else sends SYNC or has number {} (hal.can.node_id): end the other "
-                                         "master before this axis moves",
-                                         bus_->name(), rig_.hal->can->node_id));
+    throw std::runtime_error(
+        fmt::format("{}: somebody else sends SYNC or has number {} (hal.can.node_id): end the other "
+                    "master before this axis moves",
+                    bus_->name(), rig_.hal->can->node_id));
 }
 
 void CanBackend::wait_until_operational() {
@@ -227,8 +227,7 @@ void CanBackend::check_answers() {
       std::string who;
       for (const CanInputPdo& input : process_.inputs())
         who += fmt::format("{}0x{:03x}", who.empty() ? "" : ", ", input.id);
-      throw std::runtime_error(
-          fmt::format("{}: not every PDO ({}) answered a SYNC within 1 s", bus_->name(), who));
+      throw std::runtime_error(fmt::format("{}: not every PDO ({}) answered a SYNC within 1 s", bus_->name(), who));
     }
     quickest_ns = std::min(quickest_ns, process_.counts().slowest_answer_ns);
     // A second device with the same number is as quick as the first.
@@ -237,9 +236,10 @@ void CanBackend::check_answers() {
   }
   // One of three may be a frame that the bus repeated.
   if (doubled > 1)
-    throw std::runtime_error(fmt::format("{}: PDO 0x{:03x} answers a SYNC more than once: a second device has number {}, "
-                                         "or a second master sends SYNC; take it off the bus",
-                                         bus_->name(), twice->id, twice->node));
+    throw std::runtime_error(
+        fmt::format("{}: PDO 0x{:03x} answers a SYNC more than once: a second device has number {}, "
+                    "or a second master sends SYNC; take it off the bus",
+                    bus_->name(), twice->id, twice->node));
   if (static_cast<double>(quickest_ns) > answer_share * static_cast<double>(period_ns_))
     throw std::runtime_error(fmt::format(
         "{}: the slowest answer to SYNC took {:.0f} us at best, expected at most {:.0f} us "
@@ -330,12 +330,11 @@ std::vector<std::string> CanBackend::notes() const {
   std::vector<std::string> lines;
   for (const std::string& line : process_.event_lines(start_ns_)) lines.push_back("can: " + line);
   const CanCounts& counts = process_.counts();
-  lines.push_back(
-      fmt::format("can: {} samples, {} missed, {} late, {} out of limits, {} malformed, {} error frames, {} "
-                  "outputs not sent, {} frames dropped, {} foreign, slowest answer {:.0f} us",
-                  counts.answers, counts.missed, counts.late, counts.out_of_limits, counts.malformed,
-                  counts.error_frames, queue_full_, dropped_, counts.foreign,
-                  static_cast<double>(counts.slowest_answer_ns) * 1e-3));
+  lines.push_back(fmt::format(
+      "can: {} samples, {} missed, {} late, {} out of limits, {} malformed, {} error frames, {} "
+      "outputs not sent, {} frames dropped, slowest answer {:.0f} us, {} foreign frames",
+      counts.answers, counts.missed, counts.late, counts.out_of_limits, counts.malformed, counts.error_frames,
+      queue_full_, dropped_, static_cast<double>(counts.slowest_answer_ns) * 1e-3, counts.foreign));
   return lines;
 }
 

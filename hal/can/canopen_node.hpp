@@ -59,7 +59,7 @@ class CanopenNode {
   bool is_substituted() const noexcept { return substituted_; }
 
   bool heartbeat_muted = false;  ///< fault on command: no heartbeat
-  bool is_deaf = false;          ///< fault on command: no process data come in
+  bool is_deaf = false;  ///< fault on command: no process data come in
 
  private:
   struct Pdo {

@@ -61,7 +61,8 @@ void LocalBus::listen_on_path() {
   if (somebody) throw std::runtime_error(name() + ": somebody listens there already");
   unlink(path_.c_str());  // left behind by a process that was killed
   listener_ = new_socket(path_);
-  if (bind(listener_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 || listen(listener_, static_cast<int>(most_peers)) != 0) {
+  if (bind(listener_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+      listen(listener_, static_cast<int>(most_peers)) != 0) {
     const int reason = errno;
     close(listener_);
     errno = reason;

@@ -9,8 +9,8 @@
 
 namespace pneuservo {
 
-/// The side that listens (the verb device) serves up to four others and passes on what each sends, as a bus would; it is
-/// up while one is there. There is no arbitration and no bus error: what is sent arrives, or its queue is full.
+/// The side that listens (the verb device) serves up to four others and passes on what each sends, as a bus would; it
+/// is up while one is there. There is no arbitration and no bus error: what is sent arrives, or its queue is full.
 class LocalBus final : public CanCarrier {
  public:
   enum class Side { listens, connects };

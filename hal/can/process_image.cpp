@@ -130,7 +130,8 @@ void CanProcessImage::on_heartbeat(const Heartbeat& heartbeat, std::int64_t at_n
   if (heartbeat.state == NmtState::operational || watch.lost) return;
   watch.lost = true;
   // A node that watches our heartbeat leaves that state when we withhold it.
-  const bool is_wanted = let_go_ && heartbeat.state != NmtState::boot_up && nodes_[static_cast<std::size_t>(i)].has_output;
+  const bool is_wanted =
+      let_go_ && heartbeat.state != NmtState::boot_up && nodes_[static_cast<std::size_t>(i)].has_output;
   if (!is_wanted) faults_ |= device_node_lost;
   note(CanEvent::Kind::left_operational, heartbeat.node, static_cast<std::uint32_t>(heartbeat.state), at_ns);
 }
@@ -274,7 +275,8 @@ std::vector<std::string> CanProcessImage::event_lines(std::int64_t start_ns) con
         break;
       case CanEvent::Kind::double_answer:
         what = fmt::format("{}: PDO 0x{:03x} came more than once a SYNC: a second device has its number, or a second "
-                           "master sends SYNC", node, event.detail);
+                           "master sends SYNC",
+                           node, event.detail);
         break;
       case CanEvent::Kind::second_master: what = "somebody else sends SYNC or has this program's number"; break;
       case CanEvent::Kind::not_read_back: what = node + ": shows another output than the one that was sent"; break;

@@ -105,8 +105,8 @@ class AnswerBalance {
 class CanProcessImage {
  public:
   CanProcessImage() = default;
-  CanProcessImage(std::vector<CanInputPdo> inputs, std::vector<CanOutputPdo> outputs,
-                  std::vector<CanWatchedNode> nodes, std::uint8_t own_node = 0);
+  CanProcessImage(std::vector<CanInputPdo> inputs, std::vector<CanOutputPdo> outputs, std::vector<CanWatchedNode> nodes,
+                  std::uint8_t own_node = 0);
 
   /// Nodes count as seen at `now_ns`; faults and counts are forgotten.
   void start(std::int64_t now_ns) noexcept;

@@ -49,7 +49,9 @@ std::int64_t ArrivalClock::arrival_ns(std::int64_t stamp_ns, std::int64_t wall_n
   const std::int64_t distance_ns = wall_ns - now_ns;
   if (!has_distance_) distance_ns_ = distance_ns;
   has_distance_ = true;
-  const auto off_ns = [&](std::int64_t at_ns) { return std::max({empty_ns_ - at_ns, at_ns - now_ns, std::int64_t{0}}); };
+  const auto off_ns = [&](std::int64_t at_ns) {
+    return std::max({empty_ns_ - at_ns, at_ns - now_ns, std::int64_t{0}});
+  };
   if (off_ns(stamp_ns - distance_ns) <= off_ns(stamp_ns - distance_ns_)) distance_ns_ = distance_ns;
   return std::min(stamp_ns - distance_ns_, now_ns);
 }

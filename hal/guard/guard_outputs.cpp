@@ -57,13 +57,15 @@ void GuardOutputs::prepare_frames() {
     const CanNodeParameters& node = rig_.hal->can->nodes.at(pdo.node);
     nodes.push_back(static_cast<std::uint8_t>(node.node_id));
     if (node.mapping == CanMapping::read) continue;
-    CanFrame frame{.id = cob_receive_pdo(pdo.pdo, node.node_id), .length = static_cast<std::uint8_t>((pdo.bits + 7) / 8)};
+    CanFrame frame{.id = cob_receive_pdo(pdo.pdo, node.node_id),
+                   .length = static_cast<std::uint8_t>((pdo.bits + 7) / 8)};
     std::uint64_t image = 0;
     unsigned offset = 0;
     for (const std::size_t i : pdo.signals) {
       const CanChannel& c = channels[i];
       const CountScale counts{c.scale, c.zero, c.is_signed, c.object.bits()};
-      image = insert(image, {offset, c.object.bits()}, counts.raw_of(std::clamp(safe_V[c.channel], c.lowest, c.highest)));
+      image =
+          insert(image, {offset, c.object.bits()}, counts.raw_of(std::clamp(safe_V[c.channel], c.lowest, c.highest)));
       offset += c.object.bits();
     }
     put_image(frame.data, image);

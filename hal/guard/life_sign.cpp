@@ -50,13 +50,13 @@ void LifeSignPage::open_as_guard() {
 void LifeSignPage::open_as_loop(const Rig& rig) {
   const std::string path = "/pneuservo-guard-" + name_;
   const auto refuse = [&](const std::string& what) {
-    throw std::runtime_error(fmt::format("hal.guard: {}: start 'pneuservo guard' with the config of {} first", what,
-                                         rig.name));
+    throw std::runtime_error(
+        fmt::format("hal.guard: {}: start 'pneuservo guard' with the config of {} first", what, rig.name));
   };
   file_ = shm_open(path.c_str(), O_RDWR | O_CLOEXEC, 0600);
   if (file_ < 0 && errno == ENOENT) refuse("no guard '" + name_ + "' is running");
   if (file_ < 0) refuse(fmt::format("the guard '{}' cannot be reached ({})", name_, std::strerror(errno)));
-  struct stat status {};
+  struct stat status{};
   const bool is_free = flock(file_, LOCK_SH | LOCK_NB) == 0;
   if (is_free || fstat(file_, &status) != 0 || status.st_size < static_cast<off_t>(sizeof(LifeSign)))
     refuse("the guard '" + name_ + "' is not running any more");
@@ -65,7 +65,8 @@ void LifeSignPage::open_as_loop(const Rig& rig) {
 void LifeSignPage::map() {
   void* const page = mmap(nullptr, sizeof(LifeSign), PROT_READ | PROT_WRITE, MAP_SHARED, file_, 0);
   if (page == MAP_FAILED)
-    throw std::runtime_error(fmt::format("hal.guard: the page of '{}' cannot be mapped: {}", name_, std::strerror(errno)));
+    throw std::runtime_error(
+        fmt::format("hal.guard: the page of '{}' cannot be mapped: {}", name_, std::strerror(errno)));
   sign_ = static_cast<LifeSign*>(page);
   if (side_ == Side::guard && sign_->layout != LifeSign::known_layout) {
     new (page) LifeSign;

@@ -7,7 +7,9 @@ namespace pneuservo {
 
 std::string safe_output_text(const SafeOutput& safe, const Rig& rig) {
   const double volts = safe_commands_V(rig)[0];
-  const auto at = [&](std::int64_t tick) { return fmt::format("t = {:.6g} s", static_cast<double>(tick) * rig.period_s); };
+  const auto at = [&](std::int64_t tick) {
+    return fmt::format("t = {:.6g} s", static_cast<double>(tick) * rig.period_s);
+  };
   if (safe.is_simulated && safe.sent_tick >= 0)
     return fmt::format("the simulated valve has its safe output of {} V since {}", volts, at(safe.sent_tick));
   std::string text = safe.sent_tick >= 0

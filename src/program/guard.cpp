@@ -120,7 +120,8 @@ int run_guard(const GuardOptions& options) {
   page.sign().guard_process = getpid();
   for (const std::string& line : outputs.description()) std::cerr << "guard: " << line << "\n";
   if (!outputs.open_bus()) std::cerr << "guard: the bus is not there yet, tried again each second\n";
-  std::cerr << fmt::format("guard '{}': acts after {:g} s without a sign of life; Ctrl-C ends\n", page.name(), timeout_s);
+  std::cerr << fmt::format("guard '{}': acts after {:g} s without a sign of life; Ctrl-C ends\n", page.name(),
+                           timeout_s);
   const std::int64_t look_ns = std::llround(timeout_s / GuardLink::looks_a_timeout * 1e9);
   for (std::int64_t next_ns = MonotonicClock::now_ns(); !StopRequest::requested();) {
     watch.look(MonotonicClock::now_ns());

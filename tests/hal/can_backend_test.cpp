@@ -261,8 +261,8 @@ TEST_CASE("bus load: an axis with full frames, two of them, and a lean one") {
   REQUIRE(can_frame_bits_worst(4) == 95);
   REQUIRE(can_frame_bits_worst(6) == 115);
   REQUIRE(can_frame_bits_worst(8) == 135);
-  // The shipped rig: SYNC 55, output of 2 bytes 75, pressures of 6 bytes 115, the encoder's own mapping counted as 8
-  // bytes 135, and three heartbeats of 65 us in 20 ms.
+  // The shipped rig: SYNC 55, output of 2 bytes 75, pressures and readback of 8 bytes 135, the encoder's own mapping
+  // counted as 8 bytes 135, and three heartbeats of 65 us in 20 ms.
   REQUIRE(bus_load(can_rig()).share == Approx((55 + 75 + 135 + 135) * 1e-3 + 3 * 65e-3 / 20).epsilon(1e-9));
   REQUIRE(bus_load(can_rig({"hal.can.bit_rate_bps=500000"})).share ==
           Approx(2 * bus_load(can_rig()).share).epsilon(1e-9));
@@ -271,7 +271,7 @@ TEST_CASE("bus load: an axis with full frames, two of them, and a lean one") {
 
 TEST_CASE("configured: each channel from its source, and the others stay absent") {
   const Rig mixed = can_rig({"hal.can.interface=unix:/nonexistent/bus", "hal.channels.x={simulated: true}",
-                             "hal.channels.p_supply={simulated: true}"});
+                             "hal.channels.p_supply={simulated: true}", "hal.bench=true"});
   CompositeBackend backend(mixed);
   const auto origins = backend.origins();
   REQUIRE(origins.command == Origin::real);

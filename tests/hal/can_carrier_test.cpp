@@ -133,7 +133,8 @@ TEST_CASE("a serial line full of anything but frames takes one reading a call") 
   std::string noise(3000, 'x');
   for (std::size_t i = 9; i < noise.size(); i += 10) noise[i] = '\r';
   adapter.say(noise);
-  adapter.say("t7051" "05\r");
+  adapter.say("t7051"
+              "05\r");
   ReceivedFrame received;
   int calls = 0;
   while (!line.receive(received) && calls < 1000) ++calls, line.wait(1'000'000);
@@ -160,7 +161,8 @@ TEST_CASE("a serial line and a node of a bus have one controller; the other one 
   other.nodes.erase("io");
   {
     const BusLock lock(bus);
-    REQUIRE_THROWS_WITH(BusLock(other), Catch::Contains("node encoder (3)") && Catch::Contains("held by process " + us));
+    REQUIRE_THROWS_WITH(BusLock(other),
+                        Catch::Contains("node encoder (3)") && Catch::Contains("held by process " + us));
     other.nodes["encoder"].node_id = 4;
     REQUIRE_NOTHROW(BusLock(other));
   }

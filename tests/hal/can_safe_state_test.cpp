@@ -36,7 +36,8 @@ bool is_own_heartbeat(const CanFrame& frame) { return frame.id == 0x77E; }
 
 }  // namespace
 
-TEST_CASE("where commands no longer reach the valve, its watchdog gives the substitute within its time after the fault") {
+TEST_CASE(
+    "where commands no longer reach the valve, its watchdog gives the substitute within its time after the fault") {
   const int watchdog_ms = GENERATE(60, 100);
   const std::string how = GENERATE("pre_operational", "lost commands", "changed identifier");
   INFO(how << ", watchdog of " << watchdog_ms << " ms");
@@ -68,7 +69,8 @@ TEST_CASE("where commands no longer reach the valve, its watchdog gives the subs
   REQUIRE(b.backend.safe_output().substitute_tick >= 0);
 }
 
-TEST_CASE("after a fault the encoder goes on telling the position, and what the watchdog silences is no further fault") {
+TEST_CASE(
+    "after a fault the encoder goes on telling the position, and what the watchdog silences is no further fault") {
   Bench b({}, {"emergency:io:0x3100@0.5"});
   const std::int64_t at = b.run(1000);
   REQUIRE(at > 0);
@@ -107,11 +109,13 @@ TEST_CASE("the safe output is told as sent, as read back only where the device s
     for (int i = 0; i < 3; ++i) b.step();
     REQUIRE(b.backend.safe_output().sent_tick == at);
     REQUIRE(b.backend.safe_output().confirmed_tick == at + 1);
-    REQUIRE_THAT(safe_output_text(b.backend.safe_output(), b.rig), Contains("was sent at t = ") && Contains("read back"));
+    REQUIRE_THAT(safe_output_text(b.backend.safe_output(), b.rig),
+                 Contains("was sent at t = ") && Contains("read back"));
   }
   SECTION("nothing reads it back") {
     const Rig rig = can_rig();
-    REQUIRE_THAT(safe_output_text({.has_outputs = true, .sent_tick = 7}, rig), Contains("not confirmed: nothing reads"));
+    REQUIRE_THAT(safe_output_text({.has_outputs = true, .sent_tick = 7}, rig),
+                 Contains("not confirmed: nothing reads"));
   }
   SECTION("commands are lost") {
     Bench b({"safe_output.command_V=0.25"});
@@ -156,8 +160,9 @@ TEST_CASE("outputs of other objects take the substitute that the config names, o
     const char *object, *value, *mode;
     int counts_per_V;
   };
-  const Output o = GENERATE(Output{"0x63000110", "0x63070110", "0x63060108", 3277}, Output{"0x64120120", "0x64440120",
-                            "0x64430108", 3277}, Output{"0x62000108", "0x62070108", "0x62060108", 20});
+  const Output o = GENERATE(Output{"0x63000110", "0x63070110", "0x63060108", 3277},
+                            Output{"0x64120120", "0x64440120", "0x64430108", 3277},
+                            Output{"0x62000108", "0x62070108", "0x62060108", 20});
   const std::string u = "hal.channels.u.can.";
   const std::vector<std::string> plain{u + "object=" + o.object, u + "readback={pdo: 3}",
                                        u + "scale_V_per_count=" + std::to_string(1.0 / o.counts_per_V)};
@@ -244,7 +249,8 @@ TEST_CASE("before any motion a second device, a second SYNC or a second master i
       if (frame.id == 0x183) bus.after(frame);
       return true;
     };
-    REQUIRE_THROWS_WITH(backend.activate(), Contains("PDO 0x183 answers a SYNC more than once") && Contains("number 3"));
+    REQUIRE_THROWS_WITH(backend.activate(),
+                        Contains("PDO 0x183 answers a SYNC more than once") && Contains("number 3"));
   }
   SECTION("a second master") {
     bus.inject(sync_frame());

@@ -149,7 +149,7 @@ void CanProcessImage::on_emergency(const Emergency& emergency, std::int64_t at_n
   if (!gone) faults_ |= device_emergency;
 }
 
-void CanProcessImage::take(std::int64_t now_ns, Measurement& measurement) noexcept {
+void CanProcessImage::look_for_silence(std::int64_t now_ns) noexcept {
   for (std::size_t i = 0; i < watches_.size(); ++i) {
     Watch& watch = watches_[i];
     if (watch.lost || now_ns - watch.seen_ns <= nodes_[i].silence_ns) continue;
@@ -157,6 +157,10 @@ void CanProcessImage::take(std::int64_t now_ns, Measurement& measurement) noexce
     faults_ |= device_node_lost;
     note(CanEvent::Kind::silent, nodes_[i].node, 0, now_ns);
   }
+}
+
+void CanProcessImage::take(std::int64_t now_ns, Measurement& measurement) noexcept {
+  look_for_silence(now_ns);
   confirmed_ = true;
   const auto channels = channels_of(measurement);
   const bool bus_works = (faults_ & (device_bus_off | device_link_down)) == 0;

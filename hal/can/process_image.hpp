@@ -166,6 +166,7 @@ class CanProcessImage {
   void on_heartbeat(const Heartbeat& heartbeat, std::int64_t at_ns) noexcept;
   void on_emergency(const Emergency& emergency, std::int64_t at_ns) noexcept;
   void close_answers(std::int64_t now_ns) noexcept;
+  void look_for_silence(std::int64_t now_ns) noexcept;
   void on_master_frame(std::int64_t at_ns) noexcept;
   void on_our_absence(int node, std::int64_t at_ns) noexcept;
   void check_output(const CanSignal& signal, double value, bool fresh, std::uint8_t node, std::int64_t now_ns) noexcept;

@@ -76,7 +76,8 @@ SafeOutput CompositeBackend::safe_output() const {
 }
 
 void CompositeBackend::configure() {
-  for (Source& source : sources_) source.backend->configure();
+  // Guard and lines first: without them no device is touched.
+  for (auto source = sources_.rbegin(); source != sources_.rend(); ++source) source->backend->configure();
 }
 
 void CompositeBackend::activate() {

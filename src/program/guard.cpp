@@ -48,7 +48,7 @@ class Watch {
     outputs_.drain();
     const auto order = static_cast<GuardOrder>(sign_.order.load(std::memory_order_acquire));
     if (order != before_) begin(order, now_ns);
-    if (order == GuardOrder::idle && now_ns >= next_bus_ns_) {
+    if (order != GuardOrder::watch && now_ns >= next_bus_ns_) {
       outputs_.open_bus();
       next_bus_ns_ = now_ns + 1'000'000'000;
     }
@@ -72,7 +72,6 @@ class Watch {
     if (order != GuardOrder::make_safe) return;
     const bool done = outputs_.make_safe();
     say("guard: process {} ended its motion; safe output {}", sign_.loop_process.load(), done ? "sent" : "NOT sent");
-    forget();
   }
   void alive(std::uint64_t beats, std::int64_t now_ns) {
     beats_ = beats;
@@ -91,9 +90,6 @@ class Watch {
     acted_ = true;
     if (kill(sign_.loop_process, 0) == 0 || errno != ESRCH) return;
     say("guard: process {} is gone", sign_.loop_process.load());
-    forget();
-  }
-  void forget() {
     sign_.order = static_cast<std::uint32_t>(GuardOrder::idle);
     before_ = GuardOrder::idle;
   }

@@ -2,13 +2,17 @@
 // other objects than 0x6411, the output read back, two answers in a cycle.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <random>
 
+#include <fmt/format.h>
+
 #include "config/input_error.hpp"
 #include "core/test_seed.hpp"
 #include "hal/can_bench.hpp"
+#include "loop/device_grade.hpp"
 #include "loop/safe_output_text.hpp"
 #include "rig/injected_fault.hpp"
 
@@ -290,4 +294,21 @@ TEST_CASE("a real valve follows simulated sensors on a bench alone") {
   }
   REQUIRE_NOTHROW(can_rig({"hal.channels.p_supply={simulated: true}"}));
   REQUIRE_NOTHROW(can_rig({x, "hal.channels.u={simulated: true}"}));
+}
+
+TEST_CASE("an output on a board says what closes its valve without this program") {
+  using Catch::Contains;
+  const auto board = [](const std::vector<std::string>& sets) {
+    return read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/comedi/cylinder-10m-7.65mm.yaml", sets);
+  };
+  REQUIRE_THROWS_WITH(board({"hal.comedi={}"}), Contains("hal.comedi.watchdog") && Contains("keeps its outputs"));
+  REQUIRE_THROWS_WITH(board({"hal.comedi.watchdog=enable_line"}), Contains("without hal.gpio.enable"));
+  REQUIRE_THROWS_WITH(board({"hal.comedi.watchdog=guard"}), Contains("without hal.guard"));
+  REQUIRE_NOTHROW(board({"hal.comedi.watchdog=guard", "hal.guard={}"}));
+  const auto worst = [&](const std::string& set) { return worst_level(grade_devices(board({set}))); };
+  REQUIRE(worst("hal.comedi.watchdog=none") == FindingLevel::bad);
+  REQUIRE(worst("hal.comedi.watchdog=external") == FindingLevel::acceptable);
+  REQUIRE(worst("hal.comedi.watchdog=board") == FindingLevel::good);
+  REQUIRE_THAT(device_warning(board({"hal.comedi.watchdog=none"})), Contains("NOTHING closes the valve"));
+  REQUIRE(device_warning(board({"hal.comedi.watchdog=external"})).empty());
 }

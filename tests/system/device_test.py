@@ -90,6 +90,17 @@ for interface in interfaces():
     expect(done.returncode == 1 and "fault: port_pressure_1_missing" in done.stderr, f"scenario: {done.stderr}")
     device.end()
 
+    # Commands that no longer arrive, and two answers a cycle: both ways to the safe state, and words for what is known.
+    for scenario, fault, words in (("deaf-output", "output_unconfirmed", "NOT confirmed"),
+                                   ("pre-operational", "port_pressure_1_missing", "NOT confirmed"),
+                                   ("double-answer", "double_answer", "and read back at t = ")):
+        device = Device(interface, "--scenario", f"config/scenarios/device/{scenario}.yaml")
+        done = control(interface, 20)
+        expect(done.returncode == 1 and f"fault: {fault}" in done.stderr, f"{scenario}: {done.stderr}")
+        expect("the safe output of 0 V was sent at t = " in done.stderr and words in done.stderr, f"{scenario}: {done.stderr}")
+        time.sleep(1.0)  # the device's own watchdog of 0.5 s
+        expect(device.end().rstrip().endswith("valve 0.0000 V"), f"{scenario}: the valve kept its command")
+
 # Verbs home and zero over the bus: an incremental encoder that counts from 40 mm, a pressure sensor 1.2 kPa off.
 bus_path = "unix:" + os.path.join(folder, "named steps")
 steps = ["--set", "sensors.position.incremental=true", "--set", "hal.channels.x.can.lowest_m=-0.3"]
@@ -113,6 +124,24 @@ with open(zeros) as file:
     found = yaml.safe_load(file)["zeros"]
 expect(abs(found["p2_port"] + 1200) < 100 and abs(found["p1_port"]) < 100, f"zero over the bus: {found}")
 device.end()
+
+# Outputs that nothing would close without this program: no start.
+BOARD = "config/comedi/cylinder-10m-7.65mm.yaml"
+other = "hal.channels.u.can.object=0x63000110"
+expect_refusal(run("run", CONFIG, "--time", "real", "--set", other), ["hal.channels.u.can.substitute", "0x63000110"], "no substitute")
+expect_refusal(run("run", BOARD, "--time", "real", "--set", "hal.comedi={}"), ["hal.comedi.watchdog", "enable_line"], "no watchdog")
+edited = os.path.join(folder, "edited.yaml")
+for config, old, new, status, words in (
+        (CONFIG, "object: 0x64110110", "object: 0x63000110", 2, "hal.channels.u.can.substitute: found nothing for object 0x63000110"),
+        (CONFIG, "x:        {can: {node: encoder, pdo: 1, object: 0x60200120", "x:        {simulated: true} # {", 2, "beside a real valve"),
+        (BOARD, "watchdog: external", "watchdog: none", 1, "NOTHING closes the valve"),
+        (BOARD, ", watchdog: external", "", 2, "hal.comedi.watchdog: found nothing")):
+    with open(config) as source, open(edited, "w") as target:
+        text = source.read()
+        expect(old in text, f"{config} has no '{old}'")
+        target.write(text.replace(old, new))
+    done = run("check", edited)
+    expect(done.returncode == status and words in done.stdout + done.stderr, f"check with {new}: {done.returncode}: {done.stdout}{done.stderr}")
 
 over_nothing = run("run", CONFIG, "--set", "hal.can.interface=unix:/nonexistent", "--time", "real")
 expect(over_nothing.returncode == 1 and "nobody listens there" in over_nothing.stderr, f"nobody: {over_nothing.stderr}")

@@ -195,7 +195,7 @@ void CanProcessImage::check_output(const CanSignal& signal, double value, bool f
   const auto held = [&](double command) {
     return std::clamp(command == command ? command : 0.0, signal.lowest, signal.highest);
   };
-  const auto [low, high] = std::minmax(held(sent.now), held(sent.before));
+  const auto [low, high] = std::minmax({held(sent.now), held(sent.before)});
   const bool shown = fresh && value >= low - signal.tolerance && value <= high + signal.tolerance;
   confirmed_ = confirmed_ && fresh && std::fabs(value - held(sent.now)) <= signal.tolerance;
   // Where the device's watchdog was let act, no answer is its consequence.

@@ -82,6 +82,7 @@ for number in (signal.SIGKILL, signal.SIGSTOP):
         moving.process.wait(timeout=60)
         expect(moving.process.returncode == 1 and "fault: " in moving.said() and "guard_lost" in moving.said(), f"continued: {moving.said()}")
     else:
+        moving.process.wait(timeout=30)
         watch.wait_for("is gone")
     watch.end()
     expect(valve_V(dev) == 0.0, f"{number.name}: the valve kept its command")

@@ -93,8 +93,10 @@ void GuardOutputs::drain() noexcept {
   for (int i = 0; i < most_frames_a_look && bus_->receive(received); ++i) {}
 }
 
+bool GuardOutputs::make_board_safe() noexcept { return !board_ || board_->write(); }
+
 bool GuardOutputs::make_safe() noexcept {
-  bool all = !board_ || board_->write();
+  bool all = make_board_safe();
   for (const CanFrame& frame : frames_) all = bus_ && bus_->send(frame) == Sent::sent && all;
   return all;
 }

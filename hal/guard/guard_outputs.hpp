@@ -24,6 +24,8 @@ class GuardOutputs {
   bool open_bus();
   /// Takes frames that wait, so that a local bus has room. Hot.
   void drain() noexcept;
+  /// The safe output on the board alone. False: it refused. Hot.
+  bool make_board_safe() noexcept;
   /// The safe output on every way there is: board, then PDO and SYNC, then NMT stop, which makes a node of CiA 401 give
   /// its substitute. False: a way failed. Hot.
   bool make_safe() noexcept;

@@ -70,8 +70,10 @@ class Watch {
     }
     outputs_.enable(false);
     if (order != GuardOrder::make_safe) return;
-    const bool done = outputs_.make_safe();
-    say("guard: process {} ended its motion; safe output {}", sign_.loop_process.load(), done ? "sent" : "NOT sent");
+    // The bus is the loop's own while it lives: its heartbeat stopped, and it records what the axis does.
+    const bool done = outputs_.make_board_safe();
+    say("guard: process {} ended its motion{}", sign_.loop_process.load(),
+        done ? "" : "; the safe output was refused by the board");
   }
   void alive(std::uint64_t beats, std::int64_t now_ns) {
     beats_ = beats;

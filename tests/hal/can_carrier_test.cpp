@@ -180,7 +180,8 @@ TEST_CASE("a step of the wall clock makes no frame late") {
   for (int tick = 0; tick < 20'000; ++tick) {
     // Frames come within the period; the clock is set before, between or after them, by 2 ms to an hour.
     std::array<std::int64_t, 3> came{}, stamps{};
-    const std::int64_t step_ns = tick > 0 && tick % 7 == 0 ? (random() % 2 ? 1 : -1) * (2'000'000 + draw(3'600'000'000'000)) : 0;
+    const std::int64_t step_ns =
+        tick > 0 && tick % 7 == 0 ? (random() % 2 ? 1 : -1) * (2'000'000 + draw(3'600'000'000'000)) : 0;
     const std::size_t step_before = random() % 4;
     for (std::size_t i = 0; i < came.size(); ++i) {
       if (i == step_before) distance_ns += step_ns;

@@ -28,10 +28,11 @@ class Process:
         self.log.flush()
         return open(self.log.name).read()
 
-    def wait_for(self, words, within_s=30.0):
+    def wait_for(self, words, within_s=30.0, beside=None):
         end = time.monotonic() + within_s
         while words not in self.said():
-            expect(time.monotonic() < end and self.process.poll() is None, f"never said '{words}': {self.said()}")
+            expect(time.monotonic() < end and self.process.poll() is None,
+                   f"never said '{words}': {self.said()}{beside.said() if beside else ''}")
             time.sleep(0.02)
 
     def end(self, number=signal.SIGTERM):
@@ -75,7 +76,7 @@ for number in (signal.SIGKILL, signal.SIGSTOP):
     expect(other.returncode == 1 and f"held by process {moving.process.pid}" in other.stderr, f"a second run: {other.stderr}")
     time.sleep(2.0)
     moving.process.send_signal(number)
-    watch.wait_for("no sign of life")
+    watch.wait_for("no sign of life", beside=moving)
     expect("safe output sent" in watch.said(), f"{number.name}: {watch.said()}")
     if number == signal.SIGSTOP:
         moving.process.send_signal(signal.SIGCONT)

@@ -176,7 +176,7 @@ struct ComediReadback {
     constexpr auto optional = Presence::optional;
     v(Field{"channel", "-", 0, 65535, "analog input that the output is wired to"}, p.channel...);
     v(Field{"range", "-", 0, 255, "of that input, number in the board's list", optional}, p.range...);
-    v(Field{"tolerance_V", "V", 1e-6, 100, "at the board's terminal; a longer deviation is a missed output", optional},
+    v(Field{"tolerance_V", "V", 1e-6, 100, "at the board's terminal; a longer deviation is a fault", optional},
       p.tolerance_V...);
   }
 };
@@ -292,8 +292,8 @@ struct GuardParameters {
     v(Field{"name", "", 0, 0, "by which run and guard find each other; default: the rig's name", optional}, p.name...);
     v(Field{"timeout_s", "s", 0.002, 10, "the guard acts when the loop has not written for so long", optional},
       p.timeout_s...);
-    v(Field{"enable", "", 0, 0, "output of the guard's own, in series with hal.gpio.enable: active while the loop lives",
-            optional},
+    v(Field{"enable", "", 0, 0,
+            "output of the guard's own, in series with hal.gpio.enable: active while the loop lives", optional},
       p.enable...);
   }
 };

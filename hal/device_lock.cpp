@@ -53,17 +53,23 @@ std::pair<sockaddr_un, socklen_t> abstract_address(const std::string& name) {
   return {address, static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + text.size())};
 }
 
-int peer_of(const sockaddr_un& address, socklen_t length) {
-  const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+int process_behind(int connected) {
   ucred peer{};
   socklen_t size = sizeof peer;
-  if (connect(probe, reinterpret_cast<const sockaddr*>(&address), length) == 0)
-    getsockopt(probe, SOL_SOCKET, SO_PEERCRED, &peer, &size);
+  return getsockopt(connected, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0 ? peer.pid : 0;
+}
+
+int peer_of(const sockaddr_un& address, socklen_t length) {
+  const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  const bool connected = connect(probe, reinterpret_cast<const sockaddr*>(&address), length) == 0;
+  const int process = connected ? process_behind(probe) : 0;
   close(probe);
-  return peer.pid;
+  return process;
 }
 
 }  // namespace
+
+std::string peer_text(int connected) { return process_text(process_behind(connected)); }
 
 void lock_device(int file, const std::string& name) {
   if (flock(file, LOCK_EX | LOCK_NB) == 0) return;

@@ -8,6 +8,9 @@ namespace pneuservo {
 /// (pneuservo): ...".
 void lock_device(int file, const std::string& name);
 
+/// The process at the other end of a connected local socket: "process 12 (pneuservo)".
+std::string peer_text(int connected);
+
 /// A name that one process of the network namespace holds, as CAN interfaces belong to one.
 class NameLock {
  public:

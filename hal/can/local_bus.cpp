@@ -9,8 +9,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "can/canopen.hpp"
 #include "can/socket_frames.hpp"
+#include "device_lock.hpp"
 
 namespace pneuservo {
 namespace {
@@ -57,8 +57,9 @@ void LocalBus::listen_on_path() {
   const sockaddr_un address = address_of(path_);
   const int probe = new_socket(path_);
   const bool somebody = connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  const std::string who = somebody ? peer_text(probe) : "";
   close(probe);
-  if (somebody) throw std::runtime_error(name() + ": somebody listens there already");
+  if (somebody) throw std::runtime_error(name() + ": somebody listens there already: " + who);
   unlink(path_.c_str());  // left behind by a process that was killed
   listener_ = new_socket(path_);
   if (bind(listener_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||

@@ -176,7 +176,8 @@ void CanBackend::configure() {
     ids.insert(ids.end(), {cob_sdo_answer + number, cob_heartbeat + number, cob_emergency + number});
     const bool has_output = std::any_of(channels_.begin(), channels_.end(),
                                         [&](const CanChannel& c) { return c.is_output && c.node == name; });
-    watched.push_back({name, number, nanoseconds(lost_after_heartbeats * node.heartbeat_s), has_output});
+    watched.push_back({name, number, nanoseconds(lost_after_heartbeats * node.heartbeat_s),
+                       nanoseconds(node.heartbeat_s), has_output});
   }
   bus_->accept_only(ids);
   const auto own = static_cast<std::uint8_t>(can.node_id);

@@ -15,7 +15,7 @@ CanProcessImage::CanProcessImage(std::vector<CanInputPdo> inputs, std::vector<Ca
 
 void CanProcessImage::start(std::int64_t now_ns) noexcept {
   for (Sample& sample : samples_) sample = {};
-  for (Watch& watch : watches_) watch = {now_ns, false};
+  for (Watch& watch : watches_) watch = {.seen_ns = now_ns};
   sync_ns_ = now_ns;
   faults_ = 0;
   counts_ = {};
@@ -127,6 +127,7 @@ void CanProcessImage::on_heartbeat(const Heartbeat& heartbeat, std::int64_t at_n
   }
   Watch& watch = watches_[static_cast<std::size_t>(i)];
   watch.seen_ns = std::max(watch.seen_ns, at_ns);
+  count_heartbeat(static_cast<std::size_t>(i), at_ns);
   if (heartbeat.state == NmtState::operational || watch.lost) return;
   watch.lost = true;
   // A node that watches our heartbeat leaves that state when we withhold it.
@@ -134,6 +135,22 @@ void CanProcessImage::on_heartbeat(const Heartbeat& heartbeat, std::int64_t at_n
       let_go_ && heartbeat.state != NmtState::boot_up && nodes_[static_cast<std::size_t>(i)].has_output;
   if (!is_wanted) faults_ |= device_node_lost;
   note(CanEvent::Kind::left_operational, heartbeat.node, static_cast<std::uint32_t>(heartbeat.state), at_ns);
+}
+
+// Two devices with one number send twice as many heartbeats: found also where their inputs come by their own timer.
+void CanProcessImage::count_heartbeat(std::size_t node, std::int64_t at_ns) noexcept {
+  Watch& watch = watches_[node];
+  const CanWatchedNode& known = nodes_[node];
+  const std::int64_t since_ns = at_ns - watch.beat_ns;
+  const bool is_first = watch.beat_ns == 0 || known.heartbeat_ns == 0;
+  watch.beat_ns = at_ns;
+  if (is_first) return;
+  const double period_ns = static_cast<double>(known.heartbeat_ns);
+  const double due = static_cast<double>(since_ns) / period_ns,
+               most_owed = static_cast<double>(known.silence_ns) / period_ns;
+  if (!watch.balance.add(1.0, due, most_owed) || (faults_ & device_double_answer) != 0) return;
+  faults_ |= device_double_answer;
+  note(CanEvent::Kind::double_answer, known.node, cob_heartbeat + known.node, at_ns);
 }
 
 void CanProcessImage::on_emergency(const Emergency& emergency, std::int64_t at_ns) noexcept {
@@ -278,9 +295,10 @@ std::vector<std::string> CanProcessImage::event_lines(std::int64_t start_ns) con
                            emergency_class_word(static_cast<std::uint16_t>(event.detail >> 8)), event.detail & 0xFF);
         break;
       case CanEvent::Kind::double_answer:
-        what = fmt::format("{}: PDO 0x{:03x} came more than once a SYNC: a second device has its number, or a second "
-                           "master sends SYNC",
-                           node, event.detail);
+        what =
+            fmt::format("{}: frame 0x{:03x} came more often than it may: a second device has its number, or a second "
+                        "master sends SYNC",
+                        node, event.detail);
         break;
       case CanEvent::Kind::second_master: what = "somebody else sends SYNC or has this program's number"; break;
       case CanEvent::Kind::not_read_back: what = node + ": shows another output than the one that was sent"; break;

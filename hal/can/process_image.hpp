@@ -46,6 +46,7 @@ struct CanWatchedNode {
   std::string name;
   std::uint8_t node = 0;
   std::int64_t silence_ns = 0;  ///< longer without a heartbeat: lost
+  std::int64_t heartbeat_ns = 0;  ///< it sends one so often; 0: not known
   bool has_output = false;      ///< watches our heartbeat, and gives its substitute without it
 };
 
@@ -89,10 +90,13 @@ class AnswerBalance {
   static constexpr double most_surplus = 3.0, forgiven_a_cycle = 0.01;
   /// At the end of a cycle with so many answers. True: another node answers too.
   bool end_cycle(std::uint32_t answers, std::int64_t most_owed) noexcept {
-    surplus_ += static_cast<double>(answers) - 1.0;
+    return add(static_cast<double>(answers), 1.0, static_cast<double>(most_owed));
+  }
+  /// So many came where so many were due.
+  bool add(double came, double due, double most_owed) noexcept {
+    surplus_ += came - due;
     if (surplus_ > 0.0) surplus_ = surplus_ > forgiven_a_cycle ? surplus_ - forgiven_a_cycle : 0.0;
-    const double floor = -static_cast<double>(most_owed);
-    if (surplus_ < floor) surplus_ = floor;
+    if (surplus_ < -most_owed) surplus_ = -most_owed;
     return surplus_ > most_surplus;
   }
 
@@ -151,7 +155,8 @@ class CanProcessImage {
     AnswerBalance balance;
   };
   struct Watch {
-    std::int64_t seen_ns = 0;
+    std::int64_t seen_ns = 0, beat_ns = 0;
+    AnswerBalance balance;
     bool lost = false, substituted = false;
   };
   /// What an output was given of late: a device shows the command of this SYNC, or of the one before.
@@ -167,7 +172,7 @@ class CanProcessImage {
   void on_emergency(const Emergency& emergency, std::int64_t at_ns) noexcept;
   void close_answers(std::int64_t now_ns) noexcept;
   void look_for_silence(std::int64_t now_ns) noexcept;
-  void on_master_frame(std::int64_t at_ns) noexcept;
+  void count_heartbeat(std::size_t node, std::int64_t at_ns) noexcept;
   void on_our_absence(int node, std::int64_t at_ns) noexcept;
   void check_output(const CanSignal& signal, double value, bool fresh, std::uint8_t node, std::int64_t now_ns) noexcept;
   void note(CanEvent::Kind kind, std::uint8_t node, std::uint32_t detail, std::int64_t at_ns) noexcept;

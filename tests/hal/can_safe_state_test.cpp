@@ -240,6 +240,19 @@ TEST_CASE("answers never outnumber SYNC however late they come: only a second de
   REQUIRE(cycles <= 55);
 }
 
+TEST_CASE("two devices with one number whose inputs come by their own timer show by twice as many heartbeats") {
+  Bench b({"hal.can.nodes.encoder.transmission=event"});
+  REQUIRE(b.run(600) == -1);
+  b.bus->spoil = [&](CanFrame& frame) {
+    if (frame.id == 0x703) b.bus->after(frame);
+    return true;
+  };
+  const std::int64_t before = b.tick, at = b.run(500);
+  REQUIRE(at >= 0);
+  REQUIRE((b.loop.first_faults() & fault_double_answer) != 0);
+  REQUIRE(at - before <= 200);
+}
+
 TEST_CASE("before any motion a second device, a second SYNC or a second master is found") {
   using Catch::Contains;
   const Rig rig = can_rig();

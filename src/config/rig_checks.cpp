@@ -459,4 +459,11 @@ void check_rig(const Rig& rig, const ConfigNode& root) {
   });
 }
 
+void check_machine_rig(const Rig& rig, const ConfigNode& root) {
+  const Check check{root};
+  check_outputs_without_us(rig, [&](const std::string& path, const std::string& found, const std::string& expected) {
+    check.refuse(path, {}, found, expected);
+  });
+}
+
 }  // namespace pneuservo

@@ -45,7 +45,7 @@ class SafeEnd {
     backend.activate();
   }
   ~SafeEnd() {
-    backend_.write(tick + 1, {safe_V_[0], safe_V_[1]});
+    backend_.write(tick + 1, {safe_V_[0], safe_V_[1], false, true});
     backend_.deactivate();
   }
   SafeEnd(const SafeEnd&) = delete;

@@ -96,6 +96,7 @@ void Supervisor::configure(const Rig& rig, bool needs_chambers, const MotionLimi
   supply_Pa_ = rig.axis.supply.pressure_Pa;
   supply_limit_Pa_ = rig.limits.supply_share * supply_Pa_;
   lateness_limit_s_ = rig.limits.lateness_s;
+  on_bus_ = rig.hal && rig.hal->can;
   port_step_Pa_per_V_ = margin * port_step_Pa_per_V(rig);
   const auto& air = rig.axis.air;
   fill_step_Pa_m3_ = margin * air.heat_capacity_ratio * air.gas_constant_J_per_kgK * air.temperature_K *
@@ -229,6 +230,8 @@ JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped
   faults |= judge_supply(measured.supply_pressure_Pa, periods, in);
   // What a dead bus does not bring is its consequence, not the reason.
   if ((measured.device_faults & (device_bus_off | device_link_down)) != 0) faults &= ~missing_faults;
+  // After a fault the heartbeat is withheld: devices whose watchdog acted send nothing more.
+  if (on_bus_ && state_ == SupervisorState::fault) faults &= ~missing_faults;
   faults |= judge_digital(measured.digital);
   faults |= faults_of_devices(measured.device_faults);
   // Slots are skipped where lateness and work together passed the next one of the ideal grid.

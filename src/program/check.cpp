@@ -9,6 +9,7 @@
 #include "can/bus_interface.hpp"
 #include "config/read_rig.hpp"
 #include "loop/bus_check.hpp"
+#include "loop/device_grade.hpp"
 #include "loop/machine_check.hpp"
 #include "loop/rig_grade.hpp"
 #include "program/output_files.hpp"
@@ -28,6 +29,7 @@ struct CheckOptions {
 std::vector<Finding> check_config(const std::string& path) {
   const Rig rig = read_rig(path);
   std::vector<Finding> findings = grade_rig(rig);
+  for (Finding& finding : grade_devices(rig)) findings.push_back(std::move(finding));
   if (!rig.hal || !rig.hal->can || rig.hal->can->interface.find(':') != std::string::npos) return findings;
   const CanBusParameters& bus = *rig.hal->can;
   for (Finding& finding : grade_bus_interface(bus.interface, read_bus_interface(bus.interface), bus.bit_rate_bps))

@@ -12,9 +12,11 @@
 #include "config/dump_rig.hpp"
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
+#include "loop/device_grade.hpp"
 #include "loop/fault_watch.hpp"
 #include "loop/realtime_stop.hpp"
 #include "loop/runner.hpp"
+#include "loop/safe_output_text.hpp"
 #include "program/gain_file.hpp"
 #include "program/injection.hpp"
 #include "program/output_files.hpp"
@@ -51,7 +53,7 @@ Rig read_with_options(const RunOptions& options) {
   if (options.duration_s > 0.0) sets.push_back(fmt::format("duration_s={}", options.duration_s));
   if (!options.pressure_source.empty() && options.pressure_source != "all")
     sets.push_back("controller.pressure_source=" + options.pressure_source);
-  Rig rig = read_rig(options.config, sets);
+  Rig rig = read_rig(options.config, sets, options.backend == "sim" ? ConfigUse::simulation : ConfigUse::machine);
   if (rig.sensors.position.incremental && backend_of(options, rig) != "sim" && !rig.zeros.contains("x"))
     throw InputError(options.config +
                      ": sensors.position.incremental: found true without a zero of x, expected --zeros "
@@ -132,11 +134,10 @@ RunOutcome run_or_refuse(const std::string& config, const Rig& rig, Backend& bac
 }
 
 /// Told while the loop still runs, and whatever the recording's disk does.
-void tell_fault(const Rig& rig, std::uint64_t first_faults, double fault_s) {
+void tell_fault(std::uint64_t first_faults) {
   std::string text;
   for (const std::string& fault : fault_words(first_faults, first_faults)) text += "fault: " + fault + "\n";
-  std::cerr << text + fmt::format("the safe output of {} V was sent to the valve at t = {:.6g} s\n",
-                                  safe_commands_V(rig)[0], fault_s);
+  std::cerr << text;
 }
 
 /// The recording of a run; none without --record.
@@ -168,7 +169,8 @@ bool close_recording(RecordingWriter* writer) {
 }
 
 /// What is to be said beside the results; the first fault was told when it came.
-void tell_end(const RunOptions& options, const Backend& backend, const RunOutcome& outcome, bool whole) {
+void tell_end(const RunOptions& options, const Rig& rig, const Backend& backend, const RunOutcome& outcome,
+              bool whole) {
   for (const std::string& note : backend.notes()) std::cerr << note << "\n";
   if (outcome.moves_not_learned > 0)
     std::cerr << fmt::format(
@@ -186,7 +188,8 @@ void tell_end(const RunOptions& options, const Backend& backend, const RunOutcom
   for (std::size_t i = outcome.first_faults; i < outcome.faults.size(); ++i)
     std::cerr << "after it: " << outcome.faults[i] << "\n";
   if (!outcome.faults.empty())
-    std::cerr << "when the cause is mended, run the same command again"
+    std::cerr << safe_output_text(backend.safe_output(), rig) << "\n"
+              << "when the cause is mended, run the same command again"
               << (options.record.empty() ? "\n" : " with another name after --record\n");
 }
 
@@ -232,13 +235,14 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   }
   const std::vector<InjectedFault> faults = injected_faults(options.scenarios, options.faults, rig);
   auto backend = make_faulty_backend(backend_of(options, rig), rig, faults);
+  if (report.runs.empty() && backend->name() == "configured") std::cerr << device_warning(rig);
   backend->configure();
   report.machine = machine_facts(session ? &session->state() : nullptr);
   report.channel_origins = channel_facts(*backend);
 
   const std::string path = record_path(options, source, several);
   const auto writer = open_recording(options, rig, *backend, report.machine, path);
-  auto watch = std::make_unique<FaultWatch>([&rig](auto first, double fault_s) { tell_fault(rig, first, fault_s); });
+  auto watch = std::make_unique<FaultWatch>([](auto first, double) { tell_fault(first); });
   RunSettings settings{.real_time = real_time,
                        .early_wake_s = options.early_wake_us * 1e-6,
                        .moves = options.moves,
@@ -262,7 +266,7 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   const bool whole = close_recording(writer.get());
   watcher.reset();
   watch.reset();
-  tell_end(options, *backend, outcome, whole);
+  tell_end(options, rig, *backend, outcome, whole);
   tell_what_is_shown(options, outcome);
   for (const MoveSpan& span : outcome.moves) report.runs.push_back(result_of(options, rig, outcome, span));
   return outcome.faults.empty() && whole;

@@ -24,6 +24,7 @@ void add_diagnose(CLI::App& app, int& status);
 void add_device(CLI::App& app, int& status);
 void add_index(CLI::App& app, int& status);
 void add_keys(CLI::App& app, int& status);
+void add_guard(CLI::App& app, int& status);
 void add_home(CLI::App& app, int& status);
 void add_zero(CLI::App& app, int& status);
 void add_latency(CLI::App& app, int& status);

@@ -33,7 +33,10 @@ enum class InjectedKind {
   off,
   reboot,
   no_heartbeat,
-  late
+  late,
+  doubled,
+  deaf,
+  pre_operational
 };
 
 /// What a kind acts on.
@@ -47,7 +50,7 @@ struct InjectedKindText {
   std::string_view meaning;
   std::string_view instead_of_device = "it in run --hal sim";  ///< where to inject it, and why
 };
-inline constexpr std::array<InjectedKindText, 19> injected_kinds{{
+inline constexpr std::array<InjectedKindText, 22> injected_kinds{{
     {"drop", InjectedTarget::channel, InjectedTarget::node, true, true, false, "no sample comes; a node: no answer"},
     {"freeze", InjectedTarget::channel, InjectedTarget::channel, true, true, false, "repeats one value"},
     {"bias", InjectedTarget::channel, InjectedTarget::channel, true, true, true, "adds VALUE"},
@@ -76,6 +79,12 @@ inline constexpr std::array<InjectedKindText, 19> injected_kinds{{
     {"reboot", InjectedTarget::node, InjectedTarget::node, false, true, false, "restarts"},
     {"no_heartbeat", InjectedTarget::node, InjectedTarget::node, false, true, false, "stops its heartbeat"},
     {"late", InjectedTarget::node, InjectedTarget::node, false, true, false, "answers SYNC a period late"},
+    {"double", InjectedTarget::node, InjectedTarget::node, false, true, false,
+     "answers SYNC twice, as two devices with one number do"},
+    {"deaf", InjectedTarget::node, InjectedTarget::node, false, true, false,
+     "takes no commands any more: process data to it are lost"},
+    {"pre_operational", InjectedTarget::node, InjectedTarget::node, false, true, false,
+     "another master puts it into pre-operational"},
 }};
 inline constexpr auto injected_kind_names = [] {
   std::array<std::string_view, injected_kinds.size()> names{};

@@ -84,7 +84,7 @@ class Supervisor {
 
   SupervisorState state_ = SupervisorState::unconfigured;
   std::uint64_t faults_ = 0, first_faults_ = 0;
-  bool needs_chambers_ = false, bridged_ = false, may_move_ = true, has_moved_ = false;
+  bool needs_chambers_ = false, bridged_ = false, may_move_ = true, has_moved_ = false, on_bus_ = false;
   InputGuard position_guard_, supply_guard_;
   std::array<InputGuard, 2> port_guard_, chamber_guard_;
   std::array<bool, 2> has_chamber_{};

@@ -9,6 +9,7 @@
 #include <pneuservo/loop/cross_check.hpp>
 #include <pneuservo/loop/fault.hpp>
 #include <pneuservo/loop/input_guard.hpp>
+#include <pneuservo/loop/supervision_health.hpp>
 #include <pneuservo/loop/supervisor_state.hpp>
 #include <pneuservo/rig/rig.hpp>
 
@@ -50,6 +51,8 @@ class Supervisor {
   /// What the valves were given in this tick.
   void note_commands(const std::array<double, 2>& command_V) noexcept;
   void latch(std::uint64_t faults) noexcept;
+  /// Time that the machine has been suspended so far [ns], before judge.
+  void note_slept(std::int64_t slept_ns) noexcept { health_.note_slept(slept_ns); }
 
   SupervisorState state() const noexcept { return state_; }
   bool is_active() const noexcept { return state_ == SupervisorState::active; }
@@ -61,6 +64,7 @@ class Supervisor {
   const std::array<double, 2>& safe_V() const noexcept { return safe_V_; }
   const std::array<double, 2>& command_V() const noexcept { return command_V_; }
   const CrossCheck& checks() const noexcept { return cross_check_; }
+  const SupervisionHealth& health() const noexcept { return health_; }
 
  private:
   struct Bits {
@@ -75,6 +79,7 @@ class Supervisor {
   std::uint64_t judge_digital(const DigitalInputs& digital) noexcept;
   double chamber_step_Pa(double dead_volume_m3, double area_m2, double way_m) const noexcept;
   bool inputs_ready() const noexcept;
+  std::array<bool, 6> bad_samples() const noexcept;
 
   SupervisorState state_ = SupervisorState::unconfigured;
   std::uint64_t faults_ = 0, first_faults_ = 0;
@@ -85,6 +90,7 @@ class Supervisor {
   bool has_supply_ = false;
   std::array<LineState, 2> limits_{};
   CrossCheck cross_check_;
+  SupervisionHealth health_;
   CylinderParameters<double> cylinder_;
   std::array<double, 2> safe_V_{}, command_V_{};
   double period_s_ = 1e-3, speed_limit_mps_ = 5.0, position_limit_m_ = 0.155, half_stroke_m_ = 0.15,

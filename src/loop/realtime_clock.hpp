@@ -1,9 +1,9 @@
 // The clock of real time, the thread's fault counters, and memory that is touched before it is needed.
 #pragma once
+#include <algorithm>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
-#include <algorithm>
 #include <ctime>
 
 #include <sys/resource.h>
@@ -29,8 +29,8 @@ struct MonotonicClock {
   }
 };
 
-/// Suspends of the machine: CLOCK_BOOTTIME goes on in them, CLOCK_MONOTONIC stands, so no tick is late after one. Both are
-/// read without a system call (vDSO).
+/// Suspends of the machine: CLOCK_BOOTTIME goes on in them, CLOCK_MONOTONIC stands, so no tick is late after one. Both
+/// are read without a system call (vDSO).
 class SuspendWatch {
  public:
   /// HOT. Time slept since the first call, never more than the truth [ns]; `now_ns`: CLOCK_MONOTONIC, read before. A

@@ -18,7 +18,8 @@ std::vector<InjectedFault> injected_faults(const std::vector<std::string>& scena
 /// Ticks that come late until `end_s`, in order.
 std::vector<LateTick> late_ticks(const std::vector<InjectedFault>& faults, double period_s, double end_s);
 std::vector<Suspend> suspends(const std::vector<InjectedFault>& faults, double period_s);
-/// The backend by its name, with the faults; only sim can show other ones than those of the loop's own time. Throws InputError.
+/// The backend by its name, with the faults; only sim can show other ones than those of the loop's own time. Throws
+/// InputError.
 std::unique_ptr<Backend> make_faulty_backend(const std::string& name, const Rig& rig,
                                              const std::vector<InjectedFault>& faults);
 

@@ -15,6 +15,7 @@ using AddVerb = std::function<void(CLI::App&, int& status)>;
 const std::vector<AddVerb>& all_verbs();
 
 void add_check(CLI::App& app, int& status);
+void add_commission(CLI::App& app, int& status);
 void add_design(CLI::App& app, int& status);
 void add_diagnose(CLI::App& app, int& status);
 void add_device(CLI::App& app, int& status);

@@ -1,6 +1,7 @@
 // Zeros of channels from files.
 #include "program/zeros.hpp"
 
+#include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <sstream>
@@ -21,10 +22,12 @@ namespace {
 struct ZeroFile {
   std::string rig, machine;
   std::map<std::string, double> zeros;
+  std::optional<CommissionSection> commission;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"rig", "", 0, 0, "name of the rig that they were found on"}, p.rig...);
     v(Field{"machine", "", 0, 0, "its cylinder, encoder and channels in short"}, p.machine...);
     v(Field{"zeros", "", -1e7, 1e7, "by channel"}, p.zeros...);
+    v(Field{"commission", "", 0, 0, "what the verb commission found", Presence::optional}, p.commission...);
   }
 };
 
@@ -43,6 +46,17 @@ void require_same_rig(const std::string& file, const ZeroFile& read, const std::
                                "on, so find them again with this config (pneuservo zero, home)",
                                file, renamed ? "rig" : "machine", renamed ? read.rig : read.machine,
                                renamed ? rig.name : machine, config));
+}
+
+void add_commission(const std::string& file, const CommissionSection& found, const Rig& rig,
+                    std::vector<std::string>& sets) {
+  if (!found.passed)
+    throw InputError(file +
+                     ": commission.passed: found false, expected true: mend what pneuservo commission called wrong, "
+                     "and commission again");
+  const bool differs = std::fabs(found.neutral_V - rig.safe_output.command_V) > found.neutral_error_V;
+  if (found.neutral_error_V > 0.0 && differs && rig.safe_output.action == SafeAction::hold)
+    sets.push_back("safe_output.command_V=" + number_text(found.neutral_V));
 }
 
 }  // namespace
@@ -67,17 +81,23 @@ std::vector<std::string> with_zeros(const std::string& config, std::vector<std::
     read_section(read_config_tree(file, "a file that home, zero or commission wrote"), "", read);
     require_same_rig(file, read, config, rig);
     for (const auto& [channel, zero] : read.zeros) sets.push_back("zeros." + channel + "=" + number_text(zero));
+    if (read.commission) add_commission(file, *read.commission, rig, sets);
   }
   return sets;
 }
 
 void write_zeros(const std::string& file, const Rig& rig, const std::map<std::string, double>& zeros,
-                 const std::string& comment) {
+                 const std::string& comment, const std::optional<CommissionSection>& commission) {
   std::ofstream out(file);
   std::istringstream lines(comment);
   for (std::string line; std::getline(lines, line);) out << "# " << line << "\n";
-  out << "rig: " << rig.name << "\nmachine: '" << machine_of(rig) << "'\nzeros:" << (zeros.empty() ? " {}" : "") << "\n";
+  out << "rig: " << rig.name << "\nmachine: '" << machine_of(rig) << "'\nzeros:" << (zeros.empty() ? " {}" : "")
+      << "\n";
   for (const auto& [channel, zero] : zeros) out << "  " << channel << ": " << number_text(zero) << "\n";
+  if (commission)
+    out << "commission:\n  passed: " << (commission->passed ? "true" : "false")
+        << "\n  neutral_V: " << number_text(commission->neutral_V)
+        << "\n  neutral_error_V: " << number_text(commission->neutral_error_V) << "\n";
   out.close();
   if (!out) throw InputError("--write: " + file + " could not be written");
 }

@@ -53,7 +53,8 @@ struct InjectedKindText {
   std::string_view instead_of_device = "it in run --hal sim";  ///< where to inject it, and why
 };
 inline constexpr std::array<InjectedKindText, 21> injected_kinds{{
-    {"drop", InjectedTarget::channel, InjectedTarget::node, true, true, false, "no sample comes, with VALUE: of this share of them; a node: no answer"},
+    {"drop", InjectedTarget::channel, InjectedTarget::node, true, true, false,
+     "no sample comes, with VALUE: of this share of them; a node: no answer"},
     {"freeze", InjectedTarget::channel, InjectedTarget::channel, true, true, false, "repeats one value"},
     {"bias", InjectedTarget::channel, InjectedTarget::channel, true, true, true, "adds VALUE"},
     {"spike", InjectedTarget::channel, InjectedTarget::channel, true, true, true, "adds VALUE to one sample"},

@@ -1,4 +1,5 @@
-// Health of supervision itself: shares of bad samples and missed slots, rest of the cross-checks, suspend of the machine.
+// Health of supervision itself: shares of bad samples and missed slots, rest of the cross-checks, suspend of the
+// machine.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -72,7 +73,7 @@ class SupervisionHealth {
     lowest_m_ = std::min(lowest_m_, position_m);
     highest_m_ = std::max(highest_m_, position_m);
     const bool moves = highest_m_ - lowest_m_ > moving_m_;
-    return moves && rested_ticks_ > rest_limit_ticks_ ? fault_checks_rested : 0;
+    return moves && rested_ticks_ > rest_limit_ticks_ ? std::uint64_t{fault_checks_rested} : 0;
   }
   /// Time that the machine has been suspended so far [ns]; the loop alone reads clocks.
   void note_slept(std::int64_t slept_ns) noexcept { slept_ns_ = slept_ns; }

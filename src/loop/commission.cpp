@@ -18,7 +18,6 @@
 namespace pneuservo {
 namespace {
 
-constexpr double lead_s = 0.1;           // a valve that is open before its closing command answers early
 constexpr double first_rest_s = 1.0;
 constexpr double significant = 6.0;      // standard deviations of white noise: by chance once in 5e8
 constexpr double least_answer = 0.1;     // of the model's: less is no answer of this valve
@@ -143,11 +142,9 @@ void join(AnswerFit& sum, const AnswerFit& one) {
   sum.scale = sum.model_square > 0.0 ? sum.measured_model / sum.model_square : 0.0;
 }
 
-// One probe against the model: the position finds the shift where it moved, the force by the ports where it did not.
+// One probe against the model: the position finds the dead part of the command where it moved, the force where not.
 void Commissioning::fit(const Probe& probe) {
   const std::size_t ticks = probe.position_m.size();
-  const double period_s = rig_.period_s;
-  const ModelAnswer model = model_answer(rig_, probe, ticks + static_cast<std::size_t>(lead_s / period_s) + 1);
   std::vector<double> way(ticks), force(ticks), chambers(ticks);
   const double rest_N = air_force_N(rig_, probe.before.port_Pa());
   const double chamber_rest_N = air_force_N(rig_, {probe.before.mean[3], probe.before.mean[4]});
@@ -157,21 +154,22 @@ void Commissioning::fit(const Probe& probe) {
     chambers[i] = has(3) && has(4) ? air_force_N(rig_, probe.chamber_Pa[i]) - chamber_rest_N : 0.0;
   }
   const bool moved = probe.end == ProbeEnd::moved || probe.end == ProbeEnd::too_fast || probe.end == ProbeEnd::little;
-  const AnswerFit by_way = fit_answer(way, model.position_m, period_s, lead_s);
-  const AnswerFit by_force = moved ? fit_at(force, model.port_force_N, period_s, by_way.shift_s)
-                                   : fit_answer(force, model.port_force_N, period_s, lead_s);
+  const double dead_V = moved ? find_dead_V(rig_, probe, way, &ModelAnswer::position_m)
+                              : find_dead_V(rig_, probe, force, &ModelAnswer::port_force_N);
+  const ModelAnswer model = model_answer(rig_, probe, dead_V);
   if (moved) {
+    const AnswerFit by_way = fit_answer(way, model.position_m);
     join(position_sum_, by_way);
-    opens_V_.push_back(probe.ramp_V_per_s * by_way.shift_s), opens_to_.push_back(probe.direction);
+    opens_V_.push_back(dead_V), opens_to_.push_back(probe.direction);
     scales_.push_back(std::fabs(by_way.scale));
   }
-  join(force_sum_, by_force);
-  join(chamber_sum_, fit_at(chambers, model.chamber_force_N, period_s, by_force.shift_s));
+  join(force_sum_, fit_answer(force, model.port_force_N));
+  join(chamber_sum_, fit_answer(chambers, model.chamber_force_N));
   const auto& c = rig_.axis.cylinder;
   force_noise_N_ = std::hypot(c.area_1_m2 * probe.before.rms[1], c.area_2_m2 * probe.before.rms[2]);
   chamber_noise_N_ = std::hypot(c.area_1_m2 * probe.before.rms[3], c.area_2_m2 * probe.before.rms[4]);
   ramp_V_per_s_ = std::max(ramp_V_per_s_, probe.ramp_V_per_s);
-  result.farthest_m = std::max(result.farthest_m, std::fabs(probe.moved_m));
+  result.farthest_m = std::max(result.farthest_m, probe.farthest_m);
   result.fastest_mps = std::max(result.fastest_mps, probe.fastest_mps);
 }
 
@@ -352,7 +350,7 @@ CommissionResult commission_axis(const Rig& rig, Backend& backend, bool real_tim
   std::vector<Probe> probes;
   try {
     SupervisedSteps steps(rig, backend, "commissioning", real_time, of_sensors);
-    const RestState first = rest(rig, steps, first_rest_s);
+    const RestState first = rest(steps, first_rest_s);
     if (!commissioning.judge_rest(first)) return commissioning.result;
     steps.judge_anew(fault_position_frozen);
     for (const int direction : {1, -1}) {

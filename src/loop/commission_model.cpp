@@ -11,33 +11,11 @@
 namespace pneuservo {
 namespace {
 
-/// A later shift leaves too little of an answer in the record to tell scale from shift.
-constexpr double least_overlap_s = 0.15;
-
-struct Sums {
-  double measured_model = 0.0, model_square = 0.0, measured_square = 0.0;
-};
-
-Sums sums_at(const std::vector<double>& measured, const std::vector<double>& model, std::int64_t shift) {
-  Sums out;
-  const auto n = static_cast<std::int64_t>(measured.size()), have = static_cast<std::int64_t>(model.size());
-  for (std::int64_t i = 0; i < n; ++i) {
-    const std::int64_t at = i - shift;
-    const double y = measured[static_cast<std::size_t>(i)];
-    const double m = at < 0 || at >= have ? 0.0 : model[static_cast<std::size_t>(at)];
-    out.measured_model += y * m, out.model_square += m * m, out.measured_square += y * y;
-  }
-  return out;
-}
-
-AnswerFit fit_of(const Sums& sums, double shift_s) {
-  const double scale = sums.model_square > 0.0 ? sums.measured_model / sums.model_square : 0.0;
-  return {scale, shift_s, sums.measured_model, sums.model_square};
-}
+constexpr int coarse = 8, rounds = 3, fine = 4;  // of the search: to a 400th of the range
 
 }  // namespace
 
-ModelAnswer model_answer(const Rig& rig, const Probe& probe, std::size_t ticks) {
+ModelAnswer model_answer(const Rig& rig, const Probe& probe, double dead_V) {
   AxisParameters<double> axis = rig.axis;
   const auto start_Pa = probe.before.port_Pa();
   axis.effects.motion.constant_force.force_N = air_force_N(rig, start_Pa);
@@ -50,34 +28,45 @@ ModelAnswer model_answer(const Rig& rig, const Probe& probe, std::size_t ticks) 
   const double closed_V = rig.safe_output.action == SafeAction::hold ? rig.safe_output.command_V : 0.0;
   const double rest_N = air_force_N(rig, start_Pa);
   ModelAnswer out;
-  for (std::size_t i = 0; i < ticks; ++i) {
+  bool opened = false;
+  for (const double volts : probe.volts) {
     const auto port = plant.port_pressure();
     out.position_m.push_back(plant.position() - start_m);
     out.port_force_N.push_back(air_force_N(rig, {low(port), high(port)}) - rest_N);
     out.chamber_force_N.push_back(plant.driving_force() - rest_N);
-    const double volts = probe.direction * probe.ramp_V_per_s * rig.period_s * static_cast<double>(i);
-    plant.step(closed_V + volts, closed_V - volts);
+    const double acting_V = probe.direction * std::max(volts - dead_V, 0.0);
+    opened = opened || acting_V != 0.0;
+    if (opened) plant.step(closed_V + acting_V, closed_V - acting_V);
   }
   return out;
 }
 
-AnswerFit fit_at(const std::vector<double>& measured, const std::vector<double>& model, double period_s,
-                 double shift_s) {
-  return fit_of(sums_at(measured, model, std::llround(shift_s / period_s)), shift_s);
+AnswerFit fit_answer(const std::vector<double>& measured, const std::vector<double>& model) {
+  AnswerFit out;
+  double measured_square = 0.0;
+  for (std::size_t i = 0; i < measured.size(); ++i)
+    out.measured_model += measured[i] * model[i], out.model_square += model[i] * model[i],
+        measured_square += measured[i] * measured[i];
+  out.scale = out.model_square > 0.0 ? out.measured_model / out.model_square : 0.0;
+  out.error_square = measured_square - out.scale * out.measured_model;
+  return out;
 }
 
-AnswerFit fit_answer(const std::vector<double>& measured, const std::vector<double>& model, double period_s,
-                     double lead_s) {
-  const std::int64_t n = static_cast<std::int64_t>(measured.size()), lead = std::llround(lead_s / period_s);
-  const std::int64_t last = std::max<std::int64_t>(n - std::llround(least_overlap_s / period_s), 1);
-  AnswerFit best;
-  double least = -1.0;
-  for (std::int64_t shift = -lead; shift < last; shift += std::max<std::int64_t>(1, n / 300)) {
-    const Sums sums = sums_at(measured, model, shift);
-    const double gain = sums.model_square > 0.0 ? sums.measured_model * sums.measured_model / sums.model_square : 0.0;
-    if (gain > least) least = gain, best = fit_of(sums, static_cast<double>(shift) * period_s);
+double find_dead_V(const Rig& rig, const Probe& probe, const std::vector<double>& measured,
+                   std::vector<double> ModelAnswer::*of_model) {
+  double best_V = 0.0, least = -1.0, low_V = 0.0, high_V = 0.95 * probe.end_V;
+  int pieces = coarse;
+  for (int round = 0; round < rounds; ++round) {
+    const double step_V = (high_V - low_V) / pieces;
+    for (int i = 0; i <= pieces; ++i) {
+      const double dead_V = low_V + i * step_V;
+      const double error = fit_answer(measured, model_answer(rig, probe, dead_V).*of_model).error_square;
+      if (least < 0.0 || error < least) least = error, best_V = dead_V;
+    }
+    low_V = std::max(best_V - step_V, 0.0), high_V = std::min(best_V + step_V, 0.95 * probe.end_V);
+    pieces = 2 * fine;
   }
-  return best;
+  return best_V;
 }
 
 }  // namespace pneuservo

@@ -13,22 +13,19 @@ struct ModelAnswer {
   std::vector<double> position_m, port_force_N, chamber_force_N;
 };
 
-/// The rig's own plant from the probe's state of rest, under the same ramp for so many ticks. Whatever load holds the
-/// slider at rest in the probe (gravity, a sensor's zero) holds it in the model.
-ModelAnswer model_answer(const Rig& rig, const Probe& probe, std::size_t ticks);
+/// The rig's own plant from the probe's state of rest under the probe's commands, of which the valve takes `dead_V` for
+/// nothing. Whatever load holds the slider at rest in the probe (gravity, a sensor's zero) holds it in the model.
+ModelAnswer model_answer(const Rig& rig, const Probe& probe, double dead_V);
 
-/// Least squares of measured(t) = scale * model(t - shift).
+/// Least squares of measured = scale * model, and the sums that join several fits.
 struct AnswerFit {
-  double scale = 0.0;
-  double shift_s = 0.0;       ///< later than the model
-  double measured_model = 0.0, model_square = 0.0;  ///< sums at that shift, to join several fits
+  double scale = 0.0, measured_model = 0.0, model_square = 0.0;
+  double error_square = 0.0;  ///< that is left
 };
+AnswerFit fit_answer(const std::vector<double>& measured, const std::vector<double>& model);
 
-/// The shift of least error from -lead_s to the end of the record; `model` holds lead_s more than `measured`.
-AnswerFit fit_answer(const std::vector<double>& measured, const std::vector<double>& model, double period_s,
-                     double lead_s);
-/// The same at a given shift.
-AnswerFit fit_at(const std::vector<double>& measured, const std::vector<double>& model, double period_s,
-                 double shift_s);
+/// The dead part of the probe's command with which `measured` (position, or force by the ports) is explained best [V].
+double find_dead_V(const Rig& rig, const Probe& probe, const std::vector<double>& measured,
+                   std::vector<double> ModelAnswer::*of_model);
 
 }  // namespace pneuservo

@@ -18,6 +18,7 @@ constexpr double speed_s = 0.02;
 constexpr double seen_m = 2e-4;           // of motion
 constexpr double answer_of_noise = 6.0;   // standard deviations: by chance once in 5e8 samples
 constexpr double answer_Pa = 2e3;         // of both ports alike, what no wave is needed for
+constexpr double settling_s = 0.1;        // of the record after the valve is closed
 constexpr double after_answer_s = 0.2;    // of the ramp that had passed before the answer was seen
 constexpr double blocked_share = 0.5;     // of the stiffness of the shut-in air
 
@@ -73,43 +74,60 @@ class ProbeWatch {
     answer_N_ = answer_of_noise * scatter * noise_N + quantum_N;
     force_before_N_ = air_force_N(rig, probe.before.port_Pa());
     push_N_ = ProbeLimits::push_Pa * std::max(c.area_1_m2, c.area_2_m2);
+    stiffness_N_per_m_ = air_stiffness_N_per_m(rig, probe.before.port_Pa(), probe.before.mean[0]);
+    const double mass_kg = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
+    swing_s_ = 2.0 * M_PI * std::sqrt(mass_kg / (rig.axis.air.heat_capacity_ratio * stiffness_N_per_m_));
     seen_m_ = seen_m + 6.0 * rig.sensors.position.noise_m + 2.0 * rig.sensors.position.quantum_m;
   }
-  /// True: the probe is over, probe.end says why. `volts`: in force until now.
+  /// True: the ramp is over, probe.end says why. `volts`: in force until now.
   bool over(const StepSample& sample, double volts) {
     const double dt = rig_.period_s * static_cast<double>(sample.skipped + 1);
-    note(sample, dt);
-    const double moved_m = last_m_ - probe_.before.mean[0], push_N = std::fabs(probe_.force_change_N);
-    probe_.moved_m = moved_m;
-    if (std::fabs(moved_m) >= ProbeLimits::way_m) return end(ProbeEnd::moved);
-    if (std::fabs(speed_mps_) > ProbeLimits::fastest_mps) return end(ProbeEnd::too_fast);
+    note(sample, dt, volts);
+    const double moved_m = std::fabs(probe_.moved_m), push_N = std::fabs(probe_.force_change_N);
+    if (is_too_fast()) return end(ProbeEnd::too_fast);
+    if (moved_m + 0.5 * swing_s_ * std::fabs(speed_mps_) >= ProbeLimits::way_m) return end(ProbeEnd::moved);
     if (answered_ && push_N >= push_N_) return end(ProbeEnd::pushed);
     if (!answered_ && (push_N > answer_N_ || common_change_Pa() > answer_Pa)) answered_ = true, answered_V_ = volts;
     if (!answered_) return false;
-    expected_m_ += dt * (per_volt_ * (volts - answered_V_) + after_answer_s * ProbeLimits::acceleration_mps2);
-    if (expected_m_ < ProbeLimits::unseen_way_m) return false;
-    if (std::fabs(moved_m) > seen_m_) return end(ProbeEnd::little);
-    const double stiffness = air_stiffness_N_per_m(rig_, probe_.before.port_Pa(), probe_.before.mean[0]);
-    return push_N < blocked_share * stiffness * expected_m_ && end(ProbeEnd::unseen);
+    const double speed_mps =
+        per_volt_ * (volts - answered_V_) + after_answer_s * ProbeLimits::acceleration_mps2;
+    expected_m_ += dt * speed_mps, answered_s_ += dt;
+    if (expected_m_ + 0.5 * swing_s_ * speed_mps < ProbeLimits::unseen_way_m) return false;
+    // A slider that is slow on its air has not had the time to move yet: what it did is told after the pulse.
+    if (moved_m > seen_m_ || answered_s_ < 0.5 * swing_s_) return end(ProbeEnd::little);
+    return !is_pushed() && end(ProbeEnd::unseen);
   }
+  /// After the ramp, while the valve closes and the slider settles.
+  void note(const StepSample& sample, double dt, double volts) {
+    for (std::size_t i = 0; i < 2; ++i) smooth_Pa_[i] += smoothing_ * (sample.in.port_Pa[i] - smooth_Pa_[i]);
+    probe_.force_change_N = air_force_N(rig_, smooth_Pa_) - force_before_N_;
+    speed_mps_ += speed_gain_ * ((sample.in.position_m - last_m_) / dt - speed_mps_);
+    last_m_ = sample.in.position_m;
+    probe_.moved_m = last_m_ - probe_.before.mean[0];
+    probe_.fastest_mps = std::max(probe_.fastest_mps, std::fabs(speed_mps_));
+    // A skipped slot repeats the sample, so that an index is a time.
+    for (std::int64_t i = 0; i <= sample.skipped; ++i) {
+      probe_.position_m.push_back(sample.in.position_m);
+      probe_.volts.push_back(volts);
+      probe_.port_Pa.push_back(sample.in.port_Pa);
+      probe_.chamber_Pa.push_back(sample.in.chamber_Pa);
+    }
+  }
+  bool is_too_fast() const { return std::fabs(speed_mps_) > ProbeLimits::fastest_mps; }
+  /// The end of a slow slider's pulse: it moved, or the shut-in air pushes it, or neither.
+  void tell_end() {
+    if (probe_.end != ProbeEnd::little || std::fabs(probe_.moved_m) > seen_m_) return;
+    probe_.end = is_pushed() ? ProbeEnd::pushed : ProbeEnd::unseen;
+  }
+  double swing_s() const { return swing_s_; }
 
  private:
   bool end(ProbeEnd why) {
     probe_.end = why;
     return true;
   }
-  void note(const StepSample& sample, double dt) {
-    for (std::size_t i = 0; i < 2; ++i) smooth_Pa_[i] += smoothing_ * (sample.in.port_Pa[i] - smooth_Pa_[i]);
-    probe_.force_change_N = air_force_N(rig_, smooth_Pa_) - force_before_N_;
-    speed_mps_ += speed_gain_ * ((sample.in.position_m - last_m_) / dt - speed_mps_);
-    last_m_ = sample.in.position_m;
-    probe_.fastest_mps = std::max(probe_.fastest_mps, std::fabs(speed_mps_));
-    // A skipped slot repeats the sample, so that an index is a time.
-    for (std::int64_t i = 0; i <= sample.skipped; ++i) {
-      probe_.position_m.push_back(sample.in.position_m);
-      probe_.port_Pa.push_back(sample.in.port_Pa);
-      probe_.chamber_Pa.push_back(sample.in.chamber_Pa);
-    }
+  bool is_pushed() const {
+    return std::fabs(probe_.force_change_N) >= blocked_share * stiffness_N_per_m_ * expected_m_;
   }
   double common_change_Pa() const {
     const auto before = probe_.before.port_Pa();
@@ -121,13 +139,14 @@ class ProbeWatch {
   double per_volt_;
   std::array<double, 2> smooth_Pa_;
   double smoothing_, speed_gain_, last_m_, speed_mps_ = 0.0, answer_N_ = 0.0, force_before_N_ = 0.0, push_N_ = 0.0,
-                                           seen_m_ = 0.0, answered_V_ = 0.0, expected_m_ = 0.0;
+                                           seen_m_ = 0.0, answered_V_ = 0.0, answered_s_ = 0.0, expected_m_ = 0.0,
+         swing_s_ = 0.0, stiffness_N_per_m_ = 0.0;
   bool answered_ = false;
 };
 
 }  // namespace
 
-RestState rest(const Rig& rig, SupervisedSteps& steps, double shortest_s) {
+RestState rest(SupervisedSteps& steps, double shortest_s) {
   RestSums sums;
   double window_from_s = 0.0, stands_at_m = 0.0, from_m = 1e9, to_m = -1e9;
   steps.run([&](const StepSample& sample) -> StepAnswer {
@@ -156,19 +175,27 @@ Probe probe(const Rig& rig, SupervisedSteps& steps, int direction, const RestSta
   out.ramp_V_per_s = ProbeLimits::acceleration_mps2 / per_volt;
   const double largest_V = ProbeLimits::largest_share * rig.axis.valve.command_max_V;
   const auto most = static_cast<std::size_t>(2.0 * largest_V / out.ramp_V_per_s / rig.period_s) + 1024;
-  out.position_m.reserve(most), out.port_Pa.reserve(most), out.chamber_Pa.reserve(most);
+  out.position_m.reserve(most), out.volts.reserve(most), out.port_Pa.reserve(most), out.chamber_Pa.reserve(most);
   ProbeWatch watch(rig, out, per_volt);
   double volts = 0.0;
   steps.run([&](const StepSample& sample) -> StepAnswer {
     const bool over = watch.over(sample, volts) || volts >= largest_V;
     out.end_V = volts;
-    volts = std::min(out.ramp_V_per_s * sample.t_s, largest_V);
-    return {steps.command(over ? 0.0 : direction * volts), over};
+    if (!over) volts = std::min(out.ramp_V_per_s * sample.t_s, largest_V);
+    return {steps.command(direction * volts), over};
   });
-  out.after = rest(rig, steps, 0.6);
-  const double overrun_m =
-      std::max(std::fabs(out.after.from_m - before.mean[0]), std::fabs(out.after.to_m - before.mean[0]));
-  out.moved_m = std::copysign(std::max(std::fabs(out.moved_m), overrun_m), out.moved_m);
+  const double closing_s = out.end == ProbeEnd::too_fast ? 0.0 : watch.swing_s();
+  steps.run([&](const StepSample& sample) -> StepAnswer {
+    watch.note(sample, rig.period_s * static_cast<double>(sample.skipped + 1), volts);
+    if (watch.is_too_fast()) out.end = ProbeEnd::too_fast;
+    const bool closes = sample.t_s < closing_s && out.end != ProbeEnd::too_fast;
+    volts = closes ? out.end_V * (1.0 - sample.t_s / closing_s) : 0.0;
+    return {steps.command(direction * volts), sample.t_s >= closing_s + std::max(0.5 * closing_s, settling_s)};
+  });
+  watch.tell_end();
+  out.after = rest(steps, 0.6);
+  out.moved_m = out.after.mean[0] - before.mean[0];
+  for (const double x : out.position_m) out.farthest_m = std::max(out.farthest_m, std::fabs(x - before.mean[0]));
   return out;
 }
 

@@ -29,20 +29,22 @@ enum class ProbeEnd {
   no_answer  ///< the whole range of commands without an answer
 };
 
-/// One ramp of the command to one side, from rest, until something ended it.
+/// One pulse of the command to one side, from rest, until something ended its ramp.
 struct Probe {
   int direction = 1;
   RestState before, after;
   double ramp_V_per_s = 0.0;
-  std::vector<double> position_m;           ///< tick by tick from the first one of the ramp
+  std::vector<double> position_m;           ///< tick by tick from the first one of the ramp until it has settled
+  std::vector<double> volts;                ///< in force from that tick on, its size alone
   std::vector<std::array<double, 2>> port_Pa, chamber_Pa;
   ProbeEnd end = ProbeEnd::no_answer;
-  double end_V = 0.0, moved_m = 0.0, fastest_mps = 0.0, force_change_N = 0.0;
+  double end_V = 0.0, moved_m = 0.0, farthest_m = 0.0, fastest_mps = 0.0, force_change_N = 0.0;
 };
 
 /// Rests with the valve closed until the slider stands, `shortest_s` at least.
-RestState rest(const Rig& rig, SupervisedSteps& steps, double shortest_s);
-/// Ramps the command to one side (+1 fills side 1) within ProbeLimits, then closes the valve and rests.
+RestState rest(SupervisedSteps& steps, double shortest_s);
+/// Ramps the command to one side (+1 fills side 1) within ProbeLimits, closes the valve over one period of the slider on
+/// its air, which leaves no swing behind, and rests.
 Probe probe(const Rig& rig, SupervisedSteps& steps, int direction, const RestState& before);
 
 }  // namespace pneuservo

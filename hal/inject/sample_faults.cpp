@@ -67,6 +67,7 @@ void SampleFaults::spoil(Spoiled& spoiled, Channel& sample) noexcept {
       if (!spoiled.spent) sample.value += value;
       spoiled.spent = true;
       break;
+    case InjectedKind::spikes: sample.value += spoiled.count++ % 3 == 0 ? value : 0.0; break;
     case InjectedKind::saturate: sample.value = spoiled.fault.value.value_or(far_out_[spoiled.channel]); break;
     case InjectedKind::delay: delay(value, spoiled.channel, sample); break;
     default: break;

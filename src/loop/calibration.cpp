@@ -39,6 +39,9 @@ class WayToEnd {
     command_V_ = settings.command_V > 0.0 ? settings.command_V : range_V;
     const double area_m2 = end == HomingEnd::high ? rig.axis.cylinder.area_1_m2 : rig.axis.cylinder.area_2_m2;
     available_N_ = area_m2 * (rig.axis.supply.pressure_Pa - rig.axis.air.atmosphere_Pa);
+    const auto& c = rig.axis.cylinder;
+    const auto& sensor = rig.sensors.port_pressure;
+    noise_N_ = std::hypot(c.area_1_m2, c.area_2_m2) * (6.0 * sensor.noise_Pa * std::sqrt(smoothing_) + sensor.quantum_Pa);
     fastest_mps_ = std::min(rig.limits.speed_mps.value_or(HomingSettings::fastest_mps), HomingSettings::fastest_mps);
   }
   /// Volts beyond the closing command; nothing: the end is found, at end_m().
@@ -117,9 +120,12 @@ class WayToEnd {
     const double stands_s = static_cast<double>(sample.tick - stands_since_) * rig_.period_s;
     if (stands_s < HomingSettings::standing_s || sample.t_s <= HomingSettings::ramp_s + HomingSettings::standing_s)
       return false;
-    if (force_N >= HomingSettings::pushing_share * available_N_) return true;
+    if (force_N >= HomingSettings::pushing_share * available_N_) {
+      stands_at_m_ = x;
+      return true;
+    }
     const double growth_N = force_N - force_before_N_;
-    if (growth_N < -growing_share * expected_N_)
+    if (growth_N < -std::max(growing_share * expected_N_, noise_N_))
       refuse(
           fmt::format("the slider stands, but the air pushes away from the {} end: the port sensors are exchanged, or "
                       "valve and encoder are both reversed; pneuservo commission tells which",
@@ -140,7 +146,8 @@ class WayToEnd {
   const HomingSettings& settings_;
   HomingEnd end_;
   int sign_;
-  double smoothing_, command_V_ = 0.0, available_N_ = 0.0, fastest_mps_ = 0.0, volts_ = 0.0;
+  double smoothing_, command_V_ = 0.0, available_N_ = 0.0, fastest_mps_ = 0.0, volts_ = 0.0,
+                     noise_N_ = 0.0;  // six standard deviations of a difference of two smoothed forces
   double first_m_ = none, before_m_ = none, stands_at_m_ = none, force_before_N_ = 0.0, expected_N_ = 0.0;
   std::array<double, 2> smooth_Pa_{};
   std::array<LineState, 2> switch_{};

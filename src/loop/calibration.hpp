@@ -25,8 +25,9 @@ struct HomingSettings {
   static constexpr double wrong_way_m = 3e-3;  ///< from where it stood, against the push
   /// The way between both stops may differ by this much of the stroke: what drawings and cushions leave open.
   static constexpr double stroke_tolerance = 0.02;
-  /// At a stop the air pushes with at least this share of what the supply can, before the end is believed.
-  static constexpr double pushing_share = 0.5;
+  /// At a stop the air pushes with this share of what the supply can before the end is believed: more than a cylinder's
+  /// dry friction, a tenth at the most, and little for what may be in the way.
+  static constexpr double pushing_share = 0.2;
 };
 
 /// What is to be added to a channel, and from what it follows.

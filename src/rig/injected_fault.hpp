@@ -22,6 +22,7 @@ enum class InjectedKind {
   freeze,
   bias,
   spike,
+  spikes,
   saturate,
   delay,
   not_a_number,
@@ -52,12 +53,13 @@ struct InjectedKindText {
   std::string_view meaning;
   std::string_view instead_of_device = "it in run --hal sim";  ///< where to inject it, and why
 };
-inline constexpr std::array<InjectedKindText, 21> injected_kinds{{
+inline constexpr std::array<InjectedKindText, 22> injected_kinds{{
     {"drop", InjectedTarget::channel, InjectedTarget::node, true, true, false,
      "no sample comes, with VALUE: of this share of them; a node: no answer"},
     {"freeze", InjectedTarget::channel, InjectedTarget::channel, true, true, false, "repeats one value"},
     {"bias", InjectedTarget::channel, InjectedTarget::channel, true, true, true, "adds VALUE"},
     {"spike", InjectedTarget::channel, InjectedTarget::channel, true, true, true, "adds VALUE to one sample"},
+    {"spikes", InjectedTarget::channel, InjectedTarget::channel, true, true, true, "adds VALUE to one sample of three"},
     {"saturate", InjectedTarget::channel, InjectedTarget::channel, true, true, false,
      "shows VALUE; without it the end of its counts, sim: far out of range"},
     {"delay", InjectedTarget::channel, InjectedTarget::channel, true, true, true,

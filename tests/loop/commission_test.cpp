@@ -207,7 +207,7 @@ TEST_CASE("homing finds both ends and refuses what is none") {
   HomingSettings settings;
   settings.end = end;
   const ChannelZero zero = find_home(rig, shifted, settings);
-  REQUIRE(zero.zero == Approx(-0.02).margin(HomingSettings::standing_m));
+  REQUIRE(zero.zero == Approx(-0.02).margin(2e-5));
   REQUIRE(shifted.fastest_mps <= 0.2);
 
   REQUIRE(homing_refusal(rig, {.valve_reversed = true}, end).find("away from") != std::string::npos);

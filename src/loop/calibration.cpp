@@ -41,7 +41,8 @@ class WayToEnd {
     available_N_ = area_m2 * (rig.axis.supply.pressure_Pa - rig.axis.air.atmosphere_Pa);
     const auto& c = rig.axis.cylinder;
     const auto& sensor = rig.sensors.port_pressure;
-    noise_N_ = std::hypot(c.area_1_m2, c.area_2_m2) * (6.0 * sensor.noise_Pa * std::sqrt(smoothing_) + sensor.quantum_Pa);
+    noise_N_ =
+        std::hypot(c.area_1_m2, c.area_2_m2) * (6.0 * sensor.noise_Pa * std::sqrt(smoothing_) + sensor.quantum_Pa);
     fastest_mps_ = std::min(rig.limits.speed_mps.value_or(HomingSettings::fastest_mps), HomingSettings::fastest_mps);
   }
   /// Volts beyond the closing command; nothing: the end is found, at end_m().

@@ -33,8 +33,8 @@ struct HomingSettings {
 /// What is to be added to a channel, and from what it follows.
 struct ChannelZero {
   std::string channel;
-  double zero = 0.0;        ///< in the channel's unit
-  std::string what;         ///< e.g. "absolute", "gauge", "low end at 0.1234 m"
+  double zero = 0.0;  ///< in the channel's unit
+  std::string what;  ///< e.g. "absolute", "gauge", "low end at 0.1234 m"
 };
 
 /// Drives the slider to the end stop with a steady small command, under the supervisor (speed, pressures, emergency

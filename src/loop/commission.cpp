@@ -46,10 +46,10 @@ class Commissioning {
 
   bool judge_rest(const RestState& rest);
   void judge_probes(const std::vector<Probe>& probes);
-  void fault(const std::string& why) { add("supervision", Verdict::wrong, why, ""); }
+  void fault(const std::string& why) { add("supervision", CommissionVerdict::wrong, why, ""); }
 
  private:
-  void add(std::string name, Verdict verdict, std::string what, std::string remedy) {
+  void add(std::string name, CommissionVerdict verdict, std::string what, std::string remedy) {
     result.checks.push_back({std::move(name), verdict, std::move(what), std::move(remedy)});
   }
   bool has(std::size_t channel) const { return origins_.channels[channel] != Origin::absent; }
@@ -88,40 +88,42 @@ double Commissioning::noise_of(std::size_t channel) const {
 void Commissioning::judge_sensor(std::size_t channel, const RestState& rest) {
   const std::string name(channel_names[channel]);
   const double mean_Pa = rest.mean[channel], atmosphere_Pa = rig_.axis.air.atmosphere_Pa;
-  if (rest.count[channel] == 0) return add(name, Verdict::wrong, "gives no value", "check sensor, cable and range");
+  if (rest.count[channel] == 0)
+    return add(name, CommissionVerdict::wrong, "gives no value", "check sensor, cable and range");
   if (rest.bad[channel] > rest.count[channel] / 10)
-    return add(name, Verdict::wrong,
+    return add(name, CommissionVerdict::wrong,
                fmt::format("{} of {} samples are missing", rest.bad[channel], rest.bad[channel] + rest.count[channel]),
                "check cable and bus");
   if (rest.rms[channel] == 0.0 && noise_of(channel) > 0.0)
-    return add(name, Verdict::wrong, fmt::format("repeats {:.6g} Pa, which its declared noise rules out", mean_Pa),
+    return add(name, CommissionVerdict::wrong,
+               fmt::format("repeats {:.6g} Pa, which its declared noise rules out", mean_Pa),
                "check sensor and converter");
   if (mean_Pa < gauge_share * atmosphere_Pa)
-    return add(name, Verdict::wrong,
+    return add(name, CommissionVerdict::wrong,
                fmt::format("shows {:.1f} kPa: a gauge sensor without its zero, or a wrong scale", 1e-3 * mean_Pa),
                "vent the lines and run pneuservo zero, or correct the channel's zero by the atmosphere");
   if (mean_Pa > 1.5 * rig_.axis.supply.pressure_Pa)
-    return add(name, Verdict::wrong, fmt::format("shows {:.1f} kPa, more than the supply can give", 1e-3 * mean_Pa),
-               "check the scale");
-  if (channel != 5) add(name, Verdict::good, fmt::format("{:.1f} kPa at rest", 1e-3 * mean_Pa), "");
+    return add(name, CommissionVerdict::wrong,
+               fmt::format("shows {:.1f} kPa, more than the supply can give", 1e-3 * mean_Pa), "check the scale");
+  if (channel != 5) add(name, CommissionVerdict::good, fmt::format("{:.1f} kPa at rest", 1e-3 * mean_Pa), "");
 }
 
 void Commissioning::judge_supply(const RestState& rest) {
   const double expected_Pa = rig_.axis.supply.pressure_Pa, mean_Pa = rest.mean[5];
   const double tolerance_Pa = std::max(sensor_tolerance_Pa, 0.05 * expected_Pa);
   const std::string shown = fmt::format("{:.1f} kPa, expected {:.1f} absolute", 1e-3 * mean_Pa, 1e-3 * expected_Pa);
-  if (std::fabs(mean_Pa - expected_Pa) <= tolerance_Pa) return add("p_supply", Verdict::good, shown, "");
+  if (std::fabs(mean_Pa - expected_Pa) <= tolerance_Pa) return add("p_supply", CommissionVerdict::good, shown, "");
   if (std::fabs(mean_Pa + rig_.axis.air.atmosphere_Pa - expected_Pa) <= tolerance_Pa)
-    return add("p_supply", Verdict::wrong, shown + ": a gauge sensor without its zero",
+    return add("p_supply", CommissionVerdict::wrong, shown + ": a gauge sensor without its zero",
                "vent the lines and run pneuservo zero");
-  add("p_supply", Verdict::wrong, shown, "set the regulator, or supply.pressure_Pa to what it is");
+  add("p_supply", CommissionVerdict::wrong, shown, "set the regulator, or supply.pressure_Pa to what it is");
 }
 
 void Commissioning::judge_drift(const RestState& rest) {
   const double way_m = rest.to_m - rest.from_m;
   if (way_m <= ProbeLimits::drift_m) return;
   const double volts = rest.drift_mps / speed_per_volt_mps(rig_, rest.port_Pa(), rest.drift_mps > 0.0 ? 1 : -1);
-  add("rest", Verdict::wrong,
+  add("rest", CommissionVerdict::wrong,
       fmt::format("the slider went {:.1f} mm with the valve closed, at {:.1f} mm/s at the end", 1e3 * way_m,
                   1e3 * rest.drift_mps),
       fmt::format("let it come to rest; if it drifts on, the valve closes near safe_output.command_V {:+.3g} V",
@@ -129,7 +131,7 @@ void Commissioning::judge_drift(const RestState& rest) {
 }
 
 bool Commissioning::judge_rest(const RestState& rest) {
-  if (rest.count[0] == 0) add("x", Verdict::wrong, "gives no value", "check encoder, cable and supply");
+  if (rest.count[0] == 0) add("x", CommissionVerdict::wrong, "gives no value", "check encoder, cable and supply");
   for (std::size_t i = 1; i < channel_names.size(); ++i)
     if (has(i)) judge_sensor(i, rest);
   if (has(5) && result.passed()) judge_supply(rest);
@@ -184,17 +186,17 @@ void Commissioning::judge_encoder(const std::vector<Probe>& probes) {
   for (const Probe& probe : probes) {
     const std::string to = probe.direction > 0 ? "positive" : "negative";
     if (probe.end == ProbeEnd::unseen)
-      add("encoder", Verdict::wrong,
+      add("encoder", CommissionVerdict::wrong,
           fmt::format("the air flowed at {:+.3g} V and did not push, but the position stood still",
                       probe.direction * probe.end_V),
           "check encoder and cable: it is frozen, or its scale is far too small");
     if (probe.end == ProbeEnd::pushed && std::fabs(probe.moved_m) < ProbeLimits::way_m)
-      add("slider", Verdict::unclear,
+      add("slider", CommissionVerdict::unclear,
           fmt::format("the air pushed with {:.0f} N more and the slider did not go {:.0f} mm to {} x",
                       std::fabs(probe.force_change_N), 1e3 * ProbeLimits::way_m, to),
           "move it off the end stop; look for what holds it");
     if (probe.end == ProbeEnd::no_answer)
-      add("valve", Verdict::wrong,
+      add("valve", CommissionVerdict::wrong,
           fmt::format("no pressure and no motion answered up to {:+.3g} V", probe.direction * probe.end_V),
           "check air, valve supply and the output's wire; a dead band beyond that is no servo valve's");
   }
@@ -209,31 +211,32 @@ void Commissioning::judge_mirror(double own_N, double exchanged_N) {
   const std::string encoder = "turn the sign of the encoder's scale (hal.channels.x)",
                     hoses = "exchange the hoses at the valve";
   if (own_N <= error_N && exchanged_N > error_N)
-    return add("encoder", Verdict::wrong, found + ": the encoder is reversed", encoder);
+    return add("encoder", CommissionVerdict::wrong, found + ": the encoder is reversed", encoder);
   if (exchanged_N <= error_N && own_N > error_N)
-    return add("hoses", Verdict::wrong, found + ": the hoses are exchanged", hoses);
-  add("encoder or hoses", Verdict::wrong, found + ": the encoder is reversed or the hoses are exchanged",
+    return add("hoses", CommissionVerdict::wrong, found + ": the hoses are exchanged", hoses);
+  add("encoder or hoses", CommissionVerdict::wrong, found + ": the encoder is reversed or the hoses are exchanged",
       fmt::format("watch the slider: if it really goes to positive x at a positive command, {}; else {}", encoder,
                   hoses));
 }
 
 void Commissioning::judge_wiring() {
   if (signs_.position == 0)
-    return add("signs", Verdict::unclear, "the position gave no clear answer", "mend what is wrong above and repeat");
+    return add("signs", CommissionVerdict::unclear, "the position gave no clear answer",
+               "mend what is wrong above and repeat");
   if (signs_.pressure == 0)
-    return add("signs", Verdict::unclear,
+    return add("signs", CommissionVerdict::unclear,
                fmt::format("the position goes the {} way, the port pressures gave no clear answer",
                            signs_.position > 0 ? "right" : "wrong"),
                "check both port sensors and their noise, and repeat");
   if (signs_.position > 0 && signs_.pressure > 0)
-    return add("signs", Verdict::good,
+    return add("signs", CommissionVerdict::good,
                "a positive command fills side 1 and moves the slider to positive x, a negative one back", "");
   if (signs_.position < 0 && signs_.pressure < 0)
-    return add("valve", Verdict::wrong,
+    return add("valve", CommissionVerdict::wrong,
                "a positive command fills side 2 and moves the slider to negative x: the valve is reversed",
                "turn the sign of the output's scale (hal.channels.u), or exchange its wires");
   if (signs_.position > 0)
-    add("port sensors", Verdict::wrong,
+    add("port sensors", CommissionVerdict::wrong,
         "the slider goes the right way, the port pressures answer the wrong way: the port sensors are exchanged",
         "exchange the port sensors' channels (hal.channels.p1_port, p2_port); if they are right, valve and encoder are "
         "both reversed");
@@ -245,7 +248,7 @@ void Commissioning::judge_balance(double own_N) {
   const double supply_Pa = rig_.axis.supply.pressure_Pa, atmosphere_Pa = rig_.axis.air.atmosphere_Pa;
   const double error_N = sure * sensor_share * supply_Pa * std::hypot(c.area_1_m2, c.area_2_m2);
   if (std::fabs(own_N) <= error_N)
-    return add("balance", Verdict::good,
+    return add("balance", CommissionVerdict::good,
                fmt::format("the pressures at rest balance the piston to {:+.1f} N (error {:.0f} N)", own_N, error_N),
                "");
   const std::array<std::pair<double, const char*>, 2> gauges{
@@ -253,11 +256,11 @@ void Commissioning::judge_balance(double own_N) {
   for (const auto& [force_N, name] : gauges)
     if (std::fabs(own_N - force_N) <= std::min(error_N, 0.3 * std::fabs(force_N)))
       return add(
-          name, Verdict::wrong,
+          name, CommissionVerdict::wrong,
           fmt::format("the piston is out of balance by {:+.0f} N at rest, as by a gauge sensor without its zero",
                       own_N),
           fmt::format("vent the lines and run pneuservo zero; if it is a load, state it (effects.constant_force)"));
-  add("balance", Verdict::unclear,
+  add("balance", CommissionVerdict::unclear,
       fmt::format("the piston is out of balance by {:+.0f} N at rest (error {:.0f} N): a load that the config does not "
                   "state, or a sensor's zero",
                   own_N, error_N),
@@ -274,15 +277,15 @@ void Commissioning::judge_chambers(const RestState& rest) {
   const bool ports_crossed = signs_.position * signs_.pressure < 0;
   const bool crossed = told_by_rest ? (crossed_Pa < own_Pa) != ports_crossed : signs_.chambers * signs_.position < 0;
   if (crossed && !ports_crossed)
-    return add("chamber sensors", Verdict::wrong,
+    return add("chamber sensors", CommissionVerdict::wrong,
                "each chamber sensor shows the other side's pressure: they are exchanged",
                "exchange their channels (hal.channels.p1_chamber, p2_chamber)");
   if (told_by_rest && std::min(own_Pa, crossed_Pa) > error_Pa)
     return add(
-        "chamber sensors", Verdict::unclear,
+        "chamber sensors", CommissionVerdict::unclear,
         fmt::format("they differ from the ports by {:.0f} kPa at rest, together", 1e-3 * std::min(own_Pa, crossed_Pa)),
         "zero the sensors (pneuservo zero)");
-  add("chamber sensors", told_by_rest || signs_.chambers != 0 ? Verdict::good : Verdict::unclear,
+  add("chamber sensors", told_by_rest || signs_.chambers != 0 ? CommissionVerdict::good : CommissionVerdict::unclear,
       fmt::format("they differ from the ports by {:.1f} kPa at rest, together", 1e-3 * own_Pa), "");
 }
 
@@ -293,9 +296,10 @@ void Commissioning::judge_scale() {
   const std::string found =
       fmt::format("the position moves {:.2f} times as far as the air that the valve's law gives", scale);
   if (scale > plausible_factor || scale < 1.0 / plausible_factor)
-    return add("scale", Verdict::wrong, found + fmt::format(", expected 1 within a factor of {:g}", plausible_factor),
+    return add("scale", CommissionVerdict::wrong,
+               found + fmt::format(", expected 1 within a factor of {:g}", plausible_factor),
                "check the encoder's scale, then valve.area_per_volt_m2_per_V, cylinder areas and supply");
-  add("scale", Verdict::good, found, "");
+  add("scale", CommissionVerdict::good, found, "");
 }
 
 void Commissioning::judge_neutral() {
@@ -307,11 +311,12 @@ void Commissioning::judge_neutral() {
   const double neutral_V = closed_V + 0.5 * (up_V - down_V), band_V = 0.5 * (up_V + down_V);
   result.neutral_V = neutral_V, result.neutral_error_V = error_V;
   const bool off = std::fabs(neutral_V - closed_V) > sure * error_V;
-  add("neutral", Verdict::good, fmt::format("the valve closes at {:+.4f} V (error {:.4f} V)", neutral_V, error_V),
+  add("neutral", CommissionVerdict::good,
+      fmt::format("the valve closes at {:+.4f} V (error {:.4f} V)", neutral_V, error_V),
       off ? fmt::format("state it: safe_output.command_V: {:.4f}", neutral_V) : "");
   if (band_V > sure * error_V) {
     result.dead_band_V = band_V;
-    add("dead band", Verdict::good, fmt::format("it opens {:.4f} V beyond that", band_V),
+    add("dead band", CommissionVerdict::good, fmt::format("it opens {:.4f} V beyond that", band_V),
         fmt::format("state it: effects.valve_dead_band: {{width_V: {:.4f}}}", band_V));
   }
 }
@@ -341,7 +346,8 @@ void Commissioning::judge_probes(const std::vector<Probe>& probes) {
 
 bool CommissionResult::passed() const noexcept {
   return std::none_of(checks.begin(), checks.end(), [](const CommissionCheck& check) {
-    return check.verdict == Verdict::wrong || (check.verdict == Verdict::unclear && check.name == "signs");
+    return check.verdict == CommissionVerdict::wrong ||
+           (check.verdict == CommissionVerdict::unclear && check.name == "signs");
   });
 }
 

@@ -22,12 +22,12 @@ struct ProbeLimits {
   static constexpr double push_Pa = 50e3;  ///< on the larger piston: more is not tried on a slider that stands
 };
 
-enum class Verdict { good, unclear, wrong };
+enum class CommissionVerdict { good, unclear, wrong };
 
 /// One thing that was looked at.
 struct CommissionCheck {
   std::string name;
-  Verdict verdict = Verdict::good;
+  CommissionVerdict verdict = CommissionVerdict::good;
   std::string what;  ///< what was found, with numbers
   std::string remedy;  ///< empty where nothing is to be done
 };

@@ -53,7 +53,7 @@ AnswerFit fit_answer(const std::vector<double>& measured, const std::vector<doub
 }
 
 double find_dead_V(const Rig& rig, const Probe& probe, const std::vector<double>& measured,
-                   std::vector<double> ModelAnswer::*of_model) {
+                   std::vector<double> ModelAnswer::* of_model) {
   double best_V = 0.0, least = -1.0, low_V = 0.0, high_V = 0.95 * probe.end_V;
   int pieces = coarse;
   for (int round = 0; round < rounds; ++round) {

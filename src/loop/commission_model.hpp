@@ -26,6 +26,6 @@ AnswerFit fit_answer(const std::vector<double>& measured, const std::vector<doub
 
 /// The dead part of the probe's command with which `measured` (position, or force by the ports) is explained best [V].
 double find_dead_V(const Rig& rig, const Probe& probe, const std::vector<double>& measured,
-                   std::vector<double> ModelAnswer::*of_model);
+                   std::vector<double> ModelAnswer::* of_model);
 
 }  // namespace pneuservo

@@ -89,8 +89,7 @@ class ProbeWatch {
     if (answered_ && push_N >= push_N_) return end(ProbeEnd::pushed);
     if (!answered_ && (push_N > answer_N_ || common_change_Pa() > answer_Pa)) answered_ = true, answered_V_ = volts;
     if (!answered_) return false;
-    const double speed_mps =
-        per_volt_ * (volts - answered_V_) + after_answer_s * ProbeLimits::acceleration_mps2;
+    const double speed_mps = per_volt_ * (volts - answered_V_) + after_answer_s * ProbeLimits::acceleration_mps2;
     expected_m_ += dt * speed_mps, answered_s_ += dt;
     if (expected_m_ + 0.5 * swing_s_ * speed_mps < ProbeLimits::unseen_way_m) return false;
     // A slider that is slow on its air has not had the time to move yet: what it did is told after the pulse.
@@ -140,7 +139,7 @@ class ProbeWatch {
   std::array<double, 2> smooth_Pa_;
   double smoothing_, speed_gain_, last_m_, speed_mps_ = 0.0, answer_N_ = 0.0, force_before_N_ = 0.0, push_N_ = 0.0,
                                            seen_m_ = 0.0, answered_V_ = 0.0, answered_s_ = 0.0, expected_m_ = 0.0,
-         swing_s_ = 0.0, stiffness_N_per_m_ = 0.0;
+                                           swing_s_ = 0.0, stiffness_N_per_m_ = 0.0;
   bool answered_ = false;
 };
 

@@ -43,8 +43,8 @@ struct Probe {
 
 /// Rests with the valve closed until the slider stands, `shortest_s` at least.
 RestState rest(SupervisedSteps& steps, double shortest_s);
-/// Ramps the command to one side (+1 fills side 1) within ProbeLimits, closes the valve over one period of the slider on
-/// its air, which leaves no swing behind, and rests.
+/// Ramps the command to one side (+1 fills side 1) within ProbeLimits, closes the valve over one period of the slider
+/// on its air, which leaves no swing behind, and rests.
 Probe probe(const Rig& rig, SupervisedSteps& steps, int direction, const RestState& before);
 
 }  // namespace pneuservo

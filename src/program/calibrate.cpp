@@ -68,11 +68,11 @@ int home(const CalibrateOptions& options) {
   return report(options, rig, {find_home(rig, *backend, settings)});
 }
 
-const char* word(Verdict verdict) {
+const char* word(CommissionVerdict verdict) {
   switch (verdict) {
-    case Verdict::good: return "ok";
-    case Verdict::unclear: return "unclear";
-    case Verdict::wrong: break;
+    case CommissionVerdict::good: return "ok";
+    case CommissionVerdict::unclear: return "unclear";
+    case CommissionVerdict::wrong: break;
   }
   return "wrong";
 }

@@ -72,7 +72,7 @@ class WiredBackend final : public Backend {
 
 const CommissionCheck* named(const CommissionResult& result, const std::string& name) {
   for (const CommissionCheck& check : result.checks)
-    if (check.name == name && check.verdict != Verdict::good) return &check;
+    if (check.name == name && check.verdict != CommissionVerdict::good) return &check;
   return nullptr;
 }
 
@@ -136,7 +136,7 @@ TEST_CASE("each wiring mistake is told by its name, within 5 mm and 0.2 m/s") {
     REQUIRE_FALSE(result.passed());
     const CommissionCheck* found = named(result, check);
     REQUIRE(found);
-    REQUIRE(found->verdict == Verdict::wrong);
+    REQUIRE(found->verdict == CommissionVerdict::wrong);
     REQUIRE(found->what.find(word) != std::string::npos);
     REQUIRE_FALSE(found->remedy.empty());
   };

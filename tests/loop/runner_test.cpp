@@ -119,7 +119,7 @@ TEST_CASE("moves repeat the reference, each judged from its own start") {
 }
 
 TEST_CASE("a late tick keeps the phase, is counted and marked, and the axis goes on", "[timing]") {
-  const Rig rig = config_rig("cylinder-10m-7.65mm", {"duration_s=0.6"});
+  const Rig rig = config_rig("cylinder-10m-7.65mm", {"duration_s=0.6", "limits.missed_share=1"});
   const TemporaryFolder folder;
   EventfulBackend backend(rig);
   backend.late_at = 300;
@@ -158,7 +158,7 @@ TEST_CASE("a late tick keeps the phase, is counted and marked, and the axis goes
 
 TEST_CASE("a late tick on a fast axis is neither a jump nor a speed") {
   // 0.5 m/s for 100 ms: 50 mm from one sample to the next.
-  const Rig rig = config_rig("cylinder-2m-7.65mm", {"duration_s=2"});
+  const Rig rig = config_rig("cylinder-2m-7.65mm", {"duration_s=2", "limits.missed_share=1", "limits.checks_rest_s=0"});
   FaultyBackend backend(rig);
   AxisLoop loop;
   loop.configure(rig);

@@ -24,8 +24,9 @@ class SupervisionHealth {
   static constexpr double window_s = 0.3;
   /// So that the two samples in a row that a guard bridges are 2 % at the most.
   static constexpr double shortest_window_ticks = 100.0;
-  /// Gaps as dense as two a window: one gap alone, however long, is limits.lateness_s's matter.
-  static constexpr double dense_gaps = 1.0 + 0.36787944117144233;
+  /// Of limits.missed_share: one gap counts no more, for its length is the matter of limits.lateness_s. Two of them
+  /// within 0.24 s are a fault, as are gaps of 21 % that are 50 ms long.
+  static constexpr double most_of_one_gap = 0.7;
   /// Of the stroke: less motion changes less air than CrossCheck::floor_share, which no check sees either.
   static constexpr double moving_share = CrossCheck::floor_share;
 
@@ -42,8 +43,7 @@ class SupervisionHealth {
   }
   void reset() noexcept {
     bad_.fill(0.0);
-    missed_ = gaps_ = 0.0;
-    rested_ticks_ = 0.0;
+    missed_ = rested_ticks_ = 0.0;
     slept_before_ns_ = slept_ns_;
   }
 
@@ -57,8 +57,7 @@ class SupervisionHealth {
       if (bad_[i] > bad_limit_) faults |= fault_pressure_unreliable;
     if (skipped > 0) note_gap(skipped);
     missed_ *= keep_;
-    gaps_ *= keep_;
-    if (skipped > 0 && missed_ > missed_limit_ && gaps_ > dense_gaps) faults |= fault_missed_slots;
+    if (missed_ > missed_limit_) faults |= fault_missed_slots;
     if (slept_ns_ > slept_before_ns_) faults |= fault_suspended;
     return faults;
   }
@@ -84,16 +83,14 @@ class SupervisionHealth {
  private:
   void note_gap(std::int64_t slots) noexcept {
     const double kept = std::exp(-static_cast<double>(slots) / window_ticks_);
-    missed_ = kept * missed_ + (1.0 - kept);
-    gaps_ = kept * gaps_ + 1.0;
+    missed_ = kept * missed_ + std::min(1.0 - kept, most_of_one_gap * missed_limit_);
   }
 
   double bad_limit_ = 1.0, missed_limit_ = 1.0, rest_limit_ticks_ = 0.0, moving_m_ = 0.0, window_ticks_ = 300.0,
          keep_ = 1.0;
   bool checks_exist_ = false;
   std::array<double, 6> bad_{};
-  double missed_ = 0.0, gaps_ = 0.0;
-  double rested_ticks_ = 0.0, lowest_m_ = 0.0, highest_m_ = 0.0;
+  double missed_ = 0.0, rested_ticks_ = 0.0, lowest_m_ = 0.0, highest_m_ = 0.0;
   std::int64_t slept_ns_ = 0, slept_before_ns_ = 0;
 };
 

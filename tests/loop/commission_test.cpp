@@ -40,6 +40,10 @@ class WiredBackend final : public Backend {
     if (static_cast<double>(tick) * rig_.period_s >= wiring_.frozen_from_s) m.position_m.value = frozen_m_;
     else frozen_m_ = m.position_m.value;
     const double x = plant_.truth().position_m;
+    if (has_switches) {
+      m.digital.limit_low.state = x < -0.149 ? LineState::on : LineState::off;
+      m.digital.limit_high.state = x > 0.149 ? LineState::on : LineState::off;
+    }
     if (tick == 0) first_m = x;
     farthest_m = std::max(farthest_m, std::fabs(x - first_m));
     if (tick > last_tick_) fastest_mps = std::max(fastest_mps, std::fabs(x - last_m_) / rig_.period_s);
@@ -58,7 +62,7 @@ class WiredBackend final : public Backend {
     return all;
   }
   std::string name() const override { return "sim"; }
-  bool has_chambers = true;
+  bool has_chambers = true, has_switches = false;
   double first_m = 0.0, farthest_m = 0.0, fastest_mps = 0.0;
   Command last;
 
@@ -229,4 +233,16 @@ TEST_CASE("an obstacle is no end stop") {
       config_rig("cylinder-5m-6.10mm", {"cylinder.stroke_m=" + std::to_string(stroke_m), "reference.amplitude_m=0.02"});
   WiredBackend backend(machine, {});
   REQUIRE_THROWS_WITH(find_home(rig, backend, {}), Catch::Matchers::Contains("way between both stops"));
+}
+
+TEST_CASE("a limit switch confirms its end, and its absence refuses it") {
+  const Rig rig = config_rig("mixed/cylinder-10m-7.65mm");
+  WiredBackend whole(rig, {});
+  whole.has_switches = true;
+  const ChannelZero zero = find_home(rig, whole, {});
+  REQUIRE(zero.what.find("limit switch") != std::string::npos);
+  REQUIRE(whole.farthest_m < 0.16);  // the other end was not needed
+  WiredBackend obstructed(config_rig("mixed/cylinder-10m-7.65mm", {"cylinder.stroke_m=0.2"}), {});
+  obstructed.has_switches = true;
+  REQUIRE_THROWS_WITH(find_home(rig, obstructed, {}), Catch::Matchers::Contains("limit switch of the low end"));
 }

@@ -62,7 +62,7 @@ for file in ("x.yaml", "c.yaml"):
     expect_refusal(run("run", CONFIG, *displaced, "--set", "cylinder.stroke_m=0.31", "--zeros", at(file)), [file, "machine"],
                    f"{file} of a machine with another stroke")
 expect_refusal(run("home", CONFIG), ["hal", "channels"], "home without channels")
-expect_refusal(run("run", CONFIG, "--zeros", at("x.yaml")), ["--zeros", "sim"], "zeros on the simulated plant")
+expect_refusal(run("run", CONFIG, *displaced, "--hal", "sim", "--zeros", at("x.yaml")), ["--zeros", "sim"], "zeros on the simulated plant")
 for verb in ("run", "home", "zero"):
     expect_refusal(run(verb, "config/comedi/cylinder-10m-7.65mm.yaml"), ["--time", "real"], f"{verb} of a board in simulated time")
 

@@ -25,7 +25,7 @@ class SupervisionHealth {
   /// So that the two samples in a row that a guard bridges are 2 % at the most.
   static constexpr double shortest_window_ticks = 100.0;
   /// Of limits.missed_share: one gap counts no more, for its length is the matter of limits.lateness_s. Two of them
-  /// within 0.24 s are a fault, as are gaps of 21 % that are 50 ms long.
+  /// within 0.25 s are a fault, as are gaps of 21 % that are 50 ms long.
   static constexpr double most_of_one_gap = 0.7;
   /// Of the stroke: less motion changes less air than CrossCheck::floor_share, which no check sees either.
   static constexpr double moving_share = CrossCheck::floor_share;

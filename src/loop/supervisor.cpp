@@ -107,6 +107,7 @@ void Supervisor::configure(const Rig& rig, bool needs_chambers, const MotionLimi
   for (auto& guard : port_guard_) guard.configure(plausible_pressure(rig, rig.sensors.port_pressure));
   for (auto& guard : chamber_guard_) guard.configure(plausible_pressure(rig, rig.sensors.chamber_pressure));
   cross_check_.configure(rig);
+  health_.configure(rig);
   command_V_ = safe_V_;
   state_ = SupervisorState::unconfigured;
   may_move_ = true;
@@ -126,6 +127,7 @@ void Supervisor::rearm() noexcept {
   for (auto& guard : chamber_guard_) guard.reset();
   cross_check_.reset();
   motion_.reset();
+  health_.reset();
   go(SupervisorEvent::rearmed);
 }
 
@@ -221,6 +223,15 @@ bool Supervisor::inputs_ready() const noexcept {
          !(has_supply_ && supply_guard_.waiting());
 }
 
+std::array<bool, 6> Supervisor::bad_samples() const noexcept {
+  return {position_guard_.bad(),
+          port_guard_[0].bad(),
+          port_guard_[1].bad(),
+          has_chamber_[0] && chamber_guard_[0].bad(),
+          has_chamber_[1] && chamber_guard_[1].bad(),
+          has_supply_ && supply_guard_.bad()};
+}
+
 JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped) noexcept {
   JudgedInputs in;
   const double periods = static_cast<double>(skipped + 1);
@@ -236,6 +247,9 @@ JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped
   faults |= faults_of_devices(measured.device_faults);
   // Slots are skipped where lateness and work together passed the next one of the ideal grid.
   if (static_cast<double>(skipped) * period_s_ > lateness_limit_s_) faults |= fault_late_tick;
+  // After a fault the shares say nothing new.
+  if (const std::uint64_t health = health_.check_tick(bad_samples(), skipped); is_active() && faults == 0)
+    faults = health;
   latch(faults);
   if (may_move_ && inputs_ready()) go(SupervisorEvent::inputs_ready);
   has_moved_ = has_moved_ || is_active();
@@ -244,9 +258,10 @@ JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped
 
 void Supervisor::cross_check(const JudgedInputs& inputs, const EstimatorOutput& estimate,
                              std::int64_t skipped) noexcept {
-  if (is_active())
-    latch(cross_check_.check({command_V_, inputs.port_Pa, inputs.chamber_Pa, inputs.supply_Pa, inputs.position_m},
-                             estimate, skipped));
+  if (!is_active()) return;
+  latch(cross_check_.check({command_V_, inputs.port_Pa, inputs.chamber_Pa, inputs.supply_Pa, inputs.position_m},
+                           estimate, skipped));
+  if (is_active()) latch(health_.check_rest(cross_check_.watching(), inputs.position_m, skipped));
 }
 
 void Supervisor::check_motion(const MotionCheck& motion) noexcept {

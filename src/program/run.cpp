@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include <pneuservo/loop/axis_loop.hpp>
+
 #include "backends.hpp"
 #include "config/dump_rig.hpp"
 #include "config/input_error.hpp"
@@ -49,7 +51,7 @@ std::string backend_of(const RunOptions& options, const Rig& rig) {
 }
 
 Rig read_with_options(const RunOptions& options) {
-  std::vector<std::string> sets = with_zeros(options.sets, options.zeros);
+  std::vector<std::string> sets = with_zeros(options.config, options.sets, options.zeros);
   if (options.duration_s > 0.0) sets.push_back(fmt::format("duration_s={}", options.duration_s));
   if (!options.pressure_source.empty() && options.pressure_source != "all")
     sets.push_back("controller.pressure_source=" + options.pressure_source);
@@ -222,6 +224,11 @@ void tell_what_is_shown(const RunOptions& options, const RunOutcome& outcome) {
                            options.record.empty() ? "; --record keeps all of them" : "; the recording has all of them");
 }
 
+/// All moves with the longest approach before each.
+double longest_run_s(const Rig& rig, int moves) {
+  return moves * (rig.duration_s + AxisLoop::longest_approach_s(rig.axis.cylinder.stroke_m));
+}
+
 /// One pressure source from start to safe end; its moves are added to the report. True: no fault, recording whole.
 bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool several, RunReport& report,
                 Effort& effort) {
@@ -251,7 +258,8 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
                        .writer = real_time ? nullptr : writer.get(),
                        .fault_watch = watch.get(),
                        .recording = path,
-                       .late = late_ticks(faults, rig.period_s)};
+                       .late = late_ticks(faults, rig.period_s, longest_run_s(rig, options.moves)),
+                       .suspends = suspends(faults, rig.period_s)};
   if (shows_progress) settings.progress = [&](double fraction) { show_progress(fraction, source_word(source)); };
   GainMailbox mailbox;
   std::unique_ptr<GainFileWatcher> watcher;

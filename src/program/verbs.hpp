@@ -19,6 +19,7 @@ const std::vector<AddVerb>& all_verbs();
 bool moves_an_axis(std::string_view verb);
 
 void add_check(CLI::App& app, int& status);
+void add_commission(CLI::App& app, int& status);
 void add_design(CLI::App& app, int& status);
 void add_diagnose(CLI::App& app, int& status);
 void add_device(CLI::App& app, int& status);

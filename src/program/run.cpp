@@ -21,6 +21,7 @@
 #include "program/zeros.hpp"
 #include "record/writer.hpp"
 #include "report/evaluation.hpp"
+#include "report/motion_verdict.hpp"
 #include "report/run_json.hpp"
 #include "report/run_report.hpp"
 #include "report/run_summary.hpp"
@@ -219,6 +220,7 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
     run.overruns = span.overruns;
     if (outcome.timing) run.timing = *outcome.timing;
     run.metrics = evaluate(rig, run.rows, run.start_s);
+    run.verdict = judge_motion(rig, run);
     report.runs.push_back(std::move(run));
   }
   return outcome.faults.empty() && whole;

@@ -1,6 +1,7 @@
 // What the verb design finds out of a config.
 #include "design/axis_design.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -80,6 +81,25 @@ ModelFigures figures_of(const LinearAxis& axis, const Ppd2Gains& gains) {
 StateSpace law_of(const Rig& rig, const ControllerParameters& controller, const AxisLinearisation& linear) {
   if (controller.kind == ControllerKind::ppd2) return ppd2_law(controller.ppd2, rig.period_s);
   return pd_force_law(controller.pd_force, linear.mass_kg, linear.friction_Ns_per_m, rig.period_s);
+}
+
+double delay_s(const Rig& rig) {
+  return rig.axis.effects.valve.command_delay.delay_s +
+         (rig.controller.kind == ControllerKind::ppd2 ? rig.controller.ppd2.command_delay_s : 0.0);
+}
+
+SampledLoop loop_of(const Rig& rig, const ControllerParameters& controller, const AxisLinearisation& linear) {
+  return {held(continuous_axis(linear.axis), rig.period_s, delay_s(rig)), law_of(rig, controller, linear),
+          rig.period_s};
+}
+
+bool all_decay(const std::vector<Complex>& poles) {
+  return std::all_of(poles.begin(), poles.end(), [](const Complex& pole) { return pole.real() < 0.0; });
+}
+
+void require_lines(const Rig& rig) {
+  if (!rig.is_pneumatic())
+    throw std::invalid_argument("a driven_axis has no lines to design for; expected rig: cylinder or servo_table");
 }
 
 /// rms of the command that white noise of the position makes while the slider rests: from the sum of the law's squared
@@ -163,9 +183,20 @@ Complex exact_open(const AxisDesign& design, double frequency_Hz) {
   return -(design.loop.law.transfer(z) * y)(0) * hold;
 }
 
+LoopPoint loop_point(const Rig& rig, bool with_margins) {
+  require_lines(rig);
+  const SampledLoop loop = loop_of(rig, rig.controller, linearise(rig));
+  const std::vector<Complex> poles = loop.poles();
+  LoopPoint out{rig.initial.position_m, rig.axis.slider.payload_kg, all_decay(poles), 0.0, {}};
+  const auto weakest = std::max_element(poles.begin(), poles.end(),
+                                        [](const Complex& a, const Complex& b) { return a.real() < b.real(); });
+  if (weakest != poles.end()) out.weakest_Hz = std::fabs(weakest->imag()) / (2.0 * std::numbers::pi);
+  if (with_margins) out.margins = margins_of([&](double f) { return loop.open(f); }, 0.5 / rig.period_s);
+  return out;
+}
+
 AxisDesign design_axis(const Rig& rig, const DesignRequest& request, const LoadPositions& load) {
-  if (!rig.is_pneumatic())
-    throw std::invalid_argument("a driven_axis has no lines to design for; expected rig: cylinder or servo_table");
+  require_lines(rig);
   AxisDesign out(linearise(rig));
   out.method = request.method;
   out.gains_before = gains_of(rig.controller, out.linear);
@@ -181,13 +212,10 @@ AxisDesign design_axis(const Rig& rig, const DesignRequest& request, const LoadP
   out.matched = fifth.lines[0];
   out.by_distance = reduced_by_pole_distance(full, out.gains).lines[0];
 
-  out.delay_s = rig.axis.effects.valve.command_delay.delay_s +
-                (rig.controller.kind == ControllerKind::ppd2 ? rig.controller.ppd2.command_delay_s : 0.0);
-  out.loop = {held(continuous_axis(full), rig.period_s, out.delay_s), law_of(rig, out.controller, out.linear),
-              rig.period_s};
+  out.delay_s = delay_s(rig);
+  out.loop = loop_of(rig, out.controller, out.linear);
   out.poles = out.loop.poles();
-  out.is_stable = true;
-  for (const Complex& pole : out.poles) out.is_stable = out.is_stable && pole.real() < 0.0;
+  out.is_stable = all_decay(out.poles);
   const double highest_Hz = 0.5 / rig.period_s;
   out.margins = margins_of([&](double f) { return out.loop.open(f); }, highest_Hz);
   out.exact_margins = margins_of([&](double f) { return exact_open(out, f); }, highest_Hz);

@@ -16,6 +16,7 @@
 #include "loop/runner.hpp"
 #include "program/gain_file.hpp"
 #include "program/injection.hpp"
+#include "program/loop_check.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "program/zeros.hpp"
@@ -35,7 +36,7 @@ struct RunOptions {
   double duration_s = 0.0;
   double early_wake_us = -1.0;
   int moves = 1, priority = 80, cpu = -1;
-  bool dump_config = false;
+  bool dump_config = false, allow_unstable = false;
 };
 
 /// A config that names its devices runs on them unless told otherwise.
@@ -260,6 +261,8 @@ int run(const RunOptions& options) {
   }
   const auto sources = sources_of(options, rig);
   check_outputs(options, rig, sources);
+  heed_loop(options.config, rig, options.time == "real" && backend_of(options, rig) == "configured" && rig.hal->has_devices(),
+            options.allow_unstable);
   StopRequest stop;
   RunReport report;
   report.config = rig.name;
@@ -300,6 +303,8 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--hal", o->backend,
                    "backend: sim, or configured (each channel from its source in the config's section hal); "
                    "default: configured where the config has that section");
+  verb->add_flag("--allow-unstable", o->allow_unstable,
+                 "run on devices although the loop is unstable or unsafe in simulation ('pneuservo check')");
   verb->add_option("--zeros", o->zeros, "zeros of the channels, a file that the verbs home and zero wrote");
   verb->add_option("--scenario", o->scenarios, "faults to inject into the backend sim, a file (docs/faults.md)");
   verb->add_option("--fault", o->faults, "a fault to inject; may stand several times")

@@ -55,21 +55,22 @@ Ppd2Gains designed_gains(const DesignRequest& request, const AxisDesign& design)
   return design.gains_before;
 }
 
-/// A law refuses gains below 0, so a rule that ends there has no answer.
-void require_usable(const AxisDesign& design) {
-  const ControllerParameters& c = design.controller;
-  const auto refuse = [&](std::string_view gain, double value) {
-    throw std::invalid_argument(fmt::format(
-        "method {} gives {} {:.4g}, which the law does not take; expected another position gain (found {:.4g} V/m)",
-        design_method_names[static_cast<std::size_t>(design.method)], gain, value, design.gains.position_V_per_m));
-  };
-  if (design.gains.acceleration_Vs2_per_m <= 0.0 && c.kind == ControllerKind::pd_force)
-    refuse("force_gain_V_per_N", design.gains.acceleration_Vs2_per_m / design.linear.mass_kg);
-  if (c.kind == ControllerKind::pd_force && c.pd_force.velocity_gain_Ns_per_m < 0.0)
-    refuse("velocity_gain_Ns_per_m", c.pd_force.velocity_gain_Ns_per_m);
-  if (design.gains.velocity_Vs_per_m < 0.0) refuse("velocity_gain_Vs_per_m", design.gains.velocity_Vs_per_m);
-  if (design.gains.acceleration_Vs2_per_m < 0.0)
-    refuse("acceleration_gain_Vs2_per_m", design.gains.acceleration_Vs2_per_m);
+/// A gain below 0, which a law does not take.
+struct UnusableGain {
+  std::string_view name;
+  double value = 0.0;
+};
+
+std::optional<UnusableGain> unusable_gain(const ControllerParameters& c, const Ppd2Gains& gains, double mass_kg) {
+  const bool is_force = c.kind == ControllerKind::pd_force;
+  if (gains.acceleration_Vs2_per_m <= 0.0 && is_force)
+    return UnusableGain{"force_gain_V_per_N", gains.acceleration_Vs2_per_m / mass_kg};
+  if (is_force && c.pd_force.velocity_gain_Ns_per_m < 0.0)
+    return UnusableGain{"velocity_gain_Ns_per_m", c.pd_force.velocity_gain_Ns_per_m};
+  if (gains.velocity_Vs_per_m < 0.0) return UnusableGain{"velocity_gain_Vs_per_m", gains.velocity_Vs_per_m};
+  if (gains.acceleration_Vs2_per_m < 0.0)
+    return UnusableGain{"acceleration_gain_Vs2_per_m", gains.acceleration_Vs2_per_m};
+  return std::nullopt;
 }
 
 ModelFigures figures_of(const LinearAxis& axis, const Ppd2Gains& gains) {
@@ -100,6 +101,65 @@ bool all_decay(const std::vector<Complex>& poles) {
 void require_lines(const Rig& rig) {
   if (!rig.is_pneumatic())
     throw std::invalid_argument("a driven_axis has no lines to design for; expected rig: cylinder or servo_table");
+}
+
+/// Position gains of a rule that were tried: those whose gains the law takes, and those whose loop is stable.
+struct RuleRange {
+  double usable_from = 0.0, usable_to = 0.0, stable_from = 0.0, stable_to = 0.0;  ///< V/m; 0: none
+};
+
+/// Over three decades to either side of the request's gain.
+RuleRange rule_range(const Rig& rig, DesignRequest request, const AxisDesign& design) {
+  constexpr double decades = 3.0;
+  const int each = request.method == DesignMethod::itae_min ? 4 : 12;  // a search at each gain takes its time
+  const double asked = design.gains.position_V_per_m;
+  RuleRange out;
+  for (int i = -static_cast<int>(decades) * each; i <= static_cast<int>(decades) * each; ++i) {
+    const double Kp = asked * std::pow(10.0, static_cast<double>(i) / each);
+    request.position_gain_V_per_m = Kp;
+    const Ppd2Gains gains = designed_gains(request, design);
+    const ControllerParameters controller = with_gains(rig.controller, gains, design.linear);
+    if (unusable_gain(controller, gains, design.linear.mass_kg)) continue;
+    if (out.usable_from == 0.0) out.usable_from = Kp;
+    out.usable_to = Kp;
+    if (!all_decay(loop_of(rig, controller, design.linear).poles())) continue;
+    if (out.stable_from == 0.0) out.stable_from = Kp;
+    out.stable_to = Kp;
+  }
+  return out;
+}
+
+/// Which way the position gain has to go, or what stands in the way of every one.
+std::string rule_advice(const Rig& rig, const DesignRequest& request, const AxisDesign& design) {
+  const RuleRange range = rule_range(rig, request, design);
+  const double asked = design.gains.position_V_per_m;
+  if (range.stable_to > 0.0)
+    return fmt::format("position gain {}: its loop is stable from {:.3g} to {:.3g} V/m",
+                       asked > range.stable_to ? "down" : "up", range.stable_from, range.stable_to);
+  const LinearAxis& axis = design.linear.axis;
+  const SecondOrderLag& line = design.linear.sides[0].lag;
+  const double wn = std::sqrt(axis.natural_frequency_squared()), w = std::cbrt(asked * axis.gain_per_V);
+  if (range.usable_to == 0.0)
+    return fmt::format(
+        "no position gain from {:.3g} to {:.3g} V/m helps: the air spring's {:.3g} rad/s stands against the "
+        "rule's {:.3g} rad/s; judge the config's gains (--method config) instead",
+        1e-3 * asked, 1e3 * asked, wn, w);
+  return fmt::format("it takes {:.3g} V/m or more for gains that the law takes, and there every loop is unstable: the "
+                     "lag of the lines at {:.3g} Hz (damping {:.2g}) stands in the way; lower "
+                     "controller.force_gain_V_per_N or acceleration gain by hand and judge it (--method config)",
+                     range.usable_from, line.natural_frequency_rad_per_s / (2.0 * std::numbers::pi),
+                     line.damping_ratio);
+}
+
+/// A law refuses gains below 0, so a rule that ends there has no answer.
+void require_usable(const Rig& rig, const DesignRequest& request, const AxisDesign& design) {
+  const auto unusable = unusable_gain(design.controller, design.gains, design.linear.mass_kg);
+  if (!unusable) return;
+  throw std::invalid_argument(fmt::format(
+      "method {} gives {} {:.4g} at a position gain of {:.4g} V/m, which the law does not take; expected another "
+      "position gain: {}",
+      design_method_names[static_cast<std::size_t>(design.method)], unusable->name, unusable->value,
+      design.gains.position_V_per_m, rule_advice(rig, request, design)));
 }
 
 /// rms of the command that white noise of the position makes while the slider rests: from the sum of the law's squared
@@ -148,9 +208,20 @@ void warn_of_margins(std::string_view where, const LoopMargins& margins, std::ve
                                    margins.phase_deg, margins.phase_Hz, least_phase_margin_deg));
 }
 
-void find_warnings(const Rig& rig, AxisDesign& design) {
+void warn_of_instability(const Rig& rig, const DesignRequest& request, AxisDesign& design) {
+  if (design.is_stable) return;
+  std::string text = "the loop is unstable with these gains";
+  if (request.method != DesignMethod::config) text += "; " + rule_advice(rig, request, design);
+  else if (design.margins.gain_down > 0.0)
+    text += fmt::format("; gain down: it is stable below {:.3g} of them", design.margins.gain_down);
+  design.warnings.push_back(std::move(text));
+  if (request.method == DesignMethod::itae_min && !std::isfinite(design.models.back().itae_s2))
+    design.warnings.emplace_back("itae_min found no stable loop: its gains are its start, those of alpha_beta");
+}
+
+void find_warnings(const Rig& rig, const DesignRequest& request, AxisDesign& design) {
   auto& warnings = design.warnings;
-  if (!design.is_stable) warnings.emplace_back("the loop is unstable with these gains");
+  warn_of_instability(rig, request, design);
   warn_of_margins("linear model", design.margins, warnings);
   warn_of_margins("distributed lines", design.exact_margins, warnings);
   if (!design.spool_in_range)
@@ -203,7 +274,7 @@ AxisDesign design_axis(const Rig& rig, const DesignRequest& request, const LoadP
   out.gains = designed_gains(request, out);
   out.controller =
       request.method == DesignMethod::config ? rig.controller : with_gains(rig.controller, out.gains, out.linear);
-  if (request.method != DesignMethod::config) require_usable(out);
+  if (request.method != DesignMethod::config) require_usable(rig, request, out);
 
   const LinearAxis &full = out.linear.axis, fifth = matched_at_low_frequency(full);
   for (const LinearAxis& axis : {without_lags(full), fifth, full})
@@ -223,7 +294,7 @@ AxisDesign design_axis(const Rig& rig, const DesignRequest& request, const LoadP
   out.command_noise_V = command_noise_V(rig, out.controller, out.linear);
   if (is_table(rig) && request.needs_mean_pressure) find_mean_pressure(rig, load, out);
   find_spool(rig, out);
-  find_warnings(rig, out);
+  find_warnings(rig, request, out);
   return out;
 }
 

@@ -22,9 +22,8 @@ constexpr double whole = 1.0;
 
 class SafetyGrades {
  public:
-  explicit SafetyGrades(const Rig& rig) : rig_(rig), half_m_(0.5 * rig.axis.cylinder.stroke_m) {
-    if (needs_file(rig.reference)) return;  // known where recordings are read
-    const Reference reference(rig.reference);
+  SafetyGrades(const Rig& rig, const LoadPositions& load) : rig_(rig), half_m_(0.5 * rig.axis.cylinder.stroke_m) {
+    const Reference reference(rig.reference, load);
     const ReferenceExtremes way = reference.extremes(0, rig.duration_s), speed = reference.extremes(1, rig.duration_s);
     reach_m_ = std::max(std::fabs(way.minimum), std::fabs(way.maximum));
     peak_mps_ = std::max(std::fabs(speed.minimum), std::fabs(speed.maximum));
@@ -38,8 +37,8 @@ class SafetyGrades {
              "no distance from the predicted motion ends the run",
              "leave it out: it is derived from the config's own simulation");
     if (limits.stall_force_N)
-      off_if(*limits.stall_force_N == 0.0 || *limits.stall_force_N >= force_N, "stall_force_N", *limits.stall_force_N, "N",
-             fmt::format("an axis that pushes against an obstacle goes on pushing, with up to {:.0f} N", force_N),
+      off_if(*limits.stall_force_N == 0.0 || *limits.stall_force_N >= force_N, "stall_force_N", *limits.stall_force_N,
+             "N", fmt::format("an axis that pushes against an obstacle goes on pushing, with up to {:.0f} N", force_N),
              "leave it out: it is derived from the config's own simulation");
     if (limits.end_stop_contact == EndStopContact::allowed)
       add(Level::unsafe, "limits.end_stop_contact", "allowed: running onto an end stop ends nothing",
@@ -63,8 +62,8 @@ class SafetyGrades {
     const double speed_mps = std::min(limits.speed_mps.value_or(2.0 * peak_mps_), ballistic_speed_mps(rig_));
     travel("lateness_s", limits.lateness_s, limits.lateness_s, speed_mps, "a late loop");
     travel("age_periods", limits.age_periods, limits.age_periods * rig_.period_s, speed_mps, "an old position");
-    off_if(limits.checks_rest_s == 0.0 || limits.checks_rest_s >= rig_.duration_s, "checks_rest_s", limits.checks_rest_s,
-           "s", "cross-checks may rest for the whole run", "state 1 s or so");
+    off_if(limits.checks_rest_s == 0.0 || limits.checks_rest_s >= rig_.duration_s, "checks_rest_s",
+           limits.checks_rest_s, "s", "cross-checks may rest for the whole run", "state 1 s or so");
     off_if(limits.bad_share >= whole, "bad_share", limits.bad_share, "", "a channel may be bad for ever",
            "state 0.1 or so");
     off_if(limits.missed_share >= whole, "missed_share", limits.missed_share, "",
@@ -88,7 +87,8 @@ class SafetyGrades {
            fmt::format("{:.3g} times the supply, where hoses may burst", ratio), "leave it out: 1.4 times the supply");
     if (ratio > proof_pressure_ratio && ratio < burst_pressure_ratio)
       add(Level::acceptable, "limits.pressure_Pa",
-          fmt::format("{:g} Pa is {:.3g} times the supply, above what its parts are proven at", *limits.pressure_Pa, ratio),
+          fmt::format("{:g} Pa is {:.3g} times the supply, above what its parts are proven at", *limits.pressure_Pa,
+                      ratio),
           "leave it out: 1.4 times the supply");
   }
 
@@ -128,7 +128,8 @@ class SafetyGrades {
   void add(Level level, std::string topic, std::string what, std::string remedy) {
     findings_.push_back({level, std::move(topic), std::move(what), std::move(remedy)});
   }
-  void off_if(bool is_off, const char* key, double value, const char* unit, const std::string& means, const char* remedy) {
+  void off_if(bool is_off, const char* key, double value, const char* unit, const std::string& means,
+              const char* remedy) {
     if (!is_off) return;
     add(Level::unsafe, std::string("limits.") + key,
         fmt::format("switched off by {:g}{}{}: {}", value, *unit != '\0' ? " " : "", unit, means), remedy);
@@ -140,21 +141,26 @@ class SafetyGrades {
   void travel(const char* key, double value, double time_s, double speed_mps, const char* what) {
     const double way_m = speed_mps * time_s, room_m = half_m_ - reach_m_;
     const std::string topic = std::string("limits.") + key;
-    const std::string said = fmt::format("{:g}: {} lets the axis go {:.3g} mm at {:.3g} m/s", value, what, 1e3 * way_m, speed_mps);
-    const std::string remedy = fmt::format("state less than {:.2g}", value * std::max(room_m, 1e-3) / std::max(way_m, 1e-9));
+    const std::string said =
+        fmt::format("{:g}: {} lets the axis go {:.3g} mm at {:.3g} m/s", value, what, 1e3 * way_m, speed_mps);
+    const std::string remedy =
+        fmt::format("state less than {:.2g}", value * std::max(room_m, 1e-3) / std::max(way_m, 1e-9));
     if (way_m >= 2.0 * half_m_) add(Level::unsafe, topic, said + ", which is the whole stroke", remedy);
     else if (way_m > room_m && room_m > 0.0)
-      add(Level::acceptable, topic, fmt::format("{}; the end stop is {:.3g} mm from the reference", said, 1e3 * room_m), remedy);
+      add(Level::acceptable, topic, fmt::format("{}; the end stop is {:.3g} mm from the reference", said, 1e3 * room_m),
+          remedy);
     else add(Level::good, topic, said, "");
   }
   double largest_force_N() const {
     const auto& cylinder = rig_.axis.cylinder;
-    return (rig_.axis.supply.pressure_Pa - rig_.axis.air.atmosphere_Pa) * std::max(cylinder.area_1_m2, cylinder.area_2_m2);
+    return (rig_.axis.supply.pressure_Pa - rig_.axis.air.atmosphere_Pa) *
+           std::max(cylinder.area_1_m2, cylinder.area_2_m2);
   }
   bool has_readback() const {
     const HalChannels& channels = rig_.hal->channels;
     const auto reads_back = [](const ChannelParameters<VoltageKeys>& u) { return u.comedi && u.comedi->readback; };
-    return rig_.kind == RigKind::servo_table ? reads_back(channels.u1) && reads_back(channels.u2) : reads_back(channels.u);
+    return rig_.kind == RigKind::servo_table ? reads_back(channels.u1) && reads_back(channels.u2)
+                                             : reads_back(channels.u);
   }
 
   const Rig& rig_;
@@ -166,13 +172,14 @@ class SafetyGrades {
 
 double ballistic_speed_mps(const Rig& rig) {
   const auto& cylinder = rig.axis.cylinder;
-  const double force_N = (rig.axis.supply.pressure_Pa - rig.axis.air.atmosphere_Pa) * std::max(cylinder.area_1_m2, cylinder.area_2_m2);
+  const double force_N =
+      (rig.axis.supply.pressure_Pa - rig.axis.air.atmosphere_Pa) * std::max(cylinder.area_1_m2, cylinder.area_2_m2);
   return std::sqrt(2.0 * std::max(force_N, 0.0) * cylinder.stroke_m / rig.axis.slider.mass_kg);
 }
 
-std::vector<Finding> grade_safety(const Rig& rig) {
+std::vector<Finding> grade_safety(const Rig& rig, const LoadPositions& load) {
   if (!rig.is_pneumatic()) return {};
-  SafetyGrades grades(rig);
+  SafetyGrades grades(rig, load);
   grades.grade_motion_limits();
   grades.grade_times();
   grades.grade_air_limits();

@@ -30,8 +30,9 @@ struct CheckOptions {
 /// The config itself, and the kernel's interface where its devices are on one.
 std::vector<Finding> check_config(const std::string& path, const std::vector<std::string>& sets) {
   const Rig rig = read_rig(path, sets);
+  if (rig.is_pneumatic()) require_reference_in_stroke(path, rig);
   std::vector<Finding> findings = grade_rig(rig);
-  for (const auto& more : {grade_safety(rig), grade_loop(rig)})
+  for (const auto& more : {grade_safety(rig, load_reference_positions), grade_loop(rig)})
     findings.insert(findings.end(), more.begin(), more.end());
   if (!rig.hal || !rig.hal->can || rig.hal->can->interface.find(':') != std::string::npos) return findings;
   const CanBusParameters& bus = *rig.hal->can;
@@ -53,12 +54,13 @@ nlohmann::ordered_json as_json(const std::vector<Finding>& findings) {
 int run_check(const CheckOptions& options) {
   require_writable("--json", options.json);
   const std::vector<Finding> machine = check_machine(options.session);
-  const std::vector<Finding> config = options.config.empty() ? std::vector<Finding>{} : check_config(options.config, options.sets);
+  const std::vector<Finding> config =
+      options.config.empty() ? std::vector<Finding>{} : check_config(options.config, options.sets);
   const FindingLevel worst = std::max(worst_level(machine), worst_level(config));
   const bool ready = worst < FindingLevel::bad;
-  const char* verdict = ready                         ? "nothing speaks against running in real time"
+  const char* verdict = ready                        ? "nothing speaks against running in real time"
                         : worst == FindingLevel::bad ? "not ready: see the lines marked bad"
-                                                      : "unsafe: see the lines marked unsafe";
+                                                     : "unsafe: see the lines marked unsafe";
   if (options.json != "-") {
     std::cout << "machine\n" << finding_table(machine);
     if (!options.config.empty()) std::cout << "\n" << options.config << "\n" << finding_table(config);

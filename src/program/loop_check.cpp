@@ -67,7 +67,8 @@ Rig at_place(Rig rig, double position_m, double payload_kg) {
 
 /// The linear model closes the force loop on chamber pressures.
 bool has_linear_loop(const Rig& rig) {
-  return rig.controller.kind == ControllerKind::ppd2 || rig.controller.pd_force.pressure_source != PressureSource::valve;
+  return rig.controller.kind == ControllerKind::ppd2 ||
+         rig.controller.pd_force.pressure_source != PressureSource::valve;
 }
 
 struct Survey {
@@ -84,7 +85,8 @@ Survey survey(const Rig& rig, bool with_margins) {
       ++out.points;
       std::optional<LoopPoint>& unstable = place.is_reached ? out.unstable : out.unstable_beyond;
       if (!point.is_stable && !unstable) unstable = point;
-      if (point.is_stable && (!out.weakest || point.margins.gain_up < out.weakest->margins.gain_up)) out.weakest = point;
+      if (point.is_stable && (!out.weakest || point.margins.gain_up < out.weakest->margins.gain_up))
+        out.weakest = point;
     }
   return out;
 }
@@ -104,8 +106,8 @@ void grade_margins(const Rig& rig, std::vector<Finding>& findings) {
   if (!has_linear_loop(rig)) return;
   const Survey found = survey(rig, true);
   if (found.unstable) {
-    findings.push_back(
-        {Level::unsafe, "loop margins", instability(*found.unstable) + fall_words(found.unstable->margins), gain_remedy});
+    findings.push_back({Level::unsafe, "loop margins",
+                        instability(*found.unstable) + fall_words(found.unstable->margins), gain_remedy});
     return;
   }
   const LoopMargins& margins = found.weakest->margins;
@@ -193,7 +195,8 @@ Finding reference_finding(const RunResult& run, const std::string& where) {
                                        trouble_words(verdict));
   const char* topic = "loop in motion";
   if (!verdict.fault.empty())
-    return {Level::bad, topic, fmt::format("{} the run ends by the fault {}.{}", where, verdict.fault, trouble_words(verdict)),
+    return {Level::bad, topic,
+            fmt::format("{} the run ends by the fault {}.{}", where, verdict.fault, trouble_words(verdict)),
             "run the config in simulated time and look at its report"};
   if (verdict.touched_end_stop) return {Level::unsafe, topic, what, gain_remedy};
   if (verdict.oscillates) return {swing_level(verdict), topic, what, gain_remedy};
@@ -220,11 +223,11 @@ void grade_simulation(const Rig& rig, std::vector<Finding>& findings) {
                                     place_words(place.position_m, payload_kg)));
       seconds += rest_s;
     }
-    keep_worst(motion, reference_finding(simulated(moving, payload_kg), fmt::format("with a payload of {:g} kg", payload_kg)));
+    keep_worst(motion,
+               reference_finding(simulated(moving, payload_kg), fmt::format("with a payload of {:g} kg", payload_kg)));
     seconds += moving.duration_s;
   }
-  if (rest->level == Level::good)
-    rest->what = fmt::format("it settles at {} positions", places_of(rig).size());
+  if (rest->level == Level::good) rest->what = fmt::format("it settles at {} positions", places_of(rig).size());
   rest->what += fmt::format(" ({:g} s simulated in all)", seconds);
   findings.push_back(std::move(*rest));
   findings.push_back(std::move(*motion));
@@ -239,7 +242,8 @@ std::vector<Finding> grade_loop(const Rig& rig) {
   try {
     grade_simulation(rig, findings);
   } catch (const std::invalid_argument& error) {  // a law that cannot follow the reference
-    findings.push_back({Level::bad, "loop in motion", error.what(), "change the reference or what the law needs for it"});
+    findings.push_back(
+        {Level::bad, "loop in motion", error.what(), "change the reference or what the law needs for it"});
   }
   return findings;
 }
@@ -248,6 +252,16 @@ std::string unstable_loop_words(const Rig& rig) {
   if (!rig.is_pneumatic() || !has_linear_loop(rig)) return "";
   const Survey found = survey(rig, false);
   return found.unstable ? "the loop is " + instability(*found.unstable) : "";
+}
+
+void require_reference_in_stroke(const std::string& config, const Rig& rig) {
+  if (!needs_file(rig.reference)) return;  // refused where the config is read
+  const ReferenceExtremes way = Reference(rig.reference, load_reference_positions).extremes(0, rig.duration_s);
+  const double half_m = 0.5 * rig.axis.cylinder.stroke_m, far_m = std::max(way.maximum, -way.minimum);
+  if (far_m > half_m * (1.0 + 1e-12))
+    throw InputError(fmt::format("{}: reference.path: found a position {:.6g} m from mid-stroke, expected at most half "
+                                 "of cylinder.stroke_m ({:g} m)",
+                                 config, far_m, half_m));
 }
 
 void heed_loop(const std::string& config, const Rig& rig, bool on_devices, bool allowed) {
@@ -259,8 +273,8 @@ void heed_loop(const std::string& config, const Rig& rig, bool on_devices, bool 
   }
   for (const Finding& finding : grade_loop(rig))
     if (finding.level == Level::unsafe)
-      throw InputError(fmt::format("{}: {}: {}; expected a loop that is safe in simulation: {}, or --allow-unstable", config,
-                                   finding.topic, finding.what, finding.remedy));
+      throw InputError(fmt::format("{}: {}: {}; expected a loop that is safe in simulation: {}, or --allow-unstable",
+                                   config, finding.topic, finding.what, finding.remedy));
 }
 
 }  // namespace pneuservo

@@ -261,7 +261,9 @@ int run(const RunOptions& options) {
   }
   const auto sources = sources_of(options, rig);
   check_outputs(options, rig, sources);
-  heed_loop(options.config, rig, options.time == "real" && backend_of(options, rig) == "configured" && rig.hal->has_devices(),
+  require_reference_in_stroke(options.config, rig);
+  heed_loop(options.config, rig,
+            options.time == "real" && backend_of(options, rig) == "configured" && rig.hal->has_devices(),
             options.allow_unstable);
   StopRequest stop;
   RunReport report;

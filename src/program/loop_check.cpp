@@ -98,7 +98,7 @@ std::string instability(const LoopPoint& point) {
 
 std::string fall_words(const LoopMargins& margins) {
   return margins.gain_down > 0.0 && margins.gain_down < 1.0
-             ? fmt::format(" until its gain is {:.3g} of this", margins.gain_down)
+             ? fmt::format(", and would be stable below {:.3g} of its gain", margins.gain_down)
              : "";
 }
 
@@ -111,15 +111,18 @@ void grade_margins(const Rig& rig, std::vector<Finding>& findings) {
     return;
   }
   const LoopMargins& margins = found.weakest->margins;
+  const std::string down = margins.gain_down > 0.0 ? fmt::format(" and fall to {:.3g}", margins.gain_down) : "";
   const std::string what = fmt::format(
-      "gain may grow by {:.3g} (at {:.3g} Hz), phase margin {:.3g} deg; the least of {} operating points, {}",
-      margins.gain_up, margins.gain_up_Hz, margins.phase_deg, found.points,
+      "gain may grow by {:.3g} (at {:.3g} Hz){}, phase margin {:.3g} deg; the least of {} operating points, {}",
+      margins.gain_up, margins.gain_up_Hz, down, margins.phase_deg, found.points,
       place_words(found.weakest->position_m, found.weakest->payload_kg));
   if (found.unstable_beyond)
-    findings.push_back({Level::acceptable, "loop margins",
-                        instability(*found.unstable_beyond) + ", where the reference does not go; there " + what,
-                        "keep the reference away from the end stops, or lower the gains"});
-  else if (margins.gain_up < least_gain_margin || margins.phase_deg < least_phase_margin_deg)
+    findings.push_back(
+        {Level::acceptable, "loop margins",
+         instability(*found.unstable_beyond) + ", where the reference does not go; of the stable points " + what,
+         "keep the reference away from the end stops, or lower the gains"});
+  else if (margins.gain_up < least_gain_margin || margins.phase_deg < least_phase_margin_deg ||
+           margins.gain_down > 1.0 / least_gain_margin)
     findings.push_back({Level::acceptable, "loop margins", what, gain_remedy});
   else findings.push_back({Level::good, "loop margins", what, ""});
 }
@@ -170,17 +173,14 @@ Level swing_level(const MotionVerdict& verdict) {
 Finding rest_finding(const RunResult& run, bool is_reached, const std::string& where) {
   const MotionVerdict& verdict = run.verdict;
   Level level = Level::good;
-  std::string what = fmt::format("it settles {}", where);
-  if (verdict.oscillates) {
-    level = swing_level(verdict);
-    what = fmt::format("{} it does not settle.{}", where, trouble_words(verdict));
-  }
-  if (verdict.touched_end_stop) {
-    level = Level::unsafe;
-    what = where + trouble_words(verdict);
-  } else if (!verdict.fault.empty()) {
+  std::string what = "it settles " + where;
+  if (!verdict.fault.empty()) {
     level = Level::bad;
     what = fmt::format("{} a resting axis ends by the fault {}", where, verdict.fault);
+  }
+  if (verdict.oscillates || verdict.touched_end_stop) {
+    level = verdict.touched_end_stop ? Level::unsafe : swing_level(verdict);
+    what = fmt::format("it does not settle {}.{}", where, trouble_words(verdict));
   }
   if (level > Level::acceptable && !is_reached) level = Level::acceptable;
   return {level, "loop at rest", what + (is_reached || level == Level::good ? "" : " (beyond the reference)"),
@@ -198,15 +198,19 @@ Finding reference_finding(const RunResult& run, const std::string& where) {
     return {Level::bad, topic,
             fmt::format("{} the run ends by the fault {}.{}", where, verdict.fault, trouble_words(verdict)),
             "run the config in simulated time and look at its report"};
-  if (verdict.touched_end_stop) return {Level::unsafe, topic, what, gain_remedy};
-  if (verdict.oscillates) return {swing_level(verdict), topic, what, gain_remedy};
-  const char* slower = "choose a slower reference, a feedforward, or higher gains as far as the margins allow";
-  if (verdict.following == Following::does_not_follow) return {Level::bad, topic, what, slower};
-  if (verdict.following == Following::lags) return {Level::acceptable, topic, what, slower};
-  return {Level::good, topic, what, ""};
+  Level level = Level::good;
+  const auto at_least = [&](bool holds, Level other) { level = holds ? std::max(level, other) : level; };
+  at_least(verdict.following == Following::lags, Level::acceptable);
+  at_least(verdict.following == Following::does_not_follow, Level::bad);
+  at_least(verdict.oscillates, swing_level(verdict));
+  at_least(verdict.touched_end_stop, Level::unsafe);
+  const char* remedy = verdict.oscillates ? gain_remedy
+                                          : "choose a slower reference, a feedforward, or higher gains as far as the "
+                                            "margins allow";
+  return {level, topic, what, level == Level::good ? "" : remedy};
 }
 
-/// The worst of the findings of one topic; of equals the first.
+/// The worst of the findings of one topic; the first of equal ones.
 void keep_worst(std::optional<Finding>& worst, Finding finding) {
   if (!worst || finding.level > worst->level) worst = std::move(finding);
 }
@@ -268,7 +272,7 @@ void heed_loop(const std::string& config, const Rig& rig, bool on_devices, bool 
   if (allowed) return;
   if (!on_devices) {
     if (const std::string words = unstable_loop_words(rig); !words.empty())
-      std::cerr << fmt::format("{}: {}; '{}' judges it\n", config, words, "pneuservo check " + config);
+      std::cerr << fmt::format("warning: {}: {}; '{}' judges it\n", config, words, "pneuservo check " + config);
     return;
   }
   for (const Finding& finding : grade_loop(rig))

@@ -206,16 +206,16 @@ std::string share_words(const MotionVerdict& verdict) {
   return text;
 }
 
-std::string trouble_words(const MotionVerdict& verdict) {
+std::string trouble_words(const MotionVerdict& verdict, std::string_view subject) {
   std::string text;
   if (verdict.oscillates)
-    text += fmt::format(" It oscillates at {} Hz{}: the position by ±{}, the command by ±{} V{}.",
+    text += fmt::format(" {} oscillates at {} Hz{}: the position by ±{}, the command by ±{} V{}.", subject,
                         figure(verdict.oscillation_Hz), verdict.oscillation_grows ? ", growing" : "",
                         length_words(verdict.oscillation_m), figure(verdict.oscillation_V),
                         verdict.oscillation_fills_range ? ", its whole range" : "");
   if (verdict.touched_end_stop)
     text +=
-        fmt::format(" It touched the end stop at {} {} s after the start, with {} m/s at most.",
+        fmt::format(" {} touched the end stop at {} {} s after the start, with {} m/s at most.", subject,
                     length_words(verdict.end_stop_m), figure(verdict.end_stop_s), figure(verdict.end_stop_speed_mps));
   return text;
 }

@@ -32,7 +32,7 @@ std::string following_words(const MotionVerdict& verdict);
 /// "3.45 % of the amplitude of 80 mm": the figure behind following_words; empty where there is none.
 std::string share_words(const MotionVerdict& verdict);
 /// Sentences on what went wrong beside the following: oscillation, end stop; each begins with a blank.
-std::string trouble_words(const MotionVerdict& verdict);
+std::string trouble_words(const MotionVerdict& verdict, std::string_view subject = "It");
 /// One word for the whole: "fault", "end_stop", "oscillates" or the word of the following.
 std::string_view verdict_word(const MotionVerdict& verdict);
 

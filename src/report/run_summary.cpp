@@ -58,11 +58,12 @@ std::string run_words(const RunReport& report, const RunResult& run) {
   return words;
 }
 
-/// The best run of every other pressure source, to be set beside the best of all.
+/// The best run without a fault of every other pressure source, to be set beside the best of all.
 std::vector<const RunResult*> rivals(const RunReport& report, const RunResult& best) {
   std::vector<const RunResult*> found;
   for (const RunResult& run : report.runs) {
-    if (run.pressure_source == best.pressure_source || !std::isfinite(run.metrics.rms_position_error_m)) continue;
+    const bool has_figures = run.faults.empty() && std::isfinite(run.metrics.rms_position_error_m);
+    if (run.pressure_source == best.pressure_source || !has_figures) continue;
     const auto same = std::find_if(found.begin(), found.end(),
                                    [&](auto* other) { return other->pressure_source == run.pressure_source; });
     if (same == found.end()) found.push_back(&run);
@@ -81,7 +82,8 @@ std::string error_words(const RunResult& run) {
 }
 
 bool goes_well(const RunResult& run) {
-  return run.verdict.following == Following::follows || run.verdict.following == Following::rests;
+  const bool along = run.verdict.following == Following::follows || run.verdict.following == Following::rests;
+  return along && !run.verdict.oscillates && !run.verdict.touched_end_stop;
 }
 
 std::string best_words(const RunReport& report, const RunResult& best) {
@@ -92,10 +94,13 @@ std::string best_words(const RunReport& report, const RunResult& best) {
   const std::vector<const RunResult*> others = rivals(report, best);
   // Within a hundredth of each other neither is the better one.
   const bool tied = !others.empty() && others[0]->metrics.rms_position_error_m < 1.01 * metrics.rms_position_error_m;
+  const bool well = goes_well(best);
   std::string text = capital(run_words(report, best));
-  text += tied ? fmt::format(" hold the position as well as {}", run_words(report, *others[0]))
-               : std::string(" hold the position best");
-  if (!goes_well(best)) text += ", but " + following_words(best.verdict);
+  if (tied)
+    text += fmt::format(" {} {}", well ? "hold the position as well as" : "come as close to the reference as",
+                        run_words(report, *others[0]));
+  else text += well ? " hold the position best" : " come closest to the reference";
+  if (!well) text += ", " + following_words(best.verdict);
   text += ": " + error_words(best);
   for (std::size_t i = tied ? 1 : 0; i < others.size(); ++i)
     text += fmt::format("{}{} with {}", i == (tied ? 1 : 0) ? "; against " : " and ",
@@ -108,8 +113,7 @@ std::string troubles(const RunReport& report) {
   std::string text;
   if (report.runs.size() < 2) return text;
   for (const RunResult& run : report.runs)
-    if (const std::string words = trouble_words(run.verdict); !words.empty() && run.faults.empty())
-      text += fmt::format(" With {}:{}", run_words(report, run), words);
+    if (run.faults.empty()) text += trouble_words(run.verdict, fmt::format("With {} it", run_words(report, run)));
   return text;
 }
 

@@ -1,5 +1,6 @@
 // What a config leaves out of its own supervision: limits that can never act, lines and sensors that are not there.
 #pragma once
+#include <string>
 #include <vector>
 
 #include <pneuservo/control/reference.hpp>
@@ -13,6 +14,9 @@ namespace pneuservo {
 /// lacks, one for the areas of the piston. A rig without air has none. `load`
 /// is needed for references of kind `file`.
 std::vector<Finding> grade_safety(const Rig& rig, const LoadPositions& load);
+
+/// Names of the simulated channels that the law of a real valve feeds back, with commas; empty: none, or no real valve.
+std::string simulated_feedback(const Rig& rig);
 
 /// Speed that air can give the slider: full supply over the whole stroke without any loss, [m/s].
 double ballistic_speed_mps(const Rig& rig);

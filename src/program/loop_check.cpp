@@ -15,6 +15,7 @@
 #include "config/input_error.hpp"
 #include "design/axis_design.hpp"
 #include "loop/runner.hpp"
+#include "loop/safety_grade.hpp"
 #include "program/rig_options.hpp"
 #include "report/evaluation.hpp"
 #include "report/motion_verdict.hpp"
@@ -268,13 +269,17 @@ void require_reference_in_stroke(const std::string& config, const Rig& rig) {
                                  config, far_m, half_m));
 }
 
-void heed_loop(const std::string& config, const Rig& rig, bool on_devices, bool allowed) {
-  if (allowed) return;
+void heed_loop(const std::string& config, const Rig& rig, bool on_devices, const AllowedRisks& allowed) {
   if (!on_devices) {
     if (const std::string words = unstable_loop_words(rig); !words.empty())
       std::cerr << fmt::format("warning: {}: {}; '{}' judges it\n", config, words, "pneuservo check " + config);
     return;
   }
+  if (const std::string channels = simulated_feedback(rig); !channels.empty() && !allowed.bench)
+    throw InputError(fmt::format("{}: hal.channels: found {} simulated beside a real valve, which they would drive; "
+                                 "expected devices, or --bench where no machine hangs at the valve",
+                                 config, channels));
+  if (allowed.unstable_loop) return;
   for (const Finding& finding : grade_loop(rig))
     if (finding.level == Level::unsafe)
       throw InputError(fmt::format("{}: {}: {}; expected a loop that is safe in simulation: {}, or --allow-unstable",

@@ -22,8 +22,14 @@ std::string unstable_loop_words(const Rig& rig);
 /// Throws InputError where a reference from a file leaves the stroke; others are refused where the config is read.
 void require_reference_in_stroke(const std::string& config, const Rig& rig);
 
-/// Before a run. On devices: throws InputError with the first unsafe finding of grade_loop, unless `allowed`. Else:
-/// unstable_loop_words on standard error.
-void heed_loop(const std::string& config, const Rig& rig, bool on_devices, bool allowed);
+/// What a run may do although it is not safe.
+struct AllowedRisks {
+  bool unstable_loop = false;
+  bool bench = false;  ///< a real valve on feedback of the simulated plant
+};
+
+/// Before a run. On devices: throws InputError where a real valve would be driven by simulated feedback, and with the
+/// first unsafe finding of grade_loop. Else: unstable_loop_words on standard error.
+void heed_loop(const std::string& config, const Rig& rig, bool on_devices, const AllowedRisks& allowed);
 
 }  // namespace pneuservo

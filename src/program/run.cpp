@@ -36,7 +36,8 @@ struct RunOptions {
   double duration_s = 0.0;
   double early_wake_us = -1.0;
   int moves = 1, priority = 80, cpu = -1;
-  bool dump_config = false, allow_unstable = false;
+  bool dump_config = false;
+  AllowedRisks allowed;
 };
 
 /// A config that names its devices runs on them unless told otherwise.
@@ -264,7 +265,7 @@ int run(const RunOptions& options) {
   require_reference_in_stroke(options.config, rig);
   heed_loop(options.config, rig,
             options.time == "real" && backend_of(options, rig) == "configured" && rig.hal->has_devices(),
-            options.allow_unstable);
+            options.allowed);
   StopRequest stop;
   RunReport report;
   report.config = rig.name;
@@ -305,8 +306,10 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--hal", o->backend,
                    "backend: sim, or configured (each channel from its source in the config's section hal); "
                    "default: configured where the config has that section");
-  verb->add_flag("--allow-unstable", o->allow_unstable,
+  verb->add_flag("--allow-unstable", o->allowed.unstable_loop,
                  "run on devices although the loop is unstable or unsafe in simulation ('pneuservo check')");
+  verb->add_flag("--bench", o->allowed.bench,
+                 "run a real valve on feedback of the simulated plant: no machine hangs at it");
   verb->add_option("--zeros", o->zeros, "zeros of the channels, a file that the verbs home and zero wrote");
   verb->add_option("--scenario", o->scenarios, "faults to inject into the backend sim, a file (docs/faults.md)");
   verb->add_option("--fault", o->faults, "a fault to inject; may stand several times")

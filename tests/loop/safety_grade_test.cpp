@@ -87,6 +87,15 @@ TEST_CASE("what a rig on devices lacks is named") {
     CHECK(std::none_of(wired.begin(), wired.end(), [&](const Finding& finding) { return finding.topic == topic; }));
 }
 
+TEST_CASE("a real valve that is driven by a simulated sensor is unsafe") {
+  const std::string x = "hal.channels.x={simulated: true}";
+  CHECK(level_of(graded(on_devices, {x}), "simulated feedback") == FindingLevel::unsafe);
+  CHECK(level_of(graded("mixed/cylinder-10m-7.65mm.yaml"), "simulated feedback") == FindingLevel::unsafe);
+  const auto supply = graded(on_devices, {"hal.channels.p_supply={simulated: true}"});
+  CHECK(
+      std::none_of(supply.begin(), supply.end(), [](auto& finding) { return finding.topic == "simulated feedback"; }));
+}
+
 TEST_CASE("a rod side that is larger than the other is questioned") {
   const auto findings = graded(cylinder, {"cylinder.area_2_m2=1.4e-3", "initial.pressure_2_Pa=4e5"});
   CHECK(level_of(findings, "cylinder areas") == FindingLevel::acceptable);

@@ -60,10 +60,19 @@ TEST_CASE("drawn gains and payloads that make the loop unstable are unsafe, at t
 
 TEST_CASE("an axis on devices does not start with an unsafe loop, unless that is allowed") {
   const Rig unstable = cylinder({"controller.position_gain_N_per_m=75500"});
-  CHECK_THROWS_AS(heed_loop("rig.yaml", unstable, true, false), InputError);
-  CHECK_NOTHROW(heed_loop("rig.yaml", unstable, true, true));
-  CHECK_NOTHROW(heed_loop("rig.yaml", cylinder(), true, false));
-  CHECK_NOTHROW(heed_loop("rig.yaml", unstable, false, false));
+  CHECK_THROWS_AS(heed_loop("rig.yaml", unstable, true, {}), InputError);
+  CHECK_NOTHROW(heed_loop("rig.yaml", unstable, true, {.unstable_loop = true}));
+  CHECK_NOTHROW(heed_loop("rig.yaml", cylinder(), true, {}));
+  CHECK_NOTHROW(heed_loop("rig.yaml", unstable, false, {}));
+}
+
+TEST_CASE("a real valve is not driven by simulated feedback, unless it is a bench") {
+  const Rig mixed = read_rig(PNEUSERVO_SOURCE_DIR "/config/mixed/cylinder-10m-7.65mm.yaml");
+  CHECK_THROWS_WITH(heed_loop("rig.yaml", mixed, true, {}), Catch::Contains("p1_port, p2_port simulated"));
+  CHECK_NOTHROW(heed_loop("rig.yaml", mixed, true, {.bench = true}));
+  const Rig led =
+      read_rig(PNEUSERVO_SOURCE_DIR "/config/can/cylinder-10m-7.65mm.yaml", {"hal.channels.x={simulated: true}"});
+  CHECK_THROWS_WITH(heed_loop("rig.yaml", led, true, {}), Catch::Contains("found x simulated"));
 }
 
 TEST_CASE("a reference that the loop cannot follow is bad") {

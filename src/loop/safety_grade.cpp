@@ -59,7 +59,10 @@ class SafetyGrades {
 
   void grade_times() {
     const LimitParameters& limits = rig_.limits;
-    const double speed_mps = std::min(limits.speed_mps.value_or(2.0 * peak_mps_), ballistic_speed_mps(rig_));
+    // A speed limit that cannot act is told by itself.
+    const double ballistic_mps = ballistic_speed_mps(rig_), usual_mps = std::min(2.0 * peak_mps_, ballistic_mps);
+    const double stated_mps = limits.speed_mps.value_or(usual_mps);
+    const double speed_mps = stated_mps < ballistic_mps ? stated_mps : usual_mps;
     travel("lateness_s", limits.lateness_s, limits.lateness_s, speed_mps, "a late loop");
     travel("age_periods", limits.age_periods, limits.age_periods * rig_.period_s, speed_mps, "an old position");
     off_if(limits.checks_rest_s == 0.0 || limits.checks_rest_s >= rig_.duration_s, "checks_rest_s",

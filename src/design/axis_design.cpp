@@ -108,14 +108,21 @@ struct RuleRange {
   double usable_from = 0.0, usable_to = 0.0, stable_from = 0.0, stable_to = 0.0;  ///< V/m; 0: none
 };
 
-/// Over three decades to either side of the request's gain.
+/// Lowest and highest position gain that are tried: three decades to either side of the request's and the config's
+/// [V/m].
+std::array<double, 2> tried_gains(const AxisDesign& design) {
+  const double asked = design.gains.position_V_per_m, before = design.gains_before.position_V_per_m;
+  const double other = before > 0.0 ? before : asked;
+  return {1e-3 * std::min(asked, other), 1e3 * std::max(asked, other)};
+}
+
 RuleRange rule_range(const Rig& rig, DesignRequest request, const AxisDesign& design) {
-  constexpr double decades = 3.0;
-  const int each = request.method == DesignMethod::itae_min ? 4 : 12;  // a search at each gain takes its time
-  const double asked = design.gains.position_V_per_m;
+  const double ratio = std::pow(10.0, 1.0 / 12.0);
+  // Its search takes seconds at each gain, and finds nothing where its start is unstable.
+  if (request.method == DesignMethod::itae_min) request.method = DesignMethod::alpha_beta;
+  const auto [lowest, highest] = tried_gains(design);
   RuleRange out;
-  for (int i = -static_cast<int>(decades) * each; i <= static_cast<int>(decades) * each; ++i) {
-    const double Kp = asked * std::pow(10.0, static_cast<double>(i) / each);
+  for (double Kp = lowest; Kp <= highest; Kp *= ratio) {
     request.position_gain_V_per_m = Kp;
     const Ppd2Gains gains = designed_gains(request, design);
     const ControllerParameters controller = with_gains(rig.controller, gains, design.linear);
@@ -134,21 +141,24 @@ std::string rule_advice(const Rig& rig, const DesignRequest& request, const Axis
   const RuleRange range = rule_range(rig, request, design);
   const double asked = design.gains.position_V_per_m;
   if (range.stable_to > 0.0)
-    return fmt::format("position gain {}: its loop is stable from {:.3g} to {:.3g} V/m",
-                       asked > range.stable_to ? "down" : "up", range.stable_from, range.stable_to);
+    return fmt::format("{}: the loop{} is stable from {:.3g} to {:.3g} V/m", asked > range.stable_to ? "down" : "up",
+                       request.method == DesignMethod::itae_min ? " of alpha_beta, its start," : "", range.stable_from,
+                       range.stable_to);
   const LinearAxis& axis = design.linear.axis;
   const SecondOrderLag& line = design.linear.sides[0].lag;
   const double wn = std::sqrt(axis.natural_frequency_squared()), w = std::cbrt(asked * axis.gain_per_V);
+  const auto [lowest, highest] = tried_gains(design);
   if (range.usable_to == 0.0)
-    return fmt::format(
-        "no position gain from {:.3g} to {:.3g} V/m helps: the air spring's {:.3g} rad/s stands against the "
-        "rule's {:.3g} rad/s; judge the config's gains (--method config) instead",
-        1e-3 * asked, 1e3 * asked, wn, w);
-  return fmt::format("it takes {:.3g} V/m or more for gains that the law takes, and there every loop is unstable: the "
-                     "lag of the lines at {:.3g} Hz (damping {:.2g}) stands in the way; lower "
-                     "controller.force_gain_V_per_N or acceleration gain by hand and judge it (--method config)",
-                     range.usable_from, line.natural_frequency_rad_per_s / (2.0 * std::numbers::pi),
-                     line.damping_ratio);
+    return fmt::format("none from {:.3g} to {:.3g} V/m helps: the air spring's {:.3g} rad/s stands against the rule's "
+                       "{:.3g} rad/s; judge gains of your own (--method config) instead",
+                       lowest, highest, wn, w);
+  const char* way = asked < range.usable_from ? "up: " : asked > range.usable_to ? "down: " : "of no help: ";
+  return fmt::format(
+      "{}the law takes the gains from {:.3g} V/m on, but every loop from there to {:.3g} V/m is unstable: the "
+      "lag of the lines at {:.3g} Hz (damping {:.2g}) stands in the way; lower the config's gains by hand "
+      "and judge them (--method config)",
+      way, range.usable_from, range.usable_to, line.natural_frequency_rad_per_s / (2.0 * std::numbers::pi),
+      line.damping_ratio);
 }
 
 /// A law refuses gains below 0, so a rule that ends there has no answer.
@@ -211,7 +221,7 @@ void warn_of_margins(std::string_view where, const LoopMargins& margins, std::ve
 void warn_of_instability(const Rig& rig, const DesignRequest& request, AxisDesign& design) {
   if (design.is_stable) return;
   std::string text = "the loop is unstable with these gains";
-  if (request.method != DesignMethod::config) text += "; " + rule_advice(rig, request, design);
+  if (request.method != DesignMethod::config) text += "; position gain " + rule_advice(rig, request, design);
   else if (design.margins.gain_down > 0.0)
     text += fmt::format("; gain down: it is stable below {:.3g} of them", design.margins.gain_down);
   design.warnings.push_back(std::move(text));

@@ -50,7 +50,7 @@ void write_config(const std::string& path, const Rig& designed) {
 /// What stands against writing the design's gains; empty: nothing.
 std::string unstable_words(const AxisDesign& design) {
   if (design.is_stable) return "";
-  const double down = std::max(design.margins.gain_down, design.exact_margins.gain_down);
+  const double down = design.margins.gain_down > 0.0 ? design.margins.gain_down : design.exact_margins.gain_down;
   const double slowest = std::max_element(design.poles.begin(), design.poles.end(), [](const auto& a, const auto& b) {
                            return a.real() < b.real();
                          })->imag();

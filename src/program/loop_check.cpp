@@ -29,7 +29,7 @@ constexpr double rest_s = 4.0;             // judged over its second half: ten p
 constexpr double longest_run_s = 20.0;     // of the reference
 constexpr double nudge_m = 4e-4;           // below the tolerance of the approach: the loop starts with a step
 constexpr const char* gain_remedy =
-    "lower the gains until 'pneuservo design' shows a gain margin of 2 and a phase margin of 30 deg";
+    "lower the gains, or the payload, until 'pneuservo design' shows a gain margin of 2 and a phase margin of 30 deg";
 
 struct Place {
   double position_m = 0.0;
@@ -276,8 +276,8 @@ void heed_loop(const std::string& config, const Rig& rig, bool on_devices, const
     return;
   }
   if (const std::string channels = simulated_feedback(rig); !channels.empty() && !allowed.bench)
-    throw InputError(fmt::format("{}: hal.channels: found {} simulated beside a real valve, which they would drive; "
-                                 "expected devices, or --bench where no machine hangs at the valve",
+    throw InputError(fmt::format("{}: hal.channels: found {} simulated beside a real valve, whose motion is not seen "
+                                 "there; expected devices, or --bench where no machine hangs at the valve",
                                  config, channels));
   if (allowed.unstable_loop) return;
   for (const Finding& finding : grade_loop(rig))

@@ -166,7 +166,14 @@ class SafetyGrades {
   }
   bool has_readback() const {
     const HalChannels& channels = rig_.hal->channels;
-    const auto reads_back = [](const ChannelParameters<VoltageKeys>& u) { return u.comedi && u.comedi->readback; };
+    // Of the sources that an output may have, those that know a readback.
+    const auto of_source = [](const auto& source) {
+      if constexpr (requires { source->readback.has_value(); }) return source && source->readback.has_value();
+      else return false;
+    };
+    const auto reads_back = [&](const ChannelParameters<VoltageKeys>& u) {
+      return of_source(u.comedi) || of_source(u.can);
+    };
     return rig_.kind == RigKind::servo_table ? reads_back(channels.u1) && reads_back(channels.u2)
                                              : reads_back(channels.u);
   }

@@ -21,12 +21,14 @@
 #include "loop/safe_output_text.hpp"
 #include "program/gain_file.hpp"
 #include "program/injection.hpp"
+#include "program/loop_check.hpp"
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "program/zeros.hpp"
 #include "record/writer.hpp"
 #include "report/evaluation.hpp"
+#include "report/motion_verdict.hpp"
 #include "report/run_json.hpp"
 #include "report/run_report.hpp"
 #include "report/run_summary.hpp"
@@ -41,6 +43,7 @@ struct RunOptions {
   double early_wake_us = -1.0;
   int moves = 1, priority = 80, cpu = -1;
   bool dump_config = false, force = false;
+  AllowedRisks allowed;
   ExistingFile existing() const { return force ? ExistingFile::replace : ExistingFile::refuse; }
 };
 
@@ -210,6 +213,7 @@ RunResult result_of(const RunOptions& options, const Rig& rig, const RunOutcome&
   if (outcome.timing) run.timing = *outcome.timing;
   run.metrics = evaluate(rig, run.rows, run.start_s);
   if (span.rows_lost > 0) run.metrics.from_s = std::max(run.metrics.from_s, run.rows.front().t_s - run.start_s);
+  run.verdict = judge_motion(rig, run);
   return run;
 }
 
@@ -319,6 +323,10 @@ int run(const RunOptions& options) {
   }
   const auto sources = sources_of(options, rig);
   check_outputs(options, rig, sources);
+  require_reference_in_stroke(options.config, rig);
+  heed_loop(options.config, rig,
+            options.time == "real" && backend_of(options, rig) == "configured" && rig.hal->has_devices(),
+            options.allowed);
   StopRequest stop;
   RunReport report;
   report.config = rig.name;
@@ -360,6 +368,8 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--hal", o->backend,
                    "backend: sim, or configured (each channel from its source in the config's section hal); "
                    "default: configured where the config has that section");
+  verb->add_flag("--allow-unstable", o->allowed.unstable_loop,
+                 "run on devices although the loop is unstable or unsafe in simulation ('pneuservo check')");
   verb->add_option("--zeros", o->zeros, "zeros of the channels, a file that the verbs home and zero wrote");
   verb->add_option("--scenario", o->scenarios, "faults to inject into the backend sim, a file (docs/faults.md)");
   verb->add_option("--fault", o->faults, "a fault to inject; may stand several times")

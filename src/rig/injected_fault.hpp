@@ -56,7 +56,7 @@ struct InjectedKindText {
   std::string_view meaning;
   std::string_view instead_of_device = "it in run --hal sim";  ///< where to inject it, and why
 };
-inline constexpr std::array<InjectedKindText, 22> injected_kinds{{
+inline constexpr std::array<InjectedKindText, 25> injected_kinds{{
     {"drop", InjectedTarget::channel, InjectedTarget::node, true, true, false,
      "no sample comes, with VALUE: of this share of them; a node: no answer"},
     {"freeze", InjectedTarget::channel, InjectedTarget::channel, true, true, false, "repeats one value"},

@@ -33,7 +33,15 @@ enum class InjectedKind {
   off,
   reboot,
   no_heartbeat,
-  late
+  late,
+  payload,
+  dry_friction,
+  jam,
+  obstacle,
+  reversed_valve,
+  reversed_encoder,
+  exchanged_hoses,
+  exchanged_ports
 };
 
 /// What a kind acts on.
@@ -47,7 +55,7 @@ struct InjectedKindText {
   std::string_view meaning;
   std::string_view instead_of_device = "it in run --hal sim";  ///< where to inject it, and why
 };
-inline constexpr std::array<InjectedKindText, 19> injected_kinds{{
+inline constexpr std::array<InjectedKindText, 27> injected_kinds{{
     {"drop", InjectedTarget::channel, InjectedTarget::node, true, true, false, "no sample comes; a node: no answer"},
     {"freeze", InjectedTarget::channel, InjectedTarget::channel, true, true, false, "repeats one value"},
     {"bias", InjectedTarget::channel, InjectedTarget::channel, true, true, true, "adds VALUE"},
@@ -76,6 +84,19 @@ inline constexpr std::array<InjectedKindText, 19> injected_kinds{{
     {"reboot", InjectedTarget::node, InjectedTarget::node, false, true, false, "restarts"},
     {"no_heartbeat", InjectedTarget::node, InjectedTarget::node, false, true, false, "stops its heartbeat"},
     {"late", InjectedTarget::node, InjectedTarget::node, false, true, false, "answers SYNC a period late"},
+    {"payload", InjectedTarget::none, InjectedTarget::none, true, true, true, "the slider carries VALUE kg more"},
+    {"dry_friction", InjectedTarget::none, InjectedTarget::none, true, true, true,
+     "VALUE N more rub at any speed and at rest"},
+    {"jam", InjectedTarget::none, InjectedTarget::none, true, true, true, "VALUE N s/m more brake the slider"},
+    {"obstacle", InjectedTarget::none, InjectedTarget::none, true, true, true,
+     "hard stops at +-VALUE m, from when the slider is between them"},
+    {"reversed_valve", InjectedTarget::none, InjectedTarget::none, true, true, false,
+     "the valve takes each command with the other sign"},
+    {"reversed_encoder", InjectedTarget::none, InjectedTarget::none, true, true, false, "the encoder counts backwards"},
+    {"exchanged_hoses", InjectedTarget::none, InjectedTarget::none, true, true, false,
+     "each hose leads to the other chamber; the port sensors stay at the valve"},
+    {"exchanged_ports", InjectedTarget::none, InjectedTarget::none, true, true, false,
+     "the wires of both port sensors are exchanged"},
 }};
 inline constexpr auto injected_kind_names = [] {
   std::array<std::string_view, injected_kinds.size()> names{};

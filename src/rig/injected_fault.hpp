@@ -144,12 +144,15 @@ struct Scenario {
   std::string format{scenario_format_names[0]};
   std::string what;
   std::map<std::string, InjectedFault> faults;
+  std::map<std::string, double> settings;  ///< of the config, for the table of faults
   std::optional<ScenarioExpectation> expect;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"format", "", 0, 0, "version of this format", Presence::required, scenario_format_names}, p.format...);
     v(Field{"what", "", 0, 0, "the scenario in words", optional}, p.what...);
     v(Field{"faults", "", 0, 0, "faults by a name of your choice"}, p.faults...);
+    v(Field{"settings", "", -1e12, 1e12, "numbers of the config that tools/fault-table sets, by path", optional},
+      p.settings...);
     v(Field{"expect", "", 0, 0, "what shall come of it, for tools/fault-table", optional}, p.expect...);
   }
 };

@@ -36,6 +36,9 @@ def judged(case):
     """What holds for every run that should end in a fault."""
     out = case.outcome
     case.command = case.command or out.command
+    if not out.control.ticks and "home" not in out.command and case.note != "refused":
+        said = [line for line in out.err.strip().splitlines() if "NOT REAL" not in line]
+        case.missed = ["did not run: " + (said[-1][:120] if said else f"exit status {out.status}")]
     for lie in out.lies():
         case.missed.append(lie)
     return case

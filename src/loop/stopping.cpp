@@ -15,8 +15,8 @@ namespace pneuservo {
 namespace {
 
 constexpr double gravity_mps2 = 9.80665;
-constexpr double at_rest_mps = 1e-3, horizon_s = 1.5;
-constexpr double between_stops_s = 0.01;  // a stop from every so much of a course
+constexpr double at_rest_mps = 1e-3, horizon_s = 1.0;
+constexpr std::int64_t stops_of_a_course = 64;  // evenly spread; a move is over in a tenth of them at the fastest
 constexpr double vented_over_atmosphere = 1.1, longest_vent_s = 20.0;
 constexpr std::array<double, 4> speed_shares{0.25, 0.5, 0.75, 1.0};
 // A share of the top speed counts up to this much above it: a reference passes its top speed between two stops.
@@ -90,6 +90,7 @@ Stop stop_of(AxisPlant<double> plant, const Rig& rig, const Command& held, doubl
     if (!stood) low_m = high_m = x;
   }
   if (!stood) stop.standstill_s = std::numeric_limits<double>::infinity();
+  if (std::fabs(plant.velocity()) > at_rest_mps) stop.rest_s = std::numeric_limits<double>::infinity();
   stop.further_m = high_m - low_m;
   return stop;
 }
@@ -168,7 +169,8 @@ Course follow(const Rig& told, const Rig& machine, const LoadPositions& load, bo
   AxisLoop loop;
   loop.configure(rig, load);
   Course course;
-  const auto stride = std::max<std::int64_t>(1, std::llround(between_stops_s / rig.period_s));
+  const auto ticks = static_cast<std::int64_t>(rig.duration_s / rig.period_s);
+  const std::int64_t stride = std::max<std::int64_t>(1, ticks / stops_of_a_course);
   double fastest_mps = -1.0;
   for (std::int64_t tick = 0; static_cast<double>(tick) * rig.period_s <= rig.duration_s + loop.reference_start_s();
        ++tick) {

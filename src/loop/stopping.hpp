@@ -14,7 +14,7 @@ struct Stop {
   double speed_mps = 0.0;
   double distance_m = 0.0;    ///< furthest way from where the safe output began
   double standstill_s = 0.0;  ///< until the speed first was zero
-  double rest_s = 0.0;        ///< until it stayed below 1 mm/s
+  double rest_s = 0.0;        ///< until it stayed below 1 mm/s; infinite: longer than 1 s
   double further_m = 0.0;     ///< way between the turning points after the first standstill
   bool meets_end_stop = false;
 };

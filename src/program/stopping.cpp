@@ -40,8 +40,8 @@ void add_stopping(CLI::App& app, int&) {
   verb->add_option("--set", o->sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
   verb->add_option("--json", o->json, "result as JSON with units in the keys; - for standard output");
   verb->footer("The loop runs along the config's reference and along moves at three places of the stroke, with the\n"
-               "smallest and the largest payload (limits.payload_max_kg) and supply (tolerances); every 10 ms of each\n"
-               "the safe output begins. docs/safety.md says what the figures are for.\n"
+               "smallest and the largest payload (limits.payload_max_kg) and supply (tolerances); 64 times along\n"
+               "each the safe output begins. docs/safety.md says what the figures are for.\n"
                "  pneuservo stopping config/cylinder-10m-7.65mm.yaml --set safe_output.action=centre");
   verb->callback([o] { run_stopping(*o); });
 }

@@ -77,7 +77,7 @@ nlohmann::ordered_json stopping_json(const Rig& rig, const StoppingTable& table)
                 {"speed_mps", one.speed_mps},
                 {"distance_m", one.distance_m},
                 {"standstill_s", number(one.standstill_s)},
-                {"rest_s", one.rest_s},
+                {"rest_s", number(one.rest_s)},
                 {"further_m", one.further_m},
                 {"meets_end_stop", one.meets_end_stop}};
   };
@@ -92,7 +92,7 @@ nlohmann::ordered_json stopping_json(const Rig& rig, const StoppingTable& table)
                                   {"reaction_m", row.speed_mps * table.reaction_s},
                                   {"distance_m", row.worst.distance_m},
                                   {"standstill_s", number(row.standstill_s)},
-                                  {"rest_s", row.rest_s},
+                                  {"rest_s", number(row.rest_s)},
                                   {"further_m", row.further_m},
                                   {"worst", stop(row.worst)}});
   json["watchdog_s"] = table.watchdog_s > 0.0 ? Json(table.watchdog_s) : Json(nullptr);

@@ -240,6 +240,7 @@ def health(runner, rng, draw):
     for scenario, how in runs:
         out = runner.two(config, **how)
         case = Case(scenario, f"fault within {HEALTH_S} s", out)
+        out.same_clock = scenario != "second SYNC each cycle"
         began = out.event_tick if "act" in how else first
         if out.fault_tick is None:
             case.missed.append("no fault")

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 
 #include <pneuservo/loop/axis_loop.hpp>
 #include <pneuservo/rig/plant.hpp>
@@ -305,7 +306,10 @@ StoppingTable stopping_table(const Rig& rig, const LoadPositions& load) {
       const Rig told = moved_to(rig, place * half_m, top_mps);
       Rig moved = machine;
       moved.initial = told.initial;
-      add_stops(follow(told, moved, load, true), table);
+      ++table.moves;
+      try {
+        add_stops(follow(told, moved, load, true), table);
+      } catch (const std::invalid_argument&) { ++table.moves_left_out; }
     }
   }
   if (over_bus) {

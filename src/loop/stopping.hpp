@@ -32,6 +32,7 @@ struct StoppingTable {
   double reaction_s = 0.0;     ///< from a cause at the inputs to the command at the valve, without detection
   Stop own_reference;          ///< the machine as configured at the top speed of the reference as configured
   std::vector<StoppingRow> rows;
+  int moves = 0, moves_left_out = 0;  ///< about the three places; left out: the law cannot be planned for them
   double watchdog_s = 0.0;           ///< of the devices; 0: there is none
   double watchdog_distance_m = 0.0;  ///< the valve keeps its command so long before the safe output, from top speed
   double held_force_N = 0.0;    ///< largest force of the shut-in gas on a slider held where it was at the fault

@@ -1,5 +1,6 @@
 // A local socket that stands in for a bus between two processes (unix:PATH): the same frames, no kernel CAN needed.
 #pragma once
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -13,7 +14,8 @@ namespace pneuservo {
 class LocalBus final : public CanCarrier {
  public:
   enum class Side { listens, connects };
-  /// Throws std::runtime_error: path too long, nobody listens, somebody listens already.
+  /// Throws std::runtime_error: path too long, nobody listens, somebody listens already, or something else than a
+  /// socket stands there.
   LocalBus(const std::string& path, Side side);
   ~LocalBus() override;
   LocalBus(const LocalBus&) = delete;
@@ -30,11 +32,13 @@ class LocalBus final : public CanCarrier {
 
  private:
   void listen_on_path();
+  void remove_old_socket() const;
   void hang_up() noexcept;
   bool accepts(const CanFrame& frame) const noexcept;
 
   std::string path_;
   int listener_ = -1, peer_ = -1;
+  std::uint64_t inode_ = 0;  // of the socket that was made
   std::vector<std::uint32_t> ids_;  // empty: everything
 };
 

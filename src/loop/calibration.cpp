@@ -12,6 +12,7 @@
 #include <pneuservo/loop/grid.hpp>
 #include <pneuservo/loop/supervisor.hpp>
 
+#include "loop/last_resort.hpp"
 #include "loop/realtime_clock.hpp"
 #include "loop/realtime_stop.hpp"
 #include "loop/runner.hpp"
@@ -29,6 +30,7 @@ bool each_period(double period_s, bool real_time, const std::function<bool(std::
   TimeGrid grid(MonotonicClock::now_ns() + period_ns, period_ns);
   for (std::int64_t k = 0, skipped = 0; !StopRequest::requested(); k += 1 + skipped) {
     if (real_time) MonotonicClock::sleep_until_ns(grid.slot_ns());
+    LastResort::note_tick(k);
     if (tick(k, skipped)) return true;
     if (real_time) skipped = grid.advance(MonotonicClock::now_ns());
   }
@@ -38,7 +40,10 @@ bool each_period(double period_s, bool real_time, const std::function<bool(std::
 /// The safe output at the end, whatever happens in between.
 class SafeEnd {
  public:
-  SafeEnd(const Rig& rig, Backend& backend) : safe_V_(safe_commands_V(rig)), backend_(backend) { backend.activate(); }
+  SafeEnd(const Rig& rig, Backend& backend)
+      : safe_V_(safe_commands_V(rig)), backend_(backend), last_resort_(backend, "", rig.period_s) {
+    backend.activate();
+  }
   ~SafeEnd() {
     backend_.write(tick + 1, {safe_V_[0], safe_V_[1]});
     backend_.deactivate();
@@ -51,6 +56,7 @@ class SafeEnd {
  private:
   std::array<double, 2> safe_V_;
   Backend& backend_;
+  LastResort last_resort_;
 };
 
 /// Limits that mean something while the encoder's zero is unknown.

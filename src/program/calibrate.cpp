@@ -1,5 +1,4 @@
 // Verbs home and zero: what is to be added to a device's values, found on the machine and written for run --zeros.
-#include <fstream>
 #include <iostream>
 #include <memory>
 
@@ -13,6 +12,7 @@
 #include "loop/calibration.hpp"
 #include "loop/realtime.hpp"
 #include "loop/realtime_stop.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "program/zeros.hpp"
@@ -29,7 +29,11 @@ struct CalibrateOptions {
 Rig read_calibrated(const CalibrateOptions& options) {
   const Rig rig = read_rig(options.config, with_zeros(options.sets, options.zeros));
   require_kind("home and zero", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
-  require_writable("--write", options.write);
+  OutputFiles()
+      .reads("CONFIG", options.config)
+      .reads_of(rig)
+      .reads("--zeros", options.zeros)
+      .writes("--write", options.write, ResultKind::zeros);
   return rig;
 }
 
@@ -51,18 +55,16 @@ int report(const CalibrateOptions& options, const Rig& rig, const std::vector<Ch
     std::cout << fmt::format("{:<12} {:<28} zero {}\n", zero.channel, zero.what, number_text(zeros[zero.channel]));
   }
   if (options.write.empty()) return 0;
-  std::ofstream file(options.write);
-  file << "# Zeros of " << rig.name << ", for run --zeros.\nzeros:\n";
-  for (const auto& [channel, zero] : zeros) file << "  " << channel << ": " << number_text(zero) << "\n";
-  file.close();
-  if (!file) throw InputError("--write: " + options.write + " could not be written");
+  std::string text = "# Zeros of " + rig.name + ", for run --zeros.\nzeros:\n";
+  for (const auto& [channel, zero] : zeros) text += "  " + channel + ": " + number_text(zero) + "\n";
+  write_result(options.write, text);
   return 0;
 }
 
 int home(const CalibrateOptions& options) {
   const Rig rig = read_calibrated(options);
-  const auto backend = opened(options, rig);
   StopRequest stop;
+  const auto backend = opened(options, rig);
   HomingSettings settings;
   settings.end = options.end == "high" ? HomingEnd::high : HomingEnd::low;
   settings.command_V = options.command_V;
@@ -74,8 +76,8 @@ int home(const CalibrateOptions& options) {
 
 int zero(const CalibrateOptions& options) {
   const Rig rig = read_calibrated(options);
-  const auto backend = opened(options, rig);
   StopRequest stop;
+  const auto backend = opened(options, rig);
   return report(options, rig, find_pressure_zeros(rig, *backend, options.duration_s, options.time == "real"));
 }
 

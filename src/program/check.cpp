@@ -11,6 +11,7 @@
 #include "loop/bus_check.hpp"
 #include "loop/machine_check.hpp"
 #include "loop/rig_grade.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 
@@ -45,7 +46,7 @@ nlohmann::ordered_json as_json(const std::vector<Finding>& findings) {
 }
 
 int run_check(const CheckOptions& options) {
-  require_writable("--json", options.json);
+  OutputFiles().reads("CONFIG", options.config).writes("--json", options.json, ResultKind::json);
   const std::vector<Finding> machine = check_machine(options.session);
   const std::vector<Finding> config = options.config.empty() ? std::vector<Finding>{} : check_config(options.config);
   const bool ready = worst_level(machine) != FindingLevel::bad && worst_level(config) != FindingLevel::bad;

@@ -1,6 +1,9 @@
 // The table of verbs.
 #include "program/verbs.hpp"
 
+#include <algorithm>
+#include <array>
+
 namespace pneuservo {
 
 const std::vector<AddVerb>& all_verbs() {
@@ -9,6 +12,11 @@ const std::vector<AddVerb>& all_verbs() {
       add_index, add_diagnose, add_keys,   add_home,    add_zero,   add_stopping,
   };
   return verbs;
+}
+
+bool moves_an_axis(std::string_view verb) {
+  constexpr std::array<std::string_view, 5> moving{"run", "home", "zero", "commission", "device"};
+  return std::find(moving.begin(), moving.end(), verb) != moving.end();
 }
 
 }  // namespace pneuservo

@@ -1,10 +1,12 @@
 // Runs: the first approach, moves, late ticks in real time, a backend that ends, and the safe end of each.
 #include <catch2/catch.hpp>
 
+#include <atomic>
 #include <cmath>
 #include <csignal>
 #include <ctime>
 
+#include "loop/fault_watch.hpp"
 #include "loop/faulty_backend.hpp"
 #include "loop/loop_rigs.hpp"
 #include "loop/realtime_stop.hpp"
@@ -124,13 +126,13 @@ TEST_CASE("a late tick keeps the phase, is counted and marked, and the axis goes
   EventfulBackend backend(rig);
   backend.late_at = 300;
   backend.late_ns = 20'500'000;
-  RecordingRing ring;
+  const auto ring = std::make_shared<RecordingRing>();
   RunOutcome outcome;
   {
-    RecordingWriter writer(folder.file("run.csv.gz"), RecordingHeader(rig.name, rig.period_s), {}, ring);
+    RecordingWriter writer(folder.file("run.csv.gz"), RecordingHeader(rig.name, rig.period_s), {}, {.ring = ring});
     RunSettings settings;
     settings.real_time = true;
-    settings.ring = &ring;
+    settings.ring = ring.get();
     outcome = run_loop(rig, backend, settings);
     REQUIRE(writer.close().dropped == 0);
   }
@@ -171,6 +173,51 @@ TEST_CASE("a late tick on a fast axis is neither a jump nor a speed") {
     REQUIRE(std::fabs(loop.row().v_mps) < 4.0);  // 20 if 100 ms counted as 1 ms
     skipped = served % 150 == 0 ? 100 : 0;
   }
+}
+
+TEST_CASE("a run keeps its last rows and moves, however long it is") {
+  const Rig rig = config_rig("cylinder-2m-4.15mm", {"duration_s=0.1"});
+  SimBackend backend(rig);
+  backend.configure();
+  AxisLoop loop;
+  loop.configure(rig);
+  constexpr std::size_t kept = 150;
+  Course course(rig, 2'000'000'000, kept);
+  backend.activate();
+  std::vector<Row> all;
+  for (std::int64_t tick = 0; course.moves_begun() < 5; ++tick) {
+    loop.pass(backend, tick, 0, nullptr, nullptr);
+    all.push_back(loop.row());
+    REQUIRE(course.after(tick, loop));
+  }
+  const auto moves = course.moves();
+  const std::vector<Row> rows = course.take_rows();
+  REQUIRE(rows.size() == kept);
+  for (std::size_t i = 0; i < kept; ++i) REQUIRE(rows[i].t_s == all[all.size() - kept + i].t_s);
+  REQUIRE(moves.back().number == 5);
+  REQUIRE(moves.back().end == kept);
+  REQUIRE(moves.front().begin == 0);
+  REQUIRE(moves.front().rows_lost > 0);
+  for (std::size_t i = 1; i < moves.size(); ++i) {
+    REQUIRE(moves[i].begin == moves[i - 1].end);
+    REQUIRE(moves[i].number == moves[i - 1].number + 1);
+    REQUIRE(moves[i].rows_lost == 0);
+  }
+}
+
+TEST_CASE("the first fault is told from beside the loop, before the run ends") {
+  const Rig rig = config_rig("cylinder-2m-4.15mm", {"duration_s=1", "limits.speed_mps=0.05"});
+  std::atomic<std::uint64_t> told{0};
+  RunOutcome outcome;
+  {
+    FaultWatch watch([&](std::uint64_t first, double) { told = first; });
+    EventfulBackend backend(rig);
+    RunSettings settings;
+    settings.fault_watch = &watch;
+    outcome = run_loop(rig, backend, settings);
+  }
+  REQUIRE(outcome.faults.size() >= 1);
+  REQUIRE(fault_words(told, told).front() == outcome.faults.front());
 }
 
 TEST_CASE("SIGTERM ends a run with safe output, in simulated and real time") {

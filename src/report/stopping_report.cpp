@@ -47,6 +47,9 @@ std::string stopping_text(const Rig& rig, const StoppingTable& table) {
   text += fmt::format(
       "\nThe machine as configured, at the top speed of its own reference: {} mm from {} m/s at t = {:.6g} s.\n",
       figure(1e3 * own.distance_m), figure(own.speed_mps), own.at_s);
+  if (table.moves_left_out > 0)
+    text += fmt::format("{} of {} moves at other places are left out: the law cannot be planned for them.\n",
+                        table.moves_left_out, table.moves);
   text += fmt::format(
       "Reaction: {} ms from a cause at the inputs to the command at the valve. What finds the cause comes before.\n",
       figure(1e3 * table.reaction_s));
@@ -85,7 +88,9 @@ nlohmann::ordered_json stopping_json(const Rig& rig, const StoppingTable& table)
             {"safe_output", std::string(action_name(rig))},
             {"top_speed_mps", table.top_speed_mps},
             {"reaction_s", table.reaction_s},
-            {"own_reference", stop(table.own_reference)}};
+            {"own_reference", stop(table.own_reference)},
+            {"moves", table.moves},
+            {"moves_left_out", table.moves_left_out}};
   json["from_up_to"] = Json::array();
   for (const StoppingRow& row : table.rows)
     json["from_up_to"].push_back({{"speed_mps", row.speed_mps},

@@ -198,6 +198,7 @@ class Runner:
         key = (str(config), duration_s, age)
         if key not in self.nominals:
             path = self.name().with_suffix(".csv.gz")
+            path.unlink(missing_ok=True)
             done = self.call("run", config, "--hal", "sim", "--set", f"simulation.input_age_periods={age}", "--duration-s",
                              duration_s, "--record", path)
             if done.returncode not in (0, 1):
@@ -207,6 +208,7 @@ class Runner:
 
     def simulated(self, config, *words, duration_s=5):
         path = self.name().with_suffix(".csv.gz")
+        path.unlink(missing_ok=True)
         command = ["run", str(config), "--hal", "sim", "--duration-s", str(duration_s), *map(str, words)]
         done = self.call(*command, "--record", path)
         rows = Rows(path)
@@ -232,7 +234,7 @@ class Runner:
     def two_once(self, config, control, device, tamper, act, act_s, duration_s, verb):
         base = self.name()
         bus, front = f"{base}.device", f"{base}.bus"
-        for path in (bus, front):
+        for path in (bus, front, f"{base}.truth.csv.gz", f"{base}.control.csv.gz"):
             pathlib.Path(path).unlink(missing_ok=True)
         words = ["device", str(config), "--can", f"unix:{bus}", "--priority", "60", *map(str, device)]
         plant = subprocess.Popen([self.program, *words, "--record", f"{base}.truth.csv.gz"], stdin=subprocess.PIPE,

@@ -11,6 +11,8 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <pneuservo/record/ring.hpp>
+
 #include "can/open_carrier.hpp"
 #include "can/plant_device.hpp"
 #include "config/dump_rig.hpp"
@@ -22,7 +24,6 @@
 #include "program/verbs.hpp"
 #include "record/writer.hpp"
 #include "rig/injected_fault.hpp"
-#include <pneuservo/record/ring.hpp>
 
 namespace pneuservo {
 namespace {
@@ -74,15 +75,15 @@ void send_all(CanCarrier& bus, std::vector<CanFrame>& out, std::int64_t& not_sen
 class TruthRecording {
  public:
   TruthRecording(const std::string& path, const Rig& rig, PlantDevice& device)
-      : writer_(path, header(rig), PlantDevice::recorded_columns(rig), ring_) {
-    device.record_into(&ring_);
+      : writer_(path, header(rig), PlantDevice::recorded_columns(rig), {.ring = std::make_shared<RecordingRing>()}) {
+    device.record_into(writer_.ring());
   }
   /// Says what is missing. True: nothing.
   bool close() {
     const RecordingSummary summary = writer_.close();
     if (summary.dropped > 0) std::cerr << fmt::format("{}: {} rows were dropped\n", writer_.path(), summary.dropped);
     if (!summary.error.empty()) std::cerr << summary.error << "\n";
-    return summary.dropped == 0 && summary.error.empty();
+    return summary.whole();
   }
 
  private:
@@ -92,7 +93,6 @@ class TruthRecording {
     header.add_text("config", dump_rig(rig));
     return header;
   }
-  RecordingRing ring_;
   RecordingWriter writer_;
 };
 

@@ -19,5 +19,5 @@ expect_refusal(run("stopping", "config/machines/tube.yaml"), ["stopping", "cylin
 done = run("stopping", "config/cylinder-2m-7.65mm.yaml", "--set", "duration_s=2", "--json", "-")
 stated = json.loads(done.stdout)
 expect(done.returncode == 0 and stated["own_reference"]["distance_m"] > 0.0, f"stopping: {done.stderr}")
-checked = subprocess.run(["tools/stopping-table", sys.argv[1], "--check"], capture_output=True, text=True, timeout=300)
+checked = subprocess.run(["tools/stopping-table", "--check", sys.argv[1], "config/cylinder-2m-7.65mm.yaml", "config/cylinder-10m-7.65mm.yaml"], capture_output=True, text=True, timeout=300)
 expect(checked.returncode == 0, f"tools/stopping-table: {checked.stderr}")

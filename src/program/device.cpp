@@ -20,7 +20,7 @@
 #include "config/read_rig.hpp"
 #include "loop/realtime.hpp"
 #include "loop/realtime_stop.hpp"
-#include "program/rig_options.hpp"
+#include "program/output_files.hpp"
 #include "program/verbs.hpp"
 #include "record/writer.hpp"
 #include "rig/injected_fault.hpp"
@@ -98,6 +98,10 @@ class TruthRecording {
 
 int run_device(const DeviceOptions& options) {
   const Rig rig = read_rig(options.config, options.sets);
+  OutputFiles()
+      .reads("CONFIG", options.config)
+      .reads("--scenario", options.scenarios)
+      .records("--record", options.record, ExistingFile::refuse);
   PlantDevice device(rig);
   for (const std::string& fault : options.faults) device.add_fault(parse_fault_order(fault, 0.0));
   for (const std::string& file : options.scenarios)

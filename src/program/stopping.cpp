@@ -8,6 +8,7 @@
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "loop/stopping.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "report/stopping_report.hpp"
@@ -21,9 +22,9 @@ struct StoppingOptions {
 };
 
 void run_stopping(const StoppingOptions& options) {
+  OutputFiles().reads("CONFIG", options.config).writes("--json", options.json, ResultKind::json);
   const Rig rig = read_rig(options.config, options.sets);
   require_kind("stopping", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
-  require_writable("--json", options.json);
   try {
     const StoppingTable table = stopping_table(rig, load_reference_positions);
     if (options.json != "-") std::cout << stopping_text(rig, table);

@@ -82,7 +82,7 @@ Stop stop_of(AxisPlant<double> plant, const Rig& rig, const Command& held, doubl
     stop.distance_m = std::max(stop.distance_m, std::fabs(x - start_m));
     stop.meets_end_stop = stop.meets_end_stop || half_m - std::fabs(x) < 1e-6;
     if (std::fabs(plant.velocity()) > at_rest_mps) stop.rest_s = t_s;
-    if (!stood && plant.velocity() * way <= 0.0) {
+    if (!stood && plant.velocity() * way <= at_rest_mps) {
       stood = true;
       stop.standstill_s = t_s;
       low_m = high_m = x;
@@ -276,8 +276,11 @@ void add_stops(const Course& course, StoppingTable& table) {
     for (StoppingRow& row : table.rows) {
       if (stop.speed_mps > speed_slack * row.speed_mps) continue;
       if (stop.distance_m > row.worst.distance_m) row.worst = stop;
-      row.standstill_s = std::max(row.standstill_s, stop.standstill_s);
-      row.rest_s = std::max(row.rest_s, stop.rest_s);
+      // A slider that hardly moved has no time to stop: times are those from the upper half of the speeds.
+      if (stop.speed_mps > 0.5 * row.speed_mps) {
+        row.standstill_s = std::max(row.standstill_s, stop.standstill_s);
+        row.rest_s = std::max(row.rest_s, stop.rest_s);
+      }
       row.further_m = std::max(row.further_m, stop.further_m);
     }
   table.held_force_N = std::max(table.held_force_N, course.held_force_N);

@@ -13,7 +13,7 @@ struct Stop {
   double at_s = 0.0;
   double speed_mps = 0.0;
   double distance_m = 0.0;    ///< furthest way from where the safe output began
-  double standstill_s = 0.0;  ///< until the speed first was zero
+  double standstill_s = 0.0;  ///< until the speed first was below 1 mm/s
   double rest_s = 0.0;        ///< until it stayed below 1 mm/s; infinite: longer than 1 s
   double further_m = 0.0;     ///< way between the turning points after the first standstill
   bool meets_end_stop = false;
@@ -23,7 +23,8 @@ struct Stop {
 struct StoppingRow {
   double speed_mps = 0.0;
   Stop worst;               ///< the furthest one
-  double standstill_s = 0.0, rest_s = 0.0, further_m = 0.0;  ///< the largest of each
+  double standstill_s = 0.0, rest_s = 0.0,
+         further_m = 0.0;  ///< the largest of each, times from at least half the speed
 };
 
 /// Figures for the designer of a machine around the axis; all of the config's model.

@@ -9,6 +9,8 @@
 #include <initializer_list>
 #include <limits>
 
+#include <unistd.h>
+
 #include "loop/realtime_clock.hpp"
 
 namespace pneuservo {
@@ -21,7 +23,7 @@ constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
 constexpr std::array stop_signals{SIGHUP,  SIGINT,    SIGQUIT, SIGTERM, SIGTSTP, SIGUSR1, SIGUSR2,
                                   SIGALRM, SIGVTALRM, SIGPROF, SIGIO,   SIGPWR,  SIGXCPU, SIGSTKFLT};
 /// They tell of a call that also fails, and the call's error is handled.
-constexpr std::array ignored_signals{SIGPIPE, SIGXFSZ, SIGTTIN, SIGTTOU};
+constexpr std::array ignored_signals{SIGXFSZ, SIGTTIN, SIGTTOU};
 
 std::atomic<int> stop_reason{0};  // 0: none, else the signal's number
 std::atomic<int> signal_count{0}, living{0};
@@ -43,6 +45,11 @@ extern "C" void on_stop_signal(int number) {
   signal_count.fetch_add(1, std::memory_order_relaxed);
 }
 
+/// Our own write to a reader that is gone brings SIGPIPE, too, and is no wish; the call's error is handled.
+extern "C" void on_broken_pipe(int number, siginfo_t* info, void*) {
+  if (info->si_pid != getpid()) on_stop_signal(number);
+}
+
 template <class Do> void for_each_signal(const Do& act) {
   if (chosen == StopSignals::interrupt_and_terminate) {
     for (const int number : {SIGINT, SIGTERM}) act(number, on_stop_signal);
@@ -51,11 +58,16 @@ template <class Do> void for_each_signal(const Do& act) {
   for (const int number : stop_signals) act(number, on_stop_signal);
   for (int number = SIGRTMIN; number <= SIGRTMAX; ++number) act(number, on_stop_signal);
   for (const int number : ignored_signals) act(number, SIG_IGN);
+  act(SIGPIPE, nullptr);
 }
 
 void install(int number, void (*handler)(int)) {
   struct sigaction action{};
   action.sa_handler = handler;
+  if (number == SIGPIPE) {
+    action.sa_sigaction = on_broken_pipe;
+    action.sa_flags = SA_SIGINFO;
+  }
   sigemptyset(&action.sa_mask);
   struct sigaction& was = previous[static_cast<std::size_t>(number)];
   sigaction(number, &action, &was);

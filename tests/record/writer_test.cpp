@@ -16,6 +16,7 @@
 #include "config/input_error.hpp"
 #include "core/test_seed.hpp"
 #include "record/files.hpp"
+#include "record/row_text.hpp"
 #include "record/writer.hpp"
 
 using namespace pneuservo;

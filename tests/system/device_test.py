@@ -96,7 +96,7 @@ for interface in interfaces():
 for number in (signal.SIGHUP, signal.SIGQUIT, signal.SIGTSTP, signal.SIGUSR1, signal.SIGALRM, signal.SIGSEGV, signal.SIGABRT,
                signal.SIGKILL):
     bus_path = "unix:" + os.path.join(folder, "ends")
-    late_watchdog = ["--set", "hal.can.watchdog_s=60", "--set", "reference.amplitude_m=0.04"]
+    late_watchdog = ["--set", "hal.can.watchdog_s=30", "--set", "reference.amplitude_m=0.04"]
     device = Device(bus_path, *late_watchdog)
     record = os.path.join(folder, f"{number.name}.csv.gz")
     controller = subprocess.Popen([program, "run", CONFIG, *sets, *late_watchdog, "--set", f"hal.can.interface={bus_path}", "--time", "real",
@@ -112,7 +112,7 @@ for number in (signal.SIGHUP, signal.SIGQUIT, signal.SIGTSTP, signal.SIGUSR1, si
     done = run("replay", CONFIG, record, *sets, *late_watchdog, "--set", f"hal.can.interface={bus_path}")
     expect(done.returncode == 0, f"{number.name}: replay: {done.stdout}{done.stderr}")
     if number in (signal.SIGSEGV, signal.SIGABRT):
-        expect(controller.returncode == -number, f"{number.name}: status {controller.returncode}")
+        expect(controller.returncode == -number, f"{number.name}: status {controller.returncode}: {said}")
         with open(record.replace(".csv.gz", ".crash.txt")) as file:
             expect("safe output was sent to every device" in file.read(), f"{number.name}: the last record")
     else:

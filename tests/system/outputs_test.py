@@ -84,14 +84,13 @@ expect_refusal(run("run", TABLE, "--gains", at("large.yaml")), ["large.yaml", "b
 
 # Long runs start in the memory of short ones, or are refused.
 limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))
-for long in (["--duration-s", "86400"], ["--duration-s", "1e9"], ["--moves", "2000000000"]):
+for long in (["--duration-s", "86400"], ["--duration-s", "1e6"], ["--moves", "2000000000"]):
     process = subprocess.Popen([program, "run", CONFIG, "--time", "real", *long], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                preexec_fn=limit, text=True)
     time.sleep(2.0)
-    expect(process.poll() is None, f"{long}: status {process.returncode}: {process.stderr.read()}")
     process.terminate()
     _, said = process.communicate(timeout=60)
-    expect(process.returncode == 0, f"{long}: status {process.returncode}: {said}")
+    expect(process.returncode == 0 and "stopped by SIGTERM" in said, f"{long}: status {process.returncode}: {said}")
 expect_refusal(run("run", "config/servo-table-0.5m-4mm.yaml", "--duration-s", "86400"), ["duration_s", "--moves"], "a plan of a day")
 done = run("run", CONFIG, "--duration-s", "300", "--json", at("long.json"))
 expect(done.returncode == 0 and "show the run from t = " in done.stderr, f"what a long run shows is not told: {done.stderr}")

@@ -24,7 +24,7 @@ def replayed(path, *arguments):
 
 
 STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGTSTP, signal.SIGUSR1, signal.SIGUSR2, signal.SIGALRM,
-         signal.SIGRTMIN + 1)
+         signal.SIGRTMIN)
 for time_, numbers in (("simulated", STOPS[:2]), ("real", STOPS)):
     for number in map(signal.Signals, numbers):
         what = f"{number.name} in {time_} time"

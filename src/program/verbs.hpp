@@ -28,6 +28,7 @@ void add_keys(CLI::App& app, int& status);
 void add_guard(CLI::App& app, int& status);
 void add_home(CLI::App& app, int& status);
 void add_zero(CLI::App& app, int& status);
+void add_stopping(CLI::App& app, int& status);
 void add_latency(CLI::App& app, int& status);
 void add_replay(CLI::App& app, int& status);
 void add_run(CLI::App& app, int& status);

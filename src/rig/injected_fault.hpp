@@ -42,7 +42,15 @@ enum class InjectedKind {
   late,
   doubled,
   deaf,
-  pre_operational
+  pre_operational,
+  payload,
+  dry_friction,
+  jam,
+  obstacle,
+  reversed_valve,
+  reversed_encoder,
+  exchanged_hoses,
+  exchanged_ports
 };
 
 /// What a kind acts on.
@@ -56,7 +64,7 @@ struct InjectedKindText {
   std::string_view meaning;
   std::string_view instead_of_device = "it in run --hal sim";  ///< where to inject it, and why
 };
-inline constexpr std::array<InjectedKindText, 25> injected_kinds{{
+inline constexpr std::array<InjectedKindText, 33> injected_kinds{{
     {"drop", InjectedTarget::channel, InjectedTarget::node, true, true, false,
      "no sample comes, with VALUE: of this share of them; a node: no answer"},
     {"freeze", InjectedTarget::channel, InjectedTarget::channel, true, true, false, "repeats one value"},
@@ -97,6 +105,19 @@ inline constexpr std::array<InjectedKindText, 25> injected_kinds{{
      "takes no commands any more: process data to it are lost"},
     {"pre_operational", InjectedTarget::node, InjectedTarget::node, false, true, false,
      "another master puts it into pre-operational"},
+    {"payload", InjectedTarget::none, InjectedTarget::none, true, true, true, "the slider carries VALUE kg more"},
+    {"dry_friction", InjectedTarget::none, InjectedTarget::none, true, true, true,
+     "VALUE N more rub at any speed and at rest"},
+    {"jam", InjectedTarget::none, InjectedTarget::none, true, true, true, "VALUE N s/m more brake the slider"},
+    {"obstacle", InjectedTarget::none, InjectedTarget::none, true, true, true,
+     "hard stops at +-VALUE m, from when the slider is between them"},
+    {"reversed_valve", InjectedTarget::none, InjectedTarget::none, true, true, false,
+     "the valve takes each command with the other sign"},
+    {"reversed_encoder", InjectedTarget::none, InjectedTarget::none, true, true, false, "the encoder counts backwards"},
+    {"exchanged_hoses", InjectedTarget::none, InjectedTarget::none, true, true, false,
+     "each hose leads to the other chamber; the port sensors stay at the valve"},
+    {"exchanged_ports", InjectedTarget::none, InjectedTarget::none, true, true, false,
+     "the wires of both port sensors are exchanged"},
 }};
 inline constexpr auto injected_kind_names = [] {
   std::array<std::string_view, injected_kinds.size()> names{};
@@ -149,12 +170,15 @@ struct Scenario {
   std::string format{scenario_format_names[0]};
   std::string what;
   std::map<std::string, InjectedFault> faults;
+  std::map<std::string, double> settings;  ///< of the config, for the table of faults
   std::optional<ScenarioExpectation> expect;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"format", "", 0, 0, "version of this format", Presence::required, scenario_format_names}, p.format...);
     v(Field{"what", "", 0, 0, "the scenario in words", optional}, p.what...);
     v(Field{"faults", "", 0, 0, "faults by a name of your choice"}, p.faults...);
+    v(Field{"settings", "", -1e12, 1e12, "numbers of the config that tools/fault-table sets, by path", optional},
+      p.settings...);
     v(Field{"expect", "", 0, 0, "what shall come of it, for tools/fault-table", optional}, p.expect...);
   }
 };

@@ -14,7 +14,9 @@
 #include "config/rig_parameters.hpp"
 #include "diagnosis/cylinder_residuals.hpp"
 #include "diagnosis/driven_axis_residuals.hpp"
+#include "diagnosis/recording_doubts.hpp"
 #include "diagnosis/result_text.hpp"
+#include "diagnosis/stretches.hpp"
 #include "diagnosis/stroke_residuals.hpp"
 #include "diagnosis/vessel_residuals.hpp"
 
@@ -290,6 +292,21 @@ std::vector<Candidate> without_unexcited(std::vector<Candidate> candidates, cons
   return candidates;
 }
 
+/// Throws InputError where there is nothing to compare: no row, or no finite course of the rig as configured.
+void require_comparison(const Rig& rig, FittedRows& rows) {
+  ResidualModel& model = rows.model();
+  if (model.rows().empty())
+    throw InputError(fmt::format("{}: no row of the recordings can be compared: position or drive are missing, or the "
+                                 "slider stands at an end stop throughout; expected motion with both recorded",
+                                 rig.name));
+  if (rows.count() == 0)
+    throw InputError(fmt::format("{}: every row that can be compared is held out, expected some to fit", rig.name));
+  if (!rows({Hypothesis{rig, {}}}).allFinite())
+    throw InputError(fmt::format("{}: the rig as configured has no finite course on these recordings; expected position, "
+                                 "pressures and command in SI units (m, Pa absolute, V)",
+                                 rig.name));
+}
+
 void run_search(Search& search, Diagnosis& out) {
   try {
     search.run();
@@ -431,6 +448,7 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   out.rig = rig.name;
   out.configured = rig;
   FittedRows rows(model, options.stop);
+  require_comparison(rig, rows);
   const std::vector<Candidate> candidates =
       without_unexcited(all_candidates(rig, model.channels(), motion_range(model.rows())), model.rows());
   SearchSettings settings;
@@ -492,11 +510,14 @@ Diagnosis diagnose(const Rig& configured, const std::vector<Recording>& recordin
   if (recordings.empty()) throw InputError("diagnose: no recording, expected at least one");
   std::vector<std::string> left_out;
   const Rig rig = without_disturbances(configured, left_out);
-  const std::unique_ptr<ResidualModel> model = make_residual_model(rig, recordings, options.jobs);
+  std::vector<Recording> doubted = recordings;
+  doubt_recordings(rig, doubted, left_out);
+  const std::vector<Recording> stretches = compared_stretches(rig, doubted, left_out);
+  const std::unique_ptr<ResidualModel> model = make_residual_model(rig, stretches, options.jobs);
   Diagnosis out = diagnose(rig, *model, options);
   out.warnings.insert(out.warnings.end(), left_out.begin(), left_out.end());
+  for (const Recording& stretch : stretches) out.recordings.push_back(stretch.path);
   for (const Recording& recording : recordings) {
-    out.recordings.push_back(recording.path);
     for (const auto& [path, value] : recording.changed)
       out.warnings.push_back(fmt::format("{}: made with {} = {:g} instead of {:g}, and compared so", recording.path,
                                          path, value, get_parameter(rig, path)));

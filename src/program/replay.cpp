@@ -14,7 +14,7 @@
 #include "loop/replay.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
-#include "record/reader.hpp"
+#include "record/import.hpp"
 #include "record/writer.hpp"
 #include "replay/replay_backend.hpp"
 
@@ -63,7 +63,7 @@ int run_replay(const ReplayOptions& options) {
   require_kind("replay", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
   require_writable("--record", options.record);
   require_writable("--json", options.json);
-  Recording recording = read_recording(options.recording);
+  Recording recording = read_first_recording(options.recording, rig.imported, rig.period_s);
   for (const auto& line : problem_lines(recording)) std::cerr << line << "\n";
   adopt_header(recording, rig);
   const int moves = recording.header["moves"] ? recording.header["moves"].as<int>() : 1;

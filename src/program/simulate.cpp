@@ -12,7 +12,7 @@
 #include "config/read_rig.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
-#include "record/reader.hpp"
+#include "record/import.hpp"
 #include "record/writer.hpp"
 #include "sim/sim_backend.hpp"
 
@@ -110,7 +110,7 @@ int run_simulate(const SimulateOptions& options) {
   require_kind("simulate", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
   require_writable("--record", options.record);
   require_writable("--json", options.json);
-  const Recording recording = read_recording(options.command);
+  const Recording recording = read_first_recording(options.command, rig.imported, rig.period_s);
   for (const auto& line : problem_lines(recording)) std::cerr << line << "\n";
   recording.require(command_columns(rig));
   const std::vector<Row> rows = simulate_plant(rig, recording);

@@ -1,0 +1,116 @@
+// Recordings cut where their inputs are missing.
+#include "diagnosis/stretches.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "config/input_error.hpp"
+#include "diagnosis/cylinder_recording.hpp"
+#include "diagnosis/even_samples.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+using Span = std::pair<double, double>;  ///< from and to [s]
+
+constexpr double least_axis_s = 0.3;           ///< the balance's kernels reach 0.15 s beyond what is judged
+constexpr double least_axis_intervals = 60;    ///< and 24 intervals to both sides of slowly sampled rows
+constexpr double least_cylinder_s = first_compared_s + 1.0;
+constexpr std::size_t told_gaps = 3;
+
+/// Columns that nothing can be compared without.
+std::vector<std::string> input_columns(const Rig& rig, const Recording& recording) {
+  if (rig.kind == RigKind::driven_axis) return {"x_m", recording.has("F_N") ? "F_N" : "u_V"};
+  return {"x_m", "u_V"};
+}
+
+/// Where one of the columns has no value for longer than can be drawn through.
+std::vector<Span> gaps_of(const Recording& recording, const std::vector<std::string>& columns) {
+  const std::vector<double>& t = recording.t_s();
+  std::vector<Span> gaps;
+  for (const std::string& name : columns) {
+    if (!recording.has(name)) continue;
+    std::vector<double> known;
+    for (std::size_t i = 0; i < t.size(); ++i)
+      if (std::isfinite(recording.column(name)[i])) known.push_back(t[i]);
+    if (known.empty()) continue;
+    const double longest = longest_drawn_s(std::max(recording.period_s, median_step_s(known)));
+    if (known.front() - t.front() > longest) gaps.emplace_back(t.front(), known.front());
+    for (std::size_t i = 1; i < known.size(); ++i)
+      if (known[i] - known[i - 1] > longest) gaps.emplace_back(known[i - 1], known[i]);
+    if (t.back() - known.back() > longest) gaps.emplace_back(known.back(), t.back());
+  }
+  std::sort(gaps.begin(), gaps.end());
+  return gaps;
+}
+
+/// What lies between the gaps.
+std::vector<Span> spans_between(const std::vector<Span>& gaps, double from, double to) {
+  std::vector<Span> spans;
+  for (const Span& gap : gaps) {
+    if (gap.first > from) spans.emplace_back(from, gap.first);
+    from = std::max(from, gap.second);
+  }
+  if (to > from) spans.emplace_back(from, to);
+  return spans;
+}
+
+Recording part_of(const Recording& recording, const Span& span) {
+  const std::vector<double>& t = recording.t_s();
+  const auto first = std::lower_bound(t.begin(), t.end(), span.first) - t.begin();
+  const auto end = std::upper_bound(t.begin(), t.end(), span.second) - t.begin();
+  Recording part = recording;
+  part.problems.clear();
+  part.path = fmt::format("{} ({:.6g} to {:.6g} s)", recording.path, span.first, span.second);
+  for (auto& values : part.values) values = {values.begin() + first, values.begin() + end};
+  part.line_numbers = {part.line_numbers.begin() + first, part.line_numbers.begin() + end};
+  return part;
+}
+
+void tell_gaps(const Recording& recording, const std::vector<Span>& gaps, std::vector<std::string>& notes) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(gaps.size(), told_gaps); ++i)
+    text += fmt::format("{}{:.6g} to {:.6g} s", i > 0 ? ", " : "", gaps[i].first, gaps[i].second);
+  if (gaps.size() > told_gaps) text += fmt::format(" and {} more", gaps.size() - told_gaps);
+  notes.push_back(fmt::format("{}: position or drive are missing from {}; what follows a gap is compared as a recording "
+                              "of its own",
+                              recording.path, text));
+}
+
+}  // namespace
+
+std::vector<Recording> compared_stretches(const Rig& rig, const std::vector<Recording>& recordings,
+                                          std::vector<std::string>& notes) {
+  if (rig.kind != RigKind::cylinder && rig.kind != RigKind::driven_axis) return recordings;
+  std::vector<Recording> out;
+  double longest_s = 0, least_s = 0;
+  for (const Recording& recording : recordings) {
+    const std::vector<double>& t = recording.t_s();
+    const std::vector<Span> gaps = gaps_of(recording, input_columns(rig, recording));
+    least_s = rig.kind == RigKind::cylinder ? least_cylinder_s
+                                            : std::max(least_axis_s, least_axis_intervals * recording.period_s);
+    if (gaps.empty()) {
+      out.push_back(recording);
+      continue;
+    }
+    tell_gaps(recording, gaps, notes);
+    for (const Span& span : spans_between(gaps, t.front(), t.back())) {
+      longest_s = std::max(longest_s, span.second - span.first);
+      if (span.second - span.first >= least_s) out.push_back(part_of(recording, span));
+      else
+        notes.push_back(fmt::format("{}: {:.6g} to {:.6g} s is left out: a stretch needs {:.3g} s", recording.path,
+                                    span.first, span.second, least_s));
+    }
+  }
+  if (out.empty())
+    throw InputError(fmt::format("{}: found no stretch without a gap longer than {:.3g} s, expected one of at least "
+                                 "{:.3g} s",
+                                 recordings.front().path, longest_s, least_s));
+  return out;
+}
+
+}  // namespace pneuservo

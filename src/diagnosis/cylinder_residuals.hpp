@@ -33,6 +33,7 @@ class CylinderResiduals final : public ResidualModel {
   const std::vector<ResidualRow>& rows() const override { return rows_; }
   std::size_t start_factor_count() const override { return 2 * recordings_.size(); }
   Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) override;
+  void set_stop(std::function<bool()> stop) override { gas_->set_stop(std::move(stop)); }
   void set_working_point(const Hypothesis& hypothesis) override;
   std::vector<double> take_slow_error(const Hypothesis& hypothesis) override;
   void drop_slow_error() override { slow_errors_.assign(channels_.size(), {}); }

@@ -510,9 +510,10 @@ Diagnosis diagnose(const Rig& configured, const std::vector<Recording>& recordin
   if (recordings.empty()) throw InputError("diagnose: no recording, expected at least one");
   std::vector<std::string> left_out;
   const Rig rig = without_disturbances(configured, left_out);
+  if (options.progress) options.progress(0.01, "recordings");
   std::vector<Recording> doubted = recordings;
   doubt_recordings(rig, doubted, left_out);
-  const std::vector<Recording> stretches = compared_stretches(rig, doubted, left_out);
+  const std::vector<Recording> stretches = compared_stretches(rig, std::move(doubted), left_out);
   const std::unique_ptr<ResidualModel> model = make_residual_model(rig, stretches, options.jobs);
   Diagnosis out = diagnose(rig, *model, options);
   out.warnings.insert(out.warnings.end(), left_out.begin(), left_out.end());

@@ -135,6 +135,7 @@ std::vector<std::vector<GasRuns::Course>> GasRuns::of(std::span<const Hypothesis
     }
   }
   in_parallel(batches.size(), jobs_, [&](std::size_t b) {
+    if (stop_ && stop_()) throw DiagnosisStopped();
     Batch& batch = batches[b];
     for (GasCourse& course :
          run_or_drop(recordings_[batch.recording].inputs, batch.runs, work_grid_[batch.recording])) {

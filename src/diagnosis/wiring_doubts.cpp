@@ -18,12 +18,14 @@
 #include "diagnosis/cylinder_recording.hpp"
 #include "diagnosis/even_samples.hpp"
 #include "diagnosis/force_balance.hpp"
+#include "diagnosis/stretches.hpp"
 
 namespace pneuservo {
 
 namespace {
 
 constexpr double judged_s = 6;     ///< of each recording: some strokes
+constexpr double force_judged_s = 20;
 constexpr double judge_effort = 60;  ///< cells times sub-steps: a share of the pressures' swing is enough
 /// A wrong reading misses by the swing of the pressures themselves and more, a right one by what the model lacks.
 constexpr double decisive = 0.4;     ///< of the misfit as recorded, that another reading must come down to
@@ -82,29 +84,20 @@ void add_misfit(const std::vector<double>& measured, const std::vector<double>& 
   }
 }
 
-Recording first_seconds(const Recording& recording, double seconds) {
-  const std::vector<double>& t = recording.t_s();
-  const auto end = std::upper_bound(t.begin(), t.end(), t.front() + seconds) - t.begin();
-  Recording out = recording;
-  for (auto& values : out.values) values.resize(static_cast<std::size_t>(end));
-  out.line_numbers.resize(static_cast<std::size_t>(end));
-  return out;
-}
-
 /// The reading that alone brings the misfit down, or none where the first does not need one. Two are asked for.
 const UnitReading& decided(const Rig& rig, const Recording& recording, const std::vector<UnitReading>& readings,
                            const std::vector<std::string>& columns, const std::string& what) {
   if (readings.size() == 1 || rig.kind != RigKind::cylinder) return readings.front();
+  const bool is_as_recorded = readings.front().name.empty();
   std::vector<double> misfits;
   for (const UnitReading& reading : readings) {
-    Recording tried = first_seconds(recording, judged_s);
+    Recording tried = most_moving_part(recording, judged_s);
     for (const std::string& column : columns) apply_reading(reading, tried.column(column));
     misfits.push_back(port_misfit(rig, tried));
+    if (is_as_recorded && misfits[0] < doubtful) return readings.front();
   }
   const std::size_t best = static_cast<std::size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
-  const bool is_as_recorded = readings.front().name.empty();
-  if (is_as_recorded && (best == 0 || misfits[0] < doubtful || misfits[best] > decisive * misfits[0]))
-    return readings.front();
+  if (is_as_recorded && !(misfits[best] < decisive * misfits[0])) return readings.front();
   for (std::size_t i = 0; i < misfits.size(); ++i)
     if (i != best && misfits[best] > decisive * misfits[i])
       throw InputError(fmt::format("{}: {} or {}? State it: {}", what, readings[best].name, readings[i].name,
@@ -127,7 +120,8 @@ void take_reading(const Rig& rig, Recording& recording, const std::vector<UnitRe
 
 /// How much earlier the drive force comes than what the motion needs, and its standard error [s]: what stands before
 /// the force's own rate in a regression on acceleration, friction and drag. NaN where too little moves.
-std::pair<double, double> force_lead(const Rig& rig, const Recording& recording, double interval_s) {
+std::pair<double, double> force_lead(const Rig& rig, const Recording& whole, double interval_s) {
+  const Recording recording = most_moving_part(whole, force_judged_s);
   const EvenSamples even(recording.t_s(), interval_s);
   std::vector<double> force = even.straight(recording.column("F_N"));
   const ForceBalance balance(even.drawn(recording.column("x_m")), interval_s, rig.sensors.position.rms_m());
@@ -172,7 +166,7 @@ double port_misfit(const Rig& rig, const Recording& recording) {
     const GasCourse course =
         run_imposed(prepared.inputs, std::span(&run, 1), grid_for(rig, judge_effort, prepared.inputs.step_s()))[0];
     double difference = 0, swing = 0;
-    for (const GasChannel channel : {port_1, port_2, chamber_1, chamber_2})
+    for (const GasChannel channel : {port_1, port_2, chamber_1, chamber_2, supply})
       if (!prepared.measured_Pa[channel].empty())
         add_misfit(prepared.measured_Pa[channel], course[channel], prepared.usable, difference, swing);
     const double misfit = std::sqrt(difference / swing);
@@ -205,7 +199,7 @@ void doubt_units(const Rig& rig, Recording& recording, std::vector<std::string>&
 
 void doubt_wiring(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
   if (rig.kind != RigKind::cylinder || !recording.has("x_m") || !recording.has("u_V")) return;
-  Recording judged = first_seconds(recording, judged_s);
+  Recording judged = most_moving_part(recording, judged_s);
   double misfit = port_misfit(rig, judged);
   if (std::getenv("PNEUSERVO_SHOW_DOUBTS")) fmt::print(stderr, "misfit as recorded {:.3g}\n", misfit);
   for (int round = 0; round < 2 && !(misfit < doubtful); ++round) {  // two mistakes at once

@@ -14,12 +14,13 @@ namespace pneuservo {
 namespace {
 
 /// In the order in which ties are decided: a file of one column reads alike in all.
-constexpr std::array<FieldStyle, 8> styles{{{',', '.', false},
+constexpr std::array<FieldStyle, 9> styles{{{',', '.', false},
                                             {';', '.', false},
                                             {';', ',', false},
                                             {'\t', '.', false},
                                             {'\t', ',', false},
                                             {'|', '.', false},
+                                            {'|', ',', false},
                                             {' ', '.', false},
                                             {' ', ',', false}}};
 constexpr std::array<std::string_view, 44> units{
@@ -120,7 +121,10 @@ bool is_paired(const std::vector<std::string>& lines, std::size_t first, std::si
 
 bool all_end_with(const std::vector<std::string>& lines, std::size_t first, char separator) {
   return separator != ' ' && std::all_of(lines.begin() + static_cast<std::ptrdiff_t>(first), lines.end(),
-                                         [&](const std::string& line) { return trimmed(line).ends_with(separator); });
+                                         [&](std::string_view line) {
+                                           while (line.ends_with(' ')) line.remove_suffix(1);
+                                           return line.ends_with(separator);
+                                         });
 }
 
 /// The line of names above the first row: the nearest whose fields are those of the rows, or one fewer where the rows

@@ -22,6 +22,7 @@ constexpr std::array<std::pair<double, std::string_view>, 4> time_units{
     {{1.0, "seconds"}, {1e-3, "milliseconds"}, {1e-6, "microseconds"}, {1e-9, "nanoseconds"}}};
 constexpr std::size_t rows_of_a_run = 3;  ///< that must go on behind a step back; fewer are rows out of order
 constexpr double interval_agreement = 0.25;  ///< of the interval: rounding to half of it moves a step that far
+constexpr double course_gain = 0.1;          ///< of a stamp's distance from the even course, which it moves by
 constexpr double longest_counted = 20;       ///< intervals: behind a longer gap rows are counted anew
 
 double first_finite(const std::vector<double>& values) {
@@ -157,19 +158,23 @@ double interval_of(const std::vector<double>& t) {
   }
   StampSlope slope;
   std::size_t agree = 0, steps = 0;
-  double start = t.front(), rows = 0;
+  // Rows are counted against their own even course, which follows the stamps slowly: jitter of one does not count.
+  double start = t.front(), course = t.front(), rows = 0;
   for (std::size_t i = 1; i < t.size(); ++i) {
-    const double step = t[i] - t[i - 1], count = std::round(step / h);
-    if (!std::isfinite(step)) continue;
+    if (!std::isfinite(t[i])) continue;
+    const double count = std::round((t[i] - course) / h);
     ++steps;
-    if (count < 1 || count > longest_counted) {
+    if (count < 1 && count >= 0) continue;  // a row again
+    if (!(count >= 1 && count <= longest_counted)) {
       slope.close();
-      start = t[i];
+      start = course = t[i];
       rows = 0;
       continue;
     }
-    agree += std::abs(step - count * h) < interval_agreement * h && count < 4;
     rows += count;
+    course += count * h;
+    agree += std::abs(t[i] - course) < interval_agreement * h && count < 4;
+    course += course_gain * (t[i] - course);
     slope.add(rows, t[i] - start);
   }
   slope.close();

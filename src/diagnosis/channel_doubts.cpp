@@ -58,8 +58,8 @@ std::vector<UnitReading> position_readings(double stroke_m, const Range& range) 
     if (high - low < least_motion * stroke_m || high - low > 2 * furthest * stroke_m) return;
     if (std::max(-low, high) <= furthest * stroke_m) out.push_back({factor, 0, std::string(name)});
     else if (low >= (0.5 - furthest) * stroke_m && high <= (0.5 + furthest) * stroke_m)
-      out.push_back({factor, -0.5 * stroke_m,
-                     fmt::format("{}{}counted from the retracted end", name, name.empty() ? "" : ", ")});
+      out.push_back(
+          {factor, -0.5 * stroke_m, fmt::format("{}{}counted from the retracted end", name, name.empty() ? "" : ", ")});
   };
   add(1, "");
   if (!out.empty()) return out;
@@ -119,7 +119,8 @@ void mark_frozen_before_jumps(const std::vector<double>& values, double slack, s
     if (end == first) ++end;  // no value
     else if (end - first >= InputGuard::stopped_ticks && end < values.size() &&
              std::abs(values[end] - values[first]) > least)
-      std::fill(bad.begin() + static_cast<std::ptrdiff_t>(first) + 1, bad.begin() + static_cast<std::ptrdiff_t>(end), 2);
+      std::fill(bad.begin() + static_cast<std::ptrdiff_t>(first) + 1, bad.begin() + static_cast<std::ptrdiff_t>(end),
+                2);
   }
 }
 
@@ -131,8 +132,7 @@ TakenOut guard_column(const PlausibleChannel& plausible, const std::vector<doubl
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!std::isfinite(values[i])) continue;
     const bool is_possible = values[i] >= plausible.lowest && values[i] <= plausible.highest;
-    const double periods =
-        last < i ? std::max(1.0, std::round((t_s[i] - t_s[last]) / plausible.period_s)) : 1.0;
+    const double periods = last < i ? std::max(1.0, std::round((t_s[i] - t_s[last]) / plausible.period_s)) : 1.0;
     last = i;
     guard.check({.value = values[i], .age_s = 0.0, .valid = true}, periods);
     if (guard.bridged) {
@@ -140,8 +140,8 @@ TakenOut guard_column(const PlausibleChannel& plausible, const std::vector<doubl
     } else if (guard.jumped || guard.missing) {  // for good: what came since is another level, not a spike
       guard.reset();
       if (guard.check({.value = values[i], .age_s = 0.0, .valid = true}); is_possible)
-        for (std::size_t k = i; k > 0 && bad[k - 1] == 1 && values[k - 1] >= plausible.lowest &&
-                                values[k - 1] <= plausible.highest; --k)
+        for (std::size_t k = i;
+             k > 0 && bad[k - 1] == 1 && values[k - 1] >= plausible.lowest && values[k - 1] <= plausible.highest; --k)
           bad[k - 1] = 0;
     } else if (guard.frozen) {
       for (std::size_t k = i; k > 0 && values[k - 1] == values[i] && bad[k] == 0; --k) bad[k] = 2;
@@ -223,23 +223,23 @@ void doubt_position_unit(const Rig& rig, Recording& recording, std::vector<std::
   std::vector<double>& x = recording.column("x_m");
   const Range range = range_of(x);
   if (!std::isfinite(range.low) || std::max(-range.low, range.high) <= furthest * stroke_m) return;
-  const std::string evidence = fmt::format("{}: x_m goes from {:.4g} to {:.4g} m, the stroke is +-{:g} m", recording.path,
-                                           range.low, range.high, 0.5 * stroke_m);
+  const std::string evidence = fmt::format("{}: x_m goes from {:.4g} to {:.4g} m, the stroke is +-{:g} m",
+                                           recording.path, range.low, range.high, 0.5 * stroke_m);
   const std::vector<UnitReading> readings = position_readings(stroke_m, range);
   if (readings.size() > 1)
     throw InputError(fmt::format("{}: {} or {}? State it: {}", evidence, readings[0].name, readings[1].name,
                                  stated_reading("x_m", readings[0])));
   if (readings.empty())
-    throw InputError(fmt::format(
-        "{}: another zero or unit? State it, with x = 0 at mid-stroke: {}", evidence,
-        stated_reading("x_m", {1, -0.5 * (range.low + range.high), ""})));
+    throw InputError(fmt::format("{}: another zero or unit? State it, with x = 0 at mid-stroke: {}", evidence,
+                                 stated_reading("x_m", {1, -0.5 * (range.low + range.high), ""})));
   apply_reading(readings.front(), x);
   notes.push_back(fmt::format("{}: taken for {}; to state it: {}", evidence, readings.front().name,
                               stated_reading("x_m", readings.front())));
 }
 
 std::vector<UnitReading> pressure_readings(const Rig& rig, const Recording& recording) {
-  const double low_Pa = atmosphere_share * rig.axis.air.atmosphere_Pa, high_Pa = supply_share * rig.axis.supply.pressure_Pa;
+  const double low_Pa = atmosphere_share * rig.axis.air.atmosphere_Pa,
+               high_Pa = supply_share * rig.axis.supply.pressure_Pa;
   const std::vector<std::string> columns = pressure_columns(recording);
   std::vector<UnitReading> out;
   for (const Unit& unit : pressure_units)
@@ -266,7 +266,8 @@ std::vector<UnitReading> command_readings(const Rig& rig, const Recording& recor
   };
   add(1, 0, "");
   // Always on one side of zero, and about half of a range of twice the valve's.
-  if (range.low > 0 && 0.5 * (range.low + range.high) > 0.5 * most_V) add(1, -most_V, "volts from the valve's end, neutral in the middle");
+  if (range.low > 0 && 0.5 * (range.low + range.high) > 0.5 * most_V)
+    add(1, -most_V, "volts from the valve's end, neutral in the middle");
   if (!out.empty()) return out;
   add(1e-3, 0, "millivolts");
   add(most_V / 100, 0, "per cent of the valve's range");
@@ -300,7 +301,7 @@ void take_out_impossible_samples(const Rig& rig, Recording& recording, std::vect
   if (rig.kind != RigKind::cylinder) return;
   for (const std::string& column : pressure_columns(recording)) {
     const SensorsParameters& sensors = rig.sensors;
-    const PressureSensorParameters& sensor = column == "p_supply_Pa"                        ? sensors.supply_pressure
+    const PressureSensorParameters& sensor = column == "p_supply_Pa"                    ? sensors.supply_pressure
                                              : column.find("port") != std::string::npos ? sensors.port_pressure
                                                                                         : sensors.chamber_pressure;
     tell_taken(recording, column,
@@ -317,9 +318,10 @@ void refuse_standstill(const Rig& rig, const Recording& recording) {
   if (std::isfinite(span_m) && span_m > 2 * rig.sensors.position.quantum_m + 6 * rig.sensors.position.noise_m) return;
   if (!std::isfinite(span_m))
     throw InputError(fmt::format("{}: x_m has no usable value, expected the measured position", recording.path));
-  throw InputError(fmt::format("{}: x_m does not move ({:.4g} m throughout), expected motion to compare: is the encoder "
-                               "connected?",
-                               recording.path, quantile(x, 0.5)));
+  throw InputError(
+      fmt::format("{}: x_m does not move ({:.4g} m throughout), expected motion to compare: is the encoder "
+                  "connected?",
+                  recording.path, quantile(x, 0.5)));
 }
 
 }  // namespace pneuservo

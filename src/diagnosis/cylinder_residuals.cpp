@@ -67,8 +67,8 @@ std::vector<double> with_gaps_filled(const std::vector<double>& measured, const 
     const double before = last < out.size() ? measured[last] - simulated[last] : after;
     const std::size_t from = last < out.size() ? last + 1 : 0;
     for (std::size_t i = from; i < k; ++i)
-      out[i] = simulated[i] + before + (after - before) * static_cast<double>(i + 1 - from) /
-                                           static_cast<double>(k + 1 - from);
+      out[i] = simulated[i] + before +
+               (after - before) * static_cast<double>(i + 1 - from) / static_cast<double>(k + 1 - from);
     last = k;
   }
   const double end = last < out.size() ? measured[last] - simulated[last] : 0.0;
@@ -176,7 +176,8 @@ void CylinderResiduals::declare_rows() {
   std::vector<PossibleRinging> ringing(recordings_.size());
   const RecordedRigs rigs(owner_, recordings_);
   in_parallel(recordings_.size(), jobs_, [&](std::size_t r) {
-    ringing[r] = possible_ringing(recordings_[r].inputs, rigs[r], grid_for(rigs[r], ringing_effort, recordings_[r].inputs.step_s()));
+    ringing[r] = possible_ringing(recordings_[r].inputs, rigs[r],
+                                  grid_for(rigs[r], ringing_effort, recordings_[r].inputs.step_s()));
   });
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
     const CylinderRecording& recording = recordings_[r];
@@ -189,9 +190,8 @@ void CylinderResiduals::declare_rows() {
       const std::vector<char> known = recording.usable;
       for (std::size_t k = 0; k < recording.samples(); ++k)
         stretch.usable[k] =
-            known[k] &&
-            (force ? balances_[r].usable()[k] && !stops[k]
-                   : std::isfinite(recording.measured_Pa[static_cast<std::size_t>(gas_channel_[c])][k]));
+            known[k] && (force ? balances_[r].usable()[k] && !stops[k]
+                               : std::isfinite(recording.measured_Pa[static_cast<std::size_t>(gas_channel_[c])][k]));
       const bool has_start = !force && gas_channel_[c] != static_cast<int>(supply);
       const double start_Pa = has_start ? start_error(recording, static_cast<std::size_t>(gas_channel_[c]) % 2) : 0.0;
       for (std::size_t first = 0; first + bin <= recording.samples(); first += bin) {

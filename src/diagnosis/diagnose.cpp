@@ -302,9 +302,10 @@ void require_comparison(const Rig& rig, FittedRows& rows) {
   if (rows.count() == 0)
     throw InputError(fmt::format("{}: every row that can be compared is held out, expected some to fit", rig.name));
   if (!rows({Hypothesis{rig, {}}}).allFinite())
-    throw InputError(fmt::format("{}: the rig as configured has no finite course on these recordings; expected position, "
-                                 "pressures and command in SI units (m, Pa absolute, V)",
-                                 rig.name));
+    throw InputError(
+        fmt::format("{}: the rig as configured has no finite course on these recordings; expected position, "
+                    "pressures and command in SI units (m, Pa absolute, V)",
+                    rig.name));
 }
 
 void run_search(Search& search, Diagnosis& out) {

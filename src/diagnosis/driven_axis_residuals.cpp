@@ -147,8 +147,8 @@ void DrivenAxisResiduals::add_pressures(const Rig& rig, const Recording& recordi
     if (areas[side] == 0) continue;
     const std::string column = fmt::format("p{}_chamber_Pa", side + 1);
     recording.require({column});
-    part.pressure_Pa[side] =
-        part.balance.kernel().apply(EvenSamples(recording.t_s(), part.interval_s).straight(recording.column(column)), 0);
+    part.pressure_Pa[side] = part.balance.kernel().apply(
+        EvenSamples(recording.t_s(), part.interval_s).straight(recording.column(column)), 0);
     for (std::size_t i = 0; i < part.usable.size(); ++i)
       part.usable[i] = part.usable[i] && std::isfinite(part.pressure_Pa[side][i]);
   }

@@ -17,8 +17,8 @@ constexpr double same_place = 0.05;
 /// Value at t of the cubic through four points, or of the line through the inner two.
 double value_between(const std::vector<double>& t, const std::vector<double>& y, std::size_t i, double at,
                      bool is_cubic, double longest) {
-  const bool has_outer = is_cubic && i >= 1 && i + 2 < t.size() && t[i] - t[i - 1] <= longest &&
-                         t[i + 2] - t[i + 1] <= longest;
+  const bool has_outer =
+      is_cubic && i >= 1 && i + 2 < t.size() && t[i] - t[i - 1] <= longest && t[i + 2] - t[i + 1] <= longest;
   if (!has_outer) return y[i] + (y[i + 1] - y[i]) * (at - t[i]) / (t[i + 1] - t[i]);
   double sum = 0;
   for (std::size_t a = i - 1; a <= i + 2; ++a) {
@@ -86,8 +86,7 @@ double drawing_error(const std::vector<double>& time_s, const std::vector<double
   double squares = 0, count = 0;
   for (std::size_t i = 2; i + 2 < values.size(); ++i) {
     if (std::abs(time_s[i + 2] - time_s[i - 2] - 4 * interval_s) > 0.2 * interval_s) continue;
-    const double error =
-        (4 * (values[i - 1] + values[i + 1]) - values[i - 2] - values[i + 2]) / 6 - values[i];
+    const double error = (4 * (values[i - 1] + values[i + 1]) - values[i - 2] - values[i + 2]) / 6 - values[i];
     if (!std::isfinite(error)) continue;
     squares += error * error;
     ++count;

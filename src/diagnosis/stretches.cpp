@@ -64,9 +64,10 @@ void tell_gaps(const Recording& recording, const std::vector<Span>& gaps, std::v
   for (std::size_t i = 0; i < std::min(gaps.size(), told_gaps); ++i)
     text += fmt::format("{}{:.6g} to {:.6g} s", i > 0 ? ", " : "", gaps[i].first, gaps[i].second);
   if (gaps.size() > told_gaps) text += fmt::format(" and {} more", gaps.size() - told_gaps);
-  notes.push_back(fmt::format("{}: position or drive are missing from {}; what follows a gap is compared as a recording "
-                              "of its own",
-                              recording.path, text));
+  notes.push_back(
+      fmt::format("{}: position or drive are missing from {}; what follows a gap is compared as a recording "
+                  "of its own",
+                  recording.path, text));
 }
 
 /// Recordings up to this length are compared whole. A fit of 60 s at 1 kHz takes a minute on two cores; more of the

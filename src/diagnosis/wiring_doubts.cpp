@@ -52,11 +52,10 @@ std::vector<Wiring> wirings(const Recording& recording) {
   std::vector<Wiring> out;
   const bool ports = recording.has("p1_port_Pa") && recording.has("p2_port_Pa");
   const std::string kind = ports ? "port" : "chamber";
-  out.push_back({fmt::format("p1_{0} and p2_{0} are exchanged", kind),
-                 fmt::format("import.columns: p1_{0}_Pa: {{column: p2_{0}_Pa}}, p2_{0}_Pa: {{column: p1_{0}_Pa}}", kind),
-                 [kind](Recording& r) {
-                   exchange(r, fmt::format("p1_{}_Pa", kind), fmt::format("p2_{}_Pa", kind));
-                 }});
+  out.push_back(
+      {fmt::format("p1_{0} and p2_{0} are exchanged", kind),
+       fmt::format("import.columns: p1_{0}_Pa: {{column: p2_{0}_Pa}}, p2_{0}_Pa: {{column: p1_{0}_Pa}}", kind),
+       [kind](Recording& r) { exchange(r, fmt::format("p1_{}_Pa", kind), fmt::format("p2_{}_Pa", kind)); }});
   if (ports && recording.has("p1_chamber_Pa"))
     out.push_back({"sides 1 and 2 of ports and chambers are exchanged",
                    "import.columns: p1_port_Pa: {column: p2_port_Pa}, and so on", [](Recording& r) {
@@ -233,10 +232,11 @@ void doubt_sampling(const Rig& rig, Recording& recording, std::vector<std::strin
   const auto [lead_s, error_s] = force_lead(rig, recording, interval_s);
   if (!(error_s < least_known * of_held_s) || std::abs(lead_s) > instant_share * of_held_s) return;
   recording.sampling["F_N"] = Sampling::instant;
-  notes.push_back(fmt::format("{}: F_N comes {:.2g} +- {:.1g} ms before the motion that it makes, a force held from row to "
-                              "row would come {:.2g} ms before it: taken as read at its rows' instants; to state it: "
-                              "import.columns.F_N.sampling: instant",
-                              recording.path, 1e3 * lead_s, 1e3 * error_s, 1e3 * of_held_s));
+  notes.push_back(
+      fmt::format("{}: F_N comes {:.2g} +- {:.1g} ms before the motion that it makes, a force held from row to "
+                  "row would come {:.2g} ms before it: taken as read at its rows' instants; to state it: "
+                  "import.columns.F_N.sampling: instant",
+                  recording.path, 1e3 * lead_s, 1e3 * error_s, 1e3 * of_held_s));
 }
 
 }  // namespace pneuservo

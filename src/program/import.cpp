@@ -30,7 +30,8 @@ std::vector<ColumnGuess> mapped_columns(const CsvTable& table, const ImportParam
   for (const std::string& name : table.names) {
     out.push_back({name, "", "", 1, 0, "not in the config's section import"});
     for (const auto& [ours, source] : map.columns)
-      if (source.column == name) out.back() = {name, ours, "", source.factor, source.offset, "import.columns of the config"};
+      if (source.column == name)
+        out.back() = {name, ours, "", source.factor, source.offset, "import.columns of the config"};
     if (name == "t_s" && map.columns.count("t_s") == 0) out.back() = {name, "t_s", "", 1, 0, "its name"};
   }
   return out;
@@ -48,9 +49,10 @@ ImportResult understood(const ImportOptions& options, const std::optional<Rig>& 
     out.columns = guess_columns(table, rig ? rig->axis.air.atmosphere_Pa : 101325.0);
     const ImportParameters map = import_map(out.columns);
     if (map.columns.count("t_s") == 0)
-      throw InputError(fmt::format("{}: found no column of times, expected one such as t_s, time_ms or a date; the file "
-                                   "has {}",
-                                   options.recording, fmt::join(table.names, ", ")));
+      throw InputError(
+          fmt::format("{}: found no column of times, expected one such as t_s, time_ms or a date; the file "
+                      "has {}",
+                      options.recording, fmt::join(table.names, ", ")));
     out.runs = is_own_format(table) ? read_recordings(options.recording, std::nullopt, loop_period_s)
                                     : read_recordings(options.recording, map, loop_period_s);
   }
@@ -81,7 +83,7 @@ nlohmann::ordered_json import_json(const ImportResult& result) {
                     {"to_s", run.t_s().back()},
                     {"interval_s", run.period_s},
                     {"missing_rows", run.missing_rows}});
-  return {{"recording", result.path}, {"columns", columns}, {"runs", runs},
+  return {{"recording", result.path},        {"columns", columns},      {"runs", runs},
           {"understood", result.understood}, {"doubts", result.doubts}, {"import", result.section}};
 }
 
@@ -125,7 +127,8 @@ int run_import(const ImportOptions& options) {
 
 void add_import(CLI::App& app, int& status) {
   auto o = std::make_shared<ImportOptions>();
-  CLI::App* verb = app.add_subcommand("import", "what is understood of a foreign recording: columns, units, times, gaps");
+  CLI::App* verb =
+      app.add_subcommand("import", "what is understood of a foreign recording: columns, units, times, gaps");
   verb->add_option("FILE", o->recording, "a table of any logger, .csv or .csv.gz")->required();
   verb->add_option("CONFIG", o->config, "rig whose ranges and physics doubt the recording");
   verb->add_option("--report", o->report, "self-contained HTML page with the channels over time");

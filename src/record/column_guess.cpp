@@ -26,22 +26,35 @@ struct Unit {
   double factor;
   bool is_gauge = false;
 };
-constexpr std::array<Unit, 29> units{{{"s", Quantity::time, 1},           {"sec", Quantity::time, 1},
-                                      {"ms", Quantity::time, 1e-3},       {"us", Quantity::time, 1e-6},
-                                      {"\u00b5s", Quantity::time, 1e-6},  {"ns", Quantity::time, 1e-9},
-                                      {"m", Quantity::length, 1},         {"cm", Quantity::length, 1e-2},
-                                      {"mm", Quantity::length, 1e-3},     {"um", Quantity::length, 1e-6},
-                                      {"\u00b5m", Quantity::length, 1e-6}, {"in", Quantity::length, 0.0254},
-                                      {"Pa", Quantity::pressure, 1},      {"hPa", Quantity::pressure, 100},
-                                      {"mbar", Quantity::pressure, 100},  {"kPa", Quantity::pressure, 1e3},
-                                      {"bar", Quantity::pressure, 1e5},   {"bara", Quantity::pressure, 1e5},
+constexpr std::array<Unit, 29> units{{{"s", Quantity::time, 1},
+                                      {"sec", Quantity::time, 1},
+                                      {"ms", Quantity::time, 1e-3},
+                                      {"us", Quantity::time, 1e-6},
+                                      {"\u00b5s", Quantity::time, 1e-6},
+                                      {"ns", Quantity::time, 1e-9},
+                                      {"m", Quantity::length, 1},
+                                      {"cm", Quantity::length, 1e-2},
+                                      {"mm", Quantity::length, 1e-3},
+                                      {"um", Quantity::length, 1e-6},
+                                      {"\u00b5m", Quantity::length, 1e-6},
+                                      {"in", Quantity::length, 0.0254},
+                                      {"Pa", Quantity::pressure, 1},
+                                      {"hPa", Quantity::pressure, 100},
+                                      {"mbar", Quantity::pressure, 100},
+                                      {"kPa", Quantity::pressure, 1e3},
+                                      {"bar", Quantity::pressure, 1e5},
+                                      {"bara", Quantity::pressure, 1e5},
                                       {"barg", Quantity::pressure, 1e5, true},
-                                      {"MPa", Quantity::pressure, 1e6},   {"psi", Quantity::pressure, 6894.757},
+                                      {"MPa", Quantity::pressure, 1e6},
+                                      {"psi", Quantity::pressure, 6894.757},
                                       {"psig", Quantity::pressure, 6894.757, true},
                                       {"psia", Quantity::pressure, 6894.757},
-                                      {"V", Quantity::voltage, 1},        {"mV", Quantity::voltage, 1e-3},
-                                      {"N", Quantity::force, 1},          {"kN", Quantity::force, 1e3},
-                                      {"lbf", Quantity::force, 4.4482216}, {"daN", Quantity::force, 10}}};
+                                      {"V", Quantity::voltage, 1},
+                                      {"mV", Quantity::voltage, 1e-3},
+                                      {"N", Quantity::force, 1},
+                                      {"kN", Quantity::force, 1e3},
+                                      {"lbf", Quantity::force, 4.4482216},
+                                      {"daN", Quantity::force, 10}}};
 
 /// Words that a column's name may begin with, in small letters without signs, and what it then is. The first that fits.
 struct Word {
@@ -106,7 +119,8 @@ struct NameParts {
 std::string letters_of(std::string_view text) {
   std::string out;
   for (const char c : text)
-    if (std::isalnum(static_cast<unsigned char>(c))) out += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (std::isalnum(static_cast<unsigned char>(c)))
+      out += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return out;
 }
 
@@ -149,7 +163,8 @@ ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmos
   const NameParts parts = parts_of(out.column);
   const bool in_row = !table.units[column].empty();
   std::string stated = in_row ? table.units[column] : parts.unit;
-  if (stated.size() > 2 && (stated.front() == '[' || stated.front() == '(')) stated = stated.substr(1, stated.size() - 2);
+  if (stated.size() > 2 && (stated.front() == '[' || stated.front() == '('))
+    stated = stated.substr(1, stated.size() - 2);
   out.unit = stated;
   const Word* word = word_of(parts.letters);
   if (table.is_clock[column] != 0) {
@@ -160,7 +175,8 @@ ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmos
   }
   const Unit* unit = unit_named(stated);
   if (word == nullptr || (unit != nullptr && unit->quantity != word->quantity)) {
-    out.evidence = word == nullptr ? "no known name" : fmt::format("name and unit disagree ({} in {})", word->ours, stated);
+    out.evidence =
+        word == nullptr ? "no known name" : fmt::format("name and unit disagree ({} in {})", word->ours, stated);
     return out;
   }
   out.ours = word->ours;

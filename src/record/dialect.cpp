@@ -24,10 +24,10 @@ constexpr std::array<FieldStyle, 9> styles{{{',', '.', false},
                                             {' ', '.', false},
                                             {' ', ',', false}}};
 constexpr std::array<std::string_view, 44> units{
-    "s",   "ms",  "us",   "\u00b5s", "ns",     "sec",   "m",     "mm",   "cm",  "um",  "\u00b5m",
-    "in",  "V",   "mV",   "N",       "kN",     "Pa",    "kPa",   "MPa",  "hPa", "bar", "mbar",
-    "barg", "bara", "psi", "-",      "1",      "%",     "\u00b0C", "K",  "A",   "mA",  "rad",
-    "deg", "\u00b0", "m/s", "mm/s",  "kg/s",   "l/min", "Hz",    "kg",   "count", "counts", "bool"};
+    "s",    "ms",     "us",  "\u00b5s", "ns",   "sec",   "m",       "mm",  "cm",    "um",     "\u00b5m",
+    "in",   "V",      "mV",  "N",       "kN",   "Pa",    "kPa",     "MPa", "hPa",   "bar",    "mbar",
+    "barg", "bara",   "psi", "-",       "1",    "%",     "\u00b0C", "K",   "A",     "mA",     "rad",
+    "deg",  "\u00b0", "m/s", "mm/s",    "kg/s", "l/min", "Hz",      "kg",  "count", "counts", "bool"};
 
 /// What a line holds in a style.
 struct LineFacts {
@@ -120,11 +120,11 @@ bool is_paired(const std::vector<std::string>& lines, std::size_t first, std::si
 }
 
 bool all_end_with(const std::vector<std::string>& lines, std::size_t first, char separator) {
-  return separator != ' ' && std::all_of(lines.begin() + static_cast<std::ptrdiff_t>(first), lines.end(),
-                                         [&](std::string_view line) {
-                                           while (line.ends_with(' ')) line.remove_suffix(1);
-                                           return line.ends_with(separator);
-                                         });
+  return separator != ' ' &&
+         std::all_of(lines.begin() + static_cast<std::ptrdiff_t>(first), lines.end(), [&](std::string_view line) {
+           while (line.ends_with(' ')) line.remove_suffix(1);
+           return line.ends_with(separator);
+         });
 }
 
 /// The line of names above the first row: the nearest whose fields are those of the rows, or one fewer where the rows

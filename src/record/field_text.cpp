@@ -15,7 +15,8 @@ bool is_blank(char c) { return c == ' ' || c == '\t'; }
 std::string_view unquoted(std::string_view text) {
   text = trimmed(text);
   for (const char quote : {'"', '\''})
-    if (text.size() >= 2 && text.front() == quote && text.back() == quote) return trimmed(text.substr(1, text.size() - 2));
+    if (text.size() >= 2 && text.front() == quote && text.back() == quote)
+      return trimmed(text.substr(1, text.size() - 2));
   return text;
 }
 
@@ -112,9 +113,11 @@ std::optional<double> zone_of(std::string_view text) {
 /// Bytes of the valid UTF-8 character at the front; 0 where there is none.
 std::size_t character_size(std::string_view text) {
   const auto first = static_cast<unsigned char>(text.front());
-  const std::size_t size = first < 0x80 ? 1 : first >= 0xc2 && first < 0xe0 ? 2 : first >= 0xe0 && first < 0xf0 ? 3
-                           : first >= 0xf0 && first < 0xf5                  ? 4
-                                                                            : 0;
+  const std::size_t size = first < 0x80                    ? 1
+                           : first >= 0xc2 && first < 0xe0 ? 2
+                           : first >= 0xe0 && first < 0xf0 ? 3
+                           : first >= 0xf0 && first < 0xf5 ? 4
+                                                           : 0;
   if (size == 0 || text.size() < size) return 0;
   for (std::size_t i = 1; i < size; ++i)
     if ((static_cast<unsigned char>(text[i]) & 0xc0) != 0x80) return 0;

@@ -68,8 +68,8 @@ MappedColumns mapped(CsvTable& table, const ImportParameters& imported) {
     if (!table.has(source.column)) {
       const std::string has = what_the_file_has(table, source.column);
       if (name == "t_s")
-        throw InputError(fmt::format("{}: found no column {}, expected the times of the rows; {}", table.path,
-                                     source.column, has));
+        throw InputError(
+            fmt::format("{}: found no column {}, expected the times of the rows; {}", table.path, source.column, has));
       table.report(0, ProblemKind::header,
                    fmt::format("column {} is missing; {} of import.columns is left out; {}", source.column, name, has));
       continue;
@@ -211,9 +211,10 @@ void take_interval(Recording& run, double loop_period_s) {
 void mend_times(Recording& run) {
   auto& times = run.column("t_s");
   if (spread_rounded(times))
-    run.report(0, ProblemKind::interval,
-               fmt::format("t_s is rounded so far that neighbours are equal: the rows are spread evenly, {:.6g} s apart",
-                           interval_of(times)));
+    run.report(
+        0, ProblemKind::interval,
+        fmt::format("t_s is rounded so far that neighbours are equal: the rows are spread evenly, {:.6g} s apart",
+                    interval_of(times)));
 }
 
 }  // namespace
@@ -250,8 +251,7 @@ Recording read_first_recording(const std::string& path, const std::optional<Impo
                                double period_s) {
   std::vector<Recording> runs = read_recordings(path, imported, period_s);
   if (runs.size() > 1)
-    runs.front().report(0, ProblemKind::header,
-                        fmt::format("the file holds {} runs; the first is used", runs.size()));
+    runs.front().report(0, ProblemKind::header, fmt::format("the file holds {} runs; the first is used", runs.size()));
   return std::move(runs.front());
 }
 

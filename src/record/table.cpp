@@ -111,7 +111,8 @@ class TableReader {
     for (std::size_t i = 0; i < names; ++i) table_.comments.append(as_utf8(lines[i].text)) += '\n';
     table_.header = parse_header(table_.comments);
     take_names(lines[names].number);
-    const std::string words = dialect_.words() + (input_.encoding().empty() ? "" : fmt::format(", {}", input_.encoding()));
+    const std::string words =
+        dialect_.words() + (input_.encoding().empty() ? "" : fmt::format(", {}", input_.encoding()));
     if (!words.empty())
       table_.report(0, ProblemKind::dialect, "read with " + words.substr(words.starts_with(", ") ? 2 : 0));
     const std::size_t first = dialect_.first_row < places.size() ? places[dialect_.first_row] : lines.size();
@@ -201,8 +202,8 @@ class TableReader {
 
 std::string_view name_of(ProblemKind kind) {
   static constexpr std::array<std::string_view, 12> names = {
-      "header", "dialect", "interval", "field_count",   "not_a_number",    "unreadable_field", "no_time",
-      "gap",    "repeated_time", "decreasing_time", "truncated",        "damaged"};
+      "header",  "dialect", "interval",      "field_count",     "not_a_number", "unreadable_field",
+      "no_time", "gap",     "repeated_time", "decreasing_time", "truncated",    "damaged"};
   return names[static_cast<std::size_t>(kind)];
 }
 

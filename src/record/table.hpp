@@ -41,7 +41,7 @@ struct CsvTable {  // NOLINT(bugprone-exception-escape): of a YAML node that is 
   std::vector<std::string> names;
   std::vector<std::vector<double>> values;  ///< as long as names; each as long as rows()
   std::vector<std::string> units;  ///< as the file states them below the names; empty text: not stated
-  std::vector<char> is_clock;      ///< columns of dates or times of day, here in seconds
+  std::vector<char> is_clock;  ///< columns of dates or times of day, here in seconds
   std::vector<std::size_t> line_numbers;  ///< of each row
   std::vector<RecordingProblem> problems;  ///< by line
 

@@ -108,7 +108,8 @@ Table runs_table(const ImportResult& result) {
   }
   return {"Runs",
           {count_column("rows", rows), figure_column("from", "s", from), figure_column("to", "s", to),
-           figure_column("interval", "ms", interval), count_column("gaps", gaps), count_column("rows missing", missing)}};
+           figure_column("interval", "ms", interval), count_column("gaps", gaps),
+           count_column("rows missing", missing)}};
 }
 
 void write_import_report(const ImportResult& result, const std::string& path) {

@@ -27,7 +27,8 @@ std::vector<double> courses(const std::vector<double>& times) {
 double largest_error(const std::vector<double>& drawn, double interval_s) {
   double largest = 0;
   for (std::size_t k = 0; k < drawn.size(); ++k)
-    if (std::isfinite(drawn[k])) largest = std::max(largest, std::abs(drawn[k] - course(interval_s * static_cast<double>(k))));
+    if (std::isfinite(drawn[k]))
+      largest = std::max(largest, std::abs(drawn[k] - course(interval_s * static_cast<double>(k))));
   return largest;
 }
 

@@ -46,10 +46,22 @@ struct Mistake {
 
 const std::vector<Mistake> mistakes{
     {"millimetres", [](Recording& r) { shift(r.column("x_m"), 1000, 0); }},
-    {"bar", [](Recording& r) { for (const auto& p : ports) shift(r.column(p), 1e-5, 0); }},
-    {"kPa", [](Recording& r) { for (const auto& p : ports) shift(r.column(p), 1e-3, 0); }},
-    {"gauge", [](Recording& r) { for (const auto& p : ports) shift(r.column(p), 1, -101325); }},
-    {"bar, gauge", [](Recording& r) { for (const auto& p : ports) shift(r.column(p), 1e-5, -1.01325); }},
+    {"bar",
+     [](Recording& r) {
+       for (const auto& p : ports) shift(r.column(p), 1e-5, 0);
+     }},
+    {"kPa",
+     [](Recording& r) {
+       for (const auto& p : ports) shift(r.column(p), 1e-3, 0);
+     }},
+    {"gauge",
+     [](Recording& r) {
+       for (const auto& p : ports) shift(r.column(p), 1, -101325);
+     }},
+    {"bar, gauge",
+     [](Recording& r) {
+       for (const auto& p : ports) shift(r.column(p), 1e-5, -1.01325);
+     }},
     {"neutral in the middle", [](Recording& r) { shift(r.column("u_V"), 1, 5); }},
     {"u_V has the other sign", [](Recording& r) { shift(r.column("u_V"), -1, 0); }},
     {"x_m counts the other way", [](Recording& r) { shift(r.column("x_m"), -1, 0); }},

@@ -114,8 +114,8 @@ TEST_CASE("UTF-16 and Latin-1 are read, quotes protect separators, and the diale
     for (const bool mark : {false, true}) check_read(utf16(text, big_endian, mark), values);
   check_read("\xef\xbb\xbf" + text, values);
   const TemporaryFolder folder;
-  const CsvTable table = read_table(
-      put_plain(folder.file("l.csv"), "\"Zeit, lokal\";Weg_\xb5m;Temp_\xb0" "C\n0,5;1,25;2\n0,6;1,5;3\n"));
+  const CsvTable table = read_table(put_plain(folder.file("l.csv"), "\"Zeit, lokal\";Weg_\xb5m;Temp_\xb0"
+                                                                    "C\n0,5;1,25;2\n0,6;1,5;3\n"));
   CHECK(table.names == std::vector<std::string>{"Zeit, lokal", "Weg_\u00b5m", "Temp_\u00b0C"});
   CHECK(table.values[1] == std::vector<double>{1.25, 1.5});
   REQUIRE(table.problems.size() == 1);
@@ -139,7 +139,9 @@ TEST_CASE("dates and epoch times in every unit become seconds from the first row
       REQUIRE(run.t_s()[static_cast<std::size_t>(i)] == Approx(i * interval_s).margin(tolerance_s));
   };
   const long step_us = std::lround(interval_s * 1e6);
-  check_times([&](int i) { return fmt::format("{}.{:06d}", start_s + i * step_us / 1'000'000, i * step_us % 1'000'000); }, 1e-5);
+  check_times(
+      [&](int i) { return fmt::format("{}.{:06d}", start_s + i * step_us / 1'000'000, i * step_us % 1'000'000); },
+      1e-5);
   check_times([&](int i) { return fmt::format("{}", start_s * 1000 + i * step_us / 1000); }, 1e-5);
   check_times([&](int i) { return fmt::format("{}", start_s * 1'000'000 + i * step_us); }, 1e-5);
   check_times([&](int i) { return fmt::format("{}", (start_s * 1'000'000 + i * step_us) * 1000); }, 1e-5);
@@ -148,9 +150,7 @@ TEST_CASE("dates and epoch times in every unit become seconds from the first row
   for (const char* form : {"2026-01-03T23:59:{:02d}.{:06d}Z", "2026-01-03 23:59:{:02d}.{:06d}",
                            "03.01.2026 23:59:{:02d}.{:06d}", "23:59:{:02d}.{:06d}"})
     check_times(
-        [&](int i) {
-          return fmt::format(fmt::runtime(form), 10 + i * step_us / 1'000'000, i * step_us % 1'000'000);
-        },
+        [&](int i) { return fmt::format(fmt::runtime(form), 10 + i * step_us / 1'000'000, i * step_us % 1'000'000); },
         1e-5);
 }
 

@@ -25,6 +25,7 @@ constexpr double furthest = 0.6;
 constexpr double least_motion = 0.01;  ///< of the stroke: less is no motion in any unit
 constexpr double atmosphere_share = 0.3, supply_share = 1.5;  ///< as the loop's limits of a pressure
 constexpr double command_share = 1.05;
+constexpr double slowest_spike_s = 2e-3;  ///< between rows; a chamber may go there and back in more
 
 struct Unit {
   double factor;
@@ -62,101 +63,108 @@ std::vector<UnitReading> position_readings(double stroke_m, const Range& range) 
           {factor, -0.5 * stroke_m, fmt::format("{}{}counted from the retracted end", name, name.empty() ? "" : ", ")});
   };
   add(1, "");
-  if (!out.empty()) return out;
+  if (!out.empty() || range.span() <= 2 * furthest * stroke_m) return out;  // metres, whose zero is another
   for (const Unit& unit : length_units) add(unit.factor, unit.name);
   return out;
 }
 
-/// Guard of one channel as the loop has it, at the recording's interval.
-InputGuard guard_of(const PlausibleChannel& plausible) {
-  InputGuard guard;
-  guard.configure(plausible);
-  return guard;
-}
+/// What a channel may do from one row to the next. Values in its unit.
+struct Plausible {
+  double lowest = -infinite, highest = infinite;  ///< outside: no measurement
+  double slack = 0;     ///< noise and quantum make this much of a step
+  double excursion = infinite;  ///< no more than this away from both neighbours, which agree
+  int frozen_rows = 0;  ///< equal values in a row that the sensor's noise rules out; 0: equality proves nothing
+};
 
-PlausibleChannel plausible_position(const Rig& rig, double interval_s) {
+/// A slider gets no further from a straight course than full supply, or the full drive, takes it in a row's time; three
+/// times that is beyond any payload's error. Equal values prove nothing: a slider rests.
+Plausible plausible_position(const Rig& rig, double interval_s) {
   const PositionSensorParameters& sensor = rig.sensors.position;
-  PlausibleChannel out;
-  out.highest = rig.axis.cylinder.stroke_m > 0 ? rig.axis.cylinder.stroke_m : infinite;
-  out.lowest = -out.highest;
+  const CylinderParameters<double>& cylinder = rig.axis.cylinder;
+  const double force_N = rig.kind == RigKind::driven_axis
+                             ? rig.drive.force_max_N
+                             : rig.axis.supply.pressure_Pa * std::max(cylinder.area_1_m2, cylinder.area_2_m2);
+  const double mass_kg = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
+  Plausible out;
+  if (cylinder.stroke_m > 0) out.highest = cylinder.stroke_m, out.lowest = -cylinder.stroke_m;
   out.slack = 6.0 * sensor.noise_m + sensor.quantum_m;
-  out.step_per_period = 10.0 * interval_s;  // 5 m/s, twice
-  out.stopping_step = std::max(0.1, 100.0 * interval_s) * interval_s + out.slack;
-  out.frozen_ticks = frozen_after_ticks(sensor.noise_m, sensor.quantum_m);
-  out.period_s = interval_s;
+  if (force_N > 0 && mass_kg > 0) out.excursion = out.slack + 3.0 * force_N / mass_kg * interval_s * interval_s;
   return out;
 }
 
-PlausibleChannel plausible_pressure(const Rig& rig, const PressureSensorParameters& sensor, double interval_s) {
-  PlausibleChannel out;
+/// As the loop: 5 % of the supply there and back within two rows is beyond what lines and chambers do.
+Plausible plausible_pressure(const Rig& rig, const PressureSensorParameters& sensor) {
+  Plausible out;
   out.lowest = atmosphere_share * rig.axis.air.atmosphere_Pa;
   out.highest = supply_share * rig.axis.supply.pressure_Pa;
   out.slack = 6.0 * sensor.noise_Pa + sensor.quantum_Pa;
-  // Twice the whole supply in 0.1 s is beyond any line; a period of 1 ms may hold 5 % of it as in the loop.
-  out.step_per_period = rig.axis.supply.pressure_Pa * std::clamp(50.0 * interval_s, 0.05, 1.0);
-  out.frozen_ticks = frozen_after_ticks(sensor.noise_Pa, sensor.quantum_Pa);
-  out.period_s = interval_s;
+  out.excursion = out.slack + 0.05 * rig.axis.supply.pressure_Pa;
+  out.frozen_rows = frozen_after_ticks(sensor.noise_Pa, sensor.quantum_Pa);
   return out;
 }
 
-/// What a guard took out of one column.
+/// What was taken out of one column.
 struct TakenOut {
   std::size_t impossible = 0, frozen = 0;
   double first_frozen_s = no_value, last_frozen_s = no_value;
 };
 
+enum SampleVerdict : char { good, is_impossible, is_frozen };
+
+/// Up to two values that stand apart from both neighbours, on one side, while these agree.
+void mark_spikes(const std::vector<double>& y, double excursion, std::vector<char>& verdict) {
+  for (std::size_t width = 1; width <= 2; ++width)
+    for (std::size_t i = 1; i + width < y.size(); ++i) {
+      const double before = y[i - 1], after = y[i + width];
+      double least = infinite, sides = 0;
+      for (std::size_t k = i; k < i + width; ++k) {
+        const double apart = std::min(std::abs(y[k] - before), std::abs(y[k] - after));
+        least = std::isfinite(y[k]) ? std::min(least, apart) : 0;
+        sides += (y[k] > before ? 1 : -1) + (y[k] > after ? 1 : -1);
+      }
+      if (!(least > excursion) || std::abs(sides) < 2.0 * static_cast<double>(width)) continue;
+      if (!(std::abs(after - before) < 0.25 * least)) continue;  // NaN too
+      std::fill_n(verdict.begin() + static_cast<std::ptrdiff_t>(i), width, is_impossible);
+    }
+}
+
 /// Steps elsewhere that a step out of a standstill must exceed so many times to prove the standstill a frozen sensor.
 constexpr double step_of_a_jump = 5;
+constexpr std::size_t least_standstill = 20;  ///< rows, as the loop's
 
-/// Marks runs of equal values that end in a step no motion of this recording makes.
-void mark_frozen_before_jumps(const std::vector<double>& values, double slack, std::vector<char>& bad) {
+/// Runs of equal values that the noise rules out, or that end in a step no motion of this recording makes. The first
+/// value of a run was measured.
+void mark_frozen(const std::vector<double>& y, const Plausible& plausible, std::vector<char>& verdict) {
   std::vector<double> steps;
-  for (std::size_t i = 1; i < values.size(); ++i)
-    if (values[i] != values[i - 1]) steps.push_back(std::abs(values[i] - values[i - 1]));
-  const double least = std::max(step_of_a_jump * quantile(steps, 0.99), 10 * slack);
-  for (std::size_t first = 0, end = 0; first < values.size(); first = end) {
-    while (end < values.size() && values[end] == values[first]) ++end;
-    if (end == first) ++end;  // no value
-    else if (end - first >= InputGuard::stopped_ticks && end < values.size() &&
-             std::abs(values[end] - values[first]) > least)
-      std::fill(bad.begin() + static_cast<std::ptrdiff_t>(first) + 1, bad.begin() + static_cast<std::ptrdiff_t>(end),
-                2);
+  for (std::size_t i = 1; i < y.size(); ++i)
+    if (y[i] != y[i - 1]) steps.push_back(std::abs(y[i] - y[i - 1]));
+  const double jump = std::max(step_of_a_jump * quantile(steps, 0.99), 10 * plausible.slack);
+  for (std::size_t first = 0, end = 0; first < y.size(); first = end) {
+    end = first + 1;
+    while (end < y.size() && y[end] == y[first]) ++end;
+    const bool by_noise = plausible.frozen_rows > 0 && end - first > static_cast<std::size_t>(plausible.frozen_rows);
+    const bool by_jump = end - first >= least_standstill && end < y.size() && std::abs(y[end] - y[first]) > jump;
+    if (by_noise || by_jump)
+      std::fill(verdict.begin() + static_cast<std::ptrdiff_t>(first) + 1,
+                verdict.begin() + static_cast<std::ptrdiff_t>(end), is_frozen);
   }
 }
 
-TakenOut guard_column(const PlausibleChannel& plausible, const std::vector<double>& t_s, std::vector<double>& values) {
-  InputGuard guard = guard_of(plausible);
+TakenOut judge_column(const Plausible& plausible, const std::vector<double>& t_s, std::vector<double>& values) {
+  std::vector<char> verdict(values.size(), good);
+  mark_frozen(values, plausible, verdict);
+  mark_spikes(values, plausible.excursion, verdict);
   TakenOut out;
-  std::vector<char> bad(values.size(), 0);
-  std::size_t last = values.size();  // row of the last value
   for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!std::isfinite(values[i])) continue;
-    const bool is_possible = values[i] >= plausible.lowest && values[i] <= plausible.highest;
-    const double periods = last < i ? std::max(1.0, std::round((t_s[i] - t_s[last]) / plausible.period_s)) : 1.0;
-    last = i;
-    guard.check({.value = values[i], .age_s = 0.0, .valid = true}, periods);
-    if (guard.bridged) {
-      bad[i] = 1;
-    } else if (guard.jumped || guard.missing) {  // for good: what came since is another level, not a spike
-      guard.reset();
-      if (guard.check({.value = values[i], .age_s = 0.0, .valid = true}); is_possible)
-        for (std::size_t k = i;
-             k > 0 && bad[k - 1] == 1 && values[k - 1] >= plausible.lowest && values[k - 1] <= plausible.highest; --k)
-          bad[k - 1] = 0;
-    } else if (guard.frozen) {
-      for (std::size_t k = i; k > 0 && values[k - 1] == values[i] && bad[k] == 0; --k) bad[k] = 2;
-    }
-    if (!is_possible) bad[i] = 1;
-  }
-  mark_frozen_before_jumps(values, plausible.slack, bad);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (bad[i] == 2) {
+    if (values[i] < plausible.lowest || values[i] > plausible.highest) verdict[i] = is_impossible;
+    if (verdict[i] == good) continue;
+    out.impossible += verdict[i] == is_impossible;
+    if (verdict[i] == is_frozen) {
       ++out.frozen;
       if (!std::isfinite(out.first_frozen_s)) out.first_frozen_s = t_s[i];
       out.last_frozen_s = t_s[i];
     }
-    out.impossible += bad[i] == 1;
-    if (bad[i] != 0) values[i] = no_value;
+    values[i] = no_value;
   }
   return out;
 }
@@ -297,16 +305,17 @@ void take_out_impossible_samples(const Rig& rig, Recording& recording, std::vect
   if (!std::isfinite(interval_s)) return;
   if (recording.has("x_m"))
     tell_taken(recording, "x_m",
-               guard_column(plausible_position(rig, interval_s), recording.t_s(), recording.column("x_m")), notes);
+               judge_column(plausible_position(rig, interval_s), recording.t_s(), recording.column("x_m")), notes);
   if (rig.kind != RigKind::cylinder) return;
   for (const std::string& column : pressure_columns(recording)) {
     const SensorsParameters& sensors = rig.sensors;
     const PressureSensorParameters& sensor = column == "p_supply_Pa"                    ? sensors.supply_pressure
                                              : column.find("port") != std::string::npos ? sensors.port_pressure
                                                                                         : sensors.chamber_pressure;
-    tell_taken(recording, column,
-               guard_column(plausible_pressure(rig, sensor, interval_s), recording.t_s(), recording.column(column)),
-               notes);
+    Plausible plausible = plausible_pressure(rig, sensor);
+    // A hose that bursts takes the supply away at once; rows far apart show no spike.
+    if (column == "p_supply_Pa" || interval_s > slowest_spike_s) plausible.excursion = infinite;
+    tell_taken(recording, column, judge_column(plausible, recording.t_s(), recording.column(column)), notes);
   }
 }
 

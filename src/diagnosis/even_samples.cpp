@@ -10,9 +10,8 @@ namespace pneuservo {
 namespace {
 
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
-/// Of an interval: rows this close to their sample are taken as they stand. A slider at 1 m/s and 1 ms moves 50 um in
-/// that, which the smoothing over 5 ms and more takes out.
-constexpr double same_place = 0.05;
+/// Of an interval: rows this close to their sample are taken as they stand. At 1 m/s and 1 ms that is a micrometre.
+constexpr double same_place = 1e-3;
 
 /// Value at t of the cubic through four points, or of the line through the inner two.
 double value_between(const std::vector<double>& t, const std::vector<double>& y, std::size_t i, double at,

@@ -45,6 +45,7 @@ std::vector<Span> gaps_of(const Recording& recording, const std::vector<std::str
     if (t.back() - known.back() > longest) gaps.emplace_back(known.back(), t.back());
   }
   std::sort(gaps.begin(), gaps.end());
+  gaps.erase(std::unique(gaps.begin(), gaps.end()), gaps.end());  // rows that are missing lack every column
   return gaps;
 }
 

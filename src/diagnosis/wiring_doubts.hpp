@@ -18,8 +18,8 @@ void doubt_wiring(const Rig& rig, Recording& recording, std::vector<std::string>
 /// period earlier than a held one.
 void doubt_sampling(const Rig& rig, Recording& recording, std::vector<std::string>& notes);
 
-/// Simulated under the recorded command and motion, the ports' root mean square difference from the measured ones as a
-/// share of how these vary; infinite where nothing can be simulated. At most the first seconds are taken.
+/// Simulated under the recorded command and motion: root mean square difference from the measured pressures as a share
+/// of how the ports vary; infinite where nothing can be simulated. At most the first seconds are taken.
 double port_misfit(const Rig& rig, const Recording& recording);
 
 }  // namespace pneuservo

@@ -25,7 +25,7 @@ Rig drawn_machine(std::mt19937& generator, const Rig& owner) {
   Rig machine = owner;
   machine.axis.valve.area_per_volt_m2_per_V *= 1 + 0.04 * uniform(generator);
   machine.axis.supply.pressure_Pa *= 1 + 0.01 * uniform(generator);
-  machine.axis.effects.valve.valve_dead_band.width_V = 0.05 * (1 + uniform(generator));
+  machine.axis.effects.valve.valve_dead_band.width_V = 0.01 * (1 + uniform(generator));
   return machine;
 }
 

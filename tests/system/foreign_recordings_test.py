@@ -69,7 +69,7 @@ def friction_of(found, name):
     names = [answer["effect"] for answer in found["answers"]]
     sizes = found["answers"][0]["parameters"] if names else {}
     size = sizes.get("force_N") or sizes.get("coulomb_force_N")
-    expect(size is not None, f"{name}: {names} instead of dry friction: {found['warnings']}")
+    expect(size is not None, f"{name}: {names} instead of dry friction: {found['data']['warnings']}")
     return names, size["value"]
 
 
@@ -77,11 +77,11 @@ def expect_coulomb(name, path, *more, rig=config, told=()):
     """The verdict on the whole recording, with its size."""
     found = diagnosis(path, *more, rig=rig)
     names, force_N = friction_of(found, name)
-    expect(len(names) == 1, f"{name}: {names} instead of one name: {found['warnings']}")
-    expect(names[0] in ("coulomb_friction", "stribeck_friction"), f"{name}: {names}: {found['warnings']}")
+    expect(len(names) == 1, f"{name}: {names} instead of one name: {found['data']['warnings']}")
+    expect(names[0] in ("coulomb_friction", "stribeck_friction"), f"{name}: {names}: {found['data']['warnings']}")
     expect(abs(force_N - COULOMB_N) < 0.02 * COULOMB_N, f"{name}: {force_N} N instead of {COULOMB_N}")
     for word in told:
-        expect(any(word in line for line in found["warnings"]), f"{name}: '{word}' is not told: {found['warnings']}")
+        expect(any(word in line for line in found["data"]["warnings"]), f"{name}: '{word}' is not told: {found['data']['warnings']}")
 
 
 whole = rows(0.001)

@@ -91,10 +91,9 @@ void add_element_shares(const Decision& decision, const Search& search, Diagnosi
                    [](const ElementShare& a, const ElementShare& b) { return a.share > b.share; });
 }
 
-/// Where something sits that has no name: the element whose patterns over all channels take most of what is left on the
-/// owner's model.
-void add_unknown(ResidualModel& model, const Decision& decision, const Search& search, const DecisionRules& rules,
-                 Diagnosis& out) {
+/// What the patterns of each element over all channels take of what is left on the owner's model.
+std::vector<ElementPattern> patterns_of_elements(ResidualModel& model, const Search& search,
+                                                 const DecisionRules& rules) {
   const Hypothesis here = search.owner().fit.hypothesis();
   const ModelLevels owner = model_levels(model, here, rules);
   std::vector<Hypothesis> hypotheses;
@@ -116,8 +115,30 @@ void add_unknown(ResidualModel& model, const Decision& decision, const Search& s
   patterns.colwise() -= owner.residual;
   for (Eigen::Index c = 0; c < patterns.cols(); ++c)
     if (!patterns.col(c).allFinite()) patterns.col(c).setZero();
+  return element_patterns(model.rows(), owner.residual, patterns, elements);
+}
+
+/// The same by what the screening says that each name would gain: for those who asked to stop.
+std::vector<ElementPattern> screened_elements(const Search& search) {
+  std::map<std::string, double> gains;
+  for (const Screened& s : search.first_screening()) {
+    double& gain = gains[search.candidates()[s.candidate].element];
+    gain = std::max(gain, s.gain);
+  }
+  std::vector<ElementPattern> out;
+  for (const auto& [element, gain] : gains) out.push_back({element, gain});
+  std::stable_sort(out.begin(), out.end(),
+                   [](const ElementPattern& a, const ElementPattern& b) { return a.explained > b.explained; });
+  return out;
+}
+
+/// Where something sits that has no name: the element whose patterns over all channels take most of what is left on the
+/// owner's model.
+void add_unknown(ResidualModel& model, const Decision& decision, const Search& search, const DecisionRules& rules,
+                 Diagnosis& out) {
   double sum = 1e-300;
-  const std::vector<ElementPattern> ranked = element_patterns(model.rows(), owner.residual, patterns, elements);
+  const std::vector<ElementPattern> ranked =
+      out.stopped ? screened_elements(search) : patterns_of_elements(model, search, rules);
   std::vector<ElementPattern> patterns_by_element = ranked;
   std::string element = decision.element;
   if (decision.levels.line && element.empty()) {  // a periodic part in the force or the supply sits there

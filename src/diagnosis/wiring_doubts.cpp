@@ -114,7 +114,8 @@ void take_reading(const Rig& rig, Recording& recording, const std::vector<UnitRe
   if (reading.factor == 1 && reading.offset == 0) return;
   for (const std::string& column : columns) apply_reading(reading, recording.column(column));
   notes.push_back(fmt::format("{}: taken for {}; to state it: {}{}", evidence, reading.name,
-                              stated_reading(columns.front(), reading), columns.size() > 1 ? ", the others alike" : ""));
+                              stated_reading(columns.front(), reading),
+                              columns.size() > 1 ? ", the others alike" : ""));
 }
 
 /// How much earlier the drive force comes than what the motion needs, and its standard error [s]: what stands before
@@ -208,7 +209,7 @@ void doubt_wiring(const Rig& rig, Recording& recording, std::vector<std::string>
       Recording other = judged;
       tried[i].apply(other);
       const double here = port_misfit(rig, other);
-          if (here < least) least = here, best = i;
+      if (here < least) least = here, best = i;
     }
     if (best == tried.size() || !(least < decisive * misfit)) return;
     tried[best].apply(judged);

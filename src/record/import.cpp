@@ -240,7 +240,10 @@ std::vector<Recording> read_recordings(const std::string& path, const std::optio
     if (out.size() == 1) run.problems = table.problems;
     if (is_own) read_keys(run);
     else if (columns.telling.empty()) mend_times(run);
-    if (imported) put_in_order(run);
+    if (imported) {
+      put_in_order(run);
+      for (const auto& [name, source] : imported->columns) run.sampling[name] = source.sampling;
+    }
     take_interval(run, period_s);
     check_times(run);
   }

@@ -6,16 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include <pneuservo/record/import_parameters.hpp>
+
 #include "record/table.hpp"
 
 namespace pneuservo {
-
-/// What a column's value says of the time until the next row.
-enum class Sampling {
-  unstated,  ///< a command or drive force: held over a period of the loop; anything else: of its instant
-  held,      ///< acts unchanged until the next row
-  instant,   ///< read at the row's time; between rows it changed
-};
 
 /// A table with strictly increasing `t_s`; rows that break the order are reported and left out.
 struct Recording : CsvTable {

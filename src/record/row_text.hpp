@@ -14,7 +14,7 @@ const std::vector<std::string>& row_columns();
 /// Turns rows into lines; only the chosen columns, in file order whatever the order of the choice.
 class RowText {
  public:
-  static constexpr std::size_t column_count = 31;
+  static constexpr std::size_t column_count = 32;
   static constexpr std::size_t line_size_max = column_count * 32;
 
   /// Empty = all columns; `t_s` is always there. Throws InputError on a name that Row does not have.

@@ -199,7 +199,7 @@ void tell_end(const RunOptions& options, const Rig& rig, const Backend& backend,
 }
 
 /// A move for the report. Of a long run only the last rows are kept: its window begins where they do.
-RunResult result_of(const RunOptions& options, const Rig& rig, const RunOutcome& outcome, const MoveSpan& span) {
+RunResult result_of(const Rig& rig, const RunOutcome& outcome, const MoveSpan& span) {
   RunResult run;
   run.pressure_source = pressure_word(rig, rig.controller.pd_force.pressure_source);
   run.feedforward = feedforward_word(rig.controller);
@@ -276,7 +276,7 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   watch.reset();
   tell_end(options, rig, *backend, outcome, whole);
   note_what_is_shown(outcome, report);
-  for (const MoveSpan& span : outcome.moves) report.runs.push_back(result_of(options, rig, outcome, span));
+  for (const MoveSpan& span : outcome.moves) report.runs.push_back(result_of(rig, outcome, span));
   return outcome.faults.empty() && whole;
 }
 

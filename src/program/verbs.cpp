@@ -15,7 +15,7 @@ const std::vector<AddVerb>& all_verbs() {
 }
 
 bool moves_an_axis(std::string_view verb) {
-  constexpr std::array<std::string_view, 5> moving{"run", "home", "zero", "commission", "device"};
+  constexpr std::array<std::string_view, 6> moving{"run", "home", "zero", "commission", "device", "guard"};
   return std::find(moving.begin(), moving.end(), verb) != moving.end();
 }
 

@@ -320,6 +320,14 @@ void CanBackend::deactivate() noexcept {
   for (const std::uint8_t node : node_numbers_) bus_->send(nmt_frame(NmtCommand::enter_pre_operational, node));
 }
 
+bool CanBackend::emergency_write() noexcept {
+  if (!bus_ || !active_) return true;
+  bool all = send_outputs(safe_commands_V(rig_));
+  for (const std::uint8_t node : node_numbers_)
+    all = bus_->send(nmt_frame(NmtCommand::enter_pre_operational, node)) == Sent::sent && all;
+  return all;
+}
+
 Origins CanBackend::origins() const {
   Origins all;
   for (const CanChannel& channel : channels_)

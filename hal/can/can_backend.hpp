@@ -40,6 +40,8 @@ class CanBackend final : public Backend {
   bool read(std::int64_t tick, Measurement& measurement) noexcept override;
   bool write(std::int64_t tick, const Command& command) noexcept override;
   void deactivate() noexcept override;
+  /// Outputs, SYNC, and the nodes to pre-operational, so that their substitute output holds whatever comes after.
+  bool emergency_write() noexcept override;
   Origins origins() const override;
   SafeOutput safe_output() const override { return safe_output_; }
   std::vector<std::string> notes() const override;

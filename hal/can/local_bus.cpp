@@ -6,6 +6,7 @@
 
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -60,7 +61,7 @@ void LocalBus::listen_on_path() {
   const std::string who = somebody ? peer_text(probe) : "";
   close(probe);
   if (somebody) throw std::runtime_error(name() + ": somebody listens there already: " + who);
-  unlink(path_.c_str());  // left behind by a process that was killed
+  remove_old_socket();
   listener_ = new_socket(path_);
   if (bind(listener_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       listen(listener_, static_cast<int>(most_peers)) != 0) {
@@ -69,13 +70,25 @@ void LocalBus::listen_on_path() {
     errno = reason;
     fail_with_errno(name(), "cannot be listened on");
   }
+  struct stat made{};
+  if (lstat(path_.c_str(), &made) == 0) inode_ = made.st_ino;
+}
+
+// Left behind by a process that was killed. Whatever else stands there is not ours.
+void LocalBus::remove_old_socket() const {
+  struct stat found{};
+  if (lstat(path_.c_str(), &found) != 0) return;
+  if (!S_ISSOCK(found.st_mode))
+    throw std::runtime_error(name() + ": found something else than a socket there, expected a path of its own");
+  unlink(path_.c_str());
 }
 
 LocalBus::~LocalBus() {
   while (peers_ > 0) hang_up(0);
   if (listener_ < 0) return;
   close(listener_);
-  unlink(path_.c_str());
+  struct stat found{};
+  if (lstat(path_.c_str(), &found) == 0 && S_ISSOCK(found.st_mode) && found.st_ino == inode_) unlink(path_.c_str());
 }
 
 void LocalBus::hang_up(std::size_t peer) noexcept {

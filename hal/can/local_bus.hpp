@@ -1,6 +1,7 @@
 // A local socket that stands in for a bus between two processes (unix:PATH): the same frames, no kernel CAN needed.
 #pragma once
 #include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,8 @@ namespace pneuservo {
 class LocalBus final : public CanCarrier {
  public:
   enum class Side { listens, connects };
-  /// Throws std::runtime_error: path too long, nobody listens, somebody listens already.
+  /// Throws std::runtime_error: path too long, nobody listens, somebody listens already, or something else than a
+  /// socket stands there.
   LocalBus(const std::string& path, Side side);
   ~LocalBus() override;
   LocalBus(const LocalBus&) = delete;
@@ -37,6 +39,7 @@ class LocalBus final : public CanCarrier {
   };
 
   void listen_on_path();
+  void remove_old_socket() const;
   void add_peer(int socket);
   void hang_up(std::size_t peer) noexcept;
   Sent send_but(std::size_t left_out, const CanFrame& frame) noexcept;
@@ -45,6 +48,7 @@ class LocalBus final : public CanCarrier {
   int listener_ = -1;
   std::array<Peer, most_peers> peer_{};
   std::size_t peers_ = 0;
+  std::uint64_t inode_ = 0;  // of the socket that was made
 };
 
 }  // namespace pneuservo

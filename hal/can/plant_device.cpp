@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include <pneuservo/record/ring.hpp>
+
 #include "config/input_error.hpp"
 
 namespace pneuservo {
@@ -132,14 +134,48 @@ void PlantDevice::take_command() {
           signal.channel.object.index(), signal.channel.object.sub(),
           static_cast<std::uint32_t>(signal.counts.raw_of(commands_V_[signal.channel.channel])));
   plant_.write(tick_, plant_faults_.command(time_s(), {commands_V_[0], commands_V_[1]}));
+  record();
+}
+
+std::vector<std::string> PlantDevice::recorded_columns(const Rig& rig) {
+  std::vector<std::string> columns{"t_s",
+                                   "x_m",
+                                   "v_mps",
+                                   "p1_port_Pa",
+                                   "p2_port_Pa",
+                                   "p_supply_Pa",
+                                   "x_true_m",
+                                   "p1_chamber_true_Pa",
+                                   "p2_chamber_true_Pa"};
+  if (rig.kind == RigKind::servo_table) columns.insert(columns.end(), {"u1_V", "u2_V"});
+  else columns.emplace_back("u_V");
+  return columns;
+}
+
+// A row that finds no room is lost; the writer counts it.
+void PlantDevice::record() noexcept {
+  if (ring_ == nullptr) return;
+  Row row;
+  row.t_s = time_s();
+  row.x_m = measured_.position_m.value;
+  row.v_mps = plant_.speed_mps();
+  row.u_V = row.u1_V = commands_V_[0];
+  row.u2_V = commands_V_[1];
+  row.p1_port_Pa = measured_.port_pressure_1_Pa.value;
+  row.p2_port_Pa = measured_.port_pressure_2_Pa.value;
+  row.p_supply_Pa = measured_.supply_pressure_Pa.value;
+  const Truth truth = plant_.truth();
+  row.x_true_m = truth.position_m;
+  row.p1_chamber_true_Pa = truth.chamber_pressure_1_Pa;
+  row.p2_chamber_true_Pa = truth.chamber_pressure_2_Pa;
+  ring_->push(row);
 }
 
 void PlantDevice::sample_inputs() {
-  Measurement measured;
-  plant_.read(tick_, measured);
+  plant_.read(tick_, measured_);
   plant_faults_.apply(time_s(), plant_);
-  sample_faults_.apply(tick_, time_s(), measured);
-  const auto channels = channels_of(measured);
+  sample_faults_.apply(tick_, time_s(), measured_);
+  const auto channels = channels_of(measured_);
   for (const Signal& signal : signals_) {
     if (signal.channel.is_output || signal.channel.is_readback) continue;
     const double value = channels[signal.channel.channel]->value;

@@ -28,6 +28,7 @@ class ComediBackend final : public Backend {
   bool read(std::int64_t tick, Measurement& measurement) noexcept override;
   bool write(std::int64_t tick, const Command& command) noexcept override;
   void deactivate() noexcept override;
+  bool emergency_write() noexcept override { return !board_ || !active_ || set_outputs(safe_commands()); }
   Origins origins() const override;
   SafeOutput safe_output() const override { return safe_output_; }
   std::vector<std::string> notes() const override;

@@ -110,6 +110,12 @@ void CompositeBackend::deactivate() noexcept {
   for (Source& source : sources_) source.backend->deactivate();
 }
 
+bool CompositeBackend::emergency_write() noexcept {
+  bool all = true;
+  for (Source& source : sources_) all = source.backend->emergency_write() && all;
+  return all;
+}
+
 std::vector<std::string> CompositeBackend::notes() const {
   std::vector<std::string> all;
   for (const Source& source : sources_)

@@ -60,6 +60,10 @@ TEST_CASE("a local socket carries frames both ways with time stamps, and tells w
   const TemporaryFolder folder;
   const std::string path = folder.file("bus");
   REQUIRE_THROWS_WITH(LocalBus(path, LocalBus::Side::connects), Catch::Contains("nobody listens there"));
+  put_plain(path, "not ours");
+  REQUIRE_THROWS_WITH(LocalBus(path, LocalBus::Side::listens), Catch::Contains("something else than a socket"));
+  REQUIRE(bytes_of(path) == "not ours");
+  std::filesystem::remove(path);
   LocalBus device(path, LocalBus::Side::listens);
   REQUIRE_FALSE(device.is_up());
   REQUIRE(device.send(sync_frame()) == Sent::down);

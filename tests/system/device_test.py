@@ -2,7 +2,7 @@
 # The verb device and a controller as two processes with real frames between them, over a local socket; what the fault of a
 # node does, and the way back. On a kernel with CAN the same over vcan0.
 # tags: timing
-import atexit, gzip, json, os, subprocess, sys, tempfile, time
+import atexit, gzip, json, os, re, signal, subprocess, sys, tempfile, time
 
 import yaml
 
@@ -10,6 +10,7 @@ from program import expect, expect_refusal, program, run
 
 CONFIG = "config/can/cylinder-10m-7.65mm.yaml"
 folder = tempfile.mkdtemp()
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup it would stay ignored, on purpose
 # Slow enough for a loaded machine; what is shown here is no matter of speed.
 SLOW = ["period_s=0.02", "hal.can.heartbeat_s=0.1", "hal.can.watchdog_s=0.5", "hal.can.nodes.io.heartbeat_s=0.2",
         "hal.can.nodes.encoder.heartbeat_s=0.2", "estimator.cells_per_m=0.5", "controller.velocity_filter_s=0.05",
@@ -47,7 +48,7 @@ def control(interface, duration_s, *more):
 
 
 for interface in interfaces():
-    record = os.path.join(folder, "run.csv.gz")
+    record = os.path.join(folder, interface.replace("/", "-") + ".csv.gz")
     device = Device(interface)
     done = control(interface, 3, "--record", record, "--json", "-")
     expect(done.returncode == 0, f"{interface}: status {done.returncode}: {done.stderr}")
@@ -90,6 +91,33 @@ for interface in interfaces():
     expect(done.returncode == 1 and "fault: port_pressure_1_missing" in done.stderr, f"scenario: {done.stderr}")
     device.end()
 
+# How a controller ends, with a watchdog that comes too late to matter: every signal that can be caught leaves the safe output
+# and a recording; after a crash there is a last record beside it. kill -9 shows that the valve was open.
+for number in (signal.SIGHUP, signal.SIGQUIT, signal.SIGTSTP, signal.SIGUSR1, signal.SIGALRM, signal.SIGSEGV, signal.SIGABRT,
+               signal.SIGKILL):
+    bus_path = "unix:" + os.path.join(folder, "ends")
+    late_watchdog = ["--set", "hal.can.watchdog_s=30", "--set", "reference.amplitude_m=0.04"]
+    device = Device(bus_path, *late_watchdog)
+    record = os.path.join(folder, f"{number.name}.csv.gz")
+    controller = subprocess.Popen([program, "run", CONFIG, *sets, *late_watchdog, "--set", f"hal.can.interface={bus_path}", "--time", "real",
+                                   "--duration-s", "60", "--record", record], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(4.0)
+    controller.send_signal(number)
+    _, said = controller.communicate(timeout=60)
+    valve_V = float(re.search(r"valve (\S+) V", device.end()).group(1))
+    if number == signal.SIGKILL:
+        expect(abs(valve_V) > 1e-3, "kill -9: the valve was closed, the test shows nothing")
+        continue
+    expect(valve_V == 0.0, f"{number.name}: the valve has {valve_V} V: {said}")
+    done = run("replay", CONFIG, record, *sets, *late_watchdog, "--set", f"hal.can.interface={bus_path}")
+    expect(done.returncode == 0, f"{number.name}: replay: {done.stdout}{done.stderr}")
+    if number in (signal.SIGSEGV, signal.SIGABRT):
+        expect(controller.returncode == -number, f"{number.name}: status {controller.returncode}: {said}")
+        with open(record.replace(".csv.gz", ".crash.txt")) as file:
+            expect("safe output was sent to every device" in file.read(), f"{number.name}: the last record")
+    else:
+        expect(controller.returncode == 0 and f"stopped by {number.name}" in said and "cut off" not in done.stderr,
+               f"{number.name}: status {controller.returncode}: {said}{done.stderr}")
     # Commands that no longer arrive, and two answers a cycle: both ways to the safe state, and words for what is known.
     for scenario, fault, words in (("deaf-output", "output_unconfirmed", "NOT confirmed"),
                                    ("pre-operational", "", "NOT confirmed"),

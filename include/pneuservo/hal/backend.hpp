@@ -35,6 +35,9 @@ class Backend {
   virtual bool write(std::int64_t tick, const Command& command) noexcept = 0;
   /// Puts the outputs into the declared safe state and releases the devices; may be called twice.
   virtual void deactivate() noexcept = 0;
+  /// The program crashed: the safe output once more, with nothing but what a handler of signals may call. False: a
+  /// device refused it. Backends without devices have nothing to do.
+  virtual bool emergency_write() noexcept { return true; }
 
   /// What the simulated plant really does; absent (NaN) for real hardware. Never reaches estimator or controller.
   virtual Truth truth() const noexcept { return {}; }

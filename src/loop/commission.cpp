@@ -147,10 +147,11 @@ void join(AnswerFit& sum, const AnswerFit& one) {
   sum.scale = sum.model_square > 0.0 ? sum.measured_model / sum.model_square : 0.0;
 }
 
-double size_of(const std::vector<double>& values) {
-  double square = 0.0;
+/// Root of the sum of squares, less that of white noise.
+double size_of(const std::vector<double>& values, double noise) {
+  double square = -noise * noise * static_cast<double>(values.size());
   for (const double value : values) square += value * value;
-  return std::sqrt(square);
+  return std::sqrt(std::max(square, 0.0));
 }
 
 // One probe against the model: the position finds the dead part of the command where it moved, the force where not.
@@ -165,12 +166,20 @@ void Commissioning::fit(const Probe& probe) {
     chambers[i] = has(3) && has(4) ? air_force_N(rig_, probe.chamber_Pa[i]) - chamber_rest_N : 0.0;
   }
   const bool moved = probe.end == ProbeEnd::moved || probe.end == ProbeEnd::too_fast || probe.end == ProbeEnd::little;
-  const double hardness = size_of(force) / std::max(size_of(model_answer(rig_, probe, 0.0).port_force_N), 1e-9);
-  const bool free = hardness < free_hardness;
-  hardness_ = std::max(hardness_, moved ? hardness : 0.0);
-  const double dead_V = moved && free ? find_dead_V(rig_, probe, way, &ModelAnswer::position_m)
-                                      : find_dead_V(rig_, probe, force, &ModelAnswer::port_force_N);
-  const ModelAnswer model = model_answer(rig_, probe, dead_V);
+  const auto& c = rig_.axis.cylinder;
+  force_noise_N_ = std::hypot(c.area_1_m2 * probe.before.rms[1], c.area_2_m2 * probe.before.rms[2]);
+  chamber_noise_N_ = std::hypot(c.area_1_m2 * probe.before.rms[3], c.area_2_m2 * probe.before.rms[4]);
+  ModelAnswer model;
+  double dead_V = moved ? find_dead_V(rig_, probe, way, &ModelAnswer::position_m) : 0.0;
+  if (moved) model = model_answer(rig_, probe, dead_V);
+  const double hardness =
+      moved ? size_of(force, force_noise_N_) / std::max(size_of(model.port_force_N, 0.0), 1e-9) : 0.0;
+  const bool free = moved && hardness < free_hardness;
+  hardness_ = std::max(hardness_, hardness);
+  if (!free) {
+    dead_V = find_dead_V(rig_, probe, force, &ModelAnswer::port_force_N);
+    model = model_answer(rig_, probe, dead_V);
+  }
   if (moved) {
     way_m_ += probe.direction * probe.moved_m;
     if (free) scales_.push_back(std::fabs(fit_answer(way, model.position_m).scale));
@@ -178,9 +187,6 @@ void Commissioning::fit(const Probe& probe) {
   }
   join(force_sum_, fit_answer(force, model.port_force_N));
   join(chamber_sum_, fit_answer(chambers, model.chamber_force_N));
-  const auto& c = rig_.axis.cylinder;
-  force_noise_N_ = std::hypot(c.area_1_m2 * probe.before.rms[1], c.area_2_m2 * probe.before.rms[2]);
-  chamber_noise_N_ = std::hypot(c.area_1_m2 * probe.before.rms[3], c.area_2_m2 * probe.before.rms[4]);
   ramp_V_per_s_ = std::max(ramp_V_per_s_, probe.ramp_V_per_s);
   result.farthest_m = std::max(result.farthest_m, probe.farthest_m);
   result.fastest_mps = std::max(result.fastest_mps, probe.fastest_mps);

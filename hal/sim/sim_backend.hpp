@@ -28,6 +28,7 @@ class SimBackend final : public Backend {
     plant_.set_chamber_leaks(chamber_leak_m2[0], chamber_leak_m2[1]);
   }
   Origins origins() const override;
+  SafeOutput safe_output() const override { return safe_output_; }
   std::string name() const override { return "sim"; }
 
  private:
@@ -39,6 +40,7 @@ class SimBackend final : public Backend {
   std::int64_t plant_tick_ = 0;
   bool started_ = false;
   Command command_;
+  SafeOutput safe_output_;
   Measurement last_;
   std::int64_t last_tick_ = -1;  // of last_; -1: none yet
 };

@@ -16,6 +16,7 @@
 
 namespace pneuservo {
 
+class FaultWatch;
 class GainMailbox;
 class RecordingRing;
 class RecordingWriter;
@@ -45,6 +46,8 @@ struct RunSettings {
   LoadPositions load{};  ///< references of kind `file`
   RecordingRing* ring = nullptr;  ///< real time: rows go here
   RecordingWriter* writer = nullptr;  ///< simulated time: rows go here
+  FaultWatch* fault_watch = nullptr;  ///< the first fault is noted here
+  std::string recording{};  ///< its path, for the last record of a crash
   GainMailbox* gains = nullptr;  ///< gains for the running loop come from here
   std::vector<LateTick> late{};  ///< injected: the loop comes so late, in order of their ticks
   std::vector<Suspend> suspends{};  ///< injected
@@ -53,8 +56,9 @@ struct RunSettings {
 
 /// What came out.
 struct RunOutcome {
-  std::vector<Row> rows;
-  std::vector<MoveSpan> moves;
+  std::vector<Row> rows;  ///< the last ones, at most Course::rows_kept_max
+  std::vector<MoveSpan> moves;  ///< those with rows
+  std::int64_t moves_begun = 0;
   std::vector<std::string> faults;  ///< in words, first cause first; empty for a good run
   std::size_t first_faults = 0;  ///< so many of them came in the first tick: the reason
   double fault_s = 0.0;  ///< time of the first tick with a fault; meaningful with faults

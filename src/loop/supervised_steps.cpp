@@ -23,13 +23,16 @@ Rig rig_without_zero(Rig rig) {
 
 SupervisedSteps::SupervisedSteps(const Rig& rig, Backend& backend, std::string name, bool real_time,
                                  std::uint64_t passed_over)
-    : rig_(rig), backend_(backend), name_(std::move(name)), real_time_(real_time), passed_over_(passed_over) {
+    : rig_(rig), backend_(backend), name_(std::move(name)), real_time_(real_time), passed_over_(passed_over),
+      last_resort_(backend, "", rig.period_s) {
   supervisor_.configure(rig_without_zero(rig), false);
   backend.activate();
 }
 
 SupervisedSteps::~SupervisedSteps() {
-  backend_.write(tick_ + 1, safe());
+  Command last = safe();
+  last.ended = true;
+  backend_.write(tick_ + 1, last);
   backend_.deactivate();
 }
 
@@ -52,6 +55,7 @@ void SupervisedSteps::run(const std::function<StepAnswer(const StepSample&)>& st
   for (bool done = false; !done; tick_ += 1 + skipped_) {
     if (StopRequest::requested()) refuse("stopped by a signal before its end");
     if (real_time_) MonotonicClock::sleep_until_ns(grid_->slot_ns());
+    LastResort::note_tick(tick_);
     StepSample sample{.tick = tick_,
                       .skipped = skipped_,
                       .t_s = static_cast<double>(tick_ - first) * rig_.period_s,

@@ -10,6 +10,8 @@
 #include <pneuservo/loop/supervisor.hpp>
 #include <pneuservo/rig/rig.hpp>
 
+#include "loop/last_resort.hpp"
+
 namespace pneuservo {
 
 /// One tick of a step: `raw` as it came, `in` as it was judged (NaN before the first good sample).
@@ -59,6 +61,7 @@ class SupervisedSteps {
   bool real_time_;
   std::uint64_t passed_over_;
   Supervisor supervisor_;
+  LastResort last_resort_;
   std::unique_ptr<TimeGrid> grid_;
   std::int64_t tick_ = 0, skipped_ = 0;
 };

@@ -13,6 +13,7 @@
 #include "loop/commission.hpp"
 #include "loop/realtime.hpp"
 #include "loop/realtime_stop.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "program/zeros.hpp"
@@ -29,7 +30,12 @@ struct CalibrateOptions {
 Rig read_calibrated(std::string_view verb, const CalibrateOptions& options) {
   const Rig rig = read_rig(options.config, with_zeros(options.config, options.sets, options.zeros));
   require_kind(verb, options.config, rig, {RigKind::cylinder, RigKind::servo_table});
-  require_writable("--write", options.write);
+  OutputFiles()
+      .reads("CONFIG", options.config)
+      .reads_of(rig)
+      .reads("--zeros", options.zeros)
+      .writes("--write", options.write, ResultKind::zeros)
+      .writes("--json", options.json, ResultKind::json);
   return rig;
 }
 
@@ -57,8 +63,8 @@ int report(const CalibrateOptions& options, const Rig& rig, const std::vector<Ch
 
 int home(const CalibrateOptions& options) {
   const Rig rig = read_calibrated("home", options);
-  const auto backend = opened(options, rig);
   StopRequest stop;
+  const auto backend = opened(options, rig);
   HomingSettings settings;
   settings.end = options.end == "high" ? HomingEnd::high : HomingEnd::low;
   settings.command_V = options.command_V;
@@ -96,9 +102,8 @@ nlohmann::ordered_json json_of(const Rig& rig, const CommissionResult& found) {
 
 int commission(const CalibrateOptions& options) {
   const Rig rig = read_calibrated("commission", options);
-  require_writable("--json", options.json);
-  const auto backend = opened(options, rig);
   StopRequest stop;
+  const auto backend = opened(options, rig);
   std::unique_ptr<RealTimeSession> session;
   if (options.time == "real") session = std::make_unique<RealTimeSession>(RealTimeSettings{});
   const CommissionResult found = commission_axis(rig, *backend, options.time == "real");
@@ -118,8 +123,8 @@ int commission(const CalibrateOptions& options) {
 
 int zero(const CalibrateOptions& options) {
   const Rig rig = read_calibrated("zero", options);
-  const auto backend = opened(options, rig);
   StopRequest stop;
+  const auto backend = opened(options, rig);
   return report(options, rig, find_pressure_zeros(rig, *backend, options.duration_s, options.time == "real"));
 }
 

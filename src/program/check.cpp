@@ -9,8 +9,10 @@
 #include "can/bus_interface.hpp"
 #include "config/read_rig.hpp"
 #include "loop/bus_check.hpp"
+#include "loop/device_grade.hpp"
 #include "loop/machine_check.hpp"
 #include "loop/rig_grade.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 
@@ -27,6 +29,7 @@ struct CheckOptions {
 std::vector<Finding> check_config(const std::string& path) {
   const Rig rig = read_rig(path);
   std::vector<Finding> findings = grade_rig(rig);
+  for (Finding& finding : grade_devices(rig)) findings.push_back(std::move(finding));
   if (!rig.hal || !rig.hal->can || rig.hal->can->interface.find(':') != std::string::npos) return findings;
   const CanBusParameters& bus = *rig.hal->can;
   for (Finding& finding : grade_bus_interface(bus.interface, read_bus_interface(bus.interface), bus.bit_rate_bps))
@@ -45,7 +48,7 @@ nlohmann::ordered_json as_json(const std::vector<Finding>& findings) {
 }
 
 int run_check(const CheckOptions& options) {
-  require_writable("--json", options.json);
+  OutputFiles().reads("CONFIG", options.config).writes("--json", options.json, ResultKind::json);
   const std::vector<Finding> machine = check_machine(options.session);
   const std::vector<Finding> config = options.config.empty() ? std::vector<Finding>{} : check_config(options.config);
   const bool ready = worst_level(machine) != FindingLevel::bad && worst_level(config) != FindingLevel::bad;

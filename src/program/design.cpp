@@ -1,6 +1,5 @@
 // Verb design: linear models, gains by a rule, poles, margins, step, feedforward of a config's axis.
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <stdexcept>
 
@@ -10,6 +9,7 @@
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "design/axis_design.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "report/design_json.hpp"
@@ -37,16 +37,14 @@ constexpr const char* rules = R"(methods:
 A rule keeps the position gain of the config unless --position-gain is given.
 A warning stands where the gain margin is below 2 or the phase margin below 30 deg.)";
 
-void write_config(const std::string& path, const Rig& designed) {
-  std::ofstream file(path);
-  if (!(file << dump_rig(designed)) || !file.flush()) throw InputError(path + ": cannot be written");
-}
-
 void run_design(DesignOptions& options) {
-  for (const auto& [option, path] :
-       {std::pair{"--write", options.write}, {"--report", options.report}, {"--json", options.json}})
-    require_writable(option, path);
   Rig rig = read_rig(options.config, options.overrides);
+  OutputFiles()
+      .reads("CONFIG", options.config)
+      .reads_of(rig)
+      .writes("--write", options.write, ResultKind::config)
+      .writes("--report", options.report, ResultKind::page)
+      .writes("--json", options.json, ResultKind::json);
   require_kind("design", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
   for (std::size_t i = 0; i < design_method_names.size(); ++i)
     if (options.method == design_method_names[i]) options.request.method = static_cast<DesignMethod>(i);
@@ -57,7 +55,7 @@ void run_design(DesignOptions& options) {
     designed.controller = design.controller;
     if (options.json != "-") std::fputs(design_text(rig, design, options.coefficients).c_str(), stdout);
     write_json(options.json, design_json(rig, design, options.coefficients));
-    if (!options.write.empty()) write_config(options.write, designed);
+    if (!options.write.empty()) write_result(options.write, dump_rig(designed));
     if (!options.report.empty()) write_design_report(rig, design, dump_rig(designed), options.report);
   } catch (const std::invalid_argument& error) { throw InputError(options.config + ": " + error.what()); }
 }

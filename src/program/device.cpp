@@ -67,7 +67,7 @@ void send_all(CanCarrier& bus, std::vector<CanFrame>& out, std::int64_t& not_sen
 }
 
 int run_device(const DeviceOptions& options) {
-  const Rig rig = read_rig(options.config, options.sets);
+  const Rig rig = read_rig(options.config, options.sets, ConfigUse::simulation);
   PlantDevice device(rig);
   for (const std::string& fault : options.faults) device.add_fault(parse_fault_order(fault, 0.0));
   for (const std::string& file : options.scenarios)
@@ -90,9 +90,11 @@ int run_device(const DeviceOptions& options) {
   send_all(*bus, out, not_sent);
   std::cerr << fmt::format("{}: nodes of {} are on the bus; Ctrl-C ends\n", bus->name(), rig.name);
   constexpr std::int64_t longest_wait_ns = 20'000'000;  // typed orders and Ctrl-C are looked for so often
+  constexpr int most_frames_a_look = 256;  // a flood must not stop the plant and its watchdogs
   while (!StopRequest::requested()) {
     bus->wait(std::clamp<std::int64_t>(device.next_due_ns() - bus->now_ns(), 1, longest_wait_ns));
-    for (ReceivedFrame received; bus->receive(received);) {
+    int taken = 0;
+    for (ReceivedFrame received; taken < most_frames_a_look && bus->receive(received); ++taken) {
       device.on_frame(received, out);
       send_all(*bus, out, not_sent);
     }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <set>
@@ -21,6 +20,7 @@
 #include "diagnosis/result_json.hpp"
 #include "diagnosis/result_text.hpp"
 #include "loop/realtime_stop.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "program/virtual_machine.hpp"
@@ -98,9 +98,7 @@ void apply_changes(const std::vector<std::string>& changes, std::vector<Recordin
 
 void write_improved(const DiagnoseVerbOptions& options, const Diagnosis& diagnosis) {
   if (options.improved.empty()) return;
-  std::ofstream file(options.improved);
-  file << "# " << diagnosis.sentence << "\n" << dump_rig(diagnosis.improved);
-  if (!file.flush()) throw InputError(options.improved + ": cannot be written");
+  write_result(options.improved, "# " + diagnosis.sentence + "\n" + dump_rig(diagnosis.improved));
 }
 
 /// The config of the proposed recording; where there is none, nothing is written and that is said.
@@ -111,20 +109,23 @@ void write_next_experiment(const DiagnoseVerbOptions& options, const Diagnosis& 
     return;
   }
   const ProposedExperiment& next = *diagnosis.next_experiment;
-  std::ofstream file(options.next_experiment);
-  file << fmt::format("# Recording that tells {} apart.\n", fmt::join(next.between, " and "));
-  if (!next.setup.empty()) file << fmt::format("# Before it: {}.\n", next.setup);
-  file << fmt::format("# Then diagnose it {}.\n", next.use());
-  file << dump_rig(experiment_rig(diagnosis.configured, next));
-  if (!file.flush()) throw InputError(options.next_experiment + ": cannot be written");
+  std::string text = fmt::format("# Recording that tells {} apart.\n", fmt::join(next.between, " and "));
+  if (!next.setup.empty()) text += fmt::format("# Before it: {}.\n", next.setup);
+  text += fmt::format("# Then diagnose it {}.\n", next.use());
+  write_result(options.next_experiment, text + dump_rig(experiment_rig(diagnosis.configured, next)));
 }
 
 int run_diagnose(const DiagnoseVerbOptions& options) {
   const Rig rig = read_rig(options.config, options.sets);
-  require_writable("--json", options.json);
-  require_writable("--report", options.report);
-  require_writable("--improved", options.improved);
-  require_writable("--next-experiment", options.next_experiment);
+  OutputFiles()
+      .reads("CONFIG", options.config)
+      .reads_of(rig)
+      .reads("RECORDING", options.recordings)
+      .reads("--held-out", options.held_out)
+      .writes("--json", options.json, ResultKind::json)
+      .writes("--report", options.report, ResultKind::page)
+      .writes("--improved", options.improved, ResultKind::config)
+      .writes("--next-experiment", options.next_experiment, ResultKind::config);
   std::vector<Recording> recordings;
   const auto add = [&](const std::string& path, bool is_held_out) {
     for (Recording& run : read_recordings(path, rig.imported, rig.period_s)) {

@@ -88,7 +88,7 @@ std::vector<std::string> with_zeros(const std::string& config, std::vector<std::
 
 void write_zeros(const std::string& file, const Rig& rig, const std::map<std::string, double>& zeros,
                  const std::string& comment, const std::optional<CommissionSection>& commission) {
-  std::ofstream out(file);
+  std::ostringstream out;
   std::istringstream lines(comment);
   for (std::string line; std::getline(lines, line);) out << "# " << line << "\n";
   out << "rig: " << rig.name << "\nmachine: '" << machine_of(rig) << "'\nzeros:" << (zeros.empty() ? " {}" : "")
@@ -98,8 +98,7 @@ void write_zeros(const std::string& file, const Rig& rig, const std::map<std::st
     out << "commission:\n  passed: " << (commission->passed ? "true" : "false")
         << "\n  neutral_V: " << number_text(commission->neutral_V)
         << "\n  neutral_error_V: " << number_text(commission->neutral_error_V) << "\n";
-  out.close();
-  if (!out) throw InputError("--write: " + file + " could not be written");
+  write_result(file, out.str());
 }
 
 }  // namespace pneuservo

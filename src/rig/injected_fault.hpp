@@ -39,7 +39,10 @@ enum class InjectedKind {
   off,
   reboot,
   no_heartbeat,
-  late
+  late,
+  doubled,
+  deaf,
+  pre_operational
 };
 
 /// What a kind acts on.
@@ -88,6 +91,12 @@ inline constexpr std::array<InjectedKindText, 22> injected_kinds{{
     {"reboot", InjectedTarget::node, InjectedTarget::node, false, true, false, "restarts"},
     {"no_heartbeat", InjectedTarget::node, InjectedTarget::node, false, true, false, "stops its heartbeat"},
     {"late", InjectedTarget::node, InjectedTarget::node, false, true, false, "answers SYNC a period late"},
+    {"double", InjectedTarget::node, InjectedTarget::node, false, true, false,
+     "answers SYNC twice, as two devices with one number do"},
+    {"deaf", InjectedTarget::node, InjectedTarget::node, false, true, false,
+     "takes no commands any more: process data to it are lost"},
+    {"pre_operational", InjectedTarget::node, InjectedTarget::node, false, true, false,
+     "another master puts it into pre-operational"},
 }};
 inline constexpr auto injected_kind_names = [] {
   std::array<std::string_view, injected_kinds.size()> names{};

@@ -99,11 +99,6 @@ class SafetyGrades {
     if (!rig_.hal || !rig_.hal->has_devices()) return;
     const HalParameters& hal = *rig_.hal;
     const GpioParameters lines = hal.gpio.value_or(GpioParameters{});
-    if (const std::string channels = simulated_feedback(rig_); !channels.empty())
-      add(Level::unsafe, "simulated feedback",
-          fmt::format("a real valve is driven by {} of the simulated plant: nothing of the machine is fed back",
-                      channels),
-          "give them a device; on a bench without a machine: run --bench");
     lacks(!lines.emergency_stop, Level::unsafe, "emergency stop", "hal.gpio.emergency_stop",
           "nobody's hand ends the motion through this program");
     lacks(!lines.enable, Level::unsafe, "enable output", "hal.gpio.enable",
@@ -190,22 +185,6 @@ double ballistic_speed_mps(const Rig& rig) {
   const double force_N =
       (rig.axis.supply.pressure_Pa - rig.axis.air.atmosphere_Pa) * std::max(cylinder.area_1_m2, cylinder.area_2_m2);
   return std::sqrt(2.0 * std::max(force_N, 0.0) * cylinder.stroke_m / rig.axis.slider.mass_kg);
-}
-
-std::string simulated_feedback(const Rig& rig) {
-  if (!rig.hal) return "";
-  const HalChannels& c = rig.hal->channels;
-  const auto is_real = [](const ChannelParameters<VoltageKeys>& u) { return !u.is_absent() && !u.simulated; };
-  if (!is_real(c.u) && !is_real(c.u1) && !is_real(c.u2)) return "";
-  std::vector<std::string> names;
-  if (c.x.simulated) names.emplace_back("x");
-  const bool chambers = rig.controller.kind == ControllerKind::pd_force &&
-                        rig.controller.pd_force.pressure_source == PressureSource::chamber;
-  for (const auto& [name, pressure] :
-       {std::pair{chambers ? "p1_chamber" : "p1_port", chambers ? &c.p1_chamber : &c.p1_port},
-        std::pair{chambers ? "p2_chamber" : "p2_port", chambers ? &c.p2_chamber : &c.p2_port}})
-    if (pressure->simulated) names.emplace_back(name);
-  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 std::vector<Finding> grade_safety(const Rig& rig, const LoadPositions& load) {

@@ -15,9 +15,6 @@ namespace pneuservo {
 /// is needed for references of kind `file`.
 std::vector<Finding> grade_safety(const Rig& rig, const LoadPositions& load);
 
-/// Names of the simulated channels that the law of a real valve feeds back, with commas; empty: none, or no real valve.
-std::string simulated_feedback(const Rig& rig);
-
 /// Speed that air can give the slider: full supply over the whole stroke without any loss, [m/s].
 double ballistic_speed_mps(const Rig& rig);
 

@@ -10,10 +10,12 @@
 #include "can/bus_interface.hpp"
 #include "config/read_rig.hpp"
 #include "loop/bus_check.hpp"
+#include "loop/device_grade.hpp"
 #include "loop/machine_check.hpp"
 #include "loop/rig_grade.hpp"
 #include "loop/safety_grade.hpp"
 #include "program/loop_check.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 
@@ -32,7 +34,7 @@ std::vector<Finding> check_config(const std::string& path, const std::vector<std
   const Rig rig = read_rig(path, sets);
   if (rig.is_pneumatic()) require_reference_in_stroke(path, rig);
   std::vector<Finding> findings = grade_rig(rig);
-  for (const auto& more : {grade_safety(rig, load_reference_positions), grade_loop(rig)})
+  for (const auto& more : {grade_devices(rig), grade_safety(rig, load_reference_positions), grade_loop(rig)})
     findings.insert(findings.end(), more.begin(), more.end());
   if (!rig.hal || !rig.hal->can || rig.hal->can->interface.find(':') != std::string::npos) return findings;
   const CanBusParameters& bus = *rig.hal->can;
@@ -52,7 +54,7 @@ nlohmann::ordered_json as_json(const std::vector<Finding>& findings) {
 }
 
 int run_check(const CheckOptions& options) {
-  require_writable("--json", options.json);
+  OutputFiles().reads("CONFIG", options.config).writes("--json", options.json, ResultKind::json);
   const std::vector<Finding> machine = check_machine(options.session);
   const std::vector<Finding> config =
       options.config.empty() ? std::vector<Finding>{} : check_config(options.config, options.sets);

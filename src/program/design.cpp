@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <numbers>
@@ -15,6 +14,7 @@
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "design/axis_design.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "report/design_json.hpp"
@@ -42,11 +42,6 @@ constexpr const char* rules = R"(methods:
 A rule keeps the position gain of the config unless --position-gain is given.
 A warning stands where the gain margin is below 2 or the phase margin below 30 deg.)";
 
-void write_config(const std::string& path, const Rig& designed) {
-  std::ofstream file(path);
-  if (!(file << dump_rig(designed)) || !file.flush()) throw InputError(path + ": cannot be written");
-}
-
 /// What stands against writing the design's gains; empty: nothing.
 std::string unstable_words(const AxisDesign& design) {
   if (design.is_stable) return "";
@@ -60,10 +55,13 @@ std::string unstable_words(const AxisDesign& design) {
 }
 
 int run_design(DesignOptions& options) {
-  for (const auto& [option, path] :
-       {std::pair{"--write", options.write}, {"--report", options.report}, {"--json", options.json}})
-    require_writable(option, path);
   Rig rig = read_rig(options.config, options.overrides);
+  OutputFiles()
+      .reads("CONFIG", options.config)
+      .reads_of(rig)
+      .writes("--write", options.write, ResultKind::config)
+      .writes("--report", options.report, ResultKind::page)
+      .writes("--json", options.json, ResultKind::json);
   require_kind("design", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
   for (std::size_t i = 0; i < design_method_names.size(); ++i)
     if (options.method == design_method_names[i]) options.request.method = static_cast<DesignMethod>(i);
@@ -81,7 +79,7 @@ int run_design(DesignOptions& options) {
                                options.write);
       return 1;
     }
-    write_config(options.write, designed);
+    write_result(options.write, dump_rig(designed));
   } catch (const std::invalid_argument& error) { throw InputError(options.config + ": " + error.what()); }
   return 0;
 }

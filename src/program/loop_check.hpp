@@ -25,11 +25,10 @@ void require_reference_in_stroke(const std::string& config, const Rig& rig);
 /// What a run may do although it is not safe.
 struct AllowedRisks {
   bool unstable_loop = false;
-  bool bench = false;  ///< a real valve on feedback of the simulated plant
 };
 
-/// Before a run. On devices: throws InputError where a real valve would be driven by simulated feedback, and with the
-/// first unsafe finding of grade_loop. Else: unstable_loop_words on standard error.
+/// Before a run. On devices: throws InputError with the first unsafe finding of grade_loop. Else: unstable_loop_words
+/// on standard error.
 void heed_loop(const std::string& config, const Rig& rig, bool on_devices, const AllowedRisks& allowed);
 
 }  // namespace pneuservo

@@ -66,15 +66,6 @@ TEST_CASE("an axis on devices does not start with an unsafe loop, unless that is
   CHECK_NOTHROW(heed_loop("rig.yaml", unstable, false, {}));
 }
 
-TEST_CASE("a real valve is not driven by simulated feedback, unless it is a bench") {
-  const Rig mixed = read_rig(PNEUSERVO_SOURCE_DIR "/config/mixed/cylinder-10m-7.65mm.yaml");
-  CHECK_THROWS_WITH(heed_loop("rig.yaml", mixed, true, {}), Catch::Contains("p1_port, p2_port simulated"));
-  CHECK_NOTHROW(heed_loop("rig.yaml", mixed, true, {.bench = true}));
-  const Rig led =
-      read_rig(PNEUSERVO_SOURCE_DIR "/config/can/cylinder-10m-7.65mm.yaml", {"hal.channels.x={simulated: true}"});
-  CHECK_THROWS_WITH(heed_loop("rig.yaml", led, true, {}), Catch::Contains("found x simulated"));
-}
-
 TEST_CASE("a reference that the loop cannot follow is bad") {
   const auto findings = grade_loop(cylinder({"reference.frequency_Hz=4", "reference.amplitude_m=0.04"}));
   INFO(finding_table(findings));

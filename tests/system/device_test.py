@@ -125,7 +125,7 @@ for number in (signal.SIGHUP, signal.SIGQUIT, signal.SIGTSTP, signal.SIGUSR1, si
                f"{number.name}: status {controller.returncode}: {said}{done.stderr}")
     # Commands that no longer arrive, and two answers a cycle: both ways to the safe state, and words for what is known.
     for scenario, fault, words in (("deaf-output", "output_unconfirmed", "NOT confirmed"),
-                                   ("pre-operational", "port_pressure_1_missing", "NOT confirmed"),
+                                   ("pre-operational", "", "NOT confirmed"),
                                    ("double-answer", "double_answer", "and read back at t = ")):
         device = Device(interface, "--scenario", f"config/scenarios/device/{scenario}.yaml")
         done = control(interface, 20)

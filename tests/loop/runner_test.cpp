@@ -208,12 +208,14 @@ TEST_CASE("a run keeps its last rows and moves, however long it is") {
 }
 
 TEST_CASE("the first fault is told from beside the loop, before the run ends") {
-  const Rig rig = config_rig("cylinder-2m-4.15mm", {"duration_s=1", "limits.speed_mps=0.05"});
+  const Rig rig = config_rig("cylinder-2m-4.15mm", {"duration_s=1"});
   std::atomic<std::uint64_t> told{0};
   RunOutcome outcome;
   {
     FaultWatch watch([&](std::uint64_t first, double) { told = first; });
-    EventfulBackend backend(rig);
+    FaultyBackend backend(rig);
+    backend.configure();
+    backend.failure = {FaultyChannel::port_1, FailureMode::not_a_number, 500, 1 << 30, 0.0};
     RunSettings settings;
     settings.fault_watch = &watch;
     outcome = run_loop(rig, backend, settings);

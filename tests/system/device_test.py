@@ -2,7 +2,7 @@
 # The verb device and a controller as two processes with real frames between them, over a local socket; what the fault of a
 # node does, and the way back. On a kernel with CAN the same over vcan0.
 # tags: timing
-import atexit, gzip, json, os, re, signal, subprocess, sys, tempfile, time
+import atexit, gzip, json, os, re, signal, subprocess, sys, tempfile, time, zlib
 
 import yaml
 
@@ -41,6 +41,16 @@ class Device:
         out, err = self.process.communicate(timeout=30)
         expect(self.process.returncode == 0, f"device: status {self.process.returncode}: {err}")
         return out
+
+
+def moves(record):
+    """Whether the recording, as far as it is on the disk, ends with a valve that is open."""
+    if not os.path.exists(record):
+        return False
+    with open(record, "rb") as file:
+        lines = zlib.decompressobj(31).decompress(file.read()).decode().splitlines()[:-1]
+    rows = [line.split(",") for line in lines if not line.startswith("#")]
+    return len(rows) > 50 and abs(float(rows[-1][rows[0].index("u_V")])) > 1e-3
 
 
 def control(interface, duration_s, *more):
@@ -102,7 +112,9 @@ for number in (signal.SIGHUP, signal.SIGQUIT, signal.SIGTSTP, signal.SIGUSR1, si
         device = Device(bus_path, *late_watchdog)
         controller = subprocess.Popen([program, "run", CONFIG, *sets, *late_watchdog, "--set", f"hal.can.interface={bus_path}", "--time", "real",
                                        "--duration-s", "60", "--record", record, "--force"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        time.sleep(4.0)
+        deadline = time.monotonic() + 60
+        while not moves(record) and controller.poll() is None and time.monotonic() < deadline:
+            time.sleep(0.05)
         if controller.poll() is None:
             break
         controller.communicate()

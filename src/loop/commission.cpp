@@ -21,7 +21,9 @@ namespace {
 constexpr double first_rest_s = 1.0;
 constexpr double significant = 6.0;      // standard deviations of white noise: by chance once in 5e8
 constexpr double least_answer = 0.1;     // of the model's: less is no answer of this valve
+constexpr double least_way_m = 3e-4;     // of all probes together, each of some 2 mm
 constexpr double plausible_factor = 1.6; // scale of the encoder: what valve area, supply and friction leave open
+constexpr double free_hardness = 3.0;    // force over the model's: beyond it the slider sticks and slips
 constexpr double shift_error_s = 0.03;   // of an answer's start: one way through 10 m of line
 constexpr double gauge_share = 0.3;      // of the atmosphere: no absolute pressure at rest is less
 constexpr double sensor_share = 0.01;    // of the supply: error of a port sensor
@@ -69,11 +71,12 @@ class Commissioning {
   const Rig& rig_;
   Origins origins_;
   Signs signs_;
-  AnswerFit position_sum_, force_sum_, chamber_sum_;
+  AnswerFit force_sum_, chamber_sum_;
+  double way_m_ = 0.0;  // of all probes that moved, to the side of their command
   double force_noise_N_ = 0.0, chamber_noise_N_ = 0.0;
   std::vector<double> opens_V_, scales_;  // of each probe that moved
   std::vector<int> opens_to_;
-  double ramp_V_per_s_ = 0.0;
+  double ramp_V_per_s_ = 0.0, hardness_ = 0.0;  // force over the model's, of a probe that moved
 };
 
 double Commissioning::noise_of(std::size_t channel) const {
@@ -144,6 +147,13 @@ void join(AnswerFit& sum, const AnswerFit& one) {
   sum.scale = sum.model_square > 0.0 ? sum.measured_model / sum.model_square : 0.0;
 }
 
+/// Root of the sum of squares, less that of white noise.
+double size_of(const std::vector<double>& values, double noise) {
+  double square = -noise * noise * static_cast<double>(values.size());
+  for (const double value : values) square += value * value;
+  return std::sqrt(std::max(square, 0.0));
+}
+
 // One probe against the model: the position finds the dead part of the command where it moved, the force where not.
 void Commissioning::fit(const Probe& probe) {
   const std::size_t ticks = probe.position_m.size();
@@ -156,20 +166,27 @@ void Commissioning::fit(const Probe& probe) {
     chambers[i] = has(3) && has(4) ? air_force_N(rig_, probe.chamber_Pa[i]) - chamber_rest_N : 0.0;
   }
   const bool moved = probe.end == ProbeEnd::moved || probe.end == ProbeEnd::too_fast || probe.end == ProbeEnd::little;
-  const double dead_V = moved ? find_dead_V(rig_, probe, way, &ModelAnswer::position_m)
-                              : find_dead_V(rig_, probe, force, &ModelAnswer::port_force_N);
-  const ModelAnswer model = model_answer(rig_, probe, dead_V);
-  if (moved) {
-    const AnswerFit by_way = fit_answer(way, model.position_m);
-    join(position_sum_, by_way);
-    opens_V_.push_back(dead_V), opens_to_.push_back(probe.direction);
-    scales_.push_back(std::fabs(by_way.scale));
-  }
-  join(force_sum_, fit_answer(force, model.port_force_N));
-  join(chamber_sum_, fit_answer(chambers, model.chamber_force_N));
   const auto& c = rig_.axis.cylinder;
   force_noise_N_ = std::hypot(c.area_1_m2 * probe.before.rms[1], c.area_2_m2 * probe.before.rms[2]);
   chamber_noise_N_ = std::hypot(c.area_1_m2 * probe.before.rms[3], c.area_2_m2 * probe.before.rms[4]);
+  ModelAnswer model;
+  double dead_V = moved ? find_dead_V(rig_, probe, way, &ModelAnswer::position_m) : 0.0;
+  if (moved) model = model_answer(rig_, probe, dead_V);
+  const double hardness =
+      moved ? size_of(force, force_noise_N_) / std::max(size_of(model.port_force_N, 0.0), 1e-9) : 0.0;
+  const bool free = moved && hardness < free_hardness;
+  hardness_ = std::max(hardness_, hardness);
+  if (!free) {
+    dead_V = find_dead_V(rig_, probe, force, &ModelAnswer::port_force_N);
+    model = model_answer(rig_, probe, dead_V);
+  }
+  if (moved) {
+    way_m_ += probe.direction * probe.moved_m;
+    if (free) scales_.push_back(std::fabs(fit_answer(way, model.position_m).scale));
+    opens_V_.push_back(dead_V), opens_to_.push_back(probe.direction);
+  }
+  join(force_sum_, fit_answer(force, model.port_force_N));
+  join(chamber_sum_, fit_answer(chambers, model.chamber_force_N));
   ramp_V_per_s_ = std::max(ramp_V_per_s_, probe.ramp_V_per_s);
   result.farthest_m = std::max(result.farthest_m, probe.farthest_m);
   result.fastest_mps = std::max(result.fastest_mps, probe.fastest_mps);
@@ -290,7 +307,13 @@ void Commissioning::judge_chambers(const RestState& rest) {
 }
 
 void Commissioning::judge_scale() {
-  if (scales_.empty() || signs_.position <= 0 || signs_.pressure <= 0) return;
+  if (hardness_ >= free_hardness)
+    add("friction", CommissionVerdict::good,
+        fmt::format(
+            "the air pushed {:.1f} times as hard as the model's slider needs: the encoder's scale is not judged",
+            hardness_),
+        "state dry friction (effects.coulomb_friction) or payload (slider.payload_kg)");
+  if (scales_.empty() || hardness_ >= free_hardness || signs_.position <= 0 || signs_.pressure <= 0) return;
   const double scale = std::sqrt(scales_.front() * scales_.back());
   result.encoder_scale = scale;
   const std::string found =
@@ -331,7 +354,7 @@ void Commissioning::judge_probes(const std::vector<Probe>& probes) {
     own_N += (air_force_N(rig_, p) - load_N) / static_cast<double>(probes.size());
     exchanged_N += (air_force_N(rig_, {p[1], p[0]}) - load_N) / static_cast<double>(probes.size());
   }
-  signs_.position = sign_of(position_sum_, rig_.sensors.position.noise_m + rig_.sensors.position.quantum_m);
+  signs_.position = std::fabs(way_m_) < least_way_m ? 0 : way_m_ > 0.0 ? 1 : -1;
   signs_.pressure = sign_of(force_sum_, force_noise_N_);
   signs_.chambers = sign_of(chamber_sum_, chamber_noise_N_);
   judge_wiring();

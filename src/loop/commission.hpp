@@ -14,8 +14,8 @@ namespace pneuservo {
 /// What a step may do. Speeds and ways are those of a slider without friction by the valve's law.
 struct ProbeLimits {
   static constexpr double acceleration_mps2 = 0.05;  ///< of the command's ramp: 20 mm/s after 4 mm
-  static constexpr double way_m = 3e-3;              ///< measured: the probe ends
-  static constexpr double unseen_way_m = 4e-3;       ///< that the air should have moved it: the probe ends
+  static constexpr double way_m = 2.5e-3;              ///< measured: the probe ends
+  static constexpr double unseen_way_m = 3.2e-3;       ///< that the air should have moved it: the probe ends
   static constexpr double drift_m = 5e-3;            ///< with the valve closed: the rest ends
   static constexpr double fastest_mps = 0.1;         ///< measured: the probe ends
   static constexpr double largest_share = 0.1;       ///< of the valve's range

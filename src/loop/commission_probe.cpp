@@ -13,14 +13,14 @@ namespace {
 constexpr double mean_s = 0.3;            // of a rest's end: 300 samples of 1 ms
 constexpr double longest_rest_s = 3.0;    // an air bearing swings for longer; what it does then is in the drift
 constexpr double standing_m = 1e-4;
-constexpr double smoothing_s = 0.05;
+constexpr double smoothing_s = 0.02;
 constexpr double speed_s = 0.02;
 constexpr double seen_m = 2e-4;           // of motion
 constexpr double answer_of_noise = 6.0;   // standard deviations: by chance once in 5e8 samples
 constexpr double answer_Pa = 2e3;         // of both ports alike, what no wave is needed for
 constexpr double settling_s = 0.1;        // of the record after the valve is closed
 constexpr double after_answer_s = 0.2;    // of the ramp that had passed before the answer was seen
-constexpr double blocked_share = 0.5;     // of the stiffness of the shut-in air
+constexpr double blocked_share = 0.4;     // of the stiffness of the shut-in air
 
 /// Sums of a rest's samples over its last mean_s: a ring is not needed, the rest ends a whole window after it began.
 class RestSums {
@@ -91,10 +91,11 @@ class ProbeWatch {
     if (!answered_) return false;
     const double speed_mps = per_volt_ * (volts - answered_V_) + after_answer_s * ProbeLimits::acceleration_mps2;
     expected_m_ += dt * speed_mps, answered_s_ += dt;
-    if (expected_m_ + 0.5 * swing_s_ * speed_mps < ProbeLimits::unseen_way_m) return false;
+    expected_end_m_ = expected_m_ + 0.5 * swing_s_ * speed_mps;
+    if (expected_end_m_ < ProbeLimits::unseen_way_m) return false;
     // A slider that is slow on its air has not had the time to move yet: what it did is told after the pulse.
     if (moved_m > seen_m_ || answered_s_ < 0.5 * swing_s_) return end(ProbeEnd::little);
-    return !is_pushed() && end(ProbeEnd::unseen);
+    return !is_pushed(expected_m_) && end(ProbeEnd::unseen);
   }
   /// After the ramp, while the valve closes and the slider settles.
   void note(const StepSample& sample, double dt, double volts) {
@@ -113,10 +114,13 @@ class ProbeWatch {
     }
   }
   bool is_too_fast() const { return std::fabs(speed_mps_) > ProbeLimits::fastest_mps; }
-  /// The end of a slow slider's pulse: it moved, or the shut-in air pushes it, or neither.
+  /// The end of a slow slider's pulse, after the rest: it moved, or the shut-in air pushes it, or neither.
   void tell_end() {
-    if (probe_.end != ProbeEnd::little || std::fabs(probe_.moved_m) > seen_m_) return;
-    probe_.end = is_pushed() ? ProbeEnd::pushed : ProbeEnd::unseen;
+    probe_.moved_m = probe_.after.mean[0] - probe_.before.mean[0];
+    if (probe_.end != ProbeEnd::little) return;
+    probe_.force_change_N = air_force_N(rig_, probe_.after.port_Pa()) - force_before_N_;
+    if (std::fabs(probe_.moved_m) <= seen_m_)
+      probe_.end = is_pushed(expected_end_m_) ? ProbeEnd::pushed : ProbeEnd::unseen;
   }
   double swing_s() const { return swing_s_; }
 
@@ -125,8 +129,8 @@ class ProbeWatch {
     probe_.end = why;
     return true;
   }
-  bool is_pushed() const {
-    return std::fabs(probe_.force_change_N) >= blocked_share * stiffness_N_per_m_ * expected_m_;
+  bool is_pushed(double way_m) const {
+    return std::fabs(probe_.force_change_N) >= blocked_share * stiffness_N_per_m_ * way_m;
   }
   double common_change_Pa() const {
     const auto before = probe_.before.port_Pa();
@@ -139,7 +143,7 @@ class ProbeWatch {
   std::array<double, 2> smooth_Pa_;
   double smoothing_, speed_gain_, last_m_, speed_mps_ = 0.0, answer_N_ = 0.0, force_before_N_ = 0.0, push_N_ = 0.0,
                                            seen_m_ = 0.0, answered_V_ = 0.0, answered_s_ = 0.0, expected_m_ = 0.0,
-                                           swing_s_ = 0.0, stiffness_N_per_m_ = 0.0;
+                                           expected_end_m_ = 0.0, swing_s_ = 0.0, stiffness_N_per_m_ = 0.0;
   bool answered_ = false;
 };
 
@@ -191,9 +195,8 @@ Probe probe(const Rig& rig, SupervisedSteps& steps, int direction, const RestSta
     volts = closes ? out.end_V * (1.0 - sample.t_s / closing_s) : 0.0;
     return {steps.command(direction * volts), sample.t_s >= closing_s + std::max(0.5 * closing_s, settling_s)};
   });
-  watch.tell_end();
   out.after = rest(steps, 0.6);
-  out.moved_m = out.after.mean[0] - before.mean[0];
+  watch.tell_end();
   for (const double x : out.position_m) out.farthest_m = std::max(out.farthest_m, std::fabs(x - before.mean[0]));
   return out;
 }

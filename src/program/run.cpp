@@ -217,15 +217,11 @@ RunResult result_of(const RunOptions& options, const Rig& rig, const RunOutcome&
   return run;
 }
 
-/// Says which part of a long run figures and pages show.
-void tell_what_is_shown(const RunOptions& options, const RunOutcome& outcome) {
+/// Of a long run: time of the first row that figures and page show.
+void note_what_is_shown(const RunOutcome& outcome, RunReport& report) {
   if (outcome.moves.empty()) return;
   const MoveSpan& first = outcome.moves.front();
-  if (first.number == 1 && first.rows_lost == 0) return;
-  const double from_s = outcome.rows[first.begin].t_s;
-  std::cerr << fmt::format("figures{} show the run from t = {:.6g} s on, its last {} ticks{}\n",
-                           options.report.empty() ? "" : " and page", from_s, outcome.rows.size(),
-                           options.record.empty() ? "; --record keeps all of them" : "; the recording has all of them");
+  if (first.number > 1 || first.rows_lost > 0) report.shown_from_s = outcome.rows[first.begin].t_s;
 }
 
 /// All moves with the longest approach before each.
@@ -279,7 +275,7 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   watcher.reset();
   watch.reset();
   tell_end(options, rig, *backend, outcome, whole);
-  tell_what_is_shown(options, outcome);
+  note_what_is_shown(outcome, report);
   for (const MoveSpan& span : outcome.moves) report.runs.push_back(result_of(options, rig, outcome, span));
   return outcome.faults.empty() && whole;
 }

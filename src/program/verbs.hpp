@@ -23,6 +23,7 @@ void add_commission(CLI::App& app, int& status);
 void add_design(CLI::App& app, int& status);
 void add_diagnose(CLI::App& app, int& status);
 void add_device(CLI::App& app, int& status);
+void add_import(CLI::App& app, int& status);
 void add_index(CLI::App& app, int& status);
 void add_keys(CLI::App& app, int& status);
 void add_guard(CLI::App& app, int& status);

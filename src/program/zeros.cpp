@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -15,6 +14,7 @@
 #include "config/number_text.hpp"
 #include "config/read_rig.hpp"
 #include "config/section_reader.hpp"
+#include "program/output_files.hpp"
 
 namespace pneuservo {
 namespace {

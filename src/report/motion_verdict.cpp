@@ -20,7 +20,7 @@ namespace {
 constexpr double noise_gain = 10.0, least_range_share = 0.005, largest_range_share = 0.05;
 /// The position swings with it by a thousandth of the amplitude, and by more than the encoder's noise.
 constexpr double least_amplitude_share = 1e-3, encoder_noises = 3.0;
-/// Fewer periods than this tell a swing from a drift no longer, and what halves from the first third to the last dies.
+/// Fewer periods than this tell a swing from a drift no longer, and what halves from the first half to the second dies.
 constexpr double fewest_periods = 3.0, dying = 0.5, growing = 1.5;
 /// A line that holds less of what is left is noise that the loop colours.
 constexpr double least_line_share = 0.1;
@@ -31,8 +31,8 @@ constexpr std::size_t lag_points = 2000;
 struct Stretch {
   RowColumn position = &Row::x_m;
   double encoder_m = 0.0;  ///< what the position cannot show
-  std::vector<Row> rows;   ///< from the window's start; after a fault, from the run's start to it
-  std::size_t first = 0;   ///< of `rows` in the run
+  std::vector<Row> rows;  ///< from the window's start; after a fault, from the run's start to it
+  std::size_t first = 0;  ///< of `rows` in the run
 };
 
 double encoder_m(const Rig& rig, bool is_true) {

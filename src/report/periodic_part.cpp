@@ -84,6 +84,12 @@ class Explanation {
   std::vector<Vector> columns_;
 };
 
+double rms(std::span<const double> values) {
+  double square = 0.0;
+  for (const double value : values) square += value * value;
+  return values.empty() ? 0.0 : std::sqrt(square / static_cast<double>(values.size()));
+}
+
 }  // namespace
 
 std::vector<double> left_over(const std::vector<double>& signal, const std::vector<double>& reference, double period_s,
@@ -120,13 +126,11 @@ PeriodicPart periodic_part(const std::vector<double>& left, double period_s) {
   const std::size_t n = left.size();
   if (n < fewest_samples) return out;
   std::vector<double> windowed(n);
-  double square = 0.0;
   for (std::size_t k = 0; k < n; ++k) {
     windowed[k] =
         left[k] * (1.0 - std::cos(2.0 * std::numbers::pi * (static_cast<double>(k) + 0.5) / static_cast<double>(n)));
-    square += left[k] * left[k];
   }
-  out.left_rms = std::sqrt(square / static_cast<double>(n));
+  out.left_rms = rms(left);
   std::vector<std::complex<double>> spectrum;
   Eigen::FFT<double> fft;
   fft.fwd(spectrum, windowed);
@@ -152,9 +156,8 @@ PeriodicPart periodic_part(const std::vector<double>& left, double period_s) {
   const double turns = moment / weight / static_cast<double>(n);
   out.frequency_Hz = turns / period_s;
   out.amplitude = line_amplitude(left, turns);
-  const std::size_t third = n / 3;
   const std::span<const double> all(left);
-  const double first = line_amplitude(all.first(third), turns), last = line_amplitude(all.last(third), turns);
+  const double first = rms(all.first(n / 2)), last = rms(all.last(n / 2));
   out.growth = first > 0.0 ? last / first : 0.0;
   return out;
 }

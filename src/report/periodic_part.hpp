@@ -10,8 +10,8 @@ struct PeriodicPart {
   double frequency_Hz = 0.0;
   double amplitude = 0.0;      ///< over the whole signal
   double share = 0.0;          ///< of the power that is left, in this line and its harmonics
-  double growth = 0.0;         ///< amplitude in the last third over that in the first
-  double left_rms = 0.0;       ///< of all that is left
+  double growth = 0.0;  ///< of all that is left, second half over first: swings that come and go with the motion last
+  double left_rms = 0.0;  ///< of all that is left
 };
 
 /// What is left of `signal` after a fit by least squares on the reference and its speed, at lags up to 0.6 s, products

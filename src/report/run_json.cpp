@@ -91,6 +91,7 @@ nlohmann::ordered_json run_json(const RunReport& report) {
   json["config"] = report.config;
   json["time"] = report.time;
   json["duration_s"] = number(report.duration_s);
+  if (std::isfinite(report.shown_from_s)) json["shown_from_s"] = report.shown_from_s;
   json["runs"] = Json::array();
   for (const RunResult& run : report.runs) json["runs"].push_back(result_json(run));
   json["realtime_factor"] = number(report.realtime_factor);

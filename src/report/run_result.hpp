@@ -68,6 +68,7 @@ struct RunReport {
   std::string config;  ///< the config's name
   std::string time = "simulated";  ///< "simulated" or "real"
   double duration_s = 0.0;  ///< of one run
+  double shown_from_s = Metrics::none;  ///< of a long run only the rows from here on were kept; NaN: all were
   std::vector<RunResult> runs;
   double realtime_factor = Metrics::none;  ///< simulated seconds a second of wall time
   std::string config_yaml;  ///< the config as it was used, every key, for the page

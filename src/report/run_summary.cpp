@@ -168,6 +168,8 @@ std::string circumstances(const RunReport& report) {
   std::string text = fmt::format("{} time, {:g} s", report.time, report.duration_s);
   if (report.time == "simulated" && std::isfinite(report.realtime_factor))
     text += fmt::format(", {} times as fast as real time", figure(report.realtime_factor));
+  if (std::isfinite(report.shown_from_s))
+    text += fmt::format(", shown from t = {:.6g} s on (the recording has all)", report.shown_from_s);
   return text;
 }
 

@@ -119,6 +119,22 @@ TEST_CASE("what swings beside the reference is told with its frequency and ampli
   }
 }
 
+TEST_CASE("a swing that comes where the axis is slow and goes where it is fast is one") {
+  Random random(test::new_seed());
+  for (int i = 0; i < 10; ++i) {
+    const double f = std::floor(random.uniform(12.0, 50.0)) + random.uniform(0.3, 0.7);
+    const double swing_V = random.uniform(0.5, 3.0);
+    const RunResult run = lagging(0.02, 1.0, [&](Row& row) {  // as long as the flow does not damp the line
+      const double burst = std::max(0.0, std::fabs(wave(reference_Hz, row.t_s)) - 0.5);
+      row.x_true_m += 1e-3 * burst * wave(f, row.t_s);
+      row.u_V += swing_V * burst * wave(f, row.t_s + 0.2 / f);
+    });
+    INFO(f << " Hz, " << swing_V << " V: " << said(run));
+    CHECK(run.verdict.oscillates);
+    CHECK_FALSE(run.verdict.oscillation_grows);
+  }
+}
+
 TEST_CASE("a swing that grows is told, one that dies and harmonics of the reference are none") {
   const auto swinging = [](double per_s) {
     return lagging(0.02, 1.0, [&](Row& row) {

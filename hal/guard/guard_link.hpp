@@ -28,6 +28,12 @@ class GuardLink final : public Backend {
   bool read(std::int64_t tick, Measurement& measurement) noexcept override;
   bool write(std::int64_t tick, const Command& command) noexcept override;
   void deactivate() noexcept override;
+  /// The guard writes the safe output, too.
+  bool emergency_write() noexcept override {
+    if (active_)
+      page_->sign().order.store(static_cast<std::uint32_t>(GuardOrder::make_safe), std::memory_order_release);
+    return true;
+  }
   Origins origins() const override { return {}; }
   std::vector<std::string> notes() const override;
   std::string name() const override { return "guard"; }

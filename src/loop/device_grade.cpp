@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "rig/can_channels.hpp"
-
 namespace pneuservo {
 namespace {
 
@@ -32,20 +30,6 @@ Finding board_finding(const Rig& rig) {
           "wire a relay with a watchdog or an enable line, or run pneuservo guard; then state hal.comedi.watchdog"};
 }
 
-void grade_readbacks(const Rig& rig, std::vector<Finding>& findings) {
-  const HalChannels& c = rig.hal->channels;
-  std::string unread;
-  for (const auto& [name, valve] : {std::pair{"u", &c.u}, {"u1", &c.u1}, {"u2", &c.u2}}) {
-    const bool is_read_back = (valve->can && valve->can->readback) || (valve->comedi && valve->comedi->readback);
-    if ((valve->can || valve->comedi) && !is_read_back) unread += fmt::format("{}{}", unread.empty() ? "" : ", ", name);
-  }
-  if (unread.empty()) findings.push_back({Level::good, "readback", "each output is read back", ""});
-  else
-    findings.push_back({Level::acceptable, "readback",
-                        unread + ": not read back, a lost command shows by the motion alone",
-                        "name what shows the output: hal.channels.u.can.readback or .comedi.readback"});
-}
-
 }  // namespace
 
 std::vector<Finding> grade_devices(const Rig& rig) {
@@ -58,7 +42,6 @@ std::vector<Finding> grade_devices(const Rig& rig) {
     findings.push_back({Level::good, "bus without program",
                         fmt::format("its devices give their substitute output after {:g} s", rig.hal->can->watchdog_s),
                         ""});
-  if (on_board || on_bus) grade_readbacks(rig, findings);
   if (rig.hal->bench && (on_board || on_bus))
     findings.push_back({Level::acceptable, "hal.bench", "a real valve may follow simulated sensors",
                         "leave it out on a machine that moves"});

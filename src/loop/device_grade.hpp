@@ -1,4 +1,4 @@
-// Grades what closes the valves of a rig on devices when this program is gone, and whether their outputs are read back.
+// Grades what closes the valves of a rig on devices when this program is gone.
 #pragma once
 #include <string>
 #include <vector>

@@ -36,6 +36,10 @@ class SafetyGrades {
       off_if(*limits.deviation_m == 0.0 || *limits.deviation_m >= stroke_m, "deviation_m", *limits.deviation_m, "m",
              "no distance from the predicted motion ends the run",
              "leave it out: it is derived from the config's own simulation");
+    if (limits.speed_deviation_mps)
+      off_if(*limits.speed_deviation_mps == 0.0 || *limits.speed_deviation_mps >= ballistic_mps, "speed_deviation_mps",
+             *limits.speed_deviation_mps, "m/s", "an obstacle is found late, by the way alone",
+             "leave it out: it is derived from the config's own simulation");
     if (limits.stall_force_N)
       off_if(*limits.stall_force_N == 0.0 || *limits.stall_force_N >= force_N, "stall_force_N", *limits.stall_force_N,
              "N", fmt::format("an axis that pushes against an obstacle goes on pushing, with up to {:.0f} N", force_N),

@@ -14,6 +14,7 @@
 #include "backends.hpp"
 #include "config/input_error.hpp"
 #include "design/axis_design.hpp"
+#include "loop/motion_limits.hpp"
 #include "loop/runner.hpp"
 #include "loop/safety_grade.hpp"
 #include "program/rig_options.hpp"
@@ -130,7 +131,7 @@ void grade_margins(const Rig& rig, std::vector<Finding>& findings) {
 
 /// The motion is judged afterwards, so what would end it beforehand is off.
 Rig unsupervised(Rig rig) {
-  rig.limits.deviation_m = rig.limits.stall_force_N = 0.0;
+  rig.limits.deviation_m = rig.limits.speed_deviation_mps = rig.limits.stall_force_N = 0.0;
   rig.limits.speed_mps = 100.0;
   rig.limits.end_stop_contact = EndStopContact::allowed;
   return rig;
@@ -238,6 +239,26 @@ void grade_simulation(const Rig& rig, std::vector<Finding>& findings) {
   findings.push_back(std::move(*motion));
 }
 
+/// The limits of the supervised motion as a run would take them, stated or derived.
+void tell_motion_limits(const Rig& rig, std::vector<Finding>& findings) {
+  const MotionPrediction found = predict_motion(rig, Reference(rig.reference, load_reference_positions));
+  const MotionLimits& limits = found.limits;
+  const auto number = [](double value, double scale, const char* unit) {
+    return std::isfinite(value) ? fmt::format("{:.3g} {}", scale * value, unit) : std::string("not checked");
+  };
+  const std::string source = found.machines > 0
+                                 ? fmt::format(", derived from {} drawn machines that differ by {:.3g} mm at most",
+                                               found.machines, 1e3 * found.spread_m)
+                                 : "";
+  const std::string what =
+      fmt::format("deviation {}, speed {}, stall {}{}", number(limits.deviation_m, 1e3, "mm"),
+                  number(limits.speed_mps, 1.0, "m/s"), number(limits.stall_force_N, 1.0, "N"), source);
+  if (found.scattered)
+    findings.push_back({Level::acceptable, "motion limits", what + "; permitted machines may exceed the deviation",
+                        "lower limits.payload_max_kg or limits.dry_friction_max_N, or damp the loop"});
+  else findings.push_back({Level::good, "motion limits", what, ""});
+}
+
 }  // namespace
 
 std::vector<Finding> grade_loop(const Rig& rig) {
@@ -245,6 +266,7 @@ std::vector<Finding> grade_loop(const Rig& rig) {
   if (!rig.is_pneumatic()) return findings;
   grade_margins(rig, findings);
   try {
+    tell_motion_limits(rig, findings);
     grade_simulation(rig, findings);
   } catch (const std::invalid_argument& error) {  // a law that cannot follow the reference
     findings.push_back(

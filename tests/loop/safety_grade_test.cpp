@@ -40,6 +40,7 @@ TEST_CASE("every limit that is switched off is unsafe and named") {
       {"limits.speed_mps=40", "speed_mps"},
       {"limits.deviation_m=0", "deviation_m"},
       {"limits.deviation_m=0.5", "deviation_m"},
+      {"limits.speed_deviation_mps=0", "speed_deviation_mps"},
       {"limits.stall_force_N=0", "stall_force_N"},
       {"limits.stall_force_N=2000", "stall_force_N"},
       {"limits.end_stop_contact=allowed", "end_stop_contact"},

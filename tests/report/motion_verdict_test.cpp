@@ -59,7 +59,8 @@ RunResult lagging(double lag_s, double ratio) {
 
 /// The simulated axis with nothing that would end its run.
 RunResult simulated(Rig rig) {
-  rig.limits.deviation_m = rig.limits.stall_force_N = rig.limits.flow_mismatch_share = 0.0;
+  rig.limits.deviation_m = rig.limits.speed_deviation_mps = rig.limits.stall_force_N = 0.0;
+  rig.limits.flow_mismatch_share = 0.0;
   rig.limits.speed_mps = 100.0;
   rig.limits.end_stop_contact = EndStopContact::allowed;
   const auto backend = make_backend("sim", rig);

@@ -24,6 +24,7 @@ class CompositeBackend final : public Backend {
   void deactivate() noexcept override;
   bool emergency_write() noexcept override;
   Origins origins() const override;
+  SafeOutput safe_output() const override;
   std::vector<std::string> notes() const override;
   std::string name() const override { return "configured"; }
 

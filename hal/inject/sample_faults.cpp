@@ -27,7 +27,7 @@ void SampleFaults::add(const InjectedFault& fault) {
 
 void SampleFaults::reset() {
   newest_tick_.reset();
-  for (Spoiled& spoiled : faults_) spoiled.spent = false, spoiled.kept.reset();
+  for (Spoiled& spoiled : faults_) spoiled.spent = false, spoiled.kept.reset(), spoiled.count = 0;
 }
 
 void SampleFaults::apply(std::int64_t tick, double t_s, Measurement& measured) noexcept {
@@ -69,7 +69,7 @@ void SampleFaults::remember(std::int64_t tick, const std::array<Channel*, 6>& ch
 void SampleFaults::spoil(Spoiled& spoiled, Channel& sample) noexcept {
   const double value = spoiled.fault.value.value_or(0.0);
   switch (spoiled.fault.kind) {
-    case InjectedKind::drop: sample.valid = false; break;
+    case InjectedKind::drop: sample.valid = sample.valid && !spoiled.fault.takes(spoiled.count++); break;
     case InjectedKind::not_a_number: sample.value = std::nan(""); break;
     case InjectedKind::freeze:
       if (!spoiled.kept) spoiled.kept = sample.value;  // frozen from the first sample on
@@ -81,6 +81,7 @@ void SampleFaults::spoil(Spoiled& spoiled, Channel& sample) noexcept {
       if (!spoiled.spent) sample.value += value;
       spoiled.spent = true;
       break;
+    case InjectedKind::spikes: sample.value += spoiled.count++ % 3 == 0 ? value : 0.0; break;
     case InjectedKind::saturate: sample.value = spoiled.fault.value.value_or(far_out_[spoiled.channel]); break;
     case InjectedKind::delay: delay(value, spoiled.channel, sample); break;
     default: break;

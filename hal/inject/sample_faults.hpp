@@ -30,6 +30,7 @@ class SampleFaults {
     std::size_t channel;
     std::optional<double> kept;  ///< what a frozen channel repeats
     bool spent = false;
+    std::int64_t count = 0;  ///< samples since it is on
   };
   void remember(std::int64_t tick, const std::array<Channel*, 6>& channels) noexcept;
   void rewire(double t_s, Measurement& measured) const noexcept;

@@ -34,6 +34,7 @@ class SimBackend final : public Backend {
   /// True speed [m/s]; for recordings only, as the truth is.
   double speed_mps() const noexcept { return plant_.velocity(); }
   Origins origins() const override;
+  SafeOutput safe_output() const override { return safe_output_; }
   std::string name() const override { return "sim"; }
 
  private:
@@ -45,6 +46,7 @@ class SimBackend final : public Backend {
   std::int64_t plant_tick_ = 0;
   bool started_ = false;
   Command command_;
+  SafeOutput safe_output_;
   Measurement last_;
   std::int64_t last_tick_ = -1;  // of last_; -1: none yet
 };

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
+#include "diagnosis/even_samples.hpp"
 #include "diagnosis/gaussian_kernel.hpp"
 
 namespace pneuservo {
@@ -18,39 +19,24 @@ constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 constexpr double position_sigma_s = 0.003, pressure_sigma_s = 0.005;
 constexpr double long_gap_s = 0.02, forget_gap_s = 0.5;
 
-double period_of(const Recording& recording) {
+/// Of the recording, from its stamps (read_recordings); of one made in code without it, the median step.
+double interval_of(const Recording& recording) {
   if (std::isfinite(recording.period_s)) return recording.period_s;
-  const std::vector<double>& t = recording.t_s();
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < t.size(); ++i) steps.push_back(t[i] - t[i - 1]);
-  if (steps.empty()) throw InputError(fmt::format("{}: found one row, expected a recording", recording.path));
-  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
-  return steps[steps.size() / 2];
+  const double interval_s = median_step_s(recording.t_s());
+  if (!(interval_s > 0)) throw InputError(fmt::format("{}: found one row, expected a recording", recording.path));
+  return interval_s;
 }
 
-/// Rows of a column at their even samples; NaN where a row is missing.
-class EvenSamples {
- public:
-  EvenSamples(const Recording& recording, double period_s, double longest_s) {
-    const std::vector<double>& t = recording.t_s();
-    for (std::size_t i = 0; i < t.size() && t[i] - t[0] <= longest_s; ++i)
-      index_.push_back(static_cast<std::size_t>(std::lround((t[i] - t[0]) / period_s)));
-    count_ = index_.back() + 1;
-  }
-  std::size_t count() const { return count_; }
-  std::vector<double> of(const std::vector<double>& column) const {
-    std::vector<double> out(count_, no_value);
-    for (std::size_t i = 0; i < index_.size(); ++i) out[index_[i]] = column[i];
-    return out;
-  }
+/// What the rows' command says of the time between them.
+bool is_held(const Recording& recording, const std::string& column, int steps) {
+  const auto stated = recording.sampling.find(column);
+  if (stated != recording.sampling.end() && stated->second != Sampling::unstated)
+    return stated->second == Sampling::held;
+  return steps == 1;  // every n-th command of a loop: between two of them there were others
+}
 
- private:
-  std::vector<std::size_t> index_;
-  std::size_t count_ = 0;
-};
-
-/// Missing values on a straight line between their neighbours, or held; marks long gaps and what follows them.
-std::vector<double> filled(std::vector<double> values, bool hold, double period_s, std::vector<char>& usable) {
+/// Missing values on a straight line between their neighbours; marks them, and what follows long gaps.
+std::vector<double> filled(std::vector<double> values, double period_s, std::vector<char>& usable) {
   const auto known = [](double value) { return std::isfinite(value); };
   const auto first = std::find_if(values.begin(), values.end(), known);
   if (first == values.end()) return values;
@@ -62,7 +48,7 @@ std::vector<double> filled(std::vector<double> values, bool hold, double period_
     const double before = values[k - 1], after = end < values.size() ? values[end] : before;
     const auto gap = static_cast<double>(end - k);
     for (std::size_t i = k; i < end; ++i)
-      values[i] = hold ? before : before + (after - before) * static_cast<double>(i - k + 1) / (gap + 1);
+      values[i] = before + (after - before) * static_cast<double>(i - k + 1) / (gap + 1);
     const double spoilt_s = gap * period_s > long_gap_s ? forget_gap_s : 0.0;
     const std::size_t until = std::min(values.size(), end + static_cast<std::size_t>(spoilt_s / period_s));
     std::fill(usable.begin() + static_cast<std::ptrdiff_t>(k), usable.begin() + static_cast<std::ptrdiff_t>(until), 0);
@@ -90,7 +76,7 @@ void take_start_pressures(CylinderRecording& out, const std::string& path) {
       throw InputError(fmt::format("{}: found no column {}_Pa or {}_Pa, expected a pressure of side {}", path,
                                    gas_channel_names[port], gas_channel_names[chamber], side + 1));
     std::vector<char> ignored(out.samples());
-    std::vector<double> values = filled(out.measured_Pa[source], false, out.period_s(), ignored);
+    std::vector<double> values = filled(out.measured_Pa[source], out.period_s(), ignored);
     values.resize(std::min(values.size(), out.inputs.release + 2 * kernel.reach()));
     out.inputs.start_sensor[side] = source + 1;
     out.inputs.start_Pa[side] = kernel.apply(values, 0);
@@ -100,20 +86,26 @@ void take_start_pressures(CylinderRecording& out, const std::string& path) {
 
 }  // namespace
 
-CylinderRecording prepare_recording(const Recording& recording, double longest_s) {
+CylinderRecording prepare_recording(const Recording& recording, double loop_period_s, double longest_s) {
   recording.require({"x_m", "u_V"});
   CylinderRecording out;
-  out.inputs.period_s = period_of(recording);
-  const EvenSamples even(recording, out.period_s(), longest_s);
+  out.inputs.period_s = interval_of(recording);
+  out.inputs.steps = std::max(1, static_cast<int>(std::lround(out.period_s() / loop_period_s)));
+  out.inputs.command_is_held = is_held(recording, "u_V", out.inputs.steps);
+  const EvenSamples even(recording.t_s(), out.period_s(), longest_s);
   out.start_s = recording.t_s().front();
   out.usable.assign(even.count(), 1);
-  out.position_m = even.of(recording.column("x_m"));
-  out.inputs.command_V = filled(even.of(recording.column("u_V")), true, out.period_s(), out.usable);
+  out.position_m = even.drawn(recording.column("x_m"));
+  out.inputs.command_V = filled(even.straight(recording.column("u_V")), out.period_s(), out.usable);
   for (std::size_t channel = 0; channel < gas_channels; ++channel) {
     const std::string column = fmt::format("{}_Pa", gas_channel_names[channel]);
-    if (recording.has(column)) out.measured_Pa[channel] = even.of(recording.column(column));
+    if (!recording.has(column)) continue;
+    out.measured_Pa[channel] = even.placed(recording.column(column));
+    const auto& values = out.measured_Pa[channel];
+    if (std::none_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); }))
+      out.measured_Pa[channel].clear();
   }
-  const std::vector<double> position = filled(out.position_m, false, out.period_s(), out.usable);
+  const std::vector<double> position = filled(out.position_m, out.period_s(), out.usable);
   const GaussianKernel kernel(std::max(position_sigma_s, out.period_s()), out.period_s());
   out.inputs.position_m = smoothed_position(kernel, position);
   out.inputs.velocity_mps = kernel.apply(position, 1);

@@ -56,11 +56,23 @@ std::vector<double> readings(const SensorEffects<double>& sensor, const std::vec
   return out;
 }
 
-/// Missing values take the simulated course: they are not compared, and must not spoil their neighbours by smoothing.
+/// Where nothing was measured the simulation's error lies on a line between its neighbours, so that what is sampled
+/// slowly is smoothed like the rest.
 std::vector<double> with_gaps_filled(const std::vector<double>& measured, const std::vector<double>& simulated) {
   std::vector<double> out(measured);
-  for (std::size_t k = 0; k < out.size(); ++k)
-    if (!std::isfinite(out[k])) out[k] = simulated[k];
+  std::size_t last = out.size();  // measured; none yet
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    if (!std::isfinite(measured[k])) continue;
+    const double after = measured[k] - simulated[k];
+    const double before = last < out.size() ? measured[last] - simulated[last] : after;
+    const std::size_t from = last < out.size() ? last + 1 : 0;
+    for (std::size_t i = from; i < k; ++i)
+      out[i] = simulated[i] + before +
+               (after - before) * static_cast<double>(i + 1 - from) / static_cast<double>(k + 1 - from);
+    last = k;
+  }
+  const double end = last < out.size() ? measured[last] - simulated[last] : 0.0;
+  for (std::size_t i = last < out.size() ? last + 1 : 0; i < out.size(); ++i) out[i] = simulated[i] + end;
   return out;
 }
 
@@ -98,9 +110,11 @@ double rms_drop(const GasCourse& course, std::size_t side) {
 
 CylinderResiduals::CylinderResiduals(const Rig& owner, const std::vector<Recording>& recordings,
                                      const CylinderResidualsSettings& settings)
-    : owner_(owner), slow_kernel_(std::max(slow_sigma_s, 2.5 * owner.period_s), owner.period_s) {
+    : owner_(owner) {
   for (const Recording& recording : recordings) {
-    recordings_.push_back(prepare_recording(recording, settings.longest_s));
+    recordings_.push_back(prepare_recording(recording, owner.period_s, settings.longest_s));
+    const double interval_s = recordings_.back().period_s();
+    slow_kernels_.emplace_back(std::max(slow_sigma_s, 2.5 * interval_s), interval_s);
     recordings_.back().held_out = {any_held_out(recordings), recording.is_held_out};
     recordings_.back().changes = machine_changes(owner, recording);
   }
@@ -138,21 +152,21 @@ void CylinderResiduals::declare_channels() {
   bool chambers = true;
   for (const CylinderRecording& recording : recordings_)
     chambers = chambers && !recording.measured_Pa[chamber_1].empty() && !recording.measured_Pa[chamber_2].empty();
-  channels_.push_back({"F", "N", force_noise(1), chambers ? force_floor_N : force_floor_ports_N});
+  channels_.push_back({"F", "N", force_noise(0, 1), chambers ? force_floor_N : force_floor_ports_N});
   gas_channel_.push_back(-1);
 }
 
-double CylinderResiduals::force_noise(std::size_t count) const {
+double CylinderResiduals::force_noise(std::size_t recording, std::size_t count) const {
   const double areas[2]{owner_.axis.cylinder.area_1_m2, owner_.axis.cylinder.area_2_m2};
-  const ForceBalance& balance = balances_.front();
+  const ForceBalance& balance = balances_[recording];
   const double mass = owner_.axis.slider.mass_kg + owner_.axis.slider.payload_kg;
   double squares = balance.force_noise(mass, count) * balance.force_noise(mass, count);
   for (std::size_t side = 0; side < 2; ++side)
     for (std::size_t i = 0; i < channels_.size(); ++i) {
       const auto wanted = [&](std::size_t channel) { return gas_channel_[i] == static_cast<int>(channel); };
-      const bool measured = !recordings_.front().measured_Pa[chamber_1 + side].empty();
+      const bool measured = !recordings_[recording].measured_Pa[chamber_1 + side].empty();
       if (!wanted(measured ? chamber_1 + side : port_1 + side)) continue;
-      const double gain = (measured ? balance.kernel() : slow_kernel_).noise_gain(0, count);
+      const double gain = (measured ? balance.kernel() : slow_kernels_[recording]).noise_gain(0, count);
       squares += std::pow(areas[side] * channels_[i].noise * gain, 2);
     }
   return std::sqrt(squares);
@@ -162,7 +176,8 @@ void CylinderResiduals::declare_rows() {
   std::vector<PossibleRinging> ringing(recordings_.size());
   const RecordedRigs rigs(owner_, recordings_);
   in_parallel(recordings_.size(), jobs_, [&](std::size_t r) {
-    ringing[r] = possible_ringing(recordings_[r].inputs, rigs[r], grid_for(rigs[r], ringing_effort));
+    ringing[r] = possible_ringing(recordings_[r].inputs, rigs[r],
+                                  grid_for(rigs[r], ringing_effort, recordings_[r].inputs.step_s()));
   });
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
     const CylinderRecording& recording = recordings_[r];
@@ -172,18 +187,22 @@ void CylinderResiduals::declare_rows() {
       if (!force && recording.measured_Pa[static_cast<std::size_t>(gas_channel_[c])].empty()) continue;
       Stretch stretch{r, c, rows_.size(), {}, recording.usable, {}, {}};
       const std::vector<char> stops = balances_[r].near_end_stop(owner_.axis.cylinder.stroke_m);
-      for (std::size_t k = 0; k < recording.samples(); ++k) {
-        if (force) stretch.usable[k] = stretch.usable[k] && balances_[r].usable()[k] && !stops[k];
-        else
-          stretch.usable[k] =
-              stretch.usable[k] && std::isfinite(recording.measured_Pa[static_cast<std::size_t>(gas_channel_[c])][k]);
-      }
+      const std::vector<char> known = recording.usable;
+      for (std::size_t k = 0; k < recording.samples(); ++k)
+        stretch.usable[k] =
+            known[k] && (force ? balances_[r].usable()[k] && !stops[k]
+                               : std::isfinite(recording.measured_Pa[static_cast<std::size_t>(gas_channel_[c])][k]));
       const bool has_start = !force && gas_channel_[c] != static_cast<int>(supply);
       const double start_Pa = has_start ? start_error(recording, static_cast<std::size_t>(gas_channel_[c]) % 2) : 0.0;
       for (std::size_t first = 0; first + bin <= recording.samples(); first += bin) {
-        const auto begin = stretch.usable.begin() + static_cast<std::ptrdiff_t>(first);
-        if (!std::all_of(begin, begin + static_cast<std::ptrdiff_t>(bin), [](char usable) { return usable; })) continue;
-        stretch.bins.push_back({first, bin});
+        const auto part = [&](const std::vector<char>& marks) {
+          const auto begin = marks.begin() + static_cast<std::ptrdiff_t>(first);
+          return std::count_if(begin, begin + static_cast<std::ptrdiff_t>(bin), [](char mark) { return mark != 0; });
+        };
+        const auto whole = static_cast<std::ptrdiff_t>(bin);
+        if (part(known) < whole || part(stretch.usable) < (force ? whole : 1)) continue;
+        const auto values = static_cast<double>(part(stretch.usable));
+        stretch.bins.push_back({first, bin, values});
         const double bin_s = recording.period_s() * static_cast<double>(bin), n = static_cast<double>(bin);
         ResidualRow row{static_cast<int>(c), static_cast<int>(r)};
         row.time_s = recording.time_s(first) + 0.5 * (bin_s - recording.period_s());
@@ -192,7 +211,7 @@ void CylinderResiduals::declare_rows() {
           row.velocity_mps += recording.inputs.velocity_mps[k] / n;
           row.command_V += recording.inputs.command_V[k] / n;
         }
-        const double noise = force ? force_noise(bin) : channels_[c].noise / std::sqrt(n);
+        const double noise = force ? force_noise(r, bin) : channels_[c].noise / std::sqrt(values);
         const double since_s = recording.period_s() * static_cast<double>(first) - first_compared_s;
         const double start = start_Pa * std::exp(-since_s / start_fades_s);
         row.sigma = std::hypot(noise, std::hypot(channels_[c].floor, start) * std::sqrt(floor_correlation_s / bin_s));
@@ -228,7 +247,7 @@ double CylinderResiduals::largest_ringing(const PossibleRinging& ringing, std::s
 
 void CylinderResiduals::declare_answer(Stretch& stretch, const PossibleRinging& possible) {
   const CylinderRecording& recording = recordings_[stretch.recording];
-  if (stretch.bins.empty() || recording.period_s() > slowest_answer_s) return;
+  if (stretch.bins.empty() || recording.period_s() > slowest_answer_s || recording.inputs.steps > 1) return;
   std::vector<char> used(stretch.usable);
   for (std::size_t k = 0; k < used.size(); ++k)
     used[k] = used[k] && !recording.held_out(recording.time_s(k)) &&
@@ -290,11 +309,11 @@ std::vector<double> CylinderResiduals::chamber_pressure(const Rig& rig, const Ga
     for (double& value : out) value = (value - sensor.sensor_offset.offset) / gain;
   } else {
     out = kernel.apply(gas[chamber], 0);
-    const std::vector<double> slow = slow_kernel_.apply(error, 0);
+    const std::vector<double> slow = slow_kernels_[recording].apply(error, 0);
     for (std::size_t k = 0; k < out.size(); ++k) out[k] += slow[k] / gain;
   }
   if (tau > 0) {
-    const std::vector<double> slow_rate = slow_kernel_.apply(error, 1);
+    const std::vector<double> slow_rate = slow_kernels_[recording].apply(error, 1);
     for (std::size_t k = 0; k < out.size(); ++k) out[k] += tau * slow_rate[k] / gain;
     if (measured) {
       const std::vector<double> rate = kernel.apply(simulated, 1);
@@ -340,8 +359,9 @@ Eigen::VectorXd CylinderResiduals::plain_column(const Rig& rig, const std::vecto
     for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
       const Bin& bin = stretch.bins[b];
       double sum = 0;
-      for (std::size_t k = bin.first; k < bin.first + bin.count; ++k) sum += course.simulated[k] - course.measured[k];
-      *row++ = sum / static_cast<double>(bin.count) / rows_[stretch.first_row + b].sigma;
+      for (std::size_t k = bin.first; k < bin.first + bin.count; ++k)
+        if (stretch.usable[k]) sum += course.simulated[k] - course.measured[k];
+      *row++ = sum / bin.values / rows_[stretch.first_row + b].sigma;
     }
     if (stretch.answer.rows() == 0) continue;
     std::vector<double> difference(course.simulated);
@@ -439,6 +459,7 @@ std::vector<ChannelMisfit> CylinderResiduals::sample_misfit(const Hypothesis& hy
     for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
       const std::size_t held_out = rows_[stretch.first_row + b].held_out;
       for (std::size_t k = stretch.bins[b].first; k < stretch.bins[b].first + stretch.bins[b].count; ++k) {
+        if (!stretch.usable[k]) continue;
         squares[stretch.channel][held_out] += std::pow(course.simulated[k] - course.measured[k], 2);
         counts[stretch.channel][held_out] += 1;
       }

@@ -33,6 +33,7 @@ class CylinderResiduals final : public ResidualModel {
   const std::vector<ResidualRow>& rows() const override { return rows_; }
   std::size_t start_factor_count() const override { return 2 * recordings_.size(); }
   Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) override;
+  void set_stop(std::function<bool()> stop) override { gas_->set_stop(std::move(stop)); }
   void set_working_point(const Hypothesis& hypothesis) override;
   std::vector<double> take_slow_error(const Hypothesis& hypothesis) override;
   void drop_slow_error() override { slow_errors_.assign(channels_.size(), {}); }
@@ -42,12 +43,13 @@ class CylinderResiduals final : public ResidualModel {
  private:
   struct Bin {
     std::size_t first = 0, count = 0;
+    double values = 0;  ///< samples of it that were measured
   };
   /// One channel of one recording: its bins and where their rows stand.
   struct Stretch {
     std::size_t recording = 0, channel = 0, first_row = 0;
     std::vector<Bin> bins;
-    std::vector<char> usable;
+    std::vector<char> usable;  ///< samples that are compared
     std::vector<double> times_s;  ///< of the bins
     CommandAnswer answer;  ///< of a port; its rows follow the bins'
   };
@@ -61,7 +63,7 @@ class CylinderResiduals final : public ResidualModel {
   /// What the lines' ringing may make of the mean over `count` samples [unit of the channel].
   double largest_ringing(const PossibleRinging& ringing, std::size_t recording, std::size_t channel, std::size_t first,
                          std::size_t count) const;
-  double force_noise(std::size_t count) const;  ///< of the mean of `count` neighbouring values
+  double force_noise(std::size_t recording, std::size_t count) const;  ///< of the mean of `count` neighbouring values
   SampledCourse course_of(const RecordedRigs& rigs, const GasCourse& gas, const Stretch& stretch) const;
   SampledCourse force_course(const Rig& rig, const GasCourse& gas, std::size_t recording) const;
   std::vector<double> chamber_pressure(const Rig& rig, const GasCourse& gas, std::size_t recording,
@@ -74,7 +76,7 @@ class CylinderResiduals final : public ResidualModel {
   Rig owner_;
   std::vector<CylinderRecording> recordings_;
   std::vector<ForceBalance> balances_;
-  GaussianKernel slow_kernel_;
+  std::vector<GaussianKernel> slow_kernels_;  ///< of each recording
   std::unique_ptr<GasRuns> gas_;
   int jobs_ = 1;
   std::vector<ResidualChannel> channels_;

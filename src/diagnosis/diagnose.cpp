@@ -14,7 +14,9 @@
 #include "config/rig_parameters.hpp"
 #include "diagnosis/cylinder_residuals.hpp"
 #include "diagnosis/driven_axis_residuals.hpp"
+#include "diagnosis/recording_doubts.hpp"
 #include "diagnosis/result_text.hpp"
+#include "diagnosis/stretches.hpp"
 #include "diagnosis/stroke_residuals.hpp"
 #include "diagnosis/vessel_residuals.hpp"
 
@@ -89,10 +91,9 @@ void add_element_shares(const Decision& decision, const Search& search, Diagnosi
                    [](const ElementShare& a, const ElementShare& b) { return a.share > b.share; });
 }
 
-/// Where something sits that has no name: the element whose patterns over all channels take most of what is left on the
-/// owner's model.
-void add_unknown(ResidualModel& model, const Decision& decision, const Search& search, const DecisionRules& rules,
-                 Diagnosis& out) {
+/// What the patterns of each element over all channels take of what is left on the owner's model.
+std::vector<ElementPattern> patterns_of_elements(ResidualModel& model, const Search& search,
+                                                 const DecisionRules& rules) {
   const Hypothesis here = search.owner().fit.hypothesis();
   const ModelLevels owner = model_levels(model, here, rules);
   std::vector<Hypothesis> hypotheses;
@@ -114,8 +115,30 @@ void add_unknown(ResidualModel& model, const Decision& decision, const Search& s
   patterns.colwise() -= owner.residual;
   for (Eigen::Index c = 0; c < patterns.cols(); ++c)
     if (!patterns.col(c).allFinite()) patterns.col(c).setZero();
+  return element_patterns(model.rows(), owner.residual, patterns, elements);
+}
+
+/// The same by what the screening says that each name would gain: for those who asked to stop.
+std::vector<ElementPattern> screened_elements(const Search& search) {
+  std::map<std::string, double> gains;
+  for (const Screened& s : search.first_screening()) {
+    double& gain = gains[search.candidates()[s.candidate].element];
+    gain = std::max(gain, s.gain);
+  }
+  std::vector<ElementPattern> out;
+  for (const auto& [element, gain] : gains) out.push_back({element, gain});
+  std::stable_sort(out.begin(), out.end(),
+                   [](const ElementPattern& a, const ElementPattern& b) { return a.explained > b.explained; });
+  return out;
+}
+
+/// Where something sits that has no name: the element whose patterns over all channels take most of what is left on the
+/// owner's model.
+void add_unknown(ResidualModel& model, const Decision& decision, const Search& search, const DecisionRules& rules,
+                 Diagnosis& out) {
   double sum = 1e-300;
-  const std::vector<ElementPattern> ranked = element_patterns(model.rows(), owner.residual, patterns, elements);
+  const std::vector<ElementPattern> ranked =
+      out.stopped ? screened_elements(search) : patterns_of_elements(model, search, rules);
   std::vector<ElementPattern> patterns_by_element = ranked;
   std::string element = decision.element;
   if (decision.levels.line && element.empty()) {  // a periodic part in the force or the supply sits there
@@ -290,6 +313,22 @@ std::vector<Candidate> without_unexcited(std::vector<Candidate> candidates, cons
   return candidates;
 }
 
+/// Throws InputError where there is nothing to compare: no row, or no finite course of the rig as configured.
+void require_comparison(const Rig& rig, FittedRows& rows) {
+  ResidualModel& model = rows.model();
+  if (model.rows().empty())
+    throw InputError(fmt::format("{}: no row of the recordings can be compared: position or drive are missing, or the "
+                                 "slider stands at an end stop throughout; expected motion with both recorded",
+                                 rig.name));
+  if (rows.count() == 0)
+    throw InputError(fmt::format("{}: every row that can be compared is held out, expected some to fit", rig.name));
+  if (!rows({Hypothesis{rig, {}}}).allFinite())
+    throw InputError(
+        fmt::format("{}: the rig as configured has no finite course on these recordings; expected position, "
+                    "pressures and command in SI units (m, Pa absolute, V)",
+                    rig.name));
+}
+
 void run_search(Search& search, Diagnosis& out) {
   try {
     search.run();
@@ -431,6 +470,7 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   out.rig = rig.name;
   out.configured = rig;
   FittedRows rows(model, options.stop);
+  require_comparison(rig, rows);
   const std::vector<Candidate> candidates =
       without_unexcited(all_candidates(rig, model.channels(), motion_range(model.rows())), model.rows());
   SearchSettings settings;
@@ -492,11 +532,15 @@ Diagnosis diagnose(const Rig& configured, const std::vector<Recording>& recordin
   if (recordings.empty()) throw InputError("diagnose: no recording, expected at least one");
   std::vector<std::string> left_out;
   const Rig rig = without_disturbances(configured, left_out);
-  const std::unique_ptr<ResidualModel> model = make_residual_model(rig, recordings, options.jobs);
+  if (options.progress) options.progress(0.01, "recordings");
+  std::vector<Recording> doubted = recordings;
+  doubt_recordings(rig, doubted, left_out);
+  const std::vector<Recording> stretches = compared_stretches(rig, std::move(doubted), left_out);
+  const std::unique_ptr<ResidualModel> model = make_residual_model(rig, stretches, options.jobs);
   Diagnosis out = diagnose(rig, *model, options);
   out.warnings.insert(out.warnings.end(), left_out.begin(), left_out.end());
+  for (const Recording& stretch : stretches) out.recordings.push_back(stretch.path);
   for (const Recording& recording : recordings) {
-    out.recordings.push_back(recording.path);
     for (const auto& [path, value] : recording.changed)
       out.warnings.push_back(fmt::format("{}: made with {} = {:g} instead of {:g}, and compared so", recording.path,
                                          path, value, get_parameter(rig, path)));

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
+#include "diagnosis/even_samples.hpp"
 #include "diagnosis/held_out.hpp"
 
 namespace pneuservo {
@@ -19,30 +20,9 @@ namespace {
 constexpr double floor_share = 5e-4, least_floor_N = 0.02;
 constexpr double rest_noises = 2;  ///< of the drive: what any rest balances, so that no friction gains by noise
 constexpr std::size_t force_sensor = 6, chamber_sensor_1 = 3;
-constexpr double longest_step_periods = 1.8;  ///< of neighbours between which nothing is missing
+constexpr double least_compared_s = 2;        ///< of all recordings
 constexpr double turn_share = 0.5;            ///< of the usual speed
-constexpr double same_place = 0.05;           ///< of a period
 constexpr double least_bin_periods = 5;       ///< rows of slowly sampled recordings are longer than residual_bin_s
-
-/// The rows on an even grid, between uneven ones on a straight line; NaN where a row is missing.
-std::vector<double> on_grid(const std::vector<double>& time_s, const std::vector<double>& values, double period_s) {
-  const auto count = static_cast<std::size_t>(std::llround((time_s.back() - time_s.front()) / period_s)) + 1;
-  std::vector<double> out(count, std::numeric_limits<double>::quiet_NaN());
-  for (std::size_t i = 0; i + 1 < time_s.size(); ++i) {
-    const double from = (time_s[i] - time_s.front()) / period_s, to = (time_s[i + 1] - time_s.front()) / period_s;
-    if (to - from > longest_step_periods) continue;
-    for (auto k = static_cast<std::size_t>(std::ceil(from - same_place)); static_cast<double>(k) <= to && k < count;
-         ++k)
-      out[k] =
-          values[i] + (values[i + 1] - values[i]) * std::clamp((static_cast<double>(k) - from) / (to - from), 0.0, 1.0);
-  }
-  for (std::size_t i = 0; i < time_s.size(); ++i) {  // a row at its place stands as it is
-    const double place = (time_s[i] - time_s.front()) / period_s;
-    if (std::abs(place - std::round(place)) < same_place)
-      out[static_cast<std::size_t>(std::llround(place))] = values[i];
-  }
-  return out;
-}
 
 /// A seal is dragged along elastically where the motion turns, which no friction of the vocabulary is: beside pistons
 /// only samples of at least half the usual speed are judged, beyond the smoothing's reach of slower ones.
@@ -62,6 +42,15 @@ void leave_out_turns(const std::vector<double>& velocity_mps, std::size_t reach,
   usable = std::move(kept);
 }
 
+/// For how much of the time between two rows the force of a row acts: a period of the loop where it is a command held
+/// over that, all of it where it is said to be held, none where it was read at its instant.
+double held_share(const Rig& rig, const Recording& recording, double interval_s) {
+  const auto stated = recording.sampling.find(recording.has("F_N") ? "F_N" : "u_V");
+  if (stated != recording.sampling.end() && stated->second != Sampling::unstated)
+    return stated->second == Sampling::held ? 1.0 : 0.0;
+  return std::min(1.0, rig.period_s / interval_s);
+}
+
 std::vector<double> drive_force(const Rig& rig, const Recording& recording) {
   if (recording.has("F_N")) return recording.column("F_N");
   if (!recording.has("u_V") || rig.drive.force_per_volt_N_per_V == 0)
@@ -79,7 +68,11 @@ DrivenAxisResiduals::DrivenAxisResiduals(const Rig& rig, const std::vector<Recor
   channels_.push_back({"F", "N", 0, least_floor_N});
   has_held_out_ = any_held_out(recordings);
   for (const Recording& recording : recordings) add_recording(rig, recording);
-  double largest = 0;
+  double compared_s = 0, largest = 0;
+  for (const Part& part : parts_) compared_s += part.interval_s * static_cast<double>(part.time_s.size());
+  if (compared_s < least_compared_s)
+    throw InputError(fmt::format("{}: found {:.2f} s, expected at least {:.0f} s to compare", recordings.front().path,
+                                 compared_s, least_compared_s));
   for (const Part& part : parts_)
     for (const double force : part.drive_N) largest = std::max(largest, std::abs(force));
   ResidualChannel& channel = channels_.front();
@@ -90,20 +83,22 @@ DrivenAxisResiduals::DrivenAxisResiduals(const Rig& rig, const std::vector<Recor
     return std::hypot(part.balance.force_noise(mass, count), force_noise * part.balance.kernel().noise_gain(0, count));
   };
   channel.noise = noise_of(parts_.front(), 1);
-  for (std::size_t i = 0; i < bins_.size(); ++i)
-    rows_[i].sigma = std::hypot(noise_of(parts_[bins_[i].part], bins_[i].count),
-                                channel.floor * std::sqrt(std::max(1.0, floor_correlation_s / bin_s_)));
+  for (std::size_t i = 0; i < bins_.size(); ++i) {
+    const Part& part = parts_[bins_[i].part];
+    const double bin_s = part.interval_s * static_cast<double>(bins_[i].count);
+    rows_[i].sigma = std::hypot(noise_of(part, bins_[i].count),
+                                channel.floor * std::sqrt(std::max(1.0, floor_correlation_s / bin_s)));
+  }
 }
 
 void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recording) {
   const std::vector<double>& time_s = recording.t_s();
-  const double period_s = rig.period_s;
-  const std::vector<double> position = on_grid(time_s, recording.column("x_m"), period_s);
-  std::vector<double> force = on_grid(time_s, drive_force(rig, recording), period_s);
-  if (position.size() < 2000 * 0.001 / period_s)
-    throw InputError(fmt::format("{}: found {:.2f} s, expected at least 2 s to compare", recording.path,
-                                 static_cast<double>(position.size()) * period_s));
-  Part part{ForceBalance(position, period_s, rig.sensors.position.rms_m()),
+  const double interval_s = std::isfinite(recording.period_s) ? recording.period_s : rig.period_s;
+  const EvenSamples even(time_s, interval_s);
+  const std::vector<double> position = even.drawn(recording.column("x_m"));
+  std::vector<double> force = even.straight(drive_force(rig, recording));
+  Part part{ForceBalance(position, interval_s, rig.sensors.position.rms_m()),
+            interval_s,
             {},
             {},
             {},
@@ -111,15 +106,19 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
             {},
             {has_held_out_, recording.is_held_out},
             machine_changes(rig, recording)};
-  // Held over the period: around a row the mean of its own force and the one before it.
+  part.usable = part.balance.usable();
+  // The drive's mean around a row: what was held before it counts for as long as it was.
+  const double before = 0.5 * held_share(rig, recording, interval_s);
   std::vector<double> middle(force.size());
   for (std::size_t i = 0; i < force.size(); ++i) {
-    if (!std::isfinite(force[i])) force[i] = i > 0 ? force[i - 1] : 0.0;
-    middle[i] = 0.5 * (force[i] + force[i > 0 ? i - 1 : 0]);
+    if (!std::isfinite(force[i])) {
+      part.usable[i] = 0;
+      force[i] = i > 0 ? force[i - 1] : 0.0;
+    }
+    middle[i] = force[i] - before * (force[i] - force[i > 0 ? i - 1 : 0]);
   }
   part.drive_N = part.balance.kernel().apply(middle, 0);
   part.drive_rate_Nps = part.balance.kernel().apply(middle, 1);
-  part.usable = part.balance.usable();
   if (rig.has_pistons()) {
     add_pressures(rig, recording, part);
     leave_out_turns(part.balance.velocity_mps(), part.balance.kernel().reach(), part.usable);
@@ -127,9 +126,9 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
   const std::vector<char> stops = part.balance.near_end_stop(rig.axis.cylinder.stroke_m);
   for (std::size_t i = 0; i < stops.size(); ++i) part.usable[i] = part.usable[i] && !stops[i];
   for (std::size_t i = 0; i < force.size(); ++i)
-    part.time_s.push_back(time_s.front() + static_cast<double>(i) * period_s);
-  bin_s_ = std::max(residual_bin_s, least_bin_periods * period_s);
-  const auto bin = static_cast<std::size_t>(std::llround(bin_s_ / period_s));
+    part.time_s.push_back(time_s.front() + static_cast<double>(i) * interval_s);
+  const auto bin =
+      static_cast<std::size_t>(std::llround(std::max(residual_bin_s, least_bin_periods * interval_s) / interval_s));
   for (std::size_t first = 0; first + bin <= force.size(); first += bin) {
     const auto from = part.usable.begin() + static_cast<std::ptrdiff_t>(first);
     if (std::any_of(from, from + static_cast<std::ptrdiff_t>(bin), [](char usable) { return !usable; })) continue;
@@ -148,8 +147,8 @@ void DrivenAxisResiduals::add_pressures(const Rig& rig, const Recording& recordi
     if (areas[side] == 0) continue;
     const std::string column = fmt::format("p{}_chamber_Pa", side + 1);
     recording.require({column});
-    part.pressure_Pa[side] =
-        part.balance.kernel().apply(on_grid(recording.t_s(), recording.column(column), rig.period_s), 0);
+    part.pressure_Pa[side] = part.balance.kernel().apply(
+        EvenSamples(recording.t_s(), part.interval_s).straight(recording.column(column)), 0);
     for (std::size_t i = 0; i < part.usable.size(); ++i)
       part.usable[i] = part.usable[i] && std::isfinite(part.pressure_Pa[side][i]);
   }

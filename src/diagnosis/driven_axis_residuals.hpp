@@ -12,7 +12,8 @@
 
 namespace pneuservo {
 
-/// One channel, F. The drive force of a row acts until the next one: its course is continued in the middle of both.
+/// One channel, F. A drive force that was commanded acts for a period of the loop from its row on, a measured one is of
+/// its instant: the import map says which.
 class DrivenAxisResiduals : public ResidualModel {
  public:
   /// Where the rig has piston areas the pressures of their chambers act beside the drive force.
@@ -28,6 +29,7 @@ class DrivenAxisResiduals : public ResidualModel {
  private:
   struct Part {
     ForceBalance balance;
+    double interval_s;
     std::vector<double> time_s, drive_N, drive_rate_Nps;  ///< smoothed drive as recorded, and its rate
     std::vector<char> usable;
     std::array<std::vector<double>, 2> pressure_Pa;  ///< of the chambers, smoothed; empty: no piston
@@ -47,7 +49,6 @@ class DrivenAxisResiduals : public ResidualModel {
   std::vector<ResidualRow> rows_;
   std::vector<Part> parts_;
   std::vector<Bin> bins_;
-  double bin_s_ = 0.01;
   bool has_held_out_ = false;  ///< whole recordings are; else stretches of each
 };
 

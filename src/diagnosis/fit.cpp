@@ -119,6 +119,12 @@ Eigen::MatrixXd FittedRows::operator()(const std::vector<Hypothesis>& hypotheses
   if (stop_ && stop_()) throw DiagnosisStopped();
   tried_ += hypotheses.size();
   if (hypotheses.empty()) return Eigen::MatrixXd(count(), 0);
+  // What is asked of the model elsewhere, the verdict on what is there, is not to be stopped.
+  struct Stoppable {
+    ResidualModel& model;
+    ~Stoppable() { model.set_stop({}); }
+  } stoppable{model_};
+  model_.set_stop(stop_);
   return model_.residuals(hypotheses)(fitted_, Eigen::all);
 }
 

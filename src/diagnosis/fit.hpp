@@ -1,7 +1,6 @@
 // Fits of hypotheses by Levenberg steps in lanes: several fits go on side by side, each step tries several dampings.
 #pragma once
 #include <functional>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,11 +10,6 @@
 #include "diagnosis/free_parameter.hpp"
 
 namespace pneuservo {
-
-/// Somebody asked to stop (Ctrl-C); what is there already is kept.
-struct DiagnosisStopped : std::runtime_error {
-  DiagnosisStopped() : std::runtime_error("stopped") {}
-};
 
 /// What the fits see of a model: rows that no proof is held out of, and how much was asked of it.
 class FittedRows {

@@ -18,10 +18,12 @@ constexpr double slowest_period_s = 2e-3;  // of commands whose stairs ring abov
 constexpr double length_spread = 1.5, least_tolerance = 0.003, most_tolerance = 0.03;
 constexpr double two_pi = 2.0 * std::numbers::pi;
 
-std::vector<double> repeated(const std::vector<double>& samples) {
+/// The stairs of the loop's periods in parts of the recording's.
+std::vector<double> stairs(const ImposedInputs& inputs) {
   std::vector<double> out;
-  out.reserve(parts * samples.size());
-  for (const double value : samples) out.insert(out.end(), parts, value);
+  out.reserve(parts * inputs.command_V.size());
+  for (std::size_t k = 0; k < inputs.command_V.size(); ++k)
+    for (int i = 0; i < parts; ++i) out.push_back(inputs.command_at(k, i * inputs.steps / parts));
   return out;
 }
 
@@ -38,7 +40,8 @@ std::vector<double> interpolated(const std::vector<double>& samples) {
 ImposedInputs in_parts(const ImposedInputs& inputs) {
   ImposedInputs out(inputs);
   out.period_s /= parts;
-  out.command_V = repeated(inputs.command_V);
+  out.steps = 1;
+  out.command_V = stairs(inputs);
   out.position_m = interpolated(inputs.position_m);
   out.velocity_mps = interpolated(inputs.velocity_mps);
   for (std::size_t side = 0; side < 2; ++side) {

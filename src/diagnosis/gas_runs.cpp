@@ -14,7 +14,7 @@ namespace pneuservo {
 
 namespace {
 
-// Cells times sub-steps a period and line: what a hypothesis costs, and what shows the error of that.
+// Cells times sub-steps a step and line: what a hypothesis costs, and what shows the error of that.
 constexpr double work_effort = 100.0, fine_effort = 2000.0;
 constexpr std::size_t most_known = 64;  // courses kept of each recording, 0.3 MB each for 8 s
 
@@ -62,8 +62,8 @@ GasRuns::GasRuns(const Rig& owner, const std::vector<CylinderRecording>& recordi
       grid_error_(recordings.size()) {
   const RecordedRigs rigs(owner, recordings);
   for (std::size_t r = 0; r < recordings.size(); ++r) {
-    work_grid_.push_back(grid_for(rigs[r], work_effort));
-    fine_grid_.push_back(grid_for(rigs[r], fine_effort));
+    work_grid_.push_back(grid_for(rigs[r], work_effort, recordings[r].inputs.step_s()));
+    fine_grid_.push_back(grid_for(rigs[r], fine_effort, recordings[r].inputs.step_s()));
   }
   set_working_point({owner, {}});
 }
@@ -135,6 +135,7 @@ std::vector<std::vector<GasRuns::Course>> GasRuns::of(std::span<const Hypothesis
     }
   }
   in_parallel(batches.size(), jobs_, [&](std::size_t b) {
+    if (stop_ && stop_()) throw DiagnosisStopped();
     Batch& batch = batches[b];
     for (GasCourse& course :
          run_or_drop(recordings_[batch.recording].inputs, batch.runs, work_grid_[batch.recording])) {

@@ -31,6 +31,8 @@ class GasRuns {
 
   GasRuns(const Rig& owner, const std::vector<CylinderRecording>& recordings, int jobs);
 
+  /// Asked before every batch of of(); true ends it with DiagnosisStopped.
+  void set_stop(std::function<bool()> stop) { stop_ = std::move(stop); }
   /// Course of hypothesis i over recording r at [i][r], with the grid's error at the working point taken out.
   std::vector<std::vector<Course>> of(std::span<const Hypothesis> hypotheses);
   /// Takes the difference of a fine grid and the work grid at this hypothesis for the grid's error.
@@ -48,6 +50,7 @@ class GasRuns {
 
   const std::vector<CylinderRecording>& recordings_;
   int jobs_;
+  std::function<bool()> stop_;
   std::vector<PlantGrid> work_grid_, fine_grid_;     ///< of each recording, whose line may be another
   std::vector<std::map<Key, Stored>> known_;         ///< of each recording, without the grid's error
   std::vector<std::list<const Key*>> order_;         ///< of each recording, the last used first

@@ -28,7 +28,7 @@ template <class S> class ImposedSimulation {
       : inputs_(inputs), runs_(runs), courses_(runs.size()) {
     auto axis = cast<AxisParameters<S>>(runs[0].rig->axis);
     for (std::size_t i = 1; i < runs.size(); ++i) set_parameters_lane(axis, static_cast<int>(i), runs[i].rig->axis);
-    plant_.configure(axis, inputs.period_s, grid);
+    plant_.configure(axis, inputs.step_s(), grid);
     for (GasCourse& course : courses_)
       for (auto& values : course) values.resize(inputs.command_V.size());
   }
@@ -39,8 +39,10 @@ template <class S> class ImposedSimulation {
     plant_.reset({position(0), low(start), high(start)});
     store(0);
     for (std::size_t k = 0; k + 1 < samples; ++k) {
-      const S command(inputs_.command_V[k]);
-      plant_.step_led(command, -command, position(k + 1));
+      for (int step = 0; step < inputs_.steps; ++step) {
+        const S command(inputs_.command_at(k, step));
+        plant_.step_led(command, -command, step + 1 < inputs_.steps ? position_within(k, step) : position(k + 1));
+      }
       if (k + 1 < inputs_.release) follow_ports(k + 1);
       if (k + 1 == inputs_.release) plant_.scale_gas(P(1), start_factors());
       store(k + 1);
@@ -58,6 +60,11 @@ template <class S> class ImposedSimulation {
   S position(std::size_t k) const {
     return each_lane([&](const ImposedRun& run) {
       return true_value(run.rig->sensor_effects[0], inputs_.position_m[k], inputs_.velocity_mps[k]);
+    });
+  }
+  S position_within(std::size_t k, int step) const {
+    return each_lane([&](const ImposedRun& run) {
+      return true_value(run.rig->sensor_effects[0], inputs_.position_at(k, step), inputs_.velocity_mps[k]);
     });
   }
   P port_pressures(std::size_t k) const {
@@ -104,7 +111,7 @@ template <class S> class ImposedSimulation {
 };
 
 /// Sub-steps that sound and flow need with this many cells.
-double needed_substeps(const Rig& rig, int cells) {
+double needed_substeps(const Rig& rig, int cells, double step_s) {
   const AxisParameters<double>& axis = rig.axis;
   const double sound =
       std::sqrt(axis.air.heat_capacity_ratio * axis.air.gas_constant_J_per_kgK * 1.2 * axis.air.temperature_K);
@@ -114,10 +121,21 @@ double needed_substeps(const Rig& rig, int cells) {
   };
   const double per_m = std::max(stiffness(axis.line_1, axis.cylinder.dead_volume_1_m3),
                                 stiffness(axis.line_2, axis.cylinder.dead_volume_2_m3));
-  return (sound + fastest_flow_mps) * per_m * rig.period_s / 0.9;
+  return (sound + fastest_flow_mps) * per_m * step_s / 0.9;
 }
 
 }  // namespace
+
+double ImposedInputs::command_at(std::size_t k, int step) const {
+  if (command_is_held || k + 1 >= command_V.size()) return command_V[k];
+  return command_V[k] + (command_V[k + 1] - command_V[k]) * step / steps;
+}
+
+double ImposedInputs::position_at(std::size_t k, int step) const {
+  const double s = (step + 1.0) / steps, s2 = s * s, s3 = s2 * s;  // the cubic of both ends' places and speeds
+  return position_m[k] + (3 * s2 - 2 * s3) * (position_m[k + 1] - position_m[k]) +
+         period_s * ((s - 2 * s2 + s3) * velocity_mps[k] + (s3 - s2) * velocity_mps[k + 1]);
+}
 
 std::vector<GasCourse> run_imposed(const ImposedInputs& inputs, std::span<const ImposedRun> runs,
                                    const PlantGrid& grid) {
@@ -125,10 +143,10 @@ std::vector<GasCourse> run_imposed(const ImposedInputs& inputs, std::span<const 
   return ImposedSimulation<Pack<double, imposed_lanes>>(inputs, runs, grid).run();
 }
 
-PlantGrid grid_for(const Rig& rig, double work) {
-  PlantGrid best{8, std::max(1, static_cast<int>(std::ceil(needed_substeps(rig, 8))))};
+PlantGrid grid_for(const Rig& rig, double work, double step_s) {
+  PlantGrid best{8, std::max(1, static_cast<int>(std::ceil(needed_substeps(rig, 8, step_s))))};
   for (int cells = 9; cells <= 2000; ++cells) {
-    const int substeps = std::max(1, static_cast<int>(std::ceil(needed_substeps(rig, cells))));
+    const int substeps = std::max(1, static_cast<int>(std::ceil(needed_substeps(rig, cells, step_s))));
     if (cells * substeps > work) break;
     best = {cells, substeps};
   }

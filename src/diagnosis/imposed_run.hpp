@@ -14,12 +14,19 @@ namespace pneuservo {
 /// What is imposed; all vectors have one entry a sample, period_s apart.
 struct ImposedInputs {
   double period_s = 1e-3;
-  std::vector<double> command_V;                      ///< from its sample to the next
+  int steps = 1;  ///< periods of the loop in one of the recording: a logger may keep every n-th row
+  /// From its sample to the next; of several steps, changing evenly from one to the next unless it is held.
+  std::vector<double> command_V;
+  bool command_is_held = true;
   std::vector<double> position_m, velocity_mps;       ///< as measured, smoothed
   std::array<std::vector<double>, 2> start_Pa;        ///< pressure at or near each port, as measured, smoothed
   std::array<std::vector<double>, 2> start_Pa_per_s;  ///< and its rate
   std::array<std::size_t, 2> start_sensor{1, 2};      ///< whose reading that is (index into channel_names)
   std::size_t release = 0;                            ///< samples in which the gas follows these pressures
+
+  double step_s() const { return period_s / steps; }
+  double command_at(std::size_t k, int step) const;   ///< of sample k, step 0 to steps - 1
+  double position_at(std::size_t k, int step) const;  ///< at the step's end; step = steps - 1 is sample k + 1
 };
 
 /// Simulated quantities at every sample, just before its command acts: true values, no sensor in them.
@@ -40,7 +47,8 @@ inline constexpr std::size_t imposed_lanes = 4;
 std::vector<GasCourse> run_imposed(const ImposedInputs& inputs, std::span<const ImposedRun> runs,
                                    const PlantGrid& grid);
 
-/// The finest grid, stable in time, whose cells times sub-steps stay within `work` a period and line.
-PlantGrid grid_for(const Rig& rig, double work);
+/// The finest grid, stable in time, whose cells times sub-steps stay within `work` a step and line. step_s: what the
+/// plant is stepped by, which is the recording's and not the config's.
+PlantGrid grid_for(const Rig& rig, double work, double step_s);
 
 }  // namespace pneuservo

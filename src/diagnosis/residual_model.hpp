@@ -1,7 +1,9 @@
 // What a diagnosis infers from: residuals of any number of explanations of the same recordings, each in its noise
 // floor.
 #pragma once
+#include <functional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -10,6 +12,11 @@
 #include <pneuservo/rig/rig.hpp>
 
 namespace pneuservo {
+
+/// Somebody asked to stop (Ctrl-C); what is there already is kept.
+struct DiagnosisStopped : std::runtime_error {
+  DiagnosisStopped() : std::runtime_error("stopped") {}
+};
 
 /// One explanation to be tried: the rig with physics and parameters as supposed, and the gas at each recording's start.
 struct Hypothesis {
@@ -64,6 +71,9 @@ class ResidualModel {
   /// Column i: residual of hypothesis i over rows(), each row divided by its sigma. A hypothesis that cannot be
   /// simulated gives a column of NaN. The same hypothesis gives the same column, whatever stands beside it.
   virtual Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) = 0;
+
+  /// Asked in the midst of residuals(): true ends them with DiagnosisStopped. Empty: never.
+  virtual void set_stop(std::function<bool()>) {}
 
   /// Takes the numerical error (work grid against fine grid) at this hypothesis from now on; columns change by it.
   virtual void set_working_point(const Hypothesis&) {}

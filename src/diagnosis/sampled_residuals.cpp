@@ -22,6 +22,20 @@ double mean_of(const std::vector<double>& values, const std::vector<std::size_t>
   return sum / static_cast<double>(samples.size());
 }
 
+/// Time that rows cover: a step far beyond the usual one covers no more than ten of those, so that a night between two
+/// rows does not stretch what is compared.
+double covered_s(const std::vector<double>& time_s) {
+  constexpr double most_steps = 10;
+  const double usual = median_step_s(time_s);
+  double sum = 0, longest = 0;
+  for (std::size_t i = 1; i < time_s.size(); ++i) {
+    sum += time_s[i] - time_s[i - 1];
+    longest = std::max(longest, time_s[i] - time_s[i - 1]);
+  }
+  if (longest < 0.5 * sum || !(longest > most_steps * usual)) return sum;
+  return sum - longest + most_steps * usual;
+}
+
 }  // namespace
 
 void SampledResiduals::declare(std::vector<ResidualChannel> channels, std::vector<SampledRecording> recordings,
@@ -31,7 +45,7 @@ void SampledResiduals::declare(std::vector<ResidualChannel> channels, std::vecto
   jobs_ = jobs;
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
     const SampledRecording& recording = recordings_[r];
-    const double start = recording.time_s.front(), span = recording.time_s.back() - start;
+    const double start = recording.time_s.front(), span = covered_s(recording.time_s);
     const double bin_s = std::max(residual_bin_s, span / rows_a_recording);
     for (std::size_t c = 0; c < channels_.size(); ++c) {
       if (recording.measured[c].empty()) continue;

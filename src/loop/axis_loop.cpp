@@ -174,10 +174,11 @@ bool AxisLoop::pass(Backend& backend, std::int64_t tick, std::int64_t skipped, S
   if (supervisor_.is_active()) command_V = control(t_s, inputs, estimated, skipped);
   if (!supervisor_.is_active()) command_V = supervisor_.safe_V();
   stamp(&StageTimes::controlled);
-  if (!backend.write(tick, {command_V[0], command_V[1], supervisor_.is_active()})) {
+  const bool ended = supervisor_.faults() != 0;
+  if (!backend.write(tick, {command_V[0], command_V[1], supervisor_.is_active(), ended})) {
     supervisor_.latch(fault_output_missed);
     command_V = supervisor_.safe_V();
-    backend.write(tick, {command_V[0], command_V[1]});
+    backend.write(tick, {command_V[0], command_V[1], false, true});
   }
   supervisor_.note_commands(command_V);
   if (!supervisor_.is_active()) limited_ = false;
@@ -191,7 +192,7 @@ void AxisLoop::stop(Backend& backend, std::int64_t tick) noexcept {
   supervisor_.stop();
   const std::array<double, 2>& safe_V = supervisor_.safe_V();
   supervisor_.note_commands(safe_V);
-  backend.write(tick, {safe_V[0], safe_V[1]});
+  backend.write(tick, {safe_V[0], safe_V[1], false, true});
 }
 
 void AxisLoop::fill_row(double t_s, std::int64_t skipped, const Measurement& measured, const Truth& truth,

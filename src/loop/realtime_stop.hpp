@@ -11,9 +11,10 @@ enum class StopSignals { interrupt_and_terminate, every };
 
 /// While an object lives, signals set the flag instead of ending the program. With `every` none that a process can
 /// catch ends or halts it but those of a crash (loop/last_resort.hpp): SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP,
-/// SIGUSR1, SIGALRM and their like. A write to a pipe without reader, to a terminal that may not be written or to a file
-/// that is too large becomes an error of the call; a SIGPIPE that another process sends is a wish. SIGHUP that was ignored at the start stays so (nohup). At the end the previous handlers
-/// come back and the flag is cleared. Objects may be nested: the outermost one counts.
+/// SIGUSR1, SIGALRM and their like. A write to a pipe without reader, to a terminal that may not be written or to a
+/// file that is too large becomes an error of the call; a SIGPIPE that another process sends is a wish. SIGHUP that was
+/// ignored at the start stays so (nohup). At the end the previous handlers come back and the flag is cleared. Objects
+/// may be nested: the outermost one counts.
 class StopRequest {
  public:
   explicit StopRequest(StopSignals signals = StopSignals::interrupt_and_terminate);

@@ -23,6 +23,12 @@ namespace {
 /// Ticks left out of timing and fault counters: the first pass touches code and data for the first time.
 constexpr std::int64_t warm_up_ticks = 200;
 
+std::int64_t injected_sleep_ns(const RunSettings& settings, std::int64_t tick) noexcept {
+  std::int64_t slept_ns = 0;
+  for (const Suspend& suspend : settings.suspends) slept_ns += suspend.tick <= tick ? suspend.slept_ns : 0;
+  return slept_ns;
+}
+
 /// HOT. After the course has seen the tick.
 void note_fault(const RunSettings& settings, const Course& course, const AxisLoop& loop, std::int64_t tick) noexcept {
   if (settings.fault_watch != nullptr && course.fault_tick() == tick)
@@ -43,6 +49,7 @@ void run_simulated(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSe
     for (; late != settings.late.end() && late->tick <= tick; ++late) skipped += late->slots;
     tick += skipped;
     out.overruns += skipped;
+    loop.note_slept(injected_sleep_ns(settings, tick));
     if (!pass(tick, skipped)) {
       out.ended_by_backend = true;
       break;
@@ -133,6 +140,8 @@ void run_real(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSetting
   ThreadCounters before = ThreadCounters::now();
   std::int64_t skipped = 0, last_work_ns = 0;
   std::int64_t unserved = 0;
+  SuspendWatch suspends;
+  suspends.slept_ns(MonotonicClock::now_ns());
   auto late = settings.late.begin();
   while (!StopRequest::requested()) {
     for (; late != settings.late.end() && late->tick <= grid.slot(); ++late) {
@@ -143,6 +152,7 @@ void run_real(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSetting
     wait_for_slot(grid.slot_ns(), early_ns, loop, settings.ring, course);
     const std::int64_t woken_ns = MonotonicClock::now_ns();
     const std::int64_t tick = grid.slot(), lateness_ns = grid.lateness_ns(woken_ns);
+    loop.note_slept(suspends.slept_ns(woken_ns) + injected_sleep_ns(settings, tick));
     StageTimes stages;
     const bool goes_on = real_tick(loop, backend, settings, course, tick, skipped, lateness_ns, last_work_ns, stages);
     out.ended_by_backend = stages.end == 0;

@@ -26,6 +26,11 @@ struct LateTick {
   std::int64_t tick = 0, slots = 0;
 };
 
+/// At the first tick at or after `tick` the machine comes back from so long a suspend.
+struct Suspend {
+  std::int64_t tick = 0, slept_ns = 0;
+};
+
 /// How a run goes.
 struct RunSettings {
   /// Real time: the thread wakes this share of the period before its slot, at most longest_early_wake_s, and looks at
@@ -44,7 +49,8 @@ struct RunSettings {
   FaultWatch* fault_watch = nullptr;  ///< the first fault is noted here
   std::string recording{};  ///< its path, for the last record of a crash
   GainMailbox* gains = nullptr;  ///< gains for the running loop come from here
-  std::vector<LateTick> late{};  ///< injected: the loop comes so late once, in order of their ticks
+  std::vector<LateTick> late{};  ///< injected: the loop comes so late, in order of their ticks
+  std::vector<Suspend> suspends{};  ///< injected
   std::function<void(double fraction)> progress{};  ///< called between ticks in simulated time only
 };
 

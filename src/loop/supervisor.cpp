@@ -96,6 +96,7 @@ void Supervisor::configure(const Rig& rig, bool needs_chambers, const MotionLimi
   supply_Pa_ = rig.axis.supply.pressure_Pa;
   supply_limit_Pa_ = rig.limits.supply_share * supply_Pa_;
   lateness_limit_s_ = rig.limits.lateness_s;
+  on_bus_ = rig.hal && rig.hal->can;
   port_step_Pa_per_V_ = margin * port_step_Pa_per_V(rig);
   const auto& air = rig.axis.air;
   fill_step_Pa_m3_ = margin * air.heat_capacity_ratio * air.gas_constant_J_per_kgK * air.temperature_K *
@@ -106,6 +107,7 @@ void Supervisor::configure(const Rig& rig, bool needs_chambers, const MotionLimi
   for (auto& guard : port_guard_) guard.configure(plausible_pressure(rig, rig.sensors.port_pressure));
   for (auto& guard : chamber_guard_) guard.configure(plausible_pressure(rig, rig.sensors.chamber_pressure));
   cross_check_.configure(rig);
+  health_.configure(rig);
   command_V_ = safe_V_;
   state_ = SupervisorState::unconfigured;
   may_move_ = true;
@@ -125,6 +127,7 @@ void Supervisor::rearm() noexcept {
   for (auto& guard : chamber_guard_) guard.reset();
   cross_check_.reset();
   motion_.reset();
+  health_.reset();
   go(SupervisorEvent::rearmed);
 }
 
@@ -220,6 +223,15 @@ bool Supervisor::inputs_ready() const noexcept {
          !(has_supply_ && supply_guard_.waiting());
 }
 
+std::array<bool, 6> Supervisor::bad_samples() const noexcept {
+  return {position_guard_.bad(),
+          port_guard_[0].bad(),
+          port_guard_[1].bad(),
+          has_chamber_[0] && chamber_guard_[0].bad(),
+          has_chamber_[1] && chamber_guard_[1].bad(),
+          has_supply_ && supply_guard_.bad()};
+}
+
 JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped) noexcept {
   JudgedInputs in;
   const double periods = static_cast<double>(skipped + 1);
@@ -229,10 +241,15 @@ JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped
   faults |= judge_supply(measured.supply_pressure_Pa, periods, in);
   // What a dead bus does not bring is its consequence, not the reason.
   if ((measured.device_faults & (device_bus_off | device_link_down)) != 0) faults &= ~missing_faults;
+  // After a fault the heartbeat is withheld: devices whose watchdog acted send nothing more.
+  if (on_bus_ && state_ == SupervisorState::fault) faults &= ~missing_faults;
   faults |= judge_digital(measured.digital);
   faults |= faults_of_devices(measured.device_faults);
   // Slots are skipped where lateness and work together passed the next one of the ideal grid.
   if (static_cast<double>(skipped) * period_s_ > lateness_limit_s_) faults |= fault_late_tick;
+  // After a fault the shares say nothing new.
+  if (const std::uint64_t health = health_.check_tick(bad_samples(), skipped); is_active() && faults == 0)
+    faults = health;
   latch(faults);
   if (may_move_ && inputs_ready()) go(SupervisorEvent::inputs_ready);
   has_moved_ = has_moved_ || is_active();
@@ -241,9 +258,10 @@ JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped
 
 void Supervisor::cross_check(const JudgedInputs& inputs, const EstimatorOutput& estimate,
                              std::int64_t skipped) noexcept {
-  if (is_active())
-    latch(cross_check_.check({command_V_, inputs.port_Pa, inputs.chamber_Pa, inputs.supply_Pa, inputs.position_m},
-                             estimate, skipped));
+  if (!is_active()) return;
+  latch(cross_check_.check({command_V_, inputs.port_Pa, inputs.chamber_Pa, inputs.supply_Pa, inputs.position_m},
+                           estimate, skipped));
+  if (is_active()) latch(health_.check_rest(cross_check_.watching(), inputs.position_m, skipped));
 }
 
 void Supervisor::check_motion(const MotionCheck& motion) noexcept {

@@ -97,7 +97,7 @@ class TruthRecording {
 };
 
 int run_device(const DeviceOptions& options) {
-  const Rig rig = read_rig(options.config, options.sets);
+  const Rig rig = read_rig(options.config, options.sets, ConfigUse::simulation);
   OutputFiles()
       .reads("CONFIG", options.config)
       .reads("--scenario", options.scenarios)
@@ -126,9 +126,11 @@ int run_device(const DeviceOptions& options) {
   send_all(*bus, out, not_sent);
   std::cerr << fmt::format("{}: nodes of {} are on the bus; Ctrl-C ends\n", bus->name(), rig.name);
   constexpr std::int64_t longest_wait_ns = 20'000'000;  // typed orders and Ctrl-C are looked for so often
+  constexpr int most_frames_a_look = 256;  // a flood must not stop the plant and its watchdogs
   while (!StopRequest::requested()) {
     bus->wait(std::clamp<std::int64_t>(device.next_due_ns() - bus->now_ns(), 1, longest_wait_ns));
-    for (ReceivedFrame received; bus->receive(received);) {
+    int taken = 0;
+    for (ReceivedFrame received; taken < most_frames_a_look && bus->receive(received); ++taken) {
       device.on_frame(received, out);
       send_all(*bus, out, not_sent);
     }

@@ -1,12 +1,16 @@
 // Verb diagnose: where and why recordings of the real machine differ from its config.
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
+#include <thread>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -37,11 +41,59 @@ struct DiagnoseVerbOptions {
   bool quiet = false;
 };
 
-/// One line that is overwritten on a terminal; nothing elsewhere.
-void show_progress(double share, const std::string& what) {
-  if (isatty(fileno(stderr)) == 0) return;
-  std::fprintf(stderr, "\r\033[K%3.0f %%  %s", 100 * share, share < 1 ? what.c_str() : "");
-  if (share >= 1) std::fprintf(stderr, "\r\033[K");
+/// What goes on: one line that is overwritten on a terminal, a line every few seconds elsewhere. A thread of its own
+/// shows it, so that long steps have their seconds told too.
+class ProgressLine {
+ public:
+  explicit ProgressLine(bool is_shown) {
+    if (is_shown) thread_ = std::jthread([this](const std::stop_token& stop) { show(stop); });
+  }
+  ~ProgressLine() { end(); }
+  void tell(double share, const std::string& what) {
+    const std::lock_guard lock(mutex_);
+    share_ = share;
+    what_ = what;
+  }
+  void end() {
+    if (!thread_.joinable()) return;
+    thread_.request_stop();
+    thread_.join();
+    if (is_terminal_) std::fprintf(stderr, "\r\033[K");
+  }
+
+ private:
+  void show(const std::stop_token& stop) {
+    const auto start = std::chrono::steady_clock::now();
+    std::unique_lock lock(mutex_);
+    auto wait = first_;
+    while (!wake_.wait_for(lock, stop, wait, [] { return false; }) && !stop.stop_requested()) {
+      const double elapsed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      const std::string text = fmt::format("{:.0f} %, {:.0f} s: {}", 100 * share_, elapsed_s, what_);
+      if (is_terminal_) std::fprintf(stderr, "\r\033[K%s", text.c_str());
+      else std::fprintf(stderr, "pneuservo: %s\n", text.c_str());
+      wait = is_terminal_ ? std::chrono::milliseconds(500) : std::chrono::milliseconds(5000);
+    }
+  }
+  /// What is refused at once is refused in one line.
+  static constexpr std::chrono::milliseconds first_{1500};
+
+  const bool is_terminal_ = isatty(fileno(stderr)) != 0;
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  double share_ = 0;
+  std::string what_ = "reading";
+  std::jthread thread_;
+};
+
+/// Columns that a diagnosis uses; the others need no memory.
+void keep_used_columns(Recording& recording) {
+  static const std::set<std::string> used{"t_s",        "x_m",           "u_V",           "F_N",        "p1_port_Pa",
+                                          "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"};
+  for (std::size_t c = recording.names.size(); c-- > 0;) {
+    if (used.contains(recording.names[c])) continue;
+    recording.names.erase(recording.names.begin() + static_cast<std::ptrdiff_t>(c));
+    recording.values.erase(recording.values.begin() + static_cast<std::ptrdiff_t>(c));
+  }
 }
 
 /// A recording that names another rig is told, not refused: configs are copied and renamed.
@@ -98,7 +150,9 @@ void apply_changes(const std::vector<std::string>& changes, std::vector<Recordin
 
 void write_improved(const DiagnoseVerbOptions& options, const Diagnosis& diagnosis) {
   if (options.improved.empty()) return;
-  write_result(options.improved, "# " + diagnosis.sentence + "\n" + dump_rig(diagnosis.improved));
+  const std::string stopped =
+      diagnosis.stopped ? "# Stopped early: not the result of a finished diagnosis, and not to be run with.\n" : "";
+  write_result(options.improved, stopped + "# " + diagnosis.sentence + "\n" + dump_rig(diagnosis.improved));
 }
 
 /// The config of the proposed recording; where there is none, nothing is written and that is said.
@@ -126,32 +180,35 @@ int run_diagnose(const DiagnoseVerbOptions& options) {
       .writes("--report", options.report, ResultKind::page)
       .writes("--improved", options.improved, ResultKind::config)
       .writes("--next-experiment", options.next_experiment, ResultKind::config);
+  const StopRequest stop_request;
+  ProgressLine progress(!options.quiet);
   std::vector<Recording> recordings;
   const auto add = [&](const std::string& path, bool is_held_out) {
     for (Recording& run : read_recordings(path, rig.imported, rig.period_s)) {
       compare_names(rig, run);
       run.is_held_out = is_held_out;
+      keep_used_columns(run);
       recordings.push_back(std::move(run));
     }
   };
   for (const std::string& path : options.recordings) add(path, false);
   for (const std::string& path : options.held_out) add(path, true);
   apply_changes(options.changed, recordings);
-  const StopRequest stop_request;
   DiagnoseOptions settings;
   settings.jobs = options.jobs;
   // It takes longer than the diagnosis itself: only for those who look at it.
   if (!options.next_experiment.empty() || !options.report.empty()) settings.virtual_machine = record_virtual_run;
   settings.stop = [] { return StopRequest::requested(); };
-  if (!options.quiet) settings.progress = show_progress;
+  settings.progress = [&progress](double share, const std::string& what) { progress.tell(share, what); };
   Diagnosis diagnosis;
   try {
     diagnosis = diagnose(rig, recordings, settings);
   } catch (const DiagnosisStopped&) {
+    progress.end();
     std::fprintf(stderr, "pneuservo: stopped before anything was known\n");
     return 128 + StopRequest::signal_number();
   }
-  if (!options.quiet) show_progress(1, "");
+  progress.end();
   if (options.json != "-") std::fputs(diagnosis_text(diagnosis).c_str(), stdout);
   write_json(options.json, diagnosis_json(diagnosis));
   if (!options.report.empty()) write_diagnosis_report(diagnosis, options.report);

@@ -80,7 +80,7 @@ bool is_older_result(const std::string& path, ResultKind kind) {
     case ResultKind::config: return head.find(dumped_rig_mark) != std::string::npos;
     case ResultKind::zeros: break;
   }
-  return head.starts_with("# Zeros of ");
+  return head.starts_with("# Zeros of ") || head.starts_with("# Commissioning of ");
 }
 
 void add_paths(const ReferenceSpec& reference, std::vector<std::string>& paths) {

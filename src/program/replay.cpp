@@ -15,7 +15,7 @@
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
-#include "record/reader.hpp"
+#include "record/import.hpp"
 #include "record/writer.hpp"
 #include "replay/replay_backend.hpp"
 
@@ -70,7 +70,7 @@ int run_replay(const ReplayOptions& options) {
       .reads("RECORDING", options.recording)
       .records("--record", options.record, options.existing())
       .writes("--json", options.json, ResultKind::json);
-  Recording recording = read_recording(options.recording);
+  Recording recording = read_first_recording(options.recording, rig.imported, rig.period_s);
   for (const auto& line : problem_lines(recording)) std::cerr << line << "\n";
   adopt_header(recording, rig);
   const int moves = recording.header["moves"] ? recording.header["moves"].as<int>() : 1;

@@ -8,21 +8,27 @@
 
 #include <fmt/format.h>
 
+#include <pneuservo/loop/axis_loop.hpp>
+
 #include "backends.hpp"
 #include "config/dump_rig.hpp"
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
+#include "loop/device_grade.hpp"
 #include "loop/fault_watch.hpp"
 #include "loop/realtime_stop.hpp"
 #include "loop/runner.hpp"
+#include "loop/safe_output_text.hpp"
 #include "program/gain_file.hpp"
 #include "program/injection.hpp"
+#include "program/loop_check.hpp"
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "program/zeros.hpp"
 #include "record/writer.hpp"
 #include "report/evaluation.hpp"
+#include "report/motion_verdict.hpp"
 #include "report/run_json.hpp"
 #include "report/run_report.hpp"
 #include "report/run_summary.hpp"
@@ -37,6 +43,7 @@ struct RunOptions {
   double early_wake_us = -1.0;
   int moves = 1, priority = 80, cpu = -1;
   bool dump_config = false, force = false;
+  AllowedRisks allowed;
   ExistingFile existing() const { return force ? ExistingFile::replace : ExistingFile::refuse; }
 };
 
@@ -47,11 +54,11 @@ std::string backend_of(const RunOptions& options, const Rig& rig) {
 }
 
 Rig read_with_options(const RunOptions& options) {
-  std::vector<std::string> sets = with_zeros(options.sets, options.zeros);
+  std::vector<std::string> sets = with_zeros(options.config, options.sets, options.zeros);
   if (options.duration_s > 0.0) sets.push_back(fmt::format("duration_s={}", options.duration_s));
   if (!options.pressure_source.empty() && options.pressure_source != "all")
     sets.push_back("controller.pressure_source=" + options.pressure_source);
-  Rig rig = read_rig(options.config, sets);
+  Rig rig = read_rig(options.config, sets, options.backend == "sim" ? ConfigUse::simulation : ConfigUse::machine);
   if (rig.sensors.position.incremental && backend_of(options, rig) != "sim" && !rig.zeros.contains("x"))
     throw InputError(options.config +
                      ": sensors.position.incremental: found true without a zero of x, expected --zeros "
@@ -132,11 +139,10 @@ RunOutcome run_or_refuse(const std::string& config, const Rig& rig, Backend& bac
 }
 
 /// Told while the loop still runs, and whatever the recording's disk does.
-void tell_fault(const Rig& rig, std::uint64_t first_faults, double fault_s) {
+void tell_fault(std::uint64_t first_faults) {
   std::string text;
   for (const std::string& fault : fault_words(first_faults, first_faults)) text += "fault: " + fault + "\n";
-  std::cerr << text + fmt::format("the safe output of {} V was sent to the valve at t = {:.6g} s\n",
-                                  safe_commands_V(rig)[0], fault_s);
+  std::cerr << text;
 }
 
 /// The recording of a run; none without --record.
@@ -168,7 +174,8 @@ bool close_recording(RecordingWriter* writer) {
 }
 
 /// What is to be said beside the results; the first fault was told when it came.
-void tell_end(const RunOptions& options, const Backend& backend, const RunOutcome& outcome, bool whole) {
+void tell_end(const RunOptions& options, const Rig& rig, const Backend& backend, const RunOutcome& outcome,
+              bool whole) {
   for (const std::string& note : backend.notes()) std::cerr << note << "\n";
   if (outcome.moves_not_learned > 0)
     std::cerr << fmt::format(
@@ -186,7 +193,8 @@ void tell_end(const RunOptions& options, const Backend& backend, const RunOutcom
   for (std::size_t i = outcome.first_faults; i < outcome.faults.size(); ++i)
     std::cerr << "after it: " << outcome.faults[i] << "\n";
   if (!outcome.faults.empty())
-    std::cerr << "when the cause is mended, run the same command again"
+    std::cerr << safe_output_text(backend.safe_output(), rig) << "\n"
+              << "when the cause is mended, run the same command again"
               << (options.record.empty() ? "\n" : " with another name after --record\n");
 }
 
@@ -205,18 +213,20 @@ RunResult result_of(const RunOptions& options, const Rig& rig, const RunOutcome&
   if (outcome.timing) run.timing = *outcome.timing;
   run.metrics = evaluate(rig, run.rows, run.start_s);
   if (span.rows_lost > 0) run.metrics.from_s = std::max(run.metrics.from_s, run.rows.front().t_s - run.start_s);
+  run.verdict = judge_motion(rig, run);
   return run;
 }
 
-/// Says which part of a long run figures and pages show.
-void tell_what_is_shown(const RunOptions& options, const RunOutcome& outcome) {
+/// Of a long run: time of the first row that figures and page show.
+void note_what_is_shown(const RunOutcome& outcome, RunReport& report) {
   if (outcome.moves.empty()) return;
   const MoveSpan& first = outcome.moves.front();
-  if (first.number == 1 && first.rows_lost == 0) return;
-  const double from_s = outcome.rows[first.begin].t_s;
-  std::cerr << fmt::format("figures{} show the run from t = {:.6g} s on, its last {} ticks{}\n",
-                           options.report.empty() ? "" : " and page", from_s, outcome.rows.size(),
-                           options.record.empty() ? "; --record keeps all of them" : "; the recording has all of them");
+  if (first.number > 1 || first.rows_lost > 0) report.shown_from_s = outcome.rows[first.begin].t_s;
+}
+
+/// All moves with the longest approach before each.
+double longest_run_s(const Rig& rig, int moves) {
+  return moves * (rig.duration_s + AxisLoop::longest_approach_s(rig.axis.cylinder.stroke_m));
 }
 
 /// One pressure source from start to safe end; its moves are added to the report. True: no fault, recording whole.
@@ -232,13 +242,14 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   }
   const std::vector<InjectedFault> faults = injected_faults(options.scenarios, options.faults, rig);
   auto backend = make_faulty_backend(backend_of(options, rig), rig, faults);
+  if (report.runs.empty() && backend->name() == "configured") std::cerr << device_warning(rig);
   backend->configure();
   report.machine = machine_facts(session ? &session->state() : nullptr);
   report.channel_origins = channel_facts(*backend);
 
   const std::string path = record_path(options, source, several);
   const auto writer = open_recording(options, rig, *backend, report.machine, path);
-  auto watch = std::make_unique<FaultWatch>([&rig](auto first, double fault_s) { tell_fault(rig, first, fault_s); });
+  auto watch = std::make_unique<FaultWatch>([](auto first, double) { tell_fault(first); });
   RunSettings settings{.real_time = real_time,
                        .early_wake_s = options.early_wake_us * 1e-6,
                        .moves = options.moves,
@@ -247,7 +258,8 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
                        .writer = real_time ? nullptr : writer.get(),
                        .fault_watch = watch.get(),
                        .recording = path,
-                       .late = late_ticks(faults, rig.period_s)};
+                       .late = late_ticks(faults, rig.period_s, longest_run_s(rig, options.moves)),
+                       .suspends = suspends(faults, rig.period_s)};
   if (shows_progress) settings.progress = [&](double fraction) { show_progress(fraction, source_word(source)); };
   GainMailbox mailbox;
   std::unique_ptr<GainFileWatcher> watcher;
@@ -262,8 +274,8 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   const bool whole = close_recording(writer.get());
   watcher.reset();
   watch.reset();
-  tell_end(options, *backend, outcome, whole);
-  tell_what_is_shown(options, outcome);
+  tell_end(options, rig, *backend, outcome, whole);
+  note_what_is_shown(outcome, report);
   for (const MoveSpan& span : outcome.moves) report.runs.push_back(result_of(options, rig, outcome, span));
   return outcome.faults.empty() && whole;
 }
@@ -307,6 +319,10 @@ int run(const RunOptions& options) {
   }
   const auto sources = sources_of(options, rig);
   check_outputs(options, rig, sources);
+  require_reference_in_stroke(options.config, rig);
+  heed_loop(options.config, rig,
+            options.time == "real" && backend_of(options, rig) == "configured" && rig.hal->has_devices(),
+            options.allowed);
   StopRequest stop;
   RunReport report;
   report.config = rig.name;
@@ -348,6 +364,8 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--hal", o->backend,
                    "backend: sim, or configured (each channel from its source in the config's section hal); "
                    "default: configured where the config has that section");
+  verb->add_flag("--allow-unstable", o->allowed.unstable_loop,
+                 "run on devices although the loop is unstable or unsafe in simulation ('pneuservo check')");
   verb->add_option("--zeros", o->zeros, "zeros of the channels, a file that the verbs home and zero wrote");
   verb->add_option("--scenario", o->scenarios, "faults to inject into the backend sim, a file (docs/faults.md)");
   verb->add_option("--fault", o->faults, "a fault to inject; may stand several times")

@@ -14,7 +14,7 @@
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
-#include "record/reader.hpp"
+#include "record/import.hpp"
 #include "record/writer.hpp"
 #include "sim/sim_backend.hpp"
 
@@ -131,7 +131,7 @@ int run_simulate(const SimulateOptions& options) {
       .reads("--command", options.command)
       .records("--record", options.record, options.existing())
       .writes("--json", options.json, ResultKind::json);
-  const Recording recording = read_recording(options.command);
+  const Recording recording = read_first_recording(options.command, rig.imported, rig.period_s);
   for (const auto& line : problem_lines(recording)) std::cerr << line << "\n";
   recording.require(command_columns(rig));
   refuse_long_gaps(rig, recording);

@@ -19,11 +19,14 @@ const std::vector<AddVerb>& all_verbs();
 bool moves_an_axis(std::string_view verb);
 
 void add_check(CLI::App& app, int& status);
+void add_commission(CLI::App& app, int& status);
 void add_design(CLI::App& app, int& status);
 void add_diagnose(CLI::App& app, int& status);
 void add_device(CLI::App& app, int& status);
+void add_import(CLI::App& app, int& status);
 void add_index(CLI::App& app, int& status);
 void add_keys(CLI::App& app, int& status);
+void add_guard(CLI::App& app, int& status);
 void add_home(CLI::App& app, int& status);
 void add_zero(CLI::App& app, int& status);
 void add_stopping(CLI::App& app, int& status);

@@ -1,100 +1,261 @@
-// Foreign recordings by a column map.
+// Recordings of our own format and foreign ones by a column map.
 #include "record/import.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <pneuservo/record/row.hpp>
 
 #include "config/input_error.hpp"
+#include "config/key_suggestion.hpp"
+#include "record/stamps.hpp"
 
 namespace pneuservo {
 
 namespace {
+
+/// Stamps of seven digits and a clock's drift agree with a stated period to this share.
+constexpr double same_period = 2e-3;
 
 /// Our columns of the file, those that it has.
 struct MappedColumns {
   std::vector<std::string> names;
   std::vector<std::vector<double>> values;
   std::vector<std::size_t> telling;  ///< which tell runs
+  bool has_time_factor = false;
+  bool is_clock = false;
+
+  std::size_t time() const {
+    return static_cast<std::size_t>(std::find(names.begin(), names.end(), "t_s") - names.begin());
+  }
 };
+
+std::vector<std::string> names_of_the_format() {
+  std::vector<std::string> names{"F_N"};
+  Row::visit([&](std::string_view name) { names.emplace_back(name); });
+  return names;
+}
+
+/// "; did you mean Weg_mm? The file has ..."
+std::string what_the_file_has(const CsvTable& table, const std::string& wanted) {
+  std::vector<std::string> near;
+  for (const std::string& name : table.names)
+    if (name.starts_with(wanted) || wanted.starts_with(name)) near.push_back(name);
+  if (near.empty()) near = near_names(wanted, table.names);
+  return fmt::format("{}the file has {}", near.empty() ? "" : fmt::format("did you mean {}? ", fmt::join(near, ", ")),
+                     fmt::join(table.names, ", "));
+}
+
+bool is_clock_column(const CsvTable& table, const std::string& name) {
+  const auto at = std::find(table.names.begin(), table.names.end(), name) - table.names.begin();
+  return table.is_clock[static_cast<std::size_t>(at)] != 0;
+}
 
 MappedColumns mapped(CsvTable& table, const ImportParameters& imported) {
   MappedColumns out;
   std::map<std::string, ImportedColumn> columns = imported.columns;
   columns.try_emplace("t_s", ImportedColumn{"t_s"});
+  const std::vector<std::string> known = names_of_the_format();
   for (const auto& [name, source] : columns) {
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw InputError(fmt::format("import.columns: found {}, expected {}", name, expected_names(name, known)));
     if (!table.has(source.column)) {
+      const std::string has = what_the_file_has(table, source.column);
       if (name == "t_s")
         throw InputError(
-            fmt::format("{}: found no column {}, expected the times of the rows", table.path, source.column));
+            fmt::format("{}: found no column {}, expected the times of the rows; {}", table.path, source.column, has));
       table.report(0, ProblemKind::header,
-                   fmt::format("column {} is missing; {} of import.columns is left out", source.column, name));
+                   fmt::format("column {} is missing; {} of import.columns is left out; {}", source.column, name, has));
       continue;
     }
     if (source.tells_runs) out.telling.push_back(out.names.size());
     out.names.push_back(name);
     out.values.push_back(table.column(source.column));
     for (double& value : out.values.back()) value = source.factor * value + source.offset;
+    if (name == "t_s") {
+      out.has_time_factor = source.factor != 1;
+      out.is_clock = is_clock_column(table, source.column);
+    }
   }
   return out;
 }
 
-/// Rows of one run put in order, repeats averaged; a value that a row lacks does not count.
-Recording ordered(const MappedColumns& columns, std::size_t time, std::vector<std::size_t> rows) {
-  const std::vector<double>& t_s = columns.values[time];
-  std::stable_sort(rows.begin(), rows.end(), [&](std::size_t a, std::size_t b) { return t_s[a] < t_s[b]; });
-  Recording run;
-  run.names = columns.names;
-  run.values.resize(columns.names.size());
-  for (std::size_t first = 0; first < rows.size();) {
-    std::size_t end = first;
+/// The columns as they are named.
+MappedColumns unmapped(CsvTable& table) {
+  if (!table.has("t_s")) {
+    const std::string remedy = "`pneuservo import` proposes an import section for other names";
+    try {
+      table.require({"t_s"});
+    } catch (const InputError& error) { throw InputError(fmt::format("{}; {}", error.what(), remedy)); }
+  }
+  return {table.names, std::move(table.values), {}, false, is_clock_column(table, "t_s")};
+}
+
+/// Brings the times to seconds, and tells it.
+void take_seconds(CsvTable& table, MappedColumns& columns, double period_s) {
+  std::vector<double>& times = columns.values[columns.time()];
+  TimeUnit unit = unit_of_times(times, period_s, columns.is_clock);
+  if (columns.has_time_factor && unit.start == 0) return;
+  if (columns.has_time_factor) unit.factor = 1;  // stated
+  if (unit.words.empty()) return;
+  for (double& t : times) t = unit.factor * (t - unit.start);
+  const double step = median_step_s(times);
+  table.report(0, ProblemKind::interval,
+               fmt::format("t_s holds {}: rows are {:.4g} s apart{}; taken in seconds{}", unit.words, step,
+                           std::isfinite(period_s) ? fmt::format(", the loop's period is {:g} s", period_s) : "",
+                           unit.start != 0 ? " from the first row on" : ""));
+}
+
+/// Rows put in order of time, repeats averaged; a value that a row lacks does not count. NaN times are left out.
+void put_in_order(Recording& run) {
+  const std::vector<double> t_s = run.t_s();
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < t_s.size(); ++i)
+    if (std::isfinite(t_s[i])) rows.push_back(i);
+  const auto is_earlier = [&](std::size_t a, std::size_t b) { return t_s[a] < t_s[b]; };
+  if (rows.size() == t_s.size() && std::adjacent_find(rows.begin(), rows.end(), [&](std::size_t a, std::size_t b) {
+                                     return t_s[a] >= t_s[b];
+                                   }) == rows.end())
+    return;
+  std::stable_sort(rows.begin(), rows.end(), is_earlier);
+  const std::vector<std::vector<double>> values = std::exchange(run.values, {run.names.size(), std::vector<double>{}});
+  const std::vector<std::size_t> lines = std::exchange(run.line_numbers, {});
+  for (std::size_t first = 0, end = 0; first < rows.size(); first = end) {
     while (end < rows.size() && t_s[rows[end]] == t_s[rows[first]]) ++end;
-    for (std::size_t c = 0; c < columns.values.size(); ++c) {
+    for (std::size_t c = 0; c < values.size(); ++c) {
       double sum = 0, count = 0;
       for (std::size_t i = first; i < end; ++i)
-        if (std::isfinite(columns.values[c][rows[i]])) sum += columns.values[c][rows[i]], ++count;
+        if (std::isfinite(values[c][rows[i]])) sum += values[c][rows[i]], ++count;
       run.values[c].push_back(count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN());
     }
-    run.line_numbers.push_back(rows[first]);
-    first = end;
+    run.line_numbers.push_back(lines[rows[first]]);
   }
+}
+
+/// The columns are moved out where the run is all there is.
+Recording as_they_stand(MappedColumns& columns, const std::vector<std::size_t>& rows) {
+  Recording run;
+  run.names = columns.names;
+  run.line_numbers = rows;
+  if (rows.size() == columns.values[columns.time()].size()) {
+    run.values = std::move(columns.values);
+    return run;
+  }
+  run.values.resize(columns.names.size());
+  for (std::size_t c = 0; c < columns.values.size(); ++c)
+    for (const std::size_t row : rows) run.values[c].push_back(columns.values[c][row]);
   return run;
+}
+
+/// Rows of each run, by what tells runs, else by where the time goes back.
+std::vector<std::vector<std::size_t>> rows_of_runs(CsvTable& table, const MappedColumns& columns, double from_s,
+                                                   double to_s) {
+  const std::vector<double>& t = columns.values[columns.time()];
+  const auto is_wanted = [&](std::size_t row) { return !(t[row] < from_s) && !(t[row] > to_s); };
+  std::vector<std::vector<std::size_t>> runs;
+  if (columns.telling.empty()) {
+    std::vector<std::size_t> starts = run_starts(t);
+    for (std::size_t i = 1; i < starts.size(); ++i)
+      table.report(table.line_numbers[starts[i]], ProblemKind::interval,
+                   fmt::format("t_s goes back to {:.6g} and on from there: the rows from here on are a recording of "
+                               "their own",
+                               t[starts[i]]));
+    starts.push_back(t.size());
+    for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
+      runs.emplace_back();
+      for (std::size_t row = starts[i]; row < starts[i + 1]; ++row)
+        if (is_wanted(row)) runs.back().push_back(row);
+    }
+  } else {
+    std::map<std::vector<double>, std::vector<std::size_t>> by_key;
+    for (std::size_t row = 0; row < t.size(); ++row) {
+      if (!std::isfinite(t[row]) || !is_wanted(row)) continue;
+      std::vector<double> key;
+      for (const std::size_t c : columns.telling) key.push_back(columns.values[c][row]);
+      by_key[key].push_back(row);
+    }
+    for (auto& [key, rows] : by_key) runs.push_back(std::move(rows));
+  }
+  std::erase_if(runs, [](const auto& rows) { return rows.empty(); });
+  return runs;
+}
+
+/// The interval of the rows by their stamps; the stated period where it is the same.
+void take_interval(Recording& run, double loop_period_s) {
+  const double stated_s = run.period_s, seen_s = interval_of(run.t_s());
+  if (!std::isfinite(seen_s)) return;  // rows of any spacing
+  for (const double period_s : {stated_s, loop_period_s})
+    if (std::abs(seen_s / period_s - 1) < same_period) {
+      run.period_s = period_s;
+      return;
+    }
+  run.period_s = seen_s;
+  if (std::isfinite(stated_s))
+    run.report(0, ProblemKind::interval,
+               fmt::format("rows are {:.6g} s apart by their stamps, the header's period_s is {:g}: the stamps are "
+                           "believed",
+                           seen_s, stated_s));
+  else if (std::isfinite(loop_period_s))
+    run.report(0, ProblemKind::interval,
+               fmt::format("rows are {:.6g} s apart, the loop's period_s is {:g}: compared at the rows' own interval",
+                           seen_s, loop_period_s));
+}
+
+/// Rows at one time that were rounded to it stand evenly again; otherwise they are told and left out.
+void mend_times(Recording& run) {
+  auto& times = run.column("t_s");
+  if (spread_rounded(times))
+    run.report(
+        0, ProblemKind::interval,
+        fmt::format("t_s is rounded so far that neighbours are equal: the rows are spread evenly, {:.6g} s apart",
+                    interval_of(times)));
 }
 
 }  // namespace
 
 std::vector<Recording> read_recordings(const std::string& path, const std::optional<ImportParameters>& imported,
                                        double period_s) {
-  if (!imported) return {read_recording(path)};
   CsvTable table = read_table(path);
-  const MappedColumns columns = mapped(table, *imported);
-  const auto time =
-      static_cast<std::size_t>(std::find(columns.names.begin(), columns.names.end(), "t_s") - columns.names.begin());
-  std::map<std::vector<double>, std::vector<std::size_t>> runs;
-  for (std::size_t row = 0; row < table.rows(); ++row) {
-    const double t = columns.values[time][row];
-    if (!std::isfinite(t) || t < imported->from_s || t > imported->to_s) continue;
-    std::vector<double> key;
-    key.reserve(columns.telling.size());
-    for (const std::size_t c : columns.telling) key.push_back(columns.values[c][row]);
-    runs[key].push_back(row);
-  }
+  const bool is_own = !imported && is_own_format(table);
+  MappedColumns columns = imported ? mapped(table, *imported) : unmapped(table);
+  if (!is_own) take_seconds(table, columns, period_s);
+  const double from_s = imported ? imported->from_s : -infinite, to_s = imported ? imported->to_s : infinite;
+  const auto runs = rows_of_runs(table, columns, from_s, to_s);
   if (runs.empty())
     throw InputError(fmt::format("{}: found no row between import.from_s and import.to_s, expected some", path));
   std::vector<Recording> out;
-  for (const auto& [key, rows] : runs) {
-    out.push_back(ordered(columns, time, rows));
+  for (const auto& rows : runs) {
+    out.push_back(as_they_stand(columns, rows));
     Recording& run = out.back();
     for (std::size_t& line : run.line_numbers) line = table.line_numbers[line];
     run.path = path;
     run.header = table.header;
     run.comments = table.comments;
-    run.period_s = period_s;
+    if (out.size() == 1) run.problems = table.problems;
+    if (is_own) read_keys(run);
+    else if (columns.telling.empty()) mend_times(run);
+    if (imported) {
+      put_in_order(run);
+      for (const auto& [name, source] : imported->columns) run.sampling[name] = source.sampling;
+    }
+    take_interval(run, period_s);
+    check_times(run);
   }
-  out.front().problems = table.problems;
   return out;
+}
+
+Recording read_first_recording(const std::string& path, const std::optional<ImportParameters>& imported,
+                               double period_s) {
+  std::vector<Recording> runs = read_recordings(path, imported, period_s);
+  if (runs.size() > 1)
+    runs.front().report(0, ProblemKind::header, fmt::format("the file holds {} runs; the first is used", runs.size()));
+  return std::move(runs.front());
 }
 
 }  // namespace pneuservo

@@ -1,4 +1,4 @@
-// Reads recordings of a foreign format by the column map of a config.
+// The one way into the program for recordings: of our own format, or foreign by the column map of a config.
 #pragma once
 #include <optional>
 #include <string>
@@ -10,12 +10,18 @@
 
 namespace pneuservo {
 
-/// The runs of one file, in the order of their first rows: a recording of our own format where there is no map.
-/// Otherwise columns are renamed and scaled, rows outside from_s to to_s are left out, and rows with other values in
-/// the columns that tell runs make runs of their own. Within a run rows are put in the order of their times; repeats at
-/// one time (the same event logged in several cycles) become their mean. period_s: of the config.
-/// Throws InputError as read_table does, where a mapped t_s is missing, and where no row is left.
+/// The runs of one file. With a map columns are renamed and scaled, and rows outside from_s to to_s are left out.
+/// Times are brought to seconds (epoch times, dates, ms, us, ns) and begin at 0 where they were a calendar's. Rows with
+/// other values in the columns that tell runs make runs of their own, in which repeats at one time become their mean;
+/// otherwise a run begins where the time goes back and stays back. Recording::period_s is the interval of the stamps.
+/// Whatever was supposed is told among the problems. period_s: of the config's loop; NaN: unknown.
+/// Throws InputError as read_table does, for a map that names a column of no meaning, where t_s is missing, and where
+/// no row is left.
 std::vector<Recording> read_recordings(const std::string& path, const std::optional<ImportParameters>& imported,
                                        double period_s);
+
+/// The first run, for verbs that take one; that there are others is told.
+Recording read_first_recording(const std::string& path, const std::optional<ImportParameters>& imported,
+                               double period_s);
 
 }  // namespace pneuservo

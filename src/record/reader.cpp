@@ -21,7 +21,7 @@ constexpr double spike_periods =
 
 std::string quoted(const std::string& text) { return text.empty() ? "missing" : fmt::format("\"{}\"", text); }
 
-void read_keys(Recording& recording) {
+void read_header(Recording& recording) {
   const YAML::Node& header = recording.header;
   const auto text = [&](const char* key) {
     const YAML::Node node = header[key];
@@ -128,19 +128,40 @@ template <class T> void keep_only(std::vector<T>& values, const std::vector<std:
 
 }  // namespace
 
-Recording read_recording(const std::string& path) {
-  Recording recording;
-  static_cast<CsvTable&>(recording) = read_table(path);
-  recording.require({"t_s"});
-  read_keys(recording);
+double median_step_s(const std::vector<double>& time_s) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < time_s.size(); ++i)
+    if (time_s[i] > time_s[i - 1]) steps.push_back(time_s[i] - time_s[i - 1]);
+  if (steps.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+void check_times(Recording& recording) {
   const std::vector<std::size_t> kept = TimeCheck(recording).run();
-  if (kept.empty()) throw InputError(path + ": no row has a time; expected numbers in column t_s");
+  if (kept.empty()) throw InputError(recording.path + ": no row has a time; expected numbers in column t_s");
   if (kept.size() < recording.rows()) {
     for (auto& values : recording.values) keep_only(values, kept);
     keep_only(recording.line_numbers, kept);
   }
   std::stable_sort(recording.problems.begin(), recording.problems.end(),
                    [](const auto& a, const auto& b) { return a.line < b.line; });
+}
+
+bool is_own_format(const CsvTable& table) {
+  const YAML::Node format = table.header["format"];
+  return format && format.IsScalar() && format.Scalar() == RecordingHeader::format;
+}
+
+void read_keys(Recording& recording) { read_header(recording); }
+
+Recording read_recording(const std::string& path) {
+  Recording recording;
+  static_cast<CsvTable&>(recording) = read_table(path);
+  recording.require({"t_s"});
+  read_keys(recording);
+  check_times(recording);
   return recording;
 }
 

@@ -1,9 +1,12 @@
 // Reads recordings of docs/recording.md's format: a table whose times are checked.
 #pragma once
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include <pneuservo/record/import_parameters.hpp>
 
 #include "record/table.hpp"
 
@@ -12,17 +15,30 @@ namespace pneuservo {
 /// A table with strictly increasing `t_s`; rows that break the order are reported and left out.
 struct Recording : CsvTable {
   std::string rig;  ///< the config's name; empty if the header lacks it
-  double period_s =
-      std::numeric_limits<double>::quiet_NaN();  ///< > 0, or NaN if the header lacks it (gaps are not sought then)
+  /// Interval of the rows, > 0: the header's; of a recording that is imported from the stamps. NaN: neither.
+  double period_s = std::numeric_limits<double>::quiet_NaN();
 
   const std::vector<double>& t_s() const { return column("t_s"); }
   bool is_held_out = false;  ///< as a whole: kept from every fit of a diagnosis
+  std::map<std::string, Sampling> sampling;  ///< of columns for which it is stated
   /// What of its config the machine had otherwise while this was made (another supply pressure): paths and values.
   std::vector<std::pair<std::string, double>> changed;
   /// Rows that gaps in time show to be missing, and how many of them the recorder marked as dropped by itself.
   std::size_t missing_rows = 0, dropped_rows = 0;
 };
 
+/// Median of the steps forward; NaN where there is none.
+double median_step_s(const std::vector<double>& time_s);
+
+/// Whether the header names this program's format.
+bool is_own_format(const CsvTable& table);
+/// Takes rig and period from the header, and tells what is wrong there.
+void read_keys(Recording& recording);
+/// Takes out, and tells, rows that break the order of time; tells gaps where the period is known. Throws InputError
+/// where no row has a time.
+void check_times(Recording& recording);
+
+/// The rows as one recording, whatever their times; for more than one run: read_recordings (record/import.hpp).
 /// Throws InputError as read_table does, and where there is no column t_s or no row with a time.
 Recording read_recording(const std::string& path);
 

@@ -3,15 +3,16 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
+#include "record/dialect.hpp"
 #include "record/text_input.hpp"
 
 namespace pneuservo {
@@ -19,29 +20,6 @@ namespace pneuservo {
 namespace {
 
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
-}
-
-std::vector<std::string_view> split(std::string_view line) {
-  std::vector<std::string_view> fields;
-  for (;;) {
-    const std::size_t comma = line.find(',');
-    fields.push_back(trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return fields;
-    line.remove_prefix(comma + 1);
-  }
-}
-
-/// False if the whole field is no number.
-bool parse(std::string_view field, double& value) {
-  if (field.starts_with('+')) field.remove_prefix(1);
-  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-  return error == std::errc() && end == field.data() + field.size();
-}
 
 /// None where it is no YAML, or no map.
 std::optional<YAML::Node> map_in(const std::string& text) {
@@ -72,6 +50,9 @@ YAML::Node parse_header(const std::string& comments) {
   return header;
 }
 
+/// Lines that a dialect is found from: enough that a header of any length leaves rows.
+constexpr std::size_t sample_lines = 200;
+
 class TableReader {
  public:
   explicit TableReader(const std::string& path) : input_(path) { table_.path = path; }
@@ -79,7 +60,7 @@ class TableReader {
   CsvTable read() {
     read_head();
     std::string_view line;
-    while (input_.next_line(line)) read_row(line);
+    while (input_.next_line(line)) read_row(line, input_.line_number());
     report_end();
     if (table_.rows() == 0)
       throw InputError(
@@ -89,74 +70,112 @@ class TableReader {
   }
 
  private:
-  void read_head() {
+  struct Line {
+    std::string text;
+    std::size_t number;
+  };
+
+  /// Comments go to the table; the first lines behind them are returned, those of our own format one by one.
+  std::vector<Line> sample() {
+    std::vector<Line> lines;
     std::string_view line;
-    while (input_.next_line(line)) {
+    while (lines.size() < sample_lines && input_.next_line(line)) {
       if (input_.line_number() == 1 && line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);  // byte order mark
-      if (line.starts_with('#')) {
+      if (lines.empty() && line.starts_with('#')) {
         line.remove_prefix(line.starts_with("# ") ? 2 : 1);
-        table_.comments.append(line) += '\n';
-      } else if (!trimmed(line).empty()) {
-        table_.header = parse_header(table_.comments);
-        read_names(line);
-        return;
+        table_.comments.append(as_utf8(line)) += '\n';
+      } else if (!lines.empty() || !trimmed(line).empty()) {
+        lines.push_back({std::string(line), input_.line_number()});
+        if (table_.comments.starts_with(own_format)) break;
       }
     }
-    throw InputError(
-        fmt::format("{}, line {}: the file ends before the line of column names{}; expected one line such as "
-                    "t_s,x_m,u_V after the comment lines",
-                    table_.path, input_.line_number() + 1, end_words()));
+    return lines;
+  }
+
+  void read_head() {
+    const std::vector<Line> lines = sample();
+    if (lines.empty())
+      throw InputError(
+          fmt::format("{}, line {}: the file ends before the line of column names{}; expected one line such as "
+                      "t_s,x_m,u_V after the comment lines",
+                      table_.path, input_.line_number() + 1, end_words()));
+    std::vector<std::string> texts;
+    std::vector<std::size_t> places;
+    for (std::size_t i = 0; i < lines.size(); ++i)
+      if (!trimmed(lines[i].text).empty() && !lines[i].text.starts_with('#')) {
+        texts.push_back(as_utf8(lines[i].text));
+        places.push_back(i);
+      }
+    dialect_ = find_dialect(texts);
+    const std::size_t names = places[dialect_.names_line];
+    for (std::size_t i = 0; i < names; ++i) table_.comments.append(as_utf8(lines[i].text)) += '\n';
+    table_.header = parse_header(table_.comments);
+    take_names(lines[names].number);
+    const std::string words =
+        dialect_.words() + (input_.encoding().empty() ? "" : fmt::format(", {}", input_.encoding()));
+    if (!words.empty())
+      table_.report(0, ProblemKind::dialect, "read with " + words.substr(words.starts_with(", ") ? 2 : 0));
+    const std::size_t first = dialect_.first_row < places.size() ? places[dialect_.first_row] : lines.size();
+    for (std::size_t i = dialect_.units.empty() ? names + 1 : first; i < lines.size(); ++i)
+      read_row(lines[i].text, lines[i].number);
   }
 
   std::string_view end_words() const {
     return input_.end() == TextInput::End::whole ? "" : " (the file is cut off or damaged)";
   }
 
-  void read_names(std::string_view line) {
-    for (const std::string_view name : split(line)) {
+  void take_names(std::size_t line) {
+    for (const std::string& name : dialect_.names) {
       double number;
-      if (name.empty() || parse(name, number))
+      if (name.empty() || number_in(name, '.', number))
         throw InputError(
             fmt::format("{}, line {}: found \"{}\" where a column name is expected; the first line after the "
                         "comment lines names the columns",
-                        table_.path, input_.line_number(), name));
+                        table_.path, line, name));
       if (table_.has(name))
-        throw InputError(fmt::format("{}, line {}: column {} is there twice", table_.path, input_.line_number(), name));
-      table_.names.emplace_back(name);
+        throw InputError(fmt::format("{}, line {}: column {} is there twice", table_.path, line, name));
+      table_.names.push_back(name);
     }
+    table_.units = dialect_.units;
+    table_.units.resize(table_.names.size());
+    table_.is_clock.assign(table_.names.size(), 0);
     table_.values.resize(table_.names.size());
     row_.resize(table_.names.size());
   }
 
-  void read_row(std::string_view line) {
-    const auto expected = table_.names.size();
-    const auto count = static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
-    if (count != expected || line.starts_with('#') || (trimmed(line).empty() && expected > 1)) {
-      table_.report(input_.line_number(), ProblemKind::field_count,
+  void read_row(std::string_view line, std::size_t number) {
+    const std::size_t expected = table_.names.size();
+    const std::size_t index = dialect_.has_index ? 1 : 0;
+    split_fields(line, dialect_.style, fields_);
+    if (dialect_.has_trailing && fields_.size() == expected + index + 1 && fields_.back().empty()) fields_.pop_back();
+    const bool is_empty = trimmed(line).empty();
+    if (fields_.size() != expected + index || line.starts_with('#') || (is_empty && expected > 1)) {
+      table_.report(number, ProblemKind::field_count,
                     line.starts_with('#') ? "a comment line among the rows is not used"
                                           : fmt::format("{} fields where {} are expected; the row is not used",
-                                                        trimmed(line).empty() ? 0 : count, expected));
+                                                        is_empty ? 0 : fields_.size(), expected + index));
       return;
     }
-    for (std::size_t i = 0; i < expected; ++i) {
-      const std::size_t comma = std::min(line.find(','), line.size());
-      row_[i] = read_field(trimmed(line.substr(0, comma)), table_.names[i]);
-      line.remove_prefix(std::min(comma + 1, line.size()));
-    }
+    for (std::size_t i = 0; i < expected; ++i) row_[i] = read_field(fields_[i + index], i, number);
     for (std::size_t i = 0; i < expected; ++i) table_.values[i].push_back(row_[i]);
-    table_.line_numbers.push_back(input_.line_number());
+    table_.line_numbers.push_back(number);
   }
 
-  double read_field(std::string_view field, const std::string& name) {
+  double read_field(std::string_view field, std::size_t column, std::size_t line) {
     if (field.empty()) return no_value;
     double value;
-    if (!parse(field, value)) {
-      table_.report(input_.line_number(), ProblemKind::unreadable_field,
-                    fmt::format("{} is \"{}\", which is no number; it is read as no value", name, field));
+    if (!number_in(field, dialect_.style.decimal, value)) {
+      if (const std::optional<double> seconds = clock_in(field)) {
+        table_.is_clock[column] = 1;
+        return *seconds;
+      }
+      table_.report(line, ProblemKind::unreadable_field,
+                    fmt::format("{} is \"{}\", which is no number; it is read as no value", table_.names[column],
+                                as_utf8(field)));
       return no_value;
     }
     if (!std::isfinite(value))
-      table_.report(input_.line_number(), ProblemKind::not_a_number, fmt::format("{} is {}", name, field));
+      table_.report(line, ProblemKind::not_a_number, fmt::format("{} is {}", table_.names[column], field));
     return value;
   }
 
@@ -170,17 +189,21 @@ class TableReader {
           "the compressed data are damaged near here; the rows before are used, the last of them may be wrong");
   }
 
+  static constexpr std::string_view own_format = "format: pneuservo-recording/";
+
   TextInput input_;
   CsvTable table_;
+  Dialect dialect_;
+  std::vector<std::string_view> fields_;
   std::vector<double> row_;
 };
 
 }  // namespace
 
 std::string_view name_of(ProblemKind kind) {
-  static constexpr std::array<std::string_view, 10> names = {
-      "header", "field_count",   "not_a_number",    "unreadable_field", "no_time",
-      "gap",    "repeated_time", "decreasing_time", "truncated",        "damaged"};
+  static constexpr std::array<std::string_view, 12> names = {
+      "header",  "dialect", "interval",      "field_count",     "not_a_number", "unreadable_field",
+      "no_time", "gap",     "repeated_time", "decreasing_time", "truncated",    "damaged"};
   return names[static_cast<std::size_t>(kind)];
 }
 
@@ -190,6 +213,10 @@ const std::vector<double>& CsvTable::column(std::string_view name) const {
   const auto at = std::find(names.begin(), names.end(), name);
   if (at == names.end()) require({std::string(name)});
   return values[static_cast<std::size_t>(at - names.begin())];
+}
+
+std::vector<double>& CsvTable::column(std::string_view name) {
+  return const_cast<std::vector<double>&>(std::as_const(*this).column(name));
 }
 
 void CsvTable::require(const std::vector<std::string>& columns) const {

@@ -12,6 +12,8 @@ namespace pneuservo {
 /// What can be wrong with a recording that is still of use.
 enum class ProblemKind {
   header,           ///< a key is missing or impossible
+  dialect,          ///< how the file is written, where that is not this program's way
+  interval,         ///< what the stamps say of the rows' times, where the header or the config says otherwise
   field_count,      ///< a line with more or fewer fields than columns; not used
   not_a_number,     ///< a field says nan or inf
   unreadable_field, ///< a field is no number; read as "no value"
@@ -38,6 +40,8 @@ struct CsvTable {  // NOLINT(bugprone-exception-escape): of a YAML node that is 
   std::string comments;  ///< the comment header with the `# ` taken off
   std::vector<std::string> names;
   std::vector<std::vector<double>> values;  ///< as long as names; each as long as rows()
+  std::vector<std::string> units;  ///< as the file states them below the names; empty text: not stated
+  std::vector<char> is_clock;  ///< columns of dates or times of day, here in seconds
   std::vector<std::size_t> line_numbers;  ///< of each row
   std::vector<RecordingProblem> problems;  ///< by line
 
@@ -45,6 +49,7 @@ struct CsvTable {  // NOLINT(bugprone-exception-escape): of a YAML node that is 
   bool has(std::string_view name) const;
   /// Throws InputError naming the missing column and those that are there.
   const std::vector<double>& column(std::string_view name) const;
+  std::vector<double>& column(std::string_view name);
   /// Throws InputError naming all that are missing.
   void require(const std::vector<std::string>& columns) const;
   /// Notes a problem; the sentence is put behind file and line.

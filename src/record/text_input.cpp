@@ -1,6 +1,7 @@
 // Lines of a text file, plain or gzip, whole or damaged.
 #include "record/text_input.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -82,7 +83,7 @@ void TextInput::fill() {
   } else if (gzip_) {
     inflate_chunk(count);
   } else {
-    text_.append(reinterpret_cast<const char*>(in.data()), count);
+    append(reinterpret_cast<const char*>(in.data()), count);
   }
 }
 
@@ -96,7 +97,7 @@ void TextInput::inflate_chunk(std::size_t count) {
     z.next_out = reinterpret_cast<Bytef*>(out.data());
     z.avail_out = static_cast<uInt>(out.size());
     const int result = inflate(&z, Z_NO_FLUSH);
-    text_.append(out.data(), out.size() - z.avail_out);
+    append(out.data(), out.size() - z.avail_out);
     if (result == Z_STREAM_END) {
       stream_->in_member = false;
       inflateReset(&z);  // gzip files may be joined end to end
@@ -106,6 +107,42 @@ void TextInput::inflate_chunk(std::size_t count) {
       return;
     }
   } while (z.avail_in > 0 || (z.avail_out == 0 && stream_->in_member));
+}
+
+/// UTF-16 is known by its byte order mark, or by a zero beside the first two letters.
+void TextInput::append(const char* bytes, std::size_t count) {
+  if (count == 0) return;
+  if (!has_text_) {
+    has_text_ = true;
+    const std::string_view start(bytes, std::min<std::size_t>(count, 4));
+    const bool is_long = start.size() == 4;
+    is_big_endian_ = start.starts_with("\xfe\xff") || (is_long && start[0] == 0 && start[1] != 0 && start[2] == 0);
+    is_wide_ = is_big_endian_ || start.starts_with("\xff\xfe") ||
+               (is_long && start[0] != 0 && start[1] == 0 && start[2] != 0 && start[3] == 0);
+  }
+  if (is_wide_) append_wide({bytes, count});
+  else text_.append(bytes, count);
+}
+
+void TextInput::append_wide(std::string_view bytes) {
+  for (const char byte : bytes) {
+    half_ += byte;
+    if (half_.size() < 2) continue;
+    const auto one = static_cast<unsigned char>(half_[0]), two = static_cast<unsigned char>(half_[1]);
+    const unsigned code = is_big_endian_ ? one * 256u + two : two * 256u + one;
+    half_.clear();
+    if (code == 0xfeff) continue;  // byte order mark
+    if (code < 0x80) {
+      text_ += static_cast<char>(code);
+    } else if (code < 0x800) {
+      text_ += static_cast<char>(0xc0 | (code >> 6));
+      text_ += static_cast<char>(0x80 | (code & 0x3f));
+    } else {
+      text_ += static_cast<char>(0xe0 | (code >> 12));
+      text_ += static_cast<char>(0x80 | ((code >> 6) & 0x3f));
+      text_ += static_cast<char>(0x80 | (code & 0x3f));
+    }
+  }
 }
 
 std::size_t TextInput::read_chunk() {

@@ -77,7 +77,7 @@ class Analog(unittest.TestCase):
         """The readback input is another one than the output's: as if the output did not follow."""
         _, said = finished(self.control(5, "--set", "hal.channels.u.comedi.readback.channel=4", "--set",
                                         "hal.channels.u.comedi.readback.tolerance_V=0.002"), status=1)
-        self.assertIn("fault: output_missed", said)
+        self.assertIn("fault: output_unconfirmed", said)
         self.assertIn("more than its tolerance", said)
 
     def test_cable_at_the_end_of_the_range(self):

@@ -56,7 +56,8 @@ class Lines(unittest.TestCase):
 
     def control(self, duration_s, *more):
         # The board's voltage stands still: a sensor without noise.
-        return controller(self.interface, duration_s, "--set", "sensors.supply_pressure.noise_Pa=0", *more, config=MIXED)
+        return controller(self.interface, duration_s, "--bench", "--set", "sensors.supply_pressure.noise_Pa=0", *more,
+                          config=MIXED)
 
     def wait_until_enabled(self):
         end = time.monotonic() + 10

@@ -120,7 +120,7 @@ TEST_CASE("moves repeat the reference, each judged from its own start") {
 }
 
 TEST_CASE("a late tick keeps the phase, is counted and marked, and the axis goes on", "[timing]") {
-  const Rig rig = config_rig("cylinder-10m-7.65mm", {"duration_s=0.6"});
+  const Rig rig = config_rig("cylinder-10m-7.65mm", {"duration_s=0.6", "limits.missed_share=1"});
   const TemporaryFolder folder;
   EventfulBackend backend(rig);
   backend.late_at = 300;
@@ -162,7 +162,7 @@ TEST_CASE("a late tick on a fast axis is neither a jump nor a speed") {
   // So many slots are missed that no prediction holds, which is another test's matter.
   const Rig rig =
       config_rig("cylinder-2m-7.65mm", {"duration_s=2", "limits.deviation_m=0", "limits.speed_deviation_mps=0",
-                                        "limits.missed_share=1", "limits.speed_mps=4"});
+                                        "limits.missed_share=1", "limits.speed_mps=4", "limits.checks_rest_s=0"});
   FaultyBackend backend(rig);
   AxisLoop loop;
   loop.configure(rig);

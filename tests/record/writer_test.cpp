@@ -135,6 +135,7 @@ TEST_CASE("a loop that outruns the writer leaves its last cycles and the number 
   const RecordingSummary summary = writer.close();
   REQUIRE(summary.error.empty());
   REQUIRE(summary.rows + summary.dropped == total);
+  REQUIRE(summary.whole() == (summary.dropped == 0));
   const Recording recording = read_recording(writer.path());
   REQUIRE(static_cast<std::int64_t>(recording.rows()) == summary.rows);
   REQUIRE(static_cast<std::int64_t>(recording.dropped_rows) == summary.dropped);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # What the program may write over and what never: recordings, inputs, files of another kind, sockets; files that block or
 # never end; long runs in bounded memory; gaps in a recorded command; keys with control characters.
-import gzip, os, resource, shutil, subprocess, sys, tempfile, time
+import gzip, json, os, resource, shutil, subprocess, sys, tempfile, time
 
 from program import CONFIG, edited_config, expect, expect_refusal, program, run
 
@@ -93,7 +93,10 @@ for long in (["--duration-s", "86400"], ["--duration-s", "1e6"], ["--moves", "20
     expect(process.returncode == 0 and "stopped by SIGTERM" in said, f"{long}: status {process.returncode}: {said}")
 expect_refusal(run("run", "config/servo-table-0.5m-4mm.yaml", "--duration-s", "86400"), ["duration_s", "--moves"], "a plan of a day")
 done = run("run", CONFIG, "--duration-s", "300", "--json", at("long.json"))
-expect(done.returncode == 0 and "show the run from t = " in done.stderr, f"what a long run shows is not told: {done.stderr}")
+with open(at("long.json")) as file:
+    shown = json.load(file)
+expect(done.returncode == 0 and "shown from t = 37.856 s on" in done.stdout, f"what a long run shows is not told: {done.stdout}")
+expect(shown["shown_from_s"] == 37.856 and shown["runs"][0]["ticks"] == 300000, f"what a long run shows: {shown['runs'][0]['ticks']}")
 
 # A command with a gap that no axis waits through.
 with gzip.open(first, "rt") as file:

@@ -68,6 +68,9 @@ class AxisLoop {
   /// Where gains for the running loop come from; null: nowhere. Before the first pass.
   void set_gain_mailbox(GainMailbox* mailbox) noexcept { gain_mailbox_ = mailbox; }
 
+  /// Time that the machine has been suspended so far [ns]; before the pass of a tick. HOT.
+  void note_slept(std::int64_t slept_ns) noexcept { supervisor_.note_slept(slept_ns); }
+
   /// One tick on the backend. False: the backend has ended. `now` reads a clock for the stage times (null: none read).
   bool pass(Backend& backend, std::int64_t tick, std::int64_t skipped, StageTimes* times,
             std::int64_t (*now)() noexcept) noexcept PNEUSERVO_NONBLOCKING;

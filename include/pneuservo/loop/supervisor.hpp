@@ -10,6 +10,7 @@
 #include <pneuservo/loop/fault.hpp>
 #include <pneuservo/loop/input_guard.hpp>
 #include <pneuservo/loop/motion_supervision.hpp>
+#include <pneuservo/loop/supervision_health.hpp>
 #include <pneuservo/loop/supervisor_state.hpp>
 #include <pneuservo/rig/rig.hpp>
 
@@ -55,6 +56,8 @@ class Supervisor {
   void allow_motion(bool allowed) noexcept { may_move_ = allowed; }
   /// It has been active since it was configured.
   bool has_moved() const noexcept { return has_moved_; }
+  /// Time that the machine has been suspended so far [ns], before judge.
+  void note_slept(std::int64_t slept_ns) noexcept { health_.note_slept(slept_ns); }
 
   SupervisorState state() const noexcept { return state_; }
   bool is_active() const noexcept { return state_ == SupervisorState::active; }
@@ -67,6 +70,7 @@ class Supervisor {
   const std::array<double, 2>& command_V() const noexcept { return command_V_; }
   const CrossCheck& checks() const noexcept { return cross_check_; }
   const MotionSupervision& motion() const noexcept { return motion_; }
+  const SupervisionHealth& health() const noexcept { return health_; }
 
  private:
   struct Bits {
@@ -81,10 +85,11 @@ class Supervisor {
   std::uint64_t judge_digital(const DigitalInputs& digital) noexcept;
   double chamber_step_Pa(double dead_volume_m3, double area_m2, double way_m) const noexcept;
   bool inputs_ready() const noexcept;
+  std::array<bool, 6> bad_samples() const noexcept;
 
   SupervisorState state_ = SupervisorState::unconfigured;
   std::uint64_t faults_ = 0, first_faults_ = 0;
-  bool needs_chambers_ = false, bridged_ = false, may_move_ = true, has_moved_ = false;
+  bool needs_chambers_ = false, bridged_ = false, may_move_ = true, has_moved_ = false, on_bus_ = false;
   InputGuard position_guard_, supply_guard_;
   std::array<InputGuard, 2> port_guard_, chamber_guard_;
   std::array<bool, 2> has_chamber_{};
@@ -92,6 +97,7 @@ class Supervisor {
   std::array<LineState, 2> limits_{};
   CrossCheck cross_check_;
   MotionSupervision motion_;
+  SupervisionHealth health_;
   CylinderParameters<double> cylinder_;
   std::array<double, 2> safe_V_{}, command_V_{};
   double period_s_ = 1e-3, position_limit_m_ = 0.155, half_stroke_m_ = 0.15, pressure_limit_Pa_ = 1e6, supply_Pa_ = 7e5,

@@ -1,11 +1,21 @@
 // Keys of the section `import`: how recordings of a foreign format are read.
 #pragma once
+#include <array>
 #include <map>
 #include <string>
+#include <string_view>
 
 #include <pneuservo/core/field.hpp>
 
 namespace pneuservo {
+
+/// What a column's value says of the time until the next row.
+enum class Sampling {
+  unstated,  ///< a command or drive force: held over a period of the loop; anything else: of its instant
+  held,      ///< acts unchanged until the next row
+  instant,   ///< read at the row's time; between rows it changed
+};
+inline constexpr std::array<std::string_view, 3> sampling_names{"unstated", "held", "instant"};
 
 /// One column of a foreign recording: ours = factor theirs + offset.
 struct ImportedColumn {
@@ -13,12 +23,16 @@ struct ImportedColumn {
   double factor = 1.0;
   double offset = 0.0;
   bool tells_runs = false;
+  Sampling sampling = Sampling::unstated;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"column", "", 0, 0, "its name in the file"}, p.column...);
     v(Field{"factor", "-", -infinite, infinite, "ours = factor x theirs + offset", Presence::optional}, p.factor...);
     v(Field{"offset", "", -infinite, infinite, "in our column's unit", Presence::optional}, p.offset...);
     v(Field{"tells_runs", "", 0, 0, "rows with another value belong to another run", Presence::optional},
       p.tells_runs...);
+    v(Field{"sampling", "", 0, 0, "of a command or force: held until the next row, or read at its instant",
+            Presence::optional, sampling_names},
+      p.sampling...);
   }
 };
 

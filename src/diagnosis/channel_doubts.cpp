@@ -1,0 +1,336 @@
+// Single recorded channels against what they can hold.
+#include "diagnosis/channel_doubts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <pneuservo/loop/input_guard.hpp>
+
+#include "config/input_error.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+/// Shares of the values that units are judged by: spikes are judged after them.
+constexpr double lowest_share = 0.005, highest_share = 0.995;
+/// Of the stroke: a sensor's offset may bring the position so far beyond its half, another unit brings it further.
+constexpr double furthest = 0.6;
+constexpr double least_motion = 0.01;  ///< of the stroke: less is no motion in any unit
+constexpr double atmosphere_share = 0.3, supply_share = 1.5;  ///< as the loop's limits of a pressure
+constexpr double command_share = 1.05;
+constexpr double slowest_spike_s = 2e-3;  ///< between rows; a chamber may go there and back in more
+
+struct Unit {
+  double factor;
+  std::string_view name;
+};
+constexpr std::array<Unit, 4> length_units{
+    {{1e-3, "millimetres"}, {1e-2, "centimetres"}, {1e-6, "micrometres"}, {0.0254, "inches"}}};
+constexpr std::array<Unit, 6> pressure_units{
+    {{1, ""}, {1e5, "bar"}, {1e3, "kPa"}, {1e6, "MPa"}, {6894.757, "psi"}, {100, "mbar"}}};
+
+struct Range {
+  double low, high;
+  double span() const { return high - low; }
+};
+
+Range range_of(const std::vector<double>& values) {
+  return {quantile(values, lowest_share), quantile(values, highest_share)};
+}
+
+void remove_column(Recording& recording, const std::string& name) {
+  const auto at = std::find(recording.names.begin(), recording.names.end(), name) - recording.names.begin();
+  recording.names.erase(recording.names.begin() + at);
+  recording.values.erase(recording.values.begin() + at);
+}
+
+/// Readings of a position in which it stays within the stroke, its zero at the middle or at an end.
+std::vector<UnitReading> position_readings(double stroke_m, const Range& range) {
+  std::vector<UnitReading> out;
+  const auto add = [&](double factor, std::string_view name) {
+    const double low = factor * range.low, high = factor * range.high;
+    if (high - low < least_motion * stroke_m || high - low > 2 * furthest * stroke_m) return;
+    if (std::max(-low, high) <= furthest * stroke_m) out.push_back({factor, 0, std::string(name)});
+    else if (low >= (0.5 - furthest) * stroke_m && high <= (0.5 + furthest) * stroke_m)
+      out.push_back(
+          {factor, -0.5 * stroke_m, fmt::format("{}{}counted from the retracted end", name, name.empty() ? "" : ", ")});
+  };
+  add(1, "");
+  if (!out.empty() || range.span() <= 2 * furthest * stroke_m) return out;  // metres, whose zero is another
+  for (const Unit& unit : length_units) add(unit.factor, unit.name);
+  return out;
+}
+
+/// What a channel may do from one row to the next. Values in its unit.
+struct Plausible {
+  double lowest = -infinite, highest = infinite;  ///< outside: no measurement
+  double slack = 0;     ///< noise and quantum make this much of a step
+  double excursion = infinite;  ///< no more than this away from both neighbours, which agree
+  int frozen_rows = 0;  ///< equal values in a row that the sensor's noise rules out; 0: equality proves nothing
+};
+
+/// A slider gets no further from a straight course than full supply, or the full drive, takes it in a row's time; three
+/// times that is beyond any payload's error. Equal values prove nothing: a slider rests.
+Plausible plausible_position(const Rig& rig, double interval_s) {
+  const PositionSensorParameters& sensor = rig.sensors.position;
+  const CylinderParameters<double>& cylinder = rig.axis.cylinder;
+  const double force_N = rig.kind == RigKind::driven_axis
+                             ? rig.drive.force_max_N
+                             : rig.axis.supply.pressure_Pa * std::max(cylinder.area_1_m2, cylinder.area_2_m2);
+  const double mass_kg = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
+  Plausible out;
+  if (cylinder.stroke_m > 0) out.highest = cylinder.stroke_m, out.lowest = -cylinder.stroke_m;
+  out.slack = 6.0 * sensor.noise_m + sensor.quantum_m;
+  if (force_N > 0 && mass_kg > 0) out.excursion = out.slack + 3.0 * force_N / mass_kg * interval_s * interval_s;
+  return out;
+}
+
+/// As the loop: 5 % of the supply there and back within two rows is beyond what lines and chambers do.
+Plausible plausible_pressure(const Rig& rig, const PressureSensorParameters& sensor) {
+  Plausible out;
+  out.lowest = atmosphere_share * rig.axis.air.atmosphere_Pa;
+  out.highest = supply_share * rig.axis.supply.pressure_Pa;
+  out.slack = 6.0 * sensor.noise_Pa + sensor.quantum_Pa;
+  out.excursion = out.slack + 0.05 * rig.axis.supply.pressure_Pa;
+  out.frozen_rows = frozen_after_ticks(sensor.noise_Pa, sensor.quantum_Pa);
+  return out;
+}
+
+/// What was taken out of one column.
+struct TakenOut {
+  std::size_t impossible = 0, frozen = 0;
+  double first_frozen_s = no_value, last_frozen_s = no_value;
+};
+
+enum SampleVerdict : char { good, is_impossible, is_frozen };
+
+/// Up to two values that stand apart from both neighbours, on one side, while these agree.
+void mark_spikes(const std::vector<double>& y, double excursion, std::vector<char>& verdict) {
+  for (std::size_t width = 1; width <= 2; ++width)
+    for (std::size_t i = 1; i + width < y.size(); ++i) {
+      const double before = y[i - 1], after = y[i + width];
+      double least = infinite, sides = 0;
+      for (std::size_t k = i; k < i + width; ++k) {
+        const double apart = std::min(std::abs(y[k] - before), std::abs(y[k] - after));
+        least = std::isfinite(y[k]) ? std::min(least, apart) : 0;
+        sides += (y[k] > before ? 1 : -1) + (y[k] > after ? 1 : -1);
+      }
+      if (!(least > excursion) || std::abs(sides) < 2.0 * static_cast<double>(width)) continue;
+      if (!(std::abs(after - before) < 0.25 * least)) continue;  // NaN too
+      std::fill_n(verdict.begin() + static_cast<std::ptrdiff_t>(i), width, is_impossible);
+    }
+}
+
+/// Steps elsewhere that a step out of a standstill must exceed so many times to prove the standstill a frozen sensor.
+constexpr double step_of_a_jump = 5;
+constexpr std::size_t least_standstill = 20;  ///< rows, as the loop's
+
+/// Runs of equal values that the noise rules out, or that end in a step no motion of this recording makes. The first
+/// value of a run was measured.
+void mark_frozen(const std::vector<double>& y, const Plausible& plausible, std::vector<char>& verdict) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < y.size(); ++i)
+    if (y[i] != y[i - 1]) steps.push_back(std::abs(y[i] - y[i - 1]));
+  const double jump = std::max(step_of_a_jump * quantile(steps, 0.99), 10 * plausible.slack);
+  for (std::size_t first = 0, end = 0; first < y.size(); first = end) {
+    end = first + 1;
+    while (end < y.size() && y[end] == y[first]) ++end;
+    const bool by_noise = plausible.frozen_rows > 0 && end - first > static_cast<std::size_t>(plausible.frozen_rows);
+    const bool by_jump = end - first >= least_standstill && end < y.size() && std::abs(y[end] - y[first]) > jump;
+    if (by_noise || by_jump)
+      std::fill(verdict.begin() + static_cast<std::ptrdiff_t>(first) + 1,
+                verdict.begin() + static_cast<std::ptrdiff_t>(end), is_frozen);
+  }
+}
+
+TakenOut judge_column(const Plausible& plausible, const std::vector<double>& t_s, std::vector<double>& values) {
+  std::vector<char> verdict(values.size(), good);
+  mark_frozen(values, plausible, verdict);
+  mark_spikes(values, plausible.excursion, verdict);
+  TakenOut out;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (values[i] < plausible.lowest || values[i] > plausible.highest) verdict[i] = is_impossible;
+    if (verdict[i] == good) continue;
+    out.impossible += verdict[i] == is_impossible;
+    if (verdict[i] == is_frozen) {
+      ++out.frozen;
+      if (!std::isfinite(out.first_frozen_s)) out.first_frozen_s = t_s[i];
+      out.last_frozen_s = t_s[i];
+    }
+    values[i] = no_value;
+  }
+  return out;
+}
+
+void tell_taken(const Recording& recording, const std::string& column, const TakenOut& taken,
+                std::vector<std::string>& notes) {
+  if (taken.impossible > 0)
+    notes.push_back(fmt::format("{}: {} sample{} of {} {} beyond what the loop takes for possible: left out",
+                                recording.path, taken.impossible, taken.impossible > 1 ? "s" : "", column,
+                                taken.impossible > 1 ? "are" : "is"));
+  if (taken.frozen > 0)
+    notes.push_back(fmt::format("{}: {} is frozen for {} rows between {:.6g} and {:.6g} s: left out; is the sensor "
+                                "connected?",
+                                recording.path, column, taken.frozen, taken.first_frozen_s, taken.last_frozen_s));
+}
+
+}  // namespace
+
+double quantile(std::vector<double> values, double share) {
+  std::erase_if(values, [](double v) { return !std::isfinite(v); });
+  if (values.empty()) return no_value;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+std::string stated_reading(const std::string& column, const UnitReading& reading) {
+  return fmt::format("import: {{columns: {{{}: {{column: {}{}{}}}}}}}", column, column,
+                     reading.factor != 1 ? fmt::format(", factor: {:g}", reading.factor) : "",
+                     reading.offset != 0 ? fmt::format(", offset: {:g}", reading.offset) : "");
+}
+
+void apply_reading(const UnitReading& reading, std::vector<double>& values) {
+  for (double& value : values) value = reading.factor * value + reading.offset;
+}
+
+std::vector<std::string> pressure_columns(const Recording& recording) {
+  std::vector<std::string> out;
+  for (const char* name : {"p1_port_Pa", "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"})
+    if (recording.has(name) && std::isfinite(quantile(recording.column(name), 0.5))) out.emplace_back(name);
+  return out;
+}
+
+void leave_out_absent_sensors(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
+  if (rig.kind != RigKind::cylinder) return;
+  const auto leave_out = [&](const PressureSensorParameters& sensor, const std::string& key,
+                             std::initializer_list<const char*> columns) {
+    if (sensor.noise_Pa > 0 || sensor.quantum_Pa > 0) return;  // stated
+    for (const char* column : columns)
+      if (recording.has(column)) {
+        remove_column(recording, column);
+        notes.push_back(fmt::format("{}: {} is left out: the config has no sensors.{}", recording.path, column, key));
+      }
+  };
+  // Where chambers alone are measured they stand for the ports, whatever the config says of them.
+  if (recording.has("p1_port_Pa") && recording.has("p2_port_Pa"))
+    leave_out(rig.sensors.chamber_pressure, "chamber_pressure", {"p1_chamber_Pa", "p2_chamber_Pa"});
+  leave_out(rig.sensors.supply_pressure, "supply_pressure", {"p_supply_Pa"});
+}
+
+void doubt_position_unit(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
+  const double stroke_m = rig.axis.cylinder.stroke_m;
+  if (!recording.has("x_m") || !(stroke_m > 0) || !std::isfinite(stroke_m)) return;
+  std::vector<double>& x = recording.column("x_m");
+  const Range range = range_of(x);
+  if (!std::isfinite(range.low) || std::max(-range.low, range.high) <= furthest * stroke_m) return;
+  const std::string evidence = fmt::format("{}: x_m goes from {:.4g} to {:.4g} m, the stroke is +-{:g} m",
+                                           recording.path, range.low, range.high, 0.5 * stroke_m);
+  const std::vector<UnitReading> readings = position_readings(stroke_m, range);
+  if (readings.size() > 1)
+    throw InputError(fmt::format("{}: {} or {}? State it: {}", evidence, readings[0].name, readings[1].name,
+                                 stated_reading("x_m", readings[0])));
+  if (readings.empty())
+    throw InputError(fmt::format("{}: another zero or unit? State it, with x = 0 at mid-stroke: {}", evidence,
+                                 stated_reading("x_m", {1, -0.5 * (range.low + range.high), ""})));
+  apply_reading(readings.front(), x);
+  notes.push_back(fmt::format("{}: taken for {}; to state it: {}", evidence, readings.front().name,
+                              stated_reading("x_m", readings.front())));
+}
+
+std::vector<UnitReading> pressure_readings(const Rig& rig, const Recording& recording) {
+  const double low_Pa = atmosphere_share * rig.axis.air.atmosphere_Pa,
+               high_Pa = supply_share * rig.axis.supply.pressure_Pa;
+  const std::vector<std::string> columns = pressure_columns(recording);
+  std::vector<UnitReading> out;
+  for (const Unit& unit : pressure_units)
+    for (const double offset : {0.0, rig.axis.air.atmosphere_Pa}) {
+      const bool fits = std::all_of(columns.begin(), columns.end(), [&](const std::string& column) {
+        const Range range = range_of(recording.column(column));
+        return unit.factor * range.low + offset >= low_Pa && unit.factor * range.high + offset <= high_Pa;
+      });
+      const std::string gauge = offset > 0 ? "gauge pressures" : "";
+      if (fits)
+        out.push_back({unit.factor, offset,
+                       fmt::format("{}{}{}", unit.name, !unit.name.empty() && offset > 0 ? ", " : "", gauge)});
+    }
+  return out;
+}
+
+std::vector<UnitReading> command_readings(const Rig& rig, const Recording& recording) {
+  const double most_V = rig.axis.valve.command_max_V;
+  const Range range = range_of(recording.column("u_V"));
+  std::vector<UnitReading> out;
+  const auto add = [&](double factor, double offset, const char* name) {
+    const double low = factor * range.low + offset, high = factor * range.high + offset;
+    if (std::max(-low, high) <= command_share * most_V) out.push_back({factor, offset, name});
+  };
+  add(1, 0, "");
+  // Always on one side of zero, and about half of a range of twice the valve's.
+  if (range.low > 0 && 0.5 * (range.low + range.high) > 0.5 * most_V)
+    add(1, -most_V, "volts from the valve's end, neutral in the middle");
+  if (!out.empty()) return out;
+  add(1e-3, 0, "millivolts");
+  add(most_V / 100, 0, "per cent of the valve's range");
+  return out;
+}
+
+void refuse_repeated_channels(const Recording& recording) {
+  std::vector<std::string> names = pressure_columns(recording);
+  for (const char* name : {"x_m", "u_V", "F_N"})
+    if (recording.has(name)) names.emplace_back(name);
+  for (std::size_t a = 0; a < names.size(); ++a)
+    for (std::size_t b = a + 1; b < names.size(); ++b) {
+      const std::vector<double>&one = recording.column(names[a]), &two = recording.column(names[b]);
+      if (!std::isfinite(quantile(one, 0.5)) || quantile(one, 1) == quantile(one, 0)) continue;
+      const bool alike = std::equal(one.begin(), one.end(), two.begin(), [](double v, double w) {
+        return v == w || (!std::isfinite(v) && !std::isfinite(w));
+      });
+      if (alike)
+        throw InputError(fmt::format("{}: {} repeats {} in every row, expected a channel of its own: is it wired or "
+                                     "logged twice?",
+                                     recording.path, names[b], names[a]));
+    }
+}
+
+void take_out_impossible_samples(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
+  const double interval_s = std::isfinite(recording.period_s) ? recording.period_s : median_step_s(recording.t_s());
+  if (!std::isfinite(interval_s)) return;
+  if (recording.has("x_m"))
+    tell_taken(recording, "x_m",
+               judge_column(plausible_position(rig, interval_s), recording.t_s(), recording.column("x_m")), notes);
+  if (rig.kind != RigKind::cylinder) return;
+  for (const std::string& column : pressure_columns(recording)) {
+    const SensorsParameters& sensors = rig.sensors;
+    const PressureSensorParameters& sensor = column == "p_supply_Pa"                    ? sensors.supply_pressure
+                                             : column.find("port") != std::string::npos ? sensors.port_pressure
+                                                                                        : sensors.chamber_pressure;
+    Plausible plausible = plausible_pressure(rig, sensor);
+    // A hose that bursts takes the supply away at once; rows far apart show no spike.
+    if (column == "p_supply_Pa" || interval_s > slowest_spike_s) plausible.excursion = infinite;
+    tell_taken(recording, column, judge_column(plausible, recording.t_s(), recording.column(column)), notes);
+  }
+}
+
+void refuse_standstill(const Rig& rig, const Recording& recording) {
+  // A cylinder that is held has pressures to compare.
+  if (!recording.has("x_m") || rig.kind != RigKind::driven_axis) return;
+  const std::vector<double>& x = recording.column("x_m");
+  const double span_m = quantile(x, highest_share) - quantile(x, lowest_share);
+  if (std::isfinite(span_m) && span_m > 2 * rig.sensors.position.quantum_m + 6 * rig.sensors.position.noise_m) return;
+  if (!std::isfinite(span_m))
+    throw InputError(fmt::format("{}: x_m has no usable value, expected the measured position", recording.path));
+  throw InputError(
+      fmt::format("{}: x_m does not move ({:.4g} m throughout), expected motion to compare: is the encoder "
+                  "connected?",
+                  recording.path, quantile(x, 0.5)));
+}
+
+}  // namespace pneuservo

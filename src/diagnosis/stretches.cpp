@@ -1,0 +1,207 @@
+// Recordings cut where their inputs are missing.
+#include "diagnosis/stretches.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "config/input_error.hpp"
+#include "diagnosis/cylinder_recording.hpp"
+#include "diagnosis/even_samples.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+using Span = TimeSpan;
+
+constexpr double least_axis_s = 0.3;           ///< the balance's kernels reach 0.15 s beyond what is judged
+constexpr double least_axis_intervals = 60;    ///< and 24 intervals to both sides of slowly sampled rows
+constexpr double least_cylinder_s = first_compared_s + 1.0;
+constexpr std::size_t told_gaps = 3;
+
+/// Columns that nothing can be compared without.
+std::vector<std::string> input_columns(const Rig& rig, const Recording& recording) {
+  if (rig.kind == RigKind::driven_axis) return {"x_m", recording.has("F_N") ? "F_N" : "u_V"};
+  return {"x_m", "u_V"};
+}
+
+/// Where one of the columns has no value for longer than can be drawn through.
+std::vector<Span> gaps_of(const Recording& recording, const std::vector<std::string>& columns) {
+  const std::vector<double>& t = recording.t_s();
+  std::vector<Span> gaps;
+  for (const std::string& name : columns) {
+    if (!recording.has(name)) continue;
+    std::vector<double> known;
+    for (std::size_t i = 0; i < t.size(); ++i)
+      if (std::isfinite(recording.column(name)[i])) known.push_back(t[i]);
+    if (known.empty()) continue;
+    const double longest = longest_drawn_s(std::max(recording.period_s, median_step_s(known)));
+    if (known.front() - t.front() > longest) gaps.emplace_back(t.front(), known.front());
+    for (std::size_t i = 1; i < known.size(); ++i)
+      if (known[i] - known[i - 1] > longest) gaps.emplace_back(known[i - 1], known[i]);
+    if (t.back() - known.back() > longest) gaps.emplace_back(known.back(), t.back());
+  }
+  std::sort(gaps.begin(), gaps.end());
+  gaps.erase(std::unique(gaps.begin(), gaps.end()), gaps.end());  // rows that are missing lack every column
+  return gaps;
+}
+
+/// What lies between the gaps.
+std::vector<Span> spans_between(const std::vector<Span>& gaps, double from, double to) {
+  std::vector<Span> spans;
+  for (const Span& gap : gaps) {
+    if (gap.first > from) spans.emplace_back(from, gap.first);
+    from = std::max(from, gap.second);
+  }
+  if (to > from) spans.emplace_back(from, to);
+  return spans;
+}
+
+void tell_gaps(const Recording& recording, const std::vector<Span>& gaps, std::vector<std::string>& notes) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(gaps.size(), told_gaps); ++i)
+    text += fmt::format("{}{:.6g} to {:.6g} s", i > 0 ? ", " : "", gaps[i].first, gaps[i].second);
+  if (gaps.size() > told_gaps) text += fmt::format(" and {} more", gaps.size() - told_gaps);
+  notes.push_back(
+      fmt::format("{}: position or drive are missing from {}; what follows a gap is compared as a recording "
+                  "of its own",
+                  recording.path, text));
+}
+
+/// Recordings up to this length are compared whole. A fit of 60 s at 1 kHz takes a minute on two cores; more of the
+/// same motion narrows no size below what the model itself leaves.
+constexpr double most_compared_s = 60, most_of_an_axis_s = 300, piece_s = 10;  ///< a force balance costs little
+
+/// A piece of a stretch and how much it tells: how far position and drive go, each against the whole recording.
+struct Piece {
+  std::size_t stretch;
+  Span span;
+  double told;
+};
+
+/// The pieces that tell most, in order of time, from all stretches; held-out recordings stay whole.
+std::vector<Recording> most_telling(const Rig& rig, std::vector<Recording> stretches, std::vector<std::string>& notes) {
+  double all_s = 0;
+  for (const Recording& r : stretches)
+    if (!r.is_held_out) all_s += r.t_s().back() - r.t_s().front();
+  const double most_s = rig.kind == RigKind::driven_axis ? most_of_an_axis_s : most_compared_s;
+  if (all_s <= most_s) return stretches;
+  std::vector<Piece> pieces;
+  for (std::size_t s = 0; s < stretches.size(); ++s) {
+    const Recording& recording = stretches[s];
+    if (recording.is_held_out) continue;
+    const double from = recording.t_s().front(), length = recording.t_s().back() - from;
+    const double count = std::max(1.0, std::floor(length / piece_s));
+    for (double i = 0; i < count; ++i) {
+      const Span span{from + length * i / count, from + length * (i + 1) / count - 1e-9};
+      double told = 0;
+      for (const std::string& column : input_columns(rig, recording))
+        told += way_of(recording, column, span) / std::max(way_of(recording, column, {from, from + length}), 1e-300);
+      pieces.push_back({s, span, told * length});
+    }
+  }
+  std::stable_sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) { return a.told > b.told; });
+  double kept_s = 0;
+  std::size_t kept = 0;
+  while (kept < pieces.size() && kept_s + pieces[kept].span.second - pieces[kept].span.first <= 1.001 * most_s)
+    kept_s += pieces[kept].span.second - pieces[kept].span.first, ++kept;
+  pieces.resize(std::max<std::size_t>(kept, 1));
+  std::stable_sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
+    return std::pair(a.stretch, a.span) < std::pair(b.stretch, b.span);
+  });
+  std::vector<Recording> out;
+  std::string text;
+  for (const Piece& piece : pieces) {
+    out.push_back(part_of(stretches[piece.stretch], piece.span));
+    text += fmt::format("{}{:.4g} to {:.4g}", text.empty() ? "" : ", ", piece.span.first, piece.span.second);
+  }
+  notes.push_back(fmt::format("{:.4g} s are recorded: the {:.3g} s in which position and drive move most are compared "
+                              "({} s)",
+                              all_s, kept_s, text));
+  for (Recording& recording : stretches)
+    if (recording.is_held_out) out.push_back(std::move(recording));
+  return out;
+}
+
+}  // namespace
+
+Recording part_of(const Recording& recording, const TimeSpan& span) {
+  const std::vector<double>& t = recording.t_s();
+  const auto first = std::lower_bound(t.begin(), t.end(), span.first) - t.begin();
+  const auto end = std::upper_bound(t.begin(), t.end(), span.second) - t.begin();
+  Recording part;
+  part.header = recording.header;
+  part.names = recording.names;
+  part.rig = recording.rig;
+  part.period_s = recording.period_s;
+  part.is_held_out = recording.is_held_out;
+  part.sampling = recording.sampling;
+  part.changed = recording.changed;
+  part.path = fmt::format("{} ({:.6g} to {:.6g} s)", recording.path, span.first, span.second);
+  for (const auto& values : recording.values) part.values.emplace_back(values.begin() + first, values.begin() + end);
+  part.line_numbers = {recording.line_numbers.begin() + first, recording.line_numbers.begin() + end};
+  return part;
+}
+
+double way_of(const Recording& recording, const std::string& column, const TimeSpan& span) {
+  const std::vector<double>&t = recording.t_s(), &y = recording.column(column);
+  const auto first = static_cast<std::size_t>(std::lower_bound(t.begin(), t.end(), span.first) - t.begin());
+  double way = 0, last = y[first];
+  // Every 20 ms: noise of single rows is no way.
+  double next_s = span.first;
+  for (std::size_t i = first; i < t.size() && t[i] <= span.second; ++i) {
+    if (t[i] < next_s || !std::isfinite(y[i])) continue;
+    if (std::isfinite(last)) way += std::abs(y[i] - last);
+    last = y[i];
+    next_s = t[i] + 0.02;
+  }
+  return way;
+}
+
+Recording most_moving_part(const Recording& recording, double seconds) {
+  const double from = recording.t_s().front(), to = recording.t_s().back();
+  TimeSpan best{from, from + seconds};
+  double most = -1;
+  const double step = std::max(0.5 * seconds, (to - from) / 200);
+  for (double start = from; start == from || start + seconds <= to; start += step) {
+    const double way = way_of(recording, "x_m", {start, start + seconds});
+    if (way > most) most = way, best = {start, start + seconds};
+  }
+  return part_of(recording, best);
+}
+
+std::vector<Recording> compared_stretches(const Rig& rig, std::vector<Recording> recordings,
+                                          std::vector<std::string>& notes) {
+  if (rig.kind != RigKind::cylinder && rig.kind != RigKind::driven_axis) return recordings;
+  std::vector<Recording> out;
+  double longest_s = 0, least_s = 0;
+  std::string first_path = recordings.front().path;
+  for (Recording& recording : recordings) {
+    const std::vector<double>& t = recording.t_s();
+    const std::vector<Span> gaps = gaps_of(recording, input_columns(rig, recording));
+    least_s = rig.kind == RigKind::cylinder ? least_cylinder_s
+                                            : std::max(least_axis_s, least_axis_intervals * recording.period_s);
+    if (gaps.empty()) {
+      out.push_back(std::move(recording));
+      continue;
+    }
+    tell_gaps(recording, gaps, notes);
+    for (const Span& span : spans_between(gaps, t.front(), t.back())) {
+      longest_s = std::max(longest_s, span.second - span.first);
+      if (span.second - span.first >= least_s) out.push_back(part_of(recording, span));
+      else
+        notes.push_back(fmt::format("{}: {:.6g} to {:.6g} s is left out: a stretch needs {:.3g} s", recording.path,
+                                    span.first, span.second, least_s));
+    }
+  }
+  if (out.empty())
+    throw InputError(fmt::format("{}: found no stretch without a gap longer than {:.3g} s, expected one of at least "
+                                 "{:.3g} s",
+                                 first_path, longest_s, least_s));
+  return most_telling(rig, std::move(out), notes);
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,235 @@
+// What the columns of a foreign table are likely to be.
+#include "record/column_guess.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <optional>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <pneuservo/record/row.hpp>
+
+#include "record/dialect.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+enum class Quantity { time, length, pressure, voltage, force };
+
+struct Unit {
+  std::string_view name;
+  Quantity quantity;
+  double factor;
+  bool is_gauge = false;
+};
+constexpr std::array<Unit, 29> units{{{"s", Quantity::time, 1},
+                                      {"sec", Quantity::time, 1},
+                                      {"ms", Quantity::time, 1e-3},
+                                      {"us", Quantity::time, 1e-6},
+                                      {"\u00b5s", Quantity::time, 1e-6},
+                                      {"ns", Quantity::time, 1e-9},
+                                      {"m", Quantity::length, 1},
+                                      {"cm", Quantity::length, 1e-2},
+                                      {"mm", Quantity::length, 1e-3},
+                                      {"um", Quantity::length, 1e-6},
+                                      {"\u00b5m", Quantity::length, 1e-6},
+                                      {"in", Quantity::length, 0.0254},
+                                      {"Pa", Quantity::pressure, 1},
+                                      {"hPa", Quantity::pressure, 100},
+                                      {"mbar", Quantity::pressure, 100},
+                                      {"kPa", Quantity::pressure, 1e3},
+                                      {"bar", Quantity::pressure, 1e5},
+                                      {"bara", Quantity::pressure, 1e5},
+                                      {"barg", Quantity::pressure, 1e5, true},
+                                      {"MPa", Quantity::pressure, 1e6},
+                                      {"psi", Quantity::pressure, 6894.757},
+                                      {"psig", Quantity::pressure, 6894.757, true},
+                                      {"psia", Quantity::pressure, 6894.757},
+                                      {"V", Quantity::voltage, 1},
+                                      {"mV", Quantity::voltage, 1e-3},
+                                      {"N", Quantity::force, 1},
+                                      {"kN", Quantity::force, 1e3},
+                                      {"lbf", Quantity::force, 4.4482216},
+                                      {"daN", Quantity::force, 10}}};
+
+/// Words that a column's name may begin with, in small letters without signs, and what it then is. The first that fits.
+struct Word {
+  std::string_view word, ours;
+  Quantity quantity;
+};
+constexpr std::array<Word, 47> words{{{"timestamp", "t_s", Quantity::time},
+                                      {"time", "t_s", Quantity::time},
+                                      {"zeit", "t_s", Quantity::time},
+                                      {"temps", "t_s", Quantity::time},
+                                      {"t", "t_s", Quantity::time},
+                                      {"xref", "x_ref_m", Quantity::length},
+                                      {"setpoint", "x_ref_m", Quantity::length},
+                                      {"sollwert", "x_ref_m", Quantity::length},
+                                      {"soll", "x_ref_m", Quantity::length},
+                                      {"position", "x_m", Quantity::length},
+                                      {"pos", "x_m", Quantity::length},
+                                      {"displacement", "x_m", Quantity::length},
+                                      {"weg", "x_m", Quantity::length},
+                                      {"lage", "x_m", Quantity::length},
+                                      {"hub", "x_m", Quantity::length},
+                                      {"stroke", "x_m", Quantity::length},
+                                      {"course", "x_m", Quantity::length},
+                                      {"x", "x_m", Quantity::length},
+                                      {"s", "x_m", Quantity::length},
+                                      {"command", "u_V", Quantity::voltage},
+                                      {"cmd", "u_V", Quantity::voltage},
+                                      {"valve", "u_V", Quantity::voltage},
+                                      {"ventil", "u_V", Quantity::voltage},
+                                      {"stell", "u_V", Quantity::voltage},
+                                      {"u", "u_V", Quantity::voltage},
+                                      {"p1chamber", "p1_chamber_Pa", Quantity::pressure},
+                                      {"p2chamber", "p2_chamber_Pa", Quantity::pressure},
+                                      {"chamber1", "p1_chamber_Pa", Quantity::pressure},
+                                      {"chamber2", "p2_chamber_Pa", Quantity::pressure},
+                                      {"kammer1", "p1_chamber_Pa", Quantity::pressure},
+                                      {"kammer2", "p2_chamber_Pa", Quantity::pressure},
+                                      {"psupply", "p_supply_Pa", Quantity::pressure},
+                                      {"supply", "p_supply_Pa", Quantity::pressure},
+                                      {"versorgung", "p_supply_Pa", Quantity::pressure},
+                                      {"ps", "p_supply_Pa", Quantity::pressure},
+                                      {"p0", "p_supply_Pa", Quantity::pressure},
+                                      {"p1", "p1_port_Pa", Quantity::pressure},
+                                      {"p2", "p2_port_Pa", Quantity::pressure},
+                                      {"pressure1", "p1_port_Pa", Quantity::pressure},
+                                      {"pressure2", "p2_port_Pa", Quantity::pressure},
+                                      {"druck1", "p1_port_Pa", Quantity::pressure},
+                                      {"druck2", "p2_port_Pa", Quantity::pressure},
+                                      {"pa", "p1_port_Pa", Quantity::pressure},
+                                      {"pb", "p2_port_Pa", Quantity::pressure},
+                                      {"force", "F_N", Quantity::force},
+                                      {"kraft", "F_N", Quantity::force},
+                                      {"f", "F_N", Quantity::force}}};
+constexpr std::size_t whole_word = 2;  ///< letters: so short a word must be all of the name
+
+/// A name taken apart: "Weg [mm]", "Weg_mm", "pos (mm)".
+struct NameParts {
+  std::string letters;  ///< small letters and digits without the unit
+  std::string unit;
+};
+
+std::string letters_of(std::string_view text) {
+  std::string out;
+  for (const char c : text)
+    if (std::isalnum(static_cast<unsigned char>(c)))
+      out += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return out;
+}
+
+const Unit* unit_named(std::string_view name) {
+  const auto at = std::find_if(units.begin(), units.end(), [&](const Unit& unit) { return unit.name == name; });
+  return at == units.end() ? nullptr : &*at;
+}
+
+NameParts parts_of(const std::string& name) {
+  const std::size_t open = name.find_first_of("[(");
+  if (open != std::string::npos) {
+    const std::size_t close = name.find_first_of("])", open);
+    return {letters_of(name.substr(0, open)), std::string(trimmed(name.substr(open + 1, close - open - 1)))};
+  }
+  const std::size_t last = name.find_last_of("_ ");
+  if (last != std::string::npos && unit_named(name.substr(last + 1)))
+    return {letters_of(name.substr(0, last)), name.substr(last + 1)};
+  return {letters_of(name), ""};
+}
+
+const Word* word_of(const std::string& letters) {
+  for (const Word& word : words)
+    if (letters == word.word || (word.word.size() > whole_word && letters.starts_with(word.word))) return &word;
+  return nullptr;
+}
+
+bool is_ours(const std::string& name) {
+  bool found = name == "F_N";
+  Row::visit([&](std::string_view column) { found = found || column == name; });
+  return found;
+}
+
+ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmosphere_Pa) {
+  ColumnGuess out{table.names[column], "", "", 1, 0, ""};
+  if (is_ours(out.column)) {
+    out.ours = out.column;
+    out.evidence = "a name of the recording format";
+    return out;
+  }
+  const NameParts parts = parts_of(out.column);
+  const bool in_row = !table.units[column].empty();
+  std::string stated = in_row ? table.units[column] : parts.unit;
+  if (stated.size() > 2 && (stated.front() == '[' || stated.front() == '('))
+    stated = stated.substr(1, stated.size() - 2);
+  out.unit = stated;
+  const Word* word = word_of(parts.letters);
+  if (table.is_clock[column] != 0) {
+    out.ours = "t_s";
+    out.unit = "date";
+    out.evidence = "holds dates or times of day";
+    return out;
+  }
+  const Unit* unit = unit_named(stated);
+  if (word == nullptr || (unit != nullptr && unit->quantity != word->quantity)) {
+    out.evidence =
+        word == nullptr ? "no known name" : fmt::format("name and unit disagree ({} in {})", word->ours, stated);
+    return out;
+  }
+  out.ours = word->ours;
+  out.evidence = fmt::format("named like {}", word->word);
+  if (unit == nullptr) {
+    out.evidence += ", no unit stated: taken for SI";
+    return out;
+  }
+  out.factor = unit->factor;
+  out.offset = unit->is_gauge ? atmosphere_Pa : 0;
+  out.evidence += in_row ? ", unit from the row below the names" : ", unit from its name";
+  return out;
+}
+
+}  // namespace
+
+std::vector<ColumnGuess> guess_columns(const CsvTable& table, double atmosphere_Pa) {
+  std::vector<ColumnGuess> out;
+  for (std::size_t c = 0; c < table.names.size(); ++c) {
+    out.push_back(guess_column(table, c, atmosphere_Pa));
+    for (std::size_t i = 0; i < c; ++i)
+      if (!out[c].ours.empty() && out[i].ours == out[c].ours) {
+        out[c].evidence = fmt::format("as {}, which is taken for {} already", out[i].column, out[c].ours);
+        out[c].ours.clear();
+      }
+  }
+  return out;
+}
+
+ImportParameters import_map(const std::vector<ColumnGuess>& guesses) {
+  ImportParameters out;
+  for (const ColumnGuess& guess : guesses) {
+    if (guess.ours.empty()) continue;
+    ImportedColumn column;
+    column.column = guess.column;
+    column.factor = guess.factor;
+    column.offset = guess.offset;
+    out.columns[guess.ours] = column;
+  }
+  return out;
+}
+
+std::string import_section(const std::vector<ColumnGuess>& guesses) {
+  std::string out = "import:\n  columns:\n";
+  for (const ColumnGuess& guess : guesses) {
+    if (guess.ours.empty()) continue;
+    YAML::Emitter name;
+    name << YAML::DoubleQuoted << guess.column;
+    out += fmt::format("    {}: {{column: {}{}{}}}\n", guess.ours, name.c_str(),
+                       guess.factor != 1 ? fmt::format(", factor: {:g}", guess.factor) : "",
+                       guess.offset != 0 ? fmt::format(", offset: {:g}", guess.offset) : "");
+  }
+  return out;
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,30 @@
+// What the columns of a foreign table are likely to be: quantity by name, unit by name, brackets or a row of units.
+#pragma once
+#include <string>
+#include <vector>
+
+#include <pneuservo/record/import_parameters.hpp>
+
+#include "record/table.hpp"
+
+namespace pneuservo {
+
+struct ColumnGuess {
+  std::string column;    ///< its name in the file
+  std::string ours;      ///< a column of the recording format; empty: none that is known
+  std::string unit;      ///< as the file states it; empty: not stated, taken for SI
+  double factor = 1;     ///< ours = factor theirs + offset
+  double offset = 0;
+  std::string evidence;  ///< in words
+};
+
+/// One a column, in the file's order; no column of ours is given twice. atmosphere_Pa: what gauge units are raised by.
+std::vector<ColumnGuess> guess_columns(const CsvTable& table, double atmosphere_Pa = 101325);
+
+/// The map of a config that says the same; columns without a meaning are left out.
+ImportParameters import_map(const std::vector<ColumnGuess>& guesses);
+
+/// The section `import:` as it stands in a config.
+std::string import_section(const std::vector<ColumnGuess>& guesses);
+
+}  // namespace pneuservo

@@ -1,0 +1,30 @@
+// How a foreign table is written, found from its first lines.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "record/field_text.hpp"
+
+namespace pneuservo {
+
+struct Dialect {
+  FieldStyle style;
+  std::vector<std::string> names, units;  ///< units: of the row below the names; empty where there is none
+  std::size_t first_row = 1;      ///< index of the first line of numbers in the sample
+  std::size_t names_line = 0;     ///< index of the line of names
+  bool has_index = false;         ///< the first field of each row counts the rows, and is left out
+  bool has_trailing = false;      ///< a separator ends each row
+  bool is_quoted = false;
+
+  /// In words, what is not as in the format of this program: "separator ;, decimal comma". Empty: nothing.
+  std::string words() const;
+};
+
+/// The dialect in which most fields of the lines are numbers. `lines`: the first ones after the comments, at least one;
+/// without a row of numbers among them the first line holds the names, separated by commas.
+Dialect find_dialect(const std::vector<std::string>& lines);
+
+/// Whether text stands for a unit, brackets around it or not: mm, [bar], (V).
+bool is_unit(std::string_view text);
+
+}  // namespace pneuservo

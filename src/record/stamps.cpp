@@ -1,0 +1,185 @@
+// What the time stamps of a table say.
+#include "record/stamps.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <string_view>
+#include <utility>
+
+#include "record/reader.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+constexpr double least_epoch_s = 3e8, most_epoch_s = 1e10;  ///< 1979 to 2286
+constexpr double slowest_periods = 200;  ///< rows further apart show a loop nothing: their unit is another
+constexpr std::array<std::pair<double, std::string_view>, 4> time_units{
+    {{1.0, "seconds"}, {1e-3, "milliseconds"}, {1e-6, "microseconds"}, {1e-9, "nanoseconds"}}};
+constexpr std::size_t rows_of_a_run = 3;  ///< that must go on behind a step back; fewer are rows out of order
+constexpr double interval_agreement = 0.25;  ///< of the interval: rounding to half of it moves a step that far
+constexpr double course_gain = 0.1;          ///< of a stamp's distance from the even course, which it moves by
+constexpr double longest_counted = 20;       ///< intervals: behind a longer gap rows are counted anew
+
+double first_finite(const std::vector<double>& values) {
+  const auto at = std::find_if(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+  return at == values.end() ? no_value : *at;
+}
+
+/// Whether rows i, i + 1, ... go on from row i upwards and stay behind `before`.
+bool goes_on(const std::vector<double>& t, std::size_t i, double before) {
+  double last = t[i];
+  std::size_t count = 0;
+  for (std::size_t k = i + 1; k < t.size() && count < rows_of_a_run; ++k) {
+    if (!std::isfinite(t[k])) continue;
+    if (t[k] < last || t[k] >= before) return false;
+    last = t[k];
+    ++count;
+  }
+  return count == rows_of_a_run;
+}
+
+/// First rows of groups of equal stamps.
+std::vector<std::size_t> groups_of(const std::vector<double>& t) {
+  std::vector<std::size_t> first;
+  for (std::size_t i = 0; i < t.size(); ++i)
+    if (i == 0 || t[i] != t[i - 1]) first.push_back(i);
+  return first;
+}
+
+/// Rows of the whole groups from..to (numbers of groups) on a line through the first and the last.
+void spread(std::vector<double>& t, const std::vector<std::size_t>& group, std::size_t from, std::size_t to,
+            std::size_t end_row, double step_s) {
+  const double start = t[group[from]];
+  const auto rows = static_cast<double>(group[to] - group[from]);
+  const double h = to > from ? (t[group[to]] - start) / rows : step_s;
+  for (std::size_t i = group[from]; i < end_row; ++i) t[i] = start + h * static_cast<double>(i - group[from]);
+}
+
+/// Slope of times over row numbers, common to stretches that each have their own start.
+class StampSlope {
+ public:
+  void add(double number, double time_s) {
+    numbers_.push_back(number);
+    times_s_.push_back(time_s);
+  }
+  void close() {
+    const double count = static_cast<double>(numbers_.size());
+    const double mean_n = std::accumulate(numbers_.begin(), numbers_.end(), 0.0) / count;
+    const double mean_t = std::accumulate(times_s_.begin(), times_s_.end(), 0.0) / count;
+    for (std::size_t i = 0; i < numbers_.size(); ++i) {
+      up_ += (numbers_[i] - mean_n) * (times_s_[i] - mean_t);
+      down_ += (numbers_[i] - mean_n) * (numbers_[i] - mean_n);
+    }
+    numbers_ = {0};
+    times_s_ = {0};
+  }
+  double value(double otherwise) const { return down_ > 0 ? up_ / down_ : otherwise; }
+
+ private:
+  std::vector<double> numbers_{0}, times_s_{0};
+  double up_ = 0, down_ = 0;
+};
+
+}  // namespace
+
+TimeUnit unit_of_times(const std::vector<double>& stamps, double period_s, bool is_clock) {
+  TimeUnit out;
+  const double first = first_finite(stamps);
+  if (is_clock) return {1, first, "dates or times of day"};
+  const double step = median_step_s(stamps);
+  for (const auto& [factor, name] : time_units)
+    if (first * factor > least_epoch_s && first * factor < most_epoch_s &&
+        !(step * factor > slowest_periods * period_s))  // a counter of microseconds is as large, its steps are not
+      return {factor, first, std::string(name) + " since 1970"};
+  if (!(step > slowest_periods * period_s)) return out;
+  const auto distance = [&](double factor) { return std::abs(std::log(step * factor / period_s)); };
+  for (const auto& [factor, name] : time_units)
+    if (distance(factor) < distance(out.factor)) out = {factor, 0, std::string(name)};
+  return out;
+}
+
+std::vector<std::size_t> run_starts(const std::vector<double>& t) {
+  std::vector<std::size_t> starts{0};
+  double before = no_value, last_but_one = no_value;
+  const double step = median_step_s(t);
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (!std::isfinite(t[i])) continue;
+    if (t[i] < before) {
+      const bool was_spike = t[i] > last_but_one && t[i] - last_but_one < 3 * step;
+      if (!was_spike && goes_on(t, i, before)) starts.push_back(i);
+      else if (!was_spike) continue;  // a row out of order
+    }
+    last_but_one = before;
+    before = t[i];
+  }
+  return starts;
+}
+
+bool spread_rounded(std::vector<double>& t) {
+  const std::vector<std::size_t> group = groups_of(t);
+  if (group.size() < 4 || t.size() < 3 * group.size() / 2) return false;
+  const double usual = static_cast<double>(t.size()) / static_cast<double>(group.size());
+  std::size_t regular = 0;
+  std::vector<double> steps;
+  for (std::size_t g = 0; g + 1 < group.size(); ++g) {
+    regular += std::abs(static_cast<double>(group[g + 1] - group[g]) - usual) <= 1.0;
+    steps.push_back(t[group[g + 1]] - t[group[g]]);
+  }
+  if (static_cast<double>(regular) < 0.9 * static_cast<double>(group.size() - 1)) return false;
+  std::vector<double> sorted(steps);
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double usual_step = *middle;
+  std::size_t from = 0;
+  for (std::size_t g = 0; g < group.size(); ++g) {
+    const bool ends = g + 1 == group.size() || steps[g] > 1.5 * usual_step || steps[g] <= 0;
+    if (!ends) continue;
+    spread(t, group, from, g, g + 1 < group.size() ? group[g + 1] : t.size(), usual_step / usual);
+    from = g + 1;
+  }
+  return true;
+}
+
+double interval_of(const std::vector<double>& t) {
+  double h = median_step_s(t);
+  // The mean of the steps of one row: where stamps are rounded their median is one of two values.
+  for (int round = 0; round < 3 && std::isfinite(h); ++round) {
+    double sum = 0, count = 0;
+    for (std::size_t i = 1; i < t.size(); ++i) {
+      const double step = t[i] - t[i - 1];
+      if (step > 0 && step < 1.6 * h) sum += step, ++count;
+    }
+    if (count > 0) h = sum / count;
+  }
+  StampSlope slope;
+  std::size_t agree = 0, steps = 0;
+  // Rows are counted against their own even course, which follows the stamps slowly: jitter of one does not count.
+  double start = t.front(), course = t.front(), rows = 0;
+  for (std::size_t i = 1; i < t.size(); ++i) {
+    if (!std::isfinite(t[i])) continue;
+    const double count = std::round((t[i] - course) / h);
+    ++steps;
+    if (count < 1 && count >= 0) continue;  // a row again
+    if (!(count >= 1 && count <= longest_counted)) {
+      slope.close();
+      start = course = t[i];
+      rows = 0;
+      continue;
+    }
+    rows += count;
+    course += count * h;
+    agree += std::abs(t[i] - course) < interval_agreement * h && count < 4;
+    course += course_gain * (t[i] - course);
+    slope.add(rows, t[i] - start);
+  }
+  slope.close();
+  if (2 * agree < steps) return no_value;
+  return slope.value(h);
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,30 @@
+// What the time stamps of a table say: their unit, where another run begins, how far rows are apart.
+#pragma once
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace pneuservo {
+
+/// Seconds of one unit of the stamps, and the stamp that becomes 0.
+struct TimeUnit {
+  double factor = 1;
+  double start = 0;   ///< in the stamps' unit; not 0 for times of a calendar
+  std::string words;  ///< "milliseconds", "nanoseconds since 1970"; empty: seconds, as stated
+};
+
+/// Epoch times by their size; else seconds, unless rows would then be over 200 periods of the loop apart: the unit of
+/// ms, us and ns that brings them nearest to it. period_s: of the loop; NaN: unknown. is_clock: dates, in seconds.
+TimeUnit unit_of_times(const std::vector<double>& stamps, double period_s, bool is_clock);
+
+/// Rows with which a new run begins: the time goes back, and the rows after it go on from there. The first row is one.
+std::vector<std::size_t> run_starts(const std::vector<double>& time_s);
+
+/// Stamps that are rounded so far that several neighbours are equal, spread evenly again; false where they are not.
+bool spread_rounded(std::vector<double>& time_s);
+
+/// Interval of the rows, which missing rows, jitter and single wrong stamps do not move; NaN where fewer than half of
+/// the steps agree on one.
+double interval_of(const std::vector<double>& time_s);
+
+}  // namespace pneuservo

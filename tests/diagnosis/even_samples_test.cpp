@@ -1,0 +1,177 @@
+// Columns on an even grid by their stamps: jitter, losses, sparse columns, gaps; and recordings cut at gaps.
+#include <cmath>
+#include <random>
+
+#include <catch2/catch.hpp>
+
+#include "config/input_error.hpp"
+#include "core/test_seed.hpp"
+#include "diagnosis/even_samples.hpp"
+#include "diagnosis/imposed_run.hpp"
+#include "diagnosis/simulated_recording.hpp"
+#include "diagnosis/stretches.hpp"
+
+using namespace pneuservo;
+using Catch::Matchers::Contains;
+
+namespace {
+
+double course(double t) { return 0.08 * std::sin(6.3 * t) + 0.01 * std::sin(40 * t); }
+
+std::vector<double> courses(const std::vector<double>& times) {
+  std::vector<double> out;
+  for (const double t : times) out.push_back(course(t));
+  return out;
+}
+
+double largest_error(const std::vector<double>& drawn, double interval_s) {
+  double largest = 0;
+  for (std::size_t k = 0; k < drawn.size(); ++k)
+    if (std::isfinite(drawn[k]))
+      largest = std::max(largest, std::abs(drawn[k] - course(interval_s * static_cast<double>(k))));
+  return largest;
+}
+
+/// Rows of a recording for which keep(i) holds.
+template <class Keep> Recording rows_of(const Recording& recording, const Keep& keep) {
+  Recording out = recording;
+  for (auto& values : out.values) values.clear();
+  out.line_numbers.clear();
+  for (std::size_t i = 0; i < recording.rows(); ++i) {
+    if (!keep(i)) continue;
+    for (std::size_t c = 0; c < out.values.size(); ++c) out.values[c].push_back(recording.values[c][i]);
+    out.line_numbers.push_back(i);
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("a jittered course is drawn at its even samples to the cubic's error") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const double interval_s = 2e-3;
+  std::vector<double> times;
+  for (int i = 0; i < 1500; ++i) times.push_back(i * interval_s + (i > 0 ? 0.4e-3 * uniform(generator) : 0));
+  const EvenSamples even(times, interval_s);
+  const std::vector<double> drawn = even.drawn(courses(times));
+  // At both ends, without a fourth row, a line is off by an eighth of the second derivative, 19 m/s2, times h^2.
+  CHECK(largest_error(drawn, interval_s) < 1.2 * 19.2 / 8 * interval_s * interval_s * 1.4);
+  double inner = 0;  // within, a row a thousandth off its place at 0.9 m/s, and the cubic's own error
+  for (std::size_t k = 2; k + 3 < drawn.size(); ++k)
+    inner = std::max(inner, std::abs(drawn[k] - course(interval_s * static_cast<double>(k))));
+  CHECK(inner < 2e-6);
+  CHECK(std::count_if(drawn.begin(), drawn.end(), [](double v) { return std::isfinite(v); }) >= 1498);
+}
+
+TEST_CASE("lost rows are drawn, a sparse column at its own rate, nothing through a gap") {
+  const double interval_s = 1e-3;
+  std::vector<double> times;
+  for (int i = 0; i < 2000; ++i)
+    if (i % 97 != 5 && (i < 1000 || i > 1300)) times.push_back(i * interval_s);
+  const EvenSamples even(times, interval_s);
+  const std::vector<double> drawn = even.drawn(courses(times));
+  CHECK(largest_error(drawn, interval_s) < 1e-8);
+  CHECK(std::isfinite(drawn[102]));
+  CHECK(std::isnan(drawn[1150]));
+  std::vector<double> sparse = courses(times);
+  for (std::size_t i = 0; i < sparse.size(); ++i)
+    if (i % 5 != 0) sparse[i] = std::nan("");
+  CHECK(largest_error(even.drawn(sparse), interval_s) < 1e-4);  // straight beside the gap
+  CHECK(std::isnan(even.placed(sparse)[1]));
+  CHECK(drawing_error(times, courses(times), interval_s) < 1e-8);
+}
+
+TEST_CASE("a recording is cut at a gap, short ends are left out, and all of it is told") {
+  const Rig rig = test::cylinder_rig();
+  Recording whole = test::simulated_recording(rig, 8.0, 3, test::all_pressures);
+  std::vector<std::string> notes;
+  CHECK(compared_stretches(rig, {whole}, notes).size() == 1);
+  CHECK(notes.empty());
+  const Recording lossy = rows_of(whole, [](std::size_t i) { return i % 31 != 0; });
+  CHECK(compared_stretches(rig, {lossy}, notes).size() == 1);
+  CHECK(notes.empty());
+  const Recording gaps =
+      rows_of(whole, [](std::size_t i) { return !(i > 3000 && i < 3300) && !(i > 7000 && i < 7200); });
+  const std::vector<Recording> parts = compared_stretches(rig, {gaps}, notes);
+  REQUIRE(parts.size() == 2);
+  CHECK(parts[1].t_s().front() == Approx(3.3));
+  CHECK(parts[1].t_s().back() == Approx(7.0));
+  REQUIRE(notes.size() == 2);
+  CHECK_THAT(notes[0], Contains("3 to 3.3 s") && Contains("7 to 7.2 s"));
+  CHECK_THAT(notes[1], Contains("left out"));
+  // A position that is missing while rows go on is a gap too.
+  for (std::size_t i = 2000; i < 2500; ++i) whole.column("x_m")[i] = std::nan("");
+  notes.clear();
+  CHECK(compared_stretches(rig, {whole}, notes).size() == 2);
+  const Recording short_one = rows_of(whole, [](std::size_t i) { return i % 1000 < 900; });
+  CHECK_THROWS_WITH(compared_stretches(rig, {short_one}, notes), Contains("0.9 s") || Contains("0.899 s"));
+}
+
+TEST_CASE("an hour is compared by the minute that moves most") {
+  const Rig rig = test::cylinder_rig();
+  Recording r;
+  r.path = "hour";
+  r.period_s = 0.01;
+  r.names = {"t_s", "x_m", "u_V"};
+  r.values.resize(3);
+  for (int i = 0; i < 360000; ++i) {
+    const double t = 0.01 * i, moving = t > 1000 && t < 1050 ? 1 : 0.01;
+    r.values[0].push_back(t);
+    r.values[1].push_back(0.05 * moving * std::sin(6 * t));
+    r.values[2].push_back(moving * std::cos(6 * t));
+    r.line_numbers.push_back(static_cast<std::size_t>(i));
+  }
+  std::vector<std::string> notes;
+  const std::vector<Recording> parts = compared_stretches(rig, {r}, notes);
+  double seconds = 0, moving_s = 0;
+  for (const Recording& part : parts) {
+    const double length = part.t_s().back() - part.t_s().front();
+    seconds += length;
+    if (part.t_s().front() >= 999 && part.t_s().back() <= 1051) moving_s += length;
+  }
+  CHECK(seconds <= 61);
+  CHECK(moving_s > 39);
+  CHECK_THAT(notes.back(), Contains("3600 s are recorded"));
+}
+
+TEST_CASE("a run at every n-th row simulates what the run at all rows does") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  const Rig rig = test::cylinder_rig(2.0);
+  const double frequency = std::uniform_real_distribution<double>(1, 3)(generator);
+  const auto inputs_at = [&](int every) {
+    ImposedInputs inputs;
+    inputs.period_s = 1e-3 * every;
+    inputs.steps = every;
+    inputs.command_is_held = every == 1;
+    inputs.release = static_cast<std::size_t>(300 / every);
+    for (int i = 0; i < 3000; i += every) {
+      const double phase =
+          2 * 3.14159265 * frequency * 1e-3 * std::max(0, i - 400);  // at rest while ports are followed
+      inputs.command_V.push_back(0.4 * std::sin(phase));
+      inputs.position_m.push_back(-0.05 * std::cos(phase));
+      inputs.velocity_mps.push_back(i < 400 ? 0 : 0.05 * 2 * 3.14159265 * frequency * std::sin(phase));
+      for (std::size_t side = 0; side < 2; ++side) {
+        inputs.start_Pa[side].push_back(5e5);
+        inputs.start_Pa_per_s[side].push_back(0);
+      }
+    }
+    return inputs;
+  };
+  const ImposedRun run{&rig, {}};
+  const ImposedInputs all = inputs_at(1);
+  const GasCourse whole = run_imposed(all, std::span(&run, 1), grid_for(rig, 100, all.step_s()))[0];
+  for (const int every : {2, 4, 10}) {
+    const ImposedInputs thinned = inputs_at(every);
+    const GasCourse course = run_imposed(thinned, std::span(&run, 1), grid_for(rig, 100, thinned.step_s()))[0];
+    double largest = 0;
+    for (std::size_t k = 0; k < course[port_1].size(); ++k)
+      largest = std::max(largest, std::abs(course[port_1][k] - whole[port_1][k * static_cast<std::size_t>(every)]));
+    CAPTURE(every);
+    CHECK(largest < 300);  // of a swing of 100 kPa
+  }
+}

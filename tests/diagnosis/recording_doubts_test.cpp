@@ -1,0 +1,176 @@
+// Doubt before a search: mistakes of units and wiring are named and undone, right recordings are left alone.
+#include <cmath>
+#include <random>
+
+#include <catch2/catch.hpp>
+
+#include "config/input_error.hpp"
+#include "core/test_seed.hpp"
+#include "diagnosis/channel_doubts.hpp"
+#include "diagnosis/recording_doubts.hpp"
+#include "diagnosis/simulated_recording.hpp"
+#include "diagnosis/synthetic_axis.hpp"
+#include "diagnosis/wiring_doubts.hpp"
+
+using namespace pneuservo;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::vector<std::string> ports{"p1_port_Pa", "p2_port_Pa"};
+
+/// A machine near the owner's rig, with a fault of its own.
+Rig drawn_machine(std::mt19937& generator, const Rig& owner) {
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  Rig machine = owner;
+  machine.axis.valve.area_per_volt_m2_per_V *= 1 + 0.04 * uniform(generator);
+  machine.axis.supply.pressure_Pa *= 1 + 0.01 * uniform(generator);
+  machine.axis.effects.valve.valve_dead_band.width_V = 0.01 * (1 + uniform(generator));
+  return machine;
+}
+
+void shift(std::vector<double>& values, double factor, double offset) {
+  for (double& value : values) value = factor * value + offset;
+}
+
+double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+  return largest;
+}
+
+struct Mistake {
+  const char* told;
+  void (*make)(Recording&);
+};
+
+const std::vector<Mistake> mistakes{
+    {"millimetres", [](Recording& r) { shift(r.column("x_m"), 1000, 0); }},
+    {"bar",
+     [](Recording& r) {
+       for (const auto& p : ports) shift(r.column(p), 1e-5, 0);
+     }},
+    {"kPa",
+     [](Recording& r) {
+       for (const auto& p : ports) shift(r.column(p), 1e-3, 0);
+     }},
+    {"gauge",
+     [](Recording& r) {
+       for (const auto& p : ports) shift(r.column(p), 1, -101325);
+     }},
+    {"bar, gauge",
+     [](Recording& r) {
+       for (const auto& p : ports) shift(r.column(p), 1e-5, -1.01325);
+     }},
+    {"neutral in the middle", [](Recording& r) { shift(r.column("u_V"), 1, 5); }},
+    {"u_V has the other sign", [](Recording& r) { shift(r.column("u_V"), -1, 0); }},
+    {"x_m counts the other way", [](Recording& r) { shift(r.column("x_m"), -1, 0); }},
+    {"exchanged", [](Recording& r) { std::swap(r.column("p1_port_Pa"), r.column("p2_port_Pa")); }},
+};
+
+}  // namespace
+
+TEST_CASE("each mistake of units and wiring is named and undone, on drawn machines with a fault of their own") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  for (const double length_m : {2.0, 10.0}) {
+    const Rig owner = test::cylinder_rig(length_m);
+    const Recording right = test::simulated_recording(drawn_machine(generator, owner), 6.0, seed, ports);
+    std::vector<Recording> untouched{right};
+    std::vector<std::string> notes;
+    doubt_recordings(owner, untouched, notes);
+    CAPTURE(length_m, port_misfit(owner, right), notes);
+    CHECK(notes.empty());
+    for (const Mistake& mistake : mistakes) {
+      std::vector<Recording> wrong{right};
+      mistake.make(wrong[0]);
+      notes.clear();
+      CAPTURE(mistake.told);
+      REQUIRE_NOTHROW(doubt_recordings(owner, wrong, notes));
+      CAPTURE(notes);
+      REQUIRE(notes.size() == 1);
+      CHECK_THAT(notes[0], Contains(mistake.told) && Contains("import"));
+      CHECK(largest_difference(wrong[0].column("x_m"), right.column("x_m")) < 1e-9);
+      CHECK(largest_difference(wrong[0].column("u_V"), right.column("u_V")) < 1e-9);
+      CHECK(largest_difference(wrong[0].column("p1_port_Pa"), right.column("p1_port_Pa")) < 1);
+    }
+  }
+}
+
+TEST_CASE("the unit and the zero of a position follow from its range where only one fits") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  Rig rig = test::cylinder_rig();
+  const double stroke_m = std::uniform_real_distribution<double>(0.1, 0.8)(generator);
+  rig.axis.cylinder.stroke_m = stroke_m;
+  const double amplitude_m = std::uniform_real_distribution<double>(0.25, 0.45)(generator) * stroke_m;
+  Recording right;
+  right.names = {"x_m"};
+  right.values.resize(1);
+  for (int i = 0; i < 1000; ++i) right.values[0].push_back(amplitude_m * std::sin(0.05 * i));
+  const auto check = [&](double factor, double offset, const char* told) {
+    Recording r = right;
+    shift(r.column("x_m"), factor, offset);
+    std::vector<std::string> notes;
+    CAPTURE(factor, offset, stroke_m, amplitude_m);
+    REQUIRE_NOTHROW(doubt_position_unit(rig, r, notes));
+    REQUIRE(notes.size() == 1);
+    CHECK_THAT(notes[0], Contains(told));
+    CHECK(largest_difference(r.column("x_m"), right.column("x_m")) < 1e-9);
+  };
+  check(1000, 0, "millimetres");
+  check(1000, 500 * stroke_m, "millimetres, counted from the retracted end");
+  check(1, 0.5 * stroke_m, "counted from the retracted end");
+  check(1e6, 0, "micrometres");
+}
+
+TEST_CASE("what cannot be known is asked for in one sentence with the key") {
+  const Rig rig = test::cylinder_rig();
+  const Recording right = test::simulated_recording(rig, 4.0, 5, ports);
+  std::vector<std::string> notes;
+  const auto refused = [&](auto make, const std::string& what) {
+    std::vector<Recording> wrong{right};
+    make(wrong[0]);
+    CHECK_THROWS_WITH(doubt_recordings(rig, wrong, notes), Contains(what));
+  };
+  refused([](Recording& r) { shift(r.column("x_m"), 1, 0.4); }, "x_m goes from");
+  refused([](Recording& r) { r.column("p2_port_Pa") = r.column("p1_port_Pa"); }, "p2_port_Pa repeats p1_port_Pa");
+}
+
+TEST_CASE("spikes and frozen samples are left out, and told") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  const Rig rig = test::cylinder_rig();
+  const Recording right = test::simulated_recording(rig, 4.0, 7, ports);
+  std::vector<Recording> wrong{right};
+  const std::size_t at = 500 + generator() % 1000;
+  wrong[0].column("p1_port_Pa")[at] = 1e9;
+  wrong[0].column("x_m")[at + 100] = 0.14;
+  std::vector<double>& p2 = wrong[0].column("p2_port_Pa");
+  std::fill(p2.begin() + 2000, p2.begin() + 2400, p2[2000]);
+  std::vector<std::string> notes;
+  doubt_recordings(rig, wrong, notes);
+  CAPTURE(notes);
+  CHECK(std::isnan(wrong[0].column("p1_port_Pa")[at]));
+  CHECK(std::isnan(wrong[0].column("x_m")[at + 100]));
+  CHECK(std::isfinite(wrong[0].column("x_m")[at]));
+  CHECK(std::isnan(p2[2200]));
+  CHECK(std::isfinite(p2[1999]));
+  CHECK(std::isfinite(p2[2401]));
+  CHECK(notes.size() == 3);
+}
+
+TEST_CASE("channels of sensors that the config does not have are left out") {
+  Rig rig = test::cylinder_rig();
+  std::vector<Recording> recordings{test::simulated_recording(rig, 4.0, 7, test::all_pressures)};
+  rig.sensors.chamber_pressure = rig.sensors.supply_pressure = {};
+  std::vector<std::string> notes;
+  doubt_recordings(rig, recordings, notes);
+  CHECK_FALSE(recordings[0].has("p1_chamber_Pa"));
+  CHECK_FALSE(recordings[0].has("p_supply_Pa"));
+  CHECK(recordings[0].has("p1_port_Pa"));
+  CHECK(notes.size() == 3);
+}

@@ -224,6 +224,8 @@ class Runner:
             outcome = self.two_once(config, control, device, tamper, act, act_s, duration_s, verb)
             starved = {"position_missing", "port_pressure_1_missing", "port_pressure_2_missing"} <= set(outcome.faults)
             starved = starved or ("late_tick" in outcome.faults and act is None)
+            # Nobody silences a node where nothing stands between: the machine was too busy for its heartbeat.
+            starved = starved or (not tamper and not act and bool({"node_lost", "node_emergency"} & set(outcome.faults)))
             # A fault before the test did anything, of a run that would have gone well, is the loaded machine's too.
             early = outcome.fault_tick is not None and (
                 (tamper and outcome.fault_tick + outcome.shift < tamper[1] - 3) or (act and not outcome.lived))

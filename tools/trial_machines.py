@@ -352,7 +352,7 @@ def record(program, rig, path, case_seed, length_s, columns, first_s=FIRST_S):
     config = path.with_suffix("").with_suffix(".yaml")
     config.write_text(yaml.safe_dump(rig, sort_keys=False), encoding="utf-8")
     raw = path.with_name("raw.csv.gz")
-    done = subprocess.run([str(program), "run", str(config), "--record", str(raw)], capture_output=True, text=True, check=False)
+    done = subprocess.run([str(program), "run", str(config), "--record", str(raw), "--force"], capture_output=True, text=True, check=False)
     config.unlink()
     if done.returncode != 0:
         raw.unlink(missing_ok=True)

@@ -133,18 +133,21 @@ void CanBackend::set_up_node(const std::string& name, const CanNodeParameters& n
                          {*done.place_of(c.object), c.object.bits()},
                          {c.scale, c.zero, c.is_signed, c.object.bits()},
                          c.lowest,
-                         c.highest});
+                         c.highest,
+                         c.is_readback,
+                         c.tolerance_V});
     }
     const auto length = static_cast<std::uint8_t>((done.bits() + 7) / 8);
     if (pdo.is_output) outputs.push_back({done.id, length, signals});
     else
-      inputs.push_back({done.id, length, node.transmission == CanTransmission::sync,
-                        nanoseconds(oldest_periods * rig_.period_s), signals});
+      inputs.push_back({done.id, static_cast<std::uint8_t>(node.node_id), length,
+                        node.transmission == CanTransmission::sync, nanoseconds(oldest_periods * rig_.period_s),
+                        std::llround(lost_after_heartbeats * node.heartbeat_s / rig_.period_s) + 1, signals});
   }
 }
 
 std::vector<std::uint32_t> CanBackend::process_ids() const {
-  std::vector<std::uint32_t> ids;
+  std::vector<std::uint32_t> ids{cob_sync, cob_heartbeat + rig_.hal->can->node_id};
   for (const CanInputPdo& input : process_.inputs()) ids.push_back(input.id);
   for (const std::uint8_t node : node_numbers_) {
     ids.push_back(cob_heartbeat + node);
@@ -160,24 +163,42 @@ void CanBackend::configure() {
   // An interface that went down stays down for its socket: the way back opens a new one.
   if (opens_) {
     bus_.reset();
+    lock_.reset();
+    lock_ = std::make_unique<BusLock>(can);
     bus_ = open_carrier(can.interface, can.bit_rate_bps, false);
   }
   node_numbers_.clear();
-  std::vector<std::uint32_t> ids;
+  std::vector<std::uint32_t> ids{cob_sync, cob_heartbeat + can.node_id};
   std::vector<CanWatchedNode> watched;
   for (const auto& [name, node] : can.nodes) {
     const auto number = static_cast<std::uint8_t>(node.node_id);
     node_numbers_.push_back(number);
     ids.insert(ids.end(), {cob_sdo_answer + number, cob_heartbeat + number, cob_emergency + number});
-    watched.push_back({name, number, nanoseconds(lost_after_heartbeats * node.heartbeat_s)});
+    const bool has_output = std::any_of(channels_.begin(), channels_.end(),
+                                        [&](const CanChannel& c) { return c.is_output && c.node == name; });
+    watched.push_back({name, number, nanoseconds(lost_after_heartbeats * node.heartbeat_s),
+                       nanoseconds(node.heartbeat_s), has_output});
   }
   bus_->accept_only(ids);
-  process_ = CanProcessImage({}, {}, watched);
+  const auto own = static_cast<std::uint8_t>(can.node_id);
+  process_ = CanProcessImage({}, {}, watched, own);
+  refuse_second_master();
   std::vector<CanInputPdo> inputs;
   std::vector<CanOutputPdo> outputs;
   for (const auto& [name, node] : can.nodes) set_up_node(name, node, inputs, outputs);
-  process_ = CanProcessImage(std::move(inputs), std::move(outputs), std::move(watched));
+  process_ = CanProcessImage(std::move(inputs), std::move(outputs), std::move(watched), own);
   bus_->accept_only(process_ids());
+}
+
+// Before a node is reset: another controller may be moving its axis. It shows within its heartbeat, taken as ours.
+void CanBackend::refuse_second_master() {
+  const double longest_s = std::max(lost_after_heartbeats * rig_.hal->can->heartbeat_s, 2.0 * rig_.period_s);
+  receive_until(nanoseconds(longest_s), [&](const ReceivedFrame&) { return process_.master_frames() > 0; });
+  if (process_.master_frames() > 0)
+    throw std::runtime_error(
+        fmt::format("{}: somebody else sends SYNC or has number {} (hal.can.node_id): end the other "
+                    "master before this axis moves",
+                    bus_->name(), rig_.hal->can->node_id));
 }
 
 void CanBackend::wait_until_operational() {
@@ -196,6 +217,8 @@ void CanBackend::wait_until_operational() {
 // An answer that always comes after the next SYNC would look like a quick one of a wrong age: the bus is quiet now.
 void CanBackend::check_answers() {
   std::int64_t quickest_ns = std::numeric_limits<std::int64_t>::max();
+  int doubled = 0;
+  const CanInputPdo* twice = nullptr;
   for (int probe = 0; probe < probes; ++probe) {
     process_.start(bus_->now_ns());
     if (!send_outputs(safe_commands_V(rig_))) throw std::runtime_error(bus_->name() + ": SYNC could not be sent");
@@ -205,11 +228,19 @@ void CanBackend::check_answers() {
       std::string who;
       for (const CanInputPdo& input : process_.inputs())
         who += fmt::format("{}0x{:03x}", who.empty() ? "" : ", ", input.id);
-      throw std::runtime_error(
-          fmt::format("{}: not every PDO ({}) answered a SYNC once within 1 s", bus_->name(), who));
+      throw std::runtime_error(fmt::format("{}: not every PDO ({}) answered a SYNC within 1 s", bus_->name(), who));
     }
     quickest_ns = std::min(quickest_ns, process_.counts().slowest_answer_ns);
+    // A second device with the same number is as quick as the first.
+    receive_until(period_ns_, [](const ReceivedFrame&) { return false; });
+    if (process_.answered_twice() != nullptr) twice = process_.answered_twice(), ++doubled;
   }
+  // One of three may be a frame that the bus repeated.
+  if (doubled > 1)
+    throw std::runtime_error(
+        fmt::format("{}: PDO 0x{:03x} answers a SYNC more than once: a second device has number {}, "
+                    "or a second master sends SYNC; take it off the bus",
+                    bus_->name(), twice->id, twice->node));
   if (static_cast<double>(quickest_ns) > answer_share * static_cast<double>(period_ns_))
     throw std::runtime_error(fmt::format(
         "{}: the slowest answer to SYNC took {:.0f} us at best, expected at most {:.0f} us "
@@ -228,10 +259,11 @@ void CanBackend::activate() {
   dropped_before_ = bus_->dropped();
   queue_full_ = 0;
   next_heartbeat_tick_ = std::numeric_limits<std::int64_t>::min();
-  cycling_ = false;
+  cycling_ = ended_ = false;
+  safe_output_ = {.has_outputs = process_.outputs() > 0, .is_read_back = process_.outputs_are_read_back()};
 }
 
-bool CanBackend::read(std::int64_t, Measurement& measurement) noexcept {
+bool CanBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
   if (!bus_) return false;
   ReceivedFrame received;
   for (int i = 0; i < most_frames_a_tick && bus_->receive(received); ++i) process_.on_frame(received);
@@ -240,14 +272,22 @@ bool CanBackend::read(std::int64_t, Measurement& measurement) noexcept {
   // Before the first SYNC of the loop there is no sample of a known age; the loop waits for it.
   if (cycling_) process_.take(now_ns, measurement);
   else measurement.device_faults |= process_.faults();
+  if (ended_) follow_safe_output(tick);
   return true;
+}
+
+void CanBackend::follow_safe_output(std::int64_t tick) noexcept {
+  SafeOutput& safe = safe_output_;
+  const bool shown = safe.sent_tick >= 0 && safe.is_read_back && process_.outputs_confirmed();
+  if (shown && safe.confirmed_tick < 0) safe.confirmed_tick = tick;
+  if (process_.all_substituted() && safe.substitute_tick < 0) safe.substitute_tick = tick;
 }
 
 bool CanBackend::send_outputs(const std::array<double, 2>& commands) noexcept {
   bool all = true;
   for (std::size_t i = 0; i < process_.outputs(); ++i)
     all = bus_->send(process_.output(i, commands)) == Sent::sent && all;
-  process_.begin_cycle(bus_->now_ns());
+  process_.begin_cycle(bus_->now_ns(), commands);
   all = bus_->send(sync_frame()) == Sent::sent && all;
   if (!all) ++queue_full_;
   return all;
@@ -257,8 +297,14 @@ bool CanBackend::write(std::int64_t tick, const Command& command) noexcept {
   if (!bus_) return false;
   // Whatever were handed over now would wait in the queue and act when the bus comes back.
   if ((process_.faults() & (device_bus_off | device_link_down)) != 0) return false;
+  process_.let_go(command.ended);
+  ended_ = command.ended;
   const bool all = send_outputs({command.valve_V, command.valve_2_V});
   cycling_ = true;
+  if (ended_) {
+    if (all && safe_output_.sent_tick < 0) safe_output_.sent_tick = tick;
+    return all;
+  }
   if (tick >= next_heartbeat_tick_ && bus_->send(own_heartbeat()) == Sent::sent)
     next_heartbeat_tick_ = tick + heartbeat_ticks_;
   return all;
@@ -274,10 +320,18 @@ void CanBackend::deactivate() noexcept {
   for (const std::uint8_t node : node_numbers_) bus_->send(nmt_frame(NmtCommand::enter_pre_operational, node));
 }
 
+bool CanBackend::emergency_write() noexcept {
+  if (!bus_ || !active_) return true;
+  bool all = send_outputs(safe_commands_V(rig_));
+  for (const std::uint8_t node : node_numbers_)
+    all = bus_->send(nmt_frame(NmtCommand::enter_pre_operational, node)) == Sent::sent && all;
+  return all;
+}
+
 Origins CanBackend::origins() const {
   Origins all;
   for (const CanChannel& channel : channels_)
-    (channel.is_output ? all.command : all.channels[channel.channel]) = Origin::real;
+    if (!channel.is_readback) (channel.is_output ? all.command : all.channels[channel.channel]) = Origin::real;
   return all;
 }
 
@@ -285,11 +339,11 @@ std::vector<std::string> CanBackend::notes() const {
   std::vector<std::string> lines;
   for (const std::string& line : process_.event_lines(start_ns_)) lines.push_back("can: " + line);
   const CanCounts& counts = process_.counts();
-  lines.push_back(
-      fmt::format("can: {} samples, {} missed, {} late, {} out of limits, {} malformed, {} error frames, {} "
-                  "outputs not sent, {} frames dropped, slowest answer {:.0f} us",
-                  counts.answers, counts.missed, counts.late, counts.out_of_limits, counts.malformed,
-                  counts.error_frames, queue_full_, dropped_, static_cast<double>(counts.slowest_answer_ns) * 1e-3));
+  lines.push_back(fmt::format(
+      "can: {} samples, {} missed, {} late, {} out of limits, {} malformed, {} error frames, {} "
+      "outputs not sent, {} frames dropped, slowest answer {:.0f} us, {} foreign frames",
+      counts.answers, counts.missed, counts.late, counts.out_of_limits, counts.malformed, counts.error_frames,
+      queue_full_, dropped_, static_cast<double>(counts.slowest_answer_ns) * 1e-3, counts.foreign));
   return lines;
 }
 

@@ -9,6 +9,7 @@
 #include <pneuservo/hal/backend.hpp>
 #include <pneuservo/rig/rig.hpp>
 
+#include "can/bus_lock.hpp"
 #include "can/eds.hpp"
 #include "can/frame.hpp"
 #include "can/node_setup.hpp"
@@ -18,6 +19,10 @@
 
 namespace pneuservo {
 
+/// A fault or the end withholds our heartbeat while the safe output and SYNC go on: the watchdog of a device that no
+/// longer takes PDOs then closes the valve, and the sensors still tell what the axis does. NMT stop would go the way
+/// that may be cut, and would end the sensors' answers.
+///
 /// One cycle: read() takes what came since the last SYNC; write() sends the outputs, then SYNC, at which the devices
 /// let them act and sample their inputs. The inputs of a tick are therefore one period old, neither more nor less; one
 /// that is not there in time is invalid. A frame that the queue has no room for is a missed output and is never sent
@@ -35,7 +40,10 @@ class CanBackend final : public Backend {
   bool read(std::int64_t tick, Measurement& measurement) noexcept override;
   bool write(std::int64_t tick, const Command& command) noexcept override;
   void deactivate() noexcept override;
+  /// Outputs, SYNC, and the nodes to pre-operational, so that their substitute output holds whatever comes after.
+  bool emergency_write() noexcept override;
   Origins origins() const override;
+  SafeOutput safe_output() const override { return safe_output_; }
   std::vector<std::string> notes() const override;
   std::string name() const override { return "can"; }
 
@@ -51,7 +59,9 @@ class CanBackend final : public Backend {
   void set_up_node(const std::string& name, const CanNodeParameters& node, std::vector<CanInputPdo>& inputs,
                    std::vector<CanOutputPdo>& outputs);
   void wait_until_operational();
+  void refuse_second_master();
   void check_answers();
+  void follow_safe_output(std::int64_t tick) noexcept;
   bool send_outputs(const std::array<double, 2>& commands) noexcept;
   void keep_alive(std::int64_t now_ns);
   CanFrame own_heartbeat() const noexcept;
@@ -65,10 +75,12 @@ class CanBackend final : public Backend {
   std::map<std::string, EdsFile> eds_;
   CanProcessImage process_;
   std::vector<std::uint8_t> node_numbers_;
+  std::unique_ptr<BusLock> lock_;
+  SafeOutput safe_output_;
   std::int64_t period_ns_, heartbeat_ticks_, next_heartbeat_tick_ = 0, start_ns_ = 0,
                                              next_alive_ns_ = std::numeric_limits<std::int64_t>::max();
   std::uint64_t queue_full_ = 0, dropped_ = 0, dropped_before_ = 0;
-  bool active_ = false, cycling_ = false;
+  bool active_ = false, cycling_ = false, ended_ = false;
 };
 
 }  // namespace pneuservo

@@ -42,6 +42,8 @@ struct Emergency {
   std::uint16_t code = 0;
   std::uint8_t error_register = 0;
 };
+/// A node's emergency when a heartbeat that it watches (0x1016) is missing.
+inline constexpr std::uint16_t emergency_heartbeat_lost = 0x8130;
 /// What an emergency code's class means (CiA 301, table of error code classes).
 std::string_view emergency_class_word(std::uint16_t code);
 

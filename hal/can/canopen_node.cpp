@@ -12,9 +12,7 @@ constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
 constexpr std::int64_t millisecond_ns = 1'000'000;
 constexpr std::uint16_t receive_parameters = 0x1400, receive_mapping = 0x1600, transmit_parameters = 0x1800,
                         transmit_mapping = 0x1A00, consumer_heartbeat = 0x1016, producer_heartbeat = 0x1017,
-                        error_behaviour = 0x1029, analog_output = 0x6411, output_error_mode = 0x6443,
-                        output_error_value = 0x6444;
-constexpr std::uint16_t emergency_heartbeat_lost = 0x8130;
+                        error_behaviour = 0x1029;
 constexpr std::uint8_t register_generic = 0x01, register_communication = 0x10;
 
 bool in_range_of(std::uint16_t index, std::uint16_t first) { return index >= first && index < first + 4; }
@@ -64,6 +62,15 @@ void CanopenNode::map(bool transmit, std::uint32_t pdo, const std::vector<CanObj
   dictionary_.set_number(mapping, 0, static_cast<std::uint32_t>(objects.size()));
   for (std::size_t i = 0; i < objects.size(); ++i)
     dictionary_.set_number(mapping, static_cast<std::uint8_t>(i + 1), objects[i].word);
+}
+
+void CanopenNode::add_output(CanObject output, const std::optional<CanSubstitute>& substitute) {
+  dictionary_.add(output.index(), output.sub(), {.bits = output.bits(), .can_write = true, .can_map = true});
+  if (!substitute) return;
+  // A mode of 0: keep the last value.
+  for (const CanObject& object : {substitute->mode, substitute->value})
+    if (object.word != 0) dictionary_.add_number(object.index(), object.sub(), object.bits(), 0, true);
+  substitutes_.emplace_back(output, *substitute);
 }
 
 void CanopenNode::power_on(std::int64_t now_ns, std::vector<CanFrame>& out) { reset(now_ns, out); }
@@ -191,7 +198,7 @@ void CanopenNode::on_frame(const CanFrame& frame, std::int64_t now_ns, std::vect
     if (const auto answer = server_.answer(frame)) out.push_back(*answer);
     return;
   }
-  if (state_ != NmtState::operational) return;
+  if (state_ != NmtState::operational || is_deaf) return;
   for (Pdo& pdo : receive_) {
     if (!pdo.enabled || pdo.id != frame.id) continue;
     if (frame.length * 8u < pdo.bits) {
@@ -241,10 +248,12 @@ void CanopenNode::lose_master(std::int64_t, std::vector<CanFrame>& out) {
 }
 
 void CanopenNode::substitute_outputs() {
-  dictionary_.each([&](std::uint16_t index, std::uint8_t sub, DictionaryEntry& entry) {
-    if (index != analog_output || sub == 0 || dictionary_.number(output_error_mode, sub) != 1) return;
-    entry.value = dictionary_.number(output_error_value, sub) & static_cast<std::uint32_t>(low_bits(entry.bits));
-  });
+  for (const auto& [output, substitute] : substitutes_) {
+    const auto number = [&](CanObject object) { return dictionary_.number(object.index(), object.sub()); };
+    if (substitute.mode.word != 0 && number(substitute.mode) != substitute.mode_value) continue;
+    const std::uint32_t value = number(substitute.value) & static_cast<std::uint32_t>(low_bits(output.bits()));
+    dictionary_.set_number(output.index(), output.sub(), value);
+  }
 }
 
 void CanopenNode::on_time(std::int64_t now_ns, std::vector<CanFrame>& out) {

@@ -5,7 +5,11 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
+#include <utility>
 #include <vector>
+
+#include <pneuservo/rig/hal_parameters.hpp>
 
 #include "can/object_dictionary.hpp"
 #include "can/process_data.hpp"
@@ -31,6 +35,9 @@ class CanopenNode {
   /// Mapping that the device has of its own; PDO 1 to 4.
   void map(bool transmit, std::uint32_t pdo, const std::vector<CanObject>& objects, std::uint8_t type);
 
+  /// An output, and what it gets without master; none: it keeps its last value.
+  void add_output(CanObject output, const std::optional<CanSubstitute>& substitute);
+
   /// Powered on: boot-up message, pre-operational.
   void power_on(std::int64_t now_ns, std::vector<CanFrame>& out);
   /// Any frame of the bus except SYNC, which the two calls below take.
@@ -48,10 +55,11 @@ class CanopenNode {
   NmtState state() const noexcept { return state_; }
   std::uint8_t node() const noexcept { return identity_.node; }
   const std::string& name() const noexcept { return identity_.name; }
-  /// The outputs are those of 0x6444 because the master was lost.
+  /// The outputs are the substitutes because the master was lost.
   bool is_substituted() const noexcept { return substituted_; }
 
   bool heartbeat_muted = false;  ///< fault on command: no heartbeat
+  bool is_deaf = false;  ///< fault on command: no process data come in
 
  private:
   struct Pdo {
@@ -89,6 +97,7 @@ class CanopenNode {
   ObjectDictionary dictionary_;
   SdoServer server_;
   NmtState state_ = NmtState::boot_up;
+  std::vector<std::pair<CanObject, CanSubstitute>> substitutes_;
   std::array<Pdo, 4> receive_{}, transmit_{};
   Watch watch_;
   std::int64_t next_heartbeat_ns_ = 0, now_ns_ = 0;

@@ -36,7 +36,8 @@ class CanCarrier {
  public:
   virtual ~CanCarrier() = default;
 
-  /// Only data frames of these 11-bit identifiers shall be received; error frames always are. Cold.
+  /// Only data frames of these 11-bit identifiers need be received; error frames always are. A carrier without a filter
+  /// gives all: who receives counts them, and stops after so many. Cold.
   virtual void accept_only(const std::vector<std::uint32_t>& ids) = 0;
   /// Waits until a frame can be received or the time is over. Cold.
   virtual void wait(std::int64_t timeout_ns) = 0;

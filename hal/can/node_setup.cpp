@@ -13,8 +13,7 @@ namespace pneuservo {
 namespace {
 
 constexpr std::uint32_t pdo_off = 0x80000000u;
-constexpr std::uint16_t analog_output = 0x6411, output_error_mode = 0x6443, output_error_value = 0x6444,
-                        input_interrupts = 0x6423;
+constexpr std::uint16_t input_interrupts = 0x6423;
 constexpr std::uint8_t on_every_sync = 1, on_event = 254;
 
 std::uint16_t parameters_of(bool is_output, std::uint32_t pdo) {
@@ -24,6 +23,14 @@ std::uint16_t parameters_of(bool is_output, std::uint32_t pdo) {
 std::uint32_t milliseconds(double time_s) { return static_cast<std::uint32_t>(std::ceil(time_s * 1e3 - 1e-9)); }
 
 }  // namespace
+
+// After a fault our heartbeat stops: nodes with outputs give their substitute, a sensor that only answers SYNC goes on
+// and shows what the axis does. One that sends by its own timer would never stop.
+bool watches_us(const NodeSetup& setup) {
+  const bool has_output = std::any_of(setup.channels.begin(), setup.channels.end(),
+                                      [&](const CanChannel& c) { return c.is_output && c.node == setup.name; });
+  return has_output || setup.rig.hal->can->nodes.at(setup.name).transmission == CanTransmission::event;
+}
 
 std::optional<unsigned> SetUpPdo::place_of(CanObject object) const noexcept {
   unsigned offset = 0;
@@ -60,7 +67,7 @@ void NodeConfigurator::write_dcf() {
 void NodeConfigurator::write_parameters() {
   check_profile();
   write_dcf();
-  sdo_.write_checked(0x1016, 1, bus_.node_id << 16 | milliseconds(bus_.watchdog_s));
+  sdo_.write_checked(0x1016, 1, bus_.node_id << 16 | (watches_us(setup_) ? milliseconds(bus_.watchdog_s) : 0));
   sdo_.write_checked(0x1017, 0, milliseconds(node_.heartbeat_s));
   // 1 would let it go on in operational when we are gone.
   if (const auto behaviour = sdo_.find_number(0x1029, 1); behaviour && *behaviour == 1)
@@ -71,13 +78,18 @@ void NodeConfigurator::write_parameters() {
 
 // Without it the valve would keep its last command when we die: some devices' default is just that.
 void NodeConfigurator::write_substitute(const CanChannel& output) {
-  if (output.object.index() != analog_output) return;
+  if (!output.substitute)
+    throw std::runtime_error(fmt::format("node {} ({}): hal.channels.{}.can.substitute: found nothing for object "
+                                         "0x{:08x}, expected the device's objects for the output without master",
+                                         setup_.name, node_.node_id, output.name, output.object.word));
+  const CanSubstitute& substitute = *output.substitute;
   const CountScale counts{output.scale, output.zero, output.is_signed, output.object.bits()};
   const std::uint64_t raw = counts.raw_of(safe_commands_V(setup_.rig)[output.channel]);
   const std::int64_t value =
       output.is_signed ? sign_extended(raw, output.object.bits()) : static_cast<std::int64_t>(raw);
-  sdo_.write_checked(output_error_mode, output.object.sub(), 1);
-  sdo_.write_checked(output_error_value, output.object.sub(), static_cast<std::uint32_t>(value));
+  sdo_.write_checked(substitute.value.index(), substitute.value.sub(), static_cast<std::uint32_t>(value));
+  if (substitute.mode.word != 0)
+    sdo_.write_checked(substitute.mode.index(), substitute.mode.sub(), substitute.mode_value);
 }
 
 void NodeConfigurator::write_mapping(std::uint16_t mapping, const std::vector<CanObject>& objects) {

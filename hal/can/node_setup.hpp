@@ -28,6 +28,9 @@ struct NodeSetup {
   const EdsFile* eds = nullptr;  ///< of the device, where the config names one
 };
 
+/// The node watches our heartbeat.
+bool watches_us(const NodeSetup& setup);
+
 /// All that SDO does before the loop runs; what is written is read back. Throws SdoError or std::runtime_error with one
 /// sentence.
 class NodeConfigurator {

@@ -5,12 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include <pneuservo/record/ring.hpp>
+
 #include "config/input_error.hpp"
 
 namespace pneuservo {
 namespace {
 
-constexpr std::uint16_t analog_output = 0x6411, output_error_mode = 0x6443, output_error_value = 0x6444;
 constexpr std::uint32_t profile_analog = 401, profile_encoder = 406;
 constexpr double usual_emergency = 0x5000;  // device hardware
 
@@ -28,7 +29,7 @@ std::array<double, 6> highest_counts(const Rig& rig) {
   std::array<double, 6> values{};
   if (!rig.hal) return values;
   for (const CanChannel& c : can_channels(*rig.hal))
-    if (!c.is_output) values[c.channel] = std::copysign(1e300, c.scale);
+    if (!c.is_output && !c.is_readback) values[c.channel] = std::copysign(1e300, c.scale);
   return values;
 }
 
@@ -51,13 +52,10 @@ void PlantDevice::build_nodes() {
         NodeIdentity{static_cast<std::uint8_t>(parameters.node_id), device_type_of(parameters, channels_, name), name});
     for (const CanChannel& c : channels_) {
       if (c.node != name) continue;
-      ObjectDictionary& dictionary = node->dictionary();
-      dictionary.add(c.object.index(), c.object.sub(),
-                     {.bits = c.object.bits(), .can_write = c.is_output, .can_map = true});
-      if (c.is_output && c.object.index() == analog_output) {
-        dictionary.add_number(output_error_mode, c.object.sub(), 8, 0, true);  // 0: keep the last value
-        dictionary.add_number(output_error_value, c.object.sub(), 32, 0, true);
-      }
+      if (c.is_output) node->add_output(c.object, c.substitute);
+      else if (node->dictionary().find(c.object.index(), c.object.sub()) == nullptr)
+        node->dictionary().add(c.object.index(), c.object.sub(),
+                               {.bits = c.object.bits(), .can_write = false, .can_map = true});
       signals_.push_back({c, node.get(), {c.scale, c.zero, c.is_signed, c.object.bits()}});
     }
     nodes_.push_back(std::move(node));
@@ -91,8 +89,10 @@ bool PlantDevice::is_off(const CanopenNode& node) const { return is_active(Injec
 void PlantDevice::on_frame(const ReceivedFrame& received, std::vector<CanFrame>& out) {
   now_ns_ = received.received_ns;
   if (is_sync(received.frame)) return on_sync(received, out);
-  for (auto& node : nodes_)
+  for (auto& node : nodes_) {
+    node->is_deaf = is_active(InjectedKind::deaf, node->name());
     if (!is_off(*node)) node->on_frame(received.frame, received.received_ns, out);
+  }
 }
 
 void PlantDevice::on_sync(const ReceivedFrame& received, std::vector<CanFrame>& out) {
@@ -118,6 +118,7 @@ void PlantDevice::answer(CanopenNode& node, std::vector<CanFrame>& out) {
   if (is_active(InjectedKind::drop, node.name())) return;
   auto& where = is_active(InjectedKind::late, node.name()) ? held_back_ : out;
   where.insert(where.end(), answers.begin(), answers.end());
+  if (is_active(InjectedKind::doubled, node.name())) where.insert(where.end(), answers.begin(), answers.end());
 }
 
 void PlantDevice::take_command() {
@@ -127,17 +128,56 @@ void PlantDevice::take_command() {
         signal.node->dictionary().number(signal.channel.object.index(), signal.channel.object.sub());
     commands_V_[signal.channel.channel] = is_off(*signal.node) ? 0.0 : signal.counts.value_of(raw);  // no supply
   }
+  for (const Signal& signal : signals_)  // what an output is, in an object of its own or in the output's
+    if (signal.channel.is_readback)
+      signal.node->dictionary().set_number(
+          signal.channel.object.index(), signal.channel.object.sub(),
+          static_cast<std::uint32_t>(signal.counts.raw_of(commands_V_[signal.channel.channel])));
   plant_.write(tick_, plant_faults_.command(time_s(), {commands_V_[0], commands_V_[1]}));
+  record();
+}
+
+std::vector<std::string> PlantDevice::recorded_columns(const Rig& rig) {
+  std::vector<std::string> columns{"t_s",
+                                   "x_m",
+                                   "v_mps",
+                                   "p1_port_Pa",
+                                   "p2_port_Pa",
+                                   "p_supply_Pa",
+                                   "x_true_m",
+                                   "p1_chamber_true_Pa",
+                                   "p2_chamber_true_Pa"};
+  if (rig.kind == RigKind::servo_table) columns.insert(columns.end(), {"u1_V", "u2_V"});
+  else columns.emplace_back("u_V");
+  return columns;
+}
+
+// A row that finds no room is lost; the writer counts it.
+void PlantDevice::record() noexcept {
+  if (ring_ == nullptr) return;
+  Row row;
+  row.t_s = time_s();
+  row.x_m = measured_.position_m.value;
+  row.v_mps = plant_.speed_mps();
+  row.u_V = row.u1_V = commands_V_[0];
+  row.u2_V = commands_V_[1];
+  row.p1_port_Pa = measured_.port_pressure_1_Pa.value;
+  row.p2_port_Pa = measured_.port_pressure_2_Pa.value;
+  row.p_supply_Pa = measured_.supply_pressure_Pa.value;
+  const Truth truth = plant_.truth();
+  row.x_true_m = truth.position_m;
+  row.p1_chamber_true_Pa = truth.chamber_pressure_1_Pa;
+  row.p2_chamber_true_Pa = truth.chamber_pressure_2_Pa;
+  ring_->push(row);
 }
 
 void PlantDevice::sample_inputs() {
-  Measurement measured;
-  plant_.read(tick_, measured);
+  plant_.read(tick_, measured_);
   plant_faults_.apply(time_s(), plant_);
-  sample_faults_.apply(tick_, time_s(), measured);
-  const auto channels = channels_of(measured);
+  sample_faults_.apply(tick_, time_s(), measured_);
+  const auto channels = channels_of(measured_);
   for (const Signal& signal : signals_) {
-    if (signal.channel.is_output) continue;
+    if (signal.channel.is_output || signal.channel.is_readback) continue;
     const double value = channels[signal.channel.channel]->value;
     const auto raw = static_cast<std::uint32_t>(signal.counts.raw_of(value));
     signal.node->dictionary().set_number(signal.channel.object.index(), signal.channel.object.sub(), raw);
@@ -197,6 +237,8 @@ void PlantDevice::begin(const InjectedFault& order, std::vector<CanFrame>& out) 
     if (node->name() != order.target) continue;
     const double code = order.value.value_or(usual_emergency);
     if (order.kind == InjectedKind::emergency) node->raise_emergency(static_cast<std::uint16_t>(code), 0x01, out);
+    if (order.kind == InjectedKind::pre_operational)
+      node->on_frame(nmt_frame(NmtCommand::enter_pre_operational, node->node()), now_ns_, out);
     if (order.kind == InjectedKind::reboot) node->power_on(now_ns_, out);
   }
 }

@@ -17,6 +17,8 @@
 
 namespace pneuservo {
 
+class RecordingRing;
+
 /// Every SYNC moves the plant of the backend `sim` on by the whole periods since the last one (at least one), applies
 /// the outputs that waited for it, samples the sensors and answers. When SYNC falls silent the plant goes on by the
 /// clock it is given. Only channels that stand on CAN are served.
@@ -42,6 +44,10 @@ class PlantDevice {
   /// Command that the (first) valve has now [V].
   double command_V() const noexcept { return commands_V_[0]; }
   Truth truth() const noexcept { return plant_.truth(); }
+  /// Every row of the plant goes there: its true state and the commands that its valves have; null: nowhere.
+  void record_into(RecordingRing* ring) noexcept { ring_ = ring; }
+  /// Columns of these rows.
+  static std::vector<std::string> recorded_columns(const Rig& rig);
 
  private:
   struct Signal {
@@ -58,6 +64,7 @@ class PlantDevice {
   void on_sync(const ReceivedFrame& received, std::vector<CanFrame>& out);
   void take_command();
   void sample_inputs();
+  void record() noexcept;
   void begin_orders(std::vector<CanFrame>& out);
   void begin(const InjectedFault& order, std::vector<CanFrame>& out);
   bool is_active(InjectedKind kind, const std::string& target) const;
@@ -76,6 +83,8 @@ class PlantDevice {
   std::int64_t period_ns_, last_step_ns_ = 0, now_ns_ = 0;
   std::int64_t tick_ = 0, syncs_ = 0;
   std::array<double, 2> commands_V_{};
+  Measurement measured_;
+  RecordingRing* ring_ = nullptr;
 };
 
 }  // namespace pneuservo

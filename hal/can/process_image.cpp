@@ -2,28 +2,56 @@
 #include "can/process_image.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
 namespace pneuservo {
 
 CanProcessImage::CanProcessImage(std::vector<CanInputPdo> inputs, std::vector<CanOutputPdo> outputs,
-                                 std::vector<CanWatchedNode> nodes)
+                                 std::vector<CanWatchedNode> nodes, std::uint8_t own_node)
     : inputs_(std::move(inputs)), outputs_(std::move(outputs)), nodes_(std::move(nodes)), samples_(inputs_.size()),
-      watches_(nodes_.size()) {}
+      watches_(nodes_.size()), own_node_(own_node) {}
 
 void CanProcessImage::start(std::int64_t now_ns) noexcept {
   for (Sample& sample : samples_) sample = {};
-  for (Watch& watch : watches_) watch = {now_ns, false};
+  for (Watch& watch : watches_) watch = {.seen_ns = now_ns};
   sync_ns_ = now_ns;
   faults_ = 0;
   counts_ = {};
   event_count_ = 0;
+  sent_ = {};
+  master_balance_ = {};
+  master_frames_ = master_frames_before_ = 0;
+  in_cycle_ = let_go_ = confirmed_ = false;
 }
 
-void CanProcessImage::begin_cycle(std::int64_t now_ns) noexcept {
+void CanProcessImage::begin_cycle(std::int64_t now_ns, const std::array<double, 2>& commands) noexcept {
+  if (in_cycle_) close_answers(now_ns);
+  in_cycle_ = true;
   sync_ns_ = now_ns;
-  for (Sample& sample : samples_) sample.answers = 0;
+  for (Sample& sample : samples_) sample.answers = sample.arrivals = 0;
+  for (std::size_t i = 0; i < sent_.size(); ++i) {
+    sent_[i].before = sent_[i].now;
+    sent_[i].now = commands[i];
+  }
+}
+
+// A second device with a node's number, or a second master whose SYNC is answered too.
+void CanProcessImage::close_answers(std::int64_t now_ns) noexcept {
+  for (std::size_t i = 0; i < inputs_.size(); ++i) {
+    if (!inputs_[i].on_sync) continue;
+    const bool doubled = samples_[i].balance.end_cycle(samples_[i].arrivals, inputs_[i].most_owed);
+    if (!doubled || (faults_ & device_double_answer) != 0) continue;
+    faults_ |= device_double_answer;
+    note(CanEvent::Kind::double_answer, inputs_[i].node, inputs_[i].id, now_ns);
+  }
+  // Of these none is expected: the cycle's own frame is what the balance takes off.
+  const auto others = static_cast<std::uint32_t>(master_frames_ - master_frames_before_);
+  master_frames_before_ = master_frames_;
+  if (!master_balance_.end_cycle(others + 1, 0) || (faults_ & device_double_answer) != 0) return;
+  faults_ |= device_double_answer;
+  note(CanEvent::Kind::second_master, 0, 0, now_ns);
 }
 
 int CanProcessImage::watched(std::uint8_t node) const noexcept {
@@ -42,6 +70,10 @@ void CanProcessImage::on_frame(const ReceivedFrame& received) noexcept {
   if (is_plain(frame)) {
     for (std::size_t i = 0; i < inputs_.size(); ++i)
       if (inputs_[i].id == frame.id) return on_process_data(i, received);
+    if (is_sync(frame) || (own_node_ != 0 && frame.id == cob_heartbeat + own_node_)) {
+      ++master_frames_;
+      return;
+    }
     if (const auto heartbeat = parse_heartbeat(frame)) return on_heartbeat(*heartbeat, received.received_ns);
     if (const auto emergency = parse_emergency(frame)) return on_emergency(*emergency, received.received_ns);
   }
@@ -73,12 +105,13 @@ void CanProcessImage::on_process_data(std::size_t input, const ReceivedFrame& re
     ++counts_.malformed;
     return;
   }
+  ++sample.arrivals;
   if (pdo.on_sync) {
     if (received.received_ns < sync_ns_) {  // the answer to an earlier SYNC, older than a period
       ++counts_.late;
       return;
     }
-    if (++sample.answers > 1) ++counts_.late;  // the first of the two was of an earlier cycle: the latest one counts
+    if (++sample.answers > 1) ++counts_.late;  // where one node answers, the first was of an earlier cycle
     counts_.slowest_answer_ns = std::max(counts_.slowest_answer_ns, received.received_ns - sync_ns_);
   }
   sample.image = image_of(received.frame.data);
@@ -94,24 +127,46 @@ void CanProcessImage::on_heartbeat(const Heartbeat& heartbeat, std::int64_t at_n
   }
   Watch& watch = watches_[static_cast<std::size_t>(i)];
   watch.seen_ns = std::max(watch.seen_ns, at_ns);
+  count_heartbeat(static_cast<std::size_t>(i), at_ns);
   if (heartbeat.state == NmtState::operational || watch.lost) return;
   watch.lost = true;
-  faults_ |= device_node_lost;
+  // A node that watches our heartbeat leaves that state when we withhold it.
+  const bool is_wanted =
+      let_go_ && heartbeat.state != NmtState::boot_up && nodes_[static_cast<std::size_t>(i)].has_output;
+  if (!is_wanted) faults_ |= device_node_lost;
   note(CanEvent::Kind::left_operational, heartbeat.node, static_cast<std::uint32_t>(heartbeat.state), at_ns);
 }
 
+// Two devices with one number send twice as many heartbeats: found also where their inputs come by their own timer.
+void CanProcessImage::count_heartbeat(std::size_t node, std::int64_t at_ns) noexcept {
+  Watch& watch = watches_[node];
+  const CanWatchedNode& known = nodes_[node];
+  const std::int64_t since_ns = at_ns - watch.beat_ns;
+  const bool is_first = watch.beat_ns == 0 || known.heartbeat_ns == 0;
+  watch.beat_ns = at_ns;
+  if (is_first) return;
+  const double period_ns = static_cast<double>(known.heartbeat_ns);
+  const double due = static_cast<double>(since_ns) / period_ns,
+               most_owed = static_cast<double>(known.silence_ns) / period_ns;
+  if (!watch.balance.add(1.0, due, most_owed) || (faults_ & device_double_answer) != 0) return;
+  faults_ |= device_double_answer;
+  note(CanEvent::Kind::double_answer, known.node, cob_heartbeat + known.node, at_ns);
+}
+
 void CanProcessImage::on_emergency(const Emergency& emergency, std::int64_t at_ns) noexcept {
-  if (watched(emergency.node) < 0) {
+  const int node = watched(emergency.node);
+  if (node < 0) {
     ++counts_.foreign;
     return;
   }
+  if (let_go_ && emergency.code == emergency_heartbeat_lost) return on_our_absence(node, at_ns);
   const bool gone = (emergency.code >> 8) == 0;
   note(gone ? CanEvent::Kind::emergency_gone : CanEvent::Kind::emergency, emergency.node,
        static_cast<std::uint32_t>(emergency.code) << 8 | emergency.error_register, at_ns);
   if (!gone) faults_ |= device_emergency;
 }
 
-void CanProcessImage::take(std::int64_t now_ns, Measurement& measurement) noexcept {
+void CanProcessImage::look_for_silence(std::int64_t now_ns) noexcept {
   for (std::size_t i = 0; i < watches_.size(); ++i) {
     Watch& watch = watches_[i];
     if (watch.lost || now_ns - watch.seen_ns <= nodes_[i].silence_ns) continue;
@@ -119,6 +174,11 @@ void CanProcessImage::take(std::int64_t now_ns, Measurement& measurement) noexce
     faults_ |= device_node_lost;
     note(CanEvent::Kind::silent, nodes_[i].node, 0, now_ns);
   }
+}
+
+void CanProcessImage::take(std::int64_t now_ns, Measurement& measurement) noexcept {
+  look_for_silence(now_ns);
+  confirmed_ = true;
   const auto channels = channels_of(measurement);
   const bool bus_works = (faults_ & (device_bus_off | device_link_down)) == 0;
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
@@ -132,6 +192,10 @@ void CanProcessImage::take(std::int64_t now_ns, Measurement& measurement) noexce
     else ++counts_.missed;
     for (const CanSignal& signal : pdo.signals) {
       const double value = signal.counts.value_of(extract(sample.image, signal.place));
+      if (signal.is_readback) {
+        if (bus_works) check_output(signal, value, fresh, pdo.node, now_ns);
+        continue;
+      }
       const bool within = value >= signal.lowest && value <= signal.highest;
       if (fresh && !within) ++counts_.out_of_limits;
       *channels[signal.channel] = {value, static_cast<double>(now_ns - sampled_ns) * 1e-9, fresh && within && bus_works,
@@ -139,6 +203,47 @@ void CanProcessImage::take(std::int64_t now_ns, Measurement& measurement) noexce
     }
   }
   measurement.device_faults |= faults_;
+}
+
+// A device shows the command of this SYNC or of the one before; between both it may be on its way.
+void CanProcessImage::check_output(const CanSignal& signal, double value, bool fresh, std::uint8_t node,
+                                   std::int64_t now_ns) noexcept {
+  Sent& sent = sent_[signal.channel];
+  const auto held = [&](double command) {
+    return std::clamp(command == command ? command : 0.0, signal.lowest, signal.highest);
+  };
+  const auto [low, high] = std::minmax({held(sent.now), held(sent.before)});
+  const bool shown = fresh && value >= low - signal.tolerance && value <= high + signal.tolerance;
+  confirmed_ = confirmed_ && fresh && std::fabs(value - held(sent.now)) <= signal.tolerance;
+  // Where the device's watchdog was let act, no answer is its consequence.
+  if (shown || (let_go_ && !fresh)) sent.unconfirmed = 0;
+  else ++sent.unconfirmed;
+  if (sent.unconfirmed <= most_unconfirmed || (faults_ & device_output_unconfirmed) != 0) return;
+  faults_ |= device_output_unconfirmed;
+  note(CanEvent::Kind::not_read_back, node, 0, now_ns);
+}
+
+bool CanProcessImage::outputs_are_read_back() const noexcept {
+  std::array<int, 2> outputs{}, shown{};
+  for (const CanOutputPdo& pdo : outputs_)
+    for (const CanSignal& signal : pdo.signals) ++outputs[signal.channel];
+  for (const CanInputPdo& pdo : inputs_)
+    for (const CanSignal& signal : pdo.signals)
+      if (signal.is_readback) ++shown[signal.channel];
+  return outputs == shown;
+}
+
+bool CanProcessImage::all_substituted() const noexcept {
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    if (nodes_[i].has_output && !watches_[i].substituted) return false;
+  return true;
+}
+
+void CanProcessImage::on_our_absence(int node, std::int64_t at_ns) noexcept {
+  Watch& watch = watches_[static_cast<std::size_t>(node)];
+  if (watch.substituted) return;
+  watch.substituted = true;
+  note(CanEvent::Kind::substituted, nodes_[static_cast<std::size_t>(node)].node, 0, at_ns);
 }
 
 CanFrame CanProcessImage::output(std::size_t i, const std::array<double, 2>& commands) const noexcept {
@@ -156,8 +261,14 @@ CanFrame CanProcessImage::output(std::size_t i, const std::array<double, 2>& com
 
 bool CanProcessImage::all_answered() const noexcept {
   for (std::size_t i = 0; i < inputs_.size(); ++i)
-    if (inputs_[i].on_sync ? samples_[i].answers != 1 : !samples_[i].ever) return false;
+    if (inputs_[i].on_sync ? samples_[i].answers < 1 : !samples_[i].ever) return false;
   return true;
+}
+
+const CanInputPdo* CanProcessImage::answered_twice() const noexcept {
+  for (std::size_t i = 0; i < inputs_.size(); ++i)
+    if (inputs_[i].on_sync && samples_[i].answers > 1) return &inputs_[i];
+  return nullptr;
 }
 
 const char* CanProcessImage::name_of(std::uint8_t node) const noexcept {
@@ -183,6 +294,15 @@ std::vector<std::string> CanProcessImage::event_lines(std::int64_t start_ns) con
         what = fmt::format("{}: emergency 0x{:04x} ({}), error register 0x{:02x}", node, event.detail >> 8,
                            emergency_class_word(static_cast<std::uint16_t>(event.detail >> 8)), event.detail & 0xFF);
         break;
+      case CanEvent::Kind::double_answer:
+        what =
+            fmt::format("{}: frame 0x{:03x} came more often than it may: a second device has its number, or a second "
+                        "master sends SYNC",
+                        node, event.detail);
+        break;
+      case CanEvent::Kind::second_master: what = "somebody else sends SYNC or has this program's number"; break;
+      case CanEvent::Kind::not_read_back: what = node + ": shows another output than the one that was sent"; break;
+      case CanEvent::Kind::substituted: what = node + ": misses our heartbeat and gives its substitute output"; break;
       case CanEvent::Kind::emergency_gone: what = node + ": emergency is over"; break;
     }
     lines.push_back(fmt::format("t = {:.4f} s: {}", static_cast<double>(event.at_ns - start_ns) * 1e-9, what));

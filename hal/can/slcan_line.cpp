@@ -1,7 +1,6 @@
 // A serial line with a LAWICEL adapter behind it.
 #include "can/slcan_line.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cmath>
@@ -9,6 +8,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -16,6 +16,7 @@
 
 #include "can/canopen.hpp"
 #include "can/socket_frames.hpp"
+#include "device_lock.hpp"
 
 namespace pneuservo {
 namespace {
@@ -47,6 +48,8 @@ SlcanLine::SlcanLine(const std::string& device, double bit_rate_bps) : device_(d
   file_ = open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (file_ < 0) fail_with_errno(name(), "cannot be opened");
   try {
+    lock_device(file_, name());
+    ioctl(file_, TIOCEXCL);  // against programs that do not ask for the lock; where it is refused the lock stands
     make_raw(file_, name());
     const std::string commands = fmt::format("\rC\rS{}\rO\r", rate);
     if (!put(commands.data(), commands.size())) throw std::runtime_error(name() + ": the line takes no characters");
@@ -110,19 +113,16 @@ bool SlcanLine::fill() noexcept {
   return end_ > 0;
 }
 
-bool SlcanLine::accepts(const CanFrame& frame) const noexcept {
-  return ids_.empty() || frame.error ||
-         (is_plain(frame) && std::find(ids_.begin(), ids_.end(), frame.id) != ids_.end());
-}
-
+// One reading a call at most, and foreign frames count: text without frames must not hold the loop.
 bool SlcanLine::receive(ReceivedFrame& received) noexcept {
-  while (next_ < end_ || fill()) {
+  if (next_ == end_) fill();
+  while (next_ < end_) {
     const auto line = lines_.add(input_[next_++]);
     if (!line || line->empty()) continue;
     // The adapter answers 'z' to each frame that it sent.
     const auto frame = slcan_frame(*line);
     if (!frame && *line != "z" && *line != "Z") ++garbled_;
-    if (!frame || !accepts(*frame)) continue;
+    if (!frame) continue;
     received = {*frame, monotonic_ns()};
     return true;
   }

@@ -18,7 +18,7 @@ class SlcanLine final : public CanCarrier {
   SlcanLine(const SlcanLine&) = delete;
   SlcanLine& operator=(const SlcanLine&) = delete;
 
-  void accept_only(const std::vector<std::uint32_t>& ids) override { ids_ = ids; }
+  void accept_only(const std::vector<std::uint32_t>&) override {}  // the adapter has no filter
   void wait(std::int64_t timeout_ns) override;
   Sent send(const CanFrame& frame) noexcept override;
   bool receive(ReceivedFrame& received) noexcept override;
@@ -31,7 +31,6 @@ class SlcanLine final : public CanCarrier {
   bool put(const char* text, std::size_t length) noexcept;
   bool finish_started() noexcept;
   bool fill() noexcept;
-  bool accepts(const CanFrame& frame) const noexcept;
 
   std::string device_;
   int file_ = -1;
@@ -42,7 +41,6 @@ class SlcanLine final : public CanCarrier {
   SlcanText started_{};        // a text of which the line took a part only: the rest goes first
   std::size_t started_done_ = 0;
   std::uint64_t garbled_ = 0;
-  std::vector<std::uint32_t> ids_;
 };
 
 }  // namespace pneuservo

@@ -22,21 +22,19 @@ std::int64_t clock_ns(clockid_t clock) noexcept {
   return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
 }
 
-// The kernel stamps frames with the wall clock; its distance from the monotonic one is taken at the moment of reading,
-// so that a step of the wall clock spoils no later frame.
-std::int64_t monotonic_of_wall(const timespec& stamp) noexcept {
-  const std::int64_t wall_ns = static_cast<std::int64_t>(stamp.tv_sec) * 1'000'000'000 + stamp.tv_nsec;
-  const std::int64_t age_ns = std::max<std::int64_t>(clock_ns(CLOCK_REALTIME) - wall_ns, 0);
-  return clock_ns(CLOCK_MONOTONIC) - age_ns;
-}
+/// Both clocks at one moment.
+struct Now {
+  std::int64_t wall_ns = clock_ns(CLOCK_REALTIME), monotonic_ns = clock_ns(CLOCK_MONOTONIC);
+};
 
-void read_control(const msghdr& header, SocketMessage& message) noexcept {
+void read_control(const msghdr& header, const Now& now, ArrivalClock& clock, SocketMessage& message) noexcept {
   for (cmsghdr* c = CMSG_FIRSTHDR(&header); c != nullptr; c = CMSG_NXTHDR(const_cast<msghdr*>(&header), c)) {
     if (c->cmsg_level != SOL_SOCKET) continue;
     if (c->cmsg_type == SO_TIMESTAMPNS) {
       timespec stamp{};
       std::memcpy(&stamp, CMSG_DATA(c), sizeof stamp);
-      message.received_ns = monotonic_of_wall(stamp);
+      const std::int64_t stamp_ns = static_cast<std::int64_t>(stamp.tv_sec) * 1'000'000'000 + stamp.tv_nsec;
+      message.received_ns = clock.arrival_ns(stamp_ns, now.wall_ns, now.monotonic_ns);
     } else if (c->cmsg_type == SO_RXQ_OVFL) {
       std::uint32_t dropped = 0;
       std::memcpy(&dropped, CMSG_DATA(c), sizeof dropped);
@@ -46,6 +44,17 @@ void read_control(const msghdr& header, SocketMessage& message) noexcept {
 }
 
 }  // namespace
+
+std::int64_t ArrivalClock::arrival_ns(std::int64_t stamp_ns, std::int64_t wall_ns, std::int64_t now_ns) noexcept {
+  const std::int64_t distance_ns = wall_ns - now_ns;
+  if (!has_distance_) distance_ns_ = distance_ns;
+  has_distance_ = true;
+  const auto off_ns = [&](std::int64_t at_ns) {
+    return std::max({empty_ns_ - at_ns, at_ns - now_ns, std::int64_t{0}});
+  };
+  if (off_ns(stamp_ns - distance_ns) <= off_ns(stamp_ns - distance_ns_)) distance_ns_ = distance_ns;
+  return std::min(stamp_ns - distance_ns_, now_ns);
+}
 
 can_frame to_kernel(const CanFrame& frame) noexcept {
   can_frame out{};
@@ -97,13 +106,14 @@ struct Slot {
 
 bool is_no_news(int reason) noexcept { return reason == EAGAIN || reason == EWOULDBLOCK || reason == EINTR; }
 
-SocketMessage message_of(const Slot& slot, const msghdr& header, ssize_t length) noexcept {
+SocketMessage message_of(const Slot& slot, const msghdr& header, ssize_t length, const Now& now,
+                         ArrivalClock& clock) noexcept {
   SocketMessage message;
   if (length == static_cast<ssize_t>(sizeof slot.frame)) {
     message.kind = SocketMessage::Kind::frame;
     message.frame = from_kernel(slot.frame);
-    message.received_ns = monotonic_ns();
-    read_control(header, message);
+    message.received_ns = now.monotonic_ns;
+    read_control(header, now, clock, message);
   } else if (length == 0) {
     message.kind = SocketMessage::Kind::closed;
   }
@@ -112,36 +122,25 @@ SocketMessage message_of(const Slot& slot, const msghdr& header, ssize_t length)
 
 }  // namespace
 
-SocketMessage receive_message(int socket) noexcept {
-  Slot slot;
-  msghdr header;
-  slot.prepare(header);
-  ssize_t got = 0;
-  {
-    const RtAllow reviewed;  // does not block
-    got = recvmsg(socket, &header, MSG_DONTWAIT);
-  }
-  if (got >= 0) return message_of(slot, header, got);
-  SocketMessage message;
-  if (!is_no_news(errno)) message.kind = SocketMessage::Kind::down;
-  return message;
-}
-
 void MessageBatch::fill(int socket) noexcept {
   std::array<Slot, most> slots;
   std::array<mmsghdr, most> headers;
   for (std::size_t i = 0; i < most; ++i) slots[i].prepare(headers[i].msg_hdr);
   int got = 0;
+  clock_.begin(monotonic_ns());
   {
     const RtAllow reviewed;  // does not block
     got = recvmmsg(socket, headers.data(), most, MSG_DONTWAIT, nullptr);
   }
   next_ = count_ = 0;
   if (got < 0 && !is_no_news(errno)) messages_[count_++].kind = SocketMessage::Kind::down;
+  const Now now;
   for (int i = 0; i < got; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    messages_[count_++] = message_of(slots[k], headers[k].msg_hdr, static_cast<ssize_t>(headers[k].msg_len));
+    messages_[count_++] =
+        message_of(slots[k], headers[k].msg_hdr, static_cast<ssize_t>(headers[k].msg_len), now, clock_);
   }
+  if (count_ < most) clock_.emptied();
 }
 
 SocketMessage MessageBatch::next(int socket) noexcept {

@@ -8,7 +8,7 @@ namespace pneuservo {
 
 struct ComediBoard::Device {};
 
-ComediBoard::ComediBoard(const ComediParameters& parameters) {
+ComediBoard::ComediBoard(const ComediParameters& parameters, bool) {
   throw std::runtime_error(parameters.device +
                            ": this program was built without comedilib: install libcomedi-dev and build it again");
 }
@@ -18,6 +18,9 @@ ComediBoard::~ComediBoard() = default;
 std::size_t ComediBoard::add_input(const std::string&, std::uint32_t, std::uint32_t, ComediReference) { return 0; }
 std::size_t ComediBoard::add_output(const std::string&, std::uint32_t, std::uint32_t, ComediReference) { return 0; }
 std::size_t ComediBoard::add_counter(const std::string&, std::uint32_t, std::uint32_t) { return 0; }
+void ComediBoard::arm_watchdog() {}
+void ComediBoard::disarm_watchdog() noexcept {}
+bool ComediBoard::feed_watchdog() noexcept { return false; }
 bool ComediBoard::read() noexcept { return false; }
 bool ComediBoard::write() noexcept { return false; }
 double ComediBoard::volts(std::size_t) const noexcept { return 0.0; }

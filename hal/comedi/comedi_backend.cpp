@@ -80,6 +80,11 @@ void ComediBackend::activate() {
   active_ = true;
   if (!set_outputs(safe_commands()))
     throw std::runtime_error(rig_.hal->comedi->device + ": the driver refuses to set the outputs");
+  board_->arm_watchdog();
+  ended_ = false;
+  const bool all_read_back =
+      std::all_of(outputs_.begin(), outputs_.end(), [](const Output& output) { return output.is_read_back; });
+  safe_output_ = {.has_outputs = !outputs_.empty(), .is_read_back = all_read_back};
 }
 
 double ComediBackend::value_of(Input& input) noexcept {
@@ -87,7 +92,7 @@ double ComediBackend::value_of(Input& input) noexcept {
   return static_cast<double>(input.count.advance(board_->counts(input.number), board_->last_count(input.number)));
 }
 
-bool ComediBackend::read(std::int64_t, Measurement& measurement) noexcept {
+bool ComediBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
   if (!board_) return false;
   const bool sampled = board_->read();
   if (!sampled) ++refused_;
@@ -101,18 +106,24 @@ bool ComediBackend::read(std::int64_t, Measurement& measurement) noexcept {
     else if (sampled && !within) ++out_of_limits_;
     *channels[input.channel] = {value, 0.0, sampled && !saturated && within, Origin::real};
   }
-  if (sampled && written_) check_outputs();
+  const bool confirmed = sampled && written_ && check_outputs();
+  if (output_fails_) measurement.device_faults |= device_output_unconfirmed;
+  if (ended_ && confirmed && safe_output_.is_read_back && safe_output_.confirmed_tick < 0)
+    safe_output_.confirmed_tick = tick;
   return true;
 }
 
-void ComediBackend::check_outputs() noexcept {
+bool ComediBackend::check_outputs() noexcept {
+  bool all = true;
   for (Output& output : outputs_) {
     if (!output.is_read_back) continue;
     const double deviation_V = std::fabs(board_->volts(output.readback) - board_->set_volts_of(output.number));
     output.worst_V = std::max(output.worst_V, deviation_V);
     output.deviates = deviation_V > output.tolerance_V ? output.deviates + 1 : 0;
     if (output.deviates > most_deviating_ticks) output_fails_ = true;
+    all = all && output.deviates == 0;
   }
+  return all;
 }
 
 Command ComediBackend::safe_commands() const noexcept {
@@ -133,14 +144,21 @@ bool ComediBackend::set_outputs(const Command& command) noexcept {
   return done;
 }
 
-bool ComediBackend::write(std::int64_t, const Command& command) noexcept {
-  return board_ && set_outputs(command) && !output_fails_;
+bool ComediBackend::write(std::int64_t tick, const Command& command) noexcept {
+  if (!board_) return false;
+  const bool done = set_outputs(command);
+  // Its watchdog is fed with the outputs: after a fault it acts, too.
+  if (!command.ended && !board_->feed_watchdog()) return false;
+  ended_ = command.ended && done;
+  if (ended_ && safe_output_.sent_tick < 0) safe_output_.sent_tick = tick;
+  return done;
 }
 
 void ComediBackend::deactivate() noexcept {
   if (!board_ || !active_) return;
   active_ = false;
   set_outputs(safe_commands());
+  board_->disarm_watchdog();
 }
 
 Origins ComediBackend::origins() const {

@@ -14,7 +14,7 @@ namespace pneuservo {
 
 /// Inputs are sampled at the start of the tick, by one call for all; outputs are set at its end, by another. A sample
 /// at the end of the converter's range or outside the channel's limits is invalid. An output that is read back and
-/// deviates for three ticks is a missed output.
+/// deviates for three ticks is a fault.
 class ComediBackend final : public Backend {
  public:
   /// The rig must have hal.comedi.
@@ -28,7 +28,9 @@ class ComediBackend final : public Backend {
   bool read(std::int64_t tick, Measurement& measurement) noexcept override;
   bool write(std::int64_t tick, const Command& command) noexcept override;
   void deactivate() noexcept override;
+  bool emergency_write() noexcept override { return !board_ || !active_ || set_outputs(safe_commands()); }
   Origins origins() const override;
+  SafeOutput safe_output() const override { return safe_output_; }
   std::vector<std::string> notes() const override;
   std::string name() const override { return "comedi"; }
 
@@ -52,7 +54,8 @@ class ComediBackend final : public Backend {
   void add_inputs();
   void add_outputs();
   double value_of(Input& input) noexcept;
-  void check_outputs() noexcept;
+  /// True: every output was read back as it was set.
+  bool check_outputs() noexcept;
   Command safe_commands() const noexcept;
   bool set_outputs(const Command& command) noexcept;
 
@@ -62,7 +65,8 @@ class ComediBackend final : public Backend {
   std::vector<Output> outputs_;
   std::vector<std::string> description_;
   std::uint64_t saturated_ = 0, out_of_limits_ = 0, refused_ = 0;
-  bool active_ = false, written_ = false, output_fails_ = false;
+  SafeOutput safe_output_;
+  bool active_ = false, written_ = false, output_fails_ = false, ended_ = false;
 };
 
 }  // namespace pneuservo

@@ -13,8 +13,12 @@
 
 #include <pneuservo/core/rt.hpp>
 
+#include "device_lock.hpp"
+
 namespace pneuservo {
 namespace {
+
+constexpr double watchdog_step_s = 0.02;
 
 /// One line of the board: its instruction, its raw value and how that becomes volts.
 struct Line {
@@ -56,6 +60,9 @@ struct ComediBoard::Device {
                                                                                      comedi_cleanup_calibration};
   std::string calibration_path;
   std::vector<Line> inputs, outputs, counters;
+  unsigned watchdog = 0;
+  lsampl_t reload = 0;
+  bool has_watchdog = false;
   // Rebuilt whenever a line is added: their data point into the lines.
   std::vector<comedi_insn> reads, counts, writes;
 
@@ -149,6 +156,30 @@ struct ComediBoard::Device {
     return static_cast<unsigned>(subdevice);
   }
 
+  // The one kind of watchdog that comedi knows (drivers of ADDI-DATA): armed with its time in steps of 20 ms less one,
+  // fed by writing, a timer to look at.
+  void find_watchdog(const ComediParameters& parameters) {
+    watchdog = parameters.watchdog_subdevice;
+    const int type = comedi_get_subdevice_type(handle, watchdog);
+    if (type != COMEDI_SUBD_TIMER || (comedi_get_subdevice_flags(handle, watchdog) & SDF_WRITABLE) == 0)
+      throw std::runtime_error(fmt::format("{}: hal.comedi.watchdog_subdevice: found {}, which is no writable timer, "
+                                           "expected the board's watchdog (comedi_board_info), or another "
+                                           "hal.comedi.watchdog",
+                                           name, watchdog));
+    reload = static_cast<lsampl_t>(std::ceil(parameters.watchdog_s / watchdog_step_s - 1e-9)) - 1;
+    has_watchdog = true;
+  }
+
+  bool configure_watchdog(unsigned what, unsigned words) noexcept {
+    lsampl_t data[2]{what, reload};
+    comedi_insn order{};
+    order.insn = INSN_CONFIG;
+    order.n = words;
+    order.data = data;
+    order.subdev = watchdog;
+    return comedi_do_insn(handle, &order) >= 0;
+  }
+
   bool execute(std::vector<comedi_insn>& list) noexcept {
     if (list.empty()) return true;
     comedi_insnlist instruction_list{static_cast<unsigned>(list.size()), list.data()};
@@ -157,17 +188,42 @@ struct ComediBoard::Device {
   }
 };
 
-ComediBoard::ComediBoard(const ComediParameters& parameters) : device_(std::make_unique<Device>()) {
+ComediBoard::ComediBoard(const ComediParameters& parameters, bool shared) : device_(std::make_unique<Device>()) {
   device_->name = parameters.device;
   device_->handle = comedi_open(parameters.device.c_str());
   if (device_->handle == nullptr)
     throw std::runtime_error(fmt::format("{}: the board cannot be opened: {}; is its driver attached (comedi_config, "
                                          "dmesg), and may this user open it?",
                                          parameters.device, comedi_strerror(comedi_errno())));
+  if (!shared) lock_device(comedi_fileno(device_->handle), parameters.device);
   device_->read_calibration(parameters.calibration);
+  if (parameters.watchdog == BoardWatchdog::board) device_->find_watchdog(parameters);
 }
 
 ComediBoard::~ComediBoard() = default;
+
+void ComediBoard::arm_watchdog() {
+  if (!device_->has_watchdog) return;
+  if (!device_->configure_watchdog(INSN_CONFIG_ARM, 2))
+    throw std::runtime_error(fmt::format("{}: the driver refuses to arm the watchdog of subdevice {}: {}",
+                                         device_->name, device_->watchdog, comedi_strerror(comedi_errno())));
+}
+
+void ComediBoard::disarm_watchdog() noexcept {
+  if (device_->has_watchdog) device_->configure_watchdog(INSN_CONFIG_DISARM, 1);
+}
+
+bool ComediBoard::feed_watchdog() noexcept {
+  if (!device_->has_watchdog) return true;
+  const RtAllow reviewed;  // one ioctl
+  lsampl_t any = 1;
+  comedi_insn feed{};
+  feed.insn = INSN_WRITE;
+  feed.n = 1;
+  feed.data = &any;
+  feed.subdev = device_->watchdog;
+  return comedi_do_insn(device_->handle, &feed) == 1;
+}
 
 std::size_t ComediBoard::add_input(const std::string& key, std::uint32_t channel, std::uint32_t range,
                                    ComediReference reference) {

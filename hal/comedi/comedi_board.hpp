@@ -12,8 +12,9 @@ namespace pneuservo {
 /// The board of hal.comedi. Cold calls throw std::runtime_error; read and write are hot.
 class ComediBoard {
  public:
-  /// Opens the device and reads its calibration. Throws where the program was built without comedilib, too.
-  explicit ComediBoard(const ComediParameters& parameters);
+  /// Opens the device and reads its calibration. Throws where the program was built without comedilib, too, and where
+  /// another process has the board, unless it is `shared` (pneuservo guard).
+  explicit ComediBoard(const ComediParameters& parameters, bool shared = false);
   ~ComediBoard();
   ComediBoard(const ComediBoard&) = delete;
   ComediBoard& operator=(const ComediBoard&) = delete;
@@ -22,6 +23,12 @@ class ComediBoard {
   std::size_t add_input(const std::string& key, std::uint32_t channel, std::uint32_t range, ComediReference reference);
   std::size_t add_output(const std::string& key, std::uint32_t channel, std::uint32_t range, ComediReference reference);
   std::size_t add_counter(const std::string& key, std::uint32_t subdevice, std::uint32_t channel);
+
+  /// The board's own watchdog, where hal.comedi.watchdog is `board`; else they do nothing. Arming throws.
+  void arm_watchdog();
+  void disarm_watchdog() noexcept;
+  /// Hot. False: the driver refused.
+  bool feed_watchdog() noexcept;
 
   /// Samples all inputs and counters. False: the driver refused.
   bool read() noexcept;

@@ -7,6 +7,7 @@
 #include "comedi/comedi_backend.hpp"
 #include "config/input_error.hpp"
 #include "gpio/gpio_backend.hpp"
+#include "guard/guard_link.hpp"
 #include "sim/sim_backend.hpp"
 
 namespace pneuservo {
@@ -42,6 +43,8 @@ CompositeBackend::CompositeBackend(const Rig& rig) {
   if (commands_can || any(on_can)) sources_.push_back({std::make_unique<CanBackend>(rig), on_can});
   // Last: the newest state of the lines in a tick, and enabled after the command is out.
   if (rig.hal->gpio) sources_.push_back({std::make_unique<GpioBackend>(rig), {}});
+  // Its sign of life says that all outputs were written.
+  if (rig.hal->guard) sources_.push_back({std::make_unique<GuardLink>(rig), {}});
 }
 
 Origins CompositeBackend::origins() const {
@@ -54,8 +57,27 @@ Origins CompositeBackend::origins() const {
   return all;
 }
 
+SafeOutput CompositeBackend::safe_output() const {
+  SafeOutput all{.is_simulated = origins_.command == Origin::simulated, .is_read_back = true};
+  // Of all that have outputs the last one counts, and one that has not done it yet.
+  const auto later = [&](std::int64_t& whole, std::int64_t part) {
+    whole = !all.has_outputs ? part : whole < 0 || part < 0 ? -1 : std::max(whole, part);
+  };
+  for (const Source& source : sources_) {
+    const SafeOutput part = source.backend->safe_output();
+    if (!part.has_outputs || (part.is_simulated && !all.is_simulated)) continue;
+    later(all.sent_tick, part.sent_tick);
+    later(all.confirmed_tick, part.confirmed_tick);
+    later(all.substitute_tick, part.substitute_tick);
+    all.is_read_back = all.is_read_back && part.is_read_back;
+    all.has_outputs = true;
+  }
+  return all;
+}
+
 void CompositeBackend::configure() {
-  for (Source& source : sources_) source.backend->configure();
+  // Guard and lines first: without them no device is touched.
+  for (auto source = sources_.rbegin(); source != sources_.rend(); ++source) source->backend->configure();
 }
 
 void CompositeBackend::activate() {
@@ -86,6 +108,12 @@ bool CompositeBackend::write(std::int64_t tick, const Command& command) noexcept
 
 void CompositeBackend::deactivate() noexcept {
   for (Source& source : sources_) source.backend->deactivate();
+}
+
+bool CompositeBackend::emergency_write() noexcept {
+  bool all = true;
+  for (Source& source : sources_) all = source.backend->emergency_write() && all;
+  return all;
 }
 
 std::vector<std::string> CompositeBackend::notes() const {

@@ -22,7 +22,9 @@ class CompositeBackend final : public Backend {
   bool read(std::int64_t tick, Measurement& measurement) noexcept override;
   bool write(std::int64_t tick, const Command& command) noexcept override;
   void deactivate() noexcept override;
+  bool emergency_write() noexcept override;
   Origins origins() const override;
+  SafeOutput safe_output() const override;
   std::vector<std::string> notes() const override;
   std::string name() const override { return "configured"; }
 

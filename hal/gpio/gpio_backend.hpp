@@ -31,6 +31,7 @@ class GpioBackend final : public Backend {
   bool write(std::int64_t tick, const Command& command) noexcept override;
   /// Enable off; all lines released.
   void deactivate() noexcept override;
+  bool emergency_write() noexcept override { return !enable_ || enable_->write(false); }
   Origins origins() const override;
   std::vector<std::string> notes() const override;
   std::string name() const override { return "gpio"; }

@@ -67,7 +67,7 @@ bool InjectingBackend::write(std::int64_t tick, const Command& command) noexcept
   const double watchdog_s = rig_.hal && rig_.hal->can ? rig_.hal->can->watchdog_s : CanBusParameters{}.watchdog_s;
   if (t_s - bus_off_since_s_ > watchdog_s) {
     const auto safe_V = safe_commands_V(rig_);
-    plant_.write(tick, {safe_V[0], safe_V[1]});
+    plant_.write(tick, {safe_V[0], safe_V[1], false, true});
   }
   return false;
 }

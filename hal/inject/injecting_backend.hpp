@@ -28,6 +28,7 @@ class InjectingBackend final : public Backend {
   void deactivate() noexcept override { plant_.deactivate(); }
   Truth truth() const noexcept override { return plant_.truth(); }
   Origins origins() const override;
+  SafeOutput safe_output() const override { return plant_.safe_output(); }
   std::vector<std::string> notes() const override;
   std::string name() const override { return "sim"; }
 

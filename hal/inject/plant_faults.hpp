@@ -1,4 +1,5 @@
-// Injected faults of the machine itself: leak, lost supply, stuck valve; for the backend sim and the simulated device.
+// Injected faults of the machine itself: leaks, lost supply, valve, hoses, what the slider carries and meets; for the
+// backend sim and the simulated device.
 #pragma once
 #include <vector>
 
@@ -22,10 +23,12 @@ class PlantFaults {
   Command command(double t_s, const Command& asked) noexcept;
 
  private:
+  void apply_to_slider(double t_s, SimBackend& plant) noexcept;
+
   Rig rig_;  // with its deviations
   std::vector<InjectedFault> faults_;
   Command last_;
-  bool changed_ = false;
+  bool changed_ = false, slider_changed_ = false, between_stops_ = false;
 };
 
 }  // namespace pneuservo

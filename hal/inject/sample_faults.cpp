@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 namespace pneuservo {
 
@@ -12,6 +13,9 @@ SampleFaults::SampleFaults(double period_s, const std::array<double, 6>& far_out
       history_(static_cast<std::size_t>(std::ceil(longest_injected_delay_s / period_s)) + 1) {}
 
 void SampleFaults::add(const InjectedFault& fault) {
+  if (fault.kind == InjectedKind::reversed_encoder || fault.kind == InjectedKind::exchanged_hoses ||
+      fault.kind == InjectedKind::exchanged_ports)
+    wiring_.push_back(fault);
   const std::string_view target = fault.kind == InjectedKind::encoder_jump ? "x" : std::string_view(fault.target);
   const auto found = std::find(channel_names.begin(), channel_names.end(), target);
   if (found == channel_names.end()) return;
@@ -23,10 +27,11 @@ void SampleFaults::add(const InjectedFault& fault) {
 
 void SampleFaults::reset() {
   newest_tick_.reset();
-  for (Spoiled& spoiled : faults_) spoiled.spent = false, spoiled.kept.reset();
+  for (Spoiled& spoiled : faults_) spoiled.spent = false, spoiled.kept.reset(), spoiled.count = 0;
 }
 
 void SampleFaults::apply(std::int64_t tick, double t_s, Measurement& measured) noexcept {
+  rewire(t_s, measured);
   const auto channels = channels_of(measured);
   remember(tick, channels);
   for (Spoiled& spoiled : faults_) {
@@ -35,6 +40,15 @@ void SampleFaults::apply(std::int64_t tick, double t_s, Measurement& measured) n
     else spoiled.kept = sample.value;
   }
   for (std::size_t i = 0; i < shown_.size(); ++i) shown_[i] = channels[i]->value;
+}
+
+// Exchanged hoses exchange the ports under their sensors: what sensor 1 shows belongs to chamber 2.
+void SampleFaults::rewire(double t_s, Measurement& measured) const noexcept {
+  for (const InjectedFault& fault : wiring_) {
+    if (!fault.is_on(t_s)) continue;
+    if (fault.kind == InjectedKind::reversed_encoder) measured.position_m.value = -measured.position_m.value;
+    else std::swap(measured.port_pressure_1_Pa, measured.port_pressure_2_Pa);
+  }
 }
 
 void SampleFaults::remember(std::int64_t tick, const std::array<Channel*, 6>& channels) noexcept {
@@ -55,7 +69,7 @@ void SampleFaults::remember(std::int64_t tick, const std::array<Channel*, 6>& ch
 void SampleFaults::spoil(Spoiled& spoiled, Channel& sample) noexcept {
   const double value = spoiled.fault.value.value_or(0.0);
   switch (spoiled.fault.kind) {
-    case InjectedKind::drop: sample.valid = false; break;
+    case InjectedKind::drop: sample.valid = sample.valid && !spoiled.fault.takes(spoiled.count++); break;
     case InjectedKind::not_a_number: sample.value = std::nan(""); break;
     case InjectedKind::freeze:
       if (!spoiled.kept) spoiled.kept = sample.value;  // frozen from the first sample on
@@ -67,6 +81,7 @@ void SampleFaults::spoil(Spoiled& spoiled, Channel& sample) noexcept {
       if (!spoiled.spent) sample.value += value;
       spoiled.spent = true;
       break;
+    case InjectedKind::spikes: sample.value += spoiled.count++ % 3 == 0 ? value : 0.0; break;
     case InjectedKind::saturate: sample.value = spoiled.fault.value.value_or(far_out_[spoiled.channel]); break;
     case InjectedKind::delay: delay(value, spoiled.channel, sample); break;
     default: break;

@@ -1,5 +1,5 @@
-// Injected faults of the sensors: what a channel shows instead of its sample; for the backend sim and the simulated
-// device.
+// Injected faults of the sensors and their wires: what a channel shows instead of its sample; for the backend sim and
+// the simulated device.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -30,14 +30,17 @@ class SampleFaults {
     std::size_t channel;
     std::optional<double> kept;  ///< what a frozen channel repeats
     bool spent = false;
+    std::int64_t count = 0;  ///< samples since it is on
   };
   void remember(std::int64_t tick, const std::array<Channel*, 6>& channels) noexcept;
+  void rewire(double t_s, Measurement& measured) const noexcept;
   void spoil(Spoiled& spoiled, Channel& sample) noexcept;
   void delay(double delay_s, std::size_t channel, Channel& sample) const noexcept;
 
   double period_s_;
   std::array<double, 6> far_out_;
   std::vector<Spoiled> faults_;
+  std::vector<InjectedFault> wiring_;
   std::vector<std::array<double, 6>> history_;  // ring of what was measured, a slot a tick
   std::size_t newest_ = 0;
   std::optional<std::int64_t> newest_tick_;

@@ -41,7 +41,7 @@ void SimBackend::configure() {
   last_tick_ = -1;
 }
 
-void SimBackend::activate() {}
+void SimBackend::activate() { safe_output_ = {.has_outputs = true, .is_simulated = true}; }
 
 bool SimBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
   if (!started_) plant_tick_ = tick;
@@ -66,8 +66,9 @@ void SimBackend::age_by_a_tick(std::int64_t tick, Measurement& measurement) noex
   last_tick_ = tick;
 }
 
-bool SimBackend::write(std::int64_t, const Command& command) noexcept {
+bool SimBackend::write(std::int64_t tick, const Command& command) noexcept {
   command_ = command;
+  if (command.ended && safe_output_.sent_tick < 0) safe_output_.sent_tick = safe_output_.confirmed_tick = tick;
   return true;
 }
 

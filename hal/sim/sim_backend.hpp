@@ -27,7 +27,14 @@ class SimBackend final : public Backend {
     plant_.set_supply_pressure(supply_pressure_Pa);
     plant_.set_chamber_leaks(chamber_leak_m2[0], chamber_leak_m2[1]);
   }
+  /// The slider from here on, with stops `way_m` apart in the middle of the stroke. HOT.
+  void set_slider(const SliderParameters<double>& slider, const MotionEffects<double>& effects, double way_m) noexcept {
+    plant_.slider().configure(slider, effects, way_m, rig_.axis.cylinder.end_stop_restitution);
+  }
+  /// True speed [m/s]; for recordings only, as the truth is.
+  double speed_mps() const noexcept { return plant_.velocity(); }
   Origins origins() const override;
+  SafeOutput safe_output() const override { return safe_output_; }
   std::string name() const override { return "sim"; }
 
  private:
@@ -39,6 +46,7 @@ class SimBackend final : public Backend {
   std::int64_t plant_tick_ = 0;
   bool started_ = false;
   Command command_;
+  SafeOutput safe_output_;
   Measurement last_;
   std::int64_t last_tick_ = -1;  // of last_; -1: none yet
 };

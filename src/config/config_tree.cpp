@@ -51,7 +51,9 @@ class TreeBuilder {
   void add_entry(ConfigNode& map, const YAML::Node& key, const YAML::Node& value, const std::string& path, int depth) {
     const std::string where = origin(key.Mark());
     if (!key.IsScalar()) refuse(where, path.empty() ? "(top)" : path, "a key that is not plain text", "a name as key");
-    const std::string full = join_path(path, key.Scalar());
+    const std::string full = join_path(path, printable(key.Scalar()));
+    if (full != join_path(path, key.Scalar()))
+      refuse(where, full, "a control character in the key", "a name of printable characters");
     if (const ConfigNode::Entry* first = map.find(key.Scalar()))
       refuse(where, full, fmt::format("the key a second time (the first is at {})", first->origin), "every key once");
     map.entries.push_back({key.Scalar(), where, build(value, full, depth + 1)});
@@ -168,6 +170,18 @@ void apply_override(ConfigNode& root, const std::string& path_and_value) {
   *node = std::move(value);
 }
 
+std::string printable(std::string_view text) {
+  std::string shown(text);
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const auto c = static_cast<unsigned char>(shown[i]);
+    if (c < 0x20 || c == 0x7f) shown[i] = ' ';
+    // UTF-8 of the control characters U+0080 to U+009F, of which terminals obey some.
+    const bool second = i > 0 && static_cast<unsigned char>(shown[i - 1]) == 0xc2 && c >= 0x80 && c < 0xa0;
+    if (second) shown[i - 1] = shown[i] = ' ';
+  }
+  return shown;
+}
+
 std::string describe(const ConfigNode& node) {
   switch (node.type) {
     case ConfigNode::Type::nothing: return "nothing";
@@ -175,8 +189,7 @@ std::string describe(const ConfigNode& node) {
     case ConfigNode::Type::map: return "a map of keys";
     case ConfigNode::Type::scalar: break;
   }
-  std::string shown;
-  for (const char c : node.text.substr(0, 60)) shown += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  std::string shown = printable(node.text.substr(0, 60));
   if (node.text.size() > 60) shown += "...";
   return node.quoted ? fmt::format("the quoted text \"{}\"", shown) : fmt::format("'{}'", shown);
 }

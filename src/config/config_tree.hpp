@@ -42,6 +42,8 @@ void apply_override(ConfigNode& root, const std::string& path_and_value);
 
 /// What stands at a node, for the words after "found".
 std::string describe(const ConfigNode& node);
+/// Text from outside as it may be shown on a terminal: a space for each control character.
+std::string printable(std::string_view text);
 
 /// Throws InputError `ORIGIN: PATH: found FOUND, expected EXPECTED`.
 [[noreturn]] void refuse(const std::string& origin, const std::string& path, const std::string& found,

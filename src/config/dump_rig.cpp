@@ -134,7 +134,7 @@ struct FlowWriter {
 }  // namespace
 
 std::string dump_rig(const Rig& rig) {
-  std::string out = fmt::format("# Rig {}: all keys, with unit, range and meaning.\n", yaml_text(rig.name));
+  std::string out = fmt::format("# Rig {}{}\n", yaml_text(rig.name), dumped_rig_mark);
   Rig::visit(
       [&](const Field& field, const auto& value) {
         if (field.key == "effects") write_effects(field, rig, out);

@@ -59,6 +59,7 @@ template <class T> std::string accepted_text(const Field& field, const T&) {
 template <class T> bool is_unstated(const Field& field, const T& value) {
   if constexpr (std::is_same_v<T, double>) return field.presence == Presence::optional && value < field.minimum;
   else if constexpr (std::is_same_v<T, std::string>) return field.presence == Presence::optional && value.empty();
+  else if constexpr (std::is_same_v<T, CanObject>) return field.presence == Presence::optional && value.word == 0;
   else return false;
 }
 

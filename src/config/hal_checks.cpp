@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -52,9 +53,30 @@ struct Wiring {
     if (!taken.insert(fmt::format("{} {:08x}", can.node, can.object.word)).second)
       refuse(path + ".object", fmt::format("0x{:08x} a second time at node {}", can.object.word, can.node),
              "an object of its own for each channel");
-    unsigned& used = bits[fmt::format("{} {} {}", can.node, is_output, can.pdo)];
-    used += can.object.bits();
+    use_pdo(path, can.node, can.pdo, is_output, can.object);
+    if (can.readback) add_readback(path, can);
+    if (!can.substitute) return;
+    if (can.substitute->value.index() == can.object.index() || can.substitute->value == can.substitute->mode)
+      refuse(path + ".substitute.value", fmt::format("0x{:08x}", can.substitute->value.word),
+             "an object of its own, beside the output and its mode");
+  }
+  void use_pdo(const std::string& path, const std::string& node, std::uint32_t pdo, bool is_output, CanObject object) {
+    unsigned& used = bits[fmt::format("{} {} {}", node, is_output, pdo)];
+    used += object.bits();
     if (used > 64) refuse(path + ".pdo", fmt::format("{} bits in this PDO", used), "at most 64: take another PDO");
+  }
+  template <class Keys> void add_readback(const std::string& path, const CanChannelParameters<Keys>& can) {
+    const CanObject object = can.readback->object.word == 0 ? can.object : can.readback->object;
+    if (object.bits() != can.object.bits())
+      refuse(path + ".readback.object", fmt::format("{} bits", object.bits()),
+             fmt::format("as many as the output has ({})", can.object.bits()));
+    if (object != can.object && !taken.insert(fmt::format("{} {:08x}", can.node, object.word)).second)
+      refuse(path + ".readback.object", fmt::format("0x{:08x} a second time at node {}", object.word, can.node),
+             "an object of its own for each channel");
+    if (hal.can->nodes.at(can.node).transmission == CanTransmission::event)
+      refuse(path + ".readback", "one at a node with transmission: event",
+             "it at a node that answers SYNC: only then it is known of which cycle it is");
+    use_pdo(path + ".readback", can.node, can.readback->pdo, false, object);
   }
   template <class Keys>
   void channel(const std::string& name, const ChannelParameters<Keys>& c, bool is_output, const std::string& need) {
@@ -114,7 +136,60 @@ void check_lines(const GpioParameters& gpio, const RefusePath& refuse) {
       gpio);
 }
 
+/// What the law cannot do without: the position, and the pressures that its loop is closed over.
+std::vector<std::pair<const char*, bool>> simulated_inputs_of_law(const Rig& rig) {
+  const HalChannels& c = rig.hal->channels;
+  std::vector<std::pair<const char*, bool>> inputs{{"x", c.x.simulated}};
+  const bool force_loop = rig.controller.kind == ControllerKind::pd_force;
+  const bool flatness = !force_loop && rig.controller.ppd2.feedforward == FeedforwardKind::flatness;
+  const bool chambers = force_loop && rig.controller.pd_force.pressure_source == PressureSource::chamber;
+  if (chambers)
+    inputs.insert(inputs.end(), {{"p1_chamber", c.p1_chamber.simulated}, {"p2_chamber", c.p2_chamber.simulated}});
+  else if (force_loop || flatness)
+    inputs.insert(inputs.end(), {{"p1_port", c.p1_port.simulated}, {"p2_port", c.p2_port.simulated}});
+  return inputs;
+}
+
+void check_bench(const Rig& rig, const RefusePath& refuse) {
+  if (rig.hal->bench) return;
+  for (const auto& [name, is_simulated] : simulated_inputs_of_law(rig))
+    if (is_simulated)
+      refuse(fmt::format("hal.channels.{}", name), "simulated: true beside a real valve",
+             "a sensor: the law would drive the valve by what exists in memory alone (hal.bench: true where no "
+             "machine moves)");
+}
+
+void check_board_watchdog(const HalParameters& hal, const RefusePath& refuse) {
+  const ComediParameters& board = *hal.comedi;
+  const std::string key = "hal.comedi.watchdog";
+  if (!board.watchdog)
+    refuse(key, "nothing with an output on the board",
+           fmt::format("what closes the valve when this program is gone, since a board keeps its outputs: one of {}",
+                       fmt::join(board_watchdog_names, ", ")));
+  if (board.watchdog == BoardWatchdog::enable_line && !(hal.gpio && hal.gpio->enable))
+    refuse(key, "enable_line without hal.gpio.enable", "that line, or another watchdog");
+  if (board.watchdog == BoardWatchdog::guard && !hal.guard)
+    refuse(key, "guard without hal.guard", "the section hal.guard (it may be {}), or another watchdog");
+}
+
 }  // namespace
+
+void check_outputs_without_us(const Rig& rig, const RefusePath& refuse) {
+  if (!rig.hal) return;
+  const HalChannels& c = rig.hal->channels;
+  bool is_real = false, on_board = false;
+  for (const auto& [name, valve] : {std::pair{"u", &c.u}, {"u1", &c.u1}, {"u2", &c.u2}}) {
+    on_board = on_board || valve->comedi;
+    is_real = is_real || valve->comedi || valve->can;
+    if (valve->can && !substitute_of(valve->can->object, valve->can->substitute))
+      refuse(fmt::format("hal.channels.{}.can.substitute", name),
+             fmt::format("nothing for object 0x{:08x}", valve->can->object.word),
+             "{value: ..., mode: ...}, the device's objects for the output without master: else the valve keeps its "
+             "last command when this program dies");
+  }
+  if (is_real) check_bench(rig, refuse);
+  if (on_board) check_board_watchdog(*rig.hal, refuse);
+}
 
 void check_hal(const Rig& rig, const RefusePath& refuse) {
   if (!rig.hal) return;

@@ -13,4 +13,8 @@ using RefusePath = std::function<void(const std::string& path, const std::string
 /// Calls `refuse` (which throws) at the first contradiction of rig.hal; does nothing where the rig has none.
 void check_hal(const Rig& rig, const RefusePath& refuse);
 
+/// The same where an output has nothing that closes it without this program, or a real valve would follow simulated
+/// sensors of its law and nothing calls that a bench.
+void check_outputs_without_us(const Rig& rig, const RefusePath& refuse);
+
 }  // namespace pneuservo

@@ -48,7 +48,7 @@ void anchor_device_files(Rig& rig, const std::filesystem::path& folder) {
 }
 
 Rig rig_from_tree(ConfigNode root, const std::vector<std::string>& overrides,
-                  const std::optional<std::filesystem::path>& anchor) {
+                  const std::optional<std::filesystem::path>& anchor, ConfigUse use) {
   require_map(root, "");
   for (const std::string& override_text : overrides) apply_override(root, override_text);
 
@@ -62,17 +62,19 @@ Rig rig_from_tree(ConfigNode root, const std::vector<std::string>& overrides,
   if (anchor) anchor_device_files(rig, *anchor);
   complete_rig(rig, root);
   check_rig(rig, root);
+  if (use == ConfigUse::machine) check_machine_rig(rig, root);
   return rig;
 }
 
 }  // namespace
 
-Rig read_rig(const std::filesystem::path& file, const std::vector<std::string>& overrides) {
-  return rig_from_tree(read_config_tree(file, "a config file (docs/config-keys.md)"), overrides, file.parent_path());
+Rig read_rig(const std::filesystem::path& file, const std::vector<std::string>& overrides, ConfigUse use) {
+  return rig_from_tree(read_config_tree(file, "a config file (docs/config-keys.md)"), overrides, file.parent_path(),
+                       use);
 }
 
 Rig parse_rig(const std::string& yaml_text, const std::string& source_name, const std::vector<std::string>& overrides) {
-  return rig_from_tree(parse_config_tree(yaml_text, source_name), overrides, {});
+  return rig_from_tree(parse_config_tree(yaml_text, source_name), overrides, {}, ConfigUse::simulation);
 }
 
 ReferenceSpec parse_reference(const std::string& yaml_text, const std::string& source_name) {

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include <pneuservo/elements/air.hpp>
+
 #include "config/hal_checks.hpp"
 #include "config/input_error.hpp"
 #include "config/key_suggestion.hpp"
@@ -174,6 +176,42 @@ void check_supply_swing(const Rig& rig, const Check& check) {
                  fmt::format("at most what the supply has above the atmosphere ({})", number_text(most_Pa)));
 }
 
+/// Dry friction that the config itself puts on the slider.
+double dry_friction_N(const Rig& rig) {
+  const MotionEffects<double>& motion = rig.axis.effects.motion;
+  return std::max({motion.coulomb_friction.force_N,
+                   motion.stribeck_friction.coulomb_force_N + motion.stribeck_friction.extra_force_N,
+                   motion.direction_dependent_friction.forward_N, motion.direction_dependent_friction.backward_N});
+}
+
+/// Limits that end every run, or that allow for less than the config has.
+void check_limits(const Rig& rig, const Check& check) {
+  const LimitParameters& limits = rig.limits;
+  const double encoder_m = rig.sensors.position.quantum_m + 3.0 * rig.sensors.position.noise_m;
+  if (limits.deviation_m && *limits.deviation_m > 0.0 && *limits.deviation_m <= encoder_m)
+    check.refuse("limits.deviation_m", {"sensors.position"}, number_text(*limits.deviation_m),
+                 fmt::format("more than the encoder's quantum and noise ({}), or nothing: it is derived",
+                             number_text(encoder_m)));
+  if (limits.payload_max_kg && *limits.payload_max_kg < rig.axis.slider.payload_kg)
+    check.refuse("limits.payload_max_kg", {"slider.payload_kg"}, number_text(*limits.payload_max_kg),
+                 fmt::format("at least slider.payload_kg ({})", number_text(rig.axis.slider.payload_kg)));
+  if (!rig.is_pneumatic()) return;
+  const double friction_N = dry_friction_N(rig);
+  if (limits.dry_friction_max_N && *limits.dry_friction_max_N < friction_N)
+    check.refuse("limits.dry_friction_max_N", {"effects"}, number_text(*limits.dry_friction_max_N),
+                 fmt::format("at least the dry friction of effects ({})", number_text(friction_N)));
+  if (limits.stall_force_N && *limits.stall_force_N > 0.0 && *limits.stall_force_N <= friction_N)
+    check.refuse(
+        "limits.stall_force_N", {"effects"}, number_text(*limits.stall_force_N),
+        fmt::format("more than the dry friction of effects ({}), or nothing: it is derived", number_text(friction_N)));
+  if (limits.pressure_Pa && *limits.pressure_Pa <= rig.axis.supply.pressure_Pa)
+    check.refuse("limits.pressure_Pa", {"supply.pressure_Pa"}, number_text(*limits.pressure_Pa),
+                 fmt::format("more than supply.pressure_Pa ({})", number_text(rig.axis.supply.pressure_Pa)));
+  if (limits.age_periods < 1.0 && rig.simulation.input_age_periods > 0)
+    check.refuse("limits.age_periods", {"simulation.input_age_periods"}, number_text(limits.age_periods),
+                 "at least the age that simulation.input_age_periods gives every sample (1)");
+}
+
 /// What the valves of this rig can do in the safe state.
 void check_safe_output(const Rig& rig, const Check& check) {
   const SafeOutputParameters& safe = rig.safe_output;
@@ -290,6 +328,45 @@ void check_reference_range(const Rig& rig, const Check& check) {
                fmt::format("positions within +-half of {} ({} m)", stroke_key(rig), number_text(half_stroke)));
 }
 
+/// Speed at which the fully open valve lets air out of the smaller chamber: choked, whatever the pressure.
+double fastest_mps(const Rig& rig) {
+  const auto& axis = rig.axis;
+  const Air<double> air(axis.air);
+  return air.flow_constant * std::sqrt(air.R * air.temperature_K) * axis.valve.area_max_m2 /
+         std::min(axis.cylinder.area_1_m2, axis.cylinder.area_2_m2);
+}
+
+/// Acceleration by the full supply on the larger area, nothing on the other side.
+double hardest_mps2(const Rig& rig) {
+  const auto& axis = rig.axis;
+  return axis.supply.pressure_Pa * std::max(axis.cylinder.area_1_m2, axis.cylinder.area_2_m2) /
+         (axis.slider.mass_kg + axis.slider.payload_kg);
+}
+
+/// A reference that no machine of this config can follow must not be started.
+void check_reference_motion(const Rig& rig, const Check& check) {
+  if (!rig.is_pneumatic() || needs_file(rig.reference)) return;
+  const Reference reference = build_reference(rig.reference, check.root);
+  const auto largest = [&](int order) {
+    const ReferenceExtremes range = reference.extremes(order, rig.duration_s);
+    return std::max(-range.minimum, range.maximum);
+  };
+  const double speed_mps = largest(1), acceleration_mps2 = largest(2);
+  const std::vector<std::string> others{"valve.area_max_m2", "slider.mass_kg", "limits.speed_mps"};
+  if (rig.limits.speed_mps && speed_mps > *rig.limits.speed_mps)
+    check.refuse("reference", others, fmt::format("a speed of {:.4g} m/s", speed_mps),
+                 fmt::format("at most limits.speed_mps ({} m/s)", number_text(*rig.limits.speed_mps)));
+  if (speed_mps > fastest_mps(rig))
+    check.refuse("reference", others, fmt::format("a speed of {:.4g} m/s", speed_mps),
+                 fmt::format("at most {:.3g} m/s, at which the fully open valve empties the smaller chamber: give "
+                             "the motion more time",
+                             fastest_mps(rig)));
+  if (acceleration_mps2 > hardest_mps2(rig))
+    check.refuse("reference", others, fmt::format("an acceleration of {:.4g} m/s2", acceleration_mps2),
+                 fmt::format("at most {:.3g} m/s2, which the full supply gives to the mass: give the motion more time",
+                             hardest_mps2(rig)));
+}
+
 /// The keys of a section that are paths of this rig's numbers.
 void check_paths(const Rig& rig, const Check& check, const std::string& section_name,
                  const std::map<std::string, double>& section_values) {
@@ -399,6 +476,7 @@ void check_rig(const Rig& rig, const ConfigNode& root) {
     return;
   }
   check_law(rig, check);
+  check_limits(rig, check);
   if (rig.is_pneumatic()) {
     check_lines(rig, check);
     check_supply_swing(rig, check);
@@ -410,9 +488,17 @@ void check_rig(const Rig& rig, const ConfigNode& root) {
   check_initial_position(rig, check);
   check_times(rig, check);
   check_reference_range(rig, check);
+  check_reference_motion(rig, check);
   check_paths(rig, check, "tolerances", rig.tolerances);
   check_deviations(rig, check);
   check_hal(rig, [&](const std::string& path, const std::string& found, const std::string& expected) {
+    check.refuse(path, {}, found, expected);
+  });
+}
+
+void check_machine_rig(const Rig& rig, const ConfigNode& root) {
+  const Check check{root};
+  check_outputs_without_us(rig, [&](const std::string& path, const std::string& found, const std::string& expected) {
     check.refuse(path, {}, found, expected);
   });
 }

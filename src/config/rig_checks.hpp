@@ -15,6 +15,9 @@ void complete_rig(Rig& rig, const ConfigNode& root);
 /// Throws InputError at the first contradiction, naming the line of the key that is to blame.
 void check_rig(const Rig& rig, const ConfigNode& root);
 
+/// Throws InputError where a valve would not be closed without this program, or would follow simulated sensors.
+void check_machine_rig(const Rig& rig, const ConfigNode& root);
+
 /// The part of it that a reference alone can break (lists of different length, times that do not increase).
 void check_reference_keys(const ReferenceSpec& reference, const ConfigNode& node, const std::string& path);
 

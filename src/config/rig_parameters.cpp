@@ -111,11 +111,11 @@ void set_parameter(Rig& rig, std::string_view path, double value) {
 
 Rig simulated_rig(const Rig& rig) {
   Rig simulated = rig;
-  for (const auto& [path, deviation] : rig.deviations)
-    walk_numbers(simulated,
-                 [&, &path = path, &deviation = deviation](const std::string& name, const Field&, auto& number) {
-                   if (name == path && is_stated(number)) number = stated_value(number) * (1.0 + deviation);
-                 });
+  if (rig.deviations.empty()) return simulated;
+  walk_numbers(simulated, [&](const std::string& name, const Field&, auto& number) {
+    const auto found = rig.deviations.find(name);
+    if (found != rig.deviations.end() && is_stated(number)) number = stated_value(number) * (1.0 + found->second);
+  });
   return simulated;
 }
 

@@ -113,6 +113,8 @@ void read_value(const Field& field, const ConfigNode& node, const std::string& p
     const bool empty = node.type == Type::scalar;
     refuse(node.origin, path, empty ? "an empty text" : describe(node), "a text");
   }
+  if (printable(node.text) != node.text)
+    refuse(node.origin, path, "a control character in " + describe(node), "a text");
   value = node.text;
 }
 

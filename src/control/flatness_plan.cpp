@@ -19,6 +19,9 @@ constexpr double window_s = 0.8e-3;        // half width of the differentiator: 
 constexpr double least_psi = 0.02;         // below it the spool that a flow needs would have no bound
 constexpr std::size_t margin = 64;         // fine steps of rest before t = 0 and after the last tick
 
+/// 120 s at 200 us: 1.2 GB and half a minute of work before the start.
+constexpr std::size_t plan_ticks_max = 600000;
+
 /// x, v, a and jerk at the fine times.
 using Motion = std::vector<std::array<double, 4>>;
 
@@ -28,7 +31,13 @@ double fine_time_s(std::size_t i, const FlatnessSettings& settings) noexcept {
 }
 
 Motion motion_of(const Reference& reference, double duration_s, const FlatnessSettings& settings) {
-  const auto ticks = static_cast<std::size_t>(std::max(1LL, std::llround(duration_s / settings.period_s)));
+  const double wanted = std::round(duration_s / settings.period_s);
+  if (wanted > static_cast<double>(plan_ticks_max))
+    throw std::invalid_argument("the feedforward flatness plans each tick of " + number_text(duration_s) +
+                                " s before the start, expected at most " +
+                                number_text(static_cast<double>(plan_ticks_max) * settings.period_s) +
+                                " s: a shorter duration_s, repeated by --moves");
+  const auto ticks = static_cast<std::size_t>(std::max(1.0, wanted));
   Motion motion(fine_steps * ticks + 2 * margin + 1);
   for (std::size_t i = 0; i < motion.size(); ++i) {
     const auto d = reference.at(fine_time_s(i, settings)).d;

@@ -1,6 +1,7 @@
 // What the verb design finds out of a config.
 #include "design/axis_design.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -54,21 +55,22 @@ Ppd2Gains designed_gains(const DesignRequest& request, const AxisDesign& design)
   return design.gains_before;
 }
 
-/// A law refuses gains below 0, so a rule that ends there has no answer.
-void require_usable(const AxisDesign& design) {
-  const ControllerParameters& c = design.controller;
-  const auto refuse = [&](std::string_view gain, double value) {
-    throw std::invalid_argument(fmt::format(
-        "method {} gives {} {:.4g}, which the law does not take; expected another position gain (found {:.4g} V/m)",
-        design_method_names[static_cast<std::size_t>(design.method)], gain, value, design.gains.position_V_per_m));
-  };
-  if (design.gains.acceleration_Vs2_per_m <= 0.0 && c.kind == ControllerKind::pd_force)
-    refuse("force_gain_V_per_N", design.gains.acceleration_Vs2_per_m / design.linear.mass_kg);
-  if (c.kind == ControllerKind::pd_force && c.pd_force.velocity_gain_Ns_per_m < 0.0)
-    refuse("velocity_gain_Ns_per_m", c.pd_force.velocity_gain_Ns_per_m);
-  if (design.gains.velocity_Vs_per_m < 0.0) refuse("velocity_gain_Vs_per_m", design.gains.velocity_Vs_per_m);
-  if (design.gains.acceleration_Vs2_per_m < 0.0)
-    refuse("acceleration_gain_Vs2_per_m", design.gains.acceleration_Vs2_per_m);
+/// A gain below 0, which a law does not take.
+struct UnusableGain {
+  std::string_view name;
+  double value = 0.0;
+};
+
+std::optional<UnusableGain> unusable_gain(const ControllerParameters& c, const Ppd2Gains& gains, double mass_kg) {
+  const bool is_force = c.kind == ControllerKind::pd_force;
+  if (gains.acceleration_Vs2_per_m <= 0.0 && is_force)
+    return UnusableGain{"force_gain_V_per_N", gains.acceleration_Vs2_per_m / mass_kg};
+  if (is_force && c.pd_force.velocity_gain_Ns_per_m < 0.0)
+    return UnusableGain{"velocity_gain_Ns_per_m", c.pd_force.velocity_gain_Ns_per_m};
+  if (gains.velocity_Vs_per_m < 0.0) return UnusableGain{"velocity_gain_Vs_per_m", gains.velocity_Vs_per_m};
+  if (gains.acceleration_Vs2_per_m < 0.0)
+    return UnusableGain{"acceleration_gain_Vs2_per_m", gains.acceleration_Vs2_per_m};
+  return std::nullopt;
 }
 
 ModelFigures figures_of(const LinearAxis& axis, const Ppd2Gains& gains) {
@@ -80,6 +82,94 @@ ModelFigures figures_of(const LinearAxis& axis, const Ppd2Gains& gains) {
 StateSpace law_of(const Rig& rig, const ControllerParameters& controller, const AxisLinearisation& linear) {
   if (controller.kind == ControllerKind::ppd2) return ppd2_law(controller.ppd2, rig.period_s);
   return pd_force_law(controller.pd_force, linear.mass_kg, linear.friction_Ns_per_m, rig.period_s);
+}
+
+double delay_s(const Rig& rig) {
+  return rig.axis.effects.valve.command_delay.delay_s +
+         (rig.controller.kind == ControllerKind::ppd2 ? rig.controller.ppd2.command_delay_s : 0.0);
+}
+
+SampledLoop loop_of(const Rig& rig, const ControllerParameters& controller, const AxisLinearisation& linear) {
+  return {held(continuous_axis(linear.axis), rig.period_s, delay_s(rig)), law_of(rig, controller, linear),
+          rig.period_s};
+}
+
+bool all_decay(const std::vector<Complex>& poles) {
+  return std::all_of(poles.begin(), poles.end(), [](const Complex& pole) { return pole.real() < 0.0; });
+}
+
+void require_lines(const Rig& rig) {
+  if (!rig.is_pneumatic())
+    throw std::invalid_argument("a driven_axis has no lines to design for; expected rig: cylinder or servo_table");
+}
+
+/// Position gains of a rule that were tried: those whose gains the law takes, and those whose loop is stable.
+struct RuleRange {
+  double usable_from = 0.0, usable_to = 0.0, stable_from = 0.0, stable_to = 0.0;  ///< V/m; 0: none
+};
+
+/// Lowest and highest position gain that are tried: three decades to either side of the request's and the config's
+/// [V/m].
+std::array<double, 2> tried_gains(const AxisDesign& design) {
+  const double asked = design.gains.position_V_per_m, before = design.gains_before.position_V_per_m;
+  const double other = before > 0.0 ? before : asked;
+  return {1e-3 * std::min(asked, other), 1e3 * std::max(asked, other)};
+}
+
+RuleRange rule_range(const Rig& rig, DesignRequest request, const AxisDesign& design) {
+  const double ratio = std::pow(10.0, 1.0 / 12.0);
+  // Its search takes seconds at each gain, and finds nothing where its start is unstable.
+  if (request.method == DesignMethod::itae_min) request.method = DesignMethod::alpha_beta;
+  const auto [lowest, highest] = tried_gains(design);
+  RuleRange out;
+  for (double Kp = lowest; Kp <= highest; Kp *= ratio) {
+    request.position_gain_V_per_m = Kp;
+    const Ppd2Gains gains = designed_gains(request, design);
+    const ControllerParameters controller = with_gains(rig.controller, gains, design.linear);
+    if (unusable_gain(controller, gains, design.linear.mass_kg)) continue;
+    if (out.usable_from == 0.0) out.usable_from = Kp;
+    out.usable_to = Kp;
+    if (!all_decay(loop_of(rig, controller, design.linear).poles())) continue;
+    if (out.stable_from == 0.0) out.stable_from = Kp;
+    out.stable_to = Kp;
+  }
+  return out;
+}
+
+/// Which way the position gain has to go, or what stands in the way of every one.
+std::string rule_advice(const Rig& rig, const DesignRequest& request, const AxisDesign& design) {
+  const RuleRange range = rule_range(rig, request, design);
+  const double asked = design.gains.position_V_per_m;
+  if (range.stable_to > 0.0)
+    return fmt::format("{}: the loop{} is stable from {:.3g} to {:.3g} V/m", asked > range.stable_to ? "down" : "up",
+                       request.method == DesignMethod::itae_min ? " of alpha_beta, its start," : "", range.stable_from,
+                       range.stable_to);
+  const LinearAxis& axis = design.linear.axis;
+  const SecondOrderLag& line = design.linear.sides[0].lag;
+  const double wn = std::sqrt(axis.natural_frequency_squared()), w = std::cbrt(asked * axis.gain_per_V);
+  const auto [lowest, highest] = tried_gains(design);
+  if (range.usable_to == 0.0)
+    return fmt::format("none from {:.3g} to {:.3g} V/m helps: the air spring's {:.3g} rad/s stands against the rule's "
+                       "{:.3g} rad/s; judge gains of your own (--method config) instead",
+                       lowest, highest, wn, w);
+  const char* way = asked < range.usable_from ? "up: " : asked > range.usable_to ? "down: " : "of no help: ";
+  return fmt::format(
+      "{}the law takes the gains from {:.3g} V/m on, but every loop from there to {:.3g} V/m is unstable: the "
+      "lag of the lines at {:.3g} Hz (damping {:.2g}) stands in the way; lower the config's gains by hand "
+      "and judge them (--method config)",
+      way, range.usable_from, range.usable_to, line.natural_frequency_rad_per_s / (2.0 * std::numbers::pi),
+      line.damping_ratio);
+}
+
+/// A law refuses gains below 0, so a rule that ends there has no answer.
+void require_usable(const Rig& rig, const DesignRequest& request, const AxisDesign& design) {
+  const auto unusable = unusable_gain(design.controller, design.gains, design.linear.mass_kg);
+  if (!unusable) return;
+  throw std::invalid_argument(fmt::format(
+      "method {} gives {} {:.4g} at a position gain of {:.4g} V/m, which the law does not take; expected another "
+      "position gain: {}",
+      design_method_names[static_cast<std::size_t>(design.method)], unusable->name, unusable->value,
+      design.gains.position_V_per_m, rule_advice(rig, request, design)));
 }
 
 /// rms of the command that white noise of the position makes while the slider rests: from the sum of the law's squared
@@ -128,9 +218,20 @@ void warn_of_margins(std::string_view where, const LoopMargins& margins, std::ve
                                    margins.phase_deg, margins.phase_Hz, least_phase_margin_deg));
 }
 
-void find_warnings(const Rig& rig, AxisDesign& design) {
+void warn_of_instability(const Rig& rig, const DesignRequest& request, AxisDesign& design) {
+  if (design.is_stable) return;
+  std::string text = "the loop is unstable with these gains";
+  if (request.method != DesignMethod::config) text += "; position gain " + rule_advice(rig, request, design);
+  else if (design.margins.gain_down > 0.0)
+    text += fmt::format("; gain down: it is stable below {:.3g} of them", design.margins.gain_down);
+  design.warnings.push_back(std::move(text));
+  if (request.method == DesignMethod::itae_min && !std::isfinite(design.models.back().itae_s2))
+    design.warnings.emplace_back("itae_min found no stable loop: its gains are its start, those of alpha_beta");
+}
+
+void find_warnings(const Rig& rig, const DesignRequest& request, AxisDesign& design) {
   auto& warnings = design.warnings;
-  if (!design.is_stable) warnings.emplace_back("the loop is unstable with these gains");
+  warn_of_instability(rig, request, design);
   warn_of_margins("linear model", design.margins, warnings);
   warn_of_margins("distributed lines", design.exact_margins, warnings);
   if (!design.spool_in_range)
@@ -163,16 +264,27 @@ Complex exact_open(const AxisDesign& design, double frequency_Hz) {
   return -(design.loop.law.transfer(z) * y)(0) * hold;
 }
 
+LoopPoint loop_point(const Rig& rig, bool with_margins) {
+  require_lines(rig);
+  const SampledLoop loop = loop_of(rig, rig.controller, linearise(rig));
+  const std::vector<Complex> poles = loop.poles();
+  LoopPoint out{rig.initial.position_m, rig.axis.slider.payload_kg, all_decay(poles), 0.0, {}};
+  const auto weakest = std::max_element(poles.begin(), poles.end(),
+                                        [](const Complex& a, const Complex& b) { return a.real() < b.real(); });
+  if (weakest != poles.end()) out.weakest_Hz = std::fabs(weakest->imag()) / (2.0 * std::numbers::pi);
+  if (with_margins) out.margins = margins_of([&](double f) { return loop.open(f); }, 0.5 / rig.period_s);
+  return out;
+}
+
 AxisDesign design_axis(const Rig& rig, const DesignRequest& request, const LoadPositions& load) {
-  if (!rig.is_pneumatic())
-    throw std::invalid_argument("a driven_axis has no lines to design for; expected rig: cylinder or servo_table");
+  require_lines(rig);
   AxisDesign out(linearise(rig));
   out.method = request.method;
   out.gains_before = gains_of(rig.controller, out.linear);
   out.gains = designed_gains(request, out);
   out.controller =
       request.method == DesignMethod::config ? rig.controller : with_gains(rig.controller, out.gains, out.linear);
-  if (request.method != DesignMethod::config) require_usable(out);
+  if (request.method != DesignMethod::config) require_usable(rig, request, out);
 
   const LinearAxis &full = out.linear.axis, fifth = matched_at_low_frequency(full);
   for (const LinearAxis& axis : {without_lags(full), fifth, full})
@@ -181,13 +293,10 @@ AxisDesign design_axis(const Rig& rig, const DesignRequest& request, const LoadP
   out.matched = fifth.lines[0];
   out.by_distance = reduced_by_pole_distance(full, out.gains).lines[0];
 
-  out.delay_s = rig.axis.effects.valve.command_delay.delay_s +
-                (rig.controller.kind == ControllerKind::ppd2 ? rig.controller.ppd2.command_delay_s : 0.0);
-  out.loop = {held(continuous_axis(full), rig.period_s, out.delay_s), law_of(rig, out.controller, out.linear),
-              rig.period_s};
+  out.delay_s = delay_s(rig);
+  out.loop = loop_of(rig, out.controller, out.linear);
   out.poles = out.loop.poles();
-  out.is_stable = true;
-  for (const Complex& pole : out.poles) out.is_stable = out.is_stable && pole.real() < 0.0;
+  out.is_stable = all_decay(out.poles);
   const double highest_Hz = 0.5 / rig.period_s;
   out.margins = margins_of([&](double f) { return out.loop.open(f); }, highest_Hz);
   out.exact_margins = margins_of([&](double f) { return exact_open(out, f); }, highest_Hz);
@@ -195,7 +304,7 @@ AxisDesign design_axis(const Rig& rig, const DesignRequest& request, const LoadP
   out.command_noise_V = command_noise_V(rig, out.controller, out.linear);
   if (is_table(rig) && request.needs_mean_pressure) find_mean_pressure(rig, load, out);
   find_spool(rig, out);
-  find_warnings(rig, out);
+  find_warnings(rig, request, out);
   return out;
 }
 

@@ -60,6 +60,16 @@ struct AxisDesign {
   std::vector<std::string> warnings;  ///< one sentence each
 };
 
+/// The config's loop at the config's own operating point and payload.
+struct LoopPoint {
+  double position_m = 0.0, payload_kg = 0.0;
+  bool is_stable = false;
+  double weakest_Hz = 0.0;  ///< of the pole that grows most or dies slowest
+  LoopMargins margins;      ///< only where they were asked for
+};
+/// The sampled loop of the full linear model with the config's gains. Throws std::invalid_argument as design_axis does.
+LoopPoint loop_point(const Rig& rig, bool with_margins);
+
 /// Designs the config's axis. Throws std::invalid_argument with one sentence where the request does not fit.
 AxisDesign design_axis(const Rig& rig, const DesignRequest& request, const LoadPositions& load = {});
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <pneuservo/control/smoothstep.hpp>
+#include "loop/motion_limits.hpp"
 
 namespace pneuservo {
 namespace {
@@ -14,8 +14,8 @@ double tolerance_of(const Rig& rig, const char* path) {
   return found == rig.tolerances.end() ? 0.0 : found->second;
 }
 
-constexpr std::size_t approach_degree = 9;
 constexpr std::int64_t most_caught_up_steps = 10;  // a late tick must not grow long itself
+constexpr std::int64_t most_held_periods = 100;    // of the prediction, some 10 us
 
 }  // namespace
 
@@ -49,12 +49,21 @@ void AxisLoop::configure(const Rig& rig, const LoadPositions& load) {
   source_ = controller_.pressure_source();
   tolerance_m_ =
       std::min(approach_tolerance_m, approach_quanta * (rig.sensors.position.quantum_m + rig.sensors.position.noise_m));
-  supervisor_.configure(rig, source_ == PressureSource::chamber);
+  const auto& cylinder = rig.axis.cylinder;
+  area_1_m2_ = cylinder.area_1_m2;
+  area_2_m2_ = cylinder.area_2_m2;
+  atmosphere_force_N_ = (area_1_m2_ - area_2_m2_) * rig.axis.air.atmosphere_Pa;
+  const MotionPrediction prediction = predict_motion(rig, reference_);
+  twin_ = prediction.twin;
+  supervisor_.configure(rig, source_ == PressureSource::chamber, prediction.limits);
   rearm();
 }
 
 void AxisLoop::rearm() noexcept {
-  begins_ = true;
+  armed_again_ = supervisor_.has_moved();
+  supervisor_.allow_motion(!armed_again_);
+  stood_s_ = 0.0;
+  begins_ = twin_waits_ = true;
   moved_ = limited_ = false;
   velocity_mps_ = 0.0;
   estimator_.reset();
@@ -65,40 +74,16 @@ void AxisLoop::rearm() noexcept {
 // From here to the reference's first value, at rest at both ends, a rest there, then the reference's own time begins.
 void AxisLoop::plan_motion(double t_s, const JudgedInputs& inputs) noexcept {
   begins_ = false;
-  approach_start_s_ = t_s;
-  approach_from_m_ = inputs.position_m;
-  approach_to_m_ = reference_.at(0.0).d[0];
-  const double way = std::fabs(approach_to_m_ - approach_from_m_);
-  const bool goes = way > tolerance_m_;
-  const double duration =
-      goes ? std::max(approach_shortest_s, approach_peak_over_mean * way / approach_speed_mps) : 0.0;
-  const auto whole_periods = [&](double time_s) { return period_s_ * std::ceil(time_s / period_s_); };
-  approach_end_s_ = t_s + whole_periods(duration);
+  const double to_m = reference_.at(0.0).d[0];
+  const bool goes = std::fabs(to_m - inputs.position_m) > tolerance_m_;
+  approach_.plan(t_s, inputs.position_m, to_m, goes, period_s_);
   const double rest_s = controller_.rest_s(goes || moved_, inputs.port_Pa);
-  reference_start_s_ = approach_end_s_ + whole_periods(rest_s);
+  reference_start_s_ = approach_.end_s() + period_s_ * std::ceil(rest_s / period_s_);
   moved_ = false;
 }
 
 ReferencePoint AxisLoop::reference_at(double t_s) const noexcept {
-  if (t_s >= reference_start_s_) return reference_.at(t_s - reference_start_s_);
-  ReferencePoint point;
-  point.d[0] = approach_to_m_;
-  if (t_s >= approach_end_s_) return point;
-  // x = from + way s(z), z = time/duration; a derivative of s by t is one by z over the duration.
-  static constexpr auto smooth = smoothstep_coefficients(approach_degree);
-  const double duration = approach_end_s_ - approach_start_s_, way = approach_to_m_ - approach_from_m_;
-  const double z = std::clamp((t_s - approach_start_s_) / duration, 0.0, 1.0);
-  std::array<double, smoothstep_degree_max + 1> c = smooth;
-  double scale = way;
-  for (std::size_t order = 0; order < point.d.size(); ++order) {
-    double value = 0.0;
-    for (std::size_t i = approach_degree + 1; i-- > 0;) value = value * z + c[i];
-    point.d[order] = scale * value + (order == 0 ? approach_from_m_ : 0.0);
-    for (std::size_t i = 0; i < approach_degree; ++i) c[i] = static_cast<double>(i + 1) * c[i + 1];
-    c[approach_degree] = 0.0;
-    scale /= duration;
-  }
-  return point;
+  return t_s >= reference_start_s_ ? reference_.at(t_s - reference_start_s_) : approach_.at(t_s);
 }
 
 std::array<double, 2> AxisLoop::pressures(const JudgedInputs& inputs, const EstimatorOutput& estimate) const noexcept {
@@ -110,24 +95,53 @@ std::array<double, 2> AxisLoop::pressures(const JudgedInputs& inputs, const Esti
   return {estimate.chamber_pressure_Pa[0], estimate.chamber_pressure_Pa[1]};
 }
 
-std::array<double, 2> AxisLoop::control(double t_s, const JudgedInputs& inputs,
-                                        const EstimatorOutput& estimate) noexcept {
+std::array<double, 2> AxisLoop::control(double t_s, const JudgedInputs& inputs, const EstimatorOutput& estimate,
+                                        std::int64_t skipped) noexcept {
   if (begins_) plan_motion(t_s, inputs);
   // What the last move teaches is not known yet: one period more of rest.
   if (learning_due() && t_s >= reference_start_s_) reference_start_s_ = t_s + period_s_;
-  if (Ppd2GainSet gains; gain_mailbox_ != nullptr && gain_mailbox_->take(gains)) controller_.change_gains(gains);
+  if (Ppd2GainSet gains; gain_mailbox_ != nullptr && gain_mailbox_->take(gains)) {
+    controller_.change_gains(gains);
+    twin_.change_gains(gains);
+  }
   now_ = reference_at(t_s);
   const double lead_s = controller_.lead_s();
-  ControlInput in{inputs.position_m, pressures(inputs, estimate), inputs.port_Pa, now_, now_};
+  ControlInput& in = control_in_;
+  in = {inputs.position_m, pressures(inputs, estimate), inputs.port_Pa, now_, now_};
   if (lead_s > 0.0) in.ahead = reference_at(t_s + lead_s);
   in.tick = std::llround((t_s - reference_start_s_) / period_s_);
-  const ControlOutput out = controller_.step(in);
+  if (twin_waits_) twin_.start(in.x_m, in.pressure_Pa, supervisor_.command_V());
+  else if (skipped > 0) twin_.hold(std::min<std::int64_t>(skipped, most_held_periods));
+  twin_waits_ = false;
+  ControlOutput out = controller_.step(in);
   velocity_mps_ = out.speed_mps;
-  limited_ = out.limited;
+  const double most_V = supervisor_.motion().most_command_V();
+  limited_ = out.limited || std::fabs(out.command_V[0]) > most_V || std::fabs(out.command_V[1]) > most_V;
   const bool within = std::fabs(out.command_V[0]) <= command_max_V_ && std::fabs(out.command_V[1]) <= command_max_V_;
   const bool usable = source_ != PressureSource::estimated || (estimate.valid[0] && estimate.valid[1]);
-  supervisor_.check_motion({out.speed_mps, now_.d[0], out.finite && within, usable});
+  supervisor_.check_motion({motion_sample(in, skipped), out.finite && within, usable});
+  for (double& command_V : out.command_V) command_V = std::clamp(command_V, -most_V, most_V);
   return out.command_V;
+}
+
+// An axis that is armed again begins from rest: none that still moves is taken over.
+void AxisLoop::note_rest(const JudgedInputs& inputs, std::int64_t skipped) noexcept {
+  if (!(std::fabs(inputs.position_m - stood_at_m_) <= supervisor_.motion().limits().standing_m)) {
+    stood_at_m_ = inputs.position_m;
+    stood_s_ = 0.0;
+  } else stood_s_ += static_cast<double>(skipped + 1) * period_s_;
+  supervisor_.allow_motion(!armed_again_ || stood_s_ >= rest_before_motion_s);
+}
+
+MotionSample AxisLoop::motion_sample(const ControlInput& in, std::int64_t skipped) const noexcept {
+  const double force_N = area_1_m2_ * in.pressure_Pa[0] - area_2_m2_ * in.pressure_Pa[1] - atmosphere_force_N_;
+  return {.position_m = in.x_m,
+          .predicted_m = twin_.position_m(),
+          .reference_m = in.now.d[0],
+          .speed_mps = velocity_mps_,
+          .predicted_mps = twin_.velocity_mps(),
+          .force_N = force_N,
+          .periods = static_cast<double>(skipped + 1)};
 }
 
 EstimatorOutput AxisLoop::estimate(const JudgedInputs& inputs, std::int64_t skipped) noexcept {
@@ -150,24 +164,27 @@ bool AxisLoop::pass(Backend& backend, std::int64_t tick, std::int64_t skipped, S
   const Truth truth = backend.truth();  // for the row alone, taken at the sampling instant
   stamp(&StageTimes::read);
   const JudgedInputs inputs = supervisor_.judge(measured, skipped);
+  if (!supervisor_.is_active()) note_rest(inputs, skipped);
   controller_.skip(skipped);
   const EstimatorOutput estimated = estimate(inputs, skipped);
   supervisor_.cross_check(inputs, estimated, skipped);
   stamp(&StageTimes::estimated);
   std::array<double, 2> command_V = supervisor_.safe_V();
   limited_ = false;
-  if (supervisor_.is_active()) command_V = control(t_s, inputs, estimated);
+  if (supervisor_.is_active()) command_V = control(t_s, inputs, estimated, skipped);
   if (!supervisor_.is_active()) command_V = supervisor_.safe_V();
   stamp(&StageTimes::controlled);
-  if (!backend.write(tick, {command_V[0], command_V[1], supervisor_.is_active()})) {
+  const bool ended = supervisor_.faults() != 0;
+  if (!backend.write(tick, {command_V[0], command_V[1], supervisor_.is_active(), ended})) {
     supervisor_.latch(fault_output_missed);
     command_V = supervisor_.safe_V();
-    backend.write(tick, {command_V[0], command_V[1]});
+    backend.write(tick, {command_V[0], command_V[1], false, true});
   }
   supervisor_.note_commands(command_V);
   if (!supervisor_.is_active()) limited_ = false;
   stamp(&StageTimes::written);
   fill_row(t_s, skipped, measured, truth, estimated);
+  if (supervisor_.is_active()) twin_.step(control_in_, inputs.supply_Pa, supervisor_.motion().most_command_V());
   return true;
 }
 
@@ -175,7 +192,7 @@ void AxisLoop::stop(Backend& backend, std::int64_t tick) noexcept {
   supervisor_.stop();
   const std::array<double, 2>& safe_V = supervisor_.safe_V();
   supervisor_.note_commands(safe_V);
-  backend.write(tick, {safe_V[0], safe_V[1]});
+  backend.write(tick, {safe_V[0], safe_V[1], false, true});
 }
 
 void AxisLoop::fill_row(double t_s, std::int64_t skipped, const Measurement& measured, const Truth& truth,
@@ -186,6 +203,7 @@ void AxisLoop::fill_row(double t_s, std::int64_t skipped, const Measurement& mea
   row_.t_s = t_s;
   row_.x_ref_m = known(!begins_, now_.d[0]);
   row_.v_ref_mps = known(!begins_, now_.d[1]);
+  row_.x_predicted_m = known(!twin_waits_, twin_.position_m());
   row_.x_m = recorded(measured.position_m);
   row_.v_mps = velocity_mps_;
   const bool two_valves = rig_ == RigKind::servo_table;

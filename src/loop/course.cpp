@@ -1,22 +1,28 @@
 // The course of a run beside the pass itself.
 #include "loop/course.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pneuservo {
-Course::Course(const Rig& rig, int moves)
-    : period_s_(rig.period_s), duration_s_(rig.duration_s), wanted_moves_(static_cast<std::size_t>(moves)),
-      planned_ticks_(std::llround(rig.duration_s / rig.period_s) * moves) {
+Course::Course(const Rig& rig, int moves, std::size_t rows_kept)
+    : period_s_(rig.period_s), duration_s_(rig.duration_s),
+      planned_ticks_(std::max(rig.duration_s / rig.period_s * moves, 1.0)), wanted_moves_(moves) {
   const double most_s =
       static_cast<double>(moves) * (rig.duration_s + AxisLoop::longest_approach_s(rig.axis.cylinder.stroke_m)) +
       after_fault_s;
-  rows_.resize(static_cast<std::size_t>(most_s / rig.period_s) + 16);  // touches every page now, not in the loop
-  moves_.resize(wanted_moves_);
+  const double most = std::min(most_s / rig.period_s + 16.0, static_cast<double>(rows_kept));
+  rows_.resize(static_cast<std::size_t>(most));  // touches every page now, not in the loop
+  moves_.resize(std::min(static_cast<std::size_t>(moves), moves_kept_max));
 }
 
 bool Course::after(std::int64_t tick, AxisLoop& loop) noexcept PNEUSERVO_NONBLOCKING {
   move_start_s_ = loop.reference_start_s();
-  if (kept_ < rows_.size()) rows_[kept_++] = loop.row();
+  if (!rows_.empty()) {
+    rows_[next_] = loop.row();
+    if (++next_ == rows_.size()) next_ = 0;
+  }
+  ++count_;
   if (last_tick_ >= 0) overruns_ += tick - last_tick_ - 1;
   last_tick_ = tick;
   if (loop.faults() != 0 && fault_tick_ < 0) fault_tick_ = tick;
@@ -30,10 +36,36 @@ bool Course::after(std::int64_t tick, AxisLoop& loop) noexcept PNEUSERVO_NONBLOC
 }
 
 void Course::close() noexcept {
-  if (ended_rows_ == kept_ || closed_ >= wanted_moves_) return;
-  moves_[closed_++] = {ended_rows_, kept_, move_start_s_, overruns_};
-  ended_rows_ = kept_;
+  if (ended_rows_ == count_ || closed_ >= wanted_moves_) return;
+  moves_[static_cast<std::size_t>(closed_) % moves_.size()] = {ended_rows_, count_, move_start_s_, overruns_};
+  ++closed_;
+  ended_rows_ = count_;
   overruns_ = 0;
+}
+
+std::int64_t Course::first_kept() const noexcept {
+  return std::max<std::int64_t>(count_ - static_cast<std::int64_t>(rows_.size()), 0);
+}
+
+std::vector<MoveSpan> Course::moves() const {
+  std::vector<MoveSpan> kept;
+  const std::int64_t first_row = first_kept(), most = static_cast<std::int64_t>(moves_.size());
+  for (std::int64_t i = std::max<std::int64_t>(closed_ - most, 0); i < closed_; ++i) {
+    const Span& span = moves_[static_cast<std::size_t>(i % most)];
+    if (span.end <= first_row) continue;
+    const std::int64_t begin = std::max(span.begin, first_row);
+    kept.push_back({static_cast<std::size_t>(begin - first_row), static_cast<std::size_t>(span.end - first_row),
+                    span.start_s, span.overruns, static_cast<int>(i + 1),
+                    static_cast<std::size_t>(begin - span.begin)});
+  }
+  return kept;
+}
+
+std::vector<Row> Course::take_rows() {
+  if (count_ < static_cast<std::int64_t>(rows_.size())) rows_.resize(static_cast<std::size_t>(count_));
+  else std::rotate(rows_.begin(), rows_.begin() + static_cast<std::ptrdiff_t>(next_), rows_.end());
+  count_ = static_cast<std::int64_t>(rows_.size());
+  return std::move(rows_);
 }
 
 }  // namespace pneuservo

@@ -49,7 +49,7 @@ void CrossCheck::reset() noexcept {
   valves_.reset(0.0);
   missing_kg_ = through_kg_ = difference_Pa_ = Two(0);
   ticks_ = 0;
-  started_ = false;
+  started_ = watching_ = false;
   flow_share_ = chamber_share_ = {};
 }
 
@@ -74,6 +74,7 @@ CrossCheck::Two CrossCheck::known_leaks(double position_m, const EstimatorOutput
 
 std::uint64_t CrossCheck::check(const CrossCheckInput& in, const EstimatorOutput& estimate,
                                 std::int64_t skipped) noexcept {
+  watching_ = false;
   const bool whole = std::isfinite(in.port_Pa[0]) && std::isfinite(in.port_Pa[1]) && std::isfinite(in.supply_Pa);
   if (!whole || (estimate.health & estimator_not_started) != 0) {
     reset();
@@ -94,6 +95,7 @@ std::uint64_t CrossCheck::check(const CrossCheckInput& in, const EstimatorOutput
     ++ticks_;
     return 0;
   }
+  watching_ = true;
   const Two into_line = join(estimate.port_mass_flow_kgps[0], estimate.port_mass_flow_kgps[1]);
   const Two dt(period_s_), keep(decay_);
   missing_kg_ = keep * missing_kg_ + dt * (through_valve - into_line - known_leaks(in.position_m, estimate));

@@ -12,6 +12,7 @@ std::string_view name(FindingLevel level) {
     case FindingLevel::good: return "good";
     case FindingLevel::acceptable: return "acceptable";
     case FindingLevel::bad: return "bad";
+    case FindingLevel::unsafe: return "unsafe";
   }
   return "";
 }

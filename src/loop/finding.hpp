@@ -6,7 +6,8 @@
 
 namespace pneuservo {
 
-enum class FindingLevel { good, acceptable, bad };
+/// bad: it will not do what it shall; unsafe: it may do what hurts somebody or breaks something.
+enum class FindingLevel { good, acceptable, bad, unsafe };
 std::string_view name(FindingLevel level);
 
 /// `remedy` is a command or an instruction; empty only for FindingLevel::good.

@@ -1,5 +1,6 @@
 // The clock of real time, the thread's fault counters, and memory that is touched before it is needed.
 #pragma once
+#include <algorithm>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
@@ -26,6 +27,30 @@ struct MonotonicClock {
   static void spin_until_ns(std::int64_t time_ns) noexcept {
     while (now_ns() < time_ns) __builtin_ia32_pause();
   }
+};
+
+/// Suspends of the machine: CLOCK_BOOTTIME goes on in them, CLOCK_MONOTONIC stands, so no tick is late after one. Both
+/// are read without a system call (vDSO).
+class SuspendWatch {
+ public:
+  /// HOT. Time slept since the first call, never more than the truth [ns]; `now_ns`: CLOCK_MONOTONIC, read before. A
+  /// reading that was preempted in between proves nothing, so a rise is believed only with a second one behind it.
+  std::int64_t slept_ns(std::int64_t now_ns) noexcept {
+    const std::int64_t boot_ns = boot_now_ns(), at_most_ns = boot_ns - now_ns;
+    if (first_) difference_ns_ = at_most_ns, first_ = false;
+    if (at_most_ns <= difference_ns_ + slept_ns_) return slept_ns_;
+    const std::int64_t at_least_ns = boot_ns - MonotonicClock::now_ns();
+    return slept_ns_ = std::max(slept_ns_, at_least_ns - difference_ns_);
+  }
+
+ private:
+  static std::int64_t boot_now_ns() noexcept {
+    timespec now;
+    clock_gettime(CLOCK_BOOTTIME, &now);
+    return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+  }
+  bool first_ = true;
+  std::int64_t difference_ns_ = 0, slept_ns_ = 0;
 };
 
 /// What the kernel counts against a real-time thread.

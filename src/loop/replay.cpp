@@ -56,13 +56,15 @@ ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std
   loop.configure(rig, load);
   GainMailbox mailbox;
   loop.set_gain_mailbox(&mailbox);
-  Course course(rig, moves);
+  Course course(rig, moves, 0);
+  result.rows.reserve(ticks.size());
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     if (dropped_before[i]) break;
     const std::int64_t skipped = i == 0 ? 0 : ticks[i] - ticks[i - 1] - 1;
     if (i < gains.size()) mailbox.post(gains[i]);
     if (!loop.pass(backend, ticks[i], skipped, nullptr, nullptr)) break;
     const Row& row = loop.row();
+    result.rows.push_back(row);
     for (std::size_t c = 0; c < recorded.size(); ++c) {
       const double was = (*recorded[c].second)[i], is = value_of(row, recorded[c].first);
       if (same_bits(was, is)) continue;
@@ -74,8 +76,6 @@ ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std
     if (!course.after(ticks[i], loop)) break;
     if (loop.learning_due()) loop.learn(rig.axis);
   }
-  course.close();
-  result.rows = course.take_rows();
   return result;
 }
 

@@ -53,6 +53,11 @@ void grade_command_range(const Rig& rig, Findings& findings) {
         fmt::format("+-{:g} V, fully open at {:.3g} V", valve.command_max_V, full_V), "");
 }
 
+const PressureSensorParameters& fed_back_pressure(const Rig& rig) {
+  const bool chambers = rig.controller.pd_force.pressure_source == PressureSource::chamber;
+  return chambers ? rig.sensors.chamber_pressure : rig.sensors.port_pressure;
+}
+
 void grade_gains(const Rig& rig, Findings& findings) {
   const auto& controller = rig.controller.pd_force;
   const std::size_t before = findings.size();
@@ -72,17 +77,9 @@ void grade_gains(const Rig& rig, Findings& findings) {
         "choose two periods or more");
 }
 
-/// What the sensors' noise and quanta make of the command from one period to the next, one standard deviation.
 void grade_noise(const Rig& rig, Findings& findings) {
-  const auto& controller = rig.controller.pd_force;
-  const auto& pressure =
-      controller.pressure_source == PressureSource::chamber ? rig.sensors.chamber_pressure : rig.sensors.port_pressure;
-  const double force_N = pressure.rms_Pa() * std::hypot(rig.axis.cylinder.area_1_m2, rig.axis.cylinder.area_2_m2);
-  const double smoothing = 1 - std::exp(-rig.period_s / std::max(controller.velocity_filter_s, 1e-9));
-  const double velocity_mps = rig.sensors.position.rms_m() * smoothing * std::sqrt(2.0) / rig.period_s;
-  const double command_V =
-      controller.force_gain_V_per_N * std::hypot(force_N, controller.velocity_gain_Ns_per_m * velocity_mps);
-  const double share = command_V / rig.axis.valve.command_max_V;
+  const auto& pressure = fed_back_pressure(rig);
+  const double command_V = command_noise_rms_V(rig), share = command_V / rig.axis.valve.command_max_V;
   const std::string what =
       fmt::format("moves the command by about {:.2g} V rms, {:.2g} % of its range", command_V, 100 * share);
   if (share > 0.05)
@@ -114,6 +111,15 @@ void grade_bus(const Rig& rig, Findings& findings) {
 }
 
 }  // namespace
+
+double command_noise_rms_V(const Rig& rig) {
+  const PdForceParameters& controller = rig.controller.pd_force;
+  const double force_N =
+      fed_back_pressure(rig).rms_Pa() * std::hypot(rig.axis.cylinder.area_1_m2, rig.axis.cylinder.area_2_m2);
+  const double smoothing = 1 - std::exp(-rig.period_s / std::max(controller.velocity_filter_s, 1e-9));
+  const double velocity_mps = rig.sensors.position.rms_m() * smoothing * std::sqrt(2.0) / rig.period_s;
+  return controller.force_gain_V_per_N * std::hypot(force_N, controller.velocity_gain_Ns_per_m * velocity_mps);
+}
 
 std::vector<Finding> grade_rig(const Rig& rig) {
   Findings findings;

@@ -10,8 +10,11 @@
 #include <pneuservo/loop/grid.hpp>
 #include <pneuservo/record/ring.hpp>
 
+#include "loop/fault_watch.hpp"
+#include "loop/last_resort.hpp"
 #include "loop/realtime_clock.hpp"
 #include "loop/realtime_stop.hpp"
+#include "record/ordinary_thread.hpp"
 #include "record/writer.hpp"
 
 namespace pneuservo {
@@ -20,10 +23,23 @@ namespace {
 /// Ticks left out of timing and fault counters: the first pass touches code and data for the first time.
 constexpr std::int64_t warm_up_ticks = 200;
 
+std::int64_t injected_sleep_ns(const RunSettings& settings, std::int64_t tick) noexcept {
+  std::int64_t slept_ns = 0;
+  for (const Suspend& suspend : settings.suspends) slept_ns += suspend.tick <= tick ? suspend.slept_ns : 0;
+  return slept_ns;
+}
+
+/// HOT. After the course has seen the tick.
+void note_fault(const RunSettings& settings, const Course& course, const AxisLoop& loop, std::int64_t tick) noexcept {
+  if (settings.fault_watch != nullptr && course.fault_tick() == tick)
+    settings.fault_watch->note(loop.first_faults(), loop.row().t_s);
+}
+
 void run_simulated(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSettings& settings, Course& course,
                    RunOutcome& out) {
   const auto pass = [&](std::int64_t tick, std::int64_t skipped) noexcept {
     const RtScope hot;
+    LastResort::note_tick(tick);
     return loop.pass(backend, tick, skipped, nullptr, nullptr);
   };
   std::int64_t tick = 0;
@@ -33,6 +49,7 @@ void run_simulated(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSe
     for (; late != settings.late.end() && late->tick <= tick; ++late) skipped += late->slots;
     tick += skipped;
     out.overruns += skipped;
+    loop.note_slept(injected_sleep_ns(settings, tick));
     if (!pass(tick, skipped)) {
       out.ended_by_backend = true;
       break;
@@ -40,7 +57,9 @@ void run_simulated(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSe
     ++out.ticks;
     if (settings.writer != nullptr) settings.writer->write(loop.row());
     if (settings.progress && tick % 2048 == 0) settings.progress(course.fraction(tick));
-    if (!course.after(tick, loop)) break;
+    const bool goes_on = course.after(tick, loop);
+    note_fault(settings, course, loop, tick);
+    if (!goes_on) break;
     if (loop.learning_due()) loop.learn(rig.axis);
   }
   out.stopped_by_signal = StopRequest::requested();
@@ -74,14 +93,16 @@ void wait_for_slot(std::int64_t slot_ns, std::int64_t early_ns, const AxisLoop& 
 }
 
 // One tick of real time: the pass, its row into the ring, the course. False: the run is over.
-bool real_tick(AxisLoop& loop, Backend& backend, RecordingRing* ring, Course& course, std::int64_t tick,
+bool real_tick(AxisLoop& loop, Backend& backend, const RunSettings& settings, Course& course, std::int64_t tick,
                std::int64_t skipped, std::int64_t lateness_ns, std::int64_t last_work_ns, StageTimes& stages) noexcept {
   const RtScope hot;
+  LastResort::note_tick(tick);
   if (!loop.pass(backend, tick, skipped, &stages, &MonotonicClock::now_ns)) return false;
   loop.row().lateness_us = static_cast<double>(lateness_ns) * 1e-3;
   loop.row().work_us = static_cast<double>(last_work_ns) * 1e-3;  // of the tick before: this one is not done yet
-  if (ring != nullptr) ring->push(loop.row());
+  if (settings.ring != nullptr) settings.ring->push(loop.row());
   const bool goes_on = course.after(tick, loop);
+  note_fault(settings, course, loop, tick);
   stages.end = MonotonicClock::now_ns();
   return goes_on;
 }
@@ -92,6 +113,7 @@ class Learner {
   Learner(const Rig& rig, AxisLoop& loop) {
     if (!loop.controller().learns()) return;
     thread_ = std::jthread([&rig, &loop](const std::stop_token& ends) {
+      become_ordinary_thread("learning");
       while (!ends.stop_requested()) {
         if (loop.learning_due()) loop.learn(rig.axis);
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
@@ -118,6 +140,8 @@ void run_real(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSetting
   ThreadCounters before = ThreadCounters::now();
   std::int64_t skipped = 0, last_work_ns = 0;
   std::int64_t unserved = 0;
+  SuspendWatch suspends;
+  suspends.slept_ns(MonotonicClock::now_ns());
   auto late = settings.late.begin();
   while (!StopRequest::requested()) {
     for (; late != settings.late.end() && late->tick <= grid.slot(); ++late) {
@@ -128,9 +152,9 @@ void run_real(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSetting
     wait_for_slot(grid.slot_ns(), early_ns, loop, settings.ring, course);
     const std::int64_t woken_ns = MonotonicClock::now_ns();
     const std::int64_t tick = grid.slot(), lateness_ns = grid.lateness_ns(woken_ns);
+    loop.note_slept(suspends.slept_ns(woken_ns) + injected_sleep_ns(settings, tick));
     StageTimes stages;
-    const bool goes_on =
-        real_tick(loop, backend, settings.ring, course, tick, skipped, lateness_ns, last_work_ns, stages);
+    const bool goes_on = real_tick(loop, backend, settings, course, tick, skipped, lateness_ns, last_work_ns, stages);
     out.ended_by_backend = stages.end == 0;
     if (out.ended_by_backend) break;
     last_work_ns = stages.end - stages.start;
@@ -166,6 +190,7 @@ RunOutcome run_loop(const Rig& rig, Backend& backend, const RunSettings& setting
   loop.configure(rig, settings.load);
   loop.set_gain_mailbox(settings.gains);
   Course course(rig, settings.moves);
+  const LastResort last_resort(backend, settings.recording, rig.period_s);
   backend.activate();
   const auto begin = std::chrono::steady_clock::now();
   try {
@@ -183,6 +208,7 @@ RunOutcome run_loop(const Rig& rig, Backend& backend, const RunSettings& setting
   out.first_faults = static_cast<std::size_t>(std::popcount(loop.first_faults()));
   if (course.fault_tick() >= 0) out.fault_s = static_cast<double>(course.fault_tick()) * rig.period_s;
   out.moves = course.moves();
+  out.moves_begun = course.moves_begun();
   out.moves_not_learned = loop.controller().ppd2().flatness().moves_not_learned();
   out.rows = course.take_rows();
   return out;

@@ -16,6 +16,7 @@
 
 namespace pneuservo {
 
+class FaultWatch;
 class GainMailbox;
 class RecordingRing;
 class RecordingWriter;
@@ -23,6 +24,11 @@ class RecordingWriter;
 /// The first tick at or after `tick` comes `slots` periods late.
 struct LateTick {
   std::int64_t tick = 0, slots = 0;
+};
+
+/// At the first tick at or after `tick` the machine comes back from so long a suspend.
+struct Suspend {
+  std::int64_t tick = 0, slept_ns = 0;
 };
 
 /// How a run goes.
@@ -40,15 +46,19 @@ struct RunSettings {
   LoadPositions load{};  ///< references of kind `file`
   RecordingRing* ring = nullptr;  ///< real time: rows go here
   RecordingWriter* writer = nullptr;  ///< simulated time: rows go here
+  FaultWatch* fault_watch = nullptr;  ///< the first fault is noted here
+  std::string recording{};  ///< its path, for the last record of a crash
   GainMailbox* gains = nullptr;  ///< gains for the running loop come from here
-  std::vector<LateTick> late{};  ///< injected: the loop comes so late once, in order of their ticks
+  std::vector<LateTick> late{};  ///< injected: the loop comes so late, in order of their ticks
+  std::vector<Suspend> suspends{};  ///< injected
   std::function<void(double fraction)> progress{};  ///< called between ticks in simulated time only
 };
 
 /// What came out.
 struct RunOutcome {
-  std::vector<Row> rows;
-  std::vector<MoveSpan> moves;
+  std::vector<Row> rows;  ///< the last ones, at most Course::rows_kept_max
+  std::vector<MoveSpan> moves;  ///< those with rows
+  std::int64_t moves_begun = 0;
   std::vector<std::string> faults;  ///< in words, first cause first; empty for a good run
   std::size_t first_faults = 0;  ///< so many of them came in the first tick: the reason
   double fault_s = 0.0;  ///< time of the first tick with a fault; meaningful with faults

@@ -14,7 +14,6 @@ constexpr double at_end_stop_m = 1e-3;
 constexpr std::uint64_t missing_faults = fault_position_missing | fault_port_pressure_1_missing |
                                          fault_port_pressure_2_missing | fault_chamber_pressure_1_missing |
                                          fault_chamber_pressure_2_missing | fault_supply_missing;
-constexpr double fastest_mps = 5.0;
 constexpr double usual_pressure_limit = 1.4;  // of the supply: a stop at the end of the stroke compresses above it
 
 /// What all channels share.
@@ -55,7 +54,7 @@ double fastest_start_mps2(const Rig& rig) {
          (rig.axis.slider.mass_kg + rig.axis.slider.payload_kg);
 }
 
-PlausibleChannel plausible_position(const Rig& rig) {
+PlausibleChannel plausible_position(const Rig& rig, double speed_limit_mps) {
   const double noise = rig.sensors.position.noise_m, quantum = rig.sensors.position.quantum_m;
   // To lose 0.1 m/s, or 100 m/s2 where a period is long, from one sample to the next and then rest takes a blow.
   const double stopping_mps = std::max(0.1, 100.0 * rig.period_s);
@@ -63,8 +62,7 @@ PlausibleChannel plausible_position(const Rig& rig) {
   channel.highest = rig.axis.cylinder.stroke_m;  // twice the half: beyond that the encoder is not of this axis
   channel.lowest = -channel.highest;
   channel.slack = 6.0 * noise + quantum;
-  channel.step_per_period =
-      2.0 * rig.limits.speed_mps.value_or(fastest_mps) * rig.period_s;  // below that the fault is `speed`
+  channel.step_per_period = 2.0 * speed_limit_mps * rig.period_s;  // below that the fault is `speed`
   channel.step_growth = 3.0 * fastest_start_mps2(rig) * rig.period_s * rig.period_s;
   channel.stopping_step = stopping_mps * rig.period_s + 6.0 * noise + quantum;
   channel.frozen_ticks = frozen_after_ticks(noise, quantum);
@@ -86,11 +84,11 @@ double port_step_Pa_per_V(const Rig& rig) {
 
 }  // namespace
 
-void Supervisor::configure(const Rig& rig, bool needs_chambers) {
+void Supervisor::configure(const Rig& rig, bool needs_chambers, const MotionLimits& motion) {
   needs_chambers_ = needs_chambers;
   period_s_ = rig.period_s;
   safe_V_ = safe_commands_V(rig);
-  speed_limit_mps_ = rig.limits.speed_mps.value_or(fastest_mps);
+  motion_.configure(motion, rig.period_s);
   cylinder_ = rig.axis.cylinder;
   half_stroke_m_ = 0.5 * rig.axis.cylinder.stroke_m;
   position_limit_m_ = half_stroke_m_ + rig.limits.position_margin_m;
@@ -98,18 +96,22 @@ void Supervisor::configure(const Rig& rig, bool needs_chambers) {
   supply_Pa_ = rig.axis.supply.pressure_Pa;
   supply_limit_Pa_ = rig.limits.supply_share * supply_Pa_;
   lateness_limit_s_ = rig.limits.lateness_s;
+  on_bus_ = rig.hal && rig.hal->can;
   port_step_Pa_per_V_ = margin * port_step_Pa_per_V(rig);
   const auto& air = rig.axis.air;
   fill_step_Pa_m3_ = margin * air.heat_capacity_ratio * air.gas_constant_J_per_kgK * air.temperature_K *
                      largest_flow_per_volt(rig) * rig.axis.valve.command_max_V * rig.period_s;
   activity_decay_ = std::exp(-rig.period_s / activity_time_s);
-  position_guard_.configure(plausible_position(rig));
+  position_guard_.configure(plausible_position(rig, motion.speed_mps));
   supply_guard_.configure(plausible_supply(rig));
   for (auto& guard : port_guard_) guard.configure(plausible_pressure(rig, rig.sensors.port_pressure));
   for (auto& guard : chamber_guard_) guard.configure(plausible_pressure(rig, rig.sensors.chamber_pressure));
   cross_check_.configure(rig);
+  health_.configure(rig);
   command_V_ = safe_V_;
   state_ = SupervisorState::unconfigured;
+  may_move_ = true;
+  has_moved_ = false;
   go(SupervisorEvent::configured);
   rearm();
 }
@@ -124,6 +126,8 @@ void Supervisor::rearm() noexcept {
   for (auto& guard : port_guard_) guard.reset();
   for (auto& guard : chamber_guard_) guard.reset();
   cross_check_.reset();
+  motion_.reset();
+  health_.reset();
   go(SupervisorEvent::rearmed);
 }
 
@@ -219,6 +223,15 @@ bool Supervisor::inputs_ready() const noexcept {
          !(has_supply_ && supply_guard_.waiting());
 }
 
+std::array<bool, 6> Supervisor::bad_samples() const noexcept {
+  return {position_guard_.bad(),
+          port_guard_[0].bad(),
+          port_guard_[1].bad(),
+          has_chamber_[0] && chamber_guard_[0].bad(),
+          has_chamber_[1] && chamber_guard_[1].bad(),
+          has_supply_ && supply_guard_.bad()};
+}
+
 JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped) noexcept {
   JudgedInputs in;
   const double periods = static_cast<double>(skipped + 1);
@@ -228,30 +241,36 @@ JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped
   faults |= judge_supply(measured.supply_pressure_Pa, periods, in);
   // What a dead bus does not bring is its consequence, not the reason.
   if ((measured.device_faults & (device_bus_off | device_link_down)) != 0) faults &= ~missing_faults;
+  // After a fault the heartbeat is withheld: devices whose watchdog acted send nothing more.
+  if (on_bus_ && state_ == SupervisorState::fault) faults &= ~missing_faults;
   faults |= judge_digital(measured.digital);
   faults |= faults_of_devices(measured.device_faults);
   // Slots are skipped where lateness and work together passed the next one of the ideal grid.
   if (static_cast<double>(skipped) * period_s_ > lateness_limit_s_) faults |= fault_late_tick;
+  // After a fault the shares say nothing new.
+  if (const std::uint64_t health = health_.check_tick(bad_samples(), skipped); is_active() && faults == 0)
+    faults = health;
   latch(faults);
-  if (inputs_ready()) go(SupervisorEvent::inputs_ready);
+  if (may_move_ && inputs_ready()) go(SupervisorEvent::inputs_ready);
+  has_moved_ = has_moved_ || is_active();
   return in;
 }
 
 void Supervisor::cross_check(const JudgedInputs& inputs, const EstimatorOutput& estimate,
                              std::int64_t skipped) noexcept {
-  if (is_active())
-    latch(cross_check_.check({command_V_, inputs.port_Pa, inputs.chamber_Pa, inputs.supply_Pa, inputs.position_m},
-                             estimate, skipped));
+  if (!is_active()) return;
+  latch(cross_check_.check({command_V_, inputs.port_Pa, inputs.chamber_Pa, inputs.supply_Pa, inputs.position_m},
+                           estimate, skipped));
+  if (is_active()) latch(health_.check_rest(cross_check_.watching(), inputs.position_m, skipped));
 }
 
 void Supervisor::check_motion(const MotionCheck& motion) noexcept {
-  std::uint64_t faults = 0;
-  if (position_guard_.equal_ticks() == 0) standstill_reference_m_ = motion.reference_m;
+  std::uint64_t faults = motion_.check(motion.motion);
+  if (position_guard_.equal_ticks() == 0) standstill_reference_m_ = motion.motion.reference_m;
   const bool long_enough = position_guard_.equal_ticks() * period_s_ >= standstill_s;
-  const double way = std::fabs(motion.reference_m - standstill_reference_m_);
+  const double way = std::fabs(motion.motion.reference_m - standstill_reference_m_);
   if (long_enough && way > 2.0 * half_stroke_m_ * standstill_share) faults |= fault_position_frozen;
   if (!motion.command_good) faults |= fault_command_not_finite;
-  if (std::fabs(motion.speed_mps) > speed_limit_mps_) faults |= fault_speed;
   if (!motion.estimate_usable) faults |= fault_estimate_invalid;
   latch(faults);
 }

@@ -1,5 +1,4 @@
-// Verbs home and zero: what is to be added to a device's values, found on the machine and written for run --zeros.
-#include <fstream>
+// Verbs commission, home and zero: what is found on the machine before its first run, written for run --zeros.
 #include <iostream>
 #include <memory>
 
@@ -11,8 +10,10 @@
 #include "config/number_text.hpp"
 #include "config/read_rig.hpp"
 #include "loop/calibration.hpp"
+#include "loop/commission.hpp"
 #include "loop/realtime.hpp"
 #include "loop/realtime_stop.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "program/zeros.hpp"
@@ -21,21 +22,26 @@ namespace pneuservo {
 namespace {
 
 struct CalibrateOptions {
-  std::string config, write, end = "low", time = "simulated";
+  std::string config, write, json, end = "low", time = "simulated";
   std::vector<std::string> sets, zeros;
   double command_V = 0.0, duration_s = 1.0;
 };
 
-Rig read_calibrated(const CalibrateOptions& options) {
-  const Rig rig = read_rig(options.config, with_zeros(options.sets, options.zeros));
-  require_kind("home and zero", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
-  require_writable("--write", options.write);
+Rig read_calibrated(std::string_view verb, const CalibrateOptions& options) {
+  const Rig rig = read_rig(options.config, with_zeros(options.config, options.sets, options.zeros));
+  require_kind(verb, options.config, rig, {RigKind::cylinder, RigKind::servo_table});
+  OutputFiles()
+      .reads("CONFIG", options.config)
+      .reads_of(rig)
+      .reads("--zeros", options.zeros)
+      .writes("--write", options.write, ResultKind::zeros)
+      .writes("--json", options.json, ResultKind::json);
   return rig;
 }
 
 std::unique_ptr<Backend> opened(const CalibrateOptions& options, const Rig& rig) {
   if (!rig.hal)
-    throw InputError(options.config + ": hal: found nothing, expected the channels whose zeros are to be found");
+    throw InputError(options.config + ": hal: found nothing, expected the channels that are to be looked at");
   if (rig.hal->has_devices() && options.time != "real")
     throw InputError("--time: found simulated with channels on real devices, expected --time real");
   auto backend = make_backend("configured", rig);
@@ -51,18 +57,14 @@ int report(const CalibrateOptions& options, const Rig& rig, const std::vector<Ch
     std::cout << fmt::format("{:<12} {:<28} zero {}\n", zero.channel, zero.what, number_text(zeros[zero.channel]));
   }
   if (options.write.empty()) return 0;
-  std::ofstream file(options.write);
-  file << "# Zeros of " << rig.name << ", for run --zeros.\nzeros:\n";
-  for (const auto& [channel, zero] : zeros) file << "  " << channel << ": " << number_text(zero) << "\n";
-  file.close();
-  if (!file) throw InputError("--write: " + options.write + " could not be written");
+  write_zeros(options.write, rig, zeros, "Zeros of " + rig.name + ", for run --zeros.");
   return 0;
 }
 
 int home(const CalibrateOptions& options) {
-  const Rig rig = read_calibrated(options);
-  const auto backend = opened(options, rig);
+  const Rig rig = read_calibrated("home", options);
   StopRequest stop;
+  const auto backend = opened(options, rig);
   HomingSettings settings;
   settings.end = options.end == "high" ? HomingEnd::high : HomingEnd::low;
   settings.command_V = options.command_V;
@@ -72,10 +74,57 @@ int home(const CalibrateOptions& options) {
   return report(options, rig, {find_home(rig, *backend, settings)});
 }
 
-int zero(const CalibrateOptions& options) {
-  const Rig rig = read_calibrated(options);
-  const auto backend = opened(options, rig);
+const char* word(CommissionVerdict verdict) {
+  switch (verdict) {
+    case CommissionVerdict::good: return "ok";
+    case CommissionVerdict::unclear: return "unclear";
+    case CommissionVerdict::wrong: break;
+  }
+  return "wrong";
+}
+
+nlohmann::ordered_json json_of(const Rig& rig, const CommissionResult& found) {
+  nlohmann::ordered_json json{{"format", "pneuservo-commission/1"},
+                              {"rig", rig.name},
+                              {"machine", machine_of(rig)},
+                              {"passed", found.passed()},
+                              {"checks", nlohmann::ordered_json::array()}};
+  for (const CommissionCheck& check : found.checks)
+    json["checks"].push_back(
+        {{"name", check.name}, {"verdict", word(check.verdict)}, {"found", check.what}, {"remedy", check.remedy}});
+  if (found.neutral_V) json["neutral_V"] = *found.neutral_V, json["neutral_error_V"] = *found.neutral_error_V;
+  if (found.dead_band_V) json["dead_band_V"] = *found.dead_band_V;
+  if (found.encoder_scale) json["encoder_scale"] = *found.encoder_scale;
+  json["farthest_m"] = found.farthest_m;
+  json["fastest_mps"] = found.fastest_mps;
+  return json;
+}
+
+int commission(const CalibrateOptions& options) {
+  const Rig rig = read_calibrated("commission", options);
   StopRequest stop;
+  const auto backend = opened(options, rig);
+  std::unique_ptr<RealTimeSession> session;
+  if (options.time == "real") session = std::make_unique<RealTimeSession>(RealTimeSettings{});
+  const CommissionResult found = commission_axis(rig, *backend, options.time == "real");
+  std::string text;
+  for (const CommissionCheck& check : found.checks)
+    text += fmt::format("{:<16} {:<8} {}{}{}\n", check.name, word(check.verdict), check.what,
+                        check.remedy.empty() ? "" : ": ", check.remedy);
+  text += fmt::format("{} moved {:.1f} mm at most, at {:.1f} mm/s at most: {}\n", rig.name, 1e3 * found.farthest_m,
+                      1e3 * found.fastest_mps, found.passed() ? "passed" : "not passed");
+  if (options.json != "-") std::cout << text;
+  write_json(options.json, json_of(rig, found));
+  if (!options.write.empty())
+    write_zeros(options.write, rig, rig.zeros, "Commissioning of " + rig.name + ", for run --zeros:\n" + text,
+                CommissionSection{found.passed(), found.neutral_V.value_or(0.0), found.neutral_error_V.value_or(0.0)});
+  return found.passed() ? 0 : 1;
+}
+
+int zero(const CalibrateOptions& options) {
+  const Rig rig = read_calibrated("zero", options);
+  StopRequest stop;
+  const auto backend = opened(options, rig);
   return report(options, rig, find_pressure_zeros(rig, *backend, options.duration_s, options.time == "real"));
 }
 
@@ -99,6 +148,18 @@ void add_home(CLI::App& app, int& status) {
       ->check(CLI::PositiveNumber);
   verb->footer("The slider moves: keep clear. An incremental encoder is homed after each time it was switched on.");
   verb->callback([o, &status] { status = home(*o); });
+}
+
+void add_commission(CLI::App& app, int& status) {
+  auto o = std::make_shared<CalibrateOptions>();
+  CLI::App* verb =
+      app.add_subcommand("commission", "prove signs, hoses, sensors and neutral by moves of some millimetres");
+  add_common(*verb, *o);
+  verb->add_option("--json", o->json, "what was found as JSON, - for standard output");
+  verb->footer(
+      "The slider moves by some millimetres each way, at 20 mm/s or so: keep clear. Let it stand away from both ends.\n"
+      "Exit status: 0 all proven, 1 something is wrong or not proven, 2 unusable input.");
+  verb->callback([o, &status] { status = commission(*o); });
 }
 
 void add_zero(CLI::App& app, int& status) {

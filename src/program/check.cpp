@@ -1,4 +1,5 @@
 // The verb check: grades the machine for running in real time and, where one is named, a config.
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -9,8 +10,12 @@
 #include "can/bus_interface.hpp"
 #include "config/read_rig.hpp"
 #include "loop/bus_check.hpp"
+#include "loop/device_grade.hpp"
 #include "loop/machine_check.hpp"
 #include "loop/rig_grade.hpp"
+#include "loop/safety_grade.hpp"
+#include "program/loop_check.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 
@@ -20,13 +25,17 @@ namespace {
 struct CheckOptions {
   std::string config;
   std::string json;
+  std::vector<std::string> sets;
   RealTimeSettings session;
 };
 
 /// The config itself, and the kernel's interface where its devices are on one.
-std::vector<Finding> check_config(const std::string& path) {
-  const Rig rig = read_rig(path);
+std::vector<Finding> check_config(const std::string& path, const std::vector<std::string>& sets) {
+  const Rig rig = read_rig(path, sets);
+  if (rig.is_pneumatic()) require_reference_in_stroke(path, rig);
   std::vector<Finding> findings = grade_rig(rig);
+  for (const auto& more : {grade_devices(rig), grade_safety(rig, load_reference_positions), grade_loop(rig)})
+    findings.insert(findings.end(), more.begin(), more.end());
   if (!rig.hal || !rig.hal->can || rig.hal->can->interface.find(':') != std::string::npos) return findings;
   const CanBusParameters& bus = *rig.hal->can;
   for (Finding& finding : grade_bus_interface(bus.interface, read_bus_interface(bus.interface), bus.bit_rate_bps))
@@ -45,12 +54,15 @@ nlohmann::ordered_json as_json(const std::vector<Finding>& findings) {
 }
 
 int run_check(const CheckOptions& options) {
-  require_writable("--json", options.json);
+  OutputFiles().reads("CONFIG", options.config).writes("--json", options.json, ResultKind::json);
   const std::vector<Finding> machine = check_machine(options.session);
-  const std::vector<Finding> config = options.config.empty() ? std::vector<Finding>{} : check_config(options.config);
-  const bool ready = worst_level(machine) != FindingLevel::bad && worst_level(config) != FindingLevel::bad;
-  const std::string verdict =
-      ready ? "nothing speaks against running in real time" : "not ready: see the lines marked bad";
+  const std::vector<Finding> config =
+      options.config.empty() ? std::vector<Finding>{} : check_config(options.config, options.sets);
+  const FindingLevel worst = std::max(worst_level(machine), worst_level(config));
+  const bool ready = worst < FindingLevel::bad;
+  const char* verdict = ready                        ? "nothing speaks against running in real time"
+                        : worst == FindingLevel::bad ? "not ready: see the lines marked bad"
+                                                     : "unsafe: see the lines marked unsafe";
   if (options.json != "-") {
     std::cout << "machine\n" << finding_table(machine);
     if (!options.config.empty()) std::cout << "\n" << options.config << "\n" << finding_table(config);
@@ -71,6 +83,8 @@ void add_check(CLI::App& app, int& status) {
   CLI::App* verb =
       app.add_subcommand("check", "grade the machine for real time, and a config; exit status 1 if anything is bad");
   verb->add_option("CONFIG", options->config, "config to check as well");
+  verb->add_option("--set", options->sets, "override one key: PATH=VALUE; may stand several times")
+      ->type_name("PATH=VALUE");
   verb->add_option("--cpu", options->session.cpu, "processor that the loop shall be pinned to");
   verb->add_option("--priority", options->session.priority, "SCHED_FIFO priority that is tried")
       ->check(CLI::Range(1, 99))

@@ -1,15 +1,20 @@
 // Verb design: linear models, gains by a rule, poles, margins, step, feedforward of a config's axis.
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
-#include <fstream>
+#include <iostream>
 #include <memory>
+#include <numbers>
 #include <stdexcept>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "config/dump_rig.hpp"
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "design/axis_design.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "report/design_json.hpp"
@@ -24,7 +29,7 @@ struct DesignOptions {
   std::string config, method = "config", write, report, json;
   std::vector<std::string> overrides;
   double position_gain_V_per_m = 0.0;
-  bool coefficients = false;
+  bool coefficients = false, force = false;
   DesignRequest request;
 };
 
@@ -37,16 +42,26 @@ constexpr const char* rules = R"(methods:
 A rule keeps the position gain of the config unless --position-gain is given.
 A warning stands where the gain margin is below 2 or the phase margin below 30 deg.)";
 
-void write_config(const std::string& path, const Rig& designed) {
-  std::ofstream file(path);
-  if (!(file << dump_rig(designed)) || !file.flush()) throw InputError(path + ": cannot be written");
+/// What stands against writing the design's gains; empty: nothing.
+std::string unstable_words(const AxisDesign& design) {
+  if (design.is_stable) return "";
+  const double down = design.margins.gain_down > 0.0 ? design.margins.gain_down : design.exact_margins.gain_down;
+  const double slowest = std::max_element(design.poles.begin(), design.poles.end(), [](const auto& a, const auto& b) {
+                           return a.real() < b.real();
+                         })->imag();
+  return fmt::format(
+      "the loop of these gains is unstable (it swings at {:.3g} Hz{})", std::fabs(slowest) / (2.0 * std::numbers::pi),
+      down > 0.0 && down < 1.0 ? fmt::format(", its gain would have to fall to {:.3g} of this", down) : "");
 }
 
-void run_design(DesignOptions& options) {
-  for (const auto& [option, path] :
-       {std::pair{"--write", options.write}, {"--report", options.report}, {"--json", options.json}})
-    require_writable(option, path);
+int run_design(DesignOptions& options) {
   Rig rig = read_rig(options.config, options.overrides);
+  OutputFiles()
+      .reads("CONFIG", options.config)
+      .reads_of(rig)
+      .writes("--write", options.write, ResultKind::config)
+      .writes("--report", options.report, ResultKind::page)
+      .writes("--json", options.json, ResultKind::json);
   require_kind("design", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
   for (std::size_t i = 0; i < design_method_names.size(); ++i)
     if (options.method == design_method_names[i]) options.request.method = static_cast<DesignMethod>(i);
@@ -57,14 +72,21 @@ void run_design(DesignOptions& options) {
     designed.controller = design.controller;
     if (options.json != "-") std::fputs(design_text(rig, design, options.coefficients).c_str(), stdout);
     write_json(options.json, design_json(rig, design, options.coefficients));
-    if (!options.write.empty()) write_config(options.write, designed);
     if (!options.report.empty()) write_design_report(rig, design, dump_rig(designed), options.report);
+    if (options.write.empty()) return 0;
+    if (const std::string words = unstable_words(design); !words.empty() && !options.force) {
+      std::cerr << fmt::format("{}: --write: {}; nothing is written to {}, --force writes it\n", options.config, words,
+                               options.write);
+      return 1;
+    }
+    write_result(options.write, dump_rig(designed));
   } catch (const std::invalid_argument& error) { throw InputError(options.config + ": " + error.what()); }
+  return 0;
 }
 
 }  // namespace
 
-void add_design(CLI::App& app, int&) {
+void add_design(CLI::App& app, int& status) {
   auto options = std::make_shared<DesignOptions>();
   CLI::App* verb = app.add_subcommand("design", "linear models, gains by a rule, poles, margins, step, feedforward");
   verb->footer(rules);
@@ -86,9 +108,10 @@ void add_design(CLI::App& app, int&) {
   verb->add_flag("--coefficients", options->coefficients,
                  "normalised coefficients beside those of least ITAE (seconds)");
   verb->add_option("--write", options->write, "config with the design's gains, all keys commented");
+  verb->add_flag("--force", options->force, "writes gains of an unstable loop too");
   verb->add_option("--report", options->report, "self-contained HTML page with pole loci and Bode diagrams");
   verb->add_option("--json", options->json, "result as JSON with units in the keys; - for standard output");
-  verb->callback([options] { run_design(*options); });
+  verb->callback([options, &status] { status = run_design(*options); });
 }
 
 }  // namespace pneuservo

@@ -11,20 +11,25 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <pneuservo/record/ring.hpp>
+
 #include "can/open_carrier.hpp"
 #include "can/plant_device.hpp"
+#include "config/dump_rig.hpp"
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "loop/realtime.hpp"
 #include "loop/realtime_stop.hpp"
+#include "program/output_files.hpp"
 #include "program/verbs.hpp"
+#include "record/writer.hpp"
 #include "rig/injected_fault.hpp"
 
 namespace pneuservo {
 namespace {
 
 struct DeviceOptions {
-  std::string config, interface;
+  std::string config, interface, record;
   std::vector<std::string> sets, faults, scenarios;
   double duration_s = 0.0;
   int priority = 0;
@@ -66,8 +71,37 @@ void send_all(CanCarrier& bus, std::vector<CanFrame>& out, std::int64_t& not_sen
   out.clear();
 }
 
+/// The plant's own recording, written beside it.
+class TruthRecording {
+ public:
+  TruthRecording(const std::string& path, const Rig& rig, PlantDevice& device)
+      : writer_(path, header(rig), PlantDevice::recorded_columns(rig), {.ring = std::make_shared<RecordingRing>()}) {
+    device.record_into(writer_.ring());
+  }
+  /// Says what is missing. True: nothing.
+  bool close() {
+    const RecordingSummary summary = writer_.close();
+    if (summary.dropped > 0) std::cerr << fmt::format("{}: {} rows were dropped\n", writer_.path(), summary.dropped);
+    if (!summary.error.empty()) std::cerr << summary.error << "\n";
+    return summary.whole();
+  }
+
+ private:
+  static RecordingHeader header(const Rig& rig) {
+    RecordingHeader header(rig.name, rig.period_s);
+    header.add_text("backend", "device");
+    header.add_text("config", dump_rig(rig));
+    return header;
+  }
+  RecordingWriter writer_;
+};
+
 int run_device(const DeviceOptions& options) {
-  const Rig rig = read_rig(options.config, options.sets);
+  const Rig rig = read_rig(options.config, options.sets, ConfigUse::simulation);
+  OutputFiles()
+      .reads("CONFIG", options.config)
+      .reads("--scenario", options.scenarios)
+      .records("--record", options.record, ExistingFile::refuse);
   PlantDevice device(rig);
   for (const std::string& fault : options.faults) device.add_fault(parse_fault_order(fault, 0.0));
   for (const std::string& file : options.scenarios)
@@ -81,6 +115,8 @@ int run_device(const DeviceOptions& options) {
     session = std::make_unique<RealTimeSession>(RealTimeSettings{.priority = options.priority, .cpu = std::nullopt});
     std::cerr << refusal_message(session->findings());
   }
+  std::unique_ptr<TruthRecording> recording;
+  if (!options.record.empty()) recording = std::make_unique<TruthRecording>(options.record, rig, device);
   StopRequest stop;
   TypedOrders orders;
   std::int64_t not_sent = 0;
@@ -90,9 +126,11 @@ int run_device(const DeviceOptions& options) {
   send_all(*bus, out, not_sent);
   std::cerr << fmt::format("{}: nodes of {} are on the bus; Ctrl-C ends\n", bus->name(), rig.name);
   constexpr std::int64_t longest_wait_ns = 20'000'000;  // typed orders and Ctrl-C are looked for so often
+  constexpr int most_frames_a_look = 256;  // a flood must not stop the plant and its watchdogs
   while (!StopRequest::requested()) {
     bus->wait(std::clamp<std::int64_t>(device.next_due_ns() - bus->now_ns(), 1, longest_wait_ns));
-    for (ReceivedFrame received; bus->receive(received);) {
+    int taken = 0;
+    for (ReceivedFrame received; taken < most_frames_a_look && bus->receive(received); ++taken) {
       device.on_frame(received, out);
       send_all(*bus, out, not_sent);
     }
@@ -101,11 +139,12 @@ int run_device(const DeviceOptions& options) {
     orders.read_into(device);
     if (options.duration_s > 0.0 && device.time_s() >= options.duration_s) break;
   }
+  const bool whole = !recording || recording->close();
   const Truth truth = device.truth();
   std::cout << fmt::format(
       "{} SYNC in {:.3f} s of the plant, {} frames not sent, {} dropped; x = {:.6f} m, valve {:.4f} V\n",
       device.syncs(), device.time_s(), not_sent, bus->dropped(), truth.position_m, device.command_V());
-  return 0;
+  return whole ? 0 : 1;
 }
 
 }  // namespace
@@ -121,6 +160,7 @@ void add_device(CLI::App& app, int& status) {
   verb->add_option("--fault", o->faults, "a fault on command; may stand several times")
       ->type_name("KIND[:TARGET[:VALUE]][@START_S[+DURATION_S]]");
   verb->add_option("--scenario", o->scenarios, "faults from a scenario file (docs/faults.md)");
+  verb->add_option("--record", o->record, "the plant's true state and its valves' commands, FILE.csv.gz");
   verb->add_option("--duration-s", o->duration_s, "end after so much time of the plant [s]; default: Ctrl-C")
       ->check(CLI::PositiveNumber);
   verb->add_option("--priority", o->priority, "SCHED_FIFO priority; 0: an ordinary process")

@@ -6,7 +6,6 @@
 #include <condition_variable>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -25,6 +24,7 @@
 #include "diagnosis/result_json.hpp"
 #include "diagnosis/result_text.hpp"
 #include "loop/realtime_stop.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "program/virtual_machine.hpp"
@@ -150,10 +150,9 @@ void apply_changes(const std::vector<std::string>& changes, std::vector<Recordin
 
 void write_improved(const DiagnoseVerbOptions& options, const Diagnosis& diagnosis) {
   if (options.improved.empty()) return;
-  std::ofstream file(options.improved);
-  if (diagnosis.stopped) file << "# Stopped early: not the result of a finished diagnosis, and not to be run with.\n";
-  file << "# " << diagnosis.sentence << "\n" << dump_rig(diagnosis.improved);
-  if (!file.flush()) throw InputError(options.improved + ": cannot be written");
+  const std::string stopped =
+      diagnosis.stopped ? "# Stopped early: not the result of a finished diagnosis, and not to be run with.\n" : "";
+  write_result(options.improved, stopped + "# " + diagnosis.sentence + "\n" + dump_rig(diagnosis.improved));
 }
 
 /// The config of the proposed recording; where there is none, nothing is written and that is said.
@@ -164,20 +163,23 @@ void write_next_experiment(const DiagnoseVerbOptions& options, const Diagnosis& 
     return;
   }
   const ProposedExperiment& next = *diagnosis.next_experiment;
-  std::ofstream file(options.next_experiment);
-  file << fmt::format("# Recording that tells {} apart.\n", fmt::join(next.between, " and "));
-  if (!next.setup.empty()) file << fmt::format("# Before it: {}.\n", next.setup);
-  file << fmt::format("# Then diagnose it {}.\n", next.use());
-  file << dump_rig(experiment_rig(diagnosis.configured, next));
-  if (!file.flush()) throw InputError(options.next_experiment + ": cannot be written");
+  std::string text = fmt::format("# Recording that tells {} apart.\n", fmt::join(next.between, " and "));
+  if (!next.setup.empty()) text += fmt::format("# Before it: {}.\n", next.setup);
+  text += fmt::format("# Then diagnose it {}.\n", next.use());
+  write_result(options.next_experiment, text + dump_rig(experiment_rig(diagnosis.configured, next)));
 }
 
 int run_diagnose(const DiagnoseVerbOptions& options) {
   const Rig rig = read_rig(options.config, options.sets);
-  require_writable("--json", options.json);
-  require_writable("--report", options.report);
-  require_writable("--improved", options.improved);
-  require_writable("--next-experiment", options.next_experiment);
+  OutputFiles()
+      .reads("CONFIG", options.config)
+      .reads_of(rig)
+      .reads("RECORDING", options.recordings)
+      .reads("--held-out", options.held_out)
+      .writes("--json", options.json, ResultKind::json)
+      .writes("--report", options.report, ResultKind::page)
+      .writes("--improved", options.improved, ResultKind::config)
+      .writes("--next-experiment", options.next_experiment, ResultKind::config);
   const StopRequest stop_request;
   ProgressLine progress(!options.quiet);
   std::vector<Recording> recordings;

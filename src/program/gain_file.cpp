@@ -3,16 +3,19 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
+#include <cstdint>
 #include <iostream>
-#include <iterator>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include <yaml-cpp/yaml.h>
 
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "control/linear_trial.hpp"
+#include "record/ordinary_thread.hpp"
 
 namespace pneuservo {
 namespace {
@@ -21,9 +24,26 @@ constexpr std::array<const char*, 4> gain_keys{"position_gain_V_per_m", "velocit
                                                "acceleration_gain_Vs2_per_m", "integral_gain_V_per_m_s"};
 constexpr std::chrono::milliseconds look_every{100};
 
+/// Four lines; a file that is larger by far is another one.
+constexpr std::int64_t largest_bytes = 65536;
+
+/// Empty where there is no file yet. A pipe or device would block, or never end.
 std::string text_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
+  const int file = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0) return {};
+  struct stat found{};
+  const bool regular = fstat(file, &found) == 0 && S_ISREG(found.st_mode);
+  std::string text;
+  if (regular && found.st_size <= largest_bytes) {
+    text.resize(static_cast<std::size_t>(found.st_size));
+    const ssize_t got = read(file, text.data(), text.size());
+    text.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+  }
+  close(file);
+  if (!regular) throw InputError(path + ": found no regular file, expected one with lines KEY: VALUE");
+  if (found.st_size > largest_bytes)
+    throw InputError(fmt::format("{}: found {} bytes, expected at most {}", path, found.st_size, largest_bytes));
+  return text;
 }
 
 /// --set of each key of the file.
@@ -67,8 +87,10 @@ Ppd2GainSet read_gain_file(const std::string& path, const std::string& config, c
 
 GainFileWatcher::GainFileWatcher(std::string path, std::string config, std::vector<std::string> sets,
                                  GainMailbox& mailbox)
-    : path_(std::move(path)), config_(std::move(config)), sets_(std::move(sets)), mailbox_(mailbox),
-      thread_([this] { watch(); }) {}
+    : path_(std::move(path)), config_(std::move(config)), sets_(std::move(sets)), mailbox_(mailbox) {
+  text_of(path_);
+  thread_ = std::thread([this] { watch(); });
+}
 
 GainFileWatcher::~GainFileWatcher() {
   ends_ = true;
@@ -76,6 +98,7 @@ GainFileWatcher::~GainFileWatcher() {
 }
 
 void GainFileWatcher::watch() {
+  become_ordinary_thread("gains");
   while (!ends_) {
     look();
     std::this_thread::sleep_for(look_every);
@@ -83,16 +106,21 @@ void GainFileWatcher::watch() {
 }
 
 void GainFileWatcher::look() {
-  const std::string text = text_of(path_);
-  if (text.empty() || text == seen_) return;
-  seen_ = text;
   try {
+    const std::string text = text_of(path_);
+    if (text.empty() || text == seen_) return;
+    seen_ = text;
     const Ppd2GainSet gains = read_gain_file(path_, config_, sets_);
     mailbox_.post(gains);
     std::cerr << fmt::format("{}: gains {} V/m, {} V s/m, {} V s2/m, {} V/(m s) given to the loop\n", path_,
                              gains.position_gain_V_per_m, gains.velocity_gain_Vs_per_m,
                              gains.acceleration_gain_Vs2_per_m, gains.integral_gain_V_per_m_s);
-  } catch (const std::exception& error) { std::cerr << error.what() << "; the loop keeps its gains\n"; }
+    complaint_.clear();
+  } catch (const std::exception& error) {
+    if (complaint_ == error.what()) return;  // said before
+    complaint_ = error.what();
+    std::cerr << complaint_ + "; the loop keeps its gains\n";
+  }
 }
 
 }  // namespace pneuservo

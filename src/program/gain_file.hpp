@@ -17,7 +17,8 @@ namespace pneuservo {
 Ppd2GainSet read_gain_file(const std::string& path, const std::string& config, const std::vector<std::string>& sets);
 
 /// Looks at the file ten times a second in a thread of its own; after a change it posts the gains, or says on standard
-/// error what is wrong with them and leaves the loop alone. The file need not be there yet.
+/// error what is wrong with them and leaves the loop alone. The file need not be there yet; throws InputError where it
+/// is there and no regular file, or too large.
 class GainFileWatcher {
  public:
   GainFileWatcher(std::string path, std::string config, std::vector<std::string> sets, GainMailbox& mailbox);
@@ -32,6 +33,7 @@ class GainFileWatcher {
   std::string path_, config_;
   std::vector<std::string> sets_;
   GainMailbox& mailbox_;
+  std::string complaint_;  // what was said last
   std::string seen_;  // the file's text when it was last looked at
   std::atomic<bool> ends_{false};
   std::thread thread_;

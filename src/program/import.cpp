@@ -10,6 +10,7 @@
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "diagnosis/recording_doubts.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "record/column_guess.hpp"
@@ -99,17 +100,18 @@ void write_section(const ImportOptions& options, const ImportResult& result, boo
   }
   if (!text.empty() && !text.ends_with('\n')) text += '\n';
   if (!has_section) text += result.section;
-  std::ofstream file(options.write);
-  file << text;
-  if (!file.flush()) throw InputError(options.write + ": cannot be written");
+  write_result(options.write, text);
 }
 
 int run_import(const ImportOptions& options) {
   std::optional<Rig> rig;
   if (!options.config.empty()) rig = read_rig(options.config, options.sets);
-  require_writable("--json", options.json);
-  require_writable("--report", options.report);
-  require_writable("--write", options.write);
+  OutputFiles()
+      .reads("FILE", options.recording)
+      .reads("CONFIG", options.config)
+      .writes("--json", options.json, ResultKind::json)
+      .writes("--report", options.report, ResultKind::page)
+      .writes("--write", options.write, ResultKind::config);
   const ImportResult result = understood(options, rig);
   if (options.json != "-") {
     std::cout << text_table(import_table(result)) << "\n" << text_table(runs_table(result));

@@ -1,6 +1,5 @@
 // Verb index: does this axis need the pipeline model? The thesis' tables 4.2 and 4.3 with --table.
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <stdexcept>
 
@@ -9,6 +8,7 @@
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "index/index_report.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 
@@ -20,21 +20,20 @@ struct IndexOptions {
   bool table = false;
 };
 
-void write_file(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  if (!(file << text) || !file.flush()) throw InputError(path + ": cannot be written");
-}
-
 void print(const IndexOptions& options, const std::string& text, const nlohmann::ordered_json& json,
            const std::string& html) {
   if (options.json == "-") std::printf("%s\n", json.dump(2).c_str());
   else std::fputs(text.c_str(), stdout);
-  if (!options.json.empty() && options.json != "-") write_file(options.json, json.dump(2) + "\n");
-  if (!options.report.empty()) write_file(options.report, html);
+  if (!options.json.empty() && options.json != "-") write_result(options.json, json.dump(2) + "\n");
+  if (!options.report.empty()) write_result(options.report, html);
 }
 
 void run_index(const IndexOptions& options) {
   if (options.table == !options.config.empty()) throw InputError("index: expected either a CONFIG or --table");
+  OutputFiles()
+      .reads("CONFIG", options.config)
+      .writes("--report", options.report, ResultKind::page)
+      .writes("--json", options.json, ResultKind::json);
   if (options.table) return print(options, index_table_text(), index_table_json(), index_table_html());
   const Rig rig = read_rig(options.config);
   require_kind("index", options.config, rig, {RigKind::cylinder});

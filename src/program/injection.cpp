@@ -27,19 +27,48 @@ std::vector<InjectedFault> injected_faults(const std::vector<std::string>& scena
   return faults;
 }
 
-std::vector<LateTick> late_ticks(const std::vector<InjectedFault>& faults, double period_s) {
+namespace {
+
+constexpr std::int64_t slots_of_a_gap = 5;
+
+bool is_of_loop(const InjectedFault& fault) {
+  return fault.kind == InjectedKind::late_tick || fault.kind == InjectedKind::late_share ||
+         fault.kind == InjectedKind::suspend;
+}
+
+/// Gaps of a share of all slots, evenly spread.
+void add_gaps(const InjectedFault& fault, double period_s, double end_s, std::vector<LateTick>& late) {
+  const double every = static_cast<double>(slots_of_a_gap) / *fault.value;
+  const double last = std::min(end_s, fault.start_s + fault.duration_s) / period_s;
+  for (double tick = fault.start_s / period_s; tick < last; tick += every)
+    late.push_back({std::llround(tick), slots_of_a_gap});
+}
+
+}  // namespace
+
+std::vector<LateTick> late_ticks(const std::vector<InjectedFault>& faults, double period_s, double end_s) {
   std::vector<LateTick> late;
-  for (const InjectedFault& fault : faults)
+  for (const InjectedFault& fault : faults) {
+    if (fault.kind == InjectedKind::late_share) add_gaps(fault, period_s, end_s, late);
     if (fault.kind == InjectedKind::late_tick)
       late.push_back({std::llround(fault.start_s / period_s), std::llround(*fault.value / period_s)});
+  }
   std::sort(late.begin(), late.end(), [](const LateTick& a, const LateTick& b) { return a.tick < b.tick; });
   return late;
 }
 
+std::vector<Suspend> suspends(const std::vector<InjectedFault>& faults, double period_s) {
+  std::vector<Suspend> all;
+  for (const InjectedFault& fault : faults)
+    if (fault.kind == InjectedKind::suspend)
+      all.push_back({std::llround(fault.start_s / period_s), std::llround(*fault.value * 1e9)});
+  return all;
+}
+
 std::unique_ptr<Backend> make_faulty_backend(const std::string& name, const Rig& rig,
                                              const std::vector<InjectedFault>& faults) {
-  const auto beside_late = std::find_if(
-      faults.begin(), faults.end(), [](const InjectedFault& fault) { return fault.kind != InjectedKind::late_tick; });
+  const auto beside_late =
+      std::find_if(faults.begin(), faults.end(), [](const InjectedFault& fault) { return !is_of_loop(fault); });
   if (beside_late == faults.end()) return make_backend(name, rig);
   if (name != "sim")
     throw InputError(fmt::format("--hal: found {} with the injected fault {}, expected sim, or the fault in the verb "

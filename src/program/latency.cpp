@@ -14,6 +14,7 @@
 #include "loop/realtime_latency.hpp"
 #include "loop/realtime_stop.hpp"
 #include "loop/runner.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "report/run_json.hpp"
@@ -120,7 +121,7 @@ std::unique_ptr<LatencyResult> measure_loop(const LatencyOptions& options, Rig r
 }
 
 int run_latency(LatencyOptions options) {
-  require_writable("--json", options.json);
+  OutputFiles().reads("CONFIG", options.config).writes("--json", options.json, ResultKind::json);
   std::optional<Rig> rig;
   if (!options.config.empty()) {
     rig = read_rig(options.config);

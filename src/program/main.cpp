@@ -1,11 +1,15 @@
 // The program pneuservo: one table of verbs, exit status 0 done, 1 fault or failed check, 2 unusable input.
 #include <cstdio>
 #include <exception>
+#include <new>
+#include <optional>
 
 #include <CLI/CLI.hpp>
 
+#include "config/config_tree.hpp"
 #include "config/input_error.hpp"
 #include "config/version.hpp"
+#include "loop/realtime_stop.hpp"
 #include "program/verbs.hpp"
 
 namespace {
@@ -33,11 +37,17 @@ int run_program(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  pneuservo::ignore_broken_pipes();
+  std::optional<pneuservo::StopRequest> from_here_on;
+  if (argc > 1 && pneuservo::moves_an_axis(argv[1])) from_here_on.emplace(pneuservo::StopSignals::every);
   try {
     return run_program(argc, argv);
   } catch (const pneuservo::InputError& error) {
-    std::fprintf(stderr, "pneuservo: %s\n", error.what());
+    std::fprintf(stderr, "pneuservo: %s\n", pneuservo::printable(error.what()).c_str());
     return 2;
+  } catch (const std::bad_alloc&) {
+    std::fputs("pneuservo: found too little memory for this task, expected a shorter or smaller one\n", stderr);
+    return 1;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "pneuservo: %s\n", error.what());
     return 1;

@@ -12,6 +12,7 @@
 #include "config/read_rig.hpp"
 #include "config/same_rig.hpp"
 #include "loop/replay.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "record/import.hpp"
@@ -24,6 +25,8 @@ namespace {
 struct ReplayOptions {
   std::string config, recording, record, json;
   std::vector<std::string> sets;
+  bool force = false;
+  ExistingFile existing() const { return force ? ExistingFile::replace : ExistingFile::refuse; }
 };
 
 /// A recording of another period cannot be replayed; one of another config can, and is told. What options of `run` set
@@ -61,8 +64,12 @@ std::vector<Ppd2GainSet> gains_of(const Recording& data) {
 int run_replay(const ReplayOptions& options) {
   Rig rig = read_rig(options.config, options.sets);
   require_kind("replay", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
-  require_writable("--record", options.record);
-  require_writable("--json", options.json);
+  OutputFiles()
+      .reads("CONFIG", options.config)
+      .reads_of(rig)
+      .reads("RECORDING", options.recording)
+      .records("--record", options.record, options.existing())
+      .writes("--json", options.json, ResultKind::json);
   Recording recording = read_first_recording(options.recording, rig.imported, rig.period_s);
   for (const auto& line : problem_lines(recording)) std::cerr << line << "\n";
   adopt_header(recording, rig);
@@ -111,7 +118,8 @@ int run_replay(const ReplayOptions& options) {
   if (options.json != "-") std::cout << text;
   write_json(options.json, json);
   if (!options.record.empty()) {
-    RecordingWriter writer(options.record, run_header(rig, backend, machine_facts(nullptr), moves), {});
+    RecordingWriter writer(options.record, run_header(rig, backend, machine_facts(nullptr), moves), {},
+                           {.existing = options.existing()});
     for (const Row& row : result.rows) writer.write(row);
     const RecordingSummary summary = writer.close();
     if (!summary.error.empty()) throw InputError(summary.error);
@@ -128,6 +136,7 @@ void add_replay(CLI::App& app, int& status) {
   verb->add_option("RECORDING", o->recording, "FILE.csv.gz")->required();
   verb->add_option("--set", o->sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
   verb->add_option("--record", o->record, "write what was replayed, FILE.csv.gz");
+  verb->add_flag("--force", o->force, "--record may replace a recording that is there");
   verb->add_option("--json", o->json, "result as JSON, - for standard output");
   verb->footer("Exit status: 0 identical, 1 something differs, 2 unusable input.");
   verb->callback([o, &status] { status = run_replay(*o); });

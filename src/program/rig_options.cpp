@@ -1,15 +1,10 @@
 // What verbs that take a CONFIG share.
 #include "program/rig_options.hpp"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <iostream>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/utsname.h>
-#include <unistd.h>
 
 #include <pneuservo/loop/fault.hpp>
 
@@ -17,6 +12,7 @@
 #include "config/input_error.hpp"
 #include "config/version.hpp"
 #include "origin_name.hpp"
+#include "program/output_files.hpp"
 #include "record/import.hpp"
 
 namespace pneuservo {
@@ -44,19 +40,7 @@ void write_json(const std::string& path, const nlohmann::ordered_json& json) {
     std::cout << json.dump(2) << "\n";
     return;
   }
-  std::ofstream file(path);
-  if (!(file << json.dump(2) << "\n") || !file.flush()) throw InputError(path + ": cannot be written");
-}
-
-void require_writable(const std::string& option, const std::string& path) {
-  if (path.empty() || path == "-") return;
-  const bool was_there = access(path.c_str(), F_OK) == 0;
-  const int file = open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-  if (file < 0)
-    throw InputError(fmt::format("{}: {} cannot be written: {}; expected a file in a folder that is there", option,
-                                 path, std::strerror(errno)));
-  close(file);
-  if (!was_there) unlink(path.c_str());
+  write_result(path, json.dump(2) + "\n");
 }
 
 namespace {

@@ -27,10 +27,6 @@ void require_kind(std::string_view verb, const std::string& config, const Rig& r
 /// Writes JSON to a file, or to standard output for "-"; nothing for an empty path. Throws InputError.
 void write_json(const std::string& path, const nlohmann::ordered_json& json);
 
-/// Throws InputError naming the option if the file cannot be written; called before the work, so that no result is
-/// lost. An empty path and "-" are fine. What is in the file stays, and no file is left behind.
-void require_writable(const std::string& option, const std::string& path);
-
 /// Kernel, policy, code path, version, ... of this run; without a session: simulated time.
 Facts machine_facts(const RealTimeState* session);
 /// Name and origin of each channel, of the command and of the digital lines that there are.

@@ -8,19 +8,27 @@
 
 #include <fmt/format.h>
 
+#include <pneuservo/loop/axis_loop.hpp>
+
 #include "backends.hpp"
 #include "config/dump_rig.hpp"
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
+#include "loop/device_grade.hpp"
+#include "loop/fault_watch.hpp"
 #include "loop/realtime_stop.hpp"
 #include "loop/runner.hpp"
+#include "loop/safe_output_text.hpp"
 #include "program/gain_file.hpp"
 #include "program/injection.hpp"
+#include "program/loop_check.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "program/zeros.hpp"
 #include "record/writer.hpp"
 #include "report/evaluation.hpp"
+#include "report/motion_verdict.hpp"
 #include "report/run_json.hpp"
 #include "report/run_report.hpp"
 #include "report/run_summary.hpp"
@@ -34,7 +42,9 @@ struct RunOptions {
   double duration_s = 0.0;
   double early_wake_us = -1.0;
   int moves = 1, priority = 80, cpu = -1;
-  bool dump_config = false;
+  bool dump_config = false, force = false;
+  AllowedRisks allowed;
+  ExistingFile existing() const { return force ? ExistingFile::replace : ExistingFile::refuse; }
 };
 
 /// A config that names its devices runs on them unless told otherwise.
@@ -44,11 +54,11 @@ std::string backend_of(const RunOptions& options, const Rig& rig) {
 }
 
 Rig read_with_options(const RunOptions& options) {
-  std::vector<std::string> sets = with_zeros(options.sets, options.zeros);
+  std::vector<std::string> sets = with_zeros(options.config, options.sets, options.zeros);
   if (options.duration_s > 0.0) sets.push_back(fmt::format("duration_s={}", options.duration_s));
   if (!options.pressure_source.empty() && options.pressure_source != "all")
     sets.push_back("controller.pressure_source=" + options.pressure_source);
-  Rig rig = read_rig(options.config, sets);
+  Rig rig = read_rig(options.config, sets, options.backend == "sim" ? ConfigUse::simulation : ConfigUse::machine);
   if (rig.sensors.position.incremental && backend_of(options, rig) != "sim" && !rig.zeros.contains("x"))
     throw InputError(options.config +
                      ": sensors.position.incremental: found true without a zero of x, expected --zeros "
@@ -128,11 +138,102 @@ RunOutcome run_or_refuse(const std::string& config, const Rig& rig, Backend& bac
   } catch (const std::invalid_argument& error) { throw InputError(config + ": " + error.what()); }
 }
 
+/// Told while the loop still runs, and whatever the recording's disk does.
+void tell_fault(std::uint64_t first_faults) {
+  std::string text;
+  for (const std::string& fault : fault_words(first_faults, first_faults)) text += "fault: " + fault + "\n";
+  std::cerr << text;
+}
+
+/// The recording of a run; none without --record.
+std::unique_ptr<RecordingWriter> open_recording(const RunOptions& options, const Rig& rig, const Backend& backend,
+                                                const Facts& machine, const std::string& path) {
+  if (path.empty()) return nullptr;
+  const bool real_time = options.time == "real";
+  const auto columns = recorded_columns(rig, backend, real_time, !options.gains.empty());
+  RecordingOptions recording{.existing = options.existing()};
+  if (!options.live.empty()) recording.live = std::make_shared<LiveValues>(options.live, columns);
+  if (real_time) recording.ring = std::make_shared<RecordingRing>();
+  return std::make_unique<RecordingWriter>(path, run_header(rig, backend, machine, options.moves), columns,
+                                           std::move(recording));
+}
+
+/// Ends the recording; true: every row is in it. A stop signal that comes while its disk hangs is obeyed.
+bool close_recording(RecordingWriter* writer) {
+  if (writer == nullptr) return true;
+  const auto begin = std::chrono::steady_clock::now();
+  const int signals = StopRequest::signals();
+  const RecordingSummary summary = writer->close([&] {
+    const std::chrono::duration<double> waited = std::chrono::steady_clock::now() - begin;
+    return waited.count() > StopRequest::patience_s && StopRequest::signals() > signals;
+  });
+  if (summary.dropped > 0)
+    std::cerr << fmt::format("{}: {} rows were dropped, the writer came too late\n", writer->path(), summary.dropped);
+  if (!summary.error.empty()) std::cerr << summary.error << "\n";
+  return summary.whole();
+}
+
+/// What is to be said beside the results; the first fault was told when it came.
+void tell_end(const RunOptions& options, const Rig& rig, const Backend& backend, const RunOutcome& outcome,
+              bool whole) {
+  for (const std::string& note : backend.notes()) std::cerr << note << "\n";
+  if (outcome.moves_not_learned > 0)
+    std::cerr << fmt::format(
+        "{} of {} moves taught nothing: more than 1 % of their ticks were skipped because the loop "
+        "was late; `pneuservo check` names what to mend on this machine\n",
+        outcome.moves_not_learned, outcome.moves_begun);
+  if (outcome.stopped_by_signal) {
+    const std::string name = StopRequest::signal_name();
+    std::cerr << fmt::format("stopped by {}: safe output is set, {}results so far follow\n",
+                             name.empty() ? "the program" : name,
+                             options.record.empty() ? ""
+                             : whole                ? "the recording is closed, "
+                                                    : "the recording is not whole, ");
+  }
+  for (std::size_t i = outcome.first_faults; i < outcome.faults.size(); ++i)
+    std::cerr << "after it: " << outcome.faults[i] << "\n";
+  if (!outcome.faults.empty())
+    std::cerr << safe_output_text(backend.safe_output(), rig) << "\n"
+              << "when the cause is mended, run the same command again"
+              << (options.record.empty() ? "\n" : " with another name after --record\n");
+}
+
+/// A move for the report. Of a long run only the last rows are kept: its window begins where they do.
+RunResult result_of(const RunOptions& options, const Rig& rig, const RunOutcome& outcome, const MoveSpan& span) {
+  RunResult run;
+  run.pressure_source = pressure_word(rig, rig.controller.pd_force.pressure_source);
+  run.feedforward = feedforward_word(rig.controller);
+  run.move = span.number;
+  run.start_s = span.start_s;
+  run.rows.assign(outcome.rows.begin() + static_cast<std::ptrdiff_t>(span.begin),
+                  outcome.rows.begin() + static_cast<std::ptrdiff_t>(span.end));
+  if (&span == &outcome.moves.back()) run.faults = outcome.faults;
+  run.ticks = static_cast<std::int64_t>(run.rows.size() + span.rows_lost);
+  run.overruns = span.overruns;
+  if (outcome.timing) run.timing = *outcome.timing;
+  run.metrics = evaluate(rig, run.rows, run.start_s);
+  if (span.rows_lost > 0) run.metrics.from_s = std::max(run.metrics.from_s, run.rows.front().t_s - run.start_s);
+  run.verdict = judge_motion(rig, run);
+  return run;
+}
+
+/// Of a long run: time of the first row that figures and page show.
+void note_what_is_shown(const RunOutcome& outcome, RunReport& report) {
+  if (outcome.moves.empty()) return;
+  const MoveSpan& first = outcome.moves.front();
+  if (first.number > 1 || first.rows_lost > 0) report.shown_from_s = outcome.rows[first.begin].t_s;
+}
+
+/// All moves with the longest approach before each.
+double longest_run_s(const Rig& rig, int moves) {
+  return moves * (rig.duration_s + AxisLoop::longest_approach_s(rig.axis.cylinder.stroke_m));
+}
+
 /// One pressure source from start to safe end; its moves are added to the report. True: no fault, recording whole.
 bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool several, RunReport& report,
                 Effort& effort) {
   rig.controller.pd_force.pressure_source = source;
-  const bool real_time = options.time == "real", interactive = isatty(STDERR_FILENO) != 0;
+  const bool real_time = options.time == "real", shows_progress = !real_time && isatty(STDERR_FILENO) != 0;
   std::unique_ptr<RealTimeSession> session;
   if (real_time) {
     session = std::make_unique<RealTimeSession>(RealTimeSettings{
@@ -141,35 +242,25 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   }
   const std::vector<InjectedFault> faults = injected_faults(options.scenarios, options.faults, rig);
   auto backend = make_faulty_backend(backend_of(options, rig), rig, faults);
+  if (report.runs.empty() && backend->name() == "configured") std::cerr << device_warning(rig);
   backend->configure();
   report.machine = machine_facts(session ? &session->state() : nullptr);
   report.channel_origins = channel_facts(*backend);
 
+  const std::string path = record_path(options, source, several);
+  const auto writer = open_recording(options, rig, *backend, report.machine, path);
+  auto watch = std::make_unique<FaultWatch>([](auto first, double) { tell_fault(first); });
   RunSettings settings{.real_time = real_time,
                        .early_wake_s = options.early_wake_us * 1e-6,
                        .moves = options.moves,
                        .load = load_reference_positions,
-                       .late = late_ticks(faults, rig.period_s)};
-  std::unique_ptr<RecordingRing> ring;
-  std::unique_ptr<LiveValues> live;
-  std::unique_ptr<RecordingWriter> writer;
-  if (!options.record.empty()) {
-    const RecordingHeader header = run_header(rig, *backend, report.machine, options.moves);
-    const auto columns = recorded_columns(rig, *backend, real_time, !options.gains.empty());
-    const std::string path = record_path(options, source, several);
-    if (!options.live.empty()) live = std::make_unique<LiveValues>(options.live, columns);
-    if (real_time) {
-      ring = std::make_unique<RecordingRing>();
-      writer = std::make_unique<RecordingWriter>(path, header, columns, *ring, live.get());
-      settings.ring = ring.get();
-    } else {
-      writer = std::make_unique<RecordingWriter>(path, header, columns, live.get());
-      settings.writer = writer.get();
-    }
-  }
-  if (interactive && !real_time)
-    settings.progress = [&](double fraction) { show_progress(fraction, source_word(source)); };
-
+                       .ring = writer ? writer->ring() : nullptr,
+                       .writer = real_time ? nullptr : writer.get(),
+                       .fault_watch = watch.get(),
+                       .recording = path,
+                       .late = late_ticks(faults, rig.period_s, longest_run_s(rig, options.moves)),
+                       .suspends = suspends(faults, rig.period_s)};
+  if (shows_progress) settings.progress = [&](double fraction) { show_progress(fraction, source_word(source)); };
   GainMailbox mailbox;
   std::unique_ptr<GainFileWatcher> watcher;
   if (!options.gains.empty()) {
@@ -177,54 +268,19 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
     watcher = std::make_unique<GainFileWatcher>(options.gains, options.config, options.sets, mailbox);
   }
   RunOutcome outcome = run_or_refuse(options.config, rig, *backend, settings);
-  watcher.reset();
   effort.wall_s += outcome.wall_s;
   effort.axis_s += static_cast<double>(outcome.ticks + outcome.overruns) * rig.period_s;
-  if (interactive && !real_time) std::fputs("\r                    \r", stderr);
-  bool whole = true;
-  if (writer) {
-    const RecordingSummary summary = writer->close();
-    if (summary.dropped > 0)
-      std::cerr << fmt::format("{}: {} rows were dropped, the writer came too late\n", writer->path(), summary.dropped);
-    if (!summary.error.empty()) std::cerr << summary.error << "\n";
-    whole = summary.error.empty();
-  }
-  for (const std::string& note : backend->notes()) std::cerr << note << "\n";
-  if (outcome.moves_not_learned > 0)
-    std::cerr << fmt::format(
-        "{} of {} moves taught nothing: more than 1 % of their ticks were skipped because the loop "
-        "was late; `pneuservo check` names what to mend on this machine\n",
-        outcome.moves_not_learned, outcome.moves.size());
-  if (outcome.stopped_by_signal)
-    std::cerr << "stopped by a signal: safe output is set, the recording is closed, results so far follow\n";
-  for (std::size_t i = 0; i < outcome.faults.size(); ++i)
-    std::cerr << (i < outcome.first_faults ? "fault: " : "after it: ") << outcome.faults[i] << "\n";
-  if (!outcome.faults.empty())
-    std::cerr << fmt::format(
-        "the valve has its safe output of {} V since t = {:.6g} s; when the cause is mended, run the "
-        "same command again\n",
-        safe_commands_V(rig)[0], outcome.fault_s);
-
-  for (std::size_t i = 0; i < outcome.moves.size(); ++i) {
-    const MoveSpan& span = outcome.moves[i];
-    RunResult run;
-    run.pressure_source = pressure_word(rig, source);
-    run.feedforward = feedforward_word(rig.controller);
-    run.move = static_cast<int>(i) + 1;
-    run.start_s = span.start_s;
-    run.rows.assign(outcome.rows.begin() + static_cast<std::ptrdiff_t>(span.begin),
-                    outcome.rows.begin() + static_cast<std::ptrdiff_t>(span.end));
-    if (i + 1 == outcome.moves.size()) run.faults = outcome.faults;
-    run.ticks = static_cast<std::int64_t>(run.rows.size());
-    run.overruns = span.overruns;
-    if (outcome.timing) run.timing = *outcome.timing;
-    run.metrics = evaluate(rig, run.rows, run.start_s);
-    report.runs.push_back(std::move(run));
-  }
+  if (shows_progress) std::fputs("\r                    \r", stderr);
+  const bool whole = close_recording(writer.get());
+  watcher.reset();
+  watch.reset();
+  tell_end(options, rig, *backend, outcome, whole);
+  note_what_is_shown(outcome, report);
+  for (const MoveSpan& span : outcome.moves) report.runs.push_back(result_of(options, rig, outcome, span));
   return outcome.faults.empty() && whole;
 }
 
-/// What would only show after the run: no such backend, no such folder.
+/// What would only show after the run: no such backend, no such folder, a file that must stay.
 void check_outputs(const RunOptions& options, const Rig& rig, const std::vector<PressureSource>& sources) {
   const auto backend =
       make_faulty_backend(backend_of(options, rig), rig, injected_faults(options.scenarios, options.faults, rig));
@@ -239,10 +295,15 @@ void check_outputs(const RunOptions& options, const Rig& rig, const std::vector<
     throw InputError("--record: found " + options.record + ", expected a name that ends in .csv.gz");
   if (!options.live.empty() && options.record.empty())
     throw InputError("--live: found without --record, whose thread sends the values");
+  OutputFiles files;
+  files.reads("CONFIG", options.config)
+      .reads_of(rig)
+      .reads("--zeros", options.zeros)
+      .reads("--scenario", options.scenarios)
+      .reads("--gains", options.gains);
   for (const PressureSource source : sources)
-    require_writable("--record", record_path(options, source, sources.size() > 1));
-  require_writable("--report", options.report);
-  require_writable("--json", options.json);
+    files.records("--record", record_path(options, source, sources.size() > 1), options.existing());
+  files.writes("--report", options.report, ResultKind::page).writes("--json", options.json, ResultKind::json);
 }
 
 int run(const RunOptions& options) {
@@ -258,6 +319,10 @@ int run(const RunOptions& options) {
   }
   const auto sources = sources_of(options, rig);
   check_outputs(options, rig, sources);
+  require_reference_in_stroke(options.config, rig);
+  heed_loop(options.config, rig,
+            options.time == "real" && backend_of(options, rig) == "configured" && rig.hal->has_devices(),
+            options.allowed);
   StopRequest stop;
   RunReport report;
   report.config = rig.name;
@@ -270,6 +335,7 @@ int run(const RunOptions& options) {
     good = run_source(options, rig, source, sources.size() > 1, report, effort) && good;
     if (StopRequest::requested()) break;
   }
+  StopRequest::let_go(StopRequest::patience_s);
   if (effort.wall_s > 0.0) report.realtime_factor = effort.axis_s / effort.wall_s;
   if (options.json != "-") std::cout << run_text(report);
   write_json(options.json, run_json(report));
@@ -298,11 +364,14 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--hal", o->backend,
                    "backend: sim, or configured (each channel from its source in the config's section hal); "
                    "default: configured where the config has that section");
+  verb->add_flag("--allow-unstable", o->allowed.unstable_loop,
+                 "run on devices although the loop is unstable or unsafe in simulation ('pneuservo check')");
   verb->add_option("--zeros", o->zeros, "zeros of the channels, a file that the verbs home and zero wrote");
   verb->add_option("--scenario", o->scenarios, "faults to inject into the backend sim, a file (docs/faults.md)");
   verb->add_option("--fault", o->faults, "a fault to inject; may stand several times")
       ->type_name("KIND[:TARGET[:VALUE]][@START_S[+DURATION_S]]");
   verb->add_option("--record", o->record, "recording, FILE.csv.gz; with all sources FILE-valve.csv.gz and so on");
+  verb->add_flag("--force", o->force, "--record may replace recordings that are there");
   verb->add_option("--live", o->live,
                    "live values as JSON over UDP, for PlotJuggler (port 9870); a PORT of this machine, or HOST:PORT");
   verb->add_option("--report", o->report, "self-contained HTML page with plots");
@@ -318,9 +387,9 @@ void add_run(CLI::App& app, int& status) {
                "  pneuservo run config/cylinder-10m-7.65mm.yaml --pressure-source all --report run.html\n"
                "On the machine's clock, recorded:\n"
                "  pneuservo run config/cylinder-10m-7.65mm.yaml --time real --duration-s 30 --record run.csv.gz\n"
-               "Exit status: 0 done, also when Ctrl-C or SIGTERM ended it early; 1 the run ended in a fault or its "
-               "recording is not\n"
-               "whole; 2 unusable input.");
+               "Exit status: 0 done, also when Ctrl-C or another signal ended it early; 1 the run ended in a fault or "
+               "its\n"
+               "recording is not whole (rows were dropped, its disk is full or hangs); 2 unusable input.");
   verb->callback([o, &status] { status = run(*o); });
 }
 

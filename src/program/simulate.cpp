@@ -6,10 +6,12 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <pneuservo/loop/axis_loop.hpp>
 #include <pneuservo/rig/plant.hpp>
 
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "record/import.hpp"
@@ -22,6 +24,8 @@ namespace {
 struct SimulateOptions {
   std::string config, command, record, json;
   std::vector<std::string> sets;
+  bool force = false;
+  ExistingFile existing() const { return force ? ExistingFile::replace : ExistingFile::refuse; }
 };
 
 /// First value of the first of these columns that is there and holds one; else the fallback.
@@ -43,6 +47,19 @@ PlantStart<double> recorded_start(const Rig& rig, const Recording& recording) {
 std::vector<std::string> command_columns(const Rig& rig) {
   if (rig.kind == RigKind::servo_table) return {"u1_V", "u2_V"};
   return {"u_V"};
+}
+
+/// A command that is held for longer than the axis takes for its whole stroke says nothing of where it stands.
+void refuse_long_gaps(const Rig& rig, const Recording& recording) {
+  const double longest_s = AxisLoop::longest_approach_s(rig.axis.cylinder.stroke_m);
+  const std::vector<double>& t_s = recording.t_s();
+  for (std::size_t i = 1; i < t_s.size(); ++i)
+    if (t_s[i] - t_s[i - 1] > longest_s)
+      throw InputError(
+          fmt::format("{}, line {}: t_s goes from {} to {}, a gap of {:.6g} s without a command, expected at most "
+                      "{:.3g} s, in which "
+                      "the axis crosses its stroke: give the rows before or after it as a recording of their own",
+                      recording.path, recording.line_numbers[i], t_s[i - 1], t_s[i], t_s[i] - t_s[i - 1], longest_s));
 }
 
 std::vector<Row> simulate_plant(const Rig& rig, const Recording& recording) {
@@ -108,11 +125,16 @@ std::vector<Difference> differences(const Recording& recording, const std::vecto
 int run_simulate(const SimulateOptions& options) {
   const Rig rig = read_rig(options.config, options.sets);
   require_kind("simulate", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
-  require_writable("--record", options.record);
-  require_writable("--json", options.json);
+  OutputFiles()
+      .reads("CONFIG", options.config)
+      .reads_of(rig)
+      .reads("--command", options.command)
+      .records("--record", options.record, options.existing())
+      .writes("--json", options.json, ResultKind::json);
   const Recording recording = read_first_recording(options.command, rig.imported, rig.period_s);
   for (const auto& line : problem_lines(recording)) std::cerr << line << "\n";
   recording.require(command_columns(rig));
+  refuse_long_gaps(rig, recording);
   const std::vector<Row> rows = simulate_plant(rig, recording);
   nlohmann::ordered_json json{{"config", rig.name}, {"command", options.command}, {"rows", rows.size()}};
   std::string text =
@@ -129,7 +151,8 @@ int run_simulate(const SimulateOptions& options) {
     std::vector<std::string> columns{"t_s",        "x_m",           "v_mps",         "p1_port_Pa",
                                      "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"};
     for (const std::string& name : command_columns(rig)) columns.push_back(name);
-    RecordingWriter writer(options.record, run_header(rig, backend, machine_facts(nullptr), 1), columns);
+    RecordingWriter writer(options.record, run_header(rig, backend, machine_facts(nullptr), 1), columns,
+                           {.existing = options.existing()});
     for (const Row& row : rows) writer.write(row);
     const RecordingSummary summary = writer.close();
     if (!summary.error.empty()) throw InputError(summary.error);
@@ -147,6 +170,7 @@ void add_simulate(CLI::App& app, int& status) {
       ->required();
   verb->add_option("--set", o->sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
   verb->add_option("--record", o->record, "what was simulated, without sensor noise, FILE.csv.gz");
+  verb->add_flag("--force", o->force, "--record may replace a recording that is there");
   verb->add_option("--json", o->json, "differences from the recording as JSON, - for standard output");
   verb->footer(
       "The plant starts at the recording's first position and pressures, at rest. A free position drifts: small flow\n"

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -18,6 +19,16 @@ namespace {
 constexpr int compression_level = 1, strategy = Z_HUFFMAN_ONLY;
 constexpr int gzip_window_bits = 15 + 16;  // zlib: + 16 asks for a gzip wrapper
 constexpr int memory_level = 9;
+
+/// A file of another process that comes between the look and the opening is refused, too: O_EXCL. A link that points
+/// to nothing is no file of ours and is not followed.
+int create(const std::string& path, ExistingFile existing) {
+  struct stat found{};
+  const bool is_there = ::stat(path.c_str(), &found) == 0, holds_data = is_there && S_ISREG(found.st_mode);
+  if (is_there && !holds_data) return ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  const int how = existing == ExistingFile::replace ? O_TRUNC : O_EXCL;
+  return ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | how, 0644);
+}
 }  // namespace
 
 struct GzipFile::Stream {
@@ -25,8 +36,10 @@ struct GzipFile::Stream {
   std::array<unsigned char, 1 << 16> out;
 };
 
-GzipFile::GzipFile(std::string path) : path_(std::move(path)), stream_(std::make_unique<Stream>()) {
-  descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+GzipFile::GzipFile(std::string path, ExistingFile existing)
+    : path_(std::move(path)), stream_(std::make_unique<Stream>()) {
+  descriptor_ = create(path_, existing);
+  if (descriptor_ < 0 && errno == EEXIST) throw InputError(path_ + ": " + std::string(existing_recording_words));
   if (descriptor_ < 0)
     throw InputError(path_ + ": the recording cannot be created: " + std::strerror(errno) +
                      "; expected a path that can be written");

@@ -6,11 +6,18 @@
 
 namespace pneuservo {
 
-/// Creates (or empties) a file and compresses into it. Not for the loop's thread: writes and syncs block.
+/// What becomes of a regular file that is there already. A pipe or device holds nothing that could be lost.
+enum class ExistingFile { refuse, replace };
+
+/// Why a recording is not written where one is.
+inline constexpr std::string_view existing_recording_words =
+    "found a file that is there already, expected a new name: a recording is never overwritten unless --force says so";
+
+/// Creates a file and compresses into it. Not for the loop's thread: writes and syncs block.
 class GzipFile {
  public:
-  /// Throws InputError naming the path and the reason (no such folder, no permission, disk full, ...).
-  explicit GzipFile(std::string path);
+  /// Throws InputError naming the path and the reason (it is there, no such folder, no permission, disk full, ...).
+  explicit GzipFile(std::string path, ExistingFile existing = ExistingFile::refuse);
   ~GzipFile();
   GzipFile(const GzipFile&) = delete;
   GzipFile& operator=(const GzipFile&) = delete;

@@ -1,10 +1,13 @@
 // Writes a recording while a run goes on: in a thread of its own (real time) or in the caller's (simulated time).
 #include "record/writer.hpp"
 
-#include <csignal>
-#include <pthread.h>
+#include <atomic>
+
+#include <fmt/format.h>
 
 #include "config/input_error.hpp"
+#include "record/ordinary_thread.hpp"
+#include "record/row_text.hpp"
 
 namespace pneuservo {
 
@@ -20,98 +23,129 @@ std::string checked(std::string path) {
   return path;
 }
 
-/// A thread inherits the policy of the one that starts it; the writer must never compete with the loop.
-void become_ordinary_thread() {
-  sigset_t all;
-  sigfillset(&all);
-  pthread_sigmask(SIG_BLOCK, &all, nullptr);
-  const sched_param parameters{};
-  pthread_setschedparam(pthread_self(), SCHED_OTHER, &parameters);
-  pthread_setname_np(pthread_self(), "recording");
-}
-
 }  // namespace
 
-RecordingWriter::RecordingWriter(std::string path, const RecordingHeader& header,
-                                 const std::vector<std::string>& columns, LiveValues* live)
-    : file_(checked(std::move(path))), text_(columns), buffer_(buffer_size), live_(live) {
-  file_.write(header.comment_lines());
-  file_.write(text_.header_line());
-  flush();
-  if (!file_.error().empty()) throw InputError(file_.error());
-}
+/// The file and what is on its way into it.
+struct RecordingWriter::Work {
+  Work(std::string path, const std::vector<std::string>& columns, RecordingOptions chosen)
+      : options(std::move(chosen)), file(checked(std::move(path)), options.existing), text(columns),
+        buffer(buffer_size) {}
+
+  void run() {
+    become_ordinary_thread("recording");
+    while (!closing.load(std::memory_order_acquire)) {
+      if (!drain()) std::this_thread::sleep_for(idle_time);
+      flush_when_due();
+    }
+    while (drain()) {}
+    end();
+    done.store(true, std::memory_order_release);
+  }
+
+  /// Bounded, so that flushes stay due even while rows keep coming. False: the ring is empty.
+  bool drain() {
+    Row row;
+    std::int64_t count = 0;
+    while (count < rows_between_clock_reads && options.ring->pop(row)) {
+      append(row);
+      ++count;
+    }
+    return count == rows_between_clock_reads;
+  }
+
+  void append(const Row& row) {
+    if (buffer.size() - used < RowText::line_size_max) pass_on();
+    char* const start = buffer.data() + used;
+    used += static_cast<std::size_t>(text.line(start, row) - start);
+    ++rows;
+    if (options.live) options.live->send(row);
+    const bool fault = (row.flags & row_fault) != 0;
+    if (fault && !in_fault) flush();
+    in_fault = fault;
+  }
+
+  void pass_on() {
+    file.write({buffer.data(), used});
+    used = 0;
+  }
+
+  void flush() {
+    pass_on();
+    // A simulation can be run again: it need not survive a loss of power and does not wait for the disk.
+    file.flush(options.ring != nullptr);
+    flushed = std::chrono::steady_clock::now();
+    rows_flushed.store(rows, std::memory_order_relaxed);
+  }
+
+  void flush_when_due() {
+    if (std::chrono::steady_clock::now() - flushed >= flush_interval) flush();
+  }
+
+  void end() {
+    if (options.ring) flush();
+    pass_on();
+    file.close();
+  }
+
+  RecordingOptions options;
+  GzipFile file;
+  RowText text;
+  std::vector<char> buffer;
+  std::size_t used = 0;
+  std::int64_t rows = 0;
+  bool in_fault = false;
+  std::chrono::steady_clock::time_point flushed;
+  std::atomic<bool> closing{false}, done{false};
+  std::atomic<std::int64_t> rows_flushed{0};
+};
 
 RecordingWriter::RecordingWriter(std::string path, const RecordingHeader& header,
-                                 const std::vector<std::string>& columns, RecordingRing& ring, LiveValues* live)
-    : RecordingWriter(std::move(path), header, columns, live) {
-  ring_ = &ring;
-  thread_ = std::thread([this] { run(); });
+                                 const std::vector<std::string>& columns, RecordingOptions options)
+    : work_(std::make_shared<Work>(std::move(path), columns, std::move(options))) {
+  work_->file.write(header.comment_lines());
+  work_->file.write(work_->text.header_line());
+  work_->flush();
+  if (!work_->file.error().empty()) throw InputError(work_->file.error());
+  if (work_->options.ring) thread_ = std::thread([work = work_] { work->run(); });
 }
 
 // Throws where memory has run out, and there is no way on from that.
 RecordingWriter::~RecordingWriter() { close(); }  // NOLINT(bugprone-exception-escape)
 
-void RecordingWriter::run() {
-  become_ordinary_thread();
-  while (!closing_.load(std::memory_order_acquire)) {
-    if (!drain()) std::this_thread::sleep_for(idle_time);
-    flush_when_due();
-  }
-}
-
-bool RecordingWriter::drain() {
-  // Bounded, so that flushes stay due even while rows keep coming.
-  Row row;
-  std::int64_t count = 0;
-  while (count < rows_between_clock_reads && ring_->pop(row)) {
-    append(row);
-    ++count;
-  }
-  return count == rows_between_clock_reads;
-}
-
 void RecordingWriter::write(const Row& row) {
-  append(row);
-  if (rows_ % rows_between_clock_reads == 0) flush_when_due();
+  work_->append(row);
+  if (work_->rows % rows_between_clock_reads == 0) work_->flush_when_due();
 }
 
-void RecordingWriter::append(const Row& row) {
-  if (buffer_.size() - used_ < RowText::line_size_max) pass_on();
-  char* const start = buffer_.data() + used_;
-  used_ += static_cast<std::size_t>(text_.line(start, row) - start);
-  ++rows_;
-  if (live_ != nullptr) live_->send(row);
-  const bool fault = (row.flags & row_fault) != 0;
-  if (fault && !in_fault_) flush();
-  in_fault_ = fault;
-}
+RecordingRing* RecordingWriter::ring() const noexcept { return work_->options.ring.get(); }
 
-void RecordingWriter::pass_on() {
-  file_.write({buffer_.data(), used_});
-  used_ = 0;
-}
+const std::string& RecordingWriter::path() const noexcept { return work_->file.path(); }
 
-void RecordingWriter::flush() {
-  pass_on();
-  // A simulation can be run again: it need not survive a loss of power and does not wait for the disk.
-  file_.flush(ring_ != nullptr);
-  flushed_ = std::chrono::steady_clock::now();
-}
-
-void RecordingWriter::flush_when_due() {
-  if (std::chrono::steady_clock::now() - flushed_ >= flush_interval) flush();
-}
-
-RecordingSummary RecordingWriter::close() {
-  closing_.store(true, std::memory_order_release);
-  if (thread_.joinable()) {
-    thread_.join();
-    while (drain()) {}
-    flush();
+bool RecordingWriter::wait_for_thread(const std::function<bool()>& give_up) const {
+  const auto limit = std::chrono::steady_clock::now() + closing_limit;
+  while (!work_->done.load(std::memory_order_acquire)) {
+    if (std::chrono::steady_clock::now() > limit || (give_up && give_up())) return false;
+    std::this_thread::sleep_for(idle_time);
   }
-  pass_on();
-  file_.close();
-  return {rows_, ring_ != nullptr ? ring_->dropped() : 0, file_.error()};
+  return true;
+}
+
+RecordingSummary RecordingWriter::close(const std::function<bool()>& give_up) {
+  work_->closing.store(true, std::memory_order_release);
+  if (thread_.joinable()) {
+    abandoned_ = !wait_for_thread(give_up);
+    abandoned_ ? thread_.detach() : thread_.join();
+  }
+  const std::int64_t dropped = work_->options.ring ? work_->options.ring->dropped() : 0;
+  if (abandoned_) {
+    const std::int64_t pushed = work_->options.ring->pushed(), there = work_->rows_flushed;
+    return {there, dropped,
+            fmt::format("{}: the recording could not be ended, its disk or reader takes nothing: {} of {} rows are in "
+                        "the file for certain, the others may be missing",
+                        path(), there, pushed)};
+  }
+  if (!work_->options.ring) work_->end();
+  return {work_->rows, dropped, work_->file.error()};
 }
 
 }  // namespace pneuservo

@@ -5,16 +5,16 @@
 #include <array>
 #include <cmath>
 
+#include <report/even_signal.hpp>
 #include <report/high_pass.hpp>
 
 namespace pneuservo {
 namespace {
 
-using Column = double Row::*;
 constexpr double time_tolerance_s = 1e-9;
-constexpr std::array<Column, 3> commands{&Row::u_V, &Row::u1_V, &Row::u2_V};
+constexpr std::array<RowColumn, 3> commands{&Row::u_V, &Row::u1_V, &Row::u2_V};
 
-bool has_values(const std::vector<Row>& rows, Column column) {
+bool has_values(const std::vector<Row>& rows, RowColumn column) {
   return std::any_of(rows.begin(), rows.end(), [&](const Row& row) { return std::isfinite(row.*column); });
 }
 
@@ -38,47 +38,10 @@ struct Statistics {
 /// The larger of two figures, of which either may be missing.
 double larger(double a, double b) { return std::fmax(a, b); }
 
-/// The sampling period of the rows: the median distance, which lost rows do not move.
-double sampling_period_s(const std::vector<Row>& rows) {
-  std::vector<double> distances;
-  distances.reserve(rows.size());
-  for (std::size_t k = 1; k < rows.size(); ++k) distances.push_back(rows[k].t_s - rows[k - 1].t_s);
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
-}
-
-struct Signal {
-  double from_s = 0.0, period_s = 0.0;
-  std::vector<double> values;
-};
-
-/// A column on an even grid; lost rows and missing values are bridged by straight lines.
-Signal even_signal(const std::vector<Row>& rows, Column column) {
-  std::vector<const Row*> whole;
-  for (const Row& row : rows)
-    if (std::isfinite(row.*column)) whole.push_back(&row);
-  if (whole.size() < 2) return {};
-  Signal signal{whole.front()->t_s, sampling_period_s(rows), {}};
-  if (!(signal.period_s > 0.0)) return {};
-  const double length_s = whole.back()->t_s - signal.from_s;
-  const auto count = static_cast<std::size_t>(std::llround(length_s / signal.period_s)) + 1;
-  signal.values.reserve(count);
-  std::size_t right = 1;
-  for (std::size_t k = 0; k < count; ++k) {
-    const double t_s = signal.from_s + static_cast<double>(k) * signal.period_s;
-    while (right + 1 < whole.size() && whole[right]->t_s < t_s) ++right;
-    const Row &a = *whole[right - 1], &b = *whole[right];
-    const double share = std::clamp((t_s - a.t_s) / (b.t_s - a.t_s), 0.0, 1.0);
-    signal.values.push_back(a.*column + share * (b.*column - a.*column));
-  }
-  return signal;
-}
-
 /// Peak to peak of a column above the corner. One period of the corner at either end of the signal is left out: there
 /// the filter has neighbours on one side only.
-double ripple_Pa(const std::vector<Row>& rows, Column column, double from_s, double to_s) {
-  const Signal signal = even_signal(rows, column);
+double ripple_Pa(const std::vector<Row>& rows, RowColumn column, double from_s, double to_s) {
+  const EvenSignal signal = even_signal(rows, column);
   const std::vector<double> fast = zero_phase_high_pass(signal.values, signal.period_s, ripple_corner_Hz);
   const double end_s = signal.from_s + static_cast<double>(fast.size()) * signal.period_s - 1.0 / ripple_corner_Hz;
   from_s = std::max(from_s, signal.from_s + 1.0 / ripple_corner_Hz);
@@ -112,7 +75,7 @@ Metrics evaluate(const Rig& rig, const std::vector<Row>& rows, double start_s) {
   metrics.from_s = window.from_s;
   metrics.to_s = std::min(window.to_s, last_s);
   metrics.position_is_true = has_values(rows, &Row::x_true_m);
-  const Column position = metrics.position_is_true ? &Row::x_true_m : &Row::x_m;
+  const RowColumn position = metrics.position_is_true ? &Row::x_true_m : &Row::x_m;
 
   const double from_s = metrics.from_s + start_s, to_s = metrics.to_s + start_s;
   Statistics error, end_error, estimation_1, estimation_2;

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include <report/motion_verdict.hpp>
+
 namespace pneuservo {
 namespace {
 
@@ -32,6 +34,27 @@ void add_timing(Json& json, const LoopTiming& timing) {
   json["lateness_histogram_us"] = histogram_json(timing.lateness);
 }
 
+/// The same judgement that the headline tells.
+Json verdict_json(const MotionVerdict& verdict) {
+  Json json;
+  json["word"] = verdict_word(verdict);
+  json["following"] = following_names[static_cast<std::size_t>(verdict.following)];
+  json["amplitude_m"] = number(verdict.amplitude_m);
+  json["error_share"] = number(verdict.error_share);
+  json["lag_s"] = number(verdict.lag_s);
+  json["amplitude_ratio"] = number(verdict.amplitude_ratio);
+  json["oscillates"] = verdict.oscillates;
+  json["oscillation_Hz"] = number(verdict.oscillation_Hz);
+  json["oscillation_m"] = number(verdict.oscillation_m);
+  json["oscillation_V"] = number(verdict.oscillation_V);
+  json["oscillation_grows"] = verdict.oscillation_grows;
+  json["touched_end_stop"] = verdict.touched_end_stop;
+  json["end_stop_m"] = number(verdict.end_stop_m);
+  json["end_stop_s"] = number(verdict.end_stop_s);
+  json["end_stop_speed_mps"] = number(verdict.end_stop_speed_mps);
+  return json;
+}
+
 Json result_json(const RunResult& run) {
   const Metrics& metrics = run.metrics;
   Json json;
@@ -45,6 +68,7 @@ Json result_json(const RunResult& run) {
   json["rms_estimation_error_Pa"] = number(metrics.rms_estimation_error_Pa);
   json["chamber_pressure_ripple_Pa"] = number(metrics.chamber_pressure_ripple_Pa);
   json["command_step_rms_V"] = number(metrics.command_step_rms_V);
+  json["motion"] = verdict_json(run.verdict);
   json["faults"] = run.faults;
   json["ticks"] = run.ticks;
   json["overruns"] = run.overruns;
@@ -67,6 +91,7 @@ nlohmann::ordered_json run_json(const RunReport& report) {
   json["config"] = report.config;
   json["time"] = report.time;
   json["duration_s"] = number(report.duration_s);
+  if (std::isfinite(report.shown_from_s)) json["shown_from_s"] = report.shown_from_s;
   json["runs"] = Json::array();
   for (const RunResult& run : report.runs) json["runs"].push_back(result_json(run));
   json["realtime_factor"] = number(report.realtime_factor);

@@ -26,6 +26,25 @@ struct Metrics {
   double command_step_rms_V = none;  ///< of u_k - u_{k-1}
 };
 
+/// How far the axis went along with its reference; the limits stand in report/motion_verdict.hpp.
+enum class Following { not_judged, rests, follows, lags, does_not_follow };
+
+/// What the axis did in one run. Text, JSON and page say it from here alone.
+struct MotionVerdict {
+  Following following = Following::not_judged;
+  double amplitude_m = Metrics::none;      ///< half the reference's travel in the evaluation window
+  double error_share = Metrics::none;      ///< largest error over amplitude_m
+  double lag_s = Metrics::none;  ///< by which the position comes after the reference; NaN: no such relation
+  double amplitude_ratio = Metrics::none;  ///< of the position over the reference, at that lag
+  bool oscillates = false;  ///< a periodic part that neither the reference nor noise explains
+  double oscillation_Hz = Metrics::none, oscillation_m = Metrics::none, oscillation_V = Metrics::none;  ///< amplitudes
+  bool oscillation_grows = false, oscillation_fills_range = false;
+  bool touched_end_stop = false;
+  double end_stop_m = Metrics::none, end_stop_s = Metrics::none;  ///< of the first contact; time from the run's start
+  double end_stop_speed_mps = Metrics::none;  ///< the fastest contact
+  std::string fault;  ///< name of the first fault; empty: none
+};
+
 /// Ordered names and values, shown as they stand.
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
@@ -41,6 +60,7 @@ struct RunResult {
   std::int64_t overruns = 0;
   std::optional<LoopTiming> timing;  ///< real time only
   Metrics metrics;
+  MotionVerdict verdict;
 };
 
 /// Everything that one call of `run` found out.
@@ -48,6 +68,7 @@ struct RunReport {
   std::string config;  ///< the config's name
   std::string time = "simulated";  ///< "simulated" or "real"
   double duration_s = 0.0;  ///< of one run
+  double shown_from_s = Metrics::none;  ///< of a long run only the rows from here on were kept; NaN: all were
   std::vector<RunResult> runs;
   double realtime_factor = Metrics::none;  ///< simulated seconds a second of wall time
   std::string config_yaml;  ///< the config as it was used, every key, for the page

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <report/motion_verdict.hpp>
 
 namespace pneuservo {
 namespace {
@@ -35,12 +36,6 @@ std::vector<double> scaled(const RunReport& report, double Metrics::* figure, do
   return collect(report, [&](const RunResult& run) { return run.metrics.*figure * scale; });
 }
 
-/// A length for a sentence, in mm or, below 0.1 mm, in µm.
-std::string length(double value_m) {
-  const double size = std::fabs(value_m);
-  return size < 1e-4 ? figure(value_m * 1e6) + " µm" : figure(value_m * 1e3) + " mm";
-}
-
 std::string source_words(const std::string& pressure_source) {
   if (pressure_source == "valve") return "the valve's port pressures";
   if (pressure_source == "none") return "no pressure fed back";
@@ -63,11 +58,12 @@ std::string run_words(const RunReport& report, const RunResult& run) {
   return words;
 }
 
-/// The best run of every other pressure source, to be set beside the best of all.
+/// The best run without a fault of every other pressure source, to be set beside the best of all.
 std::vector<const RunResult*> rivals(const RunReport& report, const RunResult& best) {
   std::vector<const RunResult*> found;
   for (const RunResult& run : report.runs) {
-    if (run.pressure_source == best.pressure_source || !std::isfinite(run.metrics.rms_position_error_m)) continue;
+    const bool has_figures = run.faults.empty() && std::isfinite(run.metrics.rms_position_error_m);
+    if (run.pressure_source == best.pressure_source || !has_figures) continue;
     const auto same = std::find_if(found.begin(), found.end(),
                                    [&](auto* other) { return other->pressure_source == run.pressure_source; });
     if (same == found.end()) found.push_back(&run);
@@ -78,30 +74,55 @@ std::vector<const RunResult*> rivals(const RunReport& report, const RunResult& b
   return found;
 }
 
+/// Errors of a run, with their share of the amplitude.
+std::string error_words(const RunResult& run) {
+  const std::string share = share_words(run.verdict);
+  return fmt::format("{} rms error, {} at most{}", length_words(run.metrics.rms_position_error_m),
+                     length_words(run.metrics.max_position_error_m), share.empty() ? "" : ", " + share);
+}
+
+bool goes_well(const RunResult& run) {
+  const bool along = run.verdict.following == Following::follows || run.verdict.following == Following::rests;
+  return along && !run.verdict.oscillates && !run.verdict.touched_end_stop;
+}
+
 std::string best_words(const RunReport& report, const RunResult& best) {
   const Metrics& metrics = best.metrics;
-  const std::string errors = fmt::format("{} rms error, {} at most", length(metrics.rms_position_error_m),
-                                         length(metrics.max_position_error_m));
-  const std::vector<const RunResult*> others = rivals(report, best);
   if (report.runs.size() == 1)
-    return fmt::format("With {} the axis follows its reference: {}.", run_words(report, best), errors);
+    return fmt::format("With {} {}: {}.{}", run_words(report, best), following_words(best.verdict), error_words(best),
+                       trouble_words(best.verdict));
+  const std::vector<const RunResult*> others = rivals(report, best);
   // Within a hundredth of each other neither is the better one.
   const bool tied = !others.empty() && others[0]->metrics.rms_position_error_m < 1.01 * metrics.rms_position_error_m;
-  std::string text = tied ? fmt::format("{} hold the position as well as {}: {}", capital(run_words(report, best)),
-                                        run_words(report, *others[0]), errors)
-                          : fmt::format("{} hold the position best: {}", capital(run_words(report, best)), errors);
+  const bool well = goes_well(best);
+  std::string text = capital(run_words(report, best));
+  if (tied)
+    text += fmt::format(" {} {}", well ? "hold the position as well as" : "come as close to the reference as",
+                        run_words(report, *others[0]));
+  else text += well ? " hold the position best" : " come closest to the reference";
+  if (!well) text += ", " + following_words(best.verdict);
+  text += ": " + error_words(best);
   for (std::size_t i = tied ? 1 : 0; i < others.size(); ++i)
     text += fmt::format("{}{} with {}", i == (tied ? 1 : 0) ? "; against " : " and ",
-                        length(others[i]->metrics.rms_position_error_m), run_words(report, *others[i]));
+                        length_words(others[i]->metrics.rms_position_error_m), run_words(report, *others[i]));
   return text + (others.empty() ? "." : " (rms).");
+}
+
+/// What several runs did beside following, each under its name.
+std::string troubles(const RunReport& report) {
+  std::string text;
+  if (report.runs.size() < 2) return text;
+  for (const RunResult& run : report.runs)
+    if (run.faults.empty()) text += trouble_words(run.verdict, fmt::format("With {} it", run_words(report, run)));
+  return text;
 }
 
 std::string fault_words(const RunReport& report) {
   std::string text;
   for (const RunResult& run : report.runs)
     if (!run.faults.empty())
-      text +=
-          fmt::format(" The run with {} ended in a fault: {}.", run_words(report, run), fmt::join(run.faults, "; "));
+      text += fmt::format(" The run with {} ended in a fault: {}.{}", run_words(report, run),
+                          fmt::join(run.faults, "; "), trouble_words(run.verdict));
   return text.empty() ? text : text.substr(1);
 }
 
@@ -140,13 +161,15 @@ std::string headline(const RunReport& report) {
   const std::string faults = fault_words(report);
   if (best < 0) return faults.empty() ? "The runs were too short to be judged." : faults;
   const std::string words = best_words(report, report.runs[static_cast<std::size_t>(best)]);
-  return faults.empty() ? words : faults + " " + words;
+  return (faults.empty() ? words : faults + " " + words) + troubles(report);
 }
 
 std::string circumstances(const RunReport& report) {
   std::string text = fmt::format("{} time, {:g} s", report.time, report.duration_s);
   if (report.time == "simulated" && std::isfinite(report.realtime_factor))
     text += fmt::format(", {} times as fast as real time", figure(report.realtime_factor));
+  if (std::isfinite(report.shown_from_s))
+    text += fmt::format(", shown from t = {:.6g} s on (the recording has all)", report.shown_from_s);
   return text;
 }
 

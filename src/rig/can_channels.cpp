@@ -13,6 +13,17 @@ std::vector<CanChannel> can_channels(const HalParameters& hal) {
     const auto& can = *parameters.can;
     all.push_back({std::string(name), channel, is_output, std::string(Keys::unit), can.node, can.pdo, can.object,
                    can.is_signed, can.scale, can.zero, can.lowest, can.highest});
+    if (!is_output) return;
+    all.back().substitute = substitute_of(can.object, can.substitute);
+    if (!can.readback) return;
+    CanChannel shown = all.back();
+    shown.name += ".readback";
+    shown.is_output = false;
+    shown.is_readback = true;
+    shown.pdo = can.readback->pdo;
+    if (can.readback->object.word != 0) shown.object = can.readback->object;
+    shown.tolerance_V = can.readback->tolerance_V;
+    all.push_back(std::move(shown));
   };
   const HalChannels& c = hal.channels;
   add("x", 0, false, c.x);

@@ -1,6 +1,7 @@
 // The section `hal` as one list: every channel that a CANopen object stands behind, whatever its unit.
 #pragma once
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,9 +21,12 @@ struct CanChannel {
   CanObject object;
   bool is_signed;
   double scale, zero, lowest, highest;
+  std::optional<CanSubstitute> substitute{};  ///< of an output
+  bool is_readback = false;                   ///< an input that shows the command `channel`
+  double tolerance_V = 0.0;                   ///< of a readback
 };
 
-/// In the order of the config's manual: inputs as in channel_names, then commands.
+/// In the order of the config's manual: inputs as in channel_names, then commands, each with its readback behind it.
 std::vector<CanChannel> can_channels(const HalParameters& hal);
 
 /// One PDO as the channels use it, in the order of can_channels.

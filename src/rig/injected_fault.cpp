@@ -60,6 +60,9 @@ std::vector<std::string> known_targets(InjectedTarget target, InjectionPlace pla
   return names;
 }
 
+/// A loop that misses every slot runs no more.
+double largest_injected_share(InjectedKind kind) { return kind == InjectedKind::late_share ? 0.9 : 1.0; }
+
 }  // namespace
 
 InjectedFault parse_fault_order(const std::string& text, double now_s) {
@@ -119,6 +122,12 @@ void require_injectable(const InjectedFault& fault, InjectionPlace place, const 
   if (kind.needs_value && !fault.value) refuse("no value", "a value: " + std::string(kind.meaning));
   if (fault.kind == InjectedKind::delay && !(*fault.value >= 0.0 && *fault.value <= longest_injected_delay_s))
     refuse(fmt::format("{:g} s", *fault.value), fmt::format("0 to {:g} s", longest_injected_delay_s));
+  const bool is_share = fault.kind == InjectedKind::drop || fault.kind == InjectedKind::late_share;
+  if (is_share && fault.value && !(*fault.value > 0.0 && *fault.value <= largest_injected_share(fault.kind)))
+    refuse(fmt::format("a share of {:g}", *fault.value),
+           fmt::format("above 0 to {:g}", largest_injected_share(fault.kind)));
+  if (fault.kind == InjectedKind::suspend && !(*fault.value > 0.0))
+    refuse(fmt::format("{:g} s", *fault.value), "more than 0 s");
 }
 
 std::string fault_order_help(InjectionPlace place) {

@@ -1,6 +1,9 @@
 // Faults injected on purpose, into the simulated plant or the simulated device: "freeze:x@2.5+0.1" or a scenario file.
 #pragma once
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <map>
@@ -19,6 +22,7 @@ enum class InjectedKind {
   freeze,
   bias,
   spike,
+  spikes,
   saturate,
   delay,
   not_a_number,
@@ -27,13 +31,26 @@ enum class InjectedKind {
   leak,
   supply_loss,
   late_tick,
+  late_share,
+  suspend,
   emergency_stop,
   bus_off,
   emergency,
   off,
   reboot,
   no_heartbeat,
-  late
+  late,
+  doubled,
+  deaf,
+  pre_operational,
+  payload,
+  dry_friction,
+  jam,
+  obstacle,
+  reversed_valve,
+  reversed_encoder,
+  exchanged_hoses,
+  exchanged_ports
 };
 
 /// What a kind acts on.
@@ -47,11 +64,13 @@ struct InjectedKindText {
   std::string_view meaning;
   std::string_view instead_of_device = "it in run --hal sim";  ///< where to inject it, and why
 };
-inline constexpr std::array<InjectedKindText, 19> injected_kinds{{
-    {"drop", InjectedTarget::channel, InjectedTarget::node, true, true, false, "no sample comes; a node: no answer"},
+inline constexpr std::array<InjectedKindText, 33> injected_kinds{{
+    {"drop", InjectedTarget::channel, InjectedTarget::node, true, true, false,
+     "no sample comes, with VALUE: of this share of them; a node: no answer"},
     {"freeze", InjectedTarget::channel, InjectedTarget::channel, true, true, false, "repeats one value"},
     {"bias", InjectedTarget::channel, InjectedTarget::channel, true, true, true, "adds VALUE"},
     {"spike", InjectedTarget::channel, InjectedTarget::channel, true, true, true, "adds VALUE to one sample"},
+    {"spikes", InjectedTarget::channel, InjectedTarget::channel, true, true, true, "adds VALUE to one sample of three"},
     {"saturate", InjectedTarget::channel, InjectedTarget::channel, true, true, false,
      "shows VALUE; without it the end of its counts, sim: far out of range"},
     {"delay", InjectedTarget::channel, InjectedTarget::channel, true, true, true,
@@ -66,6 +85,10 @@ inline constexpr std::array<InjectedKindText, 19> injected_kinds{{
     {"supply_loss", InjectedTarget::none, InjectedTarget::none, true, true, true, "the supply falls to VALUE Pa"},
     {"late_tick", InjectedTarget::none, InjectedTarget::none, true, false, true, "the loop comes VALUE seconds late",
      "it in run: the loop is late, not its devices"},
+    {"late_share", InjectedTarget::none, InjectedTarget::none, true, false, true,
+     "the loop misses the share VALUE of its slots, five in a row", "it in run: the loop is late, not its devices"},
+    {"suspend", InjectedTarget::none, InjectedTarget::none, true, false, true,
+     "the machine was suspended for VALUE seconds, which no tick shows", "it in run: its machine sleeps"},
     {"emergency_stop", InjectedTarget::none, InjectedTarget::none, true, false, false, "the emergency stop is pressed"},
     {"bus_off", InjectedTarget::none, InjectedTarget::none, true, true, false,
      "the CAN controller goes bus-off: nothing comes, nothing goes"},
@@ -76,6 +99,25 @@ inline constexpr std::array<InjectedKindText, 19> injected_kinds{{
     {"reboot", InjectedTarget::node, InjectedTarget::node, false, true, false, "restarts"},
     {"no_heartbeat", InjectedTarget::node, InjectedTarget::node, false, true, false, "stops its heartbeat"},
     {"late", InjectedTarget::node, InjectedTarget::node, false, true, false, "answers SYNC a period late"},
+    {"double", InjectedTarget::node, InjectedTarget::node, false, true, false,
+     "answers SYNC twice, as two devices with one number do"},
+    {"deaf", InjectedTarget::node, InjectedTarget::node, false, true, false,
+     "takes no commands any more: process data to it are lost"},
+    {"pre_operational", InjectedTarget::node, InjectedTarget::node, false, true, false,
+     "another master puts it into pre-operational"},
+    {"payload", InjectedTarget::none, InjectedTarget::none, true, true, true, "the slider carries VALUE kg more"},
+    {"dry_friction", InjectedTarget::none, InjectedTarget::none, true, true, true,
+     "VALUE N more rub at any speed and at rest"},
+    {"jam", InjectedTarget::none, InjectedTarget::none, true, true, true, "VALUE N s/m more brake the slider"},
+    {"obstacle", InjectedTarget::none, InjectedTarget::none, true, true, true,
+     "hard stops at +-VALUE m, from when the slider is between them"},
+    {"reversed_valve", InjectedTarget::none, InjectedTarget::none, true, true, false,
+     "the valve takes each command with the other sign"},
+    {"reversed_encoder", InjectedTarget::none, InjectedTarget::none, true, true, false, "the encoder counts backwards"},
+    {"exchanged_hoses", InjectedTarget::none, InjectedTarget::none, true, true, false,
+     "each hose leads to the other chamber; the port sensors stay at the valve"},
+    {"exchanged_ports", InjectedTarget::none, InjectedTarget::none, true, true, false,
+     "the wires of both port sensors are exchanged"},
 }};
 inline constexpr auto injected_kind_names = [] {
   std::array<std::string_view, injected_kinds.size()> names{};
@@ -104,6 +146,11 @@ struct InjectedFault {
     v(Field{"start_s", "s", 0, 1e6, "begins then"}, p.start_s...);
     v(Field{"duration_s", "s", 0, infinite, "ends after so long; .inf: never", optional}, p.duration_s...);
   }
+  /// Whether sample number `count` since its start is one of its share (`value`, evenly spread; without it all).
+  bool takes(std::int64_t count) const noexcept {
+    const double share = std::min(value.value_or(1.0), 1.0), n = static_cast<double>(count);
+    return std::floor((n + 1.0) * share + 1e-9) > std::floor(n * share + 1e-9);
+  }
   bool is_on(double t_s) const noexcept { return t_s >= start_s && t_s < start_s + duration_s; }
 };
 
@@ -123,12 +170,15 @@ struct Scenario {
   std::string format{scenario_format_names[0]};
   std::string what;
   std::map<std::string, InjectedFault> faults;
+  std::map<std::string, double> settings;  ///< of the config, for the table of faults
   std::optional<ScenarioExpectation> expect;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"format", "", 0, 0, "version of this format", Presence::required, scenario_format_names}, p.format...);
     v(Field{"what", "", 0, 0, "the scenario in words", optional}, p.what...);
     v(Field{"faults", "", 0, 0, "faults by a name of your choice"}, p.faults...);
+    v(Field{"settings", "", -1e12, 1e12, "numbers of the config that tools/fault-table sets, by path", optional},
+      p.settings...);
     v(Field{"expect", "", 0, 0, "what shall come of it, for tools/fault-table", optional}, p.expect...);
   }
 };

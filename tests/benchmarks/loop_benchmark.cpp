@@ -11,6 +11,7 @@
 
 #include "config/read_rig.hpp"
 #include "loop/course.hpp"
+#include "loop/motion_limits.hpp"
 #include "loop/realtime_clock.hpp"
 #include "sim/sim_backend.hpp"
 
@@ -58,8 +59,8 @@ BENCHMARK_CAPTURE(loop_tick, table, "servo-table-0.5m-4mm")
     ->Name("loop/tick with recording, servo table")
     ->Iterations(50'000);
 
-/// The supervisor alone: judging six channels and the digital lines, cross-checks, motion, on a run of the simulated
-/// axis.
+/// All supervision: judging six channels and the digital lines, cross-checks, motion and its prediction, on a run of
+/// the simulated axis.
 void supervisor_tick(benchmark::State& state) {
   const Rig rig = read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/cylinder-10m-7.65mm.yaml");
   SimBackend backend(rig);
@@ -69,7 +70,9 @@ void supervisor_tick(benchmark::State& state) {
   struct Tick {
     Measurement measured;
     EstimatorOutput estimate;
-    double command_V, speed_mps, reference_m;
+    double command_V;
+    MotionSample motion;
+    ControlInput control;
   };
   std::vector<Tick> ticks(4000);
   PipelineEstimator estimator;
@@ -81,16 +84,22 @@ void supervisor_tick(benchmark::State& state) {
     const Row& row = loop.row();
     t.estimate = estimator.step({t.measured.port_pressure_1_Pa.value, t.measured.port_pressure_2_Pa.value,
                                  t.measured.position_m.value, row.v_mps, row.u_V});
-    t.command_V = row.u_V, t.speed_mps = row.v_mps, t.reference_m = row.x_ref_m;
+    t.command_V = row.u_V, t.motion = {row.x_m, row.x_predicted_m, row.x_ref_m, row.v_mps, row.v_ref_mps, 0.0, 1.0};
+    t.control.now = t.control.ahead = loop.reference().at(row.t_s - loop.reference_start_s());
   }
   Supervisor supervisor;
-  supervisor.configure(rig, false);
+  MotionPrediction prediction = predict_motion(rig, loop.reference());
+  prediction.limits.speed_deviation_mps = MotionLimits::unlimited;  // the reference's speed stands for the prediction's
+  supervisor.configure(rig, false, prediction.limits);
+  MotionTwin& twin = prediction.twin;
+  twin.start(0.0, {rig.initial.pressure_1_Pa, 5.402e5}, {});
   std::size_t i = 0;
   for (auto _ : state) {
     const Tick& t = ticks[i];
     const JudgedInputs in = supervisor.judge(t.measured, 0);
     supervisor.cross_check(in, t.estimate, 0);
-    supervisor.check_motion({t.speed_mps, t.reference_m, true, true});
+    supervisor.check_motion({t.motion, true, true});
+    twin.step(t.control, in.supply_Pa, supervisor.motion().most_command_V());
     supervisor.note_commands({t.command_V, 0.0});
     if (++i == ticks.size()) i = 0, supervisor.rearm();
   }

@@ -37,6 +37,25 @@ TEST_CASE("values that contradict each other are refused") {
         "--set period_s=0.01: duration_s: found 0.005, expected at least period_s (0.01)");
 }
 
+TEST_CASE("limits that no run can keep, or that allow for less than the config has, are refused") {
+  CHECK(
+      refusal(plain, {"limits.deviation_m=5e-6"}) ==
+      "--set limits.deviation_m=5e-6: limits.deviation_m: found 5.0e-06, expected more than the encoder's quantum and "
+      "noise (5.0e-06), or nothing: it is derived");
+  CHECK(refusal(plain, {"limits.deviation_m=0"}) == accepted);
+  CHECK(refusal(plain, {"limits.payload_max_kg=2", "slider.payload_kg=3"}) ==
+        "--set limits.payload_max_kg=2: limits.payload_max_kg: found 2, expected at least slider.payload_kg (3)");
+  CHECK(refusal(plain, {"limits.dry_friction_max_N=10", "effects.coulomb_friction.force_N=12"}) ==
+        "--set limits.dry_friction_max_N=10: limits.dry_friction_max_N: found 10, expected at least the dry "
+        "friction of effects (12)");
+  CHECK_THAT(refusal(plain, {"limits.stall_force_N=12", "effects.coulomb_friction.force_N=12"}),
+             Catch::Contains("limits.stall_force_N: found 12, expected more than the dry friction of effects (12)"));
+  CHECK_THAT(refusal(plain, {"limits.pressure_Pa=7e5"}),
+             Catch::Contains("limits.pressure_Pa: found 700000, expected more than supply.pressure_Pa (700000)"));
+  CHECK_THAT(refusal(plain, {"limits.age_periods=0.5", "simulation.input_age_periods=1"}),
+             Catch::Contains("limits.age_periods: found 0.5, expected at least the age"));
+}
+
 TEST_CASE("an elastic load is a part of what moves") {
   CHECK(refusal(plain, {"effects.elastic_load={mass_kg: 50, natural_frequency_Hz: 12, damping_ratio: 0.05}"})
             .find("effects.elastic_load.mass_kg: found 50, expected coupled loads of less than slider.mass_kg + "

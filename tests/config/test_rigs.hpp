@@ -24,7 +24,7 @@ inline std::vector<std::filesystem::path> config_files() {
   std::vector<std::filesystem::path> files;
   for (const auto& entry :
        std::filesystem::recursive_directory_iterator(std::filesystem::path(PNEUSERVO_SOURCE_DIR) / "config"))
-    if (entry.path().extension() == ".yaml" && entry.path().parent_path().filename() != "scenarios")
+    if (entry.path().extension() == ".yaml" && entry.path().string().find("/scenarios/") == std::string::npos)
       files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;

@@ -217,3 +217,31 @@ TEST_CASE("text, JSON and page say the same") {
   for (const char* part : {"Pole loci", "Bode diagrams", "<svg class='poles'", "plot-data", "Config as designed"})
     CHECK_THAT(page, Catch::Contains(part));
 }
+
+TEST_CASE("a rule that fails says which way the position gain has to go, or what stands in the way") {
+  DesignRequest request;
+  request.needs_mean_pressure = false;
+  request.method = DesignMethod::alpha_beta;
+  request.position_gain_V_per_m = 1e-3;
+  CHECK_THROWS_WITH(design_axis(table_rig(), request), Catch::Contains("up: the loop is stable from"));
+  request.position_gain_V_per_m = 1e5;
+  const AxisDesign high = design_axis(table_rig(), request);
+  REQUIRE_FALSE(high.is_stable);
+  CHECK_THAT(high.warnings.front(), Catch::Contains("position gain down: the loop is stable from"));
+  request.position_gain_V_per_m = 35.0;  // the lines' lag, which the third order does not know
+  CHECK_THROWS_WITH(design_axis(cylinder_rig("10m-7.65mm"), request), Catch::Contains("the lag of the lines at"));
+}
+
+TEST_CASE("a point of the loop is the design's own") {
+  const Rig rig = cylinder_rig("10m-7.65mm");
+  const AxisDesign design = designed(rig);
+  const LoopPoint point = loop_point(rig, true);
+  CHECK(point.is_stable);
+  CHECK(point.margins.gain_up == design.margins.gain_up);
+  Rig higher = rig;
+  higher.controller.pd_force.force_gain_V_per_N *= 1.02 * point.margins.gain_up;
+  CHECK_FALSE(loop_point(higher, false).is_stable);
+  CHECK(loop_point(higher, false).weakest_Hz == Approx(point.margins.gain_up_Hz).epsilon(0.05));
+  higher.controller.pd_force.force_gain_V_per_N /= 1.04;
+  CHECK(loop_point(higher, false).is_stable);
+}

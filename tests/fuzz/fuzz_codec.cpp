@@ -78,7 +78,7 @@ void frames_at_the_controller(Bytes& bytes) {
   std::int64_t now_ns = 0;
   image.start(now_ns);
   while (!bytes.empty()) {
-    image.begin_cycle(now_ns += 1'000'000);
+    image.begin_cycle(now_ns += 1'000'000, {});
     for (int n = bytes.next() % 4; n > 0; --n) image.on_frame({bytes.frame(), now_ns + bytes.next() * 1000});
     Measurement measurement;
     image.take(now_ns + 1'000'000, measurement);

@@ -10,54 +10,13 @@
 #include "composite/composite_backend.hpp"
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
-#include "hal/device_bus.hpp"
+#include "hal/can_bench.hpp"
 #include "rig/bus_load.hpp"
 #include "sim/sim_backend.hpp"
 
 using namespace pneuservo;
 
 namespace {
-
-Rig can_rig(const std::vector<std::string>& sets = {}) {
-  return read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/can/cylinder-10m-7.65mm.yaml", sets);
-}
-
-/// A device, the bus, the backend and a loop on it; a period a tick.
-struct Bench {
-  Rig rig;
-  PlantDevice device;
-  DeviceBus* bus;
-  CanBackend backend;
-  AxisLoop loop;
-  std::int64_t tick = 0, period_ns;
-
-  explicit Bench(const std::vector<std::string>& sets = {}, const std::vector<std::string>& faults = {})
-      : rig(can_rig(sets)), device(rig), bus(nullptr), backend(rig, make_bus()),
-        period_ns(std::llround(rig.period_s * 1e9)) {
-    for (const std::string& fault : faults) device.add_fault(parse_fault_order(fault, 0.0));
-    loop.configure(rig);
-    backend.configure();
-    backend.activate();
-    bus->sent.clear();
-  }
-  std::unique_ptr<CanCarrier> make_bus() {
-    auto made = std::make_unique<DeviceBus>(device);
-    bus = made.get();
-    return made;
-  }
-  void step() {
-    loop.pass(backend, tick++, 0, nullptr, nullptr);
-    bus->advance(period_ns);
-  }
-  /// Tick of the first fault; -1 where there was none.
-  std::int64_t run(int ticks) {
-    for (int i = 0; i < ticks; ++i) {
-      step();
-      if (loop.faults() != 0) return tick - 1;
-    }
-    return -1;
-  }
-};
 
 double rms_error(const std::vector<double>& errors) {
   double sum = 0.0;
@@ -75,8 +34,10 @@ TEST_CASE("the setup writes watchdog, heartbeat, substitute output and mapping i
   REQUIRE(io.number(0x1017, 0) == 20);
   REQUIRE(io.number(0x6443, 1) == 1);
   REQUIRE(static_cast<std::int32_t>(io.number(0x6444, 1)) == -1638);  // -0.5 V of 10/32768 V
-  REQUIRE(io.number(0x1A01, 0) == 3);
+  REQUIRE(io.number(0x1A01, 0) == 4);
   REQUIRE(io.number(0x1A01, 3) == 0x64010310);
+  REQUIRE(io.number(0x1A01, 4) == 0x64110110);  // the output, read back
+  REQUIRE(b.device.nodes()[0]->dictionary().number(0x1016, 1) == 126u << 16);  // a sensor does not watch us
   REQUIRE(io.number(0x1801, 1) == 0x282);
   REQUIRE(io.number(0x1801, 2) == 1);
   REQUIRE(io.number(0x1601, 1) == 0x64110110);
@@ -158,8 +119,8 @@ TEST_CASE("faults on the bus are found, named, and the safe output is on the wir
   Bench b({"safe_output.command_V=0.25"}, {c.order});
   const std::int64_t at = b.run(1000);
   REQUIRE((b.loop.first_faults() & c.fault) != 0);
-  // The device's time counts from the first probe, three ticks before tick 0.
-  REQUIRE(at >= 196);
+  // The device's time counts from the first probe, some ticks before tick 0.
+  REQUIRE(at >= 194);
   REQUIRE(at <= 200 + c.within_ticks);
   REQUIRE(b.loop.row().u_V == 0.25);
   if (c.fault != fault_bus_off) REQUIRE(b.device.command_V() == Approx(0.25).margin(2e-4));
@@ -300,9 +261,9 @@ TEST_CASE("bus load: an axis with full frames, two of them, and a lean one") {
   REQUIRE(can_frame_bits_worst(4) == 95);
   REQUIRE(can_frame_bits_worst(6) == 115);
   REQUIRE(can_frame_bits_worst(8) == 135);
-  // The shipped rig: SYNC 55, output of 2 bytes 75, pressures of 6 bytes 115, the encoder's own mapping counted as 8
-  // bytes 135, and three heartbeats of 65 us in 20 ms.
-  REQUIRE(bus_load(can_rig()).share == Approx((55 + 75 + 115 + 135) * 1e-3 + 3 * 65e-3 / 20).epsilon(1e-9));
+  // The shipped rig: SYNC 55, output of 2 bytes 75, pressures and readback of 8 bytes 135, the encoder's own mapping
+  // counted as 8 bytes 135, and three heartbeats of 65 us in 20 ms.
+  REQUIRE(bus_load(can_rig()).share == Approx((55 + 75 + 135 + 135) * 1e-3 + 3 * 65e-3 / 20).epsilon(1e-9));
   REQUIRE(bus_load(can_rig({"hal.can.bit_rate_bps=500000"})).share ==
           Approx(2 * bus_load(can_rig()).share).epsilon(1e-9));
   REQUIRE(bus_load(can_rig({"period_s=0.0002"})).share > 1.0);
@@ -310,7 +271,7 @@ TEST_CASE("bus load: an axis with full frames, two of them, and a lean one") {
 
 TEST_CASE("configured: each channel from its source, and the others stay absent") {
   const Rig mixed = can_rig({"hal.can.interface=unix:/nonexistent/bus", "hal.channels.x={simulated: true}",
-                             "hal.channels.p_supply={simulated: true}"});
+                             "hal.channels.p_supply={simulated: true}", "hal.bench=true"});
   CompositeBackend backend(mixed);
   const auto origins = backend.origins();
   REQUIRE(origins.command == Origin::real);

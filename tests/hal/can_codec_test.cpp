@@ -167,9 +167,7 @@ TEST_CASE("a device takes a new mapping only in the order that CiA 301 asks for"
 
 TEST_CASE("a device that loses its master gives the substitute output, tells it, and leaves operational") {
   CanopenNode node({5, 401, "io"});
-  node.dictionary().add(0x6411, 1, {.bits = 16, .can_map = true});
-  node.dictionary().add_number(0x6443, 1, 8, 0, true);
-  node.dictionary().add_number(0x6444, 1, 32, 0, true);
+  node.add_output({0x64110110}, substitute_of({0x64110110}, {}));
   node.map(false, 2, {{0x64110110}}, 255);
   const bool substitutes = GENERATE(true, false);
   std::vector<CanFrame> out;

@@ -27,6 +27,8 @@ class DeviceBus final : public CanCarrier {
   bool queue_is_full = false, up = true;
   std::vector<CanFrame> sent;                      ///< by the controller, in order
   std::function<bool(CanFrame&)> spoil{};          ///< changes a frame of the device; false: it is lost
+  std::function<bool(const CanFrame&)> lose{};     ///< a frame of the controller does not reach the device
+  std::function<void(CanFrame&)> rewrite{};        ///< changes a frame of the controller on its way
 
   /// Time goes on; the device's heartbeats fall due.
   void advance(std::int64_t ns) {
@@ -38,6 +40,8 @@ class DeviceBus final : public CanCarrier {
     }
   }
   void inject(const CanFrame& frame) { waiting_.push_back({frame, now}); }
+  /// Behind what the device sends now.
+  void after(const CanFrame& frame) { behind_.push_back(frame); }
 
   void accept_only(const std::vector<std::uint32_t>& ids) override { ids_ = ids; }
   void wait(std::int64_t timeout_ns) override { advance(std::min<std::int64_t>(timeout_ns, 1'000'000)); }
@@ -45,8 +49,10 @@ class DeviceBus final : public CanCarrier {
     if (!up) return Sent::down;
     if (queue_is_full) return Sent::queue_full;
     sent.push_back(frame);
+    CanFrame arrives = frame;
+    if (rewrite) rewrite(arrives);
     std::vector<CanFrame> out;
-    device_.on_frame({frame, now}, out);
+    if (!lose || !lose(frame)) device_.on_frame({arrives, now}, out);
     put(out);
     return Sent::sent;
   }
@@ -68,9 +74,12 @@ class DeviceBus final : public CanCarrier {
   void put(const std::vector<CanFrame>& frames) {
     for (CanFrame frame : frames)
       if (!spoil || spoil(frame)) waiting_.push_back({frame, now + delay_ns});
+    for (const CanFrame& frame : behind_) waiting_.push_back({frame, now + delay_ns});
+    behind_.clear();
   }
   PlantDevice& device_;
   std::deque<ReceivedFrame> waiting_;
+  std::vector<CanFrame> behind_;
   std::vector<std::uint32_t> ids_;
 };
 

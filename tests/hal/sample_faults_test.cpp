@@ -97,3 +97,24 @@ TEST_CASE("faults of one channel act in their order") {
   REQUIRE(Samples({"saturate:x:1", "bias:x:0.5"}).at(2).value == 1.5);
   REQUIRE(Samples({"bias:x:0.5", "saturate:x:1"}).at(2).value == 1.0);
 }
+
+TEST_CASE("wrong wiring turns the encoder round and exchanges the port sensors, hoses under them too") {
+  struct Case {
+    const char* order;
+    double position, port_1, port_2;
+  };
+  const Case c = GENERATE(Case{"reversed_encoder@0.002", -3, 1e5, 2e5}, Case{"exchanged_ports@0.002", 3, 2e5, 1e5},
+                          Case{"exchanged_hoses@0.002", 3, 2e5, 1e5}, Case{"reversed_valve@0.002", 3, 1e5, 2e5},
+                          Case{"reversed_encoder@0.004", 3, 1e5, 2e5});
+  INFO(c.order);
+  SampleFaults faults(period_s, {});
+  faults.add(parse_fault_order(c.order, 0.0));
+  Measurement measured;
+  measured.position_m = {3.0, 0.0, true, Origin::simulated};
+  measured.port_pressure_1_Pa = {1e5, 0.0, true, Origin::simulated};
+  measured.port_pressure_2_Pa = {2e5, 0.0, true, Origin::simulated};
+  faults.apply(3, 3.0 * period_s, measured);
+  REQUIRE(measured.position_m.value == c.position);
+  REQUIRE(measured.port_pressure_1_Pa.value == c.port_1);
+  REQUIRE(measured.port_pressure_2_Pa.value == c.port_2);
+}

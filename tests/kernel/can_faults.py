@@ -43,7 +43,7 @@ class Faults(unittest.TestCase):
         self.assertEqual(run["faults"], [], said)
 
     def test_device_killed(self):
-        interface, plant, run = self.running("--record", "/tmp/killed.csv.gz")
+        interface, plant, run = self.running("--record", "/tmp/killed.csv.gz", "--force")
         plant.kill()
         _, said = finished(run, status=1)
         first, rows = self.expect_safe("/tmp/killed.csv.gz", 1)  # position_missing: three answers did not come
@@ -60,7 +60,7 @@ class Faults(unittest.TestCase):
     def test_heartbeat_alone(self):
         interface = make_vcan("vcan0")
         plant = device(interface, "--priority", "60", "--fault", "no_heartbeat:encoder@1")
-        _, said = finished(controller(interface, 6, "--record", "/tmp/silent.csv.gz"), status=1)
+        _, said = finished(controller(interface, 6, "--record", "/tmp/silent.csv.gz", "--force"), status=1)
         self.assertIn("fault: node_lost", said)
         self.assertIn("node encoder (3): no heartbeat any more", said)
         first, _ = self.expect_safe("/tmp/silent.csv.gz", NODE_LOST)
@@ -92,7 +92,7 @@ class Faults(unittest.TestCase):
         plant = device(make_vcan("vcan1"), *SLOW)
         adapter = SerialAdapter("vcan1").up()
         self.expect_works(adapter.name, *SLOW)
-        run = controller(adapter.name, 6, "--record", "/tmp/off.csv.gz", *SLOW)
+        run = controller(adapter.name, 6, "--record", "/tmp/off.csv.gz", "--force", *SLOW)
         began = len(adapter.heard)
         while adapter.heard[began:].count(SYNC) < 60:
             time.sleep(0.005)
@@ -119,7 +119,7 @@ class Faults(unittest.TestCase):
 
     def test_queue_full(self):
         """A bus that takes nothing: a full queue is a missed output, and no old command is sent when it takes again."""
-        interface, plant, run = self.running("--record", "/tmp/full.csv.gz")
+        interface, plant, run = self.running("--record", "/tmp/full.csv.gz", "--force")
         sh(f"tc qdisc replace dev {interface} root tbf rate 8bit burst 20 limit 160")
         _, said = finished(run, status=1)
         sh(f"tc qdisc del dev {interface} root")
@@ -130,7 +130,7 @@ class Faults(unittest.TestCase):
         plant.end(terminate=True)
 
     def test_link_down(self):
-        interface, plant, run = self.running("--record", "/tmp/down.csv.gz")
+        interface, plant, run = self.running("--record", "/tmp/down.csv.gz", "--force")
         sh(f"ip link set {interface} down")
         _, said = finished(run, status=1)
         self.assertIn("the link went down", said)

@@ -61,7 +61,7 @@ class Pair(unittest.TestCase):
         log = f"/tmp/{name}.log"
         witness = subprocess.Popen(["candump", "-L", interface], stdout=open(log, "w"))
         plant = device(interface_of_device, "--priority", "60")
-        run, said = finished(controller(interface, duration_s, "--record", f"/tmp/{name}.csv.gz"))
+        run, said = finished(controller(interface, duration_s, "--record", f"/tmp/{name}.csv.gz", "--force"))
         reported = plant.end(terminate=True)
         witness.terminate()
         witness.wait()

@@ -56,7 +56,8 @@ class Lines(unittest.TestCase):
 
     def control(self, duration_s, *more):
         # The board's voltage stands still: a sensor without noise.
-        return controller(self.interface, duration_s, "--set", "sensors.supply_pressure.noise_Pa=0", *more, config=MIXED)
+        return controller(self.interface, duration_s, "--bench", "--set", "sensors.supply_pressure.noise_Pa=0", *more,
+                          config=MIXED)
 
     def wait_until_enabled(self):
         end = time.monotonic() + 10
@@ -65,7 +66,7 @@ class Lines(unittest.TestCase):
             time.sleep(0.01)
 
     def test_channels_mix(self):
-        run = self.control(2, "--record", "/tmp/mixed.csv.gz")
+        run = self.control(2, "--record", "/tmp/mixed.csv.gz", "--force")
         self.wait_until_enabled()
         self.assertIn("pneuservo emergency_stop", sh(f"gpioinfo {self.chip.name}"))
         run, said = finished(run)
@@ -84,7 +85,7 @@ class Lines(unittest.TestCase):
         """Pulls a line while the axis moves; the fault, the valve on the bus and the enable output. Then the way back."""
         log = "/tmp/lines.log"
         witness = subprocess.Popen(["candump", "-L", self.interface], stdout=open(log, "w"))
-        run = self.control(6, "--record", "/tmp/lines.csv.gz")
+        run = self.control(6, "--record", "/tmp/lines.csv.gz", "--force")
         self.wait_until_enabled()
         time.sleep(1.0)
         pulled = time.time()

@@ -213,7 +213,7 @@ class Devices(unittest.TestCase):
                          "limits.flow_mismatch_share": 0})  # this slider's pressures know nothing of its valve
         devices = PythonDevices(make_vcan("vcan0"), period_s)
         try:
-            run, said = finished(controller("vcan0", 5, "--record", "/tmp/peer.csv.gz", *sets))
+            run, said = finished(controller("vcan0", 5, "--record", "/tmp/peer.csv.gz", "--force", *sets))
         finally:
             devices.close()
         self.assertEqual(run["faults"], [], said)

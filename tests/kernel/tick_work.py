@@ -17,7 +17,7 @@ class Work(unittest.TestCase):
         # The device gets its mapping from the controller and keeps it; its watchdog outlasts the bare loop, whose
         # heartbeat is not its master's.
         run, said = finished(controller(interface, plan["duration_s"], "--set", "hal.can.watchdog_s=30",
-                                        "--record", "/tmp/work.csv.gz"))
+                                        "--record", "/tmp/work.csv.gz", "--force"))
         self.assertEqual(run["faults"], [], said)
         bare = json.loads(sh(f"/tmp/bare_loop {interface} {COMMAND_ID} 1000 {ticks} {TICKS_PER_HEARTBEAT}"))
         self.assertEqual(bare["unsent"], 0)

@@ -72,7 +72,9 @@ TEST_CASE("every failure of every channel latches its fault, safe output in that
   while (run.loop.faults() == 0 && run.tick < 2000) run.step();
   const std::int64_t fault_tick = run.tick - 1;
   CAPTURE(static_cast<int>(channel), static_cast<int>(mode), fault_tick, run.loop.first_faults());
-  REQUIRE(run.loop.first_faults() == expected_bit(channel, mode));
+  // A position that stops at once leaves the prediction before it counts as frozen.
+  const bool leaves = channel == FaultyChannel::position && mode == FailureMode::frozen;
+  REQUIRE(run.loop.first_faults() == (leaves ? fault_deviation : expected_bit(channel, mode)));
   // What is missing is known at once; the first samples of a jump cannot be told from a spike.
   if (mode == FailureMode::frozen) REQUIRE((fault_tick >= first_bad + 2 && fault_tick <= first_bad + 600));
   else REQUIRE(fault_tick == first_bad + (mode == FailureMode::jumped ? 2 : 0));
@@ -91,10 +93,11 @@ TEST_CASE("every failure of every channel latches its fault, safe output in that
   run.loop.rearm();
   REQUIRE(run.loop.faults() == 0);
   double worst_after_approach = 0.0;
-  for (int i = 0; i < 4000; ++i) {
+  // The safe output of this test moves the slider: it is taken over at the end stop, where it rests.
+  for (int i = 0; i < 9000; ++i) {
     const Row& row = run.step();
     REQUIRE(row.fault == 0);
-    if (i > 2500) worst_after_approach = std::max(worst_after_approach, std::fabs(row.x_ref_m - row.x_true_m));
+    if (i > 7500) worst_after_approach = std::max(worst_after_approach, std::fabs(row.x_ref_m - row.x_true_m));
   }
   REQUIRE(worst_after_approach < 0.05);  // this tuning follows 80 mm at 1 Hz to 34 mm
 }
@@ -140,7 +143,9 @@ TEST_CASE("an output that is not written is a fault, the safe output is tried at
 
 TEST_CASE("speed and range have their own faults") {
   SECTION("speed") {
-    Stepper run(config_rig("cylinder-10m-7.65mm", {"limits.speed_mps=0.1", "duration_s=2"}));
+    Rig rig = config_rig("cylinder-10m-7.65mm", {"duration_s=2"});
+    rig.limits.speed_mps = 0.1;  // which a config with this reference is refused for
+    Stepper run(rig);
     while (run.loop.faults() == 0 && run.tick < 2000) run.step();
     REQUIRE(run.loop.first_faults() == fault_speed);
     run.loop.rearm();
@@ -213,7 +218,7 @@ TEST_CASE("every fault has one text with a remedy, and the numbers of the bits s
     REQUIRE(text.meaning.find(": ") != std::string_view::npos);
     REQUIRE(fault_words(text.bit, text.bit).size() == 1);
   }
-  REQUIRE(seen == 0xFFFFFFFFFull);
+  REQUIRE(seen == 0x71FFFFFFFFFFFull);
   REQUIRE(fault_words(fault_speed, fault_speed | fault_position_missing).front().rfind("speed:", 0) == 0);
 }
 

@@ -101,18 +101,22 @@ TEST_CASE("what is refused is a finding with a remedy, said once") {
   REQUIRE(refusal_message({}).empty());
 }
 
-TEST_CASE("SIGINT and SIGTERM become a flag while a stop request lives") {
+TEST_CASE("signals become a flag while a stop request lives") {
   struct sigaction other{}, found{};
   other.sa_handler = on_other_signal;
   sigaction(SIGTERM, &other, nullptr);
   {
-    const StopRequest stop;
+    const StopRequest stop(StopSignals::every);
     REQUIRE_FALSE(StopRequest::requested());
-    REQUIRE_THROWS_AS(StopRequest(), std::logic_error);
+    { const StopRequest inner; }  // the outermost one counts
     raise(SIGTERM);
     REQUIRE(StopRequest::requested());
     raise(SIGINT);
     REQUIRE(StopRequest::signal_number() == SIGTERM);
+    REQUIRE(StopRequest::signal_name() == "SIGTERM");
+    for (const int other_number : {SIGQUIT, SIGTSTP, SIGUSR1, SIGUSR2, SIGALRM, SIGXFSZ, SIGRTMIN + 3})
+      raise(other_number);
+    REQUIRE(StopRequest::signals() == 8);  // a file that is too large is no wish
   }
   sigaction(SIGTERM, nullptr, &found);
   REQUIRE(found.sa_handler == on_other_signal);

@@ -57,6 +57,11 @@ struct Bench {
     loop.pass(backend, tick++, skipped, nullptr, nullptr);
     return loop.row();
   }
+  /// After re-arming, which waits until the slider rests.
+  const Row& step_until_active() {
+    while (!loop.supervisor().is_active() && tick < 20000) step();
+    return loop.row();
+  }
   TouchedBackend backend;
   AxisLoop loop;
   std::int64_t tick = 0;
@@ -101,7 +106,9 @@ TEST_CASE("the state is in every row, and the enable output is on only while the
   REQUIRE_FALSE(bench.backend.last.enable);
   bench.backend.extra.device_faults = 0;
   bench.loop.rearm();
-  REQUIRE(bench.step().state == static_cast<std::uint32_t>(SupervisorState::active));
+  REQUIRE(bench.step().state == static_cast<std::uint32_t>(SupervisorState::inactive));  // it has to rest first
+  bench.step_until_active();
+  REQUIRE(bench.backend.last.enable);
   bench.loop.stop(bench.backend, bench.tick);
   REQUIRE_FALSE(bench.backend.last.enable);
   REQUIRE(bench.step().state == static_cast<std::uint32_t>(SupervisorState::safe_stop));
@@ -201,7 +208,7 @@ TEST_CASE("re-arming starts from the measured position, softly, with nothing kep
   REQUIRE(bench.loop.first_faults() == fault_emergency_stop);
   bench.backend.extra.digital.emergency_stop.state = LineState::off;
   bench.loop.rearm();
-  const Row& first = bench.step();
+  const Row& first = bench.step_until_active();
   REQUIRE(first.fault == 0);
   REQUIRE(first.x_ref_m == Approx(first.x_m).margin(1e-9));
   REQUIRE(std::fabs(first.v_ref_mps) < 1e-9);

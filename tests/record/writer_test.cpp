@@ -4,14 +4,19 @@
 #include <bit>
 #include <cmath>
 #include <csignal>
+#include <memory>
 #include <random>
+
+#include <fcntl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "config/input_error.hpp"
 #include "core/test_seed.hpp"
 #include "record/files.hpp"
+#include "record/row_text.hpp"
 #include "record/writer.hpp"
 
 using namespace pneuservo;
@@ -80,9 +85,9 @@ TEST_CASE("any numbers read back to the same bits, from the caller's thread and 
   REQUIRE(summary.rows == 3000);
   require_same(direct.path(), rows, row_columns());
 
-  RecordingRing ring(4096);
-  RecordingWriter threaded(folder.file("threaded.csv.gz"), header, {"x_m", "flags", "u_V"}, ring);
-  for (const Row& row : rows) ring.push(row);
+  const auto ring = std::make_shared<RecordingRing>(4096);
+  RecordingWriter threaded(folder.file("threaded.csv.gz"), header, {"x_m", "flags", "u_V"}, {.ring = ring});
+  for (const Row& row : rows) ring->push(row);
   REQUIRE(threaded.close().rows == 3000);
   require_same(threaded.path(), rows, {"t_s", "x_m", "u_V", "flags"});
 }
@@ -117,18 +122,20 @@ TEST_CASE("a header reads back key by key, in order, a whole config as text") {
 TEST_CASE("a loop that outruns the writer leaves its last cycles and the number of dropped rows in the file") {
   const TemporaryFolder folder;
   constexpr int last = 100, total = 60000;
-  RecordingRing ring(last);
-  RecordingWriter writer(folder.file("fast.csv.gz"), RecordingHeader("fast", 0.001), {"x_m", "u_V", "flags"}, ring);
+  const auto ring = std::make_shared<RecordingRing>(last);
+  RecordingWriter writer(folder.file("fast.csv.gz"), RecordingHeader("fast", 0.001), {"x_m", "u_V", "flags"},
+                         {.ring = ring});
   for (int i = 0; i < total; ++i) {
     Row row = numbered_row(i);
     if (i == total - 1) row.flags = row_fault;
-    ring.push(row);
+    ring->push(row);
     // A gap shows between two rows: the writer gets the first one.
     if (i == 0) std::this_thread::sleep_for(3 * RecordingWriter::flush_interval);
   }
   const RecordingSummary summary = writer.close();
   REQUIRE(summary.error.empty());
   REQUIRE(summary.rows + summary.dropped == total);
+  REQUIRE(summary.whole() == (summary.dropped == 0));
   const Recording recording = read_recording(writer.path());
   REQUIRE(static_cast<std::int64_t>(recording.rows()) == summary.rows);
   REQUIRE(static_cast<std::int64_t>(recording.dropped_rows) == summary.dropped);
@@ -149,14 +156,14 @@ TEST_CASE("after kill -9 the file holds everything up to the last flush") {
   const pid_t child = ::fork();
   REQUIRE(child >= 0);
   if (child == 0) {
-    RecordingRing ring;
-    RecordingWriter writer(path, RecordingHeader("killed", 0.001), {"x_m", "u_V", "flags"}, ring);
-    for (int i = 0; i < 1000; ++i) ring.push(numbered_row(i));
+    const auto ring = std::make_shared<RecordingRing>();
+    RecordingWriter writer(path, RecordingHeader("killed", 0.001), {"x_m", "u_V", "flags"}, {.ring = ring});
+    for (int i = 0; i < 1000; ++i) ring->push(numbered_row(i));
     Row fault = numbered_row(1000);
     fault.flags = row_fault;  // is flushed at once
-    ring.push(fault);
+    ring->push(fault);
     std::this_thread::sleep_for(3 * RecordingWriter::flush_interval);
-    for (int i = 1001; i < 1400; ++i) ring.push(numbered_row(i));
+    for (int i = 1001; i < 1400; ++i) ring->push(numbered_row(i));
     if (::write(ready[1], "x", 1) != 1) ::_exit(3);
     for (;;) ::pause();
   }
@@ -190,6 +197,40 @@ TEST_CASE("a recording that cannot be begun is refused at once, with path and re
   REQUIRE_THROWS_AS(open(folder.file("full.csv.gz")), InputError);
   REQUIRE_THROWS_WITH(RecordingWriter(folder.file("c.csv.gz"), header, {"speed"}), Contains("speed"));
   REQUIRE_THROWS_AS(RecordingWriter(folder.file("c.csv.gz"), header, {"speed"}), InputError);
+}
+
+TEST_CASE("a recording is not overwritten, unless that is said; links to nothing are not followed") {
+  const TemporaryFolder folder;
+  const RecordingHeader header("r", 0.001);
+  const std::string path = put_plain(folder.file("r.csv.gz"), "the only recording of a fault");
+  const auto open = [&](const std::string& to, ExistingFile existing) {
+    RecordingWriter(to, header, {"x_m"}, {.existing = existing});
+  };
+  REQUIRE_THROWS_WITH(open(path, ExistingFile::refuse), Contains("never overwritten"));
+  REQUIRE(bytes_of(path) == "the only recording of a fault");
+  std::filesystem::create_symlink(path, folder.file("link.csv.gz"));
+  REQUIRE_THROWS_AS(open(folder.file("link.csv.gz"), ExistingFile::refuse), InputError);
+  std::filesystem::create_symlink(folder.file("nothing"), folder.file("dangling.csv.gz"));
+  REQUIRE_THROWS_AS(open(folder.file("dangling.csv.gz"), ExistingFile::refuse), InputError);
+  REQUIRE_FALSE(std::filesystem::exists(folder.file("nothing")));
+  open(path, ExistingFile::replace);
+  REQUIRE(bytes_of(path).starts_with("\x1f\x8b"));
+}
+
+TEST_CASE("a writer whose reader takes nothing is left behind at the end, and the rows that are missing are told") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("pipe.csv.gz");
+  REQUIRE(::mkfifo(path.c_str(), 0600) == 0);
+  const int reader = ::open(path.c_str(), O_RDONLY | O_NONBLOCK);
+  const auto ring = std::make_shared<RecordingRing>();
+  RecordingWriter writer(path, RecordingHeader("hung", 0.001), {"x_m", "u_V"}, {.ring = ring});
+  for (int i = 0; i < 16000; ++i) ring->push(numbered_row(i));  // 300 kB into a pipe of 64 kB
+  const RecordingSummary summary = writer.close([] { return true; });
+  REQUIRE_THAT(summary.error, Contains("pipe.csv.gz") && Contains("of 16000 rows"));
+  REQUIRE_FALSE(summary.whole());
+  REQUIRE(summary.rows < 16000);
+  REQUIRE(writer.close().error == summary.error);
+  ::close(reader);  // the thread that was left behind ends by itself
 }
 
 TEST_CASE("a disk that fills up later is reported by close, and what was written before is readable") {

@@ -20,6 +20,9 @@ RunResult result(const std::string& source, double rms_m) {
   run.ticks = 10000;
   run.metrics.rms_position_error_m = rms_m;
   run.metrics.max_position_error_m = 2.5 * rms_m;
+  run.verdict.following = Following::follows;
+  run.verdict.amplitude_m = 0.08;
+  run.verdict.error_share = 2.5 * rms_m / 0.08;
   return run;
 }
 
@@ -53,11 +56,11 @@ TEST_CASE("in simulated time the JSON has the contract's keys and no latency") {
   const auto json = run_json(three_sources());
   REQUIRE(keys(json) == std::vector<std::string>{"config", "time", "duration_s", "runs", "realtime_factor"});
   REQUIRE(json["runs"].size() == 3);
-  REQUIRE(keys(json["runs"][0]) == std::vector<std::string>{"pressure_source", "feedforward", "move",
-                                                            "max_position_error_m", "rms_position_error_m",
-                                                            "end_error_m", "max_estimation_error_Pa",
-                                                            "rms_estimation_error_Pa", "chamber_pressure_ripple_Pa",
-                                                            "command_step_rms_V", "faults", "ticks", "overruns"});
+  REQUIRE(keys(json["runs"][0]) ==
+          std::vector<std::string>{"pressure_source", "feedforward", "move", "max_position_error_m",
+                                   "rms_position_error_m", "end_error_m", "max_estimation_error_Pa",
+                                   "rms_estimation_error_Pa", "chamber_pressure_ripple_Pa", "command_step_rms_V",
+                                   "motion", "faults", "ticks", "overruns"});
   REQUIRE(json["runs"][0]["rms_position_error_m"] == 0.0082);
   REQUIRE(json["runs"][0]["end_error_m"].is_null());
   REQUIRE(json["runs"][0]["faults"].is_array());
@@ -71,7 +74,7 @@ TEST_CASE("in real time every run has its latencies, and no realtime factor is n
   const auto json = run_json(report);
   const auto& run = json["runs"][0];
   const auto names = keys(run);
-  REQUIRE(std::vector<std::string>(names.begin() + 13, names.end()) ==
+  REQUIRE(std::vector<std::string>(names.begin() + 14, names.end()) ==
           std::vector<std::string>{"lateness_us", "work_us", "tick_us", "loop_us", "estimator_us", "controller_us",
                                    "backend_us", "page_faults", "context_switches_involuntary",
                                    "lateness_histogram_us"});
@@ -88,8 +91,9 @@ TEST_CASE("in real time every run has its latencies, and no realtime factor is n
 TEST_CASE("the headline names the best source without a fault") {
   RunReport report = three_sources();
   REQUIRE(best_run(report) == 2);
-  REQUIRE(headline(report) == "Estimated chamber pressures hold the position best: 1.20 mm rms error, 3.00 mm at most; "
-                              "against 1.30 mm with measured chamber pressures and 8.20 mm with the valve's port "
+  REQUIRE(headline(report) == "Estimated chamber pressures hold the position best: 1.20 mm rms error, 3.00 mm at most, "
+                              "3.75 % of the amplitude of 80.0 mm; against 1.30 mm with measured chamber pressures and "
+                              "8.20 mm with the valve's port "
                               "pressures (rms).");
   report.runs[2].faults = {"position sensor invalid at 3.214 s"};
   REQUIRE(best_run(report) == 1);
@@ -97,6 +101,38 @@ TEST_CASE("the headline names the best source without a fault") {
       contains(headline(report), "estimated chamber pressures ended in a fault: position sensor invalid at 3.214 s."));
   report.runs.clear();
   REQUIRE(headline(report) == "No run was made.");
+}
+
+TEST_CASE("no run is praised that does not follow or swings, and one judgement stands in text and JSON") {
+  RunReport report = three_sources();
+  for (RunResult& run : report.runs) {
+    run.verdict.following = Following::does_not_follow;
+    run.verdict.error_share = 0.9;
+  }
+  CHECK(contains(headline(report),
+                 "Estimated chamber pressures come closest to the reference, the axis does not follow "
+                 "its reference: "));
+  report.runs[2].verdict.following = Following::follows;
+  report.runs[2].verdict.oscillates = true;
+  report.runs[2].verdict.oscillation_Hz = 27.0;
+  report.runs[2].verdict.oscillation_m = 4e-4;
+  report.runs[2].verdict.oscillation_V = 1.0;
+  CHECK(contains(headline(report),
+                 "With estimated chamber pressures it oscillates at 27.0 Hz: the position by ±0.400 mm, "
+                 "the command by ±1.00 V."));
+  report.runs.erase(report.runs.begin(), report.runs.begin() + 2);
+  CHECK(contains(headline(report), "the axis follows its reference: "));
+  CHECK(contains(headline(report), " It oscillates at 27.0 Hz"));
+  const auto motion = run_json(report)["runs"][0]["motion"];
+  CHECK(motion["word"] == "oscillates");
+  CHECK(motion["oscillation_Hz"] == 27.0);
+  report.runs[0].verdict.touched_end_stop = true;
+  report.runs[0].verdict.end_stop_m = -0.15;
+  CHECK(contains(headline(report), "It touched the end stop at -150 mm"));
+  CHECK(run_json(report)["runs"][0]["motion"]["word"] == "end_stop");
+  report.runs[0].faults = {"deviation: far off"};
+  report.runs[0].verdict.fault = "deviation";
+  CHECK(contains(headline(report), "ended in a fault: deviation: far off. It oscillates at 27.0 Hz"));
 }
 
 TEST_CASE("the text aligns figures under their units and lists faults and latencies") {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-# Verbs home and zero on simulated channels with a displaced encoder and sensors of both kinds, and runs with what they find.
-import os, tempfile
+# Verbs home, zero and commission on simulated channels with a displaced encoder and sensors of both kinds, and runs with what they find.
+import json, os, tempfile
 
 import yaml
 
@@ -29,8 +29,40 @@ for end, sign in (("low", -1), ("high", 1)):  # an encoder that begins far from 
     expect(done.returncode == 0, f"home {end} of an encoder at 40 mm: {done.stderr}")
 done = run("home", CONFIG, *displaced, "--command-V", "1e-6")
 expect(done.returncode == 1 and "did not move" in done.stderr, f"home without motion: {done.returncode} {done.stderr}")
+
+# Homing believes no end that is none: an obstacle, an encoder that counts the wrong way or too little.
+shorter = ["--set", "deviations={cylinder.stroke_m: -0.3}", "--set", "reference.amplitude_m=0.02"]
+done = run("home", CONFIG, *devices, "--set", "initial.position_m=0.01", *shorter)
+expect(done.returncode == 1 and "way between both stops" in done.stderr, f"home onto an obstacle: {done.stdout}{done.stderr}")
+turned = ["--set", "effects={'sensor_gain:x': {gain: -1}}"]
+done = run("home", CONFIG, *devices, *turned)
+expect(done.returncode == 1 and "away from the low end" in done.stderr, f"home, encoder reversed: {done.stdout}{done.stderr}")
+
+# Commissioning: what is right, what is wrong, as text and JSON, and the file for run.
+done = run("commission", CONFIG, *devices, "--write", at("c.yaml"), "--json", at("c.json"))
+expect(done.returncode == 0 and "passed" in done.stdout, f"commission: {done.stdout}{done.stderr}")
+with open(at("c.json")) as file:
+    found = json.load(file)
+expect(found["passed"] and all(check["verdict"] == "ok" for check in found["checks"]), f"commission: {found}")
+expect(found["farthest_m"] <= 5e-3 and found["fastest_mps"] <= 0.2, f"commission: {found}")
+expect(abs(found["encoder_scale"] - 1) < 0.1 and abs(found["neutral_V"]) < found["neutral_error_V"], f"commission: {found}")
+done = run("run", CONFIG, *displaced, "--zeros", at("x.yaml"), "--zeros", at("c.yaml"), "--duration-s", "1.5")
+expect(done.returncode == 0, f"run with a commissioning: {done.stderr}")
+done = run("commission", CONFIG, *devices, *turned, "--write", at("bad.yaml"), "--json", "-")
+verdicts = {check["name"]: check["verdict"] for check in json.loads(done.stdout)["checks"]}
+expect(done.returncode == 1 and verdicts["encoder"] == "wrong", f"commission, encoder reversed: {done.stdout}{done.stderr}")
+expect_refusal(run("run", CONFIG, *displaced, "--zeros", at("x.yaml"), "--zeros", at("bad.yaml")), ["bad.yaml", "passed"],
+               "run after a commissioning that failed")
+
+# Files of another machine.
+other = "config/cylinder-5m-6.10mm.yaml"
+for file in ("x.yaml", "c.yaml"):
+    expect_refusal(run("run", other, *displaced, "--zeros", at(file)), [file, "cylinder-10m-7.65mm", "cylinder-5m-6.10mm"],
+                   f"{file} of another rig")
+    expect_refusal(run("run", CONFIG, *displaced, "--set", "cylinder.stroke_m=0.31", "--zeros", at(file)), [file, "machine"],
+                   f"{file} of a machine with another stroke")
 expect_refusal(run("home", CONFIG), ["hal", "channels"], "home without channels")
-expect_refusal(run("run", CONFIG, "--zeros", at("x.yaml")), ["--zeros", "sim"], "zeros on the simulated plant")
+expect_refusal(run("run", CONFIG, *displaced, "--hal", "sim", "--zeros", at("x.yaml")), ["--zeros", "sim"], "zeros on the simulated plant")
 for verb in ("run", "home", "zero"):
     expect_refusal(run(verb, "config/comedi/cylinder-10m-7.65mm.yaml"), ["--time", "real"], f"{verb} of a board in simulated time")
 

@@ -29,7 +29,7 @@ def written_config(config, folder, *arguments):
     first, second = (os.path.join(folder, name) for name in ("first.yaml", "second.yaml"))
     done = run("design", config, *arguments, "--write", first)
     expect(done.returncode == 0, f"--write: status {done.returncode}: {done.stderr}")
-    before, after = figures(config, *arguments), figures(first, "--write", second)
+    before, after = figures(config, *arguments), figures(first, "--write", second, "--force")
     expect(all(near(after["gains_config"][key], value, 1e-12) for key, value in before["gains"].items()),
            f"{config}: the written gains are not the designed ones")
     with open(first) as a, open(second) as b:
@@ -59,7 +59,7 @@ with tempfile.TemporaryDirectory() as folder:
     expect(near(cylinder["margins"]["gain_up"], cylinder["margins_distributed_lines"]["gain_up"], 0.05),
            "the cylinder's linear model has other margins than its distributed lines")
     drawn(page)
-    written_config(CONFIG, folder, "--method", "alpha_beta", "--position-gain", "120")
+    written_config(CONFIG, folder, "--method", "alpha_beta", "--position-gain", "120", "--force")
 
     if os.path.exists(TABLE):
         table = figures(TABLE)
@@ -72,7 +72,14 @@ with tempfile.TemporaryDirectory() as folder:
         expect("least" in done.stdout and "-17.5 ± 41.4j" in done.stdout, "the table on the screen lacks a part")
 
     expect_refusal(run("design", CONFIG, "--method", "alpha_beta", "--position-gain", "1e-6"),
-                   [CONFIG, "alpha_beta", "position gain"], "a gain too small for the rule")
+                   [CONFIG, "alpha_beta", "position gain", "up"], "a gain too small for the rule")
+    unwritten = os.path.join(folder, "unstable.yaml")
+    unstable = ["design", CONFIG, "--set", "controller.force_gain_V_per_N=0.1", "--write", unwritten]
+    done = run(*unstable)
+    expect(done.returncode == 1 and len(done.stderr.strip().splitlines()) == 1, f"unstable gains: {done.stderr}")
+    expect("unstable" in done.stderr and "of this" in done.stderr and "--force" in done.stderr, f"margin: {done.stderr}")
+    expect(not os.path.exists(unwritten), "gains of an unstable loop were written")
+    expect(run(*unstable, "--force").returncode == 0 and os.path.exists(unwritten), "--force did not write")
     expect_refusal(run("design", os.path.join(folder, "none.yaml")), ["none.yaml", "no such file"], "a missing config")
     expect_refusal(run("design", CONFIG, "--report", os.path.join(folder, "no", "page.html")), ["--report"],
                    "a page in no folder")

@@ -52,7 +52,7 @@ expect([len(both), both[0]["name"], both[1]["name"]] == [2, "timer", "cylinder-1
 done = run("run", CONFIG, "--set", "limits.speed_mps=0.2", "--set", "safe_output.command_V=0.125", "--record", at("f.csv.gz"), "--json", at("f.json"))
 expect(done.returncode == 1, f"fault: status {done.returncode}")
 expect(done.stderr.count("fault: ") == 1 and "fault: speed: the measured speed is above limits.speed_mps: " in done.stderr, f"fault: {done.stderr}")
-expect("run the same command again" in done.stderr, "fault: the way back is not said")
+expect("its safe output of 0.125 V since t = " in done.stderr and "run the same command again with another name" in done.stderr, "fault: the way back is not said")
 with open(at("f.json")) as file:
     expect(json.load(file)["runs"][0]["faults"][0].startswith("speed: "), "fault: not in the JSON")
 with gzip.open(at("f.csv.gz"), "rt") as file:

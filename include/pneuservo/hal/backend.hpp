@@ -9,6 +9,16 @@
 
 namespace pneuservo {
 
+/// What is known of the safe output after a fault or the end of a run. A tick of -1: has not happened.
+struct SafeOutput {
+  bool has_outputs = false;           ///< the backend has any
+  bool is_simulated = false;          ///< in memory alone: sent is there
+  bool is_read_back = false;          ///< each output is
+  std::int64_t sent_tick = -1;        ///< handed over to all devices
+  std::int64_t confirmed_tick = -1;   ///< all outputs were read back as the safe ones
+  std::int64_t substitute_tick = -1;  ///< all devices with outputs said that they miss us, and give their substitute
+};
+
 /// A rig's hardware, real or simulated. The cold calls may allocate, block and throw std::runtime_error with one clear
 /// sentence; read and write are called in the real-time loop: no allocation, no lock, no throw, no blocking call.
 class Backend {
@@ -25,11 +35,16 @@ class Backend {
   virtual bool write(std::int64_t tick, const Command& command) noexcept = 0;
   /// Puts the outputs into the declared safe state and releases the devices; may be called twice.
   virtual void deactivate() noexcept = 0;
+  /// The program crashed: the safe output once more, with nothing but what a handler of signals may call. False: a
+  /// device refused it. Backends without devices have nothing to do.
+  virtual bool emergency_write() noexcept { return true; }
 
   /// What the simulated plant really does; absent (NaN) for real hardware. Never reaches estimator or controller.
   virtual Truth truth() const noexcept { return {}; }
   /// Known once configured.
   virtual Origins origins() const = 0;
+  /// Since the first write with `ended`. Cold.
+  virtual SafeOutput safe_output() const { return {}; }
   /// What happened on the devices, one sentence each, for the user after a run. Cold.
   virtual std::vector<std::string> notes() const { return {}; }
   virtual std::string name() const = 0;

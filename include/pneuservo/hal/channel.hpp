@@ -71,6 +71,7 @@ struct Command {
   double valve_V = 0.0;
   double valve_2_V = 0.0;
   bool enable = false;  ///< the enable output: on only while the axis is active
+  bool ended = false;  ///< a fault or the end of the run: the safe output stays, signs of life stop until activate()
 };
 
 /// All digital inputs, in the order of their declaration.

@@ -9,7 +9,9 @@
 #include <pneuservo/core/rt.hpp>
 #include <pneuservo/estimator/pipeline_estimator.hpp>
 #include <pneuservo/hal/backend.hpp>
+#include <pneuservo/loop/approach.hpp>
 #include <pneuservo/loop/gain_mailbox.hpp>
+#include <pneuservo/loop/motion_twin.hpp>
 #include <pneuservo/loop/supervisor.hpp>
 #include <pneuservo/record/row.hpp>
 #include <pneuservo/rig/rig.hpp>
@@ -36,14 +38,11 @@ class AxisLoop {
  public:
   static constexpr double approach_tolerance_m = 5e-4;
   static constexpr double approach_quanta = 100.0;
-  static constexpr double approach_speed_mps = 0.1;  ///< peak of the approach
-  static constexpr double approach_shortest_s = 0.5;
-
-  /// Peak over mean speed of the approach.
-  static constexpr double approach_peak_over_mean = 315.0 / 128.0;
+  /// Standing for so long, by less than the jitter of the encoder, is rest.
+  static constexpr double rest_before_motion_s = 0.1;
   /// Longest approach with its rest, over the whole stroke [s].
   static double longest_approach_s(double stroke_m) noexcept {
-    return approach_shortest_s + approach_peak_over_mean * stroke_m / approach_speed_mps + Ppd2::settling_s;
+    return Approach::shortest_s + Approach::peak_over_mean * stroke_m / Approach::speed_mps + Ppd2::settling_s;
   }
 
   /// Cold: builds estimator, controller and reference from the rig; allocates, may throw std::invalid_argument.
@@ -69,6 +68,9 @@ class AxisLoop {
   /// Where gains for the running loop come from; null: nowhere. Before the first pass.
   void set_gain_mailbox(GainMailbox* mailbox) noexcept { gain_mailbox_ = mailbox; }
 
+  /// Time that the machine has been suspended so far [ns]; before the pass of a tick. HOT.
+  void note_slept(std::int64_t slept_ns) noexcept { supervisor_.note_slept(slept_ns); }
+
   /// One tick on the backend. False: the backend has ended. `now` reads a clock for the stage times (null: none read).
   bool pass(Backend& backend, std::int64_t tick, std::int64_t skipped, StageTimes* times,
             std::int64_t (*now)() noexcept) noexcept PNEUSERVO_NONBLOCKING;
@@ -92,10 +94,13 @@ class AxisLoop {
   void plan_motion(double t_s, const JudgedInputs& inputs) noexcept;
   ReferencePoint reference_at(double t_s) const noexcept;
   std::array<double, 2> pressures(const JudgedInputs& inputs, const EstimatorOutput& estimate) const noexcept;
-  std::array<double, 2> control(double t_s, const JudgedInputs& inputs, const EstimatorOutput& estimate) noexcept;
+  std::array<double, 2> control(double t_s, const JudgedInputs& inputs, const EstimatorOutput& estimate,
+                                std::int64_t skipped) noexcept;
   void fill_row(double t_s, std::int64_t skipped, const Measurement& measured, const Truth& truth,
                 const EstimatorOutput& estimate) noexcept;
   EstimatorOutput estimate(const JudgedInputs& inputs, std::int64_t skipped) noexcept;
+  void note_rest(const JudgedInputs& inputs, std::int64_t skipped) noexcept;
+  MotionSample motion_sample(const ControlInput& in, std::int64_t skipped) const noexcept;
 
   double period_s_ = 0.001;
   RigKind rig_ = RigKind::cylinder;
@@ -104,14 +109,19 @@ class AxisLoop {
   Supervisor supervisor_;
   PipelineEstimator estimator_;
   AxisController controller_;
+  MotionTwin twin_;
   Reference reference_;
 
   std::atomic<bool> learning_due_{false};
   GainMailbox* gain_mailbox_ = nullptr;
-  bool begins_ = true, moved_ = false;
+  bool begins_ = true, moved_ = false, twin_waits_ = true;
+  ControlInput control_in_;
+  double stood_at_m_ = std::numeric_limits<double>::quiet_NaN(), stood_s_ = 0.0;
+  bool armed_again_ = false;
+  double area_1_m2_ = 0.0, area_2_m2_ = 0.0, atmosphere_force_N_ = 0.0;
   double tolerance_m_ = approach_tolerance_m;
-  double approach_from_m_ = 0.0, approach_to_m_ = 0.0, approach_start_s_ = 0.0, approach_end_s_ = 0.0,
-         reference_start_s_ = 0.0;
+  Approach approach_;
+  double reference_start_s_ = 0.0;
   double velocity_mps_ = 0.0;
   bool limited_ = false;
   ReferencePoint now_{};

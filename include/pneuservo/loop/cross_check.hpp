@@ -39,6 +39,8 @@ class CrossCheck {
   /// Bits of Fault (flow_mismatch_*, chamber_mismatch_*); 0 while it settles. `skipped`: slots before this tick. HOT.
   std::uint64_t check(const CrossCheckInput& in, const EstimatorOutput& estimate, std::int64_t skipped) noexcept;
 
+  /// The last check judged its tick: it neither settled nor rested.
+  bool watching() const noexcept { return watching_; }
   /// Air that is not explained, as a share of what would be a fault; of the last check, by side.
   const std::array<double, 2>& flow_share() const noexcept { return flow_share_; }
   /// Difference of the chamber pressures as a share of what would be a fault; 0 without a sensor.
@@ -57,7 +59,7 @@ class CrossCheck {
   PistonLeakZone<double> leak_zone_;
   double piston_leak_m2_ = 0.0, decay_ = 0.0, smoothing_ = 1.0;
   std::int64_t settled_after_ = 0, ticks_ = 0;
-  bool started_ = false;
+  bool started_ = false, watching_ = false;
   std::array<double, 2> flow_share_{}, chamber_share_{};
 };
 

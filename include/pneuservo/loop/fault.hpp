@@ -163,9 +163,9 @@ inline constexpr std::array<FaultText, 48> fault_texts{{
      "measured and estimated pressure of chamber 2 differ by more than limits.chamber_mismatch_Pa: check both sensors "
      "of side 2, line 2 and the config's line_2"},
     {fault_deviation, "deviation",
-     "the position is further from the predicted motion than limits.deviation_m: look for an obstacle, a jam, a "
-     "payload "
-     "above limits.payload_max_kg, a wrong gain or a valve that does not answer"},
+     "the slider is further from the predicted motion than limits.deviation_m, or its speed than "
+     "limits.speed_deviation_mps: look for an obstacle, a jam, a payload above limits.payload_max_kg, a wrong gain or "
+     "a valve that does not answer"},
     {fault_stall, "stall",
      "the air pushed with more than limits.stall_force_N while the slider stood: look for what blocks it"},
     {fault_end_stop, "end_stop",

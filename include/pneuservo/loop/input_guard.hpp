@@ -86,6 +86,8 @@ class InputGuard {
     started_ = true;
     return value_ = channel.value;
   }
+  /// This tick's sample was not the one to use, whatever came of it.
+  bool bad() const noexcept { return started_ && bad_ > 0; }
   /// No good sample has come yet.
   bool waiting() const noexcept { return !started_; }
   /// Samples in a row that repeat the one before.

@@ -9,6 +9,8 @@
 #include <pneuservo/loop/cross_check.hpp>
 #include <pneuservo/loop/fault.hpp>
 #include <pneuservo/loop/input_guard.hpp>
+#include <pneuservo/loop/motion_supervision.hpp>
+#include <pneuservo/loop/supervision_health.hpp>
 #include <pneuservo/loop/supervisor_state.hpp>
 #include <pneuservo/rig/rig.hpp>
 
@@ -23,7 +25,7 @@ struct JudgedInputs {
 
 /// What the law did and where the axis shall be, for the checks of the motion.
 struct MotionCheck {
-  double speed_mps = 0.0, reference_m = 0.0;
+  MotionSample motion;
   bool command_good = true;    ///< finite and within the valve's range
   bool estimate_usable = true; ///< or not needed
 };
@@ -37,7 +39,7 @@ class Supervisor {
   static constexpr double standstill_share = 0.2;
 
   /// Cold. `needs_chambers`: the law cannot do without measured chamber pressures.
-  void configure(const Rig& rig, bool needs_chambers);
+  void configure(const Rig& rig, bool needs_chambers, const MotionLimits& motion = {});
   /// The one way back from every fault: causes, guards and cross-checks are forgotten.
   void rearm() noexcept;
   void stop() noexcept { go(SupervisorEvent::stop_asked); }
@@ -50,6 +52,12 @@ class Supervisor {
   /// What the valves were given in this tick.
   void note_commands(const std::array<double, 2>& command_V) noexcept;
   void latch(std::uint64_t faults) noexcept;
+  /// Whether ready inputs may make the axis active; of an axis that moves they may not.
+  void allow_motion(bool allowed) noexcept { may_move_ = allowed; }
+  /// It has been active since it was configured.
+  bool has_moved() const noexcept { return has_moved_; }
+  /// Time that the machine has been suspended so far [ns], before judge.
+  void note_slept(std::int64_t slept_ns) noexcept { health_.note_slept(slept_ns); }
 
   SupervisorState state() const noexcept { return state_; }
   bool is_active() const noexcept { return state_ == SupervisorState::active; }
@@ -61,6 +69,8 @@ class Supervisor {
   const std::array<double, 2>& safe_V() const noexcept { return safe_V_; }
   const std::array<double, 2>& command_V() const noexcept { return command_V_; }
   const CrossCheck& checks() const noexcept { return cross_check_; }
+  const MotionSupervision& motion() const noexcept { return motion_; }
+  const SupervisionHealth& health() const noexcept { return health_; }
 
  private:
   struct Bits {
@@ -75,20 +85,23 @@ class Supervisor {
   std::uint64_t judge_digital(const DigitalInputs& digital) noexcept;
   double chamber_step_Pa(double dead_volume_m3, double area_m2, double way_m) const noexcept;
   bool inputs_ready() const noexcept;
+  std::array<bool, 6> bad_samples() const noexcept;
 
   SupervisorState state_ = SupervisorState::unconfigured;
   std::uint64_t faults_ = 0, first_faults_ = 0;
-  bool needs_chambers_ = false, bridged_ = false;
+  bool needs_chambers_ = false, bridged_ = false, may_move_ = true, has_moved_ = false, on_bus_ = false;
   InputGuard position_guard_, supply_guard_;
   std::array<InputGuard, 2> port_guard_, chamber_guard_;
   std::array<bool, 2> has_chamber_{};
   bool has_supply_ = false;
   std::array<LineState, 2> limits_{};
   CrossCheck cross_check_;
+  MotionSupervision motion_;
+  SupervisionHealth health_;
   CylinderParameters<double> cylinder_;
   std::array<double, 2> safe_V_{}, command_V_{};
-  double period_s_ = 1e-3, speed_limit_mps_ = 5.0, position_limit_m_ = 0.155, half_stroke_m_ = 0.15,
-         pressure_limit_Pa_ = 1e6, supply_Pa_ = 7e5, supply_limit_Pa_ = 0.0, lateness_limit_s_ = 0.1;
+  double period_s_ = 1e-3, position_limit_m_ = 0.155, half_stroke_m_ = 0.15, pressure_limit_Pa_ = 1e6, supply_Pa_ = 7e5,
+         supply_limit_Pa_ = 0.0, lateness_limit_s_ = 0.1;
   double port_step_Pa_per_V_ = 0.0;  // of the narrower line: what a change of command does to a port at once
   double fill_step_Pa_m3_ = 0.0;  // largest flow into a chamber over a period: its volume times the step
   double activity_V_ = 0.0, activity_decay_ = 0.0;

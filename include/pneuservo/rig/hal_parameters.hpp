@@ -97,6 +97,42 @@ struct VoltageKeys {
                                     lowest = "lowest_V", highest = "highest_V";
 };
 
+/// Where a device keeps what an output shall be when the device misses this program.
+struct CanSubstitute {
+  CanObject value, mode;
+  std::uint32_t mode_value = 1;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    v(Field{"value", "", 0, 0, "object that gets the counts of the safe output, e.g. 0x64440120"}, p.value...);
+    v(Field{"mode", "", 0, 0, "object that switches the substitute on, e.g. 0x64430108; none: it is always on",
+            optional},
+      p.mode...);
+    v(Field{"mode_value", "-", 0, 4294967295.0, "what is written into mode", optional}, p.mode_value...);
+  }
+};
+
+/// What the output `object` has: as the config states it, or as CiA 401 defines it for 16-bit analog outputs.
+constexpr std::optional<CanSubstitute> substitute_of(CanObject object, const std::optional<CanSubstitute>& stated) {
+  if (stated) return stated;
+  if (object.index() != 0x6411) return {};
+  const std::uint32_t sub = object.sub();
+  return CanSubstitute{{0x64440020u | sub << 8}, {0x64430008u | sub << 8}, 1};
+}
+
+/// An object in which a device shows what an output is.
+struct CanReadback {
+  std::uint32_t pdo = 1;
+  CanObject object;
+  double tolerance_V = 0.05;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    v(Field{"pdo", "-", 1, 4, "process data object in which the device sends it"}, p.pdo...);
+    v(Field{"object", "", 0, 0, "counts as the output does; default: the output's own object", optional}, p.object...);
+    v(Field{"tolerance_V", "V", 1e-6, 100, "a longer deviation from what was sent is a fault", optional},
+      p.tolerance_V...);
+  }
+};
+
 /// A channel behind an object of a CANopen node: value = zero + scale * counts.
 template <class Keys> struct CanChannelParameters {
   std::string node;
@@ -104,6 +140,8 @@ template <class Keys> struct CanChannelParameters {
   CanObject object;
   bool is_signed = true;
   double scale = 1.0, zero = 0.0, lowest = 0.0, highest = 0.0;
+  std::optional<CanSubstitute> substitute;
+  std::optional<CanReadback> readback;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"node", "", 0, 0, "name of the node in hal.can.nodes"}, p.node...);
@@ -116,6 +154,12 @@ template <class Keys> struct CanChannelParameters {
     v(Field{Keys::lowest, Keys::unit, -1e12, 1e12, "below it is no measurement; an output is held at it"}, p.lowest...);
     v(Field{Keys::highest, Keys::unit, -1e12, 1e12, "above it is no measurement; an output is held at it"},
       p.highest...);
+    if constexpr (std::is_same_v<Keys, VoltageKeys>) {
+      v(Field{"substitute", "", 0, 0, "the device's objects for the output without master; default: those of 0x6411",
+              optional},
+        p.substitute...);
+      v(Field{"readback", "", 0, 0, "checks the output by what the device shows of it", optional}, p.readback...);
+    }
   }
 };
 
@@ -132,7 +176,7 @@ struct ComediReadback {
     constexpr auto optional = Presence::optional;
     v(Field{"channel", "-", 0, 65535, "analog input that the output is wired to"}, p.channel...);
     v(Field{"range", "-", 0, 255, "of that input, number in the board's list", optional}, p.range...);
-    v(Field{"tolerance_V", "V", 1e-6, 100, "at the board's terminal; a longer deviation is a missed output", optional},
+    v(Field{"tolerance_V", "V", 1e-6, 100, "at the board's terminal; a longer deviation is a fault", optional},
       p.tolerance_V...);
   }
 };
@@ -173,15 +217,31 @@ template <class Keys> struct ComediCounterParameters {
   }
 };
 
+/// What closes the valve of a board when this program is gone: a board keeps its outputs.
+enum class BoardWatchdog { board, enable_line, guard, external, none };
+inline constexpr std::array<std::string_view, 5> board_watchdog_names{"board", "enable_line", "guard", "external",
+                                                                      "none"};
+
 /// A DA/AD board of the PC.
 struct ComediParameters {
   std::string device = "/dev/comedi0";
   std::string calibration;
+  std::optional<BoardWatchdog> watchdog;
+  std::uint32_t watchdog_subdevice = 0;
+  double watchdog_s = 0.1;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"device", "", 0, 0, "device file of the board", optional}, p.device...);
     v(Field{"calibration", "", 0, 0, "calibration file; default: where comedi_calibrate puts it", optional},
       p.calibration...);
+    v(Field{"watchdog", "", 0, 0,
+            "what closes the valve when this program is gone: the board's own, hal.gpio.enable, pneuservo guard, "
+            "something outside, or nothing; must be stated where an output is on the board",
+            optional, board_watchdog_names},
+      p.watchdog...);
+    v(Field{"watchdog_subdevice", "-", 0, 255, "of the board's own watchdog", optional}, p.watchdog_subdevice...);
+    v(Field{"watchdog_s", "s", 0.02, 5.12, "the board's own acts after so long, in steps of 20 ms", optional},
+      p.watchdog_s...);
   }
 };
 
@@ -219,6 +279,22 @@ struct GpioParameters {
       p.limit_high...);
     v(Field{"valve_power", "", 0, 0, "input, active: the valve has its supply", optional}, p.valve_power...);
     v(Field{"enable", "", 0, 0, "output, active only while the axis is active", optional}, p.enable...);
+  }
+};
+
+/// The program `pneuservo guard`, which writes the safe output when this program's sign of life stops.
+struct GuardParameters {
+  std::string name;
+  double timeout_s = 0.05;
+  std::optional<GpioLineParameters> enable;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    v(Field{"name", "", 0, 0, "by which run and guard find each other; default: the rig's name", optional}, p.name...);
+    v(Field{"timeout_s", "s", 0.002, 10, "the guard acts when the loop has not written for so long", optional},
+      p.timeout_s...);
+    v(Field{"enable", "", 0, 0,
+            "output of the guard's own, in series with hal.gpio.enable: active while the loop lives", optional},
+      p.enable...);
   }
 };
 
@@ -266,6 +342,8 @@ struct HalParameters {
   std::optional<CanBusParameters> can;
   std::optional<ComediParameters> comedi;
   std::optional<GpioParameters> gpio;
+  std::optional<GuardParameters> guard;
+  bool bench = false;
   HalChannels channels;
   /// Anything beside the simulated plant, which alone can be run in simulated time.
   bool has_devices() const noexcept { return can || comedi || gpio; }
@@ -273,6 +351,10 @@ struct HalParameters {
     v(Field{"can", "", 0, 0, "CANopen bus", Presence::optional}, p.can...);
     v(Field{"comedi", "", 0, 0, "DA/AD board", Presence::optional}, p.comedi...);
     v(Field{"gpio", "", 0, 0, "digital lines", Presence::optional}, p.gpio...);
+    v(Field{"guard", "", 0, 0, "a second process that closes the valve when the loop dies", Presence::optional},
+      p.guard...);
+    v(Field{"bench", "", 0, 0, "true: no machine moves; a real valve may follow simulated sensors", Presence::optional},
+      p.bench...);
     v(Field{"channels", "", 0, 0, "what stands behind each channel; one that is not named is absent"}, p.channels...);
   }
 };

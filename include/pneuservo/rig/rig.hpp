@@ -66,6 +66,7 @@ inline constexpr std::array<std::string_view, 2> end_stop_contact_names{"fault",
 struct LimitParameters {
   std::optional<double> speed_mps;
   std::optional<double> deviation_m;
+  std::optional<double> speed_deviation_mps;
   std::optional<double> stall_force_N;
   EndStopContact end_stop_contact = EndStopContact::fault;
   std::optional<double> payload_max_kg;
@@ -90,6 +91,10 @@ struct LimitParameters {
             "checked",
             optional},
       p.deviation_m...);
+    v(Field{"speed_deviation_mps", "m/s", 0, 100,
+            "measured speed further than this from the predicted one is a fault; default: derived; 0: not checked",
+            optional},
+      p.speed_deviation_mps...);
     v(Field{"stall_force_N", "N", 0, 1e9,
             "force of the air on a slider that stands above it is a fault; default: derived; 0: not checked", optional},
       p.stall_force_N...);
@@ -100,7 +105,8 @@ struct LimitParameters {
             "largest payload that the derived limits allow for; default: slider.payload_kg", optional},
       p.payload_max_kg...);
     v(Field{"dry_friction_max_N", "N", 0, 1e6,
-            "largest dry friction that the derived limits allow for; default: 10 kPa on the larger piston area",
+            "largest dry friction that the derived limits allow for; default: 10 kPa on the larger piston area, "
+            "servo_table: 0",
             optional},
       p.dry_friction_max_N...);
     v(Field{"bad_share", "-", 0, 1,

@@ -1,0 +1,159 @@
+// The closed loop of a config as a simulation that runs beside the axis: where the slider should be.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include <pneuservo/control/axis_controller.hpp>
+#include <pneuservo/elements/sensor.hpp>
+#include <pneuservo/rig/plant.hpp>
+#include <pneuservo/rig/rig.hpp>
+
+namespace pneuservo {
+
+/// What the sensors of a drawn machine add to what the law sees.
+struct TwinNoise {
+  double position_m = 0.0;
+  std::array<double, 2> pressure_Pa{};
+};
+
+/// The config's law on a plant of its own, on a coarse grid, without noise and estimator: the law's pressures are those
+/// of the plant. With the config's own plant it predicts the motion (chapter 3 closed loop); with a drawn one it is one
+/// of the machines from which the limits follow (src/loop/motion_limits.cpp). All of it but configure is HOT.
+class MotionTwin {
+ public:
+  /// Cells of each line. The prediction needs what moves the slider, some 10 Hz, for which 2.5 m a cell are enough;
+  /// each cell costs 12 ns a tick.
+  static constexpr int most_cells = 4;
+
+  /// Allocates; throws what the law's configuration throws. The plant is the rig's own.
+  /// `dry_friction_N`: what friction may hold at rest.
+  void configure(const Rig& rig, const Reference& reference, double dry_friction_N) {
+    dry_friction_N_ = dry_friction_N;
+    const auto& cylinder = rig.axis.cylinder;
+    area_1_m2_ = cylinder.area_1_m2;
+    area_2_m2_ = cylinder.area_2_m2;
+    atmosphere_force_N_ = (area_1_m2_ - area_2_m2_) * rig.axis.air.atmosphere_Pa;
+    law_.configure(rig.controller, rig.axis, rig.period_s, reference, rig.duration_s);
+    chambers_ = law_.pressure_source() != PressureSource::valve;
+    aged_ = rig.simulation.input_age_periods > 0;
+    configure_sensors(rig);
+    const auto& axis = rig.axis;
+    const int needed = std::max(cell_count(axis.line_1.length_m, 1.0), cell_count(axis.line_2.length_m, 1.0));
+    // A law on port pressures meets the line's ringing, which coarse cells have too stiff above 100 Hz.
+    const bool rings = rig.controller.kind == ControllerKind::pd_force && !chambers_;
+    set_machine(rig, axis, rings ? simulated_cells(rig) : std::min(needed, most_cells));
+  }
+  /// Cells of each line of the simulated machine.
+  static int simulated_cells(const Rig& rig) noexcept {
+    return std::max(cell_count(rig.axis.line_1.length_m, rig.simulation.cells_per_m),
+                    cell_count(rig.axis.line_2.length_m, rig.simulation.cells_per_m));
+  }
+  /// Another plant behind the rig's law. Allocates.
+  void set_machine(const Rig& rig, const AxisParameters<double>& machine, int cells) {
+    plant_.configure(machine, rig.period_s, PlantGrid{cells, 0}, valve_arrangement(rig));
+    cells_ = cells;
+    droops_ = machine.effects.supply_droop.area_m2 > 0.0;
+  }
+
+  /// Begins at rest with what was measured: position, and the pressure of each side in line and chamber. What friction
+  /// may hold it holds: the prediction has none and would jump.
+  void start(double position_m, const std::array<double, 2>& pressure_Pa,
+             const std::array<double, 2>& command_V) noexcept {
+    const double force_N = area_1_m2_ * pressure_Pa[0] - area_2_m2_ * pressure_Pa[1] - atmosphere_force_N_;
+    const double held_N = std::fabs(force_N) <= dry_friction_N_ ? force_N : 0.0;
+    plant_.reset({true_value(0, position_m), true_value(1, pressure_Pa[0]),
+                  true_value(2, pressure_Pa[1] + held_N / area_2_m2_)});
+    const auto chamber = plant_.chamber_pressure();
+    sensors_[0].reset(plant_.position());
+    for (const std::size_t i : {1u, 3u}) sensors_[i].reset(low(chamber)), sensors_[i + 1].reset(high(chamber));
+    now_ = seen_ = sample();
+    law_.reset(command_V);
+    command_V_ = command_V;
+    speed_mps_ = 0.0;
+  }
+  /// Slots that the loop skipped: the command was held.
+  void hold(std::int64_t periods) noexcept {
+    for (std::int64_t i = 0; i < periods; ++i) {
+      plant_.step(command_V_[0], command_V_[1]);
+      seen_ = now_;
+      now_ = sample();
+    }
+    law_.skip(periods);
+  }
+  /// One period: the law's step on the present state, its command within +-most_command_V, and the plant's answer.
+  void step(const ControlInput& reference, double supply_Pa, double most_command_V,
+            const TwinNoise& noise = {}) noexcept {
+    const Sample& taken = aged_ ? seen_ : now_;
+    ControlInput in = reference;
+    in.x_m = taken.position_m + noise.position_m;
+    for (std::size_t i = 0; i < 2; ++i) {
+      in.port_Pa[i] = taken.port_Pa[i] + noise.pressure_Pa[i];
+      in.pressure_Pa[i] = (chambers_ ? taken.chamber_Pa[i] : taken.port_Pa[i]) + noise.pressure_Pa[i];
+    }
+    const ControlOutput out = law_.step(in);
+    for (std::size_t i = 0; i < 2; ++i) command_V_[i] = std::clamp(out.command_V[i], -most_command_V, most_command_V);
+    speed_mps_ = out.speed_mps;
+    if (!droops_) plant_.set_supply_pressure(supply_Pa);  // else it is measured behind the droop
+    plant_.step(command_V_[0], command_V_[1]);
+    seen_ = now_;
+    now_ = sample();
+  }
+  void change_gains(const Ppd2GainSet& gains) noexcept { law_.change_gains(gains); }
+
+  /// As the encoder should show it.
+  double position_m() const noexcept { return now_.position_m; }
+  double velocity_mps() const noexcept { return plant_.velocity(); }
+  /// As the law filtered it in the last step.
+  double speed_mps() const noexcept { return speed_mps_; }
+  double force_N() const noexcept { return plant_.driving_force(); }
+  int cells() const noexcept { return cells_; }
+  const AxisController& law() const noexcept { return law_; }
+  const std::array<double, 2>& command_V() const noexcept { return command_V_; }
+
+ private:
+  struct Sample {
+    double position_m = 0.0;
+    std::array<double, 2> port_Pa{}, chamber_Pa{};
+  };
+  // An estimated chamber pressure is as wrong as its port's sensor.
+  void configure_sensors(const Rig& rig) {
+    const bool estimated = law_.pressure_source() == PressureSource::estimated;
+    has_sensor_effects_ = false;
+    for (std::size_t i = 0; i < sensors_.size(); ++i) {
+      const SensorEffects<double>& e = rig.sensor_effects[i > 2 && estimated ? i - 2 : i];
+      sensor_effects_[i] = e;
+      sensors_[i].configure(e, 0.0, 0.0, rig.period_s, Random());
+      has_sensor_effects_ = has_sensor_effects_ || e.sensor_gain.gain != 1.0 || e.sensor_offset.offset != 0.0 ||
+                            e.sensor_lag.time_constant_s > 0.0;
+    }
+  }
+  /// What a known gain and offset of a sensor (in the order of channel_names) make of the truth, and back.
+  double true_value(std::size_t channel, double shown) const noexcept {
+    const SensorEffects<double>& e = sensor_effects_[channel];
+    return e.sensor_gain.gain != 0.0 ? (shown - e.sensor_offset.offset) / e.sensor_gain.gain : shown;
+  }
+  Sample sample() noexcept {
+    const auto port = plant_.port_pressure(), chamber = plant_.chamber_pressure();
+    const Sample truth{plant_.position(), {low(port), high(port)}, {low(chamber), high(chamber)}};
+    if (!has_sensor_effects_) return truth;
+    return {sensors_[0].read(truth.position_m),
+            {sensors_[1].read(truth.port_Pa[0]), sensors_[2].read(truth.port_Pa[1])},
+            {sensors_[3].read(truth.chamber_Pa[0]), sensors_[4].read(truth.chamber_Pa[1])}};
+  }
+
+  AxisPlant<double> plant_;
+  AxisController law_;
+  double dry_friction_N_ = 0.0, area_1_m2_ = 1.0, area_2_m2_ = 1.0, atmosphere_force_N_ = 0.0;
+  int cells_ = 1;
+  bool chambers_ = true, aged_ = false, droops_ = false;
+  std::array<double, 2> command_V_{};
+  double speed_mps_ = 0.0;
+  std::array<Sensor, 5> sensors_;  // exact but for the config's effects; the last two give what closes a force loop
+  std::array<SensorEffects<double>, 5> sensor_effects_;
+  bool has_sensor_effects_ = false;
+  Sample now_, seen_;  // of this tick and of the one before
+};
+
+}  // namespace pneuservo

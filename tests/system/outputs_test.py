@@ -1,0 +1,133 @@
+#!/usr/bin/env python3
+# What the program may write over and what never: recordings, inputs, files of another kind, sockets; files that block or
+# never end; long runs in bounded memory; gaps in a recorded command; keys with control characters.
+import gzip, json, os, resource, shutil, subprocess, sys, tempfile, time
+
+from program import CONFIG, edited_config, expect, expect_refusal, program, run
+
+TABLE = "config/servo-table-1m-8mm.yaml"
+folder = tempfile.mkdtemp()
+at = lambda name: os.path.join(folder, name)
+content = lambda path: open(path, "rb").read()
+short = ["--duration-s", "0.3"]
+
+# A recording is never overwritten, unless that is said.
+first = at("first.csv.gz")
+expect(run("run", CONFIG, *short, "--record", first).returncode == 0, "a short run fails")
+kept = content(first)
+for verb in (["run", CONFIG, *short], ["replay", CONFIG, first], ["simulate", CONFIG, "--command", first]):
+    refused = run(*verb, "--record", first)
+    expect_refusal(refused, ["--record", first], f"{verb[0]} over a recording")
+    other = at("other.csv.gz")
+    shutil.copy(first, other)
+    expect_refusal(run(*verb, "--record", other), [other, "--force"], f"{verb[0]} over another recording")
+    expect(run(*verb, "--record", other, "--force").returncode in (0, 1), f"{verb[0]} --force")
+    expect(content(other) != kept or verb[0] == "run", f"{verb[0]} --force wrote nothing")
+for verb in (["replay", CONFIG, first], ["simulate", CONFIG, "--command", first]):
+    expect_refusal(run(*verb, "--record", first, "--force"), ["--record", first, "reads"], f"{verb[0]} --force over its input")
+expect_refusal(run("run", CONFIG, "--pressure-source", "all", *short, "--record", at("a.csv.gz"), "--json", at("a-valve.csv.gz")),
+               ["--json", "a-valve.csv.gz", "--record"], "one file for two options")
+expect(content(first) == kept, "the first recording changed")
+
+# No output over an input, under any of its names; none over what is not an older result of its kind.
+mine = at("mine.yaml")
+shutil.copy(CONFIG, mine)
+os.link(mine, at("hard.yaml"))
+os.symlink(mine, at("soft.yaml"))
+config = content(mine)
+for name in ("mine.yaml", "hard.yaml", "soft.yaml", "../" + os.path.basename(folder) + "/mine.yaml"):
+    for verb, option in (("run", "--json"), ("run", "--report"), ("design", "--write"), ("design", "--json"), ("index", "--report"),
+                         ("check", "--json"), ("latency", "--json")):
+        expect_refusal(run(verb, mine, option, at(name)), [option, "reads", mine], f"{verb} {option} over {name}")
+for option in ("--improved", "--json", "--report", "--next-experiment"):
+    expect_refusal(run("diagnose", mine, first, option, first), [option, first, "reads"], f"diagnose {option} over the recording")
+    expect_refusal(run("diagnose", mine, first, option, mine), [option, mine, "reads"], f"diagnose {option} over the config")
+shutil.copy(CONFIG, at("yours.yaml"))
+for verb, option in ((["run", mine, *short], "--json"), (["run", mine, *short], "--report"), (["design", mine], "--write")):
+    expect_refusal(run(*verb, option, at("yours.yaml")), [option, "something else"], f"{option} over another's config")
+expect_refusal(run("run", mine, *short, "--json", at("new.json"), "--report", at("./new.json")), ["--json", "writes"], "one new file for two options")
+expect(content(mine) == config and content(at("yours.yaml")) == config, "a config changed")
+for _ in range(2):  # an older result of its own kind may go
+    done = run("run", mine, *short, "--json", at("r.json"), "--report", at("r.html"))
+    expect(done.returncode == 0, f"results twice: {done.stderr}")
+    expect(run("design", mine, "--write", at("designed.yaml")).returncode == 0, "design --write twice")
+expect(run("run", mine, *short, "--json", "/dev/null").returncode == 0, "--json to a device")
+
+# device takes away what is a socket and nothing else.
+CAN = "config/can/cylinder-10m-7.65mm.yaml"
+with open(at("data.txt"), "w") as file:
+    file.write("data")
+os.symlink(at("data.txt"), at("link"))
+os.mkfifo(at("pipe"))
+for name in ("data.txt", "link", "pipe"):
+    done = run("device", CAN, "--can", "unix:" + at(name), "--duration-s", "0.1")
+    expect(done.returncode == 1 and "something else than a socket" in done.stderr, f"device onto {name}: {done.returncode} {done.stderr}")
+    expect(os.path.lexists(at(name)), f"device took {name} away")
+expect(content(at("data.txt")) == b"data", "device wrote into a file")
+process = subprocess.Popen([program, "device", CAN, "--can", "unix:" + at("bus")], stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+process.stderr.readline()
+process.kill()
+process.wait()
+expect(os.path.exists(at("bus")), "no socket was left behind")
+process = subprocess.Popen([program, "device", CAN, "--can", "unix:" + at("bus")], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                           stderr=subprocess.PIPE, text=True)
+expect("are on the bus" in process.stderr.readline(), "device after a killed one")
+process.terminate()
+expect(process.wait(timeout=30) == 0 and not os.path.exists(at("bus")), "device leaves its socket behind")
+
+# Gains from what blocks or never ends.
+for name in (at("pipe"), "/dev/zero", folder):
+    expect_refusal(run("run", TABLE, "--gains", name), [name, "no regular file"], f"--gains {name}")
+with open(at("large.yaml"), "w") as file:
+    file.truncate(1 << 33)
+expect_refusal(run("run", TABLE, "--gains", at("large.yaml")), ["large.yaml", "bytes"], "--gains of 8 GB")
+
+# Long runs start in the memory of short ones, or are refused.
+limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))
+for long in (["--duration-s", "86400"], ["--duration-s", "1e6"], ["--moves", "2000000000"]):
+    process = subprocess.Popen([program, "run", CONFIG, "--time", "real", *long], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                               preexec_fn=limit, text=True)
+    time.sleep(2.0)
+    process.terminate()
+    _, said = process.communicate(timeout=60)
+    expect(process.returncode == 0 and "stopped by SIGTERM" in said, f"{long}: status {process.returncode}: {said}")
+expect_refusal(run("run", "config/servo-table-0.5m-4mm.yaml", "--duration-s", "86400"), ["duration_s", "--moves"], "a plan of a day")
+done = run("run", CONFIG, "--duration-s", "300", "--json", at("long.json"))
+with open(at("long.json")) as file:
+    shown = json.load(file)
+expect(done.returncode == 0 and "shown from t = 37.856 s on" in done.stdout, f"what a long run shows is not told: {done.stdout}")
+expect(shown["shown_from_s"] == 37.856 and shown["runs"][0]["ticks"] == 300000, f"what a long run shows: {shown['runs'][0]['ticks']}")
+
+# A command with a gap that no axis waits through.
+with gzip.open(first, "rt") as file:
+    lines = file.read().splitlines()
+damaged = at("damaged.csv.gz")
+with gzip.open(damaged, "wt") as file:
+    for number, line in enumerate(lines):
+        late = number >= len(lines) - 3
+        file.write((f"{float(line.split(',')[0]) + 8e6},{line.split(',', 1)[1]}" if late else line) + "\n")
+expect_refusal_lines = run("simulate", CONFIG, "--command", damaged)
+expect(expect_refusal_lines.returncode == 2 and f"line {len(lines) - 2}: " in expect_refusal_lines.stderr.splitlines()[-1]
+       and "a gap of 8e+06 s" in expect_refusal_lines.stderr, f"a gap of 8e6 s: {expect_refusal_lines.stderr}")
+
+# Control characters of keys and texts do not reach the terminal.
+for key in ('"\\e[2Jkey": 1', '"a\\x9bb": 1', 'name: "\\e]0;title\\a"', '"\\u009b31mx": 1'):
+    path, _ = edited_config(folder, r"^name: .*$", key)
+    done = run("check", path)
+    expect(done.returncode == 2 and len(done.stderr.splitlines()) == 1, f"{key}: {done.returncode} {done.stderr!r}")
+    expect(not any(ord(c) < 32 or 126 < ord(c) < 160 for c in done.stderr.strip()), f"{key}: raw: {done.stderr!r}")
+
+# The service starts nothing at boot and records each start to a file of its own.
+with open("cmake/debian/pneuservo@.service") as file:
+    unit = [line.strip() for line in file if not line.startswith("#")]
+starts = [line for line in unit if line.startswith("ExecStart=")]
+expect("[Install]" not in unit and "Restart=no" in unit, "the service may start by itself")
+expect(len(starts) == 1 and "--record" in starts[0] and "date -u" in starts[0], f"the service overwrites its recording: {starts}")
+
+# A recording cut off by kill -9 is drawn up to the cut.
+whole = content(first)
+for share in (0.5, 0.8, 0.99):
+    with open(at("cut.csv.gz"), "wb") as file:
+        file.write(kept[:int(share * len(kept))])
+    done = subprocess.run(["tools/plot-run", at("cut.csv.gz"), at("cut.svg")], capture_output=True, text=True)
+    expect(done.returncode == 0 and "cut off" in done.stderr, f"plot-run of {share} of a recording: {done.stderr}")

@@ -93,7 +93,7 @@ TEST_CASE("a line shorter than sound goes in a stair has no ringing, whatever th
   CHECK(possible_ringing(quiet_inputs(0.1, 1e-3), rig, {4, 160}).empty());
   rig.axis.line_2.length_m = 2.0;
   rig.axis.line_1.length_m = 0.3;
-  const PossibleRinging ringing = possible_ringing(quiet_inputs(0.1, 1e-3), rig, grid_for(rig, 500));
+  const PossibleRinging ringing = possible_ringing(quiet_inputs(0.1, 1e-3), rig, grid_for(rig, 500, 1e-3));
   REQUIRE(ringing.size() == imposed_lanes);
   CHECK(ringing[0].ringing[0].empty());
   CHECK(ringing[0].pressure[0].empty());

@@ -192,9 +192,6 @@ void check_limits(const Rig& rig, const Check& check) {
     check.refuse("limits.deviation_m", {"sensors.position"}, number_text(*limits.deviation_m),
                  fmt::format("more than the encoder's quantum and noise ({}), or nothing: it is derived",
                              number_text(encoder_m)));
-  if (limits.payload_max_kg && *limits.payload_max_kg < rig.axis.slider.payload_kg)
-    check.refuse("limits.payload_max_kg", {"slider.payload_kg"}, number_text(*limits.payload_max_kg),
-                 fmt::format("at least slider.payload_kg ({})", number_text(rig.axis.slider.payload_kg)));
   if (!rig.is_pneumatic()) return;
   const double friction_N = dry_friction_N(rig);
   if (limits.dry_friction_max_N && *limits.dry_friction_max_N < friction_N)

@@ -83,7 +83,8 @@ AxisParameters<double> drawn_machine(const Rig& rig, Random& random) {
     machine.deviations[path] = std::max(tolerance * std::clamp(random.normal(), -3.0, 3.0), -0.9);
   machine = simulated_rig(machine);
   auto& slider = machine.axis.slider;
-  slider.payload_kg = random.uniform(0.0, rig.limits.payload_max_kg.value_or(rig.axis.slider.payload_kg));
+  const double known_kg = rig.axis.slider.payload_kg;
+  slider.payload_kg = random.uniform(0.0, std::max(known_kg, rig.limits.payload_max_kg.value_or(known_kg)));
   machine.axis.effects.motion.coulomb_friction.force_N += random.uniform(0.0, dry_friction_max_N(rig));
   return machine.axis;
 }

@@ -43,8 +43,6 @@ TEST_CASE("limits that no run can keep, or that allow for less than the config h
       "--set limits.deviation_m=5e-6: limits.deviation_m: found 5.0e-06, expected more than the encoder's quantum and "
       "noise (5.0e-06), or nothing: it is derived");
   CHECK(refusal(plain, {"limits.deviation_m=0"}) == accepted);
-  CHECK(refusal(plain, {"limits.payload_max_kg=2", "slider.payload_kg=3"}) ==
-        "--set limits.payload_max_kg=2: limits.payload_max_kg: found 2, expected at least slider.payload_kg (3)");
   CHECK(refusal(plain, {"limits.dry_friction_max_N=10", "effects.coulomb_friction.force_N=12"}) ==
         "--set limits.dry_friction_max_N=10: limits.dry_friction_max_N: found 10, expected at least the dry "
         "friction of effects (12)");

@@ -157,7 +157,9 @@ TEST_CASE("supply and pressures beyond their limits") {
   for (int i = 0; i < 20; ++i) low.step();
   low.backend.supply_Pa = 0.49 * 700e3;
   REQUIRE(low.step().fault == fault_supply_low);
-  Bench high(usual_rig({"limits.pressure_Pa=4.0e5"}));
+  Rig tight = usual_rig();
+  tight.limits.pressure_Pa = 4.0e5;  // below the supply a config is refused
+  Bench high(tight);
   REQUIRE(high.step().fault == fault_pressure_limit);
 }
 

@@ -89,7 +89,7 @@ class MotionSupervision {
   // The same way for longer than the samples that the guards bridge.
   bool differs_in_speed(const MotionSample& now) noexcept {
     const double faster = now.speed_mps - now.predicted_mps;
-    const bool goes_on = faster > 0.0 == was_faster_ && differs_s_ > 0.0;
+    const bool goes_on = (faster > 0.0) == was_faster_ && differs_s_ > 0.0;
     was_faster_ = faster > 0.0;
     if (std::fabs(faster) <= limits_.speed_deviation_mps) differs_s_ = 0.0;
     else differs_s_ = (goes_on ? differs_s_ : 0.0) + period_s_;

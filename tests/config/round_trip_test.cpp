@@ -73,7 +73,8 @@ TEST_CASE("a rig with every effect, section and odd name comes back") {
       set_parameter(rig, parameter.path,
                     parameter.value == 0.1 ? 0.2
                                            : std::max(0.1 * parameter.field.maximum / 3, parameter.field.minimum));
-  rig.axis.slider.mass_kg = 1000;  // loads on couplings are a part of it
+  rig.axis.slider.mass_kg = 1000;      // loads on couplings are a part of it
+  rig.reference.amplitude_m = 0.001;  // which the supply can move
   for (const char* name :
        {"null", "10", "a: b", "# x", "say \"yes\" \\ no", "Prüfstand", "two\nlines", "~", "true", "-", "a/b.c-d_e"}) {
     rig.name = name;

@@ -32,9 +32,11 @@ struct ReplayOptions {
 /// A recording of another period cannot be replayed; one of another config can, and is told. What options of `run` set
 /// beside the config, the duration and the pressure source, is taken from the recording.
 void adopt_header(const Recording& recording, Rig& rig) {
-  if (std::isfinite(recording.period_s) && recording.period_s != rig.period_s)
-    throw InputError(fmt::format("{}: period_s is {}; expected that of the config, {}", recording.path,
-                                 recording.period_s, rig.period_s));
+  const double period_s =
+      recording.header["period_s"] ? recording.header["period_s"].as<double>() : recording.period_s;
+  if (std::isfinite(period_s) && period_s != rig.period_s)
+    throw InputError(
+        fmt::format("{}: period_s is {}; expected that of the config, {}", recording.path, period_s, rig.period_s));
   const YAML::Node config = recording.header["config"];
   if (!config || !config.IsScalar()) return;
   std::string reason;

@@ -22,7 +22,7 @@ for end, sign in (("low", -1), ("high", 1)):
     expect(abs(zero - 0.04) < 1e-3, f"home {end}: zero {zero}")
 done = run("run", CONFIG, *displaced, "--zeros", at("x.yaml"), "--duration-s", "1.5")
 expect(done.returncode == 0, f"run with zeros: {done.stderr}")
-done = run("home", CONFIG, *displaced, "--set", "limits.speed_mps=0.005")
+done = run("home", CONFIG, *displaced, "--set", "limits.speed_mps=0.005", "--set", "reference.amplitude_m=0.0005")
 expect(done.returncode == 1 and "faster than limits.speed_mps" in done.stderr, f"home too fast: {done.stderr}")
 for end, sign in (("low", -1), ("high", 1)):  # an encoder that begins far from 0
     done = run("home", CONFIG, *devices, "--end", end)

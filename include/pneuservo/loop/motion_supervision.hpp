@@ -68,7 +68,9 @@ class MotionSupervision {
       if (off > limits_.start_deviation_m || speed > limits_.start_speed_mps) faults |= fault_start_motion;
       proven_ = std::fabs(now.predicted_m - start_m_) > start_way_over_deviation * limits_.start_deviation_m;
     }
-    if (off > limits_.deviation_m || differs_in_speed(now)) faults |= fault_deviation;
+    // Until the start is proven it is the start that went wrong.
+    const bool leaves = off > limits_.deviation_m || differs_in_speed(now);
+    if (leaves) faults |= proven_ ? fault_deviation : fault_start_motion;
     if (speed > limits_.speed_mps) faults |= fault_speed;
     return faults | end_stop(now) | stall(now);
   }

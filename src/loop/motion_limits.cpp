@@ -75,6 +75,19 @@ double dry_friction_max_N(const Rig& rig) {
   return rig.limits.dry_friction_max_N.value_or(seals_N);
 }
 
+/// Standard deviation of the pressure sensors that close the force loop.
+double pressure_noise_Pa(const Rig& rig) {
+  const bool chambers = rig.controller.kind == ControllerKind::pd_force &&
+                        rig.controller.pd_force.pressure_source == PressureSource::chamber;
+  return chambers ? rig.sensors.chamber_pressure.noise_Pa : rig.sensors.port_pressure.noise_Pa;
+}
+
+/// Force of the air that a slider at rest may show: what friction holds, and what is noise.
+double resting_force_N(const Rig& rig) {
+  const auto& c = rig.axis.cylinder;
+  return dry_friction_max_N(rig) + noise_deviations * pressure_noise_Pa(rig) * std::hypot(c.area_1_m2, c.area_2_m2);
+}
+
 /// One machine that the config permits.
 AxisParameters<double> drawn_machine(const Rig& rig, Random& random) {
   Rig machine = rig;
@@ -99,9 +112,7 @@ struct Machine {
 TwinNoise drawn_noise(const Rig& rig, Random& random) {
   TwinNoise noise;
   const auto& s = rig.sensors;
-  const bool chambers = rig.controller.kind == ControllerKind::pd_force &&
-                        rig.controller.pd_force.pressure_source == PressureSource::chamber;
-  const double pressure_Pa = chambers ? s.chamber_pressure.noise_Pa : s.port_pressure.noise_Pa;
+  const double pressure_Pa = pressure_noise_Pa(rig);
   if (s.position.noise_m > 0.0) noise.position_m = s.position.noise_m * random.normal();
   if (pressure_Pa > 0.0)
     for (double& value : noise.pressure_Pa) value = pressure_Pa * random.normal();
@@ -127,39 +138,76 @@ void note(Machine& machine, const MotionTwin& prediction, bool starts) {
     machine.standing_force_N = std::max(machine.standing_force_N, std::fabs(machine.axis.force_N()));
 }
 
+/// What every simulated machine is asked for: an approach, then the reference.
+class TrialMotion {
+ public:
+  TrialMotion(const Rig& rig, const Reference& reference, const MotionTwin& twin)
+      : reference_(reference), period_s_(rig.period_s), lead_s_(twin.law().lead_s()) {
+    const double way_m = approach_share_of_stroke * rig.axis.cylinder.stroke_m, p_1 = rig.initial.pressure_1_Pa;
+    end_m = reference.at(0.0).d[0];
+    start_m = end_m > 0.0 ? end_m - way_m : end_m + way_m;
+    approach_.plan(0.0, start_m, end_m, true, period_s_);
+    reference_tick = std::llround((approach_.end_s() + twin.law().rest_s(true, {p_1, p_1})) / period_s_);
+    last_tick = reference_tick + std::llround(std::min(rig.duration_s, longest_s) / period_s_);
+  }
+  ControlInput at(std::int64_t tick) const noexcept {
+    ControlInput in;
+    const double t_s = static_cast<double>(tick) * period_s_;
+    in.now = in.ahead = point(t_s);
+    if (lead_s_ > 0.0) in.ahead = point(t_s + lead_s_);
+    in.tick = tick - reference_tick;
+    return in;
+  }
+  double start_m = 0.0, end_m = 0.0;
+  std::int64_t reference_tick = 0, last_tick = 0;
+
+ private:
+  ReferencePoint point(double t_s) const noexcept {
+    const double from_s = static_cast<double>(reference_tick) * period_s_;
+    return t_s >= from_s ? reference_.at(t_s - from_s) : approach_.at(t_s);
+  }
+  const Reference& reference_;
+  double period_s_, lead_s_;
+  Approach approach_;
+};
+
+/// Whether a start from there is not proven yet, at the latest.
+bool may_be_unproven(const MotionTwin& twin, double start_m) noexcept {
+  return std::fabs(twin.position_m() - start_m) <=
+         MotionSupervision::start_way_over_deviation * largest_start_deviation_m;
+}
+
+/// Largest command that the predicted motion needs until its start is proven, from a tick and a position on.
+double largest_start_command_V(const Rig& rig, const TrialMotion& motion, MotionTwin twin, std::int64_t tick,
+                               double start_m) {
+  start_at(twin, rig, start_m);
+  double most_V = 0.0;
+  for (; tick < motion.last_tick && may_be_unproven(twin, start_m); ++tick) {
+    twin.step(motion.at(tick), rig.axis.supply.pressure_Pa, MotionLimits::unlimited);
+    for (const double command_V : twin.command_V()) most_V = std::max(most_V, std::fabs(command_V));
+  }
+  return most_V;
+}
+
 /// Runs prediction and machines side by side; the first machine is the config's own on the simulation's grid.
-void run_machines(const Rig& rig, const Reference& reference, MotionPrediction& out) {
-  const double length_s = std::min(rig.duration_s, longest_s), period_s = rig.period_s;
-  const int count =
-      std::clamp(static_cast<int>(simulated_periods * period_s / length_s), least_machines, most_machines);
+void run_machines(const Rig& rig, const TrialMotion& motion, MotionPrediction& out) {
+  const auto count = static_cast<std::size_t>(
+      std::clamp(static_cast<int>(simulated_periods / static_cast<double>(motion.last_tick - motion.reference_tick)),
+                 least_machines, most_machines));
   MotionTwin& prediction = out.twin;
-  const int fine = MotionTwin::simulated_cells(rig);
-  std::vector<Machine> machines(static_cast<std::size_t>(count), Machine{prediction, Random()});
+  std::vector<Machine> machines(count, Machine{prediction, Random()});
   Random draw(1);
-  const double end_m = reference.at(0.0).d[0], way_m = approach_share_of_stroke * rig.axis.cylinder.stroke_m;
-  const double start_m = end_m > 0.0 ? end_m - way_m : end_m + way_m;
-  for (std::size_t i = 0; i < machines.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     Machine& machine = machines[i];
-    if (i == 0) machine.axis.set_machine(rig, rig.axis, fine);
+    if (i == 0) machine.axis.set_machine(rig, rig.axis, MotionTwin::simulated_cells(rig));
     else machine.axis.set_machine(rig, drawn_machine(rig, draw), prediction.cells());
     machine.noise = Random(2, i);
-    start_at(machine.axis, rig, start_m);
+    start_at(machine.axis, rig, motion.start_m);
   }
-  start_at(prediction, rig, start_m);
-  Approach approach;
-  approach.plan(0.0, start_m, end_m, true, period_s);
-  const double p_1 = rig.initial.pressure_1_Pa, lead_s = prediction.law().lead_s();
-  const double reference_s = approach.end_s() + prediction.law().rest_s(true, {p_1, p_1});
-  const auto point_at = [&](double t_s) {
-    return t_s >= reference_s ? reference.at(t_s - reference_s) : approach.at(t_s);
-  };
+  start_at(prediction, rig, motion.start_m);
   bool starts = true;
-  for (std::int64_t tick = 0; static_cast<double>(tick) * period_s < reference_s + length_s; ++tick) {
-    const double t_s = static_cast<double>(tick) * period_s;
-    ControlInput in;
-    in.now = in.ahead = point_at(t_s);
-    if (lead_s > 0.0) in.ahead = point_at(t_s + lead_s);
-    in.tick = std::llround((t_s - reference_s) / period_s);
+  for (std::int64_t tick = 0; tick < motion.last_tick; ++tick) {
+    const ControlInput in = motion.at(tick);
     const double most_V = starts ? out.limits.start_command_V : MotionLimits::unlimited;
     for (Machine& machine : machines) {
       note(machine, prediction, starts);
@@ -167,10 +215,9 @@ void run_machines(const Rig& rig, const Reference& reference, MotionPrediction& 
     }
     prediction.step(in, rig.axis.supply.pressure_Pa, most_V);
     out.following_error_m = std::max(out.following_error_m, std::fabs(in.now.d[0] - prediction.position_m()));
-    starts = starts && std::fabs(prediction.position_m() - start_m) <=
-                           MotionSupervision::start_way_over_deviation * largest_start_deviation_m;
+    starts = starts && may_be_unproven(prediction, motion.start_m);
   }
-  out.machines = count;
+  out.machines = static_cast<int>(count);
   for (const Machine& machine : machines) {
     out.spread_m = std::max(out.spread_m, machine.spread_m);
     out.speed_spread_mps = std::max(out.speed_spread_mps, machine.speed_spread_mps);
@@ -194,9 +241,12 @@ MotionPrediction predict_motion(const Rig& rig, const Reference& reference) {
   limits.half_stroke_m = 0.5 * stroke_m;
   limits.end_stop_is_fault = given.end_stop_contact == EndStopContact::fault;
   limits.standing_m = std::max(least_standing_m, encoder_m);
-  limits.start_command_V = start_command_V(rig);
-  out.twin.configure(rig, reference, dry_friction_max_N(rig));
-  run_machines(rig, reference, out);
+  out.twin.configure(rig, reference, resting_force_N(rig));
+  const TrialMotion motion(rig, reference, out.twin);
+  const double needed_V = std::max(largest_start_command_V(rig, motion, out.twin, 0, motion.start_m),
+                                   largest_start_command_V(rig, motion, out.twin, motion.reference_tick, motion.end_m));
+  limits.start_command_V = std::max(start_command_V(rig), usual_margin * needed_V);
+  run_machines(rig, motion, out);
   const double wanted_m = usual_margin * out.spread_m + encoder_m, cap_m = cap_share_of_stroke * stroke_m;
   out.scattered = wanted_m > cap_m;
   limits.deviation_m = given.deviation_m ? stated(*given.deviation_m) : std::clamp(wanted_m, least_deviation_m, cap_m);

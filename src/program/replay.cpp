@@ -32,8 +32,7 @@ struct ReplayOptions {
 /// A recording of another period cannot be replayed; one of another config can, and is told. What options of `run` set
 /// beside the config, the duration and the pressure source, is taken from the recording.
 void adopt_header(const Recording& recording, Rig& rig) {
-  const double period_s =
-      recording.header["period_s"] ? recording.header["period_s"].as<double>() : recording.period_s;
+  const double period_s = recording.header["period_s"] ? recording.header["period_s"].as<double>() : recording.period_s;
   if (std::isfinite(period_s) && period_s != rig.period_s)
     throw InputError(
         fmt::format("{}: period_s is {}; expected that of the config, {}", recording.path, period_s, rig.period_s));

@@ -28,9 +28,9 @@ class MotionTwin {
   static constexpr int most_cells = 4;
 
   /// Allocates; throws what the law's configuration throws. The plant is the rig's own.
-  /// `dry_friction_N`: what friction may hold at rest.
-  void configure(const Rig& rig, const Reference& reference, double dry_friction_N) {
-    dry_friction_N_ = dry_friction_N;
+  /// `resting_force_N`: force of the air that friction may hold, or noise may show, at rest.
+  void configure(const Rig& rig, const Reference& reference, double resting_force_N) {
+    resting_force_N_ = resting_force_N;
     const auto& cylinder = rig.axis.cylinder;
     area_1_m2_ = cylinder.area_1_m2;
     area_2_m2_ = cylinder.area_2_m2;
@@ -62,7 +62,7 @@ class MotionTwin {
   void start(double position_m, const std::array<double, 2>& pressure_Pa,
              const std::array<double, 2>& command_V) noexcept {
     const double force_N = area_1_m2_ * pressure_Pa[0] - area_2_m2_ * pressure_Pa[1] - atmosphere_force_N_;
-    const double held_N = std::fabs(force_N) <= dry_friction_N_ ? force_N : 0.0;
+    const double held_N = std::fabs(force_N) <= resting_force_N_ ? force_N : 0.0;
     plant_.reset({true_value(0, position_m), true_value(1, pressure_Pa[0]),
                   true_value(2, pressure_Pa[1] + held_N / area_2_m2_)});
     const auto chamber = plant_.chamber_pressure();
@@ -145,7 +145,7 @@ class MotionTwin {
 
   AxisPlant<double> plant_;
   AxisController law_;
-  double dry_friction_N_ = 0.0, area_1_m2_ = 1.0, area_2_m2_ = 1.0, atmosphere_force_N_ = 0.0;
+  double resting_force_N_ = 0.0, area_1_m2_ = 1.0, area_2_m2_ = 1.0, atmosphere_force_N_ = 0.0;
   int cells_ = 1;
   bool chambers_ = true, aged_ = false, droops_ = false;
   std::array<double, 2> command_V_{};

@@ -61,6 +61,8 @@ class MotionSupervision {
   }
   std::uint64_t check(const MotionSample& now) noexcept {
     if (begins_) first(now);
+    const double left_m = limits_.half_stroke_m - std::fabs(now.position_m);
+    held_at_stop_ = left_m < end_stop_apart_m && now.force_N * now.position_m > 0.0;
     std::uint64_t faults = 0;
     deviation_m_ = now.position_m - now.predicted_m;
     const double off = std::fabs(deviation_m_), speed = std::fabs(now.speed_mps);
@@ -74,8 +76,10 @@ class MotionSupervision {
     if (speed > limits_.speed_mps) faults |= fault_speed;
     return faults | end_stop(now) | stall(now);
   }
-  /// Largest command that the law may give now.
-  double most_command_V() const noexcept { return proven_ ? MotionLimits::unlimited : limits_.start_command_V; }
+  /// Largest command that the law may give now. A slider that the air holds at an end stop is freed at full flow.
+  double most_command_V() const noexcept {
+    return proven_ || held_at_stop_ ? MotionLimits::unlimited : limits_.start_command_V;
+  }
   bool proven() const noexcept { return proven_; }
   /// Measured less predicted position of the last tick.
   double deviation_m() const noexcept { return deviation_m_; }
@@ -120,7 +124,7 @@ class MotionSupervision {
 
   MotionLimits limits_;
   double period_s_ = 1e-3;
-  bool proven_ = true, begins_ = true, was_off_stop_ = false, was_faster_ = false;
+  bool proven_ = true, begins_ = true, was_off_stop_ = false, was_faster_ = false, held_at_stop_ = false;
   double start_m_ = 0.0, stood_at_m_ = 0.0, stands_s_ = 0.0, differs_s_ = 0.0, deviation_m_ = 0.0;
 };
 

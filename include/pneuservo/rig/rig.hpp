@@ -105,7 +105,7 @@ struct LimitParameters {
             "largest payload that the derived limits allow for; default: slider.payload_kg", optional},
       p.payload_max_kg...);
     v(Field{"dry_friction_max_N", "N", 0, 1e6,
-            "largest dry friction that the derived limits allow for; default: 10 kPa on the larger piston area, "
+            "largest dry friction that the derived limits allow for; default: 8 kPa on the larger piston area, "
             "servo_table: 0",
             optional},
       p.dry_friction_max_N...);

@@ -266,9 +266,9 @@ void Supervisor::cross_check(const JudgedInputs& inputs, const EstimatorOutput& 
 
 void Supervisor::check_motion(const MotionCheck& motion) noexcept {
   std::uint64_t faults = motion_.check(motion.motion);
-  if (position_guard_.equal_ticks() == 0) standstill_reference_m_ = motion.motion.reference_m;
+  if (position_guard_.equal_ticks() == 0) standstill_predicted_m_ = motion.motion.predicted_m;
   const bool long_enough = position_guard_.equal_ticks() * period_s_ >= standstill_s;
-  const double way = std::fabs(motion.motion.reference_m - standstill_reference_m_);
+  const double way = std::fabs(motion.motion.predicted_m - standstill_predicted_m_);
   if (long_enough && way > 2.0 * half_stroke_m_ * standstill_share) faults |= fault_position_frozen;
   if (!motion.command_good) faults |= fault_command_not_finite;
   if (!motion.estimate_usable) faults |= fault_estimate_invalid;

@@ -83,7 +83,7 @@ inline constexpr std::array<FaultText, 48> fault_texts{{
      "the position is beyond the end stop by more than limits.position_margin_m: check the encoder's zero and "
      "scale"},
     {fault_position_frozen, "position_frozen",
-     "the position stopped from one tick to the next, or did not change at all while the reference went on: check "
+     "the position stopped from one tick to the next, or did not change at all while the prediction went on: check "
      "the encoder, and whether the slider is blocked or without air"},
     {fault_speed, "speed",
      "the measured speed is above limits.speed_mps: lower gains or reference, or raise the limit"},

@@ -34,7 +34,7 @@ struct MotionCheck {
 /// note_commands. All of it but configure is HOT.
 class Supervisor {
  public:
-  /// An encoder that did not change for so long while the reference went this share of the stroke is frozen.
+  /// An encoder that did not change for so long while the prediction went this share of the stroke is frozen.
   static constexpr double standstill_s = 0.5;
   static constexpr double standstill_share = 0.2;
 
@@ -105,7 +105,7 @@ class Supervisor {
   double port_step_Pa_per_V_ = 0.0;  // of the narrower line: what a change of command does to a port at once
   double fill_step_Pa_m3_ = 0.0;  // largest flow into a chamber over a period: its volume times the step
   double activity_V_ = 0.0, activity_decay_ = 0.0;
-  double standstill_reference_m_ = 0.0;
+  double standstill_predicted_m_ = 0.0;
 };
 
 }  // namespace pneuservo

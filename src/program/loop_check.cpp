@@ -297,6 +297,10 @@ void heed_loop(const std::string& config, const Rig& rig, bool on_devices, const
       std::cerr << fmt::format("warning: {}: {}; '{}' judges it\n", config, words, "pneuservo check " + config);
     return;
   }
+  for (const Finding& finding : grade_safety(rig, load_reference_positions))
+    if (finding.level == Level::unsafe && finding.topic.starts_with("limits."))
+      throw InputError(fmt::format("{}: {}: {}; expected a limit that can act: {}", config, finding.topic, finding.what,
+                                   finding.remedy));
   if (allowed.unstable_loop) return;
   for (const Finding& finding : grade_loop(rig))
     if (finding.level == Level::unsafe)

@@ -64,6 +64,8 @@ TEST_CASE("an axis on devices does not start with an unsafe loop, unless that is
   CHECK_NOTHROW(heed_loop("rig.yaml", unstable, true, {.unstable_loop = true}));
   CHECK_NOTHROW(heed_loop("rig.yaml", cylinder(), true, {}));
   CHECK_NOTHROW(heed_loop("rig.yaml", unstable, false, {}));
+  CHECK_THROWS_WITH(heed_loop("rig.yaml", cylinder({"limits.deviation_m=0"}), true, {.unstable_loop = true}),
+                    Catch::Contains("limits.deviation_m"));
 }
 
 TEST_CASE("a reference that the loop cannot follow is bad") {

@@ -69,8 +69,10 @@ class SafetyGrades {
     const double speed_mps = stated_mps < ballistic_mps ? stated_mps : usual_mps;
     travel("lateness_s", limits.lateness_s, limits.lateness_s, speed_mps, "a late loop");
     travel("age_periods", limits.age_periods, limits.age_periods * rig_.period_s, speed_mps, "an old position");
-    off_if(limits.checks_rest_s == 0.0 || limits.checks_rest_s >= rig_.duration_s, "checks_rest_s",
-           limits.checks_rest_s, "s", "cross-checks may rest for the whole run", "state 1 s or so");
+    // In a run shorter than the usual rest nothing can rest for long.
+    const double longest_s = std::max(rig_.duration_s, LimitParameters{}.checks_rest_s);
+    off_if(limits.checks_rest_s == 0.0 || limits.checks_rest_s > longest_s, "checks_rest_s", limits.checks_rest_s, "s",
+           "cross-checks may rest for the whole run", "state 1 s or so");
     off_if(limits.bad_share >= whole, "bad_share", limits.bad_share, "", "a channel may be bad for ever",
            "state 0.1 or so");
     off_if(limits.missed_share >= whole, "missed_share", limits.missed_share, "",

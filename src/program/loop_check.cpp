@@ -292,20 +292,18 @@ void require_reference_in_stroke(const std::string& config, const Rig& rig) {
 }
 
 void heed_loop(const std::string& config, const Rig& rig, bool on_devices, const AllowedRisks& allowed) {
-  if (!on_devices) {
-    if (const std::string words = unstable_loop_words(rig); !words.empty())
-      std::cerr << fmt::format("warning: {}: {}; '{}' judges it\n", config, words, "pneuservo check " + config);
-    return;
-  }
-  for (const Finding& finding : grade_safety(rig, load_reference_positions))
-    if (finding.level == Level::unsafe && finding.topic.starts_with("limits."))
-      throw InputError(fmt::format("{}: {}: {}; expected a limit that can act: {}", config, finding.topic, finding.what,
-                                   finding.remedy));
-  if (allowed.unstable_loop) return;
-  for (const Finding& finding : grade_loop(rig))
-    if (finding.level == Level::unsafe)
-      throw InputError(fmt::format("{}: {}: {}; expected a loop that is safe in simulation: {}, or --allow-unstable",
-                                   config, finding.topic, finding.what, finding.remedy));
+  if (on_devices)
+    for (const Finding& finding : grade_safety(rig, load_reference_positions))
+      if (finding.level == Level::unsafe && finding.topic.starts_with("limits."))
+        throw InputError(fmt::format("{}: {}: {}; expected a limit that can act: {}", config, finding.topic,
+                                     finding.what, finding.remedy));
+  const std::string words = unstable_loop_words(rig);
+  if (words.empty()) return;
+  if (on_devices && !allowed.unstable_loop)
+    throw InputError(fmt::format("{}: controller: {}; expected a stable one ('pneuservo check {}' judges it), or "
+                                 "--allow-unstable",
+                                 config, words, config));
+  std::cerr << fmt::format("warning: {}: {}; 'pneuservo check {}' judges it\n", config, words, config);
 }
 
 }  // namespace pneuservo

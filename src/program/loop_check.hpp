@@ -27,9 +27,8 @@ struct AllowedRisks {
   bool unstable_loop = false;
 };
 
-/// Before a run. On devices: throws InputError with the first limit that can never act (grade_safety), and with the
-/// first unsafe finding of grade_loop. Else: unstable_loop_words
-/// on standard error.
+/// Before a run, in milliseconds. On devices: throws InputError with the first limit that can never act (grade_safety),
+/// and where the loop is unstable (unstable_loop_words). Else: unstable_loop_words on standard error.
 void heed_loop(const std::string& config, const Rig& rig, bool on_devices, const AllowedRisks& allowed);
 
 }  // namespace pneuservo

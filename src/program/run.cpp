@@ -365,7 +365,7 @@ void add_run(CLI::App& app, int& status) {
                    "backend: sim, or configured (each channel from its source in the config's section hal); "
                    "default: configured where the config has that section");
   verb->add_flag("--allow-unstable", o->allowed.unstable_loop,
-                 "run on devices although the loop is unstable or unsafe in simulation ('pneuservo check')");
+                 "run on devices although the linear model finds the loop unstable ('pneuservo check')");
   verb->add_option("--zeros", o->zeros, "zeros of the channels, a file that the verbs home and zero wrote");
   verb->add_option("--scenario", o->scenarios, "faults to inject into the backend sim, a file (docs/faults.md)");
   verb->add_option("--fault", o->faults, "a fault to inject; may stand several times")

@@ -56,7 +56,7 @@ class Lines(unittest.TestCase):
 
     def control(self, duration_s, *more):
         # The board's voltage stands still: a sensor without noise.
-        return controller(self.interface, duration_s, "--bench", "--set", "sensors.supply_pressure.noise_Pa=0", *more,
+        return controller(self.interface, duration_s, "--set", "hal.bench=true", "--set", "sensors.supply_pressure.noise_Pa=0", *more,
                           config=MIXED)
 
     def wait_until_enabled(self):

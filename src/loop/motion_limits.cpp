@@ -246,13 +246,15 @@ MotionPrediction predict_motion(const Rig& rig, const Reference& reference) {
   const double needed_V = std::max(largest_start_command_V(rig, motion, out.twin, 0, motion.start_m),
                                    largest_start_command_V(rig, motion, out.twin, motion.reference_tick, motion.end_m));
   limits.start_command_V = std::max(start_command_V(rig), usual_margin * needed_V);
-  run_machines(rig, motion, out);
+  const bool is_stated = given.speed_mps && given.deviation_m && given.speed_deviation_mps && given.stall_force_N;
+  if (!is_stated) run_machines(rig, motion, out);
   const double wanted_m = usual_margin * out.spread_m + encoder_m, cap_m = cap_share_of_stroke * stroke_m;
   out.scattered = wanted_m > cap_m;
   limits.deviation_m = given.deviation_m ? stated(*given.deviation_m) : std::clamp(wanted_m, least_deviation_m, cap_m);
   const double wanted_mps = std::max(usual_margin * out.speed_spread_mps, least_speed_deviation_mps) + encoder_mps;
   limits.speed_deviation_mps = given.speed_deviation_mps ? stated(*given.speed_deviation_mps) : wanted_mps;
-  const double start_m = std::max(usual_margin * out.start_spread_m + encoder_m, least_deviation_m);
+  const double start_m = is_stated ? largest_start_deviation_m
+                                   : std::max(usual_margin * out.start_spread_m + encoder_m, least_deviation_m);
   limits.start_deviation_m = std::isfinite(limits.deviation_m)
                                  ? std::min({limits.deviation_m, largest_start_deviation_m, start_m})
                                  : MotionLimits::unlimited;

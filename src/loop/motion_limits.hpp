@@ -24,7 +24,8 @@ struct MotionPrediction {
 
 /// Draws machines within `tolerances` (normal, cut at three standard deviations), payload (0 to limits.payload_max_kg)
 /// and dry friction (0 to limits.dry_friction_max_N), runs each in closed loop along the reference, and takes
-/// usual_margin times the largest of each quantity. Deterministic. Cold: some 0.2 s for 5 s of motion at 1 kHz.
+/// usual_margin times the largest of each quantity. Where the config states all four limits no machine is drawn.
+/// Deterministic. Cold: some 0.2 s for 5 s of motion at 1 kHz.
 MotionPrediction predict_motion(const Rig& rig, const Reference& reference);
 
 }  // namespace pneuservo

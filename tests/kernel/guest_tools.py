@@ -19,6 +19,10 @@ def settings(values):
     return [word for key, value in values.items() for word in ("--set", f"{key}={value}")]
 
 
+# No machine is drawn where all limits of the motion are stated: under emulation that would take many seconds.
+STATED = settings({"limits.deviation_m": 0.02, "limits.speed_deviation_mps": 0.4, "limits.stall_force_N": 150, "limits.speed_mps": 1})
+
+
 class Program:
     """The program as a process whose standard error goes to a file, so that it never blocks."""
 
@@ -66,7 +70,7 @@ def device(interface, *more, config=CONFIG):
 
 def controller(interface, duration_s, *more, config=CONFIG):
     return Program("run", config, "--set", f"hal.can.interface={interface}", "--time", "real", "--duration-s", str(duration_s),
-                   "--json", "-", *more)
+                   "--json", "-", *STATED, *more)
 
 
 def finished(run, status=0):

@@ -26,7 +26,8 @@ class Faults(unittest.TestCase):
         interface = make_vcan("vcan0")
         plant = device(interface, "--priority", "60")
         run = controller(interface, 6, *more)
-        time.sleep(1.5)
+        # Half a second of SYNC: the axis is active, however long the start took.
+        subprocess.run(["candump", "-n", "500", interface + ",080:7FF"], stdout=subprocess.DEVNULL, timeout=60, check=True)
         return interface, plant, run
 
     def expect_safe(self, record, bit):

@@ -191,7 +191,8 @@ class PythonDevices:
         pressures = [470e3, 540.2e3, 700e3]
         for node in operational:
             pdo = node.tpdo[2] if node is self.io else node.tpdo[1]
-            values = [round((p + self.noise.gauss(0, 300)) / PA) for p in pressures] if node is self.io else [round(self.x_m / METER)]
+            # Behind the pressures the module shows its output, where it is mapped.
+            values = [round((p + self.noise.gauss(0, 300)) / PA) for p in pressures] + [round(self.u_V / VOLT)] if node is self.io else [round(self.x_m / METER)]
             for v, value in zip(pdo.map, values):
                 v.raw = value
             pdo.transmit()

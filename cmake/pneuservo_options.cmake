@@ -22,6 +22,8 @@ set(PNEUSERVO_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or th
 if(PNEUSERVO_SANITIZE)
   add_compile_options(-fsanitize=${PNEUSERVO_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${PNEUSERVO_SANITIZE})
+  # The standard library's own checks: an empty optional, an index beyond the end.
+  add_compile_definitions(_GLIBCXX_ASSERTIONS)
 endif()
 
 find_program(CCACHE_PROGRAM ccache)

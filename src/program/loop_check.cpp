@@ -292,7 +292,7 @@ void require_reference_in_stroke(const std::string& config, const Rig& rig) {
 }
 
 void heed_loop(const std::string& config, const Rig& rig, bool on_devices, const AllowedRisks& allowed) {
-  if (on_devices && !rig.hal->bench)
+  if (on_devices && !(rig.hal && rig.hal->bench))
     for (const Finding& finding : grade_safety(rig, load_reference_positions))
       if (finding.level == Level::unsafe && finding.topic.starts_with("limits."))
         throw InputError(fmt::format("{}: {}: {}; expected a limit that can act: {}", config, finding.topic,

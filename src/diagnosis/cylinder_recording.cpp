@@ -6,6 +6,7 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "config/input_error.hpp"
 #include "diagnosis/even_samples.hpp"
@@ -86,17 +87,24 @@ void take_start_pressures(CylinderRecording& out, const std::string& path) {
 
 }  // namespace
 
-CylinderRecording prepare_recording(const Recording& recording, double loop_period_s, double longest_s) {
-  recording.require({"x_m", "u_V"});
+std::vector<std::string> command_columns(const Rig& rig) {
+  if (rig.kind == RigKind::servo_table) return {"u1_V", "u2_V"};
+  return {"u_V"};
+}
+
+CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, double longest_s) {
+  const std::vector<std::string> commands = command_columns(rig);
+  recording.require({"x_m", commands.front(), commands.back()});
   CylinderRecording out;
   out.inputs.period_s = interval_of(recording);
-  out.inputs.steps = std::max(1, static_cast<int>(std::lround(out.period_s() / loop_period_s)));
-  out.inputs.command_is_held = is_held(recording, "u_V", out.inputs.steps);
+  out.inputs.steps = std::max(1, static_cast<int>(std::lround(out.period_s() / rig.period_s)));
+  out.inputs.command_is_held = is_held(recording, commands.front(), out.inputs.steps);
   const EvenSamples even(recording.t_s(), out.period_s(), longest_s);
   out.start_s = recording.t_s().front();
   out.usable.assign(even.count(), 1);
   out.position_m = even.drawn(recording.column("x_m"));
-  out.inputs.command_V = filled(even.straight(recording.column("u_V")), out.period_s(), out.usable);
+  for (std::size_t valve = 0; valve < commands.size(); ++valve)
+    out.inputs.command_V[valve] = filled(even.straight(recording.column(commands[valve])), out.period_s(), out.usable);
   for (std::size_t channel = 0; channel < gas_channels; ++channel) {
     const std::string column = fmt::format("{}_Pa", gas_channel_names[channel]);
     if (!recording.has(column)) continue;
@@ -117,8 +125,10 @@ CylinderRecording prepare_recording(const Recording& recording, double loop_peri
   std::fill_n(out.usable.begin(), first, 0);
   // Smoothing reaches beyond the last sample.
   std::fill_n(out.usable.rbegin(), kernel.reach(), 0);
-  if (!std::isfinite(out.inputs.position_m.front()) || !std::isfinite(out.inputs.command_V.front()))
-    throw InputError(fmt::format("{}: found no value in x_m or u_V, expected numbers", recording.path));
+  if (!std::isfinite(out.inputs.position_m.front()) || !std::isfinite(out.inputs.command_of(0).front()) ||
+      !std::isfinite(out.inputs.command_of(1).front()))
+    throw InputError(
+        fmt::format("{}: found no value in x_m or {}, expected numbers", recording.path, fmt::join(commands, " or ")));
   take_start_pressures(out, recording.path);
   return out;
 }

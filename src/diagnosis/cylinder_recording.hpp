@@ -35,10 +35,13 @@ struct CylinderRecording {
 inline constexpr std::array<std::string_view, gas_channels> gas_channel_names{"p1_port", "p2_port", "p1_chamber",
                                                                               "p2_chamber", "p_supply"};
 
+/// Columns of what the valves are given: one of a valve for both sides, one a side of a pair.
+std::vector<std::string> command_columns(const Rig& rig);
+
 /// Samples are the recording's own interval apart; the plant is stepped by the loop's periods in it. At most the first
 /// longest_s are taken. Throws InputError where position, command or any pressure of a side is
 /// missing, or where less than a second is left to compare.
-CylinderRecording prepare_recording(const Recording& recording, double loop_period_s, double longest_s);
+CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, double longest_s);
 
 /// Standard deviation of one sample from first differences in the quietest stretches.
 double quiet_noise(const std::vector<double>& signal);

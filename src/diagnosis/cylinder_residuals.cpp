@@ -112,7 +112,7 @@ CylinderResiduals::CylinderResiduals(const Rig& owner, const std::vector<Recordi
                                      const CylinderResidualsSettings& settings)
     : owner_(owner) {
   for (const Recording& recording : recordings) {
-    recordings_.push_back(prepare_recording(recording, owner.period_s, settings.longest_s));
+    recordings_.push_back(prepare_recording(recording, owner, settings.longest_s));
     const double interval_s = recordings_.back().period_s();
     slow_kernels_.emplace_back(std::max(slow_sigma_s, 2.5 * interval_s), interval_s);
     recordings_.back().held_out = {any_held_out(recordings), recording.is_held_out};
@@ -184,6 +184,7 @@ void CylinderResiduals::declare_rows() {
     const auto bin = static_cast<std::size_t>(std::max(1.0, std::round(residual_bin_s / recording.period_s())));
     for (std::size_t c = 0; c < channels_.size(); ++c) {
       const bool force = gas_channel_[c] < 0;
+      const std::vector<double>& command = recording.inputs.command_of(gas_channel_[c] % 2 == 1 ? 1 : 0);
       if (!force && recording.measured_Pa[static_cast<std::size_t>(gas_channel_[c])].empty()) continue;
       Stretch stretch{r, c, rows_.size(), {}, recording.usable, {}, {}};
       const std::vector<char> stops = balances_[r].near_end_stop(owner_.axis.cylinder.stroke_m);
@@ -209,7 +210,7 @@ void CylinderResiduals::declare_rows() {
         for (std::size_t k = first; k < first + bin; ++k) {
           row.position_m += recording.inputs.position_m[k] / n;
           row.velocity_mps += recording.inputs.velocity_mps[k] / n;
-          row.command_V += recording.inputs.command_V[k] / n;
+          row.command_V += command[k] / n;
         }
         const double noise = force ? force_noise(r, bin) : channels_[c].noise / std::sqrt(values);
         const double since_s = recording.period_s() * static_cast<double>(first) - first_compared_s;
@@ -252,7 +253,8 @@ void CylinderResiduals::declare_answer(Stretch& stretch, const PossibleRinging& 
   for (std::size_t k = 0; k < used.size(); ++k)
     used[k] = used[k] && !recording.held_out(recording.time_s(k)) &&
               static_cast<double>(k) * recording.period_s() >= answer_from_s;
-  stretch.answer = CommandAnswer(recording.inputs.command_V, used);
+  const auto side = static_cast<std::size_t>(gas_channel_[stretch.channel]) % 2;
+  stretch.answer = CommandAnswer(recording.inputs.command_of(side), used);
   if (stretch.answer.rows() == 0) return;
   const Hypothesis owner{owner_, {}};
   const auto gas = gas_->of(std::span(&owner, 1));

@@ -343,7 +343,7 @@ void run_search(Search& search, Diagnosis& out) {
 Recording with_compared_columns(Recording recording, const std::vector<ResidualChannel>& channels) {
   for (std::size_t c = recording.names.size(); c-- > 0;) {
     const std::string& name = recording.names[c];
-    const bool is_input = name == "t_s" || name == "x_m" || name == "u_V" || name == "F_N";
+    const bool is_input = name == "t_s" || name == "x_m" || name == "F_N" || name.starts_with("u");
     const bool is_compared = std::any_of(channels.begin(), channels.end(),
                                          [&](const ResidualChannel& r) { return name == r.name + "_" + r.unit; });
     if (is_input || is_compared) continue;

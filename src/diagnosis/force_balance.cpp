@@ -13,6 +13,7 @@ namespace {
 
 constexpr double noisy_position_m = 20e-6;
 constexpr double end_stop_margin_m = 0.5e-3;
+constexpr double rounding_mps = 1e-9;  ///< of a position that stands
 
 double kernel_sigma(double noise_m, double period_s) {
   return std::max(noise_m > noisy_position_m ? 0.008 : 0.005, 2.5 * period_s);
@@ -106,7 +107,10 @@ ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, 
   double top = 0;
   for (std::size_t i = 0; i < usable_.size(); ++i)
     if (usable_[i]) top = std::max(top, std::abs(derivative_[1][i]));
-  rest_speed_mps_ = std::max({1e-3, 0.005 * top, 4 * noise_m * fast_kernel_.noise_gain(1, 1)});
+  // Four standard deviations of white noise, and the whole of one step of an encoder whose noise is all steps.
+  const double noise_speed =
+      noise_m * std::max(4 * fast_kernel_.noise_gain(1, 1), std::sqrt(12.0) * fast_kernel_.largest_weight() / period_s);
+  rest_speed_mps_ = std::max({0.005 * top, noise_speed, rounding_mps});
 }
 
 double ForceBalance::force_noise(double mass_kg, std::size_t count) const {

@@ -14,8 +14,9 @@ namespace pneuservo {
 
 namespace {
 
-// Cells times sub-steps a step and line: what a hypothesis costs, and what shows the error of that.
-constexpr double work_effort = 100.0, fine_effort = 2000.0;
+// Cells times sub-steps a second and line: what a hypothesis costs, and what shows the error of that. Sub-steps grow
+// with the step, so that cells do not depend on the loop's period.
+constexpr double work_effort_per_s = 100e3, fine_effort_per_s = 2000e3;
 constexpr std::size_t most_known = 64;  // courses kept of each recording, 0.3 MB each for 8 s
 
 bool finite(const GasCourse& course) { return std::isfinite(course[0].back()); }
@@ -27,7 +28,7 @@ std::vector<GasCourse> run_or_drop(const ImposedInputs& inputs, std::span<const 
     return run_imposed(inputs, runs, grid);
   } catch (const std::bad_alloc&) { throw; } catch (const std::exception&) {
     GasCourse nothing;
-    for (auto& values : nothing) values.assign(inputs.command_V.size(), std::numeric_limits<double>::quiet_NaN());
+    for (auto& values : nothing) values.assign(inputs.samples(), std::numeric_limits<double>::quiet_NaN());
     if (runs.size() == 1) return {nothing};
     std::vector<GasCourse> out;
     for (const ImposedRun& run : runs) out.push_back(run_or_drop(inputs, std::span(&run, 1), grid)[0]);
@@ -62,8 +63,9 @@ GasRuns::GasRuns(const Rig& owner, const std::vector<CylinderRecording>& recordi
       grid_error_(recordings.size()) {
   const RecordedRigs rigs(owner, recordings);
   for (std::size_t r = 0; r < recordings.size(); ++r) {
-    work_grid_.push_back(grid_for(rigs[r], work_effort, recordings[r].inputs.step_s()));
-    fine_grid_.push_back(grid_for(rigs[r], fine_effort, recordings[r].inputs.step_s()));
+    const double step_s = recordings[r].inputs.step_s();
+    work_grid_.push_back(grid_for(rigs[r], work_effort_per_s * step_s, step_s));
+    fine_grid_.push_back(grid_for(rigs[r], fine_effort_per_s * step_s, step_s));
   }
   set_working_point({owner, {}});
 }

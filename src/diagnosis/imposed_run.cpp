@@ -28,20 +28,20 @@ template <class S> class ImposedSimulation {
       : inputs_(inputs), runs_(runs), courses_(runs.size()) {
     auto axis = cast<AxisParameters<S>>(runs[0].rig->axis);
     for (std::size_t i = 1; i < runs.size(); ++i) set_parameters_lane(axis, static_cast<int>(i), runs[i].rig->axis);
-    plant_.configure(axis, inputs.step_s(), grid);
+    plant_.configure(axis, inputs.step_s(), grid, valve_arrangement(*runs[0].rig));
     for (GasCourse& course : courses_)
-      for (auto& values : course) values.resize(inputs.command_V.size());
+      for (auto& values : course) values.resize(inputs.samples());
   }
 
   std::vector<GasCourse> run() {
-    const std::size_t samples = inputs_.command_V.size();
+    const std::size_t samples = inputs_.samples();
     const P start = port_pressures(0);
     plant_.reset({position(0), low(start), high(start)});
     store(0);
     for (std::size_t k = 0; k + 1 < samples; ++k) {
       for (int step = 0; step < inputs_.steps; ++step) {
-        const S command(inputs_.command_at(k, step));
-        plant_.step_led(command, -command, step + 1 < inputs_.steps ? position_within(k, step) : position(k + 1));
+        const S to(step + 1 < inputs_.steps ? position_within(k, step) : position(k + 1));
+        plant_.step_led(S(inputs_.command_at(0, k, step)), S(inputs_.command_at(1, k, step)), to);
       }
       if (k + 1 < inputs_.release) follow_ports(k + 1);
       if (k + 1 == inputs_.release) plant_.scale_gas(P(1), start_factors());
@@ -126,9 +126,10 @@ double needed_substeps(const Rig& rig, int cells, double step_s) {
 
 }  // namespace
 
-double ImposedInputs::command_at(std::size_t k, int step) const {
-  if (command_is_held || k + 1 >= command_V.size()) return command_V[k];
-  return command_V[k] + (command_V[k + 1] - command_V[k]) * step / steps;
+double ImposedInputs::command_at(std::size_t side, std::size_t k, int step) const {
+  const std::vector<double>& command = command_of(side);
+  if (command_is_held || k + 1 >= command.size()) return command[k];
+  return command[k] + (command[k + 1] - command[k]) * step / steps;
 }
 
 double ImposedInputs::position_at(std::size_t k, int step) const {

@@ -15,8 +15,9 @@ namespace pneuservo {
 struct ImposedInputs {
   double period_s = 1e-3;
   int steps = 1;  ///< periods of the loop in one of the recording: a logger may keep every n-th row
-  /// From its sample to the next; of several steps, changing evenly from one to the next unless it is held.
-  std::vector<double> command_V;
+  /// From its sample to the next; of several steps, changing evenly from one to the next unless it is held. Of the
+  /// valve of both sides, or of each side's own.
+  std::array<std::vector<double>, 2> command_V;
   bool command_is_held = true;
   std::vector<double> position_m, velocity_mps;       ///< as measured, smoothed
   std::array<std::vector<double>, 2> start_Pa;        ///< pressure at or near each port, as measured, smoothed
@@ -25,7 +26,11 @@ struct ImposedInputs {
   std::size_t release = 0;                            ///< samples in which the gas follows these pressures
 
   double step_s() const { return period_s / steps; }
-  double command_at(std::size_t k, int step) const;   ///< of sample k, step 0 to steps - 1
+  std::size_t samples() const { return command_V[0].size(); }
+  bool has_two_valves() const { return !command_V[1].empty(); }
+  /// What moves the spool that feeds this side.
+  const std::vector<double>& command_of(std::size_t side) const { return command_V[has_two_valves() ? side : 0]; }
+  double command_at(std::size_t side, std::size_t k, int step) const;  ///< of sample k, step 0 to steps - 1
   double position_at(std::size_t k, int step) const;  ///< at the step's end; step = steps - 1 is sample k + 1
 };
 

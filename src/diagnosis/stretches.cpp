@@ -25,7 +25,9 @@ constexpr std::size_t told_gaps = 3;
 /// Columns that nothing can be compared without.
 std::vector<std::string> input_columns(const Rig& rig, const Recording& recording) {
   if (rig.kind == RigKind::driven_axis) return {"x_m", recording.has("F_N") ? "F_N" : "u_V"};
-  return {"x_m", "u_V"};
+  std::vector<std::string> columns = command_columns(rig);
+  columns.emplace_back("x_m");
+  return columns;
 }
 
 /// Where one of the columns has no value for longer than can be drawn through.
@@ -175,15 +177,14 @@ Recording most_moving_part(const Recording& recording, double seconds) {
 
 std::vector<Recording> compared_stretches(const Rig& rig, std::vector<Recording> recordings,
                                           std::vector<std::string>& notes) {
-  if (rig.kind != RigKind::cylinder && rig.kind != RigKind::driven_axis) return recordings;
+  if (!rig.has_controller()) return recordings;
   std::vector<Recording> out;
   double longest_s = 0, least_s = 0;
   std::string first_path = recordings.front().path;
   for (Recording& recording : recordings) {
     const std::vector<double>& t = recording.t_s();
     const std::vector<Span> gaps = gaps_of(recording, input_columns(rig, recording));
-    least_s = rig.kind == RigKind::cylinder ? least_cylinder_s
-                                            : std::max(least_axis_s, least_axis_intervals * recording.period_s);
+    least_s = rig.is_pneumatic() ? least_cylinder_s : std::max(least_axis_s, least_axis_intervals * recording.period_s);
     if (gaps.empty()) {
       out.push_back(std::move(recording));
       continue;

@@ -161,7 +161,7 @@ std::pair<double, double> force_lead(const Rig& rig, const Recording& whole, dou
 
 double port_misfit(const Rig& rig, const Recording& recording) {
   try {
-    const CylinderRecording prepared = prepare_recording(recording, rig.period_s, judged_s);
+    const CylinderRecording prepared = prepare_recording(recording, rig, judged_s);
     const ImposedRun run{&rig, {}};
     const GasCourse course =
         run_imposed(prepared.inputs, std::span(&run, 1), grid_for(rig, judge_effort, prepared.inputs.step_s()))[0];

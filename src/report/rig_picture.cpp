@@ -101,6 +101,12 @@ std::string valve_shapes() {
          "6M265 236V186M265 186l-5 9M265 186l5 9M295 186V236M295 236l-5 -9M295 236l5 -9\"/>";
 }
 
+/// Two three-port valves, one a side.
+std::string valve_pair_shapes() {
+  return box(190, 166, 120, 36) + text(250, 189, "valve 1", "small") + box(190, 218, 120, 36) +
+         text(250, 241, "valve 2", "small");
+}
+
 void draw_slider(Picture& picture, const Rig& rig, double rod_from) {
   const double mass = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
   picture.add(
@@ -115,6 +121,7 @@ void draw_slider(Picture& picture, const Rig& rig, double rod_from) {
 
 std::string pneumatic_picture(const Rig& rig, const std::vector<std::string>& sensors,
                               const std::vector<PictureMark>& marks) {
+  const bool has_pair = valve_arrangement(rig) == ValveArrangement::three_port_pair;
   Picture picture(marks, sensors);
   picture.add(box(20, 20, 130, 46) + text(85, 48, "controller"));
   picture.element("timing", "timing of the command",
@@ -122,8 +129,9 @@ std::string pneumatic_picture(const Rig& rig, const std::vector<std::string>& se
                   {220, 92});
   picture.add(text(150, 100, "command", "small"));
   picture.element("supply", "supply",
-                  "<path class=\"pipe\" d=\"M82 210H190\"/><circle cx=\"58\" cy=\"210\" r=\"26\"/>"
-                  "<path d=\"M46 196L76 210L46 224Z\"/>" +
+                  fmt::format("<path class=\"pipe\" d=\"{}\"/><circle cx=\"58\" cy=\"210\" r=\"26\"/>"
+                              "<path d=\"M46 196L76 210L46 224Z\"/>",
+                              has_pair ? "M82 210H170M190 184H170V236H190" : "M82 210H190") +
                       text(58, 262, "supply", "") +
                       text(58, 280, fmt::format("{:g} kPa", 1e-3 * rig.axis.supply.pressure_Pa), "small"),
                   {58, 168});
@@ -131,7 +139,8 @@ std::string pneumatic_picture(const Rig& rig, const std::vector<std::string>& se
   picture.element("line_2", line_words(2, rig.axis.line_2), pipe(240, 340, 770, 260), {480, 302});
   picture.add(text(470, 128, line_words(1, rig.axis.line_1), "small") +
               text(470, 368, line_words(2, rig.axis.line_2), "small"));
-  picture.element("valve", "valve", valve_shapes() + text(342, 215, "valve"), {280, 160});
+  if (has_pair) picture.element("valve", "valves", valve_pair_shapes(), {330, 210});
+  else picture.element("valve", "valve", valve_shapes() + text(342, 215, "valve"), {280, 160});
   picture.element("chamber_1", "chamber 1", box(580, 160, 100, 100) + text(630, 215, "chamber 1", "small"), {630, 180});
   picture.element("chamber_2", "chamber 2", box(700, 160, 120, 100) + text(760, 238, "chamber 2", "small"), {760, 180});
   draw_slider(picture, rig, 700);

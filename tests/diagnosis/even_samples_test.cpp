@@ -152,7 +152,7 @@ TEST_CASE("a run at every n-th row simulates what the run at all rows does") {
     for (int i = 0; i < 3000; i += every) {
       const double phase =
           2 * 3.14159265 * frequency * 1e-3 * std::max(0, i - 400);  // at rest while ports are followed
-      inputs.command_V.push_back(0.4 * std::sin(phase));
+      inputs.command_V[0].push_back(0.4 * std::sin(phase));
       inputs.position_m.push_back(-0.05 * std::cos(phase));
       inputs.velocity_mps.push_back(i < 400 ? 0 : 0.05 * 2 * 3.14159265 * frequency * std::sin(phase));
       for (std::size_t side = 0; side < 2; ++side) {

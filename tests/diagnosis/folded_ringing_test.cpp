@@ -20,8 +20,8 @@ ImposedInputs quiet_inputs(double amplitude_V, double period_s) {
   inputs.period_s = period_s;
   const auto samples = static_cast<std::size_t>(1.5 / period_s);
   for (std::size_t k = 0; k < samples; ++k)
-    inputs.command_V.push_back(amplitude_V *
-                               std::sin(2.0 * std::numbers::pi * 2.0 * static_cast<double>(k) * period_s));
+    inputs.command_V[0].push_back(amplitude_V *
+                                  std::sin(2.0 * std::numbers::pi * 2.0 * static_cast<double>(k) * period_s));
   inputs.position_m.assign(samples, 0.0);
   inputs.velocity_mps.assign(samples, 0.0);
   for (std::size_t side = 0; side < 2; ++side) {

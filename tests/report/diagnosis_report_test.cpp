@@ -90,6 +90,9 @@ TEST_CASE("the picture marks the guilty element with its share and draws the sen
   REQUIRE(svg.find("data-element=\"sensor:p2_port\"") == std::string::npos);
   for (const char* element : {"supply", "line_2", "chamber_2", "piston", "motion", "timing"})
     REQUIRE(svg.find(fmt::format("data-element=\"{}\"", element)) != std::string::npos);
+  REQUIRE(svg.find("valve 2") == std::string::npos);
+  rig.kind = RigKind::servo_table;
+  REQUIRE(rig_picture(rig, {}, {{"valve", 0.5}}).find("valve 2") != std::string::npos);
 }
 
 TEST_CASE("words and sizes are those of the workshop") {

@@ -1,0 +1,42 @@
+#!/usr/bin/env python3
+# Servo tables of the simulator's own making, diagnosed: nothing missing, a leak, friction, a sensor; text, JSON and page of one.
+# With PNEUSERVO_LONG=1 every effect of tools/table_machines.py on two configs, clean ones among them.
+# tags: long
+import importlib, json, os, pathlib, subprocess, sys, tempfile
+
+from program import expect, program, run
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, "tools")
+table_machines = importlib.import_module("table_machines")
+folder = pathlib.Path(tempfile.mkdtemp())
+RIGS = ["config/servo-table-1m-8mm.yaml", "config/servo-table-0.5m-4mm.yaml"]
+seed = os.environ.get("PNEUSERVO_TEST_SEED", "1")
+
+
+def trial(first, count):
+    done = subprocess.run(["tools/diagnosis-trial", folder, "--kind", "table", "--first", str(first), "--count", str(count), "--seed", seed,
+                           "--program", program, "--rigs", *RIGS], capture_output=True, text=True, check=False)
+    expect(done.returncode == 0 and f"table: {count} of {count} right" in done.stdout, f"seed {seed}: {done.stdout}{done.stderr}")
+
+
+if os.environ.get("PNEUSERVO_LONG") == "1":
+    trial(0, 2 * len(table_machines.CASES))
+else:
+    trial(0, 1)
+    for name in ("chamber_leak_1", "sensor_offset:p1_port"):
+        trial(2 * table_machines.CASES.index(name) + 1, 1)
+
+# The page of a table: two valves in its picture, the courses of both ports.
+case = 2 * table_machines.CASES.index("chamber_leak_1") + 1
+recordings = sorted(str(path) for path in (folder / f"table-{case:03d}").glob("recording-*.csv.gz"))
+rig = str(folder / f"table-{case:03d}" / "rig.yaml")
+done = run("diagnose", rig, recordings[0], "--quiet", "--report", str(folder / "page.html"), "--json", str(folder / "one.json"),
+           "--improved", str(folder / "improved.yaml"))
+expect(done.returncode == 0, f"page: status {done.returncode}: {done.stderr}")
+page = (folder / "page.html").read_text(encoding="utf-8")
+sentence = json.loads((folder / "one.json").read_text(encoding="utf-8"))["sentence"]
+expect("valve 1" in page and "valve 2" in page, "page: the picture lacks the valves of the pair")
+expect(sentence in done.stdout and sentence in page, f"page: {sentence} is not in text and page")
+done = run("check", str(folder / "improved.yaml"))
+expect("cannot" not in done.stderr and done.returncode != 2, f"improved: {done.stderr}")

@@ -209,7 +209,7 @@ std::vector<std::string> pressure_columns(const Recording& recording) {
 }
 
 void leave_out_absent_sensors(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
-  if (rig.kind != RigKind::cylinder) return;
+  if (!rig.is_pneumatic()) return;
   const auto leave_out = [&](const PressureSensorParameters& sensor, const std::string& key,
                              std::initializer_list<const char*> columns) {
     if (sensor.noise_Pa > 0 || sensor.quantum_Pa > 0) return;  // stated
@@ -306,7 +306,7 @@ void take_out_impossible_samples(const Rig& rig, Recording& recording, std::vect
   if (recording.has("x_m"))
     tell_taken(recording, "x_m",
                judge_column(plausible_position(rig, interval_s), recording.t_s(), recording.column("x_m")), notes);
-  if (rig.kind != RigKind::cylinder) return;
+  if (!rig.is_pneumatic()) return;
   for (const std::string& column : pressure_columns(recording)) {
     const SensorsParameters& sensors = rig.sensors;
     const PressureSensorParameters& sensor = column == "p_supply_Pa"                    ? sensors.supply_pressure

@@ -9,7 +9,7 @@
 namespace pneuservo {
 
 void doubt_recordings(const Rig& rig, std::vector<Recording>& recordings, std::vector<std::string>& notes) {
-  if (rig.kind != RigKind::cylinder && rig.kind != RigKind::driven_axis) return;
+  if (!rig.has_controller()) return;
   for (Recording& recording : recordings) {
     leave_out_absent_sensors(rig, recording, notes);
     doubt_position_unit(rig, recording, notes);

@@ -9,7 +9,7 @@
 
 namespace pneuservo {
 
-/// Judges every channel of cylinders and driven axes. What is certain is corrected in the recordings and told in
+/// Judges every channel of cylinders, tables and driven axes. What is certain is corrected in the recordings and told in
 /// `notes` with its evidence and the key that states it: units, the zero of the position, an exchange or a reversal
 /// that alone fits. Impossible, frozen and clipped samples are taken out. Throws InputError, one sentence with evidence
 /// and remedy, for what has to be asked.

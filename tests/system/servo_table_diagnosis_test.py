@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-# Servo tables of the simulator's own making, diagnosed: nothing missing, a leak, friction, a sensor; text, JSON and page of one.
+# Servo tables of the simulator's own making, diagnosed: nothing missing, a leak; text, JSON and page of one recording.
 # With PNEUSERVO_LONG=1 every effect of tools/table_machines.py on two configs, clean ones among them.
 # tags: long
 import importlib, json, os, pathlib, subprocess, sys, tempfile
@@ -16,7 +16,7 @@ seed = os.environ.get("PNEUSERVO_TEST_SEED", "1")
 
 def trial(first, count):
     done = subprocess.run(["tools/diagnosis-trial", folder, "--kind", "table", "--first", str(first), "--count", str(count), "--seed", seed,
-                           "--program", program, "--rigs", *RIGS], capture_output=True, text=True, check=False)
+                           "--program", program, "--rigs", *RIGS], capture_output=True, text=True, check=False, timeout=1200)
     expect(done.returncode == 0 and f"table: {count} of {count} right" in done.stdout, f"seed {seed}: {done.stdout}{done.stderr}")
 
 
@@ -24,8 +24,7 @@ if os.environ.get("PNEUSERVO_LONG") == "1":
     trial(0, 2 * len(table_machines.CASES))
 else:
     trial(0, 1)
-    for name in ("chamber_leak_1", "sensor_offset:p1_port"):
-        trial(2 * table_machines.CASES.index(name) + 1, 1)
+    trial(2 * table_machines.CASES.index("chamber_leak_1") + 1, 1)
 
 # The page of a table: two valves in its picture, the courses of both ports.
 case = 2 * table_machines.CASES.index("chamber_leak_1") + 1

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The estimator gives the same bits with the processor's own instructions and with the portable operations."""
+# The estimator gives the same bits with the instructions of x86 and with the portable operations.
 
 import secrets
 import subprocess

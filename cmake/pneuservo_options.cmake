@@ -7,16 +7,23 @@ if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release)
 endif()
 
-# x86-64-v3 (AVX2) where the building machine has it, else the baseline. The numbers are the same bit for bit:
-# nothing is contracted into fused operations, and lanes compute what scalars compute.
-file(READ /proc/cpuinfo _cpuinfo LIMIT 8192)
-if(_cpuinfo MATCHES " avx2 " AND _cpuinfo MATCHES " bmi2 " AND _cpuinfo MATCHES " fma ")
-  set(_default_architecture x86-64-v3)
-else()
-  set(_default_architecture x86-64)
+# On x86-64: v3 (AVX2) where the building machine has it, else the baseline; elsewhere the compiler's default. The
+# numbers are the same bit for bit: nothing is contracted into fused operations, and lanes compute what scalars compute.
+set(_default_architecture "")
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  file(READ /proc/cpuinfo _cpuinfo LIMIT 8192)
+  if(_cpuinfo MATCHES " avx2 " AND _cpuinfo MATCHES " bmi2 " AND _cpuinfo MATCHES " fma ")
+    set(_default_architecture x86-64-v3)
+  else()
+    set(_default_architecture x86-64)
+  endif()
 endif()
-set(PNEUSERVO_ARCHITECTURE ${_default_architecture} CACHE STRING "Instruction set: x86-64 | x86-64-v3")
-add_compile_options(-march=${PNEUSERVO_ARCHITECTURE} -Wall -Wextra -Wshadow -Wno-psabi)
+set(PNEUSERVO_ARCHITECTURE "${_default_architecture}" CACHE STRING
+  "Instruction set: x86-64 | x86-64-v3 | what -march= of another processor takes | empty")
+if(PNEUSERVO_ARCHITECTURE)
+  add_compile_options(-march=${PNEUSERVO_ARCHITECTURE})
+endif()
+add_compile_options(-Wall -Wextra -Wshadow -Wno-psabi)
 
 set(PNEUSERVO_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
 if(PNEUSERVO_SANITIZE)

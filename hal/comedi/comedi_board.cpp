@@ -1,5 +1,5 @@
 // A DA/AD board through comedilib. comedi_absent.cpp stands in where it is not installed.
-#if __has_include(<comedilib.h>)
+#if defined(PNEUSERVO_HAS_COMEDILIB)
 #include "comedi/comedi_board.hpp"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // Digital lines through libgpiod 1.x (Debian 12). Version 2 has other calls: it would be a second file beside this one.
+#if defined(PNEUSERVO_HAS_LIBGPIOD)
 #include "gpio/gpio_lines.hpp"
 
 #include <cerrno>
@@ -125,3 +126,5 @@ std::unique_ptr<GpioLine> request_gpio_line(const std::string& key, const GpioLi
 }
 
 }  // namespace pneuservo
+
+#endif

@@ -21,7 +21,7 @@ struct CylinderResidualsSettings {
 
 /// Rows are bins of 10 ms. Pressures have the reading that the rig's sensors would give of the simulated gas; F is the
 /// force that the rig's slider needs for the recorded motion, less the force of the chambers, where measured from their
-/// sensors, else simulated with the port's error carried over. docs/diagnose.md has the equations.
+/// sensors, else simulated with the port's error carried over. docs/physics/diagnosis-method.md has the method.
 class CylinderResiduals final : public ResidualModel {
  public:
   /// Throws InputError where a recording cannot be compared.

@@ -10,6 +10,15 @@
 
 namespace pneuservo {
 
+/// Tells the processor that this is a waiting loop.
+inline void pause_processor() noexcept {
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#elif defined(__aarch64__)
+  asm volatile("yield");
+#endif
+}
+
 /// CLOCK_MONOTONIC: reading it is no system call (vDSO), sleeping is to an absolute time, so that a late wake-up does
 /// not move the next one.
 struct MonotonicClock {
@@ -25,7 +34,7 @@ struct MonotonicClock {
   }
   /// Looks at the clock until `time_ns`; returns at once if it is past.
   static void spin_until_ns(std::int64_t time_ns) noexcept {
-    while (now_ns() < time_ns) __builtin_ia32_pause();
+    while (now_ns() < time_ns) pause_processor();
   }
 };
 

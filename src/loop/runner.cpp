@@ -211,6 +211,7 @@ RunOutcome run_loop(const Rig& rig, Backend& backend, const RunSettings& setting
   out.moves_begun = course.moves_begun();
   out.moves_not_learned = loop.controller().ppd2().flatness().moves_not_learned();
   out.rows = course.take_rows();
+  out.motion_limits = loop.supervisor().motion().limits();
   return out;
 }
 

@@ -62,6 +62,7 @@ struct RunOutcome {
   std::vector<std::string> faults;  ///< in words, first cause first; empty for a good run
   std::size_t first_faults = 0;  ///< so many of them came in the first tick: the reason
   double fault_s = 0.0;  ///< time of the first tick with a fault; meaningful with faults
+  MotionLimits motion_limits;  ///< as they were in force
   bool stopped_by_signal = false;
   bool ended_by_backend = false;
   std::int64_t ticks = 0;  ///< served

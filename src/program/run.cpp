@@ -207,7 +207,11 @@ RunResult result_of(const Rig& rig, const RunOutcome& outcome, const MoveSpan& s
   run.start_s = span.start_s;
   run.rows.assign(outcome.rows.begin() + static_cast<std::ptrdiff_t>(span.begin),
                   outcome.rows.begin() + static_cast<std::ptrdiff_t>(span.end));
-  if (&span == &outcome.moves.back()) run.faults = outcome.faults;
+  if (std::isfinite(outcome.motion_limits.deviation_m)) run.deviation_limit_m = outcome.motion_limits.deviation_m;
+  if (&span == &outcome.moves.back() && !outcome.faults.empty()) {
+    run.faults = outcome.faults;
+    run.fault_s = outcome.fault_s;
+  }
   run.ticks = static_cast<std::int64_t>(run.rows.size() + span.rows_lost);
   run.overruns = span.overruns;
   if (outcome.timing) run.timing = *outcome.timing;

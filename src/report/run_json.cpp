@@ -69,6 +69,8 @@ Json result_json(const RunResult& run) {
   json["chamber_pressure_ripple_Pa"] = number(metrics.chamber_pressure_ripple_Pa);
   json["command_step_rms_V"] = number(metrics.command_step_rms_V);
   json["motion"] = verdict_json(run.verdict);
+  json["motion"]["deviation_limit_m"] = number(run.deviation_limit_m);
+  json["motion"]["fault_s"] = number(run.fault_s);
   json["faults"] = run.faults;
   json["ticks"] = run.ticks;
   json["overruns"] = run.overruns;

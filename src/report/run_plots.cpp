@@ -143,6 +143,25 @@ Plot position_error_plot(const RunReport& report, double period_s) {
   return plot;
 }
 
+Plot deviation_plot(const RunReport& report, double period_s) {
+  const LengthUnit unit = error_unit(report);
+  Plot plot = time_plot(report, "Deviation from the predicted motion", unit.name, period_s);
+  for (const RunResult* run : shown_runs(report)) {
+    if (!has_values(*run, &Row::x_predicted_m)) continue;
+    add_curve(plot, *run, run_label(report, *run), tone_of(run->pressure_source), is_dashed(report, *run),
+              [&](const Row& row) { return unit.per_m * (row.x_m - row.x_predicted_m); });
+    add_fault_mark(plot, report, *run);
+    if (!plot.bands.empty() || !std::isfinite(run->deviation_limit_m)) continue;
+    const double most = unit.per_m * run->deviation_limit_m;
+    plot.bands.push_back({"limits.deviation_m",
+                          Tone::neutral,
+                          {run->rows.front().t_s - run->start_s, run->rows.back().t_s - run->start_s},
+                          {-most, -most},
+                          {most, most}});
+  }
+  return plot;
+}
+
 Plot command_plot(const RunReport& report, double period_s) {
   Plot plot = time_plot(report, "Valve command", "V", period_s);
   for (const RunResult* run : shown_runs(report)) {

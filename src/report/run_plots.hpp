@@ -18,6 +18,8 @@ std::vector<const RunResult*> shown_runs(const RunReport& report);
 Plot position_plot(const RunReport& report, double period_s);
 /// Reference minus position, all shown runs [mm].
 Plot position_error_plot(const RunReport& report, double period_s);
+/// Measured minus predicted position with the permitted band [mm]; no curve without a prediction.
+Plot deviation_plot(const RunReport& report, double period_s);
 /// Command, all shown runs [V].
 Plot command_plot(const RunReport& report, double period_s);
 /// Port, chamber and estimated pressure of chamber `side` (1 or 2) of one run [kPa].

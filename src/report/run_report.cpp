@@ -41,6 +41,8 @@ void add_motion(HtmlPage& page, const RunReport& report, double period_s) {
                          "hides its curve. Thinned curves keep every peak.");
   page.plot(position_plot(report, period_s));
   page.plot(position_error_plot(report, period_s));
+  const Plot deviation = deviation_plot(report, period_s);
+  if (!deviation.curves.empty()) page.plot(deviation);
   page.plot(command_plot(report, period_s));
 }
 
@@ -92,9 +94,9 @@ void add_timing(HtmlPage& page, const RunReport& report) {
 HtmlPage make_page(const RunReport& report, const Rig& rig) {
   HtmlPage page(report.config + " · run", fmt::format("{} · {}", report.config, circumstances(report)),
                 headline(report));
-  for (const RunResult& run : report.runs)  // the headline of a single run already says it
-    for (const std::string& fault : report.runs.size() > 1 ? run.faults : std::vector<std::string>())
-      page.alert(fmt::format("Fault with {}: {}", run_label(report, run), fault));
+  for (const RunResult& run : report.runs)
+    for (const std::string& fault : run.faults)
+      page.alert(report.runs.size() > 1 ? fmt::format("Fault with {}: {}", run_label(report, run), fault) : fault);
   if (!report.runs.empty()) {
     add_figures(page, report);
     add_motion(page, report, rig.period_s);

@@ -55,7 +55,9 @@ struct RunResult {
   int move = 1;
   double start_s = 0.0;  ///< time in `rows` at which this run's reference started
   std::vector<Row> rows;  ///< the whole run, or evenly thinned
-  std::vector<std::string> faults;  ///< in words, in the order in which they came
+  std::vector<std::string> faults;  ///< "name: meaning", in the order in which they came
+  double fault_s = Metrics::none;  ///< of the first one, on the time axis of `rows`
+  double deviation_limit_m = Metrics::none;  ///< permitted between measured and predicted position; NaN: not checked
   std::int64_t ticks = 0;
   std::int64_t overruns = 0;
   std::optional<LoopTiming> timing;  ///< real time only

@@ -117,12 +117,21 @@ std::string troubles(const RunReport& report) {
   return text;
 }
 
+/// Names of a run's faults without their meaning.
+std::string fault_names(const RunResult& run) {
+  std::string text;
+  for (const std::string& fault : run.faults) text += (text.empty() ? "" : ", ") + fault.substr(0, fault.find(':'));
+  return text;
+}
+
 std::string fault_words(const RunReport& report) {
   std::string text;
-  for (const RunResult& run : report.runs)
-    if (!run.faults.empty())
-      text += fmt::format(" The run with {} ended in a fault: {}.{}", run_words(report, run),
-                          fmt::join(run.faults, "; "), trouble_words(run.verdict));
+  for (const RunResult& run : report.runs) {
+    if (run.faults.empty()) continue;
+    const std::string when = std::isfinite(run.fault_s) ? fmt::format(" at t = {:.6g} s", run.fault_s) : "";
+    text += fmt::format(" The run with {} ended in a fault{}: {}.{}", run_words(report, run), when, fault_names(run),
+                        trouble_words(run.verdict));
+  }
   return text.empty() ? text : text.substr(1);
 }
 

@@ -132,7 +132,8 @@ TEST_CASE("no run is praised that does not follow or swings, and one judgement s
   CHECK(run_json(report)["runs"][0]["motion"]["word"] == "end_stop");
   report.runs[0].faults = {"deviation: far off"};
   report.runs[0].verdict.fault = "deviation";
-  CHECK(contains(headline(report), "ended in a fault: deviation: far off. It oscillates at 27.0 Hz"));
+  report.runs[0].fault_s = 3.236;
+  CHECK(contains(headline(report), "ended in a fault at t = 3.236 s: deviation. It oscillates at 27.0 Hz"));
 }
 
 TEST_CASE("the text aligns figures under their units and lists faults and latencies") {

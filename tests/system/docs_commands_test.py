@@ -96,10 +96,13 @@ def broken_links():
 
 
 def missing_paths():
-    """Paths in code spans of README.md, with * for any name."""
-    text = (SOURCE / "README.md").read_text(encoding="utf-8")
-    paths = re.findall(r"`((?:include|src|hal|tests|config|docs|cmake)/[\w./*-]+)`", text)
-    return [f"README.md: names {path}, which is not there" for path in paths if not list(SOURCE.glob(path))]
+    """Paths in code spans of README.md and docs/equations.md, with * for any name."""
+    missing = []
+    for page in ("README.md", "docs/equations.md"):
+        text = (SOURCE / page).read_text(encoding="utf-8")
+        paths = re.findall(r"`((?:include|src|hal|tests|config|docs|cmake)/[\w./*-]+)`", text)
+        missing += [f"{page}: names {path}, which is not there" for path in paths if not list(SOURCE.glob(path))]
+    return missing
 
 
 def main():

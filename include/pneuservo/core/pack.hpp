@@ -2,10 +2,15 @@
 #pragma once
 #include <cstdint>
 #include <cstring>
-#include <immintrin.h>
 #include <type_traits>
 
 #include <pneuservo/core/scalar.hpp>
+
+// Instructions of x86; PNEUSERVO_PORTABLE_PACK shuts them out, so that a test can compare both ways on one machine.
+#if defined(__SSE2__) && !defined(PNEUSERVO_PORTABLE_PACK)
+#define PNEUSERVO_X86_PACK
+#include <immintrin.h>
+#endif
 
 namespace pneuservo {
 
@@ -56,70 +61,66 @@ template <class Out, class F, class... In> [[gnu::always_inline]] inline Out map
   return out;
 }
 
+// Operations on one register that the vector extensions lack or compile badly. The templates serve every processor; the
+// functions below them are the same operations, rounding included, as x86 instructions.
+
 // Bits of a mask register: non-zero where any lane is set.
 template <class R> inline int register_bits(R mask) noexcept {
-  if constexpr (sizeof(R) == 16) return _mm_movemask_epi8(reinterpret_cast<__m128i>(mask));
-#if defined(__AVX2__)
-  else if constexpr (sizeof(R) == 32) return _mm256_movemask_epi8(reinterpret_cast<__m256i>(mask));
-#endif
-  else {
-    int bits = 0;
-    for (unsigned i = 0; i < sizeof(R) / sizeof(mask[0]); ++i) bits |= (mask[i] != 0) << i;
-    return bits;
-  }
+  int bits = 0;
+  for (unsigned i = 0; i < sizeof(R) / sizeof(mask[0]); ++i) bits |= (mask[i] != 0) << i;
+  return bits;
 }
-
 template <class R> inline R register_square_root(R a) noexcept {
-  if constexpr (std::is_same_v<R, typename RegisterOf<double, 2>::type>) {
-    return reinterpret_cast<R>(_mm_sqrt_pd(reinterpret_cast<__m128d>(a)));
-#if defined(__AVX__)
-  } else if constexpr (std::is_same_v<R, typename RegisterOf<double, 4>::type>) {
-    return reinterpret_cast<R>(_mm256_sqrt_pd(reinterpret_cast<__m256d>(a)));
-  } else if constexpr (std::is_same_v<R, typename RegisterOf<float, 8>::type>) {
-    return reinterpret_cast<R>(_mm256_sqrt_ps(reinterpret_cast<__m256>(a)));
-#endif
-  } else if constexpr (std::is_same_v<R, typename RegisterOf<float, 4>::type>) {
-    return reinterpret_cast<R>(_mm_sqrt_ps(reinterpret_cast<__m128>(a)));
-  } else {
-    for (unsigned i = 0; i < sizeof(R) / sizeof(a[0]); ++i) a[i] = std::sqrt(a[i]);
-    return a;
-  }
+  for (unsigned i = 0; i < sizeof(R) / sizeof(a[0]); ++i) a[i] = std::sqrt(a[i]);
+  return a;
 }
-
-// a < b ? a : b and a > b ? a : b, as the minimum and maximum instructions define them.
-template <class R> inline R register_minimum(R a, R b) noexcept {
-  if constexpr (std::is_same_v<R, typename RegisterOf<double, 2>::type>)
-    return reinterpret_cast<R>(_mm_min_pd(reinterpret_cast<__m128d>(a), reinterpret_cast<__m128d>(b)));
-#if defined(__AVX__)
-  else if constexpr (std::is_same_v<R, typename RegisterOf<double, 4>::type>)
-    return reinterpret_cast<R>(_mm256_min_pd(reinterpret_cast<__m256d>(a), reinterpret_cast<__m256d>(b)));
-#endif
-  else return a < b ? a : b;
-}
-template <class R> inline R register_maximum(R a, R b) noexcept {
-  if constexpr (std::is_same_v<R, typename RegisterOf<double, 2>::type>)
-    return reinterpret_cast<R>(_mm_max_pd(reinterpret_cast<__m128d>(a), reinterpret_cast<__m128d>(b)));
-#if defined(__AVX__)
-  else if constexpr (std::is_same_v<R, typename RegisterOf<double, 4>::type>)
-    return reinterpret_cast<R>(_mm256_max_pd(reinterpret_cast<__m256d>(a), reinterpret_cast<__m256d>(b)));
-#endif
-  else return a > b ? a : b;
-}
-
-// Fourth root of doubles by square roots in single precision, as fourth_root(double) in scalar.hpp.
+// a < b ? a : b and a > b ? a : b: the second one where either is no number, as x86 defines them.
+template <class R> inline R register_minimum(R a, R b) noexcept { return a < b ? a : b; }
+template <class R> inline R register_maximum(R a, R b) noexcept { return a > b ? a : b; }
+// By square roots in single precision, as fourth_root in scalar.hpp.
 template <class R> inline R register_fourth_root(R a) noexcept {
-  if constexpr (std::is_same_v<R, typename RegisterOf<double, 2>::type>) {
-    const __m128 q = _mm_sqrt_ps(_mm_sqrt_ps(_mm_cvtpd_ps(reinterpret_cast<__m128d>(a))));
-    return reinterpret_cast<R>(_mm_cvtps_pd(q));
-#if defined(__AVX__)
-  } else if constexpr (std::is_same_v<R, typename RegisterOf<double, 4>::type>) {
-    const __m128 q = _mm_sqrt_ps(_mm_sqrt_ps(_mm256_cvtpd_ps(reinterpret_cast<__m256d>(a))));
-    return reinterpret_cast<R>(_mm256_cvtps_pd(q));
-#endif
-  } else {
-    return register_square_root(register_square_root(a));
-  }
+  for (unsigned i = 0; i < sizeof(R) / sizeof(a[0]); ++i) a[i] = fourth_root(a[i]);
+  return a;
 }
+
+#if defined(PNEUSERVO_X86_PACK)
+using Double2 = RegisterOf<double, 2>::type;
+using Float4 = RegisterOf<float, 4>::type;
+inline int register_bits(RegisterOf<std::int64_t, 2>::type mask) noexcept {
+  return _mm_movemask_epi8(reinterpret_cast<__m128i>(mask));
+}
+inline int register_bits(RegisterOf<std::int32_t, 4>::type mask) noexcept {
+  return _mm_movemask_epi8(reinterpret_cast<__m128i>(mask));
+}
+inline Double2 register_square_root(Double2 a) noexcept { return _mm_sqrt_pd(a); }
+inline Float4 register_square_root(Float4 a) noexcept { return _mm_sqrt_ps(a); }
+inline Double2 register_minimum(Double2 a, Double2 b) noexcept { return _mm_min_pd(a, b); }
+inline Double2 register_maximum(Double2 a, Double2 b) noexcept { return _mm_max_pd(a, b); }
+inline Double2 register_fourth_root(Double2 a) noexcept {
+  return _mm_cvtps_pd(_mm_sqrt_ps(_mm_sqrt_ps(_mm_cvtpd_ps(a))));
+}
+inline Float4 register_fourth_root(Float4 a) noexcept { return _mm_sqrt_ps(_mm_sqrt_ps(a)); }
+#if defined(__AVX__)
+using Double4 = RegisterOf<double, 4>::type;
+using Float8 = RegisterOf<float, 8>::type;
+inline Double4 register_square_root(Double4 a) noexcept { return _mm256_sqrt_pd(a); }
+inline Float8 register_square_root(Float8 a) noexcept { return _mm256_sqrt_ps(a); }
+inline Double4 register_minimum(Double4 a, Double4 b) noexcept { return _mm256_min_pd(a, b); }
+inline Double4 register_maximum(Double4 a, Double4 b) noexcept { return _mm256_max_pd(a, b); }
+inline Double4 register_fourth_root(Double4 a) noexcept {
+  return _mm256_cvtps_pd(_mm_sqrt_ps(_mm_sqrt_ps(_mm256_cvtpd_ps(a))));
+}
+inline Float8 register_fourth_root(Float8 a) noexcept { return _mm256_sqrt_ps(_mm256_sqrt_ps(a)); }
+#endif
+#if defined(__AVX2__)
+inline int register_bits(RegisterOf<std::int64_t, 4>::type mask) noexcept {
+  return _mm256_movemask_epi8(reinterpret_cast<__m256i>(mask));
+}
+inline int register_bits(RegisterOf<std::int32_t, 8>::type mask) noexcept {
+  return _mm256_movemask_epi8(reinterpret_cast<__m256i>(mask));
+}
+#endif
+#endif
 }  // namespace detail
 
 /// Lane mask of a Pack: all bits of a lane set (true) or none.

@@ -158,8 +158,9 @@ class PipelineEstimator {
       const double p_1 = input_.port_pressure_1_Pa, p_2 = input_.port_pressure_2_Pa;
       // Uniform noise of the same variance: the line filters it to a normal one.
       const double scale = sigma * 3.4641016151377544;
-      const Lanes port =
-          lanes(p_1, p_2, p_1 + scale * (random_.uniform() - 0.5), p_2 + scale * (random_.uniform() - 0.5));
+      // One after the other: the order in which a compiler evaluates arguments is its own.
+      const double noise_2 = scale * (random_.uniform() - 0.5), noise_1 = scale * (random_.uniform() - 0.5);
+      const Lanes port = lanes(p_1, p_2, p_1 + noise_1, p_2 + noise_2);
       axis_.step(port + correction_, input_.position_m, -start_shares() * surplus_);
       if (corrects_flow_) correct(measured.valve_command_V, port);
     }

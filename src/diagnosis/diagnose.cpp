@@ -14,10 +14,12 @@
 #include "config/rig_parameters.hpp"
 #include "diagnosis/cylinder_residuals.hpp"
 #include "diagnosis/driven_axis_residuals.hpp"
+#include "diagnosis/known_rows.hpp"
 #include "diagnosis/recording_doubts.hpp"
 #include "diagnosis/result_text.hpp"
 #include "diagnosis/stretches.hpp"
 #include "diagnosis/stroke_residuals.hpp"
+#include "diagnosis/telling_pieces.hpp"
 #include "diagnosis/vessel_residuals.hpp"
 
 namespace pneuservo {
@@ -95,7 +97,7 @@ void add_element_shares(const Decision& decision, const Search& search, Diagnosi
 std::vector<ElementPattern> patterns_of_elements(ResidualModel& model, const Search& search,
                                                  const DecisionRules& rules) {
   const Hypothesis here = search.owner().fit.hypothesis();
-  const ModelLevels owner = model_levels(model, here, rules);
+  const ModelLevels owner = model_levels(model, search.owner().fit, rules);
   std::vector<Hypothesis> hypotheses;
   std::vector<std::string> elements;
   for (const Candidate& candidate : search.candidates()) {
@@ -183,7 +185,7 @@ void add_candidates(const Decision& decision, const Search& search, Diagnosis& o
 /// Share of the squared mismatch above the sensors' floors that the chosen names take, the grown floor left aside.
 double plainly_explained(ResidualModel& model, const Search& search, const Decision& decision,
                          const DecisionRules& rules) {
-  const ModelLevels owner = model_levels(model, search.owner().fit.hypothesis(), rules);
+  const ModelLevels owner = model_levels(model, search.owner().fit, rules);
   double rows = 0;
   for (const ChannelLevel& c : owner.channels) rows += static_cast<double>(c.fitted_rows);
   const double all = above_floor(owner.chi2(false), rows), left = above_floor(decision.levels.chi2(false), rows);
@@ -193,9 +195,8 @@ double plainly_explained(ResidualModel& model, const Search& search, const Decis
 void add_fit(ResidualModel& model, const Search& search, const Decision& decision, const DecisionRules& rules,
              Diagnosis& out) {
   const std::vector<ResidualChannel>& channels = model.channels();
-  const Hypothesis before = search.as_configured().hypothesis(), after = decision.chosen->fit.hypothesis();
-  const std::vector<ChannelMisfit> misfit_before = model.sample_misfit(before),
-                                   misfit_after = model.sample_misfit(after);
+  const Fit &before = search.as_configured(), &after = decision.chosen->fit;
+  const std::vector<ChannelMisfit> misfit_before = misfit_at(model, before), misfit_after = misfit_at(model, after);
   std::vector<double> ratios, over;
   for (std::size_t c = 0; c < channels.size(); ++c) {
     ChannelFit fit;
@@ -213,16 +214,15 @@ void add_fit(ResidualModel& model, const Search& search, const Decision& decisio
   out.held_out_ratio = median(ratios);
   out.over_noise = median(over);
   out.residual_channels = channels;
-  const std::vector<Hypothesis> configured{before};
-  const Eigen::VectorXd residual_before = model.residuals(configured).col(0);
+  const Eigen::VectorXd residual_before = residual_at(model, before);
   for (std::size_t i = 0; i < model.rows().size(); ++i) {
     if (model.rows()[i].over_recording) continue;
     out.rows.push_back(model.rows()[i]);
     out.residual_before.push_back(residual_before(static_cast<Eigen::Index>(i)));
     out.residual_after.push_back(decision.levels.residual(static_cast<Eigen::Index>(i)));
   }
-  out.courses_before = model.courses(before);
-  out.courses_after = model.courses(after);
+  out.courses_before = courses_at(model, before);
+  out.courses_after = courses_at(model, after);
   const double floor = std::min(decision.chosen->fit.chi2(), static_cast<double>(decision.levels.residual.size()));
   const double total = above_floor(search.owner().fit.chi2(), floor);
   out.explained_share = total > 0 ? 1 - above_floor(decision.chosen->fit.chi2(), floor) / total : 0;
@@ -283,16 +283,14 @@ void add_times(const ResidualModel& model, double bin_s, Diagnosis& out) {
 /// Beside small physics the residual is not smooth, and fits creep on: by a twentieth of an alarm's gain in all.
 constexpr double settled_gain_beside = 3.0;
 
-/// The verdict on a search, with the chosen explanation fitted to its end.
-Decision decided(ResidualModel& model, Search& search, const DecisionRules& rules, Diagnosis& out) {
+/// The verdict on a search, with the chosen explanation fitted to its end where the model still simulates.
+Decision decided(const Rig& rig, ResidualModel& model, Search& search, const DecisionRules& rules) {
   Decision decision = decide(model, search, rules);
-  if (out.stopped) return decision;
-  try {
-    if (search.settle(*decision.chosen)) judge_what_is_left(model, search, rules, decision);
-  } catch (const DiagnosisStopped&) {
-    out.stopped = true;
-    out.warnings.emplace_back("stopped early: the chosen explanation is not fitted to its end");
-  }
+  if (model.simulates() && search.settle(*decision.chosen)) judge_what_is_left(model, search, rules, decision);
+  const bool leaves_something = decision.levels.highest() > rules.floor_level;
+  if (!rig.is_pneumatic() && !decision.is_shaken &&
+      (decision.verdict == Verdict::unknown || leaves_something || !rig.has_controller()))
+    decision = decide_in_one_quantity(model, search, rules);
   return decision;
 }
 
@@ -329,16 +327,6 @@ void require_comparison(const Rig& rig, FittedRows& rows) {
                     rig.name));
 }
 
-void run_search(Search& search, Diagnosis& out) {
-  try {
-    search.run();
-  } catch (const DiagnosisStopped&) {
-    out.stopped = true;
-    out.warnings.emplace_back("stopped early: names not yet tried are missing from the candidates");
-    if (search.owner().fit.z.size() == 0) throw;
-  }
-}
-
 /// Only the columns that are compared here: a virtual machine may record more than the real one has.
 Recording with_compared_columns(Recording recording, const std::vector<ResidualChannel>& channels) {
   for (std::size_t c = recording.names.size(); c-- > 0;) {
@@ -359,10 +347,15 @@ void add_next_experiment(const Rig& rig, const ResidualModel& model, const Decis
   if (!options.virtual_machine || !has_rivals || out.stopped) return;
   if (options.progress) options.progress(0.97, "next experiment");
   const CompareRecording compare = [&](const Recording& recording) {
-    return make_residual_model(rig, {with_compared_columns(recording, model.channels())}, options.jobs);
+    return make_residual_model(rig, {with_compared_columns(recording, model.channels())}, options.jobs, options.stop);
   };
-  out.next_experiment = propose_experiment(rig, decision, search, options.rules,
-                                           motion_range(model.rows()).top_speed_mps, options.virtual_machine, compare);
+  try {
+    out.next_experiment =
+        propose_experiment(rig, decision, search, options.rules, motion_range(model.rows()).top_speed_mps,
+                           options.virtual_machine, compare, options.stop);
+  } catch (const DiagnosisStopped&) {  // the verdict stands
+    out.warnings.emplace_back("stopped early: the verdict is complete, a next experiment was not chosen");
+  }
 }
 
 /// Whether the verdict needs more than any one machine should lack: as many names as are ever sought, or more of the
@@ -424,7 +417,7 @@ Decision with_small_physics(const Rig& rig, FittedRows& rows, std::vector<Candid
   DecisionRules rules = options.rules;
   rules.most_names = 1;
   search.emplace(rows, granted.rig, std::move(candidates), settings, rules, options.progress);
-  run_search(*search, out);
+  search->run();
   const Explanation* best = search->best_of(1);
   const std::vector<double> levels = model.take_slow_error((best ? *best : search->owner()).fit.hypothesis());
   model.drop_slow_error();
@@ -447,58 +440,58 @@ Rig without_disturbances(Rig rig, std::vector<std::string>& warnings) {
   return rig;
 }
 
-}  // namespace
+/// While it lives the model may be stopped in the midst of a run.
+class StopWhileAlive {
+ public:
+  StopWhileAlive(ResidualModel& model, const StopQuestion& stop) : model_(model) { model_.set_stop(stop); }
+  ~StopWhileAlive() { model_.set_stop({}); }
+  StopWhileAlive(const StopWhileAlive&) = delete;
+  StopWhileAlive& operator=(const StopWhileAlive&) = delete;
 
-std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int jobs) {
-  const int threads = jobs > 0 ? jobs : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  if (rig.kind == RigKind::vessel || rig.kind == RigKind::switched_cylinder)
-    for (const Recording& recording : recordings)
-      if (!recording.changed.empty())
-        throw InputError(fmt::format("{}: found a changed {}, expected none: recordings of a {} share one config",
-                                     recording.path, recording.changed.front().first,
-                                     rig_kind_names[static_cast<std::size_t>(rig.kind)]));
-  if (rig.kind == RigKind::driven_axis) return std::make_unique<DrivenAxisResiduals>(rig, recordings);
-  if (rig.kind == RigKind::vessel) return std::make_unique<VesselResiduals>(rig, recordings, threads);
-  if (rig.kind == RigKind::switched_cylinder) return std::make_unique<StrokeResiduals>(rig, recordings, threads);
-  CylinderResidualsSettings settings;
-  settings.jobs = threads;
-  return std::make_unique<CylinderResiduals>(rig, recordings, settings);
-}
+ private:
+  ResidualModel& model_;
+};
 
-Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& options) {
+Diagnosis empty_diagnosis(const Rig& rig) {
   Diagnosis out;
   out.rig = rig.name;
   out.configured = rig;
-  FittedRows rows(model, options.stop);
-  require_comparison(rig, rows);
-  const std::vector<Candidate> candidates =
-      without_unexcited(all_candidates(rig, model.channels(), motion_range(model.rows())), model.rows());
-  SearchSettings settings;
-  Search first_search(rows, rig, candidates, settings, options.rules, options.progress);
-  run_search(first_search, out);
-  if (options.progress) options.progress(0.95, "verdict");
-  Decision decision = decided(model, first_search, options.rules, out);
-  const bool leaves_something = decision.levels.highest() > options.rules.floor_level;
-  if (!rig.is_pneumatic() && !decision.is_shaken &&
-      (decision.verdict == Verdict::unknown || leaves_something || !rig.has_controller()))
-    decision = decide_in_one_quantity(model, first_search, options.rules);
-  std::optional<Search> beside;
+  return out;
+}
+
+/// The verdict on the first search; where it is doubtful, on a second one with small physics free, which is then in
+/// `beside`.
+Decision decided_twice(const Rig& rig, FittedRows& rows, Search& search, const DiagnoseOptions& options,
+                       std::optional<Search>& beside, Diagnosis& out) {
+  ResidualModel& model = rows.model();
+  Decision decision = decided(rig, model, search, options.rules);
   const bool left_everywhere = decision.verdict == Verdict::unknown && !decision.is_described &&
                                is_everywhere(model.channels(), decision.levels.channels, options.rules.floor_level);
-  if (!out.stopped && (left_everywhere || is_doubtful(rig, decision, options.rules))) {
-    const std::vector<std::string> warnings = out.warnings;
-    const Decision granted = with_small_physics(rig, rows, candidates, first_search, options, beside, out);
-    if (left_everywhere || fits_as_well(granted, decision, options.rules)) {
-      decision = granted;
-    } else {  // what was doubted explains what small physics and one name do not
-      beside.reset();
-      out.warnings = warnings;
-      model.set_working_point(decision.chosen->fit.hypothesis());
-    }
-  }
-  const Search& search = beside ? *beside : first_search;
+  if (!left_everywhere && !is_doubtful(rig, decision, options.rules)) return decision;
+  Decision granted = with_small_physics(rig, rows, search.candidates(), search, options, beside, out);
+  if (left_everywhere || fits_as_well(granted, decision, options.rules)) return granted;
+  beside.reset();  // what was doubted explains what small physics and one name do not
+  out.warnings.clear();
+  model.set_working_point(decision.chosen->fit.hypothesis());
+  return decision;
+}
+
+/// The best model as a config, without what a config has no key for.
+void add_improved(const Decision& decision, Diagnosis& out) {
+  out.improved = without_empty_port_volumes(decision.chosen->fit.hypothesis().rig);
+  double& overlap_V = out.improved.axis.effects.valve.valve_dead_band.width_V;
+  if (overlap_V >= 0) return;
+  out.warnings.push_back(fmt::format("the edges of the valve overlap by {:.3g} V (an underlap), for which a config has "
+                                     "no key: the improved config goes without it",
+                                     overlap_V));
+  overlap_V = 0;
+}
+
+/// Everything that a decision and its search say.
+void tell(const Rig& rig, ResidualModel& model, const Decision& decision, const Search& search,
+          const DiagnoseOptions& options, Diagnosis& out) {
   out.verdict = decision.verdict;
-  if (beside && out.verdict == Verdict::consistent) add_small_physics(rig, decision, out);
+  if (search.grants_small_physics() && out.verdict == Verdict::consistent) add_small_physics(rig, decision, out);
   add_candidates(decision, search, out);
   if (decision.verdict == Verdict::unknown) add_unknown(model, decision, search, options.rules, out);
   else if (decision.verdict != Verdict::consistent) {
@@ -514,38 +507,88 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   add_moved(rig, decision, out);
   add_times(model, 0.01, out);
   add_next_experiment(rig, model, decision, search, options, out);
-  out.improved = without_empty_port_volumes(decision.chosen->fit.hypothesis().rig);
-  double& overlap_V = out.improved.axis.effects.valve.valve_dead_band.width_V;
-  if (overlap_V < 0) {
-    out.warnings.push_back(
-        fmt::format("the edges of the valve overlap by {:.3g} V (an underlap), for which a config has "
-                    "no key: the improved config goes without it",
-                    overlap_V));
-    overlap_V = 0;
-  }
-  out.hypotheses_tried = rows.hypotheses_tried();
+  add_improved(decision, out);
   out.sentence = verdict_sentence(out);
+}
+
+/// What is to be told of recordings as they were read.
+std::vector<std::string> told_of(const Rig& rig, const std::vector<Recording>& recordings) {
+  std::vector<std::string> out;
+  for (const Recording& recording : recordings) {
+    for (const auto& [path, value] : recording.changed)
+      out.push_back(fmt::format("{}: made with {} = {:g} instead of {:g}, and compared so", recording.path, path, value,
+                                get_parameter(rig, path)));
+    for (const std::string& line : problem_lines(recording)) out.push_back(line);
+  }
   return out;
 }
 
-Diagnosis diagnose(const Rig& configured, const std::vector<Recording>& recordings, const DiagnoseOptions& options) {
+}  // namespace
+
+std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int jobs,
+                                                   const StopQuestion& stop) {
+  const int threads = jobs > 0 ? jobs : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  if (rig.kind == RigKind::vessel || rig.kind == RigKind::switched_cylinder)
+    for (const Recording& recording : recordings)
+      if (!recording.changed.empty())
+        throw InputError(fmt::format("{}: found a changed {}, expected none: recordings of a {} share one config",
+                                     recording.path, recording.changed.front().first,
+                                     rig_kind_names[static_cast<std::size_t>(rig.kind)]));
+  if (rig.kind == RigKind::driven_axis) return std::make_unique<DrivenAxisResiduals>(rig, recordings);
+  if (rig.kind == RigKind::vessel) return std::make_unique<VesselResiduals>(rig, recordings, threads);
+  if (rig.kind == RigKind::switched_cylinder) return std::make_unique<StrokeResiduals>(rig, recordings, threads);
+  CylinderResidualsSettings settings;
+  settings.jobs = threads;
+  settings.stop = stop;
+  return std::make_unique<CylinderResiduals>(rig, recordings, settings);
+}
+
+Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& options) {
+  const StopWhileAlive stoppable(model, options.stop);
+  FittedRows rows(model, options.stop);
+  require_comparison(rig, rows);
+  Search search(rows, rig,
+                without_unexcited(all_candidates(rig, model.channels(), motion_range(model.rows())), model.rows()), {},
+                options.rules, options.progress);
+  Diagnosis out = empty_diagnosis(rig);
+  try {
+    search.run();
+    if (options.progress) options.progress(0.95, "verdict");
+    std::optional<Search> beside;
+    const Decision decision = decided_twice(rig, rows, search, options, beside, out);
+    tell(rig, model, decision, beside ? *beside : search, options, out);
+  } catch (const DiagnosisStopped&) {
+    if (search.owner().fit.z.size() == 0) throw;
+    KnownRows known(model);
+    out = empty_diagnosis(rig);
+    out.stopped = true;
+    out.warnings.emplace_back("stopped early: names not yet tried are missing, and no fit need be at its end");
+    tell(rig, known, decided(rig, known, search, options.rules), search, options, out);
+  }
+  out.hypotheses_tried = rows.hypotheses_tried();
+  return out;
+}
+
+Diagnosis diagnose(const Rig& configured, std::vector<Recording> recordings, const DiagnoseOptions& options) {
   if (recordings.empty()) throw InputError("diagnose: no recording, expected at least one");
   std::vector<std::string> left_out;
   const Rig rig = without_disturbances(configured, left_out);
   if (options.progress) options.progress(0.01, "recordings");
-  std::vector<Recording> doubted = recordings;
-  doubt_recordings(rig, doubted, left_out);
-  const std::vector<Recording> stretches = compared_stretches(rig, std::move(doubted), left_out);
-  const std::unique_ptr<ResidualModel> model = make_residual_model(rig, stretches, options.jobs);
+  const std::vector<std::string> told = told_of(rig, recordings);
+  look_for_stop(options.stop);
+  doubt_recordings(rig, recordings, left_out);
+  look_for_stop(options.stop);
+  TellingPieces pieces = telling_pieces(rig, compared_stretches(rig, std::move(recordings), left_out));
+  if (options.progress) options.progress(0.02, "model of the recordings");
+  const std::unique_ptr<ResidualModel> model = make_residual_model(rig, pieces.recordings, options.jobs, options.stop);
+  std::vector<std::string> paths;
+  for (const Recording& piece : pieces.recordings) paths.push_back(piece.path);
+  pieces.recordings.clear();
   Diagnosis out = diagnose(rig, *model, options);
+  out.coverage = std::move(pieces.coverage);
+  out.recordings = std::move(paths);
   out.warnings.insert(out.warnings.end(), left_out.begin(), left_out.end());
-  for (const Recording& stretch : stretches) out.recordings.push_back(stretch.path);
-  for (const Recording& recording : recordings) {
-    for (const auto& [path, value] : recording.changed)
-      out.warnings.push_back(fmt::format("{}: made with {} = {:g} instead of {:g}, and compared so", recording.path,
-                                         path, value, get_parameter(rig, path)));
-    for (const std::string& line : problem_lines(recording)) out.warnings.push_back(line);
-  }
+  out.warnings.insert(out.warnings.end(), told.begin(), told.end());
   return out;
 }
 

@@ -65,6 +65,7 @@ class Search {
   bool settle(const Explanation& explanation);
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
+  bool grants_small_physics() const { return settings_.grow_floor; }
   /// The owner's values as they stand, nothing fitted.
   const Fit& as_configured() const { return as_configured_; }
   /// The owner's model with its parameters inside their tolerances.

@@ -86,11 +86,15 @@ class ProgressLine {
 };
 
 /// Columns that a diagnosis uses; the others need no memory.
-void keep_used_columns(Recording& recording) {
+const std::set<std::string>& used_columns() {
   static const std::set<std::string> used{"t_s",        "x_m",           "u_V",           "F_N",        "p1_port_Pa",
                                           "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"};
+  return used;
+}
+
+void keep_used_columns(Recording& recording) {
   for (std::size_t c = recording.names.size(); c-- > 0;) {
-    if (used.contains(recording.names[c])) continue;
+    if (used_columns().contains(recording.names[c])) continue;
     recording.names.erase(recording.names.begin() + static_cast<std::ptrdiff_t>(c));
     recording.values.erase(recording.values.begin() + static_cast<std::ptrdiff_t>(c));
   }
@@ -169,8 +173,7 @@ void write_next_experiment(const DiagnoseVerbOptions& options, const Diagnosis& 
   write_result(options.next_experiment, text + dump_rig(experiment_rig(diagnosis.configured, next)));
 }
 
-int run_diagnose(const DiagnoseVerbOptions& options) {
-  const Rig rig = read_rig(options.config, options.sets);
+void judge_outputs(const DiagnoseVerbOptions& options, const Rig& rig) {
   OutputFiles()
       .reads("CONFIG", options.config)
       .reads_of(rig)
@@ -180,11 +183,15 @@ int run_diagnose(const DiagnoseVerbOptions& options) {
       .writes("--report", options.report, ResultKind::page)
       .writes("--improved", options.improved, ResultKind::config)
       .writes("--next-experiment", options.next_experiment, ResultKind::config);
-  const StopRequest stop_request;
-  ProgressLine progress(!options.quiet);
+}
+
+/// All recordings with the columns that are used and what is stated of them. Throws DiagnosisStopped.
+std::vector<Recording> read_all(const DiagnoseVerbOptions& options, const Rig& rig) {
   std::vector<Recording> recordings;
+  TableReading reading{[] { look_for_stop(StopRequest::requested); }, used_columns()};
+  reading.columns.insert("flags");  // they tell which rows the recorder dropped
   const auto add = [&](const std::string& path, bool is_held_out) {
-    for (Recording& run : read_recordings(path, rig.imported, rig.period_s)) {
+    for (Recording& run : read_recordings(path, rig.imported, rig.period_s, reading)) {
       compare_names(rig, run);
       run.is_held_out = is_held_out;
       keep_used_columns(run);
@@ -194,27 +201,40 @@ int run_diagnose(const DiagnoseVerbOptions& options) {
   for (const std::string& path : options.recordings) add(path, false);
   for (const std::string& path : options.held_out) add(path, true);
   apply_changes(options.changed, recordings);
+  return recordings;
+}
+
+void write_results(const DiagnoseVerbOptions& options, const Diagnosis& diagnosis) {
+  if (options.json != "-") std::fputs(diagnosis_text(diagnosis).c_str(), stdout);
+  write_json(options.json, diagnosis_json(diagnosis));
+  if (!options.report.empty()) write_diagnosis_report(diagnosis, options.report);
+  write_improved(options, diagnosis);
+  write_next_experiment(options, diagnosis);
+}
+
+int run_diagnose(const DiagnoseVerbOptions& options) {
+  const Rig rig = read_rig(options.config, options.sets);
+  judge_outputs(options, rig);
+  const StopRequest stop_request;
+  ProgressLine progress(!options.quiet);
   DiagnoseOptions settings;
   settings.jobs = options.jobs;
   // It takes longer than the diagnosis itself: only for those who look at it.
   if (!options.next_experiment.empty() || !options.report.empty()) settings.virtual_machine = record_virtual_run;
-  settings.stop = [] { return StopRequest::requested(); };
+  settings.stop = StopRequest::requested;
   settings.progress = [&progress](double share, const std::string& what) { progress.tell(share, what); };
   Diagnosis diagnosis;
   try {
-    diagnosis = diagnose(rig, recordings, settings);
+    diagnosis = diagnose(rig, read_all(options, rig), settings);
   } catch (const DiagnosisStopped&) {
     progress.end();
     std::fprintf(stderr, "pneuservo: stopped before anything was known\n");
     return 128 + StopRequest::signal_number();
   }
   progress.end();
-  if (options.json != "-") std::fputs(diagnosis_text(diagnosis).c_str(), stdout);
-  write_json(options.json, diagnosis_json(diagnosis));
-  if (!options.report.empty()) write_diagnosis_report(diagnosis, options.report);
-  write_improved(options, diagnosis);
-  write_next_experiment(options, diagnosis);
-  return diagnosis.stopped ? 128 + StopRequest::signal_number() : 0;
+  const bool was_stopped = StopRequest::requested();
+  write_results(options, diagnosis);
+  return was_stopped ? 128 + StopRequest::signal_number() : 0;
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace pneuservo {
 /// Throws InputError as read_table does, for a map that names a column of no meaning, where t_s is missing, and where
 /// no row is left.
 std::vector<Recording> read_recordings(const std::string& path, const std::optional<ImportParameters>& imported,
-                                       double period_s);
+                                       double period_s, const TableReading& reading = {});
 
 /// The first run, for verbs that take one; that there are others is told.
 Recording read_first_recording(const std::string& path, const std::optional<ImportParameters>& imported,

@@ -82,6 +82,9 @@ std::string explanation_text(const RankedExplanation& explanation) {
 std::string verdict_sentence(const Diagnosis& diagnosis) {
   if (!diagnosis.stopped) return finished_sentence(diagnosis);
   if (diagnosis.verdict == Verdict::consistent) return "Stopped early, no finished verdict: by then nothing was named.";
+  if (diagnosis.verdict == Verdict::unknown && !diagnosis.answers.empty())
+    return fmt::format("Stopped early, no finished verdict: no name tried by then explains what is left: {}.",
+                       diagnosis.answers.front().note);
   return "Stopped early, no finished verdict; by then: " + finished_sentence(diagnosis);
 }
 

@@ -35,6 +35,9 @@ struct KnownStart {
   std::vector<double> z;  ///< of the candidate's parameters
 };
 
+/// Share of the progress at which a search begins: before it nothing is known.
+inline constexpr double search_begins = 0.05;
+
 /// How much work a search does.
 struct SearchSettings {
   std::size_t refits = 12;      ///< candidates refitted after the first screening

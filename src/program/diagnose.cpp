@@ -41,6 +41,8 @@ struct DiagnoseVerbOptions {
   bool quiet = false;
 };
 
+constexpr const char* nothing_known = "pneuservo: stopped before anything was known";
+
 /// What goes on: one line that is overwritten on a terminal, a line every few seconds elsewhere. A thread of its own
 /// shows it, so that long steps have their seconds told too.
 class ProgressLine {
@@ -82,6 +84,32 @@ class ProgressLine {
   std::condition_variable_any wake_;
   double share_ = 0;
   std::string what_ = "reading";
+  std::jthread thread_;
+};
+
+/// Until the search begins there is nothing to keep: a stop ends the program at once, whatever it is at.
+class EarlyStop {
+ public:
+  EarlyStop() : thread_([this](const std::stop_token& end) { watch(end); }) {}
+  /// From here on the diagnosis itself answers a stop.
+  void end() {
+    const std::lock_guard lock(mutex_);
+    thread_.request_stop();
+  }
+
+ private:
+  void watch(const std::stop_token& end) {
+    std::unique_lock lock(mutex_);
+    while (!end.stop_requested()) {
+      if (StopRequest::requested()) {
+        std::fprintf(stderr, "%s%s\n", isatty(fileno(stderr)) != 0 ? "\r\033[K" : "", nothing_known);
+        _exit(128 + StopRequest::signal_number());
+      }
+      wake_.wait_for(lock, end, std::chrono::milliseconds(50), [] { return false; });
+    }
+  }
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
   std::jthread thread_;
 };
 
@@ -185,13 +213,13 @@ void judge_outputs(const DiagnoseVerbOptions& options, const Rig& rig) {
       .writes("--next-experiment", options.next_experiment, ResultKind::config);
 }
 
-/// All recordings with the columns that are used and what is stated of them. Throws DiagnosisStopped.
+/// All recordings with the columns that are used and what is stated of them.
 std::vector<Recording> read_all(const DiagnoseVerbOptions& options, const Rig& rig) {
   std::vector<Recording> recordings;
-  TableReading reading{[] { look_for_stop(StopRequest::requested); }, used_columns()};
-  reading.columns.insert("flags");  // they tell which rows the recorder dropped
+  std::set<std::string> wanted = used_columns();
+  wanted.insert("flags");  // they tell which rows the recorder dropped
   const auto add = [&](const std::string& path, bool is_held_out) {
-    for (Recording& run : read_recordings(path, rig.imported, rig.period_s, reading)) {
+    for (Recording& run : read_recordings(path, rig.imported, rig.period_s, wanted)) {
       compare_names(rig, run);
       run.is_held_out = is_held_out;
       keep_used_columns(run);
@@ -216,19 +244,23 @@ int run_diagnose(const DiagnoseVerbOptions& options) {
   const Rig rig = read_rig(options.config, options.sets);
   judge_outputs(options, rig);
   const StopRequest stop_request;
+  EarlyStop early_stop;
   ProgressLine progress(!options.quiet);
   DiagnoseOptions settings;
   settings.jobs = options.jobs;
   // It takes longer than the diagnosis itself: only for those who look at it.
   if (!options.next_experiment.empty() || !options.report.empty()) settings.virtual_machine = record_virtual_run;
   settings.stop = StopRequest::requested;
-  settings.progress = [&progress](double share, const std::string& what) { progress.tell(share, what); };
+  settings.progress = [&](double share, const std::string& what) {
+    if (share >= search_begins) early_stop.end();
+    progress.tell(share, what);
+  };
   Diagnosis diagnosis;
   try {
     diagnosis = diagnose(rig, read_all(options, rig), settings);
   } catch (const DiagnosisStopped&) {
     progress.end();
-    std::fprintf(stderr, "pneuservo: stopped before anything was known\n");
+    std::fprintf(stderr, "%s\n", nothing_known);
     return 128 + StopRequest::signal_number();
   }
   progress.end();

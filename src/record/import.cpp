@@ -220,8 +220,8 @@ void mend_times(Recording& run) {
 }  // namespace
 
 std::vector<Recording> read_recordings(const std::string& path, const std::optional<ImportParameters>& imported,
-                                       double period_s, const TableReading& reading) {
-  CsvTable table = read_table(path, reading);
+                                       double period_s, const std::set<std::string>& wanted) {
+  CsvTable table = read_table(path, wanted);
   const bool is_own = !imported && is_own_format(table);
   MappedColumns columns = imported ? mapped(table, *imported) : unmapped(table);
   if (!is_own) take_seconds(table, columns, period_s);

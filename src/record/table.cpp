@@ -55,17 +55,14 @@ constexpr std::size_t sample_lines = 200;
 
 class TableReader {
  public:
-  TableReader(const std::string& path, const TableReading& reading) : input_(path), reading_(reading) {
+  TableReader(const std::string& path, const std::set<std::string>& wanted) : input_(path), wanted_(wanted) {
     table_.path = path;
   }
 
   CsvTable read() {
     read_head();
     std::string_view line;
-    while (input_.next_line(line)) {
-      if (reading_.look && input_.line_number() % lines_between_looks == 0) reading_.look();
-      read_row(line, input_.line_number());
-    }
+    while (input_.next_line(line)) read_row(line, input_.line_number());
     report_end();
     if (table_.rows() == 0)
       throw InputError(
@@ -152,9 +149,9 @@ class TableReader {
   }
 
   void leave_out_unwanted() {
-    if (reading_.columns.empty() || !table_.comments.starts_with(own_format)) return;
+    if (wanted_.empty() || !table_.comments.starts_with(own_format)) return;
     for (std::size_t i = table_.names.size(); i-- > 0;) {
-      if (reading_.columns.contains(table_.names[i])) continue;
+      if (wanted_.contains(table_.names[i])) continue;
       const auto at = static_cast<std::ptrdiff_t>(i);
       table_.left_out.push_back(table_.names[i]);
       table_.names.erase(table_.names.begin() + at);
@@ -212,10 +209,8 @@ class TableReader {
 
   static constexpr std::string_view own_format = "format: pneuservo-recording/";
 
-  static constexpr std::size_t lines_between_looks = 1000;
-
   TextInput input_;
-  const TableReading& reading_;
+  const std::set<std::string>& wanted_;
   CsvTable table_;
   std::size_t field_count_ = 0;      ///< of a row, an index left aside
   std::vector<std::size_t> places_;  ///< of the kept columns among the fields
@@ -261,7 +256,9 @@ void CsvTable::report(std::size_t line, ProblemKind kind, std::string_view what)
       {line, kind, line > 0 ? fmt::format("{}, line {}: {}", path, line, what) : fmt::format("{}: {}", path, what)});
 }
 
-CsvTable read_table(const std::string& path, const TableReading& reading) { return TableReader(path, reading).read(); }
+CsvTable read_table(const std::string& path, const std::set<std::string>& wanted) {
+  return TableReader(path, wanted).read();
+}
 
 std::vector<std::string> problem_lines(const CsvTable& table, std::size_t each) {
   std::map<ProblemKind, std::size_t> counts;

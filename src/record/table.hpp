@@ -1,7 +1,6 @@
 // A CSV table with comment header as it stands in a file, of our own format or foreign; nothing is hidden.
 #pragma once
 #include <cstddef>
-#include <functional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -59,15 +58,9 @@ struct CsvTable {  // NOLINT(bugprone-exception-escape): of a YAML node that is 
   void report(std::size_t line, ProblemKind kind, std::string_view what);
 };
 
-/// How a file is read.
-struct TableReading {
-  std::function<void()> look;  ///< called every thousand lines; may throw, as a wish to stop does
-  std::set<std::string> columns;  ///< of this program's own format, those that are kept; empty: all
-};
-
 /// Reads a .csv.gz or plain .csv. Throws InputError: no such file, not gzip, no line of column names, a column twice,
-/// no row that can be used.
-CsvTable read_table(const std::string& path, const TableReading& reading = {});
+/// no row that can be used. wanted: of this program's own format, the columns that are kept; empty: all.
+CsvTable read_table(const std::string& path, const std::set<std::string>& wanted = {});
 
 /// The problems for a reader's eye: the first `each` of every kind, then how many more.
 std::vector<std::string> problem_lines(const CsvTable& table, std::size_t each = 3);

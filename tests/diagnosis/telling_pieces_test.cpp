@@ -37,13 +37,13 @@ TEST_CASE("of an hour half a minute is compared, with the motion that is hidden 
       3600, [&](double t) { return 0.05 * motion(t) * std::sin(6 * t); },
       [&](double t) { return motion(t) * std::cos(6 * t); });
   const TellingPieces chosen = telling_pieces(test::cylinder_rig(), {hour});
-  double seconds = 0, moving = 0;
+  double seconds = 0, moving_s = 0;
   for (const Recording& piece : chosen.recordings) {
     seconds += length_of(piece);
-    if (piece.t_s().front() > 993 && piece.t_s().back() < 1057) ++moving;
+    if (piece.t_s().front() > 993 && piece.t_s().back() < 1057) moving_s += length_of(piece);
   }
   CHECK(seconds <= 30.1);
-  CHECK(moving >= 3);
+  CHECK(moving_s > 17.5);
   CHECK(chosen.coverage.recorded_s == Approx(3600).margin(0.02));
   REQUIRE(chosen.coverage.spans.size() == chosen.recordings.size());
   for (std::size_t i = 0; i < chosen.recordings.size(); ++i) {
@@ -64,7 +64,7 @@ TEST_CASE("pieces that move most alone do not crowd out another place and the ot
   const TellingPieces chosen = telling_pieces(test::cylinder_rig(), {r});
   bool has_aside = false;
   for (const ComparedSpan& span : chosen.coverage.spans)
-    has_aside = has_aside || is_aside(0.5 * (span.from_s + span.to_s));
+    has_aside = has_aside || (span.from_s < 249 && span.to_s > 243);
   CHECK(has_aside);
 }
 

@@ -46,6 +46,8 @@ std::vector<double> slow_levels() {
 constexpr double ringing_effort =
     500.0;  // cells times sub-steps that show a line's ringing, though not at which length
 
+/// Hypotheses whose gas is held at once: 1 MB each for 24 s at 1 kHz, and full lanes for all threads.
+constexpr std::size_t most_at_once = 64;
 constexpr std::size_t most_known_rows = 15'000'000;  // of columns that are remembered: 120 MB
 
 /// What the sensor would read of true values.
@@ -112,8 +114,9 @@ double rms_drop(const GasCourse& course, std::size_t side) {
 
 CylinderResiduals::CylinderResiduals(const Rig& owner, const std::vector<Recording>& recordings,
                                      const CylinderResidualsSettings& settings)
-    : owner_(owner) {
+    : owner_(owner), jobs_(settings.jobs), stop_(settings.stop) {
   for (const Recording& recording : recordings) {
+    look_for_stop(stop_);
     recordings_.push_back(prepare_recording(recording, owner, settings.longest_s));
     const double interval_s = recordings_.back().period_s();
     slow_kernels_.emplace_back(std::max(slow_sigma_s, 2.5 * interval_s), interval_s);
@@ -123,8 +126,7 @@ CylinderResiduals::CylinderResiduals(const Rig& owner, const std::vector<Recordi
   const double position_noise = owner.sensors.position.rms_m();
   for (const CylinderRecording& recording : recordings_)
     balances_.emplace_back(recording.position_m, recording.period_s(), position_noise);
-  gas_ = std::make_unique<GasRuns>(owner_, recordings_, settings.jobs);
-  jobs_ = settings.jobs;
+  gas_ = std::make_unique<GasRuns>(owner_, recordings_, jobs_, stop_);
   declare_channels();
   declare_rows();
   slow_errors_.resize(channels_.size());
@@ -175,13 +177,18 @@ double CylinderResiduals::force_noise(std::size_t recording, std::size_t count) 
   return std::sqrt(squares);
 }
 
-void CylinderResiduals::declare_rows() {
+std::vector<PossibleRinging> CylinderResiduals::ringing_of_all() const {
   std::vector<PossibleRinging> ringing(recordings_.size());
   const RecordedRigs rigs(owner_, recordings_);
   in_parallel(recordings_.size(), jobs_, [&](std::size_t r) {
     ringing[r] = possible_ringing(recordings_[r].inputs, rigs[r],
-                                  grid_for(rigs[r], ringing_effort, recordings_[r].inputs.step_s()));
+                                  grid_for(rigs[r], ringing_effort, recordings_[r].inputs.step_s()), stop_);
   });
+  return ringing;
+}
+
+void CylinderResiduals::declare_rows() {
+  const std::vector<PossibleRinging> ringing = ringing_of_all();
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
     const CylinderRecording& recording = recordings_[r];
     const auto bin = static_cast<std::size_t>(std::max(1.0, std::round(residual_bin_s / recording.period_s())));
@@ -359,6 +366,7 @@ Eigen::VectorXd CylinderResiduals::plain_column(const Rig& rig, const std::vecto
   Eigen::VectorXd out(static_cast<Eigen::Index>(rows_.size()));
   const RecordedRigs rigs(rig, recordings_);
   for (const Stretch& stretch : stretches_) {
+    look_for_stop(stop_);
     const SampledCourse course = course_of(rigs, *gas[stretch.recording], stretch);
     double* row = out.data() + stretch.first_row;
     for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
@@ -396,10 +404,13 @@ std::vector<CylinderResiduals::Column> CylinderResiduals::plain_columns(std::spa
       wanted.push_back(hypotheses[i]);
     }
   }
-  const auto gas = gas_->of(wanted);
-  in_parallel(missing.size(), jobs_, [&](std::size_t m) {
-    out[missing[m]] = std::make_shared<const Eigen::VectorXd>(plain_column(wanted[m].rig, gas[m]));
-  });
+  for (std::size_t first = 0; first < wanted.size(); first += most_at_once) {
+    const auto some = std::span(wanted).subspan(first, std::min(most_at_once, wanted.size() - first));
+    const auto gas = gas_->of(some);
+    in_parallel(some.size(), jobs_, [&](std::size_t m) {
+      out[missing[first + m]] = std::make_shared<const Eigen::VectorXd>(plain_column(some[m].rig, gas[m]));
+    });
+  }
   if ((known_columns_.size() + missing.size()) * rows_.size() > most_known_rows) known_columns_.clear();
   for (const std::size_t i : missing) known_columns_.emplace(std::move(keys[i]), out[i]);
   return out;

@@ -17,6 +17,7 @@ namespace pneuservo {
 struct CylinderResidualsSettings {
   int jobs = 2;             ///< threads; they never change a number
   double longest_s = 1e9;   ///< of each recording, at most
+  StopQuestion stop;
 };
 
 /// Rows are bins of 10 ms. Pressures have the reading that the rig's sensors would give of the simulated gas; F is the
@@ -33,7 +34,10 @@ class CylinderResiduals final : public ResidualModel {
   const std::vector<ResidualRow>& rows() const override { return rows_; }
   std::size_t start_factor_count() const override { return 2 * recordings_.size(); }
   Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) override;
-  void set_stop(std::function<bool()> stop) override { gas_->set_stop(std::move(stop)); }
+  void set_stop(StopQuestion stop) override {
+    stop_ = std::move(stop);
+    gas_->set_stop(stop_);
+  }
   void set_working_point(const Hypothesis& hypothesis) override;
   std::vector<double> take_slow_error(const Hypothesis& hypothesis) override;
   void drop_slow_error() override { slow_errors_.assign(channels_.size(), {}); }
@@ -59,6 +63,7 @@ class CylinderResiduals final : public ResidualModel {
 
   void declare_channels();
   void declare_rows();
+  std::vector<PossibleRinging> ringing_of_all() const;
   void declare_answer(Stretch& stretch, const PossibleRinging& possible);
   /// What the lines' ringing may make of the mean over `count` samples [unit of the channel].
   double largest_ringing(const PossibleRinging& ringing, std::size_t recording, std::size_t channel, std::size_t first,
@@ -79,6 +84,7 @@ class CylinderResiduals final : public ResidualModel {
   std::vector<GaussianKernel> slow_kernels_;  ///< of each recording
   std::unique_ptr<GasRuns> gas_;
   int jobs_ = 1;
+  StopQuestion stop_;
   std::vector<ResidualChannel> channels_;
   std::vector<int> gas_channel_;  ///< of each channel; -1: F
   std::vector<ResidualRow> rows_;

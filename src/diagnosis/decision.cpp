@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "diagnosis/known_rows.hpp"
+
 #include "config/rig_parameters.hpp"
 #include "diagnosis/disturbances.hpp"
 
@@ -167,10 +169,9 @@ double ModelLevels::held_out_excess() const {
   return held > held_rows && fitted > 0 ? (held / held_rows) / (fitted / rows) : 1;
 }
 
-ModelLevels model_levels(ResidualModel& model, const Hypothesis& hypothesis, const DecisionRules& rules) {
+ModelLevels model_levels(ResidualModel& model, const Fit& fit, const DecisionRules& rules) {
   ModelLevels levels;
-  const std::vector<Hypothesis> one{hypothesis};
-  levels.residual = model.residuals(one).col(0);
+  levels.residual = residual_at(model, fit);
   levels.channels = channel_levels(model.rows(), model.channels().size(), levels.residual);
   levels.line = strongest_line(model.rows(), levels.residual, levels.channels, rules.line_level);
   if (levels.line) {
@@ -200,7 +201,7 @@ Decision chosen_chain(ResidualModel& model, const Search& search, const Decision
   decision.chosen = &search.owner();
   std::vector<const Explanation*> ranked = sizeable(search, 1, rules);
   if (const Explanation* small = unnamed_best(search, ranked, rules)) {
-    const bool is_seen = model_levels(model, search.owner().fit.hypothesis(), rules).highest() > rules.floor_level;
+    const bool is_seen = model_levels(model, search.owner().fit, rules).highest() > rules.floor_level;
     if (is_seen) ranked.insert(ranked.begin(), small);
     else ranked.clear();
   }
@@ -219,7 +220,7 @@ Decision chosen_chain(ResidualModel& model, const Search& search, const Decision
     const double needed = members == 1 ? rules.alarm_gain : std::max(next_gain, share * first_gain);
     if (gain < needed) break;
     decision.chosen = best;
-    const ModelLevels levels = model_levels(model, best->fit.hypothesis(), rules);
+    const ModelLevels levels = model_levels(model, best->fit, rules);
     next_gain = levels.highest() < rules.floor_level ? rules.next_gain_at_floor : rules.next_gain;
     decision.rivals = ranked;
     std::erase(decision.rivals, best);
@@ -342,7 +343,7 @@ Decision decide(ResidualModel& model, const Search& search, const DecisionRules&
 
 void judge_what_is_left(ResidualModel& model, const Search& search, const DecisionRules& rules, Decision& decision) {
   decision.is_shaken = decision.is_described = false;
-  decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
+  decision.levels = model_levels(model, decision.chosen->fit, rules);
   decision.reason = what_is_left(decision, model, rules);
   decision.beside_remainder = is_small_remainder(decision, search, rules);
   const bool is_named = decision.reason.empty() || decision.beside_remainder;
@@ -357,7 +358,7 @@ void judge_what_is_left(ResidualModel& model, const Search& search, const Decisi
                     1e6 * volume_beyond(*decision.chosen, search, decision.element));
   }
   if (is_named) say_described(search, decision);
-  else if (decision.element.empty() && find_shaking(model, search, rules, decision)) return;
+  else if (decision.element.empty() && model.simulates() && find_shaking(model, search, rules, decision)) return;
   DecisionRules sure = rules;
   if (decision.beside_remainder) sure.most_sure = rules.most_sure_beside;
   decision.probabilities = probabilities_of(decision.rivals, sure);
@@ -368,9 +369,9 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
   beside.most_sure = rules.most_sure_beside;
   Decision decision = chosen_chain(model, search, beside, rules.next_share_beside);
   decision.beside_remainder = true;
-  decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
+  decision.levels = model_levels(model, decision.chosen->fit, rules);
   decision.reason = what_is_left(decision, model, rules);
-  const ModelLevels before = model_levels(model, search.owner().fit.hypothesis(), rules);
+  const ModelLevels before = model_levels(model, search.owner().fit, rules);
   double most = 0;
   for (std::size_t c = 0; c < before.channels.size(); ++c) {
     const double was = std::pow(before.channels[c].fitted, 2), is = std::pow(decision.levels.channels[c].fitted, 2);
@@ -403,7 +404,7 @@ namespace {
 
 /// Squared residual of an explanation above what floors alone make, on fitted and held-out rows.
 double above_floors(ResidualModel& model, const Explanation& explanation, const DecisionRules& rules) {
-  const ModelLevels levels = model_levels(model, explanation.fit.hypothesis(), rules);
+  const ModelLevels levels = model_levels(model, explanation.fit, rules);
   double rows = 0;
   for (const ChannelLevel& c : levels.channels) rows += static_cast<double>(c.fitted_rows + c.held_out_rows);
   return std::max(levels.chi2(false) + levels.chi2(true) - rows, 0.0);
@@ -418,7 +419,7 @@ std::vector<std::pair<double, const Explanation*>> by_prediction(ResidualModel& 
   const std::vector<const Explanation*> ranked = sizeable(search, members, rules);
   for (const Explanation* e : ranked) {
     if (out.size() >= most_predicted) break;
-    const double foretold = model_levels(model, e->fit.hypothesis(), rules).chi2(true);
+    const double foretold = model_levels(model, e->fit, rules).chi2(true);
     out.emplace_back((e->log_evidence - 0.5 * foretold) / growth, e);
   }
   std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
@@ -451,7 +452,7 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
   decision.beside_remainder = true;
   const Explanation* richest = &search.owner();
   for (std::size_t members = 1; search.best_of(members) != nullptr; ++members) richest = search.best_of(members);
-  decision.growth = floor_growth(model_levels(model, richest->fit.hypothesis(), rules));
+  decision.growth = floor_growth(model_levels(model, richest->fit, rules));
   const double all = above_floors(model, search.owner(), rules), growth = decision.growth;
   double left = all, score = by_prediction(model, search, 0, growth, rules).front().first;
   std::vector<double> scores;
@@ -500,7 +501,7 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
                                      std::exp(std::max(-700.0, (s - scores.front()) / rules.temperature)));
   decision.gain = (decision.chosen->log_evidence - search.owner().log_evidence) / growth;
   decision.verdict = verdict_of(*decision.chosen, search);
-  decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
+  decision.levels = model_levels(model, decision.chosen->fit, rules);
   decision.reason = fmt::format("{}; {:.2g} % of the squared mismatch{}", what_is_left(decision, model, rules),
                                 100 * left / std::max(all, 1e-300), periodic_part(decision, model));
   const bool at_floor = decision.levels.highest() <= rules.floor_level && !decision.levels.line;

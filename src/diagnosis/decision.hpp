@@ -23,7 +23,7 @@ struct ModelLevels {
   /// floor is wider at the start of a recording, so that fitted rows may stay further below it.
   double held_out_excess() const;
 };
-ModelLevels model_levels(ResidualModel& model, const Hypothesis& hypothesis, const DecisionRules& rules);
+ModelLevels model_levels(ResidualModel& model, const Fit& fit, const DecisionRules& rules);
 
 /// The chosen explanation (no members: the owner's model) and its rivals with as many members.
 struct Decision {

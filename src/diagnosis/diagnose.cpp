@@ -13,11 +13,14 @@
 #include "config/input_error.hpp"
 #include "config/rig_parameters.hpp"
 #include "diagnosis/cylinder_residuals.hpp"
+#include "diagnosis/decision_answers.hpp"
 #include "diagnosis/driven_axis_residuals.hpp"
+#include "diagnosis/known_rows.hpp"
 #include "diagnosis/recording_doubts.hpp"
 #include "diagnosis/result_text.hpp"
 #include "diagnosis/stretches.hpp"
 #include "diagnosis/stroke_residuals.hpp"
+#include "diagnosis/telling_pieces.hpp"
 #include "diagnosis/vessel_residuals.hpp"
 
 namespace pneuservo {
@@ -34,156 +37,10 @@ double median(std::vector<double> values) {
 /// A squared mismatch above what floors alone make.
 double above_floor(double chi2, double floor) { return std::max(chi2 - floor, 0.0); }
 
-void add_parameters(const Decision& decision, const Candidate& candidate, DiagnosisAnswer& answer) {
-  const Explanation& chosen = *decision.chosen;
-  const Eigen::MatrixXd covariance = decision.growth * chosen.fit.covariance();
-  for (const FreeParameter& own : candidate.parameters)
-    for (std::size_t i = 0; i < chosen.fit.own_count; ++i) {
-      const FreeParameter& fitted = chosen.fit.parameters[i];
-      if (fitted.path != own.path) continue;
-      const auto at = static_cast<Eigen::Index>(i);
-      const std::string key =
-          candidate.kind == CandidateKind::parameter ? "value" : own.path.substr(own.path.rfind('.') + 1);
-      answer.parameters.push_back(
-          {key, fitted.value(chosen.fit.z(at)), fitted.slope(chosen.fit.z(at)) * std::sqrt(covariance(at, at))});
-    }
-}
-
-void add_answers(const Decision& decision, const Search& search, const DecisionRules& rules, Diagnosis& out) {
-  for (const std::size_t member : decision.chosen->members) {
-    const Candidate& candidate = search.candidates()[member];
-    DiagnosisAnswer answer;
-    answer.effect = candidate.name;
-    answer.element = candidate.element;
-    answer.probability = probability_of_member(decision, search, member, rules);
-    add_parameters(decision, candidate, answer);
-    answer.ambiguous_with = ambiguous_names(decision, search, member, rules);
-    // What leaving it out would cost, of all that the explanation takes.
-    double without = search.owner().fit.chi2();
-    for (const Explanation* smaller : search.ranking(decision.chosen->members.size() - 1))
-      if (std::find(smaller->members.begin(), smaller->members.end(), member) == smaller->members.end() &&
-          std::includes(decision.chosen->members.begin(), decision.chosen->members.end(), smaller->members.begin(),
-                        smaller->members.end()))
-        without = std::min(without, smaller->fit.chi2());
-    const double taken = std::max(search.owner().fit.chi2() - decision.chosen->fit.chi2(), 1e-9);
-    answer.share = std::clamp((without - decision.chosen->fit.chi2()) / taken, 0.0, 1.0);
-    out.answers.push_back(answer);
-  }
-  std::stable_sort(out.answers.begin(), out.answers.end(),
-                   [](const DiagnosisAnswer& a, const DiagnosisAnswer& b) { return a.share > b.share; });
-}
-
-void add_element_shares(const Decision& decision, const Search& search, Diagnosis& out) {
-  std::map<std::string, double> shares;
-  for (std::size_t i = 0; i < decision.rivals.size(); ++i)
-    for (const std::size_t member : decision.rivals[i]->members) {
-      const Candidate& candidate = search.candidates()[member];
-      double weight = 1.0 / static_cast<double>(decision.rivals[i]->members.size());
-      for (const DiagnosisAnswer& answer : out.answers)  // of two at once, by what each takes
-        if (answer.effect == candidate.name && out.answers.size() > 1) weight = answer.share;
-      shares[candidate.element] += weight * decision.probabilities[i];
-    }
-  double sum = 1e-300;
-  for (const auto& [element, share] : shares) sum += share;
-  for (const auto& [element, share] : shares)
-    if (share / sum > 0.005) out.elements.push_back({element, share / sum});
-  std::stable_sort(out.elements.begin(), out.elements.end(),
-                   [](const ElementShare& a, const ElementShare& b) { return a.share > b.share; });
-}
-
-/// What the patterns of each element over all channels take of what is left on the owner's model.
-std::vector<ElementPattern> patterns_of_elements(ResidualModel& model, const Search& search,
-                                                 const DecisionRules& rules) {
-  const Hypothesis here = search.owner().fit.hypothesis();
-  const ModelLevels owner = model_levels(model, here, rules);
-  std::vector<Hypothesis> hypotheses;
-  std::vector<std::string> elements;
-  for (const Candidate& candidate : search.candidates()) {
-    if (candidate.kind != CandidateKind::effect) continue;
-    for (const std::vector<double>& start : candidate.starts) {
-      std::vector<double> z = start;
-      for (std::size_t p = 0; p < z.size(); ++p)
-        if (candidate.amplitude[p])
-          z[p] = std::clamp(candidate.parameters[p].z(get_parameter(here.rig, candidate.parameters[p].path)),
-                            candidate.parameters[p].lower, candidate.parameters[p].upper) +
-                 0.05;
-      hypotheses.push_back(with_parameters(here, candidate.parameters, z));
-      elements.push_back(candidate.element);
-    }
-  }
-  Eigen::MatrixXd patterns = model.residuals(hypotheses);
-  patterns.colwise() -= owner.residual;
-  for (Eigen::Index c = 0; c < patterns.cols(); ++c)
-    if (!patterns.col(c).allFinite()) patterns.col(c).setZero();
-  return element_patterns(model.rows(), owner.residual, patterns, elements);
-}
-
-/// The same by what the screening says that each name would gain: for those who asked to stop.
-std::vector<ElementPattern> screened_elements(const Search& search) {
-  std::map<std::string, double> gains;
-  for (const Screened& s : search.first_screening()) {
-    double& gain = gains[search.candidates()[s.candidate].element];
-    gain = std::max(gain, s.gain);
-  }
-  std::vector<ElementPattern> out;
-  for (const auto& [element, gain] : gains) out.push_back({element, gain});
-  std::stable_sort(out.begin(), out.end(),
-                   [](const ElementPattern& a, const ElementPattern& b) { return a.explained > b.explained; });
-  return out;
-}
-
-/// Where something sits that has no name: the element whose patterns over all channels take most of what is left on the
-/// owner's model.
-void add_unknown(ResidualModel& model, const Decision& decision, const Search& search, const DecisionRules& rules,
-                 Diagnosis& out) {
-  double sum = 1e-300;
-  const std::vector<ElementPattern> ranked =
-      out.stopped ? screened_elements(search) : patterns_of_elements(model, search, rules);
-  std::vector<ElementPattern> patterns_by_element = ranked;
-  std::string element = decision.element;
-  if (decision.levels.line && element.empty()) {  // a periodic part in the force or the supply sits there
-    const std::string& channel = model.channels()[static_cast<std::size_t>(decision.levels.line->channel)].name;
-    element = channel == "F" ? "motion" : channel == "p_supply" ? "supply" : "";
-  }
-  if (!element.empty()) {
-    std::stable_partition(patterns_by_element.begin(), patterns_by_element.end(),
-                          [&](const ElementPattern& e) { return e.element == element; });
-    if (!patterns_by_element.empty() && patterns_by_element.front().element == element)
-      patterns_by_element.front().explained = std::max(ranked.front().explained * 1.01, 1e-9);
-  }
-  for (const ElementPattern& e : patterns_by_element) sum += e.explained;
-  for (const ElementPattern& e : patterns_by_element) out.elements.push_back({e.element, e.explained / sum});
-  DiagnosisAnswer answer;
-  answer.effect = "unknown";
-  answer.element = out.elements.empty() ? "motion" : out.elements.front().element;
-  answer.probability = rules.unknown_sure;
-  answer.note = decision.reason;
-  if (!decision.chosen->members.empty() && !decision.is_described) {
-    const double before = search.owner().fit.chi2(), after = decision.chosen->fit.chi2();
-    std::string names;
-    for (const std::size_t m : decision.chosen->members)
-      names += (names.empty() ? "" : " and ") + search.candidates()[m].name;
-    answer.note += fmt::format("; the best name, {}, takes {:.0f} % of the squared mismatch", names,
-                               100 * std::max(0.0, 1 - after / std::max(before, 1e-300)));
-  }
-  out.answers = {answer};
-}
-
-void add_candidates(const Decision& decision, const Search& search, Diagnosis& out) {
-  for (std::size_t i = 0; i < decision.rivals.size() && i < 12; ++i) {
-    RankedExplanation ranked;
-    for (const std::size_t m : decision.rivals[i]->members) ranked.effects.push_back(search.candidates()[m].name);
-    ranked.probability = decision.probabilities[i];
-    ranked.log_evidence_behind =
-        std::max(0.0, (decision.rivals.front()->log_evidence - decision.rivals[i]->log_evidence) / decision.growth);
-    out.candidates.push_back(ranked);
-  }
-}
-
 /// Share of the squared mismatch above the sensors' floors that the chosen names take, the grown floor left aside.
 double plainly_explained(ResidualModel& model, const Search& search, const Decision& decision,
                          const DecisionRules& rules) {
-  const ModelLevels owner = model_levels(model, search.owner().fit.hypothesis(), rules);
+  const ModelLevels owner = model_levels(model, search.owner().fit, rules);
   double rows = 0;
   for (const ChannelLevel& c : owner.channels) rows += static_cast<double>(c.fitted_rows);
   const double all = above_floor(owner.chi2(false), rows), left = above_floor(decision.levels.chi2(false), rows);
@@ -193,9 +50,8 @@ double plainly_explained(ResidualModel& model, const Search& search, const Decis
 void add_fit(ResidualModel& model, const Search& search, const Decision& decision, const DecisionRules& rules,
              Diagnosis& out) {
   const std::vector<ResidualChannel>& channels = model.channels();
-  const Hypothesis before = search.as_configured().hypothesis(), after = decision.chosen->fit.hypothesis();
-  const std::vector<ChannelMisfit> misfit_before = model.sample_misfit(before),
-                                   misfit_after = model.sample_misfit(after);
+  const Fit &before = search.as_configured(), &after = decision.chosen->fit;
+  const std::vector<ChannelMisfit> misfit_before = misfit_at(model, before), misfit_after = misfit_at(model, after);
   std::vector<double> ratios, over;
   for (std::size_t c = 0; c < channels.size(); ++c) {
     ChannelFit fit;
@@ -213,16 +69,15 @@ void add_fit(ResidualModel& model, const Search& search, const Decision& decisio
   out.held_out_ratio = median(ratios);
   out.over_noise = median(over);
   out.residual_channels = channels;
-  const std::vector<Hypothesis> configured{before};
-  const Eigen::VectorXd residual_before = model.residuals(configured).col(0);
+  const Eigen::VectorXd residual_before = residual_at(model, before);
   for (std::size_t i = 0; i < model.rows().size(); ++i) {
     if (model.rows()[i].over_recording) continue;
     out.rows.push_back(model.rows()[i]);
     out.residual_before.push_back(residual_before(static_cast<Eigen::Index>(i)));
     out.residual_after.push_back(decision.levels.residual(static_cast<Eigen::Index>(i)));
   }
-  out.courses_before = model.courses(before);
-  out.courses_after = model.courses(after);
+  out.courses_before = courses_at(model, before);
+  out.courses_after = courses_at(model, after);
   const double floor = std::min(decision.chosen->fit.chi2(), static_cast<double>(decision.levels.residual.size()));
   const double total = above_floor(search.owner().fit.chi2(), floor);
   out.explained_share = total > 0 ? 1 - above_floor(decision.chosen->fit.chi2(), floor) / total : 0;
@@ -283,16 +138,14 @@ void add_times(const ResidualModel& model, double bin_s, Diagnosis& out) {
 /// Beside small physics the residual is not smooth, and fits creep on: by a twentieth of an alarm's gain in all.
 constexpr double settled_gain_beside = 3.0;
 
-/// The verdict on a search, with the chosen explanation fitted to its end.
-Decision decided(ResidualModel& model, Search& search, const DecisionRules& rules, Diagnosis& out) {
+/// The verdict on a search, with the chosen explanation fitted to its end where the model still simulates.
+Decision decided(const Rig& rig, ResidualModel& model, Search& search, const DecisionRules& rules) {
   Decision decision = decide(model, search, rules);
-  if (out.stopped) return decision;
-  try {
-    if (search.settle(*decision.chosen)) judge_what_is_left(model, search, rules, decision);
-  } catch (const DiagnosisStopped&) {
-    out.stopped = true;
-    out.warnings.emplace_back("stopped early: the chosen explanation is not fitted to its end");
-  }
+  if (model.simulates() && search.settle(*decision.chosen)) judge_what_is_left(model, search, rules, decision);
+  const bool leaves_something = decision.levels.highest() > rules.floor_level;
+  if (!rig.is_pneumatic() && !decision.is_shaken &&
+      (decision.verdict == Verdict::unknown || leaves_something || !rig.has_controller()))
+    decision = decide_in_one_quantity(model, search, rules);
   return decision;
 }
 
@@ -329,16 +182,6 @@ void require_comparison(const Rig& rig, FittedRows& rows) {
                     rig.name));
 }
 
-void run_search(Search& search, Diagnosis& out) {
-  try {
-    search.run();
-  } catch (const DiagnosisStopped&) {
-    out.stopped = true;
-    out.warnings.emplace_back("stopped early: names not yet tried are missing from the candidates");
-    if (search.owner().fit.z.size() == 0) throw;
-  }
-}
-
 /// Only the columns that are compared here: a virtual machine may record more than the real one has.
 Recording with_compared_columns(Recording recording, const std::vector<ResidualChannel>& channels) {
   for (std::size_t c = recording.names.size(); c-- > 0;) {
@@ -359,10 +202,15 @@ void add_next_experiment(const Rig& rig, const ResidualModel& model, const Decis
   if (!options.virtual_machine || !has_rivals || out.stopped) return;
   if (options.progress) options.progress(0.97, "next experiment");
   const CompareRecording compare = [&](const Recording& recording) {
-    return make_residual_model(rig, {with_compared_columns(recording, model.channels())}, options.jobs);
+    return make_residual_model(rig, {with_compared_columns(recording, model.channels())}, options.jobs, options.stop);
   };
-  out.next_experiment = propose_experiment(rig, decision, search, options.rules,
-                                           motion_range(model.rows()).top_speed_mps, options.virtual_machine, compare);
+  try {
+    out.next_experiment =
+        propose_experiment(rig, decision, search, options.rules, motion_range(model.rows()).top_speed_mps,
+                           options.virtual_machine, compare, options.stop);
+  } catch (const DiagnosisStopped&) {  // the verdict stands
+    out.warnings.emplace_back("stopped early: the verdict is complete, a next experiment was not chosen");
+  }
 }
 
 /// Whether the verdict needs more than any one machine should lack: as many names as are ever sought, or more of the
@@ -424,7 +272,7 @@ Decision with_small_physics(const Rig& rig, FittedRows& rows, std::vector<Candid
   DecisionRules rules = options.rules;
   rules.most_names = 1;
   search.emplace(rows, granted.rig, std::move(candidates), settings, rules, options.progress);
-  run_search(*search, out);
+  search->run();
   const Explanation* best = search->best_of(1);
   const std::vector<double> levels = model.take_slow_error((best ? *best : search->owner()).fit.hypothesis());
   model.drop_slow_error();
@@ -447,58 +295,58 @@ Rig without_disturbances(Rig rig, std::vector<std::string>& warnings) {
   return rig;
 }
 
-}  // namespace
+/// While it lives the model may be stopped in the midst of a run.
+class StopWhileAlive {
+ public:
+  StopWhileAlive(ResidualModel& model, const StopQuestion& stop) : model_(model) { model_.set_stop(stop); }
+  ~StopWhileAlive() { model_.set_stop({}); }
+  StopWhileAlive(const StopWhileAlive&) = delete;
+  StopWhileAlive& operator=(const StopWhileAlive&) = delete;
 
-std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int jobs) {
-  const int threads = jobs > 0 ? jobs : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  if (rig.kind == RigKind::vessel || rig.kind == RigKind::switched_cylinder)
-    for (const Recording& recording : recordings)
-      if (!recording.changed.empty())
-        throw InputError(fmt::format("{}: found a changed {}, expected none: recordings of a {} share one config",
-                                     recording.path, recording.changed.front().first,
-                                     rig_kind_names[static_cast<std::size_t>(rig.kind)]));
-  if (rig.kind == RigKind::driven_axis) return std::make_unique<DrivenAxisResiduals>(rig, recordings);
-  if (rig.kind == RigKind::vessel) return std::make_unique<VesselResiduals>(rig, recordings, threads);
-  if (rig.kind == RigKind::switched_cylinder) return std::make_unique<StrokeResiduals>(rig, recordings, threads);
-  CylinderResidualsSettings settings;
-  settings.jobs = threads;
-  return std::make_unique<CylinderResiduals>(rig, recordings, settings);
-}
+ private:
+  ResidualModel& model_;
+};
 
-Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& options) {
+Diagnosis empty_diagnosis(const Rig& rig) {
   Diagnosis out;
   out.rig = rig.name;
   out.configured = rig;
-  FittedRows rows(model, options.stop);
-  require_comparison(rig, rows);
-  const std::vector<Candidate> candidates =
-      without_unexcited(all_candidates(rig, model.channels(), motion_range(model.rows())), model.rows());
-  SearchSettings settings;
-  Search first_search(rows, rig, candidates, settings, options.rules, options.progress);
-  run_search(first_search, out);
-  if (options.progress) options.progress(0.95, "verdict");
-  Decision decision = decided(model, first_search, options.rules, out);
-  const bool leaves_something = decision.levels.highest() > options.rules.floor_level;
-  if (!rig.is_pneumatic() && !decision.is_shaken &&
-      (decision.verdict == Verdict::unknown || leaves_something || !rig.has_controller()))
-    decision = decide_in_one_quantity(model, first_search, options.rules);
-  std::optional<Search> beside;
+  return out;
+}
+
+/// The verdict on the first search; where it is doubtful, on a second one with small physics free, which is then in
+/// `beside`.
+Decision decided_twice(const Rig& rig, FittedRows& rows, Search& search, const DiagnoseOptions& options,
+                       std::optional<Search>& beside, Diagnosis& out) {
+  ResidualModel& model = rows.model();
+  Decision decision = decided(rig, model, search, options.rules);
   const bool left_everywhere = decision.verdict == Verdict::unknown && !decision.is_described &&
                                is_everywhere(model.channels(), decision.levels.channels, options.rules.floor_level);
-  if (!out.stopped && (left_everywhere || is_doubtful(rig, decision, options.rules))) {
-    const std::vector<std::string> warnings = out.warnings;
-    const Decision granted = with_small_physics(rig, rows, candidates, first_search, options, beside, out);
-    if (left_everywhere || fits_as_well(granted, decision, options.rules)) {
-      decision = granted;
-    } else {  // what was doubted explains what small physics and one name do not
-      beside.reset();
-      out.warnings = warnings;
-      model.set_working_point(decision.chosen->fit.hypothesis());
-    }
-  }
-  const Search& search = beside ? *beside : first_search;
+  if (!left_everywhere && !is_doubtful(rig, decision, options.rules)) return decision;
+  Decision granted = with_small_physics(rig, rows, search.candidates(), search, options, beside, out);
+  if (left_everywhere || fits_as_well(granted, decision, options.rules)) return granted;
+  beside.reset();  // what was doubted explains what small physics and one name do not
+  out.warnings.clear();
+  model.set_working_point(decision.chosen->fit.hypothesis());
+  return decision;
+}
+
+/// The best model as a config, without what a config has no key for.
+void add_improved(const Decision& decision, Diagnosis& out) {
+  out.improved = without_empty_port_volumes(decision.chosen->fit.hypothesis().rig);
+  double& overlap_V = out.improved.axis.effects.valve.valve_dead_band.width_V;
+  if (overlap_V >= 0) return;
+  out.warnings.push_back(fmt::format("the edges of the valve overlap by {:.3g} V (an underlap), for which a config has "
+                                     "no key: the improved config goes without it",
+                                     overlap_V));
+  overlap_V = 0;
+}
+
+/// Everything that a decision and its search say.
+void tell(const Rig& rig, ResidualModel& model, const Decision& decision, const Search& search,
+          const DiagnoseOptions& options, Diagnosis& out) {
   out.verdict = decision.verdict;
-  if (beside && out.verdict == Verdict::consistent) add_small_physics(rig, decision, out);
+  if (search.grants_small_physics() && out.verdict == Verdict::consistent) add_small_physics(rig, decision, out);
   add_candidates(decision, search, out);
   if (decision.verdict == Verdict::unknown) add_unknown(model, decision, search, options.rules, out);
   else if (decision.verdict != Verdict::consistent) {
@@ -514,38 +362,88 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   add_moved(rig, decision, out);
   add_times(model, 0.01, out);
   add_next_experiment(rig, model, decision, search, options, out);
-  out.improved = without_empty_port_volumes(decision.chosen->fit.hypothesis().rig);
-  double& overlap_V = out.improved.axis.effects.valve.valve_dead_band.width_V;
-  if (overlap_V < 0) {
-    out.warnings.push_back(
-        fmt::format("the edges of the valve overlap by {:.3g} V (an underlap), for which a config has "
-                    "no key: the improved config goes without it",
-                    overlap_V));
-    overlap_V = 0;
-  }
-  out.hypotheses_tried = rows.hypotheses_tried();
+  add_improved(decision, out);
   out.sentence = verdict_sentence(out);
+}
+
+/// What is to be told of recordings as they were read.
+std::vector<std::string> told_of(const Rig& rig, const std::vector<Recording>& recordings) {
+  std::vector<std::string> out;
+  for (const Recording& recording : recordings) {
+    for (const auto& [path, value] : recording.changed)
+      out.push_back(fmt::format("{}: made with {} = {:g} instead of {:g}, and compared so", recording.path, path, value,
+                                get_parameter(rig, path)));
+    for (const std::string& line : problem_lines(recording)) out.push_back(line);
+  }
   return out;
 }
 
-Diagnosis diagnose(const Rig& configured, const std::vector<Recording>& recordings, const DiagnoseOptions& options) {
+}  // namespace
+
+std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int jobs,
+                                                   const StopQuestion& stop) {
+  const int threads = jobs > 0 ? jobs : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  if (rig.kind == RigKind::vessel || rig.kind == RigKind::switched_cylinder)
+    for (const Recording& recording : recordings)
+      if (!recording.changed.empty())
+        throw InputError(fmt::format("{}: found a changed {}, expected none: recordings of a {} share one config",
+                                     recording.path, recording.changed.front().first,
+                                     rig_kind_names[static_cast<std::size_t>(rig.kind)]));
+  if (rig.kind == RigKind::driven_axis) return std::make_unique<DrivenAxisResiduals>(rig, recordings);
+  if (rig.kind == RigKind::vessel) return std::make_unique<VesselResiduals>(rig, recordings, threads);
+  if (rig.kind == RigKind::switched_cylinder) return std::make_unique<StrokeResiduals>(rig, recordings, threads);
+  CylinderResidualsSettings settings;
+  settings.jobs = threads;
+  settings.stop = stop;
+  return std::make_unique<CylinderResiduals>(rig, recordings, settings);
+}
+
+Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& options) {
+  const StopWhileAlive stoppable(model, options.stop);
+  FittedRows rows(model, options.stop);
+  require_comparison(rig, rows);
+  const std::vector<Candidate> candidates =
+      without_unexcited(all_candidates(rig, model.channels(), motion_range(model.rows())), model.rows());
+  Search search(rows, rig, candidates, {}, options.rules, options.progress);
+  Diagnosis out = empty_diagnosis(rig);
+  try {
+    search.run();
+    if (options.progress) options.progress(0.95, "verdict");
+    std::optional<Search> beside;
+    const Decision decision = decided_twice(rig, rows, search, options, beside, out);
+    tell(rig, model, decision, beside ? *beside : search, options, out);
+  } catch (const DiagnosisStopped&) {
+    if (search.owner().fit.z.size() == 0) throw;
+    KnownRows known(model);
+    out = empty_diagnosis(rig);
+    out.stopped = true;
+    out.warnings.emplace_back("stopped early: names not yet tried are missing, and no fit need be at its end");
+    tell(rig, known, decided(rig, known, search, options.rules), search, options, out);
+  }
+  out.hypotheses_tried = rows.hypotheses_tried();
+  return out;
+}
+
+Diagnosis diagnose(const Rig& configured, std::vector<Recording> recordings, const DiagnoseOptions& options) {
   if (recordings.empty()) throw InputError("diagnose: no recording, expected at least one");
   std::vector<std::string> left_out;
   const Rig rig = without_disturbances(configured, left_out);
   if (options.progress) options.progress(0.01, "recordings");
-  std::vector<Recording> doubted = recordings;
-  doubt_recordings(rig, doubted, left_out);
-  const std::vector<Recording> stretches = compared_stretches(rig, std::move(doubted), left_out);
-  const std::unique_ptr<ResidualModel> model = make_residual_model(rig, stretches, options.jobs);
+  const std::vector<std::string> told = told_of(rig, recordings);
+  look_for_stop(options.stop);
+  doubt_recordings(rig, recordings, left_out);
+  look_for_stop(options.stop);
+  TellingPieces pieces = telling_pieces(rig, compared_stretches(rig, std::move(recordings), left_out));
+  if (options.progress) options.progress(0.02, "model of the recordings");
+  const std::unique_ptr<ResidualModel> model = make_residual_model(rig, pieces.recordings, options.jobs, options.stop);
+  std::vector<std::string> paths;
+  for (const Recording& piece : pieces.recordings) paths.push_back(piece.path);
+  pieces.recordings.clear();
   Diagnosis out = diagnose(rig, *model, options);
+  out.coverage = std::move(pieces.coverage);
+  out.recordings = std::move(paths);
   out.warnings.insert(out.warnings.end(), left_out.begin(), left_out.end());
-  for (const Recording& stretch : stretches) out.recordings.push_back(stretch.path);
-  for (const Recording& recording : recordings) {
-    for (const auto& [path, value] : recording.changed)
-      out.warnings.push_back(fmt::format("{}: made with {} = {:g} instead of {:g}, and compared so", recording.path,
-                                         path, value, get_parameter(rig, path)));
-    for (const std::string& line : problem_lines(recording)) out.warnings.push_back(line);
-  }
+  out.warnings.insert(out.warnings.end(), told.begin(), told.end());
   return out;
 }
 

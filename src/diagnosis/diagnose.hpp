@@ -15,18 +15,19 @@ namespace pneuservo {
 struct DiagnoseOptions {
   int jobs = 0;                                                    ///< threads; 0: as many as the machine has
   std::function<void(double share, const std::string& what)> progress;
-  std::function<bool()> stop;                                      ///< true ends early with what is there
+  StopQuestion stop;                                               ///< true ends early with what is there
   DecisionRules rules;
   VirtualMachine
       virtual_machine;  ///< makes the recordings that a next experiment is chosen by; empty: none is proposed
 };
 
 /// The comparison of a rig's recordings with its model. Throws InputError: columns missing, another rig's recording.
-std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int jobs);
+std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int jobs,
+                                                   const StopQuestion& stop = {});
 
-/// Throws InputError for recordings that cannot be used.
-Diagnosis diagnose(const Rig& configured, const std::vector<Recording>& recordings,
-                   const DiagnoseOptions& options = {});
+/// The recordings are let go once their pieces are taken. Throws InputError for recordings that cannot be used, and
+/// DiagnosisStopped where nothing is known yet.
+Diagnosis diagnose(const Rig& configured, std::vector<Recording> recordings, const DiagnoseOptions& options = {});
 /// The same on a comparison that is there already.
 Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& options = {});
 

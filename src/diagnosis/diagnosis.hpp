@@ -77,6 +77,19 @@ struct ProposedExperiment {
   std::string use() const;
 };
 
+/// A span of a recording.
+struct ComparedSpan {
+  std::string recording;
+  double from_s = 0, to_s = 0;
+};
+
+/// What of the recordings is compared.
+struct Coverage {
+  double recorded_s = 0;
+  std::vector<ComparedSpan> spans;
+  std::string choice;  ///< how the spans were chosen; empty: everything usable is compared
+};
+
 struct Diagnosis {
   std::string rig;
   std::vector<std::string> recordings;
@@ -90,6 +103,7 @@ struct Diagnosis {
   double explained_share = 0;  ///< of the squared mismatch above the floor that the answers take
   std::vector<std::string> warnings;
   double admitted_s = 0, held_out_s = 0;
+  Coverage coverage;
   std::vector<DetectableSize> detectable;
   std::vector<MovedParameter> moved;
   std::optional<ProposedExperiment> next_experiment;

@@ -21,7 +21,7 @@ Decision unknown_at(const std::string& element, ResidualModel& model, const Sear
   decision.chosen = &search.owner();
   decision.rivals = {decision.chosen};
   decision.probabilities = probabilities_of(decision.rivals, rules);
-  decision.levels = model_levels(model, decision.chosen->fit.hypothesis(), rules);
+  decision.levels = model_levels(model, decision.chosen->fit, rules);
   decision.reason = what_is_left(decision, model, rules);
   return decision;
 }

@@ -172,6 +172,7 @@ std::pair<double, double> DrivenAxisResiduals::piston_force(const Part& part, co
 
 std::pair<std::vector<double>, std::vector<double>> DrivenAxisResiduals::forces(const Part& part,
                                                                                 const Rig& rig) const {
+  look_for_stop(stop_);
   const SensorEffects<double>& sensor = rig.sensor_effects[force_sensor];
   std::vector<double> drive = part.drive_N;
   for (std::size_t i = 0; i < drive.size(); ++i)

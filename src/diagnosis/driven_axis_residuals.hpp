@@ -22,6 +22,7 @@ class DrivenAxisResiduals : public ResidualModel {
 
   const std::vector<ResidualChannel>& channels() const override { return channels_; }
   const std::vector<ResidualRow>& rows() const override { return rows_; }
+  void set_stop(StopQuestion stop) override { stop_ = std::move(stop); }
   Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) override;
   std::vector<ChannelMisfit> sample_misfit(const Hypothesis& hypothesis) override;
   std::vector<ResidualCourse> courses(const Hypothesis& hypothesis) override;
@@ -47,6 +48,7 @@ class DrivenAxisResiduals : public ResidualModel {
 
   std::vector<ResidualChannel> channels_;
   std::vector<ResidualRow> rows_;
+  StopQuestion stop_;
   std::vector<Part> parts_;
   std::vector<Bin> bins_;
   bool has_held_out_ = false;  ///< whole recordings are; else stretches of each

@@ -109,22 +109,16 @@ bool store_residual(Fit& fit, const Eigen::VectorXd& residual) {
 
 }  // namespace
 
-FittedRows::FittedRows(ResidualModel& model, std::function<bool()> stop) : model_(model), stop_(std::move(stop)) {
+FittedRows::FittedRows(ResidualModel& model, StopQuestion stop) : model_(model), stop_(std::move(stop)) {
   const std::vector<ResidualRow>& rows = model.rows();
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (!rows[i].held_out) fitted_.push_back(static_cast<int>(i));
 }
 
 Eigen::MatrixXd FittedRows::operator()(const std::vector<Hypothesis>& hypotheses) {
-  if (stop_ && stop_()) throw DiagnosisStopped();
+  look();
   tried_ += hypotheses.size();
   if (hypotheses.empty()) return Eigen::MatrixXd(count(), 0);
-  // What is asked of the model elsewhere, the verdict on what is there, is not to be stopped.
-  struct Stoppable {
-    ResidualModel& model;
-    ~Stoppable() { model.set_stop({}); }
-  } stoppable{model_};
-  model_.set_stop(stop_);
   return model_.residuals(hypotheses)(fitted_, Eigen::all);
 }
 

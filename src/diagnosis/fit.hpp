@@ -15,10 +15,12 @@ namespace pneuservo {
 class FittedRows {
  public:
   /// stop: asked before every batch; true ends the work with DiagnosisStopped.
-  FittedRows(ResidualModel& model, std::function<bool()> stop);
+  FittedRows(ResidualModel& model, StopQuestion stop);
 
   /// Residuals of the fitted rows, a column a hypothesis.
   Eigen::MatrixXd operator()(const std::vector<Hypothesis>& hypotheses);
+  /// For what takes long between two batches; throws DiagnosisStopped.
+  void look() const { look_for_stop(stop_); }
   Eigen::Index count() const { return static_cast<Eigen::Index>(fitted_.size()); }
   const ResidualRow& row(Eigen::Index i) const {
     return model_.rows()[static_cast<std::size_t>(fitted_[static_cast<std::size_t>(i)])];
@@ -28,7 +30,7 @@ class FittedRows {
 
  private:
   ResidualModel& model_;
-  std::function<bool()> stop_;
+  StopQuestion stop_;
   std::vector<int> fitted_;
   std::size_t tried_ = 0;
 };

@@ -99,7 +99,8 @@ double length_tolerance(const Rig& owner, const char* path) {
 
 }  // namespace
 
-PossibleRinging possible_ringing(const ImposedInputs& inputs, const Rig& owner, const PlantGrid& grid) {
+PossibleRinging possible_ringing(const ImposedInputs& inputs, const Rig& owner, const PlantGrid& grid,
+                                 const StopQuestion& stop) {
   const double wave_m = Air<double>(owner.axis.air).sound_speed() * inputs.period_s;
   const auto long_enough = [&](const LineParameters<double>& line) { return line.length_m >= wave_m; };
   const double spool = owner.axis.valve.natural_frequency_Hz * inputs.step_s();
@@ -115,7 +116,7 @@ PossibleRinging possible_ringing(const ImposedInputs& inputs, const Rig& owner, 
     rigs[i].axis.line_2.length_m *= 1.0 + z * length_tolerance(owner, "line_2.length_m");
     runs[i] = {&rigs[i], {}};
   }
-  const std::vector<GasCourse> courses = run_imposed(in_parts(inputs), runs, in_parts(grid));
+  const std::vector<GasCourse> courses = run_imposed(in_parts(inputs), runs, in_parts(grid), stop);
   const Eigen::RowVectorXd weights = ringing_weights(stair_of(owner, inputs.period_s));
   PossibleRinging out;
   for (const GasCourse& whole : courses) {

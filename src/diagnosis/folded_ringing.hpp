@@ -21,6 +21,7 @@ using PossibleRinging = std::vector<PossibleCourse>;
 /// Within each period a parabola, the command's stair and sines of the sampling rate and twice it are fitted to a
 /// port's pressure; the sines' value at the period's end is the ringing. No courses where the command's stairs are
 /// slower than 2 ms (they ring with modes that every grid carries), or where sound crosses both lines within a stair.
-PossibleRinging possible_ringing(const ImposedInputs& inputs, const Rig& owner, const PlantGrid& grid);
+PossibleRinging possible_ringing(const ImposedInputs& inputs, const Rig& owner, const PlantGrid& grid,
+                                 const StopQuestion& stop = {});
 
 }  // namespace pneuservo

@@ -22,16 +22,18 @@ constexpr std::size_t most_known = 64;  // courses kept of each recording, 0.3 M
 bool finite(const GasCourse& course) { return std::isfinite(course[0].back()); }
 
 /// As run_imposed; a rig that an element refuses has a course of NaN, which drops that hypothesis and no other.
-std::vector<GasCourse> run_or_drop(const ImposedInputs& inputs, std::span<const ImposedRun> runs,
-                                   const PlantGrid& grid) {
+std::vector<GasCourse> run_or_drop(const ImposedInputs& inputs, std::span<const ImposedRun> runs, const PlantGrid& grid,
+                                   const StopQuestion& stop) {
   try {
-    return run_imposed(inputs, runs, grid);
-  } catch (const std::bad_alloc&) { throw; } catch (const std::exception&) {
+    return run_imposed(inputs, runs, grid, stop);
+  } catch (const std::bad_alloc&) { throw; } catch (const DiagnosisStopped&) {
+    throw;
+  } catch (const std::exception&) {
     GasCourse nothing;
     for (auto& values : nothing) values.assign(inputs.samples(), std::numeric_limits<double>::quiet_NaN());
     if (runs.size() == 1) return {nothing};
     std::vector<GasCourse> out;
-    for (const ImposedRun& run : runs) out.push_back(run_or_drop(inputs, std::span(&run, 1), grid)[0]);
+    for (const ImposedRun& run : runs) out.push_back(run_or_drop(inputs, std::span(&run, 1), grid, stop)[0]);
     return out;
   }
 }
@@ -40,14 +42,16 @@ std::vector<GasCourse> run_or_drop(const ImposedInputs& inputs, std::span<const 
 
 void in_parallel(std::size_t count, int jobs, const std::function<void(std::size_t)>& work) {
   std::atomic<std::size_t> next{0};
+  std::atomic<bool> has_failed{false};
   std::exception_ptr failure;
   std::mutex mutex;
   const auto take = [&] {
-    for (std::size_t i = next++; i < count; i = next++) try {
+    for (std::size_t i = next++; i < count && !has_failed; i = next++) try {
         work(i);
       } catch (...) {
         const std::lock_guard lock(mutex);
         if (!failure) failure = std::current_exception();
+        has_failed = true;
       }
   };
   std::vector<std::jthread> threads;
@@ -58,9 +62,9 @@ void in_parallel(std::size_t count, int jobs, const std::function<void(std::size
   if (failure) std::rethrow_exception(failure);
 }
 
-GasRuns::GasRuns(const Rig& owner, const std::vector<CylinderRecording>& recordings, int jobs)
-    : recordings_(recordings), jobs_(jobs), known_(recordings.size()), order_(recordings.size()),
-      grid_error_(recordings.size()) {
+GasRuns::GasRuns(const Rig& owner, const std::vector<CylinderRecording>& recordings, int jobs, StopQuestion stop)
+    : recordings_(recordings), jobs_(jobs), stop_(std::move(stop)), known_(recordings.size()),
+      order_(recordings.size()), grid_error_(recordings.size()) {
   const RecordedRigs rigs(owner, recordings);
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     const double step_s = recordings[r].inputs.step_s();
@@ -137,10 +141,9 @@ std::vector<std::vector<GasRuns::Course>> GasRuns::of(std::span<const Hypothesis
     }
   }
   in_parallel(batches.size(), jobs_, [&](std::size_t b) {
-    if (stop_ && stop_()) throw DiagnosisStopped();
     Batch& batch = batches[b];
     for (GasCourse& course :
-         run_or_drop(recordings_[batch.recording].inputs, batch.runs, work_grid_[batch.recording])) {
+         run_or_drop(recordings_[batch.recording].inputs, batch.runs, work_grid_[batch.recording], stop_)) {
       for (std::size_t channel = 0; channel < gas_channels && !grid_error_[batch.recording][channel].empty(); ++channel)
         for (std::size_t k = 0; k < course[channel].size(); ++k)
           course[channel][k] += grid_error_[batch.recording][channel][k];
@@ -164,7 +167,8 @@ void GasRuns::set_working_point(const Hypothesis& hypothesis) {
     const std::size_t r = i % recordings_.size();
     const bool is_fine = i < recordings_.size();
     const std::array<ImposedRun, 1> run{run_of(rigs, hypothesis, r)};
-    (is_fine ? fine : work)[r] = run_imposed(recordings_[r].inputs, run, (is_fine ? fine_grid_ : work_grid_)[r])[0];
+    (is_fine ? fine : work)[r] =
+        run_imposed(recordings_[r].inputs, run, (is_fine ? fine_grid_ : work_grid_)[r], stop_)[0];
   });
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
     if (!finite(fine[r]) || !finite(work[r])) continue;

@@ -12,7 +12,8 @@
 
 namespace pneuservo {
 
-/// Calls work(i) for i = 0 .. count - 1 from `jobs` threads, this one among them; the first exception is thrown on.
+/// Calls work(i) for i = 0 .. count - 1 from `jobs` threads, this one among them; the first exception ends
+/// them and is thrown on.
 void in_parallel(std::size_t count, int jobs, const std::function<void(std::size_t)>& work);
 
 /// Every number of a parameter struct, in its order: what a memory of results goes by.
@@ -29,10 +30,10 @@ class GasRuns {
  public:
   using Course = std::shared_ptr<const GasCourse>;
 
-  GasRuns(const Rig& owner, const std::vector<CylinderRecording>& recordings, int jobs);
+  GasRuns(const Rig& owner, const std::vector<CylinderRecording>& recordings, int jobs, StopQuestion stop = {});
 
-  /// Asked before every batch of of(); true ends it with DiagnosisStopped.
-  void set_stop(std::function<bool()> stop) { stop_ = std::move(stop); }
+  /// Asked within every run; true ends it with DiagnosisStopped.
+  void set_stop(StopQuestion stop) { stop_ = std::move(stop); }
   /// Course of hypothesis i over recording r at [i][r], with the grid's error at the working point taken out.
   std::vector<std::vector<Course>> of(std::span<const Hypothesis> hypotheses);
   /// Takes the difference of a fine grid and the work grid at this hypothesis for the grid's error.
@@ -50,7 +51,7 @@ class GasRuns {
 
   const std::vector<CylinderRecording>& recordings_;
   int jobs_;
-  std::function<bool()> stop_;
+  StopQuestion stop_;
   std::vector<PlantGrid> work_grid_, fine_grid_;     ///< of each recording, whose line may be another
   std::vector<std::map<Key, Stored>> known_;         ///< of each recording, without the grid's error
   std::vector<std::list<const Key*>> order_;         ///< of each recording, the last used first

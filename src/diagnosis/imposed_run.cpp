@@ -24,8 +24,9 @@ template <class S> class ImposedSimulation {
  public:
   using P = Pair<S>;
 
-  ImposedSimulation(const ImposedInputs& inputs, std::span<const ImposedRun> runs, const PlantGrid& grid)
-      : inputs_(inputs), runs_(runs), courses_(runs.size()) {
+  ImposedSimulation(const ImposedInputs& inputs, std::span<const ImposedRun> runs, const PlantGrid& grid,
+                    const StopQuestion& stop)
+      : inputs_(inputs), runs_(runs), stop_(stop), courses_(runs.size()) {
     auto axis = cast<AxisParameters<S>>(runs[0].rig->axis);
     for (std::size_t i = 1; i < runs.size(); ++i) set_parameters_lane(axis, static_cast<int>(i), runs[i].rig->axis);
     plant_.configure(axis, inputs.step_s(), grid, valve_arrangement(*runs[0].rig));
@@ -46,6 +47,7 @@ template <class S> class ImposedSimulation {
       if (k + 1 < inputs_.release) follow_ports(k + 1);
       if (k + 1 == inputs_.release) plant_.scale_gas(P(1), start_factors());
       store(k + 1);
+      look_sometimes();
     }
     for (GasCourse& course : courses_) refuse_absurd(course);
     return std::move(courses_);
@@ -95,6 +97,13 @@ template <class S> class ImposedSimulation {
       for (std::size_t i = 0; i < runs_.size(); ++i)
         courses_[i][channel][k] = lane(values[channel], static_cast<int>(i));
   }
+  /// At the latest after steps_between_looks steps of the plant, or one sample that has more.
+  void look_sometimes() {
+    steps_ += inputs_.steps;
+    if (steps_ < steps_between_looks) return;
+    steps_ = 0;
+    look_for_stop(stop_);
+  }
   static void refuse_absurd(GasCourse& course) {
     for (const auto& values : course)
       for (const double value : values)
@@ -106,6 +115,8 @@ template <class S> class ImposedSimulation {
 
   const ImposedInputs& inputs_;
   std::span<const ImposedRun> runs_;
+  const StopQuestion& stop_;
+  int steps_ = 0;  ///< of the plant since the last look
   std::vector<GasCourse> courses_;
   AxisPlant<S> plant_;
 };
@@ -138,10 +149,10 @@ double ImposedInputs::position_at(std::size_t k, int step) const {
          period_s * ((s - 2 * s2 + s3) * velocity_mps[k] + (s3 - s2) * velocity_mps[k + 1]);
 }
 
-std::vector<GasCourse> run_imposed(const ImposedInputs& inputs, std::span<const ImposedRun> runs,
-                                   const PlantGrid& grid) {
-  if (runs.size() == 1) return ImposedSimulation<double>(inputs, runs, grid).run();
-  return ImposedSimulation<Pack<double, imposed_lanes>>(inputs, runs, grid).run();
+std::vector<GasCourse> run_imposed(const ImposedInputs& inputs, std::span<const ImposedRun> runs, const PlantGrid& grid,
+                                   const StopQuestion& stop) {
+  if (runs.size() == 1) return ImposedSimulation<double>(inputs, runs, grid, stop).run();
+  return ImposedSimulation<Pack<double, imposed_lanes>>(inputs, runs, grid, stop).run();
 }
 
 PlantGrid grid_for(const Rig& rig, double work, double step_s) {

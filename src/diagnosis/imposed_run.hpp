@@ -9,6 +9,8 @@
 #include <pneuservo/rig/plant.hpp>
 #include <pneuservo/rig/rig.hpp>
 
+#include "diagnosis/stop.hpp"
+
 namespace pneuservo {
 
 /// What is imposed; all vectors have one entry a sample, period_s apart.
@@ -47,10 +49,13 @@ struct ImposedRun {
 /// Rigs that run side by side in one call at most.
 inline constexpr std::size_t imposed_lanes = 4;
 
+/// Steps of the plant between two looks for a stop: one of the finest grid takes 0.1 ms.
+inline constexpr int steps_between_looks = 100;
+
 /// Simulates 1 to imposed_lanes rigs side by side on one grid; their results do not depend on each other. A rig whose
-/// gas leaves all bounds ends with NaN.
-std::vector<GasCourse> run_imposed(const ImposedInputs& inputs, std::span<const ImposedRun> runs,
-                                   const PlantGrid& grid);
+/// gas leaves all bounds ends with NaN. Throws DiagnosisStopped.
+std::vector<GasCourse> run_imposed(const ImposedInputs& inputs, std::span<const ImposedRun> runs, const PlantGrid& grid,
+                                   const StopQuestion& stop = {});
 
 /// The finest grid, stable in time, whose cells times sub-steps stay within `work` a step and line. step_s: what the
 /// plant is stepped by, which is the recording's and not the config's.

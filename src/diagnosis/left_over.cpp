@@ -34,21 +34,30 @@ std::map<std::pair<int, int>, Series> series_of(const std::vector<ResidualRow>& 
   return out;
 }
 
-/// Squared amplitude of the best sine at each frequency; the mean is taken off first.
+/// Squared amplitude of the best sine at each of some evenly spaced frequencies; the mean is taken off first. The phase
+/// of a row is turned on from one frequency to the next, which spares most sines.
 std::vector<double> powers(const Series& series, const std::vector<double>& frequencies) {
+  const auto rows = static_cast<double>(series.value.size());
   double mean = 0;
-  for (const double value : series.value) mean += value / static_cast<double>(series.value.size());
-  std::vector<double> out;
-  for (const double frequency : frequencies) {
-    double in_phase = 0, across = 0;
-    for (std::size_t i = 0; i < series.value.size(); ++i) {
-      const double phase = 2 * M_PI * frequency * series.time_s[i];
-      in_phase += (series.value[i] - mean) * std::cos(phase);
-      across += (series.value[i] - mean) * std::sin(phase);
+  for (const double value : series.value) mean += value / rows;
+  std::vector<double> in_phase(frequencies.size(), 0.0), across(frequencies.size(), 0.0);
+  const double step = frequencies.size() > 1 ? frequencies[1] - frequencies[0] : 0.0;
+  for (std::size_t i = 0; i < series.value.size(); ++i) {
+    const double value = series.value[i] - mean, angle = 2 * M_PI * frequencies[0] * series.time_s[i];
+    const double turn_cos = std::cos(2 * M_PI * step * series.time_s[i]),
+                 turn_sin = std::sin(2 * M_PI * step * series.time_s[i]);
+    double c = value * std::cos(angle), s = value * std::sin(angle);
+    for (std::size_t k = 0; k < frequencies.size(); ++k) {
+      in_phase[k] += c;
+      across[k] += s;
+      const double next = c * turn_cos - s * turn_sin;
+      s = s * turn_cos + c * turn_sin;
+      c = next;
     }
-    const double scale = 2.0 / static_cast<double>(series.value.size());
-    out.push_back(scale * scale * (in_phase * in_phase + across * across));
   }
+  std::vector<double> out;
+  for (std::size_t k = 0; k < frequencies.size(); ++k)
+    out.push_back(4.0 / (rows * rows) * (in_phase[k] * in_phase[k] + across[k] * across[k]));
   return out;
 }
 
@@ -112,6 +121,7 @@ std::optional<SpectralLine> strongest_line(const std::vector<ResidualRow>& rows,
     frequencies.reserve(lines);
     for (std::size_t i = 0; i < lines; ++i)
       frequencies.push_back(lowest_line_Hz + 0.5 * static_cast<double>(i) / length_s);
+    if (frequencies.empty()) continue;
     const std::vector<double> power = powers(series, frequencies);
     for (std::size_t i = 0; i < power.size(); ++i) {
       const double ratio = power[i] / std::max(running_median(power, i), 1e-300);

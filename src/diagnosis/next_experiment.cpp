@@ -55,12 +55,15 @@ Fit carried_over(const Explanation& explanation, const Rig& owner, const Residua
 /// What is left of `wrong` on a recording that `truth` would make, in noise floors; nothing where it cannot be made.
 std::optional<double> separation(const ExperimentChoice& choice, const Rig& owner, const Explanation& truth,
                                  const Explanation& wrong, const VirtualMachine& machine,
-                                 const CompareRecording& compare) {
+                                 const CompareRecording& compare, const StopQuestion& stop) {
+  look_for_stop(stop);
   std::optional<Recording> recording = machine(with_choice(truth.fit.hypothesis().rig, owner, choice));
   if (!recording) return std::nullopt;
   recording->changed = choice.keys;
+  look_for_stop(stop);  // a run that a stop has ended early is none
   const std::unique_ptr<ResidualModel> model = compare(*recording);
-  FittedRows rows(*model, {});
+  model->set_stop(stop);
+  FittedRows rows(*model, stop);
   Fit right = carried_over(truth, owner, *model), other = carried_over(wrong, owner, *model);
   linearise(rows, {&right, &other});
   if (right.failed || other.failed) return std::nullopt;
@@ -128,14 +131,15 @@ double refitted_misfit(const Fit& added, const Fit& before) {
 
 std::optional<ProposedExperiment> propose_experiment(const Rig& owner, const Decision& decision, const Search& search,
                                                      const DecisionRules& rules, double shown_speed_mps,
-                                                     const VirtualMachine& machine, const CompareRecording& compare) {
+                                                     const VirtualMachine& machine, const CompareRecording& compare,
+                                                     const StopQuestion& stop) {
   if (decision.chosen == nullptr || decision.chosen->members.empty() || !machine) return std::nullopt;
   const Explanation* rival = nearest_rival(decision, rules);
   if (rival == nullptr) return std::nullopt;
   const auto separated = [&](const ExperimentChoice& choice, const Explanation& truth,
                              const Explanation& other) -> std::optional<double> {
     try {
-      return separation(choice, owner, truth, other, machine, compare);
+      return separation(choice, owner, truth, other, machine, compare, stop);
     } catch (const InputError&) {  // a value out of its range, a recording too short: this choice cannot be made
       return std::nullopt;
     }

@@ -32,7 +32,8 @@ double refitted_misfit(const Fit& added, const Fit& before);
 /// rival is within rules.ambiguous_distance. shown_speed_mps: largest speed of the recordings so far.
 std::optional<ProposedExperiment> propose_experiment(const Rig& owner, const Decision& decision, const Search& search,
                                                      const DecisionRules& rules, double shown_speed_mps,
-                                                     const VirtualMachine& machine, const CompareRecording& compare);
+                                                     const VirtualMachine& machine, const CompareRecording& compare,
+                                                     const StopQuestion& stop = {});
 
 /// The config with the proposed recording's reference, length and changes of the machine: `run` takes it as it is.
 Rig experiment_rig(const Rig& owner, const ProposedExperiment& experiment);

@@ -1,9 +1,7 @@
 // What a diagnosis infers from: residuals of any number of explanations of the same recordings, each in its noise
 // floor.
 #pragma once
-#include <functional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -11,12 +9,9 @@
 
 #include <pneuservo/rig/rig.hpp>
 
-namespace pneuservo {
+#include "diagnosis/stop.hpp"
 
-/// Somebody asked to stop (Ctrl-C); what is there already is kept.
-struct DiagnosisStopped : std::runtime_error {
-  DiagnosisStopped() : std::runtime_error("stopped") {}
-};
+namespace pneuservo {
 
 /// One explanation to be tried: the rig with physics and parameters as supposed, and the gas at each recording's start.
 struct Hypothesis {
@@ -72,8 +67,11 @@ class ResidualModel {
   /// simulated gives a column of NaN. The same hypothesis gives the same column, whatever stands beside it.
   virtual Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) = 0;
 
-  /// Asked in the midst of residuals(): true ends them with DiagnosisStopped. Empty: never.
-  virtual void set_stop(std::function<bool()>) {}
+  /// Asked in the midst of everything that simulates: true ends it with DiagnosisStopped. Empty: never.
+  virtual void set_stop(StopQuestion) {}
+  /// Whether anything is simulated. If not, rows() are those that fits have seen and the fits' own residuals are all
+  /// that is known.
+  virtual bool simulates() const { return true; }
 
   /// Takes the numerical error (work grid against fine grid) at this hypothesis from now on; columns change by it.
   virtual void set_working_point(const Hypothesis&) {}

@@ -74,6 +74,15 @@ Json experiment_json(const std::optional<ProposedExperiment>& experiment) {
   return out;
 }
 
+Json coverage_json(const Coverage& coverage) {
+  Json spans = Json::array();
+  for (const ComparedSpan& span : coverage.spans)
+    spans.push_back({{"recording", std::filesystem::path(span.recording).filename().string()},
+                     {"from_s", span.from_s},
+                     {"to_s", span.to_s}});
+  return {{"recorded_s", coverage.recorded_s}, {"choice", coverage.choice}, {"spans", spans}};
+}
+
 }  // namespace
 
 Json diagnosis_json(const Diagnosis& diagnosis) {
@@ -104,7 +113,8 @@ Json diagnosis_json(const Diagnosis& diagnosis) {
            {{"warnings", diagnosis.warnings},
             {"admitted_s", diagnosis.admitted_s},
             {"held_out_s", diagnosis.held_out_s},
-            {"stopped", diagnosis.stopped}}},
+            {"stopped", diagnosis.stopped},
+            {"coverage", coverage_json(diagnosis.coverage)}}},
           {"parameters_moved", moved},
           {"detectable", detectable},
           {"next_experiment", experiment_json(diagnosis.next_experiment)}};

@@ -50,13 +50,8 @@ std::string smallest_sizes(const Diagnosis& diagnosis) {
   return out;
 }
 
-}  // namespace
-
-std::string explanation_text(const RankedExplanation& explanation) {
-  return explanation.effects.empty() ? "nothing" : fmt::format("{}", fmt::join(explanation.effects, " + "));
-}
-
-std::string verdict_sentence(const Diagnosis& diagnosis) {
+/// As if it had not been stopped.
+std::string finished_sentence(const Diagnosis& diagnosis) {
   if (diagnosis.verdict == Verdict::consistent)
     return fmt::format("Model and recordings agree: in {:.3g} s nothing is missing that these data could show.",
                        diagnosis.admitted_s);
@@ -70,10 +65,34 @@ std::string verdict_sentence(const Diagnosis& diagnosis) {
   return out + fmt::format(", probability {:.2f}.", first.probability);
 }
 
+std::string coverage_text(const Coverage& coverage) {
+  if (coverage.choice.empty()) return "";
+  std::string out = fmt::format("of {:.4g} s recorded are compared {}\n", coverage.recorded_s, coverage.choice);
+  for (const ComparedSpan& span : coverage.spans)
+    out += fmt::format("  {}: {:.6g} to {:.6g} s\n", span.recording, span.from_s, span.to_s);
+  return out + "\n";
+}
+
+}  // namespace
+
+std::string explanation_text(const RankedExplanation& explanation) {
+  return explanation.effects.empty() ? "nothing" : fmt::format("{}", fmt::join(explanation.effects, " + "));
+}
+
+std::string verdict_sentence(const Diagnosis& diagnosis) {
+  if (!diagnosis.stopped) return finished_sentence(diagnosis);
+  if (diagnosis.verdict == Verdict::consistent) return "Stopped early, no finished verdict: by then nothing was named.";
+  if (diagnosis.verdict == Verdict::unknown && !diagnosis.answers.empty())
+    return fmt::format("Stopped early, no finished verdict: no name tried by then explains what is left: {}.",
+                       diagnosis.answers.front().note);
+  return "Stopped early, no finished verdict; by then: " + finished_sentence(diagnosis);
+}
+
 std::string diagnosis_text(const Diagnosis& diagnosis) {
   std::string out = diagnosis.sentence + "\n\n";
   out += fmt::format("compared: {:.1f} s in {} recordings, {:.1f} s held out of every fit\n\n", diagnosis.admitted_s,
                      diagnosis.recordings.size(), diagnosis.held_out_s);
+  out += coverage_text(diagnosis.coverage);
   out += fmt::format("{:<18}{:>12}{:>12}{:>12}{:>16}{:>16}\n", "channel", "floor", "before", "after", "held out before",
                      "held out after");
   for (const ChannelFit& c : diagnosis.channels)

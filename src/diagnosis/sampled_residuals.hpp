@@ -22,14 +22,17 @@ class SampledResiduals : public ResidualModel {
   const std::vector<ResidualChannel>& channels() const override { return channels_; }
   const std::vector<ResidualRow>& rows() const override { return rows_; }
   Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) override;
+  void set_stop(StopQuestion stop) override { stop_ = std::move(stop); }
   std::vector<ChannelMisfit> sample_misfit(const Hypothesis& hypothesis) override;
   std::vector<ResidualCourse> courses(const Hypothesis& hypothesis) override;
 
  protected:
   /// Readings of every channel at the recording's times. Must not depend on other calls: recordings run in parallel.
+  /// Calls look() at every row.
   virtual std::vector<std::vector<double>> simulated(const Hypothesis& hypothesis, std::size_t recording) const = 0;
   /// Makes the rows; to be called once by the constructor of the model.
   void declare(std::vector<ResidualChannel> channels, std::vector<SampledRecording> recordings, int jobs);
+  void look() const { look_for_stop(stop_); }
   const std::vector<SampledRecording>& recordings() const { return recordings_; }
 
  private:
@@ -42,6 +45,7 @@ class SampledResiduals : public ResidualModel {
   std::vector<ResidualRow> rows_;
   std::vector<Stretch> stretches_;  ///< of each row
   int jobs_ = 1;
+  StopQuestion stop_;
 };
 
 }  // namespace pneuservo

@@ -56,7 +56,7 @@ Eigen::MatrixXd without_held_columns(const Fit& fit) {
 
 Screening::Screening(FittedRows& rows, const Fit& base, const std::vector<Candidate>& candidates,
                      const std::vector<std::size_t>& chosen)
-    : base_(base), candidates_(candidates) {
+    : rows_(rows), base_(base), candidates_(candidates) {
   const Hypothesis here = base.hypothesis();
   std::vector<Hypothesis> hypotheses;
   for (const std::size_t index : chosen) collect(here, candidates[index], index, hypotheses);
@@ -64,11 +64,22 @@ Screening::Screening(FittedRows& rows, const Fit& base, const std::vector<Candid
   free_jacobian_ = without_held_columns(base);
   Eigen::MatrixXd g = free_jacobian_.transpose() * free_jacobian_;
   g.diagonal().array() += 1;
-  const Eigen::MatrixXd cross = free_jacobian_.transpose() * columns_;
+  const Eigen::MatrixXd cross = product(free_jacobian_, columns_);
   const Eigen::LDLT<Eigen::MatrixXd> factors(g);
-  curvature_ = columns_.transpose() * columns_ - cross.transpose() * factors.solve(cross);
+  curvature_ = product(columns_, columns_) - cross.transpose() * factors.solve(cross);
   gradient_ = columns_.transpose() * base.residual -
               cross.transpose() * factors.solve(free_jacobian_.transpose() * base.residual + base.z);
+}
+
+Eigen::MatrixXd Screening::product(const Eigen::MatrixXd& left, const Eigen::MatrixXd& right) const {
+  constexpr Eigen::Index block = 32;
+  Eigen::MatrixXd out(left.cols(), right.cols());
+  for (Eigen::Index first = 0; first < right.cols(); first += block) {
+    rows_.look();
+    const Eigen::Index count = std::min(block, right.cols() - first);
+    out.middleCols(first, count).noalias() = left.transpose() * right.middleCols(first, count);
+  }
+  return out;
 }
 
 int Screening::column_of_path(const std::string& path) const {
@@ -203,6 +214,7 @@ Screened Screening::single(const Trial& trial) const {
 std::vector<Screened> Screening::singles() const {
   std::vector<Screened> out, whole;
   for (const Trial& trial : trials_) {
+    rows_.look();
     if (out.empty() || out.back().candidate != trial.candidate) {
       out.push_back({trial.candidate, -1e300, trial.z, {}});
       whole.push_back(out.back());
@@ -227,7 +239,8 @@ std::vector<Screened> Screening::singles() const {
 
 std::vector<ScreenedPair> Screening::best_pairs(std::size_t count) const {
   std::map<std::pair<std::size_t, std::size_t>, ScreenedPair> best;
-  for (std::size_t i = 0; i < trials_.size(); ++i)
+  for (std::size_t i = 0; i < trials_.size(); ++i) {
+    rows_.look();
     for (std::size_t k = i + 1; k < trials_.size(); ++k) {
       const Trial &first = trials_[i], &second = trials_[k];
       if (first.candidate == second.candidate || !first.usable || !second.usable) continue;
@@ -250,6 +263,7 @@ std::vector<ScreenedPair> Screening::best_pairs(std::size_t count) const {
       known = {with_amplitudes(first, amplitude.head(left), amplitude.head(left)),
                with_amplitudes(second, amplitude.tail(right), amplitude.tail(right)), gain};
     }
+  }
   std::vector<ScreenedPair> out;
   out.reserve(best.size());
   for (const auto& [key, pair] : best) out.push_back(pair);

@@ -29,7 +29,7 @@ struct ScreenedPair {
 /// each candidate, but for parameters that stand at a bound and push against it.
 class Screening {
  public:
-  /// `base` and `candidates` must outlive this.
+  /// `rows`, `base` and `candidates` must outlive this. Throws DiagnosisStopped, as do singles and best_pairs.
   Screening(FittedRows& rows, const Fit& base, const std::vector<Candidate>& candidates,
             const std::vector<std::size_t>& chosen);
 
@@ -61,6 +61,10 @@ class Screening {
   Screened with_amplitudes(const Trial& trial, const Eigen::VectorXd& amplitude, const Eigen::VectorXd& error) const;
   int column_of_path(const std::string& path) const;
 
+  /// left'right, with a look for a stop between blocks of columns.
+  Eigen::MatrixXd product(const Eigen::MatrixXd& left, const Eigen::MatrixXd& right) const;
+
+  const FittedRows& rows_;
   const Fit& base_;
   const std::vector<Candidate>& candidates_;
   std::vector<Trial> trials_;

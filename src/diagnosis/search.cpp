@@ -99,7 +99,7 @@ void Search::add_families(const Fit& base, const std::vector<std::size_t>& membe
 }
 
 void Search::search_singles() {
-  tell(0.05, "owner's model");
+  tell(search_begins, "owner's model");
   as_configured_ = start_fit({});
   linearise(rows_, {&as_configured_});
   if (as_configured_.failed) throw std::runtime_error("the rig as configured cannot be simulated on these recordings");

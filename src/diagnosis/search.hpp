@@ -35,6 +35,9 @@ struct KnownStart {
   std::vector<double> z;  ///< of the candidate's parameters
 };
 
+/// Share of the progress at which a search begins: before it nothing is known.
+inline constexpr double search_begins = 0.05;
+
 /// How much work a search does.
 struct SearchSettings {
   std::size_t refits = 12;      ///< candidates refitted after the first screening
@@ -65,6 +68,7 @@ class Search {
   bool settle(const Explanation& explanation);
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
+  bool grants_small_physics() const { return settings_.grow_floor; }
   /// The owner's values as they stand, nothing fitted.
   const Fit& as_configured() const { return as_configured_; }
   /// The owner's model with its parameters inside their tolerances.

@@ -73,61 +73,6 @@ void tell_gaps(const Recording& recording, const std::vector<Span>& gaps, std::v
                   recording.path, text));
 }
 
-/// Recordings up to this length are compared whole. A fit of 60 s at 1 kHz takes a minute on two cores; more of the
-/// same motion narrows no size below what the model itself leaves.
-constexpr double most_compared_s = 60, most_of_an_axis_s = 300, piece_s = 10;  ///< a force balance costs little
-
-/// A piece of a stretch and how much it tells: how far position and drive go, each against the whole recording.
-struct Piece {
-  std::size_t stretch;
-  Span span;
-  double told;
-};
-
-/// The pieces that tell most, in order of time, from all stretches; held-out recordings stay whole.
-std::vector<Recording> most_telling(const Rig& rig, std::vector<Recording> stretches, std::vector<std::string>& notes) {
-  double all_s = 0;
-  for (const Recording& r : stretches)
-    if (!r.is_held_out) all_s += r.t_s().back() - r.t_s().front();
-  const double most_s = rig.kind == RigKind::driven_axis ? most_of_an_axis_s : most_compared_s;
-  if (all_s <= most_s) return stretches;
-  std::vector<Piece> pieces;
-  for (std::size_t s = 0; s < stretches.size(); ++s) {
-    const Recording& recording = stretches[s];
-    if (recording.is_held_out) continue;
-    const double from = recording.t_s().front(), length = recording.t_s().back() - from;
-    const double count = std::max(1.0, std::floor(length / piece_s));
-    for (double i = 0; i < count; ++i) {
-      const Span span{from + length * i / count, from + length * (i + 1) / count - 1e-9};
-      double told = 0;
-      for (const std::string& column : input_columns(rig, recording))
-        told += way_of(recording, column, span) / std::max(way_of(recording, column, {from, from + length}), 1e-300);
-      pieces.push_back({s, span, told * length});
-    }
-  }
-  std::stable_sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) { return a.told > b.told; });
-  double kept_s = 0;
-  std::size_t kept = 0;
-  while (kept < pieces.size() && kept_s + pieces[kept].span.second - pieces[kept].span.first <= 1.001 * most_s)
-    kept_s += pieces[kept].span.second - pieces[kept].span.first, ++kept;
-  pieces.resize(std::max<std::size_t>(kept, 1));
-  std::stable_sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
-    return std::pair(a.stretch, a.span) < std::pair(b.stretch, b.span);
-  });
-  std::vector<Recording> out;
-  std::string text;
-  for (const Piece& piece : pieces) {
-    out.push_back(part_of(stretches[piece.stretch], piece.span));
-    text += fmt::format("{}{:.4g} to {:.4g}", text.empty() ? "" : ", ", piece.span.first, piece.span.second);
-  }
-  notes.push_back(fmt::format("{:.4g} s are recorded: the {:.3g} s in which position and drive move most are compared "
-                              "({} s)",
-                              all_s, kept_s, text));
-  for (Recording& recording : stretches)
-    if (recording.is_held_out) out.push_back(std::move(recording));
-  return out;
-}
-
 }  // namespace
 
 Recording part_of(const Recording& recording, const TimeSpan& span) {
@@ -202,7 +147,7 @@ std::vector<Recording> compared_stretches(const Rig& rig, std::vector<Recording>
     throw InputError(fmt::format("{}: found no stretch without a gap longer than {:.3g} s, expected one of at least "
                                  "{:.3g} s",
                                  first_path, longest_s, least_s));
-  return most_telling(rig, std::move(out), notes);
+  return out;
 }
 
 }  // namespace pneuservo

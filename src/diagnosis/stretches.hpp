@@ -20,9 +20,8 @@ double way_of(const Recording& recording, const std::string& column, const TimeS
 Recording most_moving_part(const Recording& recording, double seconds);
 
 /// The stretches that can be compared, each a recording of its own with its own start. A recording without gaps comes
-/// back as it is. Of more than a minute in all the pieces are taken that move most. What is left out, and every cut, is
-/// told in `notes`. Rigs that are simulated over uneven rows are not cut. Throws InputError where no stretch is long
-/// enough.
+/// back as it is. What is left out, and every cut, is told in `notes`. Rigs that are simulated over uneven rows are not
+/// cut. Throws InputError where no stretch is long enough.
 std::vector<Recording> compared_stretches(const Rig& rig, std::vector<Recording> recordings,
                                           std::vector<std::string>& notes);
 

@@ -57,6 +57,7 @@ std::vector<std::vector<double>> StrokeResiduals::simulated(const Hypothesis& hy
   std::vector<double> out;
   double now = recording.time_s.front(), shown = plant.position_m();
   for (const double t : recording.time_s) {
+    look();
     while (now < t - 1e-9) {
       const double h = std::min(step_s, t - now);
       plant.step(h, program.at(now + 1e-9));

@@ -103,6 +103,7 @@ std::vector<std::vector<double>> VesselResiduals::simulated(const Hypothesis& hy
   VesselPlant plant(rig, inputs.fills ? inputs.start_Pa : inputs.start_Pa * factor);
   std::vector<std::vector<double>> out(rig.line ? 2 : 1);
   for (const double t : times) {
+    look();
     while (now < t - 1e-12) {
       const double h = std::min(longest, program.next_change_s(now + 1e-9, t) - now);
       plant.step(h, program.at(now + 1e-9), supply_Pa);

@@ -41,6 +41,8 @@ struct DiagnoseVerbOptions {
   bool quiet = false;
 };
 
+constexpr const char* nothing_known = "pneuservo: stopped before anything was known";
+
 /// What goes on: one line that is overwritten on a terminal, a line every few seconds elsewhere. A thread of its own
 /// shows it, so that long steps have their seconds told too.
 class ProgressLine {
@@ -85,13 +87,43 @@ class ProgressLine {
   std::jthread thread_;
 };
 
+/// Until the search begins there is nothing to keep: a stop ends the program at once, whatever it is at.
+class EarlyStop {
+ public:
+  EarlyStop() : thread_([this](const std::stop_token& end) { watch(end); }) {}
+  /// From here on the diagnosis itself answers a stop.
+  void end() {
+    const std::lock_guard lock(mutex_);
+    thread_.request_stop();
+  }
+
+ private:
+  void watch(const std::stop_token& end) {
+    std::unique_lock lock(mutex_);
+    while (!end.stop_requested()) {
+      if (StopRequest::requested()) {
+        std::fprintf(stderr, "%s%s\n", isatty(fileno(stderr)) != 0 ? "\r\033[K" : "", nothing_known);
+        _exit(128 + StopRequest::signal_number());
+      }
+      wake_.wait_for(lock, end, std::chrono::milliseconds(50), [] { return false; });
+    }
+  }
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  std::jthread thread_;
+};
+
 /// Columns that a diagnosis uses; the others need no memory.
-void keep_used_columns(Recording& recording) {
+const std::set<std::string>& used_columns() {
   static const std::set<std::string> used{"t_s",           "x_m",           "u_V",        "u1_V",
                                           "u2_V",          "F_N",           "p1_port_Pa", "p2_port_Pa",
                                           "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"};
+  return used;
+}
+
+void keep_used_columns(Recording& recording) {
   for (std::size_t c = recording.names.size(); c-- > 0;) {
-    if (used.contains(recording.names[c])) continue;
+    if (used_columns().contains(recording.names[c])) continue;
     recording.names.erase(recording.names.begin() + static_cast<std::ptrdiff_t>(c));
     recording.values.erase(recording.values.begin() + static_cast<std::ptrdiff_t>(c));
   }
@@ -170,8 +202,7 @@ void write_next_experiment(const DiagnoseVerbOptions& options, const Diagnosis& 
   write_result(options.next_experiment, text + dump_rig(experiment_rig(diagnosis.configured, next)));
 }
 
-int run_diagnose(const DiagnoseVerbOptions& options) {
-  const Rig rig = read_rig(options.config, options.sets);
+void judge_outputs(const DiagnoseVerbOptions& options, const Rig& rig) {
   OutputFiles()
       .reads("CONFIG", options.config)
       .reads_of(rig)
@@ -181,11 +212,15 @@ int run_diagnose(const DiagnoseVerbOptions& options) {
       .writes("--report", options.report, ResultKind::page)
       .writes("--improved", options.improved, ResultKind::config)
       .writes("--next-experiment", options.next_experiment, ResultKind::config);
-  const StopRequest stop_request;
-  ProgressLine progress(!options.quiet);
+}
+
+/// All recordings with the columns that are used and what is stated of them.
+std::vector<Recording> read_all(const DiagnoseVerbOptions& options, const Rig& rig) {
   std::vector<Recording> recordings;
+  std::set<std::string> wanted = used_columns();
+  wanted.insert("flags");  // they tell which rows the recorder dropped
   const auto add = [&](const std::string& path, bool is_held_out) {
-    for (Recording& run : read_recordings(path, rig.imported, rig.period_s)) {
+    for (Recording& run : read_recordings(path, rig.imported, rig.period_s, wanted)) {
       compare_names(rig, run);
       run.is_held_out = is_held_out;
       keep_used_columns(run);
@@ -195,27 +230,44 @@ int run_diagnose(const DiagnoseVerbOptions& options) {
   for (const std::string& path : options.recordings) add(path, false);
   for (const std::string& path : options.held_out) add(path, true);
   apply_changes(options.changed, recordings);
-  DiagnoseOptions settings;
-  settings.jobs = options.jobs;
-  // It takes longer than the diagnosis itself: only for those who look at it.
-  if (!options.next_experiment.empty() || !options.report.empty()) settings.virtual_machine = record_virtual_run;
-  settings.stop = [] { return StopRequest::requested(); };
-  settings.progress = [&progress](double share, const std::string& what) { progress.tell(share, what); };
-  Diagnosis diagnosis;
-  try {
-    diagnosis = diagnose(rig, recordings, settings);
-  } catch (const DiagnosisStopped&) {
-    progress.end();
-    std::fprintf(stderr, "pneuservo: stopped before anything was known\n");
-    return 128 + StopRequest::signal_number();
-  }
-  progress.end();
+  return recordings;
+}
+
+void write_results(const DiagnoseVerbOptions& options, const Diagnosis& diagnosis) {
   if (options.json != "-") std::fputs(diagnosis_text(diagnosis).c_str(), stdout);
   write_json(options.json, diagnosis_json(diagnosis));
   if (!options.report.empty()) write_diagnosis_report(diagnosis, options.report);
   write_improved(options, diagnosis);
   write_next_experiment(options, diagnosis);
-  return diagnosis.stopped ? 128 + StopRequest::signal_number() : 0;
+}
+
+int run_diagnose(const DiagnoseVerbOptions& options) {
+  const Rig rig = read_rig(options.config, options.sets);
+  judge_outputs(options, rig);
+  const StopRequest stop_request;
+  EarlyStop early_stop;
+  ProgressLine progress(!options.quiet);
+  DiagnoseOptions settings;
+  settings.jobs = options.jobs;
+  // It takes longer than the diagnosis itself: only for those who look at it.
+  if (!options.next_experiment.empty() || !options.report.empty()) settings.virtual_machine = record_virtual_run;
+  settings.stop = StopRequest::requested;
+  settings.progress = [&](double share, const std::string& what) {
+    if (share >= search_begins) early_stop.end();
+    progress.tell(share, what);
+  };
+  Diagnosis diagnosis;
+  try {
+    diagnosis = diagnose(rig, read_all(options, rig), settings);
+  } catch (const DiagnosisStopped&) {
+    progress.end();
+    std::fprintf(stderr, "%s\n", nothing_known);
+    return 128 + StopRequest::signal_number();
+  }
+  progress.end();
+  const bool was_stopped = StopRequest::requested();
+  write_results(options, diagnosis);
+  return was_stopped ? 128 + StopRequest::signal_number() : 0;
 }
 
 }  // namespace

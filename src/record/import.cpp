@@ -220,8 +220,8 @@ void mend_times(Recording& run) {
 }  // namespace
 
 std::vector<Recording> read_recordings(const std::string& path, const std::optional<ImportParameters>& imported,
-                                       double period_s) {
-  CsvTable table = read_table(path);
+                                       double period_s, const std::set<std::string>& wanted) {
+  CsvTable table = read_table(path, wanted);
   const bool is_own = !imported && is_own_format(table);
   MappedColumns columns = imported ? mapped(table, *imported) : unmapped(table);
   if (!is_own) take_seconds(table, columns, period_s);
@@ -237,6 +237,7 @@ std::vector<Recording> read_recordings(const std::string& path, const std::optio
     run.path = path;
     run.header = table.header;
     run.comments = table.comments;
+    run.left_out = table.left_out;
     if (out.size() == 1) run.problems = table.problems;
     if (is_own) read_keys(run);
     else if (columns.telling.empty()) mend_times(run);

@@ -1,6 +1,7 @@
 // The one way into the program for recordings: of our own format, or foreign by the column map of a config.
 #pragma once
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,10 +16,10 @@ namespace pneuservo {
 /// other values in the columns that tell runs make runs of their own, in which repeats at one time become their mean;
 /// otherwise a run begins where the time goes back and stays back. Recording::period_s is the interval of the stamps.
 /// Whatever was supposed is told among the problems. period_s: of the config's loop; NaN: unknown.
-/// Throws InputError as read_table does, for a map that names a column of no meaning, where t_s is missing, and where
-/// no row is left.
+/// wanted: as for read_table. Throws InputError as it does, for a map that names a column of no meaning, where t_s is
+/// missing, and where no row is left.
 std::vector<Recording> read_recordings(const std::string& path, const std::optional<ImportParameters>& imported,
-                                       double period_s);
+                                       double period_s, const std::set<std::string>& wanted = {});
 
 /// The first run, for verbs that take one; that there are others is told.
 Recording read_first_recording(const std::string& path, const std::optional<ImportParameters>& imported,

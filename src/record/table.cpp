@@ -55,7 +55,9 @@ constexpr std::size_t sample_lines = 200;
 
 class TableReader {
  public:
-  explicit TableReader(const std::string& path) : input_(path) { table_.path = path; }
+  TableReader(const std::string& path, const std::set<std::string>& wanted) : input_(path), wanted_(wanted) {
+    table_.path = path;
+  }
 
   CsvTable read() {
     read_head();
@@ -139,12 +141,28 @@ class TableReader {
     table_.units = dialect_.units;
     table_.units.resize(table_.names.size());
     table_.is_clock.assign(table_.names.size(), 0);
+    field_count_ = table_.names.size();
+    for (std::size_t i = 0; i < field_count_; ++i) places_.push_back(i);
+    leave_out_unwanted();
     table_.values.resize(table_.names.size());
     row_.resize(table_.names.size());
   }
 
+  void leave_out_unwanted() {
+    if (wanted_.empty() || !table_.comments.starts_with(own_format)) return;
+    for (std::size_t i = table_.names.size(); i-- > 0;) {
+      if (wanted_.contains(table_.names[i])) continue;
+      const auto at = static_cast<std::ptrdiff_t>(i);
+      table_.left_out.push_back(table_.names[i]);
+      table_.names.erase(table_.names.begin() + at);
+      table_.units.erase(table_.units.begin() + at);
+      table_.is_clock.erase(table_.is_clock.begin() + at);
+      places_.erase(places_.begin() + at);
+    }
+  }
+
   void read_row(std::string_view line, std::size_t number) {
-    const std::size_t expected = table_.names.size();
+    const std::size_t expected = field_count_;
     const std::size_t index = dialect_.has_index ? 1 : 0;
     split_fields(line, dialect_.style, fields_);
     if (dialect_.has_trailing && fields_.size() == expected + index + 1 && fields_.back().empty()) fields_.pop_back();
@@ -156,8 +174,8 @@ class TableReader {
                                                         is_empty ? 0 : fields_.size(), expected + index));
       return;
     }
-    for (std::size_t i = 0; i < expected; ++i) row_[i] = read_field(fields_[i + index], i, number);
-    for (std::size_t i = 0; i < expected; ++i) table_.values[i].push_back(row_[i]);
+    for (std::size_t i = 0; i < row_.size(); ++i) row_[i] = read_field(fields_[places_[i] + index], i, number);
+    for (std::size_t i = 0; i < row_.size(); ++i) table_.values[i].push_back(row_[i]);
     table_.line_numbers.push_back(number);
   }
 
@@ -192,7 +210,10 @@ class TableReader {
   static constexpr std::string_view own_format = "format: pneuservo-recording/";
 
   TextInput input_;
+  const std::set<std::string>& wanted_;
   CsvTable table_;
+  std::size_t field_count_ = 0;      ///< of a row, an index left aside
+  std::vector<std::size_t> places_;  ///< of the kept columns among the fields
   Dialect dialect_;
   std::vector<std::string_view> fields_;
   std::vector<double> row_;
@@ -224,8 +245,10 @@ void CsvTable::require(const std::vector<std::string>& columns) const {
   for (const std::string& name : columns)
     if (!has(name)) missing.push_back(name);
   if (missing.empty()) return;
+  std::vector<std::string> found = names;
+  found.insert(found.end(), left_out.begin(), left_out.end());
   throw InputError(fmt::format("{}: column{} {} {} missing; found {}", path, missing.size() > 1 ? "s" : "",
-                               fmt::join(missing, ", "), missing.size() > 1 ? "are" : "is", fmt::join(names, ", ")));
+                               fmt::join(missing, ", "), missing.size() > 1 ? "are" : "is", fmt::join(found, ", ")));
 }
 
 void CsvTable::report(std::size_t line, ProblemKind kind, std::string_view what) {
@@ -233,7 +256,9 @@ void CsvTable::report(std::size_t line, ProblemKind kind, std::string_view what)
       {line, kind, line > 0 ? fmt::format("{}, line {}: {}", path, line, what) : fmt::format("{}: {}", path, what)});
 }
 
-CsvTable read_table(const std::string& path) { return TableReader(path).read(); }
+CsvTable read_table(const std::string& path, const std::set<std::string>& wanted) {
+  return TableReader(path, wanted).read();
+}
 
 std::vector<std::string> problem_lines(const CsvTable& table, std::size_t each) {
   std::map<ProblemKind, std::size_t> counts;

@@ -1,6 +1,7 @@
 // A CSV table with comment header as it stands in a file, of our own format or foreign; nothing is hidden.
 #pragma once
 #include <cstddef>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -39,6 +40,7 @@ struct CsvTable {  // NOLINT(bugprone-exception-escape): of a YAML node that is 
   YAML::Node header;  ///< the keys of the comment header; a map, possibly empty
   std::string comments;  ///< the comment header with the `# ` taken off
   std::vector<std::string> names;
+  std::vector<std::string> left_out;  ///< names of columns that are there but were not wanted
   std::vector<std::vector<double>> values;  ///< as long as names; each as long as rows()
   std::vector<std::string> units;  ///< as the file states them below the names; empty text: not stated
   std::vector<char> is_clock;  ///< columns of dates or times of day, here in seconds
@@ -57,8 +59,8 @@ struct CsvTable {  // NOLINT(bugprone-exception-escape): of a YAML node that is 
 };
 
 /// Reads a .csv.gz or plain .csv. Throws InputError: no such file, not gzip, no line of column names, a column twice,
-/// no row that can be used.
-CsvTable read_table(const std::string& path);
+/// no row that can be used. wanted: of this program's own format, the columns that are kept; empty: all.
+CsvTable read_table(const std::string& path, const std::set<std::string>& wanted = {});
 
 /// The problems for a reader's eye: the first `each` of every kind, then how many more.
 std::vector<std::string> problem_lines(const CsvTable& table, std::size_t each = 3);

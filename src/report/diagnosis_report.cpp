@@ -68,6 +68,14 @@ void add_answers(HtmlPage& page, const Diagnosis& diagnosis) {
                                100 * diagnosis.explained_share));
 }
 
+/// Only where not everything is compared.
+void add_coverage(HtmlPage& page, const Diagnosis& diagnosis) {
+  const Coverage& coverage = diagnosis.coverage;
+  if (coverage.choice.empty()) return;
+  page.section("What is compared", fmt::format("Of {:.4g} s recorded: {}.", coverage.recorded_s, coverage.choice));
+  page.table(coverage_table(coverage));
+}
+
 void add_proof(HtmlPage& page, const Diagnosis& diagnosis) {
   page.section("Proof",
                "Root mean square of simulation minus recording. Before: the config as it stands. After: with what was "
@@ -153,6 +161,7 @@ HtmlPage make_page(const Diagnosis& diagnosis) {
   add_picture(page, diagnosis);
   add_answers(page, diagnosis);
   add_experiment(page, diagnosis);
+  add_coverage(page, diagnosis);
   add_proof(page, diagnosis);
   add_courses(page, diagnosis);
   add_residuals(page, diagnosis);

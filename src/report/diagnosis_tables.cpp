@@ -58,6 +58,15 @@ Table answers_table(const Diagnosis& diagnosis) {
   return table;
 }
 
+Table coverage_table(const Coverage& coverage) {
+  Table table;
+  table.columns = {
+      words("recording", coverage.spans, [](const ComparedSpan& s) { return s.recording; }),
+      column("from", "s", coverage.spans, [](const ComparedSpan& s) { return fmt::format("{:.6g}", s.from_s); }),
+      column("to", "s", coverage.spans, [](const ComparedSpan& s) { return fmt::format("{:.6g}", s.to_s); })};
+  return table;
+}
+
 Table estimates_table(const Diagnosis& diagnosis) {
   const std::vector<Estimate> all = estimates(diagnosis);
   Table table;

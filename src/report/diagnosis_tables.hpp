@@ -8,6 +8,8 @@ namespace pneuservo {
 
 /// What was found: words, name, element, probability, share of the mismatch.
 Table answers_table(const Diagnosis& diagnosis);
+/// The compared spans of the recordings.
+Table coverage_table(const Coverage& coverage);
 /// Every estimated parameter of the answers with its standard error.
 Table estimates_table(const Diagnosis& diagnosis);
 /// Root mean square of simulation minus recording by channel, before and after, fitted and held out, beside the floor.

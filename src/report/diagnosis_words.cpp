@@ -114,7 +114,8 @@ std::string size_words(std::string_view key, double value) {
 }
 
 std::string verdict_words(const Diagnosis& diagnosis) {
-  if (diagnosis.answers.empty() || diagnosis.verdict == Verdict::consistent || diagnosis.verdict == Verdict::unknown)
+  if (diagnosis.stopped || diagnosis.answers.empty() || diagnosis.verdict == Verdict::consistent ||
+      diagnosis.verdict == Verdict::unknown)
     return diagnosis.sentence;
   std::vector<std::string> parts;
   for (const DiagnosisAnswer& answer : diagnosis.answers) {

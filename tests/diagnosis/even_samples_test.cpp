@@ -110,33 +110,6 @@ TEST_CASE("a recording is cut at a gap, short ends are left out, and all of it i
   CHECK_THROWS_WITH(compared_stretches(rig, {short_one}, notes), Contains("0.9 s") || Contains("0.899 s"));
 }
 
-TEST_CASE("an hour is compared by the minute that moves most") {
-  const Rig rig = test::cylinder_rig();
-  Recording r;
-  r.path = "hour";
-  r.period_s = 0.01;
-  r.names = {"t_s", "x_m", "u_V"};
-  r.values.resize(3);
-  for (int i = 0; i < 360000; ++i) {
-    const double t = 0.01 * i, moving = t > 1000 && t < 1050 ? 1 : 0.01;
-    r.values[0].push_back(t);
-    r.values[1].push_back(0.05 * moving * std::sin(6 * t));
-    r.values[2].push_back(moving * std::cos(6 * t));
-    r.line_numbers.push_back(static_cast<std::size_t>(i));
-  }
-  std::vector<std::string> notes;
-  const std::vector<Recording> parts = compared_stretches(rig, {r}, notes);
-  double seconds = 0, moving_s = 0;
-  for (const Recording& part : parts) {
-    const double length = part.t_s().back() - part.t_s().front();
-    seconds += length;
-    if (part.t_s().front() >= 999 && part.t_s().back() <= 1051) moving_s += length;
-  }
-  CHECK(seconds <= 61);
-  CHECK(moving_s > 39);
-  CHECK_THAT(notes.back(), Contains("3600 s are recorded"));
-}
-
 TEST_CASE("a run at every n-th row simulates what the run at all rows does") {
   const unsigned seed = test::new_seed();
   INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");

@@ -208,3 +208,15 @@ TEST_CASE("a table of foreign columns needs no times") {
   REQUIRE(table.comments == "Flow of a valve\n");
   REQUIRE(table.problems.empty());
 }
+
+TEST_CASE("of our own format wanted columns alone are kept, with the same values; of foreign tables all") {
+  const TemporaryFolder folder;
+  const std::string text = "t_s,x_m,note,u_V,flags\n0,1.5,x,-0.5,0\n0.001,2,y,0.5,0\n";
+  const CsvTable table = read_table(put_plain(folder.file("w.csv"), head + text), {"t_s", "u_V", "p1_port_Pa"});
+  REQUIRE(table.names == std::vector<std::string>{"t_s", "u_V"});
+  REQUIRE(table.values == std::vector<std::vector<double>>{{0, 0.001}, {-0.5, 0.5}});
+  REQUIRE(table.problems.empty());  // of a column that is not kept nothing is read
+  REQUIRE_THROWS_WITH(table.require({"p1_port_Pa"}), Contains("p1_port_Pa is missing") && Contains("x_m"));
+  const CsvTable foreign = read_table(put_plain(folder.file("f.csv"), "a,b\n1,2\n"), {"a"});
+  REQUIRE(foreign.names == std::vector<std::string>{"a", "b"});
+}

@@ -164,6 +164,18 @@ double usual_kink(const std::vector<double>& y, double value) {
   return quantile(kinks, 0.99);
 }
 
+/// Whether more rows stand at an end of the range than half a standard deviation of noise beside it holds, by six
+/// standard deviations of both counts: noise makes its furthest values rarer, not more frequent.
+bool piles_up(const std::vector<double>& y, double value, double slack) {
+  const double near = slack / 12;
+  double at = 0, beside = 0;
+  for (const double v : y) {
+    at += v == value;
+    beside += v != value && std::abs(v - value) <= near;
+  }
+  return at - beside > 6 * std::sqrt(at + beside);
+}
+
 }  // namespace
 
 void unwrap_position(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
@@ -217,13 +229,12 @@ void refuse_repeated_channels(const Rig& rig, const Recording& recording) {
     for (std::size_t b = a + 1; b < names.size(); ++b) {
       if (names[a] == "u_V" && names[b] == "F_N") continue;  // a force by the command's gain
       const Copy copy = as_copy(recording.column(names[a]), recording.column(names[b]));
-      const bool has_sensors = names[a] != "u_V" && names[b] != "u_V" && names[a] != "x_ref_m";
-      double noise = 0;
-      if (has_sensors) {
-        const SensorOfColumn one = sensor_of(sensors, names[a]), two = sensor_of(sensors, names[b]);
-        noise = std::min(std::abs(copy.factor) * one.noise, two.noise);
-      }
-      if (!(copy.step > 0) || !(copy.rest <= std::max(own_noise_share * noise, 1e-9 * copy.step))) continue;
+      double noise = 0;  // two pressures have sensors of their own
+      if (names[a].ends_with("_Pa") && names[b].ends_with("_Pa"))
+        noise =
+            std::min(std::abs(copy.factor) * sensor_of(sensors, names[a]).noise, sensor_of(sensors, names[b]).noise);
+      const double most = std::min(own_noise_share * noise, own_noise_share * copy.step);
+      if (!(copy.step > 0) || !(copy.rest <= std::max(most, 1e-7 * copy.step))) continue;
       throw InputError(fmt::format(
           "{}: {} repeats {}{}, expected a channel of its own: is it wired or logged twice?", recording.path, names[b],
           names[a], std::abs(copy.factor - 1) < 1e-9 ? " in every row" : fmt::format(" times {:.6g}", copy.factor)));
@@ -238,7 +249,8 @@ std::vector<ClippedEnd> clipped_ends(const std::vector<double>& values, double s
     const auto runs = runs_at(values, end_value);
     std::size_t rows = 0, longest = 0;
     for (const auto& [first, end] : runs) rows += end - first, longest = std::max(longest, end - first);
-    bool is_clipped = frozen_rows > 0 && longest > static_cast<std::size_t>(frozen_rows);
+    bool is_clipped =
+        frozen_rows > 0 && (longest > static_cast<std::size_t>(frozen_rows) || piles_up(values, end_value, slack));
     if (!is_clipped && longest >= least_standstill) {
       const double usual = beyond_the_motion * usual_kink(values, end_value) + slack / static_cast<double>(slope_rows);
       is_clipped = std::any_of(runs.begin(), runs.end(), [&](const auto& run) {

@@ -19,8 +19,9 @@ void take_resolution(Rig& rig, const Recording& recording, std::vector<std::stri
 /// Two columns of which one follows from the other without noise of its own; a command and the force of it may.
 void refuse_repeated_channels(const Rig& rig, const Recording& recording);
 
-/// Rows at the end of the sensor's range: values pile up at the largest or smallest, which noise rules out
-/// (frozen_rows equal ones; 0: it does not) or which are entered and left with a kink. At most two ends.
+/// Rows at the end of the sensor's range: values pile up at the largest or smallest, which the sensor's noise rules out
+/// (frozen_rows: so many equal ones in a row it does; 0: none), or it is reached and left with a kink. At most two
+/// ends.
 struct ClippedEnd {
   double value = 0;
   std::size_t rows = 0;

@@ -87,8 +87,8 @@ class ProgressLine {
 
 /// Columns that a diagnosis uses; the others need no memory.
 void keep_used_columns(Recording& recording) {
-  static const std::set<std::string> used{"t_s",        "x_m",           "u_V",           "F_N",        "p1_port_Pa",
-                                          "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"};
+  static const std::set<std::string> used{"t_s",        "x_m",        "x_ref_m",       "u_V",           "F_N",
+                                          "p1_port_Pa", "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"};
   for (std::size_t c = recording.names.size(); c-- > 0;) {
     if (used.contains(recording.names[c])) continue;
     recording.names.erase(recording.names.begin() + static_cast<std::ptrdiff_t>(c));

@@ -16,7 +16,7 @@ def blocks(page, language):
 
 def in_language(language, text, what):
     command = [PYTHON, "-c", text] if language == "python" else ["octave-cli", "--no-init-file", "--eval", text]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, env=dict(os.environ, MPLBACKEND="Agg"))
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300)
     expect(done.returncode == 0, f"{what}: {language}: status {done.returncode}: {done.stderr[-600:]}")
     expect("Warning" not in done.stderr, f"{what}: {language} warns: {done.stderr[-600:]}")
     return done.stdout.split()

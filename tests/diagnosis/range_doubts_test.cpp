@@ -33,9 +33,10 @@ Recording motion(Drawn& drawn, double amplitude_m, double noise_m) {
   out.values.resize(2);
   const double rate = drawn.between(2, 6);
   for (int i = 0; i < 6000; ++i) {
-    const double t = 1e-3 * i, course = std::sin(rate * t) + 0.2 * std::sin(2.3 * rate * t);
-    out.values[0].push_back(t);
-    out.values[1].push_back(amplitude_m * (i < 4500 ? course : std::sin(4.5 * rate)) + noise(drawn.generator));
+    const double moved_s = 1e-3 * std::min(i, 4500);
+    const double course = std::sin(rate * moved_s) + 0.2 * std::sin(2.3 * rate * moved_s);
+    out.values[0].push_back(1e-3 * i);
+    out.values[1].push_back(amplitude_m * course + noise(drawn.generator));
     out.line_numbers.push_back(static_cast<std::size_t>(i));
   }
   return out;

@@ -15,7 +15,7 @@ using Maker = std::function<std::unique_ptr<Backend>(const Rig&)>;
 const std::map<std::string, Maker>& makers() {
   static const std::map<std::string, Maker> table{
       {"configured", [](const Rig& rig) { return std::make_unique<CompositeBackend>(rig); }},
-      {"sim", [](const Rig& rig) { return std::make_unique<SimBackend>(rig); }},
+      {"sim", [](const Rig& rig) { return std::make_unique<SimBackend>(rig, SimBackend::Has::sensors_of_the_config); }},
   };
   return table;
 }

@@ -19,7 +19,13 @@ PlantStart<double> plant_start(const Rig& rig) {
           start.pressure_2_Pa.value_or(balancing_pressure_2(rig.axis, start.pressure_1_Pa))};
 }
 
-SimBackend::SimBackend(const Rig& rig) : rig_(simulated_rig(rig)) {}
+SimBackend::SimBackend(const Rig& rig, Has sensors) : rig_(simulated_rig(rig)) {
+  if (sensors == Has::every_sensor) return;
+  const bool is_fed_back = rig.controller.kind == ControllerKind::pd_force &&
+                           rig.controller.pd_force.pressure_source == PressureSource::chamber;
+  is_there_[3] = is_there_[4] = is_fed_back || rig.sensors.chamber_pressure.rms_Pa() > 0.0;
+  is_there_[5] = rig.sensors.supply_pressure.rms_Pa() > 0.0;
+}
 
 void SimBackend::configure() {
   plant_.configure(rig_.axis, rig_.period_s, rig_.simulation.cells_per_m, valve_arrangement(rig_));
@@ -49,7 +55,8 @@ bool SimBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
   for (; plant_tick_ < tick; ++plant_tick_) plant_.step(command_.valve_V, command_.valve_2_V);
   const auto values = true_values(plant_);
   const auto channels = channels_of(measurement);
-  for (std::size_t i = 0; i < 6; ++i) *channels[i] = {sensors_[i].read(values[i]), 0.0, true, Origin::simulated};
+  for (std::size_t i = 0; i < 6; ++i)
+    if (is_there_[i]) *channels[i] = {sensors_[i].read(values[i]), 0.0, true, Origin::simulated};
   if (rig_.simulation.input_age_periods > 0) age_by_a_tick(tick, measurement);
   return true;
 }
@@ -79,7 +86,7 @@ void SimBackend::deactivate() noexcept {
 
 Origins SimBackend::origins() const {
   Origins all{.command = Origin::simulated};
-  all.channels.fill(Origin::simulated);
+  for (std::size_t i = 0; i < 6; ++i) all.channels[i] = is_there_[i] ? Origin::simulated : Origin::absent;
   return all;
 }
 

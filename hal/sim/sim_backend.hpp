@@ -15,7 +15,9 @@ namespace pneuservo {
 /// rig.seed. The plant is rig with its `deviations`.
 class SimBackend final : public Backend {
  public:
-  explicit SimBackend(const Rig& rig);
+  enum class Has { every_sensor, sensors_of_the_config };
+  /// sensors_of_the_config: chambers and supply without a section of their own (noise and quantum 0) have no sensor.
+  explicit SimBackend(const Rig& rig, Has sensors = Has::every_sensor);
   void configure() override;
   void activate() override;
   bool read(std::int64_t tick, Measurement& measurement) noexcept override;
@@ -41,6 +43,7 @@ class SimBackend final : public Backend {
   void age_by_a_tick(std::int64_t tick, Measurement& measurement) noexcept;
 
   Rig rig_;
+  std::array<bool, 6> is_there_{true, true, true, true, true, true};  // in the order of channel_names
   AxisPlant<double> plant_;
   std::array<Sensor, 6> sensors_;  // in the order of channel_names
   std::int64_t plant_tick_ = 0;

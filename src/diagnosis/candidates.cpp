@@ -122,6 +122,10 @@ GridParameter grid_parameter(const ParameterTrait& trait, const Field& field, co
     const auto [least, most] = std::minmax_element(out.starts.begin(), out.starts.end());
     free.lower = *least - std::log(2.0) / free.spread;
     free.upper = *most + std::log(4.0) / free.spread;
+    if (field.minimum > 0) free.lower = std::max(free.lower, free.z(field.minimum) + 1e-9);
+    if (field.maximum < infinite) free.upper = std::min(free.upper, free.z(field.maximum) - 1e-9);
+    // A motion that is too slow or too fast for the field starts at its end.
+    for (double& start : out.starts) start = std::max(std::min(start, free.upper), free.lower);
   }
   return out;
 }

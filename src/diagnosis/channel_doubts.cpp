@@ -10,8 +10,11 @@
 #include <fmt/format.h>
 
 #include <pneuservo/loop/input_guard.hpp>
+#include <pneuservo/rig/possible_values.hpp>
 
 #include "config/input_error.hpp"
+#include "diagnosis/range_doubts.hpp"
+#include "record/column_guess.hpp"
 
 namespace pneuservo {
 
@@ -23,7 +26,6 @@ constexpr double lowest_share = 0.005, highest_share = 0.995;
 /// Of the stroke: a sensor's offset may bring the position so far beyond its half, another unit brings it further.
 constexpr double furthest = 0.6;
 constexpr double least_motion = 0.01;  ///< of the stroke: less is no motion in any unit
-constexpr double atmosphere_share = 0.3, supply_share = 1.5;  ///< as the loop's limits of a pressure
 constexpr double command_share = 1.05;
 constexpr double slowest_spike_s = 2e-3;  ///< between rows; a chamber may go there and back in more
 
@@ -76,29 +78,21 @@ struct Plausible {
   int frozen_rows = 0;  ///< equal values in a row that the sensor's noise rules out; 0: equality proves nothing
 };
 
-/// A slider gets no further from a straight course than full supply, or the full drive, takes it in a row's time; three
-/// times that is beyond any payload's error. Equal values prove nothing: a slider rests.
+/// A slider gets no further from a straight course than the most acceleration takes it in a row's time. Equal values
+/// prove nothing: a slider rests.
 Plausible plausible_position(const Rig& rig, double interval_s) {
-  const PositionSensorParameters& sensor = rig.sensors.position;
-  const CylinderParameters<double>& cylinder = rig.axis.cylinder;
-  const double force_N = rig.kind == RigKind::driven_axis
-                             ? rig.drive.force_max_N
-                             : rig.axis.supply.pressure_Pa * std::max(cylinder.area_1_m2, cylinder.area_2_m2);
-  const double mass_kg = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
-  Plausible out;
-  if (cylinder.stroke_m > 0) out.highest = cylinder.stroke_m, out.lowest = -cylinder.stroke_m;
-  out.slack = 6.0 * sensor.noise_m + sensor.quantum_m;
-  if (force_N > 0 && mass_kg > 0) out.excursion = out.slack + 3.0 * force_N / mass_kg * interval_s * interval_s;
+  const PossibleRange range = possible_position_m(rig);
+  Plausible out{range.lowest, range.highest,
+                sensor_slack(rig.sensors.position.noise_m, rig.sensors.position.quantum_m)};
+  const double acceleration_mps2 = most_acceleration_mps2(rig);
+  if (acceleration_mps2 > 0) out.excursion = out.slack + acceleration_mps2 * interval_s * interval_s;
   return out;
 }
 
-/// As the loop: 5 % of the supply there and back within two rows is beyond what lines and chambers do.
 Plausible plausible_pressure(const Rig& rig, const PressureSensorParameters& sensor) {
-  Plausible out;
-  out.lowest = atmosphere_share * rig.axis.air.atmosphere_Pa;
-  out.highest = supply_share * rig.axis.supply.pressure_Pa;
-  out.slack = 6.0 * sensor.noise_Pa + sensor.quantum_Pa;
-  out.excursion = out.slack + 0.05 * rig.axis.supply.pressure_Pa;
+  const PossibleRange range = possible_pressure_Pa(rig);
+  Plausible out{range.lowest, range.highest, sensor_slack(sensor.noise_Pa, sensor.quantum_Pa)};
+  out.excursion = out.slack + pressure_step_Pa(rig);
   out.frozen_rows = frozen_after_ticks(sensor.noise_Pa, sensor.quantum_Pa);
   return out;
 }
@@ -106,6 +100,7 @@ Plausible plausible_pressure(const Rig& rig, const PressureSensorParameters& sen
 /// What was taken out of one column.
 struct TakenOut {
   std::size_t impossible = 0, frozen = 0;
+  std::vector<ClippedEnd> clipped;
   double first_frozen_s = no_value, last_frozen_s = no_value;
 };
 
@@ -150,20 +145,25 @@ void mark_frozen(const std::vector<double>& y, const Plausible& plausible, std::
   }
 }
 
+/// Spikes first: what lies beyond them is no end of a range.
 TakenOut judge_column(const Plausible& plausible, const std::vector<double>& t_s, std::vector<double>& values) {
   std::vector<char> verdict(values.size(), good);
-  mark_frozen(values, plausible, verdict);
   mark_spikes(values, plausible.excursion, verdict);
   TakenOut out;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (values[i] < plausible.lowest || values[i] > plausible.highest) verdict[i] = is_impossible;
-    if (verdict[i] == good) continue;
-    out.impossible += verdict[i] == is_impossible;
-    if (verdict[i] == is_frozen) {
-      ++out.frozen;
-      if (!std::isfinite(out.first_frozen_s)) out.first_frozen_s = t_s[i];
-      out.last_frozen_s = t_s[i];
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (verdict[i] != good || values[i] < plausible.lowest || values[i] > plausible.highest) {
+      ++out.impossible;
+      values[i] = no_value;
     }
+  out.clipped = clipped_ends(values, plausible.slack, plausible.frozen_rows);
+  for (const ClippedEnd& end : out.clipped) std::replace(values.begin(), values.end(), end.value, no_value);
+  std::fill(verdict.begin(), verdict.end(), good);
+  mark_frozen(values, plausible, verdict);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (verdict[i] != is_frozen) continue;
+    ++out.frozen;
+    if (!std::isfinite(out.first_frozen_s)) out.first_frozen_s = t_s[i];
+    out.last_frozen_s = t_s[i];
     values[i] = no_value;
   }
   return out;
@@ -175,6 +175,11 @@ void tell_taken(const Recording& recording, const std::string& column, const Tak
     notes.push_back(fmt::format("{}: {} sample{} of {} {} beyond what the loop takes for possible: left out",
                                 recording.path, taken.impossible, taken.impossible > 1 ? "s" : "", column,
                                 taken.impossible > 1 ? "are" : "is"));
+  for (const ClippedEnd& end : taken.clipped)
+    notes.push_back(
+        fmt::format("{}: {} is clipped at {:.6g}, where it stays for {} rows: left out; does the sensor's or "
+                    "the logger's range end there?",
+                    recording.path, column, end.value, end.rows));
   if (taken.frozen > 0)
     notes.push_back(fmt::format("{}: {} is frozen for {} rows between {:.6g} and {:.6g} s: left out; is the sensor "
                                 "connected?",
@@ -191,14 +196,24 @@ double quantile(std::vector<double> values, double share) {
   return *at;
 }
 
-std::string stated_reading(const std::string& column, const UnitReading& reading) {
-  return fmt::format("import: {{columns: {{{}: {{column: {}{}{}}}}}}}", column, column,
-                     reading.factor != 1 ? fmt::format(", factor: {:g}", reading.factor) : "",
-                     reading.offset != 0 ? fmt::format(", offset: {:g}", reading.offset) : "");
+void apply_reading(const UnitReading& reading, Recording& recording, const std::string& column) {
+  for (double& value : recording.column(column)) value = reading.factor * value + reading.offset;
+  ImportedColumn source = source_of(recording, column);
+  source.factor *= reading.factor;
+  source.offset = reading.factor * source.offset + reading.offset;
+  recording.sources[column] = source;
 }
 
-void apply_reading(const UnitReading& reading, std::vector<double>& values) {
-  for (double& value : values) value = reading.factor * value + reading.offset;
+std::string stated_sources(const Recording& recording, const std::vector<std::string>& columns) {
+  std::string text;
+  for (const std::string& column : columns)
+    text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", column, source_text(source_of(recording, column)));
+  return fmt::format("import: {{columns: {{{}}}}}", text);
+}
+
+std::string stated_reading(Recording recording, const std::string& column, const UnitReading& reading) {
+  apply_reading(reading, recording, column);
+  return stated_sources(recording, {column});
 }
 
 std::vector<std::string> pressure_columns(const Recording& recording) {
@@ -228,33 +243,32 @@ void leave_out_absent_sensors(const Rig& rig, Recording& recording, std::vector<
 void doubt_position_unit(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
   const double stroke_m = rig.axis.cylinder.stroke_m;
   if (!recording.has("x_m") || !(stroke_m > 0) || !std::isfinite(stroke_m)) return;
-  std::vector<double>& x = recording.column("x_m");
-  const Range range = range_of(x);
+  const Range range = range_of(recording.column("x_m"));
   if (!std::isfinite(range.low) || std::max(-range.low, range.high) <= furthest * stroke_m) return;
   const std::string evidence = fmt::format("{}: x_m goes from {:.4g} to {:.4g} m, the stroke is +-{:g} m",
                                            recording.path, range.low, range.high, 0.5 * stroke_m);
   const std::vector<UnitReading> readings = position_readings(stroke_m, range);
   if (readings.size() > 1)
     throw InputError(fmt::format("{}: {} or {}? State it: {}", evidence, readings[0].name, readings[1].name,
-                                 stated_reading("x_m", readings[0])));
+                                 stated_reading(recording, "x_m", readings[0])));
   if (readings.empty())
     throw InputError(fmt::format("{}: another zero or unit? State it, with x = 0 at mid-stroke: {}", evidence,
-                                 stated_reading("x_m", {1, -0.5 * (range.low + range.high), ""})));
-  apply_reading(readings.front(), x);
+                                 stated_reading(recording, "x_m", {1, -0.5 * (range.low + range.high), ""})));
+  apply_reading(readings.front(), recording, "x_m");
   notes.push_back(fmt::format("{}: taken for {}; to state it: {}", evidence, readings.front().name,
-                              stated_reading("x_m", readings.front())));
+                              stated_sources(recording, {"x_m"})));
 }
 
 std::vector<UnitReading> pressure_readings(const Rig& rig, const Recording& recording) {
-  const double low_Pa = atmosphere_share * rig.axis.air.atmosphere_Pa,
-               high_Pa = supply_share * rig.axis.supply.pressure_Pa;
+  const PossibleRange possible = possible_pressure_Pa(rig);
   const std::vector<std::string> columns = pressure_columns(recording);
   std::vector<UnitReading> out;
   for (const Unit& unit : pressure_units)
     for (const double offset : {0.0, rig.axis.air.atmosphere_Pa}) {
       const bool fits = std::all_of(columns.begin(), columns.end(), [&](const std::string& column) {
         const Range range = range_of(recording.column(column));
-        return unit.factor * range.low + offset >= low_Pa && unit.factor * range.high + offset <= high_Pa;
+        return unit.factor * range.low + offset >= possible.lowest &&
+               unit.factor * range.high + offset <= possible.highest;
       });
       const std::string gauge = offset > 0 ? "gauge pressures" : "";
       if (fits)
@@ -282,24 +296,6 @@ std::vector<UnitReading> command_readings(const Rig& rig, const Recording& recor
   return out;
 }
 
-void refuse_repeated_channels(const Recording& recording) {
-  std::vector<std::string> names = pressure_columns(recording);
-  for (const char* name : {"x_m", "u_V", "F_N"})
-    if (recording.has(name)) names.emplace_back(name);
-  for (std::size_t a = 0; a < names.size(); ++a)
-    for (std::size_t b = a + 1; b < names.size(); ++b) {
-      const std::vector<double>&one = recording.column(names[a]), &two = recording.column(names[b]);
-      if (!std::isfinite(quantile(one, 0.5)) || quantile(one, 1) == quantile(one, 0)) continue;
-      const bool alike = std::equal(one.begin(), one.end(), two.begin(), [](double v, double w) {
-        return v == w || (!std::isfinite(v) && !std::isfinite(w));
-      });
-      if (alike)
-        throw InputError(fmt::format("{}: {} repeats {} in every row, expected a channel of its own: is it wired or "
-                                     "logged twice?",
-                                     recording.path, names[b], names[a]));
-    }
-}
-
 void take_out_impossible_samples(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
   const double interval_s = std::isfinite(recording.period_s) ? recording.period_s : median_step_s(recording.t_s());
   if (!std::isfinite(interval_s)) return;
@@ -320,17 +316,27 @@ void take_out_impossible_samples(const Rig& rig, Recording& recording, std::vect
 }
 
 void refuse_standstill(const Rig& rig, const Recording& recording) {
-  // A cylinder that is held has pressures to compare.
-  if (!recording.has("x_m") || rig.kind != RigKind::driven_axis) return;
-  const std::vector<double>& x = recording.column("x_m");
-  const double span_m = quantile(x, highest_share) - quantile(x, lowest_share);
-  if (std::isfinite(span_m) && span_m > 2 * rig.sensors.position.quantum_m + 6 * rig.sensors.position.noise_m) return;
+  if (!recording.has("x_m")) return;
+  const auto span = [&](const std::string& column) {
+    const std::vector<double>& values = recording.column(column);
+    return quantile(values, highest_share) - quantile(values, lowest_share);
+  };
+  const double span_m = span("x_m");
   if (!std::isfinite(span_m))
     throw InputError(fmt::format("{}: x_m has no usable value, expected the measured position", recording.path));
-  throw InputError(
-      fmt::format("{}: x_m does not move ({:.4g} m throughout), expected motion to compare: is the encoder "
-                  "connected?",
-                  recording.path, quantile(x, 0.5)));
+  if (span_m > 2 * rig.sensors.position.quantum_m + 6 * rig.sensors.position.noise_m) return;
+  if (rig.kind == RigKind::driven_axis)
+    throw InputError(
+        fmt::format("{}: x_m does not move ({:.4g} m throughout), expected motion to compare: is the encoder "
+                    "connected?",
+                    recording.path, quantile(recording.column("x_m"), 0.5)));
+  // A cylinder that is held has pressures to compare.
+  const std::vector<std::string> pressures = pressure_columns(recording);
+  const bool is_still = std::all_of(pressures.begin(), pressures.end(), [&](const auto& p) { return !(span(p) > 0); });
+  if (is_still)
+    throw InputError(fmt::format("{}: neither x_m nor a pressure changes, expected motion to compare: are the sensors "
+                                 "connected?",
+                                 recording.path));
 }
 
 }  // namespace pneuservo

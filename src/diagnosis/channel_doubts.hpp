@@ -18,9 +18,12 @@ struct UnitReading {
 /// The value below which this share of the finite values lies; NaN where there is none.
 double quantile(std::vector<double> values, double share);
 
-/// "import.columns.x_m: {column: x_m, factor: 0.001}": what states a reading in the config.
-std::string stated_reading(const std::string& column, const UnitReading& reading);
-void apply_reading(const UnitReading& reading, std::vector<double>& values);
+/// Reads a column so from here on, in its source too.
+void apply_reading(const UnitReading& reading, Recording& recording, const std::string& column);
+/// import: {columns: {x_m: {column: "x", factor: 0.001}}}: what states in the config how columns are read now.
+std::string stated_sources(const Recording& recording, const std::vector<std::string>& columns);
+/// The same for a reading that is not applied.
+std::string stated_reading(Recording recording, const std::string& column, const UnitReading& reading);
 
 /// Columns of sensors that the config does not have do not count, whatever the recorder wrote into them.
 void leave_out_absent_sensors(const Rig& rig, Recording& recording, std::vector<std::string>& notes);
@@ -33,9 +36,8 @@ std::vector<UnitReading> command_readings(const Rig& rig, const Recording& recor
 /// Names of the pressure columns that the recording has.
 std::vector<std::string> pressure_columns(const Recording& recording);
 
-/// Two columns that are alike to the bit.
-void refuse_repeated_channels(const Recording& recording);
-/// Samples that the loop's own rule would bridge, and runs that its rule calls frozen, have no value afterwards.
+/// Samples that the loop's own rule would bridge, those at a clipped end, and runs that its rule calls frozen have no
+/// value afterwards.
 void take_out_impossible_samples(const Rig& rig, Recording& recording, std::vector<std::string>& notes);
 /// A recording in which nothing moves.
 void refuse_standstill(const Rig& rig, const Recording& recording);

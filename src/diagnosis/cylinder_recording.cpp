@@ -30,9 +30,8 @@ double interval_of(const Recording& recording) {
 
 /// What the rows' command says of the time between them.
 bool is_held(const Recording& recording, const std::string& column, int steps) {
-  const auto stated = recording.sampling.find(column);
-  if (stated != recording.sampling.end() && stated->second != Sampling::unstated)
-    return stated->second == Sampling::held;
+  const Sampling stated = source_of(recording, column).sampling;
+  if (stated != Sampling::unstated) return stated == Sampling::held;
   return steps == 1;  // every n-th command of a loop: between two of them there were others
 }
 

@@ -427,7 +427,7 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
 Diagnosis diagnose(const Rig& configured, std::vector<Recording> recordings, const DiagnoseOptions& options) {
   if (recordings.empty()) throw InputError("diagnose: no recording, expected at least one");
   std::vector<std::string> left_out;
-  const Rig rig = without_disturbances(configured, left_out);
+  Rig rig = without_disturbances(configured, left_out);
   if (options.progress) options.progress(0.01, "recordings");
   const std::vector<std::string> told = told_of(rig, recordings);
   look_for_stop(options.stop);

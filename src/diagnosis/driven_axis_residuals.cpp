@@ -45,9 +45,8 @@ void leave_out_turns(const std::vector<double>& velocity_mps, std::size_t reach,
 /// For how much of the time between two rows the force of a row acts: a period of the loop where it is a command held
 /// over that, all of it where it is said to be held, none where it was read at its instant.
 double held_share(const Rig& rig, const Recording& recording, double interval_s) {
-  const auto stated = recording.sampling.find(recording.has("F_N") ? "F_N" : "u_V");
-  if (stated != recording.sampling.end() && stated->second != Sampling::unstated)
-    return stated->second == Sampling::held ? 1.0 : 0.0;
+  const Sampling stated = source_of(recording, recording.has("F_N") ? "F_N" : "u_V").sampling;
+  if (stated != Sampling::unstated) return stated == Sampling::held ? 1.0 : 0.0;
   return std::min(1.0, rig.period_s / interval_s);
 }
 

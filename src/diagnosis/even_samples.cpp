@@ -5,6 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
+
+#include "config/input_error.hpp"
+
 namespace pneuservo {
 
 namespace {
@@ -12,6 +16,8 @@ namespace {
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 /// Of an interval: rows this close to their sample are taken as they stand. At 1 m/s and 1 ms that is a micrometre.
 constexpr double same_place = 1e-3;
+/// A gap of 20 ms is drawn through, between rows 0.2 ms apart by 100 samples: a grid with more is none of its rows'.
+constexpr double most_samples_a_row = 100;
 
 /// Value at t of the cubic through four points, or of the line through the inner two.
 double value_between(const std::vector<double>& t, const std::vector<double>& y, std::size_t i, double at,
@@ -41,7 +47,14 @@ EvenSamples::EvenSamples(const std::vector<double>& time_s, double interval_s, d
     if (std::abs(place_.back() - whole) <= same_place) place_.back() = whole;
     else is_even_ = false;
   }
-  count_ = place_.empty() ? 0 : static_cast<std::size_t>(std::floor(place_.back() + same_place)) + 1;
+  if (place_.empty()) return;
+  const double count = std::floor(place_.back() + same_place) + 1;
+  if (!(count <= most_samples_a_row * static_cast<double>(place_.size())))
+    throw InputError(
+        fmt::format("found {} rows in {:.4g} s, whose interval is taken for {:.4g} s: expected a row for one "
+                    "of {:.0f} samples at least",
+                    place_.size(), time_s[place_.size() - 1] - time_s[0], interval_s, most_samples_a_row));
+  count_ = static_cast<std::size_t>(count);
 }
 
 std::vector<double> EvenSamples::placed(const std::vector<double>& values) const {

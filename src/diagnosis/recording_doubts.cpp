@@ -1,20 +1,23 @@
 // Doubt before a search: the order in which channels are judged.
 #include "diagnosis/recording_doubts.hpp"
 
-#include <algorithm>
-
 #include "diagnosis/channel_doubts.hpp"
+#include "diagnosis/range_doubts.hpp"
+#include "diagnosis/stretches.hpp"
 #include "diagnosis/wiring_doubts.hpp"
 
 namespace pneuservo {
 
-void doubt_recordings(const Rig& rig, std::vector<Recording>& recordings, std::vector<std::string>& notes) {
+void doubt_recordings(Rig& rig, std::vector<Recording>& recordings, std::vector<std::string>& notes) {
   if (!rig.has_controller()) return;
+  refuse_intervals(rig, recordings);
   for (Recording& recording : recordings) {
     leave_out_absent_sensors(rig, recording, notes);
+    unwrap_position(rig, recording, notes);
     doubt_position_unit(rig, recording, notes);
     doubt_units(rig, recording, notes);
-    refuse_repeated_channels(recording);
+    refuse_repeated_channels(rig, recording);
+    take_resolution(rig, recording, notes);
     take_out_impossible_samples(rig, recording, notes);
     refuse_standstill(rig, recording);
     doubt_wiring(rig, recording, notes);

@@ -29,8 +29,10 @@ std::string parameters_text(const DiagnosisAnswer& answer) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
+/// A name with its place, its sizes and its own probability.
 std::string answer_text(const DiagnosisAnswer& answer) {
-  return fmt::format("{} at {} ({})", answer.effect, in_words(answer.element), parameters_text(answer));
+  return fmt::format("{} at {} ({}), probability {:.2f}", answer.effect, in_words(answer.element),
+                     parameters_text(answer), answer.probability);
 }
 
 std::string lead(Verdict verdict) {
@@ -61,8 +63,8 @@ std::string finished_sentence(const Diagnosis& diagnosis) {
     return fmt::format("Something is missing at {} that no name explains: {} (probability {:.2f}).",
                        in_words(first.element), first.note, first.probability);
   std::string out = lead(diagnosis.verdict) + answer_text(first);
-  for (std::size_t i = 1; i < diagnosis.answers.size(); ++i) out += " and " + answer_text(diagnosis.answers[i]);
-  return out + fmt::format(", probability {:.2f}.", first.probability);
+  for (std::size_t i = 1; i < diagnosis.answers.size(); ++i) out += ", and " + answer_text(diagnosis.answers[i]);
+  return out + ".";
 }
 
 std::string coverage_text(const Coverage& coverage) {

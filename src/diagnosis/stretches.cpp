@@ -73,7 +73,32 @@ void tell_gaps(const Recording& recording, const std::vector<Span>& gaps, std::v
                   recording.path, text));
 }
 
+/// Rows further apart show a loop nothing, and nearer ones nothing that gas or slider do.
+constexpr double slowest_periods = 200, fastest_s = 1e-6;
+
+void refuse_interval(const Rig& rig, const Recording& recording) {
+  const double interval_s = std::isfinite(recording.period_s) ? recording.period_s : median_step_s(recording.t_s());
+  if (recording.rows() < 2) throw InputError(fmt::format("{}: found one row, expected a recording", recording.path));
+  if (interval_s >= fastest_s && interval_s <= slowest_periods * rig.period_s) return;
+  throw InputError(fmt::format("{}: rows are {:.4g} s apart, expected {:g} to {:g} s: in which unit is t_s? State it: "
+                               "import: {{columns: {{t_s: {{column: t_s, factor: ...}}}}}}",
+                               recording.path, interval_s, fastest_s, slowest_periods * rig.period_s));
+}
+
+/// A grid that has next to no rows is none.
+void refuse_sparse(const Recording& recording) {
+  try {
+    const EvenSamples even(recording.t_s(),
+                           std::isfinite(recording.period_s) ? recording.period_s : median_step_s(recording.t_s()));
+  } catch (const InputError& error) { throw InputError(fmt::format("{}: {}", recording.path, error.what())); }
+}
+
 }  // namespace
+
+void refuse_intervals(const Rig& rig, const std::vector<Recording>& recordings) {
+  if (!rig.has_controller()) return;
+  for (const Recording& recording : recordings) refuse_interval(rig, recording);
+}
 
 Recording part_of(const Recording& recording, const TimeSpan& span) {
   const std::vector<double>& t = recording.t_s();
@@ -85,7 +110,7 @@ Recording part_of(const Recording& recording, const TimeSpan& span) {
   part.rig = recording.rig;
   part.period_s = recording.period_s;
   part.is_held_out = recording.is_held_out;
-  part.sampling = recording.sampling;
+  part.sources = recording.sources;
   part.changed = recording.changed;
   part.path = fmt::format("{} ({:.6g} to {:.6g} s)", recording.path, span.first, span.second);
   for (const auto& values : recording.values) part.values.emplace_back(values.begin() + first, values.begin() + end);
@@ -147,6 +172,7 @@ std::vector<Recording> compared_stretches(const Rig& rig, std::vector<Recording>
     throw InputError(fmt::format("{}: found no stretch without a gap longer than {:.3g} s, expected one of at least "
                                  "{:.3g} s",
                                  first_path, longest_s, least_s));
+  for (const Recording& stretch : out) refuse_sparse(stretch);
   return out;
 }
 

@@ -19,6 +19,9 @@ double way_of(const Recording& recording, const std::string& column, const TimeS
 /// The part of this length in which x_m goes furthest.
 Recording most_moving_part(const Recording& recording, double seconds);
 
+/// Throws InputError where rows are so far apart or so near that their times are in another unit.
+void refuse_intervals(const Rig& rig, const std::vector<Recording>& recordings);
+
 /// The stretches that can be compared, each a recording of its own with its own start. A recording without gaps comes
 /// back as it is. What is left out, and every cut, is told in `notes`. Rigs that are simulated over uneven rows are not
 /// cut. Throws InputError where no stretch is long enough.

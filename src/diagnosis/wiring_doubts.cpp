@@ -12,6 +12,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <pneuservo/rig/possible_values.hpp>
+
 #include "config/input_error.hpp"
 #include "diagnosis/channel_doubts.hpp"
 #include "diagnosis/cylinder_recording.hpp"
@@ -36,15 +38,20 @@ constexpr double slow_share = 0.1;  ///< of the top speed: slower motion may sti
 constexpr double infinite_misfit = std::numeric_limits<double>::infinity();
 
 void exchange(Recording& recording, const std::string& a, const std::string& b) {
-  if (recording.has(a) && recording.has(b)) std::swap(recording.column(a), recording.column(b));
+  if (!recording.has(a) || !recording.has(b)) return;
+  std::swap(recording.column(a), recording.column(b));
+  const ImportedColumn one = source_of(recording, a), two = source_of(recording, b);
+  recording.sources[a] = two;
+  recording.sources[b] = one;
 }
 
 void reverse(Recording& recording, const std::string& column) {
-  if (recording.has(column)) apply_reading({-1, 0, ""}, recording.column(column));
+  if (recording.has(column)) apply_reading({-1, 0, ""}, recording, column);
 }
 
 struct Wiring {
-  std::string name, remedy;
+  std::string name;
+  std::vector<std::string> columns;  ///< whose sources change
   std::function<void(Recording&)> apply;
 };
 
@@ -52,20 +59,19 @@ std::vector<Wiring> wirings(const Recording& recording) {
   std::vector<Wiring> out;
   const bool ports = recording.has("p1_port_Pa") && recording.has("p2_port_Pa");
   const std::string kind = ports ? "port" : "chamber";
-  out.push_back(
-      {fmt::format("p1_{0} and p2_{0} are exchanged", kind),
-       fmt::format("import.columns: p1_{0}_Pa: {{column: p2_{0}_Pa}}, p2_{0}_Pa: {{column: p1_{0}_Pa}}", kind),
-       [kind](Recording& r) { exchange(r, fmt::format("p1_{}_Pa", kind), fmt::format("p2_{}_Pa", kind)); }});
+  const std::string one = fmt::format("p1_{}_Pa", kind), two = fmt::format("p2_{}_Pa", kind);
+  out.push_back({fmt::format("p1_{0} and p2_{0} are exchanged", kind), {one, two}, [one, two](Recording& r) {
+                   exchange(r, one, two);
+                 }});
   if (ports && recording.has("p1_chamber_Pa"))
     out.push_back({"sides 1 and 2 of ports and chambers are exchanged",
-                   "import.columns: p1_port_Pa: {column: p2_port_Pa}, and so on", [](Recording& r) {
+                   {"p1_port_Pa", "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa"},
+                   [](Recording& r) {
                      exchange(r, "p1_port_Pa", "p2_port_Pa");
                      exchange(r, "p1_chamber_Pa", "p2_chamber_Pa");
                    }});
-  out.push_back({"u_V has the other sign", "import.columns.u_V: {column: u_V, factor: -1}",
-                 [](Recording& r) { reverse(r, "u_V"); }});
-  out.push_back({"x_m counts the other way", "import.columns.x_m: {column: x_m, factor: -1}",
-                 [](Recording& r) { reverse(r, "x_m"); }});
+  out.push_back({"u_V has the other sign", {"u_V"}, [](Recording& r) { reverse(r, "u_V"); }});
+  out.push_back({"x_m counts the other way", {"x_m"}, [](Recording& r) { reverse(r, "x_m"); }});
   return out;
 }
 
@@ -83,39 +89,96 @@ void add_misfit(const std::vector<double>& measured, const std::vector<double>& 
   }
 }
 
-/// The reading that alone brings the misfit down, or none where the first does not need one. Two are asked for.
-const UnitReading& decided(const Rig& rig, const Recording& recording, const std::vector<UnitReading>& readings,
-                           const std::vector<std::string>& columns, const std::string& what) {
-  if (readings.size() == 1 || rig.kind != RigKind::cylinder) return readings.front();
-  const bool is_as_recorded = readings.front().name.empty();
-  std::vector<double> misfits;
-  for (const UnitReading& reading : readings) {
-    Recording tried = most_moving_part(recording, judged_s);
-    for (const std::string& column : columns) apply_reading(reading, tried.column(column));
-    misfits.push_back(port_misfit(rig, tried));
-    if (is_as_recorded && misfits[0] < doubtful_unit) return readings.front();
-  }
-  const std::size_t best = static_cast<std::size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
-  if (is_as_recorded && !(misfits[best] < decisive * misfits[0])) return readings.front();
-  for (std::size_t i = 0; i < misfits.size(); ++i)
-    if (i != best && misfits[best] > decisive * misfits[i])
-      throw InputError(fmt::format("{}: {} or {}? State it: {}", what, readings[best].name, readings[i].name,
-                                   stated_reading(columns.front(), readings[best])));
-  return readings[best];
+/// How one kind of channel may be meant, with what its range says.
+struct ReadingsOf {
+  std::vector<std::string> columns;
+  std::vector<UnitReading> readings;
+  std::string evidence;
+};
+
+void apply(const ReadingsOf& of, std::size_t reading, Recording& recording) {
+  for (const std::string& column : of.columns) apply_reading(of.readings[reading], recording, column);
 }
 
-void take_reading(const Rig& rig, Recording& recording, const std::vector<UnitReading>& readings,
-                  const std::vector<std::string>& columns, const std::string& evidence,
-                  std::vector<std::string>& notes) {
-  if (readings.empty())
-    throw InputError(fmt::format("{}, expected that: in which unit? State it: {}", evidence,
-                                 "import: {columns: {NAME: {column: NAME, factor: ...}}}"));
-  const UnitReading reading = decided(rig, recording, readings, columns, evidence);
-  if (reading.factor == 1 && reading.offset == 0) return;
-  for (const std::string& column : columns) apply_reading(reading, recording.column(column));
-  notes.push_back(fmt::format("{}: taken for {}; to state it: {}{}", evidence, reading.name,
-                              stated_reading(columns.front(), reading),
-                              columns.size() > 1 ? ", the others alike" : ""));
+bool is_as_recorded(const UnitReading& reading) { return reading.factor == 1 && reading.offset == 0; }
+
+/// One reading of each kind, for kinds that are judged together: gauge pressures do not fit beside a command whose
+/// neutral is elsewhere, nor that beside them.
+using Choice = std::vector<std::size_t>;
+
+std::vector<Choice> choices_of(const std::vector<ReadingsOf>& kinds) {
+  std::vector<Choice> out{{}};
+  for (const ReadingsOf& kind : kinds) {
+    std::vector<Choice> longer;
+    for (const Choice& choice : out)
+      for (std::size_t i = 0; i < kind.readings.size(); ++i) {
+        longer.push_back(choice);
+        longer.back().push_back(i);
+      }
+    out = std::move(longer);
+  }
+  return out;
+}
+
+/// The choice that alone brings the misfit down; as recorded where that fits. Two are asked for.
+Choice decided(const Rig& rig, const Recording& recording, const std::vector<ReadingsOf>& kinds) {
+  const std::vector<Choice> choices = choices_of(kinds);
+  if (choices.size() == 1) return choices.front();
+  const Recording judged = most_moving_part(recording, judged_s);
+  std::vector<double> misfits;
+  std::size_t as_recorded = choices.size();
+  for (const Choice& choice : choices) {
+    Recording tried = judged;
+    bool changes = false;
+    for (std::size_t k = 0; k < kinds.size(); ++k) {
+      changes = changes || !is_as_recorded(kinds[k].readings[choice[k]]);
+      apply(kinds[k], choice[k], tried);
+    }
+    misfits.push_back(port_misfit(rig, tried));
+    if (changes) continue;
+    as_recorded = misfits.size() - 1;
+    if (misfits.back() < doubtful_unit) return choice;
+  }
+  const auto best = static_cast<std::size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
+  if (as_recorded < choices.size() && !(misfits[best] < decisive * misfits[as_recorded])) return choices[as_recorded];
+  for (std::size_t i = 0; i < misfits.size(); ++i) {
+    if (i == best || !(misfits[best] > decisive * misfits[i])) continue;
+    std::size_t k = 0;
+    while (choices[i][k] == choices[best][k]) ++k;
+    const UnitReading &one = kinds[k].readings[choices[best][k]], &other = kinds[k].readings[choices[i][k]];
+    throw InputError(fmt::format(
+        "{}: {} or {}? State it: {}", kinds[k].evidence, one.name.empty() ? "as recorded" : one.name,
+        other.name.empty() ? "as recorded" : other.name, stated_reading(recording, kinds[k].columns.front(), one)));
+  }
+  return choices[best];
+}
+
+/// What the recording's channels may be meant as; throws where a kind has no reading.
+std::vector<ReadingsOf> possible_readings(const Rig& rig, const Recording& recording) {
+  std::vector<ReadingsOf> out;
+  const std::vector<std::string> pressures = pressure_columns(recording);
+  if (!pressures.empty()) {
+    double low = 1e300, high = -1e300;
+    for (const std::string& column : pressures) {
+      low = std::min(low, quantile(recording.column(column), 0.005));
+      high = std::max(high, quantile(recording.column(column), 0.995));
+    }
+    out.push_back({pressures, pressure_readings(rig, recording),
+                   fmt::format("{}: {} go{} from {:.4g} to {:.4g} Pa, possible are {:.0f} to {:.0f} Pa absolute",
+                               recording.path, fmt::join(pressures, ", "), pressures.size() == 1 ? "es" : "", low, high,
+                               possible_pressure_Pa(rig).lowest, possible_pressure_Pa(rig).highest)});
+  }
+  if (recording.has("u_V") && std::isfinite(quantile(recording.column("u_V"), 0.5)))
+    out.push_back({{"u_V"},
+                   command_readings(rig, recording),
+                   fmt::format("{}: u_V goes from {:.4g} to {:.4g} V, the valve takes +-{:g} V", recording.path,
+                               quantile(recording.column("u_V"), 0.005), quantile(recording.column("u_V"), 0.995),
+                               rig.axis.valve.command_max_V)});
+  for (const ReadingsOf& kind : out)
+    if (kind.readings.empty())
+      throw InputError(fmt::format("{}, expected that: in which unit? State it: {}", kind.evidence,
+                                   "import: {columns: {NAME: {column: NAME, factor: ...}}}"));
+  return out;
 }
 
 /// How much earlier the drive force comes than what the motion needs, and its standard error [s]: what stands before
@@ -176,25 +239,15 @@ double port_misfit(const Rig& rig, const Recording& recording) {
 
 void doubt_units(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
   if (rig.kind != RigKind::cylinder) return;
-  const std::vector<std::string> pressures = pressure_columns(recording);
-  if (!pressures.empty()) {
-    double low = 1e300, high = -1e300;
-    for (const std::string& column : pressures) {
-      low = std::min(low, quantile(recording.column(column), 0.005));
-      high = std::max(high, quantile(recording.column(column), 0.995));
-    }
-    take_reading(rig, recording, pressure_readings(rig, recording), pressures,
-                 fmt::format("{}: {} go{} from {:.4g} to {:.4g} Pa, possible are {:.0f} to {:.0f} Pa absolute",
-                             recording.path, fmt::join(pressures, ", "), pressures.size() == 1 ? "es" : "", low, high,
-                             0.3 * rig.axis.air.atmosphere_Pa, 1.5 * rig.axis.supply.pressure_Pa),
-                 notes);
+  const std::vector<ReadingsOf> kinds = possible_readings(rig, recording);
+  const Choice choice = decided(rig, recording, kinds);
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    const UnitReading& reading = kinds[k].readings[choice[k]];
+    if (is_as_recorded(reading)) continue;
+    apply(kinds[k], choice[k], recording);
+    notes.push_back(fmt::format("{}: taken for {}; to state it: {}", kinds[k].evidence, reading.name,
+                                stated_sources(recording, kinds[k].columns)));
   }
-  if (recording.has("u_V") && std::isfinite(quantile(recording.column("u_V"), 0.5)))
-    take_reading(rig, recording, command_readings(rig, recording), {"u_V"},
-                 fmt::format("{}: u_V goes from {:.4g} to {:.4g} V, the valve takes +-{:g} V", recording.path,
-                             quantile(recording.column("u_V"), 0.005), quantile(recording.column("u_V"), 0.995),
-                             rig.axis.valve.command_max_V),
-                 notes);
 }
 
 void doubt_wiring(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
@@ -217,25 +270,25 @@ void doubt_wiring(const Rig& rig, Recording& recording, std::vector<std::string>
     notes.push_back(fmt::format("{}: {}: simulated so, the pressures miss the measured ones by {:.0f} % of their swing "
                                 "instead of {:.0f} %; compared so; to state it: {}",
                                 recording.path, tried[best].name, 100 * least, std::min(100 * misfit, 9999.0),
-                                tried[best].remedy));
+                                stated_sources(recording, tried[best].columns)));
     misfit = least;
   }
 }
 
 void doubt_sampling(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
   if (rig.kind != RigKind::driven_axis || rig.has_pistons() || !recording.has("F_N")) return;
-  const auto stated = recording.sampling.find("F_N");
-  if (is_own_format(recording) || (stated != recording.sampling.end() && stated->second != Sampling::unstated)) return;
+  if (is_own_format(recording) || source_of(recording, "F_N").sampling != Sampling::unstated) return;
   const double interval_s = std::isfinite(recording.period_s) ? recording.period_s : rig.period_s;
   const double of_held_s = 0.5 * std::min(rig.period_s, interval_s);  // what a held force comes early by
   const auto [lead_s, error_s] = force_lead(rig, recording, interval_s);
   if (!(error_s < least_known * of_held_s) || std::abs(lead_s) > instant_share * of_held_s) return;
-  recording.sampling["F_N"] = Sampling::instant;
+  ImportedColumn source = source_of(recording, "F_N");
+  source.sampling = Sampling::instant;
+  recording.sources["F_N"] = source;
   notes.push_back(
       fmt::format("{}: F_N comes {:.2g} +- {:.1g} ms before the motion that it makes, a force held from row to "
-                  "row would come {:.2g} ms before it: taken as read at its rows' instants; to state it: "
-                  "import.columns.F_N.sampling: instant",
-                  recording.path, 1e3 * lead_s, 1e3 * error_s, 1e3 * of_held_s));
+                  "row would come {:.2g} ms before it: taken as read at its rows' instants; to state it: {}",
+                  recording.path, 1e3 * lead_s, 1e3 * error_s, 1e3 * of_held_s, stated_sources(recording, {"F_N"})));
 }
 
 }  // namespace pneuservo

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <pneuservo/loop/fault.hpp>
+#include <pneuservo/rig/possible_values.hpp>
 
 #include "loop/air_force.hpp"
 #include "loop/calibration.hpp"
@@ -25,7 +26,6 @@ constexpr double least_way_m = 3e-4;     // of all probes together, each of some
 constexpr double plausible_factor = 1.6; // scale of the encoder: what valve area, supply and friction leave open
 constexpr double free_hardness = 3.0;    // force over the model's: beyond it the slider sticks and slips
 constexpr double shift_error_s = 0.03;   // of an answer's start: one way through 10 m of line
-constexpr double gauge_share = 0.3;      // of the atmosphere: no absolute pressure at rest is less
 constexpr double sensor_share = 0.01;    // of the supply: error of a port sensor
 constexpr double sure = 3.0;             // standard deviations of that error
 constexpr std::uint64_t of_sensors =
@@ -90,7 +90,7 @@ double Commissioning::noise_of(std::size_t channel) const {
 // What one pressure channel shows at rest, without any motion.
 void Commissioning::judge_sensor(std::size_t channel, const RestState& rest) {
   const std::string name(channel_names[channel]);
-  const double mean_Pa = rest.mean[channel], atmosphere_Pa = rig_.axis.air.atmosphere_Pa;
+  const double mean_Pa = rest.mean[channel];
   if (rest.count[channel] == 0)
     return add(name, CommissionVerdict::wrong, "gives no value", "check sensor, cable and range");
   if (rest.bad[channel] > rest.count[channel] / 10)
@@ -101,11 +101,11 @@ void Commissioning::judge_sensor(std::size_t channel, const RestState& rest) {
     return add(name, CommissionVerdict::wrong,
                fmt::format("repeats {:.6g} Pa, which its declared noise rules out", mean_Pa),
                "check sensor and converter");
-  if (mean_Pa < gauge_share * atmosphere_Pa)
+  if (mean_Pa < possible_pressure_Pa(rig_).lowest)
     return add(name, CommissionVerdict::wrong,
                fmt::format("shows {:.1f} kPa: a gauge sensor without its zero, or a wrong scale", 1e-3 * mean_Pa),
                "vent the lines and run pneuservo zero, or correct the channel's zero by the atmosphere");
-  if (mean_Pa > 1.5 * rig_.axis.supply.pressure_Pa)
+  if (mean_Pa > possible_pressure_Pa(rig_).highest)
     return add(name, CommissionVerdict::wrong,
                fmt::format("shows {:.1f} kPa, more than the supply can give", 1e-3 * mean_Pa), "check the scale");
   if (channel != 5) add(name, CommissionVerdict::good, fmt::format("{:.1f} kPa at rest", 1e-3 * mean_Pa), "");

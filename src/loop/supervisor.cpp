@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <pneuservo/rig/possible_values.hpp>
+
 namespace pneuservo {
 namespace {
 
@@ -14,7 +16,6 @@ constexpr double at_end_stop_m = 1e-3;
 constexpr std::uint64_t missing_faults = fault_position_missing | fault_port_pressure_1_missing |
                                          fault_port_pressure_2_missing | fault_chamber_pressure_1_missing |
                                          fault_chamber_pressure_2_missing | fault_supply_missing;
-constexpr double usual_pressure_limit = 1.4;  // of the supply: a stop at the end of the stroke compresses above it
 
 /// What all channels share.
 PlausibleChannel plausible(const Rig& rig) {
@@ -24,18 +25,14 @@ PlausibleChannel plausible(const Rig& rig) {
           .period_s = rig.period_s};
 }
 
-double pressure_limit_Pa(const Rig& rig) {
-  return rig.limits.pressure_Pa.value_or(usual_pressure_limit * rig.axis.supply.pressure_Pa);
-}
-
 /// Steps of 5 % of the supply in a period are beyond what lines and chambers do with a calm valve; what an active one
 /// and small volumes add is told tick by tick.
 PlausibleChannel plausible_pressure(const Rig& rig, const PressureSensorParameters& sensor) {
   PlausibleChannel channel = plausible(rig);
-  channel.lowest = 0.3 * rig.axis.air.atmosphere_Pa;
-  channel.highest = std::max(1.5 * rig.axis.supply.pressure_Pa, 1.1 * pressure_limit_Pa(rig));
-  channel.slack = 6.0 * sensor.noise_Pa + sensor.quantum_Pa;
-  channel.step_per_period = 0.05 * rig.axis.supply.pressure_Pa;
+  channel.lowest = possible_pressure_Pa(rig).lowest;
+  channel.highest = possible_pressure_Pa(rig).highest;
+  channel.slack = sensor_slack(sensor.noise_Pa, sensor.quantum_Pa);
+  channel.step_per_period = pressure_step_Pa(rig);
   channel.frozen_ticks = frozen_after_ticks(sensor.noise_Pa, sensor.quantum_Pa);
   return channel;
 }
@@ -47,24 +44,17 @@ PlausibleChannel plausible_supply(const Rig& rig) {
   return channel;
 }
 
-/// Full supply on the larger piston area, nothing on the other side.
-double fastest_start_mps2(const Rig& rig) {
-  const auto& cylinder = rig.axis.cylinder;
-  return rig.axis.supply.pressure_Pa * std::max(cylinder.area_1_m2, cylinder.area_2_m2) /
-         (rig.axis.slider.mass_kg + rig.axis.slider.payload_kg);
-}
-
 PlausibleChannel plausible_position(const Rig& rig, double speed_limit_mps) {
   const double noise = rig.sensors.position.noise_m, quantum = rig.sensors.position.quantum_m;
   // To lose 0.1 m/s, or 100 m/s2 where a period is long, from one sample to the next and then rest takes a blow.
   const double stopping_mps = std::max(0.1, 100.0 * rig.period_s);
   PlausibleChannel channel = plausible(rig);
-  channel.highest = rig.axis.cylinder.stroke_m;  // twice the half: beyond that the encoder is not of this axis
-  channel.lowest = -channel.highest;
-  channel.slack = 6.0 * noise + quantum;
+  channel.lowest = possible_position_m(rig).lowest;
+  channel.highest = possible_position_m(rig).highest;
+  channel.slack = sensor_slack(noise, quantum);
   channel.step_per_period = 2.0 * speed_limit_mps * rig.period_s;  // below that the fault is `speed`
-  channel.step_growth = 3.0 * fastest_start_mps2(rig) * rig.period_s * rig.period_s;
-  channel.stopping_step = stopping_mps * rig.period_s + 6.0 * noise + quantum;
+  channel.step_growth = most_acceleration_mps2(rig) * rig.period_s * rig.period_s;
+  channel.stopping_step = stopping_mps * rig.period_s + channel.slack;
   channel.frozen_ticks = frozen_after_ticks(noise, quantum);
   return channel;
 }

@@ -38,7 +38,7 @@ std::vector<ColumnGuess> mapped_columns(const CsvTable& table, const ImportParam
   return out;
 }
 
-ImportResult understood(const ImportOptions& options, const std::optional<Rig>& rig) {
+ImportResult understood(const ImportOptions& options, std::optional<Rig> rig) {
   const CsvTable table = read_table(options.recording);
   ImportResult out;
   out.path = options.recording;
@@ -57,7 +57,7 @@ ImportResult understood(const ImportOptions& options, const std::optional<Rig>& 
     out.runs = is_own_format(table) ? read_recordings(options.recording, std::nullopt, loop_period_s)
                                     : read_recordings(options.recording, map, loop_period_s);
   }
-  out.section = import_section(out.columns);
+  ImportParameters map = rig && rig->imported ? *rig->imported : import_map(out.columns);
   for (const Recording& run : out.runs)
     for (const std::string& line : problem_lines(run)) out.understood.push_back(line);
   if (rig) {
@@ -65,7 +65,14 @@ ImportResult understood(const ImportOptions& options, const std::optional<Rig>& 
     try {
       doubt_recordings(*rig, judged, out.doubts);
     } catch (const InputError& asked) { out.doubts.emplace_back(asked.what()); }
+    // What was certain stands in the section; the first run speaks for the file.
+    for (auto& [name, source] : map.columns) {
+      const bool tells_runs = source.tells_runs;
+      if (judged.front().has(name) && !is_own_format(judged.front())) source = source_of(judged.front(), name);
+      source.tells_runs = tells_runs;
+    }
   }
+  out.section = import_section(map, out.columns);
   return out;
 }
 

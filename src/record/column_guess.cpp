@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <optional>
 #include <string_view>
 
@@ -219,16 +220,24 @@ ImportParameters import_map(const std::vector<ColumnGuess>& guesses) {
   return out;
 }
 
-std::string import_section(const std::vector<ColumnGuess>& guesses) {
+std::string source_text(const ImportedColumn& source) {
+  YAML::Emitter name;
+  name << YAML::DoubleQuoted << source.column;
+  const std::string_view sampling = sampling_names[static_cast<std::size_t>(source.sampling)];
+  return fmt::format("{{column: {}{}{}{}{}}}", name.c_str(),
+                     source.factor != 1 ? fmt::format(", factor: {:.10g}", source.factor) : "",
+                     source.offset != 0 ? fmt::format(", offset: {:.10g}", source.offset) : "",
+                     source.tells_runs ? ", tells_runs: true" : "",
+                     source.sampling != Sampling::unstated ? fmt::format(", sampling: {}", sampling) : "");
+}
+
+std::string import_section(const ImportParameters& map, const std::vector<ColumnGuess>& order) {
   std::string out = "import:\n  columns:\n";
-  for (const ColumnGuess& guess : guesses) {
-    if (guess.ours.empty()) continue;
-    YAML::Emitter name;
-    name << YAML::DoubleQuoted << guess.column;
-    out += fmt::format("    {}: {{column: {}{}{}}}\n", guess.ours, name.c_str(),
-                       guess.factor != 1 ? fmt::format(", factor: {:g}", guess.factor) : "",
-                       guess.offset != 0 ? fmt::format(", offset: {:g}", guess.offset) : "");
-  }
+  for (const ColumnGuess& guess : order)
+    if (const auto found = map.columns.find(guess.ours); found != map.columns.end())
+      out += fmt::format("    {}: {}\n", found->first, source_text(found->second));
+  if (std::isfinite(map.from_s)) out += fmt::format("  from_s: {:g}\n", map.from_s);
+  if (std::isfinite(map.to_s)) out += fmt::format("  to_s: {:g}\n", map.to_s);
   return out;
 }
 

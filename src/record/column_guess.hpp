@@ -24,7 +24,9 @@ std::vector<ColumnGuess> guess_columns(const CsvTable& table, double atmosphere_
 /// The map of a config that says the same; columns without a meaning are left out.
 ImportParameters import_map(const std::vector<ColumnGuess>& guesses);
 
-/// The section `import:` as it stands in a config.
-std::string import_section(const std::vector<ColumnGuess>& guesses);
+/// {column: "Weg [mm]", factor: 0.001}: the right side of a column in the section `import:`.
+std::string source_text(const ImportedColumn& source);
+/// The section `import:` as it stands in a config, columns in the order of the file.
+std::string import_section(const ImportParameters& map, const std::vector<ColumnGuess>& order);
 
 }  // namespace pneuservo

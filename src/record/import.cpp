@@ -62,6 +62,8 @@ MappedColumns mapped(CsvTable& table, const ImportParameters& imported) {
   std::map<std::string, ImportedColumn> columns = imported.columns;
   columns.try_emplace("t_s", ImportedColumn{"t_s"});
   const std::vector<std::string> known = names_of_the_format();
+  for (const std::string& name : table.names)
+    if (std::find(known.begin(), known.end(), name) != known.end()) columns.try_emplace(name, ImportedColumn{name});
   for (const auto& [name, source] : columns) {
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw InputError(fmt::format("import.columns: found {}, expected {}", name, expected_names(name, known)));
@@ -100,6 +102,10 @@ MappedColumns unmapped(CsvTable& table) {
 /// Brings the times to seconds, and tells it.
 void take_seconds(CsvTable& table, MappedColumns& columns, double period_s) {
   std::vector<double>& times = columns.values[columns.time()];
+  if (const std::size_t nights = pass_midnights(times, columns.is_clock); nights > 0)
+    table.report(0, ProblemKind::interval,
+                 fmt::format("t_s passes midnight {}: the time goes on behind it",
+                             nights == 1 ? "once" : fmt::format("{} times", nights)));
   TimeUnit unit = unit_of_times(times, period_s, columns.is_clock);
   if (columns.has_time_factor && unit.start == 0) return;
   if (columns.has_time_factor) unit.factor = 1;  // stated
@@ -243,8 +249,10 @@ std::vector<Recording> read_recordings(const std::string& path, const std::optio
     else if (columns.telling.empty()) mend_times(run);
     if (imported) {
       put_in_order(run);
-      for (const auto& [name, source] : imported->columns) run.sampling[name] = source.sampling;
+      run.sources = imported->columns;
     }
+    if (std::none_of(run.t_s().begin(), run.t_s().end(), [](double t) { return std::isfinite(t); }))
+      throw InputError(fmt::format("{}: no row has a time; expected numbers in column t_s", path));
     take_interval(run, period_s);
     check_times(run);
   }

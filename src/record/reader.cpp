@@ -128,6 +128,14 @@ template <class T> void keep_only(std::vector<T>& values, const std::vector<std:
 
 }  // namespace
 
+ImportedColumn source_of(const Recording& recording, const std::string& column) {
+  const auto found = recording.sources.find(column);
+  if (found != recording.sources.end()) return found->second;
+  ImportedColumn own;
+  own.column = column;
+  return own;
+}
+
 double median_step_s(const std::vector<double>& time_s) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < time_s.size(); ++i)

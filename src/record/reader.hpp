@@ -20,12 +20,17 @@ struct Recording : CsvTable {
 
   const std::vector<double>& t_s() const { return column("t_s"); }
   bool is_held_out = false;  ///< as a whole: kept from every fit of a diagnosis
-  std::map<std::string, Sampling> sampling;  ///< of columns for which it is stated
+  /// Where a column comes from in the file, as a section import would say it. Columns that are not here bear their own
+  /// names and values.
+  std::map<std::string, ImportedColumn> sources;
   /// What of its config the machine had otherwise while this was made (another supply pressure): paths and values.
   std::vector<std::pair<std::string, double>> changed;
   /// Rows that gaps in time show to be missing, and how many of them the recorder marked as dropped by itself.
   std::size_t missing_rows = 0, dropped_rows = 0;
 };
+
+/// The source of a column; its own name where none is stated.
+ImportedColumn source_of(const Recording& recording, const std::string& column);
 
 /// Median of the steps forward; NaN where there is none.
 double median_step_s(const std::vector<double>& time_s);

@@ -103,6 +103,22 @@ TimeUnit unit_of_times(const std::vector<double>& stamps, double period_s, bool 
   return out;
 }
 
+std::size_t pass_midnights(std::vector<double>& t, bool is_clock) {
+  constexpr double day_s = 86400;
+  const double most_s = is_clock ? 0.5 * day_s : longest_counted * median_step_s(t);
+  double before = no_value, added = 0;
+  std::size_t count = 0;
+  for (double& time_s : t) {
+    if (!std::isfinite(time_s)) continue;
+    const double now = time_s + added, step = now - before;
+    const bool is_within_a_day = is_clock || (before - added <= day_s && time_s >= 0);
+    if (step < 0 && step + day_s < most_s && is_within_a_day) added += day_s, ++count;
+    time_s += added;
+    before = time_s;
+  }
+  return count;
+}
+
 std::vector<std::size_t> run_starts(const std::vector<double>& t) {
   std::vector<std::size_t> starts{0};
   double before = no_value, last_but_one = no_value;

@@ -17,6 +17,10 @@ struct TimeUnit {
 /// ms, us and ns that brings them nearest to it. period_s: of the loop; NaN: unknown. is_clock: dates, in seconds.
 TimeUnit unit_of_times(const std::vector<double>& stamps, double period_s, bool is_clock);
 
+/// Times of day, in seconds, go on behind midnight: a day is added wherever they go back by more than half of one
+/// (clock) or, as plain numbers, from within the last of 20 intervals of a day to within its first. How often.
+std::size_t pass_midnights(std::vector<double>& time_s, bool is_clock);
+
 /// Rows with which a new run begins: the time goes back, and the rows after it go on from there. The first row is one.
 std::vector<std::size_t> run_starts(const std::vector<double>& time_s);
 

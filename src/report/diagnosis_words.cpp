@@ -127,14 +127,16 @@ std::string verdict_words(const Diagnosis& diagnosis) {
       if (answer.parameters.size() > 1) one.insert(0, name_words(p.name) + " ");
       size += (size.empty() ? "" : ", ") + one;
     }
-    parts.push_back(size.empty() ? part : fmt::format("{} ({})", part, size));
+    part = fmt::format("{}, {:.0f} % sure", size.empty() ? part : fmt::format("{} ({})", part, size),
+                       100 * answer.probability);
+    if (!answer.ambiguous_with.empty())
+      part += fmt::format(" ({} would look the same)", effect_words(answer.ambiguous_with.front()));
+    parts.push_back(part);
   }
   const DiagnosisAnswer& first = diagnosis.answers.front();
-  std::string out = fmt::format("{}, {:.0f} % sure", fmt::join(parts, ", and "), 100 * first.probability);
+  std::string out = fmt::format("{}", fmt::join(parts, ", and "));
   out.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(out.front())));
   if (first.effect.starts_with("parameter:")) out.front() = first.effect[10];  // a path stays as it is written
-  if (!first.ambiguous_with.empty())
-    out += fmt::format("; {} would look the same", effect_words(first.ambiguous_with.front()));
   return out + ".";
 }
 

@@ -75,7 +75,7 @@ TEST_CASE("each mistake of units and wiring is named and undone, on drawn machin
   INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   std::mt19937 generator(seed);
   for (const double length_m : {2.0, 10.0}) {
-    const Rig owner = test::cylinder_rig(length_m);
+    Rig owner = test::cylinder_rig(length_m);
     const Recording right = test::simulated_recording(drawn_machine(generator, owner), 6.0, seed, ports);
     std::vector<Recording> untouched{right};
     std::vector<std::string> notes;
@@ -96,6 +96,32 @@ TEST_CASE("each mistake of units and wiring is named and undone, on drawn machin
       CHECK(largest_difference(wrong[0].column("p1_port_Pa"), right.column("p1_port_Pa")) < 1);
     }
   }
+}
+
+TEST_CASE("mistakes that come together are undone together, and stated beside the map that the file has") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  Rig owner = test::cylinder_rig(2.0);
+  const Recording right = test::simulated_recording(drawn_machine(generator, owner), 6.0, seed, ports);
+  std::vector<Recording> wrong{right};
+  for (const auto& p : ports) shift(wrong[0].column(p), 1, -101325);
+  shift(wrong[0].column("u_V"), 1, 5);
+  shift(wrong[0].column("x_m"), 1000, 0);
+  ImportedColumn valve;
+  valve.column = "Ventil [mV]";
+  valve.factor = 1e-3;
+  wrong[0].sources["u_V"] = valve;
+  std::vector<std::string> notes;
+  doubt_recordings(owner, wrong, notes);
+  CAPTURE(notes);
+  REQUIRE(notes.size() == 3);
+  CHECK(largest_difference(wrong[0].column("x_m"), right.column("x_m")) < 1e-9);
+  CHECK(largest_difference(wrong[0].column("u_V"), right.column("u_V")) < 1e-9);
+  CHECK(largest_difference(wrong[0].column("p1_port_Pa"), right.column("p1_port_Pa")) < 1);
+  CHECK_THAT(notes[1], Contains("offset: 101325") && Contains("p2_port_Pa: {column"));
+  CHECK_THAT(notes[2], Contains("u_V: {column: \"Ventil [mV]\", factor: 0.001, offset: -5}"));
+  CHECK(source_of(wrong[0], "x_m").factor == 1e-3);
 }
 
 TEST_CASE("the unit and the zero of a position follow from its range where only one fits") {
@@ -127,7 +153,7 @@ TEST_CASE("the unit and the zero of a position follow from its range where only 
 }
 
 TEST_CASE("what cannot be known is asked for in one sentence with the key") {
-  const Rig rig = test::cylinder_rig();
+  Rig rig = test::cylinder_rig();
   const Recording right = test::simulated_recording(rig, 4.0, 5, ports);
   std::vector<std::string> notes;
   const auto refused = [&](auto make, const std::string& what) {
@@ -143,7 +169,7 @@ TEST_CASE("spikes and frozen samples are left out, and told") {
   const unsigned seed = test::new_seed();
   INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   std::mt19937 generator(seed);
-  const Rig rig = test::cylinder_rig();
+  Rig rig = test::cylinder_rig();
   const Recording right = test::simulated_recording(rig, 4.0, 7, ports);
   std::vector<Recording> wrong{right};
   const std::size_t at = 500 + generator() % 1000;

@@ -32,6 +32,20 @@ TEST_CASE("a column map makes runs in order of time, scaled, with repeats averag
   CHECK(runs[1].column("p1_chamber_Pa") == std::vector<double>{105325, 113325});
 }
 
+TEST_CASE("columns that bear our names are read beside a map, unless it names them") {
+  const TemporaryFolder folder;
+  std::ofstream(folder.file("own.csv")) << "t_s,x_m,u_V,p1_port_Pa,other\n0,10,1,5e5,3\n0.001,20,2,5e5,3\n";
+  ImportParameters map;
+  map.columns["x_m"] = {"x_m", 1e-3};
+  const Recording run = read_recordings(folder.file("own.csv"), map, 0.001).at(0);
+  CHECK(run.column("x_m") == std::vector<double>{0.01, 0.02});
+  CHECK(run.column("u_V") == std::vector<double>{1, 2});
+  CHECK(run.has("p1_port_Pa"));
+  CHECK_FALSE(run.has("other"));
+  CHECK(source_of(run, "x_m").factor == 1e-3);
+  CHECK(source_of(run, "u_V").column == "u_V");
+}
+
 TEST_CASE("what a map names and the file lacks is told, but without times or rows nothing can be read") {
   const TemporaryFolder folder;
   ImportParameters map;

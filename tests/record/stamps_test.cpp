@@ -85,6 +85,36 @@ TEST_CASE("a run begins where the time goes back and stays back, not at a row ou
   CHECK(run_starts(set_back) == std::vector<std::size_t>{0, 25});
 }
 
+TEST_CASE("times of day go on behind midnight, as a clock's text and as seconds of the day") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  const double interval_s = 1e-3 * std::uniform_int_distribution<int>(1, 20)(generator);
+  const double start_s = 86400 - 50 * interval_s - std::uniform_real_distribution<double>(0, interval_s)(generator);
+  const TemporaryFolder folder;
+  for (const bool is_clock : {true, false}) {
+    std::string text = "t_s,x_m\n";
+    for (int i = 0; i < 120; ++i) {
+      const double day_s = std::fmod(start_s + i * interval_s, 86400);
+      const int whole = static_cast<int>(day_s);
+      text += is_clock ? fmt::format("{:02d}:{:02d}:{:09.6f},{}\n", whole / 3600, whole / 60 % 60,
+                                     day_s - 60 * (whole / 60), i)
+                       : fmt::format("{:.6f},{}\n", day_s, i);
+    }
+    CAPTURE(is_clock, text.substr(text.size() / 2 - 60, 120));
+    const std::vector<Recording> runs = read_recordings(put_plain(folder.file("night.csv"), text), std::nullopt, 1e-3);
+    REQUIRE(runs.size() == 1);
+    REQUIRE(runs[0].rows() == 120);
+    for (std::size_t i = 0; i < 120; ++i)
+      REQUIRE(runs[0].t_s()[i] - runs[0].t_s()[0] == Approx(static_cast<double>(i) * interval_s).margin(2e-6));
+    CHECK_THAT(fmt::format("{}", fmt::join(problem_lines(runs[0]), "\n")), Contains("midnight"));
+  }
+  // A second run that begins at 0 is one, and no day.
+  std::vector<double> two = even_times(50, 1e-3);
+  two.insert(two.end(), two.begin(), two.begin() + 40);
+  CHECK(pass_midnights(two, false) == 0);
+}
+
 TEST_CASE("two runs in one file are two recordings with or without a map, and that is told") {
   const TemporaryFolder folder;
   std::string text = "t_s,x_m,u_V\n";

@@ -23,8 +23,8 @@ tolerances: {{slider.mass_kg: 0.001, slider.viscous_friction_Ns_per_m: 0.01}}
 """
 
 
-def rows(interval_s, seconds=8.0, jitter_s=0.0, held=True):
-    """t, x, F of an ideal axis on a sum of sines; the force is held over a period of the loop, or of its instant."""
+def rows(interval_s, seconds=8.0, jitter_s=0.0, held_s=0.001):
+    """t, x, F of an ideal axis on a sum of sines; the force is held for so long from each row on, 0: of its instant."""
     out = []
     for i in range(int(seconds / interval_s)):
         t = i * interval_s + (draw.gauss(0, jitter_s) if i and jitter_s else 0)
@@ -34,7 +34,7 @@ def rows(interval_s, seconds=8.0, jitter_s=0.0, held=True):
             return (sum(a * math.sin(w * at + p) for a, w, p in parts), sum(a * w * math.cos(w * at + p) for a, w, p in parts),
                     -sum(a * w * w * math.sin(w * at + p) for a, w, p in parts))
         x = motion(t)[0]
-        _, v, a = motion(t + (0.0005 if held else 0))
+        _, v, a = motion(t + 0.5 * held_s)
         out.append((t, x, MASS_kg * a + VISCOUS_Ns_per_m * v + math.copysign(COULOMB_N, v) + draw.gauss(0, NOISE_N)))
     return out
 
@@ -99,7 +99,24 @@ expect_coulomb("clock jump", write("jump.csv", jumped), told=["recording of its 
 expect_coulomb("two runs", write("two.csv", whole[:4000] + [(t - 4.0, x, f) for t, x, f in whole[4000:]]),
                told=["recording of their own"])
 expect_coulomb("sparse", write("sparse.csv", [(t, x if i % 2 == 0 else None, f) for i, (t, x, f) in enumerate(whole)]))
-expect_coulomb("instant", write("instant.csv", rows(0.001, held=False)), told=["sampling"])
+expect_coulomb("instant", write("instant.csv", rows(0.001, held_s=0)), told=["sampling"])
+
+# Rows 10 ms apart whose force is held from row to row, or of their instants: right where that is stated, otherwise not.
+for sampling, held_s, other in (("held", 0.01, "instant"), ("instant", 0, "held")):
+    path = write(f"{sampling}.csv", rows(0.01, seconds=20, held_s=held_s))
+    stated = [put(f"{word}.yaml", CONFIG + f"import: {{columns: {{F_N: {{column: F_N, sampling: {word}}}}}}}\n") for word in (sampling, other)]
+    expect_coulomb(f"force {sampling}", path, rig=stated[0])
+    wrong = diagnosis(path, rig=stated[1])
+    expect([answer["effect"] for answer in wrong["answers"]] not in (["coulomb_friction"], ["stribeck_friction"]),
+           f"force {sampling}, stated as {other}: {wrong['verdict']}, as if it made no difference")
+
+# A counter of 0.1 m, a sensor whose range ends at 9 cm, a night between the rows.
+turned = [(t, (x + 0.05) % 0.1 - 0.05, f) for t, x, f in whole]
+expect_coulomb("turns", write("turns.csv", turned), told=["begins again"])
+clipped = [(t, min(x, 0.09), f) for t, x, f in whole]
+expect_coulomb("clipped", write("clipped.csv", clipped), told=["x_m is clipped at 0.09"])
+night = "".join(f"{(86396 + t) % 86400 // 3600:02.0f}:{(86396 + t) % 3600 // 60:02.0f}:{(86396 + t) % 60:06.3f},{x:.9g},{f:.6g}\n" for t, x, f in whole)
+expect_coulomb("night", put("night.csv", "t_s,x_m,F_N\n" + night), told=["midnight"])
 
 for unit, factor, shift in (("ms", 1e3, 0), ("us", 1e6, 0), ("ns", 1e9, 0), ("epoch us", 1e6, 1.77e9), ("epoch ns", 1e9, 1.77e9)):
     table = [(round((t + shift) * factor), x, f) for t, x, f in whole]

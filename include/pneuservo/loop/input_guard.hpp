@@ -33,6 +33,7 @@ inline int frozen_after_ticks(double noise, double quantum) {
   if (!(noise > 0.0)) return 0;
   const double repeats = std::erf(quantum / (2.0 * std::sqrt(2.0) * noise));
   if (!(repeats > 0.0)) return fewest;
+  if (!(repeats < 1.0)) return 0;  // the noise never leaves the quantum
   const double ticks = std::log(1e-12) / std::log(repeats);
   return ticks <= most ? std::max(fewest, static_cast<int>(std::ceil(ticks))) : 0;
 }

@@ -1,0 +1,49 @@
+// What the channels of a rig can physically read: one place for the loop's guards, commissioning and doubts of
+// recordings.
+#pragma once
+#include <algorithm>
+
+#include <pneuservo/rig/rig.hpp>
+
+namespace pneuservo {
+
+/// Outside lies no measurement. Values in the channel's unit.
+struct PossibleRange {
+  double lowest = -infinite, highest = infinite;
+};
+
+/// Noise and quantum make this much of a step: six standard deviations are exceeded by chance once in 5e8 samples.
+inline double sensor_slack(double noise, double quantum) { return 6.0 * noise + quantum; }
+
+/// Above it the loop stops: a stop at the end of the stroke compresses above the supply.
+inline double pressure_limit_Pa(const Rig& rig) {
+  constexpr double usual_share_of_supply = 1.4;
+  return rig.limits.pressure_Pa.value_or(usual_share_of_supply * rig.axis.supply.pressure_Pa);
+}
+
+/// A chamber that is drawn out falls below the atmosphere, never near a vacuum; above the limit a fault must show.
+inline PossibleRange possible_pressure_Pa(const Rig& rig) {
+  return {0.3 * rig.axis.air.atmosphere_Pa, std::max(1.5 * rig.axis.supply.pressure_Pa, 1.1 * pressure_limit_Pa(rig))};
+}
+
+/// What lines and chambers do from one sample to the next with a calm valve stays below.
+inline double pressure_step_Pa(const Rig& rig) { return 0.05 * rig.axis.supply.pressure_Pa; }
+
+/// Twice the half stroke: beyond that the encoder is not of this axis.
+inline PossibleRange possible_position_m(const Rig& rig) {
+  const double stroke_m = rig.axis.cylinder.stroke_m;
+  return stroke_m > 0 ? PossibleRange{-stroke_m, stroke_m} : PossibleRange{};
+}
+
+/// Full supply on the larger piston area with nothing on the other side, or the full drive; three times that is beyond
+/// any payload's error. 0: not known.
+inline double most_acceleration_mps2(const Rig& rig) {
+  const auto& cylinder = rig.axis.cylinder;
+  const double mass_kg = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
+  const double force_N = rig.kind == RigKind::driven_axis
+                             ? rig.drive.force_max_N
+                             : rig.axis.supply.pressure_Pa * std::max(cylinder.area_1_m2, cylinder.area_2_m2);
+  return mass_kg > 0 ? 3.0 * force_N / mass_kg : 0.0;
+}
+
+}  // namespace pneuservo

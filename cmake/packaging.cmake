@@ -1,6 +1,6 @@
 # The Debian package: what it holds and where (tools/package makes it from two builds, for any x86-64 and for AVX2).
 #   usr/bin/pneuservo, libpneuservo.so and its AVX2 build under glibc-hwcaps/x86-64-v3, headers and CMake package of the
-#   estimator, configs, docs, man pages, systemd unit, limits and udev rules.
+#   estimator, configs, docs, man pages, systemd units, limits and udev rules.
 if(NOT PNEUSERVO_SHARED_LIBRARY)
   return()
 endif()
@@ -11,7 +11,8 @@ install(DIRECTORY config DESTINATION ${PNEUSERVO_SHARE} COMPONENT program)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 install(FILES ${PNEUSERVO_DEBIAN}/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
-install(FILES ${PNEUSERVO_DEBIAN}/pneuservo@.service DESTINATION /usr/lib/systemd/system COMPONENT program)
+install(FILES ${PNEUSERVO_DEBIAN}/pneuservo@.service ${PNEUSERVO_DEBIAN}/pneuservo-guard@.service
+  DESTINATION /usr/lib/systemd/system COMPONENT program)
 install(FILES ${PNEUSERVO_DEBIAN}/60-pneuservo.rules DESTINATION /usr/lib/udev/rules.d COMPONENT program)
 install(FILES ${PNEUSERVO_DEBIAN}/pneuservo-limits.conf DESTINATION /etc/security/limits.d RENAME pneuservo.conf
   COMPONENT program)

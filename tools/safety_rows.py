@@ -1,6 +1,7 @@
 # The scenarios of tools/safety-table: what goes wrong, what is asked, and the verdict on what came of it.
 """Each scenario is a function of (runner, rng, draw): draw 0 has the stated numbers, others draw theirs from rng. It
 yields cases; a case is a scenario in words, what is asked, an Outcome or None, and what was missed (nothing: passed)."""
+import math
 import os
 import pathlib
 import re
@@ -15,7 +16,8 @@ START_M, START_MPS = 0.005, 0.2   # reversed at the start
 HEALTH_S = 0.5
 AFTER_SIGNAL_TICKS = 2 + 2  # asked, and what the bus and the time stamp of the signal take
 BUS_S = 0.003               # a tick, its SYNC and the device's own tick
-CANNOT = "10m-4.15mm"       # a line that chokes: what it cannot tell has to be said by check
+CHOKES = "10m-4.15mm"       # a line that is too narrow for its own sine
+STATED = 1.1                # of what check states of a line: the tool against the simulation
 
 
 @dataclass
@@ -51,6 +53,17 @@ def refused(out):
     return out.status == 2 and not moved and len(said) >= 1
 
 
+def late_s(out):
+    """From 1 mm off the prediction to the fault."""
+    first = out.first_off_tick()
+    return math.inf if out.fault_tick is None else 0.0 if first is None else (out.fault_tick - first) * PERIOD_S
+
+
+def off_mm(out):
+    """At the fault."""
+    return math.inf if out.fault_tick is None else 1e3 * abs(out.off_m(out.fault_tick))
+
+
 def deviates(scenario, out, line, may_refuse=False):
     if out is None:  # two processes are left out
         return None
@@ -61,12 +74,22 @@ def deviates(scenario, out, line, may_refuse=False):
     if out.fault_tick is None:
         case.missed.append("no fault")
         return judged(case)
-    first = out.first_off_tick()
     case.need(out.status == 1, f"exit status {out.status}")
-    case.need(abs(out.off_m(out.fault_tick)) <= OFF_M, f"{1e3 * abs(out.off_m(out.fault_tick)):.1f} mm off")
-    late = 0.0 if first is None else (out.fault_tick - first) * PERIOD_S
-    case.need(late <= LATE_S, f"{late:.2f} s after 1 mm")
+    case.need(off_mm(out) <= 1e3 * OFF_M, f"{off_mm(out):.1f} mm off")
+    case.need(late_s(out) <= LATE_S, f"{late_s(out):.2f} s after 1 mm")
     return judged(case)
+
+
+def stated_payload(runner, line, kg):
+    """What check states of the next lighter payload of its list: seconds after 1 mm and mm off, inf where it cannot be
+    told; None where it states nothing."""
+    said = runner.checked(runner.config(line))
+    cannot = re.search(r"payload of ([\d., ]+) kg cannot be told", said)
+    stated = {float(one): (math.inf, math.inf) for one in re.split(r",\s*", cannot[1])} if cannot else {}
+    for one, after_s, off_mm in re.findall(r"([\d.]+) kg after ([\d.]+) s, ([\d.]+) mm off", said):
+        stated[float(one)] = (float(after_s), float(off_mm))
+    lighter = [one for one in stated if one <= kg + 1e-9]
+    return stated[max(lighter)] if lighter else None
 
 
 def payload(runner, rng, draw):
@@ -81,9 +104,11 @@ def payload(runner, rng, draw):
     for line, kg, at_s in cases:
         out = runner.simulated(runner.config(line), "--fault", f"payload:{kg:.1f}@{at_s:.3f}")
         case = deviates(f"payload {kg:.1f} kg from {at_s:.1f} s, {line}", out, line)
-        if line == CANNOT and out.fault_tick is None:
-            said = runner.call("check", runner.config(line)).stdout
-            case.missed = [] if re.search(r"payload.*(cannot|not be told)", said) else ["no fault, and check does not say so"]
+        stated = stated_payload(runner, line, kg) if case.missed else None
+        # What a line cannot do is as asked where check states it, and no later than stated.
+        if stated and late_s(out) <= max(STATED * stated[0], LATE_S) and off_mm(out) <= max(STATED * stated[1], 1e3 * OFF_M):
+            case.missed = out.lies()
+            case.note = "cannot be told, says check" if math.isinf(stated[0]) else f"check says {stated[0]:.2f} s, {stated[1]:.1f} mm"
         yield case
 
 
@@ -221,7 +246,7 @@ def killed(runner, rng, draw):
         said = runner.call("check", board).stdout
         case = Case("kill -9, DA/AD board", "refused at the start, or the missing watchdog said by check")
         case.command = f"pneuservo check {board}"
-        case.need(re.search(r"watchdog|guard", said), "check does not say that a board keeps its output")
+        case.need(re.search(r"board without program +keeps its outputs", said), "check does not say that a board keeps its output")
         yield case
 
 
@@ -347,7 +372,7 @@ def machines(runner, rng, draw):
         config, runs = runner.config(line), []
         for _ in range(runner.machines):
             # The narrow 10 m line chokes on its own sine.
-            names = [name for name in REFERENCES if line != CANNOT or name != "120 mm in 0.8 s"]
+            names = [name for name in REFERENCES if line != CHOKES or name != "120 mm in 0.8 s"]
             runs.append((runner, ["run", config, *drawn_machine(config, rng), *REFERENCES[rng.choice(names)], "--duration-s", "5"]))
         yield without_fault(f"{len(runs)} drawn machines, {line}", runs, runner.workers)
 
@@ -411,7 +436,7 @@ def work(runner, rng, draw):
     case.command = f"{found.name} --benchmark_filter=supervisor --benchmark_repetitions=5"
     done = subprocess.run([str(found), "--benchmark_filter=supervisor", "--benchmark_format=json", "--benchmark_repetitions=5"],
                           capture_output=True, text=True, timeout=300)
-    times = [one["cpu_time"] for one in json.loads(done.stdout)["benchmarks"] if one.get("run_type") == "iteration"]
+    times = [one["real_time"] for one in json.loads(done.stdout)["benchmarks"] if one.get("run_type") == "iteration"]
     case.note = f"{min(times):.0f} ns" if times else "no benchmark"
     case.need(times and min(times) <= 250, case.note)
     yield case

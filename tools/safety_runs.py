@@ -162,7 +162,7 @@ class Outcome:
 class Runner:
     def __init__(self, build, folder):
         self.program, self.tamper = str(build / "pneuservo"), str(build / "tests/bus_tamper")
-        self.folder, self.count, self.nominals = pathlib.Path(folder), 0, {}
+        self.folder, self.count, self.nominals, self.checks = pathlib.Path(folder), 0, {}, {}
         self.lines, self.only_simulated = LINES, False
         self.lock = threading.Lock()
 
@@ -181,7 +181,8 @@ class Runner:
             return CAN
         path = self.folder / f"can-{line}.yaml"
         if not path.exists():
-            path.write_text(self.config(line).read_text() + "\n" + HAL_BEGINS + CAN.read_text().split(HAL_BEGINS)[1])
+            own = re.sub(r"^limits:.*\n", "", self.config(line).read_text(), flags=re.M)  # those of the bus hold them, too
+            path.write_text(own + "\n" + HAL_BEGINS + CAN.read_text().split(HAL_BEGINS)[1])
         return path
 
     @staticmethod
@@ -192,6 +193,12 @@ class Runner:
 
     def call(self, *words, timeout=600):
         return subprocess.run([self.program, *map(str, words)], capture_output=True, text=True, timeout=timeout)
+
+    def checked(self, config):
+        """What check says of a config, once."""
+        if str(config) not in self.checks:
+            self.checks[str(config)] = self.call("check", config).stdout
+        return self.checks[str(config)]
 
     def nominal(self, config, duration_s, age):
         """What the axis does where nothing is wrong."""
@@ -223,6 +230,7 @@ class Runner:
         for _ in range(tries):
             outcome = self.two_once(config, control, device, tamper, act, act_s, duration_s, verb)
             starved = {"position_missing", "port_pressure_1_missing", "port_pressure_2_missing"} <= set(outcome.faults)
+            starved = starved or "homing: position_missing" in outcome.err
             starved = starved or ("late_tick" in outcome.faults and act is None)
             # Nobody silences a node where nothing stands between: the machine was too busy for its heartbeat.
             starved = starved or (not tamper and not act and bool({"node_lost", "node_emergency"} & set(outcome.faults)))

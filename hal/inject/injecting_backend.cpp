@@ -53,6 +53,7 @@ bool InjectingBackend::read(std::int64_t tick, Measurement& measurement) noexcep
     for (Channel* channel : channels_of(measurement)) channel->valid = false;
     measurement.device_faults |= device_bus_off;
   }
+  if (is_on(InjectedKind::guard_lost, t_s)) measurement.device_faults |= device_guard_lost;
   return true;
 }
 

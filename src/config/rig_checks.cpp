@@ -184,6 +184,14 @@ double dry_friction_N(const Rig& rig) {
                    motion.direction_dependent_friction.forward_N, motion.direction_dependent_friction.backward_N});
 }
 
+/// What three standard deviations of noise, and a quantum, of the encoder are in the speed that the law filters.
+double encoder_speed_mps(const Rig& rig) {
+  const double filter_s =
+      rig.controller.kind == ControllerKind::pd_force ? rig.controller.pd_force.velocity_filter_s : 0.0;
+  const double share = filter_s > 0.0 ? -std::expm1(-rig.period_s / filter_s) : 1.0;
+  return share * (rig.sensors.position.quantum_m + 3.0 * rig.sensors.position.noise_m) / rig.period_s;
+}
+
 /// Limits that end every run, or that allow for less than the config has.
 void check_limits(const Rig& rig, const Check& check) {
   const LimitParameters& limits = rig.limits;
@@ -192,15 +200,24 @@ void check_limits(const Rig& rig, const Check& check) {
     check.refuse("limits.deviation_m", {"sensors.position"}, number_text(*limits.deviation_m),
                  fmt::format("more than the encoder's quantum and noise ({}), or nothing: it is derived",
                              number_text(encoder_m)));
+  const double speed_mps = encoder_speed_mps(rig);
+  if (limits.speed_deviation_mps && *limits.speed_deviation_mps > 0.0 && *limits.speed_deviation_mps <= speed_mps)
+    check.refuse("limits.speed_deviation_mps", {"sensors.position"}, number_text(*limits.speed_deviation_mps),
+                 fmt::format("more than the encoder's quantum and noise give ({}), or nothing: it is derived",
+                             number_text(speed_mps)));
   if (!rig.is_pneumatic()) return;
   const double friction_N = dry_friction_N(rig);
   if (limits.dry_friction_max_N && *limits.dry_friction_max_N < friction_N)
     check.refuse("limits.dry_friction_max_N", {"effects"}, number_text(*limits.dry_friction_max_N),
                  fmt::format("at least the dry friction of effects ({})", number_text(friction_N)));
-  if (limits.stall_force_N && *limits.stall_force_N > 0.0 && *limits.stall_force_N <= friction_N)
-    check.refuse(
-        "limits.stall_force_N", {"effects"}, number_text(*limits.stall_force_N),
-        fmt::format("more than the dry friction of effects ({}), or nothing: it is derived", number_text(friction_N)));
+  const auto& cylinder = rig.axis.cylinder;
+  const double pressure_Pa = rig.sensors.port_pressure.quantum_Pa + 3.0 * rig.sensors.port_pressure.noise_Pa;
+  const double resting_N = friction_N + pressure_Pa * std::hypot(cylinder.area_1_m2, cylinder.area_2_m2);
+  if (limits.stall_force_N && *limits.stall_force_N > 0.0 && *limits.stall_force_N <= resting_N)
+    check.refuse("limits.stall_force_N", {"effects", "sensors.port_pressure"}, number_text(*limits.stall_force_N),
+                 fmt::format("more than dry friction and noise of the pressures show at rest ({}), or nothing: it is "
+                             "derived",
+                             number_text(resting_N)));
   if (limits.pressure_Pa && *limits.pressure_Pa <= rig.axis.supply.pressure_Pa)
     check.refuse("limits.pressure_Pa", {"supply.pressure_Pa"}, number_text(*limits.pressure_Pa),
                  fmt::format("more than supply.pressure_Pa ({})", number_text(rig.axis.supply.pressure_Pa)));

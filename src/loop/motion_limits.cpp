@@ -8,9 +8,9 @@
 
 #include <pneuservo/core/random.hpp>
 #include <pneuservo/elements/air.hpp>
-#include <pneuservo/loop/approach.hpp>
 
 #include "config/rig_parameters.hpp"
+#include "loop/trial_motion.hpp"
 
 namespace pneuservo {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 /// Over the largest of 100 drawn machines; 100 further ones came to 1.3 times it once (command pass, chapter 5).
 constexpr double usual_margin = 1.5;
 /// Periods that are simulated, some 0.2 s of work; 5 s of motion at 1 kHz get 100 machines.
-constexpr double simulated_periods = 5e5, longest_s = 30.0;
+constexpr double simulated_periods = 5e5;
 constexpr int most_machines = 100, least_machines = 20;
 /// A prediction that permitted machines leave by more than a tenth of the stroke finds no obstacle in time.
 constexpr double cap_share_of_stroke = 0.1;
@@ -35,8 +35,6 @@ constexpr double least_deviation_m = 5e-4, least_speed_deviation_mps = 0.02;
 constexpr double start_speed_share = 0.75;
 /// Of set-up work beside people; the approach stays at half of it.
 constexpr double largest_start_mps = 0.2;
-/// The approach that every machine makes first: enough for its full speed on a long stroke.
-constexpr double approach_share_of_stroke = 0.15;
 constexpr double standing_mps = 1e-3;  ///< slower is standing
 constexpr double least_standing_m = 2e-4;
 
@@ -119,12 +117,6 @@ TwinNoise drawn_noise(const Rig& rig, Random& random) {
   return noise;
 }
 
-void start_at(MotionTwin& twin, const Rig& rig, double position_m) {
-  const double p_1 = rig.initial.pressure_1_Pa;
-  twin.start(position_m, {p_1, rig.initial.pressure_2_Pa.value_or(balancing_pressure_2(rig.axis, p_1))},
-             safe_commands_V(rig));
-}
-
 /// Compares a machine with the prediction of the same tick.
 void note(Machine& machine, const MotionTwin& prediction, bool starts) {
   const double off = std::fabs(machine.axis.position_m() - prediction.position_m());
@@ -137,39 +129,6 @@ void note(Machine& machine, const MotionTwin& prediction, bool starts) {
   if (speed < standing_mps)
     machine.standing_force_N = std::max(machine.standing_force_N, std::fabs(machine.axis.force_N()));
 }
-
-/// What every simulated machine is asked for: an approach, then the reference.
-class TrialMotion {
- public:
-  TrialMotion(const Rig& rig, const Reference& reference, const MotionTwin& twin)
-      : reference_(reference), period_s_(rig.period_s), lead_s_(twin.law().lead_s()) {
-    const double way_m = approach_share_of_stroke * rig.axis.cylinder.stroke_m, p_1 = rig.initial.pressure_1_Pa;
-    end_m = reference.at(0.0).d[0];
-    start_m = end_m > 0.0 ? end_m - way_m : end_m + way_m;
-    approach_.plan(0.0, start_m, end_m, true, period_s_);
-    reference_tick = std::llround((approach_.end_s() + twin.law().rest_s(true, {p_1, p_1})) / period_s_);
-    last_tick = reference_tick + std::llround(std::min(rig.duration_s, longest_s) / period_s_);
-  }
-  ControlInput at(std::int64_t tick) const noexcept {
-    ControlInput in;
-    const double t_s = static_cast<double>(tick) * period_s_;
-    in.now = in.ahead = point(t_s);
-    if (lead_s_ > 0.0) in.ahead = point(t_s + lead_s_);
-    in.tick = tick - reference_tick;
-    return in;
-  }
-  double start_m = 0.0, end_m = 0.0;
-  std::int64_t reference_tick = 0, last_tick = 0;
-
- private:
-  ReferencePoint point(double t_s) const noexcept {
-    const double from_s = static_cast<double>(reference_tick) * period_s_;
-    return t_s >= from_s ? reference_.at(t_s - from_s) : approach_.at(t_s);
-  }
-  const Reference& reference_;
-  double period_s_, lead_s_;
-  Approach approach_;
-};
 
 /// Whether a start from there is not proven yet, at the latest.
 bool may_be_unproven(const MotionTwin& twin, double start_m) noexcept {

@@ -125,6 +125,19 @@ class Learner {
   std::jthread thread_;
 };
 
+/// Until the devices showed the safe output. A device that does not show it in so many cycles does not have it.
+void await_readback(AxisLoop& loop, Backend& backend, std::int64_t tick, std::int64_t period_ns) {
+  constexpr int most_cycles = 5;  // an answer comes a cycle later, or two
+  for (int i = 1; i <= most_cycles; ++i) {
+    const SafeOutput safe = backend.safe_output();
+    if (!safe.is_read_back || safe.is_simulated || safe.confirmed_tick >= 0) return;
+    MonotonicClock::sleep_until_ns(MonotonicClock::now_ns() + period_ns);
+    Measurement answer;
+    backend.read(tick + i, answer);
+    loop.stop(backend, tick + i);
+  }
+}
+
 void run_real(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSettings& settings, Course& course,
               RunOutcome& out) {
   const Learner learner(rig, loop);
@@ -165,8 +178,9 @@ void run_real(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSetting
     skipped = grid.advance(MonotonicClock::now_ns());
     if (out.ticks > warm_up_ticks) timing.overruns += skipped;
   }
-  loop.stop(backend, grid.slot() + 1);
   const ThreadCounters counted = ThreadCounters::now() - before;
+  loop.stop(backend, grid.slot() + 1);
+  await_readback(loop, backend, grid.slot() + 1, period_ns);
   timing.page_faults = counted.page_faults;
   timing.context_switches_involuntary = counted.context_switches_involuntary;
   out.stopped_by_signal = StopRequest::requested();

@@ -25,6 +25,8 @@ struct CalibrateOptions {
   std::string config, write, json, end = "low", time = "simulated";
   std::vector<std::string> sets, zeros;
   double command_V = 0.0, duration_s = 1.0;
+  ResultKind kind = ResultKind::zeros;
+  ExistingFile existing = ExistingFile::replace;
 };
 
 Rig read_calibrated(std::string_view verb, const CalibrateOptions& options) {
@@ -34,7 +36,7 @@ Rig read_calibrated(std::string_view verb, const CalibrateOptions& options) {
       .reads("CONFIG", options.config)
       .reads_of(rig)
       .reads("--zeros", options.zeros)
-      .writes("--write", options.write, ResultKind::zeros)
+      .writes("--write", options.write, options.kind, options.existing)
       .writes("--json", options.json, ResultKind::json);
   return rig;
 }
@@ -156,6 +158,10 @@ void add_commission(CLI::App& app, int& status) {
       app.add_subcommand("commission", "prove signs, hoses, sensors and neutral by moves of some millimetres");
   add_common(*verb, *o);
   verb->add_option("--json", o->json, "what was found as JSON, - for standard output");
+  o->kind = ResultKind::commission;
+  o->existing = ExistingFile::refuse;
+  verb->add_flag_callback(
+      "--force", [o] { o->existing = ExistingFile::replace; }, "replaces an older commissioning of that name");
   verb->footer(
       "The slider moves by some millimetres each way, at 20 mm/s or so: keep clear. Let it stand away from both ends.\n"
       "Exit status: 0 all proven, 1 something is wrong or not proven, 2 unusable input.");

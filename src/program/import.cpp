@@ -23,6 +23,7 @@ namespace {
 struct ImportOptions {
   std::string recording, config, report, json, write;
   std::vector<std::string> sets;
+  bool force = false;
 };
 
 /// Columns by the config's own map, where it has one.
@@ -105,7 +106,8 @@ void write_section(const ImportOptions& options, const ImportResult& result, boo
     all << in.rdbuf();
     text = all.str();
   }
-  if (!text.empty() && !text.ends_with('\n')) text += '\n';
+  if (!text.starts_with(import_mark)) text = std::string(import_mark) + "\n" + text;
+  if (!text.ends_with('\n')) text += '\n';
   if (!has_section) text += result.section;
   write_result(options.write, text);
 }
@@ -118,7 +120,8 @@ int run_import(const ImportOptions& options) {
       .reads("CONFIG", options.config)
       .writes("--json", options.json, ResultKind::json)
       .writes("--report", options.report, ResultKind::page)
-      .writes("--write", options.write, ResultKind::config);
+      .writes("--write", options.write, ResultKind::import_section,
+              options.force ? ExistingFile::replace : ExistingFile::refuse);
   const ImportResult result = understood(options, rig);
   if (options.json != "-") {
     std::cout << text_table(import_table(result)) << "\n" << text_table(runs_table(result));
@@ -143,6 +146,7 @@ void add_import(CLI::App& app, int& status) {
   verb->add_option("--report", o->report, "self-contained HTML page with the channels over time");
   verb->add_option("--json", o->json, "result as JSON, - for standard output");
   verb->add_option("--write", o->write, "OUT.yaml: the config with a section import, or the section alone");
+  verb->add_flag("--force", o->force, "replaces an older result of import");
   verb->add_option("--set", o->sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
   verb->footer("Quantities and units are guessed from names, brackets and a row of units; each line says by what.");
   verb->callback([o, &status] { status = run_import(*o); });

@@ -17,6 +17,7 @@
 #include "loop/motion_limits.hpp"
 #include "loop/runner.hpp"
 #include "loop/safety_grade.hpp"
+#include "loop/told_payload.hpp"
 #include "program/rig_options.hpp"
 #include "report/evaluation.hpp"
 #include "report/motion_verdict.hpp"
@@ -240,8 +241,7 @@ void grade_simulation(const Rig& rig, std::vector<Finding>& findings) {
 }
 
 /// The limits of the supervised motion as a run would take them, stated or derived.
-void tell_motion_limits(const Rig& rig, std::vector<Finding>& findings) {
-  const MotionPrediction found = predict_motion(rig, Reference(rig.reference, load_reference_positions));
+Finding motion_limits_finding(const MotionPrediction& found) {
   const MotionLimits& limits = found.limits;
   const auto number = [](double value, double scale, const char* unit) {
     return std::isfinite(value) ? fmt::format("{:.3g} {}", scale * value, unit) : std::string("not checked");
@@ -251,12 +251,38 @@ void tell_motion_limits(const Rig& rig, std::vector<Finding>& findings) {
                                                found.machines, 1e3 * found.spread_m)
                                  : "";
   const std::string what =
-      fmt::format("deviation {}, speed {}, stall {}{}", number(limits.deviation_m, 1e3, "mm"),
-                  number(limits.speed_mps, 1.0, "m/s"), number(limits.stall_force_N, 1.0, "N"), source);
+      fmt::format("deviation {}, of the speed {}, speed {}, stall {}{}", number(limits.deviation_m, 1e3, "mm"),
+                  number(limits.speed_deviation_mps, 1.0, "m/s"), number(limits.speed_mps, 1.0, "m/s"),
+                  number(limits.stall_force_N, 1.0, "N"), source);
   if (found.scattered)
-    findings.push_back({Level::acceptable, "motion limits", what + "; permitted machines may exceed the deviation",
-                        "lower limits.payload_max_kg or limits.dry_friction_max_N, or damp the loop"});
-  else findings.push_back({Level::good, "motion limits", what, ""});
+    return {Level::acceptable, "motion limits", what + "; permitted machines may exceed the deviation",
+            "lower limits.payload_max_kg or limits.dry_friction_max_N, or damp the loop"};
+  return {Level::good, "motion limits", what, ""};
+}
+
+/// What payload that nobody stated ends the motion, by simulation.
+Finding unknown_payload_finding(const std::vector<ToldPayload>& payloads) {
+  std::string untold, told;
+  for (const ToldPayload& one : payloads) {
+    if (!one.after_s) untold += fmt::format("{}{:g}", untold.empty() ? "" : ", ", one.payload_kg);
+    else
+      told += fmt::format("{}{:g} kg after {:.2f} s, {:.1f} mm off", told.empty() ? "" : "; ", one.payload_kg,
+                          *one.after_s, 1e3 * one.off_m);
+  }
+  std::string what;
+  if (!untold.empty()) what = fmt::format("a payload of {} kg cannot be told", untold);
+  if (!told.empty())
+    what +=
+        fmt::format("{}found at the latest, counted from 1 mm off the prediction: {}", what.empty() ? "" : "; ", told);
+  if (!told.empty()) return {Level::good, "unknown payload", what, ""};
+  return {Level::acceptable, "unknown payload", what, "keep other loads off the slider, or state tighter limits"};
+}
+
+void tell_supervised_motion(const Rig& rig, std::vector<Finding>& findings) {
+  const Reference reference(rig.reference, load_reference_positions);
+  const MotionPrediction found = predict_motion(rig, reference);
+  findings.push_back(motion_limits_finding(found));
+  findings.push_back(unknown_payload_finding(told_payloads(rig, reference, found)));
 }
 
 }  // namespace
@@ -266,7 +292,7 @@ std::vector<Finding> grade_loop(const Rig& rig) {
   if (!rig.is_pneumatic()) return findings;
   grade_margins(rig, findings);
   try {
-    tell_motion_limits(rig, findings);
+    tell_supervised_motion(rig, findings);
     grade_simulation(rig, findings);
   } catch (const std::invalid_argument& error) {  // a law that cannot follow the reference
     findings.push_back(

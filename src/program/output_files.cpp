@@ -54,9 +54,11 @@ std::string_view name_of(ResultKind kind) {
     case ResultKind::json: return "JSON result";
     case ResultKind::page: return "HTML page";
     case ResultKind::config: return "config that this program wrote";
-    case ResultKind::zeros: break;
+    case ResultKind::import_section: return "result of import";
+    case ResultKind::zeros: return "file of zeros";
+    case ResultKind::commission: break;
   }
-  return "file of zeros";
+  return "commissioning";
 }
 
 /// The comment lines before its first key; of anything else its first line.
@@ -78,9 +80,11 @@ bool is_older_result(const std::string& path, ResultKind kind) {
     case ResultKind::json: return head.starts_with('{');
     case ResultKind::page: return head.starts_with("<!DOCTYPE html>");
     case ResultKind::config: return head.find(dumped_rig_mark) != std::string::npos;
-    case ResultKind::zeros: break;
+    case ResultKind::import_section: return head.starts_with(import_mark);
+    case ResultKind::zeros: return head.starts_with("# Zeros of ");
+    case ResultKind::commission: break;
   }
-  return head.starts_with("# Zeros of ") || head.starts_with("# Commissioning of ");
+  return head.starts_with("# Commissioning of ");
 }
 
 void add_paths(const ReferenceSpec& reference, std::vector<std::string>& paths) {
@@ -123,10 +127,14 @@ bool OutputFiles::add_output(const std::string& option, const std::string& path)
   return true;
 }
 
-OutputFiles& OutputFiles::writes(const std::string& option, const std::string& path, ResultKind kind) {
+OutputFiles& OutputFiles::writes(const std::string& option, const std::string& path, ResultKind kind,
+                                 ExistingFile existing) {
   if (!add_output(option, path)) return *this;
   if (holds_data(path) && !is_older_result(path, kind))
     throw InputError(fmt::format("{}: found {}, which holds something else, expected a new name or an older {}", option,
+                                 path, name_of(kind)));
+  if (existing == ExistingFile::refuse && holds_data(path) && !head_of(path).empty())
+    throw InputError(fmt::format("{}: found {}, an older {}, expected a new name, or --force to replace it", option,
                                  path, name_of(kind)));
   require_writable(option, path);
   return *this;

@@ -182,10 +182,11 @@ void tell_end(const RunOptions& options, const Rig& rig, const Backend& backend,
         "{} of {} moves taught nothing: more than 1 % of their ticks were skipped because the loop "
         "was late; `pneuservo check` names what to mend on this machine\n",
         outcome.moves_not_learned, outcome.moves_begun);
+  const std::string safe = safe_output_text(backend.safe_output(), rig);
   if (outcome.stopped_by_signal) {
     const std::string name = StopRequest::signal_name();
-    std::cerr << fmt::format("stopped by {}: safe output is set, {}results so far follow\n",
-                             name.empty() ? "the program" : name,
+    std::cerr << fmt::format("stopped by {}: {}{}results so far follow\n", name.empty() ? "the program" : name,
+                             outcome.faults.empty() ? safe + "; " : "",
                              options.record.empty() ? ""
                              : whole                ? "the recording is closed, "
                                                     : "the recording is not whole, ");
@@ -193,7 +194,7 @@ void tell_end(const RunOptions& options, const Rig& rig, const Backend& backend,
   for (std::size_t i = outcome.first_faults; i < outcome.faults.size(); ++i)
     std::cerr << "after it: " << outcome.faults[i] << "\n";
   if (!outcome.faults.empty())
-    std::cerr << safe_output_text(backend.safe_output(), rig) << "\n"
+    std::cerr << safe << "\n"
               << "when the cause is mended, run the same command again"
               << (options.record.empty() ? "\n" : " with another name after --record\n");
 }

@@ -35,6 +35,7 @@ enum class InjectedKind {
   suspend,
   emergency_stop,
   bus_off,
+  guard_lost,
   emergency,
   off,
   reboot,
@@ -64,7 +65,7 @@ struct InjectedKindText {
   std::string_view meaning;
   std::string_view instead_of_device = "it in run --hal sim";  ///< where to inject it, and why
 };
-inline constexpr std::array<InjectedKindText, 33> injected_kinds{{
+inline constexpr std::array<InjectedKindText, 34> injected_kinds{{
     {"drop", InjectedTarget::channel, InjectedTarget::node, true, true, false,
      "no sample comes, with VALUE: of this share of them; a node: no answer"},
     {"freeze", InjectedTarget::channel, InjectedTarget::channel, true, true, false, "repeats one value"},
@@ -92,6 +93,8 @@ inline constexpr std::array<InjectedKindText, 33> injected_kinds{{
     {"emergency_stop", InjectedTarget::none, InjectedTarget::none, true, false, false, "the emergency stop is pressed"},
     {"bus_off", InjectedTarget::none, InjectedTarget::none, true, true, false,
      "the CAN controller goes bus-off: nothing comes, nothing goes"},
+    {"guard_lost", InjectedTarget::none, InjectedTarget::none, true, false, false,
+     "pneuservo guard gives no sign of life any more", "it in run: the guard stands beside the loop"},
     {"emergency", InjectedTarget::node, InjectedTarget::node, false, true, false,
      "sends an emergency (VALUE: its code, 0x5000 unless stated)"},
     {"off", InjectedTarget::node, InjectedTarget::node, false, true, false,

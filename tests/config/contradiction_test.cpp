@@ -47,7 +47,15 @@ TEST_CASE("limits that no run can keep, or that allow for less than the config h
         "--set limits.dry_friction_max_N=10: limits.dry_friction_max_N: found 10, expected at least the dry "
         "friction of effects (12)");
   CHECK_THAT(refusal(plain, {"limits.stall_force_N=12", "effects.coulomb_friction.force_N=12"}),
-             Catch::Contains("limits.stall_force_N: found 12, expected more than the dry friction of effects (12)"));
+             Catch::Contains("limits.stall_force_N: found 12, expected more than dry friction and noise of the "
+                             "pressures show at rest (1"));
+  CHECK_THAT(refusal(plain, {"limits.stall_force_N=1e-9"}), Catch::Contains("limits.stall_force_N: found 1.0e-09"));
+  CHECK(refusal(plain, {"limits.stall_force_N=5"}) == accepted);
+  // 5 um a period of 1 ms, by a filter of 3 ms: 1 - exp(-1/3) of 5 mm/s, 1.417 mm/s.
+  CHECK_THAT(refusal(plain, {"limits.speed_deviation_mps=1.416e-3"}),
+             Catch::Contains("limits.speed_deviation_mps: found 0.001416, expected more than the encoder's quantum and "
+                             "noise give (0.001417"));
+  CHECK(refusal(plain, {"limits.speed_deviation_mps=1.418e-3"}) == accepted);
   CHECK_THAT(refusal(plain, {"limits.pressure_Pa=7e5"}),
              Catch::Contains("limits.pressure_Pa: found 700000, expected more than supply.pressure_Pa (700000)"));
   CHECK_THAT(refusal(plain, {"limits.age_periods=0.5", "simulation.input_age_periods=1"}),

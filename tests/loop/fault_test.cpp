@@ -11,6 +11,7 @@
 #include "loop/recorded_run.hpp"
 #include "loop/runner.hpp"
 #include "record/files.hpp"
+#include "sim/sim_backend.hpp"
 
 using namespace pneuservo;
 
@@ -163,6 +164,24 @@ TEST_CASE("speed and range have their own faults") {
     Stepper run(rig);
     REQUIRE(run.step().fault == fault_command_not_finite);
     REQUIRE(run.loop.row().u_V == 0.0);
+  }
+  SECTION("no usable estimate, and none that is not needed") {
+    const Rig rig = config_rig("cylinder-10m-7.65mm");
+    SimBackend plant(rig);
+    plant.configure();
+    plant.activate();
+    Supervisor supervisor;
+    supervisor.configure(rig, false);
+    for (std::int64_t tick = 0; tick < 3; ++tick) {
+      Measurement measured;
+      plant.read(tick, measured);
+      supervisor.judge(measured, 0);
+    }
+    REQUIRE(supervisor.is_active());
+    supervisor.check_motion({.motion = {}, .command_good = true, .estimate_usable = true});
+    REQUIRE(supervisor.faults() == 0);
+    supervisor.check_motion({.motion = {}, .command_good = true, .estimate_usable = false});
+    REQUIRE(supervisor.first_faults() == fault_estimate_invalid);
   }
 }
 

@@ -73,3 +73,27 @@ TEST_CASE("a reference that the loop cannot follow is bad") {
   INFO(finding_table(findings));
   CHECK(level_of(findings, "loop in motion") >= FindingLevel::bad);
 }
+
+TEST_CASE("check states every limit of the supervised motion, and which unknown payload they find") {
+  const auto what_of = [](const std::vector<Finding>& findings, const std::string& topic) {
+    const auto found = std::find_if(findings.begin(), findings.end(), [&](auto& one) { return one.topic == topic; });
+    REQUIRE(found != findings.end());
+    return found->what;
+  };
+  const unsigned seed = test::new_seed();
+  Random random(seed);
+  const double limit = std::round(1e3 * random.uniform(0.3, 0.5)) / 1e3;
+  const auto derived = grade_loop(cylinder());
+  const auto stated = grade_loop(cylinder({fmt::format("limits.speed_deviation_mps={}", limit)}));
+  INFO("seed " << seed << "\n" << finding_table(stated));
+  CHECK_THAT(what_of(stated, "motion limits"), Catch::Contains(fmt::format("of the speed {} m/s", limit)));
+  CHECK(what_of(stated, "motion limits") != what_of(derived, "motion limits"));
+  CHECK_THAT(what_of(derived, "unknown payload"),
+             Catch::Contains("payload of 2") && Catch::Contains("cannot be told") && Catch::Contains("200 kg after "));
+  const auto blind =
+      grade_loop(cylinder({"limits.deviation_m=0", "limits.speed_deviation_mps=0", "limits.speed_mps=100",
+                           "limits.stall_force_N=0", "limits.end_stop_contact=allowed"}));
+  INFO(finding_table(blind));
+  CHECK(level_of(blind, "unknown payload") == FindingLevel::acceptable);
+  CHECK_THAT(what_of(blind, "unknown payload"), Catch::Contains("100, 200 kg cannot be told"));
+}

@@ -54,6 +54,15 @@ expect(done.returncode == 1 and verdicts["encoder"] == "wrong", f"commission, en
 expect_refusal(run("run", CONFIG, *displaced, "--zeros", at("x.yaml"), "--zeros", at("bad.yaml")), ["bad.yaml", "passed"],
                "run after a commissioning that failed")
 
+# A commissioning took a moving machine: it is replaced where that is said, and by nothing but another one.
+kept = open(at("c.yaml")).read()
+again = ["commission", CONFIG, *devices, "--write"]
+expect_refusal(run(*again, at("c.yaml")), ["--write", "c.yaml", "an older commissioning", "--force"], "commission over a commissioning")
+expect_refusal(run(*again, at("x.yaml"), "--force"), ["x.yaml", "something else"], "commission --force over a file of zeros")
+expect_refusal(run("home", CONFIG, *displaced, "--write", at("c.yaml")), ["c.yaml", "something else"], "home over a commissioning")
+expect(open(at("c.yaml")).read() == kept, "a refused verb wrote into a commissioning")
+expect(run(*again, at("c.yaml"), "--force").returncode == 0, "commission --force over a commissioning")
+
 # Files of another machine.
 other = "config/cylinder-5m-6.10mm.yaml"
 for file in ("x.yaml", "c.yaml"):

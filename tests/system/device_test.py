@@ -135,6 +135,7 @@ for number in (signal.SIGHUP, signal.SIGQUIT, signal.SIGTSTP, signal.SIGUSR1, si
     else:
         expect(controller.returncode == 0 and f"stopped by {number.name}" in said and "cut off" not in done.stderr,
                f"{number.name}: status {controller.returncode}: {said}{done.stderr}")
+        expect("the safe output of 0 V was sent at t = " in said and "read back at t = " in said, f"{number.name}: {said}")
     # Commands that no longer arrive, and two answers a cycle: both ways to the safe state, and words for what is known.
     for scenario, fault, words in (("deaf-output", "output_unconfirmed", "NOT confirmed"),
                                    ("pre-operational", "", "NOT confirmed"),

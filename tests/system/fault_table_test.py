@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 # Every scenario of config/scenarios gives the fault that it says, in its time, with the safe output and no row lost.
-import subprocess, sys
+import glob, re, subprocess, sys
+
+import yaml
 
 from program import expect, expect_refusal, run
 
@@ -10,6 +12,20 @@ with open("docs/faults.md") as page:
     rows = set(page.read().splitlines())
 stale = [row for row in done.stdout.splitlines() if row.startswith("| ") and row not in rows]
 expect(not stale, "docs/faults.md does not have these rows of tools/fault-table --markdown: " + "; ".join(stale))
+
+# Every fault has its scenario, one of a pair of sides stands for both. What no kind injects has a test of its own.
+NOT_INJECTED = {"estimate_invalid", "command_not_finite", "limit_switch", "valve_power", "link_down"}
+family = lambda name: re.sub(r"_[12](?=_|$)", "", name)
+with open("include/pneuservo/loop/fault.hpp") as header:
+    names = re.findall(r"^    \{fault_\w+, \"(\w+)\"", header.read(), re.M)
+found = {name for row in done.stdout.splitlines()[2:] for name in row.split("|")[4].strip().split(", ")}
+for path in glob.glob("config/scenarios/device/*.yaml"):
+    with open(path) as file:
+        found.add(yaml.safe_load(file)["expect"]["fault"])
+without = {name for name in names if family(name) not in set(map(family, found))}
+expect(len(names) > 40 and without == NOT_INJECTED, f"faults without a scenario: {without ^ NOT_INJECTED}")
+tests = "".join(open(path).read() for path in glob.glob("tests/**/*_test.cpp", recursive=True))
+expect(all(f"fault_{name}" in tests for name in NOT_INJECTED), "a fault without scenario and test")
 
 drawn = subprocess.run(["tools/state-figure", "--check"], capture_output=True, text=True, timeout=120)
 expect(drawn.returncode == 0, f"tools/state-figure: {drawn.stderr}")

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # A driven axis whose machine is made here, logged by loggers of every habit: each gives the same verdict, or one true sentence.
-import json, math, os, random, sys, tempfile
+import json, math, os, random, shutil, sys, tempfile
 
 from program import expect, expect_refusal, run
 
@@ -142,6 +142,12 @@ expect_refusal(run("diagnose", config, foreign), ["t_s is missing", "Weg [mm]", 
 written = os.path.join(folder, "written.yaml")
 done = run("import", foreign, config, "--write", written, "--report", os.path.join(folder, "page.html"), "--json", "-")
 expect(done.returncode == 0, f"import: {done.stderr}")
+again = ["import", foreign, config, "--write", written]
+expect_refusal(run(*again), ["--write", written, "an older result of import", "--force"], "import over its own result")
+expect(run(*again, "--force").returncode == 0, "import --force over its own result")
+shutil.copy(config, os.path.join(folder, "person.yaml"))
+expect_refusal(run("import", foreign, config, "--force", "--write", os.path.join(folder, "person.yaml")), ["something else"],
+               "import --force over a person's config")
 understood = {column["column"]: (column["taken_for"], column["factor"]) for column in json.loads(done.stdout)["columns"]}
 expect(understood == {"Zeit [s]": ("t_s", 1), "Weg [mm]": ("x_m", 0.001), "Kraft [N]": ("F_N", 1)}, f"import: {understood}")
 expect_coulomb("written section", foreign, rig=written)

@@ -124,6 +124,21 @@ starts = [line for line in unit if line.startswith("ExecStart=")]
 expect("[Install]" not in unit and "Restart=no" in unit, "the service may start by itself")
 expect(len(starts) == 1 and "--record" in starts[0] and "date -u" in starts[0], f"the service overwrites its recording: {starts}")
 
+# The guard's service watches the same config under the same account, and neither of the two is unknown to systemd.
+with open("cmake/debian/pneuservo-guard@.service") as file:
+    guard = [line.strip() for line in file if not line.startswith("#")]
+expect("ExecStart=/usr/bin/pneuservo guard /etc/pneuservo/%i.yaml" in guard and "Before=pneuservo@%i.service" in guard, "the guard's service")
+for key in ("User=", "Group=", "LimitRTPRIO=", "LimitMEMLOCK="):
+    expect([line for line in guard if line.startswith(key)] == [line for line in unit if line.startswith(key)], f"the services differ in {key}")
+if shutil.which("systemd-analyze"):
+    units = at("units")
+    os.mkdir(units)
+    for name in ("pneuservo", "pneuservo-guard"):
+        with open(f"cmake/debian/{name}@.service") as file, open(f"{units}/{name}@.service", "w") as copy:
+            copy.write(file.read().replace("/usr/bin/pneuservo", os.path.abspath(program)))
+        done = subprocess.run(["systemd-analyze", "--man=no", "verify", f"{units}/{name}@axis.service"], capture_output=True, text=True)
+        expect(done.returncode == 0 and not done.stderr.strip(), f"systemd-analyze verify {name}: {done.stderr}")
+
 # A recording cut off by kill -9 is drawn up to the cut.
 whole = content(first)
 for share in (0.5, 0.8, 0.99):

@@ -33,7 +33,7 @@ for time_, numbers in (("simulated", STOPS[:2]), ("real", STOPS)):
         process.send_signal(number)
         output, said = process.communicate(timeout=120)
         expect(process.returncode == 0, f"{what}: status {process.returncode}: {said}")
-        expect("safe output is set" in said and "recording is closed" in said and "max position error" in output, f"{what}: no results: {output}{said}")
+        expect("the simulated valve has its safe output of 0 V since t = " in said and "recording is closed" in said and "max position error" in output, f"{what}: no results: {output}{said}")
         done, result = replayed(path, "--set", "duration_s=300")
         expect(done.returncode == 0 and result["identical"] and result["compared_rows"] == result["rows"], f"{what}: replay: {done.stderr}{done.stdout}")
         expect("cut off" not in done.stderr and "damaged" not in done.stderr, f"{what}: the recording is not closed: {done.stderr}")

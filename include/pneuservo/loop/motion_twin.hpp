@@ -56,6 +56,11 @@ class MotionTwin {
     cells_ = cells;
     droops_ = machine.effects.supply_droop.area_m2 > 0.0;
   }
+  /// Another moving mass and friction from here on, in motion, too.
+  void load(const AxisParameters<double>& machine) noexcept {
+    const auto& cylinder = machine.cylinder;
+    plant_.slider().configure(machine.slider, machine.effects.motion, cylinder.stroke_m, cylinder.end_stop_restitution);
+  }
 
   /// Begins at rest with what was measured: position, and the pressure of each side in line and chamber. What friction
   /// may hold it holds: the prediction has none and would jump.

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double noisy_position_m = 20e-6;
 constexpr double end_stop_margin_m = 0.5e-3;
+constexpr double rounding_mps = 1e-9;  ///< of a position that stands
 
 double kernel_sigma(double noise_m, double period_s) {
   return std::max(noise_m > noisy_position_m ? 0.008 : 0.005, 2.5 * period_s);
@@ -106,7 +107,10 @@ ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, 
   double top = 0;
   for (std::size_t i = 0; i < usable_.size(); ++i)
     if (usable_[i]) top = std::max(top, std::abs(derivative_[1][i]));
-  rest_speed_mps_ = std::max({1e-3, 0.005 * top, 4 * noise_m * fast_kernel_.noise_gain(1, 1)});
+  // Four standard deviations of white noise, and the whole of one step of an encoder whose noise is all steps.
+  const double noise_speed =
+      noise_m * std::max(4 * fast_kernel_.noise_gain(1, 1), std::sqrt(12.0) * fast_kernel_.largest_weight() / period_s);
+  rest_speed_mps_ = std::max({0.005 * top, noise_speed, rounding_mps});
 }
 
 double ForceBalance::force_noise(double mass_kg, std::size_t count) const {
@@ -128,6 +132,8 @@ std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const
   slider.configure(rig.axis.slider, effects, 1.0, 0.0);
   // Its spring is linear: carried along the smoothed motion it pulls with its smoothed force.
   CarriedLoad load(effects.elastic_load, period_s_), loose_load(effects.load_backlash, period_s_);
+  const ElasticFriction<double>& bristles = effects.elastic_friction;
+  double bristle_N = 0, last_x = 0;
   std::vector<double> smooth_part(samples()), abrupt_part(samples());
   for (std::size_t i = 0; i < samples(); ++i) {
     const double x = undo(sensor, derivative_[0][i], derivative_[1][i], true);
@@ -138,7 +144,10 @@ std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const
     const SliderSurroundings<double> around{gauge_pressure_sum_Pa.empty() ? 0.0 : gauge_pressure_sum_Pa[i]};
     smooth_part[i] = slider.mass() * a + slider.damping_coefficient(0.0, 0.0) * v -
                      slider.less_load(load.force_at(x, v, is_missing_[i]), x);
-    const double blow_N = loose_load.force_at(x_fast, v_fast, is_missing_[i]);  // as short as friction's steps
+    if (bristles.force_N != 0) bristle_N = i == 0 || is_missing_[i] ? 0 : bristles.carried(bristle_N, x_fast - last_x);
+    last_x = x_fast;
+    const double blow_N =
+        loose_load.force_at(x_fast, v_fast, is_missing_[i]) - bristle_N;  // as short as friction's steps
     if (std::abs(v_fast) >= rest_speed_mps_) {
       const double direction = v_fast > 0 ? 1.0 : -1.0, speed = std::abs(v_fast);
       abrupt_part[i] = -blow_N + direction * slider.dry_friction(speed, direction, x_fast, around) +

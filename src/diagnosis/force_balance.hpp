@@ -44,7 +44,7 @@ class ForceBalance {
   std::vector<double> derivative_[4];  ///< position and its derivatives, smoothed
   std::vector<double> fast_[3];  ///< the same with the shorter kernel of friction
   std::vector<char> usable_, is_missing_;
-  double rest_speed_mps_;  ///< slower is rest: 1 mm/s, 0.5 % of the top speed
+  double rest_speed_mps_;  ///< slower is rest: what the position's noise makes, 0.5 % of the top speed
 };
 
 }  // namespace pneuservo

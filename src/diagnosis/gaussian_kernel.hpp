@@ -18,6 +18,8 @@ class GaussianKernel {
   /// Derivative of the given order (0 to 3) of the smoothed signal at every sample [unit/s^order]. Closer than reach()
   /// to an end the first and last samples are taken on.
   std::vector<double> apply(std::span<const double> signal, int order) const;
+  /// Of the smoothed value's weights: the rate that a unit step makes is this over the period.
+  double largest_weight() const { return taps_[0][reach()]; }
   /// Standard deviation of the mean of `count` neighbouring results for white noise of standard deviation 1 a sample.
   double noise_gain(int order, std::size_t count) const;
 

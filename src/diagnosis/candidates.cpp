@@ -2,6 +2,7 @@
 #include "diagnosis/candidates.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -17,6 +18,7 @@ constexpr double start_factor_cut = 6;
 constexpr double wide_parameter_spread = 0.3;
 constexpr double widest_z = 40;            ///< of an effect's size
 constexpr double largest_load = 0.85;       ///< of the moving mass, on a soft coupling
+constexpr double slowest_mps = 1e-5;       ///< top speed of a recording that stands
 constexpr double difference_step = 0.01;   ///< of z, for what has a prior of its own
 
 /// Numbers behind the scales of the vocabulary.
@@ -39,9 +41,19 @@ struct ScaleTable {
   double gas_kg() const {
     return supply() * rig.vessel.volume_m3 / (rig.axis.air.gas_constant_J_per_kgK * rig.axis.air.temperature_K);
   }
+  /// T (1 - (p_atm/p_s)^((kappa - 1)/kappa)), more than filling warms: T (kappa/(1 + (kappa - 1) p_atm/p_s) - 1).
+  double adiabatic_change() const {
+    const AirParameters<double>& air = rig.axis.air;
+    const double ratio = air.atmosphere_Pa / (air.atmosphere_Pa + gauge_supply());
+    return air.temperature_K * (1 - std::pow(ratio, 1 - 1 / air.heat_capacity_ratio));
+  }
+  double supply_resistance() const {
+    const AirParameters<double>& air = rig.axis.air;
+    return 10 * air.gas_constant_J_per_kgK * air.temperature_K / rig.vessel.volume_m3;
+  }
   double moving_mass() const { return rig.axis.slider.mass_kg + rig.axis.slider.payload_kg; }
   double half_stroke() const { return 0.5 * rig.axis.cylinder.stroke_m; }
-  double top_speed() const { return std::max(range.top_speed_mps, 1e-3); }
+  double top_speed() const { return std::max(range.top_speed_mps, slowest_mps); }
   double channel_offset() const {
     if (channel == "x") return 2 * half_stroke();
     return channel == "F" ? force() : supply();
@@ -68,6 +80,9 @@ struct ScaleTable {
       case EffectScale::top_speed: return top_speed();
       case EffectScale::half_stroke: return half_stroke();
       case EffectScale::channel_offset: return channel_offset();
+      case EffectScale::viscosity: return rig.axis.slider.viscous_friction_Ns_per_m;
+      case EffectScale::adiabatic_change: return adiabatic_change();
+      case EffectScale::supply_resistance: return supply_resistance();
       case EffectScale::channel_gain: return channel == "x" || channel == "F" ? 1 : 0.6;
     }
     return 1;
@@ -105,14 +120,17 @@ GridParameter grid_parameter(const ParameterTrait& trait, const Field& field, co
     for (const double value : trait.grid) out.starts.push_back(free.z(middle + reach * value));
     free.step = difference_step;
   }
-  // Bounds: the field's range, and not beyond what a prior of this width can mean.
+  // Bounds: the field's range, the physical one, and not beyond what a prior of this width can mean.
   free.lower = -widest_z;
   free.upper = widest_z;
+  const double over = scales(trait.range_scale);
+  const double minimum = std::isfinite(trait.least) ? std::max(field.minimum, trait.least * over) : field.minimum,
+               maximum = std::isfinite(trait.most) ? std::min(field.maximum, trait.most * over) : field.maximum;
   if (trait.variation == Variation::linear) {
     // A rounding inside the range, but for a neutral value that stands at its end.
-    const double inside = field.minimum < out.neutral ? 1e-9 : 0.0;
-    free.lower = std::max(free.lower, free.z(field.minimum) + inside);
-    free.upper = std::min(free.upper, free.z(field.maximum) - 1e-9);
+    const double inside = minimum < out.neutral ? 1e-9 : 0.0;
+    free.lower = std::max(free.lower, free.z(minimum) + inside);
+    free.upper = std::min(free.upper, free.z(maximum) - 1e-9);
     // Something of the moving mass stays on the slider.
     if (trait.scale == EffectScale::moving_mass) free.upper = std::min(free.upper, free.z(largest_load * scale));
   } else if (trait.variation == Variation::inverse_square) {
@@ -194,6 +212,11 @@ void add_effects(const Rig& rig, const MotionRange& range, std::vector<Candidate
   visit_effects(rig, [&](const Field& field, const auto& effect) {
     using Effect = std::remove_cvref_t<decltype(effect)>;
     if constexpr (requires { Effect::is_always_granted; } || requires { Effect::is_sought_apart; }) return;
+    if constexpr (requires { Effect::least_way; })
+      if (range.highest_m - range.lowest_m < Effect::least_way) return;
+    if constexpr (requires { Effect::same_as; })
+      if (std::any_of(known.begin(), known.end(), [](const FreeParameter& p) { return p.path == Effect::same_as; }))
+        return;
     // An effect that the owner knows is not missing: what may be wrong is its size, as of any other parameter.
     const std::string own = fmt::format("effects.{}.", field.key);
     if (std::any_of(known.begin(), known.end(), [&](const FreeParameter& p) { return p.path.starts_with(own); }))
@@ -249,8 +272,8 @@ void add_sensors(const Rig& rig, const MotionRange& range, const std::vector<Res
                  std::vector<Candidate>& out) {
   for (const std::string_view channel : sensor_names) {
     const std::string name(channel);
-    const bool compared =
-        std::any_of(channels.begin(), channels.end(), [&](const ResidualChannel& c) { return c.name == name; });
+    const bool compared = std::any_of(channels.begin(), channels.end(),
+                                      [&](const ResidualChannel& c) { return c.name == name && !c.is_balance; });
     const bool moves = name == "x" && rig.kind != RigKind::vessel;
     const bool acts = name.ends_with("_chamber") && rig.kind == RigKind::driven_axis;  // in the force balance
     if (!moves && !((compared || acts) && has_parameter(rig, fmt::format("effects.sensor_offset:{}.offset", name))))

@@ -410,6 +410,40 @@ double above_floors(ResidualModel& model, const Explanation& explanation, const 
   return std::max(levels.chi2(false) + levels.chi2(true) - rows, 0.0);
 }
 
+/// Standard errors of a Stribeck law's extra force: the least that makes another law of dry friction.
+constexpr double law_errors = 3;
+
+/// Whether a Stribeck law has an extra force that is known to be there, beside a floor that has grown by this: else it
+/// is dry friction with a number for what happens at the edge of rest.
+bool is_sure_of_law(const Explanation& explanation, const Search& search, double growth) {
+  const Eigen::MatrixXd covariance = growth * explanation.fit.covariance();
+  for (const std::size_t m : explanation.members)
+    for (const FreeParameter& own : search.candidates()[m].parameters) {
+      if (own.path != "effects.stribeck_friction.extra_force_N") continue;
+      const auto at = static_cast<Eigen::Index>(explanation.fit.own_place(own));
+      if (explanation.fit.z(at) - own.z(0) < law_errors * std::sqrt(covariance(at, at))) return false;
+    }
+  return true;
+}
+
+/// Whether a size stands at the end of its range away from nothing: then physics would have to give more than it can.
+bool stands_at_its_end(const Explanation& explanation, const Search& search) {
+  constexpr double end_share = 1e-3;  // of the range
+  for (const std::size_t m : explanation.members) {
+    const Candidate& candidate = search.candidates()[m];
+    for (std::size_t p = 0; p < candidate.parameters.size(); ++p) {
+      const FreeParameter& own = candidate.parameters[p];
+      if (!candidate.amplitude[p] || candidate.kind == CandidateKind::parameter) continue;
+      const double z = explanation.fit.z(explanation.fit.own_place(own)), neutral = own.z(candidate.neutral[p]);
+      const double close = end_share * (own.upper - own.lower);
+      const bool is_low = z - own.lower < close && neutral - own.lower > close;
+      const bool is_high = own.upper - z < close && own.upper - neutral > close;
+      if (is_low || is_high) return true;
+    }
+  }
+  return false;
+}
+
 /// The explanations of one size by evidence, with what they foretell of the held-out rows counted in: a law that fits
 /// but does not go on is behind its rivals.
 std::vector<std::pair<double, const Explanation*>> by_prediction(ResidualModel& model, const Search& search,
@@ -419,6 +453,7 @@ std::vector<std::pair<double, const Explanation*>> by_prediction(ResidualModel& 
   const std::vector<const Explanation*> ranked = sizeable(search, members, rules);
   for (const Explanation* e : ranked) {
     if (out.size() >= most_predicted) break;
+    if (!is_sure_of_law(*e, search, growth) || stands_at_its_end(*e, search)) continue;
     const double foretold = model_levels(model, e->fit, rules).chi2(true);
     out.emplace_back((e->log_evidence - 0.5 * foretold) / growth, e);
   }

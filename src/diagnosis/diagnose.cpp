@@ -129,10 +129,19 @@ void add_moved(const Rig& rig, const Decision& decision, Diagnosis& out) {
   });
 }
 
-void add_times(const ResidualModel& model, double bin_s, Diagnosis& out) {
-  std::map<std::pair<int, long>, bool> bins;
-  for (const ResidualRow& row : model.rows()) bins[{row.recording, std::lround(row.time_s / bin_s)}] = row.held_out;
-  for (const auto& [bin, held_out] : bins) (held_out ? out.held_out_s : out.admitted_s) += bin_s;
+/// Of each recording by the channel with most rows, each for the usual step between them.
+void add_times(const ResidualModel& model, Diagnosis& out) {
+  std::map<int, std::map<int, std::vector<const ResidualRow*>>> recordings;
+  for (const ResidualRow& row : model.rows())
+    if (!row.over_recording) recordings[row.recording][row.channel].push_back(&row);
+  for (const auto& [recording, channels] : recordings) {
+    const auto most = std::max_element(channels.begin(), channels.end(),
+                                       [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+    std::vector<double> times_s;
+    for (const ResidualRow* row : most->second) times_s.push_back(row->time_s);
+    const double step_s = times_s.size() > 1 ? median_step_s(times_s) : 0.0;
+    for (const ResidualRow* row : most->second) (row->held_out ? out.held_out_s : out.admitted_s) += step_s;
+  }
 }
 
 /// Beside small physics the residual is not smooth, and fits creep on: by a twentieth of an alarm's gain in all.
@@ -149,21 +158,62 @@ Decision decided(const Rig& rig, ResidualModel& model, Search& search, const Dec
   return decision;
 }
 
-/// Recordings of one speed show nothing of how friction depends on it.
-std::vector<Candidate> without_unexcited(std::vector<Candidate> candidates, const std::vector<ResidualRow>& rows) {
-  constexpr double least_spread = 2.0;  // of the tenth highest over the tenth lowest speed
+/// Whether the speeds tell how friction depends on them: the tenth highest is twice the tenth lowest.
+bool tells_speeds(const std::vector<ResidualRow>& rows) {
+  constexpr double least_spread = 2.0;
   std::vector<double> speeds;
   speeds.reserve(rows.size());
   for (const ResidualRow& row : rows) speeds.push_back(std::abs(row.velocity_mps));
-  if (speeds.empty()) return candidates;
+  if (speeds.empty()) return true;
   std::sort(speeds.begin(), speeds.end());
   const double low = speeds[speeds.size() / 10], high = speeds[speeds.size() - 1 - speeds.size() / 10];
-  if (low == 0 || high > least_spread * low) return candidates;
-  std::erase_if(candidates, [](const Candidate& c) {
-    return c.name == "stribeck_friction" || c.name == "quadratic_drag" ||
-           c.name == "direction_dependent_viscous_friction";
+  return low == 0 || high > least_spread * low;
+}
+
+/// Whether the motion goes both ways: the slower one reaches a twentieth of the top speed.
+bool goes_both_ways(const std::vector<ResidualRow>& rows) {
+  constexpr double least_share = 0.05;
+  double forward = 0, backward = 0;
+  for (const ResidualRow& row : rows) {
+    forward = std::max(forward, row.velocity_mps);
+    backward = std::max(backward, -row.velocity_mps);
+  }
+  return std::min(forward, backward) >= least_share * std::max(forward, backward);
+}
+
+/// Whether places are passed more than once: else place and speed go together, and a tight spot looks like a speed.
+bool passes_again(const std::vector<ResidualRow>& rows) {
+  constexpr double least_passes = 1.5;
+  const MotionRange range = motion_range(rows);
+  double way_m = 0;
+  for (std::size_t i = 1; i < rows.size(); ++i)
+    if (rows[i].recording == rows[i - 1].recording && rows[i].channel == rows[i - 1].channel)
+      way_m += std::abs(rows[i].position_m - rows[i - 1].position_m);
+  return way_m >= least_passes * (range.highest_m - range.lowest_m);
+}
+
+/// Without names for what the motion does not show. What friction has built up before a recording is not known: it
+/// shows where the motion turns.
+std::vector<Candidate> without_unexcited(std::vector<Candidate> candidates, const std::vector<ResidualRow>& rows) {
+  const bool one_speed = !tells_speeds(rows), one_way = !goes_both_ways(rows), one_pass = !passes_again(rows);
+  std::erase_if(candidates, [&](const Candidate& c) {
+    const bool by_turn = c.name.starts_with("direction_dependent_") || c.name == "elastic_friction";
+    const bool by_speed = c.name == "stribeck_friction" || c.name == "quadratic_drag" || c.name == "viscous_friction" ||
+                          c.name == "direction_dependent_viscous_friction";
+    return (one_speed && by_speed) || (one_way && by_turn) || (one_pass && c.name == "friction_zone");
   });
   return candidates;
+}
+
+/// Whether a vessel's recording begins with more than a twentieth above the atmosphere in it: gas that nothing has
+/// charged is as warm as its wall.
+bool begins_charged(const Rig& rig, ResidualModel& model) {
+  constexpr double least_ratio = 1.05;
+  if (rig.kind != RigKind::vessel) return false;
+  const std::vector<ResidualCourse> courses = model.courses({rig, {}});
+  return std::any_of(courses.begin(), courses.end(), [&](const ResidualCourse& course) {
+    return !course.measured.empty() && course.measured.front() > least_ratio * rig.axis.air.atmosphere_Pa;
+  });
 }
 
 /// Throws InputError where there is nothing to compare: no row, or no finite course of the rig as configured.
@@ -360,7 +410,7 @@ void tell(const Rig& rig, ResidualModel& model, const Decision& decision, const 
                     decision.reason.empty() ? "nothing above the floors" : decision.reason);
   add_detectable(search, decision, options.rules, out);
   add_moved(rig, decision, out);
-  add_times(model, 0.01, out);
+  add_times(model, out);
   add_next_experiment(rig, model, decision, search, options, out);
   add_improved(decision, out);
   out.sentence = verdict_sentence(out);
@@ -402,8 +452,10 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   const StopWhileAlive stoppable(model, options.stop);
   FittedRows rows(model, options.stop);
   require_comparison(rig, rows);
-  const std::vector<Candidate> candidates =
+  std::vector<Candidate> candidates =
       without_unexcited(all_candidates(rig, model.channels(), motion_range(model.rows())), model.rows());
+  if (!begins_charged(rig, model))
+    std::erase_if(candidates, [](const Candidate& c) { return c.name == "charging_heat"; });
   Search search(rows, rig, candidates, {}, options.rules, options.progress);
   Diagnosis out = empty_diagnosis(rig);
   try {

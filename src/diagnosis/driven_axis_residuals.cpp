@@ -16,13 +16,17 @@ namespace pneuservo {
 
 namespace {
 
-/// What the balance itself gets wrong around reversals and in time steps; of the largest recorded force, and at least.
-constexpr double floor_share = 5e-4, least_floor_N = 0.02;
+/// What the balance itself gets wrong around reversals and in time steps, of the largest recorded force.
+constexpr double floor_share = 5e-4;
+constexpr double no_force_N = 1e-9;  ///< floor of a force that is zero throughout
 constexpr double rest_noises = 2;  ///< of the drive: what any rest balances, so that no friction gains by noise
 constexpr std::size_t force_sensor = 6, chamber_sensor_1 = 3;
-constexpr double least_compared_s = 2;        ///< of all recordings
+/// Fitted rows of all recordings: twice the numbers of the largest explanation, three names of three numbers.
+constexpr std::ptrdiff_t least_rows = 18;
 constexpr double turn_share = 0.5;            ///< of the usual speed
 constexpr double least_bin_periods = 5;       ///< rows of slowly sampled recordings are longer than residual_bin_s
+
+double row_length_s(double interval_s) { return std::max(residual_bin_s, least_bin_periods * interval_s); }
 
 /// A seal is dragged along elastically where the motion turns, which no friction of the vocabulary is: beside pistons
 /// only samples of at least half the usual speed are judged, beyond the smoothing's reach of slower ones.
@@ -50,8 +54,14 @@ double held_share(const Rig& rig, const Recording& recording, double interval_s)
   return std::min(1.0, rig.period_s / interval_s);
 }
 
+/// Pistons need no other drive: without a force sensor the pressures' force is all that moves the slider.
+bool has_force(const Rig& rig, const Recording& recording) {
+  return !rig.has_pistons() || recording.has("F_N") || rig.drive.force_per_volt_N_per_V != 0;
+}
+
 std::vector<double> drive_force(const Rig& rig, const Recording& recording) {
   if (recording.has("F_N")) return recording.column("F_N");
+  if (!has_force(rig, recording)) return std::vector<double>(recording.t_s().size(), 0.0);
   if (!recording.has("u_V") || rig.drive.force_per_volt_N_per_V == 0)
     throw InputError(fmt::format("{}: found no column F_N, expected the drive force of '{}' (or u_V, with "
                                  "slider.force_per_volt_N_per_V in the config)",
@@ -64,19 +74,29 @@ std::vector<double> drive_force(const Rig& rig, const Recording& recording) {
 }  // namespace
 
 DrivenAxisResiduals::DrivenAxisResiduals(const Rig& rig, const std::vector<Recording>& recordings) {
-  channels_.push_back({"F", "N", 0, least_floor_N});
+  channels_.push_back({"F", "N", 0, no_force_N});
+  channels_.back().is_balance =
+      std::none_of(recordings.begin(), recordings.end(), [&](const Recording& r) { return has_force(rig, r); });
   has_held_out_ = any_held_out(recordings);
   for (const Recording& recording : recordings) add_recording(rig, recording);
-  double compared_s = 0, largest = 0;
-  for (const Part& part : parts_) compared_s += part.interval_s * static_cast<double>(part.time_s.size());
-  if (compared_s < least_compared_s)
-    throw InputError(fmt::format("{}: found {:.2f} s, expected at least {:.0f} s to compare", recordings.front().path,
-                                 compared_s, least_compared_s));
+  const auto fitted = std::count_if(rows_.begin(), rows_.end(), [](const ResidualRow& row) { return !row.held_out; });
+  if (fitted < least_rows)
+    throw InputError(fmt::format("{}: found {} rows of {:.3g} s to compare, expected at least {}: a longer motion, or "
+                                 "rows closer together",
+                                 recordings.front().path, fitted, row_length_s(parts_.front().interval_s), least_rows));
+  double largest = 0;
   for (const Part& part : parts_)
-    for (const double force : part.drive_N) largest = std::max(largest, std::abs(force));
+    for (std::size_t i = 0; i < part.drive_N.size(); ++i)
+      if (part.usable[i])
+        largest = std::max({largest, std::abs(part.drive_N[i]), std::abs(piston_force(part, rig, i).first)});
   ResidualChannel& channel = channels_.front();
-  channel.floor = std::max(least_floor_N, floor_share * largest);
-  const double force_noise = rig.sensors.force.rms_N();
+  channel.floor = std::max(no_force_N, floor_share * largest);
+  const auto noise_of_pressure = [&](std::size_t side) {
+    const double area = side == 0 ? rig.axis.cylinder.area_1_m2 : rig.axis.cylinder.area_2_m2;
+    return area * rig.sensors.chamber_pressure.rms_Pa();
+  };
+  const double force_noise =
+      std::hypot(channel.is_balance ? 0.0 : rig.sensors.force.rms_N(), noise_of_pressure(0), noise_of_pressure(1));
   const double mass = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
   const auto noise_of = [&](const Part& part, std::size_t count) {
     return std::hypot(part.balance.force_noise(mass, count), force_noise * part.balance.kernel().noise_gain(0, count));
@@ -92,7 +112,7 @@ DrivenAxisResiduals::DrivenAxisResiduals(const Rig& rig, const std::vector<Recor
 
 void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recording) {
   const std::vector<double>& time_s = recording.t_s();
-  const double interval_s = std::isfinite(recording.period_s) ? recording.period_s : rig.period_s;
+  const double interval_s = row_interval_s(recording);
   const EvenSamples even(time_s, interval_s);
   const std::vector<double> position = even.drawn(recording.column("x_m"));
   std::vector<double> force = even.straight(drive_force(rig, recording));
@@ -103,7 +123,7 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
             {},
             {},
             {},
-            {has_held_out_, recording.is_held_out},
+            held_out_of(has_held_out_, recording.is_held_out, time_s.back() - time_s.front()),
             machine_changes(rig, recording)};
   part.usable = part.balance.usable();
   // The drive's mean around a row: what was held before it counts for as long as it was.
@@ -126,8 +146,7 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
   for (std::size_t i = 0; i < stops.size(); ++i) part.usable[i] = part.usable[i] && !stops[i];
   for (std::size_t i = 0; i < force.size(); ++i)
     part.time_s.push_back(time_s.front() + static_cast<double>(i) * interval_s);
-  const auto bin =
-      static_cast<std::size_t>(std::llround(std::max(residual_bin_s, least_bin_periods * interval_s) / interval_s));
+  const auto bin = static_cast<std::size_t>(std::llround(row_length_s(interval_s) / interval_s));
   for (std::size_t first = 0; first + bin <= force.size(); first += bin) {
     const auto from = part.usable.begin() + static_cast<std::ptrdiff_t>(first);
     if (std::any_of(from, from + static_cast<std::ptrdiff_t>(bin), [](char usable) { return !usable; })) continue;

@@ -132,6 +132,8 @@ std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const
   slider.configure(rig.axis.slider, effects, 1.0, 0.0);
   // Its spring is linear: carried along the smoothed motion it pulls with its smoothed force.
   CarriedLoad load(effects.elastic_load, period_s_), loose_load(effects.load_backlash, period_s_);
+  const ElasticFriction<double>& bristles = effects.elastic_friction;
+  double bristle_N = 0, last_x = 0;
   std::vector<double> smooth_part(samples()), abrupt_part(samples());
   for (std::size_t i = 0; i < samples(); ++i) {
     const double x = undo(sensor, derivative_[0][i], derivative_[1][i], true);
@@ -142,7 +144,10 @@ std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const
     const SliderSurroundings<double> around{gauge_pressure_sum_Pa.empty() ? 0.0 : gauge_pressure_sum_Pa[i]};
     smooth_part[i] = slider.mass() * a + slider.damping_coefficient(0.0, 0.0) * v -
                      slider.less_load(load.force_at(x, v, is_missing_[i]), x);
-    const double blow_N = loose_load.force_at(x_fast, v_fast, is_missing_[i]);  // as short as friction's steps
+    if (bristles.force_N != 0) bristle_N = i == 0 || is_missing_[i] ? 0 : bristles.carried(bristle_N, x_fast - last_x);
+    last_x = x_fast;
+    const double blow_N =
+        loose_load.force_at(x_fast, v_fast, is_missing_[i]) - bristle_N;  // as short as friction's steps
     if (std::abs(v_fast) >= rest_speed_mps_) {
       const double direction = v_fast > 0 ? 1.0 : -1.0, speed = std::abs(v_fast);
       abrupt_part[i] = -blow_N + direction * slider.dry_friction(speed, direction, x_fast, around) +

@@ -7,6 +7,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "record/reader.hpp"
+
 namespace pneuservo {
 
 namespace {
@@ -20,6 +22,11 @@ constexpr double stretch_s = 0.03;  ///< within which a pattern keeps its size
 struct Series {
   std::vector<double> time_s, value, sigma;
 };
+
+/// Up to where a sine is told from a slower one: rows are means of samples, and above half their rate nothing is.
+double highest_told_Hz(const std::vector<double>& time_s) {
+  return std::min(highest_line_Hz, 0.5 / median_step_s(time_s));
+}
 
 /// Rows of one channel and recording.
 std::map<std::pair<int, int>, Series> series_of(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual) {
@@ -117,7 +124,8 @@ std::optional<SpectralLine> strongest_line(const std::vector<ResidualRow>& rows,
     const double length_s = series.time_s.back() - series.time_s.front();
     if (length_s < 2) continue;
     std::vector<double> frequencies;
-    const auto lines = static_cast<std::size_t>(2 * length_s * (highest_line_Hz - lowest_line_Hz));
+    const auto lines =
+        static_cast<std::size_t>(std::max(0.0, 2 * length_s * (highest_told_Hz(series.time_s) - lowest_line_Hz)));
     frequencies.reserve(lines);
     for (std::size_t i = 0; i < lines; ++i)
       frequencies.push_back(lowest_line_Hz + 0.5 * static_cast<double>(i) / length_s);
@@ -152,7 +160,9 @@ std::optional<SpectralLine> line_in_motion(const std::vector<ResidualRow>& rows,
   }
   if (count < 100 || !(longest_s > 0)) return std::nullopt;
   SpectralLine best{channel, 0, 0, 0};
-  const int lines = static_cast<int>(4 * longest_s * (highest_line_Hz - lowest_line_Hz));
+  double highest_Hz = highest_line_Hz;
+  for (const auto& [recording, series] : moving) highest_Hz = std::min(highest_Hz, highest_told_Hz(series.time_s));
+  const int lines = static_cast<int>(4 * longest_s * (highest_Hz - lowest_line_Hz));
   for (int line = 0; line < lines; ++line) {
     const double frequency = lowest_line_Hz + 0.25 * line / longest_s;
     double taken = 0, squares = 0;

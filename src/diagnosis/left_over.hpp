@@ -22,7 +22,7 @@ std::vector<ChannelLevel> channel_levels(const std::vector<ResidualRow>& rows, s
 /// Whether pressures of both sides are above the limit: no single place makes that.
 bool is_everywhere(const std::vector<ResidualChannel>& channels, const std::vector<ChannelLevel>& levels, double limit);
 
-/// The strongest periodic part between 3 and 45 Hz.
+/// The strongest periodic part between 3 and 45 Hz, below half the rate of the rows.
 struct SpectralLine {
   int channel = 0;
   double frequency_Hz = 0;
@@ -33,9 +33,10 @@ struct SpectralLine {
 std::optional<SpectralLine> strongest_line(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual,
                                            const std::vector<ChannelLevel>& levels, double least_level);
 
-/// The sine between 3 and 45 Hz that takes most of one channel's residual while the slider moves, over all recordings
-/// at one frequency, each with its own phase; `ratio` is the share of the sum of squares. At rest friction balances a
-/// force up to its hold force: there it cannot be seen. nullopt: hardly any motion.
+/// The sine between 3 and 45 Hz, below half the rate of the rows, that takes most of one channel's residual while the
+/// slider moves, over all recordings at one frequency, each with its own phase; `ratio` is the share of the sum of
+/// squares. At rest friction balances a force up to its hold force: there it cannot be seen. nullopt: hardly any
+/// motion.
 std::optional<SpectralLine> line_in_motion(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual,
                                            int channel);
 

@@ -28,6 +28,7 @@ struct ResidualChannel {
   std::string unit;  ///< Pa, N
   double noise = 0;  ///< of one sample [unit]
   double floor = 0;  ///< the model's own coloured error [unit]
+  bool is_balance = false;  ///< no sensor reads it: what has to be zero
 };
 
 /// One row of the residual vector: a bin of samples and where it stands.

@@ -24,6 +24,7 @@ constexpr std::size_t told_gaps = 3;
 
 /// Columns that nothing can be compared without.
 std::vector<std::string> input_columns(const Rig& rig, const Recording& recording) {
+  if (rig.kind == RigKind::driven_axis && !recording.has("F_N") && !recording.has("u_V")) return {"x_m"};
   if (rig.kind == RigKind::driven_axis) return {"x_m", recording.has("F_N") ? "F_N" : "u_V"};
   std::vector<std::string> columns = command_columns(rig);
   columns.emplace_back("x_m");
@@ -40,7 +41,7 @@ std::vector<Span> gaps_of(const Recording& recording, const std::vector<std::str
     for (std::size_t i = 0; i < t.size(); ++i)
       if (std::isfinite(recording.column(name)[i])) known.push_back(t[i]);
     if (known.empty()) continue;
-    const double longest = longest_drawn_s(std::max(recording.period_s, median_step_s(known)));
+    const double longest = longest_drawn_s(std::max(row_interval_s(recording), median_step_s(known)));
     if (known.front() - t.front() > longest) gaps.emplace_back(t.front(), known.front());
     for (std::size_t i = 1; i < known.size(); ++i)
       if (known[i] - known[i - 1] > longest) gaps.emplace_back(known[i - 1], known[i]);
@@ -154,7 +155,8 @@ std::vector<Recording> compared_stretches(const Rig& rig, std::vector<Recording>
   for (Recording& recording : recordings) {
     const std::vector<double>& t = recording.t_s();
     const std::vector<Span> gaps = gaps_of(recording, input_columns(rig, recording));
-    least_s = rig.is_pneumatic() ? least_cylinder_s : std::max(least_axis_s, least_axis_intervals * recording.period_s);
+    least_s = rig.is_pneumatic() ? least_cylinder_s
+                                 : std::max(least_axis_s, least_axis_intervals * row_interval_s(recording));
     if (gaps.empty()) {
       out.push_back(std::move(recording));
       continue;

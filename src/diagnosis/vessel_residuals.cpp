@@ -19,6 +19,7 @@ constexpr double steps_a_recording = 8000, longest_step_s = 0.05, line_period_s 
 constexpr std::size_t port_sensor = 1, chamber_sensor = 3;
 constexpr double fitted_share = 2.0 / 3.0;
 constexpr double supply_sigma = 0.03;  ///< of a supply that was set, not measured
+constexpr double steps_after_event = 10;  ///< of rows: later the first row does not see what the event found
 constexpr std::size_t start_samples = 3;  ///< whose mean the simulation starts from, if they are within 1 s
 
 double reading(const SensorEffects<double>& sensor, double truth) {
@@ -71,10 +72,12 @@ VesselResiduals::Inputs VesselResiduals::inputs_of(const Rig& rig, const Recordi
     for (const double value : recording.column("p_supply_Pa"))
       inputs.supply_Pa += value / static_cast<double>(t.size());
   }
-  const double first_command = inputs.program.commands.front();
+  const double first_command = inputs.program.commands.front(), event_s = inputs.program.times_s.front();
   inputs.fills = first_command > 0;
-  if (first_command != 0.0 && t.front() > inputs.program.times_s.front()) {
+  inputs.begin_s = t.front();
+  if (first_command != 0.0 && t.front() > event_s && t.front() - event_s < steps_after_event * median_step_s(t)) {
     // Logged from an event at t = 0 on: what was there before it is the other end of the step.
+    inputs.begin_s = event_s;
     inputs.start_Pa = first_command > 0 ? rig.axis.air.atmosphere_Pa : inputs.supply_Pa;
   }
   if (inputs.start_Pa == 0.0) {
@@ -96,8 +99,8 @@ std::vector<std::vector<double>> VesselResiduals::simulated(const Hypothesis& hy
   const double longest = rig.line ? line_period_s : std::min(longest_step_s, span / steps_a_recording);
   const VesselEffects<double>& late = rig.vessel_effects;
   CommandProgram program = carried_out(inputs.program, 0, late.command_delay.delay_s, late.drop_out_delay.delay_s);
-  double now = std::min(times.front(), inputs.program.times_s.front());
-  program.times_s.insert(program.times_s.begin(), now - 1.0);
+  double now = inputs.begin_s;
+  program.times_s.insert(program.times_s.begin(), std::min(now, program.times_s.front()) - 1.0);
   program.commands.insert(program.commands.begin(), 0.0);  // closed before the first
 
   VesselPlant plant(rig, inputs.fills ? inputs.start_Pa : inputs.start_Pa * factor);

@@ -23,6 +23,7 @@ class VesselResiduals : public SampledResiduals {
 
  private:
   struct Inputs {
+    double begin_s = 0;  ///< of the simulation
     double start_Pa = 0, supply_Pa = 0;  ///< supply 0: as the config has it
     bool fills = false;  ///< begins with the valve open to the supply: the start factor is then the supply's
     CommandProgram program;

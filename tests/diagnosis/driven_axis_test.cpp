@@ -61,6 +61,7 @@ TEST_CASE("a planted effect on an axis is named with its size, and the improved 
       {"quadratic_drag", {{"effects.quadratic_drag.coefficient_Ns2_per_m2", 150}}},
       {"constant_force", {{"effects.constant_force.force_N", -5}}},
       {"spring_load", {{"effects.spring_load.stiffness_N_per_m", 150}, {"effects.spring_load.rest_m", 0.03}}},
+      {"elastic_friction", {{"effects.elastic_friction.force_N", 8}, {"effects.elastic_friction.way_m", 3e-3}}},
       {"elastic_load",
        {{"effects.elastic_load.mass_kg", 3},
         {"effects.elastic_load.natural_frequency_Hz", 7},

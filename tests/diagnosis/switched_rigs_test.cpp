@@ -123,6 +123,55 @@ TEST_CASE("a tank's wall heat and a wrong orifice come out of its blow-down") {
   CHECK(found.answers[0].parameters[0].value == Approx(8.0).epsilon(0.05));
 }
 
+TEST_CASE("pump and orifice agree on the pressure between them; no pump is a constant supply") {
+  const Air<double> air;
+  const double area = 1e-6, b = 0.528, stalled = 1.5e5, p = 1.1e5, T = 293;
+  const double R = 2e7, between = pressure_behind_pump({R}, air, area, b, stalled, p, T);
+  CHECK((between > p && between < stalled));
+  CHECK(between == Approx(stalled - R * orifice_mass_flow(air, area, b, between, air.temperature_K, p, T)));
+  CHECK(pressure_behind_pump({0.0}, air, area, b, stalled, p, T) == stalled);
+  CHECK(pressure_behind_pump({R}, air, area, b, stalled, stalled, T) == stalled);
+  // Against a wide orifice the pump alone gives: R (p_s - p)/R, what a first-order filling is made of.
+  CHECK(pressure_behind_pump({R}, air, 1e-2, b, stalled, p, T) == Approx(p).epsilon(1e-3));
+}
+
+TEST_CASE("a supply that is a pump is named with its curve, and a recording may begin long after the command") {
+  const Rig owner = parse_rig(R"(format: pneuservo-rig/1
+name: pumped
+rig: vessel
+period_s: 0.05
+supply: {pressure_Pa: 147000}
+valve: {supply_area_m2: 3.0e-7, exhaust_area_m2: 2.0e-7}
+vessel: {volume_m3: 1.0e-3, wall_heat_W_per_K: 100}
+sensors: {pressure: {quantum_Pa: 10.0, noise_Pa: 30.0}}
+tolerances: {valve.supply_area_m2: 0.3, valve.exhaust_area_m2: 0.3}
+)",
+                              "pumped");
+  const std::vector<double> t = times(0.05, 1600);
+  std::vector<double> command(t.size(), -1.0), still(t.size(), owner.axis.air.atmosphere_Pa);
+  for (std::size_t k = 0; k < t.size(); ++k)
+    if (t[k] >= 1 && t[k] < 41) command[k] = 1.0;
+  const auto made = [&](const Rig& machine) {
+    VesselResiduals model(machine, {recording_of({"t_s", "u_V", "p1_chamber_Pa"}, {t, command, still})}, 1);
+    return recording_of({"t_s", "u_V", "p1_chamber_Pa"}, {t, command, simulated(model, machine, 30.0, 11)});
+  };
+  Rig machine = owner;
+  set_parameter(machine, "effects.pump_curve.resistance_Pa_s_per_kg", 8e8);
+  const Diagnosis found = diagnose(owner, {made(machine)});
+  INFO(found.sentence);
+  REQUIRE(found.answers.size() == 1);
+  CHECK(found.answers[0].effect == "pump_curve");
+  CHECK(found.answers[0].element == "supply");
+  CHECK(found.answers[0].parameters[0].value == Approx(8e8).epsilon(0.05));
+  // The emptying alone, cut out of the healthy machine's recording: it starts from what is recorded there.
+  Recording cut = made(owner);
+  for (auto& values : cut.values) values.erase(values.begin(), values.begin() + 850);
+  cut.line_numbers.resize(cut.values.front().size());
+  const Diagnosis healthy = diagnose(owner, {cut});
+  INFO(healthy.sentence);
+  CHECK(healthy.verdict == Verdict::consistent);
+}
+
 TEST_CASE("an exhaust throttle that was opened is named, and a healthy cylinder is not") {
   const Rig owner = parse_rig(lift, "lift");
   Rig machine = owner;

@@ -52,6 +52,13 @@ TEST_CASE("slider: each law has its force, m = 2 kg with payload") {
   e = none, e.direction_dependent_viscous_friction = {4.0, -6.0};
   CHECK(acceleration(e, 0.0, 0.5) == Approx(-1.0).epsilon(1e-4));
   CHECK(acceleration(e, 0.0, -0.5) == Approx(-1.5).epsilon(1e-4));
+  e = none, e.viscous_friction.coefficient_Ns_per_m = 6.0;
+  CHECK(acceleration(e, 0.0, 0.5, 0.0, 0.0, 4.0) == Approx(-2.5).epsilon(1e-4));
+  CHECK(acceleration(e, 0.0, -0.5, 0.0, 0.0, 4.0) == Approx(2.5).epsilon(1e-4));
+  e = none, e.gravity_load = {6.0, 2.0};
+  CHECK(acceleration(e, 0.0, 0.0, 0.0) == Approx(-1.0));
+  CHECK(acceleration(e, 0.0, 0.0, M_PI / 2) == Approx(-3.0));
+  CHECK(acceleration(e, 0.0, 0.0, M_PI) == Approx(1.0));
   e = none, e.constant_force.force_N = 3.0;
   CHECK(acceleration(e, 10.0, 0.0) == Approx(3.5));
   e = none, e.spring_load = {100.0, 0.02};
@@ -72,6 +79,26 @@ TEST_CASE("slider: below breakaway nothing moves, exactly; above it does; direct
   slider.reset(0.01, 0.0);
   slider.step(1e-3, -6.001, {});
   CHECK(slider.velocity() < 0.0);
+}
+
+TEST_CASE("slider: friction that the way builds up is a spring for small ways, dry friction for long ones, and loses") {
+  const ElasticFriction<double> own{20.0, 1e-3};
+  CHECK(own.carried(0.0, 1e-3) == Approx(20.0 * (1 - std::exp(-1.0))));
+  CHECK(own.carried(20.0, -1e-3 * std::log(2.0)) == Approx(0.0).margin(1e-12));
+  CHECK(own.carried(-20.0, 1.0) == Approx(20.0));
+  MotionEffects<double> e;
+  e.elastic_friction = own;
+  Slider<double> slider = make_slider(e);
+  // F_c/w on 2 kg: 100 rad/s. The swing of 1 um is at its end after a quarter of its period.
+  slider.reset(0.0, 1e-4);
+  int steps = 0;
+  while (slider.velocity() > 0.0 && ++steps < 10000) slider.step(1e-5, 0.0, {});
+  CHECK(1e-5 * steps == Approx(M_PI / 200).epsilon(0.01));
+  CHECK(slider.position() == Approx(1e-6).epsilon(0.01));
+  // A long slide is slowed by F_c: v^2/(2 F_c/m), and on average w more for what is not built up yet.
+  slider.reset(0.0, 1.0);
+  while (slider.velocity() > 0.0 && slider.position() < 1.0) slider.step(1e-5, 0.0, {});
+  CHECK(slider.position() == Approx(0.05 + 1e-3).epsilon(2e-3));
 }
 
 TEST_CASE("slider: friction never turns the motion round") {

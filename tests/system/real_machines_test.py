@@ -115,6 +115,19 @@ def emps():
     expect(held_out <= 1.7, f"emps: {held_out} N are left on held-out stretches")
 
 
+def sizes_of(found):
+    return {answer["effect"]: {key: one["value"] for key, one in answer["parameters"].items()}
+            for answer in found["answers"]}
+
+
+def expect_sizes(found, machine, names, sizes):
+    """These names and no other; sizes by effect and key, with the bounds of what the sources' data give."""
+    expect(names_of(found) == sorted(names), f"{machine}: {names_of(found)}, expected {sorted(names)}")
+    for (effect, key), (least, most) in sizes.items():
+        size = sizes_of(found)[effect][key]
+        expect(least <= size <= most, f"{machine}: {effect} has {key} = {size}, expected {least} to {most}")
+
+
 emps()
 seals()
 tank()

@@ -2,6 +2,7 @@
 // (elements/effects.hpp).
 #pragma once
 #include <array>
+#include <limits>
 #include <span>
 #include <string_view>
 
@@ -24,6 +25,9 @@ enum class EffectScale {
   laminar_conductance, ///< kg/(s Pa2) that passes at supply pressure what the valve's largest area does
   channel_offset,      ///< supply pressure, stroke or force, by the sensor's channel
   channel_gain,        ///< 0.6 for pressures, 1 for others
+  viscosity,           ///< the slider's configured viscous friction
+  adiabatic_change,  ///< K by which gas cools from the supply's pressure to the atmosphere's without heat from the wall
+  supply_resistance,  ///< Pa s/kg through which a vessel fills with a time constant of 10 s
 };
 
 /// In what a parameter is varied: itself, its logarithm, or 1/value^2 (0 stands for "none" there).
@@ -45,6 +49,10 @@ struct ParameterTrait {
   /// Sizes of an amplitude, in prior standard deviations, whose whole change is looked at beside its derivative: what
   /// tolerances mimic while it is small may be all that is left of it.
   std::span<const double> whole{};
+  /// Physical range of the value over `range_scale`, beside that of its key: beyond it stands something else.
+  double least = -infinite, most = infinite;
+  EffectScale range_scale = EffectScale::one;
+  static constexpr double infinite = std::numeric_limits<double>::infinity();
 
   constexpr ParameterTrait by(Variation how) const {
     ParameterTrait out = *this;
@@ -54,6 +62,13 @@ struct ParameterTrait {
   constexpr ParameterTrait over_motion() const {
     ParameterTrait out = *this;
     out.is_over_motion = true;
+    return out;
+  }
+  constexpr ParameterTrait within(double least_share, double most_share, EffectScale of) const {
+    ParameterTrait out = *this;
+    out.least = least_share;
+    out.most = most_share;
+    out.range_scale = of;
     return out;
   }
   constexpr ParameterTrait whole_at(std::span<const double> sizes) const {
@@ -78,6 +93,7 @@ inline constexpr std::array<double, 9> zone_center{-0.9, -0.675, -0.45, -0.225, 
 inline constexpr std::array<double, 2> zone_width{0.07, 0.2};
 inline constexpr std::array<double, 5> leak_zone_center{-0.9, -0.45, 0, 0.45, 0.9};
 inline constexpr std::array<double, 2> leak_zone_width{0.12, 0.3};
+inline constexpr std::array<double, 3> friction_way{0.003, 0.01, 0.03};
 inline constexpr std::array<double, 3> spring_rest{-0.5, 0, 0.5};
 inline constexpr std::array<double, 12> load_frequency{3, 3.8, 4.8, 6, 7.5, 9.5, 12, 15, 19, 24, 30, 38};
 inline constexpr std::array<double, 1> load_damping{0.03};
@@ -95,6 +111,7 @@ inline constexpr std::array<double, 3> droop_area{0.1, 0.3, 1};
 inline constexpr std::array<double, 3> droop_volume{2e-4, 1e-3, 5e-3};
 inline constexpr std::array<double, 4> charging_time{3, 10, 30, 100};
 inline constexpr std::array<double, 2> drop_out_delays{1, 2.5};
+inline constexpr std::array<double, 3> pump_resistances{0.3, 1, 3};
 inline constexpr std::array<double, 3> porous_orifice{0.02, 0.06, 0.2};
 }  // namespace effect_grids
 

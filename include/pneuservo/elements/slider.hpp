@@ -21,7 +21,7 @@ template <class S> class Slider {
                  const S& restitution) noexcept {
     mass_ = slider.mass_kg + slider.payload_kg - effects.elastic_load.mass_kg - effects.load_backlash.mass_kg;
     inverse_mass_ = S(1) / mass_;
-    viscous_ = slider.viscous_friction_Ns_per_m;
+    viscous_ = slider.viscous_friction_Ns_per_m + effects.viscous_friction.coefficient_Ns_per_m;
     effects_ = effects;
     half_stroke_ = S(0.5) * stroke_m;
     restitution_ = restitution;
@@ -36,6 +36,8 @@ template <class S> class Slider {
     const PeriodicForce<S>& periodic = effects.periodic_force;
     disturbance_.configure(periodic.amplitude_N, periodic.frequency_Hz, periodic.phase_rad);
     is_disturbed_ = disturbance_.is_there();
+    has_gravity_ = any(!(effects.gravity_load.sine_N == S(0))) || any(!(effects.gravity_load.cosine_N == S(0)));
+    has_bristles_ = any(!(effects.elastic_friction.force_N == S(0)));
   }
   /// With coupled loads at rest in the middle of their couplings.
   void reset(const S& position_m, const S& velocity_mps) noexcept {
@@ -43,6 +45,7 @@ template <class S> class Slider {
     velocity_ = velocity_mps;
     if (has_couplings_) load_.reset(position_m, velocity_mps), loose_load_.reset(position_m, velocity_mps);
     if (is_disturbed_) disturbance_.reset();
+    bristles_ = S(0);
   }
 
   /// Dry friction [N] (a magnitude) at speed `speed` in direction sign (+1, -1).
@@ -59,8 +62,9 @@ template <class S> class Slider {
 
   /// Force [N] that is left of a driving force beside the loads at x.
   S less_load(const S& driving_force_N, const S& x) const noexcept {
-    return driving_force_N - effects_.constant_force.force_N -
-           effects_.spring_load.stiffness_N_per_m * (x - effects_.spring_load.rest_m);
+    const S left = driving_force_N - effects_.constant_force.force_N -
+                   effects_.spring_load.stiffness_N_per_m * (x - effects_.spring_load.rest_m);
+    return has_gravity_ ? left - effects_.gravity_load.at(x) : left;
   }
   /// Force over velocity [N s/m] of all friction that vanishes with the speed, in direction sign (+1, -1; 0: without
   /// what depends on the direction).
@@ -76,7 +80,8 @@ template <class S> class Slider {
     const S h(h_s), zero(0);
     const S alone =
         less_load(is_disturbed_ ? driving_force_N + disturbance_.value(0.5 * h_s) : driving_force_N, position_);
-    const S force = has_couplings_ ? alone + load_.force() + loose_load_.force() : alone;
+    const S held_by = has_bristles_ ? alone - bristles_ : alone;
+    const S force = has_couplings_ ? held_by + load_.force() + loose_load_.force() : held_by;
     const auto resting = velocity_ == zero;
     const S direction = select(resting, select(force >= zero, S(1), S(-1)), select(velocity_ > zero, S(1), S(-1)));
     const S speed = absolute(velocity_);
@@ -84,8 +89,10 @@ template <class S> class Slider {
     const S dry = has_dry_friction_ ? dry_friction(speed, direction, position_, around) : zero;
     const S holds_most = has_dry_friction_ ? dry_friction(zero, direction, position_, around) : zero;
     const auto held = resting & (absolute(force) <= holds_most);
-    const S damping = S(0.5) * h * damping_coefficient(speed, direction) * inverse_mass_;
-    S pushed = h * (alone - direction * dry), carried = S(1) + damping;
+    S coefficient = damping_coefficient(speed, direction);
+    if (has_bristles_) coefficient += S(0.5) * h * bristle_stiffness(direction);
+    const S damping = S(0.5) * h * coefficient * inverse_mass_;
+    S pushed = h * (held_by - direction * dry), carried = S(1) + damping;
     if (has_couplings_) {
       const auto load = load_.given(h_s, position_, velocity_), loose = loose_load_.given(h_s, position_, velocity_);
       pushed -= load.free + loose.free;
@@ -110,6 +117,7 @@ template <class S> class Slider {
       loose_load_.step(h_s, start_position, start_velocity, position_, velocity_);
     }
     if (is_disturbed_) disturbance_.step(h_s);
+    if (has_bristles_) bristles_ = effects_.elastic_friction.carried(bristles_, position_ - start_position);
   }
 
   S position() const noexcept { return position_; }
@@ -118,6 +126,11 @@ template <class S> class Slider {
   S mass() const noexcept { return mass_; }
 
  private:
+  /// dF/dx of the friction that the way builds up; with the trapezoidal rule it acts as a damping of half a step of it.
+  S bristle_stiffness(const S& direction) const noexcept {
+    const ElasticFriction<S>& own = effects_.elastic_friction;
+    return (own.force_N - direction * bristles_) / own.way_m;
+  }
   // Inelastic end stop: the way beyond it is travelled back with the reflected speed. A rebound slower than what the
   // force gains in a step would be back before the step ends: it is rest.
   void stop_at_ends(const S& gained) noexcept {
@@ -137,10 +150,11 @@ template <class S> class Slider {
 
   S mass_ = S(1), inverse_mass_ = S(1), viscous_{}, half_stroke_ = S(1), restitution_{};
   MotionEffects<S> effects_;
-  bool has_dry_friction_ = true, has_couplings_ = false, is_disturbed_ = false;
+  bool has_dry_friction_ = true, has_couplings_ = false, is_disturbed_ = false, has_gravity_ = false,
+       has_bristles_ = false;
   CoupledLoad<S> load_, loose_load_;
   Oscillation<S> disturbance_;
-  S position_{}, velocity_{};
+  S position_{}, velocity_{}, bristles_{};
 };
 
 }  // namespace pneuservo

@@ -16,12 +16,13 @@ template <class S> struct WallHeatExchange {
       p.conductance_W_per_K...);
   }
 };
-/// Gas that charging has warmed above the wall and that cools towards it.
+/// Gas that charging has warmed above the wall and that cools towards it. Emptying from the supply's pressure without
+/// heat from the wall changes its temperature most; filling warms by less.
 template <class S> struct ChargingHeat {
   static constexpr std::string_view element = "chamber_1";
   static constexpr std::string_view family = "heat";
   static constexpr std::array traits{
-      amplitude("excess_K", EffectScale::one, 10, 0.02),
+      amplitude("excess_K", EffectScale::one, 10, 0.02).within(-1, 1, EffectScale::adiabatic_change),
       shape("time_constant_s", EffectScale::one, 1.2, effect_grids::charging_time).by(Variation::logarithmic)};
   S excess_K = S(0);
   S time_constant_s = S(10);
@@ -69,6 +70,19 @@ template <class S> struct DropOutDelay {
   }
 };
 
+/// A supply that is a pump: its pressure falls with the flow it gives, from that of the stalled pump on.
+template <class S> struct PumpCurve {
+  static constexpr std::string_view element = "supply";
+  static constexpr std::string_view family = "supply_droop";
+  static constexpr std::array traits{amplitude("resistance_Pa_s_per_kg", EffectScale::supply_resistance, 0.3, 1e-3)
+                                         .whole_at(effect_grids::pump_resistances)};
+  S resistance_Pa_s_per_kg = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"resistance_Pa_s_per_kg", "Pa s/kg", 0, 1e14, "R of p_s - R G, with the flow G that the pump gives"},
+      p.resistance_Pa_s_per_kg...);
+  }
+};
+
 /// All effects of a vessel.
 template <class S> struct VesselEffects {
   CommandDelay<S> command_delay;
@@ -78,6 +92,7 @@ template <class S> struct VesselEffects {
   ChamberLeak<S> chamber_leak_1;
   LaminarLeak<S> laminar_leak_1;
   PorousLeak<S> porous_leak_1;
+  PumpCurve<S> pump_curve;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"command_delay", "", 0, 0, "dead time of the command", optional}, p.command_delay...);
@@ -87,8 +102,23 @@ template <class S> struct VesselEffects {
     v(Field{"chamber_leak_1", "", 0, 0, "leak to atmosphere, an orifice", optional}, p.chamber_leak_1...);
     v(Field{"laminar_leak_1", "", 0, 0, "leak to atmosphere through narrow ways", optional}, p.laminar_leak_1...);
     v(Field{"porous_leak_1", "", 0, 0, "leak to atmosphere through a porous wall", optional}, p.porous_leak_1...);
+    v(Field{"pump_curve", "", 0, 0, "supply pressure that falls with the flow of a pump", optional}, p.pump_curve...);
   }
 };
+
+/// Pressure [Pa] behind a pump that gives through an orifice of this area to pressure p [Pa] and temperature T [K].
+inline double pressure_behind_pump(const PumpCurve<double>& pump, const Air<double>& air, double area, double b,
+                                   double stalled_Pa, double p, double T) noexcept {
+  if (pump.resistance_Pa_s_per_kg == 0.0 || area == 0.0 || !(stalled_Pa > p)) return stalled_Pa;
+  // Where pump and orifice agree: the pump's flow falls with the pressure, the orifice's grows.
+  double low = p, high = stalled_Pa;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (low + high);
+    const double flow = orifice_mass_flow(air, area, b, middle, air.temperature_K, p, T);
+    (stalled_Pa - pump.resistance_Pa_s_per_kg * flow > middle ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
 
 /// Flow [kg/s] of the three leaks of a vessel from pressure p [Pa] and temperature T [K] to the atmosphere.
 inline double vessel_leak_flow(const VesselEffects<double>& effects, const Air<double>& air, double b, double p,

@@ -28,10 +28,12 @@ class VesselPlant {
     }
   }
   /// Goes on by h [s] under a command: above 0 open to the supply, below 0 to exhaust, 0 closed.
-  void step(double h, double command, double supply_Pa) noexcept {
+  void step(double h, double command, double stalled_Pa) noexcept {
     const double supply_area = command > 0 ? rig_.on_off_valve.supply_area_m2 : 0.0;
     const double exhaust_area = command < 0 ? rig_.on_off_valve.exhaust_area_m2 : 0.0;
     const double b = rig_.on_off_valve.critical_pressure_ratio;
+    const double supply_Pa = pressure_behind_pump(rig_.vessel_effects.pump_curve, air_, supply_area, b, stalled_Pa,
+                                                  port_Pa(), rig_.line ? air_.temperature_K : chamber_.temperature());
     if (rig_.line) {
       const int substeps = side_.begin_period(h);
       for (int i = 0; i < substeps; ++i)

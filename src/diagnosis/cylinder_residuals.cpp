@@ -16,8 +16,6 @@ namespace {
 // The model's own error where nothing is missing: of pressures, and as a share of the drop between port and chamber;
 // of the force, with and without sensors at the chambers.
 constexpr double pressure_floor_Pa = 35.0, drop_share = 0.001;
-// Measured at supplies of 6 to 8 bar. Below, flows, wall heat and what their laws miss go with the pressure.
-constexpr double measured_from_Pa = 600e3;
 // The gas may start warmer or colder than its wall, which no pressure shows; the wall takes that out within a second.
 // A recording that starts in the midst of motion leaves more: waves in the lines, gas not at its wall's temperature.
 constexpr double start_floor_Pa = 200.0, start_share = 0.1, start_fades_s = 0.5;
@@ -137,7 +135,6 @@ CylinderResiduals::~CylinderResiduals() = default;
 void CylinderResiduals::declare_channels() {
   const auto courses = gas_->of(std::vector<Hypothesis>{{owner_, {}}});
   const SensorsParameters& sensors = owner_.sensors;
-  const double share = std::min(1.0, owner_.axis.supply.pressure_Pa / measured_from_Pa);
   for (std::size_t channel = 0; channel < gas_channels; ++channel) {
     if (std::none_of(recordings_.begin(), recordings_.end(),
                      [&](const CylinderRecording& r) { return !r.measured_Pa[channel].empty(); }))
@@ -145,19 +142,19 @@ void CylinderResiduals::declare_channels() {
     const PressureSensorParameters& sensor = channel == supply                        ? sensors.supply_pressure
                                              : channel == port_1 || channel == port_2 ? sensors.port_pressure
                                                                                       : sensors.chamber_pressure;
-    ResidualChannel out{std::string(gas_channel_names[channel]), "Pa", 0, share * pressure_floor_Pa};
+    ResidualChannel out{std::string(gas_channel_names[channel]), "Pa", 0, pressure_floor_Pa};
     out.noise = largest_noise(recordings_, channel, sensor.rms_Pa());
     double drop = 0;
     if (channel != supply)
       for (const auto& course : courses[0]) drop = std::max(drop, rms_drop(*course, channel % 2));
-    if (std::isfinite(drop)) out.floor = std::hypot(share * pressure_floor_Pa, drop_share * drop);
+    if (std::isfinite(drop)) out.floor = std::hypot(pressure_floor_Pa, drop_share * drop);
     channels_.push_back(out);
     gas_channel_.push_back(static_cast<int>(channel));
   }
   bool chambers = true;
   for (const CylinderRecording& recording : recordings_)
     chambers = chambers && !recording.measured_Pa[chamber_1].empty() && !recording.measured_Pa[chamber_2].empty();
-  channels_.push_back({"F", "N", force_noise(0, 1), share * (chambers ? force_floor_N : force_floor_ports_N)});
+  channels_.push_back({"F", "N", force_noise(0, 1), chambers ? force_floor_N : force_floor_ports_N});
   gas_channel_.push_back(-1);
 }
 

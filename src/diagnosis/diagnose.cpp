@@ -16,6 +16,7 @@
 #include "diagnosis/decision_answers.hpp"
 #include "diagnosis/driven_axis_residuals.hpp"
 #include "diagnosis/known_rows.hpp"
+#include "diagnosis/recorded_rigs.hpp"
 #include "diagnosis/recording_doubts.hpp"
 #include "diagnosis/result_text.hpp"
 #include "diagnosis/stretches.hpp"
@@ -416,10 +417,11 @@ void tell(const Rig& rig, ResidualModel& model, const Decision& decision, const 
   out.sentence = verdict_sentence(out);
 }
 
-/// What is to be told of recordings as they were read.
+/// What is to be told of recordings as they were read. Throws InputError for a change of what the rig does not have.
 std::vector<std::string> told_of(const Rig& rig, const std::vector<Recording>& recordings) {
   std::vector<std::string> out;
   for (const Recording& recording : recordings) {
+    machine_changes(rig, recording);
     for (const auto& [path, value] : recording.changed)
       out.push_back(fmt::format("{}: made with {} = {:g} instead of {:g}, and compared so", recording.path, path, value,
                                 get_parameter(rig, path)));

@@ -137,7 +137,7 @@ Copy as_copy(const std::vector<double>& of, const std::vector<double>& column) {
   for (std::size_t i = 1; i < rows; ++i)
     if (std::isfinite(a[i]) && std::isfinite(b[i]))
       both += a[i] * b[i], square += a[i] * a[i], own += b[i] * b[i], ++count;
-  const double factor = both / square;
+  const double factor = square > 0 ? both / square : 0;
   return {factor, std::sqrt(std::max(0.0, own - factor * both) / count), std::sqrt(own / count)};
 }
 

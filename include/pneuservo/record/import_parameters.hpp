@@ -42,7 +42,8 @@ struct ImportParameters {
   double from_s = -infinite;
   double to_s = infinite;
   template <class V, class... P> static void visit(V&& v, P&... p) {
-    v(Field{"columns", "", 0, 0, "by the names of the recording format; t_s is taken as it is unless named"},
+    v(Field{"columns", "", 0, 0,
+            "by the names of the recording format; columns that bear such a name are taken as they are unless named"},
       p.columns...);
     v(Field{"from_s", "s", -infinite, infinite, "earlier rows are left out", Presence::optional}, p.from_s...);
     v(Field{"to_s", "s", -infinite, infinite, "later rows are left out", Presence::optional}, p.to_s...);

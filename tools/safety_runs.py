@@ -84,7 +84,8 @@ class Outcome:
             return 0
         probe = range(max(moved - 40, 0), min(moved + 200, len(u)), 5)
         def miss(shift):
-            return sum(abs(u[i] - self.truth.at("u_V", self.control.ticks[i] + shift)) for i in probe)
+            # By size: a wrong sign in the config turns what the device sees.
+            return sum(abs(abs(u[i]) - abs(self.truth.at("u_V", self.control.ticks[i] + shift))) for i in probe)
         return min(range(0, 2500), key=miss)
 
     def off_m(self, tick):

@@ -212,6 +212,8 @@ void add_effects(const Rig& rig, const MotionRange& range, std::vector<Candidate
   visit_effects(rig, [&](const Field& field, const auto& effect) {
     using Effect = std::remove_cvref_t<decltype(effect)>;
     if constexpr (requires { Effect::is_always_granted; } || requires { Effect::is_sought_apart; }) return;
+    if constexpr (requires { Effect::is_of_plain_axes; })
+      if (rig.kind != RigKind::driven_axis || rig.has_pistons()) return;
     if constexpr (requires { Effect::least_way; })
       if (range.highest_m - range.lowest_m < Effect::least_way) return;
     if constexpr (requires { Effect::same_as; })

@@ -410,18 +410,15 @@ double above_floors(ResidualModel& model, const Explanation& explanation, const 
   return std::max(levels.chi2(false) + levels.chi2(true) - rows, 0.0);
 }
 
-/// Standard errors of a Stribeck law's extra force: the least that makes another law of dry friction.
-constexpr double law_errors = 3;
-
 /// Whether a Stribeck law has an extra force that is known to be there, beside a floor that has grown by this: else it
 /// is dry friction with a number for what happens at the edge of rest.
-bool is_sure_of_law(const Explanation& explanation, const Search& search, double growth) {
+bool is_sure_of_law(const Explanation& explanation, const Search& search, double growth, const DecisionRules& rules) {
   const Eigen::MatrixXd covariance = growth * explanation.fit.covariance();
   for (const std::size_t m : explanation.members)
     for (const FreeParameter& own : search.candidates()[m].parameters) {
       if (own.path != "effects.stribeck_friction.extra_force_N") continue;
       const auto at = static_cast<Eigen::Index>(explanation.fit.own_place(own));
-      if (explanation.fit.z(at) - own.z(0) < law_errors * std::sqrt(covariance(at, at))) return false;
+      if (explanation.fit.z(at) - own.z(0) < rules.law_errors * std::sqrt(covariance(at, at))) return false;
     }
   return true;
 }
@@ -453,7 +450,7 @@ std::vector<std::pair<double, const Explanation*>> by_prediction(ResidualModel& 
   const std::vector<const Explanation*> ranked = sizeable(search, members, rules);
   for (const Explanation* e : ranked) {
     if (out.size() >= most_predicted) break;
-    if (!is_sure_of_law(*e, search, growth) || stands_at_its_end(*e, search)) continue;
+    if (!is_sure_of_law(*e, search, growth, rules) || stands_at_its_end(*e, search)) continue;
     const double foretold = model_levels(model, e->fit, rules).chi2(true);
     out.emplace_back((e->log_evidence - 0.5 * foretold) / growth, e);
   }

@@ -77,7 +77,7 @@ TEST_CASE("a run along a recording looks for a stop every hundred steps of the p
   inputs.period_s = rig.period_s * steps;
   inputs.steps = steps;
   const std::size_t rows = 2001 / static_cast<std::size_t>(steps) + 2;
-  for (auto* values : {&inputs.command_V, &inputs.position_m, &inputs.velocity_mps}) values->assign(rows, 0.0);
+  for (auto* values : {&inputs.command_V[0], &inputs.position_m, &inputs.velocity_mps}) values->assign(rows, 0.0);
   for (std::size_t side = 0; side < 2; ++side) {
     inputs.start_Pa[side].assign(rows, 500e3);
     inputs.start_Pa_per_s[side].assign(rows, 0.0);

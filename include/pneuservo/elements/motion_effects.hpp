@@ -113,6 +113,7 @@ template <class S> struct ViscousFriction {
 template <class S> struct ElasticFriction {
   static constexpr std::string_view element = "motion";
   static constexpr std::string_view family = "friction";
+  static constexpr bool is_of_plain_axes = true;  ///< looked for where no pressures act on the slider
   static constexpr std::array traits{
       amplitude("force_N", EffectScale::force, 0.03, 5e-5),
       shape("way_m", EffectScale::half_stroke, 1.0, effect_grids::friction_way).by(Variation::logarithmic)};
@@ -134,6 +135,7 @@ template <class S> struct GravityLoad {
   static constexpr std::string_view family = "load";
   /// Over less than this [rad] a sine is a straight line within 4 %, and the load a spring.
   static constexpr double least_way = 1.0;
+  static constexpr bool is_of_plain_axes = true;  ///< looked for where no pressures act on the slider
   static constexpr std::array traits{amplitude("sine_N", EffectScale::force, 0.03, 5e-5),
                                      amplitude("cosine_N", EffectScale::force, 0.03, 5e-5)};
   S sine_N = S(0);
@@ -250,8 +252,7 @@ template <class S> struct MotionEffects {
   LoadBacklash<S> load_backlash;
   PeriodicForce<S> periodic_force;
   template <class V, class... P> static void visit(V&& v, P&... p) {
-    visit_rigid(v, p...);
-    visit_couplings(v, p...);
+    visit_without_air(v, p...);
     visit_seals(v, p...);
     v(Field{"periodic_force", "", 0, 0, "force of one frequency", Presence::optional}, p.periodic_force...);
   }
@@ -259,12 +260,8 @@ template <class S> struct MotionEffects {
   template <class V, class... P> static void visit_without_air(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     visit_rigid(v, p...);
-    visit_couplings(v, p...);
     v(Field{"elastic_friction", "", 0, 0, "dry friction that the way builds up", optional}, p.elastic_friction...);
     v(Field{"gravity_load", "", 0, 0, "weight on a lever that turns with the axis", optional}, p.gravity_load...);
-  }
-  template <class V, class... P> static void visit_couplings(V&& v, P&... p) {
-    constexpr auto optional = Presence::optional;
     v(Field{"elastic_load", "", 0, 0, "load on a soft coupling", optional}, p.elastic_load...);
     v(Field{"load_backlash", "", 0, 0, "load coupled with play", optional}, p.load_backlash...);
   }

@@ -251,7 +251,7 @@ TEST_CASE("tolerances of unknown paths are refused") {
         "expected a known path (did you mean slider.mass_kg?)");
   CHECK(refusal(plain + "tolerances:\n  effects.coulomb_friction.force: 0.02\n") ==
         "rig.yaml:43: tolerances.effects.coulomb_friction.force: found a path that names no number of this rig, "
-        "expected a known path (did you mean effects.coulomb_friction.force_N?)");
+        "expected a known path (did you mean effects.coulomb_friction.force_N, effects.elastic_friction.force_N?)");
   CHECK(refusal(plain + "tolerances:\n  slider.mass_kg: -0.02\n") ==
         "rig.yaml:43: tolerances.slider.mass_kg: found -0.02, expected a number, 0 to 10");
   CHECK_THAT(refusal(plain + "tolerances:\n  name: 0.02\n"),

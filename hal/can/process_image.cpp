@@ -107,11 +107,13 @@ void CanProcessImage::on_process_data(std::size_t input, const ReceivedFrame& re
   }
   ++sample.arrivals;
   if (pdo.on_sync) {
+    // After the end the bus is read off the loop's grid: two answers in one look are late to nothing.
+    const std::uint64_t late = let_go_ ? 0 : 1;
     if (received.received_ns < sync_ns_) {  // the answer to an earlier SYNC, older than a period
-      ++counts_.late;
+      counts_.late += late;
       return;
     }
-    if (++sample.answers > 1) ++counts_.late;  // where one node answers, the first was of an earlier cycle
+    if (++sample.answers > 1) counts_.late += late;  // where one node answers, the first was of an earlier cycle
     counts_.slowest_answer_ns = std::max(counts_.slowest_answer_ns, received.received_ns - sync_ns_);
   }
   sample.image = image_of(received.frame.data);

@@ -74,7 +74,7 @@ struct CanEvent {
 struct CanCounts {
   std::uint64_t answers = 0;      ///< process data taken as samples
   std::uint64_t missed = 0;       ///< cycles in which an awaited PDO did not come
-  std::uint64_t late = 0;         ///< came after the next SYNC, or twice in a cycle
+  std::uint64_t late = 0;         ///< came after the next SYNC, or twice in a cycle, before the end
   std::uint64_t malformed = 0;    ///< wrong length of a known PDO
   std::uint64_t foreign = 0;      ///< frames that belong to nothing here
   std::uint64_t out_of_limits = 0;

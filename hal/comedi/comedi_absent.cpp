@@ -1,5 +1,5 @@
 // What stands in for a DA/AD board where the program was built without comedilib: a refusal that says so.
-#if !defined(PNEUSERVO_HAS_COMEDILIB)
+#if !defined(PNEUSERVO_HAS_COMEDI)
 #include "comedi/comedi_board.hpp"
 
 #include <stdexcept>

@@ -1,5 +1,5 @@
 // A DA/AD board through comedilib. comedi_absent.cpp stands in where it is not installed.
-#if defined(PNEUSERVO_HAS_COMEDILIB)
+#if defined(PNEUSERVO_HAS_COMEDI)
 #include "comedi/comedi_board.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // What stands in for digital lines where the program was built without libgpiod: a refusal that says so.
-#if !defined(PNEUSERVO_HAS_LIBGPIOD)
+#if !defined(PNEUSERVO_HAS_GPIO)
 #include "gpio/gpio_lines.hpp"
 
 #include <stdexcept>

@@ -1,5 +1,5 @@
 // Digital lines through libgpiod 1.x (Debian 12). Version 2 has other calls: it would be a second file beside this one.
-#if defined(PNEUSERVO_HAS_LIBGPIOD)
+#if defined(PNEUSERVO_HAS_GPIO)
 #include "gpio/gpio_lines.hpp"
 
 #include <cerrno>

@@ -41,10 +41,12 @@ struct ScaleTable {
   double gas_kg() const {
     return supply() * rig.vessel.volume_m3 / (rig.axis.air.gas_constant_J_per_kgK * rig.axis.air.temperature_K);
   }
-  /// T (1 - (p_atm/p_s)^((kappa - 1)/kappa)), more than filling warms: T (kappa/(1 + (kappa - 1) p_atm/p_s) - 1).
+  /// T (1 - (p_atm/p)^((kappa - 1)/kappa)), more than filling warms: T (kappa/(1 + (kappa - 1) p_atm/p) - 1). Gas that
+  /// nothing has charged is as warm as its wall.
   double adiabatic_change() const {
     const AirParameters<double>& air = rig.axis.air;
-    const double ratio = air.atmosphere_Pa / (air.atmosphere_Pa + gauge_supply());
+    const double first_Pa = range.first_Pa > 0 ? range.first_Pa : air.atmosphere_Pa + gauge_supply();
+    const double ratio = std::min(air.atmosphere_Pa / first_Pa, 1.0);
     return air.temperature_K * (1 - std::pow(ratio, 1 - 1 / air.heat_capacity_ratio));
   }
   double supply_resistance() const {
@@ -175,6 +177,8 @@ Candidate effect_candidate(const std::string& name, const std::string& element, 
     candidate.is_mimicked_by_small_physics = Effect::is_mimicked_by_small_physics;
   if constexpr (requires { Effect::is_description; })
     candidate.is_description = candidate.is_never_added = Effect::is_description;
+  if constexpr (requires { Effect::shown_by; }) candidate.shown_by = Effect::shown_by;
+  if constexpr (requires { Effect::extra; }) candidate.extra = fmt::format("effects.{}.{}", name, Effect::extra);
   if constexpr (requires { Effect::is_never_added; }) candidate.is_never_added = Effect::is_never_added;
   const Effect none;
   for (const ParameterTrait& trait : Effect::traits) {
@@ -214,8 +218,6 @@ void add_effects(const Rig& rig, const MotionRange& range, std::vector<Candidate
     if constexpr (requires { Effect::is_always_granted; } || requires { Effect::is_sought_apart; }) return;
     if constexpr (requires { Effect::is_of_plain_axes; })
       if (rig.kind != RigKind::driven_axis || rig.has_pistons()) return;
-    if constexpr (requires { Effect::least_way; })
-      if (range.highest_m - range.lowest_m < Effect::least_way) return;
     if constexpr (requires { Effect::same_as; })
       if (std::any_of(known.begin(), known.end(), [](const FreeParameter& p) { return p.path == Effect::same_as; }))
         return;
@@ -223,8 +225,12 @@ void add_effects(const Rig& rig, const MotionRange& range, std::vector<Candidate
     const std::string own = fmt::format("effects.{}.", field.key);
     if (std::any_of(known.begin(), known.end(), [&](const FreeParameter& p) { return p.path.starts_with(own); }))
       return;
-    out.push_back(effect_candidate<Effect>(std::string(field.key), on_its_side(Effect::element, field.key),
-                                           on_its_side(Effect::family, field.key), CandidateKind::effect, scales));
+    Candidate candidate =
+        effect_candidate<Effect>(std::string(field.key), on_its_side(Effect::element, field.key),
+                                 on_its_side(Effect::family, field.key), CandidateKind::effect, scales);
+    const bool has_range = std::all_of(candidate.parameters.begin(), candidate.parameters.end(),
+                                       [](const FreeParameter& p) { return p.lower < p.upper; });
+    if (has_range) out.push_back(std::move(candidate));  // else physics leaves it no size here
   });
 }
 

@@ -12,6 +12,7 @@ enum class CandidateKind { effect, parameter, sensor };
 /// How far the recordings reach; what sizes are measured in.
 struct MotionRange {
   double lowest_m = 0, highest_m = 0, top_speed_mps = 0;
+  double first_Pa = 0;  ///< highest pressure at which the recording of a vessel begins; 0: not known
 };
 MotionRange motion_range(const std::vector<ResidualRow>& rows);
 
@@ -31,6 +32,8 @@ struct Candidate {
   /// Tells where and how much, and no law: sought alone, and its verdict is `unknown` at its element.
   bool is_description = false;
   bool is_never_added = false;  ///< to other names; every description is one such
+  unsigned shown_by = 0;  ///< bits of Excitation that its recordings must have
+  std::string extra;  ///< path of what it has beyond a simpler law that it contains; empty: it contains none
   bool is_guessed = false;  ///< the size of an effect that the config has: no owner can read it off
 };
 

@@ -297,7 +297,7 @@ std::vector<UnitReading> command_readings(const Rig& rig, const Recording& recor
 }
 
 void take_out_impossible_samples(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
-  const double interval_s = std::isfinite(recording.period_s) ? recording.period_s : median_step_s(recording.t_s());
+  const double interval_s = row_interval_s(recording);
   if (!std::isfinite(interval_s)) return;
   if (recording.has("x_m"))
     tell_taken(recording, "x_m",

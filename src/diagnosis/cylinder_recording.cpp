@@ -20,10 +20,8 @@ constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 constexpr double position_sigma_s = 0.003, pressure_sigma_s = 0.005;
 constexpr double long_gap_s = 0.02, forget_gap_s = 0.5;
 
-/// Of the recording, from its stamps (read_recordings); of one made in code without it, the median step.
 double interval_of(const Recording& recording) {
-  if (std::isfinite(recording.period_s)) return recording.period_s;
-  const double interval_s = median_step_s(recording.t_s());
+  const double interval_s = row_interval_s(recording);
   if (!(interval_s > 0)) throw InputError(fmt::format("{}: found one row, expected a recording", recording.path));
   return interval_s;
 }

@@ -67,7 +67,7 @@ bool is_simpler_law(const Explanation& explanation, const Candidate& candidate, 
   const auto value = [&](const char* key) {
     return own_value(explanation, fmt::format("effects.{}.{}", candidate.name, key));
   };
-  if (candidate.name == "stribeck_friction") return value("extra_force_N") < law_share * value("coulomb_force_N");
+  if (!candidate.extra.empty()) return own_value(explanation, candidate.extra) < law_share * value("coulomb_force_N");
   if (candidate.name == "direction_dependent_friction")
     return std::abs(value("forward_N") - value("backward_N")) <
            law_share * 0.5 * (value("forward_N") + value("backward_N"));
@@ -410,15 +410,15 @@ double above_floors(ResidualModel& model, const Explanation& explanation, const 
   return std::max(levels.chi2(false) + levels.chi2(true) - rows, 0.0);
 }
 
-/// Whether a Stribeck law has an extra force that is known to be there, beside a floor that has grown by this: else it
-/// is dry friction with a number for what happens at the edge of rest.
+/// Whether each law that contains a simpler one is sure of what it has beyond that, as one more effect has to be,
+/// beside a floor that has grown by this.
 bool is_sure_of_law(const Explanation& explanation, const Search& search, double growth, const DecisionRules& rules) {
   const Eigen::MatrixXd covariance = growth * explanation.fit.covariance();
   for (const std::size_t m : explanation.members)
     for (const FreeParameter& own : search.candidates()[m].parameters) {
-      if (own.path != "effects.stribeck_friction.extra_force_N") continue;
+      if (own.path != search.candidates()[m].extra) continue;
       const auto at = static_cast<Eigen::Index>(explanation.fit.own_place(own));
-      if (explanation.fit.z(at) - own.z(0) < rules.law_errors * std::sqrt(covariance(at, at))) return false;
+      if (explanation.fit.z(at) - own.z(0) < rules.standard_errors * std::sqrt(covariance(at, at))) return false;
     }
   return true;
 }

@@ -12,7 +12,7 @@ struct DecisionRules {
   double next_share = 2e-5;         ///< of the first name's gain
   double third_share = 0.02;        ///< the same for every name after the second
   double screened_share = 0.3;      ///< of a further name's gain that its linear screening shows at least
-  double standard_errors = 5;       ///< the least size of one more effect
+  double standard_errors = 5;       ///< the least size of one more effect, or of what a law has beyond a simpler one
   double floor_level = 1.25;        ///< residual of a channel in sigma: above it something is left
   double line_ratio = 60;           ///< of a spectral line's power to its neighbours'
   double line_amplitude = 0.4;      ///< of a sample's noise and floor: smaller lines are of no account
@@ -26,7 +26,6 @@ struct DecisionRules {
   double ambiguous_distance = 10;   ///< in log evidence
   double temperature = 3;           ///< log evidence over it makes probabilities
   double law_share = 0.1;           ///< a force below this share of a simpler law's does not make another law of it
-  double law_errors = 3;    ///< standard errors of a Stribeck law's extra force: with less it is dry friction
   double line_end_position = 0.9;   ///< along its line: a leak beyond is one of the chamber, no pressure tells
   double most_sure = 0.97;          ///< small unmodelled physics is part of every probability
   double grid_error_gain = 15;  ///< in log evidence: names that bring less raise no alarm, whatever the grid does

@@ -373,6 +373,15 @@ std::vector<std::string> told_of(const Rig& rig, const std::vector<Recording>& r
   return out;
 }
 
+/// The motion, and of a vessel the pressure at which its recordings begin.
+MotionRange range_of(const Rig& rig, ResidualModel& model) {
+  MotionRange range = motion_range(model.rows());
+  if (rig.kind != RigKind::vessel) return range;
+  for (const ResidualCourse& course : model.courses({rig, {}}))
+    if (!course.measured.empty()) range.first_Pa = std::max(range.first_Pa, course.measured.front());
+  return range;
+}
+
 }  // namespace
 
 std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int jobs,
@@ -398,7 +407,7 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   FittedRows rows(model, options.stop);
   require_comparison(rig, rows);
   const std::vector<Candidate> candidates =
-      shown_candidates(all_candidates(rig, model.channels(), motion_range(model.rows())), rig, model);
+      shown_candidates(all_candidates(rig, model.channels(), range_of(rig, model)), model.rows());
   Search search(rows, rig, candidates, {}, options.rules, options.progress);
   Diagnosis out = empty_diagnosis(rig);
   try {

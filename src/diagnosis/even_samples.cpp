@@ -37,10 +37,6 @@ double value_between(const std::vector<double>& t, const std::vector<double>& y,
 
 }  // namespace
 
-double row_interval_s(const Recording& recording) {
-  return std::isfinite(recording.period_s) ? recording.period_s : median_step_s(recording.t_s());
-}
-
 double longest_drawn_s(double interval_s) { return std::max(0.02, 3.5 * interval_s); }
 
 EvenSamples::EvenSamples(const std::vector<double>& time_s, double interval_s, double longest_s)

@@ -7,9 +7,6 @@
 
 namespace pneuservo {
 
-/// What rows are usually apart: the recording's period; where stamps are too uneven for one, the median step.
-double row_interval_s(const Recording& recording);
-
 /// Steps longer than this are gaps: nothing is drawn through them, and the gas behind one is not known.
 /// Two missing rows are, and 20 ms: a command that changes evenly over that moves no side by a sensor's noise.
 double longest_drawn_s(double interval_s);

@@ -180,7 +180,7 @@ bool piles_up(const std::vector<double>& y, double value, double slack) {
 
 void unwrap_position(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
   if (!recording.has("x_m")) return;
-  const double interval_s = std::isfinite(recording.period_s) ? recording.period_s : median_step_s(recording.t_s());
+  const double interval_s = row_interval_s(recording);
   std::vector<double>& x = recording.column("x_m");
   const std::vector<Turn> turns = turns_of(recording.t_s(), x, interval_s);
   double range = turns.empty() ? 0 : counter_range(turns, x);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <pneuservo/core/effect_traits.hpp>
+
 namespace pneuservo {
 
 namespace {
@@ -42,30 +44,22 @@ bool passes_again(const std::vector<ResidualRow>& rows) {
   return way_m >= least_passes * (range.highest_m - range.lowest_m);
 }
 
-/// Whether a vessel's recording begins with more than a twentieth above the atmosphere in it: gas that nothing has
-/// charged is as warm as its wall.
-bool begins_charged(const Rig& rig, ResidualModel& model) {
-  constexpr double least_ratio = 1.05;
-  if (rig.kind != RigKind::vessel) return false;
-  const std::vector<ResidualCourse> courses = model.courses({rig, {}});
-  return std::any_of(courses.begin(), courses.end(), [&](const ResidualCourse& course) {
-    return !course.measured.empty() && course.measured.front() > least_ratio * rig.axis.air.atmosphere_Pa;
-  });
+/// What the recordings have of Excitation.
+unsigned excitation(const std::vector<ResidualRow>& rows) {
+  const MotionRange range = motion_range(rows);
+  unsigned has = 0;
+  if (tells_speeds(rows)) has |= many_speeds;
+  if (goes_both_ways(rows)) has |= both_ways;
+  if (passes_again(rows)) has |= places_again;
+  if (range.highest_m - range.lowest_m > 1.0) has |= a_radian;
+  return has;
 }
 
 }  // namespace
 
-std::vector<Candidate> shown_candidates(std::vector<Candidate> candidates, const Rig& rig, ResidualModel& model) {
-  const std::vector<ResidualRow>& rows = model.rows();
-  const bool one_speed = !tells_speeds(rows), one_way = !goes_both_ways(rows), one_pass = !passes_again(rows);
-  std::erase_if(candidates, [&](const Candidate& c) {
-    const bool by_turn = c.name.starts_with("direction_dependent_") || c.name == "elastic_friction";
-    const bool by_speed = c.name == "stribeck_friction" || c.name == "quadratic_drag" || c.name == "viscous_friction" ||
-                          c.name == "direction_dependent_viscous_friction";
-    return (one_speed && by_speed) || (one_way && by_turn) || (one_pass && c.name == "friction_zone");
-  });
-  if (!begins_charged(rig, model))
-    std::erase_if(candidates, [](const Candidate& c) { return c.name == "charging_heat"; });
+std::vector<Candidate> shown_candidates(std::vector<Candidate> candidates, const std::vector<ResidualRow>& rows) {
+  const unsigned has = excitation(rows);
+  std::erase_if(candidates, [&](const Candidate& c) { return (c.shown_by & ~has) != 0; });
   return candidates;
 }
 

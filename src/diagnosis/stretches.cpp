@@ -78,7 +78,7 @@ void tell_gaps(const Recording& recording, const std::vector<Span>& gaps, std::v
 constexpr double slowest_periods = 200, fastest_s = 1e-6;
 
 void refuse_interval(const Rig& rig, const Recording& recording) {
-  const double interval_s = std::isfinite(recording.period_s) ? recording.period_s : median_step_s(recording.t_s());
+  const double interval_s = row_interval_s(recording);
   if (recording.rows() < 2) throw InputError(fmt::format("{}: found one row, expected a recording", recording.path));
   if (interval_s >= fastest_s && interval_s <= slowest_periods * rig.period_s) return;
   throw InputError(fmt::format("{}: rows are {:.4g} s apart, expected {:g} to {:g} s: in which unit is t_s? State it: "
@@ -89,8 +89,7 @@ void refuse_interval(const Rig& rig, const Recording& recording) {
 /// A grid that has next to no rows is none.
 void refuse_sparse(const Recording& recording) {
   try {
-    const EvenSamples even(recording.t_s(),
-                           std::isfinite(recording.period_s) ? recording.period_s : median_step_s(recording.t_s()));
+    const EvenSamples even(recording.t_s(), row_interval_s(recording));
   } catch (const InputError& error) { throw InputError(fmt::format("{}: {}", recording.path, error.what())); }
 }
 

@@ -34,9 +34,7 @@ constexpr Eigen::Index terms = 12;
 using Terms = Eigen::Matrix<double, terms, 1>;
 using Information = Eigen::Matrix<double, terms, terms>;
 
-double step_of(const Recording& recording) {
-  return std::isfinite(recording.period_s) ? std::max(step_s, recording.period_s) : step_s;
-}
+double step_of(const Recording& recording) { return std::max(step_s, row_interval_s(recording)); }
 
 /// A column at every step; where it has no value, the last one.
 std::vector<double> seen(const Recording& recording, const std::string& column) {

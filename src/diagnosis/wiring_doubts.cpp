@@ -278,7 +278,7 @@ void doubt_wiring(const Rig& rig, Recording& recording, std::vector<std::string>
 void doubt_sampling(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
   if (rig.kind != RigKind::driven_axis || rig.has_pistons() || !recording.has("F_N")) return;
   if (is_own_format(recording) || source_of(recording, "F_N").sampling != Sampling::unstated) return;
-  const double interval_s = std::isfinite(recording.period_s) ? recording.period_s : rig.period_s;
+  const double interval_s = row_interval_s(recording);
   const double of_held_s = 0.5 * std::min(rig.period_s, interval_s);  // what a held force comes early by
   const auto [lead_s, error_s] = force_lead(rig, recording, interval_s);
   if (!(error_s < least_known * of_held_s) || std::abs(lead_s) > instant_share * of_held_s) return;

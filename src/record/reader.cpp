@@ -146,6 +146,10 @@ double median_step_s(const std::vector<double>& time_s) {
   return *middle;
 }
 
+double row_interval_s(const Recording& recording) {
+  return std::isfinite(recording.period_s) ? recording.period_s : median_step_s(recording.t_s());
+}
+
 void check_times(Recording& recording) {
   const std::vector<std::size_t> kept = TimeCheck(recording).run();
   if (kept.empty()) throw InputError(recording.path + ": no row has a time; expected numbers in column t_s");

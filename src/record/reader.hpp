@@ -35,6 +35,9 @@ ImportedColumn source_of(const Recording& recording, const std::string& column);
 /// Median of the steps forward; NaN where there is none.
 double median_step_s(const std::vector<double>& time_s);
 
+/// Between its rows: as its stamps or its maker say it, else the median step.
+double row_interval_s(const Recording& recording);
+
 /// Whether the header names this program's format.
 bool is_own_format(const CsvTable& table);
 /// Takes rig and period from the header, and tells what is wrong there.

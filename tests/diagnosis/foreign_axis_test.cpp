@@ -13,6 +13,7 @@
 #include "diagnosis/diagnose.hpp"
 #include "diagnosis/left_over.hpp"
 #include "diagnosis/result_text.hpp"
+#include "diagnosis/shown_candidates.hpp"
 
 using namespace pneuservo;
 
@@ -139,18 +140,48 @@ TEST_CASE("a weight on a lever is told from a spring by rows of 15 ms over more 
   CHECK(size_of(found, "gravity_load", "cosine_N") == Approx(9).epsilon(0.06));
 }
 
-TEST_CASE("names for what an owner has stated, or for angles on a short way, are not offered") {
-  const auto has = [](const Rig& rig, double way, const std::string& name) {
-    const std::vector<Candidate> all = all_candidates(rig, {{"F", "N", 0, 1}}, {0, way, 0.2});
+/// Rows of one recording that goes at these speeds, one after the other, half a second each.
+std::vector<ResidualRow> rows_of(const std::vector<double>& speeds_mps) {
+  std::vector<ResidualRow> rows;
+  double x_m = 0;
+  for (const double speed : speeds_mps)
+    for (int i = 0; i < 50; ++i) {
+      ResidualRow row{};
+      row.position_m = x_m += 0.01 * speed;
+      row.velocity_mps = speed;
+      rows.push_back(row);
+    }
+  return rows;
+}
+
+TEST_CASE("names that a motion does not show, or that an owner has stated, are not offered") {
+  const auto has = [](const Rig& rig, const std::vector<double>& speeds_mps, const std::string& name) {
+    const std::vector<ResidualRow> rows = rows_of(speeds_mps);
+    const std::vector<Candidate> all =
+        shown_candidates(all_candidates(rig, {{"F", "N", 0, 1}}, motion_range(rows)), rows);
     return std::any_of(all.begin(), all.end(), [&](const Candidate& c) { return c.name == name; });
   };
   Rig rig = plain_axis(2, 0.001, 100, 4, 1e-6);
-  CHECK(has(rig, 0.5, "viscous_friction"));
-  CHECK_FALSE(has(rig, 0.5, "gravity_load"));
-  CHECK(has(rig, 1.5, "gravity_load"));
+  const std::vector<double> rich{0.5, -0.5, 0.1, -0.1}, wide{1.5, -1.5, 3, -3}, one_way{0.1, 0.3, 0.5},
+      one_speed{0.3, -0.3, 0.3, -0.3};
+  for (const char* name : {"viscous_friction", "direction_dependent_friction", "direction_dependent_viscous_friction",
+                           "stribeck_friction", "quadratic_drag", "friction_zone", "elastic_friction"}) {
+    INFO(name);
+    CHECK(has(rig, rich, name));
+  }
+  CHECK_FALSE(has(rig, rich, "gravity_load"));
+  CHECK(has(rig, wide, "gravity_load"));
+  for (const char* name :
+       {"direction_dependent_friction", "direction_dependent_viscous_friction", "friction_zone", "elastic_friction"})
+    CHECK_FALSE(has(rig, one_way, name));
+  for (const char* name : {"viscous_friction", "coulomb_friction", "stribeck_friction"}) CHECK(has(rig, one_way, name));
+  for (const char* name :
+       {"viscous_friction", "direction_dependent_viscous_friction", "stribeck_friction", "quadratic_drag"})
+    CHECK_FALSE(has(rig, one_speed, name));
+  CHECK(has(rig, one_speed, "direction_dependent_friction"));
   rig.axis.slider.viscous_friction_Ns_per_m = 30;
   rig.tolerances["slider.viscous_friction_Ns_per_m"] = 0.1;
-  CHECK_FALSE(has(rig, 0.5, "viscous_friction"));
+  CHECK_FALSE(has(rig, rich, "viscous_friction"));
 }
 
 TEST_CASE(
@@ -184,6 +215,12 @@ program: {times_s: [0.0], commands: [-1.0]}
   // To half its pressure gas of 300 K cools to 300 0.5^((kappa - 1)/kappa) = 246.1 K without heat.
   CHECK(bounds(tank, "charging_heat", 0).second == Approx(53.90).epsilon(1e-3));
   CHECK(bounds(tank, "charging_heat", 0).first == Approx(-53.90).epsilon(1e-3));
+  const auto has_charging_heat = [&](double first_Pa) {
+    const std::vector<Candidate> all = all_candidates(tank, {{"p1_chamber", "Pa", 0, 1}}, {0, 0, 0, first_Pa});
+    return std::any_of(all.begin(), all.end(), [](const Candidate& c) { return c.name == "charging_heat"; });
+  };
+  CHECK(has_charging_heat(150e3));
+  CHECK_FALSE(has_charging_heat(101325));  // nothing has charged it
 }
 
 TEST_CASE("periodic parts are sought below half the rate of the rows alone: a mean is no sine of that rate") {

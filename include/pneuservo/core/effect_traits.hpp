@@ -26,12 +26,20 @@ enum class EffectScale {
   channel_offset,      ///< supply pressure, stroke or force, by the sensor's channel
   channel_gain,        ///< 0.6 for pressures, 1 for others
   viscosity,           ///< the slider's configured viscous friction
-  adiabatic_change,  ///< K by which gas cools from the supply's pressure to the atmosphere's without heat from the wall
+  adiabatic_change,  ///< K by which gas cools from a recording's first pressure to the atmosphere's without heat
   supply_resistance,  ///< Pa s/kg through which a vessel fills with a time constant of 10 s
 };
 
 /// In what a parameter is varied: itself, its logarithm, or 1/value^2 (0 stands for "none" there).
 enum class Variation { linear, logarithmic, inverse_square };
+
+/// What recordings must hold for an effect to show; bits of `shown_by`, which an effect may have.
+enum Excitation : unsigned {
+  many_speeds = 1,   ///< speeds that differ by a factor of two: else a law of the speed is any other
+  both_ways = 2,     ///< motion forward and backward: what friction has built up before a recording shows at a turn
+  places_again = 4,  ///< each place passed more than once: else place and speed go together
+  a_radian = 8,  ///< more than 1 rad of way: over less a sine is a straight line within 4 %, and a weight a spring
+};
 
 /// How one parameter of an effect is looked for; made by amplitude() or shape().
 struct ParameterTrait {

@@ -19,6 +19,8 @@ template <class S> struct CoulombFriction {
 template <class S> struct StribeckFriction {
   static constexpr std::string_view element = "motion";
   static constexpr std::string_view family = "friction";
+  static constexpr std::string_view extra = "extra_force_N";  ///< beyond the simpler law that it contains
+  static constexpr unsigned shown_by = many_speeds;
   static constexpr std::array traits{
       amplitude("extra_force_N", EffectScale::force, 0.03, 5e-5),
       amplitude("coulomb_force_N", EffectScale::force, 0.03),
@@ -35,6 +37,7 @@ template <class S> struct StribeckFriction {
 template <class S> struct DirectionDependentFriction {
   static constexpr std::string_view element = "motion";
   static constexpr std::string_view family = "friction";
+  static constexpr unsigned shown_by = both_ways;
   static constexpr std::array traits{amplitude("forward_N", EffectScale::force, 0.03, 5e-5),
                                      amplitude("backward_N", EffectScale::force, 0.03, 5e-5)};
   S forward_N = S(0);
@@ -58,6 +61,7 @@ template <class S> struct PressureDependentFriction {
 template <class S> struct FrictionZone {
   static constexpr std::string_view element = "motion";
   static constexpr std::string_view family = "friction";
+  static constexpr unsigned shown_by = places_again;
   static constexpr std::array traits{
       amplitude("force_N", EffectScale::force, 0.03, 1e-4),
       shape("center_m", EffectScale::half_stroke, 0.5, effect_grids::zone_center).over_motion(),
@@ -74,6 +78,7 @@ template <class S> struct FrictionZone {
 template <class S> struct QuadraticDrag {
   static constexpr std::string_view element = "motion";
   static constexpr std::string_view family = "friction";
+  static constexpr unsigned shown_by = many_speeds;
   static constexpr std::array traits{amplitude("coefficient_Ns2_per_m2", EffectScale::drag, 0.03, 5e-5)};
   S coefficient_Ns2_per_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -84,6 +89,7 @@ template <class S> struct DirectionDependentViscousFriction {
   static constexpr std::string_view element = "motion";
   static constexpr std::string_view family = "friction";
   /// Friction takes energy: with the configured one it is not negative.
+  static constexpr unsigned shown_by = many_speeds | both_ways;
   static constexpr std::array traits{amplitude("forward_Ns_per_m", EffectScale::force_per_speed, 0.03, 1e-4)
                                          .within(-1, ParameterTrait::infinite, EffectScale::viscosity),
                                      amplitude("backward_Ns_per_m", EffectScale::force_per_speed, 0.03, 1e-4)
@@ -101,6 +107,7 @@ template <class S> struct ViscousFriction {
   static constexpr std::string_view element = "motion";
   static constexpr std::string_view family = "friction";
   static constexpr std::string_view same_as = "slider.viscous_friction_Ns_per_m";
+  static constexpr unsigned shown_by = many_speeds;
   static constexpr std::array traits{amplitude("coefficient_Ns_per_m", EffectScale::force_per_speed, 0.03, 1e-4)};
   S coefficient_Ns_per_m = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -114,6 +121,7 @@ template <class S> struct ElasticFriction {
   static constexpr std::string_view element = "motion";
   static constexpr std::string_view family = "friction";
   static constexpr bool is_of_plain_axes = true;  ///< looked for where no pressures act on the slider
+  static constexpr unsigned shown_by = both_ways;
   static constexpr std::array traits{
       amplitude("force_N", EffectScale::force, 0.03, 5e-5),
       shape("way_m", EffectScale::half_stroke, 1.0, effect_grids::friction_way).by(Variation::logarithmic)};
@@ -133,8 +141,7 @@ template <class S> struct ElasticFriction {
 template <class S> struct GravityLoad {
   static constexpr std::string_view element = "motion";
   static constexpr std::string_view family = "load";
-  /// Over less than this [rad] a sine is a straight line within 4 %, and the load a spring.
-  static constexpr double least_way = 1.0;
+  static constexpr unsigned shown_by = a_radian;
   static constexpr bool is_of_plain_axes = true;  ///< looked for where no pressures act on the slider
   static constexpr std::array traits{amplitude("sine_N", EffectScale::force, 0.03, 5e-5),
                                      amplitude("cosine_N", EffectScale::force, 0.03, 5e-5)};

@@ -12,18 +12,18 @@
 
 #include "config/input_error.hpp"
 #include "config/rig_parameters.hpp"
-#include "diagnosis/cylinder_residuals.hpp"
-#include "diagnosis/decision_answers.hpp"
-#include "diagnosis/driven_axis_residuals.hpp"
-#include "diagnosis/known_rows.hpp"
-#include "diagnosis/recorded_rigs.hpp"
-#include "diagnosis/recording_doubts.hpp"
+#include "diagnosis/doubts/recording_doubts.hpp"
+#include "diagnosis/recordings/recorded_rigs.hpp"
+#include "diagnosis/recordings/stretches.hpp"
+#include "diagnosis/recordings/telling_pieces.hpp"
+#include "diagnosis/residuals/cylinder_residuals.hpp"
+#include "diagnosis/residuals/driven_axis_residuals.hpp"
+#include "diagnosis/residuals/known_rows.hpp"
+#include "diagnosis/residuals/stroke_residuals.hpp"
+#include "diagnosis/residuals/vessel_residuals.hpp"
 #include "diagnosis/result_text.hpp"
-#include "diagnosis/shown_candidates.hpp"
-#include "diagnosis/stretches.hpp"
-#include "diagnosis/stroke_residuals.hpp"
-#include "diagnosis/telling_pieces.hpp"
-#include "diagnosis/vessel_residuals.hpp"
+#include "diagnosis/search/shown_candidates.hpp"
+#include "diagnosis/verdict/decision_answers.hpp"
 
 namespace pneuservo {
 
@@ -178,15 +178,11 @@ void require_comparison(const Rig& rig, FittedRows& rows) {
 
 /// Only the columns that are compared here: a virtual machine may record more than the real one has.
 Recording with_compared_columns(Recording recording, const std::vector<ResidualChannel>& channels) {
-  for (std::size_t c = recording.names.size(); c-- > 0;) {
-    const std::string& name = recording.names[c];
+  recording.keep_columns([&](const std::string& name) {
     const bool is_input = name == "t_s" || name == "x_m" || name == "F_N" || name.starts_with("u");
-    const bool is_compared = std::any_of(channels.begin(), channels.end(),
-                                         [&](const ResidualChannel& r) { return name == r.name + "_" + r.unit; });
-    if (is_input || is_compared) continue;
-    recording.names.erase(recording.names.begin() + static_cast<std::ptrdiff_t>(c));
-    recording.values.erase(recording.values.begin() + static_cast<std::ptrdiff_t>(c));
-  }
+    return is_input || std::any_of(channels.begin(), channels.end(),
+                                   [&](const ResidualChannel& r) { return name == r.name + "_" + r.unit; });
+  });
   return recording;
 }
 

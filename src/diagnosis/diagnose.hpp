@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/decision.hpp"
 #include "diagnosis/diagnosis.hpp"
-#include "diagnosis/next_experiment.hpp"
+#include "diagnosis/verdict/decision.hpp"
+#include "diagnosis/verdict/next_experiment.hpp"
 #include "record/reader.hpp"
 
 namespace pneuservo {

@@ -9,7 +9,7 @@
 
 #include <pneuservo/rig/rig.hpp>
 
-#include "diagnosis/residual_model.hpp"
+#include "diagnosis/residuals/residual_model.hpp"
 
 namespace pneuservo {
 

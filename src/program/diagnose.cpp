@@ -122,11 +122,7 @@ const std::set<std::string>& used_columns() {
 }
 
 void keep_used_columns(Recording& recording) {
-  for (std::size_t c = recording.names.size(); c-- > 0;) {
-    if (used_columns().contains(recording.names[c])) continue;
-    recording.names.erase(recording.names.begin() + static_cast<std::ptrdiff_t>(c));
-    recording.values.erase(recording.values.begin() + static_cast<std::ptrdiff_t>(c));
-  }
+  recording.keep_columns([](const std::string& name) { return used_columns().contains(name); });
 }
 
 /// A recording that names another rig is told, not refused: configs are copied and renamed.

@@ -9,7 +9,7 @@
 
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
-#include "diagnosis/recording_doubts.hpp"
+#include "diagnosis/doubts/recording_doubts.hpp"
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"

@@ -43,12 +43,6 @@ PlantStart<double> recorded_start(const Rig& rig, const Recording& recording) {
           first_value(recording, {"p2_chamber_true_Pa", "p2_chamber_Pa", "p2_port_Pa"}, own.pressure_2_Pa)};
 }
 
-/// Commands that the rig's plant takes.
-std::vector<std::string> command_columns(const Rig& rig) {
-  if (rig.kind == RigKind::servo_table) return {"u1_V", "u2_V"};
-  return {"u_V"};
-}
-
 /// A command that is held for longer than the axis takes for its whole stroke says nothing of where it stands.
 void refuse_long_gaps(const Rig& rig, const Recording& recording) {
   const double longest_s = AxisLoop::longest_approach_s(rig.axis.cylinder.stroke_m);

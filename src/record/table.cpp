@@ -240,6 +240,19 @@ std::vector<double>& CsvTable::column(std::string_view name) {
   return const_cast<std::vector<double>&>(std::as_const(*this).column(name));
 }
 
+void CsvTable::keep_columns(const std::function<bool(const std::string&)>& is_kept) {
+  const auto erase_at = [](auto& of, std::size_t at) {
+    if (at < of.size()) of.erase(of.begin() + static_cast<std::ptrdiff_t>(at));
+  };
+  for (std::size_t c = names.size(); c-- > 0;) {
+    if (is_kept(names[c])) continue;
+    erase_at(values, c);
+    erase_at(units, c);
+    erase_at(is_clock, c);
+    erase_at(names, c);
+  }
+}
+
 void CsvTable::require(const std::vector<std::string>& columns) const {
   std::vector<std::string> missing;
   for (const std::string& name : columns)

@@ -1,6 +1,7 @@
 // A CSV table with comment header as it stands in a file, of our own format or foreign; nothing is hidden.
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -54,6 +55,8 @@ struct CsvTable {  // NOLINT(bugprone-exception-escape): of a YAML node that is 
   std::vector<double>& column(std::string_view name);
   /// Throws InputError naming all that are missing.
   void require(const std::vector<std::string>& columns) const;
+  /// Leaves out every column whose name is not kept.
+  void keep_columns(const std::function<bool(const std::string&)>& is_kept);
   /// Notes a problem; the sentence is put behind file and line.
   void report(std::size_t line, ProblemKind kind, std::string_view what);
 };

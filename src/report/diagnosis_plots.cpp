@@ -8,7 +8,7 @@
 #include <report/binned_mean.hpp>
 #include <report/diagnosis_words.hpp>
 
-#include "diagnosis/held_out.hpp"
+#include "diagnosis/recordings/held_out.hpp"
 
 namespace pneuservo {
 namespace {

@@ -41,7 +41,7 @@ Tone tone_of_column(const std::string& column) {
 Curve curve_of(const Recording& run, const std::string& column) {
   Curve curve{column, tone_of_column(column), {}, {}, false, false};
   const std::vector<double>&t = run.t_s(), &y = run.column(column);
-  const double longest = 3 * (std::isfinite(run.period_s) ? run.period_s : infinite);
+  const double longest = 3 * row_interval_s(run);
   for (std::size_t i = 0; i < t.size(); ++i) {
     if (i > 0 && t[i] - t[i - 1] > longest) {
       curve.x.push_back(0.5 * (t[i - 1] + t[i]));

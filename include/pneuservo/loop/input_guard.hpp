@@ -26,18 +26,6 @@ struct PlausibleChannel {
   double period_s = 0.0;
 };
 
-/// Equal samples in a row after which a sensor of this noise (rms) and quantum is frozen: by chance once in 1e12 where
-/// the value rests in the middle of a quantum, the worst place. 0: so coarse a quantum hides the noise.
-inline int frozen_after_ticks(double noise, double quantum) {
-  constexpr int fewest = 20, most = 1000;
-  if (!(noise > 0.0)) return 0;
-  const double repeats = std::erf(quantum / (2.0 * std::sqrt(2.0) * noise));
-  if (!(repeats > 0.0)) return fewest;
-  if (!(repeats < 1.0)) return 0;  // the noise never leaves the quantum
-  const double ticks = std::log(1e-12) / std::log(repeats);
-  return ticks <= most ? std::max(fewest, static_cast<int>(std::ceil(ticks))) : 0;
-}
-
 /// Good samples pass. A bad one is replaced by the last good one in the tick in which it comes and counted: of missing
 /// ones (invalid, too old, NaN, out of range) missing_ticks in a row are bridged, of jumps two, because the first
 /// sample of a jump cannot be told from a spike; one more is a fault. A run of equal samples is a frozen channel only

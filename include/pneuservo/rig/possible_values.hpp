@@ -2,6 +2,7 @@
 // recordings.
 #pragma once
 #include <algorithm>
+#include <cmath>
 
 #include <pneuservo/rig/rig.hpp>
 
@@ -14,6 +15,18 @@ struct PossibleRange {
 
 /// Noise and quantum make this much of a step: six standard deviations are exceeded by chance once in 5e8 samples.
 inline double sensor_slack(double noise, double quantum) { return 6.0 * noise + quantum; }
+
+/// Equal samples in a row after which a sensor of this noise (rms) and quantum is frozen: by chance once in 1e12 where
+/// the value rests in the middle of a quantum, the worst place. 0: so coarse a quantum hides the noise.
+inline int frozen_after_ticks(double noise, double quantum) {
+  constexpr int fewest = 20, most = 1000;
+  if (!(noise > 0.0)) return 0;
+  const double repeats = std::erf(quantum / (2.0 * std::sqrt(2.0) * noise));
+  if (!(repeats > 0.0)) return fewest;
+  if (!(repeats < 1.0)) return 0;  // the noise never leaves the quantum
+  const double ticks = std::log(1e-12) / std::log(repeats);
+  return ticks <= most ? std::max(fewest, static_cast<int>(std::ceil(ticks))) : 0;
+}
 
 /// Above it the loop stops: a stop at the end of the stroke compresses above the supply.
 inline double pressure_limit_Pa(const Rig& rig) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <pneuservo/control/parameters.hpp>
 #include <pneuservo/control/reference.hpp>
@@ -446,6 +447,12 @@ struct Rig {
 
 inline ValveArrangement valve_arrangement(const Rig& rig) noexcept {
   return rig.kind == RigKind::servo_table ? ValveArrangement::three_port_pair : ValveArrangement::five_port;
+}
+
+/// Columns of a recording that say what the valves are given: one valve for both sides, or one a side.
+inline std::vector<std::string> command_columns(const Rig& rig) {
+  if (rig.kind == RigKind::servo_table) return {"u1_V", "u2_V"};
+  return {"u_V"};
 }
 
 /// What each valve is given in the safe state [V].

@@ -1,0 +1,294 @@
+// Exchanged, reversed and misread channels as hypotheses.
+#include "diagnosis/doubts/wiring_doubts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include <Eigen/Dense>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <pneuservo/rig/possible_values.hpp>
+
+#include "config/input_error.hpp"
+#include "diagnosis/doubts/channel_doubts.hpp"
+#include "diagnosis/recordings/cylinder_recording.hpp"
+#include "diagnosis/recordings/even_samples.hpp"
+#include "diagnosis/recordings/stretches.hpp"
+#include "diagnosis/residuals/force_balance.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+constexpr double judged_s = 6;     ///< of each recording: some strokes
+constexpr double force_judged_s = 20;
+constexpr double judge_effort = 60;  ///< cells times sub-steps: a share of the pressures' swing is enough
+/// Machines with the faults that a diagnosis looks for miss by 0.1 to 3 swings of their pressures, with exchanged or
+/// reversed channels by 2.6 to 67, and never less than 2.6 times what they miss by as they are wired.
+constexpr double doubtful_wiring = 1.0, doubtful_unit = 0.25;  ///< misfit as recorded below which nothing is doubted
+constexpr double decisive = 0.4;  ///< of the misfit as recorded, that another reading must come down to
+/// Of the lead that a held force has: a force is of its instant where its own lead is less, and known to that.
+constexpr double instant_share = 0.4, least_known = 0.2;
+constexpr double slow_share = 0.1;  ///< of the top speed: slower motion may stick
+constexpr double infinite_misfit = std::numeric_limits<double>::infinity();
+
+void exchange(Recording& recording, const std::string& a, const std::string& b) {
+  if (!recording.has(a) || !recording.has(b)) return;
+  std::swap(recording.column(a), recording.column(b));
+  const ImportedColumn one = source_of(recording, a), two = source_of(recording, b);
+  recording.sources[a] = two;
+  recording.sources[b] = one;
+}
+
+void reverse(Recording& recording, const std::string& column) {
+  if (recording.has(column)) apply_reading({-1, 0, ""}, recording, column);
+}
+
+struct Wiring {
+  std::string name;
+  std::vector<std::string> columns;  ///< whose sources change
+  std::function<void(Recording&)> apply;
+};
+
+std::vector<Wiring> wirings(const Recording& recording) {
+  std::vector<Wiring> out;
+  const bool ports = recording.has("p1_port_Pa") && recording.has("p2_port_Pa");
+  const std::string kind = ports ? "port" : "chamber";
+  const std::string one = fmt::format("p1_{}_Pa", kind), two = fmt::format("p2_{}_Pa", kind);
+  out.push_back({fmt::format("p1_{0} and p2_{0} are exchanged", kind), {one, two}, [one, two](Recording& r) {
+                   exchange(r, one, two);
+                 }});
+  if (ports && recording.has("p1_chamber_Pa"))
+    out.push_back({"sides 1 and 2 of ports and chambers are exchanged",
+                   {"p1_port_Pa", "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa"},
+                   [](Recording& r) {
+                     exchange(r, "p1_port_Pa", "p2_port_Pa");
+                     exchange(r, "p1_chamber_Pa", "p2_chamber_Pa");
+                   }});
+  out.push_back({"u_V has the other sign", {"u_V"}, [](Recording& r) { reverse(r, "u_V"); }});
+  out.push_back({"x_m counts the other way", {"x_m"}, [](Recording& r) { reverse(r, "x_m"); }});
+  return out;
+}
+
+/// Squared difference and squared swing of one channel over the judged rows.
+void add_misfit(const std::vector<double>& measured, const std::vector<double>& simulated,
+                const std::vector<char>& usable, double& difference, double& swing) {
+  double sum = 0, count = 0;
+  for (std::size_t k = 0; k < measured.size(); ++k)
+    if (usable[k] && std::isfinite(measured[k])) sum += measured[k], ++count;
+  const double mean = sum / std::max(count, 1.0);
+  for (std::size_t k = 0; k < measured.size(); ++k) {
+    if (!usable[k] || !std::isfinite(measured[k])) continue;
+    difference += (simulated[k] - measured[k]) * (simulated[k] - measured[k]);
+    swing += (measured[k] - mean) * (measured[k] - mean);
+  }
+}
+
+/// How one kind of channel may be meant, with what its range says.
+struct ReadingsOf {
+  std::vector<std::string> columns;
+  std::vector<UnitReading> readings;
+  std::string evidence;
+};
+
+void apply(const ReadingsOf& of, std::size_t reading, Recording& recording) {
+  for (const std::string& column : of.columns) apply_reading(of.readings[reading], recording, column);
+}
+
+bool is_as_recorded(const UnitReading& reading) { return reading.factor == 1 && reading.offset == 0; }
+
+/// One reading of each kind, for kinds that are judged together: gauge pressures do not fit beside a command whose
+/// neutral is elsewhere, nor that beside them.
+using Choice = std::vector<std::size_t>;
+
+std::vector<Choice> choices_of(const std::vector<ReadingsOf>& kinds) {
+  std::vector<Choice> out{{}};
+  for (const ReadingsOf& kind : kinds) {
+    std::vector<Choice> longer;
+    for (const Choice& choice : out)
+      for (std::size_t i = 0; i < kind.readings.size(); ++i) {
+        longer.push_back(choice);
+        longer.back().push_back(i);
+      }
+    out = std::move(longer);
+  }
+  return out;
+}
+
+/// The choice that alone brings the misfit down; as recorded where that fits. Two are asked for.
+Choice decided(const Rig& rig, const Recording& recording, const std::vector<ReadingsOf>& kinds) {
+  const std::vector<Choice> choices = choices_of(kinds);
+  if (choices.size() == 1) return choices.front();
+  const Recording judged = most_moving_part(recording, judged_s);
+  std::vector<double> misfits;
+  std::size_t as_recorded = choices.size();
+  for (const Choice& choice : choices) {
+    Recording tried = judged;
+    bool changes = false;
+    for (std::size_t k = 0; k < kinds.size(); ++k) {
+      changes = changes || !is_as_recorded(kinds[k].readings[choice[k]]);
+      apply(kinds[k], choice[k], tried);
+    }
+    misfits.push_back(port_misfit(rig, tried));
+    if (changes) continue;
+    as_recorded = misfits.size() - 1;
+    if (misfits.back() < doubtful_unit) return choice;
+  }
+  const auto best = static_cast<std::size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
+  if (as_recorded < choices.size() && !(misfits[best] < decisive * misfits[as_recorded])) return choices[as_recorded];
+  for (std::size_t i = 0; i < misfits.size(); ++i) {
+    if (i == best || !(misfits[best] > decisive * misfits[i])) continue;
+    std::size_t k = 0;
+    while (choices[i][k] == choices[best][k]) ++k;
+    const UnitReading &one = kinds[k].readings[choices[best][k]], &other = kinds[k].readings[choices[i][k]];
+    throw InputError(fmt::format(
+        "{}: {} or {}? State it: {}", kinds[k].evidence, one.name.empty() ? "as recorded" : one.name,
+        other.name.empty() ? "as recorded" : other.name, stated_reading(recording, kinds[k].columns.front(), one)));
+  }
+  return choices[best];
+}
+
+/// What the recording's channels may be meant as; throws where a kind has no reading.
+std::vector<ReadingsOf> possible_readings(const Rig& rig, const Recording& recording) {
+  std::vector<ReadingsOf> out;
+  const std::vector<std::string> pressures = pressure_columns(recording);
+  if (!pressures.empty()) {
+    double low = 1e300, high = -1e300;
+    for (const std::string& column : pressures) {
+      low = std::min(low, quantile(recording.column(column), lowest_share));
+      high = std::max(high, quantile(recording.column(column), highest_share));
+    }
+    out.push_back({pressures, pressure_readings(rig, recording),
+                   fmt::format("{}: {} go{} from {:.4g} to {:.4g} Pa, possible are {:.0f} to {:.0f} Pa absolute",
+                               recording.path, fmt::join(pressures, ", "), pressures.size() == 1 ? "es" : "", low, high,
+                               possible_pressure_Pa(rig).lowest, possible_pressure_Pa(rig).highest)});
+  }
+  if (recording.has("u_V") && std::isfinite(quantile(recording.column("u_V"), 0.5)))
+    out.push_back({{"u_V"},
+                   command_readings(rig, recording),
+                   fmt::format("{}: u_V goes from {:.4g} to {:.4g} V, the valve takes +-{:g} V", recording.path,
+                               quantile(recording.column("u_V"), lowest_share),
+                               quantile(recording.column("u_V"), highest_share), rig.axis.valve.command_max_V)});
+  for (const ReadingsOf& kind : out)
+    if (kind.readings.empty())
+      throw InputError(fmt::format("{}, expected that: in which unit? State it: {}", kind.evidence,
+                                   "import: {columns: {NAME: {column: NAME, factor: ...}}}"));
+  return out;
+}
+
+/// How much earlier the drive force comes than what the motion needs, and its standard error [s]: what stands before
+/// the force's own rate in a regression on acceleration, friction and drag. NaN where too little moves.
+std::pair<double, double> force_lead(const Rig& rig, const Recording& whole, double interval_s) {
+  const Recording recording = most_moving_part(whole, force_judged_s);
+  const EvenSamples even(recording.t_s(), interval_s);
+  std::vector<double> force = even.straight(recording.column("F_N"));
+  const ForceBalance balance(even.drawn(recording.column("x_m")), interval_s, rig.sensors.position.rms_m());
+  std::vector<char> known = balance.usable();
+  for (std::size_t i = 0; i < force.size(); ++i)
+    if (!std::isfinite(force[i])) {
+      force[i] = i > 0 ? force[i - 1] : 0;
+      known[i] = 0;
+    }
+  const GaussianKernel& kernel = balance.kernel();
+  const std::vector<double> drive = kernel.apply(force, 0), rate = kernel.apply(force, 1),
+                            acceleration = kernel.apply(balance.velocity_mps(), 1);
+  const std::vector<double>& v = balance.velocity_mps();
+  const double slow = slow_share * std::max(quantile(v, 0.99), -quantile(v, 0.01));
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < drive.size(); ++i)
+    if (known[i] && std::abs(v[i]) > slow) rows.push_back(i);
+  if (rows.size() < 40 * kernel.reach()) return {std::nan(""), std::nan("")};
+  Eigen::MatrixXd terms(static_cast<Eigen::Index>(rows.size()), 6);
+  Eigen::VectorXd wanted(static_cast<Eigen::Index>(rows.size()));
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const std::size_t i = rows[r];
+    const auto at = static_cast<Eigen::Index>(r);
+    terms.row(at) << acceleration[i], v[i], v[i] > 0 ? 1.0 : 0.0, v[i] > 0 ? 0.0 : -1.0, v[i] * std::abs(v[i]), rate[i];
+    wanted(at) = drive[i];
+  }
+  const Eigen::MatrixXd inverse = (terms.transpose() * terms).inverse();
+  const Eigen::VectorXd solved = inverse * (terms.transpose() * wanted);
+  // Neighbours within the kernel's reach err alike.
+  const double independent = static_cast<double>(rows.size()) / static_cast<double>(2 * kernel.reach());
+  const double variance = (terms * solved - wanted).squaredNorm() / static_cast<double>(rows.size());
+  return {solved(5),
+          std::sqrt(variance * inverse(5, 5) * static_cast<double>(rows.size()) / std::max(independent, 1.0))};
+}
+
+}  // namespace
+
+double port_misfit(const Rig& rig, const Recording& recording) {
+  try {
+    const CylinderRecording prepared = prepare_recording(recording, rig, judged_s);
+    const ImposedRun run{&rig, {}};
+    const GasCourse course =
+        run_imposed(prepared.inputs, std::span(&run, 1), grid_for(rig, judge_effort, prepared.inputs.step_s()))[0];
+    double difference = 0, swing = 0;
+    for (const GasChannel channel : {port_1, port_2, chamber_1, chamber_2, supply})
+      if (!prepared.measured_Pa[channel].empty())
+        add_misfit(prepared.measured_Pa[channel], course[channel], prepared.usable, difference, swing);
+    const double misfit = std::sqrt(difference / swing);
+    return std::isfinite(misfit) ? misfit : infinite_misfit;
+  } catch (const std::exception&) { return infinite_misfit; }
+}
+
+void doubt_units(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
+  if (rig.kind != RigKind::cylinder) return;
+  const std::vector<ReadingsOf> kinds = possible_readings(rig, recording);
+  const Choice choice = decided(rig, recording, kinds);
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    const UnitReading& reading = kinds[k].readings[choice[k]];
+    if (is_as_recorded(reading)) continue;
+    apply(kinds[k], choice[k], recording);
+    notes.push_back(fmt::format("{}: taken for {}; to state it: {}", kinds[k].evidence, reading.name,
+                                stated_sources(recording, kinds[k].columns)));
+  }
+}
+
+void doubt_wiring(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
+  if (rig.kind != RigKind::cylinder || !recording.has("x_m") || !recording.has("u_V")) return;
+  Recording judged = most_moving_part(recording, judged_s);
+  double misfit = port_misfit(rig, judged);
+  for (int round = 0; round < 2 && !(misfit < doubtful_wiring); ++round) {  // two mistakes at once
+    const std::vector<Wiring> tried = wirings(judged);
+    std::size_t best = tried.size();
+    double least = infinite_misfit;
+    for (std::size_t i = 0; i < tried.size(); ++i) {
+      Recording other = judged;
+      tried[i].apply(other);
+      const double here = port_misfit(rig, other);
+      if (here < least) least = here, best = i;
+    }
+    if (best == tried.size() || !(least < decisive * misfit)) return;
+    tried[best].apply(judged);
+    tried[best].apply(recording);
+    notes.push_back(fmt::format("{}: {}: simulated so, the pressures miss the measured ones by {:.0f} % of their swing "
+                                "instead of {:.0f} %; compared so; to state it: {}",
+                                recording.path, tried[best].name, 100 * least, std::min(100 * misfit, 9999.0),
+                                stated_sources(recording, tried[best].columns)));
+    misfit = least;
+  }
+}
+
+void doubt_sampling(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
+  if (rig.kind != RigKind::driven_axis || rig.has_pistons() || !recording.has("F_N")) return;
+  if (is_own_format(recording) || source_of(recording, "F_N").sampling != Sampling::unstated) return;
+  const double interval_s = row_interval_s(recording);
+  const double of_held_s = 0.5 * std::min(rig.period_s, interval_s);  // what a held force comes early by
+  const auto [lead_s, error_s] = force_lead(rig, recording, interval_s);
+  if (!(error_s < least_known * of_held_s) || std::abs(lead_s) > instant_share * of_held_s) return;
+  ImportedColumn source = source_of(recording, "F_N");
+  source.sampling = Sampling::instant;
+  recording.sources["F_N"] = source;
+  notes.push_back(
+      fmt::format("{}: F_N comes {:.2g} +- {:.1g} ms before the motion that it makes, a force held from row to "
+                  "row would come {:.2g} ms before it: taken as read at its rows' instants; to state it: {}",
+                  recording.path, 1e3 * lead_s, 1e3 * error_s, 1e3 * of_held_s, stated_sources(recording, {"F_N"})));
+}
+
+}  // namespace pneuservo

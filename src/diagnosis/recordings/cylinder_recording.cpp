@@ -1,0 +1,151 @@
+// A recording of a pneumatic cylinder made ready for comparison.
+#include "diagnosis/recordings/cylinder_recording.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "config/input_error.hpp"
+#include "diagnosis/recordings/even_samples.hpp"
+#include "diagnosis/residuals/gaussian_kernel.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+constexpr double position_sigma_s = 0.003, pressure_sigma_s = 0.005;
+constexpr double long_gap_s = 0.02, forget_gap_s = 0.5;
+
+double interval_of(const Recording& recording) {
+  const double interval_s = row_interval_s(recording);
+  if (!(interval_s > 0)) throw InputError(fmt::format("{}: found one row, expected a recording", recording.path));
+  return interval_s;
+}
+
+/// What the rows' command says of the time between them.
+bool is_held(const Recording& recording, const std::string& column, int steps) {
+  const Sampling stated = source_of(recording, column).sampling;
+  if (stated != Sampling::unstated) return stated == Sampling::held;
+  return steps == 1;  // every n-th command of a loop: between two of them there were others
+}
+
+/// Missing values on a straight line between their neighbours; marks them, and what follows long gaps.
+std::vector<double> filled(std::vector<double> values, double period_s, std::vector<char>& usable) {
+  const auto known = [](double value) { return std::isfinite(value); };
+  const auto first = std::find_if(values.begin(), values.end(), known);
+  if (first == values.end()) return values;
+  std::fill(values.begin(), first, *first);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (known(values[k])) continue;
+    std::size_t end = k;
+    while (end < values.size() && !known(values[end])) ++end;
+    const double before = values[k - 1], after = end < values.size() ? values[end] : before;
+    const auto gap = static_cast<double>(end - k);
+    for (std::size_t i = k; i < end; ++i)
+      values[i] = before + (after - before) * static_cast<double>(i - k + 1) / (gap + 1);
+    const double spoilt_s = gap * period_s > long_gap_s ? forget_gap_s : 0.0;
+    const std::size_t until = std::min(values.size(), end + static_cast<std::size_t>(spoilt_s / period_s));
+    std::fill(usable.begin() + static_cast<std::ptrdiff_t>(k), usable.begin() + static_cast<std::ptrdiff_t>(until), 0);
+    k = end;
+  }
+  return values;
+}
+
+/// Twice smoothed so that a cubic comes out exact: the Gaussian alone flattens every bend.
+std::vector<double> smoothed_position(const GaussianKernel& kernel, const std::vector<double>& position) {
+  std::vector<double> once = kernel.apply(position, 0), rest(position.size());
+  for (std::size_t k = 0; k < position.size(); ++k) rest[k] = position[k] - once[k];
+  rest = kernel.apply(rest, 0);
+  for (std::size_t k = 0; k < position.size(); ++k) once[k] += rest[k];
+  return once;
+}
+
+/// The measured pressure that stands for each port while the gas finds its state: the port's own, else the chamber's.
+void take_start_pressures(CylinderRecording& out, const std::string& path) {
+  const GaussianKernel kernel(std::max(pressure_sigma_s, out.period_s()), out.period_s());
+  for (std::size_t side = 0; side < 2; ++side) {
+    const std::size_t port = port_1 + side, chamber = chamber_1 + side;
+    const std::size_t source = !out.measured_Pa[port].empty() ? port : chamber;
+    if (out.measured_Pa[source].empty())
+      throw InputError(fmt::format("{}: found no column {}_Pa or {}_Pa, expected a pressure of side {}", path,
+                                   gas_channel_names[port], gas_channel_names[chamber], side + 1));
+    std::vector<char> ignored(out.samples());
+    std::vector<double> values = filled(out.measured_Pa[source], out.period_s(), ignored);
+    values.resize(std::min(values.size(), out.inputs.release + 2 * kernel.reach()));
+    out.inputs.start_sensor[side] = source + 1;
+    out.inputs.start_Pa[side] = kernel.apply(values, 0);
+    out.inputs.start_Pa_per_s[side] = kernel.apply(values, 1);
+  }
+}
+
+}  // namespace
+
+CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, double longest_s) {
+  const std::vector<std::string> commands = command_columns(rig);
+  recording.require({"x_m", commands.front(), commands.back()});
+  CylinderRecording out;
+  out.inputs.period_s = interval_of(recording);
+  out.inputs.steps = std::max(1, static_cast<int>(std::lround(out.period_s() / rig.period_s)));
+  out.inputs.command_is_held = is_held(recording, commands.front(), out.inputs.steps);
+  const EvenSamples even(recording.t_s(), out.period_s(), longest_s);
+  out.start_s = recording.t_s().front();
+  out.usable.assign(even.count(), 1);
+  out.position_m = even.drawn(recording.column("x_m"));
+  for (std::size_t valve = 0; valve < commands.size(); ++valve)
+    out.inputs.command_V[valve] = filled(even.straight(recording.column(commands[valve])), out.period_s(), out.usable);
+  for (std::size_t channel = 0; channel < gas_channels; ++channel) {
+    const std::string column = fmt::format("{}_Pa", gas_channel_names[channel]);
+    if (!recording.has(column)) continue;
+    out.measured_Pa[channel] = even.placed(recording.column(column));
+    const auto& values = out.measured_Pa[channel];
+    if (std::none_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); }))
+      out.measured_Pa[channel].clear();
+  }
+  const std::vector<double> position = filled(out.position_m, out.period_s(), out.usable);
+  const GaussianKernel kernel(std::max(position_sigma_s, out.period_s()), out.period_s());
+  out.inputs.position_m = smoothed_position(kernel, position);
+  out.inputs.velocity_mps = kernel.apply(position, 1);
+  out.inputs.release = static_cast<std::size_t>(std::lround(ports_followed_s / out.period_s()));
+  const auto first = static_cast<std::size_t>(std::lround(first_compared_s / out.period_s()));
+  if (out.samples() < first + static_cast<std::size_t>(1.0 / out.period_s()))
+    throw InputError(fmt::format("{}: found {:.3g} s of samples, expected at least {:.3g} s", recording.path,
+                                 out.period_s() * static_cast<double>(out.samples()), first_compared_s + 1.0));
+  std::fill_n(out.usable.begin(), first, 0);
+  // Smoothing reaches beyond the last sample.
+  std::fill_n(out.usable.rbegin(), kernel.reach(), 0);
+  if (!std::isfinite(out.inputs.position_m.front()) || !std::isfinite(out.inputs.command_of(0).front()) ||
+      !std::isfinite(out.inputs.command_of(1).front()))
+    throw InputError(
+        fmt::format("{}: found no value in x_m or {}, expected numbers", recording.path, fmt::join(commands, " or ")));
+  take_start_pressures(out, recording.path);
+  return out;
+}
+
+double quiet_noise(const std::vector<double>& signal) {
+  constexpr std::size_t window = 250;
+  std::vector<double> deviations;
+  for (std::size_t from = 0; from + window < signal.size(); from += window) {
+    double sum = 0, squares = 0;
+    std::size_t n = 0;
+    for (std::size_t k = from; k < from + window; ++k) {
+      const double step = signal[k + 1] - signal[k];
+      if (!std::isfinite(step)) continue;
+      sum += step;
+      squares += step * step;
+      ++n;
+    }
+    if (n < window / 2) continue;
+    const double mean = sum / static_cast<double>(n);
+    deviations.push_back(std::sqrt(std::max(0.0, squares / static_cast<double>(n) - mean * mean) / 2.0));
+  }
+  if (deviations.empty()) return 0.0;
+  const auto tenth = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 10);
+  std::nth_element(deviations.begin(), tenth, deviations.end());
+  return *tenth;
+}
+
+}  // namespace pneuservo

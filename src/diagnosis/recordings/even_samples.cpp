@@ -1,0 +1,109 @@
+// Columns of a recording on an even grid of its own interval.
+#include "diagnosis/recordings/even_samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "config/input_error.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+/// Of an interval: rows this close to their sample are taken as they stand. At 1 m/s and 1 ms that is a micrometre.
+constexpr double same_place = 1e-3;
+/// A gap of 20 ms is drawn through, between rows 0.2 ms apart by 100 samples: a grid with more is none of its rows'.
+constexpr double most_samples_a_row = 100;
+
+/// Value at t of the cubic through four points, or of the line through the inner two.
+double value_between(const std::vector<double>& t, const std::vector<double>& y, std::size_t i, double at,
+                     bool is_cubic, double longest) {
+  const bool has_outer =
+      is_cubic && i >= 1 && i + 2 < t.size() && t[i] - t[i - 1] <= longest && t[i + 2] - t[i + 1] <= longest;
+  if (!has_outer) return y[i] + (y[i + 1] - y[i]) * (at - t[i]) / (t[i + 1] - t[i]);
+  double sum = 0;
+  for (std::size_t a = i - 1; a <= i + 2; ++a) {
+    double weight = y[a];
+    for (std::size_t b = i - 1; b <= i + 2; ++b)
+      if (b != a) weight *= (at - t[b]) / (t[a] - t[b]);
+    sum += weight;
+  }
+  return sum;
+}
+
+}  // namespace
+
+double longest_drawn_s(double interval_s) { return std::max(0.02, 3.5 * interval_s); }
+
+EvenSamples::EvenSamples(const std::vector<double>& time_s, double interval_s, double longest_s)
+    : interval_s_(interval_s) {
+  for (std::size_t i = 0; i < time_s.size() && time_s[i] - time_s[0] <= longest_s; ++i) {
+    place_.push_back((time_s[i] - time_s[0]) / interval_s);
+    const double whole = std::round(place_.back());
+    if (std::abs(place_.back() - whole) <= same_place) place_.back() = whole;
+    else is_even_ = false;
+  }
+  if (place_.empty()) return;
+  const double count = std::floor(place_.back() + same_place) + 1;
+  if (!(count <= most_samples_a_row * static_cast<double>(place_.size())))
+    throw InputError(
+        fmt::format("found {} rows in {:.4g} s, whose interval is taken for {:.4g} s: expected a row for one "
+                    "of {:.0f} samples at least",
+                    place_.size(), time_s[place_.size() - 1] - time_s[0], interval_s, most_samples_a_row));
+  count_ = static_cast<std::size_t>(count);
+}
+
+std::vector<double> EvenSamples::placed(const std::vector<double>& values) const {
+  if (is_even_) {
+    std::vector<double> out(count_, no_value);
+    for (std::size_t i = 0; i < place_.size(); ++i) out[static_cast<std::size_t>(place_[i])] = values[i];
+    return out;
+  }
+  return drawn(values, false);
+}
+
+std::vector<double> EvenSamples::drawn(const std::vector<double>& values, bool is_cubic) const {
+  std::vector<double> place, known, steps, out(count_, no_value);
+  for (std::size_t i = 0; i < place_.size(); ++i)
+    if (std::isfinite(values[i])) {
+      if (!place.empty()) steps.push_back(place_[i] - place.back());
+      place.push_back(place_[i]);
+      known.push_back(values[i]);
+    }
+  if (place.empty()) return out;
+  double own = 1;  // a column that is written every n-th row has steps of n
+  if (!steps.empty()) {
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::nth_element(steps.begin(), middle, steps.end());
+    own = *middle;
+  }
+  const double longest = longest_drawn_s(own * interval_s_) / interval_s_;
+  for (std::size_t i = 0; i + 1 < place.size(); ++i) {
+    if (place[i + 1] - place[i] > longest) continue;
+    for (auto k = static_cast<std::size_t>(std::ceil(place[i])); static_cast<double>(k) < place[i + 1] && k < count_;
+         ++k)
+      out[k] = value_between(place, known, i, static_cast<double>(k), is_cubic, longest);
+  }
+  for (std::size_t i = 0; i < place.size(); ++i)  // a row at its place stands as it is
+    if (place[i] == std::round(place[i]) && place[i] < static_cast<double>(count_))
+      out[static_cast<std::size_t>(place[i])] = known[i];
+  return out;
+}
+
+double drawing_error(const std::vector<double>& time_s, const std::vector<double>& values, double interval_s) {
+  double squares = 0, count = 0;
+  for (std::size_t i = 2; i + 2 < values.size(); ++i) {
+    if (std::abs(time_s[i + 2] - time_s[i - 2] - 4 * interval_s) > 0.2 * interval_s) continue;
+    const double error = (4 * (values[i - 1] + values[i + 1]) - values[i - 2] - values[i + 2]) / 6 - values[i];
+    if (!std::isfinite(error)) continue;
+    squares += error * error;
+    ++count;
+  }
+  return count > 0 ? std::sqrt(squares / count) : 0;
+}
+
+}  // namespace pneuservo

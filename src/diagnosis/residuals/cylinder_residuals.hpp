@@ -1,0 +1,96 @@
+// Residuals of a pneumatic cylinder: pressures simulated under the recorded command and motion, and the force balance
+// of the slider.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "diagnosis/recordings/cylinder_recording.hpp"
+#include "diagnosis/residuals/command_answer.hpp"
+#include "diagnosis/residuals/folded_ringing.hpp"
+#include "diagnosis/residuals/force_balance.hpp"
+#include "diagnosis/residuals/gas_runs.hpp"
+#include "diagnosis/residuals/residual_model.hpp"
+#include "diagnosis/residuals/slow_error.hpp"
+
+namespace pneuservo {
+
+struct CylinderResidualsSettings {
+  int jobs = 2;             ///< threads; they never change a number
+  double longest_s = 1e9;   ///< of each recording, at most
+  StopQuestion stop;
+};
+
+/// Rows are bins of 10 ms. Pressures have the reading that the rig's sensors would give of the simulated gas; F is the
+/// force that the rig's slider needs for the recorded motion, less the force of the chambers, where measured from their
+/// sensors, else simulated with the port's error carried over. docs/physics/diagnosis-method.md has the method.
+class CylinderResiduals final : public ResidualModel {
+ public:
+  /// Throws InputError where a recording cannot be compared.
+  CylinderResiduals(const Rig& owner, const std::vector<Recording>& recordings,
+                    const CylinderResidualsSettings& settings = {});
+  ~CylinderResiduals() override;
+
+  const std::vector<ResidualChannel>& channels() const override { return channels_; }
+  const std::vector<ResidualRow>& rows() const override { return rows_; }
+  std::size_t start_factor_count() const override { return 2 * recordings_.size(); }
+  Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) override;
+  void set_stop(StopQuestion stop) override {
+    stop_ = std::move(stop);
+    gas_->set_stop(stop_);
+  }
+  void set_working_point(const Hypothesis& hypothesis) override;
+  std::vector<double> take_slow_error(const Hypothesis& hypothesis) override;
+  void drop_slow_error() override { slow_errors_.assign(channels_.size(), {}); }
+  std::vector<ChannelMisfit> sample_misfit(const Hypothesis& hypothesis) override;
+  std::vector<ResidualCourse> courses(const Hypothesis& hypothesis) override;
+
+ private:
+  struct Bin {
+    std::size_t first = 0, count = 0;
+    double values = 0;  ///< samples of it that were measured
+  };
+  /// One channel of one recording: its bins and where their rows stand.
+  struct Stretch {
+    std::size_t recording = 0, channel = 0, first_row = 0;
+    std::vector<Bin> bins;
+    std::vector<char> usable;  ///< samples that are compared
+    std::vector<double> times_s;  ///< of the bins
+    CommandAnswer answer;  ///< of a port; its rows follow the bins'
+  };
+  struct SampledCourse {
+    std::vector<double> measured, simulated;
+  };
+
+  void declare_channels();
+  void declare_rows();
+  std::vector<PossibleRinging> ringing_of_all() const;
+  void declare_answer(Stretch& stretch, const PossibleRinging& possible);
+  /// What the lines' ringing may make of the mean over `count` samples [unit of the channel].
+  double largest_ringing(const PossibleRinging& ringing, std::size_t recording, std::size_t channel, std::size_t first,
+                         std::size_t count) const;
+  double force_noise(std::size_t recording, std::size_t count) const;  ///< of the mean of `count` neighbouring values
+  SampledCourse course_of(const RecordedRigs& rigs, const GasCourse& gas, const Stretch& stretch) const;
+  SampledCourse force_course(const Rig& rig, const GasCourse& gas, std::size_t recording) const;
+  std::vector<double> chamber_pressure(const Rig& rig, const GasCourse& gas, std::size_t recording,
+                                       std::size_t side) const;
+  using Column = std::shared_ptr<const Eigen::VectorXd>;
+  /// Residual in sigmas, slow errors still in it; remembered, for fits come back to where they were.
+  std::vector<Column> plain_columns(std::span<const Hypothesis> hypotheses);
+  Eigen::VectorXd plain_column(const Rig& rig, const std::vector<GasRuns::Course>& gas) const;
+
+  Rig owner_;
+  std::vector<CylinderRecording> recordings_;
+  std::vector<ForceBalance> balances_;
+  std::vector<GaussianKernel> slow_kernels_;  ///< of each recording
+  std::unique_ptr<GasRuns> gas_;
+  int jobs_ = 1;
+  StopQuestion stop_;
+  std::vector<ResidualChannel> channels_;
+  std::vector<int> gas_channel_;  ///< of each channel; -1: F
+  std::vector<ResidualRow> rows_;
+  std::vector<Stretch> stretches_;
+  std::vector<SlowError> slow_errors_;  ///< of each channel
+  std::map<std::vector<double>, Column> known_columns_;  ///< by every number of the hypothesis
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,166 @@
+// Force that a supposed slider needs for a recorded motion: m a + B v + friction + load, all smoothed alike.
+#include "diagnosis/residuals/force_balance.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <pneuservo/elements/coupled_load.hpp>
+#include <pneuservo/elements/slider.hpp>
+
+namespace pneuservo {
+
+namespace {
+
+constexpr double noisy_position_m = 20e-6;
+constexpr double end_stop_margin_m = 0.5e-3;
+constexpr double rounding_mps = 1e-9;  ///< of a position that stands
+
+double kernel_sigma(double noise_m, double period_s) {
+  return std::max(noise_m > noisy_position_m ? 0.008 : 0.005, 2.5 * period_s);
+}
+
+/// Samples that are missing filled by the last one before them (the first one after, at the start).
+std::vector<double> filled(std::span<const double> signal) {
+  std::vector<double> out(signal.begin(), signal.end());
+  const auto first = std::find_if(out.begin(), out.end(), [](double value) { return std::isfinite(value); });
+  double last = first == out.end() ? 0.0 : *first;
+  for (double& value : out) {
+    if (!std::isfinite(value)) value = last;
+    last = value;
+  }
+  return out;
+}
+
+/// Marks `reach` samples on both sides of every marked one.
+std::vector<char> widened(const std::vector<char>& marks, std::size_t reach) {
+  std::vector<char> out(marks.size(), 0);
+  for (std::size_t i = 0; i < marks.size(); ++i)
+    if (marks[i])
+      std::fill(out.begin() + static_cast<std::ptrdiff_t>(i - std::min(i, reach)),
+                out.begin() + static_cast<std::ptrdiff_t>(std::min(marks.size(), i + reach + 1)), 1);
+  return out;
+}
+
+/// A load on a coupling, carried along a sampled motion.
+class CarriedLoad {
+ public:
+  template <class Coupling>
+  CarriedLoad(const Coupling& coupling, double period_s)
+      : steps_(static_cast<int>(std::ceil(period_s / longest_step_s))), step_s_(period_s / steps_) {
+    load_.configure(coupling);
+    is_there_ = load_.is_there();
+  }
+  /// On its carrier, which is at x with speed v one period after the last call. It starts, and starts again where the
+  /// motion is missing, at rest in its coupling.
+  double force_at(double x, double v, bool is_missing) {
+    if (!is_there_) return 0.0;
+    if (!is_carried_ || is_missing) load_.reset(x, v);
+    else carry(x, v);
+    is_carried_ = true;
+    x_ = x;
+    v_ = v;
+    return load_.force();
+  }
+
+ private:
+  // Along the cubic through both ends.
+  void carry(double x, double v) {
+    const double period_s = steps_ * step_s_, way = x - x_;
+    double last_x = x_, last_v = v_;
+    for (int i = 1; i <= steps_; ++i) {
+      const double s = static_cast<double>(i) / steps_, s2 = s * s, s3 = s2 * s;
+      const double next_x = x_ + (3 * s2 - 2 * s3) * way + period_s * ((s - 2 * s2 + s3) * v_ + (s3 - s2) * v);
+      const double next_v = 6 * (s - s2) * way / period_s + (1 - 4 * s + 3 * s2) * v_ + (3 * s2 - 2 * s) * v;
+      load_.step(step_s_, last_x, last_v, next_x, next_v);
+      last_x = next_x;
+      last_v = next_v;
+    }
+  }
+  static constexpr double longest_step_s = 5e-4;  ///< swings of 100 Hz are then 1 % too slow, of 10 Hz none
+
+  CoupledLoad<double> load_;
+  int steps_;
+  double step_s_, x_ = 0, v_ = 0;
+  bool is_there_ = false, is_carried_ = false;
+};
+
+/// Position or one of its derivatives as the true slider had it: y = gain lag(x) + offset turned round.
+double undo(const SensorEffects<double>& sensor, double value, double next_derivative, bool is_position) {
+  const double lagged = value + sensor.sensor_lag.time_constant_s * next_derivative;
+  return (lagged - (is_position ? sensor.sensor_offset.offset : 0.0)) / sensor.sensor_gain.gain;
+}
+
+}  // namespace
+
+ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, double noise_m)
+    : period_s_(period_s), noise_m_(noise_m), kernel_(kernel_sigma(noise_m, period_s), period_s),
+      fast_kernel_(std::max(0.6 * kernel_sigma(noise_m, period_s), 1.5 * period_s), period_s) {
+  const std::vector<double> position = filled(position_m);
+  for (int order = 0; order < 4; ++order) derivative_[order] = kernel_.apply(position, order);
+  for (int order = 0; order < 3; ++order) fast_[order] = fast_kernel_.apply(position, order);
+  is_missing_.assign(position.size(), 0);
+  for (std::size_t i = 0; i < position.size(); ++i) is_missing_[i] = !std::isfinite(position_m[i]);
+  // Friction is smoothed once more after the fast kernel has made its velocity: reach of both at the ends.
+  const std::size_t reach = kernel_.reach() + fast_kernel_.reach();
+  usable_ = widened(is_missing_, reach);
+  for (std::size_t i = 0; i < usable_.size(); ++i) usable_[i] = !usable_[i] && i >= reach && i + reach < usable_.size();
+  double top = 0;
+  for (std::size_t i = 0; i < usable_.size(); ++i)
+    if (usable_[i]) top = std::max(top, std::abs(derivative_[1][i]));
+  // Four standard deviations of white noise, and the whole of one step of an encoder whose noise is all steps.
+  const double noise_speed =
+      noise_m * std::max(4 * fast_kernel_.noise_gain(1, 1), std::sqrt(12.0) * fast_kernel_.largest_weight() / period_s);
+  rest_speed_mps_ = std::max({0.005 * top, noise_speed, rounding_mps});
+}
+
+double ForceBalance::force_noise(double mass_kg, std::size_t count) const {
+  return mass_kg * noise_m_ * kernel_.noise_gain(2, count);
+}
+
+std::vector<char> ForceBalance::near_end_stop(double stroke_m) const {
+  std::vector<char> marks(samples(), 0);
+  for (std::size_t i = 0; i < samples(); ++i)
+    marks[i] = std::abs(derivative_[0][i]) > 0.5 * stroke_m - end_stop_margin_m;
+  return widened(marks, kernel_.reach() + fast_kernel_.reach());
+}
+
+std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const double> drive_N,
+                                                 std::span<const double> gauge_pressure_sum_Pa, double held_N) const {
+  const SensorEffects<double>& sensor = rig.sensor_effects[0];
+  const MotionEffects<double>& effects = rig.axis.effects.motion;
+  Slider<double> slider;
+  slider.configure(rig.axis.slider, effects, 1.0, 0.0);
+  // Its spring is linear: carried along the smoothed motion it pulls with its smoothed force.
+  CarriedLoad load(effects.elastic_load, period_s_), loose_load(effects.load_backlash, period_s_);
+  const ElasticFriction<double>& bristles = effects.elastic_friction;
+  double bristle_N = 0, last_x = 0;
+  std::vector<double> smooth_part(samples()), abrupt_part(samples());
+  for (std::size_t i = 0; i < samples(); ++i) {
+    const double x = undo(sensor, derivative_[0][i], derivative_[1][i], true);
+    const double v = undo(sensor, derivative_[1][i], derivative_[2][i], false);
+    const double a = undo(sensor, derivative_[2][i], derivative_[3][i], false);
+    const double x_fast = undo(sensor, fast_[0][i], fast_[1][i], true);
+    const double v_fast = undo(sensor, fast_[1][i], fast_[2][i], false);
+    const SliderSurroundings<double> around{gauge_pressure_sum_Pa.empty() ? 0.0 : gauge_pressure_sum_Pa[i]};
+    smooth_part[i] = slider.mass() * a + slider.damping_coefficient(0.0, 0.0) * v -
+                     slider.less_load(load.force_at(x, v, is_missing_[i]), x);
+    if (bristles.force_N != 0) bristle_N = i == 0 || is_missing_[i] ? 0 : bristles.carried(bristle_N, x_fast - last_x);
+    last_x = x_fast;
+    const double blow_N =
+        loose_load.force_at(x_fast, v_fast, is_missing_[i]) - bristle_N;  // as short as friction's steps
+    if (std::abs(v_fast) >= rest_speed_mps_) {
+      const double direction = v_fast > 0 ? 1.0 : -1.0, speed = std::abs(v_fast);
+      abrupt_part[i] = -blow_N + direction * slider.dry_friction(speed, direction, x_fast, around) +
+                       (slider.damping_coefficient(speed, direction) - slider.damping_coefficient(0.0, 0.0)) * v_fast;
+    } else {  // at rest dry friction balances what is left, up to its values at v = 0
+      abrupt_part[i] = -blow_N + std::clamp(drive_N[i] - smooth_part[i] + blow_N,
+                                            -held_N - std::abs(slider.dry_friction(0.0, -1.0, x_fast, around)),
+                                            held_N + std::abs(slider.dry_friction(0.0, 1.0, x_fast, around)));
+    }
+  }
+  const std::vector<double> friction = kernel_.apply(abrupt_part, 0);
+  for (std::size_t i = 0; i < samples(); ++i) smooth_part[i] += friction[i];
+  return smooth_part;
+}
+
+}  // namespace pneuservo

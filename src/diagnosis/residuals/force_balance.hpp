@@ -1,0 +1,50 @@
+// Force that a supposed slider needs for a recorded motion: m a + B v + friction + load, all smoothed alike.
+#pragma once
+#include <span>
+#include <vector>
+
+#include <pneuservo/rig/rig.hpp>
+
+#include "diagnosis/residuals/gaussian_kernel.hpp"
+
+namespace pneuservo {
+
+/// The motion of one recording. Nothing is simulated: position is differentiated by symmetric Gaussian kernels, and the
+/// drive force is smoothed by the same kernel, so that both sides of m dv/dt = F - B v - F_friction - F_load are seen
+/// through one window (the weak form of the balance, with the Gaussian as test function).
+class ForceBalance {
+ public:
+  /// position_m: measured, evenly sampled; NaN where there is none. noise_m: standard deviation of one sample, quantum
+  /// included. Sigma is 5 ms (8 ms above 20 um of noise), at least 2.5 periods.
+  ForceBalance(std::span<const double> position_m, double period_s, double noise_m);
+
+  std::size_t samples() const { return usable_.size(); }
+  /// Whether the balance can be judged at a sample: not within the kernel's reach of an end or of a missing position.
+  const std::vector<char>& usable() const { return usable_; }
+  /// Smoothed motion as measured [m, m/s].
+  const std::vector<double>& position_m() const { return derivative_[0]; }
+  const std::vector<double>& velocity_mps() const { return derivative_[1]; }
+  /// The balance's kernel: smooth the drive force with apply(force, 0).
+  const GaussianKernel& kernel() const { return kernel_; }
+  /// Standard deviation of the mean of `count` neighbouring values of m a for the position noise alone [N].
+  double force_noise(double mass_kg, std::size_t count) const;
+
+  /// Force [N] that the rig's slider with its motion effects needs at every sample, its position sensor's effects
+  /// undone first. drive_N: the smoothed drive force, which friction at rest balances within its limits.
+  /// gauge_pressure_sum_Pa: max(p1 - p_atm, 0) + max(p2 - p_atm, 0) at every sample; empty without air.
+  /// held_N: force that rest balances beside friction, for what the drive force is not known to.
+  std::vector<double> required_force(const Rig& rig, std::span<const double> drive_N,
+                                     std::span<const double> gauge_pressure_sum_Pa, double held_N = 0.0) const;
+  /// Samples where this rig's slider touches an end stop within the kernel's reach; not to be judged.
+  std::vector<char> near_end_stop(double stroke_m) const;
+
+ private:
+  double period_s_, noise_m_;
+  GaussianKernel kernel_, fast_kernel_;
+  std::vector<double> derivative_[4];  ///< position and its derivatives, smoothed
+  std::vector<double> fast_[3];  ///< the same with the shorter kernel of friction
+  std::vector<char> usable_, is_missing_;
+  double rest_speed_mps_;  ///< slower is rest: what the position's noise makes, 0.5 % of the top speed
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,61 @@
+// All explanations that a diagnosis tries: effects of the vocabulary, parameters that are off, sensors at fault.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "diagnosis/search/free_parameter.hpp"
+
+namespace pneuservo {
+
+enum class CandidateKind { effect, parameter, sensor };
+
+/// How far the recordings reach; what sizes are measured in.
+struct MotionRange {
+  double lowest_m = 0, highest_m = 0, top_speed_mps = 0;
+  double first_Pa = 0;  ///< highest pressure at which the recording of a vessel begins; 0: not known
+};
+MotionRange motion_range(const std::vector<ResidualRow>& rows);
+
+/// One name that can be given.
+struct Candidate {
+  std::string name;     ///< chamber_leak_1, sensor_offset:p1_port, parameter:slider.mass_kg
+  std::string element;  ///< as in the vocabulary
+  CandidateKind kind = CandidateKind::effect;
+  std::vector<FreeParameter> parameters;
+  std::vector<double> negligible;            ///< of each parameter's distance from neutral, in its own unit; 0: none
+  std::vector<double> neutral;               ///< value of each parameter where the effect does nothing
+  std::vector<std::vector<double>> starts;  ///< z to screen and start from; where amplitudes are neutral, z of neutral
+  std::vector<char> amplitude;  ///< of each parameter: found by its derivative
+  std::vector<std::vector<double>> whole_starts;  ///< z whose whole change is screened beside the derivative
+  std::string family;  ///< names that mimic each other; all are refitted when one is
+  bool is_mimicked_by_small_physics = false;  ///< has no name beside small physics that is everywhere
+  /// Tells where and how much, and no law: sought alone, and its verdict is `unknown` at its element.
+  bool is_description = false;
+  bool is_never_added = false;  ///< to other names; every description is one such
+  unsigned shown_by = 0;  ///< bits of Excitation that its recordings must have
+  std::string extra;  ///< path of what it has beyond a simpler law that it contains; empty: it contains none
+  bool is_guessed = false;  ///< the size of an effect that the config has: no owner can read it off
+};
+
+/// Every candidate that the rig and the channels allow, in the order of the vocabulary. `tolerances` of the rig name
+/// the parameters that may be off.
+std::vector<Candidate> all_candidates(const Rig& rig, const std::vector<ResidualChannel>& channels,
+                                      const MotionRange& range);
+
+/// Parameters known within a tolerance, and the start factors: always free, with their priors, cut at +-3.
+std::vector<FreeParameter> nuisances(const Rig& rig, std::size_t start_factor_count, double start_factor_sigma);
+
+/// Small physics that every real machine has a little of, as nuisances with narrow priors about neutral: they take up
+/// the small and leave the large, which has a name.
+struct SmallPhysics {
+  Rig rig;  ///< with a volume of no size at either valve port, behind a neck that is no hindrance
+  std::vector<FreeParameter> parameters;
+};
+SmallPhysics small_physics(Rig rig, const std::vector<ResidualChannel>& channels);
+/// The rig without those volumes that have stayed empty.
+Rig without_empty_port_volumes(Rig rig);
+
+/// Element at which a config path sits: slider.mass_kg is at motion.
+std::string element_of_path(const std::string& path);
+
+}  // namespace pneuservo

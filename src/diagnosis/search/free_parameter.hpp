@@ -1,0 +1,63 @@
+// One number of a hypothesis that a fit may move, in units of its prior's standard deviation.
+#pragma once
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <pneuservo/core/effect_traits.hpp>
+
+#include "diagnosis/residuals/residual_model.hpp"
+
+namespace pneuservo {
+
+/// z = 0 is the prior's centre, +-1 its standard deviation; the prior is normal, cut at the bounds.
+struct FreeParameter {
+  std::string path;  ///< config path; empty for a start factor
+  int start_factor = -1;
+  Variation variation = Variation::linear;
+  double center = 0;  ///< in what is varied (the value, its logarithm, 1/value^2)
+  double spread = 1;
+  double lower = -3, upper = 3;  ///< of z
+  /// Of z, for differences. Short: where two numbers nearly stand for each other, a fit follows the difference of their
+  /// columns, and with steps five times as long it crept on 8 in chi2 above its minimum.
+  double step = 0.005;
+  bool signed_overlap = false;  ///< path is the valve's dead band, and it may be negative: an underlap
+
+  /// Whether both are one number, whatever their priors.
+  bool is_same(const FreeParameter& other) const { return start_factor == other.start_factor && path == other.path; }
+
+  double varied(double value) const {
+    switch (variation) {
+      case Variation::logarithmic: return std::log(value);
+      case Variation::inverse_square: return value > 0 ? 1 / (value * value) : 0;
+      case Variation::linear: break;
+    }
+    return value;
+  }
+  double value_of(double varied) const {
+    switch (variation) {
+      case Variation::logarithmic: return std::exp(varied);
+      case Variation::inverse_square: return varied > 0 ? 1 / std::sqrt(varied) : 0;
+      case Variation::linear: break;
+    }
+    return varied;
+  }
+  double value(double z) const { return value_of(center + spread * z); }
+  double z(double value) const { return (varied(value) - center) / spread; }
+  /// |d value / d z|, for standard errors.
+  double slope(double z) const {
+    const double at = center + spread * z;
+    switch (variation) {
+      case Variation::logarithmic: return spread * std::exp(at);
+      case Variation::inverse_square: return at > 0 ? 0.5 * spread * std::pow(at, -1.5) : 0;
+      case Variation::linear: break;
+    }
+    return spread;
+  }
+};
+
+/// The hypothesis that differs from `base` in these parameters.
+Hypothesis with_parameters(const Hypothesis& base, const std::vector<FreeParameter>& parameters,
+                           const std::vector<double>& z);
+
+}  // namespace pneuservo

@@ -1,0 +1,148 @@
+// The search for what explains a mismatch: screening by derivatives, refits side by side, pairs with swaps, more.
+#pragma once
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "diagnosis/search/candidates.hpp"
+#include "diagnosis/search/fit.hpp"
+#include "diagnosis/search/screening.hpp"
+#include "diagnosis/verdict/decision_rules.hpp"
+
+namespace pneuservo {
+
+/// One set of names that was fitted; members are indices of candidates, in ascending order. None: the owner's model.
+struct Explanation {
+  std::vector<std::size_t> members;
+  Fit fit;
+  double log_evidence = -1e300;
+};
+
+inline std::vector<std::size_t> with_member(std::vector<std::size_t> members, std::size_t added) {
+  members.insert(std::upper_bound(members.begin(), members.end(), added), added);
+  return members;
+}
+inline bool contains(const std::vector<std::size_t>& members, std::size_t index) {
+  return std::find(members.begin(), members.end(), index) != members.end();
+}
+
+/// Where a search before this one ended with a name.
+struct KnownStart {
+  std::string name;
+  std::vector<double> z;  ///< of the candidate's parameters
+};
+
+/// Share of the progress at which a search begins: before it nothing is known.
+inline constexpr double search_begins = 0.05;
+
+/// How much work a search does.
+struct SearchSettings {
+  std::size_t refits = 12;      ///< candidates refitted after the first screening
+  std::size_t next_refits = 5;  ///< and after each later one
+  std::size_t pairs = 6;        ///< pairs refitted that promise most together
+  std::size_t polished = 4;     ///< of each number of effects, with all derivatives taken anew
+  double least_gain = 10;       ///< in chi2, to be refitted
+  double least_share = 0.02;    ///< of the best gain
+  double rival_distance = 300;  ///< in log evidence: rivals that are fitted as far as the best
+  double settled_gain = 0.1;    ///< in chi2: a fit that a step improves by less is at its end
+  std::vector<FreeParameter> small_physics;  ///< nuisances beside the tolerances
+  std::vector<KnownStart> known_starts;      ///< names refitted from there where the screening leaves them out
+  /// Whether the model's slow error follows what is left: first by the owner's model, then by the best single name.
+  bool grow_floor = false;
+};
+
+/// Runs once over one model. Every explanation that was refitted is kept.
+class Search {
+ public:
+  using Progress = std::function<void(double share, const std::string& what)>;
+  Search(FittedRows& rows, const Rig& rig, std::vector<Candidate> candidates, SearchSettings settings,
+         const DecisionRules& rules, Progress progress);
+
+  /// Fills all that follows. May throw DiagnosisStopped: what is there by then is valid.
+  void run();
+  /// Takes the grid's error at this explanation and fits it to its end there, unless that was done last: the error at
+  /// a larger one is another. Returns whether anything was done. May throw DiagnosisStopped.
+  bool settle(const Explanation& explanation);
+
+  const std::vector<Candidate>& candidates() const { return candidates_; }
+  bool grants_small_physics() const { return settings_.grow_floor; }
+  /// The owner's values as they stand, nothing fitted.
+  const Fit& as_configured() const { return as_configured_; }
+  /// The owner's model with its parameters inside their tolerances.
+  const Explanation& owner() const { return owner_; }
+  /// All explanations with this many members, best first.
+  std::vector<const Explanation*> ranking(std::size_t members) const;
+  /// The best of that many members; nullptr where there is none.
+  const Explanation* best_of(std::size_t members) const;
+  /// The best by effects that are laws; nullptr where there is none.
+  const Explanation* best_named(std::size_t members) const;
+  /// Whether one of its effects is a description (Candidate::is_description).
+  bool is_description(const Explanation& explanation) const;
+  /// Where the best single names stand that small physics does not mimic, for a search after this one.
+  std::vector<KnownStart> best_starts(std::size_t most) const;
+  /// Gain of the best single name in log evidence on the floor that the owner's model leaves: the smaller of two, where
+  /// the floor has been taken anew since.
+  double first_gain() const { return first_gain_; }
+  /// What each candidate would gain alone on the owner's fit.
+  const std::vector<Screened>& first_screening() const { return first_screening_; }
+
+ private:
+  Fit start_fit(const std::vector<std::size_t>& members) const;
+  Fit continued_fit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& added) const;
+  std::vector<std::size_t> others(const std::vector<std::size_t>& members) const;
+  std::vector<Screened> worth_refitting(std::vector<Screened> screened, std::size_t count) const;
+  void add_known(std::vector<Screened>& chosen) const;
+  /// Dead time and lag stand for each other, and a dead time has a valley every sample: fits from afar ended 0.8 ms
+  /// beside their own, 300 in chi2 above its floor. Where one of them is the best name each is fitted once more from
+  /// the size of the best other; true where one came out better.
+  bool restart_siblings();
+  void refit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& chosen);
+  void refit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<std::vector<Screened>>& sets);
+  /// The screening is linear: a large effect may start better at a part of the size that it says.
+  void move_to_best_share(std::vector<Explanation>& attempts, const std::vector<std::vector<Screened>>& starts);
+  void add_families(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& screened);
+  double log_evidence(const Explanation& explanation) const;
+  void polish(const std::vector<Explanation*>& explanations, int iterations, bool all_columns);
+  /// Fits that began apart may end in different valleys of the tolerances: dry friction and a leak of a chamber, 164 in
+  /// chi2 above where the same friction beside a leak of its line stood; offsets of two sensors that are one model, 46
+  /// in log evidence apart. The best is fitted once more from where each rival stands in what they share, and each
+  /// from the best; those that moved to a better fit.
+  std::vector<Explanation*> refit_at_rivals(std::size_t members);
+  void polish_rivals(std::size_t members, std::set<const Explanation*>& at_end);
+  void polish_best(std::size_t members);
+  void take_defect_at_best(std::size_t members);
+  void search_singles();
+  void fit_owner();
+  bool is_bent() const;
+  bool is_everywhere_beside(std::size_t members);
+  void take_defect_at_owner();
+  void take_floor_at_best();
+  bool search_next(std::size_t members);
+  void swap_members(const Explanation& best);
+  void refit_sibling_pairs(const Explanation& best);
+  std::vector<Explanation*> rivals(std::size_t members, double distance, std::size_t most);
+  void tell(double share, const std::string& what) const;
+
+  FittedRows& rows_;
+  Rig rig_;
+  std::vector<Candidate> candidates_;
+  SearchSettings settings_;
+  DecisionRules rules_;
+  Progress progress_;
+  std::vector<FreeParameter> nuisances_;
+  Fit as_configured_;
+  Explanation owner_;
+  /// Of the owner's model with the grid's error taken at its own fit: taken elsewhere, the error would count against
+  /// it.
+  double owner_evidence_at_home_ = -1e300;
+  double first_gain_ = 0;
+  std::map<std::vector<std::size_t>, Explanation> tried_;
+  std::vector<Screened> first_screening_;
+  std::vector<ScreenedPair> first_pairs_;
+  std::vector<std::size_t> working_point_;  ///< members of the explanation where the grid's error was taken last
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,592 @@
+// From fitted explanations to a verdict: how many effects are real, what is left over, how sure that is.
+#include "diagnosis/verdict/decision.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "diagnosis/residuals/known_rows.hpp"
+
+#include "config/rig_parameters.hpp"
+#include "diagnosis/verdict/disturbances.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+/// Sizes of a member's amplitudes in standard errors; the largest.
+double size_in_errors(const Explanation& explanation, const Candidate& candidate) {
+  const Eigen::MatrixXd covariance = explanation.fit.covariance();
+  double most = 0;
+  bool has_amplitude = false;
+  for (std::size_t p = 0; p < candidate.parameters.size(); ++p) {
+    if (!candidate.amplitude[p]) continue;
+    has_amplitude = true;
+    for (std::size_t i = 0; i < explanation.fit.own_count; ++i) {
+      if (explanation.fit.parameters[i].path != candidate.parameters[p].path) continue;
+      const auto at = static_cast<Eigen::Index>(i);
+      const double neutral = candidate.parameters[p].z(candidate.neutral[p]);
+      most = std::max(most, std::abs(explanation.fit.z(at) - neutral) / std::sqrt(covariance(at, at)));
+    }
+  }
+  return has_amplitude ? most : 1e9;
+}
+
+/// Whether a member is smaller than what clock, converters and grid decide.
+bool is_negligible(const Explanation& explanation, const Candidate& candidate) {
+  bool judged = false;
+  for (std::size_t p = 0; p < candidate.parameters.size(); ++p) {
+    if (candidate.negligible[p] <= 0) continue;
+    judged = true;
+    const FreeParameter& parameter = candidate.parameters[p];
+    for (std::size_t i = 0; i < explanation.fit.own_count; ++i) {
+      if (explanation.fit.parameters[i].path != parameter.path) continue;
+      const double varied = parameter.center + parameter.spread * explanation.fit.z(static_cast<Eigen::Index>(i));
+      if (std::abs(varied - parameter.varied(candidate.neutral[p])) >= candidate.negligible[p]) return false;
+    }
+  }
+  return judged;
+}
+
+/// Explanations of one size whose prediction of held-out rows is looked at.
+constexpr std::size_t most_predicted = 24;
+
+double own_value(const Explanation& explanation, const std::string& path) {
+  for (std::size_t i = 0; i < explanation.fit.own_count; ++i)
+    if (explanation.fit.parameters[i].path == path)
+      return explanation.fit.parameters[i].value(explanation.fit.z(static_cast<Eigen::Index>(i)));
+  return 0;
+}
+
+/// Whether the member is in truth the simpler law that it contains: Stribeck friction with next to no extra force, a
+/// friction that hardly differs by direction.
+bool is_simpler_law(const Explanation& explanation, const Candidate& candidate, double law_share) {
+  const auto value = [&](const char* key) {
+    return own_value(explanation, fmt::format("effects.{}.{}", candidate.name, key));
+  };
+  if (!candidate.extra.empty()) return own_value(explanation, candidate.extra) < law_share * value("coulomb_force_N");
+  if (candidate.name == "direction_dependent_friction")
+    return std::abs(value("forward_N") - value("backward_N")) <
+           law_share * 0.5 * (value("forward_N") + value("backward_N"));
+  if (candidate.name == "direction_dependent_viscous_friction")
+    return std::abs(value("forward_Ns_per_m") - value("backward_Ns_per_m")) <
+           law_share * 0.5 * (value("forward_Ns_per_m") + value("backward_Ns_per_m"));
+  return false;
+}
+
+/// The candidate's name, but for a leak that the fit puts at the line's end: that is one of the chamber.
+std::string name_by_place(const Explanation& explanation, const Candidate& candidate, const DecisionRules& rules) {
+  if (!candidate.name.starts_with("line_leak_")) return candidate.name;
+  const bool at_end =
+      own_value(explanation, fmt::format("effects.{}.position", candidate.name)) >= rules.line_end_position;
+  return at_end ? fmt::format("chamber_leak_{}", candidate.name.back()) : candidate.name;
+}
+
+std::vector<const Explanation*> sizeable(const Search& search, std::size_t members, const DecisionRules& rules) {
+  std::vector<const Explanation*> out = search.ranking(members);
+  std::erase_if(out, [&](const Explanation* e) {
+    return std::any_of(e->members.begin(), e->members.end(), [&](std::size_t m) {
+      return is_negligible(*e, search.candidates()[m]) || is_simpler_law(*e, search.candidates()[m], rules.law_share);
+    });
+  });
+  return out;
+}
+
+/// Whether every member beyond the best smaller explanation is sure of its size.
+bool is_sure_of_sizes(const Explanation& explanation, const Search& search, double standard_errors) {
+  return std::all_of(explanation.members.begin(), explanation.members.end(), [&](std::size_t m) {
+    return size_in_errors(explanation, search.candidates()[m]) >= standard_errors;
+  });
+}
+
+Verdict verdict_of(const Explanation& chosen, const Search& search) {
+  bool sensors = true, parameters = true;
+  for (const std::size_t member : chosen.members) {
+    sensors = sensors && search.candidates()[member].kind == CandidateKind::sensor;
+    parameters = parameters && search.candidates()[member].kind == CandidateKind::parameter;
+  }
+  if (chosen.members.empty()) return Verdict::consistent;
+  if (sensors) return Verdict::sensor_error;
+  return parameters ? Verdict::parameter_error : Verdict::missing_physics;
+}
+
+}  // namespace
+
+std::string what_is_left(const Decision& decision, ResidualModel& model, const DecisionRules& rules) {
+  std::string out;
+  const auto say = [&](const std::string& what) { out += (out.empty() ? "" : "; ") + what; };
+  for (std::size_t c = 0; c < decision.levels.channels.size(); ++c)
+    if (decision.levels.channels[c].fitted > rules.floor_level)
+      say(fmt::format("{} is at {:.2g} times its floor", model.channels()[c].name, decision.levels.channels[c].fitted));
+  if (decision.levels.line)
+    say(fmt::format("a periodic part of {:.2g} {} at {:.2f} Hz in {}", decision.levels.line->amplitude,
+                    model.channels()[static_cast<std::size_t>(decision.levels.line->channel)].unit,
+                    decision.levels.line->frequency_Hz,
+                    model.channels()[static_cast<std::size_t>(decision.levels.line->channel)].name));
+  if (decision.levels.held_out_excess() > rules.held_out_excess)
+    say(fmt::format("held-out stretches fit {:.2g} times worse than fitted ones", decision.levels.held_out_excess()));
+  return out;
+}
+
+/// Shares of `whole` by evidence, none of which counts for more than the first one's.
+std::vector<double> shares_of(const std::vector<double>& evidence, double temperature, double whole) {
+  std::vector<double> out;
+  double sum = 0;
+  for (const double e : evidence) {
+    out.push_back(std::exp(std::clamp((e - evidence.front()) / temperature, -700.0, 0.0)));
+    sum += out.back();
+  }
+  for (double& share : out) share *= whole / sum;
+  return out;
+}
+
+std::vector<double> probabilities_of(const std::vector<const Explanation*>& rivals, const DecisionRules& rules) {
+  const bool is_owner = rivals.front()->members.empty();
+  std::vector<double> evidence;
+  for (const Explanation* rival : rivals)
+    evidence.push_back(rival->log_evidence - (is_owner && !rival->members.empty() ? rules.alarm_gain : 0));
+  return shares_of(evidence, rules.temperature, rules.most_sure);
+}
+
+double ModelLevels::chi2(bool held_out) const {
+  double sum = 0;
+  for (const ChannelLevel& c : channels)
+    sum += held_out ? c.held_out * c.held_out * static_cast<double>(c.held_out_rows)
+                    : c.fitted * c.fitted * static_cast<double>(c.fitted_rows);
+  return sum;
+}
+
+double ModelLevels::highest() const {
+  double most = 0;
+  for (const ChannelLevel& c : channels) most = std::max(most, c.fitted);
+  return most;
+}
+
+double ModelLevels::held_out_excess() const {
+  double rows = 0, held_rows = 0;
+  for (const ChannelLevel& c : channels) {
+    rows += static_cast<double>(c.fitted_rows);
+    held_rows += static_cast<double>(c.held_out_rows);
+  }
+  const double fitted = chi2(false), held = chi2(true);
+  return held > held_rows && fitted > 0 ? (held / held_rows) / (fitted / rows) : 1;
+}
+
+ModelLevels model_levels(ResidualModel& model, const Fit& fit, const DecisionRules& rules) {
+  ModelLevels levels;
+  levels.residual = residual_at(model, fit);
+  levels.channels = channel_levels(model.rows(), model.channels().size(), levels.residual);
+  levels.line = strongest_line(model.rows(), levels.residual, levels.channels, rules.line_level);
+  if (levels.line) {
+    const ResidualChannel& channel = model.channels()[static_cast<std::size_t>(levels.line->channel)];
+    const bool is_small = levels.line->amplitude < rules.line_amplitude * std::hypot(channel.noise, channel.floor);
+    if (levels.line->ratio < rules.line_ratio || is_small) levels.line.reset();
+  }
+  return levels;
+}
+
+namespace {
+
+/// An explanation by less than is ever named, where it fits better than all that is: no such name then stands for it.
+/// It is named after all where the owner's model leaves more than the floors, else nothing is missing; nullptr: there
+/// is none.
+const Explanation* unnamed_best(const Search& search, const std::vector<const Explanation*>& ranked,
+                                const DecisionRules& rules) {
+  const Explanation* best = search.best_of(1);
+  if (best == nullptr || !is_negligible(*best, search.candidates()[best->members.front()])) return nullptr;
+  const double next = ranked.empty() ? search.owner().log_evidence : ranked.front()->log_evidence;
+  return best->log_evidence > next + rules.ambiguous_distance ? best : nullptr;
+}
+
+/// The best explanation of each number of members, as long as one more brings enough.
+Decision chosen_chain(ResidualModel& model, const Search& search, const DecisionRules& rules, double second_share) {
+  Decision decision;
+  decision.chosen = &search.owner();
+  std::vector<const Explanation*> ranked = sizeable(search, 1, rules);
+  if (const Explanation* small = unnamed_best(search, ranked, rules)) {
+    const bool is_seen = model_levels(model, search.owner().fit, rules).highest() > rules.floor_level;
+    if (is_seen) ranked.insert(ranked.begin(), small);
+    else ranked.clear();
+  }
+  double first_gain = 0, next_gain = rules.next_gain;
+  for (std::size_t members = 1; !ranked.empty(); ranked = sizeable(search, ++members, rules)) {
+    const Explanation* best = nullptr;
+    for (const Explanation* e : ranked)
+      if (members == 1 || is_sure_of_sizes(*e, search, rules.standard_errors)) {
+        best = e;
+        break;
+      }
+    if (best == nullptr) break;
+    const double gain = best->log_evidence - decision.chosen->log_evidence;
+    if (members == 1) first_gain = gain;
+    const double share = members == 2 ? second_share : std::max(second_share, rules.third_share);
+    const double needed = members == 1 ? rules.alarm_gain : std::max(next_gain, share * first_gain);
+    if (gain < needed) break;
+    decision.chosen = best;
+    const ModelLevels levels = model_levels(model, best->fit, rules);
+    next_gain = levels.highest() < rules.floor_level ? rules.next_gain_at_floor : rules.next_gain;
+    decision.rivals = ranked;
+    std::erase(decision.rivals, best);
+    decision.rivals.insert(decision.rivals.begin(), best);
+  }
+  decision.gain = decision.chosen->log_evidence - search.owner().log_evidence;
+  decision.verdict = verdict_of(*decision.chosen, search);
+  if (decision.chosen->members.empty()) {
+    decision.rivals = sizeable(search, 1, rules);
+    decision.rivals.insert(decision.rivals.begin(), decision.chosen);
+  } else {
+    std::erase_if(decision.rivals,
+                  [&](const Explanation* e) { return e->log_evidence > decision.chosen->log_evidence; });
+  }
+  decision.probabilities = probabilities_of(decision.rivals, rules);
+  return decision;
+}
+
+/// Whether a parameter would have to be off by more than any owner errs; what is guessed may be off by any factor.
+bool has_absurd_parameter(const Explanation& explanation, const Search& search, const DecisionRules& rules) {
+  return std::any_of(explanation.members.begin(), explanation.members.end(), [&](std::size_t m) {
+    const Candidate& candidate = search.candidates()[m];
+    if (candidate.kind != CandidateKind::parameter || candidate.is_guessed) return false;
+    const double ratio = own_value(explanation, candidate.parameters[0].path) / candidate.neutral[0];
+    return ratio > rules.farthest_parameter || ratio * rules.farthest_parameter < 1;
+  });
+}
+
+/// The line of which two numbers would have to be off; empty: none. Each is read with a ruler, and an owner errs once:
+/// with two numbers free a line stands for any volume and resistance, such as those of a branch.
+std::string twice_wrong_line(const Explanation& explanation, const Search& search) {
+  std::vector<std::string> wrong;
+  for (const std::size_t m : explanation.members) {
+    const Candidate& candidate = search.candidates()[m];
+    if (candidate.kind != CandidateKind::parameter || !candidate.element.starts_with("line_")) continue;
+    if (std::find(wrong.begin(), wrong.end(), candidate.element) != wrong.end()) return candidate.element;
+    wrong.push_back(candidate.element);
+  }
+  return "";
+}
+
+/// Volume that a line would have more than its owner says [m3].
+double volume_beyond(const Explanation& explanation, const Search& search, const std::string& line) {
+  const auto volume = [&](const Rig& rig) {
+    const double diameter_m = get_parameter(rig, line + ".diameter_m");
+    return 0.25 * std::numbers::pi * diameter_m * diameter_m * get_parameter(rig, line + ".length_m");
+  };
+  return volume(explanation.fit.hypothesis().rig) - volume(search.owner().fit.hypothesis().rig);
+}
+
+/// Whether something is left that is small beside what the names take: it is told beside them and takes no name away.
+bool is_small_remainder(const Decision& decision, const Search& search, const DecisionRules& rules) {
+  if (decision.reason.empty() || decision.chosen->members.empty() || decision.levels.line) return false;
+  const double before = search.owner().fit.chi2(), after = decision.chosen->fit.chi2();
+  const double floor = std::min(after, static_cast<double>(decision.chosen->fit.residual.size()));
+  const double taken = (before - after) / std::max(before - floor, 1e-300);
+  const double largest = taken >= rules.nearly_all_share ? rules.nearly_all_remainder : rules.small_remainder;
+  return taken >= rules.taken_share && decision.levels.highest() < largest &&
+         decision.levels.held_out_excess() < rules.small_held_out_excess;
+}
+
+/// Whether the owner's model stands clearly above the chosen one's mean square, or above one where the chosen one does
+/// too. Where the floor has grown too large both are below one, and their ratio counts.
+bool is_owner_refuted(const Search& search, const Decision& decision, const DecisionRules& rules) {
+  const double chosen = decision.chosen->fit.chi2(), rows = static_cast<double>(decision.chosen->fit.residual.size());
+  return search.owner().fit.chi2() >= rules.refuted_level * std::min(chosen, rows);
+}
+
+/// What a description that explains the recordings tells: where, by which shape, how much.
+std::string description_words(const Decision& decision, const Search& search) {
+  const Explanation& chosen = *decision.chosen;
+  const Candidate& candidate = search.candidates()[chosen.members.front()];
+  std::string sizes;
+  for (const FreeParameter& own : candidate.parameters)
+    sizes += fmt::format("{}{} = {:.4g}", sizes.empty() ? "" : ", ", own.path.substr(own.path.rfind('.') + 1),
+                         own_value(chosen, own.path));
+  const double before = search.owner().fit.chi2(), after = chosen.fit.chi2();
+  return fmt::format("{} describes it ({}) and takes {:.0f} % of the squared mismatch", candidate.name, sizes,
+                     100 * std::max(0.0, 1 - after / std::max(before, 1e-300)));
+}
+
+/// Makes a verdict by a description `unknown` at its element, with what it tells.
+void say_described(const Search& search, Decision& decision) {
+  decision.is_described = !decision.chosen->members.empty() && search.is_description(*decision.chosen);
+  if (!decision.is_described) return;
+  decision.verdict = Verdict::unknown;
+  decision.element = search.candidates()[decision.chosen->members.front()].element;
+  decision.reason =
+      description_words(decision, search) + (decision.reason.empty() ? "" : "; beside it ") + decision.reason;
+}
+
+/// The best description, where it leaves about as little as names that leave something: two names that together
+/// follow a bent curve are not what is missing.
+const Explanation* as_good_description(const Search& search, const Decision& decision, const DecisionRules& rules) {
+  if (decision.reason.empty() || decision.chosen->members.empty() || search.is_description(*decision.chosen))
+    return nullptr;
+  for (const Explanation* e : search.ranking(1))
+    if (search.is_description(*e) && e->log_evidence >= search.owner().log_evidence + rules.alarm_gain)
+      return e->fit.chi2() <= rules.doubted_left * decision.chosen->fit.chi2() ? e : nullptr;
+  return nullptr;
+}
+
+}  // namespace
+
+Decision decide(ResidualModel& model, const Search& search, const DecisionRules& rules) {
+  Decision decision = chosen_chain(model, search, rules, rules.next_share);
+  judge_what_is_left(model, search, rules, decision);
+  const Explanation* description =
+      decision.chosen->members.size() > 1 ? as_good_description(search, decision, rules) : nullptr;
+  if (description == nullptr) return decision;
+  Decision described = decision;
+  described.chosen = description;
+  described.rivals = search.ranking(1);
+  std::erase_if(described.rivals, [&](const Explanation* e) { return e->log_evidence >= description->log_evidence; });
+  described.rivals.insert(described.rivals.begin(), description);
+  described.gain = description->log_evidence - search.owner().log_evidence;
+  judge_what_is_left(model, search, rules, described);
+  return described.is_described ? described : decision;
+}
+
+void judge_what_is_left(ResidualModel& model, const Search& search, const DecisionRules& rules, Decision& decision) {
+  decision.is_shaken = decision.is_described = false;
+  decision.levels = model_levels(model, decision.chosen->fit, rules);
+  decision.reason = what_is_left(decision, model, rules);
+  decision.beside_remainder = is_small_remainder(decision, search, rules);
+  const bool is_named = decision.reason.empty() || decision.beside_remainder;
+  decision.verdict = is_named ? verdict_of(*decision.chosen, search) : Verdict::unknown;
+  decision.element = twice_wrong_line(*decision.chosen, search);
+  if (!decision.element.empty()) {
+    decision.verdict = Verdict::unknown;
+    decision.reason +=
+        fmt::format("{}two numbers of {} would both have to be wrong: it holds {:+.3g} cm3 of gas beside "
+                    "what its owner says, as a branch or a vessel on it would",
+                    decision.reason.empty() ? "" : "; ", decision.element,
+                    1e6 * volume_beyond(*decision.chosen, search, decision.element));
+  }
+  if (is_named) say_described(search, decision);
+  else if (decision.element.empty() && model.simulates() && find_shaking(model, search, rules, decision)) return;
+  DecisionRules sure = rules;
+  if (decision.beside_remainder) sure.most_sure = rules.most_sure_beside;
+  decision.probabilities = probabilities_of(decision.rivals, sure);
+}
+
+Decision decide_beside_remainder(ResidualModel& model, const Search& search, const DecisionRules& rules) {
+  DecisionRules beside = rules;
+  beside.most_sure = rules.most_sure_beside;
+  Decision decision = chosen_chain(model, search, beside, rules.next_share_beside);
+  decision.beside_remainder = true;
+  decision.levels = model_levels(model, decision.chosen->fit, rules);
+  decision.reason = what_is_left(decision, model, rules);
+  const ModelLevels before = model_levels(model, search.owner().fit, rules);
+  double most = 0;
+  for (std::size_t c = 0; c < before.channels.size(); ++c) {
+    const double was = std::pow(before.channels[c].fitted, 2), is = std::pow(decision.levels.channels[c].fitted, 2);
+    if (was > 1) most = std::max(most, 1 - is / was);
+  }
+  const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
+                        is_owner_refuted(search, decision, rules) && most >= rules.named_share &&
+                        decision.levels.highest() <= rules.largest_remainder &&
+                        !has_absurd_parameter(*decision.chosen, search, rules);
+  const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;
+  if (find_supply_swing(model, search, rules, taken, decision)) return decision;
+  if (!is_named && find_shaking(model, search, rules, decision)) return decision;
+  const bool is_periodic =
+      find_periodic_force(model, rules, is_named ? rules.periodic_share : rules.told_share, decision);
+  if (!is_periodic && is_named) {
+    say_described(search, decision);
+    return decision;
+  }
+  decision.verdict = Verdict::unknown;
+  Decision owners;
+  owners.chosen = &search.owner();
+  owners.levels = before;
+  owners.reason = what_is_left(owners, model, rules);
+  if (!is_periodic && owners.reason.empty()) return owners;  // small physics alone brings all to its floor
+  if (decision.reason.empty()) decision.reason = owners.reason;  // the best name takes it, and is not to be given
+  return decision;
+}
+
+namespace {
+
+/// Squared residual of an explanation above what floors alone make, on fitted and held-out rows.
+double above_floors(ResidualModel& model, const Explanation& explanation, const DecisionRules& rules) {
+  const ModelLevels levels = model_levels(model, explanation.fit, rules);
+  double rows = 0;
+  for (const ChannelLevel& c : levels.channels) rows += static_cast<double>(c.fitted_rows + c.held_out_rows);
+  return std::max(levels.chi2(false) + levels.chi2(true) - rows, 0.0);
+}
+
+/// Whether each law that contains a simpler one is sure of what it has beyond that, as one more effect has to be,
+/// beside a floor that has grown by this.
+bool is_sure_of_law(const Explanation& explanation, const Search& search, double growth, const DecisionRules& rules) {
+  const Eigen::MatrixXd covariance = growth * explanation.fit.covariance();
+  for (const std::size_t m : explanation.members)
+    for (const FreeParameter& own : search.candidates()[m].parameters) {
+      if (own.path != search.candidates()[m].extra) continue;
+      const auto at = static_cast<Eigen::Index>(explanation.fit.own_place(own));
+      if (explanation.fit.z(at) - own.z(0) < rules.standard_errors * std::sqrt(covariance(at, at))) return false;
+    }
+  return true;
+}
+
+/// Whether a size stands at the end of its range away from nothing: then physics would have to give more than it can.
+bool stands_at_its_end(const Explanation& explanation, const Search& search) {
+  constexpr double end_share = 1e-3;  // of the range
+  for (const std::size_t m : explanation.members) {
+    const Candidate& candidate = search.candidates()[m];
+    for (std::size_t p = 0; p < candidate.parameters.size(); ++p) {
+      const FreeParameter& own = candidate.parameters[p];
+      if (!candidate.amplitude[p] || candidate.kind == CandidateKind::parameter) continue;
+      const double z = explanation.fit.z(explanation.fit.own_place(own)), neutral = own.z(candidate.neutral[p]);
+      const double close = end_share * (own.upper - own.lower);
+      const bool is_low = z - own.lower < close && neutral - own.lower > close;
+      const bool is_high = own.upper - z < close && own.upper - neutral > close;
+      if (is_low || is_high) return true;
+    }
+  }
+  return false;
+}
+
+/// The explanations of one size by evidence, with what they foretell of the held-out rows counted in: a law that fits
+/// but does not go on is behind its rivals.
+std::vector<std::pair<double, const Explanation*>> by_prediction(ResidualModel& model, const Search& search,
+                                                                 std::size_t members, double growth,
+                                                                 const DecisionRules& rules) {
+  std::vector<std::pair<double, const Explanation*>> out;
+  const std::vector<const Explanation*> ranked = sizeable(search, members, rules);
+  for (const Explanation* e : ranked) {
+    if (out.size() >= most_predicted) break;
+    if (!is_sure_of_law(*e, search, growth, rules) || stands_at_its_end(*e, search)) continue;
+    const double foretold = model_levels(model, e->fit, rules).chi2(true);
+    out.emplace_back((e->log_evidence - 0.5 * foretold) / growth, e);
+  }
+  std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  return out;
+}
+
+/// Rows that a remainder makes worth one: its mean square in floors, and how long neighbours stay alike.
+double floor_growth(const ModelLevels& levels) {
+  double growth = 1;
+  for (const ChannelLevel& c : levels.channels) {
+    const double alike = std::clamp(c.correlation, 0.0, 0.99);
+    growth = std::max(growth, c.fitted * c.fitted * (1 + alike) / (1 - alike));
+  }
+  return growth;
+}
+
+std::string periodic_part(const Decision& decision, const ResidualModel& model) {
+  for (std::size_t c = 0; c < model.channels().size(); ++c)
+    if (const auto period = strongest_period(model.rows(), decision.levels.residual, static_cast<int>(c)))
+      return fmt::format("; {:.0f} % of it is periodic along the way with {:.3g} mm ({:.2g} {})", 100 * period->share,
+                         1e3 * period->period_m, period->amplitude, model.channels()[c].unit);
+  return "";
+}
+
+/// Of the explanations from `best` on the one that stands: one with more numbers stands for one with fewer only where
+/// it takes enough of what that one leaves of `all`. A number that the owner may have wrong goes before physics that
+/// the config has not.
+template <class Ranked, class IsSure>
+Ranked plain_enough(ResidualModel& model, const Search& search, Ranked best, Ranked end, const IsSure& is_sure,
+                    double all, const DecisionRules& rules) {
+  double leaves = best == end ? 0 : above_floors(model, *best->second, rules);
+  for (auto plainer = best; plainer != end; ++plainer) {
+    if (plainer->second->fit.own_count >= best->second->fit.own_count || !is_sure(*plainer)) continue;
+    const double plainer_leaves = above_floors(model, *plainer->second, rules);
+    const bool is_owned =
+        std::all_of(plainer->second->members.begin(), plainer->second->members.end(),
+                    [&](std::size_t m) { return search.candidates()[m].kind == CandidateKind::parameter; });
+    const double most = is_owned ? std::max(rules.richer_of_left * plainer_leaves, rules.richer_of_all * all)
+                                 : rules.richer_of_left * plainer_leaves;
+    if (plainer_leaves - leaves >= most) continue;
+    best = plainer;
+    leaves = plainer_leaves;
+  }
+  return best;
+}
+
+}  // namespace
+
+Decision decide_in_one_quantity(ResidualModel& model, const Search& search, const DecisionRules& rules) {
+  Decision decision;
+  decision.chosen = &search.owner();
+  decision.beside_remainder = true;
+  const Explanation* richest = &search.owner();
+  for (std::size_t members = 1; search.best_of(members) != nullptr; ++members) richest = search.best_of(members);
+  decision.growth = floor_growth(model_levels(model, richest->fit, rules));
+  const double all = above_floors(model, search.owner(), rules), growth = decision.growth;
+  double left = all, score = by_prediction(model, search, 0, growth, rules).front().first;
+  std::vector<double> scores;
+  for (std::size_t members = 1;; ++members) {
+    const auto ranked = by_prediction(model, search, members, growth, rules);
+    const auto is_sure = [&](const auto& r) {
+      return members == 1 || is_sure_of_sizes(*r.second, search, rules.standard_errors * std::sqrt(growth));
+    };
+    const auto best = plain_enough(model, search, std::find_if(ranked.begin(), ranked.end(), is_sure), ranked.end(),
+                                   is_sure, all, rules);
+    const double leaves = best == ranked.end() ? left : above_floors(model, *best->second, rules);
+    // What is left counts as noise already (growth), so that one more name is asked for no more evidence than the
+    // first.
+    const bool enough = best != ranked.end() && best->first - score >= rules.alarm_gain &&
+                        (members == 1 || left - leaves >= rules.next_of_left * left);
+    if (members == 1 || enough) {
+      decision.rivals.clear();
+      scores.clear();
+      for (auto r = enough ? best : ranked.begin(); r != ranked.end(); ++r) {
+        decision.rivals.push_back(r->second);
+        scores.push_back(r->first);
+      }
+    }
+    if (!enough) break;
+    decision.chosen = best->second;
+    left = leaves;
+    score = best->first;
+  }
+  decision.probabilities = shares_of(scores, rules.temperature, rules.most_sure_beside);
+  decision.gain = (decision.chosen->log_evidence - search.owner().log_evidence) / growth;
+  decision.verdict = verdict_of(*decision.chosen, search);
+  decision.levels = model_levels(model, decision.chosen->fit, rules);
+  decision.reason = fmt::format("{}; {:.2g} % of the squared mismatch{}", what_is_left(decision, model, rules),
+                                100 * left / std::max(all, 1e-300), periodic_part(decision, model));
+  const bool at_floor = decision.levels.highest() <= rules.floor_level && !decision.levels.line;
+  if (decision.chosen->members.empty() ? !at_floor : all - left < rules.named_share * all)
+    decision.verdict = Verdict::unknown;
+  else say_described(search, decision);
+  return decision;
+}
+
+double probability_of_member(const Decision& decision, const Search& search, std::size_t member,
+                             const DecisionRules& rules) {
+  const std::string name = name_by_place(*decision.chosen, search.candidates()[member], rules);
+  double sum = 0;
+  for (std::size_t i = 0; i < decision.rivals.size(); ++i) {
+    const Explanation& rival = *decision.rivals[i];
+    if (std::any_of(rival.members.begin(), rival.members.end(),
+                    [&](std::size_t m) { return name_by_place(rival, search.candidates()[m], rules) == name; }))
+      sum += decision.probabilities[i];
+  }
+  // What the member gains where it is beside all others; with each name that is there already, small physics has more
+  // to hide behind.
+  double without = decision.chosen->members.size() == 1 ? search.owner().log_evidence : -1e300;
+  for (const Explanation* smaller : search.ranking(decision.chosen->members.size() - 1))
+    if (std::find(smaller->members.begin(), smaller->members.end(), member) == smaller->members.end())
+      without = std::max(without, smaller->log_evidence);
+  const double gain = std::max(0.0, decision.chosen->log_evidence - without) / decision.growth;
+  const auto names = static_cast<double>(decision.chosen->members.size());
+  return sum * gain / (gain + rules.doubted_gain * names * names);
+}
+
+std::vector<std::string> ambiguous_names(const Decision& decision, const Search& search, std::size_t member,
+                                         const DecisionRules& rules) {
+  std::vector<std::string> names;
+  for (const Explanation* rival : decision.rivals) {
+    const double behind = (decision.chosen->log_evidence - rival->log_evidence) / decision.growth;
+    if (rival == decision.chosen || behind > rules.ambiguous_distance) continue;
+    std::vector<std::size_t> rest = decision.chosen->members, other = rival->members;
+    std::erase(rest, member);
+    for (const std::size_t m : rest) std::erase(other, m);
+    if (other.size() == 1) names.push_back(search.candidates()[other.front()].name);
+  }
+  return names;
+}
+
+}  // namespace pneuservo

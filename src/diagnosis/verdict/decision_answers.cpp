@@ -1,0 +1,162 @@
+// What a decision says of elements and names: answers, shares, rivals, and where an unknown sits.
+#include "diagnosis/verdict/decision_answers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "config/rig_parameters.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+void add_parameters(const Decision& decision, const Candidate& candidate, DiagnosisAnswer& answer) {
+  const Explanation& chosen = *decision.chosen;
+  const Eigen::MatrixXd covariance = decision.growth * chosen.fit.covariance();
+  for (const FreeParameter& own : candidate.parameters)
+    for (std::size_t i = 0; i < chosen.fit.own_count; ++i) {
+      const FreeParameter& fitted = chosen.fit.parameters[i];
+      if (fitted.path != own.path) continue;
+      const auto at = static_cast<Eigen::Index>(i);
+      const std::string key =
+          candidate.kind == CandidateKind::parameter ? "value" : own.path.substr(own.path.rfind('.') + 1);
+      answer.parameters.push_back(
+          {key, fitted.value(chosen.fit.z(at)), fitted.slope(chosen.fit.z(at)) * std::sqrt(covariance(at, at))});
+    }
+}
+
+/// What the patterns of each element over all channels take of what is left on the owner's model.
+std::vector<ElementPattern> patterns_of_elements(ResidualModel& model, const Search& search,
+                                                 const DecisionRules& rules) {
+  const Hypothesis here = search.owner().fit.hypothesis();
+  const ModelLevels owner = model_levels(model, search.owner().fit, rules);
+  std::vector<Hypothesis> hypotheses;
+  std::vector<std::string> elements;
+  for (const Candidate& candidate : search.candidates()) {
+    if (candidate.kind != CandidateKind::effect) continue;
+    for (const std::vector<double>& start : candidate.starts) {
+      std::vector<double> z = start;
+      for (std::size_t p = 0; p < z.size(); ++p)
+        if (candidate.amplitude[p])
+          z[p] = std::clamp(candidate.parameters[p].z(get_parameter(here.rig, candidate.parameters[p].path)),
+                            candidate.parameters[p].lower, candidate.parameters[p].upper) +
+                 0.05;
+      hypotheses.push_back(with_parameters(here, candidate.parameters, z));
+      elements.push_back(candidate.element);
+    }
+  }
+  Eigen::MatrixXd patterns = model.residuals(hypotheses);
+  patterns.colwise() -= owner.residual;
+  for (Eigen::Index c = 0; c < patterns.cols(); ++c)
+    if (!patterns.col(c).allFinite()) patterns.col(c).setZero();
+  return element_patterns(model.rows(), owner.residual, patterns, elements);
+}
+
+/// The same by what the screening says that each name would gain: for those who asked to stop.
+std::vector<ElementPattern> screened_elements(const Search& search) {
+  std::map<std::string, double> gains;
+  for (const Screened& s : search.first_screening()) {
+    double& gain = gains[search.candidates()[s.candidate].element];
+    gain = std::max(gain, s.gain);
+  }
+  std::vector<ElementPattern> out;
+  for (const auto& [element, gain] : gains) out.push_back({element, gain});
+  std::stable_sort(out.begin(), out.end(),
+                   [](const ElementPattern& a, const ElementPattern& b) { return a.explained > b.explained; });
+  return out;
+}
+
+}  // namespace
+
+void add_answers(const Decision& decision, const Search& search, const DecisionRules& rules, Diagnosis& out) {
+  for (const std::size_t member : decision.chosen->members) {
+    const Candidate& candidate = search.candidates()[member];
+    DiagnosisAnswer answer;
+    answer.effect = candidate.name;
+    answer.element = candidate.element;
+    answer.probability = probability_of_member(decision, search, member, rules);
+    add_parameters(decision, candidate, answer);
+    answer.ambiguous_with = ambiguous_names(decision, search, member, rules);
+    // What leaving it out would cost, of all that the explanation takes.
+    double without = search.owner().fit.chi2();
+    for (const Explanation* smaller : search.ranking(decision.chosen->members.size() - 1))
+      if (std::find(smaller->members.begin(), smaller->members.end(), member) == smaller->members.end() &&
+          std::includes(decision.chosen->members.begin(), decision.chosen->members.end(), smaller->members.begin(),
+                        smaller->members.end()))
+        without = std::min(without, smaller->fit.chi2());
+    const double taken = std::max(search.owner().fit.chi2() - decision.chosen->fit.chi2(), 1e-9);
+    answer.share = std::clamp((without - decision.chosen->fit.chi2()) / taken, 0.0, 1.0);
+    out.answers.push_back(answer);
+  }
+  std::stable_sort(out.answers.begin(), out.answers.end(),
+                   [](const DiagnosisAnswer& a, const DiagnosisAnswer& b) { return a.share > b.share; });
+}
+
+void add_element_shares(const Decision& decision, const Search& search, Diagnosis& out) {
+  std::map<std::string, double> shares;
+  for (std::size_t i = 0; i < decision.rivals.size(); ++i)
+    for (const std::size_t member : decision.rivals[i]->members) {
+      const Candidate& candidate = search.candidates()[member];
+      double weight = 1.0 / static_cast<double>(decision.rivals[i]->members.size());
+      for (const DiagnosisAnswer& answer : out.answers)  // of two at once, by what each takes
+        if (answer.effect == candidate.name && out.answers.size() > 1) weight = answer.share;
+      shares[candidate.element] += weight * decision.probabilities[i];
+    }
+  double sum = 1e-300;
+  for (const auto& [element, share] : shares) sum += share;
+  for (const auto& [element, share] : shares)
+    if (share / sum > 0.005) out.elements.push_back({element, share / sum});
+  std::stable_sort(out.elements.begin(), out.elements.end(),
+                   [](const ElementShare& a, const ElementShare& b) { return a.share > b.share; });
+}
+
+void add_unknown(ResidualModel& model, const Decision& decision, const Search& search, const DecisionRules& rules,
+                 Diagnosis& out) {
+  double sum = 1e-300;
+  const std::vector<ElementPattern> ranked =
+      out.stopped ? screened_elements(search) : patterns_of_elements(model, search, rules);
+  std::vector<ElementPattern> patterns_by_element = ranked;
+  std::string element = decision.element;
+  if (decision.levels.line && element.empty()) {  // a periodic part in the force or the supply sits there
+    const std::string& channel = model.channels()[static_cast<std::size_t>(decision.levels.line->channel)].name;
+    element = channel == "F" ? "motion" : channel == "p_supply" ? "supply" : "";
+  }
+  if (!element.empty()) {
+    std::stable_partition(patterns_by_element.begin(), patterns_by_element.end(),
+                          [&](const ElementPattern& e) { return e.element == element; });
+    if (!patterns_by_element.empty() && patterns_by_element.front().element == element)
+      patterns_by_element.front().explained = std::max(ranked.front().explained * 1.01, 1e-9);
+  }
+  for (const ElementPattern& e : patterns_by_element) sum += e.explained;
+  for (const ElementPattern& e : patterns_by_element) out.elements.push_back({e.element, e.explained / sum});
+  DiagnosisAnswer answer;
+  answer.effect = "unknown";
+  answer.element = out.elements.empty() ? "motion" : out.elements.front().element;
+  answer.probability = rules.unknown_sure;
+  answer.note = decision.reason;
+  if (!decision.chosen->members.empty() && !decision.is_described) {
+    const double before = search.owner().fit.chi2(), after = decision.chosen->fit.chi2();
+    std::string names;
+    for (const std::size_t m : decision.chosen->members)
+      names += (names.empty() ? "" : " and ") + search.candidates()[m].name;
+    answer.note += fmt::format("; the best name, {}, takes {:.0f} % of the squared mismatch", names,
+                               100 * std::max(0.0, 1 - after / std::max(before, 1e-300)));
+  }
+  out.answers = {answer};
+}
+
+void add_candidates(const Decision& decision, const Search& search, Diagnosis& out) {
+  for (std::size_t i = 0; i < decision.rivals.size() && i < 12; ++i) {
+    RankedExplanation ranked;
+    for (const std::size_t m : decision.rivals[i]->members) ranked.effects.push_back(search.candidates()[m].name);
+    ranked.probability = decision.probabilities[i];
+    ranked.log_evidence_behind =
+        std::max(0.0, (decision.rivals.front()->log_evidence - decision.rivals[i]->log_evidence) / decision.growth);
+    out.candidates.push_back(ranked);
+  }
+}
+
+}  // namespace pneuservo

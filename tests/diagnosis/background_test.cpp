@@ -8,11 +8,11 @@
 
 #include <pneuservo/core/random.hpp>
 
-#include "diagnosis/cylinder_residuals.hpp"
-#include "diagnosis/decision.hpp"
 #include "diagnosis/diagnose.hpp"
-#include "diagnosis/search.hpp"
+#include "diagnosis/residuals/cylinder_residuals.hpp"
+#include "diagnosis/search/search.hpp"
 #include "diagnosis/simulated_recording.hpp"
+#include "diagnosis/verdict/decision.hpp"
 
 using namespace pneuservo;
 using namespace pneuservo::test;

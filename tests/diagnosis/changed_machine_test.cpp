@@ -7,10 +7,10 @@
 
 #include "config/input_error.hpp"
 #include "config/rig_parameters.hpp"
-#include "diagnosis/cylinder_residuals.hpp"
 #include "diagnosis/diagnose.hpp"
-#include "diagnosis/driven_axis_residuals.hpp"
-#include "diagnosis/recorded_rigs.hpp"
+#include "diagnosis/recordings/recorded_rigs.hpp"
+#include "diagnosis/residuals/cylinder_residuals.hpp"
+#include "diagnosis/residuals/driven_axis_residuals.hpp"
 #include "diagnosis/simulated_recording.hpp"
 #include "diagnosis/synthetic_axis.hpp"
 

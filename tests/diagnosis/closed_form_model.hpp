@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "diagnosis/residual_model.hpp"
+#include "diagnosis/residuals/residual_model.hpp"
 
 namespace pneuservo::test {
 

@@ -7,8 +7,8 @@
 #include <pneuservo/core/random.hpp>
 
 #include "config/rig_parameters.hpp"
-#include "diagnosis/command_answer.hpp"
-#include "diagnosis/cylinder_residuals.hpp"
+#include "diagnosis/residuals/command_answer.hpp"
+#include "diagnosis/residuals/cylinder_residuals.hpp"
 #include "diagnosis/simulated_recording.hpp"
 
 using namespace pneuservo;

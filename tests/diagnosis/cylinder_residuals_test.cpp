@@ -8,7 +8,7 @@
 #include <Eigen/Dense>
 
 #include "config/rig_parameters.hpp"
-#include "diagnosis/cylinder_residuals.hpp"
+#include "diagnosis/residuals/cylinder_residuals.hpp"
 #include "diagnosis/simulated_recording.hpp"
 
 using namespace pneuservo;

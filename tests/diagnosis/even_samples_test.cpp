@@ -6,10 +6,10 @@
 
 #include "config/input_error.hpp"
 #include "core/test_seed.hpp"
-#include "diagnosis/even_samples.hpp"
-#include "diagnosis/imposed_run.hpp"
+#include "diagnosis/recordings/even_samples.hpp"
+#include "diagnosis/recordings/stretches.hpp"
+#include "diagnosis/residuals/imposed_run.hpp"
 #include "diagnosis/simulated_recording.hpp"
-#include "diagnosis/stretches.hpp"
 
 using namespace pneuservo;
 using Catch::Matchers::Contains;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "diagnosis/closed_form_model.hpp"
-#include "diagnosis/fit.hpp"
+#include "diagnosis/search/fit.hpp"
 
 using namespace pneuservo;
 using namespace pneuservo::test;

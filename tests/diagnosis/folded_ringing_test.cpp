@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "diagnosis/cylinder_residuals.hpp"
-#include "diagnosis/folded_ringing.hpp"
+#include "diagnosis/residuals/cylinder_residuals.hpp"
+#include "diagnosis/residuals/folded_ringing.hpp"
 #include "diagnosis/simulated_recording.hpp"
 
 using namespace pneuservo;

@@ -7,7 +7,7 @@
 #include <pneuservo/elements/slider.hpp>
 
 #include "config/rig_parameters.hpp"
-#include "diagnosis/force_balance.hpp"
+#include "diagnosis/residuals/force_balance.hpp"
 
 using namespace pneuservo;
 

@@ -9,11 +9,11 @@
 #include <pneuservo/elements/slider.hpp>
 
 #include "config/read_rig.hpp"
-#include "diagnosis/candidates.hpp"
 #include "diagnosis/diagnose.hpp"
-#include "diagnosis/left_over.hpp"
 #include "diagnosis/result_text.hpp"
-#include "diagnosis/shown_candidates.hpp"
+#include "diagnosis/search/candidates.hpp"
+#include "diagnosis/search/shown_candidates.hpp"
+#include "diagnosis/verdict/left_over.hpp"
 
 using namespace pneuservo;
 

@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "diagnosis/cylinder_residuals.hpp"
-#include "diagnosis/decision.hpp"
 #include "diagnosis/diagnose.hpp"
+#include "diagnosis/residuals/cylinder_residuals.hpp"
 #include "diagnosis/simulated_recording.hpp"
+#include "diagnosis/verdict/decision.hpp"
 
 using namespace pneuservo;
 using namespace pneuservo::test;

@@ -3,7 +3,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "diagnosis/next_experiment.hpp"
+#include "diagnosis/verdict/next_experiment.hpp"
 
 using namespace pneuservo;
 

@@ -6,11 +6,11 @@
 
 #include "config/input_error.hpp"
 #include "core/test_seed.hpp"
-#include "diagnosis/channel_doubts.hpp"
-#include "diagnosis/recording_doubts.hpp"
+#include "diagnosis/doubts/channel_doubts.hpp"
+#include "diagnosis/doubts/recording_doubts.hpp"
+#include "diagnosis/doubts/wiring_doubts.hpp"
 #include "diagnosis/simulated_recording.hpp"
 #include "diagnosis/synthetic_axis.hpp"
-#include "diagnosis/wiring_doubts.hpp"
 
 using namespace pneuservo;
 using Catch::Matchers::Contains;

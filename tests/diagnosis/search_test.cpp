@@ -6,7 +6,7 @@
 
 #include "diagnosis/closed_form_model.hpp"
 #include "diagnosis/diagnose.hpp"
-#include "diagnosis/search.hpp"
+#include "diagnosis/search/search.hpp"
 #include "diagnosis/simulated_recording.hpp"
 
 using namespace pneuservo;

@@ -7,8 +7,8 @@
 #include "config/input_error.hpp"
 #include "config/rig_parameters.hpp"
 #include "core/test_seed.hpp"
-#include "diagnosis/cylinder_residuals.hpp"
-#include "diagnosis/stretches.hpp"
+#include "diagnosis/recordings/stretches.hpp"
+#include "diagnosis/residuals/cylinder_residuals.hpp"
 #include "diagnosis/table_recording.hpp"
 
 using namespace pneuservo;

@@ -6,7 +6,7 @@
 
 #include <pneuservo/core/random.hpp>
 
-#include "diagnosis/slow_error.hpp"
+#include "diagnosis/residuals/slow_error.hpp"
 
 using namespace pneuservo;
 

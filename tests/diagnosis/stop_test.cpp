@@ -8,10 +8,10 @@
 
 #include "config/rig_parameters.hpp"
 #include "core/test_seed.hpp"
-#include "diagnosis/cylinder_recording.hpp"
 #include "diagnosis/diagnose.hpp"
-#include "diagnosis/driven_axis_residuals.hpp"
-#include "diagnosis/gas_runs.hpp"
+#include "diagnosis/recordings/cylinder_recording.hpp"
+#include "diagnosis/residuals/driven_axis_residuals.hpp"
+#include "diagnosis/residuals/gas_runs.hpp"
 #include "diagnosis/simulated_recording.hpp"
 #include "diagnosis/synthetic_axis.hpp"
 

@@ -10,8 +10,8 @@
 #include "config/read_rig.hpp"
 #include "config/rig_parameters.hpp"
 #include "diagnosis/diagnose.hpp"
-#include "diagnosis/stroke_residuals.hpp"
-#include "diagnosis/vessel_residuals.hpp"
+#include "diagnosis/residuals/stroke_residuals.hpp"
+#include "diagnosis/residuals/vessel_residuals.hpp"
 
 using namespace pneuservo;
 

@@ -137,6 +137,19 @@ TEST_CASE("a spike is bridged, and a period in which an answer is a cycle late i
   REQUIRE(late.backend.process().counts().missed == 1);
 }
 
+TEST_CASE("after the end the bus is read off the loop's grid, and no answer is late") {
+  Bench b;
+  REQUIRE(b.run(100) == -1);
+  for (int i = 0; i < 3; ++i) {  // a second SYNC before the answers to the last one are read
+    b.loop.stop(b.backend, b.tick + i);
+    b.bus->advance(b.period_ns);
+  }
+  Measurement answers;
+  b.backend.read(b.tick + 3, answers);
+  REQUIRE(b.backend.process().counts().late == 0);
+  REQUIRE(b.backend.safe_output().sent_tick == b.tick);
+}
+
 TEST_CASE("a delayed channel of the device sends the counts of some periods before, and says nothing of it") {
   constexpr std::size_t periods = 7;
   Bench plain, delayed({}, {"delay:x:0.007@0.1"});

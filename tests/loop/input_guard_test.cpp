@@ -7,6 +7,7 @@
 #include <pneuservo/core/random.hpp>
 #include <pneuservo/elements/sensor.hpp>
 #include <pneuservo/loop/input_guard.hpp>
+#include <pneuservo/rig/possible_values.hpp>
 
 using namespace pneuservo;
 
@@ -135,6 +136,7 @@ TEST_CASE("equal samples prove nothing about a sensor without noise or with a co
   REQUIRE(frozen_after_ticks(0.0, 100.0) == 0);
   REQUIRE(frozen_after_ticks(0.0, 0.0) == 0);
   REQUIRE(frozen_after_ticks(10.0, 100.0) == 0);
+  REQUIRE(frozen_after_ticks(1.0, 100.0) == 0);  // to the last bit no sample leaves the quantum
   REQUIRE(frozen_after_ticks(300.0, 0.0) == 20);
   REQUIRE(frozen_after_ticks(300.0, 100.0) == 20);
   const int half = frozen_after_ticks(50.0, 100.0);

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "config/read_rig.hpp"
-#include "diagnosis/safe_references.hpp"
+#include "diagnosis/verdict/safe_references.hpp"
 #include "program/virtual_machine.hpp"
 
 using namespace pneuservo;

@@ -18,7 +18,7 @@ def trial(kind, *arguments):
 
 said = trial("mistakes", "--seed", str(SEED))
 right, _, all_of_them = said.splitlines()[-1].removeprefix("mistakes: ").removesuffix(" right").split()
-expect(int(all_of_them) >= 10 and int(right) >= 0.9 * int(all_of_them), f"mistakes: {said}")
+expect(int(all_of_them) >= 14 and int(right) == int(all_of_them), f"mistakes, seed {SEED}: {said}")
 # A machine whose name is sure, so that another draw of what is lost cannot leave it open.
 said = trial("variants", "--first", "104", "--effects", "valve_dead_band", "--rigs", "config/cylinder-2m-6.10mm.yaml",
              "--only", "second-row", "gap")

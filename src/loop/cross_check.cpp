@@ -12,6 +12,14 @@ namespace {
 
 using Two = Pack<double, 2>;
 
+/// The faults of the sides whose share is above 1.
+std::uint64_t exceeded(const std::array<double, 2>& share, const std::array<Fault, 2>& fault) noexcept {
+  std::uint64_t faults = 0;
+  for (std::size_t side = 0; side < 2; ++side)
+    if (share[side] > 1.0) faults |= fault[side];
+  return faults;
+}
+
 /// Air of one side, line and chamber at mid-stroke, at supply pressure [kg].
 double full_air_kg(const Rig& rig, const LineParameters<double>& line, double area_m2, double dead_volume_m3) {
   const double line_m3 = 0.25 * M_PI * line.diameter_m * line.diameter_m * line.length_m;
@@ -28,14 +36,14 @@ void CrossCheck::configure(const Rig& rig) {
   valves_.configure(valve_arrangement(rig), axis.valve, axis.effects.valve, rig.period_s);
   valves_.set_time_step(rig.period_s);
   period_s_ = rig.period_s;
-  critical_ratio_ = axis.valve.critical_pressure_ratio;
-  atmosphere_Pa_ = axis.air.atmosphere_Pa;
+  port_ = PortConstants<Two>(air_, Two(axis.valve.critical_pressure_ratio));
   flow_limit_share_ = rig.limits.flow_mismatch_share;
   chamber_limit_Pa_ = rig.limits.chamber_mismatch_Pa;
   const auto& e = axis.effects;
   leak_area_ = join(e.chamber_leak_1.area_m2 + e.line_leak_1.area_m2, e.chamber_leak_2.area_m2 + e.line_leak_2.area_m2);
   piston_leak_m2_ = e.piston_leak.area_m2;
   leak_zone_ = e.piston_leak_zone;
+  leaks_ = any(leak_area_ > Two(0)) || piston_leak_m2_ > 0.0 || leak_zone_.area_m2 > 0.0;
   const auto& c = axis.cylinder;
   floor_kg_ = join(floor_share * full_air_kg(rig, axis.line_1, c.area_1_m2, c.dead_volume_1_m3),
                    floor_share * full_air_kg(rig, axis.line_2, c.area_2_m2, c.dead_volume_2_m3));
@@ -59,16 +67,14 @@ CrossCheck::Two CrossCheck::valve_flow(const CrossCheckInput& in) noexcept {
   const PortAreas<Two> areas = valves_.step(0.0);
   const Two now = join(in.port_Pa[0], in.port_Pa[1]), middle = Two(0.5) * (now + port_Pa_);
   port_Pa_ = now;
-  const Two b(critical_ratio_), T = air_.temperature_K;
-  return orifice_mass_flow(air_, areas.supply, b, Two(in.supply_Pa), T, middle, T) -
-         orifice_mass_flow(air_, areas.exhaust, b, middle, T, Two(atmosphere_Pa_), T);
+  return valve_port_inflow(port_, air_, {areas.supply, areas.exhaust, Two(in.supply_Pa), port_.shape.critical}, middle);
 }
 
 CrossCheck::Two CrossCheck::known_leaks(double position_m, const EstimatorOutput& estimate) const noexcept {
   const Two p = join(estimate.chamber_pressure_Pa[0], estimate.chamber_pressure_Pa[1]), T = air_.temperature_K;
-  const Two b(critical_ratio_);
+  const Two b = port_.shape.critical;
   const Two other = join(estimate.chamber_pressure_Pa[1], estimate.chamber_pressure_Pa[0]);
-  return orifice_mass_flow(air_, leak_area_, b, p, T, Two(atmosphere_Pa_), T) +
+  return orifice_mass_flow(air_, leak_area_, b, p, T, air_.atmosphere_Pa, T) +
          orifice_mass_flow(air_, Two(piston_leak_m2_ + leak_zone_.area_at(position_m)), b, p, T, other, T);
 }
 
@@ -98,25 +104,28 @@ std::uint64_t CrossCheck::check(const CrossCheckInput& in, const EstimatorOutput
   watching_ = true;
   const Two into_line = join(estimate.port_mass_flow_kgps[0], estimate.port_mass_flow_kgps[1]);
   const Two dt(period_s_), keep(decay_);
-  missing_kg_ = keep * missing_kg_ + dt * (through_valve - into_line - known_leaks(in.position_m, estimate));
+  const Two leaked = leaks_ ? known_leaks(in.position_m, estimate) : Two(0);
+  missing_kg_ = keep * missing_kg_ + dt * (through_valve - into_line - leaked);
   through_kg_ = keep * through_kg_ + dt * Two(0.5) * (absolute(through_valve) + absolute(into_line));
-  const Two measured = join(in.chamber_Pa[0], in.chamber_Pa[1]),
-            estimated = join(estimate.chamber_pressure_Pa[0], estimate.chamber_pressure_Pa[1]);
-  std::uint64_t faults = 0;
-  for (int i = 0; i < 2; ++i) {
-    const auto side = static_cast<std::size_t>(i);
-    if (flow_limit_share_ > 0.0) {
-      flow_share_[side] = std::fabs(missing_kg_[i]) / (flow_limit_share_ * through_kg_[i] + floor_kg_[i]);
-      if (flow_share_[side] > 1.0) faults |= fault_flow_mismatch_1 << i;
-    }
-    if (chamber_limit_Pa_ > 0.0 && std::isfinite(measured[i])) {
-      const double change = smoothing_ * (measured[i] - estimated[i] - difference_Pa_[i]);
-      set_lane(difference_Pa_, i, difference_Pa_[i] + change);
-      chamber_share_[side] = std::fabs(difference_Pa_[i]) / (chamber_limit_Pa_ + estimate.error_bound_Pa[i]);
-      if (chamber_share_[side] > 1.0) faults |= fault_chamber_mismatch_1 << i;
-    }
-  }
-  return faults;
+  return judge_air() | judge_chambers(join(in.chamber_Pa[0], in.chamber_Pa[1]), estimate);
+}
+
+std::uint64_t CrossCheck::judge_air() noexcept {
+  if (!(flow_limit_share_ > 0.0)) return 0;
+  const Two share = absolute(missing_kg_) / (Two(flow_limit_share_) * through_kg_ + floor_kg_);
+  flow_share_ = {low(share), high(share)};
+  return exceeded(flow_share_, {fault_flow_mismatch_1, fault_flow_mismatch_2});
+}
+
+std::uint64_t CrossCheck::judge_chambers(const Two& measured_Pa, const EstimatorOutput& estimate) noexcept {
+  if (!(chamber_limit_Pa_ > 0.0)) return 0;
+  const Two estimated = join(estimate.chamber_pressure_Pa[0], estimate.chamber_pressure_Pa[1]),
+            bound = join(estimate.error_bound_Pa[0], estimate.error_bound_Pa[1]);
+  const Two change = Two(smoothing_) * (measured_Pa - estimated - difference_Pa_);
+  difference_Pa_ += select(measured_Pa == measured_Pa, change, Two(0));  // without a sensor it is NaN
+  const Two share = absolute(difference_Pa_) / (Two(chamber_limit_Pa_) + bound);
+  chamber_share_ = {low(share), high(share)};
+  return exceeded(chamber_share_, {fault_chamber_mismatch_1, fault_chamber_mismatch_2});
 }
 
 }  // namespace pneuservo

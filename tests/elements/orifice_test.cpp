@@ -3,6 +3,7 @@
 
 #include <pneuservo/core/random.hpp>
 #include <pneuservo/elements/orifice.hpp>
+#include <pneuservo/elements/valve_port.hpp>
 
 using namespace pneuservo;
 
@@ -20,6 +21,21 @@ TEST_CASE("orifice: swapping the sides turns the sign, exactly; equal pressures 
     REQUIRE((G > 0.0) == (p_1 > p_2));
     REQUIRE(orifice_mass_flow(air, S, b, p_1, T_1, p_1, T_2) == 0.0);
     REQUIRE(orifice_mass_flow(air, 0.0, b, p_1, T_1, p_2, T_2) == 0.0);
+  }
+}
+
+TEST_CASE("orifice: what flows into a port at a known pressure is the sum of its two orifices") {
+  const std::uint64_t seed = 8;
+  INFO("seed " << seed);
+  Random random(seed);
+  const Air<double> air;
+  for (int i = 0; i < 2000; ++i) {
+    const double b = random.uniform(0.1, 0.6), p = random.uniform(0.5e5, 9e5), T = air.temperature_K;
+    const ValvePort<double> valve{random.uniform(0, 1e-5), random.uniform(0, 1e-5), random.uniform(2e5, 8e5), b};
+    const double into = orifice_mass_flow(air, valve.supply_area_m2, b, valve.supply_pressure_Pa, T, p, T),
+                 out = orifice_mass_flow(air, valve.exhaust_area_m2, b, p, T, air.atmosphere_Pa, T);
+    const double flow = valve_port_inflow(PortConstants<double>(air, b), air, valve, p);
+    REQUIRE(flow == Approx(into - out).margin(1e-12 + 1e-9 * (std::fabs(into) + std::fabs(out))));
   }
 }
 

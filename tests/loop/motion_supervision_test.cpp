@@ -11,6 +11,7 @@
 #include "loop/loop_rigs.hpp"
 #include "loop/motion_limits.hpp"
 #include "loop/told_payload.hpp"
+#include "loop/trial_motion.hpp"
 #include "sim/sim_backend.hpp"
 
 using namespace pneuservo;
@@ -112,6 +113,28 @@ constexpr std::array<const char*, 4> rigs{"cylinder-2m-4.15mm", "cylinder-5m-6.1
                                           "cylinder-10m-4.15mm"};
 
 }  // namespace
+
+TEST_CASE("motion: the prediction's one cell a line costs little of what the limits leave") {
+  const std::string name = GENERATE(from_range(rigs.begin(), rigs.end()));
+  const Rig rig = config_rig(name, {"simulation.cells_per_m=4"});
+  const Reference reference(rig.reference, {});
+  MotionPrediction prediction = predict_motion(rig, reference);
+  MotionTwin fine = prediction.twin;
+  fine.set_machine(rig, rig.axis, MotionTwin::simulated_cells(rig));
+  const TrialMotion motion(rig, reference, fine);
+  start_at(prediction.twin, rig, motion.start_m);
+  start_at(fine, rig, motion.start_m);
+  double off_m = 0.0;
+  for (std::int64_t tick = 0; tick < motion.last_tick; ++tick) {
+    const ControlInput in = motion.at(tick);
+    prediction.twin.step(in, rig.axis.supply.pressure_Pa, MotionLimits::unlimited);
+    fine.step(in, rig.axis.supply.pressure_Pa, MotionLimits::unlimited);
+    off_m = std::max(off_m, std::fabs(prediction.twin.position_m() - fine.position_m()));
+  }
+  CAPTURE(name, off_m, prediction.limits.deviation_m);
+  CHECK(prediction.twin.cells() == 1);
+  CHECK(off_m < 0.1 * prediction.limits.deviation_m);
+}
 
 TEST_CASE("motion: machines within tolerances, payload and friction are no fault") {
   const std::string name = GENERATE(from_range(rigs.begin(), rigs.end()));

@@ -59,6 +59,7 @@ template <class S> struct OrificeShape {
 
 /// What the solution needs of the gas and the orifices' shape, computed once.
 template <class S> struct PortConstants {
+  double tolerance = port_tolerance;
   S inverse_RT, half_inverse_cp, inflow,
       inverse_atmosphere;  // inflow: K_f/sqrt(R T_s), choked flow per pressure and area
   detail::OrificeShape<S> shape;
@@ -69,6 +70,17 @@ template <class S> struct PortConstants {
         inflow(air.flow_constant / square_root(air.R * air.temperature_K)),
         inverse_atmosphere(S(1) / air.atmosphere_Pa), shape(critical_pressure_ratio) {}
 };
+
+/// Flow of both orifices into a port at pressure p [kg/s], all gas at ambient temperature.
+template <class S>
+S valve_port_inflow(const PortConstants<S>& k, const Air<S>& air, const ValvePort<S>& valve, const S& p) noexcept {
+  const S inverse_p = S(1) / p, open_supply = valve.supply_area_m2 * k.inflow,
+          open_exhaust = valve.exhaust_area_m2 * k.inflow;
+  const detail::PortOrifice<S> supply{valve.supply_pressure_Pa, S(1) / valve.supply_pressure_Pa, open_supply,
+                                      open_supply};
+  const detail::PortOrifice<S> exhaust{air.atmosphere_Pa, k.inverse_atmosphere, open_exhaust, open_exhaust};
+  return k.shape.at(supply, p, inverse_p).flow + k.shape.at(exhaust, p, inverse_p).flow;
+}
 
 /// Solves A rho_b (u_star + K p) = G_supply(p) - G_exhaust(p) for the port pressure p, rho_b = p/(R T_s) inward and
 /// rho_1 outward: both sides are monotone in p, so Newton inside a bracket that bisects when a step leaves it.
@@ -115,7 +127,7 @@ PortSolution<S> solve_valve_port(const PortConstants<S>& k, const Air<S>& air, c
     const S change = next - p;
     flow = select(done, flow, select(inside, line + line_slope * change, orifices));
     p = select(done, p, next);
-    done = done | (absolute(change) <= S(port_tolerance) * p);
+    done = done | (absolute(change) <= S(k.tolerance) * p);
     if (all(done)) [[likely]]
       break;
     // Where two steps are enough the start is near, and so is its stagnation temperature (1e-4 of the flow).

@@ -24,6 +24,10 @@ class Line<Pack<T, N>> : public LineSteps<Line<Pack<T, N>>, Pack<T, N>> {
     low_.set_effects(half_of<false>(effects));
     high_.set_effects(half_of<true>(effects));
   }
+  void set_port_tolerance(double tolerance) noexcept {
+    low_.set_port_tolerance(tolerance);
+    high_.set_port_tolerance(tolerance);
+  }
   void set_adiabatic(bool adiabatic) noexcept {
     low_.set_adiabatic(adiabatic);
     high_.set_adiabatic(adiabatic);

@@ -49,17 +49,19 @@ class CrossCheck {
  private:
   using Two = Pack<double, 2>;
   Two valve_flow(const CrossCheckInput& in) noexcept;
+  std::uint64_t judge_air() noexcept;
+  std::uint64_t judge_chambers(const Two& measured_Pa, const EstimatorOutput& estimate) noexcept;
   Two known_leaks(double position_m, const EstimatorOutput& estimate) const noexcept;
 
   Air<Two> air_;
+  PortConstants<Two> port_;
   Valves<double> valves_;
-  double period_s_ = 1e-3, critical_ratio_ = 0.35, atmosphere_Pa_ = 101325.0, flow_limit_share_ = 0.0,
-         chamber_limit_Pa_ = 0.0;
+  double period_s_ = 1e-3, flow_limit_share_ = 0.0, chamber_limit_Pa_ = 0.0;
   Two leak_area_{}, port_Pa_{}, missing_kg_{}, through_kg_{}, difference_Pa_{}, floor_kg_{};
   PistonLeakZone<double> leak_zone_;
   double piston_leak_m2_ = 0.0, decay_ = 0.0, smoothing_ = 1.0;
   std::int64_t settled_after_ = 0, ticks_ = 0;
-  bool started_ = false, watching_ = false;
+  bool started_ = false, watching_ = false, leaks_ = false;
   std::array<double, 2> flow_share_{}, chamber_share_{};
 };
 

@@ -23,9 +23,8 @@ struct TwinNoise {
 /// of the machines from which the limits follow (src/loop/motion_limits.cpp). All of it but configure is HOT.
 class MotionTwin {
  public:
-  /// Cells of each line. The prediction needs what moves the slider, some 10 Hz, for which 2.5 m a cell are enough;
-  /// each cell costs 12 ns a tick.
-  static constexpr int most_cells = 4;
+  /// Relative change of a port's pressure that ends its solution: one Newton step, which leaves half its square, 30 Pa.
+  static constexpr double port_tolerance = 1e-2;
 
   /// Allocates; throws what the law's configuration throws. The plant is the rig's own.
   /// `resting_force_N`: force of the air that friction may hold, or noise may show, at rest.
@@ -39,11 +38,10 @@ class MotionTwin {
     chambers_ = law_.pressure_source() != PressureSource::valve;
     aged_ = rig.simulation.input_age_periods > 0;
     configure_sensors(rig);
-    const auto& axis = rig.axis;
-    const int needed = std::max(cell_count(axis.line_1.length_m, 1.0), cell_count(axis.line_2.length_m, 1.0));
-    // A law on port pressures meets the line's ringing, which coarse cells have too stiff above 100 Hz.
+    // One cell has a line's volume, inertia and resistance, which is what moves the slider. A law on port pressures
+    // meets the line's ringing as well.
     const bool rings = rig.controller.kind == ControllerKind::pd_force && !chambers_;
-    set_machine(rig, axis, rings ? simulated_cells(rig) : std::min(needed, most_cells));
+    set_machine(rig, rig.axis, rings ? simulated_cells(rig) : 1);
   }
   /// Cells of each line of the simulated machine.
   static int simulated_cells(const Rig& rig) noexcept {
@@ -52,7 +50,7 @@ class MotionTwin {
   }
   /// Another plant behind the rig's law. Allocates.
   void set_machine(const Rig& rig, const AxisParameters<double>& machine, int cells) {
-    plant_.configure(machine, rig.period_s, PlantGrid{cells, 0}, valve_arrangement(rig));
+    plant_.configure(machine, rig.period_s, PlantGrid{cells, 0, port_tolerance}, valve_arrangement(rig));
     cells_ = cells;
     droops_ = machine.effects.supply_droop.area_m2 > 0.0;
   }

@@ -27,6 +27,8 @@ class SupervisionHealth {
   /// Of limits.missed_share: one gap counts no more, for its length is the matter of limits.lateness_s. Two of them
   /// within 0.25 s are a fault, as are gaps of 21 % that are 50 ms long.
   static constexpr double most_of_one_gap = 0.7;
+  /// Smaller shares are none; without end they would become subnormal numbers, which are slow.
+  static constexpr double least_share = 1e-12;
   /// Of the stroke: less motion changes less air than CrossCheck::floor_share, which no check sees either.
   static constexpr double moving_share = CrossCheck::floor_share;
 
@@ -43,6 +45,7 @@ class SupervisionHealth {
   }
   void reset() noexcept {
     bad_.fill(0.0);
+    bad_lately_ = false;
     missed_ = rested_ticks_ = 0.0;
     slept_before_ns_ = slept_ns_;
   }
@@ -51,12 +54,10 @@ class SupervisionHealth {
   /// that were skipped before it.
   std::uint64_t check_tick(const std::array<bool, 6>& bad, std::int64_t skipped) noexcept {
     std::uint64_t faults = 0;
-    for (std::size_t i = 0; i < bad.size(); ++i) bad_[i] = keep_ * bad_[i] + (bad[i] ? 1.0 - keep_ : 0.0);
-    if (bad_[0] > bad_limit_) faults |= fault_position_unreliable;
-    for (std::size_t i = 1; i < bad.size(); ++i)
-      if (bad_[i] > bad_limit_) faults |= fault_pressure_unreliable;
+    if (bad_lately_ || std::ranges::find(bad, true) != bad.end()) [[unlikely]]
+      faults |= check_bad(bad);
     if (skipped > 0) note_gap(skipped);
-    missed_ *= keep_;
+    missed_ = missed_ > least_share ? keep_ * missed_ : 0.0;
     if (missed_ > missed_limit_) faults |= fault_missed_slots;
     if (slept_ns_ > slept_before_ns_) faults |= fault_suspended;
     return faults;
@@ -81,6 +82,17 @@ class SupervisionHealth {
   double missed_share() const noexcept { return missed_; }
 
  private:
+  std::uint64_t check_bad(const std::array<bool, 6>& bad) noexcept {
+    bad_lately_ = false;
+    for (std::size_t i = 0; i < bad.size(); ++i) {
+      const double kept = bad_[i] > least_share ? keep_ * bad_[i] : 0.0;
+      bad_[i] = kept + (bad[i] ? 1.0 - keep_ : 0.0);
+      bad_lately_ = bad_lately_ || bad_[i] > 0.0;
+    }
+    const bool pressures = *std::max_element(bad_.begin() + 1, bad_.end()) > bad_limit_;
+    return (bad_[0] > bad_limit_ ? std::uint64_t{fault_position_unreliable} : 0) |
+           (pressures ? std::uint64_t{fault_pressure_unreliable} : 0);
+  }
   void note_gap(std::int64_t slots) noexcept {
     const double kept = std::exp(-static_cast<double>(slots) / window_ticks_);
     missed_ = kept * missed_ + std::min(1.0 - kept, most_of_one_gap * missed_limit_);
@@ -88,7 +100,7 @@ class SupervisionHealth {
 
   double bad_limit_ = 1.0, missed_limit_ = 1.0, rest_limit_ticks_ = 0.0, moving_m_ = 0.0, window_ticks_ = 300.0,
          keep_ = 1.0;
-  bool checks_exist_ = false;
+  bool checks_exist_ = false, bad_lately_ = false;
   std::array<double, 6> bad_{};
   double missed_ = 0.0, rested_ticks_ = 0.0, lowest_m_ = 0.0, highest_m_ = 0.0;
   std::int64_t slept_ns_ = 0, slept_before_ns_ = 0;

@@ -21,10 +21,11 @@ template <class S> S balancing_pressure_2(const AxisParameters<S>& axis, const S
   return (a_1 * pressure_1_Pa - (a_1 - a_2) * p_atm) / a_2;
 }
 
-/// Cells and sub-steps of both lines, the same for every lane.
+/// Numerical effort for both lines, the same for every lane.
 struct PlantGrid {
   int cells = 0;
   int substeps = 0;  ///< of a period; 0: as many as sound and flow need, over all lanes
+  double port_tolerance = pneuservo::port_tolerance;
 };
 
 /// Both sides are computed side by side in the lanes of Pair<S>; S itself may carry several rigs.
@@ -49,6 +50,7 @@ template <class S> class AxisPlant {
     sides_.configure(join_parameters<LineParameters<P>>(axis.line_1, axis.line_2), side_geometry(axis),
                      join_parameters<AirParameters<P>>(axis.air, axis.air), grid.cells);
     sides_.fix_substeps(grid.substeps);
+    sides_.line().set_port_tolerance(grid.port_tolerance);
     LineEffects<P> line_effects;
     line_effects.restriction =
         join_parameters<LineRestriction<P>>(axis.effects.line_restriction_1, axis.effects.line_restriction_2);

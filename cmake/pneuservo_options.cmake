@@ -24,6 +24,17 @@ if(PNEUSERVO_ARCHITECTURE)
   add_compile_options(-march=${PNEUSERVO_ARCHITECTURE})
 endif()
 add_compile_options(-Wall -Wextra -Wshadow -Wno-psabi)
+# Of the program besides (src, hal): conversions that lose digits or signs, casts that the reader does not see, conditions
+# and branches that stand twice. Tests are left out, whose macros cast.
+set(PNEUSERVO_STRICT_WARNINGS -Wconversion -Wsign-conversion -Wdouble-promotion -Wold-style-cast -Wcast-align -Wformat=2
+  -Wnon-virtual-dtor -Woverloaded-virtual -Wextra-semi -Wredundant-decls)
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  list(APPEND PNEUSERVO_STRICT_WARNINGS -Wuseless-cast -Wlogical-op -Wduplicated-cond -Wduplicated-branches)
+endif()
+option(PNEUSERVO_WARNINGS_AS_ERRORS "Stop at a warning; on in the preset release, which continuous integration builds" OFF)
+if(PNEUSERVO_WARNINGS_AS_ERRORS)
+  add_compile_options(-Werror)
+endif()
 
 set(PNEUSERVO_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
 if(PNEUSERVO_SANITIZE)

@@ -29,7 +29,7 @@ add_compile_options(-Wall -Wextra -Wshadow -Wno-psabi)
 set(PNEUSERVO_STRICT_WARNINGS -Wconversion -Wsign-conversion -Wdouble-promotion -Wold-style-cast -Wcast-align -Wformat=2
   -Wnon-virtual-dtor -Woverloaded-virtual -Wextra-semi -Wredundant-decls)
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
-  list(APPEND PNEUSERVO_STRICT_WARNINGS -Wuseless-cast -Wlogical-op -Wduplicated-cond -Wduplicated-branches)
+  list(APPEND PNEUSERVO_STRICT_WARNINGS -Wlogical-op -Wduplicated-cond -Wduplicated-branches)
 endif()
 option(PNEUSERVO_WARNINGS_AS_ERRORS "Stop at a warning; on in the preset release, which continuous integration builds" OFF)
 if(PNEUSERVO_WARNINGS_AS_ERRORS)

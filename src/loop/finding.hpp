@@ -17,7 +17,8 @@ struct Finding {
   std::string topic;   ///< what was looked at, e.g. "scheduling policy"
   std::string what;    ///< what was found, with its value
   std::string remedy;
-  std::vector<std::map<std::string, double>> figures{};  ///< numbers of `what`, by key with unit, for the JSON; NaN: none
+  std::vector<std::map<std::string, double>>
+      figures{};  ///< numbers of `what`, by key with unit, for the JSON; NaN: none
 };
 
 /// The worst level of a list; good when it is empty.

@@ -59,7 +59,8 @@ TEST_CASE("the deviation plot shows measured less predicted position, the permit
   REQUIRE(plot.marks[0].x == Approx(1.8 - start_s));
 }
 
-TEST_CASE("the deviation plot has one band for all runs, none where nothing is checked, no curve without a prediction") {
+TEST_CASE(
+    "the deviation plot has one band for all runs, none where nothing is checked, no curve without a prediction") {
   RunResult second = drifting();
   second.pressure_source = "valve";
   const Plot both = deviation_plot(report_of({drifting(), second}), period_s);

@@ -32,10 +32,12 @@ def must(*command, **options):
     return done.stdout
 
 
-# The libraries that run an axis, not optimised, and the smallest program on them.
+# The library that runs an axis, not optimised, and the smallest program on it and the simulated plant.
 (work / "toy.cmake").write_text(f"""cmake_language(DEFER DIRECTORY {copy} CALL include {work}/target.cmake)\n""")
-(work / "target.cmake").write_text("""add_executable(places ${CMAKE_SOURCE_DIR}/tests/system/places_program.cpp)
-target_link_libraries(places PRIVATE pneuservo_core pneuservo_hal)
+(work / "target.cmake").write_text("""file(GLOB sim ${CMAKE_SOURCE_DIR}/hal/sim/*.cpp)
+add_executable(places ${CMAKE_SOURCE_DIR}/tests/system/places_program.cpp ${sim})
+target_include_directories(places PRIVATE ${CMAKE_SOURCE_DIR}/hal)
+target_link_libraries(places PRIVATE pneuservo_core)
 """)
 must("cmake", "-S", copy, "-B", work / "build", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O0", "-DPNEUSERVO_BUILD_TESTS=OFF",
      f"-DCMAKE_PROJECT_pneuservo_INCLUDE={work}/toy.cmake")

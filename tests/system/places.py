@@ -47,6 +47,14 @@ class Addition:
 
 
 EFFECT = "include/pneuservo/elements/"
+FILL_ROW = Edit("src/loop/axis_loop.cpp", "\n  row_.toy_mps = 2.0 * velocity_mps_;", "  row_.v_mps = velocity_mps_;")
+# One line where the columns are a list, else a member, its line of the visit and the count of all.
+if "COLUMN(double, v_mps, none)" in (SOURCE / "include/pneuservo/record/row.hpp").read_text(encoding="utf-8"):
+    COLUMN_EDITS = (Edit("include/pneuservo/record/row.hpp", " COLUMN(double, toy_mps, none)", "COLUMN(double, v_mps, none)"), FILL_ROW)
+else:
+    COLUMN_EDITS = (Edit("include/pneuservo/record/row.hpp", "\n  double toy_mps = none;", "  double x_m = none, v_mps = none;"),
+                    Edit("include/pneuservo/record/row.hpp", '\n    v(std::string_view("toy_mps"), r.toy_mps...);', '    v(std::string_view("v_mps"), r.v_mps...);'),
+                    Edit("src/record/row_text.hpp", " + 1", "column_count = 32"), FILL_ROW)
 ADDITIONS = (
     Addition("effect", "toy_drag", (
         Edit(EFFECT + "motion_effects.hpp", '''
@@ -73,11 +81,7 @@ template <class S> struct ToyDrag {
         Edit("tools/effect-signatures", '\n        Row("toy_drag", {"coefficient_Ns_per_m": 20}, "A straight line through zero.", F, "speed"),',
              'Row("quadratic_drag", {"coefficient_Ns2_per_m2": 30}, "Nothing when slow, then ever steeper.", F, "speed"),'),
     ), beside=(EFFECT + "effects.hpp",)),
-    Addition("column of a recording", "toy_mps2", (
-        Edit("include/pneuservo/record/row.hpp", "\n  double toy_mps = none;", "  double x_m = none, v_mps = none;"),
-        Edit("include/pneuservo/record/row.hpp", '\n    v(std::string_view("toy_mps"), r.toy_mps...);', '    v(std::string_view("v_mps"), r.v_mps...);'),
-        Edit("src/loop/axis_loop.cpp", "\n  row_.toy_mps = 2.0 * velocity_mps_;", "  row_.v_mps = velocity_mps_;"),
-    )),
+    Addition("column of a recording", "toy_mps", COLUMN_EDITS, beside=("include/pneuservo/core/signal.hpp",)),
     Addition("verb", "toy", (
         Edit("src/program/toy.cpp", '''// Verb `toy`: says so.
 #include <cstdio>

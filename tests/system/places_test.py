@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
 # Adds a toy effect, column and verb to a copy of the sources by touching exactly the files that docs/architecture.md names, and shows that they work.
-# tags: long
 import csv, gzip, os, pathlib, shutil, subprocess, sys, tempfile
 
 sys.dont_write_bytecode = True

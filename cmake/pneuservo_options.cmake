@@ -23,7 +23,25 @@ set(PNEUSERVO_ARCHITECTURE "${_default_architecture}" CACHE STRING
 if(PNEUSERVO_ARCHITECTURE)
   add_compile_options(-march=${PNEUSERVO_ARCHITECTURE})
 endif()
+# g++ 12 takes the sum of a text and a string for a copy onto itself (GCC bug 105651).
 add_compile_options(-Wall -Wextra -Wshadow -Wno-psabi)
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  add_compile_options(-Wno-restrict)
+endif()
+# Of the program (src, hal) besides, shown and no errors: conversions that lose digits or signs, casts that the reader does
+# not see, conditions and branches that stand twice.
+set(shown conversion sign-conversion double-promotion old-style-cast cast-align format=2 non-virtual-dtor
+  overloaded-virtual extra-semi redundant-decls)
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  list(APPEND shown logical-op duplicated-cond duplicated-branches)
+endif()
+list(TRANSFORM shown PREPEND -W OUTPUT_VARIABLE PNEUSERVO_PROGRAM_WARNINGS)
+option(PNEUSERVO_WARNINGS_AS_ERRORS "Stop at a warning in the program; on in the preset release" OFF)
+if(PNEUSERVO_WARNINGS_AS_ERRORS)
+  list(APPEND shown maybe-uninitialized)  # g++ 12 finds them in std::regex (GCC bug 105562)
+  list(TRANSFORM shown PREPEND -Wno-error=)
+  list(APPEND PNEUSERVO_PROGRAM_WARNINGS -Werror ${shown})
+endif()
 
 set(PNEUSERVO_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
 if(PNEUSERVO_SANITIZE)

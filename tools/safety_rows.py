@@ -83,11 +83,9 @@ def deviates(scenario, out, line, may_refuse=False):
 def stated_payload(runner, line, kg):
     """What check states of the next lighter payload of its list: seconds after 1 mm and mm off, inf where it cannot be
     told; None where it states nothing."""
-    said = runner.checked(runner.config(line))
-    cannot = re.search(r"payload of ([\d., ]+) kg cannot be told", said)
-    stated = {float(one): (math.inf, math.inf) for one in re.split(r",\s*", cannot[1])} if cannot else {}
-    for one, after_s, off_mm in re.findall(r"([\d.]+) kg after ([\d.]+) s, ([\d.]+) mm off", said):
-        stated[float(one)] = (float(after_s), float(off_mm))
+    found = next((one for one in runner.checked(runner.config(line)) if one["topic"] == "unknown payload"), {})
+    stated = {one["payload_kg"]: (math.inf, math.inf) if one["after_s"] is None else (one["after_s"], 1e3 * one["off_m"])
+              for one in found.get("figures", [])}
     lighter = [one for one in stated if one <= kg + 1e-9]
     return stated[max(lighter)] if lighter else None
 

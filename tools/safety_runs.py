@@ -2,6 +2,7 @@
 """Truth is the plant's own state, recorded by the plant's side: `device --record` of two processes, x_true_m of one."""
 import bisect
 import gzip
+import json
 import math
 import os
 import pathlib
@@ -196,9 +197,9 @@ class Runner:
         return subprocess.run([self.program, *map(str, words)], capture_output=True, text=True, timeout=timeout)
 
     def checked(self, config):
-        """What check says of a config, once."""
+        """What check finds of a config, once."""
         if str(config) not in self.checks:
-            self.checks[str(config)] = self.call("check", config).stdout
+            self.checks[str(config)] = json.loads(self.call("check", config, "--json", "-").stdout)["config"]
         return self.checks[str(config)]
 
     def nominal(self, config, duration_s, age):

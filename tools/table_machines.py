@@ -91,6 +91,7 @@ def make_case(number, folder, options):
             print(f"{folder.name}: draw {attempt + 1} put aside: {failed}", flush=True)
             continue
         (folder / "rig.yaml").write_text(yaml.safe_dump(owner, sort_keys=False), encoding="utf-8")
+        truth["config"] = config.stem
         truth["true_parameters"] = {p: get(rig, p) for p in owner["tolerances"]}
         (folder / "truth.yaml").write_text(yaml.safe_dump(truth, sort_keys=False), encoding="utf-8")
         return True

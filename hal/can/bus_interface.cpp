@@ -22,9 +22,15 @@ namespace {
 
 /// Calls visit(type, data, length) for each attribute of a netlink message's part.
 template <class Visit> void each_attribute(const void* part, std::size_t length, const Visit& visit) {
-  auto* attribute = static_cast<const rtattr*>(part);
-  for (int left = static_cast<int>(length); RTA_OK(attribute, left); attribute = RTA_NEXT(attribute, left))
+  const char* at = static_cast<const char*>(part);
+  while (length >= sizeof(rtattr)) {
+    const auto* attribute = reinterpret_cast<const rtattr*>(at);
+    if (attribute->rta_len < sizeof(rtattr) || attribute->rta_len > length) return;
     visit(attribute->rta_type & NLA_TYPE_MASK, RTA_DATA(attribute), RTA_PAYLOAD(attribute));
+    const std::size_t step = std::min<std::size_t>(RTA_ALIGN(attribute->rta_len), length);
+    at += step;
+    length -= step;
+  }
 }
 
 template <class T> T copied(const void* data, std::size_t length) {
@@ -46,7 +52,8 @@ BusInterface read_link(const nlmsghdr* message) {
   const auto* link = static_cast<const ifinfomsg*>(NLMSG_DATA(message));
   found.is_can = link->ifi_type == ARPHRD_CAN;
   found.is_up = (link->ifi_flags & IFF_UP) != 0;
-  each_attribute(IFLA_RTA(link), IFLA_PAYLOAD(message), [&](int type, const void* data, std::size_t length) {
+  const void* attributes = reinterpret_cast<const char*>(link) + NLMSG_ALIGN(sizeof(ifinfomsg));
+  each_attribute(attributes, IFLA_PAYLOAD(message), [&](int type, const void* data, std::size_t length) {
     if (type == IFLA_TXQLEN) found.queue_length = copied<std::uint32_t>(data, length);
     if (type == IFLA_QDISC) found.queue_discipline = static_cast<const char*>(data);
     if (type != IFLA_LINKINFO) return;

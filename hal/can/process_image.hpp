@@ -156,7 +156,7 @@ class CanProcessImage {
   };
   struct Watch {
     std::int64_t seen_ns = 0, beat_ns = 0;
-    AnswerBalance balance;
+    AnswerBalance balance{};
     bool lost = false, substituted = false;
   };
   /// What an output was given of late: a device shows the command of this SYNC, or of the one before.

@@ -104,7 +104,8 @@ struct Slot {
   }
 };
 
-bool is_no_news(int reason) noexcept { return reason == EAGAIN || reason == EWOULDBLOCK || reason == EINTR; }
+static_assert(EAGAIN == EWOULDBLOCK);
+bool is_no_news(int reason) noexcept { return reason == EAGAIN || reason == EINTR; }
 
 SocketMessage message_of(const Slot& slot, const msghdr& header, ssize_t length, const Now& now,
                          ArrivalClock& clock) noexcept {

@@ -1,5 +1,6 @@
 // A finding: one thing that was looked at, how good it is, what was found and what to do about it.
 #pragma once
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +17,8 @@ struct Finding {
   std::string topic;   ///< what was looked at, e.g. "scheduling policy"
   std::string what;    ///< what was found, with its value
   std::string remedy;
+  std::vector<std::map<std::string, double>>
+      figures{};  ///< numbers of `what`, by key with unit, for the JSON; NaN: none
 };
 
 /// The worst level of a list; good when it is empty.

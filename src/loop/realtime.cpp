@@ -120,7 +120,7 @@ void RealTimeSession::hold_cpu_latency() {
 void RealTimeSession::pin(int cpu) {
   cpu_set_t one;
   CPU_ZERO(&one);
-  if (cpu >= 0 && cpu < CPU_SETSIZE) CPU_SET(cpu, &one);
+  if (cpu >= 0 && cpu < CPU_SETSIZE) CPU_SET(static_cast<std::size_t>(cpu), &one);
   if (sched_setaffinity(0, sizeof one, &one) == 0) state_.cpu = cpu;
   else
     refuse(FindingLevel::bad, "processor",

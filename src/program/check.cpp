@@ -45,11 +45,13 @@ std::vector<Finding> check_config(const std::string& path, const std::vector<std
 
 nlohmann::ordered_json as_json(const std::vector<Finding>& findings) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const Finding& finding : findings)
+  for (const Finding& finding : findings) {
     list.push_back({{"topic", finding.topic},
                     {"level", name(finding.level)},
                     {"found", finding.what},
                     {"remedy", finding.remedy}});
+    if (!finding.figures.empty()) list.back()["figures"] = finding.figures;
+  }
   return list;
 }
 

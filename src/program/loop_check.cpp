@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <limits>
+#include <map>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -263,7 +266,12 @@ Finding motion_limits_finding(const MotionPrediction& found) {
 /// What payload that nobody stated ends the motion, by simulation.
 Finding unknown_payload_finding(const std::vector<ToldPayload>& payloads) {
   std::string untold, told;
+  std::vector<std::map<std::string, double>> figures;
   for (const ToldPayload& one : payloads) {
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    figures.push_back({{"payload_kg", one.payload_kg},
+                       {"after_s", one.after_s.value_or(none)},
+                       {"off_m", one.after_s ? one.off_m : none}});
     if (!one.after_s) untold += fmt::format("{}{:g}", untold.empty() ? "" : ", ", one.payload_kg);
     else
       told += fmt::format("{}{:g} kg after {:.2f} s, {:.1f} mm off", told.empty() ? "" : "; ", one.payload_kg,
@@ -274,8 +282,9 @@ Finding unknown_payload_finding(const std::vector<ToldPayload>& payloads) {
   if (!told.empty())
     what +=
         fmt::format("{}found at the latest, counted from 1 mm off the prediction: {}", what.empty() ? "" : "; ", told);
-  if (!told.empty()) return {Level::good, "unknown payload", what, ""};
-  return {Level::acceptable, "unknown payload", what, "keep other loads off the slider, or state tighter limits"};
+  if (!told.empty()) return {Level::good, "unknown payload", what, "", std::move(figures)};
+  return {Level::acceptable, "unknown payload", what, "keep other loads off the slider, or state tighter limits",
+          std::move(figures)};
 }
 
 void tell_supervised_motion(const Rig& rig, std::vector<Finding>& findings) {

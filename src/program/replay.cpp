@@ -62,6 +62,67 @@ std::vector<Ppd2GainSet> gains_of(const Recording& data) {
   return gains;
 }
 
+using RecordedColumns = std::vector<std::pair<std::string, const std::vector<double>*>>;
+
+/// Columns of estimator and controller that a recording has, to compare with.
+RecordedColumns compared_columns(const ReplayOptions& options, const Recording& data) {
+  RecordedColumns recorded;
+  for (const std::string& name : replayed_columns())
+    if (data.has(name)) recorded.emplace_back(name, &data.column(name));
+  if (recorded.empty() && (is_own_format(data) || options.record.empty()))
+    throw InputError(
+        options.recording +
+        ": no column of estimator or controller to compare, expected p1_estimated_Pa, p2_estimated_Pa or u_V");
+  return recorded;
+}
+
+/// Replays all rows with the gains that were in force.
+ReplayResult replay_rows(const Rig& rig, ReplayBackend& backend, int moves, const RecordedColumns& recorded) {
+  const Recording& data = backend.recording();
+  std::vector<std::int64_t> ticks;
+  std::vector<bool> dropped;
+  const std::vector<double>* flags = data.has("flags") ? &data.column("flags") : nullptr;
+  for (std::size_t i = 0; i < backend.rows(); ++i) {
+    ticks.push_back(backend.tick(i));
+    dropped.push_back(flags != nullptr && (static_cast<unsigned>((*flags)[i]) & row_dropped_before) != 0);
+  }
+  backend.configure();
+  backend.activate();
+  ReplayResult result =
+      replay_loop(rig, backend, ticks, dropped, moves, load_reference_positions, recorded, gains_of(data));
+  backend.deactivate();
+  return result;
+}
+
+/// Whether the numbers are the recorded ones, and the largest difference of each column where they are not.
+std::string result_text(const ReplayResult& result, std::size_t rows, bool is_foreign) {
+  std::string text =
+      fmt::format("{} of {} rows replayed, {} columns compared: ", result.compared_rows, rows, result.compared.size());
+  text += result.identical() ? "bit for bit as recorded\n" : fmt::format("{} values differ\n", result.differing_values);
+  if (!result.first) return text;
+  text += fmt::format("first: row {} (t = {} s), {}: recorded {}, replayed {}\n", result.first->row, result.first->t_s,
+                      result.first->column, result.first->recorded, result.first->replayed);
+  for (std::size_t i = 0; i < result.compared.size(); ++i)
+    text += fmt::format("  {:<18} largest difference {:.3g}\n", result.compared[i], result.largest_difference[i]);
+  return text + (is_foreign ? "another logger rounds what it writes: only the largest differences say something\n"
+                            : "another config, build or code path computes other numbers; the recording's header "
+                              "names those it was made with\n");
+}
+
+nlohmann::ordered_json result_json(const Rig& rig, const ReplayOptions& options, const ReplayResult& result,
+                                   std::size_t rows) {
+  nlohmann::ordered_json json{{"config", rig.name},
+                              {"recording", options.recording},
+                              {"rows", rows},
+                              {"compared_rows", result.compared_rows},
+                              {"identical", result.identical()},
+                              {"differing_values", result.differing_values}};
+  if (result.first)
+    for (std::size_t i = 0; i < result.compared.size(); ++i)
+      json["largest_difference"][result.compared[i]] = result.largest_difference[i];
+  return json;
+}
+
 int run_replay(const ReplayOptions& options) {
   Rig rig = read_rig(options.config, options.sets);
   require_kind("replay", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
@@ -76,51 +137,11 @@ int run_replay(const ReplayOptions& options) {
   adopt_header(recording, rig);
   const int moves = recording.header["moves"] ? recording.header["moves"].as<int>() : 1;
   ReplayBackend backend(std::move(recording), rig.period_s);
-  const Recording& data = backend.recording();
-  std::vector<std::pair<std::string, const std::vector<double>*>> recorded;
-  for (const std::string& name : replayed_columns())
-    if (data.has(name)) recorded.emplace_back(name, &data.column(name));
-  const bool is_foreign = !is_own_format(data);
-  if (recorded.empty() && !(is_foreign && !options.record.empty()))
-    throw InputError(
-        options.recording +
-        ": no column of estimator or controller to compare, expected p1_estimated_Pa, p2_estimated_Pa or u_V");
-  std::vector<std::int64_t> ticks;
-  std::vector<bool> dropped;
-  const std::vector<double>* flags = data.has("flags") ? &data.column("flags") : nullptr;
-  for (std::size_t i = 0; i < backend.rows(); ++i) {
-    ticks.push_back(backend.tick(i));
-    dropped.push_back(flags != nullptr && (static_cast<unsigned>((*flags)[i]) & row_dropped_before) != 0);
-  }
-  backend.configure();
-  backend.activate();
-  const ReplayResult result =
-      replay_loop(rig, backend, ticks, dropped, moves, load_reference_positions, recorded, gains_of(data));
-  backend.deactivate();
+  const bool is_foreign = !is_own_format(backend.recording());
+  const ReplayResult result = replay_rows(rig, backend, moves, compared_columns(options, backend.recording()));
 
-  nlohmann::ordered_json json{{"config", rig.name},
-                              {"recording", options.recording},
-                              {"rows", ticks.size()},
-                              {"compared_rows", result.compared_rows},
-                              {"identical", result.identical()},
-                              {"differing_values", result.differing_values}};
-  std::string text = fmt::format("{} of {} rows replayed, {} columns compared: ", result.compared_rows, ticks.size(),
-                                 result.compared.size());
-  text += result.identical() ? "bit for bit as recorded\n" : fmt::format("{} values differ\n", result.differing_values);
-  if (result.first) {
-    text += fmt::format("first: row {} (t = {} s), {}: recorded {}, replayed {}\n", result.first->row,
-                        result.first->t_s, result.first->column, result.first->recorded, result.first->replayed);
-    for (std::size_t i = 0; i < result.compared.size(); ++i) {
-      text += fmt::format("  {:<18} largest difference {:.3g}\n", result.compared[i], result.largest_difference[i]);
-      json["largest_difference"][result.compared[i]] = result.largest_difference[i];
-    }
-    text += is_foreign
-                ? "another logger rounds what it writes: only the largest differences say something\n"
-                : "another config, build or code path computes other numbers; the recording's header names those "
-                  "it was made with\n";
-  }
-  if (options.json != "-") std::cout << text;
-  write_json(options.json, json);
+  if (options.json != "-") std::cout << result_text(result, backend.rows(), is_foreign);
+  write_json(options.json, result_json(rig, options, result, backend.rows()));
   if (!options.record.empty()) {
     RecordingWriter writer(options.record, run_header(rig, backend, machine_facts(nullptr), moves), {},
                            {.existing = options.existing()});

@@ -46,11 +46,12 @@ TEST_CASE("limits that no run can keep, or that allow for less than the config h
   CHECK(refusal(plain, {"limits.dry_friction_max_N=10", "effects.coulomb_friction.force_N=12"}) ==
         "--set limits.dry_friction_max_N=10: limits.dry_friction_max_N: found 10, expected at least the dry "
         "friction of effects (12)");
+  // The quantum of 100 Pa on both areas, 100 Pa sqrt(1.257^2 + 1.056^2) 1e-3 m2 = 0.16417 N, beside 12 N of friction.
   CHECK_THAT(refusal(plain, {"limits.stall_force_N=12", "effects.coulomb_friction.force_N=12"}),
              Catch::Contains("limits.stall_force_N: found 12, expected more than dry friction and noise of the "
-                             "pressures show at rest (1"));
-  CHECK_THAT(refusal(plain, {"limits.stall_force_N=1e-9"}), Catch::Contains("limits.stall_force_N: found 1.0e-09"));
-  CHECK(refusal(plain, {"limits.stall_force_N=5"}) == accepted);
+                             "pressures show at rest (12.16417"));
+  CHECK_THAT(refusal(plain, {"limits.stall_force_N=0.1641"}), Catch::Contains("limits.stall_force_N: found 0.1641"));
+  CHECK(refusal(plain, {"limits.stall_force_N=0.1642"}) == accepted);
   // 5 um a period of 1 ms, by a filter of 3 ms: 1 - exp(-1/3) of 5 mm/s, 1.417 mm/s.
   CHECK_THAT(refusal(plain, {"limits.speed_deviation_mps=1.416e-3"}),
              Catch::Contains("limits.speed_deviation_mps: found 0.001416, expected more than the encoder's quantum and "

@@ -185,6 +185,22 @@ TEST_CASE("speed and range have their own faults") {
   }
 }
 
+TEST_CASE("a loop without an estimate: a fault where it closes on the estimate, none where it closes on the ports") {
+  // Positions beyond 0.6 strokes, which the limits allow here, give the estimator nothing to start from.
+  for (const std::string source : {"estimated", "valve"}) {
+    Stepper run(config_rig("cylinder-10m-7.65mm",
+                           {"controller.pressure_source=" + source, "initial.position_m=0.1",
+                            "effects={'sensor_offset:x': {offset: 0.1}}", "limits.position_margin_m=0.1",
+                            "limits.deviation_m=0", "limits.speed_deviation_mps=0", "limits.stall_force_N=0"}));
+    for (int i = 0; i < 20; ++i) run.step();
+    CAPTURE(source, run.loop.row().x_m);
+    REQUIRE(std::isnan(run.loop.row().p1_estimated_Pa));
+    REQUIRE(run.loop.first_faults() == (source == "valve" ? 0 : std::uint64_t{fault_estimate_invalid}));
+    const bool active = run.loop.row().state == static_cast<std::uint32_t>(SupervisorState::active);
+    REQUIRE(active == (source == "valve"));
+  }
+}
+
 TEST_CASE("a channel that comes late at the start is waited for in the safe output; one that never comes is missing") {
   const Rig rig = rig_for(FaultyChannel::position);
   Stepper run(rig);

@@ -106,6 +106,23 @@ TEST_CASE("words and sizes are those of the workshop") {
   REQUIRE(size_words("force_per_pressure_N_per_Pa", 1e-6).empty());
 }
 
+TEST_CASE("the page says what of long recordings is compared and how it was chosen, and nothing where all is") {
+  Diagnosis diagnosis = friction_diagnosis();
+  diagnosis.coverage = {};
+  REQUIRE(diagnosis_report_html(diagnosis).find("What is compared") == std::string::npos);
+  diagnosis.coverage = {1234.5, {{"slow.csv", 6, 12}, {"fast.csv", 100.25, 106.25}}, "pieces of 6 s that tell most"};
+  const Table spans = coverage_table(diagnosis.coverage);
+  REQUIRE(cell(spans, "recording", 1) == "fast.csv");
+  REQUIRE(cell(spans, "from", 0) == "6");
+  REQUIRE(cell(spans, "to", 1) == "106.25");
+  const std::string page = diagnosis_report_html(diagnosis);
+  const std::size_t section = page.find("What is compared");
+  REQUIRE(section != std::string::npos);
+  REQUIRE(page.find("Of 1234 s recorded: pieces of 6 s that tell most.", section) != std::string::npos);
+  for (const std::string text : {"slow.csv", "fast.csv", ">100.25<", ">106.25<"})
+    REQUIRE(page.find(text, section) != std::string::npos);
+}
+
 TEST_CASE("text, JSON and page of a diagnosis carry the same numbers") {
   const Diagnosis& diagnosis = friction_diagnosis();
   const auto json = diagnosis_json(diagnosis);

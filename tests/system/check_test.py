@@ -28,8 +28,15 @@ def graded(config, *values):
     return levels, result
 
 
-levels, _ = graded(CONFIG)
+levels, result = graded(CONFIG)
 expect(not {"bad", "unsafe"} & set(levels.values()), f"{CONFIG} is not sound: {levels}")
+# The payloads that the sentence names, as numbers: told ones with time and distance, the others with null.
+payloads = next(finding for finding in result["config"] if finding["topic"] == "unknown payload")
+told = [one for one in payloads["figures"] if one["after_s"] is not None]
+expect(told and all(f"{one['payload_kg']:g} kg after {one['after_s']:.2f} s, {1e3 * one['off_m']:.1f} mm off" in payloads["found"] for one in told),
+       f"check: numbers and sentence differ: {payloads}")
+untold = [one for one in payloads["figures"] if one["after_s"] is None]
+expect(all(one["off_m"] is None and f"{one['payload_kg']:g}" in payloads["found"].split(" kg cannot")[0] for one in untold), f"check: {payloads}")
 
 times = draw.uniform(5, 70)
 gain = f"controller.force_gain_V_per_N={0.00572 * times}"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-# Runs the shell commands of README.md, docs/first-hour.md, docs/estimator.md in order, in a copy of what they use; checks links and paths.
+# Runs the shell commands of README.md, docs/first-hour.md, docs/estimator.md in order, in a copy of what they use; checks links, paths and options.
 """usage: tests/system/docs_commands_test.py BUILD [--write]
 
 A block ```sh whose first line contains "# not run" is left out (it installs or builds, which other tests do). A block
@@ -105,6 +105,29 @@ def missing_paths():
     return missing
 
 
+def help_of(*command):
+    done = subprocess.run([*command, "--help"], cwd=SOURCE, capture_output=True, text=True, timeout=60, check=False)
+    return done.stdout if done.returncode == 0 else None
+
+
+def unknown_options():
+    """Verbs, tools and their options in all pages, against what --help of each says."""
+    helps = {f"tools/{tool.name}": help_of(tool) for tool in sorted((SOURCE / "tools").iterdir()) if tool.is_file() and os.access(tool, os.X_OK)}
+    wrong = [f"{tool} --help does not print its usage" for tool, text in helps.items() if not text]
+    verbs = re.findall(r"^  (\w+) ", help_of(BUILD / "pneuservo").split("Subcommands:")[1], re.MULTILINE)
+    helps |= {f"pneuservo {verb}": help_of(BUILD / "pneuservo", verb) for verb in verbs}
+    for page in [*SOURCE.glob("*.md"), *(SOURCE / "docs").rglob("*.md")]:
+        for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1):
+            for name, rest in re.findall(r"(?:(?<=`)|(?<=^)|(?<= ))(?:build/release/)?(pneuservo [a-z]+|tools/[\w-]+)\b([^`|;&\n]*)", line):
+                if name not in helps:
+                    known = name.startswith("tools/") and any((SOURCE / "tools").glob(name[6:] + "*"))
+                    wrong += [] if known or not rest.startswith(" --") else [f"{page.relative_to(SOURCE)}:{number}: {name} is not there"]
+                    continue
+                wrong += [f"{page.relative_to(SOURCE)}:{number}: {name} has no option {option}" for option in re.findall(r"(?<![\w-])--[a-z][\w-]*", rest)
+                          if not re.search(re.escape(option) + r"(?![\w-])", helps[name] or option)]
+    return wrong
+
+
 def main():
     if not (BUILD / "pneuservo").exists():
         print(f"SKIPPED: {BUILD}/pneuservo is not built")
@@ -113,7 +136,7 @@ def main():
     if WRITE:
         KEYS.write_bytes(keys)
     failures = [] if keys == KEYS.read_bytes() else ["docs/config-keys.md is not the output of pneuservo keys --markdown"]
-    failures += [failure for page in PAGES for failure in run_page(page)] + broken_links() + missing_paths()
+    failures += [failure for page in PAGES for failure in run_page(page)] + broken_links() + missing_paths() + unknown_options()
     for failure in failures:
         print("FAILED", failure)
     return 1 if failures else 0

@@ -45,19 +45,22 @@ for words in ('x_m: {column: "Weg [mm]", factor: 0.001, offset: -0.15}', 'u_V: {
 again = json.loads(run("import", log, mine, "--json", "-").stdout)
 expect(again["doubts"] == [], f"import of what import wrote: {again['doubts']}")
 
-# replay runs estimator and controller on it: apart from rounding what the machine's own loop computed.
+# replay runs estimator and controller on it: apart from the text's last digit, 1e-7 V, what the machine's own loop computed.
 done = run("replay", mine, log, "--record", path_of("replayed.csv.gz"), "--json", "-")
 expect(done.returncode == 0, f"replay: {done.stderr}")
 answer = json.loads(done.stdout)
-expect(answer["compared_rows"] == len(rows) and answer["largest_difference"]["u_V"] < 1e-3, f"replay: {answer}")
+expect(answer["compared_rows"] == len(rows) and answer["largest_difference"]["u_V"] < 0.6e-7, f"replay: {answer}")
 worst = max(abs(float(a["p1_estimated_Pa"]) - float(b["p1_estimated_Pa"])) for a, b in zip(read("replayed.csv.gz")[1000:], rows[1000:]))
-expect(worst < 50, f"replay: the estimated pressure is {worst} Pa off")
+expect(worst < 1e-6, f"replay: the estimated pressure is {worst} Pa off")
 
-# simulate runs the plant on its command: the machine was simulated, so the difference is the sensors' noise and quantum.
+# simulate runs the plant on its command. The difference is the ports' noise and quantum, 301 Pa, beside what a start from one
+# sample of them leaves, at most as much again; of 4 000 rows a mean square is known to 1.1 %. In position that start is
+# 300 Pa of 0.5 MPa over half the stroke, 0.1 mm a chamber, three standard deviations of both: 0.4 mm.
 done = run("simulate", mine, "--command", log, "--json", "-")
 expect(done.returncode == 0, f"simulate: {done.stderr}")
 difference = json.loads(done.stdout)["difference"]
-expect(difference["x_m"]["rms"] < 1e-3 and difference["p1_port_Pa"]["rms"] < 5e3, f"simulate: {difference}")
+expect(difference["x_m"]["rms"] < 0.4e-3, f"simulate: {difference}")
+expect(all(285 < difference[name]["rms"] < 425 for name in ("p1_port_Pa", "p2_port_Pa")), f"simulate: {difference}")
 wrong = json.loads(run("simulate", mine, "--command", log, "--json", "-", "--set", "supply.pressure_Pa=600000").stdout)["difference"]
 expect(wrong["p1_port_Pa"]["rms"] > 5 * difference["p1_port_Pa"]["rms"], f"simulate with another supply: {wrong}")
 

@@ -43,6 +43,8 @@ PLANTED = {
     "a folder without a rule": ("src/novel/x.cpp", "// X.\n", "src/novel/x.cpp:1: the folder stands in no rule"),
     "two types of one name": ("src/record/x.hpp", "// X.\n#pragma once\nnamespace a {\nstruct Table : Other {\n};\n}  // namespace a\n",
                               "src/record/x.hpp:4: a::Table is defined in src/config/g.hpp too"),
+    "a key beside another member": ("include/pneuservo/rig/x.hpp", '// X.\n\n  v(Field{"length_m", "m", 0, 1,\n          "of the line"},\n    p.lenght_m...);\n',
+                                    "include/pneuservo/rig/x.hpp:3: the key length_m has the member lenght_m"),
     "a circle": ("include/pneuservo/core/a.hpp", "// Core.\n#include <pneuservo/core/x.hpp>\n", None),
     "no first comment": ("src/config/x.cpp", "#include <cmath>\n", "src/config/x.cpp:1: the file does not begin"),
     "no comment under the shebang": ("tools/script", "#!/bin/sh\nexit 0\n", "tools/script:2: the file does not begin"),

@@ -2,7 +2,7 @@
 # Servo tables of the simulator's own making, diagnosed: nothing missing, a leak; text, JSON and page of one recording.
 # With PNEUSERVO_LONG=1 every effect of tools/table_machines.py on two configs, clean ones among them.
 # tags: long
-import importlib, json, os, pathlib, subprocess, sys, tempfile
+import importlib, json, os, pathlib, re, subprocess, sys, tempfile
 
 from program import expect, program, run
 
@@ -14,10 +14,21 @@ RIGS = ["config/servo-table-1m-8mm.yaml", "config/servo-table-0.5m-4mm.yaml"]
 seed = os.environ.get("PNEUSERVO_TEST_SEED", "1")
 
 
+# What docs/servo-table.md states as missed, by case and config of seed 1; other seeds draw other sizes.
+MISSED = {("slider.mass_kg", 1)}
+
+
 def trial(first, count):
     done = subprocess.run(["tools/diagnosis-trial", folder, "--kind", "table", "--first", str(first), "--count", str(count), "--seed", seed,
-                           "--program", program, "--rigs", *RIGS], capture_output=True, text=True, check=False, timeout=1200)
-    expect(done.returncode == 0 and f"table: {count} of {count} right" in done.stdout, f"seed {seed}: {done.stdout}{done.stderr}")
+                           "--program", program, "--markdown", "--rigs", *RIGS], capture_output=True, text=True, check=False, timeout=1200)
+    expect(done.returncode == 0, f"seed {seed}: status {done.returncode}: {done.stdout}{done.stderr}")
+    judged = {int(number): word == "ok" for number, word in re.findall(r"^table-(\d+) (ok|--)", done.stdout, re.M)}
+    expect(sorted(judged) == list(range(first, first + count)), f"seed {seed}: not all cases were judged: {done.stdout}")
+    rows = re.findall(r"^\| .* \| servo-table-\S+ \| .* \| (yes|no) \| .* \|$", done.stdout, re.M)
+    expect([row == "yes" for row in rows] == [judged[number] for number in sorted(judged)], f"seed {seed}: rows for the docs: {done.stdout}")
+    missed = {(table_machines.CASES[number // len(RIGS)], number % len(RIGS)) for number, right in judged.items() if not right}
+    known = {one for one in MISSED if first <= len(RIGS) * table_machines.CASES.index(one[0]) + one[1] < first + count}
+    expect(missed == known if seed == "1" else len(missed) <= len(MISSED), f"seed {seed}: missed {missed}, known {known}: {done.stdout}")
 
 
 if os.environ.get("PNEUSERVO_LONG") == "1":

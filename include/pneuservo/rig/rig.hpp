@@ -84,6 +84,11 @@ struct LimitParameters {
   double flow_mismatch_share = 0.15;
   double chamber_mismatch_Pa = 15e3;
   template <class V, class... P> static void visit(V&& v, P&... p) {
+    visit_motion(v, p...);
+    visit_inputs(v, p...);
+  }
+  /// Limits of the motion, and what they are derived from.
+  template <class V, class... P> static void visit_motion(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"speed_mps", "m/s", 1e-3, 100, "measured speed above it is a fault; default: derived", optional},
       p.speed_mps...);
@@ -110,6 +115,10 @@ struct LimitParameters {
             "servo_table: 0",
             optional},
       p.dry_friction_max_N...);
+  }
+  /// Limits of samples, ticks and cross-checks.
+  template <class V, class... P> static void visit_inputs(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
     v(Field{"bad_share", "-", 0, 1,
             "bad samples of a channel above this share of about 0.3 s are a fault; 1: not checked", optional},
       p.bad_share...);

@@ -107,18 +107,21 @@ void GasRuns::remember(std::size_t recording, Key key, Course course) {
   known_[recording].erase(known_[recording].find(*oldest));
 }
 
+void GasRuns::compute(Batch& batch) const {
+  const GasCourse& error = grid_error_[batch.recording];
+  for (GasCourse& course :
+       run_or_drop(recordings_[batch.recording].inputs, batch.runs, work_grid_[batch.recording], stop_)) {
+    for (std::size_t channel = 0; channel < gas_channels && !error[channel].empty(); ++channel)
+      for (std::size_t k = 0; k < course[channel].size(); ++k) course[channel][k] += error[channel][k];
+    batch.courses.push_back(std::make_shared<const GasCourse>(std::move(course)));
+  }
+}
+
 std::vector<std::vector<GasRuns::Course>> GasRuns::of(std::span<const Hypothesis> hypotheses) {
   std::vector<std::vector<Course>> out(hypotheses.size(), std::vector<Course>(recordings_.size()));
   std::vector<RecordedRigs> rigs;
   rigs.reserve(hypotheses.size());
   for (const Hypothesis& hypothesis : hypotheses) rigs.emplace_back(hypothesis.rig, recordings_);
-  struct Batch {
-    std::size_t recording;
-    std::vector<std::size_t> hypotheses;
-    std::vector<ImposedRun> runs;
-    std::vector<Key> keys;
-    std::vector<Course> courses;
-  };
   std::vector<Batch> batches;
   std::vector<std::vector<std::pair<std::size_t, std::size_t>>> repeats(recordings_.size());  // hypothesis, first alike
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
@@ -140,16 +143,7 @@ std::vector<std::vector<GasRuns::Course>> GasRuns::of(std::span<const Hypothesis
       }
     }
   }
-  in_parallel(batches.size(), jobs_, [&](std::size_t b) {
-    Batch& batch = batches[b];
-    for (GasCourse& course :
-         run_or_drop(recordings_[batch.recording].inputs, batch.runs, work_grid_[batch.recording], stop_)) {
-      for (std::size_t channel = 0; channel < gas_channels && !grid_error_[batch.recording][channel].empty(); ++channel)
-        for (std::size_t k = 0; k < course[channel].size(); ++k)
-          course[channel][k] += grid_error_[batch.recording][channel][k];
-      batch.courses.push_back(std::make_shared<const GasCourse>(std::move(course)));
-    }
-  });
+  in_parallel(batches.size(), jobs_, [&](std::size_t b) { compute(batches[b]); });
   for (Batch& batch : batches)
     for (std::size_t i = 0; i < batch.hypotheses.size(); ++i) {
       out[batch.hypotheses[i]][batch.recording] = batch.courses[i];

@@ -45,6 +45,16 @@ class GasRuns {
     Course course;
     std::list<const Key*>::iterator use;
   };
+  /// Hypotheses that are simulated side by side over one recording.
+  struct Batch {
+    std::size_t recording;
+    std::vector<std::size_t> hypotheses;
+    std::vector<ImposedRun> runs;
+    std::vector<Key> keys;
+    std::vector<Course> courses;
+  };
+  /// Simulates a batch and takes the grid's error out.
+  void compute(Batch& batch) const;
   Key key_of(const ImposedRun& run, std::size_t recording) const;
   static ImposedRun run_of(const RecordedRigs& rigs, const Hypothesis& hypothesis, std::size_t recording);
   void remember(std::size_t recording, Key key, Course course);

@@ -33,7 +33,7 @@ struct Candidate {
   bool is_description = false;
   bool is_never_added = false;  ///< to other names; every description is one such
   unsigned shown_by = 0;  ///< bits of Excitation that its recordings must have
-  std::string extra;  ///< path of what it has beyond a simpler law that it contains; empty: it contains none
+  std::string extra{};  ///< path of what it has beyond a simpler law that it contains; empty: it contains none
   bool is_guessed = false;  ///< the size of an effect that the config has: no owner can read it off
 };
 

@@ -1,0 +1,105 @@
+# Toy additions to the program: for each kind of the table "Where to add what" of docs/architecture.md the edits that it takes.
+"""An addition names its row in the table and the edits, each in a file that the row names. tests/system/places_test.py
+makes them in a scratch copy; tools/house-figures counts their files."""
+import pathlib
+import re
+from dataclasses import dataclass
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+TABLE = SOURCE / "docs/architecture.md"
+
+
+@dataclass(frozen=True)
+class Edit:
+    """Puts `text` behind `anchor`, a text that stands once in the file; without an anchor the file is new."""
+
+    path: str
+    text: str
+    anchor: str = ""
+
+    def make(self, root):
+        file = root / self.path
+        if not self.anchor:
+            file.write_text(self.text, encoding="utf-8")
+            return
+        old = file.read_text(encoding="utf-8")
+        if old.count(self.anchor) != 1:
+            raise SystemExit(f"places: {self.path}: found {old.count(self.anchor)} times {self.anchor!r}, expected once; adapt tests/system/places.py")
+        file.write_text(old.replace(self.anchor, self.anchor + self.text), encoding="utf-8")
+
+
+@dataclass(frozen=True)
+class Addition:
+    kind: str  # the row's first cell
+    name: str  # what stands for <name> there
+    edits: tuple
+    beside: tuple = ()  # files that the row names for what this addition does without, and why not
+
+    def files(self):
+        return sorted({edit.path for edit in self.edits})
+
+    def named(self):
+        """Files that the row of the table names, the addition's own for <name>."""
+        row = next(line for line in TABLE.read_text(encoding="utf-8").splitlines() if line.startswith(f"| {self.kind} |"))
+        words = re.findall(r"`([\w./<>*-]+)`|\]\(([\w./-]+)\)", row.replace("<name>", self.name).replace("<verb>", self.name))
+        paths = {("docs/" + link) if link else word for word, link in words if link or re.search(r"/.*\.\w+$|/\w[\w-]*$", word)}
+        return {path if (SOURCE / path).exists() or path in self.files() else "include/pneuservo/" + path for path in paths}
+
+
+EFFECT = "include/pneuservo/elements/"
+FILL_ROW = Edit("src/loop/axis_loop.cpp", "\n  row_.toy_mps = 2.0 * velocity_mps_;", "  row_.v_mps = velocity_mps_;")
+# One line where the columns are a list, else a member, its line of the visit and the count of all.
+if "COLUMN(double, v_mps, none)" in (SOURCE / "include/pneuservo/record/row.hpp").read_text(encoding="utf-8"):
+    COLUMN_EDITS = (Edit("include/pneuservo/record/row.hpp", " COLUMN(double, toy_mps, none)", "COLUMN(double, v_mps, none)"), FILL_ROW)
+else:
+    COLUMN_EDITS = (Edit("include/pneuservo/record/row.hpp", "\n  double toy_mps = none;", "  double x_m = none, v_mps = none;"),
+                    Edit("include/pneuservo/record/row.hpp", '\n    v(std::string_view("toy_mps"), r.toy_mps...);', '    v(std::string_view("v_mps"), r.v_mps...);'),
+                    Edit("src/record/row_text.hpp", " + 1", "column_count = 32"), FILL_ROW)
+ADDITIONS = (
+    Addition("effect", "toy_drag", (
+        Edit(EFFECT + "motion_effects.hpp", '''
+/// A toy: drag that is proportional to the speed.
+template <class S> struct ToyDrag {
+  static constexpr std::string_view element = "motion";
+  static constexpr std::string_view family = "friction";
+  static constexpr unsigned shown_by = many_speeds;
+  static constexpr std::array traits{amplitude("coefficient_Ns_per_m", EffectScale::force_per_speed, 0.03, 1e-4)};
+  S coefficient_Ns_per_m = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"coefficient_Ns_per_m", "N s/m", 0, 1e6, "c of c v"}, p.coefficient_Ns_per_m...);
+  }
+};
+''', "namespace pneuservo {\n"),
+        Edit(EFFECT + "motion_effects.hpp", "\n  ToyDrag<S> toy_drag;", "  QuadraticDrag<S> quadratic_drag;"),
+        Edit(EFFECT + "motion_effects.hpp", '\n    v(Field{"toy_drag", "", 0, 0, "drag of a toy", optional}, p.toy_drag...);',
+             '    v(Field{"constant_force", "", 0, 0, "constant load", optional}, p.constant_force...);'),
+        Edit(EFFECT + "slider.hpp", " effects_.toy_drag.coefficient_Ns_per_m +", "    return viscous_ +"),
+        Edit("docs/physics/effects.md", "\n| `toy_drag` | `c v` | `coefficient_Ns_per_m` |",
+             "| `coulomb_friction` | `F sign(v)`; holds at rest up to F | `force_N` |"),
+        Edit("src/report/diagnosis_words.cpp", '\n    {"toy_drag", "drag of a toy"},', '    {"quadratic_drag", "drag with the square of the speed"},'),
+        Edit("tools/trial_machines.py", '\n    "toy_drag": lambda r: {"coefficient_Ns_per_m": 1.0},', '    "quadratic_drag": lambda r: {"coefficient_Ns2_per_m2": 4.0},'),
+        Edit("tools/effect-signatures", '\n        Row("toy_drag", {"coefficient_Ns_per_m": 20}, "A straight line through zero.", F, "speed"),',
+             'Row("quadratic_drag", {"coefficient_Ns2_per_m2": 30}, "Nothing when slow, then ever steeper.", F, "speed"),'),
+    ), beside=(EFFECT + "effects.hpp",)),
+    Addition("column of a recording", "toy_mps", COLUMN_EDITS, beside=("include/pneuservo/core/signal.hpp",)),
+    Addition("verb", "toy", (
+        Edit("src/program/toy.cpp", '''// Verb `toy`: says so.
+#include <cstdio>
+
+#include <CLI/CLI.hpp>
+
+#include "program/verbs.hpp"
+
+namespace pneuservo {
+
+void add_toy(CLI::App& app, int& status) {
+  app.add_subcommand("toy", "a toy of the test of places")->callback([&status] { status = std::puts("a toy") < 0; });
+}
+
+}  // namespace pneuservo
+'''),
+        Edit("src/program/verbs.cpp", " add_toy,", "\nAddsVerb"),
+        Edit("src/program/verbs.cpp", " add_toy,", "add_stopping, add_import,"),
+    )),
+    # A toy law and a toy signal belong here as soon as a law is one file and one line, and a signal one line.
+)

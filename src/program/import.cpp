@@ -40,13 +40,13 @@ std::vector<ColumnGuess> mapped_columns(const CsvTable& table, const ImportParam
 }
 
 ImportResult understood(const ImportOptions& options, std::optional<Rig> rig) {
-  const CsvTable table = read_table(options.recording);
+  CsvTable table = read_table(options.recording);
   ImportResult out;
   out.path = options.recording;
   const double loop_period_s = rig ? rig->period_s : std::numeric_limits<double>::quiet_NaN();
   if (rig && rig->imported) {
     out.columns = mapped_columns(table, *rig->imported);
-    out.runs = read_recordings(options.recording, rig->imported, loop_period_s);
+    out.runs = recordings_in(std::move(table), rig->imported, loop_period_s);
   } else {
     out.columns = guess_columns(table, rig ? rig->axis.air.atmosphere_Pa : 101325.0);
     const ImportParameters map = import_map(out.columns);
@@ -55,8 +55,8 @@ ImportResult understood(const ImportOptions& options, std::optional<Rig> rig) {
           fmt::format("{}: found no column of times, expected one such as t_s, time_ms or a date; the file "
                       "has {}",
                       options.recording, fmt::join(table.names, ", ")));
-    out.runs = is_own_format(table) ? read_recordings(options.recording, std::nullopt, loop_period_s)
-                                    : read_recordings(options.recording, map, loop_period_s);
+    const bool is_own = is_own_format(table);
+    out.runs = recordings_in(std::move(table), is_own ? std::nullopt : std::optional(map), loop_period_s);
   }
   ImportParameters map = rig && rig->imported ? *rig->imported : import_map(out.columns);
   for (const Recording& run : out.runs)

@@ -5,7 +5,6 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <optional>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -13,59 +12,27 @@
 
 #include <pneuservo/record/row.hpp>
 
-#include "record/dialect.hpp"
+#include "record/field_text.hpp"
+#include "record/units.hpp"
 
 namespace pneuservo {
 
 namespace {
-
-enum class Quantity { time, length, pressure, voltage, force };
-
-struct Unit {
-  std::string_view name;
-  Quantity quantity;
-  double factor;
-  bool is_gauge = false;
-};
-constexpr std::array<Unit, 29> units{{{"s", Quantity::time, 1},
-                                      {"sec", Quantity::time, 1},
-                                      {"ms", Quantity::time, 1e-3},
-                                      {"us", Quantity::time, 1e-6},
-                                      {"\u00b5s", Quantity::time, 1e-6},
-                                      {"ns", Quantity::time, 1e-9},
-                                      {"m", Quantity::length, 1},
-                                      {"cm", Quantity::length, 1e-2},
-                                      {"mm", Quantity::length, 1e-3},
-                                      {"um", Quantity::length, 1e-6},
-                                      {"\u00b5m", Quantity::length, 1e-6},
-                                      {"in", Quantity::length, 0.0254},
-                                      {"Pa", Quantity::pressure, 1},
-                                      {"hPa", Quantity::pressure, 100},
-                                      {"mbar", Quantity::pressure, 100},
-                                      {"kPa", Quantity::pressure, 1e3},
-                                      {"bar", Quantity::pressure, 1e5},
-                                      {"bara", Quantity::pressure, 1e5},
-                                      {"barg", Quantity::pressure, 1e5, true},
-                                      {"MPa", Quantity::pressure, 1e6},
-                                      {"psi", Quantity::pressure, 6894.757},
-                                      {"psig", Quantity::pressure, 6894.757, true},
-                                      {"psia", Quantity::pressure, 6894.757},
-                                      {"V", Quantity::voltage, 1},
-                                      {"mV", Quantity::voltage, 1e-3},
-                                      {"N", Quantity::force, 1},
-                                      {"kN", Quantity::force, 1e3},
-                                      {"lbf", Quantity::force, 4.4482216},
-                                      {"daN", Quantity::force, 10}}};
 
 /// Words that a column's name may begin with, in small letters without signs, and what it then is. The first that fits.
 struct Word {
   std::string_view word, ours;
   Quantity quantity;
 };
-constexpr std::array<Word, 47> words{{{"timestamp", "t_s", Quantity::time},
+constexpr std::array<Word, 54> words{{{"timestamp", "t_s", Quantity::time},
                                       {"time", "t_s", Quantity::time},
                                       {"zeit", "t_s", Quantity::time},
                                       {"temps", "t_s", Quantity::time},
+                                      {"elapsed", "t_s", Quantity::time},
+                                      {"uhrzeit", "t_s", Quantity::time},
+                                      {"date", "t_s", Quantity::time},
+                                      {"datum", "t_s", Quantity::time},
+                                      {"xvalue", "t_s", Quantity::time},
                                       {"t", "t_s", Quantity::time},
                                       {"xref", "x_ref_m", Quantity::length},
                                       {"setpoint", "x_ref_m", Quantity::length},
@@ -74,6 +41,8 @@ constexpr std::array<Word, 47> words{{{"timestamp", "t_s", Quantity::time},
                                       {"position", "x_m", Quantity::length},
                                       {"pos", "x_m", Quantity::length},
                                       {"displacement", "x_m", Quantity::length},
+                                      {"actualposition", "x_m", Quantity::length},
+                                      {"istposition", "x_m", Quantity::length},
                                       {"weg", "x_m", Quantity::length},
                                       {"lage", "x_m", Quantity::length},
                                       {"hub", "x_m", Quantity::length},
@@ -111,9 +80,9 @@ constexpr std::array<Word, 47> words{{{"timestamp", "t_s", Quantity::time},
                                       {"f", "F_N", Quantity::force}}};
 constexpr std::size_t whole_word = 2;  ///< letters: so short a word must be all of the name
 
-/// A name taken apart: "Weg [mm]", "Weg_mm", "pos (mm)".
+/// A name taken apart: "Weg [mm]", "Weg_mm", "pos (mm)", "p1/bar", "Weg in mm".
 struct NameParts {
-  std::string letters;  ///< small letters and digits without the unit
+  std::string text;  ///< without the unit
   std::string unit;
 };
 
@@ -125,27 +94,33 @@ std::string letters_of(std::string_view text) {
   return out;
 }
 
-const Unit* unit_named(std::string_view name) {
-  const auto at = std::find_if(units.begin(), units.end(), [&](const Unit& unit) { return unit.name == name; });
-  return at == units.end() ? nullptr : &*at;
-}
-
 NameParts parts_of(const std::string& name) {
-  const std::size_t open = name.find_first_of("[(");
-  if (open != std::string::npos) {
-    const std::size_t close = name.find_first_of("])", open);
-    return {letters_of(name.substr(0, open)), std::string(trimmed(name.substr(open + 1, close - open - 1)))};
+  const std::size_t last = name.find_last_of("_ /");
+  const Unit* suffix = last == std::string::npos || last == 0 ? nullptr : unit_in(name.substr(last + 1));
+  if (suffix != nullptr && suffix->quantity < Quantity::raw && name.find_last_of("[<") == std::string::npos) {
+    const std::string before(trimmed(std::string_view(name).substr(0, last)));
+    return {before.ends_with(" in") ? before.substr(0, before.size() - 3) : before,
+            std::string(without_brackets(name.substr(last + 1)))};
   }
-  const std::size_t last = name.find_last_of("_ ");
-  if (last != std::string::npos && unit_named(name.substr(last + 1)))
-    return {letters_of(name.substr(0, last)), name.substr(last + 1)};
-  return {letters_of(name), ""};
+  for (const std::string_view pair : {"[]", "<>", "()"}) {
+    const std::size_t open = name.find(pair[0]), close = name.rfind(pair[1]);
+    if (open != std::string::npos && close != std::string::npos && close > open)
+      return {name.substr(0, open), std::string(trimmed(std::string_view(name).substr(open + 1, close - open - 1)))};
+  }
+  return {name, ""};
 }
 
-const Word* word_of(const std::string& letters) {
+const Word* word_in(const std::string& letters) {
   for (const Word& word : words)
     if (letters == word.word || (word.word.size() > whole_word && letters.starts_with(word.word))) return &word;
   return nullptr;
+}
+
+/// What the name says; of a path such as /axis/position, Main.x its last part.
+const Word* word_of(const std::string& text) {
+  if (const Word* whole = word_in(letters_of(text))) return whole;
+  const std::size_t last = text.find_last_of("/.:\\|");
+  return last == std::string::npos ? nullptr : word_in(letters_of(text.substr(last + 1)));
 }
 
 bool is_ours(const std::string& name) {
@@ -163,33 +138,39 @@ ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmos
   }
   const NameParts parts = parts_of(out.column);
   const bool in_row = !table.units[column].empty();
-  std::string stated = in_row ? table.units[column] : parts.unit;
-  if (stated.size() > 2 && (stated.front() == '[' || stated.front() == '('))
-    stated = stated.substr(1, stated.size() - 2);
+  const std::string stated = in_row ? std::string(without_brackets(table.units[column])) : parts.unit;
   out.unit = stated;
-  const Word* word = word_of(parts.letters);
+  const Word* word = word_of(parts.text);
   if (table.is_clock[column] != 0) {
     out.ours = "t_s";
     out.unit = "date";
     out.evidence = "holds dates or times of day";
     return out;
   }
-  const Unit* unit = unit_named(stated);
-  if (word == nullptr || (unit != nullptr && unit->quantity != word->quantity)) {
+  const Unit* unit = stated.empty() ? nullptr : unit_in(stated);
+  if (word == nullptr || (unit != nullptr && unit->quantity != word->quantity && unit->quantity != Quantity::raw)) {
     out.evidence =
         word == nullptr ? "no known name" : fmt::format("name and unit disagree ({} in {})", word->ours, stated);
     return out;
   }
   out.ours = word->ours;
   out.evidence = fmt::format("named like {}", word->word);
-  if (unit == nullptr) {
-    out.evidence += ", no unit stated: taken for SI";
+  if (unit == nullptr || unit->quantity == Quantity::raw) {
+    out.evidence += stated.empty() ? ", no unit stated: taken for SI"
+                                   : fmt::format(", unit {} is none of the quantity: taken for SI", stated);
     return out;
   }
   out.factor = unit->factor;
   out.offset = unit->is_gauge ? atmosphere_Pa : 0;
-  out.evidence += in_row ? ", unit from the row below the names" : ", unit from its name";
+  out.evidence += in_row ? ", unit stated below the names" : ", unit from its name";
   return out;
+}
+
+/// Steps from row to row in which the column's value differs: what tells rows apart is the better clock.
+std::size_t changes_of(const std::vector<double>& values) {
+  std::size_t changes = 0;
+  for (std::size_t i = 1; i < values.size(); ++i) changes += values[i] != values[i - 1];
+  return changes;
 }
 
 }  // namespace
@@ -200,8 +181,10 @@ std::vector<ColumnGuess> guess_columns(const CsvTable& table, double atmosphere_
     out.push_back(guess_column(table, c, atmosphere_Pa));
     for (std::size_t i = 0; i < c; ++i)
       if (!out[c].ours.empty() && out[i].ours == out[c].ours) {
-        out[c].evidence = fmt::format("as {}, which is taken for {} already", out[i].column, out[c].ours);
-        out[c].ours.clear();
+        const bool is_finer = out[c].ours == "t_s" && changes_of(table.values[c]) > changes_of(table.values[i]);
+        ColumnGuess &taken = is_finer ? out[c] : out[i], &left = is_finer ? out[i] : out[c];
+        left.evidence = fmt::format("as {}, which is taken for {}", taken.column, taken.ours);
+        left.ours.clear();
       }
   }
   return out;

@@ -9,12 +9,18 @@ namespace pneuservo {
 
 struct Dialect {
   FieldStyle style;
-  std::vector<std::string> names, units;  ///< units: of the row below the names; empty where there is none
+  std::vector<std::string> names;
+  std::vector<std::string> units;        ///< of the row below the names or behind the values; empty: none
+  std::vector<std::string> value_units;  ///< what stands behind each value of a column, to be taken off
+  bool has_units_row = false;
+  bool has_rows_between = false;  ///< of units, types or labels between the names and the first row: no data
   std::size_t first_row = 1;      ///< index of the first line of numbers in the sample
   std::size_t names_line = 0;     ///< index of the line of names
   bool has_index = false;         ///< the first field of each row counts the rows, and is left out
   bool has_trailing = false;      ///< a separator ends each row
   bool is_quoted = false;
+  bool has_pairs = false;         ///< each value has a column of times before it
+  bool is_nameless = false;       ///< the first line is a row of numbers already
 
   /// In words, what is not as in the format of this program: "separator ;, decimal comma". Empty: nothing.
   std::string words() const;
@@ -23,8 +29,5 @@ struct Dialect {
 /// The dialect in which most fields of the lines are numbers. `lines`: the first ones after the comments, at least one;
 /// without a row of numbers among them the first line holds the names, separated by commas.
 Dialect find_dialect(const std::vector<std::string>& lines);
-
-/// Whether text stands for a unit, brackets around it or not: mm, [bar], (V).
-bool is_unit(std::string_view text);
 
 }  // namespace pneuservo

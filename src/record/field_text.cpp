@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <chrono>
 
 namespace pneuservo {
 
@@ -52,62 +51,44 @@ void join_pairs(std::vector<std::string_view>& fields) {
   fields.resize(fields.size() / 2);
 }
 
-/// Reads digits and moves on; false where there are none.
-bool take_number(std::string_view& text, int& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || value < 0) return false;
-  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
-  return true;
+/// The sign between groups of three digits at the front: a blank of any kind, an apostrophe, or of point and comma the
+/// one that is not the decimal sign.
+std::string_view group_sign(std::string_view text, char decimal) {
+  for (const std::string_view sign : {" ", "'", "\u00a0", "\u202f", "\u2019", "\xa0"})
+    if (text.starts_with(sign)) return sign;
+  return text.starts_with(decimal == '.' ? ',' : '.') ? text.substr(0, 1) : std::string_view();
 }
 
-bool take(std::string_view& text, std::string_view any_of) {
-  if (text.empty() || any_of.find(text.front()) == std::string_view::npos) return false;
-  text.remove_prefix(1);
-  return true;
-}
+std::size_t digits_at(std::string_view text) { return std::min(text.find_first_not_of("0123456789"), text.size()); }
 
-/// Days since 1970 of "year-month-day" or "day.month.year"; text moves on behind it.
-std::optional<double> take_date(std::string_view& text) {
-  int a = 0, b = 0, c = 0;
-  std::string_view rest = text;
-  if (!take_number(rest, a)) return std::nullopt;
-  const bool is_dotted = !rest.empty() && rest.front() == '.';
-  if (!take(rest, "-/.") || !take_number(rest, b) || !take(rest, "-/.") || !take_number(rest, c)) return std::nullopt;
-  if (is_dotted) std::swap(a, c);
-  const std::chrono::year_month_day date{std::chrono::year{a}, std::chrono::month{static_cast<unsigned>(b)},
-                                         std::chrono::day{static_cast<unsigned>(c)}};
-  if (a < 1900 || !date.ok()) return std::nullopt;
-  text = rest;
-  return static_cast<double>(std::chrono::sys_days(date).time_since_epoch().count());
-}
-
-/// Seconds of "hh:mm:ss" with decimals; text moves on behind it.
-std::optional<double> take_time(std::string_view& text) {
-  int hours = 0, minutes = 0, whole = 0;
-  if (!take_number(text, hours) || !take(text, ":") || !take_number(text, minutes)) return std::nullopt;
-  double seconds = 0;
-  if (take(text, ":")) {
-    if (!take_number(text, whole)) return std::nullopt;
-    seconds = whole;
-    if (take(text, ".,"))
-      for (double place = 0.1; !text.empty() && text.front() >= '0' && text.front() <= '9'; place /= 10) {
-        seconds += place * (text.front() - '0');
-        text.remove_prefix(1);
-      }
+/// "469.900,5" or "1 234 567" with a point and without group signs; empty where digits are not in groups of three.
+/// A point or comma must be told from a decimal sign by a second group or by the decimal sign itself.
+std::string ungrouped(std::string_view field, char decimal) {
+  std::string out;
+  if (field.starts_with('-')) out = "-", field.remove_prefix(1);
+  const std::size_t first = digits_at(field);
+  if (first == 0 || first > 3 || field.front() == '0') return "";
+  out += field.substr(0, first);
+  field.remove_prefix(first);
+  const std::string_view sign = group_sign(field, decimal);
+  std::size_t groups = 0;
+  for (; !sign.empty() && field.starts_with(sign); ++groups) {
+    field.remove_prefix(sign.size());
+    if (digits_at(field) != 3) return "";
+    out += field.substr(0, 3);
+    field.remove_prefix(3);
   }
-  if (hours > 24 || minutes > 59 || seconds >= 61) return std::nullopt;
-  return 3600.0 * hours + 60.0 * minutes + seconds;
+  const bool is_sure = (sign != "." && sign != ",") || groups > 1 || field.starts_with(decimal);
+  if (groups == 0 || !is_sure) return "";
+  if (field.empty()) return out;
+  if (field.front() != decimal || digits_at(field.substr(1)) + 1 != field.size()) return "";
+  return out + "." + std::string(field.substr(1));
 }
 
-/// Seconds that the zone at the end is ahead of universal time; none where something else stands there.
-std::optional<double> zone_of(std::string_view text) {
-  if (text.empty() || text == "Z") return 0.0;
-  const double sign = text.front() == '-' ? -1.0 : 1.0;
-  int hours = 0, minutes = 0;
-  if (!take(text, "+-") || !take_number(text, hours)) return std::nullopt;
-  if (hours >= 100) minutes = hours % 100, hours /= 100;  // +0100
-  if (take(text, ":") && !take_number(text, minutes)) return std::nullopt;
-  return text.empty() ? std::optional(sign * (3600.0 * hours + 60.0 * minutes)) : std::nullopt;
+/// False if the whole text is no number with a point.
+bool plain_number(std::string_view text, double& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
 }
 
 /// Bytes of the valid UTF-8 character at the front; 0 where there is none.
@@ -146,25 +127,22 @@ void split_fields(std::string_view line, const FieldStyle& style, std::vector<st
 }
 
 bool number_in(std::string_view field, char decimal, double& value) {
+  constexpr std::string_view minus = "\u2212";
   if (field.starts_with('+')) field.remove_prefix(1);
+  if (field.starts_with(minus)) {
+    field.remove_prefix(minus.size());
+    const bool is_number = number_in(field, decimal, value);
+    value = -value;
+    return is_number;
+  }
+  std::string_view text = field;
   std::array<char, 64> copy;
   if (decimal != '.' && field.size() <= copy.size()) {
     const auto end = std::replace_copy(field.begin(), field.end(), copy.begin(), decimal, '.');
-    if (std::find(field.begin(), field.end(), '.') != field.end()) return false;
-    field = {copy.data(), static_cast<std::size_t>(end - copy.begin())};
+    text = {copy.data(), static_cast<std::size_t>(end - copy.begin())};
   }
-  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-  return error == std::errc() && end == field.data() + field.size();
-}
-
-std::optional<double> clock_in(std::string_view field) {
-  if (field.find(':') == std::string_view::npos) return std::nullopt;
-  const std::optional<double> days = take_date(field);
-  if (days && !take(field, "T ")) return std::nullopt;
-  const std::optional<double> seconds = take_time(field);
-  const std::optional<double> zone_s = zone_of(trimmed(field));
-  if (!seconds || !zone_s) return std::nullopt;
-  return 86400.0 * days.value_or(0.0) + *seconds - *zone_s;
+  const bool has_point = decimal != '.' && field.find('.') != std::string_view::npos;
+  return (!has_point && plain_number(text, value)) || plain_number(ungrouped(field, decimal), value);
 }
 
 std::string as_utf8(std::string_view text) {

@@ -1,6 +1,5 @@
-// Fields of a line of text: split, unquoted, read as numbers or as times of a clock.
+// Fields of a line of text: split, unquoted, read as numbers.
 #pragma once
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,12 +18,8 @@ std::string_view trimmed(std::string_view text);
 /// The fields of a line, blanks and quotes around them taken off. A separator inside quotes does not count.
 void split_fields(std::string_view line, const FieldStyle& style, std::vector<std::string_view>& fields);
 
-/// False if the whole field is no number.
+/// False if the whole field is no number. Digits may stand in groups of three.
 bool number_in(std::string_view field, char decimal, double& value);
-
-/// Seconds since 1970 of a date with time (ISO 8601, also with blanks, slashes or day.month.year), or since midnight
-/// of a time alone; none where it is neither.
-std::optional<double> clock_in(std::string_view field);
 
 /// The text in UTF-8; what is not valid in it is taken for Latin-1.
 std::string as_utf8(std::string_view text);

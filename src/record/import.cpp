@@ -22,6 +22,8 @@ namespace {
 
 /// Stamps of seven digits and a clock's drift agree with a stated period to this share.
 constexpr double same_period = 2e-3;
+/// In a random order nine of ten steps go back in one table of a hundred.
+constexpr std::size_t rows_that_tell_order = 10;
 
 /// Our columns of the file, those that it has.
 struct MappedColumns {
@@ -116,6 +118,17 @@ void take_seconds(CsvTable& table, MappedColumns& columns, double period_s) {
                fmt::format("t_s holds {}: rows are {:.4g} s apart{}; taken in seconds{}", unit.words, step,
                            std::isfinite(period_s) ? fmt::format(", the loop's period is {:g} s", period_s) : "",
                            unit.start != 0 ? " from the first row on" : ""));
+}
+
+/// A table that is written from its last row to its first is turned round, and that is told.
+void turn_round(CsvTable& table, MappedColumns& columns) {
+  const std::vector<double>& times = columns.values[columns.time()];
+  std::size_t back = 0, steps = 0;
+  for (std::size_t i = 1; i < times.size(); ++i) back += times[i] < times[i - 1], steps += times[i] != times[i - 1];
+  if (steps < rows_that_tell_order || 10 * back < 9 * steps) return;
+  for (auto& values : columns.values) std::reverse(values.begin(), values.end());
+  std::reverse(table.line_numbers.begin(), table.line_numbers.end());
+  table.report(0, ProblemKind::interval, "t_s goes back from row to row: the rows are taken in the other order");
 }
 
 /// Rows put in order of time, repeats averaged; a value that a row lacks does not count. NaN times are left out.
@@ -227,20 +240,24 @@ void mend_times(Recording& run) {
 
 std::vector<Recording> read_recordings(const std::string& path, const std::optional<ImportParameters>& imported,
                                        double period_s, const std::set<std::string>& wanted) {
-  CsvTable table = read_table(path, wanted);
+  return recordings_in(read_table(path, wanted), imported, period_s);
+}
+
+std::vector<Recording> recordings_in(CsvTable table, const std::optional<ImportParameters>& imported, double period_s) {
   const bool is_own = !imported && is_own_format(table);
   MappedColumns columns = imported ? mapped(table, *imported) : unmapped(table);
+  if (!is_own && columns.telling.empty()) turn_round(table, columns);
   if (!is_own) take_seconds(table, columns, period_s);
   const double from_s = imported ? imported->from_s : -infinite, to_s = imported ? imported->to_s : infinite;
   const auto runs = rows_of_runs(table, columns, from_s, to_s);
   if (runs.empty())
-    throw InputError(fmt::format("{}: found no row between import.from_s and import.to_s, expected some", path));
+    throw InputError(fmt::format("{}: found no row between import.from_s and import.to_s, expected some", table.path));
   std::vector<Recording> out;
   for (const auto& rows : runs) {
     out.push_back(as_they_stand(columns, rows));
     Recording& run = out.back();
     for (std::size_t& line : run.line_numbers) line = table.line_numbers[line];
-    run.path = path;
+    run.path = table.path;
     run.header = table.header;
     run.comments = table.comments;
     run.left_out = table.left_out;
@@ -252,7 +269,7 @@ std::vector<Recording> read_recordings(const std::string& path, const std::optio
       run.sources = imported->columns;
     }
     if (std::none_of(run.t_s().begin(), run.t_s().end(), [](double t) { return std::isfinite(t); }))
-      throw InputError(fmt::format("{}: no row has a time; expected numbers in column t_s", path));
+      throw InputError(fmt::format("{}: no row has a time; expected numbers in column t_s", table.path));
     take_interval(run, period_s);
     check_times(run);
   }

@@ -21,6 +21,9 @@ namespace pneuservo {
 std::vector<Recording> read_recordings(const std::string& path, const std::optional<ImportParameters>& imported,
                                        double period_s, const std::set<std::string>& wanted = {});
 
+/// The same of a table that is read already.
+std::vector<Recording> recordings_in(CsvTable table, const std::optional<ImportParameters>& imported, double period_s);
+
 /// The first run, for verbs that take one; that there are others is told.
 Recording read_first_recording(const std::string& path, const std::optional<ImportParameters>& imported,
                                double period_s);

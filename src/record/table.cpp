@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <map>
 #include <optional>
@@ -12,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
+#include "record/clock_text.hpp"
 #include "record/dialect.hpp"
 #include "record/text_input.hpp"
 
@@ -53,6 +56,20 @@ YAML::Node parse_header(const std::string& comments) {
 /// Lines that a dialect is found from: enough that a header of any length leaves rows.
 constexpr std::size_t sample_lines = 200;
 
+constexpr std::size_t longest_field_lines = 20;  ///< that a quoted field may go on for
+constexpr std::size_t most_told = 100;           ///< fields of a column that are told one by one
+
+/// Whether a quote that begins a field is open at the end.
+bool leaves_quote_open(std::string_view text) {
+  bool is_open = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '"') continue;
+    const bool is_behind_a_word = i > 0 && std::isalnum(static_cast<unsigned char>(text[i - 1])) != 0;
+    is_open = !is_open && !is_behind_a_word;
+  }
+  return is_open;
+}
+
 class TableReader {
  public:
   TableReader(const std::string& path, const std::set<std::string>& wanted) : input_(path), wanted_(wanted) {
@@ -62,7 +79,9 @@ class TableReader {
   CsvTable read() {
     read_head();
     std::string_view line;
-    while (input_.next_line(line)) read_row(line, input_.line_number());
+    while (next_line(line)) read_row(line, line_number_);
+    refuse_other_times();
+    report_columns();
     report_end();
     if (table_.rows() == 0)
       throw InputError(
@@ -77,30 +96,62 @@ class TableReader {
     std::size_t number;
   };
 
+  /// The next line; where a quote that begins a field is open at its end, the lines up to its end are one.
+  bool next_line(std::string_view& line) {
+    if (!take_line(line)) return false;
+    if (line.find('"') == std::string_view::npos || !leaves_quote_open(line)) return true;
+    std::vector<Line> taken{{std::string(line), line_number_}};
+    std::string joined = taken.front().text;
+    while (taken.size() < longest_field_lines && leaves_quote_open(joined) && take_line(line)) {
+      taken.push_back({std::string(line), line_number_});
+      (joined += ' ') += taken.back().text;
+    }
+    if (leaves_quote_open(joined)) {  // a sign of inches or a damaged line: each stands by itself
+      ahead_.insert(ahead_.begin(), taken.begin() + 1, taken.end());
+      joined = taken.front().text;
+      line_number_ = taken.front().number;
+    }
+    joined_ = std::move(joined);
+    line = joined_;
+    return true;
+  }
+
+  bool take_line(std::string_view& line) {
+    if (!ahead_.empty()) {
+      taken_ = std::move(ahead_.front());
+      ahead_.pop_front();
+      line = taken_.text;
+      line_number_ = taken_.number;
+      return true;
+    }
+    const bool is_there = input_.next_line(line);
+    line_number_ = input_.line_number();
+    return is_there;
+  }
+
+  bool is_own() const { return table_.comments.starts_with(own_format); }
+
   /// Comments go to the table; the first lines behind them are returned, those of our own format one by one.
   std::vector<Line> sample() {
     std::vector<Line> lines;
     std::string_view line;
-    while (lines.size() < sample_lines && input_.next_line(line)) {
-      if (input_.line_number() == 1 && line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);  // byte order mark
-      if (lines.empty() && line.starts_with('#')) {
-        line.remove_prefix(line.starts_with("# ") ? 2 : 1);
+    while (lines.size() < sample_lines && next_line(line)) {
+      if (line_number_ == 1 && line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);  // byte order mark
+      if (lines.empty() && (line.starts_with('#') || line.starts_with('%'))) {
+        line.remove_prefix(1);
+        if (line.starts_with(' ')) line.remove_prefix(1);
         table_.comments.append(as_utf8(line)) += '\n';
+        if (!is_own() && !trimmed(line).empty()) last_comment_ = {std::string(line), line_number_};
       } else if (!lines.empty() || !trimmed(line).empty()) {
-        lines.push_back({std::string(line), input_.line_number()});
-        if (table_.comments.starts_with(own_format)) break;
+        lines.push_back({std::string(line), line_number_});
+        if (is_own()) break;
       }
     }
     return lines;
   }
 
-  void read_head() {
-    const std::vector<Line> lines = sample();
-    if (lines.empty())
-      throw InputError(
-          fmt::format("{}, line {}: the file ends before the line of column names{}; expected one line such as "
-                      "t_s,x_m,u_V after the comment lines",
-                      table_.path, input_.line_number() + 1, end_words()));
+  /// Lines that say something, as indices; a comment that names the columns of rows without names is put before them.
+  std::vector<std::size_t> find_dialect_in(std::vector<Line>& lines) {
     std::vector<std::string> texts;
     std::vector<std::size_t> places;
     for (std::size_t i = 0; i < lines.size(); ++i)
@@ -109,6 +160,29 @@ class TableReader {
         places.push_back(i);
       }
     dialect_ = find_dialect(texts);
+    if (!dialect_.is_nameless || trimmed(last_comment_.text).empty()) return places;
+    texts.insert(texts.begin(), as_utf8(last_comment_.text));
+    const Dialect named = find_dialect(texts);
+    std::vector<std::string_view> fields;
+    split_fields(texts[1], named.style, fields);
+    const bool is_trailing = named.has_trailing || named.has_index;
+    if (named.names_line != 0 || named.first_row != 1 || named.names.size() + (is_trailing ? 1 : 0) != fields.size())
+      return places;
+    dialect_ = named;
+    lines.insert(lines.begin(), last_comment_);
+    for (std::size_t& place : places) ++place;
+    places.insert(places.begin(), 0);
+    return places;
+  }
+
+  void read_head() {
+    std::vector<Line> lines = sample();
+    if (lines.empty())
+      throw InputError(
+          fmt::format("{}, line {}: the file ends before the line of column names{}; expected one line such as "
+                      "t_s,x_m,u_V after the comment lines",
+                      table_.path, input_.line_number() + 1, end_words()));
+    const std::vector<std::size_t> places = find_dialect_in(lines);
     const std::size_t names = places[dialect_.names_line];
     for (std::size_t i = 0; i < names; ++i) table_.comments.append(as_utf8(lines[i].text)) += '\n';
     table_.header = parse_header(table_.comments);
@@ -118,7 +192,7 @@ class TableReader {
     if (!words.empty())
       table_.report(0, ProblemKind::dialect, "read with " + words.substr(words.starts_with(", ") ? 2 : 0));
     const std::size_t first = dialect_.first_row < places.size() ? places[dialect_.first_row] : lines.size();
-    for (std::size_t i = dialect_.units.empty() ? names + 1 : first; i < lines.size(); ++i)
+    for (std::size_t i = dialect_.has_rows_between ? first : names + 1; i < lines.size(); ++i)
       read_row(lines[i].text, lines[i].number);
   }
 
@@ -126,21 +200,37 @@ class TableReader {
     return input_.end() == TextInput::End::whole ? "" : " (the file is cut off or damaged)";
   }
 
+  /// A name for each column: foreign ones without a name get their place's, and repeated ones a number.
+  std::string usable_name(std::string name, std::size_t line) {
+    double number;
+    if (name.empty() && !is_own()) return fmt::format("column {}", table_.names.size() + 1);
+    if (name.empty() || number_in(name, '.', number))
+      throw InputError(
+          fmt::format("{}, line {}: found \"{}\" where a column name is expected; the first line after the "
+                      "comment lines names the columns",
+                      table_.path, line, name));
+    if (std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' ' && c != '\t'; }))
+      throw InputError(fmt::format("{}, line {}: found bytes that are no text where the column names are expected; "
+                                   "expected a table written as text",
+                                   table_.path, line));
+    if (!table_.has(name)) return name;
+    if (is_own()) throw InputError(fmt::format("{}, line {}: column {} is there twice", table_.path, line, name));
+    std::size_t count = 2;
+    while (table_.has(fmt::format("{} ({})", name, count))) ++count;
+    const std::string numbered = fmt::format("{} ({})", name, count);
+    table_.report(line, ProblemKind::dialect,
+                  fmt::format("column {} is there again: the first bears the name, this one is {}", name, numbered));
+    return numbered;
+  }
+
   void take_names(std::size_t line) {
-    for (const std::string& name : dialect_.names) {
-      double number;
-      if (name.empty() || number_in(name, '.', number))
-        throw InputError(
-            fmt::format("{}, line {}: found \"{}\" where a column name is expected; the first line after the "
-                        "comment lines names the columns",
-                        table_.path, line, name));
-      if (table_.has(name))
-        throw InputError(fmt::format("{}, line {}: column {} is there twice", table_.path, line, name));
-      table_.names.push_back(name);
-    }
+    for (const std::string& name : dialect_.names) table_.names.push_back(usable_name(name, line));
+    dialect_.value_units.resize(table_.names.size());
+    unreadable_.assign(table_.names.size(), {});
     table_.units = dialect_.units;
     table_.units.resize(table_.names.size());
     table_.is_clock.assign(table_.names.size(), 0);
+    is_own_ = is_own();
     field_count_ = table_.names.size();
     for (std::size_t i = 0; i < field_count_; ++i) places_.push_back(i);
     leave_out_unwanted();
@@ -157,6 +247,7 @@ class TableReader {
       table_.names.erase(table_.names.begin() + at);
       table_.units.erase(table_.units.begin() + at);
       table_.is_clock.erase(table_.is_clock.begin() + at);
+      dialect_.value_units.erase(dialect_.value_units.begin() + at);
       places_.erase(places_.begin() + at);
     }
   }
@@ -167,6 +258,7 @@ class TableReader {
     split_fields(line, dialect_.style, fields_);
     if (dialect_.has_trailing && fields_.size() == expected + index + 1 && fields_.back().empty()) fields_.pop_back();
     const bool is_empty = trimmed(line).empty();
+    if (is_empty && expected > 1 && !is_own_) return;
     if (fields_.size() != expected + index || line.starts_with('#') || (is_empty && expected > 1)) {
       table_.report(number, ProblemKind::field_count,
                     line.starts_with('#') ? "a comment line among the rows is not used"
@@ -182,19 +274,56 @@ class TableReader {
   double read_field(std::string_view field, std::size_t column, std::size_t line) {
     if (field.empty()) return no_value;
     double value;
+    const std::string& unit = dialect_.value_units[column];
+    if (!unit.empty() && field.ends_with(unit)) field = trimmed(field.substr(0, field.size() - unit.size()));
     if (!number_in(field, dialect_.style.decimal, value)) {
       if (const std::optional<double> seconds = clock_in(field)) {
         table_.is_clock[column] = 1;
         return *seconds;
       }
-      table_.report(line, ProblemKind::unreadable_field,
-                    fmt::format("{} is \"{}\", which is no number; it is read as no value", table_.names[column],
-                                as_utf8(field)));
+      if (unreadable_[column].count++ == 0) unreadable_[column].first = as_utf8(field);
+      if (unreadable_[column].count <= most_told)
+        table_.report(line, ProblemKind::unreadable_field,
+                      fmt::format("{} is \"{}\", which is no number; it is read as no value", table_.names[column],
+                                  as_utf8(field)));
       return no_value;
     }
     if (!std::isfinite(value))
       table_.report(line, ProblemKind::not_a_number, fmt::format("{} is {}", table_.names[column], field));
     return value;
+  }
+
+  /// Pairs of times and values make one table only where all have the same times.
+  void refuse_other_times() const {
+    if (!dialect_.has_pairs) return;
+    const std::vector<double>& times = table_.values[0];
+    for (std::size_t c = 2; c < table_.values.size(); c += 2)
+      for (std::size_t row = 0; row < times.size(); ++row) {
+        const double other = table_.values[c][row];
+        if (times[row] == other || (std::isnan(times[row]) && std::isnan(other))) continue;
+        throw InputError(fmt::format("{}, line {}: {} is {} where {} is {}, expected the same times for all channels: "
+                                     "export them with one sample time",
+                                     table_.path, table_.line_numbers[row], table_.names[c], other, table_.names[0],
+                                     times[row]));
+      }
+  }
+
+  /// A column of text is told once, and so is how often another holds text.
+  void report_columns() {
+    for (std::size_t c = 0; c < table_.names.size(); ++c) {
+      const Unreadable& text = unreadable_[c];
+      const std::string what = fmt::format("{} is \"", table_.names[c]);
+      const bool is_text = text.count > 1 && std::none_of(table_.values[c].begin(), table_.values[c].end(),
+                                                          [](double value) { return std::isfinite(value); });
+      if (is_text)
+        std::erase_if(table_.problems, [&](const RecordingProblem& problem) {
+          return problem.kind == ProblemKind::unreadable_field && problem.sentence.find(what) != std::string::npos;
+        });
+      if (is_text || text.count > most_told)
+        table_.report(0, ProblemKind::dialect,
+                      fmt::format("column {} holds {} such as \"{}\", read as no value", table_.names[c],
+                                  is_text ? "text" : fmt::format("{} fields of text", text.count), text.first));
+    }
   }
 
   void report_end() {
@@ -212,11 +341,22 @@ class TableReader {
   TextInput input_;
   const std::set<std::string>& wanted_;
   CsvTable table_;
-  std::size_t field_count_ = 0;      ///< of a row, an index left aside
+  std::size_t field_count_ = 0;  ///< of a row, an index left aside
   std::vector<std::size_t> places_;  ///< of the kept columns among the fields
   Dialect dialect_;
   std::vector<std::string_view> fields_;
   std::vector<double> row_;
+  Line last_comment_{};
+  std::deque<Line> ahead_;  ///< lines that were looked at and given back
+  Line taken_{};
+  std::string joined_;
+  std::size_t line_number_ = 0;
+  bool is_own_ = false;
+  struct Unreadable {
+    std::size_t count = 0;
+    std::string first;
+  };
+  std::vector<Unreadable> unreadable_;  ///< of each column
 };
 
 }  // namespace

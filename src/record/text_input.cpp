@@ -6,12 +6,48 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <string_view>
 #include <unistd.h>
 #include <zlib.h>
 
+#include <fmt/format.h>
+
 #include "config/input_error.hpp"
 
+using namespace std::string_view_literals;
+
 namespace pneuservo {
+
+namespace {
+
+struct Format {
+  std::string_view begins, name, remedy;
+};
+
+constexpr std::string_view as_csv = "write it as CSV";
+constexpr std::string_view unpack = "unpack it first";
+/// Files that are no text, by how they begin.
+constexpr std::array<Format, 17> formats{{{"PK\3\4", "a zip archive, as .xlsx, .ods and .npz files are", as_csv},
+                                          {"\xd0\xcf\x11\xe0", "an Excel workbook (.xls)", as_csv},
+                                          {"TDSm", "a LabVIEW TDMS file", as_csv},
+                                          {"MDF     ", "an ASAM MDF file", as_csv},
+                                          {"\x89HDF", "an HDF5 file, as MATLAB's .mat files of v7.3 are", as_csv},
+                                          {"MATLAB 5.0 MAT-file", "a MATLAB .mat file", as_csv},
+                                          {"PAR1", "a Parquet file", as_csv},
+                                          {"\x93NUMPY", "a numpy .npy file", as_csv},
+                                          {"SQLite format 3", "an SQLite database", as_csv},
+                                          {"#ROSBAG", "a ROS bag", as_csv},
+                                          {"\x89MCAP", "an MCAP file", as_csv},
+                                          {"%PDF", "a PDF document", as_csv},
+                                          {"\xff\xfe\0\0"sv, "text in UTF-32", "write it in UTF-8"},
+                                          {"\0\0\xfe\xff"sv, "text in UTF-32", "write it in UTF-8"},
+                                          {"\x28\xb5\x2f\xfd", "packed by zstd", unpack},
+                                          {"BZh", "packed by bzip2", unpack},
+                                          {"\xfd"
+                                           "7zXZ",
+                                           "packed by xz", unpack}}};
+
+}  // namespace
 
 struct TextInput::Stream {
   z_stream z{};
@@ -59,7 +95,7 @@ bool TextInput::next_line(std::string_view& line) {
     fill();
   }
   ++line_number_;
-  if (line.ends_with('\r')) line.remove_suffix(1);
+  while (line.ends_with('\r')) line.remove_suffix(1);
   return true;
 }
 
@@ -74,6 +110,11 @@ void TextInput::fill() {
     gzip_ = count >= 2 && in[0] == 0x1f && in[1] == 0x8b;
     if (!gzip_ && count > 0 && path_.ends_with(".gz"))
       throw InputError(path_ + ": is not gzip data, although its name says so");
+    const std::string_view start(reinterpret_cast<const char*>(in.data()), count);
+    for (const Format& format : formats)
+      if (start.starts_with(format.begins))
+        throw InputError(fmt::format("{}: is {}; expected a table as text, plain or packed by gzip: {}", path_,
+                                     format.name, format.remedy));
     constexpr int gzip_window_bits = 15 + 16;
     if (gzip_ && inflateInit2(&stream_->z, gzip_window_bits) != Z_OK) throw std::bad_alloc();
   }
@@ -122,6 +163,12 @@ void TextInput::append(const char* bytes, std::size_t count) {
   }
   if (is_wide_) append_wide({bytes, count});
   else text_.append(bytes, count);
+  if (line_number_ == 0 && text_.find('\n') == std::string::npos)  // lines that end in CR alone
+    ends_in_cr_ = std::count(text_.begin(), text_.end(), '\r') > 1;
+  if (ends_in_cr_) {
+    std::replace(text_.begin(), text_.end(), '\r', '\n');
+    searched_ = start_;
+  }
 }
 
 void TextInput::append_wide(std::string_view bytes) {

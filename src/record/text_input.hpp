@@ -44,7 +44,7 @@ class TextInput {
   std::unique_ptr<Stream> stream_;
   int descriptor_ = -1;
   bool gzip_ = false, at_end_ = false, first_ = true;
-  bool has_text_ = false, is_wide_ = false, is_big_endian_ = false;
+  bool has_text_ = false, is_wide_ = false, is_big_endian_ = false, ends_in_cr_ = false;
   std::string half_;  ///< the first byte of a wide character whose second is still to come
   std::string text_;
   std::size_t start_ = 0, searched_ = 0, line_number_ = 0;

@@ -1,12 +1,17 @@
 // Tables of other loggers: the same drawn numbers in every dialect are read alike.
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "config/input_error.hpp"
 #include "core/test_seed.hpp"
+#include "record/column_guess.hpp"
+#include "record/field_text.hpp"
 #include "record/files.hpp"
 #include "record/import.hpp"
 
@@ -58,13 +63,13 @@ std::string table_text(const Drawn& values, const Writing& how) {
   return out;
 }
 
-void check_read(const std::string& bytes, const Drawn& values) {
+void check_read(const std::string& bytes, const Drawn& values, double tolerance_s = 1e-9) {
   const TemporaryFolder folder;
   const std::vector<Recording> runs = read_recordings(put_plain(folder.file("f.csv"), bytes), std::nullopt, 1e-3);
   REQUIRE(runs.size() == 1);
   REQUIRE(runs[0].rows() == values.t_s.size());
   for (std::size_t i = 0; i < values.t_s.size(); ++i) {
-    REQUIRE(runs[0].t_s()[i] == Approx(values.t_s[i]).margin(1e-9));
+    REQUIRE(runs[0].t_s()[i] == Approx(values.t_s[i]).margin(tolerance_s));
     REQUIRE(runs[0].column("x_m")[i] == Approx(values.x_m[i]).margin(1e-9));
     REQUIRE(runs[0].column("u_V")[i] == Approx(values.u_V[i]).margin(1e-9));
   }
@@ -163,4 +168,198 @@ TEST_CASE("a file of one row a second is not taken for milliseconds where the lo
   const Recording fast = read_recordings(folder.file("s.csv"), std::nullopt, 1e-3).at(0);
   CHECK(fast.t_s().back() == Approx(0.049));
   CHECK_THAT(fast.problems.at(0).sentence, Contains("milliseconds"));
+}
+
+namespace {
+
+/// The drawn values with another text for each time, under given names.
+std::string with_times(const Drawn& values, const std::function<std::string(double)>& time_text) {
+  std::string out = "t_s,x_m,u_V\n";
+  for (std::size_t i = 0; i < values.t_s.size(); ++i)
+    out += fmt::format("{},{:.6f},{:.4f}\n", time_text(values.t_s[i]), values.x_m[i], values.u_V[i]);
+  return out;
+}
+
+/// hh:mm:ss.uuuuuu with the sign before the decimals, the hour on a clock of 12 where that is asked.
+std::string time_of_day(double time_s, double start_s, char sign = '.', bool is_half = false) {
+  const auto all_us = std::llround((start_s + time_s) * 1e6);
+  const auto hours = all_us / 3'600'000'000;
+  return fmt::format("{}:{:02d}:{:02d}{}{:06d}", is_half ? (hours + 11) % 12 + 1 : hours, all_us / 60'000'000 % 60,
+                     all_us / 1'000'000 % 60, sign, all_us % 1'000'000);
+}
+
+/// Digits in groups of three.
+std::string grouped(double value, const std::string& group, char decimal) {
+  const std::string digits = fmt::format("{}", static_cast<long>(value));
+  std::string out;
+  for (std::size_t i = 0; i < digits.size(); ++i)
+    out += (i > 0 && (digits.size() - i) % 3 == 0 ? group : "") + digits[i];
+  return fmt::format("{}{}{:02.0f}", out, decimal, 100 * (value - std::floor(value)));
+}
+
+std::vector<std::string> taken_for(const std::string& bytes) {
+  const TemporaryFolder folder;
+  std::vector<std::string> out;
+  for (const ColumnGuess& guess : guess_columns(read_table(put_plain(folder.file("g.csv"), bytes))))
+    out.push_back(guess.ours.empty() ? "" : fmt::format("{} {:g} {:g}", guess.ours, guess.factor, guess.offset));
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("clocks of 12 hours, zones, other dates and durations are the same times") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  const Drawn values = drawn_values(generator, 1e-3);
+  const double noon = 12 * 3600 - 0.03, at_one = 13 * 3600 - 0.03;  // passed within the rows
+  const auto half = [](double t, double start_s) {
+    return time_of_day(t, start_s, '.', true) + (start_s + t < 12 * 3600 ? " AM" : " PM");
+  };
+  const std::vector<std::function<std::string(double)>> forms{
+      [&](double t) { return half(t, noon); },
+      [&](double t) { return half(t, at_one); },
+      [&](double t) { return "12/31/2026 " + half(t, at_one); },
+      [&](double t) { return "31/12/2026 " + time_of_day(t, at_one); },
+      [&](double t) { return "31.12.26 " + time_of_day(t, at_one); },
+      [&](double t) { return "03-Jan-2026 " + time_of_day(t, at_one); },
+      [&](double t) { return "3. Mai 2026 " + time_of_day(t, at_one); },
+      [&](double t) { return "2026-01-03 " + time_of_day(t, at_one) + " UTC"; },
+      [&](double t) { return "2026-01-03T" + time_of_day(t, at_one) + "+01:00[Europe/Berlin]"; },
+      [&](double t) { return fmt::format("20260103T{:06d}.{:06.0f}", 101112, 1e6 * t); },
+      [&](double t) { return time_of_day(t, at_one, ':'); },
+      [&](double t) { return "0 days " + time_of_day(t, 0); },
+      [&](double t) { return fmt::format("{:.6f} sec", t); },
+  };
+  for (const auto& form : forms) {
+    CAPTURE(form(0));
+    check_read(with_times(values, form), values, 1e-6);  // seconds since 1970 have seven decimals
+  }
+}
+
+TEST_CASE("digits in groups of three are numbers, and a sign that may be decimal is not taken for a group's") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> value(1e3, 9e6);
+  const TemporaryFolder folder;
+  for (const auto& [group, decimal] : std::vector<std::pair<std::string, char>>{
+           {".", ','}, {",", '.'}, {"'", '.'}, {" ", ','}, {"\u00a0", ','}, {"\u202f", ','}, {"\xa0", ','}}) {
+    std::string text = "t_s;p1_port_Pa\n";
+    std::vector<double> expected;
+    for (int i = 0; i < 20; ++i) {
+      expected.push_back(std::floor(value(generator)) + 0.25);
+      text += fmt::format("0{}{:02d};{}\n", decimal, i, grouped(expected.back(), group, decimal));
+    }
+    CAPTURE(text.substr(0, 60));
+    const CsvTable table = read_table(put_plain(folder.file("groups.csv"), text));
+    REQUIRE(table.values[1] == expected);
+  }
+  const CsvTable comma = read_table(put_plain(folder.file("comma.csv"), "t_s;p\n0,001;1,250\n0,002;469,900\n"));
+  CHECK(comma.values[1] == std::vector<double>{1.25, 469.9});
+  double number = 0;
+  for (const char* odd : {"1 23", "1.2.3", "12,34,567", "0.123.456", "1'234'56", "1 234 x", ".123.456", "-"})
+    for (const char decimal : {'.', ','}) {
+      CAPTURE(odd, decimal);
+      CHECK_FALSE(number_in(odd, decimal, number));
+    }
+}
+
+TEST_CASE("names tell quantity and unit in every form, also a path's last part") {
+  const std::string rows = "0,1,2,3\n1,2,3,4\n";
+  const std::vector<std::string> mm{"t_s 1 0", "x_m 0.001 0", "u_V 1 0", "p1_port_Pa 100000 0"};
+  for (const char* names : {"t/s,x/mm,u/V,p1/bar", "Zeit in s,Weg in mm,Ventil in V,p1 in bar",
+                            "Zeit <s>,Weg <mm>,Ventil <V>,p1 <bar>", "TIME [S],POSITION [MM],VALVE [V],P1 [BAR]",
+                            "Untitled/Time (s),Untitled/Position (mm),Untitled/Valve (V),Untitled/p1 (bar)",
+                            "/log/time_s,/axis/position_mm,/axis/command_V,/axis/p1_bar",
+                            "Time,Position,Valve,p1\nSeconds,Millimeters,Volts,Bar",
+                            "Time,Position,Valve,p1\ns,mm,V,bar\ndouble,double,double,double"}) {
+    CAPTURE(names);
+    CHECK(taken_for(std::string(names) + "\n" + rows) == mm);
+  }
+  for (const char* name : {"p1 [bar(g)]", "p1 [barg]", "p1 (bar g)", "p1_barg", "p1 bar(g)"}) {
+    CAPTURE(name);
+    CHECK(taken_for(std::string("t_s,") + name + "\n0,1\n1,2\n").at(1) == "p1_port_Pa 100000 101325");
+  }
+  CHECK(taken_for("t_s,Position [m/s]\n0,1\n1,2\n").at(1).empty());
+  CHECK(
+      taken_for("Date,Elapsed [ms],x_m\n2026-01-03 10:00:00,0,1\n2026-01-03 10:00:00,1,2\n2026-01-03 10:00:01,2,3\n") ==
+      std::vector<std::string>{"", "t_s 0.001 0", "x_m 1 0"});
+}
+
+TEST_CASE("names stand in a comment, over several lines, twice or not at all, and heads may look like rows") {
+  const TemporaryFolder folder;
+  const auto names_of_table = [&](const std::string& bytes) {
+    const CsvTable table = read_table(put_plain(folder.file("n.csv"), bytes));
+    CHECK(table.rows() == 3);
+    return fmt::format("{}", fmt::join(table.names, "|"));
+  };
+  const std::string rows = "0,1,2\n1,2,4\n2,3,5\n";
+  CHECK(names_of_table("# a logger\n# t_s,x_m,u_V\n" + rows) == "t_s|x_m|u_V");
+  CHECK(names_of_table("% t_s x_m u_V\n0 1 2\n1 2 4\n2 3 5\n") == "t_s|x_m|u_V");
+  CHECK(names_of_table("\"Time\n[s]\",\"Position\r\n[mm]\",u_V\n" + rows) == "Time [s]|Position [mm]|u_V");
+  CHECK(names_of_table("t_s,Druck,Druck\n" + rows) == "t_s|Druck|Druck (2)");
+  CHECK(names_of_table("Samples,3,3\nX0,0,0\n\n***End***,,\nX_Value,a,b\n" + rows) == "X_Value|a|b");
+  CHECK(names_of_table("Model,MSO\nRecord Length,3,\nTIME,CH1,CH2\n" + rows) == "TIME|CH1|CH2");
+  CHECK(names_of_table(
+            "Name;Weg;Name;Kraft\nUnit;mm;Unit;N\nSampleTime[ms];1;SampleTime[ms];1\n0;1;0;2\n1;2;1;4\n2;3;2;5\n") ==
+        "Time|Weg|Time (2)|Kraft");
+  CHECK_THROWS_WITH(read_table(put_plain(folder.file("n.csv"), "Name,x,Name,F\n0,1,0,2\n1,2,10,3\n")),
+                    Contains("line 3: Time (2) is 10 where Time is 1"));
+  CHECK_THROWS_WITH(read_table(put_plain(folder.file("n.csv"), "# 3 channels\n" + rows)),
+                    Contains("column name is expected"));
+  const CsvTable inches = read_table(put_plain(folder.file("i.csv"), "t_s,size\n0,5\"\n1,6\"\n2,7\"\n"));
+  CHECK(inches.rows() == 3);
+}
+
+TEST_CASE("a text column is told once, a quoted line end stays in its field, and units behind values are taken off") {
+  const TemporaryFolder folder;
+  std::string text = "t_s,state,x,note\n";
+  for (int i = 0; i < 300; ++i) text += fmt::format("{} ms,RUN,{}.5 mm,{}\n", i, i, i == 7 ? "\"a\nb\"" : "");
+  const CsvTable table = read_table(put_plain(folder.file("t.csv"), text));
+  CHECK(table.rows() == 300);
+  const CsvTable texts = read_table(put_plain(folder.file("s.csv"), "t;a;b;x\n0,5;RUN;AUTO;1,5\n0,6;RUN;AUTO;1,6\n"));
+  CHECK(texts.values[3] == std::vector<double>{1.5, 1.6});
+  CHECK(table.values[2][299] == 299.5);
+  CHECK(table.units == std::vector<std::string>{"ms", "", "mm", ""});
+  REQUIRE(table.problems.size() == 3);
+  CHECK_THAT(table.problems[0].sentence, Contains("units behind the values"));
+  CHECK_THAT(table.problems[1].sentence + table.problems[2].sentence,
+             Contains("note is \"a b\"") && Contains("column state holds text such as \"RUN\""));
+}
+
+TEST_CASE("lines may end in CR or CR CR LF, blank lines may stand between, and rows may be in the other order") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  const Drawn values = drawn_values(generator, 1e-3);
+  for (const std::string end : {"\r", "\r\r\n", "\n\n", "\r\n\r\n"}) {
+    Writing how;
+    how.line_end = end;
+    check_read(table_text(values, how), values);
+  }
+  Drawn reversed = values;
+  for (auto* column : {&reversed.t_s, &reversed.x_m, &reversed.u_V}) std::reverse(column->begin(), column->end());
+  check_read(table_text(reversed, {}), values);
+  std::string minus = table_text(values, {});
+  for (std::size_t at; (at = minus.find(",-")) != std::string::npos;) minus.replace(at, 2, ",\u2212");
+  check_read(minus, values);
+}
+
+TEST_CASE("files of other formats are named with what to do") {
+  const TemporaryFolder folder;
+  using namespace std::string_literals;
+  for (const auto& [bytes, words] :
+       std::vector<std::pair<std::string, std::string>>{{"PK\3\4" + std::string(300, '\1'), "zip archive"},
+                                                        {"\xd0\xcf\x11\xe0\xa1\xb1"s, "Excel"},
+                                                        {"TDSm\0\0"s, "TDMS"},
+                                                        {"\x89HDF\r\n"s, "HDF5"},
+                                                        {"PAR1"s, "Parquet"},
+                                                        {"\x28\xb5\x2f\xfd"s, "zstd"},
+                                                        {"\xff\xfe\0\0t\0\0\0"s, "UTF-32"},
+                                                        {"MATLAB 5.0 MAT-file, x"s, ".mat"}})
+    CHECK_THROWS_WITH(read_table(put_plain(folder.file("b.csv"), bytes)), Contains(words) && Contains("as text"));
+  CHECK_THROWS_WITH(read_table(put_plain(folder.file("b.csv"), "a\x01"
+                                                               "b,c\x02\n1,2\n")),
+                    Contains("no text"));
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # One file of another logger through every verb that reads recordings, with the section that import writes; and sensors that a config lacks.
-import csv, gzip, json, os, re, tempfile
+import csv, gzip, json, os, re, subprocess, tempfile
 
 from program import CONFIG, expect, run
 
@@ -34,6 +34,7 @@ log = put("log.csv", "\n".join(lines) + "\n")
 mine = path_of("mine.yaml")
 done = run("import", log, CONFIG, "--write", mine, "--json", "-")
 expect(done.returncode == 0, f"import: {done.stderr}")
+done_import = done
 doubts = json.loads(done.stdout)["doubts"]
 for word in ("retracted end", "gauge", "neutral in the middle"):
     expect(sum(word in line for line in doubts) == 1, f"import: {word} is not told once: {doubts}")
@@ -67,6 +68,12 @@ expect(wrong["p1_port_Pa"]["rms"] > 5 * difference["p1_port_Pa"]["rms"], f"simul
 # diagnose agrees with itself: the machine is the config.
 done = run("diagnose", mine, log, "--quiet", "--json", "-")
 expect(done.returncode == 0 and json.loads(done.stdout)["verdict"] == "consistent", f"diagnose: {done.stdout[:300]}{done.stderr}")
+
+# A pipe is read once, and says the same as the file.
+cat = subprocess.Popen(["cat", log], stdout=subprocess.PIPE)
+through = run("import", "/dev/stdin", CONFIG, "--json", "-", stdin=cat.stdout)
+expect(cat.wait() == 0 and through.returncode == 0, f"import of a pipe: {through.stderr}")
+expect(json.loads(through.stdout)["columns"] == json.loads(done_import.stdout)["columns"], f"import of a pipe: {through.stdout}")
 
 # Without their sections chambers and supply have no sensor: no column, "absent" in the header, and the replay is exact.
 with open(CONFIG) as file:

@@ -23,6 +23,7 @@ constexpr std::size_t most_judged = 50000;   ///< rows: enough for every share u
 constexpr double same_multiple = 0.1;        ///< of a quantum: rounding of a printed value moves it so far
 constexpr double own_noise_share =
     0.1;      ///< of the sensor's noise: a channel with less beside another has none of its own
+constexpr double least_copied = 10;  ///< rows: so many leave so little noise by chance less than once in 1e9
 
 std::vector<double> steps_of(const std::vector<double>& y) {
   std::vector<double> out(y.size(), 0.0);
@@ -123,6 +124,7 @@ SensorOfColumn sensor_of(SensorsParameters& sensors, const std::string& column) 
 /// What a regression of one column's steps on another's leaves, and the factor.
 struct Copy {
   double factor, rest, step;  ///< rest and step: rms of what is left and of the column's own steps
+  double rows;                ///< with a value of both
 };
 
 Copy as_copy(const std::vector<double>& of, const std::vector<double>& column) {
@@ -133,7 +135,7 @@ Copy as_copy(const std::vector<double>& of, const std::vector<double>& column) {
     if (std::isfinite(a[i]) && std::isfinite(b[i]))
       both += a[i] * b[i], square += a[i] * a[i], own += b[i] * b[i], ++count;
   const double factor = square > 0 ? both / square : 0;
-  return {factor, std::sqrt(std::max(0.0, own - factor * both) / count), std::sqrt(own / count)};
+  return {factor, std::sqrt(std::max(0.0, own - factor * both) / count), std::sqrt(own / count), count};
 }
 
 /// Runs of rows at one value, [first, end).
@@ -229,7 +231,7 @@ void refuse_repeated_channels(const Rig& rig, const Recording& recording) {
         noise =
             std::min(std::abs(copy.factor) * sensor_of(sensors, names[a]).noise, sensor_of(sensors, names[b]).noise);
       const double most = std::min(own_noise_share * noise, own_noise_share * copy.step);
-      if (!(copy.step > 0) || !(copy.rest <= std::max(most, 1e-7 * copy.step))) continue;
+      if (!(copy.step > 0) || copy.rows < least_copied || !(copy.rest <= std::max(most, 1e-7 * copy.step))) continue;
       throw InputError(fmt::format(
           "{}: {} repeats {}{}, expected a channel of its own: is it wired or logged twice?", recording.path, names[b],
           names[a], std::abs(copy.factor - 1) < 1e-9 ? " in every row" : fmt::format(" times {:.6g}", copy.factor)));

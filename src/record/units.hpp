@@ -1,0 +1,27 @@
+// Units as loggers write them, and what they are in SI.
+#pragma once
+#include <string>
+#include <string_view>
+
+namespace pneuservo {
+
+/// raw: of a signal before it was scaled, such as counts, per cent, mA.
+enum class Quantity { time, length, pressure, voltage, force, raw, other };
+
+struct Unit {
+  std::string_view name;
+  Quantity quantity;
+  double factor;          ///< SI value = factor theirs, gauge pressures above the atmosphere
+  bool is_gauge = false;
+};
+
+/// The text without blanks and one pair of brackets around it: "[bar (g)]" is "bar (g)".
+std::string_view without_brackets(std::string_view text);
+
+/// The unit that text stands for: mm, [bar], (V), bar(g), Millimeters; nullptr where it is none.
+const Unit* unit_in(std::string_view text);
+
+/// "0.5 mm": where the unit begins behind a number and a blank; the text's size where it has none.
+std::size_t unit_start(std::string_view field);
+
+}  // namespace pneuservo

@@ -517,10 +517,10 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
   std::vector<double> scores;
   for (std::size_t members = 1;; ++members) {
     const auto ranked = by_prediction(model, search, members, growth, rules);
-    // A bent law (heat that nearly keeps the gas at its wall's temperature) has a wide size and is missed all the same.
+    // What is clearly missed may have a wide size (a bent law: heat that nearly keeps the wall's temperature), but one.
     const auto is_sure = [&](const Foretold& r) {
-      const bool is_sized = members == 1 || r.score - score >= rules.alarm_gain ||
-                            is_sure_of_sizes(*r.explanation, search, rules.standard_errors * std::sqrt(growth));
+      const double errors = r.score - score >= rules.alarm_gain ? rules.told_errors : rules.standard_errors;
+      const bool is_sized = members == 1 || is_sure_of_sizes(*r.explanation, search, errors * std::sqrt(growth));
       return is_sized && r.certainty >= rules.standard_errors;
     };
     const auto best = plain_enough(model, search, std::find_if(ranked.begin(), ranked.end(), is_sure), ranked.end(),

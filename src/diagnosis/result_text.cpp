@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "config/dump_rig.hpp"
+#include "diagnosis/verdict/decision_rules.hpp"
 
 namespace pneuservo {
 
@@ -29,10 +30,13 @@ std::string parameters_text(const DiagnosisAnswer& answer) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-/// A name with its place, its sizes and its own probability.
+/// A name with its place, its sizes and its own probability; where that is below a half, what may be meant as well.
 std::string answer_text(const DiagnosisAnswer& answer) {
-  return fmt::format("{} at {} ({}), probability {:.2f}", answer.effect, in_words(answer.element),
-                     parameters_text(answer), answer.probability);
+  const bool is_doubted = answer.probability < 0.5 && !answer.ambiguous_with.empty();
+  const std::string rivals =
+      is_doubted ? fmt::format(" (not told from {})", fmt::join(answer.ambiguous_with, ", ")) : "";
+  return fmt::format("{} at {} ({}), probability {:.2f}{}", answer.effect, in_words(answer.element),
+                     parameters_text(answer), answer.probability, rivals);
 }
 
 std::string lead(Verdict verdict) {
@@ -52,11 +56,21 @@ std::string smallest_sizes(const Diagnosis& diagnosis) {
   return out;
 }
 
+/// Numbers of the config with which alone the recordings agree: they are at the end of their tolerances, and may be off
+/// by more.
+std::string at_the_end(const Diagnosis& diagnosis) {
+  std::vector<std::string> parts;
+  for (const MovedParameter& m : diagnosis.moved)
+    if (std::abs(m.tolerances) >= DecisionRules{}.stretched_tolerance)
+      parts.push_back(fmt::format("{} = {:.4g} instead of {:.4g}", m.path, m.fitted, m.configured));
+  return parts.empty() ? "" : fmt::format(", but only at the end of a tolerance: {}", fmt::join(parts, ", "));
+}
+
 /// As if it had not been stopped.
 std::string finished_sentence(const Diagnosis& diagnosis) {
   if (diagnosis.verdict == Verdict::consistent)
-    return fmt::format("Model and recordings agree: in {:.3g} s nothing is missing that these data could show.",
-                       diagnosis.admitted_s);
+    return fmt::format("Model and recordings agree: in {:.3g} s nothing is missing that these data could show{}.",
+                       diagnosis.admitted_s, at_the_end(diagnosis));
   if (diagnosis.answers.empty()) return "No verdict.";
   const DiagnosisAnswer& first = diagnosis.answers.front();
   if (diagnosis.verdict == Verdict::unknown)

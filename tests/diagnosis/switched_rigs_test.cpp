@@ -9,6 +9,7 @@
 
 #include "config/read_rig.hpp"
 #include "config/rig_parameters.hpp"
+#include "core/test_seed.hpp"
 #include "diagnosis/diagnose.hpp"
 #include "diagnosis/residuals/stroke_residuals.hpp"
 #include "diagnosis/residuals/vessel_residuals.hpp"
@@ -170,6 +171,50 @@ tolerances: {valve.supply_area_m2: 0.3, valve.exhaust_area_m2: 0.3}
   const Diagnosis healthy = diagnose(owner, {cut});
   INFO(healthy.sentence);
   CHECK(healthy.verdict == Verdict::consistent);
+}
+
+TEST_CASE("heat of a small tank's wall is told from a leak beside its orifice, and beside the pump that fills it") {
+  const Rig owner = parse_rig(R"(format: pneuservo-rig/1
+name: warm
+rig: vessel
+period_s: 0.05
+supply: {pressure_Pa: 147000}
+valve: {supply_area_m2: 1.0e-6, exhaust_area_m2: 1.2e-7}
+vessel: {volume_m3: 1.0e-3}
+sensors: {pressure: {quantum_Pa: 10.0, noise_Pa: 30.0}}
+model_error: {pressure_Pa: 300.0}
+tolerances: {valve.supply_area_m2: 0.3, valve.exhaust_area_m2: 1.0, supply.pressure_Pa: 0.02}
+)",
+                              "warm");
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  const std::vector<double> t = times(0.05, 1600);
+  std::vector<double> command(t.size(), -1.0), still(t.size(), owner.axis.air.atmosphere_Pa);
+  for (std::size_t k = 0; k < t.size(); ++k)
+    if (t[k] >= 1 && t[k] < 41) command[k] = 1.0;
+  Rig machine = owner;
+  set_parameter(machine, "effects.wall_heat_exchange.conductance_W_per_K", 0.3);  // 5 W/(m2 K) on 0.06 m2
+  set_parameter(machine, "effects.pump_curve.resistance_Pa_s_per_kg", 4.1e8);
+  VesselResiduals model(machine, {recording_of({"t_s", "u_V", "p1_chamber_Pa"}, {t, command, still})}, 1);
+  const Recording whole =
+      recording_of({"t_s", "u_V", "p1_chamber_Pa"}, {t, command, simulated(model, machine, 30.0, seed)});
+  const auto size_of = [](const Diagnosis& found, const std::string& name) {
+    for (const DiagnosisAnswer& answer : found.answers)
+      if (answer.effect == name) return answer.parameters[0].value;
+    return 0.0;
+  };
+  const Diagnosis filled = diagnose(owner, {whole});
+  INFO(filled.sentence);
+  REQUIRE(filled.answers.size() == 2);
+  CHECK(size_of(filled, "wall_heat_exchange") == Approx(0.3).epsilon(0.1));
+  CHECK(size_of(filled, "pump_curve") == Approx(4.1e8).epsilon(0.1));
+  Recording emptied = whole;
+  for (auto& values : emptied.values) values.erase(values.begin(), values.begin() + 822);
+  emptied.line_numbers.resize(emptied.values.front().size());
+  const Diagnosis alone = diagnose(owner, {emptied});
+  INFO(alone.sentence);
+  REQUIRE(alone.answers.size() == 1);
+  CHECK(size_of(alone, "wall_heat_exchange") == Approx(0.3).epsilon(0.1));
 }
 
 TEST_CASE("an exhaust throttle that was opened is named, and a healthy cylinder is not") {

@@ -21,7 +21,7 @@ enum class EffectScale {
   moving_mass,         ///< slider and payload
   top_speed,
   half_stroke,
-  wall_heat,           ///< W/K that brings a vessel's gas to its wall's temperature within 10 s
+  wall_heat,           ///< W/K of free convection on the walls of a vessel
   laminar_conductance, ///< kg/(s Pa2) that passes at supply pressure what the valve's largest area does
   channel_offset,      ///< supply pressure, stroke or force, by the sensor's channel
   channel_gain,        ///< 0.6 for pressures, 1 for others

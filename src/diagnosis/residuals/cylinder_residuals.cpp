@@ -19,7 +19,8 @@ constexpr double pressure_floor_Pa = 35.0, drop_share = 0.001;
 // The gas may start warmer or colder than its wall, which no pressure shows; the wall takes that out within a second.
 // A recording that starts in the midst of motion leaves more: waves in the lines, gas not at its wall's temperature.
 constexpr double start_floor_Pa = 200.0, start_share = 0.1, start_fades_s = 0.5;
-constexpr double force_floor_N = 0.04, force_floor_ports_N = 0.07;
+// It grows with the pressures, and was measured at supplies from 6 bar on.
+constexpr double force_floor_N = 0.04, force_floor_ports_N = 0.07, floor_supply_Pa = 5e5;
 constexpr double slow_sigma_s = 0.015;
 // Of the port's quick answer to the command: what the grid, which lets it through a little late, may be wrong by.
 constexpr double answer_share = 0.1, slowest_answer_s = 2e-3;
@@ -154,7 +155,9 @@ void CylinderResiduals::declare_channels() {
   bool chambers = true;
   for (const CylinderRecording& recording : recordings_)
     chambers = chambers && !recording.measured_Pa[chamber_1].empty() && !recording.measured_Pa[chamber_2].empty();
-  channels_.push_back({"F", "N", force_noise(0, 1), chambers ? force_floor_N : force_floor_ports_N});
+  const double supply_Pa = owner_.axis.supply.pressure_Pa - owner_.axis.air.atmosphere_Pa;
+  const double share = supply_Pa > 0 ? std::min(1.0, supply_Pa / floor_supply_Pa) : 1.0;
+  channels_.push_back({"F", "N", force_noise(0, 1), share * (chambers ? force_floor_N : force_floor_ports_N)});
   gas_channel_.push_back(-1);
 }
 

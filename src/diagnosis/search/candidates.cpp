@@ -2,7 +2,9 @@
 #include "diagnosis/search/candidates.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -19,6 +21,7 @@ constexpr double wide_parameter_spread = 0.3;
 constexpr double widest_z = 40;            ///< of an effect's size
 constexpr double largest_load = 0.85;       ///< of the moving mass, on a soft coupling
 constexpr double slowest_mps = 1e-5;       ///< top speed of a recording that stands
+constexpr double free_convection = 25;      ///< W/(m2 K) between gas and wall, at most; on the faces of a cube
 constexpr double difference_step = 0.01;   ///< of z, for what has a prior of its own
 
 /// Numbers behind the scales of the vocabulary.
@@ -37,9 +40,6 @@ struct ScaleTable {
     if (rig.is_pneumatic()) return rig.axis.valve.area_max_m2;
     if (rig.kind == RigKind::switched_cylinder) return rig.throttle_1.inflow_area_m2;
     return 5e-3 * rig.vessel.volume_m3;  // empties the vessel within about a second, whatever its size
-  }
-  double gas_kg() const {
-    return supply() * rig.vessel.volume_m3 / (rig.axis.air.gas_constant_J_per_kgK * rig.axis.air.temperature_K);
   }
   /// T (1 - (p_atm/p)^((kappa - 1)/kappa)), more than filling warms: T (kappa/(1 + (kappa - 1) p_atm/p) - 1). Gas that
   /// nothing has charged is as warm as its wall.
@@ -70,10 +70,7 @@ struct ScaleTable {
       case EffectScale::stiffness: return force() / half_stroke();
       case EffectScale::valve_area: return valve_area();
       case EffectScale::inverse_valve_area: return 1 / (valve_area() * valve_area());
-      case EffectScale::wall_heat: {
-        const AirParameters<double>& air = rig.axis.air;
-        return 0.1 * gas_kg() * air.gas_constant_J_per_kgK / (air.heat_capacity_ratio - 1);
-      }
+      case EffectScale::wall_heat: return free_convection * 6 * std::cbrt(std::pow(rig.vessel.volume_m3, 2));
       case EffectScale::laminar_conductance: {
         const Air<double> air(rig.axis.air);
         return air.flow_constant * valve_area() / (std::sqrt(air.R * air.temperature_K) * supply());
@@ -168,6 +165,14 @@ std::string on_its_side(std::string_view whole, std::string_view name) {
   return std::string(whole) + std::string(has_side ? name.substr(name.size() - 2) : "");
 }
 
+/// Sizes of an amplitude whose whole change is looked at. The laws of a vessel are bent (heat that is none and heat
+/// that keeps the gas at its wall's temperature empty it alike), and between nothing and their size lie other valleys.
+std::span<const double> whole_sizes(const ParameterTrait& trait, const Rig& rig) {
+  static constexpr std::array<double, 3> sizes{0.2, 0.6, 2.0};
+  const bool is_looked_at = rig.kind == RigKind::vessel && trait.grid.empty() && trait.whole.empty();
+  return is_looked_at ? std::span<const double>(sizes) : trait.whole;
+}
+
 /// The effect as a candidate: every combination of its grids is a start.
 template <class Effect>
 Candidate effect_candidate(const std::string& name, const std::string& element, const std::string& family,
@@ -202,7 +207,7 @@ Candidate effect_candidate(const std::string& name, const std::string& element, 
         none);
   }
   for (std::size_t p = 0; p < Effect::traits.size(); ++p)
-    for (const double z : Effect::traits[p].whole)
+    for (const double z : whole_sizes(Effect::traits[p], scales.rig))
       for (std::vector<double> start : candidate.starts) {
         start[p] = z;
         candidate.whole_starts.push_back(start);

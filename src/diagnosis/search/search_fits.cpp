@@ -180,6 +180,10 @@ void Search::polish(const std::vector<Explanation*>& explanations, int iteration
     explanation->log_evidence = explanation->fit.failed ? -1e300 : log_evidence(*explanation);
 }
 
+double Search::evidence_scale(const Fit& fit) const {
+  return rig_.is_pneumatic() ? 1.0 : std::max(1.0, fit.chi2() / static_cast<double>(rows_.count()));
+}
+
 std::vector<Explanation*> Search::rivals(std::size_t members, double distance, std::size_t most) {
   std::vector<Explanation*> out;
   for (auto& [key, explanation] : tried_)
@@ -188,7 +192,8 @@ std::vector<Explanation*> Search::rivals(std::size_t members, double distance, s
                    [](const Explanation* a, const Explanation* b) { return a->log_evidence > b->log_evidence; });
   // A description takes no name its place: where two names are missing it may be far before the better of them.
   const Explanation* named = best_named(members);
-  const double least = (named != nullptr ? named : out.empty() ? &owner_ : out.front())->log_evidence - distance;
+  const Explanation& best = named != nullptr ? *named : out.empty() ? owner_ : *out.front();
+  const double least = best.log_evidence - distance * evidence_scale(best.fit);
   std::erase_if(out, [&](const Explanation* e) { return e->log_evidence < least; });
   if (out.size() > most) out.resize(most);
   return out;

@@ -8,9 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "diagnosis/residuals/known_rows.hpp"
-
 #include "config/rig_parameters.hpp"
+#include "diagnosis/residuals/known_rows.hpp"
 #include "diagnosis/verdict/disturbances.hpp"
 
 namespace pneuservo {
@@ -114,22 +113,6 @@ Verdict verdict_of(const Explanation& chosen, const Search& search) {
 }
 
 }  // namespace
-
-std::string what_is_left(const Decision& decision, ResidualModel& model, const DecisionRules& rules) {
-  std::string out;
-  const auto say = [&](const std::string& what) { out += (out.empty() ? "" : "; ") + what; };
-  for (std::size_t c = 0; c < decision.levels.channels.size(); ++c)
-    if (decision.levels.channels[c].fitted > rules.floor_level)
-      say(fmt::format("{} is at {:.2g} times its floor", model.channels()[c].name, decision.levels.channels[c].fitted));
-  if (decision.levels.line)
-    say(fmt::format("a periodic part of {:.2g} {} at {:.2f} Hz in {}", decision.levels.line->amplitude,
-                    model.channels()[static_cast<std::size_t>(decision.levels.line->channel)].unit,
-                    decision.levels.line->frequency_Hz,
-                    model.channels()[static_cast<std::size_t>(decision.levels.line->channel)].name));
-  if (decision.levels.held_out_excess() > rules.held_out_excess)
-    say(fmt::format("held-out stretches fit {:.2g} times worse than fitted ones", decision.levels.held_out_excess()));
-  return out;
-}
 
 /// Shares of `whole` by evidence, none of which counts for more than the first one's.
 std::vector<double> shares_of(const std::vector<double>& evidence, double temperature, double whole) {
@@ -416,17 +399,27 @@ double above_floors(ResidualModel& model, const Explanation& explanation, const 
   return std::max(levels.chi2(false) + levels.chi2(true) - rows, 0.0);
 }
 
-/// Whether each law that contains a simpler one is sure of what it has beyond that, as one more effect has to be,
-/// beside a floor that has grown by this.
-bool is_sure_of_law(const Explanation& explanation, const Search& search, double growth, const DecisionRules& rules) {
+/// How sure each law is of what it has beyond a simpler one, in standard errors beside a floor that has grown by this.
+double certainty_of_law(const Explanation& explanation, const Search& search, double growth) {
   const Eigen::MatrixXd covariance = growth * explanation.fit.covariance();
+  double least = 1e300;
   for (const std::size_t m : explanation.members)
     for (const FreeParameter& own : search.candidates()[m].parameters) {
       if (own.path != search.candidates()[m].extra) continue;
       const auto at = static_cast<Eigen::Index>(explanation.fit.own_place(own));
-      if (explanation.fit.z(at) - own.z(0) < rules.standard_errors * std::sqrt(covariance(at, at))) return false;
+      least = std::min(least, (explanation.fit.z(at) - own.z(0)) / std::sqrt(covariance(at, at)));
     }
-  return true;
+  return least;
+}
+
+/// Whether `richer` is the other explanation with a law in place of the simpler one that it contains.
+bool holds_law_of(const Explanation& richer, const Explanation& other, const Search& search) {
+  std::vector<std::size_t> own = richer.members, others = other.members;
+  std::erase_if(own, [&](std::size_t m) { return contains(other.members, m); });
+  std::erase_if(others, [&](std::size_t m) { return contains(richer.members, m); });
+  if (own.size() != 1 || others.size() != 1) return false;
+  const Candidate &law = search.candidates()[own.front()], &simpler = search.candidates()[others.front()];
+  return !law.extra.empty() && simpler.extra.empty() && law.family == simpler.family;
 }
 
 /// Whether a size stands at the end of its range away from nothing: then physics would have to give more than it can.
@@ -447,20 +440,26 @@ bool stands_at_its_end(const Explanation& explanation, const Search& search) {
   return false;
 }
 
+struct Foretold {
+  double score;
+  const Explanation* explanation;
+  double certainty;  ///< of its laws
+};
+
 /// The explanations of one size by evidence, with what they foretell of the held-out rows counted in: a law that fits
 /// but does not go on is behind its rivals.
-std::vector<std::pair<double, const Explanation*>> by_prediction(ResidualModel& model, const Search& search,
-                                                                 std::size_t members, double growth,
-                                                                 const DecisionRules& rules) {
-  std::vector<std::pair<double, const Explanation*>> out;
+std::vector<Foretold> by_prediction(ResidualModel& model, const Search& search, std::size_t members, double growth,
+                                    const DecisionRules& rules) {
+  std::vector<Foretold> out;
   const std::vector<const Explanation*> ranked = sizeable(search, members, rules);
   for (const Explanation* e : ranked) {
     if (out.size() >= most_predicted) break;
-    if (!is_sure_of_law(*e, search, growth, rules) || stands_at_its_end(*e, search)) continue;
+    const double certainty = certainty_of_law(*e, search, growth);
+    if (certainty < rules.told_errors || stands_at_its_end(*e, search)) continue;
     const double foretold = model_levels(model, e->fit, rules).chi2(true);
-    out.emplace_back((e->log_evidence - 0.5 * foretold) / growth, e);
+    out.push_back({(e->log_evidence - 0.5 * foretold) / growth, e, certainty});
   }
-  std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::stable_sort(out.begin(), out.end(), [](const Foretold& a, const Foretold& b) { return a.score > b.score; });
   return out;
 }
 
@@ -488,12 +487,12 @@ std::string periodic_part(const Decision& decision, const ResidualModel& model) 
 template <class Ranked, class IsSure>
 Ranked plain_enough(ResidualModel& model, const Search& search, Ranked best, Ranked end, const IsSure& is_sure,
                     double all, const DecisionRules& rules) {
-  double leaves = best == end ? 0 : above_floors(model, *best->second, rules);
+  double leaves = best == end ? 0 : above_floors(model, *best->explanation, rules);
   for (auto plainer = best; plainer != end; ++plainer) {
-    if (plainer->second->fit.own_count >= best->second->fit.own_count || !is_sure(*plainer)) continue;
-    const double plainer_leaves = above_floors(model, *plainer->second, rules);
+    if (plainer->explanation->fit.own_count >= best->explanation->fit.own_count || !is_sure(*plainer)) continue;
+    const double plainer_leaves = above_floors(model, *plainer->explanation, rules);
     const bool is_owned =
-        std::all_of(plainer->second->members.begin(), plainer->second->members.end(),
+        std::all_of(plainer->explanation->members.begin(), plainer->explanation->members.end(),
                     [&](std::size_t m) { return search.candidates()[m].kind == CandidateKind::parameter; });
     const double most = is_owned ? std::max(rules.richer_of_left * plainer_leaves, rules.richer_of_all * all)
                                  : rules.richer_of_left * plainer_leaves;
@@ -514,32 +513,40 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
   for (std::size_t members = 1; search.best_of(members) != nullptr; ++members) richest = search.best_of(members);
   decision.growth = floor_growth(model_levels(model, richest->fit, rules));
   const double all = above_floors(model, search.owner(), rules), growth = decision.growth;
-  double left = all, score = by_prediction(model, search, 0, growth, rules).front().first;
+  double left = all, score = by_prediction(model, search, 0, growth, rules).front().score;
   std::vector<double> scores;
   for (std::size_t members = 1;; ++members) {
     const auto ranked = by_prediction(model, search, members, growth, rules);
-    const auto is_sure = [&](const auto& r) {
-      return members == 1 || is_sure_of_sizes(*r.second, search, rules.standard_errors * std::sqrt(growth));
+    // What is clearly missed may have a wide size (a bent law: heat that nearly keeps the wall's temperature), but one.
+    const auto is_sure = [&](const Foretold& r) {
+      const double errors = r.score - score >= rules.alarm_gain ? rules.told_errors : rules.standard_errors;
+      const bool is_sized = members == 1 || is_sure_of_sizes(*r.explanation, search, errors * std::sqrt(growth));
+      return is_sized && r.certainty >= rules.standard_errors;
     };
     const auto best = plain_enough(model, search, std::find_if(ranked.begin(), ranked.end(), is_sure), ranked.end(),
                                    is_sure, all, rules);
-    const double leaves = best == ranked.end() ? left : above_floors(model, *best->second, rules);
+    const double leaves = best == ranked.end() ? left : above_floors(model, *best->explanation, rules);
     // What is left counts as noise already (growth), so that one more name is asked for no more evidence than the
     // first.
-    const bool enough = best != ranked.end() && best->first - score >= rules.alarm_gain &&
+    const bool enough = best != ranked.end() && best->score - score >= rules.alarm_gain &&
                         (members == 1 || left - leaves >= rules.next_of_left * left);
     if (members == 1 || enough) {
       decision.rivals.clear();
       scores.clear();
       for (auto r = enough ? best : ranked.begin(); r != ranked.end(); ++r) {
-        decision.rivals.push_back(r->second);
-        scores.push_back(r->first);
+        decision.rivals.push_back(r->explanation);
+        scores.push_back(r->score);
       }
+      for (auto r = ranked.begin(); enough && r != best; ++r)  // too rich laws, which the rows do not exclude
+        if (holds_law_of(*r->explanation, *best->explanation, search)) {
+          decision.rivals.push_back(r->explanation);
+          scores.push_back(best->score);
+        }
     }
     if (!enough) break;
-    decision.chosen = best->second;
+    decision.chosen = best->explanation;
     left = leaves;
-    score = best->first;
+    score = best->score;
   }
   decision.probabilities = shares_of(scores, rules.temperature, rules.most_sure_beside);
   decision.gain = (decision.chosen->log_evidence - search.owner().log_evidence) / growth;

@@ -71,6 +71,22 @@ std::vector<ElementPattern> screened_elements(const Search& search) {
 
 }  // namespace
 
+std::string what_is_left(const Decision& decision, ResidualModel& model, const DecisionRules& rules) {
+  std::string out;
+  const auto say = [&](const std::string& what) { out += (out.empty() ? "" : "; ") + what; };
+  for (std::size_t c = 0; c < decision.levels.channels.size(); ++c)
+    if (decision.levels.channels[c].fitted > rules.floor_level)
+      say(fmt::format("{} is at {:.2g} times its floor", model.channels()[c].name, decision.levels.channels[c].fitted));
+  if (decision.levels.line)
+    say(fmt::format("a periodic part of {:.2g} {} at {:.2f} Hz in {}", decision.levels.line->amplitude,
+                    model.channels()[static_cast<std::size_t>(decision.levels.line->channel)].unit,
+                    decision.levels.line->frequency_Hz,
+                    model.channels()[static_cast<std::size_t>(decision.levels.line->channel)].name));
+  if (decision.levels.held_out_excess() > rules.held_out_excess)
+    say(fmt::format("held-out stretches fit {:.2g} times worse than fitted ones", decision.levels.held_out_excess()));
+  return out;
+}
+
 void add_answers(const Decision& decision, const Search& search, const DecisionRules& rules, Diagnosis& out) {
   for (const std::size_t member : decision.chosen->members) {
     const Candidate& candidate = search.candidates()[member];

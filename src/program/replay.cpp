@@ -42,7 +42,7 @@ void adopt_header(const Recording& recording, Rig& rig) {
   try {
     const Rig recorded = parse_rig(config.Scalar(), recording.path + ", header");
     rig.duration_s = recorded.duration_s;
-    rig.controller.pd_force.pressure_source = recorded.controller.pd_force.pressure_source;
+    if (const auto source = recorded.controller.pressures()) rig.controller.choose_pressures(*source);
     if (same_rig(recorded, rig)) return;
     reason = "was made with another config or other --set";
   } catch (const InputError& error) {
@@ -78,7 +78,7 @@ int run_replay(const ReplayOptions& options) {
   ReplayBackend backend(std::move(recording), rig.period_s);
   const Recording& data = backend.recording();
   std::vector<std::pair<std::string, const std::vector<double>*>> recorded;
-  for (const std::string& name : replayed_columns())
+  for (const std::string& name : replayed_columns(rig.controller.kind))
     if (data.has(name)) recorded.emplace_back(name, &data.column(name));
   const bool is_foreign = !is_own_format(data);
   if (recorded.empty() && !(is_foreign && !options.record.empty()))
@@ -123,7 +123,7 @@ int run_replay(const ReplayOptions& options) {
   write_json(options.json, json);
   if (!options.record.empty()) {
     RecordingWriter writer(options.record, run_header(rig, backend, machine_facts(nullptr), moves), {},
-                           {.existing = options.existing()});
+                           {.existing = options.existing(), .terms = law_columns(rig.controller.kind)});
     for (const Row& row : result.rows) writer.write(row);
     const RecordingSummary summary = writer.close();
     if (!summary.error.empty()) throw InputError(summary.error);

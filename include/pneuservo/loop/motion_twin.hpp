@@ -42,7 +42,7 @@ class MotionTwin {
     const auto& axis = rig.axis;
     const int needed = std::max(cell_count(axis.line_1.length_m, 1.0), cell_count(axis.line_2.length_m, 1.0));
     // A law on port pressures meets the line's ringing, which coarse cells have too stiff above 100 Hz.
-    const bool rings = rig.controller.kind == ControllerKind::pd_force && !chambers_;
+    const bool rings = rig.controller.closes_force_loop() && !chambers_;
     set_machine(rig, axis, rings ? simulated_cells(rig) : std::min(needed, most_cells));
   }
   /// Cells of each line of the simulated machine.

@@ -45,7 +45,7 @@ TEST_CASE("each law has a name, keys and terms of its own, and each rig with a c
       INFO(name_of(law) << ", " << term.name);
       CHECK(columns.insert(term.name).second);
       CHECK_FALSE(term.help.empty());
-      if (!term.unit.empty()) CHECK(term.name.ends_with("_" + suffix_of(term.unit)));
+      if (!term.unit.empty()) CHECK(term.name.ends_with(std::string(1, '_').append(suffix_of(term.unit))));
     }
   }
   CHECK(name_of(kind_of<PdForce>) == "pd_force");

@@ -21,9 +21,7 @@ PlantStart<double> plant_start(const Rig& rig) {
 
 SimBackend::SimBackend(const Rig& rig, Has sensors) : rig_(simulated_rig(rig)) {
   if (sensors == Has::every_sensor) return;
-  const bool is_fed_back = rig.controller.kind == ControllerKind::pd_force &&
-                           rig.controller.pd_force.pressure_source == PressureSource::chamber;
-  is_there_[3] = is_there_[4] = is_fed_back || rig.sensors.chamber_pressure.rms_Pa() > 0.0;
+  is_there_[3] = is_there_[4] = rig.controller.takes_chambers() || rig.sensors.chamber_pressure.rms_Pa() > 0.0;
   is_there_[5] = rig.sensors.supply_pressure.rms_Pa() > 0.0;
 }
 

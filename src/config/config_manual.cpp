@@ -114,11 +114,11 @@ struct TableCollector {
   }
 };
 
-std::vector<Table> tables_of(RigKind kind) {
+std::vector<Table> tables_of(RigKind kind, ControllerKind law) {
   std::vector<Table> tables{{"Top of the file", "Sections have their own tables below", {}}};
   Rig rig;
   rig.kind = kind;
-  if (kind == RigKind::servo_table) rig.controller.kind = ControllerKind::ppd2;
+  rig.controller.kind = law;
   Rig::visit(TableCollector{tables}, std::as_const(rig));
   return tables;
 }
@@ -130,20 +130,32 @@ void merge_rows(Table& table, const Table& other) {
       table.rows.push_back(row);
 }
 
-/// Sections that another kind of rig has with other keys follow as tables of their own.
+/// Sections that another kind of rig, or another law, has with other keys follow as tables of their own.
+void add_tables(std::vector<Table>& tables, std::vector<Table> further, const std::string& of) {
+  if (tables.empty()) {
+    tables = std::move(further);
+    return;
+  }
+  merge_rows(tables.front(), further.front());
+  for (std::size_t i = 1; i < further.size(); ++i) {
+    Table& table = further[i];
+    const auto is_same = [&](const Table& t) { return t.title.starts_with(table.title) && t.rows == table.rows; };
+    if (std::any_of(tables.begin(), tables.end(), is_same)) continue;
+    table.title += of;
+    tables.push_back(std::move(table));
+  }
+}
+
 std::vector<Table> all_tables() {
-  std::vector<Table> tables = tables_of(RigKind{});
-  for (std::size_t kind = 1; kind < rig_kind_names.size(); ++kind) {
-    std::vector<Table> further = tables_of(static_cast<RigKind>(kind));
-    merge_rows(tables.front(), further.front());
-    for (std::size_t i = 1; i < further.size(); ++i) {
-      Table& table = further[i];
-      const auto same =
-          std::find_if(tables.begin(), tables.end(), [&](const Table& t) { return t.title == table.title; });
-      if (same != tables.end() && same->rows == table.rows) continue;
-      table.title += fmt::format(" of a `{}`", rig_kind_names[kind]);
-      tables.push_back(std::move(table));
-    }
+  std::vector<Table> tables;
+  for (std::size_t i = 0; i < rig_kind_names.size(); ++i) {
+    const auto kind = static_cast<RigKind>(i);
+    std::vector<ControllerKind> laws = laws_of(kind);
+    if (laws.empty()) laws.emplace_back();
+    for (const ControllerKind law : laws)
+      add_tables(tables, tables_of(kind, law),
+                 law == laws.front() ? fmt::format(" of a `{}`", rig_kind_names[i])
+                                     : fmt::format(" of a `{}` with the law `{}`", rig_kind_names[i], name_of(law)));
   }
   return tables;
 }

@@ -140,12 +140,9 @@ void check_lines(const GpioParameters& gpio, const RefusePath& refuse) {
 std::vector<std::pair<const char*, bool>> simulated_inputs_of_law(const Rig& rig) {
   const HalChannels& c = rig.hal->channels;
   std::vector<std::pair<const char*, bool>> inputs{{"x", c.x.simulated}};
-  const bool force_loop = rig.controller.kind == ControllerKind::pd_force;
-  const bool flatness = !force_loop && rig.controller.ppd2.feedforward == FeedforwardKind::flatness;
-  const bool chambers = force_loop && rig.controller.pd_force.pressure_source == PressureSource::chamber;
-  if (chambers)
+  if (rig.controller.takes_chambers())
     inputs.insert(inputs.end(), {{"p1_chamber", c.p1_chamber.simulated}, {"p2_chamber", c.p2_chamber.simulated}});
-  else if (force_loop || flatness)
+  else if (rig.controller.pressures())
     inputs.insert(inputs.end(), {{"p1_port", c.p1_port.simulated}, {"p2_port", c.p2_port.simulated}});
   return inputs;
 }
@@ -195,7 +192,7 @@ void check_hal(const Rig& rig, const RefusePath& refuse) {
   if (!rig.hal) return;
   const HalParameters& hal = *rig.hal;
   const bool is_table = rig.kind == RigKind::servo_table;
-  const bool chambers = !is_table && rig.controller.pd_force.pressure_source == PressureSource::chamber;
+  const bool chambers = rig.controller.takes_chambers();
   const std::string loop = "a source: the loop needs this channel";
   const std::string command = "a source: the loop needs somewhere to send its command";
   const std::string chamber = chambers ? "a source: controller.pressure_source is chamber" : "";

@@ -106,8 +106,12 @@ void check_lines(const Rig& rig, const Check& check) {
   check_line_models(rig, check);
 }
 
-void check_feedforward(const Rig& rig, const Check& check) {
-  const Ppd2Parameters& p = rig.controller.ppd2;
+/// What no single key of a law can be checked for; most laws need nothing.
+void check_parameters(const auto&, const Rig&, const Check&) {}
+void check_parameters(const Ppd2Parameters& p, const Rig& rig, const Check& check) {
+  if (p.observer_gains && p.observer_gains->size() != 3)
+    check.refuse("controller.observer_gains", {}, fmt::format("{} numbers", p.observer_gains->size()),
+                 "three: l1, l2, l3");
   const std::string name(feedforward_kind_names[static_cast<std::size_t>(p.feedforward)]);
   const bool needs_lag = p.feedforward == FeedforwardKind::order_5 || p.feedforward == FeedforwardKind::order_7;
   if (needs_lag && !(rig.axis.line_1.natural_frequency_Hz > 0.0))
@@ -126,24 +130,21 @@ void check_feedforward(const Rig& rig, const Check& check) {
     check.refuse("controller.position_gain_V_per_m", {}, number_text(p.position_gain_V_per_m), "more than 0");
 }
 
-/// The law that each kind of rig is run by.
 void check_law(const Rig& rig, const Check& check) {
-  const ControllerKind law = rig.kind == RigKind::servo_table ? ControllerKind::ppd2 : ControllerKind::pd_force;
-  const auto name = [](ControllerKind kind) {
-    return std::string(controller_kind_names[static_cast<std::size_t>(kind)]);
-  };
-  if (rig.controller.kind != law)
-    check.refuse("controller.kind", {"rig"}, name(rig.controller.kind),
-                 fmt::format("{}, the law of a {}", name(law), rig_kind_names[static_cast<std::size_t>(rig.kind)]));
-  const auto& gains = rig.controller.ppd2.observer_gains;
-  if (law == ControllerKind::ppd2 && gains && gains->size() != 3)
-    check.refuse("controller.observer_gains", {}, fmt::format("{} numbers", gains->size()), "three: l1, l2, l3");
-  if (law == ControllerKind::ppd2) check_feedforward(rig, check);
+  const std::vector<ControllerKind> laws = laws_of(rig.kind);
+  if (!runs(rig.controller.kind, rig.kind)) {
+    std::vector<std::string_view> names;
+    for (const ControllerKind law : laws) names.push_back(name_of(law));
+    check.refuse("controller.kind", {"rig"}, std::string(rig.controller.name()),
+                 fmt::format("{}, the law{} of a {}", fmt::join(names, " or "), names.size() > 1 ? "s" : "",
+                             rig_kind_names[static_cast<std::size_t>(rig.kind)]));
+  }
+  rig.controller.in_use([&](const auto& parameters) { check_parameters(parameters, rig, check); });
 }
 
 void check_controller(const Rig& rig, const Check& check) {
   const bool has_sensors = is_stated(check.root, "sensors", "chamber_pressure");
-  if (rig.controller.pd_force.pressure_source == PressureSource::chamber && !has_sensors)
+  if (rig.controller.takes_chambers() && !has_sensors)
     check.refuse("controller.pressure_source", {}, "'chamber' without sensors.chamber_pressure",
                  "valve or estimated, or the section sensors.chamber_pressure");
   const double command_max = rig.axis.valve.command_max_V;
@@ -186,8 +187,7 @@ double dry_friction_N(const Rig& rig) {
 
 /// What three standard deviations of noise, and a quantum, of the encoder are in the speed that the law filters.
 double encoder_speed_mps(const Rig& rig) {
-  const double filter_s =
-      rig.controller.kind == ControllerKind::pd_force ? rig.controller.pd_force.velocity_filter_s : 0.0;
+  const double filter_s = rig.controller.velocity_filter_s();
   const double share = filter_s > 0.0 ? -std::expm1(-rig.period_s / filter_s) : 1.0;
   return share * (rig.sensors.position.quantum_m + 3.0 * rig.sensors.position.noise_m) / rig.period_s;
 }
@@ -452,10 +452,7 @@ void complete_rig(Rig& rig, const ConfigNode& root) {
     rig.duration_s = default_duration_s(rig.reference, root);
   }
   if (rig.kind == RigKind::servo_table && !is_stated(root, "initial", "pressure_1_Pa"))
-    // What the law takes the table's pressure to be.
-    rig.initial.pressure_1_Pa = rig.controller.ppd2.feedforward == FeedforwardKind::flatness
-                                    ? rig.controller.ppd2.mean_pressure_Pa
-                                    : rig.controller.ppd2.equilibrium_pressure_Pa;
+    rig.initial.pressure_1_Pa = rig.controller.rest_pressure_Pa().value_or(rig.initial.pressure_1_Pa);
   if (rig.kind == RigKind::cylinder && !is_stated(root, "initial", "pressure_1_Pa")) {
     const double supply = rig.axis.supply.pressure_Pa, atmosphere = rig.axis.air.atmosphere_Pa;
     const double usual = rig.initial.pressure_1_Pa;

@@ -75,7 +75,7 @@ bool linear_loop_settles(const Ppd2Parameters& parameters, const AxisParameters<
   const auto ticks = std::lround(time_s / period_s);
   double late_m = 0.0;
   for (long k = 0; k < ticks; ++k) {
-    plant.step(controller.step({plant.position_m(), {}, {}, {}})[0]);
+    plant.step(controller.step({plant.position_m(), {}, {}, {}, {}}).command_V[0]);
     if (k > ticks - ticks / 8) late_m = std::fmax(late_m, std::fabs(plant.position_m()));
   }
   return late_m < rest_share * start_m;

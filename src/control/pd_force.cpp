@@ -33,14 +33,14 @@ void PdForce::start_bumpless(double x_m, double p1_Pa, double p2_Pa, const Refer
   reset(command_V);
   const double integral_gain = parameters_.force_integral_V_per_Ns;
   if (!(integral_gain > 0.0)) return;
-  const PdForceState s = terms(x_m, p1_Pa, p2_Pa, now, ahead);
+  const PdForceState s = terms_of(x_m, p1_Pa, p2_Pa, now, ahead);
   // The first step adds period * e_F before it uses the integral.
   const double integral_Ns = (state_.u_V - unlimited_V(s)) / integral_gain - period_s_ * s.e_F_N;
   if (std::isfinite(integral_Ns)) state_.I_Ns = integral_Ns;
 }
 
-PdForceState PdForce::terms(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now,
-                            const ReferencePoint& ahead) const noexcept {
+PdForceState PdForce::terms_of(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now,
+                               const ReferencePoint& ahead) const noexcept {
   PdForceState s;
   s.e_m = now.d[0] - x_m;
   s.v_mps =
@@ -58,7 +58,7 @@ PdForceState PdForce::terms(double x_m, double p1_Pa, double p2_Pa, const Refere
 
 double PdForce::step(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now,
                      const ReferencePoint& ahead) noexcept {
-  PdForceState s = terms(x_m, p1_Pa, p2_Pa, now, ahead);
+  PdForceState s = terms_of(x_m, p1_Pa, p2_Pa, now, ahead);
   // The integral rests while the command is limited in the direction in which it would grow.
   const double without_growth_V = unlimited_V(s);
   if (std::isfinite(without_growth_V)) {

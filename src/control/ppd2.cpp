@@ -59,6 +59,7 @@ void Ppd2::configure(const Ppd2Parameters& parameters, const AxisParameters<doub
 
 void Ppd2::reset(const std::array<double, 2>& previous_V) noexcept {
   state_ = Ppd2State{};
+  state_.gains = gains_;
   observer_.reset();
   flatness_.reset();
   for (std::size_t i = 0; i < 2; ++i) {
@@ -88,7 +89,7 @@ double Ppd2::rest_s(bool moved, const std::array<double, 2>& port_Pa) const noex
 //   u = Kp (r - x_measured) - Kv v - Ka a,  r = sum c_i x_ref^(i),  Kp c = inverse + {Kp, Kv, Ka}.
 // On the error: u = u_ff - Kp e - Kv e_v - Ka e_a + Ki sum(-e) T,  u_ff = Kp (r - x_ref) - Kv x_ref' - Ka x_ref''.
 // Without feedforward r is x_ref. Where the flatness plan has the feedforward, the linear inverse has none.
-double Ppd2::total_V(const Ppd2GainSet& g, const Ppd2State& s, const Ppd2Input& in,
+double Ppd2::total_V(const Ppd2GainSet& g, const Ppd2State& s, const ControlInput& in,
                      double* feedforward_V) const noexcept {
   const bool on_error = input_ == ObserverInput::error, planned = flat_ && in.tick >= 0;
   const ReferencePoint& r = on_error ? in.ahead : in.now;
@@ -104,7 +105,7 @@ double Ppd2::total_V(const Ppd2GainSet& g, const Ppd2State& s, const Ppd2Input& 
 }
 
 // The integral takes up the difference of both commands where there is one; else it fades.
-void Ppd2::smooth_change(Ppd2State& s, const Ppd2Input& in) noexcept {
+void Ppd2::smooth_change(Ppd2State& s, const ControlInput& in) noexcept {
   double feedforward_V = 0.0;
   const double old_V = total_V(gains_, s, in, &feedforward_V), new_V = total_V(next_gains_, s, in, &feedforward_V);
   if (next_gains_.integral_gain_V_per_m_s > 0.0) s.I_ms += (old_V - new_V) / next_gains_.integral_gain_V_per_m_s;
@@ -114,13 +115,13 @@ void Ppd2::smooth_change(Ppd2State& s, const Ppd2Input& in) noexcept {
 }
 
 // Both valves' commands for what the law asks of valve 1, before range and rate.
-std::array<double, 2> Ppd2::commands(const Ppd2Input& in, double across_V) noexcept {
+std::array<double, 2> Ppd2::commands(const ControlInput& in, double across_V) noexcept {
   if (!flat_) return {across_V, -across_V};
   const FlatnessCommand command = flatness_.step(in.tick, in.x_m - in.now.d[0], across_V, in.port_Pa[0], in.port_Pa[1]);
   return {command.valve_1_V, command.valve_2_V};
 }
 
-const std::array<double, 2>& Ppd2::step(const Ppd2Input& in) noexcept {
+void Ppd2::update(const ControlInput& in) noexcept {
   const int periods = static_cast<int>(std::min(periods_, most_bridged_periods));
   MotionObserver observer = observer_;
   Ppd2State s = state_;
@@ -141,9 +142,11 @@ const std::array<double, 2>& Ppd2::step(const Ppd2Input& in) noexcept {
     // State stays as it was before this sample: observer, integral and commands survive a single bad measurement.
     state_.finite = false;
     state_.limit = {};
+    state_.gains = gains_;
     periods_ += 1;
-    return state_.u_V;
+    return;
   }
+  s.gains = gains_;
   s.u_feedback_V = across_V - s.u_feedforward_V;
   s.u_unlimited_V = commands(in, across_V);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -154,7 +157,6 @@ const std::array<double, 2>& Ppd2::step(const Ppd2Input& in) noexcept {
   observer_ = observer;
   state_ = s;
   periods_ = 1;
-  return state_.u_V;
 }
 
 }  // namespace pneuservo

@@ -22,22 +22,15 @@ constexpr double step_shown_s = 1.0;
 
 bool is_table(const Rig& rig) { return rig.kind == RigKind::servo_table; }
 
+MovedMass moved_mass(const AxisLinearisation& linear) { return {linear.mass_kg, linear.friction_Ns_per_m}; }
+
 Ppd2Gains gains_of(const ControllerParameters& controller, const AxisLinearisation& linear) {
-  if (controller.kind == ControllerKind::pd_force)
-    return as_ppd2_gains(controller.pd_force, linear.mass_kg, linear.friction_Ns_per_m);
-  const Ppd2Parameters& p = controller.ppd2;
-  return {p.position_gain_V_per_m, p.velocity_gain_Vs_per_m, p.acceleration_gain_Vs2_per_m};
+  return with_linear_law(controller, [&](const auto& p) { return linear_gains(p, moved_mass(linear)); });
 }
 
 ControllerParameters with_gains(ControllerParameters controller, const Ppd2Gains& gains,
                                 const AxisLinearisation& linear) {
-  if (controller.kind == ControllerKind::pd_force) {
-    controller.pd_force = as_pd_force(controller.pd_force, gains, linear.mass_kg, linear.friction_Ns_per_m);
-    return controller;
-  }
-  controller.ppd2.position_gain_V_per_m = gains.position_V_per_m;
-  controller.ppd2.velocity_gain_Vs_per_m = gains.velocity_Vs_per_m;
-  controller.ppd2.acceleration_gain_Vs2_per_m = gains.acceleration_Vs2_per_m;
+  with_linear_law(controller, [&](auto& p) { set_linear_gains(p, gains, moved_mass(linear)); });
   return controller;
 }
 
@@ -55,22 +48,9 @@ Ppd2Gains designed_gains(const DesignRequest& request, const AxisDesign& design)
   return design.gains_before;
 }
 
-/// A gain below 0, which a law does not take.
-struct UnusableGain {
-  std::string_view name;
-  double value = 0.0;
-};
-
-std::optional<UnusableGain> unusable_gain(const ControllerParameters& c, const Ppd2Gains& gains, double mass_kg) {
-  const bool is_force = c.kind == ControllerKind::pd_force;
-  if (gains.acceleration_Vs2_per_m <= 0.0 && is_force)
-    return UnusableGain{"force_gain_V_per_N", gains.acceleration_Vs2_per_m / mass_kg};
-  if (is_force && c.pd_force.velocity_gain_Ns_per_m < 0.0)
-    return UnusableGain{"velocity_gain_Ns_per_m", c.pd_force.velocity_gain_Ns_per_m};
-  if (gains.velocity_Vs_per_m < 0.0) return UnusableGain{"velocity_gain_Vs_per_m", gains.velocity_Vs_per_m};
-  if (gains.acceleration_Vs2_per_m < 0.0)
-    return UnusableGain{"acceleration_gain_Vs2_per_m", gains.acceleration_Vs2_per_m};
-  return std::nullopt;
+std::optional<NamedGain> unusable(const ControllerParameters& controller, const Ppd2Gains& gains,
+                                  const AxisLinearisation& linear) {
+  return with_linear_law(controller, [&](const auto& p) { return unusable_gain(p, gains, moved_mass(linear)); });
 }
 
 ModelFigures figures_of(const LinearAxis& axis, const Ppd2Gains& gains) {
@@ -80,13 +60,11 @@ ModelFigures figures_of(const LinearAxis& axis, const Ppd2Gains& gains) {
 }
 
 StateSpace law_of(const Rig& rig, const ControllerParameters& controller, const AxisLinearisation& linear) {
-  if (controller.kind == ControllerKind::ppd2) return ppd2_law(controller.ppd2, rig.period_s);
-  return pd_force_law(controller.pd_force, linear.mass_kg, linear.friction_Ns_per_m, rig.period_s);
+  return with_linear_law(controller, [&](const auto& p) { return sampled_law(p, moved_mass(linear), rig.period_s); });
 }
 
 double delay_s(const Rig& rig) {
-  return rig.axis.effects.valve.command_delay.delay_s +
-         (rig.controller.kind == ControllerKind::ppd2 ? rig.controller.ppd2.command_delay_s : 0.0);
+  return rig.axis.effects.valve.command_delay.delay_s + rig.controller.command_delay_s();
 }
 
 SampledLoop loop_of(const Rig& rig, const ControllerParameters& controller, const AxisLinearisation& linear) {
@@ -126,7 +104,7 @@ RuleRange rule_range(const Rig& rig, DesignRequest request, const AxisDesign& de
     request.position_gain_V_per_m = Kp;
     const Ppd2Gains gains = designed_gains(request, design);
     const ControllerParameters controller = with_gains(rig.controller, gains, design.linear);
-    if (unusable_gain(controller, gains, design.linear.mass_kg)) continue;
+    if (unusable(controller, gains, design.linear)) continue;
     if (out.usable_from == 0.0) out.usable_from = Kp;
     out.usable_to = Kp;
     if (!all_decay(loop_of(rig, controller, design.linear).poles())) continue;
@@ -163,19 +141,19 @@ std::string rule_advice(const Rig& rig, const DesignRequest& request, const Axis
 
 /// A law refuses gains below 0, so a rule that ends there has no answer.
 void require_usable(const Rig& rig, const DesignRequest& request, const AxisDesign& design) {
-  const auto unusable = unusable_gain(design.controller, design.gains, design.linear.mass_kg);
-  if (!unusable) return;
+  const auto gain = unusable(design.controller, design.gains, design.linear);
+  if (!gain) return;
   throw std::invalid_argument(fmt::format(
       "method {} gives {} {:.4g} at a position gain of {:.4g} V/m, which the law does not take; expected another "
       "position gain: {}",
-      design_method_names[static_cast<std::size_t>(design.method)], unusable->name, unusable->value,
+      design_method_names[static_cast<std::size_t>(design.method)], gain->name, gain->value,
       design.gains.position_V_per_m, rule_advice(rig, request, design)));
 }
 
 /// rms of the command that white noise of the position makes while the slider rests: from the sum of the law's squared
 /// impulse response. Without the integral: what it gathers the loop takes away.
 double command_noise_V(const Rig& rig, ControllerParameters controller, const AxisLinearisation& linear) {
-  controller.ppd2.integral_gain_V_per_m_s = controller.pd_force.force_integral_V_per_Ns = 0.0;
+  with_linear_law(controller, [](auto& p) { drop_integral(p); });
   const StateSpace law = law_of(rig, controller, linear);
   double square = law.D(0, 0) * law.D(0, 0);
   Eigen::VectorXd state = law.B.col(0);
@@ -191,7 +169,7 @@ void find_mean_pressure(const Rig& rig, const LoadPositions& load, AxisDesign& d
   const Reference reference(rig.reference, load);
   FlatnessSettings settings;
   settings.period_s = rig.period_s;
-  settings.command_delay_s = rig.controller.ppd2.command_delay_s;
+  settings.command_delay_s = rig.controller.command_delay_s();
   const double end_s = reference.is_move() ? std::min(rig.duration_s, reference.end_s() + 0.1) : rig.duration_s;
   design.mean_pressure_needed_Pa = mean_pressure_needed_Pa(rig.axis, reference, end_s, settings);
 }
@@ -240,7 +218,7 @@ void find_warnings(const Rig& rig, const DesignRequest& request, AxisDesign& des
                     "makes; expected 50 to 300 Hz and less than 1",
                     rig.axis.valve.natural_frequency_Hz, rig.axis.valve.damping_ratio));
   if (!design.mean_pressure_needed_Pa) return;
-  const double needed = *design.mean_pressure_needed_Pa, has = rig.controller.ppd2.mean_pressure_Pa;
+  const double needed = *design.mean_pressure_needed_Pa, has = rig.controller.of<Ppd2>().mean_pressure_Pa;
   if (needed == 0.0) warnings.emplace_back("no mean pressure below the supply suffices for the reference");
   else if (needed > has)
     warnings.push_back(
@@ -256,7 +234,7 @@ Complex exact_open(const AxisDesign& design, double frequency_Hz) {
   // The law's columns of velocity and acceleration make the force; the port's stands for m x'' + B x' there.
   Eigen::Vector4cd y(axis.position_m, s * axis.position_m, s * s * axis.position_m, 0.0);
   const ControllerParameters& c = design.controller;
-  if (c.kind == ControllerKind::pd_force && c.pd_force.pressure_source == PressureSource::valve) {
+  if (c.closes_force_loop() && c.pressures() == PressureSource::valve) {
     y(1) = 0.0;
     y(2) = axis.port_force_N / design.linear.mass_kg;
   }
@@ -302,7 +280,7 @@ AxisDesign design_axis(const Rig& rig, const DesignRequest& request, const LoadP
   out.exact_margins = margins_of([&](double f) { return exact_open(out, f); }, highest_Hz);
   out.step = step_response(out.loop, step_shown_s);
   out.command_noise_V = command_noise_V(rig, out.controller, out.linear);
-  if (is_table(rig) && request.needs_mean_pressure) find_mean_pressure(rig, load, out);
+  if (rig.controller.is<Ppd2>() && request.needs_mean_pressure) find_mean_pressure(rig, load, out);
   find_spool(rig, out);
   find_warnings(rig, request, out);
   return out;

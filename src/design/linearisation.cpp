@@ -82,7 +82,10 @@ AxisLinearisation with_sides(const Rig& rig, double position_m, double pressure_
 }
 
 AxisLinearisation linearise_table(const Rig& rig) {
-  const double P0 = rig.controller.ppd2.equilibrium_pressure_Pa;
+  const double P0 = rig.controller.in_use([&](const auto& p) {
+    if constexpr (requires { p.equilibrium_pressure_Pa; }) return p.equilibrium_pressure_Pa;
+    else return rig.initial.pressure_1_Pa;
+  });
   AxisLinearisation out = with_sides(rig, 0.0, P0, P0, 1.0);
   const LinearServoTable table = linear_servo_table(rig.axis, P0, out.sides[0].lag);
   out.axis.gain_per_V = table.gain_per_V;

@@ -82,4 +82,49 @@ PdForceParameters as_pd_force(PdForceParameters p, const Ppd2Gains& gains, doubl
   return p;
 }
 
+StateSpace sampled_law(const PdForceParameters& p, const MovedMass& moved, double period_s) {
+  return pd_force_law(p, moved.mass_kg, moved.friction_Ns_per_m, period_s);
+}
+StateSpace sampled_law(const Ppd2Parameters& p, const MovedMass&, double period_s) { return ppd2_law(p, period_s); }
+
+Ppd2Gains linear_gains(const PdForceParameters& p, const MovedMass& moved) {
+  return as_ppd2_gains(p, moved.mass_kg, moved.friction_Ns_per_m);
+}
+Ppd2Gains linear_gains(const Ppd2Parameters& p, const MovedMass&) {
+  return {p.position_gain_V_per_m, p.velocity_gain_Vs_per_m, p.acceleration_gain_Vs2_per_m};
+}
+
+void set_linear_gains(PdForceParameters& p, const Ppd2Gains& gains, const MovedMass& moved) {
+  p = as_pd_force(p, gains, moved.mass_kg, moved.friction_Ns_per_m);
+}
+void set_linear_gains(Ppd2Parameters& p, const Ppd2Gains& gains, const MovedMass&) {
+  p.position_gain_V_per_m = gains.position_V_per_m;
+  p.velocity_gain_Vs_per_m = gains.velocity_Vs_per_m;
+  p.acceleration_gain_Vs2_per_m = gains.acceleration_Vs2_per_m;
+}
+
+std::optional<NamedGain> unusable_gain(const PdForceParameters& p, const Ppd2Gains& gains, const MovedMass& moved) {
+  if (gains.acceleration_Vs2_per_m <= 0.0)
+    return NamedGain{"force_gain_V_per_N", gains.acceleration_Vs2_per_m / moved.mass_kg, "V/N"};
+  if (p.velocity_gain_Ns_per_m < 0.0) return NamedGain{"velocity_gain_Ns_per_m", p.velocity_gain_Ns_per_m, "N s/m"};
+  if (gains.velocity_Vs_per_m < 0.0) return NamedGain{"velocity_gain_Vs_per_m", gains.velocity_Vs_per_m, "V s/m"};
+  return std::nullopt;
+}
+std::optional<NamedGain> unusable_gain(const Ppd2Parameters&, const Ppd2Gains& gains, const MovedMass&) {
+  if (gains.velocity_Vs_per_m < 0.0) return NamedGain{"velocity_gain_Vs_per_m", gains.velocity_Vs_per_m, "V s/m"};
+  if (gains.acceleration_Vs2_per_m < 0.0)
+    return NamedGain{"acceleration_gain_Vs2_per_m", gains.acceleration_Vs2_per_m, "V s2/m"};
+  return std::nullopt;
+}
+
+void drop_integral(PdForceParameters& p) { p.force_integral_V_per_Ns = 0.0; }
+void drop_integral(Ppd2Parameters& p) { p.integral_gain_V_per_m_s = 0.0; }
+
+std::vector<NamedGain> own_gains(const PdForceParameters& p) {
+  return {{"position_gain_N_per_m", p.position_gain_N_per_m, "N/m"},
+          {"velocity_gain_Ns_per_m", p.velocity_gain_Ns_per_m, "N s/m"},
+          {"force_gain_V_per_N", p.force_gain_V_per_N, "V/N"}};
+}
+std::vector<NamedGain> own_gains(const Ppd2Parameters&) { return {}; }
+
 }  // namespace pneuservo

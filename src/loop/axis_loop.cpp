@@ -17,6 +17,20 @@ double tolerance_of(const Rig& rig, const char* path) {
 constexpr std::int64_t most_caught_up_steps = 10;  // a late tick must not grow long itself
 constexpr std::int64_t most_held_periods = 100;    // of the prediction, some 10 us
 
+/// Every law's terms fit into a row and have names that no column of every run has.
+constexpr bool terms_have_columns() {
+  for (std::size_t law = 0; law < law_count; ++law) {
+    const auto names = law_columns(static_cast<ControllerKind>(law));
+    if (names.size() > Row::most_terms) return false;
+    bool is_taken = false;
+    Row::visit(
+        [&](std::string_view column) { is_taken = is_taken || std::ranges::find(names, column) != names.end(); });
+    if (is_taken) return false;
+  }
+  return true;
+}
+static_assert(terms_have_columns(), "a law has more terms than Row::most_terms, or one with the name of a column");
+
 }  // namespace
 
 EstimatorParameters estimator_parameters(const Rig& rig) {
@@ -171,7 +185,8 @@ bool AxisLoop::pass(Backend& backend, std::int64_t tick, std::int64_t skipped, S
   stamp(&StageTimes::estimated);
   std::array<double, 2> command_V = supervisor_.safe_V();
   limited_ = false;
-  if (supervisor_.is_active()) command_V = control(t_s, inputs, estimated, skipped);
+  const bool stepped = supervisor_.is_active();
+  if (stepped) command_V = control(t_s, inputs, estimated, skipped);
   if (!supervisor_.is_active()) command_V = supervisor_.safe_V();
   stamp(&StageTimes::controlled);
   const bool ended = supervisor_.faults() != 0;
@@ -183,7 +198,7 @@ bool AxisLoop::pass(Backend& backend, std::int64_t tick, std::int64_t skipped, S
   supervisor_.note_commands(command_V);
   if (!supervisor_.is_active()) limited_ = false;
   stamp(&StageTimes::written);
-  fill_row(t_s, skipped, measured, truth, estimated);
+  fill_row(t_s, skipped, stepped, measured, truth, estimated);
   if (supervisor_.is_active()) twin_.step(control_in_, inputs.supply_Pa, supervisor_.motion().most_command_V());
   return true;
 }
@@ -195,7 +210,7 @@ void AxisLoop::stop(Backend& backend, std::int64_t tick) noexcept {
   backend.write(tick, {safe_V[0], safe_V[1], false, true});
 }
 
-void AxisLoop::fill_row(double t_s, std::int64_t skipped, const Measurement& measured, const Truth& truth,
+void AxisLoop::fill_row(double t_s, std::int64_t skipped, bool stepped, const Measurement& measured, const Truth& truth,
                         const EstimatorOutput& estimate) noexcept {
   const auto recorded = [](const Channel& channel) { return channel.valid ? channel.value : Row::none; };
   const bool estimated = (estimate.health & estimator_not_started) == 0;
@@ -210,12 +225,7 @@ void AxisLoop::fill_row(double t_s, std::int64_t skipped, const Measurement& mea
   row_.u_V = known(!two_valves, supervisor_.command_V()[0]);
   row_.u1_V = known(two_valves, supervisor_.command_V()[0]);
   row_.u2_V = known(two_valves, supervisor_.command_V()[1]);
-  const bool has_gains = controller_.kind() == ControllerKind::ppd2;
-  const Ppd2GainSet gains = controller_.ppd2().gains();
-  row_.position_gain_V_per_m = known(has_gains, gains.position_gain_V_per_m);
-  row_.velocity_gain_Vs_per_m = known(has_gains, gains.velocity_gain_Vs_per_m);
-  row_.acceleration_gain_Vs2_per_m = known(has_gains, gains.acceleration_gain_Vs2_per_m);
-  row_.integral_gain_V_per_m_s = known(has_gains, gains.integral_gain_V_per_m_s);
+  controller_.write_terms(stepped, row_.terms);
   row_.p1_port_Pa = recorded(measured.port_pressure_1_Pa);
   row_.p2_port_Pa = recorded(measured.port_pressure_2_Pa);
   row_.p1_chamber_Pa = recorded(measured.chamber_pressure_1_Pa);

@@ -44,8 +44,7 @@ double encoder_part_m(const Rig& rig) {
 
 /// The encoder's part of the speed, as the law's filter lets it through.
 double encoder_part_mps(const Rig& rig) {
-  const double filter_s =
-      rig.controller.kind == ControllerKind::pd_force ? rig.controller.pd_force.velocity_filter_s : 0.0;
+  const double filter_s = rig.controller.velocity_filter_s();
   const double share = filter_s > 0.0 ? -std::expm1(-rig.period_s / filter_s) : 1.0;
   return share * encoder_part_m(rig) / rig.period_s;
 }
@@ -75,9 +74,7 @@ double dry_friction_max_N(const Rig& rig) {
 
 /// Standard deviation of the pressure sensors that close the force loop.
 double pressure_noise_Pa(const Rig& rig) {
-  const bool chambers = rig.controller.kind == ControllerKind::pd_force &&
-                        rig.controller.pd_force.pressure_source == PressureSource::chamber;
-  return chambers ? rig.sensors.chamber_pressure.noise_Pa : rig.sensors.port_pressure.noise_Pa;
+  return rig.controller.takes_chambers() ? rig.sensors.chamber_pressure.noise_Pa : rig.sensors.port_pressure.noise_Pa;
 }
 
 /// Force of the air that a slider at rest may show: what friction holds, and what is noise.

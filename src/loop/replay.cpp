@@ -16,9 +16,10 @@ bool same_bits(double a, double b) {
   return (std::isnan(a) && std::isnan(b)) || std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
-double value_of(const Row& row, const std::string& column) {
+double value_of(const Row& row, std::span<const std::string_view> terms, const std::string& column) {
   double out = Row::none;
-  Row::visit(
+  Row::visit_all(
+      terms,
       [&](std::string_view name, const auto& member) {
         if (name == column) out = static_cast<double>(member);
       },
@@ -28,20 +29,12 @@ double value_of(const Row& row, const std::string& column) {
 
 }  // namespace
 
-const std::vector<std::string>& replayed_columns() {
-  static const std::vector<std::string> names{"p1_estimated_Pa",
-                                              "p2_estimated_Pa",
-                                              "p1_bound_Pa",
-                                              "p2_bound_Pa",
-                                              "mass_flow_1_kgps",
-                                              "mass_flow_2_kgps",
-                                              "x_ref_m",
-                                              "v_ref_mps",
-                                              "v_mps",
-                                              "u_V",
-                                              "u1_V",
-                                              "u2_V",
-                                              "fault"};
+std::vector<std::string> replayed_columns(ControllerKind law) {
+  std::vector<std::string> names{"p1_estimated_Pa", "p2_estimated_Pa",  "p1_bound_Pa",
+                                 "p2_bound_Pa",     "mass_flow_1_kgps", "mass_flow_2_kgps",
+                                 "x_ref_m",         "v_ref_mps",        "v_mps"};
+  for (const std::string_view term : law_columns(law)) names.emplace_back(term);
+  names.insert(names.end(), {"u_V", "u1_V", "u2_V", "fault"});
   return names;
 }
 
@@ -50,6 +43,7 @@ ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std
                          const std::vector<std::pair<std::string, const std::vector<double>*>>& recorded,
                          const std::vector<Ppd2GainSet>& gains) {
   ReplayResult result;
+  const std::span<const std::string_view> terms = law_columns(rig.controller.kind);
   for (const auto& [name, values] : recorded) result.compared.push_back(name);
   result.largest_difference.assign(recorded.size(), 0.0);
   AxisLoop loop;
@@ -66,7 +60,7 @@ ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std
     const Row& row = loop.row();
     result.rows.push_back(row);
     for (std::size_t c = 0; c < recorded.size(); ++c) {
-      const double was = (*recorded[c].second)[i], is = value_of(row, recorded[c].first);
+      const double was = (*recorded[c].second)[i], is = value_of(row, terms, recorded[c].first);
       if (same_bits(was, is)) continue;
       ++result.differing_values;
       result.largest_difference[c] = std::max(result.largest_difference[c], std::fabs(was - is));

@@ -30,7 +30,7 @@ struct ReplayResult {
 };
 
 /// Columns that the loop computes, in the order in which a difference would arise.
-const std::vector<std::string>& replayed_columns();
+std::vector<std::string> replayed_columns(ControllerKind law);
 
 /// `ticks[i]` is the tick of the recording's row i; `recorded(name)` its column or null. `moves` as in the run.
 /// Rows after dropped ones start from another state: the comparison ends there, `compared_rows` says where.

@@ -54,12 +54,11 @@ void grade_command_range(const Rig& rig, Findings& findings) {
 }
 
 const PressureSensorParameters& fed_back_pressure(const Rig& rig) {
-  const bool chambers = rig.controller.pd_force.pressure_source == PressureSource::chamber;
-  return chambers ? rig.sensors.chamber_pressure : rig.sensors.port_pressure;
+  return rig.controller.takes_chambers() ? rig.sensors.chamber_pressure : rig.sensors.port_pressure;
 }
 
 void grade_gains(const Rig& rig, Findings& findings) {
-  const auto& controller = rig.controller.pd_force;
+  const auto& controller = rig.controller.of<PdForce>();
   const std::size_t before = findings.size();
   const auto zero = [&](double gain, Level level, const char* key, const char* meaning) {
     if (gain == 0)
@@ -113,7 +112,7 @@ void grade_bus(const Rig& rig, Findings& findings) {
 }  // namespace
 
 double command_noise_rms_V(const Rig& rig) {
-  const PdForceParameters& controller = rig.controller.pd_force;
+  const PdForceParameters& controller = rig.controller.of<PdForce>();
   const double force_N =
       fed_back_pressure(rig).rms_Pa() * std::hypot(rig.axis.cylinder.area_1_m2, rig.axis.cylinder.area_2_m2);
   const double smoothing = 1 - std::exp(-rig.period_s / std::max(controller.velocity_filter_s, 1e-9));
@@ -123,7 +122,8 @@ double command_noise_rms_V(const Rig& rig) {
 
 std::vector<Finding> grade_rig(const Rig& rig) {
   Findings findings;
-  const bool has_valve = rig.is_pneumatic(), has_force_loop = rig.kind == RigKind::cylinder;
+  const bool has_valve = rig.is_pneumatic(),
+             has_force_loop = rig.kind == RigKind::cylinder && rig.controller.is<PdForce>();
   grade_period(rig, findings);
   if (has_valve) grade_command_range(rig, findings);
   if (has_force_loop) grade_gains(rig, findings);

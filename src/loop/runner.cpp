@@ -223,7 +223,7 @@ RunOutcome run_loop(const Rig& rig, Backend& backend, const RunSettings& setting
   if (course.fault_tick() >= 0) out.fault_s = static_cast<double>(course.fault_tick()) * rig.period_s;
   out.moves = course.moves();
   out.moves_begun = course.moves_begun();
-  out.moves_not_learned = loop.controller().ppd2().flatness().moves_not_learned();
+  out.moves_not_learned = loop.controller().moves_not_learned();
   out.rows = course.take_rows();
   out.motion_limits = loop.supervisor().motion().limits();
   return out;

@@ -79,10 +79,10 @@ Ppd2GainSet read_gain_file(const std::string& path, const std::string& config, c
   try {
     rig = read_rig(config, all);
   } catch (const InputError& error) { throw InputError(path + ": " + error.what()); }
-  if (!linear_loop_settles(rig.controller.ppd2, rig.axis, rig.period_s))
+  if (!linear_loop_settles(rig.controller.of<Ppd2>(), rig.axis, rig.period_s))
     throw InputError(path + ": with these gains the linear model's loop does not come to rest within 4 s, expected "
                             "gains of a stable loop (see pneuservo design)");
-  return gain_set(rig.controller.ppd2);
+  return gain_set(rig.controller.of<Ppd2>());
 }
 
 GainFileWatcher::GainFileWatcher(std::string path, std::string config, std::vector<std::string> sets,

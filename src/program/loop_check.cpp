@@ -17,6 +17,7 @@
 #include "backends.hpp"
 #include "config/input_error.hpp"
 #include "design/axis_design.hpp"
+#include "design/sampled_laws.hpp"
 #include "loop/motion_limits.hpp"
 #include "loop/runner.hpp"
 #include "loop/safety_grade.hpp"
@@ -73,8 +74,8 @@ Rig at_place(Rig rig, double position_m, double payload_kg) {
 
 /// The linear model closes the force loop on chamber pressures.
 bool has_linear_loop(const Rig& rig) {
-  return rig.controller.kind == ControllerKind::ppd2 ||
-         rig.controller.pd_force.pressure_source != PressureSource::valve;
+  const bool on_ports = rig.controller.closes_force_loop() && rig.controller.pressures() == PressureSource::valve;
+  return has_linear_law(rig.controller) && !on_ports;
 }
 
 struct Survey {

@@ -42,7 +42,7 @@ void adopt_header(const Recording& recording, Rig& rig) {
   try {
     const Rig recorded = parse_rig(config.Scalar(), recording.path + ", header");
     rig.duration_s = recorded.duration_s;
-    rig.controller.pd_force.pressure_source = recorded.controller.pd_force.pressure_source;
+    if (const auto source = recorded.controller.pressures()) rig.controller.choose_pressures(*source);
     if (same_rig(recorded, rig)) return;
     reason = "was made with another config or other --set";
   } catch (const InputError& error) {
@@ -65,9 +65,9 @@ std::vector<Ppd2GainSet> gains_of(const Recording& data) {
 using RecordedColumns = std::vector<std::pair<std::string, const std::vector<double>*>>;
 
 /// Columns of estimator and controller that a recording has, to compare with.
-RecordedColumns compared_columns(const ReplayOptions& options, const Recording& data) {
+RecordedColumns compared_columns(const ReplayOptions& options, const Rig& rig, const Recording& data) {
   RecordedColumns recorded;
-  for (const std::string& name : replayed_columns())
+  for (const std::string& name : replayed_columns(rig.controller.kind))
     if (data.has(name)) recorded.emplace_back(name, &data.column(name));
   if (recorded.empty() && (is_own_format(data) || options.record.empty()))
     throw InputError(
@@ -138,13 +138,13 @@ int run_replay(const ReplayOptions& options) {
   const int moves = recording.header["moves"] ? recording.header["moves"].as<int>() : 1;
   ReplayBackend backend(std::move(recording), rig.period_s);
   const bool is_foreign = !is_own_format(backend.recording());
-  const ReplayResult result = replay_rows(rig, backend, moves, compared_columns(options, backend.recording()));
+  const ReplayResult result = replay_rows(rig, backend, moves, compared_columns(options, rig, backend.recording()));
 
   if (options.json != "-") std::cout << result_text(result, backend.rows(), is_foreign);
   write_json(options.json, result_json(rig, options, result, backend.rows()));
   if (!options.record.empty()) {
     RecordingWriter writer(options.record, run_header(rig, backend, machine_facts(nullptr), moves), {},
-                           {.existing = options.existing()});
+                           {.existing = options.existing(), .terms = law_columns(rig.controller.kind)});
     for (const Row& row : result.rows) writer.write(row);
     const RecordingSummary summary = writer.close();
     if (!summary.error.empty()) throw InputError(summary.error);

@@ -64,32 +64,24 @@ Rig read_with_options(const RunOptions& options) {
                      ": sensors.position.incremental: found true without a zero of x, expected --zeros "
                      "FILE of the verb home, run after the encoder was switched on");
   require_kind("run", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
-  if (rig.controller.kind != ControllerKind::pd_force && !options.pressure_source.empty())
+  if (!rig.controller.closes_force_loop() && !options.pressure_source.empty())
     throw InputError(fmt::format("--pressure-source: found {}, but {} of {} takes no pressure into its loop",
-                                 options.pressure_source,
-                                 controller_kind_names[static_cast<std::size_t>(rig.controller.kind)], options.config));
+                                 options.pressure_source, rig.controller.name(), options.config));
   return rig;
 }
 
 std::vector<PressureSource> sources_of(const RunOptions& options, const Rig& rig) {
   if (options.pressure_source == "all")
     return {PressureSource::valve, PressureSource::chamber, PressureSource::estimated};
-  return {rig.controller.kind == ControllerKind::pd_force ? rig.controller.pd_force.pressure_source
-                                                          : PressureSource::valve};
+  return {rig.controller.pressures().value_or(PressureSource::valve)};
 }
 
 std::string_view source_word(PressureSource source) { return pressure_source_names[static_cast<std::size_t>(source)]; }
 
 /// What the law takes pressures from.
-std::string pressure_word(const Rig& rig, PressureSource source) {
-  const bool takes_none =
-      rig.controller.kind == ControllerKind::ppd2 && rig.controller.ppd2.feedforward != FeedforwardKind::flatness;
-  return takes_none ? "none" : std::string(source_word(source));
-}
-
-std::string feedforward_word(const ControllerParameters& controller) {
-  if (controller.kind == ControllerKind::pd_force) return controller.pd_force.flow_feedforward ? "flow" : "none";
-  return std::string(feedforward_kind_names[static_cast<std::size_t>(controller.ppd2.feedforward)]);
+std::string pressure_word(const ControllerParameters& controller) {
+  const std::optional<PressureSource> source = controller.pressures();
+  return source ? std::string(source_word(*source)) : "none";
 }
 
 /// FILE.csv.gz, or FILE-valve.csv.gz and so on where several sources are run.
@@ -101,7 +93,7 @@ std::string record_path(const RunOptions& options, PressureSource source, bool s
 }
 
 /// Columns that this run has.
-std::vector<std::string> recorded_columns(const Rig& rig, const Backend& backend, bool real_time, bool gains_change) {
+std::vector<std::string> recorded_columns(const Rig& rig, const Backend& backend, bool real_time) {
   std::vector<std::string> columns;
   const auto origins = backend.origins().channels;
   const bool truth = backend.name() == "sim";
@@ -114,10 +106,10 @@ std::vector<std::string> recorded_columns(const Rig& rig, const Backend& backend
         if (name == (rig.kind == RigKind::servo_table ? "u_V" : "u1_V")) return;
         if (name == "u2_V" && rig.kind != RigKind::servo_table) return;
         if ((name == "lateness_us" || name == "work_us") && !real_time) return;
-        if (name.find("_gain_") != std::string_view::npos && !gains_change) return;
         columns.emplace_back(name);
       },
       row);
+  for (const std::string_view name : law_columns(rig.controller.kind)) columns.emplace_back(name);
   return columns;
 }
 
@@ -150,9 +142,10 @@ std::unique_ptr<RecordingWriter> open_recording(const RunOptions& options, const
                                                 const Facts& machine, const std::string& path) {
   if (path.empty()) return nullptr;
   const bool real_time = options.time == "real";
-  const auto columns = recorded_columns(rig, backend, real_time, !options.gains.empty());
-  RecordingOptions recording{.existing = options.existing()};
-  if (!options.live.empty()) recording.live = std::make_shared<LiveValues>(options.live, columns);
+  const auto columns = recorded_columns(rig, backend, real_time);
+  const auto terms = law_columns(rig.controller.kind);
+  RecordingOptions recording{.existing = options.existing(), .terms = terms};
+  if (!options.live.empty()) recording.live = std::make_shared<LiveValues>(options.live, columns, terms);
   if (real_time) recording.ring = std::make_shared<RecordingRing>();
   return std::make_unique<RecordingWriter>(path, run_header(rig, backend, machine, options.moves), columns,
                                            std::move(recording));
@@ -202,8 +195,8 @@ void tell_end(const RunOptions& options, const Rig& rig, const Backend& backend,
 /// A move for the report. Of a long run only the last rows are kept: its window begins where they do.
 RunResult result_of(const Rig& rig, const RunOutcome& outcome, const MoveSpan& span) {
   RunResult run;
-  run.pressure_source = pressure_word(rig, rig.controller.pd_force.pressure_source);
-  run.feedforward = feedforward_word(rig.controller);
+  run.pressure_source = pressure_word(rig.controller);
+  run.feedforward = rig.controller.feedforward_name();
   run.move = span.number;
   run.start_s = span.start_s;
   run.rows.assign(outcome.rows.begin() + static_cast<std::ptrdiff_t>(span.begin),
@@ -237,7 +230,7 @@ double longest_run_s(const Rig& rig, int moves) {
 /// One pressure source from start to safe end; its moves are added to the report. True: no fault, recording whole.
 bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool several, RunReport& report,
                 Effort& effort) {
-  rig.controller.pd_force.pressure_source = source;
+  rig.controller.choose_pressures(source);
   const bool real_time = options.time == "real", shows_progress = !real_time && isatty(STDERR_FILENO) != 0;
   std::unique_ptr<RealTimeSession> session;
   if (real_time) {
@@ -316,8 +309,9 @@ int run(const RunOptions& options) {
     throw InputError("--time: found '" + options.time + "', expected real or simulated");
   if (options.moves < 1) throw InputError(fmt::format("--moves: found {}, expected 1 or more", options.moves));
   const Rig rig = read_with_options(options);
-  if (!options.gains.empty() && rig.controller.kind != ControllerKind::ppd2)
-    throw InputError("--gains: found with controller.kind pd_force, expected ppd2");
+  if (!options.gains.empty() && !rig.controller.is<Ppd2>())
+    throw InputError(
+        fmt::format("--gains: found with controller.kind {}, expected {}", rig.controller.name(), Ppd2::name));
   if (options.dump_config) {
     std::cout << dump_rig(rig);
     return 0;

@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include <pneuservo/record/row.hpp>
-
+#include "record/dialect.hpp"
 #include "record/field_text.hpp"
+#include "record/row_text.hpp"
 #include "record/units.hpp"
 
 namespace pneuservo {
@@ -124,9 +124,8 @@ const Word* word_of(const std::string& text) {
 }
 
 bool is_ours(const std::string& name) {
-  bool found = name == "F_N";
-  Row::visit([&](std::string_view column) { found = found || column == name; });
-  return found;
+  static const std::vector<std::string> columns = columns_of_the_format();
+  return std::find(columns.begin(), columns.end(), name) != columns.end();
 }
 
 ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmosphere_Pa) {

@@ -14,6 +14,7 @@
 
 #include "config/input_error.hpp"
 #include "config/key_suggestion.hpp"
+#include "record/row_text.hpp"
 #include "record/stamps.hpp"
 
 namespace pneuservo {
@@ -38,12 +39,6 @@ struct MappedColumns {
   }
 };
 
-std::vector<std::string> names_of_the_format() {
-  std::vector<std::string> names{"F_N"};
-  Row::visit([&](std::string_view name) { names.emplace_back(name); });
-  return names;
-}
-
 /// "; did you mean Weg_mm? The file has ..."
 std::string what_the_file_has(const CsvTable& table, const std::string& wanted) {
   std::vector<std::string> near;
@@ -63,7 +58,7 @@ MappedColumns mapped(CsvTable& table, const ImportParameters& imported) {
   MappedColumns out;
   std::map<std::string, ImportedColumn> columns = imported.columns;
   columns.try_emplace("t_s", ImportedColumn{"t_s"});
-  const std::vector<std::string> known = names_of_the_format();
+  const std::vector<std::string> known = columns_of_the_format();
   for (const std::string& name : table.names)
     if (std::find(known.begin(), known.end(), name) != known.end()) columns.try_emplace(name, ImportedColumn{name});
   for (const auto& [name, source] : columns) {

@@ -39,7 +39,9 @@ sockaddr_in parse_address(const std::string& address) {
 
 }  // namespace
 
-LiveValues::LiveValues(const std::string& address, const std::vector<std::string>& columns) : columns_(columns) {
+LiveValues::LiveValues(const std::string& address, const std::vector<std::string>& columns,
+                       std::span<const std::string_view> terms)
+    : columns_(columns), terms_(terms) {
   const sockaddr_in to = parse_address(address);
   socket_ = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   const bool connected = socket_ >= 0 && connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0;
@@ -58,7 +60,8 @@ void LiveValues::send(const Row& row) {
   next_s_ = row.t_s + send_interval_s;
   fault_ = row.fault;
   text_ = "{";
-  Row::visit(
+  Row::visit_all(
+      terms_,
       [&](std::string_view name, const auto& value) {
         const auto number = static_cast<double>(value);
         if (!std::isfinite(number) || std::find(columns_.begin(), columns_.end(), name) == columns_.end()) return;

@@ -1,7 +1,9 @@
 // Live values of a run as JSON over UDP, for plot programs such as PlotJuggler: sent by the recording's thread, never
 // read.
 #pragma once
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <pneuservo/record/row.hpp>
@@ -16,7 +18,8 @@ class LiveValues {
   static constexpr double send_interval_s = 0.01;
 
   /// `address`: PORT on the loopback, or HOST:PORT with the host as a number. Throws InputError.
-  LiveValues(const std::string& address, const std::vector<std::string>& columns);
+  LiveValues(const std::string& address, const std::vector<std::string>& columns,
+             std::span<const std::string_view> terms = {});
   ~LiveValues();
   LiveValues(const LiveValues&) = delete;
   LiveValues& operator=(const LiveValues&) = delete;
@@ -27,6 +30,7 @@ class LiveValues {
  private:
   int socket_ = -1;
   std::vector<std::string> columns_;
+  std::span<const std::string_view> terms_;
   std::string text_;
   double next_s_ = 0.0;
   std::uint64_t fault_ = 0;

@@ -9,38 +9,40 @@
 
 namespace pneuservo {
 
-const std::vector<std::string>& row_columns() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> result;
-    const Row row;
-    Row::visit([&](std::string_view name, const auto&) { result.emplace_back(name); }, row);
-    return result;
-  }();
+std::vector<std::string> row_columns(std::span<const std::string_view> terms) {
+  std::vector<std::string> names;
+  Row::visit_all(terms, [&](std::string_view name) { names.emplace_back(name); });
   return names;
 }
 
-RowText::RowText(const std::vector<std::string>& columns) {
-  const auto& known = row_columns();
-  if (known.size() != column_count) throw std::logic_error("RowText::column_count is not the number of columns of Row");
+std::vector<std::string> columns_of_the_format() {
+  std::vector<std::string> names = row_columns();
+  names.emplace_back("F_N");
+  return names;
+}
+
+RowText::RowText(const std::vector<std::string>& columns, std::span<const std::string_view> terms)
+    : names_(row_columns(terms)), terms_(terms) {
   chosen_.fill(columns.empty());
   chosen_[0] = true;
   for (const std::string& name : columns) {
-    const auto at = std::find(known.begin(), known.end(), name);
-    if (at == known.end()) throw InputError("recording: there is no column " + name + " to be written");
-    chosen_[static_cast<std::size_t>(at - known.begin())] = true;
+    const auto at = std::find(names_.begin(), names_.end(), name);
+    if (at == names_.end()) throw InputError("recording: there is no column " + name + " to be written");
+    chosen_[static_cast<std::size_t>(at - names_.begin())] = true;
   }
 }
 
 std::string RowText::header_line() const {
   std::string line;
-  for (std::size_t i = 0; i < column_count; ++i)
-    if (chosen_[i]) line.append(i > 0 ? "," : "").append(row_columns()[i]);
+  for (std::size_t i = 0; i < names_.size(); ++i)
+    if (chosen_[i]) line.append(i > 0 ? "," : "").append(names_[i]);
   return line += '\n';
 }
 
 char* RowText::line(char* text, const Row& row) const noexcept {
   std::size_t i = 0;
-  Row::visit(
+  Row::visit_all(
+      terms_,
       [&](std::string_view, const auto& value) {
         if (!chosen_[i++]) return;
         text = number_text(text, value);

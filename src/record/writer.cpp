@@ -28,7 +28,7 @@ std::string checked(std::string path) {
 /// The file and what is on its way into it.
 struct RecordingWriter::Work {
   Work(std::string path, const std::vector<std::string>& columns, RecordingOptions chosen)
-      : options(std::move(chosen)), file(checked(std::move(path)), options.existing), text(columns),
+      : options(std::move(chosen)), file(checked(std::move(path)), options.existing), text(columns, options.terms),
         buffer(buffer_size) {}
 
   void run() {

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -29,6 +31,7 @@ struct RecordingOptions {
   std::shared_ptr<RecordingRing> ring{};  ///< real time: rows come from here; none: from write()
   std::shared_ptr<LiveValues> live{};  ///< gets each row after it was written, in the writing thread
   ExistingFile existing = ExistingFile::refuse;
+  std::span<const std::string_view> terms{};  ///< columns of Row::terms
 };
 
 /// A file is created, its header written and flushed in the constructor, so an unusable path shows before the run.

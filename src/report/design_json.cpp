@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include <design/itae.hpp>
+#include <design/sampled_laws.hpp>
 #include <fmt/format.h>
 
 namespace pneuservo {
@@ -34,10 +35,8 @@ Json margins_json(const LoopMargins& margins) {
 
 Json gains_json(const ControllerParameters& controller, const Ppd2Gains& gains) {
   Json out;
-  if (controller.kind == ControllerKind::pd_force)
-    out = {{"position_gain_N_per_m", controller.pd_force.position_gain_N_per_m},
-           {"velocity_gain_Ns_per_m", controller.pd_force.velocity_gain_Ns_per_m},
-           {"force_gain_V_per_N", controller.pd_force.force_gain_V_per_N}};
+  for (const NamedGain& gain : with_linear_law(controller, [](const auto& p) { return own_gains(p); }))
+    out[std::string(gain.name)] = gain.value;
   out["position_gain_V_per_m"] = gains.position_V_per_m;
   out["velocity_gain_Vs_per_m"] = gains.velocity_Vs_per_m;
   out["acceleration_gain_Vs2_per_m"] = gains.acceleration_Vs2_per_m;

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include <design/itae.hpp>
+#include <design/sampled_laws.hpp>
 #include <fmt/format.h>
 
 namespace pneuservo {
@@ -61,7 +62,7 @@ std::string source_text(const AxisSide& side) {
 
 std::string order_name(int order) { return fmt::format("{}{}", order, order == 3 ? "rd" : "th"); }
 
-void add_gain(Table& table, const char* name, double before, double after, const char* unit) {
+void add_gain(Table& table, std::string_view name, double before, double after, std::string_view unit) {
   table.columns[0].cells.emplace_back(name);
   table.columns[1].cells.push_back(Quantities::digits(before));
   table.columns[2].cells.push_back(Quantities::digits(after));
@@ -107,12 +108,11 @@ Table gain_table(const Rig& rig, const AxisDesign& design) {
   table.title = fmt::format("Gains, method {}", design_method_names[static_cast<std::size_t>(design.method)]);
   table.columns = {
       text_column("gain", {}), {"config", "", {}, false}, {"design", "", {}, false}, text_column("unit", {})};
-  if (rig.controller.kind == ControllerKind::pd_force) {
-    const PdForceParameters &a = rig.controller.pd_force, &b = design.controller.pd_force;
-    add_gain(table, "position_gain_N_per_m", a.position_gain_N_per_m, b.position_gain_N_per_m, "N/m");
-    add_gain(table, "velocity_gain_Ns_per_m", a.velocity_gain_Ns_per_m, b.velocity_gain_Ns_per_m, "N s/m");
-    add_gain(table, "force_gain_V_per_N", a.force_gain_V_per_N, b.force_gain_V_per_N, "V/N");
-  }
+  const auto own = [](const auto& parameters) { return own_gains(parameters); };
+  const std::vector<NamedGain> before = with_linear_law(rig.controller, own),
+                               after = with_linear_law(design.controller, own);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    add_gain(table, before[i].name, before[i].value, after[i].value, before[i].unit);
   const Ppd2Gains &a = design.gains_before, &b = design.gains;
   add_gain(table, "K_p", a.position_V_per_m, b.position_V_per_m, "V/m");
   add_gain(table, "K_v", a.velocity_Vs_per_m, b.velocity_Vs_per_m, "V s/m");
@@ -187,8 +187,9 @@ Table loop_table(const Rig& rig, const AxisDesign& design) {
     out.add("ITAE of a step, " + order_name(model.axis.order()), model.itae_s2, "s2", "ideal derivatives");
   out.add("command noise, rms", 1e6 * design.command_noise_V, "uV", "from the position sensor alone");
   if (design.mean_pressure_needed_Pa && *design.mean_pressure_needed_Pa > 0.0)
-    out.add("mean pressure needed", 1e-3 * *design.mean_pressure_needed_Pa, "kPa",
-            fmt::format("by the reference; the config holds {:g} kPa", 1e-3 * rig.controller.ppd2.mean_pressure_Pa));
+    out.add(
+        "mean pressure needed", 1e-3 * *design.mean_pressure_needed_Pa, "kPa",
+        fmt::format("by the reference; the config holds {:g} kPa", 1e-3 * rig.controller.of<Ppd2>().mean_pressure_Pa));
   return out.table();
 }
 

@@ -2,6 +2,7 @@
 #include <report/run_plots.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -17,6 +18,16 @@ constexpr std::size_t points_of_page = 150000;
 
 bool has_values(const RunResult& run, Column column) {
   return std::any_of(run.rows.begin(), run.rows.end(), [&](const Row& row) { return std::isfinite(row.*column); });
+}
+
+/// NaN aside.
+bool keeps_one_value(const RunResult& run, std::size_t term) {
+  double value = Row::none;
+  for (const Row& row : run.rows) {
+    if (std::isfinite(value) && std::isfinite(row.terms[term]) && row.terms[term] != value) return false;
+    if (std::isfinite(row.terms[term])) value = row.terms[term];
+  }
+  return true;
 }
 
 /// A curve of value(row); nothing where no row has one.
@@ -220,6 +231,27 @@ Plot estimation_error_plot(const RunReport& report, const RunResult& run, int si
   add_window(plot, run.metrics);
   add_fault_mark(plot, report, run);
   return plot;
+}
+
+std::vector<Plot> term_plots(const RunReport& report, const RunResult& run, std::span<const LawTerm> terms,
+                             double period_s) {
+  constexpr std::array tones{Tone::valve, Tone::estimated, Tone::chamber, Tone::fourth, Tone::fifth, Tone::sixth};
+  std::vector<Plot> plots;
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    if (keeps_one_value(run, i)) continue;
+    const auto is_of_unit = [&](const Plot& plot) { return plot.unit == terms[i].unit; };
+    auto plot = std::find_if(plots.begin(), plots.end(), is_of_unit);
+    if (plot == plots.end()) {
+      const std::string unit(terms[i].unit);
+      plots.push_back(time_plot(report, unit.empty() ? "Limits that acted" : "Terms in " + unit, unit, period_s));
+      plots.back().height_px = 190;
+      add_fault_mark(plots.back(), report, run);
+      plot = plots.end() - 1;
+    }
+    add_curve(*plot, run, std::string(terms[i].name), tones[plot->curves.size() % tones.size()],
+              plot->curves.size() >= tones.size(), [i](const Row& row) { return row.terms[i]; });
+  }
+  return plots;
 }
 
 Plot latency_plot(const RunResult& run) {

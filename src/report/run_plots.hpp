@@ -1,7 +1,9 @@
 // The plots of the verb `run`, made from rows.
 #pragma once
+#include <span>
 #include <vector>
 
+#include <pneuservo/control/law.hpp>
 #include <report/html_page.hpp>
 #include <report/run_result.hpp>
 
@@ -26,6 +28,9 @@ Plot command_plot(const RunReport& report, double period_s);
 Plot pressure_plot(const RunReport& report, const RunResult& run, int side, double period_s);
 /// Estimated minus true (measured where there is no truth) pressure with the estimator's stated bound [kPa].
 Plot estimation_error_plot(const RunReport& report, const RunResult& run, int side, double period_s);
+/// Terms of the law of one run, a plot a unit; a term that keeps one value is left out.
+std::vector<Plot> term_plots(const RunReport& report, const RunResult& run, std::span<const LawTerm> terms,
+                             double period_s);
 /// Counts of lateness and of work per stage over the time they took, both logarithmic; the run has timing.
 Plot latency_plot(const RunResult& run);
 /// The figures of the table as bars, one a run.

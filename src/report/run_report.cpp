@@ -46,6 +46,27 @@ void add_motion(HtmlPage& page, const RunReport& report, double period_s) {
   page.plot(command_plot(report, period_s));
 }
 
+std::string term_words(std::span<const LawTerm> terms) {
+  std::string text;
+  for (const LawTerm& term : terms) text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", term.name, term.help);
+  return text + ". A term that keeps one value is not drawn.";
+}
+
+/// Terms of the law, a run a panel.
+void add_terms(HtmlPage& page, const RunReport& report, const Rig& rig) {
+  const auto terms = law_terms(rig.controller.kind);
+  page.section(fmt::format("Terms of the law {}", rig.controller.name()), term_words(terms));
+  const auto runs = shown_runs(report);
+  std::vector<std::string> names;
+  for (const RunResult* run : runs) names.push_back(run_label(report, *run));
+  page.panels_begin(names, runs.size() - 1);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    page.panel(i);
+    for (const Plot& plot : term_plots(report, *runs[i], terms, rig.period_s)) page.plot(plot);
+  }
+  page.panels_end();
+}
+
 /// Pressures of one run at a time; the estimated source, in its last move, is seen first.
 void add_pressures(HtmlPage& page, const RunReport& report, double period_s) {
   page.section("Pressures");
@@ -101,6 +122,7 @@ HtmlPage make_page(const RunReport& report, const Rig& rig) {
     add_figures(page, report);
     add_motion(page, report, rig.period_s);
     add_pressures(page, report, rig.period_s);
+    add_terms(page, report, rig);
     add_timing(page, report);
   }
   page.section("Circumstances");

@@ -32,7 +32,7 @@ TEST_CASE("every config of the project reads and is named as its file") {
     REQUIRE(rig.axis.line_1.length_m == rig.axis.line_2.length_m);
     REQUIRE(rig.axis.line_1.diameter_m == rig.axis.line_2.diameter_m);
     REQUIRE(rig.axis.valve.area_max_m2 == Approx(5.0 * rig.axis.valve.area_per_volt_m2_per_V).epsilon(1e-12));
-    REQUIRE(rig.controller.pd_force.pressure_source == PressureSource::estimated);
+    REQUIRE(rig.controller.of<PdForce>().pressure_source == PressureSource::estimated);
     REQUIRE(rig.reference.amplitude_m == 0.08);
     REQUIRE(rig.tolerances.size() == 12);
   }

@@ -65,7 +65,7 @@ TEST_CASE("a driven axis has slider, force sensor and the outer loop alone", "[c
   CHECK(rig.axis.cylinder.stroke_m == 0.77);
   CHECK(rig.drive.force_max_N == 300.0);
   CHECK(rig.sensors.force.quantum_N == 0.01);
-  CHECK(rig.controller.pd_force.position_gain_N_per_m == 18100.0);
+  CHECK(rig.controller.of<PdForce>().position_gain_N_per_m == 18100.0);
   CHECK(same_rig(rig, parse_rig(dump_rig(rig), "dump")));
   CHECK(get_parameter(rig, "slider.stroke_m") == 0.77);
   CHECK(has_parameter(rig, "effects.coulomb_friction.force_N"));
@@ -96,10 +96,10 @@ TEST_CASE("what belongs to another kind of rig is refused with its line", "[conf
 TEST_CASE("a servo table has the keys of its law and starts at the pressure that its feedforward counts on",
           "[config]") {
   const Rig rig = parse_rig(servo_table, "rig.yaml");
-  CHECK(rig.controller.kind == ControllerKind::ppd2);
-  CHECK(rig.controller.ppd2.feedforward == FeedforwardKind::order_5);
-  CHECK(rig.controller.ppd2.observer_gains == std::vector<double>{530.5, 140739.9, 1.85e7});
-  CHECK(rig.initial.pressure_1_Pa == rig.controller.ppd2.equilibrium_pressure_Pa);
+  CHECK(rig.controller.kind == kind_of<Ppd2>);
+  CHECK(rig.controller.of<Ppd2>().feedforward == FeedforwardKind::order_5);
+  CHECK(rig.controller.of<Ppd2>().observer_gains == std::vector<double>{530.5, 140739.9, 1.85e7});
+  CHECK(rig.initial.pressure_1_Pa == rig.controller.of<Ppd2>().equilibrium_pressure_Pa);
   CHECK(parse_rig(servo_table, "rig.yaml", {"controller.feedforward=flatness"}).initial.pressure_1_Pa == 135000.0);
   CHECK(same_rig(rig, parse_rig(dump_rig(rig), "dump")));
   CHECK(get_parameter(rig, "controller.mean_pressure_Pa") == 135000.0);

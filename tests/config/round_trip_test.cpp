@@ -96,7 +96,7 @@ TEST_CASE("rigs that differ in one number are not the same") {
   rig.tolerances["slider.mass_kg"] = 0.2;
   CHECK_FALSE(same_rig(rig, original));
   rig = original;
-  rig.controller.pd_force.flow_feedforward = true;
+  rig.controller.of<PdForce>().flow_feedforward = true;
   CHECK_FALSE(same_rig(rig, original));
 }
 

@@ -28,7 +28,7 @@ TEST_CASE("what the config leaves out has the members' defaults") {
   CHECK(rig.axis.air.viscosity_Pas == 1.8e-5);
   CHECK(rig.axis.valve.damping_ratio == 0.7);
   CHECK(rig.axis.line_2.turbulent_reynolds == 4000.0);
-  CHECK(rig.controller.pd_force.command_rate_V_per_s == infinite);
+  CHECK(rig.controller.of<PdForce>().command_rate_V_per_s == infinite);
   CHECK(rig.seed == 1);
   CHECK_FALSE(rig.evaluation.has_value());
   CHECK_FALSE(rig.initial.pressure_2_Pa.has_value());
@@ -99,7 +99,7 @@ TEST_CASE("an override (--set) replaces, adds and goes into lists") {
                             {"controller.pressure_source=valve", "line_1.length_m=5", "reference.frequency_Hz=0.5",
                              "effects.coulomb_friction.force_N=3", "tolerances.slider.mass_kg=0.05",
                              "seed=18446744073709551615", "effects.sensor_gain:x.gain=1.01", "line_1.length_m=4"});
-  CHECK(rig.controller.pd_force.pressure_source == PressureSource::valve);
+  CHECK(rig.controller.of<PdForce>().pressure_source == PressureSource::valve);
   CHECK(rig.axis.line_1.length_m == 4.0);
   CHECK(rig.axis.line_2.length_m == 10.0);
   CHECK(rig.reference.frequency_Hz == 0.5);

@@ -141,8 +141,8 @@ TEST_CASE("rules set the gains that they promise, on both rigs") {
   request.needs_mean_pressure = false;
   request.position_gain_V_per_m = 1500.0;
   const AxisDesign table = design_axis(table_rig(), request);
-  CHECK(table.controller.ppd2.velocity_gain_Vs_per_m == Approx(71.97).margin(0.02));
-  CHECK(table.controller.ppd2.acceleration_gain_Vs2_per_m == Approx(1.794).margin(0.001));
+  CHECK(table.controller.of<Ppd2>().velocity_gain_Vs_per_m == Approx(71.97).margin(0.02));
+  CHECK(table.controller.of<Ppd2>().acceleration_gain_Vs2_per_m == Approx(1.794).margin(0.001));
   CHECK(table.gains_before.position_V_per_m == 1200.0);
 
   request.position_gain_V_per_m = 120.0;
@@ -151,7 +151,7 @@ TEST_CASE("rules set the gains that they promise, on both rigs") {
   const double w = std::cbrt(loop[0]);
   CHECK(loop[2] == Approx(2.0 * w));
   CHECK(loop[1] == Approx(2.0 * w * w));
-  const PdForceParameters& p = cylinder.controller.pd_force;
+  const PdForceParameters& p = cylinder.controller.of<PdForce>();
   CHECK(p.force_gain_V_per_N * p.position_gain_N_per_m == Approx(120.0));
   CHECK(p.force_gain_V_per_N * 2.0 == Approx(cylinder.gains.acceleration_Vs2_per_m));
 
@@ -239,9 +239,9 @@ TEST_CASE("a point of the loop is the design's own") {
   CHECK(point.is_stable);
   CHECK(point.margins.gain_up == design.margins.gain_up);
   Rig higher = rig;
-  higher.controller.pd_force.force_gain_V_per_N *= 1.02 * point.margins.gain_up;
+  higher.controller.of<PdForce>().force_gain_V_per_N *= 1.02 * point.margins.gain_up;
   CHECK_FALSE(loop_point(higher, false).is_stable);
   CHECK(loop_point(higher, false).weakest_Hz == Approx(point.margins.gain_up_Hz).epsilon(0.05));
-  higher.controller.pd_force.force_gain_V_per_N /= 1.04;
+  higher.controller.of<PdForce>().force_gain_V_per_N /= 1.04;
   CHECK(loop_point(higher, false).is_stable);
 }

@@ -46,8 +46,9 @@ inline Recording table_recording(const Rig& rig, double seconds, std::uint64_t s
     const double speed_error = reach_m * rate * std::sin(phase) - plant.velocity();
     const double acceleration_error = (phase > 0 ? reach_m * rate * rate * std::cos(phase) : 0.0) -
                                       plant.driving_force() / (rig.axis.slider.mass_kg + rig.axis.slider.payload_kg);
-    const double u = law.ppd2.position_gain_V_per_m * error + law.ppd2.velocity_gain_Vs_per_m * speed_error +
-                     law.ppd2.acceleration_gain_Vs2_per_m * acceleration_error;
+    const double u = law.of<Ppd2>().position_gain_V_per_m * error +
+                     law.of<Ppd2>().velocity_gain_Vs_per_m * speed_error +
+                     law.of<Ppd2>().acceleration_gain_Vs2_per_m * acceleration_error;
     const double u_mean = 1e-6 * (mean_Pa - 0.5 * (low(p) + high(p)));
     const auto limited = [&](double volts) {
       return std::clamp(volts, -rig.axis.valve.command_max_V, rig.axis.valve.command_max_V);

@@ -80,7 +80,7 @@ inline TrialOutcome run_trial(const Rig& rig, const Trial& trial) {
   backend.activate();
   PipelineEstimator estimator;
   estimator.configure(trial_parameters(rig, trial));
-  PdForce controller(rig.controller.pd_force, rig.axis, rig.period_s);
+  PdForce controller(rig.controller.of<PdForce>(), rig.axis, rig.period_s);
   const Reference reference(rig.reference, {});
   const auto ticks = std::llround(rig.duration_s / rig.period_s);
   TrialOutcome outcome;

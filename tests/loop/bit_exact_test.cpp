@@ -27,6 +27,8 @@ std::ptrdiff_t first_difference(const std::vector<Row>& a, const std::vector<Row
                           std::bit_cast<std::uint64_t>(u) == std::bit_cast<std::uint64_t>(v));
         },
         a[i], b[i]);
+    for (std::size_t k = 0; k < Row::most_terms; ++k)
+      same = same && std::bit_cast<std::uint64_t>(a[i].terms[k]) == std::bit_cast<std::uint64_t>(b[i].terms[k]);
     if (!same) return static_cast<std::ptrdiff_t>(i);
   }
   return -1;
@@ -153,10 +155,14 @@ TEST_CASE("one bit in a parameter makes a replay differ") {
   SECTION("viscosity") { bit(planted.axis.air.viscosity_Pas), expected = ""; }
   SECTION("wall heat") { bit(planted.axis.cylinder.wall_heat_W_per_m2K), expected = "p"; }
   SECTION("piston area") { bit(planted.axis.cylinder.area_2_m2), expected = ""; }
-  SECTION("position gain") { bit(planted.controller.pd_force.position_gain_N_per_m), expected = "u_V"; }
-  SECTION("force gain") { bit(planted.controller.pd_force.force_gain_V_per_N), expected = "u_V"; }
-  SECTION("velocity filter") { bit(planted.controller.pd_force.velocity_filter_s), expected = "v_mps"; }
-  SECTION("lead of the feedforward") { bit(planted.controller.pd_force.feedforward_lead_s), expected = "u_V"; }
+  SECTION("position gain") {
+    bit(planted.controller.of<PdForce>().position_gain_N_per_m), expected = "force_reference_N";
+  }
+  SECTION("force gain") { bit(planted.controller.of<PdForce>().force_gain_V_per_N), expected = "u_unlimited_V"; }
+  SECTION("velocity filter") { bit(planted.controller.of<PdForce>().velocity_filter_s), expected = "v_mps"; }
+  SECTION("lead of the feedforward") {
+    bit(planted.controller.of<PdForce>().feedforward_lead_s), expected = "u_feedforward_V";
+  }
   SECTION("amplitude") { bit(planted.reference.amplitude_m), expected = ""; }
   const ReplayResult result = replayed(planted, recording);
   REQUIRE_FALSE(result.identical());

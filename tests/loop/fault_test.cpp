@@ -160,7 +160,7 @@ TEST_CASE("speed and range have their own faults") {
   }
   SECTION("no finite command") {
     Rig rig = config_rig("cylinder-10m-7.65mm", {"duration_s=2"});
-    rig.controller.pd_force.position_gain_N_per_m = std::numeric_limits<double>::quiet_NaN();
+    rig.controller.of<PdForce>().position_gain_N_per_m = std::numeric_limits<double>::quiet_NaN();
     Stepper run(rig);
     REQUIRE(run.step().fault == fault_command_not_finite);
     REQUIRE(run.loop.row().u_V == 0.0);

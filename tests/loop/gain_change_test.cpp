@@ -58,7 +58,7 @@ TEST_CASE("gains that change in a move come without a jump and act", "[long]") {
     untouched.configure(rig);
     GainMailbox mailbox;
     loop.set_gain_mailbox(&mailbox);
-    Ppd2GainSet gains = gain_set(rig.controller.ppd2);
+    Ppd2GainSet gains = gain_set(rig.controller.of<Ppd2>());
     gains.position_gain_V_per_m *= 1.5;
     gains.velocity_gain_Vs_per_m *= 1.3;
     constexpr std::int64_t change = 3000;  // in the middle of the printed move's cruise, with an error of some um
@@ -67,7 +67,7 @@ TEST_CASE("gains that change in a move come without a jump and act", "[long]") {
       REQUIRE(loop.pass(backend, tick, 0, nullptr, nullptr));
       REQUIRE(untouched.pass(untouched_backend, tick, 0, nullptr, nullptr));
     }
-    CHECK(loop.row().position_gain_V_per_m == gains.position_gain_V_per_m);
+    CHECK(term(rig, loop.row(), "position_gain_V_per_m") == gains.position_gain_V_per_m);
     CHECK(std::fabs(loop.row().u1_V - untouched.row().u1_V) < 1e-9);
     double apart_V = 0.0;
     for (std::int64_t tick = change + 1; tick < change + 500; ++tick) {

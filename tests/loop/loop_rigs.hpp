@@ -1,7 +1,12 @@
 // Rigs for the tests of the loop: the project's own configs, shortened.
 #pragma once
+#include <algorithm>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include <pneuservo/record/row.hpp>
 
 #include "config/read_rig.hpp"
 
@@ -13,6 +18,14 @@ inline std::string config_path(const std::string& name) {
 
 inline Rig config_rig(const std::string& name, const std::vector<std::string>& sets = {}) {
   return read_rig(config_path(name), sets);
+}
+
+/// A recorded term of the rig's law by its name; fails where the law has none of it.
+inline double term(const Rig& rig, const Row& row, std::string_view name) {
+  const auto names = law_columns(rig.controller.kind);
+  const auto at = std::find(names.begin(), names.end(), name);
+  if (at == names.end()) throw std::logic_error("no term " + std::string(name));
+  return row.terms[static_cast<std::size_t>(at - names.begin())];
 }
 
 /// The nine lines.

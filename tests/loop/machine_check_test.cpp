@@ -49,10 +49,10 @@ Rig sound_rig() {
   rig.axis.cylinder.area_2_m2 = 1.056e-3;
   rig.sensors.position = {5e-6, 0.0};
   rig.sensors.port_pressure = {100.0, 300.0};
-  rig.controller.pd_force.position_gain_N_per_m = 8000;
-  rig.controller.pd_force.velocity_gain_Ns_per_m = 120;
-  rig.controller.pd_force.velocity_filter_s = 0.003;
-  rig.controller.pd_force.force_gain_V_per_N = 0.005;
+  rig.controller.of<PdForce>().position_gain_N_per_m = 8000;
+  rig.controller.of<PdForce>().velocity_gain_Ns_per_m = 120;
+  rig.controller.of<PdForce>().velocity_filter_s = 0.003;
+  rig.controller.of<PdForce>().force_gain_V_per_N = 0.005;
   rig.duration_s = 5;
   return rig;
 }
@@ -136,11 +136,11 @@ TEST_CASE("values of a config that will work badly are named") {
     level = FindingLevel::acceptable;
   }
   SECTION("no position gain") {
-    rig.controller.pd_force.position_gain_N_per_m = 0;
+    rig.controller.of<PdForce>().position_gain_N_per_m = 0;
     topic = "controller.position_gain_N_per_m";
   }
   SECTION("no force gain") {
-    rig.controller.pd_force.force_gain_V_per_N = 0;
+    rig.controller.of<PdForce>().force_gain_V_per_N = 0;
     topic = "controller.force_gain_V_per_N";
   }
   SECTION("period of 20 us") {
@@ -153,7 +153,7 @@ TEST_CASE("values of a config that will work badly are named") {
     level = FindingLevel::acceptable;
   }
   SECTION("noise") {
-    rig.controller.pd_force.force_gain_V_per_N = 5;
+    rig.controller.of<PdForce>().force_gain_V_per_N = 5;
     topic = "sensor noise";
     level = FindingLevel::acceptable;
   }

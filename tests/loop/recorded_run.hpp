@@ -23,7 +23,7 @@ inline std::vector<Row> recorded_run(const Rig& rig, Backend& backend, const std
   backend.configure();
   backend.activate();
   RecordingHeader header(rig.name, rig.period_s);
-  RecordingWriter writer(path, header, {});
+  RecordingWriter writer(path, header, {}, {.terms = law_columns(rig.controller.kind)});
   std::int64_t skipped = 0;
   for (std::int64_t tick = 0;; ++tick) {
     loop.pass(backend, tick, skipped, nullptr, nullptr);
@@ -45,7 +45,8 @@ inline ReplayResult replayed(const Rig& rig, Recording recording, int moves = 1)
   std::vector<std::int64_t> ticks;
   for (std::size_t i = 0; i < backend.rows(); ++i) ticks.push_back(backend.tick(i));
   std::vector<std::pair<std::string, const std::vector<double>*>> columns;
-  for (const auto& name : replayed_columns()) columns.emplace_back(name, &backend.recording().column(name));
+  for (const auto& name : replayed_columns(rig.controller.kind))
+    columns.emplace_back(name, &backend.recording().column(name));
   backend.configure();
   backend.activate();
   return replay_loop(rig, backend, ticks, std::vector<bool>(ticks.size(), false), moves, {}, columns);

@@ -58,7 +58,7 @@ class WholeLoop {
     const std::int64_t skipped = tick_ % 97 == 96 ? 3 : 0;
     tick_ += skipped;
     if (loop_.learning_due()) loop_.learn(rig_.axis);
-    if (tick_ % 1000 == 0) gains_.post(gain_set(rig_.controller.ppd2));
+    if (tick_ % 1000 == 0) gains_.post(gain_set(rig_.controller.of<Ppd2>()));
     const RtScope hot;
     StageTimes stages;
     course_.prefetch();

@@ -201,7 +201,7 @@ TEST_CASE("drawn gains above what the linear loop bears swing at rest, gains wel
     const double limit = loop_point(rig, true).margins.gain_up;
     const bool high = i % 2 == 0;
     const double factor = high ? random.uniform(1.6, 8.0) * limit : random.uniform(0.3, 0.55) * limit;
-    rig.controller.pd_force.force_gain_V_per_N *= factor;
+    rig.controller.of<PdForce>().force_gain_V_per_N *= factor;
     const RunResult run = simulated(rig);
     INFO("seed " << seed << ", " << line << ", gain times " << factor << ", limit " << limit << ": " << said(run));
     CHECK(run.verdict.oscillates == high);

@@ -2,71 +2,99 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <limits>
+#include <span>
 
 #include <pneuservo/control/parameters.hpp>
-#include <pneuservo/control/pd_force.hpp>
-#include <pneuservo/control/ppd2.hpp>
-#include <pneuservo/control/reference.hpp>
 
 namespace pneuservo {
 
-/// What a law sees in a period. Pressures are absolute [Pa].
-struct ControlInput {
-  double x_m = 0.0;                       ///< measured position
-  std::array<double, 2> pressure_Pa{};    ///< those that close a force loop
-  std::array<double, 2> port_Pa{};        ///< measured at the valve ports
-  ReferencePoint now, ahead;              ///< reference at t and at t + lead_s()
-  std::int64_t tick = 0;                  ///< periods since the reference's own time 0; negative: on the way to it
-};
+/// function(law) with the law that the variant holds; a branch a law, no exception.
+template <std::size_t Number = 0, class Variant, class F>
+constexpr decltype(auto) visit_law(Variant& law, F&& function) {
+  if constexpr (Number + 1 < law_count)
+    if (law.index() != Number) return visit_law<Number + 1>(law, std::forward<F>(function));
+  return function(*std::get_if<Number>(&law));
+}
 
-/// What a law gives in a period.
-struct ControlOutput {
-  std::array<double, 2> command_V{};  ///< the second for a second valve
-  double speed_mps = 0.0;             ///< of the slider, as the law filtered it
-  bool limited = false;
-  bool finite = true;                 ///< false: no finite command came out; the last ones were kept
-};
-
-/// One law out of those that ControllerKind names. All of it is HOT but configure and learn.
+/// The law that a config names. All of it is HOT but configure and learn.
 class AxisController {
  public:
   /// Cold; may allocate, and throws std::invalid_argument where the law cannot follow the reference over duration_s.
   void configure(const ControllerParameters& parameters, const AxisParameters<double>& axis, double period_s,
                  const Reference& reference, double duration_s);
   /// Forgets integral and filters; rates count from the previous commands.
-  void reset(const std::array<double, 2>& previous_V) noexcept;
+  void reset(const std::array<double, 2>& previous_V) noexcept {
+    visit_law(law_, [&](auto& law) { law.reset(previous_V); });
+  }
   /// One period's commands; always finite.
-  ControlOutput step(const ControlInput& in) noexcept;
+  ControlOutput step(const ControlInput& in) noexcept {
+    return visit_law(law_, [&](auto& law) { return law.step(in); });
+  }
   /// Periods passed without a step (a late loop skipped its slots).
-  void skip(std::int64_t periods) noexcept;
+  void skip(std::int64_t periods) noexcept {
+    visit_law(law_, [&](auto& law) { law.skip(periods); });
+  }
+  /// Writes the law's terms of the last step in the order of law_terms(); without a step, the standing ones alone.
+  void write_terms(bool stepped, std::span<double> out) const noexcept {
+    visit_law(law_, [&]<class L>(const L& law) {
+      std::size_t i = 0;
+      L::Terms::visit(
+          [&](const LawTerm& term, const auto& value) {
+            out[i++] = stepped || term.is_standing ? static_cast<double>(value) : no_value;
+          },
+          law.terms());
+    });
+  }
 
   /// How far ahead of t the second reference point of a step lies [s].
-  double lead_s() const noexcept;
+  double lead_s() const noexcept {
+    return visit_law(law_, [](const auto& law) {
+      if constexpr (requires { law.lead_s(); }) return law.lead_s();
+      else return 0.0;
+    });
+  }
   /// How long the slider shall rest before the reference begins [s]; `moved`: a move has just brought it there.
-  double rest_s(bool moved, const std::array<double, 2>& port_Pa) const noexcept;
+  double rest_s(bool moved, const std::array<double, 2>& port_Pa) const noexcept {
+    return visit_law(law_, [&](const auto& law) {
+      if constexpr (requires { law.rest_s(moved, port_Pa); }) return law.rest_s(moved, port_Pa);
+      else return 0.0;
+    });
+  }
   /// Whether a finished move teaches the next one.
-  bool learns() const noexcept { return kind_ == ControllerKind::ppd2 && ppd2_.learns(); }
+  bool learns() const noexcept {
+    return visit_law(law_, [](const auto& law) {
+      if constexpr (requires { law.learns(); }) return law.learns();
+      else return false;
+    });
+  }
   /// Learns from the finished move; between moves (ticks below 0); `axis` is that of configure. Cold.
   void learn(const AxisParameters<double>& axis) {
-    if (learns()) ppd2_.learn(axis);
+    visit_law(law_, [&](auto& law) {
+      if constexpr (requires { law.learn(axis); })
+        if (law.learns()) law.learn(axis);
+    });
   }
-  /// Other gains from the next step on, without a jump; of the PPD2 law alone. HOT.
+  /// Moves that taught nothing because the loop was late.
+  int moves_not_learned() const noexcept {
+    return visit_law(law_, [](const auto& law) {
+      if constexpr (requires { law.moves_not_learned(); }) return law.moves_not_learned();
+      else return 0;
+    });
+  }
+  /// Other gains from the next step on, without a jump; of a law that takes them.
   void change_gains(const Ppd2GainSet& gains) noexcept {
-    if (kind_ == ControllerKind::ppd2) ppd2_.change_gains(gains);
+    visit_law(law_, [&](auto& law) {
+      if constexpr (requires { law.change_gains(gains); }) law.change_gains(gains);
+    });
   }
   /// Pressures that the law takes; only a force loop has a choice.
   PressureSource pressure_source() const noexcept { return source_; }
 
-  const PdForce& pd_force() const noexcept { return pd_force_; }
-  const Ppd2& ppd2() const noexcept { return ppd2_; }
-  Ppd2& ppd2() noexcept { return ppd2_; }
-  ControllerKind kind() const noexcept { return kind_; }
-
  private:
-  ControllerKind kind_ = ControllerKind::pd_force;
+  static constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
   PressureSource source_ = PressureSource::valve;
-  PdForce pd_force_;
-  Ppd2 ppd2_;
+  Laws::Variant law_;
 };
 
 }  // namespace pneuservo

@@ -1,13 +1,56 @@
 // PD with force feedback (chapter 3): position and velocity errors ask for a force, pressures close the force loop.
 #pragma once
+#include <array>
 #include <cstdint>
+#include <optional>
 
 #include <pneuservo/control/flow_feedforward.hpp>
+#include <pneuservo/control/law.hpp>
 #include <pneuservo/control/limits.hpp>
-#include <pneuservo/control/parameters.hpp>
 #include <pneuservo/control/reference.hpp>
 
 namespace pneuservo {
+
+/// PD with force feedback (chapter 3; docs/physics/pd_force.md has the law).
+struct PdForceParameters {
+  PressureSource pressure_source = PressureSource::estimated;
+  double position_gain_N_per_m = 0.0;
+  double velocity_gain_Ns_per_m = 0.0;
+  double velocity_filter_s = 0.002;
+  double force_gain_V_per_N = 0.0;
+  double force_integral_V_per_Ns = 0.0;
+  bool flow_feedforward = false;
+  double feedforward_lead_s = 0.0;
+  double command_rate_V_per_s = infinite;
+
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    v(Field{"pressure_source", "", 0, 0, "pressures that close the force loop", Presence::required,
+            pressure_source_names},
+      p.pressure_source...);
+    visit_outer_loop(v, p...);
+    v(Field{"force_gain_V_per_N", "V/N", 0, 1e6, "K_f: command per force error"}, p.force_gain_V_per_N...);
+    v(Field{"force_integral_V_per_Ns", "V/(N s)", 0, 1e6, "K_i: command per integral of force error", optional},
+      p.force_integral_V_per_Ns...);
+    v(Field{"flow_feedforward", "", 0, 1, "add the command that the reference's flow needs", optional},
+      p.flow_feedforward...);
+    v(Field{"feedforward_lead_s", "s", 0, 1, "the feedforward looks this far ahead", optional},
+      p.feedforward_lead_s...);
+    v(Field{"command_rate_V_per_s", "V/s", 1e-6, infinite, "largest rate of the command; .inf: none", optional},
+      p.command_rate_V_per_s...);
+  }
+
+  /// Pressures that the law takes.
+  std::optional<PressureSource> pressures() const noexcept { return pressure_source; }
+  std::string_view feedforward_name() const noexcept { return flow_feedforward ? "flow" : "none"; }
+
+  /// The loop of position and velocity alone: all there is where the drive gives its force at once.
+  template <class V, class... P> static void visit_outer_loop(V&& v, P&... p) {
+    v(Field{"position_gain_N_per_m", "N/m", 0, 1e9, "K_p: force per position error"}, p.position_gain_N_per_m...);
+    v(Field{"velocity_gain_Ns_per_m", "N s/m", 0, 1e9, "K_v: force per velocity error"}, p.velocity_gain_Ns_per_m...);
+    v(Field{"velocity_filter_s", "s", 0, 1, "time constant of the velocity filter"}, p.velocity_filter_s...);
+  }
+};
 
 /// Bits of PdForceState::fault.
 enum ControllerFault : std::uint8_t {
@@ -15,7 +58,7 @@ enum ControllerFault : std::uint8_t {
   controller_command_not_finite = 1,  ///< an input or gain made the command NaN or infinite; the last command was kept
 };
 
-/// Every term of the law at the last step, as it can be recorded.
+/// Every term of the law at the last step.
 struct PdForceState {
   double e_m = 0.0;  ///< x_ref - x
   double v_mps = 0.0;  ///< filtered velocity
@@ -28,19 +71,41 @@ struct PdForceState {
   double u_V = 0.0;  ///< command
   std::uint8_t limit = limit_none;  ///< CommandLimit that acted
   std::uint8_t fault = controller_healthy;  ///< ControllerFault bits
+
+  /// v(term, member...) for what is recorded; velocity, command and fault have columns of every run.
+  template <class V, class... S> static constexpr void visit(V&& v, S&... s) {
+    v(LawTerm{"position_error_m", "m", "x_ref - x"}, s.e_m...);
+    v(LawTerm{"chamber_force_N", "N", "force of the pressures in use on the piston"}, s.F_N...);
+    v(LawTerm{"force_reference_N", "N", "force that position and velocity errors ask for"}, s.F_ref_N...);
+    v(LawTerm{"force_error_N", "N", "force_reference_N - chamber_force_N"}, s.e_F_N...);
+    v(LawTerm{"force_error_integral_Ns", "N s", "integral of the force error"}, s.I_Ns...);
+    v(LawTerm{"u_feedforward_V", "V", "command that the reference's flow needs"}, s.u_feedforward_V...);
+    v(LawTerm{"u_unlimited_V", "V", "command before range and rate"}, s.u_unlimited_V...);
+    v(LawTerm{"command_limit", "", "bits: 1 at the upper range, 2 the lower, 4 held back rising, 8 falling"},
+      s.limit...);
+  }
 };
 
 /// The controller of docs/physics/pd_force.md. Plain data; copying it copies its whole state.
 class PdForce {
  public:
+  using Parameters = PdForceParameters;
+  using Terms = PdForceState;
+  static constexpr std::string_view name = "pd_force";
+  static constexpr int valves = 1;
+
   PdForce() noexcept = default;
   PdForce(const PdForceParameters& parameters, const AxisParameters<double>& axis, double period_s) noexcept {
     configure(parameters, axis, period_s);
   }
   /// Cold: takes parameters (in the ranges of their fields), period_s > 0, and resets.
   void configure(const PdForceParameters& parameters, const AxisParameters<double>& axis, double period_s) noexcept;
+  void configure(const PdForceParameters& parameters, const LawSetup& setup) noexcept {
+    configure(parameters, setup.axis, setup.period_s);
+  }
   /// Forgets velocity and integral; the command's rate counts from previous_command_V. HOT.
   void reset(double previous_command_V = 0.0) noexcept;
+  void reset(const std::array<double, 2>& previous_V) noexcept { reset(previous_V[0]); }
   /// Bumpless start at the measured position and pressures: the velocity starts at 0 and the integral (if there is
   /// one) such that a step with these inputs gives command_V. HOT.
   void start_bumpless(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now, const ReferencePoint& ahead,
@@ -49,17 +114,22 @@ class PdForce {
   /// Command [V] of one period from measured position [m], the pressures that pressure_source names [Pa, absolute], the
   /// reference at t and at t + lead_s(). Always finite; HOT.
   double step(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now, const ReferencePoint& ahead) noexcept;
+  ControlOutput step(const ControlInput& in) noexcept {
+    const double u_V = step(in.x_m, in.pressure_Pa[0], in.pressure_Pa[1], in.now, in.ahead);
+    return {{u_V, 0.0}, state_.v_mps, state_.limit != limit_none, state_.fault == controller_healthy};
+  }
 
   /// Periods passed without a step (a late loop skipped its slots): the next velocity counts over all of them. HOT.
   void skip(std::int64_t periods) noexcept { periods_ += static_cast<double>(periods); }
 
   const PdForceState& state() const noexcept { return state_; }
+  const PdForceState& terms() const noexcept { return state_; }
   /// How far ahead of t the second reference point of a step lies [s]; 0 without flow feedforward.
   double lead_s() const noexcept { return parameters_.flow_feedforward ? parameters_.feedforward_lead_s : 0.0; }
 
  private:
-  PdForceState terms(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now,
-                     const ReferencePoint& ahead) const noexcept;
+  PdForceState terms_of(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now,
+                        const ReferencePoint& ahead) const noexcept;
   double unlimited_V(const PdForceState& s) const noexcept {
     return parameters_.force_gain_V_per_N * s.e_F_N + parameters_.force_integral_V_per_Ns * s.I_Ns + s.u_feedforward_V;
   }
@@ -72,6 +142,10 @@ class PdForce {
   double area_1_m2_ = 0.0, area_2_m2_ = 0.0, atmosphere_force_N_ = 0.0;
   double previous_x_m_ = 0.0, periods_ = 1.0;  ///< last good position and its age
   bool first_ = true;
+};
+
+template <> struct LawAt<0> {
+  using Law = PdForce;
 };
 
 }  // namespace pneuservo

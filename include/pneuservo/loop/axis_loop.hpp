@@ -96,7 +96,7 @@ class AxisLoop {
   std::array<double, 2> pressures(const JudgedInputs& inputs, const EstimatorOutput& estimate) const noexcept;
   std::array<double, 2> control(double t_s, const JudgedInputs& inputs, const EstimatorOutput& estimate,
                                 std::int64_t skipped) noexcept;
-  void fill_row(double t_s, std::int64_t skipped, const Measurement& measured, const Truth& truth,
+  void fill_row(double t_s, std::int64_t skipped, bool stepped, const Measurement& measured, const Truth& truth,
                 const EstimatorOutput& estimate) noexcept;
   EstimatorOutput estimate(const JudgedInputs& inputs, std::int64_t skipped) noexcept;
   void note_rest(const JudgedInputs& inputs, std::int64_t skipped) noexcept;

@@ -40,7 +40,7 @@ class MotionTwin {
     configure_sensors(rig);
     // One cell has a line's volume, inertia and resistance, which is what moves the slider. A law on port pressures
     // meets the line's ringing as well.
-    const bool rings = rig.controller.kind == ControllerKind::pd_force && !chambers_;
+    const bool rings = rig.controller.closes_force_loop() && !chambers_;
     set_machine(rig, rig.axis, rings ? simulated_cells(rig) : 1);
   }
   /// Cells of each line of the simulated machine.

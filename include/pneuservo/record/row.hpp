@@ -1,7 +1,10 @@
 // One row of a recording: the columns of the format, declared once for ring, writer, reader and reports.
 #pragma once
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string_view>
 
 namespace pneuservo {
@@ -32,14 +35,24 @@ struct Row {
   double p_supply_Pa = none;
   double x_true_m = none, p1_chamber_true_Pa = none, p2_chamber_true_Pa = none;
   double lateness_us = none, work_us = none;              ///< real time only
-  double position_gain_V_per_m = none, velocity_gain_Vs_per_m = none;       ///< in force, where they may change
-  double acceleration_gain_Vs2_per_m = none, integral_gain_V_per_m_s = none;
   std::uint32_t state = 0;                                ///< SupervisorState (loop/supervisor.hpp)
   std::uint32_t flags = 0;
   std::uint64_t fault = 0;                                ///< bits of Fault (loop/fault.hpp), 0 while healthy
+  static constexpr std::size_t most_terms = 16;
+  std::array<double, most_terms> terms = no_terms();      ///< of the law, which names them (control/law.hpp)
 
-  /// v(name, member...) for every column in file order.
-  template <class V, class... R> static void visit(V&& v, R&... r) {
+  static constexpr std::array<double, most_terms> no_terms() noexcept {
+    std::array<double, most_terms> out;
+    out.fill(none);
+    return out;
+  }
+  /// v(name, member...) for every column in file order, the law's terms last, by their names.
+  template <class V, class... R> static void visit_all(std::span<const std::string_view> term_names, V&& v, R&... r) {
+    visit(v, r...);
+    for (std::size_t i = 0; i < term_names.size(); ++i) v(term_names[i], r.terms[i]...);
+  }
+  /// v(name, member...) for the columns that no law names.
+  template <class V, class... R> static constexpr void visit(V&& v, R&... r) {
     v(std::string_view("t_s"), r.t_s...);
     v(std::string_view("x_ref_m"), r.x_ref_m...);
     v(std::string_view("v_ref_mps"), r.v_ref_mps...);
@@ -65,10 +78,6 @@ struct Row {
     v(std::string_view("p2_chamber_true_Pa"), r.p2_chamber_true_Pa...);
     v(std::string_view("lateness_us"), r.lateness_us...);
     v(std::string_view("work_us"), r.work_us...);
-    v(std::string_view("position_gain_V_per_m"), r.position_gain_V_per_m...);
-    v(std::string_view("velocity_gain_Vs_per_m"), r.velocity_gain_Vs_per_m...);
-    v(std::string_view("acceleration_gain_Vs2_per_m"), r.acceleration_gain_Vs2_per_m...);
-    v(std::string_view("integral_gain_V_per_m_s"), r.integral_gain_V_per_m_s...);
     v(std::string_view("state"), r.state...);
     v(std::string_view("flags"), r.flags...);
     v(std::string_view("fault"), r.fault...);

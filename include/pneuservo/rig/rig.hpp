@@ -214,6 +214,27 @@ inline constexpr std::array<std::string_view, 5> rig_kind_names{"cylinder", "ser
                                                                 "switched_cylinder"};
 inline constexpr std::array<std::string_view, 1> rig_format_names{"pneuservo-rig/1"};
 
+/// Whether a law runs that kind of rig: it drives as many valves, or gives the force of a driven axis.
+constexpr bool runs(ControllerKind law, RigKind rig) {
+  return with_law(law, [rig]<class L>(LawTag<L>) {
+    switch (rig) {
+      case RigKind::cylinder: return L::valves == 1;
+      case RigKind::servo_table: return L::valves == 2;
+      case RigKind::driven_axis: return HasOuterLoop<L>;
+      case RigKind::vessel:
+      case RigKind::switched_cylinder: break;
+    }
+    return false;
+  });
+}
+/// The laws that run that kind of rig, in the order of the list.
+inline std::vector<ControllerKind> laws_of(RigKind rig) {
+  std::vector<ControllerKind> out;
+  for (std::size_t i = 0; i < law_count; ++i)
+    if (runs(static_cast<ControllerKind>(i), rig)) out.push_back(static_cast<ControllerKind>(i));
+  return out;
+}
+
 /// The six measured channels of a pneumatic axis, in the order of the recording's columns without their unit.
 inline constexpr std::array<std::string_view, 6> channel_names{"x",          "p1_port",    "p2_port",
                                                                "p1_chamber", "p2_chamber", "p_supply"};
@@ -349,8 +370,7 @@ struct Rig {
   template <class R> struct DrivenController {
     R& rig;
     template <class V, class... P> static void visit(V&& v, P&... p) {
-      v(Field{"kind", "", 0, 0, "control law", Presence::required, controller_kind_names}, p.rig.controller.kind...);
-      PdForceParameters::visit_outer_loop(v, p.rig.controller.pd_force...);
+      ControllerParameters::visit_outer_loop(v, p.rig.controller...);
     }
   };
   template <class R> struct DrivenInitial {

@@ -41,6 +41,7 @@ TEST_CASE("servo table: at the truth every channel is at its noise, and each sid
   const Recording recording = test::table_recording(rig, 5.0, seed);
   CylinderResiduals model(rig, {recording});
   REQUIRE(model.channels().size() == 3);
+  CHECK(model.channels()[2].floor == Approx(0.021).epsilon(0.01));  // 0.07 N at 5 bar of gauge supply, here 1.5 bar
   const std::vector<Hypothesis> tried{{rig, {}},
                                       {with(rig, "effects.chamber_leak_2.area_m2", 2e-8), {}},
                                       {with(rig, "effects.coulomb_friction.force_N", 1.0), {}},

@@ -445,7 +445,6 @@ struct Foretold {
   const Explanation* explanation;
   double certainty;  ///< of its laws
 };
-
 /// The explanations of one size by evidence, with what they foretell of the held-out rows counted in: a law that fits
 /// but does not go on is behind its rivals.
 std::vector<Foretold> by_prediction(ResidualModel& model, const Search& search, std::size_t members, double growth,
@@ -519,7 +518,8 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
     const auto ranked = by_prediction(model, search, members, growth, rules);
     // What is clearly missed may have a wide size (a bent law: heat that nearly keeps the wall's temperature), but one.
     const auto is_sure = [&](const Foretold& r) {
-      const double errors = r.score - score >= rules.alarm_gain ? rules.told_errors : rules.standard_errors;
+      const double gain = (r.explanation->log_evidence - decision.chosen->log_evidence) / growth;
+      const double errors = gain >= rules.alarm_gain ? rules.told_errors : rules.standard_errors;
       const bool is_sized = members == 1 || is_sure_of_sizes(*r.explanation, search, errors * std::sqrt(growth));
       return is_sized && r.certainty >= rules.standard_errors;
     };

@@ -93,8 +93,8 @@ inline TrialOutcome run_trial(const Rig& rig, const Trial& trial) {
     const EstimatorInput in{measured.port_pressure_1_Pa.value, measured.port_pressure_2_Pa.value,
                             measured.position_m.value, controller.state().v_mps, command_V};
     if (tick == 0 && trial.start_offset_Pa)
-      estimator.start(in.port_pressure_1_Pa + (*trial.start_offset_Pa)[0],
-                      in.port_pressure_2_Pa + (*trial.start_offset_Pa)[1], in.position_m);
+      estimator.start(in.p1_port_Pa + (*trial.start_offset_Pa)[0],
+                      in.p2_port_Pa + (*trial.start_offset_Pa)[1], in.x_m);
     const EstimatorOutput estimate = estimator.step(in);
     const std::array<double, 2> error{std::fabs(estimate.chamber_pressure_Pa[0] - truth.chamber_pressure_1_Pa),
                                       std::fabs(estimate.chamber_pressure_Pa[1] - truth.chamber_pressure_2_Pa)};

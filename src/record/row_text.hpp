@@ -14,8 +14,7 @@ const std::vector<std::string>& row_columns();
 /// Turns rows into lines; only the chosen columns, in file order whatever the order of the choice.
 class RowText {
  public:
-  static constexpr std::size_t column_count = 32;
-  static constexpr std::size_t line_size_max = column_count * 32;
+  static constexpr std::size_t line_size_max = row_column_count * 32;
 
   /// Empty = all columns; `t_s` is always there. Throws InputError on a name that Row does not have.
   explicit RowText(const std::vector<std::string>& columns);
@@ -26,7 +25,7 @@ class RowText {
   char* line(char* text, const Row& row) const noexcept;
 
  private:
-  std::array<bool, column_count> chosen_{};
+  std::array<bool, row_column_count> chosen_{};
 };
 
 }  // namespace pneuservo

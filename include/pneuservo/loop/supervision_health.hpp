@@ -2,7 +2,6 @@
 // machine.
 #pragma once
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -42,19 +41,20 @@ class SupervisionHealth {
     reset();
   }
   void reset() noexcept {
-    bad_.fill(0.0);
+    bad_ = {};
     missed_ = rested_ticks_ = 0.0;
     slept_before_ns_ = slept_ns_;
   }
 
-  /// Samples of this tick in the order of channels_of, whether each was bad (missing, too old, a jump); and the slots
-  /// that were skipped before it.
-  std::uint64_t check_tick(const std::array<bool, 6>& bad, std::int64_t skipped) noexcept {
+  /// Whether the sample of each signal of this tick was bad (missing, too old, a jump); and the slots that were
+  /// skipped before it.
+  std::uint64_t check_tick(const PerSignal<bool>& bad, std::int64_t skipped) noexcept {
     std::uint64_t faults = 0;
-    for (std::size_t i = 0; i < bad.size(); ++i) bad_[i] = keep_ * bad_[i] + (bad[i] ? 1.0 - keep_ : 0.0);
-    if (bad_[0] > bad_limit_) faults |= fault_position_unreliable;
-    for (std::size_t i = 1; i < bad.size(); ++i)
-      if (bad_[i] > bad_limit_) faults |= fault_pressure_unreliable;
+    for (const Signal signal : channel_signals) {
+      bad_[signal] = keep_ * bad_[signal] + (bad[signal] ? 1.0 - keep_ : 0.0);
+      if (bad_[signal] > bad_limit_)
+        faults |= is_pressure(signal) ? fault_pressure_unreliable : fault_position_unreliable;
+    }
     if (skipped > 0) note_gap(skipped);
     missed_ *= keep_;
     if (missed_ > missed_limit_) faults |= fault_missed_slots;
@@ -77,7 +77,7 @@ class SupervisionHealth {
   /// Time that the machine has been suspended so far [ns]; the loop alone reads clocks.
   void note_slept(std::int64_t slept_ns) noexcept { slept_ns_ = slept_ns; }
 
-  double bad_share(std::size_t channel) const noexcept { return bad_[channel]; }
+  double bad_share(Signal signal) const noexcept { return bad_[signal]; }
   double missed_share() const noexcept { return missed_; }
 
  private:
@@ -89,7 +89,7 @@ class SupervisionHealth {
   double bad_limit_ = 1.0, missed_limit_ = 1.0, rest_limit_ticks_ = 0.0, moving_m_ = 0.0, window_ticks_ = 300.0,
          keep_ = 1.0;
   bool checks_exist_ = false;
-  std::array<double, 6> bad_{};
+  PerSignal<double> bad_;
   double missed_ = 0.0, rested_ticks_ = 0.0, lowest_m_ = 0.0, highest_m_ = 0.0;
   std::int64_t slept_ns_ = 0, slept_before_ns_ = 0;
 };

@@ -129,7 +129,8 @@ void CanBackend::set_up_node(const std::string& name, const CanNodeParameters& n
     std::vector<CanSignal> signals;
     for (const std::size_t i : pdo.signals) {
       const CanChannel& c = channels_[i];
-      signals.push_back({c.channel,
+      signals.push_back({c.signal,
+                         c.command,
                          {*done.place_of(c.object), c.object.bits()},
                          {c.scale, c.zero, c.is_signed, c.object.bits()},
                          c.lowest,
@@ -331,7 +332,7 @@ bool CanBackend::emergency_write() noexcept {
 Origins CanBackend::origins() const {
   Origins all;
   for (const CanChannel& channel : channels_)
-    if (!channel.is_readback) (channel.is_output ? all.command : all.channels[channel.channel]) = Origin::real;
+    if (!channel.is_readback) (channel.is_output ? all.command : all.channels[channel.signal]) = Origin::real;
   return all;
 }
 

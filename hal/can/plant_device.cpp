@@ -14,6 +14,8 @@ namespace {
 
 constexpr std::uint32_t profile_analog = 401, profile_encoder = 406;
 constexpr double usual_emergency = 0x5000;  // device hardware
+/// Chambers are recorded as the plant has them, not as a sensor shows them.
+constexpr std::array recorded_signals{Signal::x, Signal::p1_port, Signal::p2_port, Signal::p_supply};
 
 std::uint32_t device_type_of(const CanNodeParameters& node, const std::vector<CanChannel>& channels,
                              const std::string& name) {
@@ -25,11 +27,11 @@ std::uint32_t device_type_of(const CanNodeParameters& node, const std::vector<Ca
 }
 
 /// What a saturated channel sends: beyond the highest of its counts, which hold it there.
-std::array<double, 6> highest_counts(const Rig& rig) {
-  std::array<double, 6> values{};
+PerSignal<double> highest_counts(const Rig& rig) {
+  PerSignal<double> values;
   if (!rig.hal) return values;
   for (const CanChannel& c : can_channels(*rig.hal))
-    if (!c.is_output && !c.is_readback) values[c.channel] = std::copysign(1e300, c.scale);
+    if (!c.is_output && !c.is_readback) values[c.signal] = std::copysign(1e300, c.scale);
   return values;
 }
 
@@ -122,31 +124,24 @@ void PlantDevice::answer(CanopenNode& node, std::vector<CanFrame>& out) {
 }
 
 void PlantDevice::take_command() {
-  for (const Signal& signal : signals_) {
+  for (const DeviceChannel& signal : signals_) {
     if (!signal.channel.is_output) continue;
     const std::uint32_t raw =
         signal.node->dictionary().number(signal.channel.object.index(), signal.channel.object.sub());
-    commands_V_[signal.channel.channel] = is_off(*signal.node) ? 0.0 : signal.counts.value_of(raw);  // no supply
+    commands_V_[signal.channel.command] = is_off(*signal.node) ? 0.0 : signal.counts.value_of(raw);  // no supply
   }
-  for (const Signal& signal : signals_)  // what an output is, in an object of its own or in the output's
+  for (const DeviceChannel& signal : signals_)  // what an output is, in an object of its own or in the output's
     if (signal.channel.is_readback)
       signal.node->dictionary().set_number(
           signal.channel.object.index(), signal.channel.object.sub(),
-          static_cast<std::uint32_t>(signal.counts.raw_of(commands_V_[signal.channel.channel])));
+          static_cast<std::uint32_t>(signal.counts.raw_of(commands_V_[signal.channel.command])));
   plant_.write(tick_, plant_faults_.command(time_s(), {commands_V_[0], commands_V_[1]}));
   record();
 }
 
 std::vector<std::string> PlantDevice::recorded_columns(const Rig& rig) {
-  std::vector<std::string> columns{"t_s",
-                                   "x_m",
-                                   "v_mps",
-                                   "p1_port_Pa",
-                                   "p2_port_Pa",
-                                   "p_supply_Pa",
-                                   "x_true_m",
-                                   "p1_chamber_true_Pa",
-                                   "p2_chamber_true_Pa"};
+  std::vector<std::string> columns{"t_s", "v_mps", "x_true_m", "p1_chamber_true_Pa", "p2_chamber_true_Pa"};
+  for (const Signal signal : recorded_signals) columns.emplace_back(info(signal).column);
   if (rig.kind == RigKind::servo_table) columns.insert(columns.end(), {"u1_V", "u2_V"});
   else columns.emplace_back("u_V");
   return columns;
@@ -157,17 +152,14 @@ void PlantDevice::record() noexcept {
   if (ring_ == nullptr) return;
   Row row;
   row.t_s = time_s();
-  row.x_m = measured_.position_m.value;
   row.v_mps = plant_.speed_mps();
   row.u_V = row.u1_V = commands_V_[0];
   row.u2_V = commands_V_[1];
-  row.p1_port_Pa = measured_.port_pressure_1_Pa.value;
-  row.p2_port_Pa = measured_.port_pressure_2_Pa.value;
-  row.p_supply_Pa = measured_.supply_pressure_Pa.value;
+  for (const Signal signal : recorded_signals) row.measured[signal] = measured_.channel[signal].value;
   const Truth truth = plant_.truth();
-  row.x_true_m = truth.position_m;
-  row.p1_chamber_true_Pa = truth.chamber_pressure_1_Pa;
-  row.p2_chamber_true_Pa = truth.chamber_pressure_2_Pa;
+  row.x_true_m = truth.x_m;
+  row.p1_chamber_true_Pa = truth.p1_chamber_Pa;
+  row.p2_chamber_true_Pa = truth.p2_chamber_Pa;
   ring_->push(row);
 }
 
@@ -175,10 +167,9 @@ void PlantDevice::sample_inputs() {
   plant_.read(tick_, measured_);
   plant_faults_.apply(time_s(), plant_);
   sample_faults_.apply(tick_, time_s(), measured_);
-  const auto channels = channels_of(measured_);
-  for (const Signal& signal : signals_) {
+  for (const DeviceChannel& signal : signals_) {
     if (signal.channel.is_output || signal.channel.is_readback) continue;
-    const double value = channels[signal.channel.channel]->value;
+    const double value = measured_.channel[signal.channel.signal].value;
     const auto raw = static_cast<std::uint32_t>(signal.counts.raw_of(value));
     signal.node->dictionary().set_number(signal.channel.object.index(), signal.channel.object.sub(), raw);
   }

@@ -50,7 +50,7 @@ class PlantDevice {
   static std::vector<std::string> recorded_columns(const Rig& rig);
 
  private:
-  struct Signal {
+  struct DeviceChannel {
     CanChannel channel;
     CanopenNode* node;
     CountScale counts;
@@ -77,7 +77,7 @@ class PlantDevice {
   SampleFaults sample_faults_;
   std::vector<CanChannel> channels_;
   std::vector<std::unique_ptr<CanopenNode>> nodes_;
-  std::vector<Signal> signals_;
+  std::vector<DeviceChannel> signals_;
   std::vector<Order> orders_;
   std::vector<CanFrame> held_back_;  // answers that come a cycle late on command
   std::int64_t period_ns_, last_step_ns_ = 0, now_ns_ = 0;

@@ -181,7 +181,6 @@ void CanProcessImage::look_for_silence(std::int64_t now_ns) noexcept {
 void CanProcessImage::take(std::int64_t now_ns, Measurement& measurement) noexcept {
   look_for_silence(now_ns);
   confirmed_ = true;
-  const auto channels = channels_of(measurement);
   const bool bus_works = (faults_ & (device_bus_off | device_link_down)) == 0;
   for (std::size_t i = 0; i < inputs_.size(); ++i) {
     const CanInputPdo& pdo = inputs_[i];
@@ -200,8 +199,8 @@ void CanProcessImage::take(std::int64_t now_ns, Measurement& measurement) noexce
       }
       const bool within = value >= signal.lowest && value <= signal.highest;
       if (fresh && !within) ++counts_.out_of_limits;
-      *channels[signal.channel] = {value, static_cast<double>(now_ns - sampled_ns) * 1e-9, fresh && within && bus_works,
-                                   Origin::real};
+      measurement.channel[signal.signal] = {value, static_cast<double>(now_ns - sampled_ns) * 1e-9,
+                                            fresh && within && bus_works, Origin::real};
     }
   }
   measurement.device_faults |= faults_;
@@ -210,7 +209,7 @@ void CanProcessImage::take(std::int64_t now_ns, Measurement& measurement) noexce
 // A device shows the command of this SYNC or of the one before; between both it may be on its way.
 void CanProcessImage::check_output(const CanSignal& signal, double value, bool fresh, std::uint8_t node,
                                    std::int64_t now_ns) noexcept {
-  Sent& sent = sent_[signal.channel];
+  Sent& sent = sent_[signal.command];
   const auto held = [&](double command) {
     return std::clamp(command == command ? command : 0.0, signal.lowest, signal.highest);
   };
@@ -228,10 +227,10 @@ void CanProcessImage::check_output(const CanSignal& signal, double value, bool f
 bool CanProcessImage::outputs_are_read_back() const noexcept {
   std::array<int, 2> outputs{}, shown{};
   for (const CanOutputPdo& pdo : outputs_)
-    for (const CanSignal& signal : pdo.signals) ++outputs[signal.channel];
+    for (const CanSignal& signal : pdo.signals) ++outputs[signal.command];
   for (const CanInputPdo& pdo : inputs_)
     for (const CanSignal& signal : pdo.signals)
-      if (signal.is_readback) ++shown[signal.channel];
+      if (signal.is_readback) ++shown[signal.command];
   return outputs == shown;
 }
 
@@ -253,7 +252,7 @@ CanFrame CanProcessImage::output(std::size_t i, const std::array<double, 2>& com
   CanFrame frame{.id = pdo.id, .length = pdo.length};
   std::uint64_t image = 0;
   for (const CanSignal& signal : pdo.signals) {
-    const double command = commands[signal.channel];
+    const double command = commands[signal.command];
     const double held = std::clamp(command == command ? command : 0.0, signal.lowest, signal.highest);
     image = insert(image, signal.place, signal.counts.raw_of(held));
   }

@@ -16,7 +16,8 @@ namespace pneuservo {
 
 /// One channel inside a PDO.
 struct CanSignal {
-  std::size_t channel = 0;  ///< index in channels_of, or of the command
+  Signal signal = Signal::x;  ///< of an input
+  std::size_t command = 0;    ///< of an output or its readback: counts as in Command
   BitField place;
   CountScale counts;
   double lowest = 0.0, highest = 0.0;

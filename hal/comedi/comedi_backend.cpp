@@ -21,26 +21,20 @@ ComediBackend::ComediBackend(const Rig& rig) : rig_(rig) {
 }
 
 void ComediBackend::add_inputs() {
-  const HalChannels& c = rig_.hal->channels;
-  const auto add = [&](const std::string& key, std::size_t channel, const auto& parameters) {
+  rig_.hal->channels.for_each_input([&](Signal signal, const auto& parameters) {
+    const std::string key(info(signal).name);
     if (const auto& analog = parameters.comedi)
-      inputs_.push_back({channel, board_->add_input(key, analog->channel, analog->range, analog->reference),
+      inputs_.push_back({signal, board_->add_input(key, analog->channel, analog->range, analog->reference),
                          analog->scale, analog->zero, analog->lowest, analog->highest});
     if (const auto& counter = parameters.comedi_counter)
-      inputs_.push_back({channel, board_->add_counter(key, counter->subdevice, counter->channel), counter->scale,
+      inputs_.push_back({signal, board_->add_counter(key, counter->subdevice, counter->channel), counter->scale,
                          counter->zero, counter->lowest, counter->highest, true});
-  };
-  add("x", 0, c.x);
-  std::size_t i = 1;
-  for (const auto* pressure : {&c.p1_port, &c.p2_port, &c.p1_chamber, &c.p2_chamber, &c.p_supply}) {
-    add(std::string(channel_names[i]), i, *pressure);
-    ++i;
-  }
+  });
 }
 
 void ComediBackend::add_outputs() {
-  const HalChannels& c = rig_.hal->channels;
-  const auto add = [&](const std::string& key, std::size_t command, const auto& parameters) {
+  rig_.hal->channels.for_each_command([&](std::string_view name, std::size_t command, const auto& parameters) {
+    const std::string key(name);
     const auto& analog = parameters.comedi;
     if (!analog) return;
     Output output{command, board_->add_output(key, analog->channel, analog->range, analog->reference)};
@@ -55,10 +49,7 @@ void ComediBackend::add_outputs() {
       output.tolerance_V = readback->tolerance_V;
     }
     outputs_.push_back(output);
-  };
-  add("u", 0, c.u);
-  add("u1", 0, c.u1);
-  add("u2", 1, c.u2);
+  });
 }
 
 void ComediBackend::configure() {
@@ -96,7 +87,6 @@ bool ComediBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
   if (!board_) return false;
   const bool sampled = board_->read();
   if (!sampled) ++refused_;
-  const auto channels = channels_of(measurement);
   for (Input& input : inputs_) {
     const double raw = value_of(input);
     const double value = input.zero + input.scale * raw;
@@ -104,7 +94,7 @@ bool ComediBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
     const bool within = value >= input.lowest && value <= input.highest;
     if (sampled && saturated) ++saturated_;
     else if (sampled && !within) ++out_of_limits_;
-    *channels[input.channel] = {value, 0.0, sampled && !saturated && within, Origin::real};
+    measurement.channel[input.signal] = {value, 0.0, sampled && !saturated && within, Origin::real};
   }
   const bool confirmed = sampled && written_ && check_outputs();
   if (output_fails_) measurement.device_faults |= device_output_unconfirmed;
@@ -163,7 +153,7 @@ void ComediBackend::deactivate() noexcept {
 
 Origins ComediBackend::origins() const {
   Origins all{.command = outputs_.empty() ? Origin::absent : Origin::real};
-  for (const Input& input : inputs_) all.channels[input.channel] = Origin::real;
+  for (const Input& input : inputs_) all.channels[input.signal] = Origin::real;
   return all;
 }
 

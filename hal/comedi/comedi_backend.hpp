@@ -35,9 +35,10 @@ class ComediBackend final : public Backend {
   std::string name() const override { return "comedi"; }
 
  private:
-  /// An input or counter. `channel` counts as in channels_of.
+  /// An input or counter.
   struct Input {
-    std::size_t channel = 0, number = 0;
+    Signal signal = Signal::x;
+    std::size_t number = 0;
     double scale = 1.0, zero = 0.0, lowest = 0.0, highest = 0.0;
     bool is_counter = false;
     RunningCount count{};

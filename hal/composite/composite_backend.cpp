@@ -13,23 +13,22 @@
 namespace pneuservo {
 
 CompositeBackend::CompositeBackend(const Rig& rig) {
-  for (std::size_t i = 0; i < channel_names.size(); ++i)
-    if (const auto zero = rig.zeros.find(std::string(channel_names[i])); zero != rig.zeros.end())
-      zeros_[i] = zero->second;
+  for (const Signal signal : channel_signals)
+    if (const auto zero = rig.zeros.find(std::string(info(signal).name)); zero != rig.zeros.end())
+      zeros_[signal] = zero->second;
   if (!rig.hal)
     throw InputError(rig.name + ": hal: found nothing, expected the section with the rig's devices (docs/can.md); "
                                 "'--hal sim' runs on the simulated plant");
   const HalChannels& c = rig.hal->channels;
   Gives simulated{}, on_can{}, on_board{};
-  const auto sort = [&](std::size_t i, const auto& channel) {
-    simulated[i] = channel.simulated;
-    on_can[i] = channel.can.has_value();
-    on_board[i] = channel.is_on_board();
-    origins_.channels[i] = channel.is_absent() ? Origin::absent : channel.simulated ? Origin::simulated : Origin::real;
-  };
-  sort(0, c.x);
-  std::size_t i = 1;
-  for (const auto* pressure : {&c.p1_port, &c.p2_port, &c.p1_chamber, &c.p2_chamber, &c.p_supply}) sort(i++, *pressure);
+  c.for_each_input([&](Signal signal, const auto& channel) {
+    simulated[signal] = channel.simulated;
+    on_can[signal] = channel.can.has_value();
+    on_board[signal] = channel.is_on_board();
+    origins_.channels[signal] = channel.is_absent() ? Origin::absent
+                                : channel.simulated ? Origin::simulated
+                                                    : Origin::real;
+  });
   bool commands_sim = false, commands_can = false, commands_board = false;
   for (const auto* valve : {&c.u, &c.u1, &c.u2}) {
     commands_sim = commands_sim || valve->simulated;
@@ -37,7 +36,7 @@ CompositeBackend::CompositeBackend(const Rig& rig) {
     commands_board = commands_board || valve->is_on_board();
   }
   origins_.command = commands_can || commands_board ? Origin::real : Origin::simulated;
-  const auto any = [](const Gives& gives) { return std::find(gives.begin(), gives.end(), true) != gives.end(); };
+  const auto any = [](const Gives& gives) { return std::ranges::find(gives.all, true) != gives.all.end(); };
   if (commands_sim || any(simulated)) sources_.push_back({std::make_unique<SimBackend>(rig), simulated});
   if (commands_board || any(on_board)) sources_.push_back({std::make_unique<ComediBackend>(rig), on_board});
   if (commands_can || any(on_can)) sources_.push_back({std::make_unique<CanBackend>(rig), on_can});
@@ -85,13 +84,12 @@ void CompositeBackend::activate() {
 }
 
 bool CompositeBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
-  const auto to = channels_of(measurement);
   for (Source& source : sources_) {
     Measurement part;
     if (!source.backend->read(tick, part)) return false;
-    const auto from = channels_of(part);
-    for (std::size_t i = 0; i < to.size(); ++i)
-      if (source.gives[i]) *to[i] = *from[i], to[i]->value += zeros_[i];
+    for (const Signal signal : channel_signals)
+      if (source.gives[signal])
+        measurement.channel[signal] = part.channel[signal], measurement.channel[signal].value += zeros_[signal];
     measurement.device_faults |= part.device_faults;
     const auto lines = lines_of(measurement.digital), own = lines_of(part.digital);
     for (std::size_t i = 0; i < lines.size(); ++i)

@@ -1,6 +1,5 @@
 // Backend `configured`: each channel from the source that the config's section `hal` names for it.
 #pragma once
-#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -29,7 +28,7 @@ class CompositeBackend final : public Backend {
   std::string name() const override { return "configured"; }
 
  private:
-  using Gives = std::array<bool, 6>;  ///< channels that are taken from a source
+  using Gives = PerSignal<bool>;  ///< channels that are taken from a source
   struct Source {
     std::unique_ptr<Backend> backend;
     Gives gives{};
@@ -37,7 +36,7 @@ class CompositeBackend final : public Backend {
 
   std::vector<Source> sources_;
   Origins origins_;
-  std::array<double, 6> zeros_{};  ///< added to what the sources give
+  PerSignal<double> zeros_;  ///< added to what the sources give
 };
 
 }  // namespace pneuservo

@@ -65,7 +65,7 @@ void GuardOutputs::prepare_frames() {
       const CanChannel& c = channels[i];
       const CountScale counts{c.scale, c.zero, c.is_signed, c.object.bits()};
       image =
-          insert(image, {offset, c.object.bits()}, counts.raw_of(std::clamp(safe_V[c.channel], c.lowest, c.highest)));
+          insert(image, {offset, c.object.bits()}, counts.raw_of(std::clamp(safe_V[c.command], c.lowest, c.highest)));
       offset += c.object.bits();
     }
     put_image(frame.data, image);

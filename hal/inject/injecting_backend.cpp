@@ -10,7 +10,11 @@ namespace pneuservo {
 namespace {
 
 /// What a saturated channel shows: no position in m and no pressure in Pa.
-constexpr std::array<double, 6> far_out{1e9, 1e9, 1e9, 1e9, 1e9, 1e9};
+constexpr PerSignal<double> far_out = [] {
+  PerSignal<double> values;
+  values.all.fill(1e9);
+  return values;
+}();
 
 /// Half a period: a time in a config that is a whole number of periods shall fall on its tick.
 double time_of(std::int64_t tick, double period_s) noexcept { return (static_cast<double>(tick) + 0.5) * period_s; }
@@ -50,7 +54,7 @@ bool InjectingBackend::read(std::int64_t tick, Measurement& measurement) noexcep
   sample_faults_.apply(tick, t_s, measurement);
   measurement.digital.emergency_stop.state = is_on(InjectedKind::emergency_stop, t_s) ? LineState::on : LineState::off;
   if (is_on(InjectedKind::bus_off, t_s)) {
-    for (Channel* channel : channels_of(measurement)) channel->valid = false;
+    for (Channel& channel : measurement.channel.all) channel.valid = false;
     measurement.device_faults |= device_bus_off;
   }
   if (is_on(InjectedKind::guard_lost, t_s)) measurement.device_faults |= device_guard_lost;

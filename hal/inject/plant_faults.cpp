@@ -39,7 +39,7 @@ void PlantFaults::apply_to_slider(double t_s, SimBackend& plant) noexcept {
       case InjectedKind::jam: slider.viscous_friction_Ns_per_m += *fault.value; break;
       case InjectedKind::obstacle:
         // A stop cannot come into being beyond the slider: it would throw it back.
-        between_stops_ = between_stops_ || std::fabs(plant.truth().position_m) < *fault.value;
+        between_stops_ = between_stops_ || std::fabs(plant.truth().x_m) < *fault.value;
         if (!between_stops_) continue;
         way_m = std::min(way_m, 2.0 * *fault.value);
         break;

@@ -8,7 +8,7 @@
 
 namespace pneuservo {
 
-SampleFaults::SampleFaults(double period_s, const std::array<double, 6>& far_out)
+SampleFaults::SampleFaults(double period_s, const PerSignal<double>& far_out)
     : period_s_(period_s), far_out_(far_out),
       history_(static_cast<std::size_t>(std::ceil(longest_injected_delay_s / period_s)) + 1) {}
 
@@ -17,11 +17,10 @@ void SampleFaults::add(const InjectedFault& fault) {
       fault.kind == InjectedKind::exchanged_ports)
     wiring_.push_back(fault);
   const std::string_view target = fault.kind == InjectedKind::encoder_jump ? "x" : std::string_view(fault.target);
-  const auto found = std::find(channel_names.begin(), channel_names.end(), target);
-  if (found == channel_names.end()) return;
-  const auto channel = static_cast<std::size_t>(found - channel_names.begin());
-  Spoiled spoiled{fault, channel, {}};
-  if (newest_tick_) spoiled.kept = shown_[channel];  // one that comes while samples are taken
+  const std::optional<Signal> signal = signal_named(target);
+  if (!signal) return;
+  Spoiled spoiled{fault, *signal, {}};
+  if (newest_tick_) spoiled.kept = shown_[*signal];  // one that comes while samples are taken
   faults_.push_back(spoiled);
 }
 
@@ -32,33 +31,32 @@ void SampleFaults::reset() {
 
 void SampleFaults::apply(std::int64_t tick, double t_s, Measurement& measured) noexcept {
   rewire(t_s, measured);
-  const auto channels = channels_of(measured);
-  remember(tick, channels);
+  remember(tick, measured);
   for (Spoiled& spoiled : faults_) {
-    Channel& sample = *channels[spoiled.channel];
+    Channel& sample = measured.channel[spoiled.signal];
     if (spoiled.fault.is_on(t_s)) spoil(spoiled, sample);
     else spoiled.kept = sample.value;
   }
-  for (std::size_t i = 0; i < shown_.size(); ++i) shown_[i] = channels[i]->value;
+  for (const Signal signal : channel_signals) shown_[signal] = measured.channel[signal].value;
 }
 
 // Exchanged hoses exchange the ports under their sensors: what sensor 1 shows belongs to chamber 2.
 void SampleFaults::rewire(double t_s, Measurement& measured) const noexcept {
   for (const InjectedFault& fault : wiring_) {
     if (!fault.is_on(t_s)) continue;
-    if (fault.kind == InjectedKind::reversed_encoder) measured.position_m.value = -measured.position_m.value;
-    else std::swap(measured.port_pressure_1_Pa, measured.port_pressure_2_Pa);
+    if (Channel& x = measured.channel[Signal::x]; fault.kind == InjectedKind::reversed_encoder) x.value = -x.value;
+    else std::swap(measured.channel[Signal::p1_port], measured.channel[Signal::p2_port]);
   }
 }
 
-void SampleFaults::remember(std::int64_t tick, const std::array<Channel*, 6>& channels) noexcept {
-  std::array<double, 6> now;
-  for (std::size_t i = 0; i < now.size(); ++i) now[i] = channels[i]->value;
+void SampleFaults::remember(std::int64_t tick, const Measurement& measured) noexcept {
+  PerSignal<double> now;
+  for (const Signal signal : channel_signals) now[signal] = measured.channel[signal].value;
   if (!newest_tick_) std::fill(history_.begin(), history_.end(), now);  // stands for all before it
   // A tick that was skipped has no sample of its own: it repeats the one before, so that slots count periods.
   const std::int64_t slots = static_cast<std::int64_t>(history_.size());
   const std::int64_t passed = std::clamp<std::int64_t>(tick - newest_tick_.value_or(tick), 1, slots);
-  const std::array<double, 6> before = history_[newest_];
+  const PerSignal<double> before = history_[newest_];
   for (std::int64_t i = 1; i <= passed; ++i) {
     newest_ = newest_ + 1 == history_.size() ? 0 : newest_ + 1;
     history_[newest_] = i < passed ? before : now;
@@ -82,16 +80,16 @@ void SampleFaults::spoil(Spoiled& spoiled, Channel& sample) noexcept {
       spoiled.spent = true;
       break;
     case InjectedKind::spikes: sample.value += spoiled.count++ % 3 == 0 ? value : 0.0; break;
-    case InjectedKind::saturate: sample.value = spoiled.fault.value.value_or(far_out_[spoiled.channel]); break;
-    case InjectedKind::delay: delay(value, spoiled.channel, sample); break;
+    case InjectedKind::saturate: sample.value = spoiled.fault.value.value_or(far_out_[spoiled.signal]); break;
+    case InjectedKind::delay: delay(value, spoiled.signal, sample); break;
     default: break;
   }
 }
 
-void SampleFaults::delay(double delay_s, std::size_t channel, Channel& sample) const noexcept {
+void SampleFaults::delay(double delay_s, Signal signal, Channel& sample) const noexcept {
   const double periods = std::min(std::round(delay_s / period_s_), static_cast<double>(history_.size() - 1));
   const auto back = static_cast<std::size_t>(std::max(periods, 0.0));
-  sample.value = history_[(newest_ + history_.size() - back) % history_.size()][channel];
+  sample.value = history_[(newest_ + history_.size() - back) % history_.size()][signal];
   sample.age_s += static_cast<double>(back) * period_s_;
 }
 

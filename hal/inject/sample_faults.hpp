@@ -1,7 +1,6 @@
 // Injected faults of the sensors and their wires: what a channel shows instead of its sample; for the backend sim and
 // the simulated device.
 #pragma once
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -15,8 +14,8 @@ namespace pneuservo {
 /// Faults of other kinds are passed over. Those of one channel act in the order in which they were added.
 class SampleFaults {
  public:
-  /// `far_out`: what a saturated channel shows unless its fault states a value, in the order of channels_of.
-  SampleFaults(double period_s, const std::array<double, 6>& far_out);
+  /// `far_out`: what a saturated channel shows unless its fault states a value, by signal.
+  SampleFaults(double period_s, const PerSignal<double>& far_out);
   /// Cold.
   void add(const InjectedFault& fault);
   /// As if nothing had been sampled yet. Cold.
@@ -27,24 +26,24 @@ class SampleFaults {
  private:
   struct Spoiled {
     InjectedFault fault;
-    std::size_t channel;
+    Signal signal;
     std::optional<double> kept;  ///< what a frozen channel repeats
     bool spent = false;
     std::int64_t count = 0;  ///< samples since it is on
   };
-  void remember(std::int64_t tick, const std::array<Channel*, 6>& channels) noexcept;
+  void remember(std::int64_t tick, const Measurement& measured) noexcept;
   void rewire(double t_s, Measurement& measured) const noexcept;
   void spoil(Spoiled& spoiled, Channel& sample) noexcept;
-  void delay(double delay_s, std::size_t channel, Channel& sample) const noexcept;
+  void delay(double delay_s, Signal signal, Channel& sample) const noexcept;
 
   double period_s_;
-  std::array<double, 6> far_out_;
+  PerSignal<double> far_out_;
   std::vector<Spoiled> faults_;
   std::vector<InjectedFault> wiring_;
-  std::vector<std::array<double, 6>> history_;  // ring of what was measured, a slot a tick
+  std::vector<PerSignal<double>> history_;  // ring of what was measured, a slot a tick
   std::size_t newest_ = 0;
   std::optional<std::int64_t> newest_tick_;
-  std::array<double, 6> shown_{};  // in the last tick, faults included
+  PerSignal<double> shown_;  // in the last tick, faults included
 };
 
 }  // namespace pneuservo

@@ -6,15 +6,17 @@
 #include <pneuservo/loop/fault.hpp>
 
 namespace pneuservo {
-namespace {
-constexpr const char* column_names[10] = {
-    "x_m",         "p1_port_Pa", "p2_port_Pa",         "p1_chamber_Pa",      "p2_chamber_Pa",
-    "p_supply_Pa", "x_true_m",   "p1_chamber_true_Pa", "p2_chamber_true_Pa", "fault"};
-}  // namespace
 
 ReplayBackend::ReplayBackend(Recording recording, double period_s) : recording_(std::move(recording)) {
-  recording_.require({"x_m", "p1_port_Pa", "p2_port_Pa"});
-  for (const char* name : column_names) columns_.push_back(recording_.has(name) ? &recording_.column(name) : nullptr);
+  std::vector<std::string> needed;
+  for (const Signal signal : {Signal::x, Signal::p1_port, Signal::p2_port}) needed.emplace_back(info(signal).column);
+  recording_.require(needed);
+  const auto column = [&](std::string_view name) -> Column {
+    return recording_.has(name) ? &recording_.column(name) : nullptr;
+  };
+  for (const Signal signal : channel_signals) measured_[signal] = column(info(signal).column);
+  truth_ = {column("x_true_m"), column("p1_chamber_true_Pa"), column("p2_chamber_true_Pa")};
+  fault_ = column("fault");
   for (double t : recording_.t_s()) ticks_.push_back(std::llround(t / period_s));
 }
 
@@ -22,11 +24,10 @@ bool ReplayBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
   while (next_ < ticks_.size() && ticks_[next_] < tick) ++next_;
   if (next_ >= ticks_.size()) return false;
   row_ = next_;
-  const auto channels = channels_of(measurement);
-  for (std::size_t i = 0; i < 6; ++i) {
-    if (columns_[i] == nullptr) continue;
-    const double value = (*columns_[i])[row_];
-    *channels[i] = {value, 0.0, std::isfinite(value) && ticks_[row_] == tick, Origin::replayed};
+  for (const Signal signal : channel_signals) {
+    if (measured_[signal] == nullptr) continue;
+    const double value = (*measured_[signal])[row_];
+    measurement.channel[signal] = {value, 0.0, std::isfinite(value) && ticks_[row_] == tick, Origin::replayed};
   }
   measurement.device_faults = device_faults_of(recorded_faults());
   // Digital inputs are not recorded; the faults that they made are.
@@ -40,8 +41,8 @@ bool ReplayBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
 }
 
 std::uint64_t ReplayBackend::recorded_faults() const noexcept {
-  if (columns_[9] == nullptr) return 0;
-  const double bits = (*columns_[9])[row_];
+  if (fault_ == nullptr) return 0;
+  const double bits = (*fault_)[row_];
   const bool readable = bits >= 0.0 && bits < 9007199254740992.0;  // 2^53: whole in a double
   return readable ? static_cast<std::uint64_t>(bits) : 0;
 }
@@ -52,13 +53,14 @@ bool ReplayBackend::write(std::int64_t, const Command&) noexcept {
 
 Origins ReplayBackend::origins() const {
   Origins all{.command = Origin::replayed};
-  for (std::size_t i = 0; i < 6; ++i) all.channels[i] = columns_[i] == nullptr ? Origin::absent : Origin::replayed;
+  for (const Signal signal : channel_signals)
+    all.channels[signal] = measured_[signal] == nullptr ? Origin::absent : Origin::replayed;
   return all;
 }
 
 Truth ReplayBackend::truth() const noexcept {
-  const auto value = [&](std::size_t i) { return columns_[i] == nullptr ? std::nan("") : (*columns_[i])[row_]; };
-  return {value(6), value(7), value(8)};
+  const auto value = [&](Column column) { return column == nullptr ? std::nan("") : (*column)[row_]; };
+  return {value(truth_[0]), value(truth_[1]), value(truth_[2])};
 }
 
 }  // namespace pneuservo

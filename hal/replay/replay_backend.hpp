@@ -1,5 +1,6 @@
 // Backend `replay`: the measurements of a recording as if they came from hardware; commands are compared, not sent.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -31,11 +32,14 @@ class ReplayBackend final : public Backend {
   std::int64_t tick(std::size_t i) const noexcept { return ticks_[i]; }
 
  private:
+  using Column = const std::vector<double>*;
   std::uint64_t recorded_faults() const noexcept;
 
   Recording recording_;
   std::vector<std::int64_t> ticks_;
-  std::vector<const std::vector<double>*> columns_;  // x, ports, chambers, supply, truth, then fault; null: absent
+  PerSignal<Column> measured_;  // null: absent, as below
+  std::array<Column, 3> truth_{};  // position, chambers
+  Column fault_ = nullptr;
   std::size_t next_ = 0, row_ = 0;
 };
 

@@ -43,9 +43,9 @@ class SimBackend final : public Backend {
   void age_by_a_tick(std::int64_t tick, Measurement& measurement) noexcept;
 
   Rig rig_;
-  std::array<bool, 6> is_there_{true, true, true, true, true, true};  // in the order of channel_names
+  PerSignal<bool> is_there_;
   AxisPlant<double> plant_;
-  std::array<Sensor, 6> sensors_;  // in the order of channel_names
+  PerSignal<Sensor> sensors_;
   std::int64_t plant_tick_ = 0;
   bool started_ = false;
   Command command_;

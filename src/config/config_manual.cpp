@@ -96,7 +96,7 @@ struct TableCollector {
       row.key.insert(std::min(row.key.find('.'), row.key.size()), ":CHANNEL");
       table.rows.push_back(std::move(row));
     }
-    table.note += fmt::format(". Neutral where absent. CHANNEL is one of {}", fmt::join(sensor_names, ", "));
+    table.note += fmt::format(". Neutral where absent. CHANNEL is one of {}", fmt::join(names_of(all_signals), ", "));
   }
   void add_references(const Field& field) const {
     add_top_row(field);

@@ -103,8 +103,8 @@ struct EffectWriter {
 void write_effects(const Field& field, const Rig& rig, std::string& out) {
   std::string effects;
   visit_effects(rig, EffectWriter{effects});
-  for (std::size_t i = 0; i < sensor_names.size(); ++i)
-    SensorEffects<double>::visit(EffectWriter{effects, sensor_names[i]}, rig.sensor_effects[i]);
+  for (const Signal signal : all_signals)
+    SensorEffects<double>::visit(EffectWriter{effects, info(signal).name}, rig.sensor_effects[signal]);
   SectionWriter(out, 0).line(field, effects.empty() ? "{}" : "");
   out += effects;
 }

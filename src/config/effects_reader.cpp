@@ -28,8 +28,8 @@ std::vector<std::string> effect_names(const Rig& rig) {
   const auto add = [&](const Field& field, const auto&) { names.emplace_back(field.key); };
   visit_effects(rig, add);
   for (const Field& field : fields_of(SensorEffects<double>{}))
-    for (std::size_t i = 0; i < sensor_names.size(); ++i)
-      if (rig.has_sensor(i)) names.push_back(fmt::format("{}:{}", field.key, sensor_names[i]));
+    for (const Signal signal : all_signals)
+      if (rig.has_sensor(signal)) names.push_back(fmt::format("{}:{}", field.key, info(signal).name));
   return names;
 }
 
@@ -47,8 +47,7 @@ void read_effects(const ConfigNode& node, const std::string& path, Rig& rig) {
       visit_effects(rig, reader);
       continue;
     }
-    const auto sensor = std::find(sensor_names.begin(), sensor_names.end(), entry.key.substr(colon + 1));
-    SensorEffects<double>::visit(reader, rig.sensor_effects[static_cast<std::size_t>(sensor - sensor_names.begin())]);
+    SensorEffects<double>::visit(reader, rig.sensor_effects[signal_named(entry.key.substr(colon + 1)).value()]);
   }
 }
 

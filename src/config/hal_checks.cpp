@@ -137,23 +137,22 @@ void check_lines(const GpioParameters& gpio, const RefusePath& refuse) {
 }
 
 /// What the law cannot do without: the position, and the pressures that its loop is closed over.
-std::vector<std::pair<const char*, bool>> simulated_inputs_of_law(const Rig& rig) {
-  const HalChannels& c = rig.hal->channels;
-  std::vector<std::pair<const char*, bool>> inputs{{"x", c.x.simulated}};
-  if (rig.controller.takes_chambers())
-    inputs.insert(inputs.end(), {{"p1_chamber", c.p1_chamber.simulated}, {"p2_chamber", c.p2_chamber.simulated}});
-  else if (rig.controller.pressures())
-    inputs.insert(inputs.end(), {{"p1_port", c.p1_port.simulated}, {"p2_port", c.p2_port.simulated}});
+std::vector<Signal> inputs_of_law(const Rig& rig) {
+  std::vector<Signal> inputs{Signal::x};
+  if (rig.controller.takes_chambers()) inputs.insert(inputs.end(), chamber_signals.begin(), chamber_signals.end());
+  else if (rig.controller.pressures()) inputs.insert(inputs.end(), port_signals.begin(), port_signals.end());
   return inputs;
 }
 
 void check_bench(const Rig& rig, const RefusePath& refuse) {
   if (rig.hal->bench) return;
-  for (const auto& [name, is_simulated] : simulated_inputs_of_law(rig))
-    if (is_simulated)
-      refuse(fmt::format("hal.channels.{}", name), "simulated: true beside a real valve",
+  const std::vector<Signal> needed = inputs_of_law(rig);
+  rig.hal->channels.for_each_input([&](Signal signal, const auto& channel) {
+    if (channel.simulated && std::ranges::find(needed, signal) != needed.end())
+      refuse(fmt::format("hal.channels.{}", info(signal).name), "simulated: true beside a real valve",
              "a sensor: the law would drive the valve by what exists in memory alone (hal.bench: true where no "
              "machine moves)");
+  });
 }
 
 void check_board_watchdog(const HalParameters& hal, const RefusePath& refuse) {
@@ -197,12 +196,13 @@ void check_hal(const Rig& rig, const RefusePath& refuse) {
   const std::string command = "a source: the loop needs somewhere to send its command";
   const std::string chamber = chambers ? "a source: controller.pressure_source is chamber" : "";
   Wiring wiring{hal, refuse, {}, {}};
-  wiring.channel("x", hal.channels.x, false, loop);
-  wiring.channel("p1_port", hal.channels.p1_port, false, loop);
-  wiring.channel("p2_port", hal.channels.p2_port, false, loop);
-  wiring.channel("p1_chamber", hal.channels.p1_chamber, false, chamber);
-  wiring.channel("p2_chamber", hal.channels.p2_chamber, false, chamber);
-  wiring.channel("p_supply", hal.channels.p_supply, false, "");
+  hal.channels.for_each_input([&](Signal signal, const auto& channel) {
+    const bool always = signal == Signal::x || is_port(signal);
+    wiring.channel(std::string(info(signal).name), channel, false,
+                   always               ? loop
+                   : is_chamber(signal) ? chamber
+                                        : std::string());
+  });
   const auto& absent = is_table ? hal.channels.u : hal.channels.u1;
   if (!absent.is_absent() || (!is_table && !hal.channels.u2.is_absent()))
     refuse(is_table ? "hal.channels.u" : "hal.channels", is_table ? "a command u" : "a command u1 or u2",

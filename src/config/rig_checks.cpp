@@ -240,9 +240,9 @@ void check_safe_output(const Rig& rig, const Check& check) {
 
 void check_zeros(const Rig& rig, const Check& check) {
   for (const auto& [channel, zero] : rig.zeros)
-    if (std::find(channel_names.begin(), channel_names.end(), channel) == channel_names.end())
+    if (std::ranges::none_of(channel_signals, [&](Signal signal) { return info(signal).name == channel; }))
       refuse(check.root.find("zeros")->value.find(channel)->origin, join_path("zeros", channel), "no channel of a rig",
-             fmt::format("one of {}", fmt::join(channel_names, ", ")));
+             fmt::format("one of {}", fmt::join(names_of(channel_signals), ", ")));
 }
 
 void check_times(const Rig& rig, const Check& check) {

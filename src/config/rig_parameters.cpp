@@ -45,15 +45,15 @@ template <class RigType, class Visit> void walk_numbers(RigType& rig, const Visi
         if (field.key == "hal") return;  // wiring, nothing of the physics
         if (field.key != "effects") return NumberWalker<Visit>{visit, ""}(field, value);
         visit_effects(rig, NumberWalker<Visit>{visit, "effects"});
-        for (std::size_t i = 0; i < sensor_names.size(); ++i) {
-          if (!rig.has_sensor(i)) continue;
+        for (const Signal signal : all_signals) {
+          if (!rig.has_sensor(signal)) continue;
           SensorEffects<double>::visit(
               [&](const Field& effect, auto& parameters) {
                 using Effect = std::remove_cvref_t<decltype(parameters)>;
-                const std::string path = fmt::format("effects.{}:{}", effect.key, sensor_names[i]);
+                const std::string path = fmt::format("effects.{}:{}", effect.key, info(signal).name);
                 Effect::visit(NumberWalker<Visit>{visit, path}, parameters);
               },
-              rig.sensor_effects[i]);
+              rig.sensor_effects[signal]);
         }
       },
       rig);

@@ -13,8 +13,8 @@ bool same_reference(const ReferenceSpec& a, const ReferenceSpec& b) {
 
 bool same_rig(const Rig& a, const Rig& b) {
   bool same = a.kind == b.kind && same_section(a, b);
-  for (std::size_t i = 0; i < sensor_names.size(); ++i)
-    same = same && same_section(a.sensor_effects[i], b.sensor_effects[i]);
+  for (const Signal signal : all_signals)
+    same = same && same_section(a.sensor_effects[signal], b.sensor_effects[signal]);
   return same;
 }
 

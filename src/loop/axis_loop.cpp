@@ -212,34 +212,31 @@ void AxisLoop::stop(Backend& backend, std::int64_t tick) noexcept {
 
 void AxisLoop::fill_row(double t_s, std::int64_t skipped, bool stepped, const Measurement& measured, const Truth& truth,
                         const EstimatorOutput& estimate) noexcept {
-  const auto recorded = [](const Channel& channel) { return channel.valid ? channel.value : Row::none; };
   const bool estimated = (estimate.health & estimator_not_started) == 0;
   const auto known = [](bool is_known, double value) { return is_known ? value : Row::none; };
   row_.t_s = t_s;
   row_.x_ref_m = known(!begins_, now_.d[0]);
   row_.v_ref_mps = known(!begins_, now_.d[1]);
   row_.x_predicted_m = known(!twin_waits_, twin_.position_m());
-  row_.x_m = recorded(measured.position_m);
+  for (const Signal signal : channel_signals) {
+    const Channel& channel = measured.channel[signal];
+    row_.measured[signal] = channel.valid ? channel.value : Row::none;
+  }
   row_.v_mps = velocity_mps_;
   const bool two_valves = rig_ == RigKind::servo_table;
   row_.u_V = known(!two_valves, supervisor_.command_V()[0]);
   row_.u1_V = known(two_valves, supervisor_.command_V()[0]);
   row_.u2_V = known(two_valves, supervisor_.command_V()[1]);
   controller_.write_terms(stepped, row_.terms);
-  row_.p1_port_Pa = recorded(measured.port_pressure_1_Pa);
-  row_.p2_port_Pa = recorded(measured.port_pressure_2_Pa);
-  row_.p1_chamber_Pa = recorded(measured.chamber_pressure_1_Pa);
-  row_.p2_chamber_Pa = recorded(measured.chamber_pressure_2_Pa);
   row_.p1_estimated_Pa = known(estimated, estimate.chamber_pressure_Pa[0]);
   row_.p2_estimated_Pa = known(estimated, estimate.chamber_pressure_Pa[1]);
   row_.p1_bound_Pa = known(estimated, estimate.error_bound_Pa[0]);
   row_.p2_bound_Pa = known(estimated, estimate.error_bound_Pa[1]);
   row_.mass_flow_1_kgps = known(estimated, estimate.mass_flow_kgps[0]);
   row_.mass_flow_2_kgps = known(estimated, estimate.mass_flow_kgps[1]);
-  row_.p_supply_Pa = recorded(measured.supply_pressure_Pa);
-  row_.x_true_m = truth.position_m;
-  row_.p1_chamber_true_Pa = truth.chamber_pressure_1_Pa;
-  row_.p2_chamber_true_Pa = truth.chamber_pressure_2_Pa;
+  row_.x_true_m = truth.x_m;
+  row_.p1_chamber_true_Pa = truth.p1_chamber_Pa;
+  row_.p2_chamber_true_Pa = truth.p2_chamber_Pa;
   row_.state = static_cast<std::uint32_t>(supervisor_.state());
   row_.flags = (skipped > 0 ? row_overrun : 0u) | (limited_ ? row_command_limited : 0u) |
                (supervisor_.faults() != 0 ? row_fault : 0u) | (supervisor_.bridged() ? row_input_bridged : 0u);

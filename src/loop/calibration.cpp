@@ -210,23 +210,22 @@ ChannelZero find_home(const Rig& rig, Backend& backend, const HomingSettings& se
 std::vector<ChannelZero> find_pressure_zeros(const Rig& rig, Backend& backend, double duration_s, bool real_time) {
   // Vented sensors of either kind show what no run would accept.
   SupervisedSteps steps(rig, backend, "zeroing", real_time, ~(faults_of_devices(~0u) | fault_emergency_stop));
-  std::array<double, 6> sum{};
-  std::array<std::int64_t, 6> count{};
+  PerSignal<double> sum;
+  PerSignal<std::int64_t> count;
   steps.run([&](const StepSample& sample) -> StepAnswer {
-    Measurement measured = sample.raw;
-    const auto channels = channels_of(measured);
-    for (std::size_t i = 1; i < channels.size(); ++i)
-      if (channels[i]->valid && std::isfinite(channels[i]->value)) sum[i] += channels[i]->value, ++count[i];
+    for (const Signal signal : channel_signals)
+      if (const Channel& channel = sample.raw.channel[signal]; channel.valid && std::isfinite(channel.value))
+        sum[signal] += channel.value, ++count[signal];
     return {steps.safe(), sample.t_s + 1.5 * rig.period_s > duration_s};
   });
   std::vector<ChannelZero> zeros;
   const double atmosphere_Pa = rig.axis.air.atmosphere_Pa;
   const auto origins = backend.origins().channels;
-  for (std::size_t i = 1; i < origins.size(); ++i) {
-    if (origins[i] == Origin::absent) continue;
-    const std::string name(channel_names[i]);
-    if (count[i] == 0) throw std::runtime_error(fmt::format("zeroing: {} gave no value", name));
-    const double mean_Pa = sum[i] / static_cast<double>(count[i]);
+  for (const Signal signal : channel_signals) {
+    if (!is_pressure(signal) || origins[signal] == Origin::absent) continue;
+    const std::string name(info(signal).name);
+    if (count[signal] == 0) throw std::runtime_error(fmt::format("zeroing: {} gave no value", name));
+    const double mean_Pa = sum[signal] / static_cast<double>(count[signal]);
     const bool absolute = std::fabs(mean_Pa - atmosphere_Pa) <= sensor_tolerance_Pa,
                gauge = std::fabs(mean_Pa) <= sensor_tolerance_Pa;
     if (!absolute && !gauge)

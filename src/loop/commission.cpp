@@ -28,13 +28,14 @@ constexpr double free_hardness = 3.0;    // force over the model's: beyond it th
 constexpr double shift_error_s = 0.03;   // of an answer's start: one way through 10 m of line
 constexpr double sensor_share = 0.01;    // of the supply: error of a port sensor
 constexpr double sure = 3.0;             // standard deviations of that error
-constexpr std::uint64_t of_sensors =
-    fault_position_missing | fault_position_jump | fault_position_range | fault_position_frozen |
-    fault_port_pressure_1_missing | fault_port_pressure_2_missing | fault_port_pressure_1_frozen |
-    fault_port_pressure_2_frozen | fault_port_pressure_1_jump | fault_port_pressure_2_jump |
-    fault_chamber_pressure_1_missing | fault_chamber_pressure_2_missing | fault_chamber_pressure_1_frozen |
-    fault_chamber_pressure_2_frozen | fault_chamber_pressure_1_jump | fault_chamber_pressure_2_jump |
-    fault_supply_missing | fault_supply_frozen | fault_supply_low | fault_pressure_limit;
+constexpr std::uint64_t of_sensors = [] {
+  std::uint64_t all = fault_position_range | fault_supply_low | fault_pressure_limit;
+  for (const Signal signal : channel_signals) {
+    const SignalFaults faults = faults_of(signal);
+    all |= faults.missing | faults.frozen | faults.jumped;
+  }
+  return all;
+}();
 
 /// Signs of both probes together: +1 as the config says, -1 reversed, 0 not proven.
 struct Signs {
@@ -54,9 +55,8 @@ class Commissioning {
   void add(std::string name, CommissionVerdict verdict, std::string what, std::string remedy) {
     result.checks.push_back({std::move(name), verdict, std::move(what), std::move(remedy)});
   }
-  bool has(std::size_t channel) const { return origins_.channels[channel] != Origin::absent; }
-  double noise_of(std::size_t channel) const;
-  void judge_sensor(std::size_t channel, const RestState& rest);
+  bool has(Signal signal) const { return origins_.channels[signal] != Origin::absent; }
+  void judge_sensor(Signal signal, const RestState& rest);
   void judge_supply(const RestState& rest);
   void judge_drift(const RestState& rest);
   void fit(const Probe& probe);
@@ -79,25 +79,17 @@ class Commissioning {
   double ramp_V_per_s_ = 0.0, hardness_ = 0.0;  // force over the model's, of a probe that moved
 };
 
-double Commissioning::noise_of(std::size_t channel) const {
-  const auto& s = rig_.sensors;
-  if (channel == 0) return s.position.noise_m;
-  return channel <= 2   ? s.port_pressure.noise_Pa
-         : channel <= 4 ? s.chamber_pressure.noise_Pa
-                        : s.supply_pressure.noise_Pa;
-}
-
 // What one pressure channel shows at rest, without any motion.
-void Commissioning::judge_sensor(std::size_t channel, const RestState& rest) {
-  const std::string name(channel_names[channel]);
-  const double mean_Pa = rest.mean[channel];
-  if (rest.count[channel] == 0)
+void Commissioning::judge_sensor(Signal signal, const RestState& rest) {
+  const std::string name(info(signal).name);
+  const double mean_Pa = rest.mean[signal];
+  if (rest.count[signal] == 0)
     return add(name, CommissionVerdict::wrong, "gives no value", "check sensor, cable and range");
-  if (rest.bad[channel] > rest.count[channel] / 10)
+  if (rest.bad[signal] > rest.count[signal] / 10)
     return add(name, CommissionVerdict::wrong,
-               fmt::format("{} of {} samples are missing", rest.bad[channel], rest.bad[channel] + rest.count[channel]),
+               fmt::format("{} of {} samples are missing", rest.bad[signal], rest.bad[signal] + rest.count[signal]),
                "check cable and bus");
-  if (rest.rms[channel] == 0.0 && noise_of(channel) > 0.0)
+  if (rest.rms[signal] == 0.0 && rig_.sensors.resolution(signal).noise > 0.0)
     return add(name, CommissionVerdict::wrong,
                fmt::format("repeats {:.6g} Pa, which its declared noise rules out", mean_Pa),
                "check sensor and converter");
@@ -108,11 +100,12 @@ void Commissioning::judge_sensor(std::size_t channel, const RestState& rest) {
   if (mean_Pa > possible_pressure_Pa(rig_).highest)
     return add(name, CommissionVerdict::wrong,
                fmt::format("shows {:.1f} kPa, more than the supply can give", 1e-3 * mean_Pa), "check the scale");
-  if (channel != 5) add(name, CommissionVerdict::good, fmt::format("{:.1f} kPa at rest", 1e-3 * mean_Pa), "");
+  if (signal != Signal::p_supply)
+    add(name, CommissionVerdict::good, fmt::format("{:.1f} kPa at rest", 1e-3 * mean_Pa), "");
 }
 
 void Commissioning::judge_supply(const RestState& rest) {
-  const double expected_Pa = rig_.axis.supply.pressure_Pa, mean_Pa = rest.mean[5];
+  const double expected_Pa = rig_.axis.supply.pressure_Pa, mean_Pa = rest.mean[Signal::p_supply];
   const double tolerance_Pa = std::max(sensor_tolerance_Pa, 0.05 * expected_Pa);
   const std::string shown = fmt::format("{:.1f} kPa, expected {:.1f} absolute", 1e-3 * mean_Pa, 1e-3 * expected_Pa);
   if (std::fabs(mean_Pa - expected_Pa) <= tolerance_Pa) return add("p_supply", CommissionVerdict::good, shown, "");
@@ -134,11 +127,12 @@ void Commissioning::judge_drift(const RestState& rest) {
 }
 
 bool Commissioning::judge_rest(const RestState& rest) {
-  if (rest.count[0] == 0) add("x", CommissionVerdict::wrong, "gives no value", "check encoder, cable and supply");
-  for (std::size_t i = 1; i < channel_names.size(); ++i)
-    if (has(i)) judge_sensor(i, rest);
-  if (has(5) && result.passed()) judge_supply(rest);
-  if (rest.count[0] > 0) judge_drift(rest);
+  if (rest.count[Signal::x] == 0)
+    add("x", CommissionVerdict::wrong, "gives no value", "check encoder, cable and supply");
+  for (const Signal signal : channel_signals)
+    if (is_pressure(signal) && has(signal)) judge_sensor(signal, rest);
+  if (has(Signal::p_supply) && result.passed()) judge_supply(rest);
+  if (rest.count[Signal::x] > 0) judge_drift(rest);
   return result.passed();
 }
 
@@ -159,16 +153,21 @@ void Commissioning::fit(const Probe& probe) {
   const std::size_t ticks = probe.position_m.size();
   std::vector<double> way(ticks), force(ticks), chambers(ticks);
   const double rest_N = air_force_N(rig_, probe.before.port_Pa());
-  const double chamber_rest_N = air_force_N(rig_, {probe.before.mean[3], probe.before.mean[4]});
+  const double chamber_rest_N =
+      air_force_N(rig_, {probe.before.mean[Signal::p1_chamber], probe.before.mean[Signal::p2_chamber]});
   for (std::size_t i = 0; i < ticks; ++i) {
-    way[i] = probe.position_m[i] - probe.before.mean[0];
+    way[i] = probe.position_m[i] - probe.before.mean[Signal::x];
     force[i] = air_force_N(rig_, probe.port_Pa[i]) - rest_N;
-    chambers[i] = has(3) && has(4) ? air_force_N(rig_, probe.chamber_Pa[i]) - chamber_rest_N : 0.0;
+    chambers[i] = has(Signal::p1_chamber) && has(Signal::p2_chamber)
+                      ? air_force_N(rig_, probe.chamber_Pa[i]) - chamber_rest_N
+                      : 0.0;
   }
   const bool moved = probe.end == ProbeEnd::moved || probe.end == ProbeEnd::too_fast || probe.end == ProbeEnd::little;
   const auto& c = rig_.axis.cylinder;
-  force_noise_N_ = std::hypot(c.area_1_m2 * probe.before.rms[1], c.area_2_m2 * probe.before.rms[2]);
-  chamber_noise_N_ = std::hypot(c.area_1_m2 * probe.before.rms[3], c.area_2_m2 * probe.before.rms[4]);
+  force_noise_N_ =
+      std::hypot(c.area_1_m2 * probe.before.rms[Signal::p1_port], c.area_2_m2 * probe.before.rms[Signal::p2_port]);
+  chamber_noise_N_ = std::hypot(c.area_1_m2 * probe.before.rms[Signal::p1_chamber],
+                                c.area_2_m2 * probe.before.rms[Signal::p2_chamber]);
   ModelAnswer model;
   double dead_V = moved ? find_dead_V(rig_, probe, way, &ModelAnswer::position_m) : 0.0;
   if (moved) model = model_answer(rig_, probe, dead_V);
@@ -268,12 +267,12 @@ void Commissioning::judge_balance(double own_N) {
     return add("balance", CommissionVerdict::good,
                fmt::format("the pressures at rest balance the piston to {:+.1f} N (error {:.0f} N)", own_N, error_N),
                "");
-  const std::array<std::pair<double, const char*>, 2> gauges{
-      {{-c.area_1_m2 * atmosphere_Pa, "p1_port"}, {c.area_2_m2 * atmosphere_Pa, "p2_port"}}};
-  for (const auto& [force_N, name] : gauges)
+  const std::array<std::pair<double, Signal>, 2> gauges{
+      {{-c.area_1_m2 * atmosphere_Pa, Signal::p1_port}, {c.area_2_m2 * atmosphere_Pa, Signal::p2_port}}};
+  for (const auto& [force_N, port] : gauges)
     if (std::fabs(own_N - force_N) <= std::min(error_N, 0.3 * std::fabs(force_N)))
       return add(
-          name, CommissionVerdict::wrong,
+          std::string(info(port).name), CommissionVerdict::wrong,
           fmt::format("the piston is out of balance by {:+.0f} N at rest, as by a gauge sensor without its zero",
                       own_N),
           fmt::format("vent the lines and run pneuservo zero; if it is a load, state it (effects.constant_force)"));
@@ -285,11 +284,13 @@ void Commissioning::judge_balance(double own_N) {
 }
 
 void Commissioning::judge_chambers(const RestState& rest) {
-  if (!has(3) || !has(4)) return;
-  const double own_Pa = std::fabs(rest.mean[3] - rest.mean[1]) + std::fabs(rest.mean[4] - rest.mean[2]);
-  const double crossed_Pa = std::fabs(rest.mean[3] - rest.mean[2]) + std::fabs(rest.mean[4] - rest.mean[1]);
+  if (!has(Signal::p1_chamber) || !has(Signal::p2_chamber)) return;
+  const double own_Pa = std::fabs(rest.mean[Signal::p1_chamber] - rest.mean[Signal::p1_port]) +
+                        std::fabs(rest.mean[Signal::p2_chamber] - rest.mean[Signal::p2_port]);
+  const double crossed_Pa = std::fabs(rest.mean[Signal::p1_chamber] - rest.mean[Signal::p2_port]) +
+                            std::fabs(rest.mean[Signal::p2_chamber] - rest.mean[Signal::p1_port]);
   const double error_Pa = sure * 2.0 * sensor_share * rig_.axis.supply.pressure_Pa;
-  const bool told_by_rest = std::fabs(rest.mean[1] - rest.mean[2]) > error_Pa;
+  const bool told_by_rest = std::fabs(rest.mean[Signal::p1_port] - rest.mean[Signal::p2_port]) > error_Pa;
   // What stands beside the chambers at the ports is right where neither sensors nor hoses are exchanged.
   const bool ports_crossed = signs_.position * signs_.pressure < 0;
   const bool crossed = told_by_rest ? (crossed_Pa < own_Pa) != ports_crossed : signs_.chambers * signs_.position < 0;

@@ -21,7 +21,7 @@ ModelAnswer model_answer(const Rig& rig, const Probe& probe, double dead_V) {
   axis.effects.motion.constant_force.force_N = air_force_N(rig, start_Pa);
   const double half_m = 0.5 * axis.cylinder.stroke_m;
   const bool zero_unknown = rig.sensors.position.incremental && !rig.zeros.contains("x");
-  const double start_m = zero_unknown ? 0.0 : std::clamp(probe.before.mean[0], -half_m, half_m);
+  const double start_m = zero_unknown ? 0.0 : std::clamp(probe.before.mean[Signal::x], -half_m, half_m);
   AxisPlant<double> plant;
   plant.configure(axis, rig.period_s, rig.simulation.cells_per_m, valve_arrangement(rig));
   plant.reset({start_m, start_Pa[0], start_Pa[1]});

@@ -26,37 +26,37 @@ constexpr double blocked_share = 0.4;     // of the stiffness of the shut-in air
 class RestSums {
  public:
   void restart() { *this = {}; }
-  void add(Measurement measured, double t_s) {
-    const auto channels = channels_of(measured);
-    for (std::size_t i = 0; i < channels.size(); ++i) {
-      if (channels[i]->origin == Origin::absent) continue;
-      if (!channels[i]->valid || !std::isfinite(channels[i]->value)) {
+  void add(const Measurement& measured, double t_s) {
+    for (const Signal i : channel_signals) {
+      const Channel& channel = measured.channel[i];
+      if (channel.origin == Origin::absent) continue;
+      if (!channel.valid || !std::isfinite(channel.value)) {
         ++bad_[i];
         continue;
       }
-      if (count_[i] == 0) first_[i] = channels[i]->value;
-      const double d = channels[i]->value - first_[i];
+      if (count_[i] == 0) first_[i] = channel.value;
+      const double d = channel.value - first_[i];
       ++count_[i], sum_[i] += d, square_[i] += d * d;
-      if (i == 0) t_ += t_s, tt_ += t_s * t_s, tx_ += t_s * d;
+      if (i == Signal::x) t_ += t_s, tt_ += t_s * t_s, tx_ += t_s * d;
     }
   }
   RestState result() const {
     RestState out;
     out.count = count_, out.bad = bad_;
-    for (std::size_t i = 0; i < sum_.size(); ++i) {
+    for (const Signal i : channel_signals) {
       if (count_[i] == 0) continue;
       const double n = static_cast<double>(count_[i]), mean = sum_[i] / n;
       out.mean[i] = first_[i] + mean;
       out.rms[i] = std::sqrt(std::max(square_[i] / n - mean * mean, 0.0));
     }
-    const double n = static_cast<double>(count_[0]), spread = n * tt_ - t_ * t_;
-    if (spread > 0.0) out.drift_mps = (n * tx_ - t_ * sum_[0]) / spread;
+    const double n = static_cast<double>(count_[Signal::x]), spread = n * tt_ - t_ * t_;
+    if (spread > 0.0) out.drift_mps = (n * tx_ - t_ * sum_[Signal::x]) / spread;
     return out;
   }
 
  private:
-  std::array<double, 6> first_{}, sum_{}, square_{};
-  std::array<std::int64_t, 6> count_{}, bad_{};
+  PerSignal<double> first_, sum_, square_;
+  PerSignal<std::int64_t> count_, bad_;
   double t_ = 0.0, tt_ = 0.0, tx_ = 0.0;
 };
 
@@ -66,15 +66,16 @@ class ProbeWatch {
   ProbeWatch(const Rig& rig, Probe& probe, double speed_per_volt)
       : rig_(rig), probe_(probe), per_volt_(speed_per_volt), smooth_Pa_(probe.before.port_Pa()),
         smoothing_(-std::expm1(-rig.period_s / smoothing_s)), speed_gain_(-std::expm1(-rig.period_s / speed_s)),
-        last_m_(probe.before.mean[0]) {
+        last_m_(probe.before.mean[Signal::x]) {
     const auto& c = rig.axis.cylinder;
     const double scatter = std::sqrt(0.5 * smoothing_);  // that the smoothing leaves of white noise
-    const double noise_N = std::hypot(c.area_1_m2 * probe.before.rms[1], c.area_2_m2 * probe.before.rms[2]);
+    const double noise_N =
+        std::hypot(c.area_1_m2 * probe.before.rms[Signal::p1_port], c.area_2_m2 * probe.before.rms[Signal::p2_port]);
     const double quantum_N = std::hypot(c.area_1_m2, c.area_2_m2) * rig.sensors.port_pressure.quantum_Pa;
     answer_N_ = answer_of_noise * scatter * noise_N + quantum_N;
     force_before_N_ = air_force_N(rig, probe.before.port_Pa());
     push_N_ = ProbeLimits::push_Pa * std::max(c.area_1_m2, c.area_2_m2);
-    stiffness_N_per_m_ = air_stiffness_N_per_m(rig, probe.before.port_Pa(), probe.before.mean[0]);
+    stiffness_N_per_m_ = air_stiffness_N_per_m(rig, probe.before.port_Pa(), probe.before.mean[Signal::x]);
     const double mass_kg = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
     swing_s_ = 2.0 * M_PI * std::sqrt(mass_kg / (rig.axis.air.heat_capacity_ratio * stiffness_N_per_m_));
     seen_m_ = seen_m + 6.0 * rig.sensors.position.noise_m + 2.0 * rig.sensors.position.quantum_m;
@@ -103,7 +104,7 @@ class ProbeWatch {
     probe_.force_change_N = air_force_N(rig_, smooth_Pa_) - force_before_N_;
     speed_mps_ += speed_gain_ * ((sample.in.position_m - last_m_) / dt - speed_mps_);
     last_m_ = sample.in.position_m;
-    probe_.moved_m = last_m_ - probe_.before.mean[0];
+    probe_.moved_m = last_m_ - probe_.before.mean[Signal::x];
     probe_.fastest_mps = std::max(probe_.fastest_mps, std::fabs(speed_mps_));
     // A skipped slot repeats the sample, so that an index is a time.
     for (std::int64_t i = 0; i <= sample.skipped; ++i) {
@@ -116,7 +117,7 @@ class ProbeWatch {
   bool is_too_fast() const { return std::fabs(speed_mps_) > ProbeLimits::fastest_mps; }
   /// The end of a slow slider's pulse, after the rest: it moved, or the shut-in air pushes it, or neither.
   void tell_end() {
-    probe_.moved_m = probe_.after.mean[0] - probe_.before.mean[0];
+    probe_.moved_m = probe_.after.mean[Signal::x] - probe_.before.mean[Signal::x];
     if (probe_.end != ProbeEnd::little) return;
     probe_.force_change_N = air_force_N(rig_, probe_.after.port_Pa()) - force_before_N_;
     if (std::fabs(probe_.moved_m) <= seen_m_)
@@ -153,7 +154,7 @@ RestState rest(SupervisedSteps& steps, double shortest_s) {
   RestSums sums;
   double window_from_s = 0.0, stands_at_m = 0.0, from_m = 1e9, to_m = -1e9;
   steps.run([&](const StepSample& sample) -> StepAnswer {
-    const double x = sample.raw.position_m.value;
+    const double x = sample.raw.channel[Signal::x].value;
     if (std::isfinite(x)) from_m = std::min(from_m, x), to_m = std::max(to_m, x);
     const bool full = sample.t_s - window_from_s >= mean_s;
     const bool again =
@@ -197,7 +198,8 @@ Probe probe(const Rig& rig, SupervisedSteps& steps, int direction, const RestSta
   });
   out.after = rest(steps, 0.6);
   watch.tell_end();
-  for (const double x : out.position_m) out.farthest_m = std::max(out.farthest_m, std::fabs(x - before.mean[0]));
+  for (const double x : out.position_m)
+    out.farthest_m = std::max(out.farthest_m, std::fabs(x - before.mean[Signal::x]));
   return out;
 }
 

@@ -12,12 +12,12 @@
 
 namespace pneuservo {
 
-/// Means over the end of a rest, of raw samples, in the order of channels_of.
+/// Means over the end of a rest, of raw samples.
 struct RestState {
-  std::array<double, 6> mean{}, rms{};
-  std::array<std::int64_t, 6> count{}, bad{};
+  PerSignal<double> mean{}, rms{};
+  PerSignal<std::int64_t> count{}, bad{};
   double drift_mps = 0.0, from_m = 0.0, to_m = 0.0;  ///< of the position: slope of the end, range of all of it
-  std::array<double, 2> port_Pa() const noexcept { return {mean[1], mean[2]}; }
+  std::array<double, 2> port_Pa() const noexcept { return {mean[Signal::p1_port], mean[Signal::p2_port]}; }
 };
 
 enum class ProbeEnd {

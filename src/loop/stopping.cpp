@@ -36,11 +36,9 @@ class IdealPlant final : public Backend {
   void activate() override {}
   bool read(std::int64_t tick, Measurement& measured) noexcept override {
     if (tick > 0) plant_.step(command_.valve_V, command_.valve_2_V);
-    const auto port = plant_.port_pressure(), chamber = plant_.chamber_pressure();
-    const std::array<double, 6> values{plant_.position(), low(port),     high(port),
-                                       low(chamber),      high(chamber), plant_.supply_pressure()};
-    const auto channels = channels_of(measured);
-    for (std::size_t i = 0; i < values.size(); ++i) *channels[i] = {values[i], 0.0, true, Origin::simulated};
+    const PerSignal<double> values = true_values(plant_);
+    for (const Signal signal : channel_signals)
+      measured.channel[signal] = {values[signal], 0.0, true, Origin::simulated};
     return true;
   }
   bool write(std::int64_t, const Command& command) noexcept override {
@@ -50,7 +48,7 @@ class IdealPlant final : public Backend {
   void deactivate() noexcept override {}
   Origins origins() const override {
     Origins all{.command = Origin::simulated};
-    all.channels.fill(Origin::simulated);
+    for (const Signal signal : channel_signals) all.channels[signal] = Origin::simulated;
     return all;
   }
   std::string name() const override { return "sim"; }

@@ -13,9 +13,11 @@ constexpr double margin = 2.0;            // over both estimates of steps: waves
 constexpr double activity_time_s = 0.2;   // echoes of a change of command die out
 constexpr double first_value_within_s = 0.1;
 constexpr double at_end_stop_m = 1e-3;
-constexpr std::uint64_t missing_faults = fault_position_missing | fault_port_pressure_1_missing |
-                                         fault_port_pressure_2_missing | fault_chamber_pressure_1_missing |
-                                         fault_chamber_pressure_2_missing | fault_supply_missing;
+constexpr std::uint64_t missing_faults = [] {
+  std::uint64_t all = 0;
+  for (const Signal signal : channel_signals) all |= faults_of(signal).missing;
+  return all;
+}();
 
 /// What all channels share.
 PlausibleChannel plausible(const Rig& rig) {
@@ -27,20 +29,16 @@ PlausibleChannel plausible(const Rig& rig) {
 
 /// Steps of 5 % of the supply in a period are beyond what lines and chambers do with a calm valve; what an active one
 /// and small volumes add is told tick by tick.
-PlausibleChannel plausible_pressure(const Rig& rig, const PressureSensorParameters& sensor) {
+PlausibleChannel plausible_pressure(const Rig& rig, Signal signal) {
+  const auto [quantum, noise] = rig.sensors.resolution(signal);
   PlausibleChannel channel = plausible(rig);
   channel.lowest = possible_pressure_Pa(rig).lowest;
   channel.highest = possible_pressure_Pa(rig).highest;
-  channel.slack = sensor_slack(sensor.noise_Pa, sensor.quantum_Pa);
-  channel.step_per_period = pressure_step_Pa(rig);
-  channel.frozen_ticks = frozen_after_ticks(sensor.noise_Pa, sensor.quantum_Pa);
-  return channel;
-}
-
-/// A hose that bursts takes the supply away at once: no step is too large.
-PlausibleChannel plausible_supply(const Rig& rig) {
-  PlausibleChannel channel = plausible_pressure(rig, rig.sensors.supply_pressure);
-  channel.step_per_period = std::numeric_limits<double>::infinity();
+  channel.slack = sensor_slack(noise, quantum);
+  // A hose that bursts takes the supply away at once: no step is too large.
+  const bool any_step = info(signal).sensor == SensorKind::supply_pressure;
+  channel.step_per_period = any_step ? std::numeric_limits<double>::infinity() : pressure_step_Pa(rig);
+  channel.frozen_ticks = frozen_after_ticks(noise, quantum);
   return channel;
 }
 
@@ -92,10 +90,9 @@ void Supervisor::configure(const Rig& rig, bool needs_chambers, const MotionLimi
   fill_step_Pa_m3_ = margin * air.heat_capacity_ratio * air.gas_constant_J_per_kgK * air.temperature_K *
                      largest_flow_per_volt(rig) * rig.axis.valve.command_max_V * rig.period_s;
   activity_decay_ = std::exp(-rig.period_s / activity_time_s);
-  position_guard_.configure(plausible_position(rig, motion.speed_mps));
-  supply_guard_.configure(plausible_supply(rig));
-  for (auto& guard : port_guard_) guard.configure(plausible_pressure(rig, rig.sensors.port_pressure));
-  for (auto& guard : chamber_guard_) guard.configure(plausible_pressure(rig, rig.sensors.chamber_pressure));
+  for (const Signal signal : channel_signals)
+    guards_[signal].configure(is_pressure(signal) ? plausible_pressure(rig, signal)
+                                                  : plausible_position(rig, motion.speed_mps));
   cross_check_.configure(rig);
   health_.configure(rig);
   command_V_ = safe_V_;
@@ -108,13 +105,11 @@ void Supervisor::configure(const Rig& rig, bool needs_chambers, const MotionLimi
 
 void Supervisor::rearm() noexcept {
   faults_ = first_faults_ = 0;
-  bridged_ = has_supply_ = false;
-  has_chamber_ = {};
+  bridged_ = false;
+  judged_ = {};
+  judged_[Signal::x] = judged_[Signal::p1_port] = judged_[Signal::p2_port] = true;
   limits_ = {};
-  position_guard_.reset();
-  supply_guard_.reset();
-  for (auto& guard : port_guard_) guard.reset();
-  for (auto& guard : chamber_guard_) guard.reset();
+  for (InputGuard& guard : guards_.all) guard.reset();
   cross_check_.reset();
   motion_.reset();
   health_.reset();
@@ -128,9 +123,11 @@ void Supervisor::latch(std::uint64_t faults) noexcept {
   go(SupervisorEvent::fault_found);
 }
 
-double Supervisor::judge_channel(InputGuard& guard, const Channel& channel, double periods, double extra,
-                                 const Bits& bits, std::uint64_t& faults) noexcept {
-  const double value = guard.check(channel, periods, extra);
+double Supervisor::judge_channel(Signal signal, const Channel& channel, double periods, double extra,
+                                 std::uint64_t& faults, bool at_end_stop) noexcept {
+  InputGuard& guard = guards_[signal];
+  const SignalFaults bits = faults_of(signal);
+  const double value = guard.check(channel, periods, extra, at_end_stop);
   faults |= (guard.missing ? bits.missing : 0) | (guard.frozen ? bits.frozen : 0) | (guard.jumped ? bits.jumped : 0);
   bridged_ = bridged_ || guard.bridged;
   return value;
@@ -139,11 +136,7 @@ double Supervisor::judge_channel(InputGuard& guard, const Channel& channel, doub
 std::uint64_t Supervisor::judge_position(const Channel& position, double periods, JudgedInputs& in) noexcept {
   std::uint64_t faults = 0;
   const bool at_end_stop = std::fabs(position.value) > half_stroke_m_ - at_end_stop_m;
-  in.position_m = position_guard_.check(position, periods, 0.0, at_end_stop);
-  if (position_guard_.missing) faults |= fault_position_missing;
-  if (position_guard_.jumped) faults |= fault_position_jump;
-  if (position_guard_.frozen) faults |= fault_position_frozen;
-  bridged_ = bridged_ || position_guard_.bridged;
+  in.position_m = judge_channel(Signal::x, position, periods, 0.0, faults, at_end_stop);
   if (std::fabs(in.position_m) > position_limit_m_) faults |= fault_position_range;
   return faults;
 }
@@ -154,24 +147,16 @@ double Supervisor::chamber_step_Pa(double dead_volume_m3, double area_m2, double
 
 std::uint64_t Supervisor::judge_pressures(const Measurement& measured, double periods, JudgedInputs& in) noexcept {
   std::uint64_t faults = 0;
-  const std::array<const Channel*, 2> port{&measured.port_pressure_1_Pa, &measured.port_pressure_2_Pa},
-      chamber{&measured.chamber_pressure_1_Pa, &measured.chamber_pressure_2_Pa};
   const double x = std::isfinite(in.position_m) ? in.position_m : 0.0, wave_Pa = port_step_Pa_per_V_ * activity_V_;
   const std::array<double, 2> step_Pa{
       chamber_step_Pa(cylinder_.dead_volume_1_m3, cylinder_.area_1_m2, half_stroke_m_ + x),
       chamber_step_Pa(cylinder_.dead_volume_2_m3, cylinder_.area_2_m2, half_stroke_m_ - x)};
   for (std::size_t i = 0; i < 2; ++i) {
-    in.port_Pa[i] = judge_channel(
-        port_guard_[i], *port[i], periods, wave_Pa,
-        {fault_port_pressure_1_missing << i, fault_port_pressure_1_frozen << i, fault_port_pressure_1_jump << i},
-        faults);
-    has_chamber_[i] = has_chamber_[i] || needs_chambers_ || chamber[i]->origin != Origin::absent;
-    in.chamber_Pa[i] = has_chamber_[i]
-                           ? judge_channel(chamber_guard_[i], *chamber[i], periods, step_Pa[i],
-                                           {fault_chamber_pressure_1_missing << i, fault_chamber_pressure_1_frozen << i,
-                                            fault_chamber_pressure_1_jump << i},
-                                           faults)
-                           : std::numeric_limits<double>::quiet_NaN();
+    const Signal port = port_signals[i], chamber = chamber_signals[i];
+    in.port_Pa[i] = judge_channel(port, measured.channel[port], periods, wave_Pa, faults);
+    judged_[chamber] = judged_[chamber] || needs_chambers_ || measured.channel[chamber].origin != Origin::absent;
+    in.chamber_Pa[i] = judged_[chamber] ? judge_channel(chamber, measured.channel[chamber], periods, step_Pa[i], faults)
+                                        : std::numeric_limits<double>::quiet_NaN();
     if (in.port_Pa[i] > pressure_limit_Pa_ || in.chamber_Pa[i] > pressure_limit_Pa_) faults |= fault_pressure_limit;
   }
   return faults;
@@ -179,11 +164,10 @@ std::uint64_t Supervisor::judge_pressures(const Measurement& measured, double pe
 
 std::uint64_t Supervisor::judge_supply(const Channel& supply, double periods, JudgedInputs& in) noexcept {
   in.supply_Pa = supply_Pa_;
-  has_supply_ = has_supply_ || supply.origin != Origin::absent;
-  if (!has_supply_) return 0;
+  judged_[Signal::p_supply] = judged_[Signal::p_supply] || supply.origin != Origin::absent;
+  if (!judged_[Signal::p_supply]) return 0;
   std::uint64_t faults = 0;
-  const double value = judge_channel(supply_guard_, supply, periods, 0.0,
-                                     {fault_supply_missing, fault_supply_frozen, fault_supply_missing}, faults);
+  const double value = judge_channel(Signal::p_supply, supply, periods, 0.0, faults);
   if (!std::isfinite(value)) return faults;
   in.supply_Pa = value;
   if (value < supply_limit_Pa_) faults |= fault_supply_low;
@@ -208,27 +192,24 @@ std::uint64_t Supervisor::judge_digital(const DigitalInputs& digital) noexcept {
 }
 
 bool Supervisor::inputs_ready() const noexcept {
-  return !position_guard_.waiting() && !port_guard_[0].waiting() && !port_guard_[1].waiting() &&
-         !(has_chamber_[0] && chamber_guard_[0].waiting()) && !(has_chamber_[1] && chamber_guard_[1].waiting()) &&
-         !(has_supply_ && supply_guard_.waiting());
+  for (const Signal signal : channel_signals)
+    if (judged_[signal] && guards_[signal].waiting()) return false;
+  return true;
 }
 
-std::array<bool, 6> Supervisor::bad_samples() const noexcept {
-  return {position_guard_.bad(),
-          port_guard_[0].bad(),
-          port_guard_[1].bad(),
-          has_chamber_[0] && chamber_guard_[0].bad(),
-          has_chamber_[1] && chamber_guard_[1].bad(),
-          has_supply_ && supply_guard_.bad()};
+PerSignal<bool> Supervisor::bad_samples() const noexcept {
+  PerSignal<bool> bad;
+  for (const Signal signal : channel_signals) bad[signal] = judged_[signal] && guards_[signal].bad();
+  return bad;
 }
 
 JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped) noexcept {
   JudgedInputs in;
   const double periods = static_cast<double>(skipped + 1);
   bridged_ = false;
-  std::uint64_t faults = judge_position(measured.position_m, periods, in);
+  std::uint64_t faults = judge_position(measured.channel[Signal::x], periods, in);
   faults |= judge_pressures(measured, periods, in);
-  faults |= judge_supply(measured.supply_pressure_Pa, periods, in);
+  faults |= judge_supply(measured.channel[Signal::p_supply], periods, in);
   // What a dead bus does not bring is its consequence, not the reason.
   if ((measured.device_faults & (device_bus_off | device_link_down)) != 0) faults &= ~missing_faults;
   // After a fault the heartbeat is withheld: devices whose watchdog acted send nothing more.
@@ -256,8 +237,9 @@ void Supervisor::cross_check(const JudgedInputs& inputs, const EstimatorOutput& 
 
 void Supervisor::check_motion(const MotionCheck& motion) noexcept {
   std::uint64_t faults = motion_.check(motion.motion);
-  if (position_guard_.equal_ticks() == 0) standstill_predicted_m_ = motion.motion.predicted_m;
-  const bool long_enough = position_guard_.equal_ticks() * period_s_ >= standstill_s;
+  const auto equal_ticks = guards_[Signal::x].equal_ticks();
+  if (equal_ticks == 0) standstill_predicted_m_ = motion.motion.predicted_m;
+  const bool long_enough = equal_ticks * period_s_ >= standstill_s;
   const double way = std::fabs(motion.motion.predicted_m - standstill_predicted_m_);
   if (long_enough && way > 2.0 * half_stroke_m_ * standstill_share) faults |= fault_position_frozen;
   if (!motion.command_good) faults |= fault_command_not_finite;

@@ -143,7 +143,7 @@ int run_device(const DeviceOptions& options) {
   const Truth truth = device.truth();
   std::cout << fmt::format(
       "{} SYNC in {:.3f} s of the plant, {} frames not sent, {} dropped; x = {:.6f} m, valve {:.4f} V\n",
-      device.syncs(), device.time_s(), not_sent, bus->dropped(), truth.position_m, device.command_V());
+      device.syncs(), device.time_s(), not_sent, bus->dropped(), truth.x_m, device.command_V());
   return whole ? 0 : 1;
 }
 

@@ -115,9 +115,11 @@ class EarlyStop {
 
 /// Columns that a diagnosis uses; the others need no memory.
 const std::set<std::string>& used_columns() {
-  static const std::set<std::string> used{"t_s",        "x_m",           "x_ref_m",       "u_V",
-                                          "u1_V",       "u2_V",          "F_N",           "p1_port_Pa",
-                                          "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"};
+  static const std::set<std::string> used = [] {
+    std::set<std::string> columns{"t_s", "x_ref_m", "u_V", "u1_V", "u2_V"};
+    for (const SignalInfo& signal : signal_table) columns.emplace(signal.column);
+    return columns;
+  }();
   return used;
 }
 

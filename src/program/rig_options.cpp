@@ -76,8 +76,8 @@ Facts machine_facts(const RealTimeState* session) {
 Facts channel_facts(const Backend& backend) {
   Facts facts;
   const Origins origins = backend.origins();
-  for (std::size_t i = 0; i < origins.channels.size(); ++i)
-    facts.emplace_back(channel_names[i], origin_name(origins.channels[i]));
+  for (const Signal signal : channel_signals)
+    facts.emplace_back(info(signal).name, origin_name(origins.channels[signal]));
   facts.emplace_back("command", origin_name(origins.command));
   for (std::size_t i = 0; i < origins.lines.size(); ++i)
     if (origins.lines[i] != Origin::absent) facts.emplace_back(digital_line_names[i], origin_name(origins.lines[i]));

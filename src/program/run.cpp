@@ -100,8 +100,7 @@ std::vector<std::string> recorded_columns(const Rig& rig, const Backend& backend
   Row row;
   Row::visit(
       [&](std::string_view name, auto&) {
-        for (std::size_t i = 0; i < channel_names.size(); ++i)
-          if (name == std::string(channel_names[i]) + (i == 0 ? "_m" : "_Pa") && origins[i] == Origin::absent) return;
+        if (const auto signal = signal_of_column(name); signal && origins[*signal] == Origin::absent) return;
         if (name.find("_true_") != std::string_view::npos && !truth) return;
         if (name == (rig.kind == RigKind::servo_table ? "u_V" : "u1_V")) return;
         if (name == "u2_V" && rig.kind != RigKind::servo_table) return;

@@ -29,8 +29,8 @@ struct SimulateOptions {
 };
 
 /// First value of the first of these columns that is there and holds one; else the fallback.
-double first_value(const Recording& recording, std::initializer_list<const char*> names, double fallback) {
-  for (const char* name : names)
+double first_value(const Recording& recording, std::initializer_list<std::string_view> names, double fallback) {
+  for (const std::string_view name : names)
     if (recording.has(name) && std::isfinite(recording.column(name).front())) return recording.column(name).front();
   return fallback;
 }
@@ -38,9 +38,11 @@ double first_value(const Recording& recording, std::initializer_list<const char*
 /// The recording's own start: at rest, each line at its chamber's pressure.
 PlantStart<double> recorded_start(const Rig& rig, const Recording& recording) {
   const PlantStart<double> own = plant_start(rig);
-  return {first_value(recording, {"x_true_m", "x_m"}, own.position_m),
-          first_value(recording, {"p1_chamber_true_Pa", "p1_chamber_Pa", "p1_port_Pa"}, own.pressure_1_Pa),
-          first_value(recording, {"p2_chamber_true_Pa", "p2_chamber_Pa", "p2_port_Pa"}, own.pressure_2_Pa)};
+  return {first_value(recording, {"x_true_m", info(Signal::x).column}, own.position_m),
+          first_value(recording, {"p1_chamber_true_Pa", info(Signal::p1_chamber).column, info(Signal::p1_port).column},
+                      own.pressure_1_Pa),
+          first_value(recording, {"p2_chamber_true_Pa", info(Signal::p2_chamber).column, info(Signal::p2_port).column},
+                      own.pressure_2_Pa)};
 }
 
 /// A command that is held for longer than the axis takes for its whole stroke says nothing of where it stands.
@@ -70,18 +72,15 @@ std::vector<Row> simulate_plant(const Rig& rig, const Recording& recording) {
       plant.step(held_1_V, held_2_V);
     if (std::isfinite(command_1[i])) held_1_V = command_1[i];
     if (std::isfinite(command_2[i])) held_2_V = command_2[i];
-    const auto port = plant.port_pressure(), chamber = plant.chamber_pressure();
     Row& row = rows[i];
     row.t_s = recording.t_s()[i];
-    row.x_m = row.x_true_m = plant.position();
+    row.measured = true_values(plant);
+    row.x_true_m = row.measured[Signal::x];
+    row.p1_chamber_true_Pa = row.measured[Signal::p1_chamber];
+    row.p2_chamber_true_Pa = row.measured[Signal::p2_chamber];
     row.v_mps = plant.velocity();
     if (names.size() == 1) row.u_V = held_1_V;
     else row.u1_V = held_1_V, row.u2_V = held_2_V;
-    row.p1_port_Pa = low(port);
-    row.p2_port_Pa = high(port);
-    row.p1_chamber_Pa = row.p1_chamber_true_Pa = low(chamber);
-    row.p2_chamber_Pa = row.p2_chamber_true_Pa = high(chamber);
-    row.p_supply_Pa = plant.supply_pressure();
   }
   return rows;
 }
@@ -93,18 +92,13 @@ struct Difference {
 
 std::vector<Difference> differences(const Recording& recording, const std::vector<Row>& rows) {
   std::vector<Difference> out;
-  for (const char* name : {"x_m", "p1_port_Pa", "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"}) {
+  for (const Signal signal : channel_signals) {
+    const std::string_view name = info(signal).column;
     if (!recording.has(name)) continue;
-    Difference d{.column = name};
+    Difference d{.column = std::string(name)};
     std::size_t counted = 0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      double simulated = Row::none;
-      Row::visit(
-          [&](std::string_view column, const auto& member) {
-            if (column == name) simulated = static_cast<double>(member);
-          },
-          rows[i]);
-      const double e = simulated - recording.column(name)[i];
+      const double e = rows[i].measured[signal] - recording.column(name)[i];
       if (!std::isfinite(e)) continue;
       d.rms += e * e;
       d.maximum = std::max(d.maximum, std::fabs(e));
@@ -142,9 +136,9 @@ int run_simulate(const SimulateOptions& options) {
   write_json(options.json, json);
   if (!options.record.empty()) {
     SimBackend backend(rig);
-    std::vector<std::string> columns{"t_s",        "x_m",           "v_mps",         "p1_port_Pa",
-                                     "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"};
-    for (const std::string& name : command_columns(rig)) columns.push_back(name);
+    std::vector<std::string> columns = command_columns(rig);
+    columns.insert(columns.end(), {"t_s", "v_mps"});
+    for (const Signal signal : channel_signals) columns.emplace_back(info(signal).column);
     RecordingWriter writer(options.record, run_header(rig, backend, machine_facts(nullptr), 1), columns,
                            {.existing = options.existing()});
     for (const Row& row : rows) writer.write(row);

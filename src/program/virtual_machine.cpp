@@ -7,20 +7,23 @@
 #include "backends.hpp"
 #include "loop/runner.hpp"
 #include "program/rig_options.hpp"
+#include "record/row_text.hpp"
 
 namespace pneuservo {
 namespace {
 
-constexpr std::array<std::string_view, 8> recorded{"t_s",        "x_m",           "u_V",           "p1_port_Pa",
-                                                   "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"};
+bool is_recorded(std::string_view column) {
+  return column == "t_s" || column == "u_V" || signal_of_column(column).has_value();
+}
 
 Recording recording_of(const Rig& rig, const std::vector<Row>& rows) {
   Recording out;
   out.path = "virtual run";
   out.rig = rig.name;
   out.period_s = rig.period_s;
-  for (const std::string_view name : recorded) {
-    out.names.emplace_back(name);
+  for (const std::string& name : row_columns()) {
+    if (!is_recorded(name)) continue;
+    out.names.push_back(name);
     std::vector<double> column;
     column.reserve(rows.size());
     for (const Row& row : rows)

@@ -59,7 +59,7 @@ void LiveValues::send(const Row& row) {
   if (row.t_s < next_s_ - 1e-9 && !new_fault) return;
   next_s_ = row.t_s + send_interval_s;
   fault_ = row.fault;
-  text_ = "{";
+  text_.assign(1, '{');
   Row::visit_all(
       terms_,
       [&](std::string_view name, const auto& value) {

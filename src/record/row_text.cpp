@@ -2,7 +2,6 @@
 #include "record/row_text.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 
 #include "config/input_error.hpp"
 #include "record/number_text.hpp"

@@ -19,11 +19,7 @@ std::vector<std::string> columns_of_the_format();
 /// Turns rows into lines; only the chosen columns, in file order whatever the order of the choice.
 class RowText {
  public:
-  static constexpr std::size_t column_max = [] {
-    std::size_t count = Row::most_terms;
-    Row::visit([&](std::string_view) { ++count; });
-    return count;
-  }();
+  static constexpr std::size_t column_max = row_column_count + Row::most_terms;
   static constexpr std::size_t line_size_max = column_max * 32;
 
   /// Empty = all columns; `t_s` is always there. Throws InputError on a name that Row does not have.

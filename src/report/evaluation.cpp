@@ -15,7 +15,7 @@ constexpr double time_tolerance_s = 1e-9;
 constexpr std::array<RowColumn, 3> commands{&Row::u_V, &Row::u1_V, &Row::u2_V};
 
 bool has_values(const std::vector<Row>& rows, RowColumn column) {
-  return std::any_of(rows.begin(), rows.end(), [&](const Row& row) { return std::isfinite(row.*column); });
+  return std::any_of(rows.begin(), rows.end(), [&](const Row& row) { return std::isfinite(column.of(row)); });
 }
 
 /// Largest magnitude, mean and root mean square of what is added; values that are not finite are left out.
@@ -75,7 +75,7 @@ Metrics evaluate(const Rig& rig, const std::vector<Row>& rows, double start_s) {
   metrics.from_s = window.from_s;
   metrics.to_s = std::min(window.to_s, last_s);
   metrics.position_is_true = has_values(rows, &Row::x_true_m);
-  const RowColumn position = metrics.position_is_true ? &Row::x_true_m : &Row::x_m;
+  const RowColumn position = metrics.position_is_true ? RowColumn(&Row::x_true_m) : Signal::x;
 
   const double from_s = metrics.from_s + start_s, to_s = metrics.to_s + start_s;
   Statistics error, end_error, estimation_1, estimation_2;
@@ -83,12 +83,12 @@ Metrics evaluate(const Rig& rig, const std::vector<Row>& rows, double start_s) {
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const Row& row = rows[k];
     if (row.t_s < from_s - time_tolerance_s || row.t_s > to_s + time_tolerance_s) continue;
-    error.add(row.x_ref_m - row.*position);
-    if (row.t_s > to_s - end_stretch_s + time_tolerance_s) end_error.add(row.x_ref_m - row.*position);
+    error.add(row.x_ref_m - position.of(row));
+    if (row.t_s > to_s - end_stretch_s + time_tolerance_s) end_error.add(row.x_ref_m - position.of(row));
     estimation_1.add(row.p1_estimated_Pa - row.p1_chamber_true_Pa);
     estimation_2.add(row.p2_estimated_Pa - row.p2_chamber_true_Pa);
     for (std::size_t i = 0; i < commands.size() && k > 0; ++i)
-      command_step[i].add(row.*commands[i] - rows[k - 1].*commands[i]);
+      command_step[i].add(commands[i].of(row) - commands[i].of(rows[k - 1]));
   }
   metrics.max_position_error_m = error.maximum();
   metrics.rms_position_error_m = error.rms();
@@ -98,8 +98,8 @@ Metrics evaluate(const Rig& rig, const std::vector<Row>& rows, double start_s) {
   metrics.command_step_rms_V = larger(command_step[0].rms(), larger(command_step[1].rms(), command_step[2].rms()));
   const bool truth = has_values(rows, &Row::p1_chamber_true_Pa);
   metrics.chamber_pressure_ripple_Pa =
-      larger(ripple_Pa(rows, truth ? &Row::p1_chamber_true_Pa : &Row::p1_chamber_Pa, from_s, to_s),
-             ripple_Pa(rows, truth ? &Row::p2_chamber_true_Pa : &Row::p2_chamber_Pa, from_s, to_s));
+      larger(ripple_Pa(rows, truth ? RowColumn(&Row::p1_chamber_true_Pa) : Signal::p1_chamber, from_s, to_s),
+             ripple_Pa(rows, truth ? RowColumn(&Row::p2_chamber_true_Pa) : Signal::p2_chamber, from_s, to_s));
   return metrics;
 }
 

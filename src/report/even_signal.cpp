@@ -18,7 +18,7 @@ double sampling_period_s(const std::vector<Row>& rows) {
 EvenSignal even_signal(const std::vector<Row>& rows, RowColumn column) {
   std::vector<const Row*> whole;
   for (const Row& row : rows)
-    if (std::isfinite(row.*column)) whole.push_back(&row);
+    if (std::isfinite(column.of(row))) whole.push_back(&row);
   if (whole.size() < 2) return {};
   EvenSignal signal{whole.front()->t_s, sampling_period_s(rows), {}};
   if (!(signal.period_s > 0.0)) return {};
@@ -31,7 +31,7 @@ EvenSignal even_signal(const std::vector<Row>& rows, RowColumn column) {
     while (right + 1 < whole.size() && whole[right]->t_s < t_s) ++right;
     const Row &a = *whole[right - 1], &b = *whole[right];
     const double share = std::clamp((t_s - a.t_s) / (b.t_s - a.t_s), 0.0, 1.0);
-    signal.values.push_back(a.*column + share * (b.*column - a.*column));
+    signal.values.push_back(column.of(a) + share * (column.of(b) - column.of(a)));
   }
   return signal;
 }

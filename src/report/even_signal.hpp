@@ -6,8 +6,6 @@
 
 namespace pneuservo {
 
-using RowColumn = double Row::*;
-
 /// Values period_s apart from from_s on; empty where the rows do not hold two values.
 struct EvenSignal {
   double from_s = 0.0, period_s = 0.0;

@@ -29,7 +29,7 @@ constexpr double explained_by_lag = 0.9;  // of the position's variance, or the 
 constexpr std::size_t lag_points = 2000;
 
 struct Stretch {
-  RowColumn position = &Row::x_m;
+  RowColumn position = Signal::x;
   double encoder_m = 0.0;  ///< what the position cannot show
   std::vector<Row> rows;  ///< from the window's start; after a fault, from the run's start to it
   std::size_t first = 0;  ///< of `rows` in the run
@@ -145,8 +145,8 @@ void judge_end_stop(const Rig& rig, const RunResult& run, RowColumn position, Mo
   const double near_m = encoder_m(rig, run.metrics.position_is_true), half_m = 0.5 * rig.axis.cylinder.stroke_m;
   bool was_away = false;
   for (std::size_t i = 2; i < run.rows.size(); ++i) {
-    const double x_m = run.rows[i].*position, asked_m = run.rows[i].x_ref_m;
-    const double before_m = run.rows[i - 1].*position, step_m = before_m - run.rows[i - 2].*position;
+    const double x_m = position.of(run.rows[i]), asked_m = run.rows[i].x_ref_m;
+    const double before_m = position.of(run.rows[i - 1]), step_m = before_m - position.of(run.rows[i - 2]);
     const double reached_m = std::fabs(x_m) > std::fabs(before_m + step_m) ? x_m : before_m + step_m;
     if (!std::isfinite(reached_m)) continue;
     const bool at_stop = std::fabs(reached_m) >= half_m - near_m;

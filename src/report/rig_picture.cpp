@@ -45,7 +45,8 @@ class Picture {
   }
 
   /// A gauge at the end of a short stub from (x, y); drawn only where the recordings have the channel.
-  void sensor(const std::string& channel, const std::string& title, Place at, Place gauge, const std::string& letter) {
+  void sensor(Signal signal, const std::string& title, Place at, Place gauge, const std::string& letter) {
+    const std::string channel(info(signal).name);
     if (std::find(sensors_.begin(), sensors_.end(), channel) == sensors_.end()) return;
     element("sensor:" + channel, "sensor of " + title,
             fmt::format("<path d=\"M{:.0f} {:.0f}L{:.0f} {:.0f}\" class=\"thin\"/><circle cx=\"{:.0f}\" cy=\"{:.0f}\" "
@@ -116,7 +117,7 @@ void draw_slider(Picture& picture, const Rig& rig, double rod_from) {
                   box(rod_from, 202, 900 - rod_from, 16) + box(900, 168, 110, 94) + text(955, 206, "slider") +
                       text(955, 226, fmt::format("{:g} kg", mass), "small"),
                   {955, 152});
-  picture.sensor("x", "position", {985, 262}, {985, 300}, "x");
+  picture.sensor(Signal::x, "position", {985, 262}, {985, 300}, "x");
 }
 
 std::string pneumatic_picture(const Rig& rig, const std::vector<std::string>& sensors,
@@ -145,11 +146,11 @@ std::string pneumatic_picture(const Rig& rig, const std::vector<std::string>& se
   picture.element("chamber_2", "chamber 2", box(700, 160, 120, 100) + text(760, 238, "chamber 2", "small"), {760, 180});
   draw_slider(picture, rig, 700);
   picture.element("piston", "piston between the chambers", box(680, 160, 20, 100), {690, 282});
-  picture.sensor("p1_port", "port pressure 1", {250, 140}, {210, 140}, "p");
-  picture.sensor("p2_port", "port pressure 2", {250, 290}, {210, 290}, "p");
-  picture.sensor("p_supply", "supply pressure", {130, 210}, {130, 250}, "p");
-  picture.sensor("p1_chamber", "pressure in chamber 1", {650, 160}, {650, 122}, "p");
-  picture.sensor("p2_chamber", "pressure in chamber 2", {730, 160}, {730, 122}, "p");
+  picture.sensor(Signal::p1_port, "port pressure 1", {250, 140}, {210, 140}, "p");
+  picture.sensor(Signal::p2_port, "port pressure 2", {250, 290}, {210, 290}, "p");
+  picture.sensor(Signal::p_supply, "supply pressure", {130, 210}, {130, 250}, "p");
+  picture.sensor(Signal::p1_chamber, "pressure in chamber 1", {650, 160}, {650, 122}, "p");
+  picture.sensor(Signal::p2_chamber, "pressure in chamber 2", {730, 160}, {730, 122}, "p");
   return picture.svg(0, 0, 1080, 390, "The rig with the share of each element in the mismatch");
 }
 
@@ -165,12 +166,12 @@ std::string driven_picture(const Rig& rig, const std::vector<std::string>& senso
                       text(485, 226, fmt::format("\u00b1{:g} N", rig.drive.force_max_N), "small"),
                   {485, 262});
   draw_slider(picture, rig, 550);
-  picture.sensor("F", "drive force", {720, 202}, {720, 166}, "F");
+  picture.sensor(Signal::F, "drive force", {720, 202}, {720, 166}, "F");
   if (rig.has_pistons()) {
     picture.element(rig.axis.cylinder.area_1_m2 > 0 ? "chamber_1" : "chamber_2", "piston that a pressure pushes",
                     box(640, 186, 40, 48) + text(660, 262, "piston", "small"), {660, 282});
-    picture.sensor("p1_chamber", "pressure in chamber 1", {650, 186}, {650, 150}, "p");
-    picture.sensor("p2_chamber", "pressure in chamber 2", {672, 186}, {690, 130}, "p");
+    picture.sensor(Signal::p1_chamber, "pressure in chamber 1", {650, 186}, {650, 150}, "p");
+    picture.sensor(Signal::p2_chamber, "pressure in chamber 2", {672, 186}, {690, 130}, "p");
   }
   return picture.svg(400, 45, 680, 285, "The axis with the share of each element in the mismatch");
 }
@@ -199,8 +200,8 @@ std::string vessel_picture(const Rig& rig, const std::vector<std::string>& senso
                   box(560, 150, 200, 120) + text(660, 206, "vessel") +
                       text(660, 226, fmt::format("{:g} l", 1e3 * rig.vessel.volume_m3), "small"),
                   {660, 132});
-  picture.sensor("p1_port", "pressure at the valve", {330, 210}, {330, 160}, "p");
-  picture.sensor("p1_chamber", "pressure in the vessel", {720, 150}, {720, 112}, "p");
+  picture.sensor(Signal::p1_port, "pressure at the valve", {330, 210}, {330, 160}, "p");
+  picture.sensor(Signal::p1_chamber, "pressure in the vessel", {720, 150}, {720, 112}, "p");
   return picture.svg(0, 30, 800, 270, "The vessel with the share of each element in the mismatch");
 }
 

@@ -15,7 +15,7 @@ struct PictureMark {
 };
 
 /// Inline SVG in the page's colours: supply, valve, lines, chambers, piston and slider of a pneumatic rig, drive and
-/// slider of a driven axis, and those sensors that `sensors` names (as in sensor_names). Elements with at least 1 % are
+/// slider of a driven axis, and those sensors that `sensors` names (names of signals). Elements with at least 1 % are
 /// tinted by their share, those with at least 5 % bear it as a figure. Every element is a group with `data-element`, a
 /// marked one with `data-share` in per cent.
 std::string rig_picture(const Rig& rig, const std::vector<std::string>& sensors, const std::vector<PictureMark>& marks);

@@ -11,13 +11,11 @@
 namespace pneuservo {
 namespace {
 
-using Column = double Row::*;
-
 /// Points that all curves of a page share; some 14 bytes each keep it well below 3 MB.
 constexpr std::size_t points_of_page = 150000;
 
-bool has_values(const RunResult& run, Column column) {
-  return std::any_of(run.rows.begin(), run.rows.end(), [&](const Row& row) { return std::isfinite(row.*column); });
+bool has_values(const RunResult& run, RowColumn column) {
+  return std::any_of(run.rows.begin(), run.rows.end(), [&](const Row& row) { return std::isfinite(column.of(row)); });
 }
 
 /// NaN aside.
@@ -77,7 +75,7 @@ bool is_dashed(const RunReport& report, const RunResult& run) {
 }
 
 double true_or_measured_x(const RunResult& run, const Row& row) {
-  return run.metrics.position_is_true ? row.x_true_m : row.x_m;
+  return run.metrics.position_is_true ? row.x_true_m : row.measured[Signal::x];
 }
 
 /// 8 bins an octave: wide enough to be read, narrow enough to show a tail.
@@ -160,7 +158,7 @@ Plot deviation_plot(const RunReport& report, double period_s) {
   for (const RunResult* run : shown_runs(report)) {
     if (!has_values(*run, &Row::x_predicted_m)) continue;
     add_curve(plot, *run, run_label(report, *run), tone_of(run->pressure_source), is_dashed(report, *run),
-              [&](const Row& row) { return unit.per_m * (row.x_m - row.x_predicted_m); });
+              [&](const Row& row) { return unit.per_m * (row.measured[Signal::x] - row.x_predicted_m); });
     add_fault_mark(plot, report, *run);
     if (!plot.bands.empty() || !std::isfinite(run->deviation_limit_m)) continue;
     const double most = unit.per_m * run->deviation_limit_m;
@@ -192,13 +190,13 @@ Plot command_plot(const RunReport& report, double period_s) {
 
 Plot pressure_plot(const RunReport& report, const RunResult& run, int side, double period_s) {
   const bool one = side == 1;
-  const Column port = one ? &Row::p1_port_Pa : &Row::p2_port_Pa,
-               measured = one ? &Row::p1_chamber_Pa : &Row::p2_chamber_Pa;
-  const Column truth = one ? &Row::p1_chamber_true_Pa : &Row::p2_chamber_true_Pa;
-  const Column estimated = one ? &Row::p1_estimated_Pa : &Row::p2_estimated_Pa;
+  const RowColumn port = one ? Signal::p1_port : Signal::p2_port,
+                  measured = one ? Signal::p1_chamber : Signal::p2_chamber;
+  const RowColumn truth = one ? &Row::p1_chamber_true_Pa : &Row::p2_chamber_true_Pa;
+  const RowColumn estimated = one ? &Row::p1_estimated_Pa : &Row::p2_estimated_Pa;
   Plot plot = time_plot(report, fmt::format("Pressures of chamber {}", side), "kPa", period_s);
-  const auto add = [&](const char* name, Tone tone, bool dashed, Column column) {
-    add_curve(plot, run, name, tone, dashed, [&](const Row& row) { return 1e-3 * row.*column; });
+  const auto add = [&](const char* name, Tone tone, bool dashed, RowColumn column) {
+    add_curve(plot, run, name, tone, dashed, [&](const Row& row) { return 1e-3 * column.of(row); });
   };
   add("valve port", Tone::valve, false, port);
   if (has_values(run, truth)) add("chamber, true", Tone::chamber, false, truth);
@@ -210,21 +208,21 @@ Plot pressure_plot(const RunReport& report, const RunResult& run, int side, doub
 
 Plot estimation_error_plot(const RunReport& report, const RunResult& run, int side, double period_s) {
   const bool one = side == 1;
-  const Column truth = one ? &Row::p1_chamber_true_Pa : &Row::p2_chamber_true_Pa;
-  const Column estimated = one ? &Row::p1_estimated_Pa : &Row::p2_estimated_Pa;
-  const Column bound = one ? &Row::p1_bound_Pa : &Row::p2_bound_Pa;
+  const RowColumn truth = one ? &Row::p1_chamber_true_Pa : &Row::p2_chamber_true_Pa;
+  const RowColumn estimated = one ? &Row::p1_estimated_Pa : &Row::p2_estimated_Pa;
+  const RowColumn bound = one ? &Row::p1_bound_Pa : &Row::p2_bound_Pa;
   const bool is_true = has_values(run, truth);
-  const Column chamber = is_true ? truth : one ? &Row::p1_chamber_Pa : &Row::p2_chamber_Pa;
+  const RowColumn chamber = is_true ? truth : one ? Signal::p1_chamber : Signal::p2_chamber;
   Plot plot = time_plot(report, fmt::format("Estimation error of chamber {}", side), "kPa", period_s);
   plot.height_px = 190;
   add_curve(plot, run, is_true ? "estimated − true" : "estimated − measured", Tone::estimated, false,
-            [&](const Row& row) { return 1e-3 * (row.*estimated - row.*chamber); });
+            [&](const Row& row) { return 1e-3 * (estimated.of(row) - chamber.of(row)); });
   if (has_values(run, bound)) {
     Band band{"stated bound", Tone::neutral, {}, {}, {}};
     for (const Row& row : run.rows) {
       band.x.push_back(row.t_s - run.start_s);
-      band.low.push_back(-1e-3 * row.*bound);
-      band.high.push_back(1e-3 * row.*bound);
+      band.low.push_back(-1e-3 * bound.of(row));
+      band.high.push_back(1e-3 * bound.of(row));
     }
     plot.bands.push_back(std::move(band));
   }

@@ -7,12 +7,12 @@ namespace pneuservo {
 
 std::vector<CanChannel> can_channels(const HalParameters& hal) {
   std::vector<CanChannel> all;
-  const auto add = [&]<class Keys>(std::string_view name, std::size_t channel, bool is_output,
+  const auto add = [&]<class Keys>(std::string_view name, Signal signal, std::size_t command, bool is_output,
                                    const ChannelParameters<Keys>& parameters) {
     if (!parameters.can) return;
     const auto& can = *parameters.can;
-    all.push_back({std::string(name), channel, is_output, std::string(Keys::unit), can.node, can.pdo, can.object,
-                   can.is_signed, can.scale, can.zero, can.lowest, can.highest});
+    all.push_back({std::string(name), signal, command, is_output, std::string(Keys::unit), can.node, can.pdo,
+                   can.object, can.is_signed, can.scale, can.zero, can.lowest, can.highest});
     if (!is_output) return;
     all.back().substitute = substitute_of(can.object, can.substitute);
     if (!can.readback) return;
@@ -25,16 +25,10 @@ std::vector<CanChannel> can_channels(const HalParameters& hal) {
     shown.tolerance_V = can.readback->tolerance_V;
     all.push_back(std::move(shown));
   };
-  const HalChannels& c = hal.channels;
-  add("x", 0, false, c.x);
-  std::size_t i = 1;
-  for (const auto* pressure : {&c.p1_port, &c.p2_port, &c.p1_chamber, &c.p2_chamber, &c.p_supply}) {
-    add(channel_names[i], i, false, *pressure);
-    ++i;
-  }
-  add("u", 0, true, c.u);
-  add("u1", 0, true, c.u1);
-  add("u2", 1, true, c.u2);
+  hal.channels.for_each_input(
+      [&](Signal signal, const auto& channel) { add(info(signal).name, signal, 0, false, channel); });
+  hal.channels.for_each_command(
+      [&](std::string_view key, std::size_t valve, const auto& channel) { add(key, Signal::x, valve, true, channel); });
   return all;
 }
 

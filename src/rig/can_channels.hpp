@@ -10,10 +10,11 @@
 
 namespace pneuservo {
 
-/// One channel on the bus. `channel` counts as in channel_names; outputs are the commands instead.
+/// One channel on the bus.
 struct CanChannel {
   std::string name;     ///< as in hal.channels: "x", "u"
-  std::size_t channel;  ///< index in channel_names, or of the command
+  Signal signal;        ///< of an input
+  std::size_t command;  ///< of an output or its readback: counts as in Command
   bool is_output;
   std::string unit;
   std::string node;
@@ -22,11 +23,11 @@ struct CanChannel {
   bool is_signed;
   double scale, zero, lowest, highest;
   std::optional<CanSubstitute> substitute{};  ///< of an output
-  bool is_readback = false;                   ///< an input that shows the command `channel`
+  bool is_readback = false;                   ///< an input that shows the command
   double tolerance_V = 0.0;                   ///< of a readback
 };
 
-/// In the order of the config's manual: inputs as in channel_names, then commands, each with its readback behind it.
+/// In the order of the config's manual: inputs, then commands, each with its readback behind it.
 std::vector<CanChannel> can_channels(const HalParameters& hal);
 
 /// One PDO as the channels use it, in the order of can_channels.

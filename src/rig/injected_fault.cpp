@@ -53,7 +53,7 @@ std::vector<std::string> known_targets(InjectedTarget target, InjectionPlace pla
   if (target == InjectedTarget::node && rig.hal && rig.hal->can)
     for (const auto& [name, node] : rig.hal->can->nodes) names.push_back(name);
   if (target == InjectedTarget::channel && place == InjectionPlace::sim)
-    names.assign(channel_names.begin(), channel_names.end());
+    for (const Signal signal : channel_signals) names.emplace_back(info(signal).name);
   if (target == InjectedTarget::channel && place == InjectionPlace::device && rig.hal)
     for (const CanChannel& channel : can_channels(*rig.hal))
       if (!channel.is_output) names.push_back(channel.name);

@@ -60,9 +60,8 @@ void estimator_model(benchmark::State& state) {
   const auto inputs = swung_inputs();
   const auto [ns] = least_ns(1000, 800, [&](int k) {
     const auto& in = inputs[static_cast<std::size_t>(k)];
-    const double ports[4] = {in.port_pressure_1_Pa, in.port_pressure_2_Pa, in.port_pressure_1_Pa + 100.0,
-                             in.port_pressure_2_Pa - 100.0};
-    model.step(P::load(ports), in.position_m);
+    const double ports[4] = {in.p1_port_Pa, in.p2_port_Pa, in.p1_port_Pa + 100.0, in.p2_port_Pa - 100.0};
+    model.step(P::load(ports), in.x_m);
     benchmark::ClobberMemory();
   });
   report(state, ns);

@@ -80,9 +80,10 @@ std::vector<SupervisedTick> supervised_ticks(const Rig& rig, AxisLoop& loop, std
     loop.pass(backend, static_cast<std::int64_t>(i), 0, nullptr, nullptr);
     backend.read(static_cast<std::int64_t>(i), t.measured);
     const Row& row = loop.row();
-    t.estimate = estimator.step({t.measured.port_pressure_1_Pa.value, t.measured.port_pressure_2_Pa.value,
-                                 t.measured.position_m.value, row.v_mps, row.u_V});
-    t.command_V = row.u_V, t.motion = {row.x_m, row.x_predicted_m, row.x_ref_m, row.v_mps, row.v_ref_mps, 0.0, 1.0};
+    t.estimate = estimator.step({t.measured.channel[Signal::p1_port].value, t.measured.channel[Signal::p2_port].value,
+                                 t.measured.channel[Signal::x].value, row.v_mps, row.u_V});
+    t.command_V = row.u_V,
+    t.motion = {row.measured[Signal::x], row.x_predicted_m, row.x_ref_m, row.v_mps, row.v_ref_mps, 0.0, 1.0};
     t.control.now = t.control.ahead = loop.reference().at(row.t_s - loop.reference_start_s());
   }
   return ticks;
@@ -117,7 +118,7 @@ void supervisor_tick(benchmark::State& state) {
       },
       [&](int k) {
         const SupervisedTick& t = ticks[static_cast<std::size_t>(k)];
-        alone.step(t.control, t.measured.supply_pressure_Pa.value, MotionLimits::unlimited);
+        alone.step(t.control, t.measured.channel[Signal::p_supply].value, MotionLimits::unlimited);
       });
   if ((faults | supervisor.faults()) != 0) state.SkipWithError("the supervisor found a fault");
   state.counters["twin_ns"] = predicted;

@@ -89,9 +89,9 @@ TEST_CASE("effects go to the axis and to the sensors") {
                 "rig.yaml");
   CHECK(rig.axis.effects.motion.coulomb_friction.force_N == 3.0);
   CHECK(rig.axis.effects.valve.valve_lag.time_constant_s == 0.01);
-  CHECK(rig.sensor_effects[4].sensor_offset.offset == -800.0);
-  CHECK(rig.sensor_effects[0].sensor_lag.time_constant_s == 0.002);
-  CHECK(rig.sensor_effects[1].sensor_gain.gain == 1.0);
+  CHECK(rig.sensor_effects[Signal::p2_chamber].sensor_offset.offset == -800.0);
+  CHECK(rig.sensor_effects[Signal::x].sensor_lag.time_constant_s == 0.002);
+  CHECK(rig.sensor_effects[Signal::p1_port].sensor_gain.gain == 1.0);
 }
 
 TEST_CASE("an override (--set) replaces, adds and goes into lists") {
@@ -106,7 +106,7 @@ TEST_CASE("an override (--set) replaces, adds and goes into lists") {
   CHECK(rig.axis.effects.motion.coulomb_friction.force_N == 3.0);
   CHECK(rig.tolerances.at("slider.mass_kg") == 0.05);
   CHECK(rig.seed == 18446744073709551615ull);
-  CHECK(rig.sensor_effects[0].sensor_gain.gain == 1.01);
+  CHECK(rig.sensor_effects[Signal::x].sensor_gain.gain == 1.01);
   const Rig listed = rig_with_reference("{kind: multisine, components: [[0.01, 2, 0.5], [0.02, 0.5, -1]]}",
                                         {"reference.components.1.0=0.03"});
   CHECK(listed.reference.components[1][0] == 0.03);
@@ -121,7 +121,7 @@ TEST_CASE("numbers are found, read and set by their path") {
     CHECK_FALSE(parameter.field.help.empty());
   }
   set_parameter(rig, "effects.sensor_offset:p1_port.offset", 250.0);
-  CHECK(rig.sensor_effects[1].sensor_offset.offset == 250.0);
+  CHECK(rig.sensor_effects[Signal::p1_port].sensor_offset.offset == 250.0);
   set_parameter(rig, "effects.line_leak_2.position", 0.25);
   CHECK(rig.axis.effects.line_leak_2.position == 0.25);
   set_parameter(rig, "reference.amplitude_m", 0.05);

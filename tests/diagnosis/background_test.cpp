@@ -31,8 +31,8 @@ Rig with_background(Rig rig) {
   ValveEffects<double>& valve = rig.axis.effects.valve;
   valve.valve_dead_band.width_V = -0.012;
   valve.command_delay.delay_s = 2e-4;
-  rig.sensor_effects[1].sensor_offset.offset = 120;
-  rig.sensor_effects[3].sensor_offset.offset = -150;
+  rig.sensor_effects[Signal::p1_port].sensor_offset.offset = 120;
+  rig.sensor_effects[Signal::p1_chamber].sensor_offset.offset = -150;
   return rig;
 }
 

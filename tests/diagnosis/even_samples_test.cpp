@@ -142,8 +142,9 @@ TEST_CASE("a run at every n-th row simulates what the run at all rows does") {
     const ImposedInputs thinned = inputs_at(every);
     const GasCourse course = run_imposed(thinned, std::span(&run, 1), grid_for(rig, 100, thinned.step_s()))[0];
     double largest = 0;
-    for (std::size_t k = 0; k < course[port_1].size(); ++k)
-      largest = std::max(largest, std::abs(course[port_1][k] - whole[port_1][k * static_cast<std::size_t>(every)]));
+    for (std::size_t k = 0; k < course[Signal::p1_port].size(); ++k)
+      largest = std::max(
+          largest, std::abs(course[Signal::p1_port][k] - whole[Signal::p1_port][k * static_cast<std::size_t>(every)]));
     CAPTURE(every);
     CHECK(largest < 300);  // of a swing of 100 kPa
   }

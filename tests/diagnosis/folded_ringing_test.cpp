@@ -58,7 +58,7 @@ constexpr PlantGrid fine{160, 64};
 std::vector<double> port_1_at_length(const ImposedInputs& inputs, double length_m) {
   const Rig rig = cylinder_rig(length_m, 4.15e-3);
   const ImposedRun run{&rig, {}};
-  return run_imposed(inputs, std::span(&run, 1), fine)[0][port_1];
+  return run_imposed(inputs, std::span(&run, 1), fine)[0][Signal::p1_port];
 }
 
 }  // namespace
@@ -162,6 +162,6 @@ TEST_CASE("answers to the command allow for the ringing of a quick spool's stair
 TEST_CASE("answers to the command allow for no more where the owner's sensors are slow", "[diagnosis]") {
   const Rig rig = rig_with_spool(5.0, 100.0);
   Rig slow = rig;
-  for (const std::size_t port : {1, 2}) slow.sensor_effects[port].sensor_lag.time_constant_s = 3e-3;
+  for (const Signal port : port_signals) slow.sensor_effects[port].sensor_lag.time_constant_s = 3e-3;
   CHECK(answers_of(slow, 0.0).widest < 1.2 * answers_of(rig, 0.0).widest);
 }

@@ -37,8 +37,8 @@ Recording axis_recording(const Rig& machine, std::uint64_t seed, const Extra& ex
   Slider<double> slider;
   slider.configure(machine.axis.slider, machine.axis.effects.motion, machine.axis.cylinder.stroke_m, 0.0);
   Sensor sensor;
-  sensor.configure(machine.sensor_effects[0], machine.sensors.position.quantum_m, machine.sensors.position.noise_m,
-                   machine.period_s, Random(seed));
+  sensor.configure(machine.sensor_effects[Signal::x], machine.sensors.position.quantum_m,
+                   machine.sensors.position.noise_m, machine.period_s, Random(seed));
   sensor.reset(0.0);
   Recording recording;
   recording.path = "synthetic";

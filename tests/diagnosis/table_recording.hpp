@@ -22,12 +22,12 @@ inline Recording table_recording(const Rig& rig, double seconds, std::uint64_t s
   constexpr double mean_Pa = 140e3, rate = 2.0, reach_m = 0.02;
   plant.reset({0.0, mean_Pa, mean_Pa});
   Sensor x_sensor;
-  x_sensor.configure(rig.sensor_effects[0], rig.sensors.position.quantum_m, 0.0, rig.period_s, Random(seed, 0));
+  x_sensor.configure(rig.sensor_effects[Signal::x], rig.sensors.position.quantum_m, 0.0, rig.period_s, Random(seed, 0));
   x_sensor.reset(0.0);
   std::array<Sensor, 2> ports;
   for (std::size_t i = 0; i < 2; ++i) {
     const PressureSensorParameters& sensor = rig.sensors.port_pressure;
-    ports[i].configure(rig.sensor_effects[1 + i], sensor.quantum_Pa, sensor.noise_Pa, rig.period_s,
+    ports[i].configure(rig.sensor_effects[port_signals[i]], sensor.quantum_Pa, sensor.noise_Pa, rig.period_s,
                        Random(seed, 1 + i));
     ports[i].reset(mean_Pa);
   }

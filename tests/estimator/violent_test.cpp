@@ -116,11 +116,11 @@ EstimatorInput drop_out(int k) {
   EstimatorInput in{470e3 + 100e3 * std::sin(w * t), 470e3 - 100e3 * std::sin(w * t), 0.08 * std::sin(w * t),
                     0.08 * w * std::cos(w * t)};
   switch ((k % 400) / 50) {
-    case 2: in.port_pressure_1_Pa = 0.0; break;
-    case 3: in.position_m = nan; break;
-    case 4: in.port_pressure_2_Pa = nan; break;
-    case 6: in.port_pressure_1_Pa = in.port_pressure_2_Pa = 1e9; break;
-    case 7: in.position_m = 0.0; break;
+    case 2: in.p1_port_Pa = 0.0; break;
+    case 3: in.x_m = nan; break;
+    case 4: in.p2_port_Pa = nan; break;
+    case 6: in.p1_port_Pa = in.p2_port_Pa = 1e9; break;
+    case 7: in.x_m = 0.0; break;
     default: break;
   }
   return in;
@@ -162,11 +162,11 @@ void book_jumps(double L, double D, double cells_per_m, int milliseconds) {
     const int n = side.begin_period(1e-3);
     for (int i = 0; i < n; ++i) {
       const double middle = (i + 0.5) / n, end = (i + 1.0) / n;
-      const LineFlow<double> flow = side.step_prescribed(before + middle * (in.port_pressure_1_Pa - before),
-                                                         0.15 + x + end * (in.position_m - x));
+      const LineFlow<double> flow =
+          side.step_prescribed(before + middle * (in.p1_port_Pa - before), 0.15 + x + end * (in.x_m - x));
       booked += side.step_s() * flow.port_mass_flow_kgps;
     }
-    before = in.port_pressure_1_Pa, x = in.position_m;
+    before = in.p1_port_Pa, x = in.x_m;
     largest = std::max(largest, side.line().mass() + side.chamber().mass());
   }
   CHECK(std::fabs(side.line().mass() + side.chamber().mass() - start - booked) <= 1e-12 * largest);

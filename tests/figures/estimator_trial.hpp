@@ -90,14 +90,13 @@ inline TrialOutcome run_trial(const Rig& rig, const Trial& trial) {
     Measurement measured;
     backend.read(tick, measured);
     const Truth truth = backend.truth();
-    const EstimatorInput in{measured.port_pressure_1_Pa.value, measured.port_pressure_2_Pa.value,
-                            measured.position_m.value, controller.state().v_mps, command_V};
+    const EstimatorInput in{measured.channel[Signal::p1_port].value, measured.channel[Signal::p2_port].value,
+                            measured.channel[Signal::x].value, controller.state().v_mps, command_V};
     if (tick == 0 && trial.start_offset_Pa)
-      estimator.start(in.port_pressure_1_Pa + (*trial.start_offset_Pa)[0],
-                      in.port_pressure_2_Pa + (*trial.start_offset_Pa)[1], in.position_m);
+      estimator.start(in.p1_port_Pa + (*trial.start_offset_Pa)[0], in.p2_port_Pa + (*trial.start_offset_Pa)[1], in.x_m);
     const EstimatorOutput estimate = estimator.step(in);
-    const std::array<double, 2> error{std::fabs(estimate.chamber_pressure_Pa[0] - truth.chamber_pressure_1_Pa),
-                                      std::fabs(estimate.chamber_pressure_Pa[1] - truth.chamber_pressure_2_Pa)};
+    const std::array<double, 2> error{std::fabs(estimate.chamber_pressure_Pa[0] - truth.p1_chamber_Pa),
+                                      std::fabs(estimate.chamber_pressure_Pa[1] - truth.p2_chamber_Pa)};
     const double larger = std::max(error[0], error[1]);
     if (!(larger <= 2000.0)) outcome.settled_s = t_s + rig.period_s;
     if (2 * tick > ticks) {
@@ -108,10 +107,10 @@ inline TrialOutcome run_trial(const Rig& rig, const Trial& trial) {
       }
     }
     const bool sensed = trial.feedback == PressureSource::chamber;
-    const double p1 = sensed ? measured.chamber_pressure_1_Pa.value : estimate.chamber_pressure_Pa[0];
-    const double p2 = sensed ? measured.chamber_pressure_2_Pa.value : estimate.chamber_pressure_Pa[1];
-    command_V =
-        controller.step(measured.position_m.value, p1, p2, reference.at(t_s), reference.at(t_s + controller.lead_s()));
+    const double p1 = sensed ? measured.channel[Signal::p1_chamber].value : estimate.chamber_pressure_Pa[0];
+    const double p2 = sensed ? measured.channel[Signal::p2_chamber].value : estimate.chamber_pressure_Pa[1];
+    command_V = controller.step(measured.channel[Signal::x].value, p1, p2, reference.at(t_s),
+                                reference.at(t_s + controller.lead_s()));
     backend.write(tick, {command_V});
   }
   return outcome;

@@ -69,7 +69,7 @@ void frames_at_a_node(Bytes& bytes) {
 void frames_at_the_controller(Bytes& bytes) {
   CanInputPdo pressures{.id = 0x282, .length = 8, .oldest_ns = 2'000'000, .signals = {}};
   for (unsigned i = 0; i < 3; ++i)
-    pressures.signals.push_back({.channel = i,
+    pressures.signals.push_back({.signal = channel_signals[i],
                                  .place = {.offset = 16 * i, .bits = 16},
                                  .counts = {.scale = 25.0},
                                  .lowest = 5e4,
@@ -82,8 +82,8 @@ void frames_at_the_controller(Bytes& bytes) {
     for (int n = bytes.next() % 4; n > 0; --n) image.on_frame({bytes.frame(), now_ns + bytes.next() * 1000});
     Measurement measurement;
     image.take(now_ns + 1'000'000, measurement);
-    for (const Channel* channel : channels_of(measurement))
-      if (channel->valid && !(channel->value >= 5e4 && channel->value <= 8.1e5)) std::abort();
+    for (const Channel& channel : measurement.channel.all)
+      if (channel.valid && !(channel.value >= 5e4 && channel.value <= 8.1e5)) std::abort();
   }
   (void)image.event_lines(0);
 }

@@ -34,7 +34,7 @@ std::vector<double> port_1(SimBackend backend, int n) {
     Measurement m;
     backend.read(tick, m);
     backend.write(tick, {1.0});
-    values.push_back(m.port_pressure_1_Pa.value);
+    values.push_back(m.channel[Signal::p1_port].value);
   }
   return values;
 }
@@ -57,10 +57,10 @@ TEST_CASE("sim: skipped slots pass with the last command") {
   some.read(0, b);
   some.write(0, {1.0});
   some.read(50, b);
-  REQUIRE(b.port_pressure_1_Pa.value == a.port_pressure_1_Pa.value);
-  REQUIRE(some.truth().position_m == all.truth().position_m);
-  REQUIRE(b.position_m.valid);
-  REQUIRE(b.position_m.origin == Origin::simulated);
+  REQUIRE(b.channel[Signal::p1_port].value == a.channel[Signal::p1_port].value);
+  REQUIRE(some.truth().x_m == all.truth().x_m);
+  REQUIRE(b.channel[Signal::x].valid);
+  REQUIRE(b.channel[Signal::x].origin == Origin::simulated);
 }
 
 TEST_CASE("replay: rows as they were recorded, holes are invalid, absent columns stay absent, the end is an end") {
@@ -76,16 +76,16 @@ TEST_CASE("replay: rows as they were recorded, holes are invalid, absent columns
   REQUIRE(backend.rows() == 3);
   Measurement m;
   REQUIRE(backend.read(0, m));
-  REQUIRE((m.position_m.valid && m.position_m.value == 0.1));
+  REQUIRE((m.channel[Signal::x].valid && m.channel[Signal::x].value == 0.1));
   REQUIRE(backend.write(0, {}));
   REQUIRE(backend.read(1, m));
-  REQUIRE_FALSE(m.position_m.valid);
-  REQUIRE(m.port_pressure_2_Pa.valid);
-  REQUIRE(m.chamber_pressure_1_Pa.origin == Origin::absent);
+  REQUIRE_FALSE(m.channel[Signal::x].valid);
+  REQUIRE(m.channel[Signal::p2_port].valid);
+  REQUIRE(m.channel[Signal::p1_chamber].origin == Origin::absent);
   REQUIRE(backend.read(4, m));
-  REQUIRE(m.position_m.value == 0.2);
+  REQUIRE(m.channel[Signal::x].value == 0.2);
   REQUIRE_FALSE(backend.write(4, {}));  // it could not be written then either
-  REQUIRE(std::isnan(backend.truth().position_m));
+  REQUIRE(std::isnan(backend.truth().x_m));
   REQUIRE_FALSE(backend.read(5, m));
 }
 

@@ -53,15 +53,15 @@ TEST_CASE("each tick finds what was sampled a period before, to the bit of the c
     const auto& dictionary = b.device.nodes()[0]->dictionary();
     const auto counts = static_cast<std::int32_t>(dictionary.number(0x6020, 1));
     if (i == 0) {  // no SYNC of the loop yet: no sample of a known age
-      REQUIRE_FALSE(m.position_m.valid);
+      REQUIRE_FALSE(m.channel[Signal::x].valid);
     } else {
-      REQUIRE((m.position_m.valid && m.position_m.value == 5e-6 * counts));
-      REQUIRE(m.position_m.origin == Origin::real);
-      REQUIRE(m.position_m.age_s == Approx(b.rig.period_s).epsilon(1e-9));
+      REQUIRE((m.channel[Signal::x].valid && m.channel[Signal::x].value == 5e-6 * counts));
+      REQUIRE(m.channel[Signal::x].origin == Origin::real);
+      REQUIRE(m.channel[Signal::x].age_s == Approx(b.rig.period_s).epsilon(1e-9));
     }
     const auto pressure = static_cast<std::int16_t>(b.device.nodes()[1]->dictionary().number(0x6401, 2));
-    if (i > 0) REQUIRE((m.port_pressure_2_Pa.valid && m.port_pressure_2_Pa.value == 25.0 * pressure));
-    REQUIRE(m.chamber_pressure_1_Pa.origin == Origin::absent);
+    if (i > 0) REQUIRE((m.channel[Signal::p2_port].valid && m.channel[Signal::p2_port].value == 25.0 * pressure));
+    REQUIRE(m.channel[Signal::p1_chamber].origin == Origin::absent);
     const double command = 2.0 * std::sin(0.05 * i);
     const std::size_t before = b.bus->sent.size();
     REQUIRE(b.backend.write(i, {command}));
@@ -85,7 +85,7 @@ TEST_CASE("the position error over the bus is that of the simulated backend with
   Bench again(sets);
   for (int i = 0; i < 3000; ++i) {
     again.step();
-    if (i > 1000) over_bus.push_back(again.loop.row().x_ref_m - again.device.truth().position_m);
+    if (i > 1000) over_bus.push_back(again.loop.row().x_ref_m - again.device.truth().x_m);
   }
   Rig rig = can_rig({"duration_s=3", "simulation.input_age_periods=1"});
   SimBackend sim(rig);
@@ -95,7 +95,7 @@ TEST_CASE("the position error over the bus is that of the simulated backend with
   sim.activate();
   for (int i = 0; i < 3000; ++i) {
     loop.pass(sim, i, 0, nullptr, nullptr);
-    if (i > 1000) in_process.push_back(loop.row().x_ref_m - sim.truth().position_m);
+    if (i > 1000) in_process.push_back(loop.row().x_ref_m - sim.truth().x_m);
   }
   REQUIRE(loop.faults() == 0);
   REQUIRE(rms_error(over_bus) == Approx(rms_error(in_process)).epsilon(0.01));
@@ -161,7 +161,7 @@ TEST_CASE("a delayed channel of the device sends the counts of some periods befo
       REQUIRE(b->backend.read(i, m));
       REQUIRE(b->backend.write(i, {2.0 * std::sin(0.05 * i)}));
     }
-    REQUIRE((i == 0 || m.position_m.age_s == Approx(delayed.rig.period_s).epsilon(1e-9)));
+    REQUIRE((i == 0 || m.channel[Signal::x].age_s == Approx(delayed.rig.period_s).epsilon(1e-9)));
     before.push_back(counts(plain));
     const bool is_on = delayed.device.tick() >= 100;
     REQUIRE(counts(delayed) == (is_on ? before[before.size() - 1 - periods] : before.back()));

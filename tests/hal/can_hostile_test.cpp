@@ -93,7 +93,7 @@ TEST_CASE("hostile frames at the controller: no valid channel outside its limits
     bus.spoil = spoil;
   };
   start_anew();
-  const std::array<double, 6> lowest{-0.16, 5e4, 5e4, 0, 0, 5e4}, highest{0.16, 8.1e5, 8.1e5, 0, 0, 8.1e5};
+  const PerSignal<double> lowest{-0.16, 5e4, 5e4, 0, 0, 5e4}, highest{0.16, 8.1e5, 8.1e5, 0, 0, 8.1e5};
   std::int64_t valid = 0, invalid = 0;
   const int frames = frames_to_try();
   for (int given = 0, tick = 0; given < frames; ++tick) {
@@ -101,15 +101,15 @@ TEST_CASE("hostile frames at the controller: no valid channel outside its limits
     for (std::uint32_t i = 0, n = make.below(400); i < n; ++i, ++given) bus.inject(make.any());
     Measurement m;
     backend.read(tick, m);
-    const auto channels = channels_of(m);
-    for (std::size_t c = 0; c < channels.size(); ++c) {
-      if (!channels[c]->valid) {
+    for (const Signal signal : channel_signals) {
+      const Channel& channel = m.channel[signal];
+      if (!channel.valid) {
         ++invalid;
         continue;
       }
       ++valid;
-      const bool within = channels[c]->value >= lowest[c] && channels[c]->value <= highest[c];
-      if (!within) FAIL("channel " << c << " is valid with " << channels[c]->value);
+      const bool within = channel.value >= lowest[signal] && channel.value <= highest[signal];
+      if (!within) FAIL(info(signal).name << " is valid with " << channel.value);
     }
     backend.write(tick, {make.below(2) == 0 ? 1e9 : std::nan("")});
     if (std::fabs(device.command_V()) > 5.0) FAIL("the output is " << device.command_V() << " V");
@@ -136,7 +136,7 @@ TEST_CASE("hostile frames at the device: it answers or is silent, and what it se
     answers += static_cast<std::int64_t>(out.size());
     for (const CanFrame& frame : out)
       if (!is_plain(frame)) FAIL("no frame: id " << frame.id << " length " << int(frame.length));
-    REQUIRE(std::isfinite(device.truth().position_m));
+    REQUIRE(std::isfinite(device.truth().x_m));
   }
   REQUIRE(answers > 1000);
 }

@@ -20,9 +20,9 @@ struct Samples {
   }
   Channel at(std::int64_t tick) {
     Measurement measured;
-    measured.position_m = {static_cast<double>(tick), 0.5 * period_s, true, Origin::simulated};
+    measured.channel[Signal::x] = {static_cast<double>(tick), 0.5 * period_s, true, Origin::simulated};
     faults.apply(tick, static_cast<double>(tick) * period_s, measured);
-    return measured.position_m;
+    return measured.channel[Signal::x];
   }
 };
 
@@ -110,11 +110,11 @@ TEST_CASE("wrong wiring turns the encoder round and exchanges the port sensors, 
   SampleFaults faults(period_s, {});
   faults.add(parse_fault_order(c.order, 0.0));
   Measurement measured;
-  measured.position_m = {3.0, 0.0, true, Origin::simulated};
-  measured.port_pressure_1_Pa = {1e5, 0.0, true, Origin::simulated};
-  measured.port_pressure_2_Pa = {2e5, 0.0, true, Origin::simulated};
+  measured.channel[Signal::x] = {3.0, 0.0, true, Origin::simulated};
+  measured.channel[Signal::p1_port] = {1e5, 0.0, true, Origin::simulated};
+  measured.channel[Signal::p2_port] = {2e5, 0.0, true, Origin::simulated};
   faults.apply(3, 3.0 * period_s, measured);
-  REQUIRE(measured.position_m.value == c.position);
-  REQUIRE(measured.port_pressure_1_Pa.value == c.port_1);
-  REQUIRE(measured.port_pressure_2_Pa.value == c.port_2);
+  REQUIRE(measured.channel[Signal::x].value == c.position);
+  REQUIRE(measured.channel[Signal::p1_port].value == c.port_1);
+  REQUIRE(measured.channel[Signal::p2_port].value == c.port_2);
 }

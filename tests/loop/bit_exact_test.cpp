@@ -84,13 +84,13 @@ std::vector<Case> cases() {
        {"duration_s=1", "limits.missing_ticks=2"},
        1,
        {},
-       {FaultyChannel::position, FailureMode::dropped_out, 400, 2, 0.0}},
+       {Signal::x, FailureMode::dropped_out, 400, 2, 0.0}},
       {"fault",
        "cylinder-10m-4.15mm",
        {"duration_s=1"},
        1,
        {},
-       {FaultyChannel::port_2, FailureMode::not_a_number, 500, 10000, 0.0}},
+       {Signal::p2_port, FailureMode::not_a_number, 500, 10000, 0.0}},
   };
 }
 

@@ -20,7 +20,7 @@ struct Wiring {
        chambers_exchanged = false;
   double encoder_scale = 1.0;
   double frozen_from_s = 1e9;
-  std::array<double, 6> offset{};
+  PerSignal<double> offset{};
 };
 
 /// The simulated plant behind that wiring. Exchanged hoses are another machine: valve port 1 feeds chamber 2.
@@ -31,15 +31,15 @@ class WiredBackend final : public Backend {
   void activate() override {}
   bool read(std::int64_t tick, Measurement& m) noexcept override {
     plant_.read(tick, m);
-    if (wiring_.hoses_exchanged != wiring_.ports_exchanged) std::swap(m.port_pressure_1_Pa, m.port_pressure_2_Pa);
-    if (wiring_.chambers_exchanged) std::swap(m.chamber_pressure_1_Pa, m.chamber_pressure_2_Pa);
-    if (!has_chambers) m.chamber_pressure_1_Pa = m.chamber_pressure_2_Pa = {};
-    m.position_m.value *= wiring_.encoder_scale * (wiring_.encoder_reversed ? -1.0 : 1.0);
-    const auto channels = channels_of(m);
-    for (std::size_t i = 0; i < channels.size(); ++i) channels[i]->value += wiring_.offset[i];
-    if (static_cast<double>(tick) * rig_.period_s >= wiring_.frozen_from_s) m.position_m.value = frozen_m_;
-    else frozen_m_ = m.position_m.value;
-    const double x = plant_.truth().position_m;
+    if (wiring_.hoses_exchanged != wiring_.ports_exchanged)
+      std::swap(m.channel[Signal::p1_port], m.channel[Signal::p2_port]);
+    if (wiring_.chambers_exchanged) std::swap(m.channel[Signal::p1_chamber], m.channel[Signal::p2_chamber]);
+    if (!has_chambers) m.channel[Signal::p1_chamber] = m.channel[Signal::p2_chamber] = {};
+    m.channel[Signal::x].value *= wiring_.encoder_scale * (wiring_.encoder_reversed ? -1.0 : 1.0);
+    for (const Signal signal : channel_signals) m.channel[signal].value += wiring_.offset[signal];
+    if (static_cast<double>(tick) * rig_.period_s >= wiring_.frozen_from_s) m.channel[Signal::x].value = frozen_m_;
+    else frozen_m_ = m.channel[Signal::x].value;
+    const double x = plant_.truth().x_m;
     if (has_switches) {
       m.digital.limit_low.state = x < -0.149 ? LineState::on : LineState::off;
       m.digital.limit_high.state = x > 0.149 ? LineState::on : LineState::off;
@@ -58,7 +58,7 @@ class WiredBackend final : public Backend {
   void deactivate() noexcept override {}
   Origins origins() const override {
     Origins all = plant_.origins();
-    if (!has_chambers) all.channels[3] = all.channels[4] = Origin::absent;
+    if (!has_chambers) all.channels[Signal::p1_chamber] = all.channels[Signal::p2_chamber] = Origin::absent;
     return all;
   }
   std::string name() const override { return "sim"; }

@@ -19,15 +19,15 @@ namespace {
 
 constexpr std::int64_t first_bad = 700, forever = 1'000'000;
 
-Rig rig_for(FaultyChannel channel) {
-  const bool chamber = channel == FaultyChannel::chamber_1 || channel == FaultyChannel::chamber_2;
+Rig rig_for(Signal channel) {
+  const bool chamber = channel == Signal::p1_chamber || channel == Signal::p2_chamber;
   return config_rig("cylinder-10m-7.65mm",
                     {chamber ? "controller.pressure_source=chamber" : "controller.pressure_source=estimated",
                      "safe_output.command_V=0.25", "duration_s=2"});
 }
 
 /// Bits that may be the reason of a failure.
-std::uint64_t expected_bit(FaultyChannel channel, FailureMode mode) {
+std::uint64_t expected_bit(Signal channel, FailureMode mode) {
   const auto n = static_cast<std::size_t>(channel);
   constexpr std::array<std::uint64_t, 5> missing{fault_position_missing, fault_port_pressure_1_missing,
                                                  fault_port_pressure_2_missing, fault_chamber_pressure_1_missing,
@@ -43,7 +43,7 @@ std::uint64_t expected_bit(FaultyChannel channel, FailureMode mode) {
   return missing[n];
 }
 
-double jump_of(FaultyChannel channel) { return channel == FaultyChannel::position ? -0.04 : 180e3; }
+double jump_of(Signal channel) { return channel == Signal::x ? -0.04 : 180e3; }
 
 struct Stepper {
   explicit Stepper(const Rig& rig) : backend(rig) {
@@ -63,8 +63,7 @@ struct Stepper {
 }  // namespace
 
 TEST_CASE("every failure of every channel latches its fault, safe output in that tick, and rearm leads back") {
-  const auto channel = GENERATE(FaultyChannel::position, FaultyChannel::port_1, FaultyChannel::port_2,
-                                FaultyChannel::chamber_1, FaultyChannel::chamber_2);
+  const auto channel = GENERATE(Signal::x, Signal::p1_port, Signal::p2_port, Signal::p1_chamber, Signal::p2_chamber);
   const auto mode = GENERATE(FailureMode::dropped_out, FailureMode::not_a_number, FailureMode::frozen,
                              FailureMode::jumped, FailureMode::out_of_range);
   const Rig rig = rig_for(channel);
@@ -74,7 +73,7 @@ TEST_CASE("every failure of every channel latches its fault, safe output in that
   const std::int64_t fault_tick = run.tick - 1;
   CAPTURE(static_cast<int>(channel), static_cast<int>(mode), fault_tick, run.loop.first_faults());
   // A position that stops at once leaves the prediction before it counts as frozen.
-  const bool leaves = channel == FaultyChannel::position && mode == FailureMode::frozen;
+  const bool leaves = channel == Signal::x && mode == FailureMode::frozen;
   REQUIRE(run.loop.first_faults() == (leaves ? fault_deviation : expected_bit(channel, mode)));
   // What is missing is known at once; the first samples of a jump cannot be told from a spike.
   if (mode == FailureMode::frozen) REQUIRE((fault_tick >= first_bad + 2 && fault_tick <= first_bad + 600));
@@ -104,8 +103,7 @@ TEST_CASE("every failure of every channel latches its fault, safe output in that
 }
 
 TEST_CASE("a spike of one or two ticks in any channel is bridged") {
-  const auto channel = GENERATE(FaultyChannel::position, FaultyChannel::port_1, FaultyChannel::port_2,
-                                FaultyChannel::chamber_1, FaultyChannel::chamber_2);
+  const auto channel = GENERATE(Signal::x, Signal::p1_port, Signal::p2_port, Signal::p1_chamber, Signal::p2_chamber);
   const auto mode = GENERATE(FailureMode::dropped_out, FailureMode::not_a_number, FailureMode::frozen,
                              FailureMode::jumped, FailureMode::out_of_range);
   Rig rig = rig_for(channel);
@@ -131,7 +129,7 @@ TEST_CASE("a spike of one or two ticks in any channel is bridged") {
 }
 
 TEST_CASE("an output that is not written is a fault, the safe output is tried at once") {
-  const Rig rig = rig_for(FaultyChannel::position);
+  const Rig rig = rig_for(Signal::x);
   Stepper run(rig);
   run.backend.fails_to_write_at = 100;
   for (int i = 0; i < 101; ++i) run.step();
@@ -202,10 +200,10 @@ TEST_CASE("a loop without an estimate: a fault where it closes on the estimate, 
 }
 
 TEST_CASE("a channel that comes late at the start is waited for in the safe output; one that never comes is missing") {
-  const Rig rig = rig_for(FaultyChannel::position);
+  const Rig rig = rig_for(Signal::x);
   Stepper run(rig);
   const auto ticks = GENERATE(std::int64_t{50}, forever);
-  run.backend.failure = {FaultyChannel::port_1, FailureMode::dropped_out, 0, ticks, 0.0};
+  run.backend.failure = {Signal::p1_port, FailureMode::dropped_out, 0, ticks, 0.0};
   for (int i = 0; i < 50; ++i) {
     REQUIRE(run.step().u_V == rig.safe_output.command_V);
     REQUIRE(run.loop.row().fault == 0);
@@ -220,10 +218,10 @@ TEST_CASE("a channel that comes late at the start is waited for in the safe outp
 
 TEST_CASE("a faulted run keeps every row, tells the reason in words and ends safe") {
   const TemporaryFolder folder;
-  const Rig rig = rig_for(FaultyChannel::port_1);
+  const Rig rig = rig_for(Signal::p1_port);
   FaultyBackend backend(rig);
   backend.configure();
-  backend.failure = {FaultyChannel::port_1, FailureMode::not_a_number, 900, forever, 0.0};
+  backend.failure = {Signal::p1_port, FailureMode::not_a_number, 900, forever, 0.0};
   RecordingWriter writer(folder.file("run.csv.gz"), RecordingHeader(rig.name, rig.period_s), {});
   RunSettings settings;
   settings.writer = &writer;

@@ -1,6 +1,5 @@
 // A backend for tests: the simulated plant behind channels that fail on demand; it keeps what the valve got.
 #pragma once
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -12,13 +11,11 @@
 
 namespace pneuservo {
 
-/// The five channels that the loop judges, in this order.
-enum class FaultyChannel { position, port_1, port_2, chamber_1, chamber_2 };
 enum class FailureMode { dropped_out, not_a_number, frozen, jumped, out_of_range };
 
 /// From tick `first` on for `ticks` ticks the channel fails.
 struct Failure {
-  FaultyChannel channel = FaultyChannel::position;
+  Signal signal = Signal::x;
   FailureMode mode = FailureMode::dropped_out;
   std::int64_t first = std::numeric_limits<std::int64_t>::max(), ticks = 0;
   double jump = 0.0;  ///< FailureMode::jumped adds it
@@ -39,10 +36,7 @@ class FaultyBackend final : public Backend {
   }
   bool read(std::int64_t tick, Measurement& measurement) noexcept override {
     plant_.read(tick, measurement);
-    const std::array<Channel*, 5> channels{&measurement.position_m, &measurement.port_pressure_1_Pa,
-                                           &measurement.port_pressure_2_Pa, &measurement.chamber_pressure_1_Pa,
-                                           &measurement.chamber_pressure_2_Pa};
-    Channel& channel = *channels[static_cast<std::size_t>(failure.channel)];
+    Channel& channel = measurement.channel[failure.signal];
     if (tick >= failure.first && tick - failure.first < failure.ticks) spoil(channel);
     else kept_ = channel.value;
     return true;
@@ -62,7 +56,7 @@ class FaultyBackend final : public Backend {
 
  private:
   void spoil(Channel& channel) const noexcept {
-    const bool position = failure.channel == FaultyChannel::position;
+    const bool position = failure.signal == Signal::x;
     switch (failure.mode) {
       case FailureMode::dropped_out: channel.valid = false; break;
       case FailureMode::not_a_number: channel.value = std::nan(""); break;

@@ -29,9 +29,9 @@ class WiredBackend final : public Backend {
   void deactivate() noexcept override {}
   bool read(std::int64_t tick, Measurement& m) noexcept override {
     machine_.read(tick, m);
-    if (wiring_ == Wiring::encoder_reversed) m.position_m.value = -m.position_m.value;
+    if (wiring_ == Wiring::encoder_reversed) m.channel[Signal::x].value = -m.channel[Signal::x].value;
     if (wiring_ == Wiring::ports_exchanged || wiring_ == Wiring::hoses_exchanged)
-      std::swap(m.port_pressure_1_Pa.value, m.port_pressure_2_Pa.value);
+      std::swap(m.channel[Signal::p1_port].value, m.channel[Signal::p2_port].value);
     return true;
   }
   bool write(std::int64_t tick, const Command& command) noexcept override {
@@ -56,7 +56,7 @@ struct Outcome {
 
 double air_force_N(const Rig& rig, const Truth& truth) {
   const auto& c = rig.axis.cylinder;
-  return c.area_1_m2 * truth.chamber_pressure_1_Pa - c.area_2_m2 * truth.chamber_pressure_2_Pa -
+  return c.area_1_m2 * truth.p1_chamber_Pa - c.area_2_m2 * truth.p2_chamber_Pa -
          (c.area_1_m2 - c.area_2_m2) * rig.axis.air.atmosphere_Pa;
 }
 
@@ -67,17 +67,17 @@ Outcome run_on(const Rig& rig, const Rig& machine, Wiring wiring = Wiring::right
   WiredBackend backend(machine, wiring);
   Outcome out;
   out.limits = loop.supervisor().motion().limits();
-  const double start_m = backend.truth().position_m;
+  const double start_m = backend.truth().x_m;
   double before_m = start_m, first_s = -1.0;
   for (std::int64_t tick = 0; static_cast<double>(tick) * rig.period_s < rig.duration_s; ++tick) {
     REQUIRE(loop.pass(backend, tick, 0, nullptr, nullptr));
     const Truth truth = backend.truth();
     out.t_s = static_cast<double>(tick) * rig.period_s;
     out.deviation_m = std::fabs(loop.supervisor().motion().deviation_m());
-    out.peak_mps = std::max(out.peak_mps, std::fabs(truth.position_m - before_m) / rig.period_s);
-    out.went_m = std::fabs(truth.position_m - start_m);
+    out.peak_mps = std::max(out.peak_mps, std::fabs(truth.x_m - before_m) / rig.period_s);
+    out.went_m = std::fabs(truth.x_m - start_m);
     out.force_N = std::fabs(air_force_N(rig, truth));
-    before_m = truth.position_m;
+    before_m = truth.x_m;
     if (first_s < 0.0 && out.deviation_m > 1e-3) first_s = out.t_s;
     out.faults = loop.first_faults();
     if (out.faults != 0) break;
@@ -194,7 +194,7 @@ TEST_CASE("motion: an obstacle is found within 20 ms and 60 N of contact") {
   for (std::int64_t tick = 0; loop.faults() == 0 && tick < 5000; ++tick) {
     loop.pass(backend, tick, 0, nullptr, nullptr);
     const Truth truth = backend.truth();
-    if (contact_s < 0.0 && std::fabs(truth.position_m) > at_m - 5e-4) {
+    if (contact_s < 0.0 && std::fabs(truth.x_m) > at_m - 5e-4) {
       contact_s = loop.row().t_s;
       contact_N = air_force_N(rig, truth);
     }

@@ -74,7 +74,7 @@ TEST_CASE("the first start approaches the reference from the measured position w
       REQUIRE(start_s >= Approach::shortest_s);
       REQUIRE(start_s ==
               Approx(std::max(Approach::shortest_s, 10.0 * Approach::peak_over_mean * std::fabs(from_m))).margin(2e-3));
-      REQUIRE(outcome.rows.front().x_ref_m == outcome.rows.front().x_m);
+      REQUIRE(outcome.rows.front().x_ref_m == outcome.rows.front().measured[Signal::x]);
     }
     double largest_V = 0.0, largest_step_V = 0.0, fastest_mps = 0.0;
     for (std::size_t i = 1; i < outcome.rows.size() && outcome.rows[i].t_s < start_s; ++i) {
@@ -215,7 +215,7 @@ TEST_CASE("the first fault is told from beside the loop, before the run ends") {
     FaultWatch watch([&](std::uint64_t first, double) { told = first; });
     FaultyBackend backend(rig);
     backend.configure();
-    backend.failure = {FaultyChannel::port_1, FailureMode::not_a_number, 500, 1 << 30, 0.0};
+    backend.failure = {Signal::p1_port, FailureMode::not_a_number, 500, 1 << 30, 0.0};
     RunSettings settings;
     settings.fault_watch = &watch;
     outcome = run_loop(rig, backend, settings);

@@ -20,12 +20,12 @@ Rig rig_of(double period_s) {
 }
 
 /// Ticks until a share of one channel's samples that are bad is a fault; -1: never in `most`.
-int ticks_until_unreliable(double period_s, double share, std::size_t channel, int most) {
+int ticks_until_unreliable(double period_s, double share, Signal channel, int most) {
   SupervisionHealth health;
   health.configure(rig_of(period_s));
   double owed = 0.0;
   for (int tick = 1; tick <= most; ++tick) {
-    std::array<bool, 6> bad{};
+    PerSignal<bool> bad;
     owed += share;
     if (owed >= 1.0) bad[channel] = true, owed -= 1.0;
     if (health.check_tick(bad, 0) != 0) return tick;
@@ -54,8 +54,8 @@ double exponential_draw(Random& random, double mean) { return -mean * std::log(1
 TEST_CASE("a share of bad samples is found within half a second, a few are bridged for ever") {
   const double period_s = GENERATE(0.2e-3, 1e-3, 2e-3);
   const double share = GENERATE(0.21, 0.34, 0.5, 2.0 / 3.0);
-  const std::size_t channel = GENERATE(0u, 2u, 5u);
-  CAPTURE(period_s, share, channel);
+  const Signal channel = GENERATE(Signal::x, Signal::p2_port, Signal::p_supply);
+  CAPTURE(period_s, share, info(channel).name);
   const int ticks = ticks_until_unreliable(period_s, share, channel, 10000);
   REQUIRE(ticks > 2);
   REQUIRE(ticks * period_s <= 0.5);

@@ -33,8 +33,8 @@ class TouchedBackend final : public Backend {
     plant_.read(tick, measurement);
     measurement.digital = extra.digital;
     measurement.device_faults = extra.device_faults;
-    if (!has_supply_sensor) measurement.supply_pressure_Pa = {};
-    if (std::isfinite(supply_Pa)) measurement.supply_pressure_Pa.value = supply_Pa;
+    if (!has_supply_sensor) measurement.channel[Signal::p_supply] = {};
+    if (std::isfinite(supply_Pa)) measurement.channel[Signal::p_supply].value = supply_Pa;
     return true;
   }
   bool write(std::int64_t tick, const Command& command) noexcept override {
@@ -212,7 +212,7 @@ TEST_CASE("re-arming starts from the measured position, softly, with nothing kep
   bench.loop.rearm();
   const Row& first = bench.step_until_active();
   REQUIRE(first.fault == 0);
-  REQUIRE(first.x_ref_m == Approx(first.x_m).margin(1e-9));
+  REQUIRE(first.x_ref_m == Approx(first.measured[Signal::x]).margin(1e-9));
   REQUIRE(std::fabs(first.v_ref_mps) < 1e-9);
   double fastest_mps = 0.0;
   for (int i = 0; i < 400; ++i) fastest_mps = std::max(fastest_mps, std::fabs(bench.step().v_ref_mps));

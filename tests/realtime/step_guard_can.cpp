@@ -64,7 +64,7 @@ int main() {
         Measurement m;
         backend.read(tick, m);
         backend.write(tick++, {0.1});
-        valid += m.position_m.valid ? 1 : 0;
+        valid += m.channel[Signal::x].valid ? 1 : 0;
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     };

@@ -67,7 +67,7 @@ inline std::string problems_of(const CsvTable& table) {
 inline Row numbered_row(int number) {
   Row row;
   row.t_s = number * 1e-3;
-  row.x_m = std::sin(number * 0.01);
+  row.measured[Signal::x] = std::sin(number * 0.01);
   row.u_V = number / 3.0;
   return row;
 }

@@ -44,7 +44,7 @@ TEST_CASE("live values are thinned JSON of the columns that have a value; a new 
   for (int i = 0; i < 25; ++i) {
     Row row;
     row.t_s = 1e-3 * i;
-    row.x_m = 0.125;
+    row.measured[Signal::x] = 0.125;
     row.u_V = 1.0;
     row.fault = i >= 13 ? 1ull << 35 : 0;
     live.send(row);

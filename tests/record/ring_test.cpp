@@ -68,7 +68,7 @@ TEST_CASE("two threads: every row comes once, in order and untorn, or is counted
   std::thread producer([&] {
     for (int i = 0; i < total; ++i) {
       Row row = numbered_row(i);
-      row.p1_port_Pa = row.p2_port_Pa = row.work_us = i;
+      row.measured[Signal::p1_port] = row.measured[Signal::p2_port] = row.work_us = i;
       row.fault = static_cast<std::uint32_t>(i);
       ring.push(row);
       if (i % 1000 == 0) std::this_thread::yield();
@@ -87,7 +87,8 @@ TEST_CASE("two threads: every row comes once, in order and untorn, or is counted
     const bool consecutive = number == previous + 1;
     bad += number <= previous;
     bad += consecutive != ((row.flags & row_dropped_before) == 0);
-    bad += row.p1_port_Pa != number || row.p2_port_Pa != number || row.work_us != number || row.t_s != number * 1e-3;
+    bad += row.measured[Signal::p1_port] != number || row.measured[Signal::p2_port] != number ||
+           row.work_us != number || row.t_s != number * 1e-3;
     previous = number;
   }
   producer.join();

@@ -26,7 +26,7 @@ std::vector<Row> sine_rows() {
     const double scale = row.t_s < 5.0 ? 10.0 : 1.0;
     row.x_ref_m = 0.08 * wave(1.0, row.t_s);
     row.x_true_m = row.x_ref_m - scale * 0.003 * wave(2.0, row.t_s);
-    row.x_m = row.x_true_m + 0.02;
+    row.measured[Signal::x] = row.x_true_m + 0.02;
     row.p1_chamber_true_Pa = 4e5;
     row.p2_chamber_true_Pa = 5e5;
     row.p1_estimated_Pa = 4e5 + scale * 640.0 * wave(1.0, row.t_s);
@@ -92,8 +92,8 @@ TEST_CASE("a move is judged from its start to 0.6 s after its end; the end error
   const auto rows = make_rows(4.0, 1e-3, [](Row& row) {
     const bool inside = row.t_s > 0.4995 && row.t_s < 2.1005;
     row.x_ref_m = 0.1;
-    row.x_m = 0.1 + (inside ? -0.002 : 0.5);
-    if (row.t_s > 2.0005 && inside) row.x_m = 0.1 + 4e-5 + 1e-5 * wave(100.0, row.t_s);
+    row.measured[Signal::x] = 0.1 + (inside ? -0.002 : 0.5);
+    if (row.t_s > 2.0005 && inside) row.measured[Signal::x] = 0.1 + 4e-5 + 1e-5 * wave(100.0, row.t_s);
   });
   const Metrics metrics = evaluate(rig, rows);
   REQUIRE(metrics.from_s == Approx(0.5));
@@ -142,7 +142,7 @@ TEST_CASE("ripple is the peak to peak of what is faster than 3.5 Hz, of the cham
     const auto rows = make_rows(6.0, 1e-3, [&](Row& row) {
       row.p1_chamber_true_Pa = 4e5 + 1000.0 * wave(frequency_Hz, row.t_s) + drift_Pa_per_s * row.t_s;
       row.p2_chamber_true_Pa = 5e5 + 50.0 * wave(frequency_Hz, row.t_s);
-      row.p1_chamber_Pa = row.p1_chamber_true_Pa + 1e4 * wave(20.0, row.t_s);
+      row.measured[Signal::p1_chamber] = row.p1_chamber_true_Pa + 1e4 * wave(20.0, row.t_s);
     });
     return evaluate(sine_rig(), rows).chamber_pressure_ripple_Pa;
   };
@@ -158,7 +158,8 @@ TEST_CASE("ripple is the peak to peak of what is faster than 3.5 Hz, of the cham
 }
 
 TEST_CASE("ripple takes measured chamber pressures where there is no truth, and bridges lost rows") {
-  auto rows = make_rows(6.0, 1e-3, [](Row& row) { row.p2_chamber_Pa = 5e5 + 700.0 * wave(20.0, row.t_s); });
+  auto rows =
+      make_rows(6.0, 1e-3, [](Row& row) { row.measured[Signal::p2_chamber] = 5e5 + 700.0 * wave(20.0, row.t_s); });
   rows.erase(rows.begin() + 4000);
   rows[4500].p2_chamber_Pa = Row::none;
   REQUIRE(evaluate(sine_rig(), rows).chamber_pressure_ripple_Pa == Approx(1400.0).epsilon(0.005));

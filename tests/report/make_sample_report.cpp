@@ -24,14 +24,16 @@ RunResult sample_run(const std::string& source, double error_m, double swing_Pa,
     const double t_s = row.t_s, ramp = std::min(1.0, t_s);
     row.x_ref_m = 0.08 * ramp * wave(1.0, t_s);
     row.x_true_m = row.x_ref_m - error_m * (ramp * wave(1.0, t_s - 0.1) + 0.2 * wave(8.0, t_s));
-    row.x_m = row.x_true_m;
+    row.measured[Signal::x] = row.x_true_m;
     row.u_V = 3.0 * ramp * wave(1.0, t_s + 0.2) + 0.01 * noise(random);
     row.p1_chamber_true_Pa = 4.7e5 + 6e4 * ramp * wave(1.0, t_s + 0.15) + swing_Pa * wave(12.0, t_s);
     row.p2_chamber_true_Pa = 5.4e5 - 5e4 * ramp * wave(1.0, t_s + 0.15) - swing_Pa * wave(12.0, t_s);
-    row.p1_port_Pa = row.p1_chamber_true_Pa + 1.7e4 * ramp * wave(1.0, t_s + 0.2) + 300.0 * noise(random);
-    row.p2_port_Pa = row.p2_chamber_true_Pa - 1.6e4 * ramp * wave(1.0, t_s + 0.2) + 300.0 * noise(random);
-    row.p1_chamber_Pa = row.p1_chamber_true_Pa + 300.0 * noise(random);
-    row.p2_chamber_Pa = row.p2_chamber_true_Pa + 300.0 * noise(random);
+    row.measured[Signal::p1_port] =
+        row.p1_chamber_true_Pa + 1.7e4 * ramp * wave(1.0, t_s + 0.2) + 300.0 * noise(random);
+    row.measured[Signal::p2_port] =
+        row.p2_chamber_true_Pa - 1.6e4 * ramp * wave(1.0, t_s + 0.2) + 300.0 * noise(random);
+    row.measured[Signal::p1_chamber] = row.p1_chamber_true_Pa + 300.0 * noise(random);
+    row.measured[Signal::p2_chamber] = row.p2_chamber_true_Pa + 300.0 * noise(random);
     row.p1_estimated_Pa = row.p1_chamber_true_Pa + 500.0 * ramp * wave(2.0, t_s) + 60.0 * noise(random);
     row.p2_estimated_Pa = row.p2_chamber_true_Pa + 350.0 * ramp * wave(2.0, t_s) + 60.0 * noise(random);
     row.p1_bound_Pa = row.p2_bound_Pa = 800.0 + 400.0 * ramp * std::fabs(wave(1.0, t_s));

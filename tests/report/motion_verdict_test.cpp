@@ -48,7 +48,7 @@ RunResult judged(const Rig& rig, std::vector<Row> rows) {
 template <class More> RunResult lagging(double lag_s, double ratio, More&& more) {
   return judged(sine_rig(), make_rows(6.0, 1e-3, [&](Row& row) {
                   row.x_ref_m = amplitude_m * wave(reference_Hz, row.t_s);
-                  row.x_true_m = row.x_m = ratio * amplitude_m * wave(reference_Hz, row.t_s - lag_s);
+                  row.x_true_m = row.measured[Signal::x] = ratio * amplitude_m * wave(reference_Hz, row.t_s - lag_s);
                   row.u_V = 1.2 * wave(reference_Hz, row.t_s + 0.2);
                   more(row);
                 }));
@@ -170,8 +170,9 @@ TEST_CASE("a blow at the end stop is told with place, time and speed, a start at
     return judged(rig, make_rows(6.0, 1e-3, [&](Row& row) {
                     row.x_ref_m = 0.01 * wave(1.0, row.t_s);
                     const double hit_s = (0.15 - from_m) / speed_mps;
-                    row.x_true_m = row.x_m = row.t_s < hit_s ? from_m + speed_mps * row.t_s
-                                                             : 0.15 - 0.3 * speed_mps * std::min(0.05, row.t_s - hit_s);
+                    row.x_true_m = row.measured[Signal::x] =
+                        row.t_s < hit_s ? from_m + speed_mps * row.t_s
+                                        : 0.15 - 0.3 * speed_mps * std::min(0.05, row.t_s - hit_s);
                   }));
   };
   const MotionVerdict hit = bouncing(-0.1, 0.7153).verdict;
@@ -183,7 +184,8 @@ TEST_CASE("a blow at the end stop is told with place, time and speed, a start at
   const MotionVerdict leaves = judged(rig, make_rows(6.0, 1e-3,
                                                      [](Row& row) {
                                                        row.x_ref_m = 0.1;
-                                                       row.x_true_m = row.x_m = -0.15 + std::min(0.25, 0.1 * row.t_s);
+                                                       row.x_true_m = row.measured[Signal::x] =
+                                                           -0.15 + std::min(0.25, 0.1 * row.t_s);
                                                      }))
                                    .verdict;
   CHECK_FALSE(leaves.touched_end_stop);

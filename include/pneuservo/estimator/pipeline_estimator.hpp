@@ -57,10 +57,10 @@ struct EstimatorParameters {
 /// One tick's measurements: absolute pressures at the valve ports, position (0 at mid-stroke) and velocity of the
 /// piston. NaN or an impossible value means "no measurement": the last one is held and a health bit says so.
 struct EstimatorInput {
-  double port_pressure_1_Pa;
-  double port_pressure_2_Pa;
-  double position_m;
-  double velocity_mps;
+  double p1_port_Pa;
+  double p2_port_Pa;
+  double x_m;
+  double v_mps;
   /// What the valve was given over the period that ends now; NaN: unknown, and the flow correction rests.
   double valve_command_V = std::numeric_limits<double>::quiet_NaN();
 };
@@ -155,13 +155,13 @@ class PipelineEstimator {
       begin();
     } else {
       const double sigma = parameters_.uncertainty.port_noise_Pa;
-      const double p_1 = input_.port_pressure_1_Pa, p_2 = input_.port_pressure_2_Pa;
+      const double p_1 = input_.p1_port_Pa, p_2 = input_.p2_port_Pa;
       // Uniform noise of the same variance: the line filters it to a normal one.
       const double scale = sigma * 3.4641016151377544;
       // One after the other: the order in which a compiler evaluates arguments is its own.
       const double noise_2 = scale * (random_.uniform() - 0.5), noise_1 = scale * (random_.uniform() - 0.5);
       const Lanes port = lanes(p_1, p_2, p_1 + noise_1, p_2 + noise_2);
-      axis_.step(port + correction_, input_.position_m, -start_shares() * surplus_);
+      axis_.step(port + correction_, input_.x_m, -start_shares() * surplus_);
       if (corrects_flow_) correct(measured.valve_command_V, port);
     }
     return output(health);
@@ -230,12 +230,10 @@ class PipelineEstimator {
   }
 
   void begin() noexcept {
-    const double p_1 = input_.port_pressure_1_Pa, p_2 = input_.port_pressure_2_Pa,
-                 off = parameters_.uncertainty.start_pressure_Pa;
+    const double p_1 = input_.p1_port_Pa, p_2 = input_.p2_port_Pa, off = parameters_.uncertainty.start_pressure_Pa;
     // The shadow starts wrong towards the middle of what is possible, so that it starts from a possible pressure.
     const double middle = 0.5 * (parameters_.air.atmosphere_Pa + parameters_.supply_pressure_Pa);
-    axis_.reset(lanes(p_1, p_2, p_1 + (p_1 < middle ? off : -off), p_2 + (p_2 < middle ? off : -off)),
-                input_.position_m);
+    axis_.reset(lanes(p_1, p_2, p_1 + (p_1 < middle ? off : -off), p_2 + (p_2 < middle ? off : -off)), input_.x_m);
     port_ = lanes(p_1, p_2, p_1, p_2);
     correction_ = surplus_ = Lanes(0);
     start_gain_ = start_gain;
@@ -267,7 +265,7 @@ class PipelineEstimator {
   // Of the surplus that goes into each chamber. One that is nearly closed has its line's pressure anyway, and would
   // make much of the noise.
   Lanes start_shares() const noexcept {
-    const double half = 0.5 * parameters_.cylinder.stroke_m, x = input_.position_m;
+    const double half = 0.5 * parameters_.cylinder.stroke_m, x = input_.x_m;
     const Lanes open = both(half + x, half - x) * Lanes(open_per_m_);
     return Lanes(start_gain_) * minimum(maximum(open, Lanes(0)), Lanes(1));
   }
@@ -282,24 +280,23 @@ class PipelineEstimator {
       else health |= bit;
       missing_s = good ? 0.0 : missing_s + parameters_.period_s;
     };
-    port(measured.port_pressure_1_Pa, input_.port_pressure_1_Pa, missing_s_[0], estimator_port_1_held);
-    port(measured.port_pressure_2_Pa, input_.port_pressure_2_Pa, missing_s_[1], estimator_port_2_held);
+    port(measured.p1_port_Pa, input_.p1_port_Pa, missing_s_[0], estimator_port_1_held);
+    port(measured.p2_port_Pa, input_.p2_port_Pa, missing_s_[1], estimator_port_2_held);
     const double reach = 0.6 * parameters_.cylinder.stroke_m, longest = fastest_position_mps * parameters_.period_s;
-    const bool placed = std::fabs(measured.position_m) <= reach;
+    const bool placed = std::fabs(measured.x_m) <= reach;
     missing_s_[2] = placed ? 0.0 : missing_s_[2] + parameters_.period_s;
-    if (std::fabs(measured.velocity_mps) <= fastest_position_mps) input_.velocity_mps = measured.velocity_mps;
-    double wanted = measured.position_m;
+    if (std::fabs(measured.v_mps) <= fastest_position_mps) input_.v_mps = measured.v_mps;
+    double wanted = measured.x_m;
     if (!placed) {
       health |= estimator_position_held;
-      wanted =
-          input_.position_m + (missing_s_[2] <= position_bridge_s ? input_.velocity_mps * parameters_.period_s : 0.0);
+      wanted = input_.x_m + (missing_s_[2] <= position_bridge_s ? input_.v_mps * parameters_.period_s : 0.0);
       wanted = std::clamp(wanted, -reach, reach);
     }
-    if (started_ && std::fabs(wanted - input_.position_m) > longest) {
+    if (started_ && std::fabs(wanted - input_.x_m) > longest) {
       health |= estimator_position_limited;
-      wanted = input_.position_m + std::copysign(longest, wanted - input_.position_m);
+      wanted = input_.x_m + std::copysign(longest, wanted - input_.x_m);
     }
-    input_.position_m = wanted;
+    input_.x_m = wanted;
     return health;
   }
 
@@ -307,7 +304,7 @@ class PipelineEstimator {
     const Lanes p = axis_.chamber_pressure(), T = axis_.chamber_temperature(), G = axis_.flow().chamber_mass_flow_kgps,
                 G_port = axis_.flow().port_mass_flow_kgps;
     const Lanes distance = absolute(join(high(p), high(p)) - p);
-    const Lanes drop = absolute(both(input_.port_pressure_1_Pa, input_.port_pressure_2_Pa) - p);
+    const Lanes drop = absolute(both(input_.p1_port_Pa, input_.p2_port_Pa) - p);
     peak_ = maximum(distance, Lanes(peak_decay_) * peak_);
     // Not above the fading peak: the wrong start is large and must not linger in the mean.
     mean_square_ = minimum(mean_square_ + Lanes(rms_gain_) * (distance * distance - mean_square_), peak_ * peak_);

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <limits>
 
+#include <pneuservo/core/signal.hpp>
+
 namespace pneuservo {
 
 /// Where a channel's value comes from; written into every recording.
@@ -46,25 +48,12 @@ struct DigitalInputs {
   DigitalLine valve_power;  ///< on: the valve has its supply
 };
 
-/// Everything measured at the start of a tick. Pressures are absolute [Pa], position [m] with 0 at mid-stroke.
+/// Everything measured at the start of a tick, in the units of signal_table.
 struct Measurement {
-  Channel position_m;
-  Channel port_pressure_1_Pa, port_pressure_2_Pa;
-  Channel chamber_pressure_1_Pa, chamber_pressure_2_Pa;
-  Channel supply_pressure_Pa;
+  PerSignal<Channel> channel{};
   std::uint32_t device_faults = 0;  ///< bits of DeviceFault
   DigitalInputs digital;
 };
-
-/// All channels in the order of the recording's columns: position, ports, chambers, supply.
-inline std::array<Channel*, 6> channels_of(Measurement& m) noexcept {
-  return {&m.position_m,
-          &m.port_pressure_1_Pa,
-          &m.port_pressure_2_Pa,
-          &m.chamber_pressure_1_Pa,
-          &m.chamber_pressure_2_Pa,
-          &m.supply_pressure_Pa};
-}
 
 /// What is sent to the valves in a tick; a cylinder has the first alone, a servo table one a line.
 struct Command {
@@ -83,16 +72,15 @@ inline constexpr std::array<const char*, 4> digital_line_names{"emergency_stop",
 
 /// Where everything of a run comes from and goes to.
 struct Origins {
-  std::array<Origin, 6> channels{};  ///< in the order of channels_of
+  PerSignal<Origin> channels{};
   std::array<Origin, 4> lines{};  ///< in the order of lines_of
   Origin command = Origin::absent;  ///< whose valve is told
 };
 
 /// The simulated plant's own state; for evaluation and recording only, never for a controller.
 struct Truth {
-  double position_m = std::numeric_limits<double>::quiet_NaN();
-  double chamber_pressure_1_Pa = std::numeric_limits<double>::quiet_NaN();
-  double chamber_pressure_2_Pa = std::numeric_limits<double>::quiet_NaN();
+  double x_m = std::numeric_limits<double>::quiet_NaN();
+  double p1_chamber_Pa = std::numeric_limits<double>::quiet_NaN(), p2_chamber_Pa = p1_chamber_Pa;
 };
 
 }  // namespace pneuservo

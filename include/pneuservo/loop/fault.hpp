@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include <pneuservo/core/signal.hpp>
+
 namespace pneuservo {
 
 /// Causes of a fault. Several may stand at once; the first tick's bits are the reason, later ones are added.
@@ -57,6 +59,26 @@ enum Fault : std::uint64_t {
   fault_output_unconfirmed = 1ull << 49,
   fault_guard_lost = 1ull << 50,
 };
+
+/// The faults of one measured channel. Sides follow each other bit by bit; no step of the supply is too large.
+struct SignalFaults {
+  std::uint64_t missing = 0, frozen = 0, jumped = 0;
+};
+constexpr SignalFaults faults_of(Signal signal) noexcept {
+  const int second = info(signal).side == 2 ? 1 : 0;
+  switch (info(signal).sensor) {
+    case SensorKind::position: return {fault_position_missing, fault_position_frozen, fault_position_jump};
+    case SensorKind::port_pressure:
+      return {fault_port_pressure_1_missing << second, fault_port_pressure_1_frozen << second,
+              fault_port_pressure_1_jump << second};
+    case SensorKind::chamber_pressure:
+      return {fault_chamber_pressure_1_missing << second, fault_chamber_pressure_1_frozen << second,
+              fault_chamber_pressure_1_jump << second};
+    case SensorKind::supply_pressure: return {fault_supply_missing, fault_supply_frozen, fault_supply_missing};
+    case SensorKind::force: break;
+  }
+  return {};
+}
 
 /// The faults that devices report themselves: the bits of DeviceFault (hal/channel.hpp), the first four from bit 20 on,
 /// the others from bit 48 on.

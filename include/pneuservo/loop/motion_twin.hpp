@@ -66,11 +66,12 @@ class MotionTwin {
              const std::array<double, 2>& command_V) noexcept {
     const double force_N = area_1_m2_ * pressure_Pa[0] - area_2_m2_ * pressure_Pa[1] - atmosphere_force_N_;
     const double held_N = std::fabs(force_N) <= resting_force_N_ ? force_N : 0.0;
-    plant_.reset({true_value(0, position_m), true_value(1, pressure_Pa[0]),
-                  true_value(2, pressure_Pa[1] + held_N / area_2_m2_)});
+    plant_.reset({true_value(Signal::x, position_m), true_value(Signal::p1_port, pressure_Pa[0]),
+                  true_value(Signal::p2_port, pressure_Pa[1] + held_N / area_2_m2_)});
     const auto chamber = plant_.chamber_pressure();
-    sensors_[0].reset(plant_.position());
-    for (const std::size_t i : {1u, 3u}) sensors_[i].reset(low(chamber)), sensors_[i + 1].reset(high(chamber));
+    sensors_[Signal::x].reset(plant_.position());
+    for (const auto& [side_1, side_2] : {port_signals, chamber_signals})
+      sensors_[side_1].reset(low(chamber)), sensors_[side_2].reset(high(chamber));
     now_ = seen_ = sample();
     law_.reset(command_V);
     command_V_ = command_V;
@@ -124,26 +125,29 @@ class MotionTwin {
   void configure_sensors(const Rig& rig) {
     const bool estimated = law_.pressure_source() == PressureSource::estimated;
     has_sensor_effects_ = false;
-    for (std::size_t i = 0; i < sensors_.size(); ++i) {
-      const SensorEffects<double>& e = rig.sensor_effects[i > 2 && estimated ? i - 2 : i];
-      sensor_effects_[i] = e;
-      sensors_[i].configure(e, 0.0, 0.0, rig.period_s, Random());
+    for (const Signal signal : channel_signals) {
+      if (signal == Signal::p_supply) continue;
+      const bool of_port = estimated && is_chamber(signal);
+      const SensorEffects<double>& e = rig.sensor_effects[of_port ? port_signals[side_of(signal)] : signal];
+      sensor_effects_[signal] = e;
+      sensors_[signal].configure(e, 0.0, 0.0, rig.period_s, Random());
       has_sensor_effects_ = has_sensor_effects_ || e.sensor_gain.gain != 1.0 || e.sensor_offset.offset != 0.0 ||
                             e.sensor_lag.time_constant_s > 0.0;
     }
   }
-  /// What a known gain and offset of a sensor (in the order of channel_names) make of the truth, and back.
-  double true_value(std::size_t channel, double shown) const noexcept {
-    const SensorEffects<double>& e = sensor_effects_[channel];
+  /// The truth behind a reading, by the sensor's known gain and offset.
+  double true_value(Signal signal, double shown) const noexcept {
+    const SensorEffects<double>& e = sensor_effects_[signal];
     return e.sensor_gain.gain != 0.0 ? (shown - e.sensor_offset.offset) / e.sensor_gain.gain : shown;
   }
   Sample sample() noexcept {
     const auto port = plant_.port_pressure(), chamber = plant_.chamber_pressure();
     const Sample truth{plant_.position(), {low(port), high(port)}, {low(chamber), high(chamber)}};
     if (!has_sensor_effects_) return truth;
-    return {sensors_[0].read(truth.position_m),
-            {sensors_[1].read(truth.port_Pa[0]), sensors_[2].read(truth.port_Pa[1])},
-            {sensors_[3].read(truth.chamber_Pa[0]), sensors_[4].read(truth.chamber_Pa[1])}};
+    return {sensors_[Signal::x].read(truth.position_m),
+            {sensors_[Signal::p1_port].read(truth.port_Pa[0]), sensors_[Signal::p2_port].read(truth.port_Pa[1])},
+            {sensors_[Signal::p1_chamber].read(truth.chamber_Pa[0]),
+             sensors_[Signal::p2_chamber].read(truth.chamber_Pa[1])}};
   }
 
   AxisPlant<double> plant_;
@@ -153,8 +157,8 @@ class MotionTwin {
   bool chambers_ = true, aged_ = false, droops_ = false;
   std::array<double, 2> command_V_{};
   double speed_mps_ = 0.0;
-  std::array<Sensor, 5> sensors_;  // exact but for the config's effects; the last two give what closes a force loop
-  std::array<SensorEffects<double>, 5> sensor_effects_;
+  PerSignal<Sensor> sensors_;  // exact but for the config's effects; those of the chambers close a force loop
+  PerSignal<SensorEffects<double>> sensor_effects_;
   bool has_sensor_effects_ = false;
   Sample now_, seen_;  // of this tick and of the one before
 };

@@ -2,7 +2,6 @@
 // machine.
 #pragma once
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -44,17 +43,17 @@ class SupervisionHealth {
     reset();
   }
   void reset() noexcept {
-    bad_.fill(0.0);
+    bad_ = {};
     bad_lately_ = false;
     missed_ = rested_ticks_ = 0.0;
     slept_before_ns_ = slept_ns_;
   }
 
-  /// Samples of this tick in the order of channels_of, whether each was bad (missing, too old, a jump); and the slots
-  /// that were skipped before it.
-  std::uint64_t check_tick(const std::array<bool, 6>& bad, std::int64_t skipped) noexcept {
+  /// Whether the sample of each signal of this tick was bad (missing, too old, a jump); and the slots that were
+  /// skipped before it.
+  std::uint64_t check_tick(const PerSignal<bool>& bad, std::int64_t skipped) noexcept {
     std::uint64_t faults = 0;
-    if (bad_lately_ || std::ranges::find(bad, true) != bad.end()) [[unlikely]]
+    if (bad_lately_ || std::ranges::find(bad.all, true) != bad.all.end()) [[unlikely]]
       faults |= check_bad(bad);
     if (skipped > 0) note_gap(skipped);
     missed_ = missed_ > least_share ? keep_ * missed_ : 0.0;
@@ -78,20 +77,21 @@ class SupervisionHealth {
   /// Time that the machine has been suspended so far [ns]; the loop alone reads clocks.
   void note_slept(std::int64_t slept_ns) noexcept { slept_ns_ = slept_ns; }
 
-  double bad_share(std::size_t channel) const noexcept { return bad_[channel]; }
+  double bad_share(Signal signal) const noexcept { return bad_[signal]; }
   double missed_share() const noexcept { return missed_; }
 
  private:
-  std::uint64_t check_bad(const std::array<bool, 6>& bad) noexcept {
+  std::uint64_t check_bad(const PerSignal<bool>& bad) noexcept {
+    std::uint64_t faults = 0;
     bad_lately_ = false;
-    for (std::size_t i = 0; i < bad.size(); ++i) {
-      const double kept = bad_[i] > least_share ? keep_ * bad_[i] : 0.0;
-      bad_[i] = kept + (bad[i] ? 1.0 - keep_ : 0.0);
-      bad_lately_ = bad_lately_ || bad_[i] > 0.0;
+    for (const Signal signal : channel_signals) {
+      const double kept = bad_[signal] > least_share ? keep_ * bad_[signal] : 0.0;
+      bad_[signal] = kept + (bad[signal] ? 1.0 - keep_ : 0.0);
+      bad_lately_ = bad_lately_ || bad_[signal] > 0.0;
+      if (bad_[signal] > bad_limit_)
+        faults |= is_pressure(signal) ? fault_pressure_unreliable : fault_position_unreliable;
     }
-    const bool pressures = *std::max_element(bad_.begin() + 1, bad_.end()) > bad_limit_;
-    return (bad_[0] > bad_limit_ ? std::uint64_t{fault_position_unreliable} : 0) |
-           (pressures ? std::uint64_t{fault_pressure_unreliable} : 0);
+    return faults;
   }
   void note_gap(std::int64_t slots) noexcept {
     const double kept = std::exp(-static_cast<double>(slots) / window_ticks_);
@@ -101,7 +101,7 @@ class SupervisionHealth {
   double bad_limit_ = 1.0, missed_limit_ = 1.0, rest_limit_ticks_ = 0.0, moving_m_ = 0.0, window_ticks_ = 300.0,
          keep_ = 1.0;
   bool checks_exist_ = false, bad_lately_ = false;
-  std::array<double, 6> bad_{};
+  PerSignal<double> bad_;
   double missed_ = 0.0, rested_ticks_ = 0.0, lowest_m_ = 0.0, highest_m_ = 0.0;
   std::int64_t slept_ns_ = 0, slept_before_ns_ = 0;
 };

@@ -73,27 +73,22 @@ class Supervisor {
   const SupervisionHealth& health() const noexcept { return health_; }
 
  private:
-  struct Bits {
-    std::uint64_t missing, frozen, jumped;
-  };
   void go(SupervisorEvent event) noexcept { state_ = next_state(state_, event); }
-  double judge_channel(InputGuard& guard, const Channel& channel, double periods, double extra, const Bits& bits,
-                       std::uint64_t& faults) noexcept;
+  double judge_channel(Signal signal, const Channel& channel, double periods, double extra, std::uint64_t& faults,
+                       bool at_end_stop = false) noexcept;
   std::uint64_t judge_position(const Channel& position, double periods, JudgedInputs& in) noexcept;
   std::uint64_t judge_pressures(const Measurement& measured, double periods, JudgedInputs& in) noexcept;
   std::uint64_t judge_supply(const Channel& supply, double periods, JudgedInputs& in) noexcept;
   std::uint64_t judge_digital(const DigitalInputs& digital) noexcept;
   double chamber_step_Pa(double dead_volume_m3, double area_m2, double way_m) const noexcept;
   bool inputs_ready() const noexcept;
-  std::array<bool, 6> bad_samples() const noexcept;
+  PerSignal<bool> bad_samples() const noexcept;
 
   SupervisorState state_ = SupervisorState::unconfigured;
   std::uint64_t faults_ = 0, first_faults_ = 0;
   bool needs_chambers_ = false, bridged_ = false, may_move_ = true, has_moved_ = false, on_bus_ = false;
-  InputGuard position_guard_, supply_guard_;
-  std::array<InputGuard, 2> port_guard_, chamber_guard_;
-  std::array<bool, 2> has_chamber_{};
-  bool has_supply_ = false;
+  PerSignal<InputGuard> guards_;
+  PerSignal<bool> judged_;  ///< there is a sensor, or the law cannot do without it
   std::array<LineState, 2> limits_{};
   CrossCheck cross_check_;
   MotionSupervision motion_;

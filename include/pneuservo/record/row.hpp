@@ -7,6 +7,8 @@
 #include <span>
 #include <string_view>
 
+#include <pneuservo/core/signal.hpp>
+
 namespace pneuservo {
 
 /// Bits of the column `flags`.
@@ -18,28 +20,51 @@ enum RowFlag : std::uint32_t {
   row_input_bridged = 16,   ///< a sample of this tick was wrong and was replaced
 };
 
+// All columns in file order, each declared by its line alone: type, name, value where there is none. MEASURED stands
+// for the columns of signal_table from the first signal to the last.
+#define PNEUSERVO_ROW_COLUMNS(COLUMN, MEASURED)                                                                        \
+  COLUMN(double, t_s, 0.0)                                                                                             \
+  COLUMN(double, x_ref_m, none)                                                                                        \
+  COLUMN(double, v_ref_mps, none)                                                                                      \
+  COLUMN(double, x_predicted_m, none) /* of the simulated closed loop */                                               \
+  MEASURED(x, x)                                                                                                       \
+  COLUMN(double, v_mps, none)                                                                                          \
+  COLUMN(double, u_V, none)                                                                                            \
+  COLUMN(double, u1_V, none) /* of a servo table's two valves, instead of u_V */                                       \
+  COLUMN(double, u2_V, none)                                                                                           \
+  MEASURED(p1_port, p2_chamber)                                                                                        \
+  COLUMN(double, p1_estimated_Pa, none)                                                                                \
+  COLUMN(double, p2_estimated_Pa, none)                                                                                \
+  COLUMN(double, p1_bound_Pa, none) /* the estimator's stated error bounds */                                          \
+  COLUMN(double, p2_bound_Pa, none)                                                                                    \
+  COLUMN(double, mass_flow_1_kgps, none) /* estimated, into the chambers */                                            \
+  COLUMN(double, mass_flow_2_kgps, none)                                                                               \
+  MEASURED(p_supply, p_supply)                                                                                         \
+  COLUMN(double, x_true_m, none)                                                                                       \
+  COLUMN(double, p1_chamber_true_Pa, none)                                                                             \
+  COLUMN(double, p2_chamber_true_Pa, none)                                                                             \
+  COLUMN(double, lateness_us, none) /* real time only */                                                               \
+  COLUMN(double, work_us, none)                                                                                        \
+  COLUMN(std::uint32_t, state, 0) /* SupervisorState (loop/supervisor.hpp) */                                          \
+  COLUMN(std::uint32_t, flags, 0) /* bits of RowFlag */                                                                \
+  COLUMN(std::uint64_t, fault, 0) /* bits of Fault (loop/fault.hpp), 0 while healthy */
+
 /// Plain data, copied through the ring. NaN means "no value" and is written as an empty field.
 struct Row {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  double t_s = 0.0;
-  double x_ref_m = none, v_ref_mps = none;
-  double x_predicted_m = none;                            ///< of the simulated closed loop
-  double x_m = none, v_mps = none;
-  double u_V = none;
-  double u1_V = none, u2_V = none;                        ///< of a servo table's two valves, instead of u_V
-  double p1_port_Pa = none, p2_port_Pa = none;
-  double p1_chamber_Pa = none, p2_chamber_Pa = none;
-  double p1_estimated_Pa = none, p2_estimated_Pa = none;
-  double p1_bound_Pa = none, p2_bound_Pa = none;          ///< the estimator's stated error bounds
-  double mass_flow_1_kgps = none, mass_flow_2_kgps = none;  ///< estimated, into the chambers
-  double p_supply_Pa = none;
-  double x_true_m = none, p1_chamber_true_Pa = none, p2_chamber_true_Pa = none;
-  double lateness_us = none, work_us = none;              ///< real time only
-  std::uint32_t state = 0;                                ///< SupervisorState (loop/supervisor.hpp)
-  std::uint32_t flags = 0;
-  std::uint64_t fault = 0;                                ///< bits of Fault (loop/fault.hpp), 0 while healthy
+
+#define PNEUSERVO_MEMBER(type, name, initial) type name = initial;
+#define PNEUSERVO_NO_MEMBER(first, last)
+  PNEUSERVO_ROW_COLUMNS(PNEUSERVO_MEMBER, PNEUSERVO_NO_MEMBER)
+#undef PNEUSERVO_MEMBER
+#undef PNEUSERVO_NO_MEMBER
+  PerSignal<double> measured = [] {
+    PerSignal<double> values;
+    values.all.fill(none);
+    return values;
+  }();
   static constexpr std::size_t most_terms = 16;
-  std::array<double, most_terms> terms = no_terms();      ///< of the law, which names them (control/law.hpp)
+  std::array<double, most_terms> terms = no_terms();  ///< of the law, which names them (control/law.hpp)
 
   static constexpr std::array<double, most_terms> no_terms() noexcept {
     std::array<double, most_terms> out;
@@ -53,35 +78,37 @@ struct Row {
   }
   /// v(name, member...) for the columns that no law names.
   template <class V, class... R> static constexpr void visit(V&& v, R&... r) {
-    v(std::string_view("t_s"), r.t_s...);
-    v(std::string_view("x_ref_m"), r.x_ref_m...);
-    v(std::string_view("v_ref_mps"), r.v_ref_mps...);
-    v(std::string_view("x_predicted_m"), r.x_predicted_m...);
-    v(std::string_view("x_m"), r.x_m...);
-    v(std::string_view("v_mps"), r.v_mps...);
-    v(std::string_view("u_V"), r.u_V...);
-    v(std::string_view("u1_V"), r.u1_V...);
-    v(std::string_view("u2_V"), r.u2_V...);
-    v(std::string_view("p1_port_Pa"), r.p1_port_Pa...);
-    v(std::string_view("p2_port_Pa"), r.p2_port_Pa...);
-    v(std::string_view("p1_chamber_Pa"), r.p1_chamber_Pa...);
-    v(std::string_view("p2_chamber_Pa"), r.p2_chamber_Pa...);
-    v(std::string_view("p1_estimated_Pa"), r.p1_estimated_Pa...);
-    v(std::string_view("p2_estimated_Pa"), r.p2_estimated_Pa...);
-    v(std::string_view("p1_bound_Pa"), r.p1_bound_Pa...);
-    v(std::string_view("p2_bound_Pa"), r.p2_bound_Pa...);
-    v(std::string_view("mass_flow_1_kgps"), r.mass_flow_1_kgps...);
-    v(std::string_view("mass_flow_2_kgps"), r.mass_flow_2_kgps...);
-    v(std::string_view("p_supply_Pa"), r.p_supply_Pa...);
-    v(std::string_view("x_true_m"), r.x_true_m...);
-    v(std::string_view("p1_chamber_true_Pa"), r.p1_chamber_true_Pa...);
-    v(std::string_view("p2_chamber_true_Pa"), r.p2_chamber_true_Pa...);
-    v(std::string_view("lateness_us"), r.lateness_us...);
-    v(std::string_view("work_us"), r.work_us...);
-    v(std::string_view("state"), r.state...);
-    v(std::string_view("flags"), r.flags...);
-    v(std::string_view("fault"), r.fault...);
+    const auto visit_measured = [&](Signal first, Signal last) {
+      for (std::size_t i = index_of(first); i <= index_of(last); ++i)
+        v(signal_table[i].column, r.measured[all_signals[i]]...);
+    };
+#define PNEUSERVO_VISIT(type, name, initial) v(std::string_view(#name), r.name...);
+#define PNEUSERVO_VISIT_MEASURED(first, last) visit_measured(Signal::first, Signal::last);
+    PNEUSERVO_ROW_COLUMNS(PNEUSERVO_VISIT, PNEUSERVO_VISIT_MEASURED)
+#undef PNEUSERVO_VISIT
+#undef PNEUSERVO_VISIT_MEASURED
   }
+};
+#undef PNEUSERVO_ROW_COLUMNS
+
+inline constexpr std::size_t row_column_count = [] {
+  std::size_t count = 0;
+  Row::visit([&](std::string_view) { ++count; });
+  return count;
+}();
+
+/// One column of numbers of a row: a member or a measured signal.
+class RowColumn {
+ public:
+  constexpr RowColumn(double Row::* member) noexcept : member_(member) {}
+  constexpr RowColumn(Signal signal) noexcept : signal_(signal) {}
+  constexpr double of(const Row& row) const noexcept {
+    return member_ != nullptr ? row.*member_ : row.measured[signal_];
+  }
+
+ private:
+  double Row::* member_ = nullptr;
+  Signal signal_ = Signal::x;
 };
 
 }  // namespace pneuservo

@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include <pneuservo/core/field.hpp>
+#include <pneuservo/core/signal.hpp>
 #include <pneuservo/hal/can_object.hpp>
 
 namespace pneuservo {
@@ -318,7 +319,7 @@ template <class Keys> struct ChannelParameters {
   bool is_on_board() const noexcept { return comedi || comedi_counter; }
 };
 
-/// Channels by the names of the recording's columns without their unit.
+/// What stands behind each signal and each command.
 struct HalChannels {
   ChannelParameters<PositionKeys> x;
   ChannelParameters<PressureKeys> p1_port, p2_port, p1_chamber, p2_chamber, p_supply;
@@ -334,6 +335,20 @@ struct HalChannels {
     v(Field{"u", "", 0, 0, "command of a cylinder's valve", optional}, p.u...);
     v(Field{"u1", "", 0, 0, "command of a servo table's valve 1", optional}, p.u1...);
     v(Field{"u2", "", 0, 0, "command of a servo table's valve 2", optional}, p.u2...);
+  }
+  /// f(signal, parameters) for every measured channel, in the order of signal_table.
+  template <class F> void for_each_input(F&& f) const {
+    visit(
+        [&](const Field& field, const auto& channel) {
+          if (const auto signal = signal_named(field.key)) f(*signal, channel);
+        },
+        *this);
+  }
+  /// f(key, valve, parameters) for every command; valve counts as in Command.
+  template <class F> void for_each_command(F&& f) const {
+    f(std::string_view("u"), std::size_t{0}, u);
+    f(std::string_view("u1"), std::size_t{0}, u1);
+    f(std::string_view("u2"), std::size_t{1}, u2);
   }
 };
 

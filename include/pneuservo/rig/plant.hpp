@@ -1,6 +1,7 @@
 // The simulated axis: valves, both lines with their chambers, slider and supply, built from the elements.
 #pragma once
 #include <pneuservo/core/pack.hpp>
+#include <pneuservo/core/signal.hpp>
 #include <pneuservo/elements/line_with_chamber.hpp>
 #include <pneuservo/elements/slider.hpp>
 #include <pneuservo/elements/valves.hpp>
@@ -238,5 +239,16 @@ template <class S> class AxisPlant {
   double last_step_s_ = 0.0;  // 0: no step yet
   bool chambers_leak_ = false, leak_zone_ = false, droops_ = false, swings_ = false, held_ = false;
 };
+
+/// What ideal sensors would show.
+template <class S> PerSignal<S> true_values(const AxisPlant<S>& plant) noexcept {
+  const auto port = plant.port_pressure(), chamber = plant.chamber_pressure();
+  PerSignal<S> values;
+  values[Signal::x] = plant.position();
+  values[Signal::p1_port] = low(port), values[Signal::p2_port] = high(port);
+  values[Signal::p1_chamber] = low(chamber), values[Signal::p2_chamber] = high(chamber);
+  values[Signal::p_supply] = plant.supply_pressure();
+  return values;
+}
 
 }  // namespace pneuservo

@@ -10,6 +10,7 @@
 
 #include <pneuservo/control/parameters.hpp>
 #include <pneuservo/control/reference.hpp>
+#include <pneuservo/core/signal.hpp>
 #include <pneuservo/elements/cushion.hpp>
 #include <pneuservo/elements/valves.hpp>
 #include <pneuservo/elements/vessel_effects.hpp>
@@ -20,12 +21,29 @@
 
 namespace pneuservo {
 
+/// Step of the readings of a sensor and its white noise (rms), in the unit of its signal.
+struct SensorResolution {
+  double quantum = 0.0, noise = 0.0;
+  double rms() const noexcept { return rms_with_quantum(noise, quantum); }
+};
+
 struct SensorsParameters {
   PositionSensorParameters position;
   PressureSensorParameters port_pressure;
   PressureSensorParameters chamber_pressure;
   PressureSensorParameters supply_pressure;
   ForceSensorParameters force;  ///< of a driven axis, which has position and force alone
+  /// Of the sensor of a signal, in the signal's unit.
+  SensorResolution resolution(Signal signal) const noexcept {
+    switch (info(signal).sensor) {
+      case SensorKind::position: return {position.quantum_m, position.noise_m};
+      case SensorKind::port_pressure: return {port_pressure.quantum_Pa, port_pressure.noise_Pa};
+      case SensorKind::chamber_pressure: return {chamber_pressure.quantum_Pa, chamber_pressure.noise_Pa};
+      case SensorKind::supply_pressure: return {supply_pressure.quantum_Pa, supply_pressure.noise_Pa};
+      case SensorKind::force: break;
+    }
+    return {force.quantum_N, force.noise_N};
+  }
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"position", "", 0, 0, "encoder"}, p.position...);
     v(Field{"port_pressure", "", 0, 0, "at the valve ports"}, p.port_pressure...);
@@ -235,13 +253,6 @@ inline std::vector<ControllerKind> laws_of(RigKind rig) {
   return out;
 }
 
-/// The six measured channels of a pneumatic axis, in the order of the recording's columns without their unit.
-inline constexpr std::array<std::string_view, 6> channel_names{"x",          "p1_port",    "p2_port",
-                                                               "p1_chamber", "p2_chamber", "p_supply"};
-/// All channels that a sensor's effect may name: those of a pneumatic axis and the drive force of a driven one.
-inline constexpr std::array<std::string_view, 7> sensor_names{"x",          "p1_port",  "p2_port", "p1_chamber",
-                                                              "p2_chamber", "p_supply", "F"};
-
 /// Everything one config file says. Keys, units, ranges, defaults and help stand in the visits.
 struct Rig {
   std::string format{rig_format_names[0]};
@@ -249,7 +260,7 @@ struct Rig {
   RigKind kind = RigKind::cylinder;
   double period_s = 0.001;
   AxisParameters<double> axis;                          ///< air ... slider, effects
-  std::array<SensorEffects<double>, 7> sensor_effects;  ///< effects `sensor_*:CHANNEL`, in the order of sensor_names
+  PerSignal<SensorEffects<double>> sensor_effects;      ///< effects `sensor_*:CHANNEL`
   SensorsParameters sensors;
   ControllerParameters controller;
   DriveParameters drive;  ///< of a driven axis
@@ -285,16 +296,16 @@ struct Rig {
   bool has_pistons() const noexcept {
     return kind != RigKind::vessel && (axis.cylinder.area_1_m2 > 0.0 || axis.cylinder.area_2_m2 > 0.0);
   }
-  /// Whether it has the channel of sensor_names[index].
-  bool has_sensor(std::size_t index) const noexcept {
-    constexpr std::size_t x = 0, p1_port = 1, p1_chamber = 3, p2_chamber = 4, force = 6;
+  /// Whether its recordings may hold this signal.
+  bool has_sensor(Signal signal) const noexcept {
     switch (kind) {
       case RigKind::driven_axis:
-        return index == x || index == force || (index == p1_chamber && axis.cylinder.area_1_m2 > 0.0) ||
-               (index == p2_chamber && axis.cylinder.area_2_m2 > 0.0);
-      case RigKind::vessel: return index == p1_chamber || (index == p1_port && line.has_value());
-      case RigKind::switched_cylinder: return index == x;
-      default: return index != force;
+        return signal == Signal::x || signal == Signal::F ||
+               (signal == Signal::p1_chamber && axis.cylinder.area_1_m2 > 0.0) ||
+               (signal == Signal::p2_chamber && axis.cylinder.area_2_m2 > 0.0);
+      case RigKind::vessel: return signal == Signal::p1_chamber || (signal == Signal::p1_port && line.has_value());
+      case RigKind::switched_cylinder: return signal == Signal::x;
+      default: return signal != Signal::F;
     }
   }
 

@@ -209,26 +209,29 @@ std::string stated_reading(Recording recording, const std::string& column, const
 
 std::vector<std::string> pressure_columns(const Recording& recording) {
   std::vector<std::string> out;
-  for (const char* name : {"p1_port_Pa", "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa", "p_supply_Pa"})
-    if (recording.has(name) && std::isfinite(quantile(recording.column(name), 0.5))) out.emplace_back(name);
+  for (const Signal signal : pressure_signals)
+    if (const std::string_view name = info(signal).column;
+        recording.has(name) && std::isfinite(quantile(recording.column(name), 0.5)))
+      out.emplace_back(name);
   return out;
 }
 
 void leave_out_absent_sensors(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
   if (!rig.is_pneumatic()) return;
-  const auto leave_out = [&](const PressureSensorParameters& sensor, const std::string& key,
-                             std::initializer_list<const char*> columns) {
-    if (sensor.noise_Pa > 0 || sensor.quantum_Pa > 0) return;  // stated
-    for (const char* column : columns)
-      if (recording.has(column)) {
+  const auto leave_out = [&](const std::string& key, std::initializer_list<Signal> signals) {
+    for (const Signal signal : signals) {
+      const std::string_view column = info(signal).column;
+      const bool is_stated = rig.sensors.resolution(signal).rms() > 0;
+      if (!is_stated && recording.has(column)) {
         recording.keep_columns([&](const std::string& name) { return name != column; });
         notes.push_back(fmt::format("{}: {} is left out: the config has no sensors.{}", recording.path, column, key));
       }
+    }
   };
   // Where chambers alone are measured they stand for the ports, whatever the config says of them.
-  if (recording.has("p1_port_Pa") && recording.has("p2_port_Pa"))
-    leave_out(rig.sensors.chamber_pressure, "chamber_pressure", {"p1_chamber_Pa", "p2_chamber_Pa"});
-  leave_out(rig.sensors.supply_pressure, "supply_pressure", {"p_supply_Pa"});
+  if (recording.has(info(Signal::p1_port).column) && recording.has(info(Signal::p2_port).column))
+    leave_out("chamber_pressure", {Signal::p1_chamber, Signal::p2_chamber});
+  leave_out("supply_pressure", {Signal::p_supply});
 }
 
 void doubt_position_unit(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {

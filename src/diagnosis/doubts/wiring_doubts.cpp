@@ -57,18 +57,20 @@ struct Wiring {
 
 std::vector<Wiring> wirings(const Recording& recording) {
   std::vector<Wiring> out;
-  const bool ports = recording.has("p1_port_Pa") && recording.has("p2_port_Pa");
-  const std::string kind = ports ? "port" : "chamber";
-  const std::string one = fmt::format("p1_{}_Pa", kind), two = fmt::format("p2_{}_Pa", kind);
-  out.push_back({fmt::format("p1_{0} and p2_{0} are exchanged", kind), {one, two}, [one, two](Recording& r) {
-                   exchange(r, one, two);
-                 }});
-  if (ports && recording.has("p1_chamber_Pa"))
+  const auto columns = [](const std::array<Signal, 2>& sides) {
+    return std::vector<std::string>{std::string(info(sides[0]).column), std::string(info(sides[1]).column)};
+  };
+  const std::vector<std::string> port = columns(port_signals), chamber = columns(chamber_signals);
+  const bool ports = recording.has(port[0]) && recording.has(port[1]);
+  const auto [one, two] = names_of(ports ? port_signals : chamber_signals);
+  out.push_back({fmt::format("{} and {} are exchanged", one, two), ports ? port : chamber,
+                 [pair = ports ? port : chamber](Recording& r) { exchange(r, pair[0], pair[1]); }});
+  if (ports && recording.has(chamber[0]))
     out.push_back({"sides 1 and 2 of ports and chambers are exchanged",
-                   {"p1_port_Pa", "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa"},
-                   [](Recording& r) {
-                     exchange(r, "p1_port_Pa", "p2_port_Pa");
-                     exchange(r, "p1_chamber_Pa", "p2_chamber_Pa");
+                   {port[0], port[1], chamber[0], chamber[1]},
+                   [port, chamber](Recording& r) {
+                     exchange(r, port[0], port[1]);
+                     exchange(r, chamber[0], chamber[1]);
                    }});
   out.push_back({"u_V has the other sign", {"u_V"}, [](Recording& r) { reverse(r, "u_V"); }});
   out.push_back({"x_m counts the other way", {"x_m"}, [](Recording& r) { reverse(r, "x_m"); }});
@@ -229,9 +231,9 @@ double port_misfit(const Rig& rig, const Recording& recording) {
     const GasCourse course =
         run_imposed(prepared.inputs, std::span(&run, 1), grid_for(rig, judge_effort, prepared.inputs.step_s()))[0];
     double difference = 0, swing = 0;
-    for (const GasChannel channel : {port_1, port_2, chamber_1, chamber_2, supply})
-      if (!prepared.measured_Pa[channel].empty())
-        add_misfit(prepared.measured_Pa[channel], course[channel], prepared.usable, difference, swing);
+    for (const Signal signal : pressure_signals)
+      if (!prepared.measured_Pa[signal].empty())
+        add_misfit(prepared.measured_Pa[signal], course[signal], prepared.usable, difference, swing);
     const double misfit = std::sqrt(difference / swing);
     return std::isfinite(misfit) ? misfit : infinite_misfit;
   } catch (const std::exception&) { return infinite_misfit; }

@@ -68,15 +68,15 @@ std::vector<double> smoothed_position(const GaussianKernel& kernel, const std::v
 void take_start_pressures(CylinderRecording& out, const std::string& path) {
   const GaussianKernel kernel(std::max(pressure_sigma_s, out.period_s()), out.period_s());
   for (std::size_t side = 0; side < 2; ++side) {
-    const std::size_t port = port_1 + side, chamber = chamber_1 + side;
-    const std::size_t source = !out.measured_Pa[port].empty() ? port : chamber;
+    const Signal port = port_signals[side], chamber = chamber_signals[side];
+    const Signal source = !out.measured_Pa[port].empty() ? port : chamber;
     if (out.measured_Pa[source].empty())
-      throw InputError(fmt::format("{}: found no column {}_Pa or {}_Pa, expected a pressure of side {}", path,
-                                   gas_channel_names[port], gas_channel_names[chamber], side + 1));
+      throw InputError(fmt::format("{}: found no column {} or {}, expected a pressure of side {}", path,
+                                   info(port).column, info(chamber).column, side + 1));
     std::vector<char> ignored(out.samples());
     std::vector<double> values = filled(out.measured_Pa[source], out.period_s(), ignored);
     values.resize(std::min(values.size(), out.inputs.release + 2 * kernel.reach()));
-    out.inputs.start_sensor[side] = source + 1;
+    out.inputs.start_sensor[side] = source;
     out.inputs.start_Pa[side] = kernel.apply(values, 0);
     out.inputs.start_Pa_per_s[side] = kernel.apply(values, 1);
   }
@@ -97,13 +97,11 @@ CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, 
   out.position_m = even.drawn(recording.column("x_m"));
   for (std::size_t valve = 0; valve < commands.size(); ++valve)
     out.inputs.command_V[valve] = filled(even.straight(recording.column(commands[valve])), out.period_s(), out.usable);
-  for (std::size_t channel = 0; channel < gas_channels; ++channel) {
-    const std::string column = fmt::format("{}_Pa", gas_channel_names[channel]);
-    if (!recording.has(column)) continue;
-    out.measured_Pa[channel] = even.placed(recording.column(column));
-    const auto& values = out.measured_Pa[channel];
-    if (std::none_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); }))
-      out.measured_Pa[channel].clear();
+  for (const Signal signal : pressure_signals) {
+    if (!recording.has(info(signal).column)) continue;
+    std::vector<double>& values = out.measured_Pa[signal];
+    values = even.placed(recording.column(info(signal).column));
+    if (std::none_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) values.clear();
   }
   const std::vector<double> position = filled(out.position_m, out.period_s(), out.usable);
   const GaussianKernel kernel(std::max(position_sigma_s, out.period_s()), out.period_s());

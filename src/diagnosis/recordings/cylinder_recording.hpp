@@ -21,7 +21,7 @@ struct CylinderRecording {
   double start_s = 0.0;                        ///< t_s of sample 0
   ImposedInputs inputs;
   std::vector<double> position_m;              ///< as measured; NaN: no value
-  std::array<std::vector<double>, gas_channels> measured_Pa;  ///< empty: no such column; NaN: no value
+  PerSignal<std::vector<double>> measured_Pa;  ///< of the pressures; empty: no such column; NaN: no value
   HeldOut held_out;
   MachineChanges changes;    ///< of the owner's rig while it was made
   std::vector<char> usable;  ///< may be compared: known inputs, and the gas has forgotten the start
@@ -30,10 +30,6 @@ struct CylinderRecording {
   double period_s() const { return inputs.period_s; }
   double time_s(std::size_t k) const { return start_s + period_s() * static_cast<double>(k); }
 };
-
-/// Column names (without unit) of the gas channels, in their order.
-inline constexpr std::array<std::string_view, gas_channels> gas_channel_names{"p1_port", "p2_port", "p1_chamber",
-                                                                              "p2_chamber", "p_supply"};
 
 /// Samples are the recording's own interval apart; the plant is stepped by the loop's periods in it. At most the first
 /// longest_s are taken. Throws InputError where position, command or any pressure of a side is

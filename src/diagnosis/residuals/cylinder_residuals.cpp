@@ -79,10 +79,10 @@ std::vector<double> with_gaps_filled(const std::vector<double>& measured, const 
   return out;
 }
 
-double largest_noise(const std::vector<CylinderRecording>& recordings, std::size_t channel, double configured) {
+double largest_noise(const std::vector<CylinderRecording>& recordings, Signal signal, double configured) {
   double noise = configured;
   for (const CylinderRecording& recording : recordings) {
-    const double seen = quiet_noise(recording.measured_Pa[channel]);
+    const double seen = quiet_noise(recording.measured_Pa[signal]);
     if (seen > noise_margin * configured) noise = std::max(noise, seen);
   }
   return noise;
@@ -101,12 +101,10 @@ double start_error(const CylinderRecording& recording, std::size_t side) {
 }
 
 double rms_drop(const GasCourse& course, std::size_t side) {
+  const std::vector<double>&port = course[port_signals[side]], &chamber = course[chamber_signals[side]];
   double sum = 0;
-  for (std::size_t k = 0; k < course[side].size(); ++k) {
-    const double drop = course[port_1 + side][k] - course[chamber_1 + side][k];
-    sum += drop * drop;
-  }
-  return std::sqrt(sum / static_cast<double>(course[side].size()));
+  for (std::size_t k = 0; k < port.size(); ++k) sum += (port[k] - chamber[k]) * (port[k] - chamber[k]);
+  return std::sqrt(sum / static_cast<double>(port.size()));
 }
 
 }  // namespace
@@ -135,30 +133,27 @@ CylinderResiduals::~CylinderResiduals() = default;
 
 void CylinderResiduals::declare_channels() {
   const auto courses = gas_->of(std::vector<Hypothesis>{{owner_, {}}});
-  const SensorsParameters& sensors = owner_.sensors;
-  for (std::size_t channel = 0; channel < gas_channels; ++channel) {
+  for (const Signal signal : pressure_signals) {
     if (std::none_of(recordings_.begin(), recordings_.end(),
-                     [&](const CylinderRecording& r) { return !r.measured_Pa[channel].empty(); }))
+                     [&](const CylinderRecording& r) { return !r.measured_Pa[signal].empty(); }))
       continue;
-    const PressureSensorParameters& sensor = channel == supply                        ? sensors.supply_pressure
-                                             : channel == port_1 || channel == port_2 ? sensors.port_pressure
-                                                                                      : sensors.chamber_pressure;
-    ResidualChannel out{std::string(gas_channel_names[channel]), "Pa", 0, pressure_floor_Pa};
-    out.noise = largest_noise(recordings_, channel, sensor.rms_Pa());
+    ResidualChannel out{std::string(info(signal).name), std::string(info(signal).unit), 0, pressure_floor_Pa};
+    out.noise = largest_noise(recordings_, signal, owner_.sensors.resolution(signal).rms());
     double drop = 0;
-    if (channel != supply)
-      for (const auto& course : courses[0]) drop = std::max(drop, rms_drop(*course, channel % 2));
+    if (signal != Signal::p_supply)
+      for (const auto& course : courses[0]) drop = std::max(drop, rms_drop(*course, side_of(signal)));
     if (std::isfinite(drop)) out.floor = std::hypot(pressure_floor_Pa, drop_share * drop);
     channels_.push_back(out);
-    gas_channel_.push_back(static_cast<int>(channel));
+    signals_.push_back(signal);
   }
   bool chambers = true;
   for (const CylinderRecording& recording : recordings_)
-    chambers = chambers && !recording.measured_Pa[chamber_1].empty() && !recording.measured_Pa[chamber_2].empty();
+    chambers = chambers && !recording.measured_Pa[Signal::p1_chamber].empty() &&
+               !recording.measured_Pa[Signal::p2_chamber].empty();
   const double supply_Pa = owner_.axis.supply.pressure_Pa - owner_.axis.air.atmosphere_Pa;
   const double share = supply_Pa > 0 ? std::min(1.0, supply_Pa / floor_supply_Pa) : 1.0;
   channels_.push_back({"F", "N", force_noise(0, 1), share * (chambers ? force_floor_N : force_floor_ports_N)});
-  gas_channel_.push_back(-1);
+  signals_.push_back(Signal::F);
 }
 
 double CylinderResiduals::force_noise(std::size_t recording, std::size_t count) const {
@@ -168,9 +163,8 @@ double CylinderResiduals::force_noise(std::size_t recording, std::size_t count) 
   double squares = balance.force_noise(mass, count) * balance.force_noise(mass, count);
   for (std::size_t side = 0; side < 2; ++side)
     for (std::size_t i = 0; i < channels_.size(); ++i) {
-      const auto wanted = [&](std::size_t channel) { return gas_channel_[i] == static_cast<int>(channel); };
-      const bool measured = !recordings_[recording].measured_Pa[chamber_1 + side].empty();
-      if (!wanted(measured ? chamber_1 + side : port_1 + side)) continue;
+      const bool measured = !recordings_[recording].measured_Pa[chamber_signals[side]].empty();
+      if (signals_[i] != (measured ? chamber_signals : port_signals)[side]) continue;
       const double gain = (measured ? balance.kernel() : slow_kernels_[recording]).noise_gain(0, count);
       squares += std::pow(areas[side] * channels_[i].noise * gain, 2);
     }
@@ -193,18 +187,18 @@ void CylinderResiduals::declare_rows() {
     const CylinderRecording& recording = recordings_[r];
     const auto bin = static_cast<std::size_t>(std::max(1.0, std::round(residual_bin_s / recording.period_s())));
     for (std::size_t c = 0; c < channels_.size(); ++c) {
-      const bool force = gas_channel_[c] < 0;
-      const std::vector<double>& command = recording.inputs.command_of(gas_channel_[c] % 2 == 1 ? 1 : 0);
-      if (!force && recording.measured_Pa[static_cast<std::size_t>(gas_channel_[c])].empty()) continue;
+      const Signal signal = signals_[c];
+      const bool force = signal == Signal::F;
+      const std::vector<double>& command = recording.inputs.command_of(side_of(signal));
+      if (!force && recording.measured_Pa[signal].empty()) continue;
       Stretch stretch{r, c, rows_.size(), {}, recording.usable, {}, {}};
       const std::vector<char> stops = balances_[r].near_end_stop(owner_.axis.cylinder.stroke_m);
       const std::vector<char> known = recording.usable;
       for (std::size_t k = 0; k < recording.samples(); ++k)
-        stretch.usable[k] =
-            known[k] && (force ? balances_[r].usable()[k] && !stops[k]
-                               : std::isfinite(recording.measured_Pa[static_cast<std::size_t>(gas_channel_[c])][k]));
-      const bool has_start = !force && gas_channel_[c] != static_cast<int>(supply);
-      const double start_Pa = has_start ? start_error(recording, static_cast<std::size_t>(gas_channel_[c]) % 2) : 0.0;
+        stretch.usable[k] = known[k] && (force ? balances_[r].usable()[k] && !stops[k]
+                                               : std::isfinite(recording.measured_Pa[signal][k]));
+      const bool has_start = !force && signal != Signal::p_supply;
+      const double start_Pa = has_start ? start_error(recording, side_of(signal)) : 0.0;
       for (std::size_t first = 0; first + bin <= recording.samples(); first += bin) {
         const auto part = [&](const std::vector<char>& marks) {
           const auto begin = marks.begin() + static_cast<std::ptrdiff_t>(first);
@@ -231,7 +225,7 @@ void CylinderResiduals::declare_rows() {
         stretch.times_s.push_back(row.time_s);
         rows_.push_back(row);
       }
-      if (gas_channel_[c] == port_1 || gas_channel_[c] == port_2) declare_answer(stretch, ringing[r]);
+      if (is_port(signal)) declare_answer(stretch, ringing[r]);
       stretches_.push_back(std::move(stretch));
     }
   }
@@ -239,12 +233,13 @@ void CylinderResiduals::declare_rows() {
 
 double CylinderResiduals::largest_ringing(const PossibleRinging& ringing, std::size_t recording, std::size_t channel,
                                           std::size_t first, std::size_t count) const {
-  const int gas = gas_channel_[channel];
+  const Signal signal = signals_[channel];
   const auto& measured = recordings_[recording].measured_Pa;
-  std::array<double, 2> factor{gas == port_1 ? 1.0 : 0.0, gas == port_2 ? 1.0 : 0.0};
-  if (gas < 0)  // the force rests on a port's pressure where its chamber has no sensor
-    factor = {measured[chamber_1].empty() ? owner_.axis.cylinder.area_1_m2 : 0.0,
-              measured[chamber_2].empty() ? -owner_.axis.cylinder.area_2_m2 : 0.0};
+  std::array<double, 2> factor{};
+  if (is_port(signal)) factor[side_of(signal)] = 1.0;
+  if (signal == Signal::F)  // the force rests on a port's pressure where its chamber has no sensor
+    factor = {measured[Signal::p1_chamber].empty() ? owner_.axis.cylinder.area_1_m2 : 0.0,
+              measured[Signal::p2_chamber].empty() ? -owner_.axis.cylinder.area_2_m2 : 0.0};
   double largest = 0;
   for (const PossibleCourse& course : ringing) {
     double sum = 0;
@@ -263,7 +258,7 @@ void CylinderResiduals::declare_answer(Stretch& stretch, const PossibleRinging& 
   for (std::size_t k = 0; k < used.size(); ++k)
     used[k] = used[k] && !recording.held_out(recording.time_s(k)) &&
               static_cast<double>(k) * recording.period_s() >= answer_from_s;
-  const auto side = static_cast<std::size_t>(gas_channel_[stretch.channel]) % 2;
+  const auto side = side_of(signals_[stretch.channel]);
   stretch.answer = CommandAnswer(recording.inputs.command_of(side), used);
   if (stretch.answer.rows() == 0) return;
   const Hypothesis owner{owner_, {}};
@@ -288,9 +283,9 @@ void CylinderResiduals::declare_answer(Stretch& stretch, const PossibleRinging& 
   std::vector<Eigen::VectorXd> off;
   for (const PossibleCourse& possible_course : possible) {
     GasCourse ports;
-    ports[port_1] = possible_course.pressure[0];
-    ports[port_2] = possible_course.pressure[1];
-    if (ports[static_cast<std::size_t>(gas_channel_[stretch.channel])].empty()) continue;
+    ports[Signal::p1_port] = possible_course.pressure[0];
+    ports[Signal::p2_port] = possible_course.pressure[1];
+    if (ports[signals_[stretch.channel]].empty()) continue;
     off.emplace_back(stretch.answer.of(course_of(rigs, ports, stretch).simulated) - answer);
   }
   for (const double rings : stretch.answer.turn_along(off)) {
@@ -303,13 +298,13 @@ std::vector<double> CylinderResiduals::chamber_pressure(const Rig& rig, const Ga
                                                         std::size_t side) const {
   const CylinderRecording& data = recordings_[recording];
   const GaussianKernel& kernel = balances_[recording].kernel();
-  const std::size_t chamber = chamber_1 + side, port = port_1 + side;
+  const Signal chamber = chamber_signals[side], port = port_signals[side];
   const bool measured = !data.measured_Pa[chamber].empty();
-  const std::size_t channel = measured ? chamber : port;
-  if (data.measured_Pa[channel].empty()) return kernel.apply(gas[chamber], 0);
-  const SensorEffects<double>& sensor = rig.sensor_effects[channel + 1];
-  const std::vector<double> simulated = readings(sensor, gas[channel], data.period_s());
-  const std::vector<double> reading = with_gaps_filled(data.measured_Pa[channel], simulated);
+  const Signal signal = measured ? chamber : port;
+  if (data.measured_Pa[signal].empty()) return kernel.apply(gas[chamber], 0);
+  const SensorEffects<double>& sensor = rig.sensor_effects[signal];
+  const std::vector<double> simulated = readings(sensor, gas[signal], data.period_s());
+  const std::vector<double> reading = with_gaps_filled(data.measured_Pa[signal], simulated);
   std::vector<double> error(reading.size());
   for (std::size_t k = 0; k < error.size(); ++k) error[k] = reading[k] - simulated[k];
   const double tau = sensor.sensor_lag.time_constant_s, gain = sensor.sensor_gain.gain;
@@ -356,10 +351,10 @@ CylinderResiduals::SampledCourse CylinderResiduals::force_course(const Rig& rig,
 CylinderResiduals::SampledCourse CylinderResiduals::course_of(const RecordedRigs& rigs, const GasCourse& gas,
                                                               const Stretch& stretch) const {
   const Rig& rig = rigs[stretch.recording];
-  if (gas_channel_[stretch.channel] < 0) return force_course(rig, gas, stretch.recording);
-  const auto channel = static_cast<std::size_t>(gas_channel_[stretch.channel]);
+  const Signal signal = signals_[stretch.channel];
+  if (signal == Signal::F) return force_course(rig, gas, stretch.recording);
   const CylinderRecording& data = recordings_[stretch.recording];
-  return {data.measured_Pa[channel], readings(rig.sensor_effects[channel + 1], gas[channel], data.period_s())};
+  return {data.measured_Pa[signal], readings(rig.sensor_effects[signal], gas[signal], data.period_s())};
 }
 
 Eigen::VectorXd CylinderResiduals::plain_column(const Rig& rig, const std::vector<GasRuns::Course>& gas) const {
@@ -393,7 +388,7 @@ std::vector<CylinderResiduals::Column> CylinderResiduals::plain_columns(std::spa
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {
     const NumberCollector collect{keys[i]};
     AxisParameters<double>::visit(collect, hypotheses[i].rig.axis);
-    for (const SensorEffects<double>& sensor : hypotheses[i].rig.sensor_effects)
+    for (const SensorEffects<double>& sensor : hypotheses[i].rig.sensor_effects.all)
       SensorEffects<double>::visit(collect, sensor);
     keys[i].insert(keys[i].end(), hypotheses[i].start_factors.begin(), hypotheses[i].start_factors.end());
     const auto known = known_columns_.find(keys[i]);
@@ -451,7 +446,7 @@ std::vector<double> CylinderResiduals::take_slow_error(const Hypothesis& hypothe
         for (const double row : rows) likelihood[stretch.channel] -= 0.5 * row * row;
       }
       for (std::size_t c = 0; c < channels_.size(); ++c)
-        if (likelihood[c] > best[c] && (gas_channel_[c] >= 0 || memory_s <= force_memory_s)) {
+        if (likelihood[c] > best[c] && (signals_[c] != Signal::F || memory_s <= force_memory_s)) {
           best[c] = likelihood[c];
           chosen[c] = {memory_s, level};
         }

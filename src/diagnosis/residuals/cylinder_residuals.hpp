@@ -86,7 +86,7 @@ class CylinderResiduals final : public ResidualModel {
   int jobs_ = 1;
   StopQuestion stop_;
   std::vector<ResidualChannel> channels_;
-  std::vector<int> gas_channel_;  ///< of each channel; -1: F
+  std::vector<Signal> signals_;  ///< of each channel
   std::vector<ResidualRow> rows_;
   std::vector<Stretch> stretches_;
   std::vector<SlowError> slow_errors_;  ///< of each channel

@@ -20,7 +20,6 @@ namespace {
 constexpr double floor_share = 5e-4;
 constexpr double no_force_N = 1e-9;  ///< floor of a force that is zero throughout
 constexpr double rest_noises = 2;  ///< of the drive: what any rest balances, so that no friction gains by noise
-constexpr std::size_t force_sensor = 6, chamber_sensor_1 = 3;
 /// Fitted rows of all recordings: twice the numbers of the largest explanation, three names of three numbers.
 constexpr std::ptrdiff_t least_rows = 18;
 constexpr double turn_share = 0.5;            ///< of the usual speed
@@ -178,7 +177,7 @@ std::pair<double, double> DrivenAxisResiduals::piston_force(const Part& part, co
   double force = 0, sum = 0;
   for (std::size_t side = 0; side < 2; ++side) {
     if (part.pressure_Pa[side].empty()) continue;
-    const SensorEffects<double>& sensor = rig.sensor_effects[chamber_sensor_1 + side];
+    const SensorEffects<double>& sensor = rig.sensor_effects[chamber_signals[side]];
     const double gauge = (part.pressure_Pa[side][i] - sensor.sensor_offset.offset) / sensor.sensor_gain.gain -
                          rig.axis.air.atmosphere_Pa;
     if (!std::isfinite(gauge)) continue;  // not usable
@@ -191,7 +190,7 @@ std::pair<double, double> DrivenAxisResiduals::piston_force(const Part& part, co
 std::pair<std::vector<double>, std::vector<double>> DrivenAxisResiduals::forces(const Part& part,
                                                                                 const Rig& rig) const {
   look_for_stop(stop_);
-  const SensorEffects<double>& sensor = rig.sensor_effects[force_sensor];
+  const SensorEffects<double>& sensor = rig.sensor_effects[Signal::F];
   std::vector<double> drive = part.drive_N;
   for (std::size_t i = 0; i < drive.size(); ++i)
     drive[i] = (drive[i] + sensor.sensor_lag.time_constant_s * part.drive_rate_Nps[i] - sensor.sensor_offset.offset) /

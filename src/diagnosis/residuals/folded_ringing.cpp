@@ -120,15 +120,15 @@ PossibleRinging possible_ringing(const ImposedInputs& inputs, const Rig& owner, 
   const Eigen::RowVectorXd weights = ringing_weights(stair_of(owner, inputs.period_s));
   PossibleRinging out;
   for (const GasCourse& whole : courses) {
-    if (!std::isfinite(whole[port_1].back())) continue;
+    if (!std::isfinite(whole[Signal::p1_port].back())) continue;
     PossibleCourse& course = out.emplace_back();
     if (long_enough(owner.axis.line_1)) {
-      course.ringing[0] = ringing(whole[port_1], weights);
-      course.pressure[0] = at_samples(whole[port_1]);
+      course.ringing[0] = ringing(whole[Signal::p1_port], weights);
+      course.pressure[0] = at_samples(whole[Signal::p1_port]);
     }
     if (long_enough(owner.axis.line_2)) {
-      course.ringing[1] = ringing(whole[port_2], weights);
-      course.pressure[1] = at_samples(whole[port_2]);
+      course.ringing[1] = ringing(whole[Signal::p2_port], weights);
+      course.pressure[1] = at_samples(whole[Signal::p2_port]);
     }
   }
   return out;

@@ -126,7 +126,7 @@ std::vector<char> ForceBalance::near_end_stop(double stroke_m) const {
 
 std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const double> drive_N,
                                                  std::span<const double> gauge_pressure_sum_Pa, double held_N) const {
-  const SensorEffects<double>& sensor = rig.sensor_effects[0];
+  const SensorEffects<double>& sensor = rig.sensor_effects[Signal::x];
   const MotionEffects<double>& effects = rig.axis.effects.motion;
   Slider<double> slider;
   slider.configure(rig.axis.slider, effects, 1.0, 0.0);

@@ -19,7 +19,7 @@ namespace {
 constexpr double work_effort_per_s = 100e3, fine_effort_per_s = 2000e3;
 constexpr std::size_t most_known = 64;  // courses kept of each recording, 0.3 MB each for 8 s
 
-bool finite(const GasCourse& course) { return std::isfinite(course[0].back()); }
+bool finite(const GasCourse& course) { return std::isfinite(course[Signal::p1_port].back()); }
 
 /// As run_imposed; a rig that an element refuses has a course of NaN, which drops that hypothesis and no other.
 std::vector<GasCourse> run_or_drop(const ImposedInputs& inputs, std::span<const ImposedRun> runs, const PlantGrid& grid,
@@ -30,7 +30,8 @@ std::vector<GasCourse> run_or_drop(const ImposedInputs& inputs, std::span<const 
     throw;
   } catch (const std::exception&) {
     GasCourse nothing;
-    for (auto& values : nothing) values.assign(inputs.samples(), std::numeric_limits<double>::quiet_NaN());
+    for (const Signal signal : pressure_signals)
+      nothing[signal].assign(inputs.samples(), std::numeric_limits<double>::quiet_NaN());
     if (runs.size() == 1) return {nothing};
     std::vector<GasCourse> out;
     for (const ImposedRun& run : runs) out.push_back(run_or_drop(inputs, std::span(&run, 1), grid, stop)[0]);
@@ -81,8 +82,8 @@ GasRuns::Key GasRuns::key_of(const ImposedRun& run, std::size_t recording) const
   Key key;
   const NumberCollector collect{key};
   AxisParameters<double>::visit(collect, axis);
-  SensorEffects<double>::visit(collect, run.rig->sensor_effects[0]);
-  for (const std::size_t sensor : recordings_[recording].inputs.start_sensor)
+  SensorEffects<double>::visit(collect, run.rig->sensor_effects[Signal::x]);
+  for (const Signal sensor : recordings_[recording].inputs.start_sensor)
     SensorEffects<double>::visit(collect, run.rig->sensor_effects[sensor]);
   for (const double factor : run.start_factor) key.push_back(factor);
   return key;
@@ -111,8 +112,8 @@ void GasRuns::compute(Batch& batch) const {
   const GasCourse& error = grid_error_[batch.recording];
   for (GasCourse& course :
        run_or_drop(recordings_[batch.recording].inputs, batch.runs, work_grid_[batch.recording], stop_)) {
-    for (std::size_t channel = 0; channel < gas_channels && !error[channel].empty(); ++channel)
-      for (std::size_t k = 0; k < course[channel].size(); ++k) course[channel][k] += error[channel][k];
+    for (const Signal signal : pressure_signals)
+      for (std::size_t k = 0; k < error[signal].size(); ++k) course[signal][k] += error[signal][k];
     batch.courses.push_back(std::make_shared<const GasCourse>(std::move(course)));
   }
 }
@@ -166,8 +167,8 @@ void GasRuns::set_working_point(const Hypothesis& hypothesis) {
   });
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
     if (!finite(fine[r]) || !finite(work[r])) continue;
-    for (std::size_t channel = 0; channel < gas_channels; ++channel)
-      for (std::size_t k = 0; k < fine[r][channel].size(); ++k) fine[r][channel][k] -= work[r][channel][k];
+    for (const Signal signal : pressure_signals)
+      for (std::size_t k = 0; k < fine[r][signal].size(); ++k) fine[r][signal][k] -= work[r][signal][k];
     grid_error_[r] = std::move(fine[r]);
     known_[r].clear();
     order_[r].clear();

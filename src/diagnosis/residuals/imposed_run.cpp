@@ -31,7 +31,7 @@ template <class S> class ImposedSimulation {
     for (std::size_t i = 1; i < runs.size(); ++i) set_parameters_lane(axis, static_cast<int>(i), runs[i].rig->axis);
     plant_.configure(axis, inputs.step_s(), grid, valve_arrangement(*runs[0].rig));
     for (GasCourse& course : courses_)
-      for (auto& values : course) values.resize(inputs.samples());
+      for (const Signal signal : pressure_signals) course[signal].resize(inputs.samples());
   }
 
   std::vector<GasCourse> run() {
@@ -61,12 +61,12 @@ template <class S> class ImposedSimulation {
   }
   S position(std::size_t k) const {
     return each_lane([&](const ImposedRun& run) {
-      return true_value(run.rig->sensor_effects[0], inputs_.position_m[k], inputs_.velocity_mps[k]);
+      return true_value(run.rig->sensor_effects[Signal::x], inputs_.position_m[k], inputs_.velocity_mps[k]);
     });
   }
   S position_within(std::size_t k, int step) const {
     return each_lane([&](const ImposedRun& run) {
-      return true_value(run.rig->sensor_effects[0], inputs_.position_at(k, step), inputs_.velocity_mps[k]);
+      return true_value(run.rig->sensor_effects[Signal::x], inputs_.position_at(k, step), inputs_.velocity_mps[k]);
     });
   }
   P port_pressures(std::size_t k) const {
@@ -90,12 +90,9 @@ template <class S> class ImposedSimulation {
     plant_.scale_gas(P(1) + P(gain) * (port_pressures(k) / plant_.port_pressure() - P(1)), P(1));
   }
   void store(std::size_t k) {
-    const P port = plant_.port_pressure(), chamber = plant_.chamber_pressure();
-    const std::array<S, gas_channels> values{low(port), high(port), low(chamber), high(chamber),
-                                             plant_.supply_pressure()};
-    for (std::size_t channel = 0; channel < gas_channels; ++channel)
-      for (std::size_t i = 0; i < runs_.size(); ++i)
-        courses_[i][channel][k] = lane(values[channel], static_cast<int>(i));
+    const PerSignal<S> values = true_values(plant_);
+    for (const Signal signal : pressure_signals)
+      for (std::size_t i = 0; i < runs_.size(); ++i) courses_[i][signal][k] = lane(values[signal], static_cast<int>(i));
   }
   /// At the latest after steps_between_looks steps of the plant, or one sample that has more.
   void look_sometimes() {
@@ -105,10 +102,10 @@ template <class S> class ImposedSimulation {
     look_for_stop(stop_);
   }
   static void refuse_absurd(GasCourse& course) {
-    for (const auto& values : course)
+    for (const auto& values : course.all)
       for (const double value : values)
         if (!(value > 0.0) || !(value < highest_pressure_Pa)) {  // NaN too
-          for (auto& all : course) std::fill(all.begin(), all.end(), std::numeric_limits<double>::quiet_NaN());
+          for (auto& all : course.all) std::fill(all.begin(), all.end(), std::numeric_limits<double>::quiet_NaN());
           return;
         }
   }

@@ -24,7 +24,7 @@ struct ImposedInputs {
   std::vector<double> position_m, velocity_mps;       ///< as measured, smoothed
   std::array<std::vector<double>, 2> start_Pa;        ///< pressure at or near each port, as measured, smoothed
   std::array<std::vector<double>, 2> start_Pa_per_s;  ///< and its rate
-  std::array<std::size_t, 2> start_sensor{1, 2};      ///< whose reading that is (index into channel_names)
+  std::array<Signal, 2> start_sensor = port_signals;  ///< whose reading that is
   std::size_t release = 0;                            ///< samples in which the gas follows these pressures
 
   double step_s() const { return period_s / steps; }
@@ -36,9 +36,8 @@ struct ImposedInputs {
   double position_at(std::size_t k, int step) const;  ///< at the step's end; step = steps - 1 is sample k + 1
 };
 
-/// Simulated quantities at every sample, just before its command acts: true values, no sensor in them.
-enum GasChannel : std::size_t { port_1, port_2, chamber_1, chamber_2, supply, gas_channels };
-using GasCourse = std::array<std::vector<double>, gas_channels>;
+/// Simulated pressures at every sample, just before its command acts: true values, no sensor in them.
+using GasCourse = PerSignal<std::vector<double>>;
 
 /// One rig to simulate with the factors on its gas when it is left to itself.
 struct ImposedRun {

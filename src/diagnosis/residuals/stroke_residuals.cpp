@@ -50,7 +50,7 @@ StrokeResiduals::StrokeResiduals(const Rig& rig, const std::vector<Recording>& r
 std::vector<std::vector<double>> StrokeResiduals::simulated(const Hypothesis& hypothesis, std::size_t r) const {
   const Rig& rig = hypothesis.rig;
   const SampledRecording& recording = recordings()[r];
-  const SensorEffects<double>& sensor = rig.sensor_effects[0];
+  const SensorEffects<double>& sensor = rig.sensor_effects[Signal::x];
   // The first command was given before the recording begins.
   const CommandProgram program = carried_out(programs_[r], 1, rig.axis.effects.valve.command_delay.delay_s);
   SwitchedCylinderPlant plant(rig, recording.position_m.front(), program.commands.front());

@@ -16,7 +16,6 @@ namespace pneuservo {
 namespace {
 
 constexpr double steps_a_recording = 8000, longest_step_s = 0.05, line_period_s = 1e-3;
-constexpr std::size_t port_sensor = 1, chamber_sensor = 3;
 constexpr double fitted_share = 2.0 / 3.0;
 constexpr double supply_sigma = 0.03;  ///< of a supply that was set, not measured
 constexpr double steps_after_event = 10;  ///< of rows: later the first row does not see what the event found
@@ -34,11 +33,11 @@ double VesselResiduals::start_factor_sigma() const {
 }
 
 VesselResiduals::VesselResiduals(const Rig& rig, const std::vector<Recording>& recordings, int jobs) {
-  std::vector<ResidualChannel> channels{
-      {"p1_chamber", "Pa", rig.sensors.chamber_pressure.rms_Pa(), rig.model_error.pressure_Pa}};
+  std::vector<ResidualChannel> channels{{std::string(info(Signal::p1_chamber).name), "Pa",
+                                         rig.sensors.chamber_pressure.rms_Pa(), rig.model_error.pressure_Pa}};
   if (rig.line) {
     channels.push_back(channels.front());
-    channels.back().name = "p1_port";
+    channels.back().name = info(Signal::p1_port).name;
   }
   const bool has_held_out = any_held_out(recordings);
   std::vector<SampledRecording> prepared;
@@ -112,8 +111,8 @@ std::vector<std::vector<double>> VesselResiduals::simulated(const Hypothesis& hy
       plant.step(h, program.at(now + 1e-9), supply_Pa);
       now += h;
     }
-    out[0].push_back(reading(rig.sensor_effects[chamber_sensor], plant.chamber_Pa()));
-    if (rig.line) out[1].push_back(reading(rig.sensor_effects[port_sensor], plant.port_Pa()));
+    out[0].push_back(reading(rig.sensor_effects[Signal::p1_chamber], plant.chamber_Pa()));
+    if (rig.line) out[1].push_back(reading(rig.sensor_effects[Signal::p1_port], plant.port_Pa()));
   }
   return out;
 }

@@ -283,12 +283,12 @@ Candidate parameter_candidate(const FreeParameter& known, const ScaleTable& scal
 
 void add_sensors(const Rig& rig, const MotionRange& range, const std::vector<ResidualChannel>& channels,
                  std::vector<Candidate>& out) {
-  for (const std::string_view channel : sensor_names) {
-    const std::string name(channel);
+  for (const Signal signal : all_signals) {
+    const std::string name(info(signal).name);
     const bool compared = std::any_of(channels.begin(), channels.end(),
                                       [&](const ResidualChannel& c) { return c.name == name && !c.is_balance; });
-    const bool moves = name == "x" && rig.kind != RigKind::vessel;
-    const bool acts = name.ends_with("_chamber") && rig.kind == RigKind::driven_axis;  // in the force balance
+    const bool moves = signal == Signal::x && rig.kind != RigKind::vessel;
+    const bool acts = is_chamber(signal) && rig.kind == RigKind::driven_axis;  // in the force balance
     if (!moves && !((compared || acts) && has_parameter(rig, fmt::format("effects.sensor_offset:{}.offset", name))))
       continue;
     const ScaleTable scales{rig, range, name};

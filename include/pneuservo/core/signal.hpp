@@ -1,0 +1,103 @@
+// Every measured quantity of a rig, once: its name, unit, recording column, sensor and side.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace pneuservo {
+
+enum class Signal : std::uint8_t { x, p1_port, p2_port, p1_chamber, p2_chamber, p_supply, F };
+
+/// Signals of one kind share the section of `sensors` that describes their sensor.
+enum class SensorKind : std::uint8_t { position, port_pressure, chamber_pressure, supply_pressure, force };
+
+/// `name` is the key in hal.channels, zeros and effects; `column` is name and unit. Side 0: no side of the cylinder.
+struct SignalInfo {
+  std::string_view name, unit, column;
+  SensorKind sensor;
+  std::uint8_t side;
+};
+
+/// In the order of Signal. Positions are 0 at mid-stroke, pressures absolute.
+inline constexpr std::array signal_table{
+    SignalInfo{"x", "m", "x_m", SensorKind::position, 0},
+    SignalInfo{"p1_port", "Pa", "p1_port_Pa", SensorKind::port_pressure, 1},
+    SignalInfo{"p2_port", "Pa", "p2_port_Pa", SensorKind::port_pressure, 2},
+    SignalInfo{"p1_chamber", "Pa", "p1_chamber_Pa", SensorKind::chamber_pressure, 1},
+    SignalInfo{"p2_chamber", "Pa", "p2_chamber_Pa", SensorKind::chamber_pressure, 2},
+    SignalInfo{"p_supply", "Pa", "p_supply_Pa", SensorKind::supply_pressure, 0},
+    SignalInfo{"F", "N", "F_N", SensorKind::force, 0},
+};
+inline constexpr std::size_t signal_count = signal_table.size();
+
+constexpr std::size_t index_of(Signal signal) noexcept { return static_cast<std::size_t>(signal); }
+constexpr const SignalInfo& info(Signal signal) noexcept { return signal_table[index_of(signal)]; }
+constexpr bool is_pressure(Signal signal) noexcept { return info(signal).unit == "Pa"; }
+constexpr bool is_port(Signal signal) noexcept { return info(signal).sensor == SensorKind::port_pressure; }
+constexpr bool is_chamber(Signal signal) noexcept { return info(signal).sensor == SensorKind::chamber_pressure; }
+/// Whether a running axis has a channel for it: a drive force is only recorded.
+constexpr bool is_channel(Signal signal) noexcept { return info(signal).sensor != SensorKind::force; }
+/// Index of its side in pairs of both sides; 0 where it has none.
+constexpr std::size_t side_of(Signal signal) noexcept { return info(signal).side == 2 ? 1 : 0; }
+
+/// All signals in their order.
+inline constexpr std::array<Signal, signal_count> all_signals = [] {
+  std::array<Signal, signal_count> all{};
+  for (std::size_t i = 0; i < signal_count; ++i) all[i] = static_cast<Signal>(i);
+  return all;
+}();
+
+/// The signals that are so, in their order.
+template <bool (*is)(Signal) noexcept> constexpr auto signals_that() noexcept {
+  constexpr auto count = static_cast<std::size_t>(std::ranges::count_if(all_signals, is));
+  std::array<Signal, count> kept{};
+  std::ranges::copy_if(all_signals, kept.begin(), is);
+  return kept;
+}
+inline constexpr auto channel_signals = signals_that<is_channel>();
+inline constexpr auto pressure_signals = signals_that<is_pressure>();
+inline constexpr auto port_signals = signals_that<is_port>();        ///< by side
+inline constexpr auto chamber_signals = signals_that<is_chamber>();  ///< by side
+
+/// One T for every signal, indexed by Signal alone.
+template <class T> struct PerSignal {
+  std::array<T, signal_count> all{};
+  constexpr T& operator[](Signal signal) noexcept { return all[index_of(signal)]; }
+  constexpr const T& operator[](Signal signal) const noexcept { return all[index_of(signal)]; }
+};
+
+/// The signal of a name such as "p1_port"; none where there is no such signal.
+constexpr std::optional<Signal> signal_named(std::string_view name) noexcept {
+  for (const Signal signal : all_signals)
+    if (info(signal).name == name) return signal;
+  return std::nullopt;
+}
+
+/// The signal of a recording's column such as "p1_port_Pa"; none where the column is no measurement.
+constexpr std::optional<Signal> signal_of_column(std::string_view column) noexcept {
+  for (const Signal signal : all_signals)
+    if (info(signal).column == column) return signal;
+  return std::nullopt;
+}
+
+/// Names of the signals of a list, for messages and manuals.
+template <std::size_t N>
+constexpr std::array<std::string_view, N> names_of(const std::array<Signal, N>& signals) noexcept {
+  std::array<std::string_view, N> names;
+  for (std::size_t i = 0; i < N; ++i) names[i] = info(signals[i]).name;
+  return names;
+}
+
+constexpr bool columns_are_names_with_units() noexcept {
+  for (const SignalInfo& s : signal_table)
+    if (s.column.size() != s.name.size() + 1 + s.unit.size() || !s.column.starts_with(s.name) ||
+        s.column[s.name.size()] != '_' || !s.column.ends_with(s.unit))
+      return false;
+  return true;
+}
+static_assert(columns_are_names_with_units());
+
+}  // namespace pneuservo

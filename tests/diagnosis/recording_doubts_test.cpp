@@ -98,6 +98,24 @@ TEST_CASE("each mistake of units and wiring is named and undone, on drawn machin
   }
 }
 
+TEST_CASE("gauge pressures are told beside a valve whose neutral is off, which pressures that are right stay with") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  Rig owner = test::cylinder_rig(10.0);
+  Rig machine = drawn_machine(generator, owner);
+  machine.axis.effects.valve.valve_offset.offset_V = std::uniform_real_distribution<double>(0.006, 0.02)(generator);
+  std::vector<Recording> right{test::simulated_recording(machine, 6.0, seed, ports)}, wrong = right;
+  for (const auto& p : ports) shift(wrong[0].column(p), 1, -101325);
+  std::vector<std::string> notes;
+  CAPTURE(port_misfit(owner, right[0]), port_misfit(owner, wrong[0]), notes);
+  REQUIRE_NOTHROW(doubt_recordings(owner, right, notes));
+  CHECK(notes.empty());
+  REQUIRE_NOTHROW(doubt_recordings(owner, wrong, notes));
+  REQUIRE(notes.size() == 1);
+  CHECK_THAT(notes[0], Contains("gauge"));
+}
+
 TEST_CASE("mistakes that come together are undone together, and stated beside the map that the file has") {
   const unsigned seed = test::new_seed();
   INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");

@@ -32,6 +32,8 @@ constexpr double judge_effort = 60;  ///< cells times sub-steps: a share of the 
 /// reversed channels by 2.6 to 67, and never less than 2.6 times what they miss by as they are wired.
 constexpr double doubtful_wiring = 1.0, doubtful_unit = 0.25;  ///< misfit as recorded below which nothing is doubted
 constexpr double decisive = 0.4;  ///< of the misfit as recorded, that another reading must come down to
+constexpr double neutral_tolerance = 0.02;  ///< of the command's range: data sheets state 5 +- 0.1 V of 0 to 10 V
+constexpr int neutral_steps = 8;            ///< of a golden section: to 0.05 % of the range
 /// Of the lead that a held force has: a force is of its instant where its own lead is less, and known to that.
 constexpr double instant_share = 0.4, least_known = 0.2;
 constexpr double slow_share = 0.1;  ///< of the top speed: slower motion may stick
@@ -122,27 +124,45 @@ std::vector<Choice> choices_of(const std::vector<ReadingsOf>& kinds) {
   return out;
 }
 
-/// The choice that alone brings the misfit down; as recorded where that fits. Two are asked for.
-Choice decided(const Rig& rig, const Recording& recording, const std::vector<ReadingsOf>& kinds) {
-  const std::vector<Choice> choices = choices_of(kinds);
-  if (choices.size() == 1) return choices.front();
-  const Recording judged = most_moving_part(recording, judged_s);
-  std::vector<double> misfits;
-  std::size_t as_recorded = choices.size();
+/// The least misfit over neutrals of the valve within what data sheets allow: an error of the neutral moves simulated
+/// pressures ever further, as wrong pressures do.
+double misfit_at_best_neutral(const Rig& rig, const Recording& recording) {
+  if (!recording.has("u_V")) return port_misfit(rig, recording);
+  const double golden = 0.5 * (std::sqrt(5.0) - 1), most_V = neutral_tolerance * rig.axis.valve.command_max_V;
+  const auto misfit_at = [&](double neutral_V) {
+    Recording shifted = recording;
+    for (double& command_V : shifted.column("u_V")) command_V += neutral_V;
+    return port_misfit(rig, shifted);
+  };
+  double low = -most_V, high = most_V, a = high - golden * (high - low), b = low + golden * (high - low);
+  double at_a = misfit_at(a), at_b = misfit_at(b);
+  for (int step = 0; step < neutral_steps; ++step)
+    if (at_a < at_b) {
+      high = std::exchange(b, a);
+      at_b = std::exchange(at_a, misfit_at(a = high - golden * (high - low)));
+    } else {
+      low = std::exchange(a, b);
+      at_a = std::exchange(at_b, misfit_at(b = low + golden * (high - low)));
+    }
+  return std::min(at_a, at_b);
+}
+
+using MisfitOf = double (*)(const Rig&, const Recording&);
+
+std::vector<double> misfits_of(const Rig& rig, const Recording& judged, const std::vector<ReadingsOf>& kinds,
+                               const std::vector<Choice>& choices, MisfitOf misfit_of) {
+  std::vector<double> out;
   for (const Choice& choice : choices) {
     Recording tried = judged;
-    bool changes = false;
-    for (std::size_t k = 0; k < kinds.size(); ++k) {
-      changes = changes || !is_as_recorded(kinds[k].readings[choice[k]]);
-      apply(kinds[k], choice[k], tried);
-    }
-    misfits.push_back(port_misfit(rig, tried));
-    if (changes) continue;
-    as_recorded = misfits.size() - 1;
-    if (misfits.back() < doubtful_unit) return choice;
+    for (std::size_t k = 0; k < kinds.size(); ++k) apply(kinds[k], choice[k], tried);
+    out.push_back(misfit_of(rig, tried));
   }
-  const auto best = static_cast<std::size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
-  if (as_recorded < choices.size() && !(misfits[best] < decisive * misfits[as_recorded])) return choices[as_recorded];
+  return out;
+}
+
+/// Throws where another choice fits as well as the best one does.
+void ask_where_two_fit(const Recording& recording, const std::vector<ReadingsOf>& kinds,
+                       const std::vector<Choice>& choices, const std::vector<double>& misfits, std::size_t best) {
   for (std::size_t i = 0; i < misfits.size(); ++i) {
     if (i == best || !(misfits[best] > decisive * misfits[i])) continue;
     std::size_t k = 0;
@@ -152,7 +172,29 @@ Choice decided(const Rig& rig, const Recording& recording, const std::vector<Rea
         "{}: {} or {}? State it: {}", kinds[k].evidence, one.name.empty() ? "as recorded" : one.name,
         other.name.empty() ? "as recorded" : other.name, stated_reading(recording, kinds[k].columns.front(), one)));
   }
-  return choices[best];
+}
+
+/// The choice that alone brings the misfit down; as recorded where that fits. Two are asked for.
+Choice decided(const Rig& rig, const Recording& recording, const std::vector<ReadingsOf>& kinds) {
+  const std::vector<Choice> choices = choices_of(kinds);
+  if (choices.size() == 1) return choices.front();
+  const Recording judged = most_moving_part(recording, judged_s);
+  const auto found = std::find_if(choices.begin(), choices.end(), [&](const Choice& choice) {
+    for (std::size_t k = 0; k < kinds.size(); ++k)
+      if (!is_as_recorded(kinds[k].readings[choice[k]])) return false;
+    return true;
+  });
+  const auto as_recorded = static_cast<std::size_t>(found - choices.begin());
+  const bool is_possible = found != choices.end();
+  for (const MisfitOf misfit_of : {&port_misfit, &misfit_at_best_neutral}) {
+    const std::vector<double> misfits = misfits_of(rig, judged, kinds, choices, misfit_of);
+    if (is_possible && misfits[as_recorded] < doubtful_unit) break;
+    const auto best = static_cast<std::size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
+    if (is_possible && !(misfits[best] < decisive * misfits[as_recorded])) continue;
+    ask_where_two_fit(recording, kinds, choices, misfits, best);
+    return choices[best];
+  }
+  return choices[as_recorded];
 }
 
 /// What the recording's channels may be meant as; throws where a kind has no reading.

@@ -48,13 +48,13 @@ class Addition:
 
 EFFECT = "include/pneuservo/elements/"
 FILL_ROW = Edit("src/loop/axis_loop.cpp", "\n  row_.toy_mps = 2.0 * velocity_mps_;", "  row_.v_mps = velocity_mps_;")
-# One line where the columns are a list, else a member, its line of the visit and the count of all.
+# One line where the columns are a list, else a member and its line of the visit.
 if "COLUMN(double, v_mps, none)" in (SOURCE / "include/pneuservo/record/row.hpp").read_text(encoding="utf-8"):
     COLUMN_EDITS = (Edit("include/pneuservo/record/row.hpp", " COLUMN(double, toy_mps, none)", "COLUMN(double, v_mps, none)"), FILL_ROW)
 else:
     COLUMN_EDITS = (Edit("include/pneuservo/record/row.hpp", "\n  double toy_mps = none;", "  double x_m = none, v_mps = none;"),
                     Edit("include/pneuservo/record/row.hpp", '\n    v(std::string_view("toy_mps"), r.toy_mps...);', '    v(std::string_view("v_mps"), r.v_mps...);'),
-                    Edit("src/record/row_text.hpp", " + 1", "column_count = 32"), FILL_ROW)
+                    FILL_ROW)
 ADDITIONS = (
     Addition("effect", "toy_drag", (
         Edit(EFFECT + "motion_effects.hpp", '''

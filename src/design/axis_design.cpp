@@ -20,8 +20,6 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double step_shown_s = 1.0;
 
-bool is_table(const Rig& rig) { return rig.kind == RigKind::servo_table; }
-
 MovedMass moved_mass(const AxisLinearisation& linear) { return {linear.mass_kg, linear.friction_Ns_per_m}; }
 
 Ppd2Gains gains_of(const ControllerParameters& controller, const AxisLinearisation& linear) {

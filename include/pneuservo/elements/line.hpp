@@ -28,7 +28,7 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
   void configure(const LineParameters<S>& line, const AirParameters<S>& air_parameters, int cells) {
     air_ = Air<S>(air_parameters);
     length_ = line.length_m;
-    set_port_constants(S(0.35));
+    port_constants_ = PortConstants<S>(air_, S(0.35), port_constants_.tolerance);
     diameter_ = line.diameter_m;
     cross_section_ = S(0.78539816339744831) * diameter_ * diameter_;
     friction_ = PipeFriction<S>(line, air_);
@@ -135,7 +135,7 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
   LineFlow<S> advance_ends_valve(const ValvePort<S>& valve, const ChamberEnd<S>& chamber) noexcept {
     // Once, unless somebody changes the valve in flight.
     if (any(!(valve.critical_pressure_ratio == port_constants_.shape.critical))) [[unlikely]]
-      set_port_constants(valve.critical_pressure_ratio);
+      port_constants_ = PortConstants<S>(air_, valve.critical_pressure_ratio, port_constants_.tolerance);
     return advance_ends(chamber, [&](Face& face, const Cell& first) noexcept { valve_port_flux(valve, face, first); });
   }
   void advance_inside() noexcept {
@@ -185,12 +185,6 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
   using FaceRow = line_scheme::FaceRow<S>;
   using End = typename LineMemory<S>::End;
   static constexpr int per_group = GroupOf<S>::elements;
-
-  void set_port_constants(const S& critical_pressure_ratio) noexcept {
-    const double tolerance = port_constants_.tolerance;
-    port_constants_ = PortConstants<S>(air_, critical_pressure_ratio);
-    port_constants_.tolerance = tolerance;
-  }
 
   // Cells q g .. q g + g - 1 stand in cell group q, faces (q-1) g + 1 .. q g in face group q (g = per_group): the left
   // cells of a face group are a cell group, the right faces of a cell group are a face group.

@@ -59,14 +59,14 @@ template <class S> struct OrificeShape {
 
 /// What the solution needs of the gas and the orifices' shape, computed once.
 template <class S> struct PortConstants {
-  double tolerance = port_tolerance;
+  double tolerance;  ///< relative change of the port pressure at which the iteration ends
   S inverse_RT, half_inverse_cp, inflow,
       inverse_atmosphere;  // inflow: K_f/sqrt(R T_s), choked flow per pressure and area
   detail::OrificeShape<S> shape;
 
   PortConstants() noexcept : PortConstants(Air<S>{}, S(0.35)) {}
-  PortConstants(const Air<S>& air, const S& critical_pressure_ratio) noexcept
-      : inverse_RT(S(1) / (air.R * air.temperature_K)), half_inverse_cp(S(0.5) / air.cp),
+  PortConstants(const Air<S>& air, const S& critical_pressure_ratio, double ends_at = port_tolerance) noexcept
+      : tolerance(ends_at), inverse_RT(S(1) / (air.R * air.temperature_K)), half_inverse_cp(S(0.5) / air.cp),
         inflow(air.flow_constant / square_root(air.R * air.temperature_K)),
         inverse_atmosphere(S(1) / air.atmosphere_Pa), shape(critical_pressure_ratio) {}
 };

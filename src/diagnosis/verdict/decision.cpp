@@ -13,7 +13,6 @@
 #include "diagnosis/verdict/disturbances.hpp"
 
 namespace pneuservo {
-
 namespace {
 
 /// Sizes of a member's amplitudes in standard errors; the largest.
@@ -445,6 +444,7 @@ struct Foretold {
   const Explanation* explanation;
   double certainty;  ///< of its laws
 };
+using Ranked = std::vector<Foretold>::const_iterator;
 /// The explanations of one size by evidence, with what they foretell of the held-out rows counted in: a law that fits
 /// but does not go on is behind its rivals.
 std::vector<Foretold> by_prediction(ResidualModel& model, const Search& search, std::size_t members, double growth,
@@ -483,7 +483,7 @@ std::string periodic_part(const Decision& decision, const ResidualModel& model) 
 /// Of the explanations from `best` on the one that stands: one with more numbers stands for one with fewer only where
 /// it takes enough of what that one leaves of `all`. A number that the owner may have wrong goes before physics that
 /// the config has not.
-template <class Ranked, class IsSure>
+template <class IsSure>
 Ranked plain_enough(ResidualModel& model, const Search& search, Ranked best, Ranked end, const IsSure& is_sure,
                     double all, const DecisionRules& rules) {
   double leaves = best == end ? 0 : above_floors(model, *best->explanation, rules);
@@ -502,6 +502,18 @@ Ranked plain_enough(ResidualModel& model, const Search& search, Ranked best, Ran
   return best;
 }
 
+/// Takes the rivals from `best` on, or all, then the too rich laws before it, which the rows do not exclude.
+std::vector<double> scores_of_rivals(Decision& decision, const Search& search, Ranked first, Ranked best, Ranked end) {
+  std::vector<double> scores;
+  decision.rivals.clear();
+  for (auto r = best != end ? best : first; r != end; ++r)
+    decision.rivals.push_back(r->explanation), scores.push_back(r->score);
+  for (auto r = first; best != end && r != best; ++r)
+    if (holds_law_of(*r->explanation, *best->explanation, search))
+      decision.rivals.push_back(r->explanation), scores.push_back(best->score);
+  return scores;
+}
+
 }  // namespace
 
 Decision decide_in_one_quantity(ResidualModel& model, const Search& search, const DecisionRules& rules) {
@@ -510,10 +522,10 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
   decision.beside_remainder = true;
   const Explanation* richest = &search.owner();
   for (std::size_t members = 1; search.best_of(members) != nullptr; ++members) richest = search.best_of(members);
-  decision.growth = floor_growth(model_levels(model, richest->fit, rules));
-  const double all = above_floors(model, search.owner(), rules), growth = decision.growth;
-  double left = all, score = by_prediction(model, search, 0, growth, rules).front().score;
+  const double growth = decision.growth = floor_growth(model_levels(model, richest->fit, rules));
+  const double all = above_floors(model, search.owner(), rules);
   std::vector<double> scores;
+  double left = all, score = by_prediction(model, search, 0, growth, rules).front().score;
   for (std::size_t members = 1;; ++members) {
     const auto ranked = by_prediction(model, search, members, growth, rules);
     // What is clearly missed may have a wide size (a bent law: heat that nearly keeps the wall's temperature), but one.
@@ -526,23 +538,11 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
     const auto best = plain_enough(model, search, std::find_if(ranked.begin(), ranked.end(), is_sure), ranked.end(),
                                    is_sure, all, rules);
     const double leaves = best == ranked.end() ? left : above_floors(model, *best->explanation, rules);
-    // What is left counts as noise already (growth), so that one more name is asked for no more evidence than the
-    // first.
+    // What is left counts as noise already (growth): one more name is asked for no more evidence than the first.
     const bool enough = best != ranked.end() && best->score - score >= rules.alarm_gain &&
                         (members == 1 || left - leaves >= rules.next_of_left * left);
-    if (members == 1 || enough) {
-      decision.rivals.clear();
-      scores.clear();
-      for (auto r = enough ? best : ranked.begin(); r != ranked.end(); ++r) {
-        decision.rivals.push_back(r->explanation);
-        scores.push_back(r->score);
-      }
-      for (auto r = ranked.begin(); enough && r != best; ++r)  // too rich laws, which the rows do not exclude
-        if (holds_law_of(*r->explanation, *best->explanation, search)) {
-          decision.rivals.push_back(r->explanation);
-          scores.push_back(best->score);
-        }
-    }
+    if (members == 1 || enough)
+      scores = scores_of_rivals(decision, search, ranked.begin(), enough ? best : ranked.end(), ranked.end());
     if (!enough) break;
     decision.chosen = best->explanation;
     left = leaves;

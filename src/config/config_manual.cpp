@@ -139,7 +139,9 @@ void add_tables(std::vector<Table>& tables, std::vector<Table> further, const st
   merge_rows(tables.front(), further.front());
   for (std::size_t i = 1; i < further.size(); ++i) {
     Table& table = further[i];
-    const auto is_same = [&](const Table& t) { return t.title.starts_with(table.title) && t.rows == table.rows; };
+    const auto is_same = [&](const Table& t) {
+      return t.title.starts_with(table.title) && t.note == table.note && t.rows == table.rows;
+    };
     if (std::any_of(tables.begin(), tables.end(), is_same)) continue;
     table.title += of;
     tables.push_back(std::move(table));

@@ -288,8 +288,10 @@ TEST_CASE("configured: each channel from its source, and the others stay absent"
   CompositeBackend backend(mixed);
   const auto origins = backend.origins();
   REQUIRE(origins.command == Origin::real);
-  REQUIRE(origins.channels == std::array<Origin, 6>{Origin::simulated, Origin::real, Origin::real, Origin::absent,
-                                                    Origin::absent, Origin::simulated});
+  REQUIRE(origins.channels[Signal::x] == Origin::simulated);
+  REQUIRE(origins.channels[Signal::p_supply] == Origin::simulated);
+  for (const Signal port : port_signals) REQUIRE(origins.channels[port] == Origin::real);
+  for (const Signal chamber : chamber_signals) REQUIRE(origins.channels[chamber] == Origin::absent);
   REQUIRE_THROWS_WITH(backend.configure(), Catch::Contains("nobody listens there"));
   REQUIRE_THROWS_AS(CompositeBackend(read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/cylinder-2m-6.10mm.yaml")),
                     InputError);

@@ -65,16 +65,16 @@ TEST_CASE("a share of bad samples is found within half a second, a few are bridg
 TEST_CASE("a bad sample fades as the exponential mean says, and is gone before it is a subnormal number") {
   SupervisionHealth health;
   health.configure(rig_of(1e-3));
-  std::array<bool, 6> bad{};
-  bad[2] = true;
+  PerSignal<bool> bad;
+  bad[Signal::p2_port] = true;
   health.check_tick(bad, 0);
-  bad[2] = false;
-  const double first = health.bad_share(2);
+  bad[Signal::p2_port] = false;
+  const double first = health.bad_share(Signal::p2_port);
   CHECK(first == Approx(1.0 - std::exp(-1.0 / 300.0)));
   for (int tick = 0; tick < 3000; ++tick) health.check_tick(bad, 0);
-  CHECK(health.bad_share(2) == Approx(first * std::exp(-10.0)).epsilon(1e-9));
+  CHECK(health.bad_share(Signal::p2_port) == Approx(first * std::exp(-10.0)).epsilon(1e-9));
   for (int tick = 0; tick < 10000; ++tick) health.check_tick(bad, 0);
-  CHECK(health.bad_share(2) == 0.0);
+  CHECK(health.bad_share(Signal::p2_port) == 0.0);
 }
 
 TEST_CASE("the channel of a bad share is told: position or pressure") {

@@ -142,7 +142,10 @@ void add_tables(std::vector<Table>& tables, std::vector<Table> further, const st
     const auto is_same = [&](const Table& t) {
       return t.title.starts_with(table.title) && t.note == table.note && t.rows == table.rows;
     };
-    if (std::any_of(tables.begin(), tables.end(), is_same)) continue;
+    if (const auto same = std::find_if(tables.begin(), tables.end(), is_same); same != tables.end()) {
+      if (same->title != table.title) same->title += " and" + of;
+      continue;
+    }
     table.title += of;
     tables.push_back(std::move(table));
   }

@@ -82,7 +82,7 @@ TEST_CASE(
   int positions = 0;
   for (int i = 0; i < 290; ++i) {
     b.step();
-    positions += std::isfinite(b.loop.row().x_m);
+    positions += std::isfinite(b.loop.row().measured[Signal::x]);
   }
   REQUIRE(positions == 290);
   REQUIRE(b.device.nodes()[1]->state() == NmtState::pre_operational);

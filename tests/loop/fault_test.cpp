@@ -191,7 +191,7 @@ TEST_CASE("a loop without an estimate: a fault where it closes on the estimate, 
                             "effects={'sensor_offset:x': {offset: 0.1}}", "limits.position_margin_m=0.1",
                             "limits.deviation_m=0", "limits.speed_deviation_mps=0", "limits.stall_force_N=0"}));
     for (int i = 0; i < 20; ++i) run.step();
-    CAPTURE(source, run.loop.row().x_m);
+    CAPTURE(source, run.loop.row().measured[Signal::x]);
     REQUIRE(std::isnan(run.loop.row().p1_estimated_Pa));
     REQUIRE(run.loop.first_faults() == (source == "valve" ? 0 : std::uint64_t{fault_estimate_invalid}));
     const bool active = run.loop.row().state == static_cast<std::uint32_t>(SupervisorState::active);

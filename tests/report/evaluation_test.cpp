@@ -161,7 +161,7 @@ TEST_CASE("ripple takes measured chamber pressures where there is no truth, and 
   auto rows =
       make_rows(6.0, 1e-3, [](Row& row) { row.measured[Signal::p2_chamber] = 5e5 + 700.0 * wave(20.0, row.t_s); });
   rows.erase(rows.begin() + 4000);
-  rows[4500].p2_chamber_Pa = Row::none;
+  rows[4500].measured[Signal::p2_chamber] = Row::none;
   REQUIRE(evaluate(sine_rig(), rows).chamber_pressure_ripple_Pa == Approx(1400.0).epsilon(0.005));
 }
 

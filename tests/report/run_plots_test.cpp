@@ -20,8 +20,8 @@ RunResult drifting() {
   run.start_s = start_s;
   run.deviation_limit_m = limit_m;
   run.rows = test::make_rows(2.0, period_s, [](Row& row) {
-    row.x_m = 0.08 * test::wave(1.0, row.t_s);
-    if (row.t_s >= 0.2) row.x_predicted_m = row.x_m - 3e-3 * row.t_s;
+    row.measured[Signal::x] = 0.08 * test::wave(1.0, row.t_s);
+    if (row.t_s >= 0.2) row.x_predicted_m = row.measured[Signal::x] - 3e-3 * row.t_s;
     if (row.t_s >= 1.8) row.flags = row_fault;
   });
   run.faults = {"deviation: too far"};

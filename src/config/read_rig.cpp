@@ -56,6 +56,7 @@ Rig rig_from_tree(ConfigNode root, const std::vector<std::string>& overrides,
   const std::string top;
   Rig::visit(RigReader{rig, {root, top, true}}, rig);
   require_known_keys(root, top, fields_of(rig));
+  if (rig.has_controller()) check_choice_of_law(rig.kind, root);
   Rig::visit(RigReader{rig, {root, top}}, rig);
   const ConfigNode::Entry* reference = root.find("reference");
   if (anchor && reference != nullptr) anchor_paths(rig.reference, reference->value, *anchor);

@@ -131,14 +131,6 @@ void check_parameters(const Ppd2Parameters& p, const Rig& rig, const Check& chec
 }
 
 void check_law(const Rig& rig, const Check& check) {
-  const std::vector<ControllerKind> laws = laws_of(rig.kind);
-  if (!runs(rig.controller.kind, rig.kind)) {
-    std::vector<std::string_view> names;
-    for (const ControllerKind law : laws) names.push_back(name_of(law));
-    check.refuse("controller.kind", {"rig"}, std::string(rig.controller.name()),
-                 fmt::format("{}, the law{} of a {}", fmt::join(names, " or "), names.size() > 1 ? "s" : "",
-                             rig_kind_names[static_cast<std::size_t>(rig.kind)]));
-  }
   rig.controller.in_use([&](const auto& parameters) { check_parameters(parameters, rig, check); });
 }
 
@@ -477,6 +469,20 @@ void check_program(const Rig& rig, const Check& check) {
 }
 
 }  // namespace
+
+void check_choice_of_law(RigKind kind, const ConfigNode& root) {
+  const ConfigNode::Entry* controller = root.find("controller");
+  const ConfigNode::Entry* stated = controller != nullptr ? controller->value.find("kind") : nullptr;
+  if (stated == nullptr) return;
+  const auto law = std::ranges::find(controller_kind_names, stated->value.text);
+  if (law == controller_kind_names.end()) return;  // the reader says which laws there are
+  if (runs(static_cast<ControllerKind>(law - controller_kind_names.begin()), kind)) return;
+  std::vector<std::string_view> names;
+  for (const ControllerKind able : laws_of(kind)) names.push_back(name_of(able));
+  Check{root}.refuse("controller.kind", {"rig"}, std::string(*law),
+                     fmt::format("{}, the law{} of a {}", fmt::join(names, " or "), names.size() > 1 ? "s" : "",
+                                 rig_kind_names[static_cast<std::size_t>(kind)]));
+}
 
 void check_rig(const Rig& rig, const ConfigNode& root) {
   const Check check{root};

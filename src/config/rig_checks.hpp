@@ -12,6 +12,10 @@ namespace pneuservo {
 /// give where the usual 470 kPa would be too much.
 void complete_rig(Rig& rig, const ConfigNode& root);
 
+/// Throws InputError where the law that the config names does not run that kind of rig. Before its keys are read, which
+/// would be unknown.
+void check_choice_of_law(RigKind kind, const ConfigNode& root);
+
 /// Throws InputError at the first contradiction, naming the line of the key that is to blame.
 void check_rig(const Rig& rig, const ConfigNode& root);
 

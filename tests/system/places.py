@@ -101,5 +101,5 @@ void add_toy(CLI::App& app, int& status) {
         Edit("src/program/verbs.cpp", " add_toy,", "\nAddsVerb"),
         Edit("src/program/verbs.cpp", " add_toy,", "add_stopping, add_import,"),
     )),
-    # A toy law and a toy signal belong here as soon as a law is one file and one line, and a signal one line.
+    # The places of a law are held by law_place_test.py.
 )

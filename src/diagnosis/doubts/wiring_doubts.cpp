@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include <Eigen/Dense>
@@ -33,7 +34,9 @@ constexpr double judge_effort = 60;  ///< cells times sub-steps: a share of the 
 constexpr double doubtful_wiring = 1.0, doubtful_unit = 0.25;  ///< misfit as recorded below which nothing is doubted
 constexpr double decisive = 0.4;  ///< of the misfit as recorded, that another reading must come down to
 constexpr double neutral_tolerance = 0.02;  ///< of the command's range: data sheets state 5 +- 0.1 V of 0 to 10 V
-constexpr int neutral_steps = 8;            ///< of a golden section: to 0.05 % of the range
+/// Of a command: 10 % of the valve's area, and what a dead band takes of the small commands that move an axis.
+constexpr double gain_tolerance = 0.15;
+constexpr int golden_steps = 8;  ///< of a golden section: to 2 % of what is allowed
 /// Of the lead that a held force has: a force is of its instant where its own lead is less, and known to that.
 constexpr double instant_share = 0.4, least_known = 0.2;
 constexpr double slow_share = 0.1;  ///< of the top speed: slower motion may stick
@@ -124,19 +127,18 @@ std::vector<Choice> choices_of(const std::vector<ReadingsOf>& kinds) {
   return out;
 }
 
-/// The least misfit over neutrals of the valve within what data sheets allow: an error of the neutral moves simulated
-/// pressures ever further, as wrong pressures do.
-double misfit_at_best_neutral(const Rig& rig, const Recording& recording) {
+/// The least misfit over changes of the command, by at most `most` both ways.
+double misfit_at_best(const Rig& rig, const Recording& recording, double most, double (*changed_V)(double, double)) {
   if (!recording.has("u_V")) return port_misfit(rig, recording);
-  const double golden = 0.5 * (std::sqrt(5.0) - 1), most_V = neutral_tolerance * rig.axis.valve.command_max_V;
-  const auto misfit_at = [&](double neutral_V) {
-    Recording shifted = recording;
-    for (double& command_V : shifted.column("u_V")) command_V += neutral_V;
-    return port_misfit(rig, shifted);
+  const double golden = 0.5 * (std::sqrt(5.0) - 1);
+  const auto misfit_at = [&](double by) {
+    Recording changed = recording;
+    for (double& command_V : changed.column("u_V")) command_V = changed_V(command_V, by);
+    return port_misfit(rig, changed);
   };
-  double low = -most_V, high = most_V, a = high - golden * (high - low), b = low + golden * (high - low);
+  double low = -most, high = most, a = high - golden * (high - low), b = low + golden * (high - low);
   double at_a = misfit_at(a), at_b = misfit_at(b);
-  for (int step = 0; step < neutral_steps; ++step)
+  for (int step = 0; step < golden_steps; ++step)
     if (at_a < at_b) {
       high = std::exchange(b, a);
       at_b = std::exchange(at_a, misfit_at(a = high - golden * (high - low)));
@@ -145,6 +147,18 @@ double misfit_at_best_neutral(const Rig& rig, const Recording& recording) {
       at_a = std::exchange(at_b, misfit_at(b = low + golden * (high - low)));
     }
   return std::min(at_a, at_b);
+}
+
+/// Over neutrals of the valve within what data sheets allow: an error of the neutral moves simulated pressures ever
+/// further, as wrong pressures do.
+double misfit_at_best_neutral(const Rig& rig, const Recording& recording) {
+  return misfit_at_best(rig, recording, neutral_tolerance * rig.axis.valve.command_max_V,
+                        [](double command_V, double by) { return command_V + by; });
+}
+/// Over gains of the command: so does an error of the valve's area, or a dead band.
+double misfit_at_best_gain(const Rig& rig, const Recording& recording) {
+  return misfit_at_best(rig, recording, gain_tolerance,
+                        [](double command_V, double by) { return command_V * (1 + by); });
 }
 
 using MisfitOf = double (*)(const Rig&, const Recording&);
@@ -195,6 +209,29 @@ Choice decided(const Rig& rig, const Recording& recording, const std::vector<Rea
     return choices[best];
   }
   return choices[as_recorded];
+}
+
+struct Rewired {
+  Wiring wiring;
+  double misfit, misfit_as_recorded;
+};
+
+/// The other wiring that decisively brings the misfit down, as it is or with the command's best gain.
+std::optional<Rewired> rewired(const Rig& rig, const Recording& judged) {
+  const std::vector<Wiring> tried = wirings(judged);
+  for (const MisfitOf misfit_of : {&port_misfit, &misfit_at_best_gain}) {
+    std::vector<double> misfits;
+    for (const Wiring& wiring : tried) {
+      Recording other = judged;
+      wiring.apply(other);
+      misfits.push_back(misfit_of(rig, other));
+    }
+    const auto least = std::min_element(misfits.begin(), misfits.end());
+    const double as_recorded = misfit_of(rig, judged);
+    if (*least < decisive * as_recorded)
+      return Rewired{tried[static_cast<std::size_t>(least - misfits.begin())], *least, as_recorded};
+  }
+  return std::nullopt;
 }
 
 /// What the recording's channels may be meant as; throws where a kind has no reading.
@@ -297,25 +334,16 @@ void doubt_units(const Rig& rig, Recording& recording, std::vector<std::string>&
 void doubt_wiring(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
   if (rig.kind != RigKind::cylinder || !recording.has("x_m") || !recording.has("u_V")) return;
   Recording judged = most_moving_part(recording, judged_s);
-  double misfit = port_misfit(rig, judged);
-  for (int round = 0; round < 2 && !(misfit < doubtful_wiring); ++round) {  // two mistakes at once
-    const std::vector<Wiring> tried = wirings(judged);
-    std::size_t best = tried.size();
-    double least = infinite_misfit;
-    for (std::size_t i = 0; i < tried.size(); ++i) {
-      Recording other = judged;
-      tried[i].apply(other);
-      const double here = port_misfit(rig, other);
-      if (here < least) least = here, best = i;
-    }
-    if (best == tried.size() || !(least < decisive * misfit)) return;
-    tried[best].apply(judged);
-    tried[best].apply(recording);
+  for (int round = 0; round < 2 && !(port_misfit(rig, judged) < doubtful_wiring); ++round) {  // two mistakes at once
+    const std::optional<Rewired> found = rewired(rig, judged);
+    if (!found) return;
+    found->wiring.apply(judged);
+    found->wiring.apply(recording);
     notes.push_back(fmt::format("{}: {}: simulated so, the pressures miss the measured ones by {:.0f} % of their swing "
                                 "instead of {:.0f} %; compared so; to state it: {}",
-                                recording.path, tried[best].name, 100 * least, std::min(100 * misfit, 9999.0),
-                                stated_sources(recording, tried[best].columns)));
-    misfit = least;
+                                recording.path, found->wiring.name, 100 * found->misfit,
+                                std::min(100 * found->misfit_as_recorded, 9999.0),
+                                stated_sources(recording, found->wiring.columns)));
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include <pneuservo/core/random.hpp>
 #include <pneuservo/elements/air.hpp>
+#include <pneuservo/rig/possible_values.hpp>
 
 #include "config/rig_parameters.hpp"
 #include "loop/trial_motion.hpp"
@@ -77,10 +78,16 @@ double pressure_noise_Pa(const Rig& rig) {
   return rig.controller.takes_chambers() ? rig.sensors.chamber_pressure.noise_Pa : rig.sensors.port_pressure.noise_Pa;
 }
 
-/// Force of the air that a slider at rest may show: what friction holds, and what is noise.
+/// Force of the air that a slider at rest may show: what friction holds, what is noise, and what a safe output that
+/// leaves the valve open makes of the ports, whose pressures the estimator begins with.
 double resting_force_N(const Rig& rig) {
   const auto& c = rig.axis.cylinder;
-  return dry_friction_max_N(rig) + noise_deviations * pressure_noise_Pa(rig) * std::hypot(c.area_1_m2, c.area_2_m2);
+  const double noise_N = noise_deviations * pressure_noise_Pa(rig) * std::hypot(c.area_1_m2, c.area_2_m2);
+  const auto safe_V = safe_commands_V(rig);
+  const double open_N =
+      port_step_Pa_per_V(rig) * (std::fabs(safe_V[0]) * c.area_1_m2 +
+                                 std::fabs(rig.kind == RigKind::servo_table ? safe_V[1] : safe_V[0]) * c.area_2_m2);
+  return dry_friction_max_N(rig) + noise_N + open_N;
 }
 
 /// One machine that the config permits.

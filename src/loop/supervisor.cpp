@@ -57,19 +57,6 @@ PlausibleChannel plausible_position(const Rig& rig, double speed_limit_mps) {
   return channel;
 }
 
-/// Choked flow of the fully opened area into the line, per volt [kg/(s V)].
-double largest_flow_per_volt(const Rig& rig) {
-  const Air<double> air(rig.axis.air);
-  return air.flow_constant * rig.axis.supply.pressure_Pa / std::sqrt(air.R * air.temperature_K) *
-         rig.axis.valve.area_per_volt_m2_per_V;
-}
-
-/// A change of flow dG sends a wave of c dG / A into a line: what a volt does to the pressure at its port at once.
-double port_step_Pa_per_V(const Rig& rig) {
-  const double diameter = std::min(rig.axis.line_1.diameter_m, rig.axis.line_2.diameter_m);
-  return Air<double>(rig.axis.air).sound_speed() * largest_flow_per_volt(rig) / (0.25 * M_PI * diameter * diameter);
-}
-
 }  // namespace
 
 void Supervisor::configure(const Rig& rig, bool needs_chambers, const MotionLimits& motion) {
@@ -88,7 +75,7 @@ void Supervisor::configure(const Rig& rig, bool needs_chambers, const MotionLimi
   port_step_Pa_per_V_ = margin * port_step_Pa_per_V(rig);
   const auto& air = rig.axis.air;
   fill_step_Pa_m3_ = margin * air.heat_capacity_ratio * air.gas_constant_J_per_kgK * air.temperature_K *
-                     largest_flow_per_volt(rig) * rig.axis.valve.command_max_V * rig.period_s;
+                     largest_flow_kgps_per_V(rig) * rig.axis.valve.command_max_V * rig.period_s;
   activity_decay_ = std::exp(-rig.period_s / activity_time_s);
   for (const Signal signal : channel_signals)
     guards_[signal].configure(is_pressure(signal) ? plausible_pressure(rig, signal)

@@ -40,6 +40,19 @@ bool is_own_heartbeat(const CanFrame& frame) { return frame.id == 0x77E; }
 
 }  // namespace
 
+TEST_CASE("a valve that the safe output left open before the start makes no false fault") {
+  const double safe_V = GENERATE(-0.5, 0.25, 1.0);
+  Bench b({"safe_output.command_V=" + std::to_string(safe_V)});
+  double most_m = 0.0;
+  for (int i = 0; i < 700; ++i) {
+    b.step();
+    most_m = std::max(most_m, std::fabs(b.loop.supervisor().motion().deviation_m()));
+  }
+  CAPTURE(safe_V, most_m);
+  CHECK(b.loop.faults() == 0);
+  CHECK(most_m < 0.6 * b.loop.supervisor().motion().limits().start_deviation_m);
+}
+
 TEST_CASE(
     "where commands no longer reach the valve, its watchdog gives the substitute within its time after the fault") {
   const int watchdog_ms = GENERATE(60, 100);

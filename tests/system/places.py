@@ -5,6 +5,8 @@ import pathlib
 import re
 from dataclasses import dataclass
 
+import toy_law
+
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 TABLE = SOURCE / "docs/architecture.md"
 
@@ -101,5 +103,9 @@ void add_toy(CLI::App& app, int& status) {
         Edit("src/program/verbs.cpp", " add_toy,", "\nAddsVerb"),
         Edit("src/program/verbs.cpp", " add_toy,", "add_stopping, add_import,"),
     )),
-    # The places of a law are held by law_place_test.py.
+    # law_place_test.py compiles its dispatch and what it lacks.
+    Addition("control law", "toy_law", (
+        Edit(str(toy_law.HEADER), toy_law.header(2)),
+        Edit(str(toy_law.LIST), "\n" + toy_law.LINE.strip(), "#include <pneuservo/control/ppd2.hpp>"),
+    ), beside=("include/pneuservo/control/law.hpp", "docs/physics", "src/design/sampled_laws.hpp", "src/config/rig_checks.cpp")),
 )

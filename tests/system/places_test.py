@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-# Adds a toy effect, column and verb to a copy of the sources by touching exactly the files that docs/architecture.md names, and shows that they work.
+# Adds a toy effect, column, verb and law to a copy of the sources by touching exactly the files that docs/architecture.md names, and shows that they work.
 import csv, gzip, os, pathlib, shutil, subprocess, sys, tempfile
 
 sys.dont_write_bytecode = True
@@ -53,6 +53,7 @@ def rows(*sets):
 
 # The effect is a key, and slows the axis: 200 N s/m beside 60 N s/m leave it some 5 % short in this move.
 keys = must(places, "keys")
+expect("toy_gain_V_per_m" in keys, "keys: no toy_gain_V_per_m")
 expect("toy_drag" in keys and "drag of a toy" in keys and "c of c v" in keys, "keys: no toy_drag")
 plain, dragged = rows(), rows("effects.toy_drag.coefficient_Ns_per_m=200")
 viscous = rows("effects.viscous_friction.coefficient_Ns_per_m=200")

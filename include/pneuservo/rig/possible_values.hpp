@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <pneuservo/elements/air.hpp>
 #include <pneuservo/rig/rig.hpp>
 
 namespace pneuservo {
@@ -41,6 +42,21 @@ inline PossibleRange possible_pressure_Pa(const Rig& rig) {
 
 /// What lines and chambers do from one sample to the next with a calm valve stays below.
 inline double pressure_step_Pa(const Rig& rig) { return 0.05 * rig.axis.supply.pressure_Pa; }
+
+/// Choked flow from the supply into a line, per volt of command.
+inline double largest_flow_kgps_per_V(const Rig& rig) {
+  const Air<double> air(rig.axis.air);
+  return air.flow_constant * rig.axis.supply.pressure_Pa / std::sqrt(air.R * air.temperature_K) *
+         rig.axis.valve.area_per_volt_m2_per_V;
+}
+
+/// A change of flow dG sends a wave of c dG / A into a line: what a volt does to the pressure at its port at once, in
+/// the narrower line.
+inline double port_step_Pa_per_V(const Rig& rig) {
+  const double diameter_m = std::min(rig.axis.line_1.diameter_m, rig.axis.line_2.diameter_m);
+  const double section_m2 = 0.25 * M_PI * diameter_m * diameter_m;
+  return Air<double>(rig.axis.air).sound_speed() * largest_flow_kgps_per_V(rig) / section_m2;
+}
 
 /// Twice the half stroke: beyond that the encoder is not of this axis.
 inline PossibleRange possible_position_m(const Rig& rig) {

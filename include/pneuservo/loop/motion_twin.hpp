@@ -23,6 +23,9 @@ struct TwinNoise {
 /// of the machines from which the limits follow (src/loop/motion_limits.cpp). All of it but configure is HOT.
 class MotionTwin {
  public:
+  /// Cells of each line. The prediction needs what moves the slider, some 10 Hz, for which 2.5 m a cell are enough.
+  /// With one cell the limits are nearly the same, but a law that leans on the line's first resonance swings otherwise.
+  static constexpr int most_cells = 4;
   /// Relative change of a port's pressure that ends its solution: one Newton step, which leaves half its square, 30 Pa.
   static constexpr double port_tolerance = 1e-2;
 
@@ -38,10 +41,11 @@ class MotionTwin {
     chambers_ = law_.pressure_source() != PressureSource::valve;
     aged_ = rig.simulation.input_age_periods > 0;
     configure_sensors(rig);
-    // One cell has a line's volume, inertia and resistance, which is what moves the slider. A law on port pressures
-    // meets the line's ringing as well.
+    const auto& axis = rig.axis;
+    const int needed = std::max(cell_count(axis.line_1.length_m, 1.0), cell_count(axis.line_2.length_m, 1.0));
+    // A law on port pressures meets the line's ringing, which coarse cells have too stiff above 100 Hz.
     const bool rings = rig.controller.closes_force_loop() && !chambers_;
-    set_machine(rig, rig.axis, rings ? simulated_cells(rig) : 1);
+    set_machine(rig, axis, rings ? simulated_cells(rig) : std::min(needed, most_cells));
   }
   /// Cells of each line of the simulated machine.
   static int simulated_cells(const Rig& rig) noexcept {

@@ -261,6 +261,7 @@ void CanBackend::activate() {
   queue_full_ = 0;
   next_heartbeat_tick_ = std::numeric_limits<std::int64_t>::min();
   cycling_ = ended_ = false;
+  unconfirmed_cycles_ = 0;
   safe_output_ = {.has_outputs = process_.outputs() > 0, .is_read_back = process_.outputs_are_read_back()};
 }
 
@@ -281,6 +282,7 @@ void CanBackend::follow_safe_output(std::int64_t tick) noexcept {
   SafeOutput& safe = safe_output_;
   const bool shown = safe.sent_tick >= 0 && safe.is_read_back && process_.outputs_confirmed();
   if (shown && safe.confirmed_tick < 0) safe.confirmed_tick = tick;
+  if (safe.sent_tick >= 0 && safe.is_read_back) unconfirmed_cycles_ = shown ? 0 : unconfirmed_cycles_ + 1;
   if (process_.all_substituted() && safe.substitute_tick < 0) safe.substitute_tick = tick;
 }
 
@@ -294,6 +296,14 @@ bool CanBackend::send_outputs(const std::array<double, 2>& commands) noexcept {
   return all;
 }
 
+// The device shows another output than the safe one: its process data are not ours. A stopped node takes none.
+void CanBackend::stop_unconfirmed_outputs(std::int64_t tick) noexcept {
+  if (safe_output_.stop_tick >= 0 || unconfirmed_cycles_ <= CanProcessImage::most_unconfirmed) return;
+  for (const CanWatchedNode& node : process_.nodes())
+    if (node.has_output) bus_->send(nmt_frame(NmtCommand::stop, node.node));
+  safe_output_.stop_tick = tick;
+}
+
 bool CanBackend::write(std::int64_t tick, const Command& command) noexcept {
   if (!bus_) return false;
   // Whatever were handed over now would wait in the queue and act when the bus comes back.
@@ -304,6 +314,7 @@ bool CanBackend::write(std::int64_t tick, const Command& command) noexcept {
   cycling_ = true;
   if (ended_) {
     if (all && safe_output_.sent_tick < 0) safe_output_.sent_tick = tick;
+    stop_unconfirmed_outputs(tick);
     return all;
   }
   if (tick >= next_heartbeat_tick_ && bus_->send(own_heartbeat()) == Sent::sent)

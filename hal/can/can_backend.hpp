@@ -62,6 +62,7 @@ class CanBackend final : public Backend {
   void refuse_second_master();
   void check_answers();
   void follow_safe_output(std::int64_t tick) noexcept;
+  void stop_unconfirmed_outputs(std::int64_t tick) noexcept;
   bool send_outputs(const std::array<double, 2>& commands) noexcept;
   void keep_alive(std::int64_t now_ns);
   CanFrame own_heartbeat() const noexcept;
@@ -77,6 +78,7 @@ class CanBackend final : public Backend {
   std::vector<std::uint8_t> node_numbers_;
   std::unique_ptr<BusLock> lock_;
   SafeOutput safe_output_;
+  int unconfirmed_cycles_ = 0;  // in a row, after the safe output was sent
   std::int64_t period_ns_, heartbeat_ticks_, next_heartbeat_tick_ = 0, start_ns_ = 0,
                                              next_alive_ns_ = std::numeric_limits<std::int64_t>::max();
   std::uint64_t queue_full_ = 0, dropped_ = 0, dropped_before_ = 0;

@@ -136,6 +136,7 @@ void CanProcessImage::on_heartbeat(const Heartbeat& heartbeat, std::int64_t at_n
   const bool is_wanted =
       let_go_ && heartbeat.state != NmtState::boot_up && nodes_[static_cast<std::size_t>(i)].has_output;
   if (!is_wanted) faults_ |= device_node_lost;
+  else if (heartbeat.state == NmtState::stopped) watch.substituted = true;
   note(CanEvent::Kind::left_operational, heartbeat.node, static_cast<std::uint32_t>(heartbeat.state), at_ns);
 }
 

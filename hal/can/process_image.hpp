@@ -117,6 +117,7 @@ class CanProcessImage {
   void start(std::int64_t now_ns) noexcept;
   /// `commands`: what the outputs of this cycle were given.
   void begin_cycle(std::int64_t now_ns, const std::array<double, 2>& commands) noexcept PNEUSERVO_NONBLOCKING;
+  static constexpr int most_unconfirmed = 2;  ///< a lost frame or two, as InputGuard bridges them
   /// Our heartbeat is withheld from now on and the commands are the safe ones: what the watchdogs do then is no fault.
   void let_go(bool withheld) noexcept { let_go_ = withheld; }
   void on_frame(const ReceivedFrame& received) noexcept PNEUSERVO_NONBLOCKING;
@@ -141,7 +142,8 @@ class CanProcessImage {
   /// Every output has a readback, which showed the commands of the last cycle.
   bool outputs_confirmed() const noexcept { return confirmed_; }
   bool outputs_are_read_back() const noexcept;
-  /// Every node with an output said that it misses our heartbeat.
+  const std::vector<CanWatchedNode>& nodes() const noexcept { return nodes_; }
+  /// Every node with an output said that it misses our heartbeat, or that it is stopped.
   bool all_substituted() const noexcept;
   /// The events in sentences; `start_ns` is time 0.
   std::vector<std::string> event_lines(std::int64_t start_ns) const;
@@ -165,8 +167,6 @@ class CanProcessImage {
     double now = 0.0, before = 0.0;
     int unconfirmed = 0;  // cycles in a row
   };
-  static constexpr int most_unconfirmed = 2;  // a lost frame or two, as InputGuard bridges them
-
   void on_error(const ReceivedFrame& received) noexcept;
   void on_process_data(std::size_t input, const ReceivedFrame& received) noexcept;
   void on_heartbeat(const Heartbeat& heartbeat, std::int64_t at_ns) noexcept;

@@ -67,6 +67,7 @@ SafeOutput CompositeBackend::safe_output() const {
     if (!part.has_outputs || (part.is_simulated && !all.is_simulated)) continue;
     later(all.sent_tick, part.sent_tick);
     later(all.confirmed_tick, part.confirmed_tick);
+    all.stop_tick = std::max(all.stop_tick, part.stop_tick);
     later(all.substitute_tick, part.substitute_tick);
     all.is_read_back = all.is_read_back && part.is_read_back;
     all.has_outputs = true;

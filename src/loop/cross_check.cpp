@@ -12,11 +12,11 @@ namespace {
 
 using Two = Pack<double, 2>;
 
-/// The faults of the sides whose share is above 1.
-std::uint64_t exceeded(const std::array<double, 2>& share, const std::array<Fault, 2>& fault) noexcept {
+/// The faults of the sides where `found` is above `limit`.
+std::uint64_t exceeded(const Two& found, const Two& limit, const std::array<Fault, 2>& fault) noexcept {
   std::uint64_t faults = 0;
-  for (std::size_t side = 0; side < 2; ++side)
-    if (share[side] > 1.0) faults |= fault[side];
+  if (low(found) > low(limit)) faults |= fault[0];
+  if (high(found) > high(limit)) faults |= fault[1];
   return faults;
 }
 
@@ -58,7 +58,7 @@ void CrossCheck::reset() noexcept {
   missing_kg_ = through_kg_ = difference_Pa_ = Two(0);
   ticks_ = 0;
   started_ = watching_ = false;
-  flow_share_ = chamber_share_ = {};
+  air_limit_kg_ = difference_limit_Pa_ = Two(1);
 }
 
 // Mean over the period: the command was held, the port pressure went from the last sample to this one.
@@ -112,9 +112,8 @@ std::uint64_t CrossCheck::check(const CrossCheckInput& in, const EstimatorOutput
 
 std::uint64_t CrossCheck::judge_air() noexcept {
   if (!(flow_limit_share_ > 0.0)) return 0;
-  const Two share = absolute(missing_kg_) / (Two(flow_limit_share_) * through_kg_ + floor_kg_);
-  flow_share_ = {low(share), high(share)};
-  return exceeded(flow_share_, {fault_flow_mismatch_1, fault_flow_mismatch_2});
+  air_limit_kg_ = Two(flow_limit_share_) * through_kg_ + floor_kg_;
+  return exceeded(absolute(missing_kg_), air_limit_kg_, {fault_flow_mismatch_1, fault_flow_mismatch_2});
 }
 
 std::uint64_t CrossCheck::judge_chambers(const Two& measured_Pa, const EstimatorOutput& estimate) noexcept {
@@ -123,9 +122,8 @@ std::uint64_t CrossCheck::judge_chambers(const Two& measured_Pa, const Estimator
             bound = join(estimate.error_bound_Pa[0], estimate.error_bound_Pa[1]);
   const Two change = Two(smoothing_) * (measured_Pa - estimated - difference_Pa_);
   difference_Pa_ += select(measured_Pa == measured_Pa, change, Two(0));  // without a sensor it is NaN
-  const Two share = absolute(difference_Pa_) / (Two(chamber_limit_Pa_) + bound);
-  chamber_share_ = {low(share), high(share)};
-  return exceeded(chamber_share_, {fault_chamber_mismatch_1, fault_chamber_mismatch_2});
+  difference_limit_Pa_ = Two(chamber_limit_Pa_) + bound;
+  return exceeded(absolute(difference_Pa_), difference_limit_Pa_, {fault_chamber_mismatch_1, fault_chamber_mismatch_2});
 }
 
 }  // namespace pneuservo

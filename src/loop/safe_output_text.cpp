@@ -18,9 +18,10 @@ std::string safe_output_text(const SafeOutput& safe, const Rig& rig) {
   if (safe.confirmed_tick >= 0) text += " and read back at " + at(safe.confirmed_tick);
   else if (safe.is_read_back) text += ", NOT confirmed: it was not read back, look at the valve before you come near";
   else text += ", not confirmed: nothing reads it back (key readback of the output)";
+  if (safe.stop_tick >= 0) text += "; the device was told to stop (NMT) at " + at(safe.stop_tick);
   if (safe.substitute_tick >= 0)
-    text += fmt::format("; the device said at {} that it misses us and gives its substitute output",
-                        at(safe.substitute_tick));
+    text += fmt::format("; the device said at {} that it {} and gives its substitute output", at(safe.substitute_tick),
+                        safe.stop_tick >= 0 ? "is stopped or misses us" : "misses us");
   return text;
 }
 

@@ -19,6 +19,9 @@ constexpr std::uint64_t missing_faults = [] {
   return all;
 }();
 
+/// A channel of which physics says no more than its PlausibleChannel.
+constexpr auto no_extra = []() noexcept { return 0.0; };
+
 /// What all channels share.
 PlausibleChannel plausible(const Rig& rig) {
   return {.start_ticks = std::max(3, static_cast<int>(std::lround(first_value_within_s / rig.period_s))),
@@ -110,20 +113,32 @@ void Supervisor::latch(std::uint64_t faults) noexcept {
   go(SupervisorEvent::fault_found);
 }
 
-double Supervisor::judge_channel(Signal signal, const Channel& channel, double periods, double extra,
+template <class Extra>
+double Supervisor::judge_channel(Signal signal, const Channel& channel, double periods, Extra&& extra,
                                  std::uint64_t& faults, bool at_end_stop) noexcept {
-  InputGuard& guard = guards_[signal];
-  const SignalFaults bits = faults_of(signal);
-  const double value = guard.check(channel, periods, extra, at_end_stop);
-  faults |= (guard.missing ? bits.missing : 0) | (guard.frozen ? bits.frozen : 0) | (guard.jumped ? bits.jumped : 0);
-  bridged_ = bridged_ || guard.bridged;
+  const double value = guards_[signal].check(channel, periods, extra, at_end_stop);
+  if (!guards_[signal].good()) [[unlikely]]
+    faults |= doubt(signal);
   return value;
+}
+
+std::uint64_t Supervisor::doubt(Signal signal) noexcept {
+  all_good_ = false;
+  const SignalFaults bits = faults_of(signal);
+  switch (guards_[signal].finding()) {
+    case InputFinding::missing: return bits.missing;
+    case InputFinding::jumped: return bits.jumped;
+    case InputFinding::frozen: return bits.frozen;
+    case InputFinding::bridged: bridged_ = true; return 0;
+    case InputFinding::none: break;
+  }
+  return 0;
 }
 
 std::uint64_t Supervisor::judge_position(const Channel& position, double periods, JudgedInputs& in) noexcept {
   std::uint64_t faults = 0;
   const bool at_end_stop = std::fabs(position.value) > half_stroke_m_ - at_end_stop_m;
-  in.position_m = judge_channel(Signal::x, position, periods, 0.0, faults, at_end_stop);
+  in.position_m = judge_channel(Signal::x, position, periods, no_extra, faults, at_end_stop);
   if (std::fabs(in.position_m) > position_limit_m_) faults |= fault_position_range;
   return faults;
 }
@@ -134,15 +149,17 @@ double Supervisor::chamber_step_Pa(double dead_volume_m3, double area_m2, double
 
 std::uint64_t Supervisor::judge_pressures(const Measurement& measured, double periods, JudgedInputs& in) noexcept {
   std::uint64_t faults = 0;
-  const double x = std::isfinite(in.position_m) ? in.position_m : 0.0, wave_Pa = port_step_Pa_per_V_ * activity_V_;
-  const std::array<double, 2> step_Pa{
-      chamber_step_Pa(cylinder_.dead_volume_1_m3, cylinder_.area_1_m2, half_stroke_m_ + x),
-      chamber_step_Pa(cylinder_.dead_volume_2_m3, cylinder_.area_2_m2, half_stroke_m_ - x)};
+  const double x = std::isfinite(in.position_m) ? in.position_m : 0.0;
+  const auto wave_Pa = [&]() noexcept { return port_step_Pa_per_V_ * activity_V_; };
   for (std::size_t i = 0; i < 2; ++i) {
     const Signal port = port_signals[i], chamber = chamber_signals[i];
+    const auto step_Pa = [&]() noexcept {
+      return i == 0 ? chamber_step_Pa(cylinder_.dead_volume_1_m3, cylinder_.area_1_m2, half_stroke_m_ + x)
+                    : chamber_step_Pa(cylinder_.dead_volume_2_m3, cylinder_.area_2_m2, half_stroke_m_ - x);
+    };
     in.port_Pa[i] = judge_channel(port, measured.channel[port], periods, wave_Pa, faults);
     judged_[chamber] = judged_[chamber] || needs_chambers_ || measured.channel[chamber].origin != Origin::absent;
-    in.chamber_Pa[i] = judged_[chamber] ? judge_channel(chamber, measured.channel[chamber], periods, step_Pa[i], faults)
+    in.chamber_Pa[i] = judged_[chamber] ? judge_channel(chamber, measured.channel[chamber], periods, step_Pa, faults)
                                         : std::numeric_limits<double>::quiet_NaN();
     if (in.port_Pa[i] > pressure_limit_Pa_ || in.chamber_Pa[i] > pressure_limit_Pa_) faults |= fault_pressure_limit;
   }
@@ -154,7 +171,7 @@ std::uint64_t Supervisor::judge_supply(const Channel& supply, double periods, Ju
   judged_[Signal::p_supply] = judged_[Signal::p_supply] || supply.origin != Origin::absent;
   if (!judged_[Signal::p_supply]) return 0;
   std::uint64_t faults = 0;
-  const double value = judge_channel(Signal::p_supply, supply, periods, 0.0, faults);
+  const double value = judge_channel(Signal::p_supply, supply, periods, no_extra, faults);
   if (!std::isfinite(value)) return faults;
   in.supply_Pa = value;
   if (value < supply_limit_Pa_) faults |= fault_supply_low;
@@ -179,6 +196,7 @@ std::uint64_t Supervisor::judge_digital(const DigitalInputs& digital) noexcept {
 }
 
 bool Supervisor::inputs_ready() const noexcept {
+  if (all_good_) return true;
   for (const Signal signal : channel_signals)
     if (judged_[signal] && guards_[signal].waiting()) return false;
   return true;
@@ -194,6 +212,7 @@ JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped
   JudgedInputs in;
   const double periods = static_cast<double>(skipped + 1);
   bridged_ = false;
+  all_good_ = true;
   std::uint64_t faults = judge_position(measured.channel[Signal::x], periods, in);
   faults |= judge_pressures(measured, periods, in);
   faults |= judge_supply(measured.channel[Signal::p_supply], periods, in);
@@ -206,7 +225,7 @@ JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped
   // Slots are skipped where lateness and work together passed the next one of the ideal grid.
   if (static_cast<double>(skipped) * period_s_ > lateness_limit_s_) faults |= fault_late_tick;
   // After a fault the shares say nothing new.
-  if (const std::uint64_t health = health_.check_tick(bad_samples(), skipped); is_active() && faults == 0)
+  if (const std::uint64_t health = health_.check_tick(all_good_ ? PerSignal<bool>{} : bad_samples(), skipped); is_active() && faults == 0)
     faults = health;
   latch(faults);
   if (may_move_ && inputs_ready()) go(SupervisorEvent::inputs_ready);

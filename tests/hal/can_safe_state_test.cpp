@@ -53,11 +53,11 @@ TEST_CASE("a valve that the safe output left open before the start makes no fals
   CHECK(most_m < 0.6 * b.loop.supervisor().motion().limits().start_deviation_m);
 }
 
-TEST_CASE(
-    "where commands no longer reach the valve, its watchdog gives the substitute within its time after the fault") {
+TEST_CASE("where commands no longer reach the valve, NMT stop closes it in some cycles, else the watchdog in its time") {
   const int watchdog_ms = GENERATE(60, 100);
   const std::string how = GENERATE("pre_operational", "lost commands", "changed identifier");
-  INFO(how << ", watchdog of " << watchdog_ms << " ms");
+  const bool stop_is_lost = GENERATE(false, true);
+  INFO(how << ", watchdog of " << watchdog_ms << " ms" << (stop_is_lost ? ", NMT stop lost" : ""));
   Bench b({"safe_output.command_V=0.25", "hal.can.watchdog_s=" + std::to_string(watchdog_ms * 1e-3)});
   REQUIRE(b.run(730) == -1);
   if (how == "pre_operational") {
@@ -73,17 +73,37 @@ TEST_CASE(
   } else {
     b.bus->lose = [](const CanFrame& frame) { return (frame.id & 0x780) == 0x300; };
   }
+  if (stop_is_lost)
+    b.bus->lose = [before = b.bus->lose](const CanFrame& frame) {
+      return (before && before(frame)) || (frame.id == 0 && frame.data[0] == static_cast<int>(NmtCommand::stop));
+    };
   REQUIRE(b.run(60) >= 0);
   b.bus->sent.clear();
   const int ticks = ticks_until_safe(b, 0.25);
   REQUIRE(ticks >= 0);
-  REQUIRE(ticks <= watchdog_ms + 2);
-  // The second way is silence: not one heartbeat after the fault, while SYNC goes on.
+  REQUIRE(ticks <= (stop_is_lost ? watchdog_ms + 2 : CanProcessImage::most_unconfirmed + 3));
+  // The last way is silence: not one heartbeat after the fault, while SYNC goes on.
   for (int i = 0; i < 100; ++i) b.step();
   REQUIRE(std::none_of(b.bus->sent.begin(), b.bus->sent.end(), is_own_heartbeat));
   REQUIRE(std::count_if(b.bus->sent.begin(), b.bus->sent.end(), is_sync) >= 100);
   REQUIRE(b.device.nodes()[1]->is_substituted());
-  REQUIRE(b.backend.safe_output().substitute_tick >= 0);
+  const SafeOutput& safe = b.backend.safe_output();
+  REQUIRE((safe.stop_tick >= 0 && safe.substitute_tick >= safe.stop_tick));
+  REQUIRE_THAT(safe_output_text(safe, b.rig), Catch::Contains("told to stop (NMT)"));
+}
+
+TEST_CASE("who commands the valve in our place moves it no further than a few cycles after the fault") {
+  Bench b({"safe_output.command_V=0.25"});
+  REQUIRE(b.run(700) == -1);
+  b.bus->rewrite = [](CanFrame& frame) {
+    if (frame.id == 0x302) put_u16(frame.data.data(), 9830);  // 3 V in the same cycle, for good
+  };
+  REQUIRE(b.run(10) >= 0);
+  const int ticks = ticks_until_safe(b, 0.25);
+  REQUIRE(ticks >= 0);
+  REQUIRE(ticks <= CanProcessImage::most_unconfirmed + 3);
+  for (int i = 0; i < 200; ++i) b.step();
+  REQUIRE(std::fabs(b.device.command_V() - 0.25) < 2e-4);  // a stopped node takes no process data
 }
 
 TEST_CASE(
@@ -143,7 +163,8 @@ TEST_CASE("the safe output is told as sent, as read back only where the device s
     REQUIRE(b.backend.safe_output().confirmed_tick == -1);
     REQUIRE_THAT(safe_output_text(b.backend.safe_output(), b.rig), Contains("NOT confirmed"));
     for (int i = 0; i < 60; ++i) b.step();
-    REQUIRE_THAT(safe_output_text(b.backend.safe_output(), b.rig), Contains("gives its substitute output"));
+    REQUIRE_THAT(safe_output_text(b.backend.safe_output(), b.rig),
+                 Contains("told to stop (NMT)") && Contains("gives its substitute output"));
   }
 }
 

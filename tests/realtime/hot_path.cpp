@@ -28,7 +28,7 @@ double hot_scalars(double x) noexcept PNEUSERVO_NONBLOCKING {
 }
 
 double hot_guard(InputGuard& guard, const Channel& channel) noexcept PNEUSERVO_NONBLOCKING {
-  return guard.check(channel, 1.0, 0.0, false);
+  return guard.check(channel);
 }
 
 double hot_estimator(PipelineEstimator& estimator, const EstimatorInput& input) noexcept PNEUSERVO_NONBLOCKING {

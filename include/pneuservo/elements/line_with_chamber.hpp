@@ -57,6 +57,8 @@ template <class S> class LineWithChamber {
                               : (sound_mps_ + flow_mps) * (stiffness_per_m_ * period_s * (1.0 / 0.9));
     return need <= 1.0 ? 1 : std::clamp(static_cast<int>(std::ceil(need)), 1, 1000);
   }
+  /// Speed of sound that the sub-steps reckon with.
+  double sound_mps() const noexcept { return sound_mps_; }
   /// This many sub-steps in every period; 0: as many as are needed.
   void fix_substeps(int substeps) noexcept { fixed_substeps_ = substeps; }
   /// Multiplies the pressure and the temperature of all gas; its mass follows.

@@ -16,7 +16,8 @@ struct SafeOutput {
   bool is_read_back = false;          ///< each output is
   std::int64_t sent_tick = -1;        ///< handed over to all devices
   std::int64_t confirmed_tick = -1;   ///< all outputs were read back as the safe ones
-  std::int64_t substitute_tick = -1;  ///< all devices with outputs said that they miss us, and give their substitute
+  std::int64_t stop_tick = -1;        ///< devices whose readback showed another output were told to stop
+  std::int64_t substitute_tick = -1;  ///< all devices with outputs said that they miss us or are stopped
 };
 
 /// A rig's hardware, real or simulated. The cold calls may allocate, block and throw std::runtime_error with one clear

@@ -42,12 +42,16 @@ class CrossCheck {
   /// The last check judged its tick: it neither settled nor rested.
   bool watching() const noexcept { return watching_; }
   /// Air that is not explained, as a share of what would be a fault; of the last check, by side.
-  const std::array<double, 2>& flow_share() const noexcept { return flow_share_; }
+  std::array<double, 2> flow_share() const noexcept { return shares(missing_kg_, air_limit_kg_); }
   /// Difference of the chamber pressures as a share of what would be a fault; 0 without a sensor.
-  const std::array<double, 2>& chamber_share() const noexcept { return chamber_share_; }
+  std::array<double, 2> chamber_share() const noexcept { return shares(difference_Pa_, difference_limit_Pa_); }
 
  private:
   using Two = Pack<double, 2>;
+  static std::array<double, 2> shares(const Two& found, const Two& limit) noexcept {
+    const Two share = absolute(found) / limit;
+    return {low(share), high(share)};
+  }
   Two valve_flow(const CrossCheckInput& in) noexcept;
   std::uint64_t judge_air() noexcept;
   std::uint64_t judge_chambers(const Two& measured_Pa, const EstimatorOutput& estimate) noexcept;
@@ -58,11 +62,11 @@ class CrossCheck {
   Valves<double> valves_;
   double period_s_ = 1e-3, flow_limit_share_ = 0.0, chamber_limit_Pa_ = 0.0;
   Two leak_area_{}, port_Pa_{}, missing_kg_{}, through_kg_{}, difference_Pa_{}, floor_kg_{};
+  Two air_limit_kg_{1.0}, difference_limit_Pa_{1.0};  // beyond these the last check found a fault
   PistonLeakZone<double> leak_zone_;
   double piston_leak_m2_ = 0.0, decay_ = 0.0, smoothing_ = 1.0;
   std::int64_t settled_after_ = 0, ticks_ = 0;
   bool started_ = false, watching_ = false, leaks_ = false;
-  std::array<double, 2> flow_share_{}, chamber_share_{};
 };
 
 }  // namespace pneuservo

@@ -26,6 +26,15 @@ struct PlausibleChannel {
   double period_s = 0.0;
 };
 
+/// What a guard says of the sample of a tick.
+enum class InputFinding : std::uint8_t {
+  none,
+  bridged,  ///< bad, and replaced by the last good one
+  missing,  ///< bad for good: invalid, too old, not a number, impossible
+  jumped,   ///< bad for good: further than physics goes
+  frozen,   ///< the channel repeats one value
+};
+
 /// Good samples pass. A bad one is replaced by the last good one in the tick in which it comes and counted: of missing
 /// ones (invalid, too old, NaN, out of range) missing_ticks in a row are bridged, of jumps two, because the first
 /// sample of a jump cannot be told from a spike; one more is a fault. A run of equal samples is a frozen channel only
@@ -41,40 +50,48 @@ class InputGuard {
   }
   void reset() noexcept {
     bad_ = jumps_ = equal_ = 0;
-    elapsed_ = last_step_ = 0.0;
+    missed_ = last_step_ = 0.0;
     value_ = std::numeric_limits<double>::quiet_NaN();
     started_ = false;
-    missing = jumped = frozen = bridged = false;
+    finding_ = InputFinding::none;
   }
-  /// The value to use (NaN while waiting for the first); `missing`, `jumped` and `frozen` say afterwards what is wrong
-  /// for good. `periods` since the last call; `extra_step`: what else this tick's step may hold; `may_stop`: something
-  /// solid is in the way, so that standing still at once is no wonder.
-  double check(const Channel& channel, double periods = 1.0, double extra_step = 0.0,
+  /// The value to use (NaN while waiting for the first); `finding` says afterwards what was wrong with the sample.
+  /// `periods` since the last call; `extra_step()`: what else this tick's step may hold, asked only where the step is
+  /// too large without; `may_stop`: something solid is in the way, so that standing still at once is no wonder.
+  template <class Extra>
+  double check(const Channel& channel, double periods, Extra&& extra_step,
                bool may_stop = false) noexcept PNEUSERVO_NONBLOCKING {
-    missing = jumped = frozen = bridged = false;
-    elapsed_ += periods;
+    finding_ = InputFinding::none;
+    const double elapsed = missed_ + periods;  // since the last good sample
     const bool fresh = channel.valid && channel.age_s <= plausible_.oldest_s + (periods - 1.0) * plausible_.period_s;
     const bool readable = fresh && channel.value >= plausible_.lowest && channel.value <= plausible_.highest;
     const double step = channel.value - value_;
     const double a_period =
-        std::min(plausible_.step_per_period, std::fabs(last_step_) + plausible_.step_growth * elapsed_);
-    const double largest = plausible_.slack + a_period * elapsed_ + extra_step;
-    const bool jump = readable && started_ && std::fabs(step) > largest;
-    if (!readable || jump) return bridge(jump);
+        std::min(plausible_.step_per_period, std::fabs(last_step_) + plausible_.step_growth * elapsed);
+    const double largest = plausible_.slack + a_period * elapsed;
+    const bool jump =
+        readable && started_ && std::fabs(step) > largest && std::fabs(step) > largest + extra_step();
+    if (!readable || jump) [[unlikely]] {
+      missed_ = elapsed;
+      return bridge(jump);
+    }
     if (started_ && step == 0.0) {
-      ++equal_;
+      repeat(may_stop);
     } else {
       equal_ = 0;
-      last_step_ = started_ ? step / elapsed_ : 0.0;
+      last_step_ = !started_ ? 0.0 : elapsed == 1.0 ? step : step / elapsed;
     }
-    frozen = (plausible_.frozen_ticks > 0 && equal_ >= plausible_.frozen_ticks) ||
-             (equal_ >= stopped_ticks && !may_stop && std::fabs(last_step_) > plausible_.stopping_step);
-    if (may_stop && equal_ > 0) last_step_ = 0.0;
     bad_ = jumps_ = 0;
-    elapsed_ = 0.0;
+    missed_ = 0.0;
     started_ = true;
     return value_ = channel.value;
   }
+  double check(const Channel& channel, double periods = 1.0) noexcept PNEUSERVO_NONBLOCKING {
+    return check(channel, periods, [] { return 0.0; });
+  }
+  InputFinding finding() const noexcept { return finding_; }
+  /// The sample was there and plausible, and the channel lives.
+  bool good() const noexcept { return started_ && finding_ == InputFinding::none; }
   /// This tick's sample was not the one to use, whatever came of it.
   bool bad() const noexcept { return started_ && bad_ > 0; }
   /// No good sample has come yet.
@@ -82,27 +99,31 @@ class InputGuard {
   /// Samples in a row that repeat the one before.
   int equal_ticks() const noexcept { return equal_; }
 
-  bool missing = false, jumped = false, frozen = false;
-  bool bridged = false;  ///< this tick's sample was bad and was replaced
-
  private:
+  void repeat(bool may_stop) noexcept {
+    ++equal_;
+    const bool noise_denies = plausible_.frozen_ticks > 0 && equal_ >= plausible_.frozen_ticks;
+    const bool stopped = equal_ >= stopped_ticks && !may_stop && std::fabs(last_step_) > plausible_.stopping_step;
+    if (noise_denies || stopped) finding_ = InputFinding::frozen;
+    if (may_stop) last_step_ = 0.0;
+  }
   double bridge(bool jump) noexcept {
     bad_ = std::min(bad_ + 1, std::numeric_limits<int>::max() - 1);
     jumps_ += jump ? 1 : 0;
     if (!started_) {
-      missing = bad_ > plausible_.start_ticks;
+      if (bad_ > plausible_.start_ticks) finding_ = InputFinding::missing;
     } else if (bad_ - jumps_ > plausible_.missing_ticks || bad_ > bridged_ticks) {
-      jumped = jump && jumps_ > bridged_ticks;
-      missing = !jumped;
+      finding_ = jump && jumps_ > bridged_ticks ? InputFinding::jumped : InputFinding::missing;
     } else {
-      bridged = true;
+      finding_ = InputFinding::bridged;
     }
     return value_;
   }
   PlausibleChannel plausible_;
-  double value_ = std::numeric_limits<double>::quiet_NaN(), last_step_ = 0.0, elapsed_ = 0.0;
+  double value_ = std::numeric_limits<double>::quiet_NaN(), last_step_ = 0.0, missed_ = 0.0;
   int bad_ = 0, jumps_ = 0, equal_ = 0;
   bool started_ = false;
+  InputFinding finding_ = InputFinding::none;
 };
 
 }  // namespace pneuservo

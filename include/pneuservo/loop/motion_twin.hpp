@@ -55,6 +55,8 @@ class MotionTwin {
   /// Another plant behind the rig's law. Allocates.
   void set_machine(const Rig& rig, const AxisParameters<double>& machine, int cells) {
     plant_.configure(machine, rig.period_s, PlantGrid{cells, 0, port_tolerance}, valve_arrangement(rig));
+    // Where even flow at the speed of sound needs no second sub-step, none is ever chosen anew.
+    if (plant_.sides().needed_substeps(rig.period_s, plant_.sides().sound_mps()) == 1) plant_.sides().fix_substeps(1);
     cells_ = cells;
     droops_ = machine.effects.supply_droop.area_m2 > 0.0;
   }

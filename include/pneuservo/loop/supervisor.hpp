@@ -74,8 +74,10 @@ class Supervisor {
 
  private:
   void go(SupervisorEvent event) noexcept { state_ = next_state(state_, event); }
-  double judge_channel(Signal signal, const Channel& channel, double periods, double extra, std::uint64_t& faults,
+  template <class Extra>
+  double judge_channel(Signal signal, const Channel& channel, double periods, Extra&& extra, std::uint64_t& faults,
                        bool at_end_stop = false) noexcept;
+  std::uint64_t doubt(Signal signal) noexcept;
   std::uint64_t judge_position(const Channel& position, double periods, JudgedInputs& in) noexcept;
   std::uint64_t judge_pressures(const Measurement& measured, double periods, JudgedInputs& in) noexcept;
   std::uint64_t judge_supply(const Channel& supply, double periods, JudgedInputs& in) noexcept;
@@ -86,7 +88,7 @@ class Supervisor {
 
   SupervisorState state_ = SupervisorState::unconfigured;
   std::uint64_t faults_ = 0, first_faults_ = 0;
-  bool needs_chambers_ = false, bridged_ = false, may_move_ = true, has_moved_ = false, on_bus_ = false;
+  bool needs_chambers_ = false, bridged_ = false, all_good_ = false, may_move_ = true, has_moved_ = false, on_bus_ = false;
   PerSignal<InputGuard> guards_;
   PerSignal<bool> judged_;  ///< there is a sensor, or the law cannot do without it
   std::array<LineState, 2> limits_{};

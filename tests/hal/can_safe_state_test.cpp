@@ -53,7 +53,8 @@ TEST_CASE("a valve that the safe output left open before the start makes no fals
   CHECK(most_m < 0.6 * b.loop.supervisor().motion().limits().start_deviation_m);
 }
 
-TEST_CASE("where commands no longer reach the valve, NMT stop closes it in some cycles, else the watchdog in its time") {
+TEST_CASE(
+    "where commands no longer reach the valve, NMT stop closes it in some cycles, else the watchdog in its time") {
   const int watchdog_ms = GENERATE(60, 100);
   const std::string how = GENERATE("pre_operational", "lost commands", "changed identifier");
   const bool stop_is_lost = GENERATE(false, true);

@@ -31,8 +31,8 @@ enum class InputFinding : std::uint8_t {
   none,
   bridged,  ///< bad, and replaced by the last good one
   missing,  ///< bad for good: invalid, too old, not a number, impossible
-  jumped,   ///< bad for good: further than physics goes
-  frozen,   ///< the channel repeats one value
+  jumped,  ///< bad for good: further than physics goes
+  frozen,  ///< the channel repeats one value
 };
 
 /// Good samples pass. A bad one is replaced by the last good one in the tick in which it comes and counted: of missing
@@ -69,8 +69,7 @@ class InputGuard {
     const double a_period =
         std::min(plausible_.step_per_period, std::fabs(last_step_) + plausible_.step_growth * elapsed);
     const double largest = plausible_.slack + a_period * elapsed;
-    const bool jump =
-        readable && started_ && std::fabs(step) > largest && std::fabs(step) > largest + extra_step();
+    const bool jump = readable && started_ && std::fabs(step) > largest && std::fabs(step) > largest + extra_step();
     if (!readable || jump) [[unlikely]] {
       missed_ = elapsed;
       return bridge(jump);
@@ -96,6 +95,13 @@ class InputGuard {
   bool bad() const noexcept { return started_ && bad_ > 0; }
   /// No good sample has come yet.
   bool waiting() const noexcept { return !started_; }
+  /// The last good value; NaN before the first.
+  double value() const noexcept { return value_; }
+  /// Somebody else judged good samples up to this value. Of a channel whose steps do not hang on the one before.
+  void go_on_from(double value, int equal_ticks) noexcept {
+    value_ = value;
+    equal_ = equal_ticks;
+  }
   /// Samples in a row that repeat the one before.
   int equal_ticks() const noexcept { return equal_; }
 

@@ -6,6 +6,7 @@
 
 #include <pneuservo/core/rt.hpp>
 #include <pneuservo/hal/channel.hpp>
+#include <pneuservo/loop/calm_pressures.hpp>
 #include <pneuservo/loop/cross_check.hpp>
 #include <pneuservo/loop/fault.hpp>
 #include <pneuservo/loop/input_guard.hpp>
@@ -88,8 +89,10 @@ class Supervisor {
 
   SupervisorState state_ = SupervisorState::unconfigured;
   std::uint64_t faults_ = 0, first_faults_ = 0;
-  bool needs_chambers_ = false, bridged_ = false, all_good_ = false, may_move_ = true, has_moved_ = false, on_bus_ = false;
+  bool needs_chambers_ = false, bridged_ = false, all_good_ = false, may_move_ = true, has_moved_ = false,
+       on_bus_ = false;
   PerSignal<InputGuard> guards_;
+  CalmPressures calm_;
   PerSignal<bool> judged_;  ///< there is a sensor, or the law cannot do without it
   std::array<LineState, 2> limits_{};
   CrossCheck cross_check_;

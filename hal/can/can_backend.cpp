@@ -298,7 +298,8 @@ bool CanBackend::send_outputs(const std::array<double, 2>& commands) noexcept {
 
 // The device shows another output than the safe one: its process data are not ours. A stopped node takes none.
 void CanBackend::stop_unconfirmed_outputs(std::int64_t tick) noexcept {
-  if (safe_output_.stop_tick >= 0 || unconfirmed_cycles_ <= CanProcessImage::most_unconfirmed) return;
+  if (safe_output_.stop_tick >= 0 || safe_output_.substitute_tick >= 0) return;
+  if (unconfirmed_cycles_ <= CanProcessImage::most_unconfirmed) return;
   for (const CanWatchedNode& node : process_.nodes())
     if (node.has_output) bus_->send(nmt_frame(NmtCommand::stop, node.node));
   safe_output_.stop_tick = tick;

@@ -74,8 +74,9 @@ void AxisLoop::configure(const Rig& rig, const LoadPositions& load) {
 }
 
 void AxisLoop::rearm() noexcept {
-  armed_again_ = supervisor_.has_moved();
-  supervisor_.allow_motion(!armed_again_);
+  may_move_still_ = supervisor_.has_moved();
+  supervisor_.allow_motion(!may_move_still_);
+  stood_at_m_ = Row::none;
   stood_s_ = 0.0;
   begins_ = twin_waits_ = true;
   moved_ = limited_ = false;
@@ -138,13 +139,15 @@ std::array<double, 2> AxisLoop::control(double t_s, const JudgedInputs& inputs, 
   return out.command_V;
 }
 
-// An axis that is armed again begins from rest: none that still moves is taken over.
+// The prediction begins at rest: an axis that still moves, or was seen moving while a channel was waited for, is not
+// taken over.
 void AxisLoop::note_rest(const JudgedInputs& inputs, std::int64_t skipped) noexcept {
   if (!(std::fabs(inputs.position_m - stood_at_m_) <= supervisor_.motion().limits().standing_m)) {
+    may_move_still_ = may_move_still_ || std::isfinite(stood_at_m_);
     stood_at_m_ = inputs.position_m;
     stood_s_ = 0.0;
   } else stood_s_ += static_cast<double>(skipped + 1) * period_s_;
-  supervisor_.allow_motion(!armed_again_ || stood_s_ >= rest_before_motion_s);
+  supervisor_.allow_motion(!may_move_still_ || stood_s_ >= rest_before_motion_s);
 }
 
 MotionSample AxisLoop::motion_sample(const ControlInput& in, std::int64_t skipped) const noexcept {

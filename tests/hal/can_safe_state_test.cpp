@@ -149,6 +149,9 @@ TEST_CASE("the safe output is told as sent, as read back only where the device s
     REQUIRE(b.backend.safe_output().confirmed_tick == at + 1);
     REQUIRE_THAT(safe_output_text(b.backend.safe_output(), b.rig),
                  Contains("was sent at t = ") && Contains("read back"));
+    for (int i = 0; i < 200; ++i) b.step();  // nor is a node stopped whose own watchdog acted
+    REQUIRE(b.backend.safe_output().substitute_tick > at);
+    REQUIRE(b.backend.safe_output().stop_tick == -1);
   }
   SECTION("nothing reads it back") {
     const Rig rig = can_rig();

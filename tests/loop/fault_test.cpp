@@ -200,7 +200,8 @@ TEST_CASE("a loop without an estimate: a fault where it closes on the estimate, 
 }
 
 TEST_CASE("a channel that comes late at the start is waited for in the safe output; one that never comes is missing") {
-  const Rig rig = rig_for(Signal::x);
+  Rig rig = rig_for(Signal::x);
+  rig.safe_output.command_V = 0.01;  // too little to move the slider in 50 ms
   Stepper run(rig);
   const auto ticks = GENERATE(std::int64_t{50}, forever);
   run.backend.failure = {Signal::p1_port, FailureMode::dropped_out, 0, ticks, 0.0};
@@ -214,6 +215,22 @@ TEST_CASE("a channel that comes late at the start is waited for in the safe outp
   const std::uint64_t expected = ticks == forever ? std::uint64_t{fault_port_pressure_1_missing} : 0;
   REQUIRE(run.loop.first_faults() == expected);
   if (ticks != forever) REQUIRE(std::isfinite(run.loop.row().x_ref_m));
+}
+
+TEST_CASE("a slider that moves while a channel is waited for is taken over at rest, without a fault") {
+  const Rig rig = rig_for(Signal::x);  // its safe output of 0.25 V drives the slider to the end stop
+  Stepper run(rig);
+  run.backend.failure = {Signal::p1_port, FailureMode::dropped_out, 0, 50, 0.0};
+  double way_m = 0.0, before_m = 0.0;
+  while (!std::isfinite(run.loop.row().x_ref_m) && run.tick < 5000) {
+    before_m = run.loop.row().measured[Signal::x];
+    way_m = run.step().measured[Signal::x] - before_m;
+  }
+  REQUIRE(run.tick > 500);
+  REQUIRE(run.tick < 5000);
+  REQUIRE(std::fabs(way_m) < 1e-4);
+  for (int i = 0; i < 1500; ++i) run.step();
+  REQUIRE(run.loop.faults() == 0);
 }
 
 TEST_CASE("a faulted run keeps every row, tells the reason in words and ends safe") {

@@ -117,7 +117,7 @@ class AxisLoop {
   bool begins_ = true, moved_ = false, twin_waits_ = true;
   ControlInput control_in_;
   double stood_at_m_ = std::numeric_limits<double>::quiet_NaN(), stood_s_ = 0.0;
-  bool armed_again_ = false;
+  bool may_move_still_ = false;
   double area_1_m2_ = 0.0, area_2_m2_ = 0.0, atmosphere_force_N_ = 0.0;
   double tolerance_m_ = approach_tolerance_m;
   Approach approach_;

@@ -242,13 +242,20 @@ FlatnessPlan::FlatnessPlan(const AxisParameters<double>& axis, const Reference& 
   peak_command_V_ = peak_V(ticks_);
   const double limit_V = largest_command_V(axis.valve);
   if (peak_command_V_ <= limit_V) return;
-  const double needed = mean_pressure_needed_Pa(axis, reference, duration_s, settings);
+  // Found on a coarse grid, so tried on the plan's own before it is recommended.
+  FlatnessSettings remedy = settings;
+  remedy.mean_pressure_Pa = mean_pressure_needed_Pa(axis, reference, duration_s, settings);
+  const double needed = remedy.mean_pressure_Pa;
+  const bool suffices =
+      needed > 0.0 && peak_V(plan(axis, motion_of(reference, duration_s, remedy), remedy)) <= limit_V;
   const std::string found = "mean_pressure_Pa " + number_text(settings.mean_pressure_Pa) +
                             " does not suffice for the reference: its feedforward would reach " +
                             number_text(std::round(peak_command_V_ * 100.0) / 100.0) + " V of " + number_text(limit_V) +
                             " V; ";
-  throw std::invalid_argument(found + (needed > 0.0 ? "expected at least " + number_text(needed)
-                                                    : std::string("no mean pressure below the supply suffices")));
+  throw std::invalid_argument(
+      found + (suffices ? "expected at least " + number_text(needed)
+                        : std::string("no mean pressure below the supply was found that does, expected a reference "
+                                      "with less acceleration (longer ramps)")));
 }
 
 std::vector<double> FlatnessPlan::flow_of_deviation(const AxisParameters<double>& axis,

@@ -127,7 +127,9 @@ double ParameterHandle::value(const Rig& rig) const {
 }
 
 void ParameterHandle::set(Rig& rig, double value) const {
-  require_in_range(field_, value, "parameter", path_, fmt::format("{}", value));
+  // Words are made only for what may have to be refused.
+  if (!(value >= field_.minimum && value <= field_.maximum))
+    require_in_range(field_, value, "parameter", path_, fmt::format("{}", value));
   set_beyond_range(rig, value);
 }
 

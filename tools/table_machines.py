@@ -2,6 +2,7 @@
 """Each case in turn on each config, its size drawn alike for every ratio between the two that stand beside it. Every table makes
 half the config's move there at one mean pressure and back at another: what grows with the pressure differs from what does not."""
 import json
+import pathlib
 import random
 
 import yaml
@@ -14,40 +15,17 @@ MOVES = ((-0.025, 0.025, 140e3), (0.025, -0.025, 165e3))  # from [m], to [m], me
 OWNERS_TOLERANCES = {"line_1.length_m": 0.01, "line_2.length_m": 0.01, "cylinder.dead_volume_1_m3": 0.01, "cylinder.dead_volume_2_m3": 0.01}
 
 
-def amount(key, least, most, **held):
-    return lambda rng: {key: between(rng, least, most), **held}
+RECIPE = yaml.safe_load((pathlib.Path(__file__).resolve().parent / "trials/servo_table.yaml").read_text(encoding="utf-8"))
+EFFECTS, PARAMETERS = RECIPE["first"] | RECIPE["then"], RECIPE["parameters"]
+CASES = ["clean", *RECIPE["first"], *PARAMETERS, *RECIPE["then"]]
 
 
-def either_way(key, least, most, neutral=0.0):
-    return lambda rng: {key: neutral + rng.choice([-1, 1]) * between(rng, least, most)}
-
-
-# From about twice what clean tables say would have shown.
-EFFECTS = {
-    "valve_dead_band": amount("width_V", 0.004, 0.03),
-    "chamber_leak_1": amount("area_m2", 4e-9, 4e-8),
-    "coulomb_friction": amount("force_N", 0.4, 3),
-    "sensor_offset:p1_port": either_way("offset", 1500, 6000),
-    "line_restriction_2": amount("area_m2", 3e-6, 6e-6),
-    "spring_load": lambda rng: {"stiffness_N_per_m": between(rng, 10, 60), "rest_m": 0.0},
-    "sensor_lag:p2_port": amount("time_constant_s", 0.008, 0.03),
-    "supply_droop": amount("area_m2", 2e-6, 6e-6, volume_m3=3e-4),
-    "valve_offset": either_way("offset_V", 0.003, 0.01),
-    "constant_force": either_way("force_N", 0.5, 5),
-    "sensor_gain:p2_port": either_way("gain", 0.01, 0.03, 1.0),
-    "piston_leak": amount("area_m2", 4e-8, 3e-7),
-    "command_delay": amount("delay_s", 0.0015, 0.004),
-    "quadratic_drag": amount("coefficient_Ns2_per_m2", 100, 500),
-    "valve_asymmetry": either_way("exhaust_ratio", 0.1, 0.3, 1.0),
-    "valve_neutral_leak": amount("area_m2", 4e-9, 4e-8),
-    "valve_hysteresis": amount("width_V", 0.004, 0.03),
-    "chamber_leak_2": amount("area_m2", 4e-9, 4e-8),
-    "line_restriction_1": amount("area_m2", 3e-6, 6e-6),
-}
-# In tolerances: a payload that nobody counted, another hose, a supply that drops.
-PARAMETERS = {"slider.mass_kg": (4, 9), "line_1.diameter_m": (8, 12), "supply.pressure_Pa": (-9, -5), "line_2.length_m": (60, 90)}
-FIRST = list(EFFECTS)[:6]
-CASES = ["clean", *FIRST, *PARAMETERS, *(name for name in EFFECTS if name not in FIRST)]
+def drawn(rng, size):
+    if isinstance(size, list):
+        return between(rng, *size)
+    if isinstance(size, dict):
+        return size.get("about", 0.0) + rng.choice([-1, 1]) * between(rng, *size["either_way"])
+    return size
 
 
 def owners_table(path, name):
@@ -61,7 +39,7 @@ def conceal(rng, what, owner, rig):
     """Puts into `rig` what its owner does not know; returns the truth."""
     truth = {"verdict": "consistent", "effects": {}, "parameters": {}, "element": "none"}
     if what in EFFECTS:
-        rig["effects"] = truth["effects"] = {what: EFFECTS[what](rng)}
+        rig["effects"] = truth["effects"] = {what: {key: drawn(rng, size) for key, size in EFFECTS[what].items()}}
         return truth | {"verdict": "sensor_error" if what.startswith("sensor_") else "missing_physics"}
     if what in PARAMETERS:
         put(rig, what, get(owner, what) * (1 + owner["tolerances"][what] * rng.uniform(*PARAMETERS[what])))

@@ -11,54 +11,12 @@ import subprocess
 
 import yaml
 
+import vocabulary
+
 FIRST_S = 5.0  # held at the first reference value by its own loop before the recording begins
 
-def branch(rig):
-    line = rig["line_1"]
-    volume_m3 = 0.25 * math.pi * line["diameter_m"] ** 2 * line["length_m"]
-    return {"volume_m3": 0.02 * volume_m3, "neck_length_m": 0.3, "neck_diameter_m": 0.004, "position": 0.5}
-
-
-# Smallest rung of each effect: about a quarter of what shows well beside 300 Pa of noise, in units that the rig gives.
-LADDER = {
-    "coulomb_friction": lambda r: {"force_N": 2e-4 * force(r)},
-    "stribeck_friction": lambda r: {"extra_force_N": 3e-4 * force(r), "velocity_mps": 0.03, "coulomb_force_N": 3e-4 * force(r)},
-    "direction_dependent_friction": lambda r: {"forward_N": 1e-4 * force(r), "backward_N": 4e-4 * force(r)},
-    "pressure_dependent_friction": lambda r: {"force_per_pressure_N_per_Pa": 5e-4 * r["cylinder"]["area_1_m2"]},
-    "friction_zone": lambda r: {"force_N": 1e-3 * force(r), "center_m": 0.0, "width_m": 0.015},
-    "quadratic_drag": lambda r: {"coefficient_Ns2_per_m2": 4.0},
-    "constant_force": lambda r: {"force_N": 4e-4 * force(r)},
-    "spring_load": lambda r: {"stiffness_N_per_m": 6e-3 * force(r) / r["cylinder"]["stroke_m"], "rest_m": 0.0},
-    "elastic_load": lambda r: {"mass_kg": 0.02 * moving_kg(r), "natural_frequency_Hz": 11.0, "damping_ratio": 0.05},
-    "valve_dead_band": lambda r: {"width_V": 0.001},
-    "valve_offset": lambda r: {"offset_V": 0.001},
-    "valve_hysteresis": lambda r: {"width_V": 0.002},
-    "valve_lag": lambda r: {"time_constant_s": 0.0005},
-    "valve_neutral_leak": lambda r: {"area_m2": 4e-4 * r["valve"]["area_max_m2"]},
-    "valve_asymmetry": lambda r: {"exhaust_ratio": 0.99},
-    "command_delay": lambda r: {"delay_s": 0.0005},
-    "supply_droop": lambda r: {"area_m2": 1.5 * r["valve"]["area_max_m2"], "volume_m3": 0.0008},
-    "line_restriction_1": lambda r: {"area_m2": 2.0 * r["valve"]["area_max_m2"]},
-    "line_restriction_2": lambda r: {"area_m2": 2.0 * r["valve"]["area_max_m2"]},
-    "line_leak_1": lambda r: {"area_m2": 5e-5 * r["valve"]["area_max_m2"], "position": 0.5},
-    "line_leak_2": lambda r: {"area_m2": 5e-5 * r["valve"]["area_max_m2"], "position": 0.5},
-    "line_branch_1": branch,
-    "line_branch_2": branch,
-    "chamber_leak_1": lambda r: {"area_m2": 5e-5 * r["valve"]["area_max_m2"]},
-    "chamber_leak_2": lambda r: {"area_m2": 5e-5 * r["valve"]["area_max_m2"]},
-    "piston_leak": lambda r: {"area_m2": 1e-4 * r["valve"]["area_max_m2"]},
-}
-# Do not grow along the ladder; the volume of a branch does.
-HELD = {"natural_frequency_Hz", "damping_ratio", "velocity_mps", "center_m", "width_m", "rest_m", "volume_m3", "position", "neck_length_m", "neck_diameter_m"}
+BACKGROUND = yaml.safe_load((pathlib.Path(__file__).resolve().parent / "trials/background.yaml").read_text(encoding="utf-8"))
 RUNGS = 5
-
-
-def element_of(effect):
-    """Valve, command, supply, line_1 and so on, as the effect's name begins and ends; all others act on the motion."""
-    kind, side = effect.split("_")[0], effect.rpartition("_")[2]
-    if kind not in ("valve", "command", "supply", "line", "chamber", "piston"):
-        return "motion"
-    return f"{kind}_{side}" if side in ("1", "2") else kind
 
 
 def force(rig):
@@ -69,35 +27,28 @@ def moving_kg(rig):
     return rig["slider"]["mass_kg"] + rig["slider"]["payload_kg"]
 
 
-def at_rung(parameters, rung, held):
-    """Twice as large a rung; an opening twice as small, for its square resists; a ratio twice as far from one."""
-    out = {}
-    for key, value in parameters.items():
-        if key in held:
-            out[key] = value
-        elif key == "exhaust_ratio":
-            out[key] = 1 - (1 - value) * 2**rung
-        else:
-            out[key] = value * 2**rung
-    return out
+def known_effects(options, rig):
+    """The vocabulary, with sizes in the numbers of this rig."""
+    return vocabulary.effects(options.program, rig)
 
 
-def sized(effect, rig, rung):
-    parameters = LADDER[effect](rig)
-    if effect.startswith(("line_restriction", "supply_droop")):
-        return {k: v if k in HELD else v / 2 ** (rung / 2) for k, v in parameters.items()}
-    if effect == "elastic_load":
-        parameters["mass_kg"] = min(parameters["mass_kg"] * 2**rung, 0.6 * moving_kg(rig))
-        return parameters
-    return at_rung(parameters, rung, HELD - {"volume_m3"} if effect.startswith("line_branch") else HELD)
+def sized(effect, rig, rung, options):
+    return vocabulary.sized(known_effects(options, rig)[effect], rung, 0.6 * moving_kg(rig))
 
 
-# Names that small physics of kind background may get without being false.
-FAIR = {"coulomb_friction", "stribeck_friction", "valve_dead_band", "valve_asymmetry", "command_delay", "valve_lag", "line_branch_1",
-        "line_branch_2"}
+def fair_names(options):
+    """Names that machines of kind background may get without being false."""
+    of_every_machine = {name for name, one in vocabulary.effects(options.program).items() if one["of_every_machine"] and one["smallest"]}
+    return of_every_machine | set(BACKGROUND["fair"])
+
+
 PRESSURES = ("p1_port", "p2_port", "p1_chamber", "p2_chamber")
-# Main effects of kind background: those that its small physics does not hold, a delay, and an overlap.
-MAIN = [name for name in LADDER if name not in FAIR | {"direction_dependent_friction"}] + ["command_delay", "valve_dead_band"]
+
+
+def main_effects(options, owner):
+    """Main effects of kind background: those that its small physics does not hold, a delay, and an overlap."""
+    left_out = fair_names(options) | set(BACKGROUND["never_main"])
+    return [name for name in vocabulary.with_sizes(known_effects(options, owner)) if name not in left_out] + BACKGROUND["main_too"]
 
 
 def get(tree, path):
@@ -181,17 +132,18 @@ def true_rig(rng, owner, edge):
 
 
 def one_effect(_rng, number, owner, rig, options):
-    names = options.effects or list(LADDER)
+    names = options.effects or vocabulary.with_sizes(known_effects(options, owner))
     effect, rung = names[number % len(names)], (number // len(names)) % RUNGS
-    rig["effects"] = {effect: sized(effect, owner, rung)}
+    rig["effects"] = {effect: sized(effect, owner, rung, options)}
     return {"verdict": "missing_physics", "rung": rung}
 
 
-def two_effects(rng, _number, owner, rig, _options):
-    names = sorted(set(LADDER) - {"elastic_load"})  # is looked for before other names alone
+def two_effects(rng, _number, owner, rig, options):
+    known = known_effects(options, owner)
+    names = sorted(set(vocabulary.with_sizes(known)) - {"elastic_load"})  # is looked for before other names alone
     first = rng.choice(names)
-    second = rng.choice([name for name in names if element_of(name) != element_of(first)])
-    rig["effects"] = {name: sized(name, owner, rng.randrange(2, RUNGS)) for name in (first, second)}
+    second = rng.choice([name for name in names if known[name]["element"] != known[first]["element"]])
+    rig["effects"] = {name: sized(name, owner, rng.randrange(2, RUNGS), options) for name in (first, second)}
     return {"verdict": "missing_physics"}
 
 
@@ -215,7 +167,8 @@ def sensor_at_fault(rng, _number, _owner, rig, _options):
 
 def of_the_size_told(rng, number, owner, rig, options):
     clean = json.loads((options.out / f"clean-{number:03d}.json").read_text(encoding="utf-8"))
-    seen = [d for d in clean["detectable"] if d["effect"] in LADDER and len(LADDER[d["effect"]](owner)) == 1]
+    sizes = {name: len(one["smallest"]) for name, one in known_effects(options, owner).items()}
+    seen = [d for d in clean["detectable"] if sizes.get(d["effect"]) == 1]
     chosen = rng.choice(seen)
     rig["effects"] = {chosen["effect"]: {chosen["parameter"]: chosen["value"]}}
     return {"verdict": "missing_physics"}
@@ -280,18 +233,11 @@ def with_small_physics(rng, owner):
 
 def small_physics(rng, rig):
     """Effects that no owner writes down, each as small as on a machine in good order (machines of concealed/background)."""
-    effects = rig["effects"] | {
-        "valve_dead_band": {"width_V": rng.uniform(0.005, 0.02)},
-        "valve_asymmetry": {"exhaust_ratio": rng.uniform(0.985, 1.015)},
-        "command_delay": {"delay_s": rng.uniform(1e-4, 3e-4)},
-        "frequency_dependent_losses": {"share": 1.0},
-    }
-    for line in (1, 2):
-        effects[f"line_branch_{line}"] = {"volume_m3": rng.uniform(2e-6, 8e-6), "neck_length_m": 0.01, "neck_diameter_m": 0.006,
-                                          "position": 0.0}
+    effects = rig["effects"] | {name: vocabulary.drawn(rng, sizes) for name, sizes in BACKGROUND["effects"].items()}
     for channel in PRESSURES:
-        effects[f"sensor_lag:{channel}"] = {"time_constant_s": 3e-4}
-        effects[f"sensor_offset:{channel}"] = {"offset": rng.choice([-1, 1]) * rng.uniform(50, 170)}
+        for name, sizes in BACKGROUND["sensors"].items():
+            sign = rng.choice([-1, 1]) if name == "sensor_offset" else 1
+            effects[f"{name}:{channel}"] = {key: sign * value for key, value in vocabulary.drawn(rng, sizes).items()}
     rig["effects"] = effects
     rig["air"]["temperature_K"] += rng.uniform(-1.5, 1.5)
 
@@ -329,12 +275,12 @@ def conceal_main(rng, number, owner, rig, folder, options):
     if way == 0:
         return truth
     path, sign = rng.choice(sorted(owner["tolerances"])), rng.choice([-1, 1])
-    effect, least = rng.choice(options.effects or MAIN), rng.uniform(1.2, 2.5)
+    effect, least = rng.choice(options.effects or main_effects(options, owner)), rng.uniform(1.2, 2.5)
     for rung in range(2, 11):
         if way == 1:
             put(rig, path, get(owner, path) * (1 + owner["tolerances"][path] * sign * 3 * rung))
         else:
-            rig["effects"] = background["effects"] | {effect: sized(effect, owner, rung)}
+            rig["effects"] = background["effects"] | {effect: sized(effect, owner, rung, options)}
         ratio = main_to_background(options, folder, ideal, background, rig)
         if ratio is None or ratio >= least:
             break

@@ -37,7 +37,7 @@ Complex bessel_i1_over_i0(Complex z) {
 
 LineAcoustics::LineAcoustics(double length_m, double diameter_m, double pressure_Pa, const AirParameters<double>& air,
                              LineLoss loss)
-    : length_m_(length_m), diameter_m_(diameter_m), area_m2_(0.25 * std::numbers::pi * diameter_m * diameter_m),
+    : length_m_(length_m), diameter_m_(diameter_m), area_m2_(bore_area_m2(diameter_m)),
       density_kgpm3_(pressure_Pa / (air.gas_constant_J_per_kgK * air.temperature_K)), air_(air), loss_(loss) {}
 
 double LineAcoustics::sound_speed_mps() const { return air_.sound_speed(); }

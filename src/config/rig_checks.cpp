@@ -5,6 +5,8 @@
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
+#include <type_traits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -77,22 +79,20 @@ void check_line_models(const Rig& rig, const Check& check) {
     if (line->natural_frequency_Hz <= 0.0)
       check.refuse(std::string(key) + ".natural_frequency_Hz", {std::string(key) + ".model"},
                    number_text(line->natural_frequency_Hz), "the frequency of the second_order_lag, above 0 Hz");
-  const AxisEffects<double>& e = rig.axis.effects;
-  struct Inside {
-    const char* effect;
-    double size;
-    const char* unit;
-  };
-  const std::array<Inside, 6> inside{{{"line_restriction_1", e.line_restriction_1.area_m2, " m2"},
-                                      {"line_restriction_2", e.line_restriction_2.area_m2, " m2"},
-                                      {"line_leak_1", e.line_leak_1.area_m2, " m2"},
-                                      {"line_leak_2", e.line_leak_2.area_m2, " m2"},
-                                      {"line_branch_1", e.line_branch_1.volume_m3, " m3"},
-                                      {"line_branch_2", e.line_branch_2.volume_m3, " m3"}}};
-  for (const auto& [effect, size, unit] : inside)
-    if (size > 0.0)
-      check.refuse(std::string("effects.") + effect, {"line_1.model"}, number_text(size) + unit,
-                   "none: a second_order_lag has no inside; line_1.model: distributed");
+  visit_effects(rig, [&](const Field& effect, const auto& parameters) {
+    using Effect = std::remove_cvref_t<decltype(parameters)>;
+    if constexpr (requires { Effect::is_inside_line; }) {
+      // The first key is the size.
+      bool is_size = true;
+      const auto refuse_size = [&](const Field& key, double size) {
+        if (std::exchange(is_size, false) && size > 0.0)
+          check.refuse(fmt::format("effects.{}", effect.key), {"line_1.model"},
+                       fmt::format("{} {}", number_text(size), key.unit),
+                       "none: a second_order_lag has no inside; line_1.model: distributed");
+      };
+      Effect::visit(refuse_size, parameters);
+    }
+  });
 }
 
 void check_lines(const Rig& rig, const Check& check) {

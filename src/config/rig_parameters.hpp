@@ -1,5 +1,6 @@
 // All numbers of a rig by their config path (line_1.length_m, effects.sensor_offset:x.offset), from the same fields.
 #pragma once
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,29 @@ struct ParameterPath {
 /// Every number that the rig has, in the order of the config; all effects are there, neutral where it is silent.
 /// Numbers that are optional and not stated (initial.pressure_2_Pa) are left out.
 std::vector<ParameterPath> parameter_paths(const Rig& rig);
+
+/// A number of a rig whose path is resolved once: it then reads and sets that number in any rig of the same kind that
+/// states the same sections, without a walk over their names.
+class ParameterHandle {
+ public:
+  /// Throws InputError for a path that the rig does not have, with near ones.
+  ParameterHandle(const Rig& rig, std::string_view path);
+  const std::string& path() const { return path_; }
+  const Field& field() const { return field_; }
+  /// Throws InputError where an optional number is not stated.
+  double value(const Rig& rig) const;
+  /// Throws InputError for a value that is not finite or out of the field's range.
+  void set(Rig& rig, double value) const;
+  /// Takes what no config can state, too.
+  void set_beyond_range(Rig& rig, double value) const;
+
+ private:
+  std::string path_;
+  Field field_;
+  std::size_t offset_ = 0;  ///< of the number in the rig
+  bool is_inside_ = false;  ///< else it lies behind a vector and is found by its path
+  bool is_optional_ = false;
+};
 
 /// Value at a path. Throws InputError for a path that the rig does not have, with near ones.
 double get_parameter(const Rig& rig, std::string_view path);

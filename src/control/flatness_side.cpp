@@ -34,8 +34,8 @@ FlatnessSide::FlatnessSide(const AirParameters<double>& air, const LineParameter
                            const ChamberGeometry<double>& chamber, int cells, double step_s,
                            SmoothingDifferentiator rate)
     : air_(air), line_(line), chamber_(chamber), friction_(line, air_), rate_(std::move(rate)), cells_(cells),
-      step_s_(step_s), section_m2_(0.25 * M_PI * line.diameter_m * line.diameter_m), cell_m_(line.length_m / cells),
-      cell_m3_(section_m2_ * cell_m_) {}
+      step_s_(step_s), section_m2_(line.section_m2()), cell_m_(line.length_m / cells), cell_m3_(section_m2_ * cell_m_) {
+}
 
 PortMotion FlatnessSide::invert(const SideMotion& motion, int passes) const {
   const Row wall(motion.pressure_Pa.size(), air_.temperature_K);

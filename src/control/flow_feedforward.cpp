@@ -10,14 +10,10 @@ namespace {
 constexpr double n = feedforward_polytropic_exponent;
 /// psi is never asked closer to equal pressures than this: the area for a flow stays bounded there.
 constexpr double fill_ratio_max = 0.995, empty_ratio_min = 1.01;
-
-double line_area_m2(const LineParameters<double>& line) noexcept {
-  return M_PI / 4.0 * line.diameter_m * line.diameter_m;
-}
 }  // namespace
 
 SteadyLine::SteadyLine(const Air<double>& air, const LineParameters<double>& line) noexcept : friction(line, air) {
-  const double section_m2 = line_area_m2(line);
+  const double section_m2 = line.section_m2();
   reynolds_per_flow = line.diameter_m / (section_m2 * air.viscosity_Pas);
   loss_constant = air.viscosity_Pas * line.length_m * air.R * air.temperature_K /
                   (2.0 * line.diameter_m * line.diameter_m * section_m2);
@@ -27,7 +23,7 @@ FlowFeedforward::FlowFeedforward(const AxisParameters<double>& axis) noexcept {
   const Air<double> air(axis.air);
   const auto& cylinder = axis.cylinder;
   const auto side = [&](double area_m2, double dead_m3, const LineParameters<double>& line) {
-    return Side{area_m2, dead_m3 + area_m2 * 0.5 * cylinder.stroke_m, dead_m3, line_area_m2(line) * line.length_m,
+    return Side{area_m2, dead_m3 + area_m2 * 0.5 * cylinder.stroke_m, dead_m3, line.section_m2() * line.length_m,
                 SteadyLine(air, line)};
   };
   side_1_ = side(cylinder.area_1_m2, cylinder.dead_volume_1_m3, axis.line_1);
@@ -86,7 +82,7 @@ double feedforward_lead_s(const AxisParameters<double>& axis, double peak_speed_
     const SteadyLine steady(air, line);
     const double resistance =
         1.75 * steady_line_loss_Pa(steady, flow, mean_pressure_Pa) / flow;  // d(loss)/dG, turbulent
-    const double c_line = line_area_m2(line) * line.length_m / (n * r_t);
+    const double c_line = line.section_m2() * line.length_m / (n * r_t);
     const double c_chamber = (dead_m3 + area_m2 * 0.5 * axis.cylinder.stroke_m) / (n * r_t);
     return resistance * c_line * (c_chamber / 2.0 + c_line / 3.0) / (c_line + c_chamber);
   };

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
+#include "design/eigenvalues.hpp"
 
 namespace pneuservo {
 
@@ -58,7 +58,7 @@ std::vector<std::complex<double>> roots(const Polynomial& a) {
   }
   Polynomial slope;
   for (std::size_t i = 1; i < rest.size(); ++i) slope.push_back(static_cast<double>(i) * rest[i]);
-  const Eigen::VectorXcd values = Eigen::EigenSolver<Eigen::MatrixXd>(companion, false).eigenvalues();
+  const Eigen::VectorXcd values = unsorted_eigenvalues(companion);
   for (Eigen::Index i = 0; i < n; ++i) {
     std::complex<double> s = scale * values(i);
     for (int pass = 0; pass < 2; ++pass) {  // Newton; a double root, where the slope vanishes, stays as it is

@@ -3,9 +3,10 @@
 
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
-#include <unsupported/Eigen/MatrixFunctions>
+
+#include "control/matrix_exponential.hpp"
+#include "design/eigenvalues.hpp"
 
 namespace pneuservo {
 
@@ -124,10 +125,16 @@ StateSpace held(const StateSpace& continuous, double period_s, double delay_s) {
   return out;
 }
 
-Eigen::MatrixXd matrix_exponential(const Eigen::MatrixXd& A) { return A.exp(); }
+Eigen::MatrixXd matrix_exponential(const Eigen::MatrixXd& A) {
+  const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(A.rows(), A.cols());
+  return exponential_of(A, zero, static_cast<std::size_t>(A.rows()),
+                        [](Eigen::MatrixXd& m, std::size_t i, std::size_t j) -> double& {
+                          return m(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+                        });
+}
 
 std::vector<std::complex<double>> eigenvalues(const Eigen::MatrixXd& A) {
-  const Eigen::VectorXcd values = Eigen::EigenSolver<Eigen::MatrixXd>(balanced(A), false).eigenvalues();
+  const Eigen::VectorXcd values = unsorted_eigenvalues(balanced(A));
   std::vector<std::complex<double>> out(values.begin(), values.end());
   sort_poles(out);
   return out;

@@ -124,7 +124,7 @@ void add_moved(const Rig& rig, const Decision& decision, Diagnosis& out) {
     const FreeParameter& parameter = fit.parameters[i];
     if (parameter.start_factor >= 0) continue;
     const double z = fit.z(static_cast<Eigen::Index>(i));
-    out.moved.push_back({parameter.path, get_parameter(rig, parameter.path), parameter.value(z), z});
+    out.moved.push_back({parameter.path, parameter.value_in(rig), parameter.value(z), z});
   }
   std::stable_sort(out.moved.begin(), out.moved.end(), [](const MovedParameter& a, const MovedParameter& b) {
     return std::abs(a.tolerances) > std::abs(b.tolerances);
@@ -323,7 +323,7 @@ Decision decided_twice(const Rig& rig, FittedRows& rows, Search& search, const D
 
 /// The best model as a config, without what a config has no key for.
 void add_improved(const Decision& decision, Diagnosis& out) {
-  out.improved = without_empty_port_volumes(decision.chosen->fit.hypothesis().rig);
+  out.improved = without_empty_small_shapes(decision.chosen->fit.hypothesis().rig);
   double& overlap_V = out.improved.axis.effects.valve.valve_dead_band.width_V;
   if (overlap_V >= 0) return;
   out.warnings.push_back(fmt::format("the edges of the valve overlap by {:.3g} V (an underlap), for which a config has "

@@ -19,7 +19,7 @@ double side_volume_m3(const Rig& rig, std::size_t side, double position_m) noexc
   const double half_m = 0.5 * c.stroke_m, x = std::clamp(position_m, -half_m, half_m);
   const double chamber_m3 =
       side == 0 ? c.dead_volume_1_m3 + c.area_1_m2 * (half_m + x) : c.dead_volume_2_m3 + c.area_2_m2 * (half_m - x);
-  return 0.25 * M_PI * line.diameter_m * line.diameter_m * line.length_m + chamber_m3;
+  return line.volume_m3() + chamber_m3;
 }
 
 double air_stiffness_N_per_m(const Rig& rig, const std::array<double, 2>& port_Pa, double position_m) noexcept {

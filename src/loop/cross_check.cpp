@@ -22,8 +22,7 @@ std::uint64_t exceeded(const Two& found, const Two& limit, const std::array<Faul
 
 /// Air of one side, line and chamber at mid-stroke, at supply pressure [kg].
 double full_air_kg(const Rig& rig, const LineParameters<double>& line, double area_m2, double dead_volume_m3) {
-  const double line_m3 = 0.25 * M_PI * line.diameter_m * line.diameter_m * line.length_m;
-  const double volume_m3 = line_m3 + dead_volume_m3 + 0.5 * area_m2 * rig.axis.cylinder.stroke_m;
+  const double volume_m3 = line.volume_m3() + dead_volume_m3 + 0.5 * area_m2 * rig.axis.cylinder.stroke_m;
   const auto& air = rig.axis.air;
   return rig.axis.supply.pressure_Pa * volume_m3 / (air.gas_constant_J_per_kgK * air.temperature_K);
 }

@@ -114,14 +114,9 @@ double work_of_gas_J(double pressure_Pa, double atmosphere_Pa, double volume_m3)
 
 double stored_energy_J(const AxisPlant<double>& plant, const Rig& rig) {
   const auto& c = rig.axis.cylinder;
-  const auto bore_m2 = [](const LineParameters<double>& line) {
-    return 0.25 * M_PI * line.diameter_m * line.diameter_m;
-  };
   const double half_m = 0.5 * c.stroke_m, x = plant.position();
-  const double volume_1 =
-      c.dead_volume_1_m3 + c.area_1_m2 * (half_m + x) + bore_m2(rig.axis.line_1) * rig.axis.line_1.length_m;
-  const double volume_2 =
-      c.dead_volume_2_m3 + c.area_2_m2 * (half_m - x) + bore_m2(rig.axis.line_2) * rig.axis.line_2.length_m;
+  const double volume_1 = c.dead_volume_1_m3 + c.area_1_m2 * (half_m + x) + rig.axis.line_1.volume_m3();
+  const double volume_2 = c.dead_volume_2_m3 + c.area_2_m2 * (half_m - x) + rig.axis.line_2.volume_m3();
   const auto p = plant.chamber_pressure();
   const double atmosphere_Pa = rig.axis.air.atmosphere_Pa;
   return work_of_gas_J(low(p), atmosphere_Pa, volume_1) + work_of_gas_J(high(p), atmosphere_Pa, volume_2);
@@ -252,7 +247,7 @@ void drop(const Rig& rig, StoppingTable& table) {
   const double weight_N = (axis.slider.mass_kg + axis.slider.payload_kg) * gravity_mps2;
   axis.effects.motion.constant_force.force_N += weight_N;
   AxisPlant<double> plant;
-  axis.effects.chamber_leak_1.area_m2 = 0.25 * M_PI * axis.line_1.diameter_m * axis.line_1.diameter_m;
+  axis.effects.chamber_leak_1.area_m2 = axis.line_1.section_m2();
   plant.configure(axis, rig.period_s, rig.simulation.cells_per_m, valve_arrangement(rig));
   const double p_1 = rig.initial.pressure_1_Pa, way_m = 0.5 * axis.cylinder.stroke_m;
   const double p_2 =

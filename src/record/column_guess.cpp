@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <pneuservo/core/signal.hpp>
+
 #include "record/dialect.hpp"
 #include "record/field_text.hpp"
 #include "record/row_text.hpp"
@@ -24,6 +26,7 @@ struct Word {
   std::string_view word, ours;
   Quantity quantity;
 };
+constexpr std::string_view column_of(Signal signal) { return info(signal).column; }
 constexpr std::array<Word, 54> words{{{"timestamp", "t_s", Quantity::time},
                                       {"time", "t_s", Quantity::time},
                                       {"zeit", "t_s", Quantity::time},
@@ -38,46 +41,46 @@ constexpr std::array<Word, 54> words{{{"timestamp", "t_s", Quantity::time},
                                       {"setpoint", "x_ref_m", Quantity::length},
                                       {"sollwert", "x_ref_m", Quantity::length},
                                       {"soll", "x_ref_m", Quantity::length},
-                                      {"position", "x_m", Quantity::length},
-                                      {"pos", "x_m", Quantity::length},
-                                      {"displacement", "x_m", Quantity::length},
-                                      {"actualposition", "x_m", Quantity::length},
-                                      {"istposition", "x_m", Quantity::length},
-                                      {"weg", "x_m", Quantity::length},
-                                      {"lage", "x_m", Quantity::length},
-                                      {"hub", "x_m", Quantity::length},
-                                      {"stroke", "x_m", Quantity::length},
-                                      {"course", "x_m", Quantity::length},
-                                      {"x", "x_m", Quantity::length},
-                                      {"s", "x_m", Quantity::length},
+                                      {"position", column_of(Signal::x), Quantity::length},
+                                      {"pos", column_of(Signal::x), Quantity::length},
+                                      {"displacement", column_of(Signal::x), Quantity::length},
+                                      {"actualposition", column_of(Signal::x), Quantity::length},
+                                      {"istposition", column_of(Signal::x), Quantity::length},
+                                      {"weg", column_of(Signal::x), Quantity::length},
+                                      {"lage", column_of(Signal::x), Quantity::length},
+                                      {"hub", column_of(Signal::x), Quantity::length},
+                                      {"stroke", column_of(Signal::x), Quantity::length},
+                                      {"course", column_of(Signal::x), Quantity::length},
+                                      {"x", column_of(Signal::x), Quantity::length},
+                                      {"s", column_of(Signal::x), Quantity::length},
                                       {"command", "u_V", Quantity::voltage},
                                       {"cmd", "u_V", Quantity::voltage},
                                       {"valve", "u_V", Quantity::voltage},
                                       {"ventil", "u_V", Quantity::voltage},
                                       {"stell", "u_V", Quantity::voltage},
                                       {"u", "u_V", Quantity::voltage},
-                                      {"p1chamber", "p1_chamber_Pa", Quantity::pressure},
-                                      {"p2chamber", "p2_chamber_Pa", Quantity::pressure},
-                                      {"chamber1", "p1_chamber_Pa", Quantity::pressure},
-                                      {"chamber2", "p2_chamber_Pa", Quantity::pressure},
-                                      {"kammer1", "p1_chamber_Pa", Quantity::pressure},
-                                      {"kammer2", "p2_chamber_Pa", Quantity::pressure},
-                                      {"psupply", "p_supply_Pa", Quantity::pressure},
-                                      {"supply", "p_supply_Pa", Quantity::pressure},
-                                      {"versorgung", "p_supply_Pa", Quantity::pressure},
-                                      {"ps", "p_supply_Pa", Quantity::pressure},
-                                      {"p0", "p_supply_Pa", Quantity::pressure},
-                                      {"p1", "p1_port_Pa", Quantity::pressure},
-                                      {"p2", "p2_port_Pa", Quantity::pressure},
-                                      {"pressure1", "p1_port_Pa", Quantity::pressure},
-                                      {"pressure2", "p2_port_Pa", Quantity::pressure},
-                                      {"druck1", "p1_port_Pa", Quantity::pressure},
-                                      {"druck2", "p2_port_Pa", Quantity::pressure},
-                                      {"pa", "p1_port_Pa", Quantity::pressure},
-                                      {"pb", "p2_port_Pa", Quantity::pressure},
-                                      {"force", "F_N", Quantity::force},
-                                      {"kraft", "F_N", Quantity::force},
-                                      {"f", "F_N", Quantity::force}}};
+                                      {"p1chamber", column_of(Signal::p1_chamber), Quantity::pressure},
+                                      {"p2chamber", column_of(Signal::p2_chamber), Quantity::pressure},
+                                      {"chamber1", column_of(Signal::p1_chamber), Quantity::pressure},
+                                      {"chamber2", column_of(Signal::p2_chamber), Quantity::pressure},
+                                      {"kammer1", column_of(Signal::p1_chamber), Quantity::pressure},
+                                      {"kammer2", column_of(Signal::p2_chamber), Quantity::pressure},
+                                      {"psupply", column_of(Signal::p_supply), Quantity::pressure},
+                                      {"supply", column_of(Signal::p_supply), Quantity::pressure},
+                                      {"versorgung", column_of(Signal::p_supply), Quantity::pressure},
+                                      {"ps", column_of(Signal::p_supply), Quantity::pressure},
+                                      {"p0", column_of(Signal::p_supply), Quantity::pressure},
+                                      {"p1", column_of(Signal::p1_port), Quantity::pressure},
+                                      {"p2", column_of(Signal::p2_port), Quantity::pressure},
+                                      {"pressure1", column_of(Signal::p1_port), Quantity::pressure},
+                                      {"pressure2", column_of(Signal::p2_port), Quantity::pressure},
+                                      {"druck1", column_of(Signal::p1_port), Quantity::pressure},
+                                      {"druck2", column_of(Signal::p2_port), Quantity::pressure},
+                                      {"pa", column_of(Signal::p1_port), Quantity::pressure},
+                                      {"pb", column_of(Signal::p2_port), Quantity::pressure},
+                                      {"force", column_of(Signal::F), Quantity::force},
+                                      {"kraft", column_of(Signal::F), Quantity::force},
+                                      {"f", column_of(Signal::F), Quantity::force}}};
 constexpr std::size_t whole_word = 2;  ///< letters: so short a word must be all of the name
 
 /// A name taken apart: "Weg [mm]", "Weg_mm", "pos (mm)", "p1/bar", "Weg in mm".

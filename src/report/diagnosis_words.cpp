@@ -4,57 +4,15 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "elements/effect_entry.hpp"
+
 namespace pneuservo {
 namespace {
-
-/// Without side or channel, which # stands for.
-constexpr std::pair<std::string_view, std::string_view> words_of_effects[] = {
-    {"coulomb_friction", "dry friction, the same at every speed"},
-    {"stribeck_friction", "friction that is larger at low speed"},
-    {"direction_dependent_friction", "dry friction that differs by direction"},
-    {"pressure_dependent_friction", "friction that grows with the pressures (seals)"},
-    {"friction_zone", "a tight spot of the guide"},
-    {"quadratic_drag", "drag with the square of the speed"},
-    {"direction_dependent_viscous_friction", "viscous friction that differs by direction"},
-    {"viscous_friction", "viscous friction, the same both ways"},
-    {"elastic_friction", "dry friction that builds up along the way where the motion turns (hysteresis)"},
-    {"gravity_load", "a weight on a lever that turns with the axis"},
-    {"pump_curve", "a supply whose pressure falls with its flow, as a pump's does"},
-    {"laminar_leak", "a leak of chamber # through narrow ways"},
-    {"porous_leak", "a leak of chamber # through a porous wall"},
-    {"wall_heat_exchange", "heat between gas and wall"},
-    {"charging_heat", "gas that charging has warmed and that cools"},
-    {"drop_out_delay", "a valve that drops out later than it pulls in"},
-    {"constant_force", "a constant force on the slider (weight, incline, cable)"},
-    {"spring_load", "a spring on the slider"},
-    {"elastic_load", "a load that swings on a soft coupling"},
-    {"load_backlash", "a load that is coupled with play"},
-    {"valve_dead_band", "a dead band of the valve (overlap)"},
-    {"valve_offset", "an offset of the valve's neutral position"},
-    {"valve_hysteresis", "play between command and spool"},
-    {"valve_lag", "a lag between command and spool"},
-    {"valve_neutral_leak", "a leak through the closed valve"},
-    {"valve_asymmetry", "exhaust edges wider or narrower than supply edges"},
-    {"valve_curve", "edges of the valve whose slope changes along the spool's way"},
-    {"command_delay", "dead time between command and spool"},
-    {"supply_droop", "supply pressure that gives way under flow"},
-    {"line_restriction", "a narrow place where line # meets chamber #"},
-    {"line_branch", "a dead-end branch of line # (a T-piece with a hose or a vessel)"},
-    {"line_leak", "a leak from line # to the room"},
-    {"chamber_leak", "a leak from chamber # to the room"},
-    {"piston_leak", "a leak past the piston"},
-    {"piston_leak_zone", "a leak past the piston about one place of its way"},
-    {"sensor_offset", "an offset of the sensor of #"},
-    {"sensor_gain", "a wrong gain of the sensor of #"},
-    {"sensor_lag", "a lag of the sensor of #"},
-    {"unknown", "something that no name explains"},
-};
 
 std::string with_side(std::string_view words, std::string_view side) {
   std::string out;
@@ -83,16 +41,9 @@ std::string name_words(std::string_view key) {
 
 std::string effect_words(std::string_view effect) {
   if (effect.starts_with("parameter:")) return fmt::format("{} is not what the config says", effect.substr(10));
-  std::string_view name = effect, side;
-  if (const auto colon = effect.find(':'); colon != std::string_view::npos) {
-    name = effect.substr(0, colon);
-    side = effect.substr(colon + 1);
-  } else if (effect.ends_with("_1") || effect.ends_with("_2")) {
-    name = effect.substr(0, effect.size() - 2);
-    side = effect.substr(effect.size() - 1);
-  }
-  for (const auto& [key, words] : words_of_effects)
-    if (key == name) return with_side(words, side);
+  if (effect == "unknown") return "something that no name explains";
+  const EffectEntry* entry = find_effect(effect);
+  if (entry != nullptr) return with_side(entry->words, split_effect(effect).side);
   return std::string(effect);
 }
 

@@ -15,8 +15,8 @@ class ContinuousLine {
  public:
   ContinuousLine(const LineParameters<double>& line, const ChamberGeometry<double>& chamber, int cells)
       : cells_(cells), chamber_(chamber), friction_(line, air_), diameter_(line.diameter_m), dx_(line.length_m / cells),
-        area_(0.78539816339744831 * line.diameter_m * line.diameter_m), mass_flux_(static_cast<std::size_t>(cells) + 1),
-        pressure_flux_(mass_flux_), friction_heat_(mass_flux_), nusselt_(mass_flux_) {}
+        area_(line.section_m2()), mass_flux_(static_cast<std::size_t>(cells) + 1), pressure_flux_(mass_flux_),
+        friction_heat_(mass_flux_), nusselt_(mass_flux_) {}
 
   int size() const noexcept { return 3 * cells_ + 3; }
   /// Port pressure linear from p_0 at t_0 to p_1 at t_1; piston at s(t) = s_mean + s_swing sin(w t).

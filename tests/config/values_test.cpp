@@ -112,6 +112,40 @@ TEST_CASE("an override (--set) replaces, adds and goes into lists") {
   CHECK(listed.reference.components[1][0] == 0.03);
 }
 
+TEST_CASE("a handle is its path, resolved once, in every rig of the kind") {
+  const Rig rig = parse_rig(plain, "rig.yaml");
+  for (const ParameterPath& parameter : parameter_paths(rig)) {
+    INFO(parameter.path);
+    const ParameterHandle handle(rig, parameter.path);
+    Rig other = rig;
+    CHECK(handle.value(other) == parameter.value);
+    handle.set_beyond_range(other, 0.625);
+    CHECK(get_parameter(other, parameter.path) == 0.625);
+    CHECK(get_parameter(rig, parameter.path) == parameter.value);
+    handle.set_beyond_range(other, parameter.value);
+    for (const ParameterPath& same : parameter_paths(other)) CHECK(same.value == get_parameter(rig, same.path));
+  }
+  CHECK_THROWS_AS(ParameterHandle(rig, "slider.mas_kg"), InputError);
+  Rig other = rig;
+  CHECK_THROWS_WITH(ParameterHandle(rig, "slider.mass_kg").set(other, -1.0),
+                    "parameter: slider.mass_kg: found -1, expected a number in kg, 0.001 to 10000");
+  // A number that the config does not state has a place, and no value.
+  const ParameterHandle unstated(rig, "initial.pressure_2_Pa");
+  CHECK_THROWS_AS(unstated.value(rig), InputError);
+  unstated.set(other, 5e5);
+  CHECK(other.initial.pressure_2_Pa == 5e5);
+}
+
+TEST_CASE("a handle to a part of a reference follows it into copies") {
+  const Rig rig = rig_with_reference("{kind: sum, parts: [{kind: sine, amplitude_m: 0.01, frequency_Hz: 2}, {kind: "
+                                     "sine, amplitude_m: 0.02, frequency_Hz: 3}]}");
+  const ParameterHandle handle(rig, "reference.parts.1.amplitude_m");
+  Rig other = rig;
+  handle.set(other, 0.03);
+  CHECK(other.reference.parts[1].amplitude_m == 0.03);
+  CHECK(handle.value(rig) == 0.02);
+}
+
 TEST_CASE("numbers are found, read and set by their path") {
   Rig rig = parse_rig(plain, "rig.yaml");
   for (const ParameterPath& parameter : parameter_paths(rig)) {

@@ -26,8 +26,7 @@ ClosedFormModel model() {
 Fit valley_fit() {
   Fit fit;
   for (const char* path : {"slider.mass_kg", "slider.payload_kg"}) {
-    FreeParameter parameter;
-    parameter.path = path;
+    FreeParameter parameter = free_number(fit.base.rig, path);
     parameter.center = 2;
     parameter.spread = 1;
     parameter.lower = -3;

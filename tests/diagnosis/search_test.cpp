@@ -53,9 +53,7 @@ Candidate found_by_size(const char* name, const char* path) {
   Candidate candidate;
   candidate.name = candidate.family = name;
   candidate.element = "motion";
-  FreeParameter size;
-  size.path = path;
-  candidate.parameters = {size};
+  candidate.parameters = {free_number(cylinder_rig(), path)};
   candidate.negligible = candidate.neutral = {0};
   candidate.starts = {{0}};
   candidate.amplitude = {1};

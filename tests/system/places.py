@@ -62,10 +62,6 @@ ADDITIONS = (
         Edit(EFFECT + "motion_effects.hpp", '''
 /// A toy: drag that is proportional to the speed.
 template <class S> struct ToyDrag {
-  static constexpr std::string_view element = "motion";
-  static constexpr std::string_view family = "friction";
-  static constexpr unsigned shown_by = many_speeds;
-  static constexpr std::array traits{amplitude("coefficient_Ns_per_m", EffectScale::force_per_speed, 0.03, 1e-4)};
   S coefficient_Ns_per_m = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"coefficient_Ns_per_m", "N s/m", 0, 1e6, "c of c v"}, p.coefficient_Ns_per_m...);
@@ -78,11 +74,19 @@ template <class S> struct ToyDrag {
         Edit(EFFECT + "slider.hpp", " effects_.toy_drag.coefficient_Ns_per_m +", "    return viscous_ +"),
         Edit("docs/physics/effects.md", "\n| `toy_drag` | `c v` | `coefficient_Ns_per_m` |",
              "| `coulomb_friction` | `F sign(v)`; holds at rest up to F | `force_N` |"),
-        Edit("src/report/diagnosis_words.cpp", '\n    {"toy_drag", "drag of a toy"},', '    {"quadratic_drag", "drag with the square of the speed"},'),
-        Edit("tools/trial_machines.py", '\n    "toy_drag": lambda r: {"coefficient_Ns_per_m": 1.0},', '    "quadratic_drag": lambda r: {"coefficient_Ns2_per_m2": 4.0},'),
-        Edit("tools/effect-signatures", '\n        Row("toy_drag", {"coefficient_Ns_per_m": 20}, "A straight line through zero.", F, "speed"),',
-             'Row("quadratic_drag", {"coefficient_Ns2_per_m2": 30}, "Nothing when slow, then ever steeper.", F, "speed"),'),
-    ), beside=(EFFECT + "effects.hpp",)),
+        Edit("src/elements/motion_effects.cpp", '''
+    {.name = "toy_drag",
+     .words = "a toy's drag that is proportional to the speed",
+     .element = "motion",
+     .family = "friction",
+     .parameters = {amplitude("coefficient_Ns_per_m", force_per_speed, 0.03, 1e-4)},
+     .shown_by = many_speeds,
+     .smallest = {{"coefficient_Ns_per_m", 1}},
+     .signatures = {{.sizes = {{"coefficient_Ns_per_m", 20}},
+                     .words = "A straight line through zero.",
+                     .channels = {F},
+                     .against = "speed"}}},''', "constexpr EffectEntry entries[] = {"),
+    ), beside=(EFFECT + "effects.hpp", "src/elements/effects.cpp")),
     Addition("column of a recording", "toy_mps", COLUMN_EDITS, beside=("include/pneuservo/core/signal.hpp",)),
     Addition("verb", "toy", (
         Edit("src/program/toy.cpp", '''// Verb `toy`: says so.
@@ -101,7 +105,7 @@ void add_toy(CLI::App& app, int& status) {
 }  // namespace pneuservo
 '''),
         Edit("src/program/verbs.cpp", " add_toy,", "\nAddsVerb"),
-        Edit("src/program/verbs.cpp", " add_toy,", "add_stopping, add_import,"),
+        Edit("src/program/verbs.cpp", " add_toy,", "add_import,   add_effects,"),
     )),
     # law_place_test.py compiles its dispatch and what it lacks.
     Addition("control law", "toy_law", (

@@ -6,15 +6,18 @@
 
 #include "config/config_manual.hpp"
 #include "config/read_rig.hpp"
+#include "elements/effect_entry.hpp"
 #include "loop/runner.hpp"
 #include "record/writer.hpp"
 #include "sim/sim_backend.hpp"
 
 using namespace pneuservo;
 
-/// keys | run CONFIG FILE.csv.gz [PATH=VALUE]...
+/// keys | words EFFECT | run CONFIG FILE.csv.gz [PATH=VALUE]...
 int main(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "keys") return std::puts(config_manual_text().c_str()) < 0 ? 1 : 0;
+  if (argc == 3 && std::string_view(argv[1]) == "words")
+    return std::puts(std::string(find_effect(argv[2])->words).c_str()) < 0 ? 1 : 0;
   if (argc < 4) return 2;
   const Rig rig = read_rig(argv[2], std::vector<std::string>(argv + 4, argv + argc));
   SimBackend backend(rig);

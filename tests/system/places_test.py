@@ -55,6 +55,7 @@ def rows(*sets):
 keys = must(places, "keys")
 expect("toy_gain_V_per_m" in keys, "keys: no toy_gain_V_per_m")
 expect("toy_drag" in keys and "drag of a toy" in keys and "c of c v" in keys, "keys: no toy_drag")
+expect(must(places, "words", "toy_drag") == "a toy's drag that is proportional to the speed\n", "the vocabulary has no toy_drag")
 plain, dragged = rows(), rows("effects.toy_drag.coefficient_Ns_per_m=200")
 viscous = rows("effects.viscous_friction.coefficient_Ns_per_m=200")
 furthest = lambda run: max(abs(float(row["x_true_m"])) for row in run)

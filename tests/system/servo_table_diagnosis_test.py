@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # Servo tables of the simulator's own making, diagnosed: nothing missing, a leak; text, JSON and page of one recording.
-# With PNEUSERVO_LONG=1 every effect of tools/table_machines.py on two configs, clean ones among them.
+# With PNEUSERVO_LONG=1 every effect of tools/trials/servo_table.yaml on two configs, clean ones among them.
 # tags: long
 import importlib, json, os, pathlib, re, subprocess, sys, tempfile
 

@@ -34,7 +34,7 @@ template <class S> class Branch {
   S step(const LineBranch<S>& branch, const Air<S>& air, const PipeFriction<S>& pipe, double step_s,
          const Beside& line) noexcept {
     const auto present = branch.volume_m3 > S(0);
-    const S h(step_s), d = branch.neck_diameter_m, section = S(0.78539816339744831) * d * d;
+    const S h(step_s), d = branch.neck_diameter_m, section = bore_area_m2(d);
     const S inverse_inertance = section / branch.neck_length_m;
     const S phi = pipe(absolute(flow_) * d / (section * air.viscosity_Pas)).lambda_reynolds;
     const S friction = phi * air.viscosity_Pas / (S(2) * line.density_kg_per_m3 * d * d);  // r A/l

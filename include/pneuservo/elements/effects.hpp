@@ -1,9 +1,7 @@
 // The effects of the vocabulary (docs/physics/effects.md): physics that an element has beside the nominal model,
-// neutral by default. Their equations stand in the elements that apply them. `element` is where an effect sits,
-// `family` names those that mimic each other in recordings; both are of one side where the effect's name ends in _1 or
-// _2.
+// neutral by default. Their equations stand in the elements that apply them; what a diagnosis knows of them beside that
+// stands in src/elements.
 #pragma once
-#include <pneuservo/core/effect_traits.hpp>
 #include <pneuservo/core/field.hpp>
 #include <pneuservo/core/scalar.hpp>
 #include <pneuservo/elements/motion_effects.hpp>
@@ -11,45 +9,30 @@
 namespace pneuservo {
 
 template <class S> struct ValveDeadBand {
-  static constexpr std::string_view element = "valve";
-  static constexpr std::string_view family = "edges";
-  static constexpr std::array traits{amplitude("width_V", EffectScale::one, 0.15, 5e-4)};
   S width_V = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"width_V", "V", 0, 1000, "w of s_eff = sign(s) max(|s| - w, 0)"}, p.width_V...);
   }
 };
 template <class S> struct ValveOffset {
-  static constexpr std::string_view element = "valve";
-  static constexpr std::string_view family = "balance";
-  static constexpr std::array traits{amplitude("offset_V", EffectScale::one, 0.1, 5e-4)};
   S offset_V = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"offset_V", "V", -1000, 1000, "o of s_eff = s + o"}, p.offset_V...);
   }
 };
 template <class S> struct ValveHysteresis {
-  static constexpr std::string_view element = "valve";
-  static constexpr std::string_view family = "late";
-  static constexpr std::array traits{amplitude("width_V", EffectScale::one, 0.15, 1e-3)};
   S width_V = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"width_V", "V", 0, 1000, "total width of the play between command and spool"}, p.width_V...);
   }
 };
 template <class S> struct ValveLag {
-  static constexpr std::string_view element = "valve";
-  static constexpr std::string_view family = "late";
-  static constexpr std::array traits{amplitude("time_constant_s", EffectScale::one, 0.008, 5e-4)};
   S time_constant_s = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"time_constant_s", "s", 0, 10, "first-order lag between command and spool"}, p.time_constant_s...);
   }
 };
 template <class S> struct ValveNeutralLeak {
-  static constexpr std::string_view element = "valve";
-  static constexpr std::string_view family = "edges";
-  static constexpr std::array traits{amplitude("area_m2", EffectScale::valve_area, 0.01, 2.5e-5)};
   S area_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"area_m2", "m2", 0, 1e-2, "supply to each port and each port to exhaust, at every spool position"},
@@ -57,9 +40,6 @@ template <class S> struct ValveNeutralLeak {
   }
 };
 template <class S> struct ValveAsymmetry {
-  static constexpr std::string_view element = "valve";
-  static constexpr std::string_view family = "edges";
-  static constexpr std::array traits{amplitude("exhaust_ratio", EffectScale::one, 0.15, 2e-3)};
   S exhaust_ratio = S(1);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"exhaust_ratio", "-", 0.01, 100, "exhaust areas over supply areas"}, p.exhaust_ratio...);
@@ -68,13 +48,6 @@ template <class S> struct ValveAsymmetry {
 /// Edges whose area is no straight line of the spool's way: its slope is (1 + n) times the configured one about the
 /// middle (within a tenth of the largest command) and (1 + w) times it wide open.
 template <class S> struct ValveCurve {
-  static constexpr std::string_view element = "valve";
-  static constexpr std::string_view family = "edges";
-  static constexpr bool is_mimicked_by_small_physics = true;
-  /// Two numbers for whatever shape the edges have: they tell where and how much, and no law.
-  static constexpr bool is_description = true;
-  static constexpr std::array traits{amplitude("near_middle", EffectScale::one, 0.15, 0.005),
-                                     amplitude("wide_open", EffectScale::one, 0.5, 0.02)};
   S near_middle = S(0);
   S wide_open = S(0);
   /// Of the slope; s_max: the largest command.
@@ -89,9 +62,6 @@ template <class S> struct ValveCurve {
   }
 };
 template <class S> struct CommandDelay {
-  static constexpr std::string_view element = "timing";
-  static constexpr std::string_view family = "late";
-  static constexpr std::array traits{amplitude("delay_s", EffectScale::one, 0.006, 5e-4)};
   S delay_s = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"delay_s", "s", 0, 0.5, "dead time between command and spool"}, p.delay_s...);
@@ -125,11 +95,6 @@ template <class S> struct ValveEffects {
 
 /// The regulator feeds a volume at the valve through an orifice; area 0: the supply is constant.
 template <class S> struct SupplyDroop {
-  static constexpr std::string_view element = "supply";
-  static constexpr std::string_view family = "supply_droop";
-  static constexpr std::array traits{
-      shape("area_m2", EffectScale::valve_area, 1.2, effect_grids::droop_area).by(Variation::logarithmic),
-      shape("volume_m3", EffectScale::one, 1.5, effect_grids::droop_volume).by(Variation::logarithmic)};
   S area_m2 = S(0);
   S volume_m3 = S(1e-3);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -140,12 +105,6 @@ template <class S> struct SupplyDroop {
 
 /// A supply whose pressure swings: a compressor that cuts in and out, a regulator that hunts.
 template <class S> struct SupplySwing {
-  static constexpr std::string_view element = "supply";
-  static constexpr std::string_view family = "supply_swing";
-  /// Each recording has another phase of it: the verdict is `unknown` there, with the frequency, and no config holds
-  /// it.
-  static constexpr bool is_sought_apart = true;
-  static constexpr std::array traits{amplitude("amplitude_Pa", EffectScale::channel_offset, 0.03)};
   S amplitude_Pa = S(0);
   S frequency_Hz = S(1);
   S phase_rad = S(0);
@@ -159,21 +118,14 @@ template <class S> struct SupplySwing {
 
 /// Orifice between line end and chamber; area 0: none.
 template <class S> struct LineRestriction {
-  static constexpr std::string_view element = "line";
-  static constexpr std::string_view family = "line_restriction";
-  static constexpr std::array traits{amplitude("area_m2", EffectScale::inverse_valve_area, 4, 0.01)
-                                         .by(Variation::inverse_square)
-                                         .whole_at(effect_grids::restriction_sizes)};
+  static constexpr bool is_inside_line = true;  ///< needs a line that is computed by cells
   S area_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"area_m2", "m2", 0, 1e-2, "effective area between line end and chamber"}, p.area_m2...);
   }
 };
 template <class S> struct LineLeak {
-  static constexpr std::string_view element = "line";
-  static constexpr std::string_view family = "leak";
-  static constexpr std::array traits{amplitude("area_m2", EffectScale::valve_area, 0.01, 2.5e-5),
-                                     shape("position", EffectScale::one, 0.4, effect_grids::leak_position)};
+  static constexpr bool is_inside_line = true;
   S area_m2 = S(0);
   S position = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -184,16 +136,7 @@ template <class S> struct LineLeak {
 /// Dead-end branch, as a T-piece with the hose of a gauge or a pressure switch has: a volume behind a neck; volume 0:
 /// none.
 template <class S> struct LineBranch {
-  static constexpr std::string_view element = "line";
-  static constexpr std::string_view family = "line_branch";
-  /// Beside small physics that is everywhere it has no name: the volume at a valve's port and the fittings of every
-  /// real line look like it.
-  static constexpr bool is_mimicked_by_small_physics = true;
-  static constexpr std::array traits{
-      amplitude("volume_m3", EffectScale::one, 1e-4, 1e-6).whole_at(effect_grids::branch_volumes),
-      shape("neck_length_m", EffectScale::one, 0.7, effect_grids::branch_neck_length).by(Variation::logarithmic),
-      shape("neck_diameter_m", EffectScale::one, 0.7, effect_grids::branch_neck_diameter).by(Variation::logarithmic),
-      shape("position", EffectScale::one, 0.4, effect_grids::branch_position)};
+  static constexpr bool is_inside_line = true;
   S volume_m3 = S(0);
   S neck_length_m = S(0.1);
   S neck_diameter_m = S(0.004);
@@ -208,11 +151,6 @@ template <class S> struct LineBranch {
 /// Friction and wall heat of both lines beside the quasi-steady ones (wall_memory.hpp); share 0: none, 1: the theory of
 /// laminar layers, with the Nusselt number 8 of slow changes in place of 3.66.
 template <class S> struct FrequencyDependentLosses {
-  static constexpr std::string_view element = "line";
-  static constexpr std::string_view family = "line_losses";
-  /// Every real line has it: granted beside other physics, never a name of its own.
-  static constexpr bool is_always_granted = true;
-  static constexpr std::array traits{amplitude("share", EffectScale::one, 1, 0.05)};
   S share = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"share", "-", 0, 3, "of the friction and wall heat that depend on frequency; 1: theory of laminar layers"},
@@ -220,18 +158,12 @@ template <class S> struct FrequencyDependentLosses {
   }
 };
 template <class S> struct ChamberLeak {
-  static constexpr std::string_view element = "chamber";
-  static constexpr std::string_view family = "leak";
-  static constexpr std::array traits{amplitude("area_m2", EffectScale::valve_area, 0.01, 2.5e-5)};
   S area_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"area_m2", "m2", 0, 1e-2, "orifice from chamber to atmosphere"}, p.area_m2...);
   }
 };
 template <class S> struct PistonLeak {
-  static constexpr std::string_view element = "piston";
-  static constexpr std::string_view family = "balance";
-  static constexpr std::array traits{amplitude("area_m2", EffectScale::valve_area, 0.01, 2.5e-5)};
   S area_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"area_m2", "m2", 0, 1e-2, "orifice between the chambers"}, p.area_m2...);
@@ -239,14 +171,6 @@ template <class S> struct PistonLeak {
 };
 /// A leak past the piston that depends on where it stands: a worn or scored place of the bore.
 template <class S> struct PistonLeakZone {
-  static constexpr std::string_view element = "piston";
-  static constexpr std::string_view family = "balance";
-  /// A bell of any place and width stands for whatever the wear is.
-  static constexpr bool is_description = true;
-  static constexpr std::array traits{
-      amplitude("area_m2", EffectScale::valve_area, 0.01, 2.5e-5),
-      shape("center_m", EffectScale::half_stroke, 0.5, effect_grids::leak_zone_center).over_motion(),
-      shape("width_m", EffectScale::half_stroke, 0.7, effect_grids::leak_zone_width).by(Variation::logarithmic)};
   S area_m2 = S(0);
   S center_m = S(0);
   S width_m = S(0.01);
@@ -262,26 +186,18 @@ template <class S> struct PistonLeakZone {
   }
 };
 template <class S> struct SensorOffset {
-  static constexpr std::string_view element = "sensor";
-  static constexpr std::array traits{amplitude("offset", EffectScale::channel_offset, 0.03, 1e-4)};
   S offset = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"offset", "SI", -1e7, 1e7, "added to the reading, in the channel's unit"}, p.offset...);
   }
 };
 template <class S> struct SensorGain {
-  static constexpr std::string_view element = "sensor";
-  /// Beyond half and twice it is another unit or another sensor.
-  static constexpr std::array traits{
-      amplitude("gain", EffectScale::channel_gain, 0.05, 1.7e-3).within(0.5, 2, EffectScale::one)};
   S gain = S(1);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"gain", "-", -100, 100, "factor on the reading"}, p.gain...);
   }
 };
 template <class S> struct SensorLag {
-  static constexpr std::string_view element = "sensor";
-  static constexpr std::array traits{amplitude("time_constant_s", EffectScale::one, 0.007, 5e-4)};
   S time_constant_s = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"time_constant_s", "s", 0, 10, "first-order lag of the sensor"}, p.time_constant_s...);

@@ -30,7 +30,7 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
     length_ = line.length_m;
     port_constants_ = PortConstants<S>(air_, S(0.35), port_constants_.tolerance);
     diameter_ = line.diameter_m;
-    cross_section_ = S(0.78539816339744831) * diameter_ * diameter_;
+    cross_section_ = line.section_m2();
     friction_ = PipeFriction<S>(line, air_);
     arrange(std::max(1, cells));
     guard_actions_ = 0;

@@ -1,30 +1,18 @@
 // Effects of the slider: frictions, loads and couplings beside the nominal model (docs/physics/effects.md); their
 // equations stand in slider.hpp.
 #pragma once
-#include <pneuservo/core/effect_traits.hpp>
 #include <pneuservo/core/field.hpp>
 #include <pneuservo/core/scalar.hpp>
 
 namespace pneuservo {
 
 template <class S> struct CoulombFriction {
-  static constexpr std::string_view element = "motion";
-  static constexpr std::string_view family = "friction";
-  static constexpr std::array traits{amplitude("force_N", EffectScale::force, 0.03, 5e-5)};
   S force_N = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"force_N", "N", 0, 1e5, "opposes motion; holds a slider at rest up to it"}, p.force_N...);
   }
 };
 template <class S> struct StribeckFriction {
-  static constexpr std::string_view element = "motion";
-  static constexpr std::string_view family = "friction";
-  static constexpr std::string_view extra = "extra_force_N";  ///< beyond the simpler law that it contains
-  static constexpr unsigned shown_by = many_speeds;
-  static constexpr std::array traits{
-      amplitude("extra_force_N", EffectScale::force, 0.03, 5e-5),
-      amplitude("coulomb_force_N", EffectScale::force, 0.03),
-      shape("velocity_mps", EffectScale::top_speed, 1.2, effect_grids::stribeck_speed).by(Variation::logarithmic)};
   S extra_force_N = S(0);
   S velocity_mps = S(0.02);
   S coulomb_force_N = S(0);
@@ -35,11 +23,6 @@ template <class S> struct StribeckFriction {
   }
 };
 template <class S> struct DirectionDependentFriction {
-  static constexpr std::string_view element = "motion";
-  static constexpr std::string_view family = "friction";
-  static constexpr unsigned shown_by = both_ways;
-  static constexpr std::array traits{amplitude("forward_N", EffectScale::force, 0.03, 5e-5),
-                                     amplitude("backward_N", EffectScale::force, 0.03, 5e-5)};
   S forward_N = S(0);
   S backward_N = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -48,10 +31,6 @@ template <class S> struct DirectionDependentFriction {
   }
 };
 template <class S> struct PressureDependentFriction {
-  static constexpr std::string_view element = "motion";
-  static constexpr std::string_view family = "friction";
-  static constexpr std::array traits{
-      amplitude("force_per_pressure_N_per_Pa", EffectScale::force_per_pressure, 0.03, 5e-5)};
   S force_per_pressure_N_per_Pa = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"force_per_pressure_N_per_Pa", "N/Pa", 0, 1, "c of c (max(p1 - p_atm, 0) + max(p2 - p_atm, 0))/2"},
@@ -59,13 +38,6 @@ template <class S> struct PressureDependentFriction {
   }
 };
 template <class S> struct FrictionZone {
-  static constexpr std::string_view element = "motion";
-  static constexpr std::string_view family = "friction";
-  static constexpr unsigned shown_by = places_again;
-  static constexpr std::array traits{
-      amplitude("force_N", EffectScale::force, 0.03, 1e-4),
-      shape("center_m", EffectScale::half_stroke, 0.5, effect_grids::zone_center).over_motion(),
-      shape("width_m", EffectScale::half_stroke, 0.7, effect_grids::zone_width).by(Variation::logarithmic)};
   S force_N = S(0);
   S center_m = S(0);
   S width_m = S(0.01);
@@ -76,24 +48,12 @@ template <class S> struct FrictionZone {
   }
 };
 template <class S> struct QuadraticDrag {
-  static constexpr std::string_view element = "motion";
-  static constexpr std::string_view family = "friction";
-  static constexpr unsigned shown_by = many_speeds;
-  static constexpr std::array traits{amplitude("coefficient_Ns2_per_m2", EffectScale::drag, 0.03, 5e-5)};
   S coefficient_Ns2_per_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"coefficient_Ns2_per_m2", "N s2/m2", 0, 1e5, "c of c |v| v"}, p.coefficient_Ns2_per_m2...);
   }
 };
 template <class S> struct DirectionDependentViscousFriction {
-  static constexpr std::string_view element = "motion";
-  static constexpr std::string_view family = "friction";
-  /// Friction takes energy: with the configured one it is not negative.
-  static constexpr unsigned shown_by = many_speeds | both_ways;
-  static constexpr std::array traits{amplitude("forward_Ns_per_m", EffectScale::force_per_speed, 0.03, 1e-4)
-                                         .within(-1, ParameterTrait::infinite, EffectScale::viscosity),
-                                     amplitude("backward_Ns_per_m", EffectScale::force_per_speed, 0.03, 1e-4)
-                                         .within(-1, ParameterTrait::infinite, EffectScale::viscosity)};
   S forward_Ns_per_m = S(0);
   S backward_Ns_per_m = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -104,11 +64,6 @@ template <class S> struct DirectionDependentViscousFriction {
 /// Beside slider.viscous_friction_Ns_per_m, for a config that has none: where the owner states that with a tolerance,
 /// it is the number that may be off.
 template <class S> struct ViscousFriction {
-  static constexpr std::string_view element = "motion";
-  static constexpr std::string_view family = "friction";
-  static constexpr std::string_view same_as = "slider.viscous_friction_Ns_per_m";
-  static constexpr unsigned shown_by = many_speeds;
-  static constexpr std::array traits{amplitude("coefficient_Ns_per_m", EffectScale::force_per_speed, 0.03, 1e-4)};
   S coefficient_Ns_per_m = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"coefficient_Ns_per_m", "N s/m", 0, 1e6, "beside viscous_friction, the same both ways"},
@@ -118,13 +73,6 @@ template <class S> struct ViscousFriction {
 /// Dry friction that the slider's way builds up: bristles, a seal or a belt that is dragged along where the motion
 /// turns.
 template <class S> struct ElasticFriction {
-  static constexpr std::string_view element = "motion";
-  static constexpr std::string_view family = "friction";
-  static constexpr bool is_of_plain_axes = true;  ///< looked for where no pressures act on the slider
-  static constexpr unsigned shown_by = both_ways;
-  static constexpr std::array traits{
-      amplitude("force_N", EffectScale::force, 0.03, 5e-5),
-      shape("way_m", EffectScale::half_stroke, 1.0, effect_grids::friction_way).by(Variation::logarithmic)};
   S force_N = S(0);
   S way_m = S(1e-3);
   /// F after the way dx: dF/dx = (F_c - F sign(dx))/w.
@@ -139,12 +87,6 @@ template <class S> struct ElasticFriction {
 };
 /// Weight on a lever that turns with the axis: x is its angle [rad], forces are torques.
 template <class S> struct GravityLoad {
-  static constexpr std::string_view element = "motion";
-  static constexpr std::string_view family = "load";
-  static constexpr unsigned shown_by = a_radian;
-  static constexpr bool is_of_plain_axes = true;  ///< looked for where no pressures act on the slider
-  static constexpr std::array traits{amplitude("sine_N", EffectScale::force, 0.03, 5e-5),
-                                     amplitude("cosine_N", EffectScale::force, 0.03, 5e-5)};
   S sine_N = S(0);
   S cosine_N = S(0);
   S at(const S& angle) const noexcept { return sine_N * sine(angle) + cosine_N * cosine(angle); }
@@ -155,19 +97,12 @@ template <class S> struct GravityLoad {
   }
 };
 template <class S> struct ConstantForce {
-  static constexpr std::string_view element = "motion";
-  static constexpr std::string_view family = "load";
-  static constexpr std::array traits{amplitude("force_N", EffectScale::force, 0.03, 5e-5)};
   S force_N = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"force_N", "N", -1e5, 1e5, "subtracted from the driving force: incline, weight, cable"}, p.force_N...);
   }
 };
 template <class S> struct SpringLoad {
-  static constexpr std::string_view element = "motion";
-  static constexpr std::string_view family = "load";
-  static constexpr std::array traits{amplitude("stiffness_N_per_m", EffectScale::stiffness, 0.03, 1e-4),
-                                     shape("rest_m", EffectScale::half_stroke, 0.7, effect_grids::spring_rest)};
   S stiffness_N_per_m = S(0);
   S rest_m = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -180,14 +115,6 @@ template <class S> struct SpringLoad {
 /// A part of slider.mass_kg + slider.payload_kg that is carried on a soft coupling: a load on a long arm, a belt, a
 /// bellows.
 template <class S> struct ElasticLoad {
-  static constexpr std::string_view element = "motion";
-  static constexpr std::string_view family = "elastic_load";
-  /// Beside large friction it would take what the force balance has wrong where the motion turns.
-  static constexpr bool is_never_added = true;
-  static constexpr std::array traits{
-      amplitude("mass_kg", EffectScale::moving_mass, 0.3, 0.01),
-      shape("natural_frequency_Hz", EffectScale::one, 0.7, effect_grids::load_frequency).by(Variation::logarithmic),
-      shape("damping_ratio", EffectScale::one, 0.7, effect_grids::load_damping).by(Variation::logarithmic)};
   S mass_kg = S(0);
   S natural_frequency_Hz = S(10);
   S damping_ratio = S(0.05);
@@ -202,15 +129,6 @@ template <class S> struct ElasticLoad {
 /// A part of slider.mass_kg + slider.payload_kg that is coupled with play: a worn pin, a loose nut. It flies from one
 /// end of the play to the other, and strikes there.
 template <class S> struct LoadBacklash {
-  static constexpr std::string_view element = "motion";
-  static constexpr std::string_view family = "elastic_load";
-  /// When the load strikes and how it comes back hangs on more than any recording shows.
-  static constexpr bool is_description = true;
-  static constexpr std::array traits{
-      amplitude("mass_kg", EffectScale::moving_mass, 0.3, 0.01),
-      shape("play_m", EffectScale::one, 1.0, effect_grids::load_play).by(Variation::logarithmic),
-      shape("contact_frequency_Hz", EffectScale::one, 0.5, effect_grids::contact_frequency).by(Variation::logarithmic),
-      shape("contact_damping_ratio", EffectScale::one, 1.0, effect_grids::contact_damping).by(Variation::logarithmic)};
   S mass_kg = S(0);
   S play_m = S(1e-3);
   S contact_frequency_Hz = S(60);
@@ -225,12 +143,6 @@ template <class S> struct LoadBacklash {
 };
 /// A force of one frequency, from a neighbouring machine or a fan.
 template <class S> struct PeriodicForce {
-  static constexpr std::string_view element = "motion";
-  static constexpr std::string_view family = "periodic_force";
-  /// Each recording has another phase of it: the verdict is `unknown` there, with the frequency, and no config holds
-  /// it.
-  static constexpr bool is_sought_apart = true;
-  static constexpr std::array traits{amplitude("amplitude_N", EffectScale::force, 0.03, 5e-5)};
   S amplitude_N = S(0);
   S frequency_Hz = S(10);
   S phase_rad = S(0);

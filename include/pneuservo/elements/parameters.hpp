@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string_view>
 
 #include <pneuservo/core/field.hpp>
@@ -35,6 +36,11 @@ template <class S> struct ValveParameters {
   }
 };
 
+/// Cross-section [m2] of a round bore.
+template <class S> S bore_area_m2(const S& diameter_m) noexcept {
+  return S(0.25 * std::numbers::pi) * diameter_m * diameter_m;
+}
+
 /// How a line is computed: by cells along its length, or as a lag of second order on the flow into the chamber.
 enum class LineModel { distributed, second_order_lag };
 inline constexpr std::array<std::string_view, 2> line_model_names{"distributed", "second_order_lag"};
@@ -48,6 +54,8 @@ template <class S> struct LineParameters {
   LineModel model = LineModel::distributed;
   S natural_frequency_Hz = S(0);
   S damping_ratio = S(0.05);
+  S section_m2() const noexcept { return bore_area_m2(diameter_m); }
+  S volume_m3() const noexcept { return section_m2() * length_m; }
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"length_m", "m", 0.01, 100, "valve port to chamber"}, p.length_m...);
     v(Field{"diameter_m", "m", 5e-4, 0.05, "inner diameter"}, p.diameter_m...);

@@ -7,9 +7,6 @@ namespace pneuservo {
 
 /// Heat between gas and wall beside the configured one.
 template <class S> struct WallHeatExchange {
-  static constexpr std::string_view element = "chamber_1";
-  static constexpr std::string_view family = "heat";
-  static constexpr std::array traits{amplitude("conductance_W_per_K", EffectScale::wall_heat, 0.3, 1e-4)};
   S conductance_W_per_K = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"conductance_W_per_K", "W/K", 0, 1e6, "heat flow over gas temperature less wall temperature"},
@@ -19,11 +16,6 @@ template <class S> struct WallHeatExchange {
 /// Gas that charging has warmed above the wall and that cools towards it. Emptying from the supply's pressure without
 /// heat from the wall changes its temperature most; filling warms by less.
 template <class S> struct ChargingHeat {
-  static constexpr std::string_view element = "chamber_1";
-  static constexpr std::string_view family = "heat";
-  static constexpr std::array traits{
-      amplitude("excess_K", EffectScale::one, 10, 0.02).within(-1, 1, EffectScale::adiabatic_change),
-      shape("time_constant_s", EffectScale::one, 1.2, effect_grids::charging_time).by(Variation::logarithmic)};
   S excess_K = S(0);
   S time_constant_s = S(10);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -33,10 +25,6 @@ template <class S> struct ChargingHeat {
 };
 /// Leak through narrow ways: compressible Poiseuille flow, G = K (p^2 - p_atm^2).
 template <class S> struct LaminarLeak {
-  static constexpr std::string_view element = "chamber";
-  static constexpr std::string_view family = "leak";
-  static constexpr std::array traits{
-      amplitude("conductance_kgps_per_Pa2", EffectScale::laminar_conductance, 0.01, 2.5e-5)};
   S conductance_kgps_per_Pa2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"conductance_kgps_per_Pa2", "kg/(s Pa2)", 0, 1, "K of G = K (p^2 - p_atm^2)"},
@@ -45,11 +33,6 @@ template <class S> struct LaminarLeak {
 };
 /// Leak through a porous wall: a laminar resistance and an orifice in series.
 template <class S> struct PorousLeak {
-  static constexpr std::string_view element = "chamber";
-  static constexpr std::string_view family = "leak";
-  static constexpr std::array traits{
-      amplitude("conductance_kgps_per_Pa2", EffectScale::laminar_conductance, 0.01, 2.5e-5),
-      shape("orifice_area_m2", EffectScale::valve_area, 1.2, effect_grids::porous_orifice).by(Variation::logarithmic)};
   S conductance_kgps_per_Pa2 = S(0);
   S orifice_area_m2 = S(1e-8);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -60,10 +43,6 @@ template <class S> struct PorousLeak {
 };
 /// A solenoid valve that drops out later than it pulls in.
 template <class S> struct DropOutDelay {
-  static constexpr std::string_view element = "timing";
-  static constexpr std::string_view family = "late";
-  static constexpr std::array traits{
-      amplitude("delay_s", EffectScale::one, 0.01, 5e-4).whole_at(effect_grids::drop_out_delays)};
   S delay_s = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"delay_s", "s", 0, 5, "dead time of switching to exhaust, beside command_delay"}, p.delay_s...);
@@ -72,10 +51,6 @@ template <class S> struct DropOutDelay {
 
 /// A supply that is a pump: its pressure falls with the flow it gives, from that of the stalled pump on.
 template <class S> struct PumpCurve {
-  static constexpr std::string_view element = "supply";
-  static constexpr std::string_view family = "supply_droop";
-  static constexpr std::array traits{amplitude("resistance_Pa_s_per_kg", EffectScale::supply_resistance, 0.3, 1e-3)
-                                         .whole_at(effect_grids::pump_resistances)};
   S resistance_Pa_s_per_kg = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"resistance_Pa_s_per_kg", "Pa s/kg", 0, 1e14, "R of p_s - R G, with the flow G that the pump gives"},

@@ -117,7 +117,7 @@ class PipelineEstimator {
     // A plane wave that leaves the line changes the port's pressure by c G / A.
     const double sound_mps = lane(air_.sound_speed(), 0);
     const auto impedance = [&](const LineParameters<double>& l) {
-      return parameters.flow_correction * sound_mps / (0.25 * M_PI * l.diameter_m * l.diameter_m);
+      return parameters.flow_correction * sound_mps / l.section_m2();
     };
     correction_gain_ = both(impedance(parameters.line_1), impedance(parameters.line_2));
     corrects_flow_ = parameters.flow_correction > 0.0 && !(parameters.valve.natural_frequency_Hz > 0.0);

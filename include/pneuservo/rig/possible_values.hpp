@@ -53,8 +53,7 @@ inline double largest_flow_kgps_per_V(const Rig& rig) {
 /// A change of flow dG sends a wave of c dG / A into a line: what a volt does to the pressure at its port at once, in
 /// the narrower line.
 inline double port_step_Pa_per_V(const Rig& rig) {
-  const double diameter_m = std::min(rig.axis.line_1.diameter_m, rig.axis.line_2.diameter_m);
-  const double section_m2 = 0.25 * M_PI * diameter_m * diameter_m;
+  const double section_m2 = std::min(rig.axis.line_1.section_m2(), rig.axis.line_2.section_m2());
   return Air<double>(rig.axis.air).sound_speed() * largest_flow_kgps_per_V(rig) / section_m2;
 }
 

@@ -43,20 +43,20 @@ MachineChanges machine_changes(const Rig& owner, const Recording& recording) {
     if (at == known.end())
       throw InputError(fmt::format("{}: changed for it: found {}, which the config does not state, expected it there",
                                    recording.path, path));
-    if (std::any_of(changes.begin(), changes.end(), [&, &path = path](const auto& c) { return c.path == path; }))
+    if (std::any_of(changes.begin(), changes.end(),
+                    [&, &path = path](const auto& c) { return c.number.path() == path; }))
       throw InputError(fmt::format("{}: changed for it: found {} twice, expected it once", recording.path, path));
     const bool is_added = at->value == 0;
-    changes.push_back(
-        {path, is_added ? 1 : value / at->value, is_added ? value : 0, at->field.minimum, at->field.maximum});
+    changes.push_back({ParameterHandle(owner, path), is_added ? 1 : value / at->value, is_added ? value : 0,
+                       at->field.minimum, at->field.maximum});
   }
   return changes;
 }
 
 Rig changed_rig(Rig rig, const MachineChanges& changes) {
   for (const MachineChange& change : changes)
-    set_parameter(
-        rig, change.path,
-        std::clamp(change.factor * get_parameter(rig, change.path) + change.added, change.lower, change.upper));
+    change.number.set(rig,
+                      std::clamp(change.factor * change.number.value(rig) + change.added, change.lower, change.upper));
   return rig;
 }
 

@@ -6,6 +6,7 @@
 
 #include <pneuservo/rig/rig.hpp>
 
+#include "config/rig_parameters.hpp"
 #include "record/reader.hpp"
 
 namespace pneuservo {
@@ -13,7 +14,7 @@ namespace pneuservo {
 /// One number that the owner changed for a recording. Whatever it truly was before, it is `factor` times that and
 /// `added` more: a gauge that reads 2 % low does so at every pressure, and a load comes on top of what was there.
 struct MachineChange {
-  std::string path;  ///< config path
+  ParameterHandle number;
   double factor = 1;
   double added = 0;             ///< [unit of the path], where the config has 0
   double lower = 0, upper = 0;  ///< of the path's field

@@ -124,8 +124,8 @@ double needed_substeps(const Rig& rig, int cells, double step_s) {
   const double sound =
       std::sqrt(axis.air.heat_capacity_ratio * axis.air.gas_constant_J_per_kgK * 1.2 * axis.air.temperature_K);
   const auto stiffness = [&](const LineParameters<double>& line, double dead_volume_m3) {
-    const double dx = line.length_m / cells, section = 0.785398163397448 * line.diameter_m * line.diameter_m;
-    return std::sqrt(std::max(1.0, 0.5 * (1.0 + section * dx / (0.7 * dead_volume_m3)))) / dx;
+    const double dx = line.length_m / cells;
+    return std::sqrt(std::max(1.0, 0.5 * (1.0 + line.section_m2() * dx / (0.7 * dead_volume_m3)))) / dx;
   };
   const double per_m = std::max(stiffness(axis.line_1, axis.cylinder.dead_volume_1_m3),
                                 stiffness(axis.line_2, axis.cylinder.dead_volume_2_m3));

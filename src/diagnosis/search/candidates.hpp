@@ -3,17 +3,14 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/search/effect_scales.hpp"
 #include "diagnosis/search/free_parameter.hpp"
+#include "elements/effect_entry.hpp"
 
 namespace pneuservo {
 
 enum class CandidateKind { effect, parameter, sensor };
 
-/// How far the recordings reach; what sizes are measured in.
-struct MotionRange {
-  double lowest_m = 0, highest_m = 0, top_speed_mps = 0;
-  double first_Pa = 0;  ///< highest pressure at which the recording of a vessel begins; 0: not known
-};
 MotionRange motion_range(const std::vector<ResidualRow>& rows);
 
 /// One name that can be given.
@@ -33,8 +30,15 @@ struct Candidate {
   bool is_description = false;
   bool is_never_added = false;  ///< to other names; every description is one such
   unsigned shown_by = 0;  ///< bits of Excitation that its recordings must have
-  std::string extra{};  ///< path of what it has beyond a simpler law that it contains; empty: it contains none
   bool is_guessed = false;  ///< the size of an effect that the config has: no owner can read it off
+  const EffectEntry* entry = nullptr;  ///< of an effect or a sensor
+
+  /// Config path of one of its keys.
+  std::string path_of(std::string_view key) const { return "effects." + name + "." + std::string(key); }
+  /// Path of what it has beyond a simpler law that it contains; empty: it has no such number.
+  std::string extra() const {
+    return entry == nullptr || entry->contains.extra.empty() ? "" : path_of(entry->contains.extra);
+  }
 };
 
 /// Every candidate that the rig and the channels allow, in the order of the vocabulary. `tolerances` of the rig name
@@ -53,7 +57,7 @@ struct SmallPhysics {
 };
 SmallPhysics small_physics(Rig rig, const std::vector<ResidualChannel>& channels);
 /// The rig without those volumes that have stayed empty.
-Rig without_empty_port_volumes(Rig rig);
+Rig without_empty_small_shapes(Rig rig);
 
 /// Element at which a config path sits: slider.mass_kg is at motion.
 std::string element_of_path(const std::string& path);

@@ -1,9 +1,14 @@
 // One number of a hypothesis that a fit may move, in units of its prior's standard deviation.
 #include "diagnosis/search/free_parameter.hpp"
 
-#include "config/rig_parameters.hpp"
-
 namespace pneuservo {
+
+FreeParameter free_number(const Rig& rig, const std::string& path) {
+  FreeParameter out;
+  out.path = path;
+  out.number.emplace(rig, path);
+  return out;
+}
 
 Hypothesis with_parameters(const Hypothesis& base, const std::vector<FreeParameter>& parameters,
                            const std::vector<double>& z) {
@@ -11,9 +16,10 @@ Hypothesis with_parameters(const Hypothesis& base, const std::vector<FreeParamet
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const FreeParameter& parameter = parameters[i];
     const double value = parameter.value(z[i]);
-    if (parameter.signed_overlap) hypothesis.rig.axis.effects.valve.valve_dead_band.width_V = value;
-    else if (parameter.start_factor < 0) set_parameter(hypothesis.rig, parameter.path, value);
-    else hypothesis.start_factors.at(static_cast<std::size_t>(parameter.start_factor)) = value;
+    if (parameter.start_factor >= 0)
+      hypothesis.start_factors.at(static_cast<std::size_t>(parameter.start_factor)) = value;
+    else if (parameter.is_beyond_range) parameter.number.value().set_beyond_range(hypothesis.rig, value);
+    else parameter.number.value().set(hypothesis.rig, value);
   }
   return hypothesis;
 }

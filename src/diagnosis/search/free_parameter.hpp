@@ -1,18 +1,20 @@
 // One number of a hypothesis that a fit may move, in units of its prior's standard deviation.
 #pragma once
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include <pneuservo/core/effect_traits.hpp>
-
+#include "config/rig_parameters.hpp"
 #include "diagnosis/residuals/residual_model.hpp"
+#include "elements/effect_entry.hpp"
 
 namespace pneuservo {
 
 /// z = 0 is the prior's centre, +-1 its standard deviation; the prior is normal, cut at the bounds.
 struct FreeParameter {
   std::string path;  ///< config path; empty for a start factor
+  std::optional<ParameterHandle> number{};  ///< at that path
   int start_factor = -1;
   Variation variation = Variation::linear;
   double center = 0;  ///< in what is varied (the value, its logarithm, 1/value^2)
@@ -21,11 +23,12 @@ struct FreeParameter {
   /// Of z, for differences. Short: where two numbers nearly stand for each other, a fit follows the difference of their
   /// columns, and with steps five times as long it crept on 8 in chi2 above its minimum.
   double step = 0.005;
-  bool signed_overlap = false;  ///< path is the valve's dead band, and it may be negative: an underlap
+  bool is_beyond_range = false;  ///< takes values that no config can state, such as a valve's underlap
 
   /// Whether both are one number, whatever their priors.
   bool is_same(const FreeParameter& other) const { return start_factor == other.start_factor && path == other.path; }
 
+  double value_in(const Rig& rig) const { return number.value().value(rig); }
   double varied(double value) const {
     switch (variation) {
       case Variation::logarithmic: return std::log(value);
@@ -55,6 +58,9 @@ struct FreeParameter {
     return spread;
   }
 };
+
+/// The number of this rig at a path, with no prior yet.
+FreeParameter free_number(const Rig& rig, const std::string& path);
 
 /// The hypothesis that differs from `base` in these parameters.
 Hypothesis with_parameters(const Hypothesis& base, const std::vector<FreeParameter>& parameters,

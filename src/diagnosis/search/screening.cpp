@@ -17,9 +17,7 @@ namespace {
 constexpr double largest_whole = 1.5;  ///< share of a whole effect (a droop) that its column may stand for
 
 /// z of the candidate's parameters where `here` stands.
-double place_in(const Rig& here, const FreeParameter& parameter) {
-  return parameter.z(get_parameter(here, parameter.path));
-}
+double place_in(const Rig& here, const FreeParameter& parameter) { return parameter.z(parameter.value_in(here)); }
 
 /// Minimum of x'Ax/2 + b'x in a box, by holding what leaves it.
 Eigen::VectorXd boxed(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& lower,

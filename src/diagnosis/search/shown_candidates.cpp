@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <pneuservo/core/effect_traits.hpp>
-
 namespace pneuservo {
 
 namespace {

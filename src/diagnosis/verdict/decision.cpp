@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -62,25 +61,19 @@ double own_value(const Explanation& explanation, const std::string& path) {
 /// Whether the member is in truth the simpler law that it contains: Stribeck friction with next to no extra force, a
 /// friction that hardly differs by direction.
 bool is_simpler_law(const Explanation& explanation, const Candidate& candidate, double law_share) {
-  const auto value = [&](const char* key) {
-    return own_value(explanation, fmt::format("effects.{}.{}", candidate.name, key));
-  };
-  if (!candidate.extra.empty()) return own_value(explanation, candidate.extra) < law_share * value("coulomb_force_N");
-  if (candidate.name == "direction_dependent_friction")
-    return std::abs(value("forward_N") - value("backward_N")) <
-           law_share * 0.5 * (value("forward_N") + value("backward_N"));
-  if (candidate.name == "direction_dependent_viscous_friction")
-    return std::abs(value("forward_Ns_per_m") - value("backward_Ns_per_m")) <
-           law_share * 0.5 * (value("forward_Ns_per_m") + value("backward_Ns_per_m"));
-  return false;
+  if (candidate.entry == nullptr || candidate.entry->contains.name.empty()) return false;
+  const SimplerLaw& simpler = candidate.entry->contains;
+  const auto value = [&](std::string_view key) { return own_value(explanation, candidate.path_of(key)); };
+  if (!simpler.extra.empty()) return value(simpler.extra) < law_share * value(simpler.beside);
+  const double one = value(simpler.alike[0]), other = value(simpler.alike[1]);
+  return std::abs(one - other) < law_share * 0.5 * (one + other);
 }
 
-/// The candidate's name, but for a leak that the fit puts at the line's end: that is one of the chamber.
+/// The candidate's name, but for what the fit puts at the line's end and has another one there.
 std::string name_by_place(const Explanation& explanation, const Candidate& candidate, const DecisionRules& rules) {
-  if (!candidate.name.starts_with("line_leak_")) return candidate.name;
-  const bool at_end =
-      own_value(explanation, fmt::format("effects.{}.position", candidate.name)) >= rules.line_end_position;
-  return at_end ? fmt::format("chamber_leak_{}", candidate.name.back()) : candidate.name;
+  if (candidate.entry == nullptr || candidate.entry->at_line_end.empty()) return candidate.name;
+  const bool at_end = own_value(explanation, candidate.path_of("position")) >= rules.line_end_position;
+  return at_end ? on_side_of(candidate.entry->at_line_end, candidate.name) : candidate.name;
 }
 
 std::vector<const Explanation*> sizeable(const Search& search, std::size_t members, const DecisionRules& rules) {
@@ -253,8 +246,7 @@ std::string twice_wrong_line(const Explanation& explanation, const Search& searc
 /// Volume that a line would have more than its owner says [m3].
 double volume_beyond(const Explanation& explanation, const Search& search, const std::string& line) {
   const auto volume = [&](const Rig& rig) {
-    const double diameter_m = get_parameter(rig, line + ".diameter_m");
-    return 0.25 * std::numbers::pi * diameter_m * diameter_m * get_parameter(rig, line + ".length_m");
+    return bore_area_m2(get_parameter(rig, line + ".diameter_m")) * get_parameter(rig, line + ".length_m");
   };
   return volume(explanation.fit.hypothesis().rig) - volume(search.owner().fit.hypothesis().rig);
 }
@@ -404,7 +396,7 @@ double certainty_of_law(const Explanation& explanation, const Search& search, do
   double least = 1e300;
   for (const std::size_t m : explanation.members)
     for (const FreeParameter& own : search.candidates()[m].parameters) {
-      if (own.path != search.candidates()[m].extra) continue;
+      if (own.path != search.candidates()[m].extra()) continue;
       const auto at = static_cast<Eigen::Index>(explanation.fit.own_place(own));
       least = std::min(least, (explanation.fit.z(at) - own.z(0)) / std::sqrt(covariance(at, at)));
     }
@@ -418,7 +410,7 @@ bool holds_law_of(const Explanation& richer, const Explanation& other, const Sea
   std::erase_if(others, [&](std::size_t m) { return contains(richer.members, m); });
   if (own.size() != 1 || others.size() != 1) return false;
   const Candidate &law = search.candidates()[own.front()], &simpler = search.candidates()[others.front()];
-  return !law.extra.empty() && simpler.extra.empty() && law.family == simpler.family;
+  return !law.extra().empty() && simpler.extra().empty() && law.family == simpler.family;
 }
 
 /// Whether a size stands at the end of its range away from nothing: then physics would have to give more than it can.

@@ -41,7 +41,7 @@ std::vector<ElementPattern> patterns_of_elements(ResidualModel& model, const Sea
       std::vector<double> z = start;
       for (std::size_t p = 0; p < z.size(); ++p)
         if (candidate.amplitude[p])
-          z[p] = std::clamp(candidate.parameters[p].z(get_parameter(here.rig, candidate.parameters[p].path)),
+          z[p] = std::clamp(candidate.parameters[p].z(candidate.parameters[p].value_in(here.rig)),
                             candidate.parameters[p].lower, candidate.parameters[p].upper) +
                  0.05;
       hypotheses.push_back(with_parameters(here, candidate.parameters, z));

@@ -73,12 +73,12 @@ def friction_of(found, name):
     return names, size["value"]
 
 
-def expect_coulomb(name, path, *more, rig=config, told=()):
+def expect_coulomb(name, path, *more, rig=config, told=(), kinds=("coulomb_friction",)):
     """The verdict on the whole recording, with its size."""
     found = diagnosis(path, *more, rig=rig)
     names, force_N = friction_of(found, name)
     expect(len(names) == 1, f"{name}: {names} instead of one name: {found['data']['warnings']}")
-    expect(names[0] in ("coulomb_friction", "stribeck_friction"), f"{name}: {names}: {found['data']['warnings']}")
+    expect(names[0] in kinds, f"{name}: {names}: {found['data']['warnings']}")
     expect(abs(force_N - COULOMB_N) < 0.02 * COULOMB_N, f"{name}: {force_N} N instead of {COULOMB_N}")
     for word in told:
         expect(any(word in line for line in found["data"]["warnings"]), f"{name}: '{word}' is not told: {found['data']['warnings']}")

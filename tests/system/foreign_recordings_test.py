@@ -56,6 +56,8 @@ def put(name, text):
 
 
 config = put("axis.yaml", CONFIG)
+# Rows 10 ms apart show dry friction's step where the motion turns over 50 ms: Stribeck's is not told from it.
+COARSE = ("coulomb_friction", "stribeck_friction")
 
 
 def diagnosis(path, *more, rig=config):
@@ -88,7 +90,8 @@ whole = rows(0.001)
 expect_coulomb("whole", write("whole.csv", whole))
 for every in (2, 4, 10):
     thinned = whole[::every]
-    expect_coulomb(f"every {every}. row", write(f"every{every}.csv", thinned), told=[f"{0.001 * every:g} s apart"])
+    expect_coulomb(f"every {every}. row", write(f"every{every}.csv", thinned), told=[f"{0.001 * every:g} s apart"],
+                   kinds=COARSE if every == 10 else ("coulomb_friction",))
 expect_coulomb("5 kHz", write("fast.csv", rows(0.0005)))
 expect_coulomb("jitter", write("jitter.csv", rows(0.002, jitter_s=0.0002)))
 expect_coulomb("3 % lost", write("lost.csv", [row for row in whole if draw.random() > 0.03]))
@@ -105,7 +108,7 @@ expect_coulomb("instant", write("instant.csv", rows(0.001, held_s=0)), told=["sa
 for sampling, held_s, other in (("held", 0.01, "instant"), ("instant", 0, "held")):
     path = write(f"{sampling}.csv", rows(0.01, seconds=20, held_s=held_s))
     stated = [put(f"{word}.yaml", CONFIG + f"import: {{columns: {{F_N: {{column: F_N, sampling: {word}}}}}}}\n") for word in (sampling, other)]
-    expect_coulomb(f"force {sampling}", path, rig=stated[0])
+    expect_coulomb(f"force {sampling}", path, rig=stated[0], kinds=COARSE)
     wrong = diagnosis(path, rig=stated[1])
     expect([answer["effect"] for answer in wrong["answers"]] not in (["coulomb_friction"], ["stribeck_friction"]),
            f"force {sampling}, stated as {other}: {wrong['verdict']}, as if it made no difference")

@@ -207,14 +207,13 @@ const Word* word_among(const std::vector<std::string>& parts) {
 std::optional<ColumnWord> pressure_among(const std::vector<std::string>& parts) {
   const std::string* noun = one_of(parts, pressure_words);
   if (noun == nullptr) return std::nullopt;
-  if (one_of(parts, supply_words) != nullptr) return ColumnWord{*noun, "p_supply_Pa", Quantity::pressure};
   const bool is_first = one_of(parts, std::array<std::string_view, 2>{"1", "a"}) != nullptr;
   const bool is_second = one_of(parts, std::array<std::string_view, 2>{"2", "b"}) != nullptr;
-  if (is_first == is_second) return std::nullopt;
-  const bool is_chamber = one_of(parts, chamber_words) != nullptr;
-  const std::string_view ours =
-      is_chamber ? (is_first ? "p1_chamber_Pa" : "p2_chamber_Pa") : (is_first ? "p1_port_Pa" : "p2_port_Pa");
-  return ColumnWord{*noun, ours, Quantity::pressure};
+  const bool is_supply = one_of(parts, supply_words) != nullptr;
+  if (!is_supply && is_first == is_second) return std::nullopt;
+  const std::string place = one_of(parts, chamber_words) != nullptr ? "chamber" : "pressure";
+  const Word* whose = word_in(is_supply ? "supply" : place + (is_first ? "1" : "2"));
+  return ColumnWord{*noun, whose->ours, whose->quantity};
 }
 
 /// What stands beside the quantity and makes it another; nullptr: nothing.

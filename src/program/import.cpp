@@ -15,6 +15,7 @@
 #include "program/verbs.hpp"
 #include "record/column_guess.hpp"
 #include "record/import.hpp"
+#include "record/names_text.hpp"
 #include "report/import_report.hpp"
 
 namespace pneuservo {
@@ -52,9 +53,9 @@ ImportResult understood(const ImportOptions& options, std::optional<Rig> rig) {
     const ImportParameters map = import_map(out.columns);
     if (map.columns.count("t_s") == 0)
       throw InputError(
-          fmt::format("{}: found no column of times, expected one such as t_s, time_ms or a date; the file "
-                      "has {}",
-                      options.recording, fmt::join(table.names, ", ")));
+          fmt::format("{}: found no column of times, expected one such as t_s, time_ms or a date, or one that "
+                      "counts the rows, with their interval as its factor; the file has {}",
+                      options.recording, names_text(table.names)));
     const bool is_own = is_own_format(table);
     out.runs = recordings_in(std::move(table), is_own ? std::nullopt : std::optional(map), loop_period_s);
   }

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <charconv>
 #include <chrono>
+#include <initializer_list>
 #include <string>
 #include <utility>
 
@@ -127,6 +128,8 @@ std::optional<double> take_time(std::string_view& text, bool is_basic) {
     if (take(text, ":")) {
       if (!take_number(text, whole)) return std::nullopt;
       seconds = whole + take_decimals(text);
+    } else if (text.starts_with('.') || text.starts_with(',')) {  // minutes and seconds alone
+      return 60.0 * hours + minutes + take_decimals(text);
     }
     hours += take_half_of_day(text, hours);
   }
@@ -172,10 +175,60 @@ std::optional<double> take_days(std::string_view& text) {
   return days;
 }
 
+/// Seconds of one part of a duration by its unit's letters; 0: none.
+double seconds_of(const std::string& unit) {
+  constexpr std::array<std::pair<std::string_view, double>, 8> units{
+      {{"d", day_s}, {"h", 3600.0}, {"m", 60.0}, {"min", 60.0}, {"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}}};
+  const auto at = std::find_if(units.begin(), units.end(), [&](const auto& one) { return one.first == unit; });
+  return at == units.end() ? 0.0 : at->second;
+}
+
+/// "1h2m3.5s", "0h 1m 2s", "1s_20ms": of at least so many parts, each smaller than the one before.
+std::optional<double> duration_in(std::string_view text, std::size_t least_parts) {
+  double sum_s = 0, before_s = 2 * day_s;
+  std::size_t parts = 0;
+  for (; !text.empty(); ++parts) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
+    if (error != std::errc() || value < 0) return std::nullopt;
+    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+    const std::string unit = small_letters(text);
+    const double unit_s = seconds_of(unit);
+    if (!(unit_s > 0) || unit_s >= before_s) return std::nullopt;
+    before_s = unit_s;
+    sum_s += value * unit_s;
+    text.remove_prefix(unit.size());
+    while (take(text, "_ ")) {}
+  }
+  return parts >= least_parts ? std::optional(sum_s) : std::nullopt;
+}
+
+/// Takes off what IEC 61131-3 (T#1s20ms, DT#2026-01-03-10:11:12, TOD#10:11:12) or ISO 8601 (PT1.5S) puts before a time.
+/// True: a duration follows.
+bool take_prefix(std::string_view& field) {
+  const std::size_t sign = field.find('#');
+  if (field.starts_with("PT")) {
+    field.remove_prefix(2);
+    return true;
+  }
+  if (sign == std::string_view::npos || sign > std::string_view("DATE_AND_TIME").size()) return false;
+  std::string name(field.substr(0, sign));
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::toupper(c); });
+  const auto is_one_of = [&](std::initializer_list<std::string_view> names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  const bool is_duration = is_one_of({"T", "TIME", "LT", "LTIME"});
+  if (is_duration || is_one_of({"DT", "LDT", "DATE_AND_TIME", "TOD", "LTOD", "TIME_OF_DAY", "D", "DATE"}))
+    field.remove_prefix(sign + 1);
+  return is_duration;
+}
+
 }  // namespace
 
 std::optional<double> clock_in(std::string_view field) {
   constexpr std::size_t shortest = 4;  // "0:00"
+  if (take_prefix(field)) return duration_in(field, 1);
+  if (const std::optional<double> duration_s = duration_in(field, 2)) return duration_s;
   if (field.size() < shortest || field.front() < '0' || field.front() > '9') return std::nullopt;
   const std::string_view whole = field;
   const std::optional<double> basic = take_basic_date(field);
@@ -184,7 +237,7 @@ std::optional<double> clock_in(std::string_view field) {
     days = take_date(field);
     if (days && field.empty()) return has_whole_year(whole) ? std::optional(day_s * *days) : std::nullopt;
     if (days) take(field, ",");
-    if (days && !take(field, "T ")) return std::nullopt;
+    if (days && !take(field, "T -_")) return std::nullopt;
   } else if (basic) {
     field.remove_prefix(1);
   }

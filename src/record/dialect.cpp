@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <map>
 
@@ -17,15 +18,16 @@ namespace pneuservo {
 namespace {
 
 /// In the order in which ties are decided: a file of one column reads alike in all.
-constexpr std::array<FieldStyle, 9> styles{{{',', '.', false},
-                                            {';', '.', false},
-                                            {';', ',', false},
-                                            {'\t', '.', false},
-                                            {'\t', ',', false},
-                                            {'|', '.', false},
-                                            {'|', ',', false},
-                                            {' ', '.', false},
-                                            {' ', ',', false}}};
+constexpr std::array<FieldStyle, 10> styles{{{',', '.', false},
+                                             {';', '.', false},
+                                             {';', ',', false},
+                                             {'\t', '.', false},
+                                             {'\t', ',', false},
+                                             {'|', '.', false},
+                                             {'|', ',', false},
+                                             {' ', '.', false},
+                                             {' ', ',', false},
+                                             {',', ',', false}}};  // in quotes
 
 /// What a line holds in a style.
 struct LineFacts {
@@ -114,11 +116,17 @@ std::vector<std::string> names_in(const std::string& line, const FieldStyle& sty
   return {fields.begin(), fields.end()};
 }
 
+std::string small(std::string_view text) {
+  std::string out(text);
+  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::tolower(c); });
+  return out;
+}
+
 bool is_units_row(const std::vector<std::string>& fields) {
   std::size_t known = 0, filled = 0;
   for (const std::string& field : fields) {
     filled += !field.empty();
-    known += !field.empty() && unit_in(field) != nullptr;
+    known += !field.empty() && unit_in(field).has_value();
   }
   return filled > 0 && 2 * known > filled;
 }
@@ -160,14 +168,29 @@ bool all_end_with(const std::vector<std::string>& lines, std::size_t first, char
          });
 }
 
-/// "double,double,int": what some exports write below the names.
+/// "double,double,int", "f8,f8,u16": what some exports write below the names.
 bool is_types_row(const std::vector<std::string>& fields) {
-  constexpr std::array<std::string_view, 14> types{"double", "float",   "float32", "float64", "single",
-                                                   "int",    "int32",   "int64",   "integer", "REAL",
-                                                   "LREAL",  "numeric", "bool",    "BOOL"};
-  return std::all_of(fields.begin(), fields.end(), [&](const std::string& field) {
-    return field.empty() || std::find(types.begin(), types.end(), field) != types.end();
-  });
+  constexpr std::array<std::string_view, 23> types{"double",  "float",   "single", "int",    "uint",  "sint",
+                                                   "usint",   "dint",    "udint",  "lint",   "ulint", "integer",
+                                                   "real",    "lreal",   "bool",   "byte",   "word",  "dword",
+                                                   "numeric", "boolean", "string", "number", "long"};
+  constexpr std::string_view letters_with_size = "fiub";  // f8, u16
+  std::size_t filled = 0;
+  for (const std::string& field : fields) {
+    std::string letters = small(field);
+    while (!letters.empty() && std::isdigit(static_cast<unsigned char>(letters.back())) != 0) letters.pop_back();
+    const bool is_sized = letters.size() == 1 && letters.size() < field.size() &&
+                          letters_with_size.find(letters) != std::string_view::npos;
+    if (!field.empty() && !is_sized && std::find(types.begin(), types.end(), letters) == types.end()) return false;
+    filled += !field.empty();
+  }
+  return filled > 0;
+}
+
+/// "-----|-----" and the like: drawn, not written.
+bool is_ruled(const std::vector<std::string>& fields) {
+  return std::all_of(fields.begin(), fields.end(),
+                     [](const std::string& field) { return field.find_first_not_of("-=+:_") == std::string::npos; });
 }
 
 /// "Name;Position;Name;Command": each value has a column of times of its own before it.
@@ -180,6 +203,7 @@ bool is_labelled(const std::vector<std::string>& fields, std::string_view label)
 
 /// Names and units of a head whose lines begin each pair of columns with a label.
 bool take_labelled(const std::vector<std::string>& lines, std::size_t fields, Dialect& out) {
+  std::string time_unit;
   for (std::size_t i = 0; i < out.first_row; ++i) {
     std::vector<std::string> here = names_in(lines[i], out.style);
     if (here.size() == fields + 1 && here.back().empty()) here.pop_back();
@@ -191,37 +215,110 @@ bool take_labelled(const std::vector<std::string>& lines, std::size_t fields, Di
       out.has_rows_between = out.has_pairs = true;
     } else if (!out.names.empty() && is_labelled(here, "Unit")) {
       out.units = here;
-      for (std::size_t c = 0; c < fields; c += 2) out.units[c].clear();
+    } else if (here[0].starts_with("SampleTime[") && here[0].ends_with(']')) {
+      time_unit = here[0].substr(here[0].find('[') + 1);
+      time_unit.pop_back();
     }
   }
-  return !out.names.empty();
+  if (out.names.empty()) return false;
+  out.units.resize(fields);
+  for (std::size_t c = 0; c < fields; c += 2) out.units[c] = time_unit;
+  return true;
+}
+
+/// The names in a line above rows between blanks, which may have blanks themselves: two stand between names, or what is
+/// in brackets belongs to the one before.
+std::vector<std::string> names_with_blanks(const std::string& line, std::size_t fields) {
+  std::vector<std::string> far, joined;
+  std::string_view rest = trimmed(line);
+  while (!rest.empty()) {
+    const std::size_t end = std::min({rest.find("  "), rest.find('\t'), rest.size()});
+    far.emplace_back(trimmed(rest.substr(0, end)));
+    rest = trimmed(rest.substr(end));
+  }
+  if (far.size() == fields) return far;
+  for (const std::string& name : names_in(line, {' ', '.', false})) {
+    const bool is_in_brackets = name.starts_with('[') || name.starts_with('(');
+    if (is_in_brackets && !joined.empty()) (joined.back() += ' ') += name;
+    else joined.push_back(name);
+  }
+  return joined;
+}
+
+/// What a line above the rows can be.
+enum class HeadLine { other, names, longer, units, types, ruled };
+
+HeadLine judge_head_line(std::vector<std::string>& here, const std::string& line, std::size_t fields,
+                         const Dialect& dialect) {
+  if (dialect.style.separator == ' ' && here.size() > fields) {
+    std::vector<std::string> joined = names_with_blanks(line, fields);
+    if (joined.size() == fields) here = std::move(joined);
+  }
+  std::size_t filled = 0;
+  for (const std::string& field : here) filled += !field.empty();
+  if (filled > 0 && is_ruled(here)) return HeadLine::ruled;
+  if (3 * filled <= here.size()) return HeadLine::other;  // labels of a head
+  const bool matches = here.size() == fields || here.size() + 1 == fields || 2 * here.size() == fields;
+  if (!matches) return here.size() > fields && dialect.style.separator != ' ' ? HeadLine::longer : HeadLine::other;
+  if (is_types_row(here)) return HeadLine::types;
+  return is_units_row(here) ? HeadLine::units : HeadLine::names;
+}
+
+/// Units that a line below or above the names states, or one that begins with a label: "Y_Unit_Label;mm;V".
+void take_units(std::vector<std::string> here, Dialect& out) {
+  if (!here.empty() && small(here[0]).find("unit") != std::string::npos) here[0].clear();
+  out.units = std::move(here);
+}
+
+void take_units_elsewhere(const std::vector<std::string>& lines, Dialect& out) {
+  for (std::size_t i = 0; i < out.names_line && out.units.empty(); ++i) {
+    std::vector<std::string> here = names_in(lines[i], out.style);
+    const bool is_labelled = !here.empty() && small(here[0]).find("unit") != std::string::npos;
+    if (is_labelled) here[0].clear();
+    if (here.size() == out.names.size() && (is_labelled || i + 1 == out.names_line) && is_units_row(here))
+      take_units(here, out);
+  }
+}
+
+/// Whether every second name is that of the times: pairs of times and values, with a column of remarks at the end or
+/// not.
+bool has_repeated_times(const std::vector<std::string>& names) {
+  const std::size_t pairs = names.size() / 2;
+  if (pairs < 2 || names[0].empty()) return false;
+  for (std::size_t c = 0; c < 2 * pairs; ++c)
+    if ((names[c] == names[0]) != (c % 2 == 0)) return false;
+  return true;
 }
 
 /// The line of names above the first row: the nearest whose fields are those of the rows, or one fewer where the rows
-/// have an index or a trailing separator. Rows of units and of types may stand between.
-void take_names(const std::vector<std::string>& lines, std::size_t fields, Dialect& out) {
+/// have an index or a trailing separator; else one with more, where rows leave out what is empty at their end. Rows of
+/// units, of types and drawn lines may stand between.
+void take_names(const std::vector<std::string>& lines, const std::vector<LineFacts>& facts, std::size_t fields,
+                Dialect& out) {
   if (take_labelled(lines, fields, out)) return;
-  std::size_t at = lines.size(), nearest = lines.size();
-  for (std::size_t i = out.first_row; i-- > 0;) {
-    const std::vector<std::string> here = names_in(lines[i], out.style);
-    const bool matches = here.size() == fields || here.size() + 1 == fields || 2 * here.size() == fields;
-    if (!matches) continue;
-    if (nearest == lines.size()) nearest = i;
-    const bool is_types = is_types_row(here);
-    if (!is_types && !(out.units.empty() && is_units_row(here))) {
-      at = i;
-      break;
-    }
-    if (!is_types) out.units = here;
-    out.has_rows_between = true;
+  std::size_t at = lines.size(), nearest = lines.size(), longer = lines.size();
+  for (std::size_t i = out.first_row; i-- > 0 && at == lines.size();) {
+    std::vector<std::string> here = names_in(lines[i], out.style);
+    const HeadLine kind = judge_head_line(here, lines[i], fields, out);
+    if (kind == HeadLine::longer && longer == lines.size() && !facts[i].is_row()) longer = i;
+    const bool is_between =
+        kind == HeadLine::types || kind == HeadLine::ruled || (kind == HeadLine::units && out.units.empty());
+    if (kind == HeadLine::units && is_between) take_units(here, out);
+    if (is_between && kind != HeadLine::ruled && nearest == lines.size()) nearest = i;
+    if (is_between) out.has_rows_between = true;
+    if ((kind == HeadLine::names && !facts[i].is_row()) || (kind == HeadLine::units && !is_between)) at = i;
   }
   if (at == lines.size()) {  // what has no names above it is the names
     out.units.clear();
     out.has_rows_between = false;
-    at = nearest < lines.size() ? nearest : out.first_row - 1;
+    out.least_fields = longer < lines.size() ? fields : 0;
+    at = nearest < lines.size() ? nearest : longer < lines.size() ? longer : out.first_row - 1;
   }
   out.names_line = at;
   out.names = names_in(lines[at], out.style);
+  if (out.style.separator == ' ' && out.names.size() > fields) out.names = names_with_blanks(lines[at], fields);
+  out.has_pairs = has_repeated_times(out.names);
+  take_units_elsewhere(lines, out);
 }
 
 /// Units that stand behind the values of the first row, for columns whose unit is not stated otherwise.
@@ -239,6 +336,17 @@ void take_value_units(const std::string& row, Dialect& out) {
   }
 }
 
+/// "10:11:12,345" between commas: the decimals of the first field's time became the second field.
+bool has_split_times(const std::vector<std::string>& lines, std::size_t first, const FieldStyle& style) {
+  constexpr std::size_t milliseconds = 3, microseconds = 6;
+  return std::all_of(lines.begin() + static_cast<std::ptrdiff_t>(first), lines.end(), [&](const std::string& line) {
+    std::vector<std::string_view> fields;
+    split_fields(line, style, fields);
+    const bool is_digits = fields.size() > 2 && fields[1].find_first_not_of("0123456789") == std::string_view::npos;
+    return is_digits && (fields[1].size() == milliseconds || fields[1].size() == microseconds) && clock_in(fields[0]);
+  });
+}
+
 void take_edges(const std::vector<std::string>& lines, std::size_t fields, Dialect& out) {
   if (out.names.size() * 2 == fields && is_paired(lines, out.first_row, out.names.size(), out.style)) {
     out.style = {',', ',', true};
@@ -250,6 +358,7 @@ void take_edges(const std::vector<std::string>& lines, std::size_t fields, Diale
     --fields;
   }
   const bool lacks_name = out.names.size() + 1 == fields;
+  out.has_split_times = lacks_name && out.style.separator == ',' && has_split_times(lines, out.first_row, out.style);
   const bool is_nameless = out.names.size() == fields && fields > 1 &&
                            (out.names[0].empty() || out.names[0] == "Unnamed: 0" || out.names[0] == "index");
   if ((lacks_name || is_nameless) && counts_rows(lines, out.first_row, out.style)) {
@@ -259,6 +368,19 @@ void take_edges(const std::vector<std::string>& lines, std::size_t fields, Diale
       if (!out.units.empty()) out.units.erase(out.units.begin());
     }
   }
+}
+
+/// Whether a number of the rows has a decimal sign.
+bool shows_decimals(const std::vector<std::string>& lines, const Dialect& dialect) {
+  std::vector<std::string_view> fields;
+  for (std::size_t i = dialect.first_row; i < lines.size(); ++i) {
+    split_fields(lines[i], dialect.style, fields);
+    double value = 0;
+    for (const std::string_view field : fields)
+      if (field.find(dialect.style.decimal) != std::string_view::npos && number_in(field, dialect.style.decimal, value))
+        return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -273,6 +395,8 @@ std::string Dialect::words() const {
   if (is_quoted) found.emplace_back("quotes");
   if (names_line > 0) found.push_back(fmt::format("{} line{} before the names", names_line, names_line > 1 ? "s" : ""));
   if (has_units_row) found.emplace_back("a row of units");
+  if (has_split_times) found.emplace_back("decimals of the time behind a comma of their own");
+  if (least_fields > 0) found.emplace_back("rows that leave out what is empty at their end");
   if (std::any_of(value_units.begin(), value_units.end(), [](const std::string& unit) { return !unit.empty(); }))
     found.emplace_back("units behind the values");
   if (has_index) found.emplace_back("an index column, left out");
@@ -301,11 +425,12 @@ Dialect find_dialect(const std::vector<std::string>& lines) {
     out.first_row = 1;
     out.names = names_in(lines[0], out.style);
   } else {
-    take_names(lines, fields, out);
+    take_names(lines, facts, fields, out);
     out.has_units_row = !out.units.empty();
     take_edges(lines, fields, out);
     take_value_units(lines[out.first_row], out);
   }
+  out.is_sure = best > 0 && 2 * out.first_row <= lines.size() && shows_decimals(lines, out);
   for (std::size_t i = out.names_line; i < std::min(lines.size(), out.first_row + 1); ++i)
     out.is_quoted = out.is_quoted || lines[i].find('"') != std::string::npos;
   return out;

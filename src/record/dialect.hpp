@@ -20,7 +20,10 @@ struct Dialect {
   bool has_trailing = false;      ///< a separator ends each row
   bool is_quoted = false;
   bool has_pairs = false;         ///< each value has a column of times before it
-  bool is_nameless = false;       ///< the first line is a row of numbers already
+  bool has_split_times = false;   ///< the second field holds the decimals of the time in the first
+  std::size_t least_fields = 0;   ///< of rows that leave out what is empty at their end; 0: all rows are whole
+  bool is_sure = false;  ///< most lines were rows, and a decimal sign was among them: more lines say no more
+  bool is_nameless = false;  ///< the first line is a row of numbers already
 
   /// In words, what is not as in the format of this program: "separator ;, decimal comma". Empty: nothing.
   std::string words() const;

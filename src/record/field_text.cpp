@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <utility>
 
 namespace pneuservo {
 
@@ -11,8 +12,21 @@ namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 
+/// Between the raised quotes of word processors; the text itself where there are none.
+std::string_view without_raised_quotes(std::string_view text) {
+  constexpr std::size_t size = std::string_view("\u201c").size();
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 3> quotes{
+      {{"\u201c", "\u201d"}, {"\u2018", "\u2019"}, {"\u201e", "\u201c"}}};
+  for (const auto& [open, close] : quotes)
+    if (text.size() >= 2 * size && text.starts_with(open) && text.ends_with(close))
+      return trimmed(text.substr(size, text.size() - 2 * size));
+  return text;
+}
+
 std::string_view unquoted(std::string_view text) {
+  constexpr char first_of_raised = '\xe2';
   text = trimmed(text);
+  if (text.starts_with(first_of_raised)) return without_raised_quotes(text);
   for (const char quote : {'"', '\''})
     if (text.size() >= 2 && text.front() == quote && text.back() == quote)
       return trimmed(text.substr(1, text.size() - 2));
@@ -91,6 +105,26 @@ bool plain_number(std::string_view text, double& value) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
+/// Numbers as accountants and Fortran write them: (0.5) and 0.5- below zero, 1.0D-03, 1.0 E-03.
+bool rewritten_number(std::string_view field, char decimal, double& value) {
+  const bool is_in_brackets = field.size() > 2 && field.front() == '(' && field.back() == ')';
+  const bool ends_in_minus = field.size() > 1 && field.back() == '-';
+  if (is_in_brackets || ends_in_minus) {
+    const std::string_view size =
+        is_in_brackets ? field.substr(1, field.size() - 2) : field.substr(0, field.size() - 1);
+    if (digits_at(size) == 0 || !number_in(size, decimal, value)) return false;
+    value = -value;
+    return true;
+  }
+  const std::size_t letter = field.find_first_of("DdEe");
+  constexpr std::size_t longest = 64;
+  if (letter == std::string_view::npos || letter == 0 || field.size() > longest) return false;
+  const std::string_view mantissa = trimmed(field.substr(0, letter)), exponent = field.substr(letter + 1);
+  const bool is_plain = mantissa.size() == letter && (field[letter] == 'E' || field[letter] == 'e');
+  if (is_plain || mantissa.find(decimal) == std::string_view::npos || exponent.empty()) return false;
+  return number_in(std::string(mantissa) + "E" + std::string(exponent), decimal, value);
+}
+
 /// Bytes of the valid UTF-8 character at the front; 0 where there is none.
 std::size_t character_size(std::string_view text) {
   const auto first = static_cast<unsigned char>(text.front());
@@ -142,7 +176,8 @@ bool number_in(std::string_view field, char decimal, double& value) {
     text = {copy.data(), static_cast<std::size_t>(end - copy.begin())};
   }
   const bool has_point = decimal != '.' && field.find('.') != std::string_view::npos;
-  return (!has_point && plain_number(text, value)) || plain_number(ungrouped(field, decimal), value);
+  return (!has_point && plain_number(text, value)) || plain_number(ungrouped(field, decimal), value) ||
+         rewritten_number(field, decimal, value);
 }
 
 std::string as_utf8(std::string_view text) {

@@ -14,6 +14,7 @@
 
 #include "config/input_error.hpp"
 #include "config/key_suggestion.hpp"
+#include "record/names_text.hpp"
 #include "record/row_text.hpp"
 #include "record/stamps.hpp"
 
@@ -46,7 +47,7 @@ std::string what_the_file_has(const CsvTable& table, const std::string& wanted) 
     if (name.starts_with(wanted) || wanted.starts_with(name)) near.push_back(name);
   if (near.empty()) near = near_names(wanted, table.names);
   return fmt::format("{}the file has {}", near.empty() ? "" : fmt::format("did you mean {}? ", fmt::join(near, ", ")),
-                     fmt::join(table.names, ", "));
+                     names_text(table.names));
 }
 
 bool is_clock_column(const CsvTable& table, const std::string& name) {
@@ -140,6 +141,7 @@ void put_in_order(Recording& run) {
   std::stable_sort(rows.begin(), rows.end(), is_earlier);
   const std::vector<std::vector<double>> values = std::exchange(run.values, {run.names.size(), std::vector<double>{}});
   const std::vector<std::size_t> lines = std::exchange(run.line_numbers, {});
+  std::size_t repeats = 0;
   for (std::size_t first = 0, end = 0; first < rows.size(); first = end) {
     while (end < rows.size() && t_s[rows[end]] == t_s[rows[first]]) ++end;
     for (std::size_t c = 0; c < values.size(); ++c) {
@@ -149,7 +151,11 @@ void put_in_order(Recording& run) {
       run.values[c].push_back(count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN());
     }
     run.line_numbers.push_back(lines[rows[first]]);
+    repeats += end - first - 1;
   }
+  if (repeats > 0)
+    run.report(0, ProblemKind::repeated_time,
+               fmt::format("{} rows have the time of another: their mean is used", repeats));
 }
 
 /// The columns are moved out where the run is all there is.
@@ -221,10 +227,23 @@ void take_interval(Recording& run, double loop_period_s) {
                            seen_s, loop_period_s));
 }
 
+/// Rows that share their time with several others cannot be told apart.
+void refuse_few_stamps(const std::string& path, const std::vector<double>& times) {
+  std::size_t rows = 0, different = 0;
+  double before = std::numeric_limits<double>::quiet_NaN();
+  for (const double t : times)
+    if (std::isfinite(t)) ++rows, different += t != before, before = t;
+  if (rows < 4 || 2 * different > rows) return;
+  throw InputError(fmt::format("{}: {} rows have {} different times, expected a time for each row: write t_s with more "
+                               "digits, or give a column that counts the rows, with their interval as its factor",
+                               path, rows, different));
+}
+
 /// Rows at one time that were rounded to it stand evenly again; otherwise they are told and left out.
 void mend_times(Recording& run) {
   auto& times = run.column("t_s");
-  if (spread_rounded(times))
+  if (!spread_rounded(times)) refuse_few_stamps(run.path, times);
+  else
     run.report(
         0, ProblemKind::interval,
         fmt::format("t_s is rounded so far that neighbours are equal: the rows are spread evenly, {:.6g} s apart",

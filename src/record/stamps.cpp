@@ -16,10 +16,31 @@ namespace pneuservo {
 namespace {
 
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
-constexpr double least_epoch_s = 3e8, most_epoch_s = 1e10;  ///< 1979 to 2286
+constexpr double least_epoch_s = 3e8, most_epoch_s = 3.3e9;  ///< 1979 to 2074
+/// Rows nearer than this show nothing that gas or slider do, and rows further apart nothing of a motion.
+constexpr double fastest_s = 1e-6, slowest_s = 100;
+/// Where other programs begin to count, each from 2000 to about 2090; what lies between is since 1970.
+struct Epoch {
+  double factor, low, high;
+  std::string_view words;
+};
+constexpr std::array<Epoch, 7> epochs{{{1e-7, 1.259e17, 1.55e17, "units of 100 ns since 1601"},
+                                       {1e-7, 6.31e17, 6.6e17, "units of 100 ns since the year 1"},
+                                       {1e-9, 7.5e17, 9.9e17, "nanoseconds since 2000"},
+                                       {1, 3.3e9, 5e9, "seconds since 1904"},
+                                       {86400, 36526, 69400, "days since 1899-12-30"},
+                                       {86400, 730486, 763360, "days since the year 0"},
+                                       {86400, 2451545, 2484420, "Julian days"}}};
+/// Stamps a tenth of a millisecond apart that begin where a count of days does: days.
+constexpr double least_step_of_seconds = 1e-4;
 constexpr double slowest_periods = 200;  ///< rows further apart show a loop nothing: their unit is another
-constexpr std::array<std::pair<double, std::string_view>, 4> time_units{
-    {{1.0, "seconds"}, {1e-3, "milliseconds"}, {1e-6, "microseconds"}, {1e-9, "nanoseconds"}}};
+constexpr std::array<std::pair<double, std::string_view>, 7> time_units{{{1.0, "seconds"},
+                                                                         {1e-3, "milliseconds"},
+                                                                         {1e-6, "microseconds"},
+                                                                         {1e-9, "nanoseconds"},
+                                                                         {60.0, "minutes"},
+                                                                         {3600.0, "hours"},
+                                                                         {86400.0, "days"}}};
 constexpr std::size_t rows_of_a_run = 3;  ///< that must go on behind a step back; fewer are rows out of order
 constexpr double interval_agreement = 0.25;  ///< of the interval: rounding to half of it moves a step that far
 constexpr double course_gain = 0.1;          ///< of a stamp's distance from the even course, which it moves by
@@ -28,6 +49,10 @@ constexpr double longest_counted = 20;       ///< intervals: behind a longer gap
 double first_finite(const std::vector<double>& values) {
   const auto at = std::find_if(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
   return at == values.end() ? no_value : *at;
+}
+
+bool is_possible_step(double step_s, double period_s) {
+  return !(step_s > slowest_periods * period_s) && step_s < slowest_s && step_s > 0.5 * fastest_s;
 }
 
 /// Whether rows i, i + 1, ... go on from row i upwards and stay behind `before`.
@@ -92,12 +117,18 @@ TimeUnit unit_of_times(const std::vector<double>& stamps, double period_s, bool 
   const double first = first_finite(stamps);
   if (is_clock) return {1, first, "dates or times of day"};
   const double step = median_step_s(stamps);
+  for (const Epoch& epoch : epochs)
+    if (first >= epoch.low && first < epoch.high && is_possible_step(step * epoch.factor, period_s) &&
+        (epoch.factor < 2 || step < least_step_of_seconds))
+      return {epoch.factor, first, std::string(epoch.words)};
   for (const auto& [factor, name] : time_units)
-    if (first * factor > least_epoch_s && first * factor < most_epoch_s &&
-        !(step * factor > slowest_periods * period_s))  // a counter of microseconds is as large, its steps are not
+    if (factor <= 1 && first * factor > least_epoch_s && first * factor < most_epoch_s &&
+        is_possible_step(step * factor, period_s))
       return {factor, first, std::string(name) + " since 1970"};
-  if (!(step > slowest_periods * period_s)) return out;
-  const auto distance = [&](double factor) { return std::abs(std::log(step * factor / period_s)); };
+  // A counter that no date begins: the unit whose rows are nearest to the loop's, or to a millisecond.
+  const double usual_s = std::isfinite(period_s) ? period_s : 1e-3;
+  if (!(step > slowest_periods * period_s) && !(step > slowest_s) && !(step < fastest_s)) return out;
+  const auto distance = [&](double factor) { return std::abs(std::log(step * factor / usual_s)); };
   for (const auto& [factor, name] : time_units)
     if (distance(factor) < distance(out.factor)) out = {factor, 0, std::string(name)};
   return out;

@@ -13,8 +13,9 @@ struct TimeUnit {
   std::string words;  ///< "milliseconds", "nanoseconds since 1970"; empty: seconds, as stated
 };
 
-/// Epoch times by their size; else seconds, unless rows would then be over 200 periods of the loop apart: the unit of
-/// ms, us and ns that brings them nearest to it. period_s: of the loop; NaN: unknown. is_clock: dates, in seconds.
+/// Times since 1970 or another program's epoch by their size; else seconds, unless rows would then be over 200 periods
+/// of the loop, over 100 s or below 1 us apart: the unit from ns to days that brings them nearest to it, or to 1 ms.
+/// period_s: of the loop; NaN: unknown. is_clock: dates, in seconds.
 TimeUnit unit_of_times(const std::vector<double>& stamps, double period_s, bool is_clock);
 
 /// Times of day, in seconds, go on behind midnight: a day is added wherever they go back by more than half of one

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <deque>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -16,6 +17,9 @@
 #include "config/input_error.hpp"
 #include "record/clock_text.hpp"
 #include "record/dialect.hpp"
+#include "record/keyed_rows.hpp"
+#include "record/names_text.hpp"
+#include "record/table_times.hpp"
 #include "record/text_input.hpp"
 
 namespace pneuservo {
@@ -56,6 +60,9 @@ YAML::Node parse_header(const std::string& comments) {
 /// Lines that a dialect is found from: enough that a header of any length leaves rows.
 constexpr std::size_t sample_lines = 200;
 
+constexpr std::size_t most_sampled_bytes = 1 << 20;
+constexpr std::size_t most_columns = 10000;  ///< loggers have hundreds; more are rows that were written as columns
+
 constexpr std::size_t longest_field_lines = 20;  ///< that a quoted field may go on for
 constexpr std::size_t most_told = 100;           ///< fields of a column that are told one by one
 
@@ -80,8 +87,9 @@ class TableReader {
     read_head();
     std::string_view line;
     while (next_line(line)) read_row(line, line_number_);
-    refuse_other_times();
     report_columns();
+    if (dialect_.has_pairs) join_times(table_);
+    add_milliseconds(table_);
     report_end();
     if (table_.rows() == 0)
       throw InputError(
@@ -131,11 +139,10 @@ class TableReader {
 
   bool is_own() const { return table_.comments.starts_with(own_format); }
 
-  /// Comments go to the table; the first lines behind them are returned, those of our own format one by one.
-  std::vector<Line> sample() {
-    std::vector<Line> lines;
+  /// Comments go to the table; lines behind them are added up to so many, those of our own format one by one.
+  void add_sample(std::vector<Line>& lines, std::size_t most) {
     std::string_view line;
-    while (lines.size() < sample_lines && next_line(line)) {
+    while (lines.size() < most && next_line(line)) {
       if (line_number_ == 1 && line.starts_with("\xef\xbb\xbf")) line.remove_prefix(3);  // byte order mark
       if (lines.empty() && (line.starts_with('#') || line.starts_with('%'))) {
         line.remove_prefix(1);
@@ -144,10 +151,39 @@ class TableReader {
         if (!is_own() && !trimmed(line).empty()) last_comment_ = {std::string(line), line_number_};
       } else if (!lines.empty() || !trimmed(line).empty()) {
         lines.push_back({std::string(line), line_number_});
+        sampled_bytes_ += line.size();
         if (is_own()) break;
       }
     }
-    return lines;
+  }
+
+  /// A head may be longer than the sample, and the first rows may show no decimal sign: then more lines are read.
+  std::vector<std::size_t> find_dialect_within(std::vector<Line>& lines) {
+    add_sample(lines, sample_lines);
+    if (lines.empty())
+      throw InputError(
+          fmt::format("{}, line {}: the file ends before the line of column names{}; expected one line such as "
+                      "t_s,x_m,u_V after the comment lines",
+                      table_.path, input_.line_number() + 1, end_words()));
+    std::vector<std::size_t> places = find_dialect_in(lines);
+    while (!is_own() && !dialect_.is_sure && sampled_bytes_ < most_sampled_bytes) {
+      const std::size_t before = lines.size();
+      add_sample(lines, 4 * before);
+      if (lines.size() == before) break;
+      places = find_dialect_in(lines);
+    }
+    return places;
+  }
+
+  void refuse_long_lines(const std::vector<std::string>& texts) const {
+    for (const std::string& text : texts)
+      for (const char separator : {',', ';', '\t', '|'}) {
+        const auto count = static_cast<std::size_t>(std::count(text.begin(), text.end(), separator));
+        if (count > most_columns)
+          throw InputError(fmt::format("{}: a line has {} fields, expected a table of at most {} columns with one row "
+                                       "a sample; does each line hold a channel? Write it the other way round",
+                                       table_.path, count + 1, most_columns));
+      }
   }
 
   /// Lines that say something, as indices; a comment that names the columns of rows without names is put before them.
@@ -159,6 +195,8 @@ class TableReader {
         texts.push_back(as_utf8(lines[i].text));
         places.push_back(i);
       }
+    if (!is_own()) refuse_long_lines(texts);
+    if (!is_own() && keyed_.names.empty() && !texts.empty()) take_names_of_fields(lines, texts, places);
     dialect_ = find_dialect(texts);
     if (!dialect_.is_nameless || trimmed(last_comment_.text).empty()) return places;
     texts.insert(texts.begin(), as_utf8(last_comment_.text));
@@ -175,14 +213,21 @@ class TableReader {
     return places;
   }
 
+  /// Where each field bears its name, the names become a line of their own and are taken off.
+  void take_names_of_fields(std::vector<Line>& lines, std::vector<std::string>& texts,
+                            std::vector<std::size_t>& places) {
+    keyed_ = find_keyed_rows(texts);
+    if (keyed_.names.empty()) return;
+    for (std::string& text : texts) text = keyed_.row(text);
+    lines.insert(lines.begin(), {keyed_.names_line(), lines.front().number});
+    texts.insert(texts.begin(), lines.front().text);
+    for (std::size_t& place : places) ++place;
+    places.insert(places.begin(), 0);
+  }
+
   void read_head() {
-    std::vector<Line> lines = sample();
-    if (lines.empty())
-      throw InputError(
-          fmt::format("{}, line {}: the file ends before the line of column names{}; expected one line such as "
-                      "t_s,x_m,u_V after the comment lines",
-                      table_.path, input_.line_number() + 1, end_words()));
-    const std::vector<std::size_t> places = find_dialect_in(lines);
+    std::vector<Line> lines;
+    const std::vector<std::size_t> places = find_dialect_within(lines);
     const std::size_t names = places[dialect_.names_line];
     for (std::size_t i = 0; i < names; ++i) table_.comments.append(as_utf8(lines[i].text)) += '\n';
     table_.header = parse_header(table_.comments);
@@ -213,11 +258,12 @@ class TableReader {
       throw InputError(fmt::format("{}, line {}: found bytes that are no text where the column names are expected; "
                                    "expected a table written as text",
                                    table_.path, line));
-    if (!table_.has(name)) return name;
+    std::size_t& count = times_named_[name];
+    if (++count == 1) return name;
     if (is_own()) throw InputError(fmt::format("{}, line {}: column {} is there twice", table_.path, line, name));
-    std::size_t count = 2;
-    while (table_.has(fmt::format("{} ({})", name, count))) ++count;
+    while (times_named_.contains(fmt::format("{} ({})", name, count))) ++count;
     const std::string numbered = fmt::format("{} ({})", name, count);
+    times_named_[numbered] = 1;
     table_.report(line, ProblemKind::dialect,
                   fmt::format("column {} is there again: the first bears the name, this one is {}", name, numbered));
     return numbered;
@@ -225,6 +271,7 @@ class TableReader {
 
   void take_names(std::size_t line) {
     for (const std::string& name : dialect_.names) table_.names.push_back(usable_name(name, line));
+    known_names_.insert(dialect_.names.begin(), dialect_.names.end());
     dialect_.value_units.resize(table_.names.size());
     unreadable_.assign(table_.names.size(), {});
     table_.units = dialect_.units;
@@ -252,20 +299,61 @@ class TableReader {
     }
   }
 
-  void read_row(std::string_view line, std::size_t number) {
-    const std::size_t expected = field_count_;
-    const std::size_t index = dialect_.has_index ? 1 : 0;
+  /// Takes the fields of a row; false where the line is none.
+  bool take_fields(std::string_view line, std::size_t number) {
+    const std::size_t expected = field_count_, index = dialect_.has_index ? 1 : 0;
+    if (!keyed_.names.empty()) line = keyless_ = keyed_.row(line);
     split_fields(line, dialect_.style, fields_);
     if (dialect_.has_trailing && fields_.size() == expected + index + 1 && fields_.back().empty()) fields_.pop_back();
+    if (dialect_.has_split_times && fields_.size() > 1) join_first_two();
+    if (dialect_.least_fields > 0 && fields_.size() >= dialect_.least_fields)
+      while (fields_.size() < expected + index) fields_.emplace_back();
     const bool is_empty = trimmed(line).empty();
-    if (is_empty && expected > 1 && !is_own_) return;
-    if (fields_.size() != expected + index || line.starts_with('#') || (is_empty && expected > 1)) {
-      table_.report(number, ProblemKind::field_count,
-                    line.starts_with('#') ? "a comment line among the rows is not used"
-                                          : fmt::format("{} fields where {} are expected; the row is not used",
-                                                        is_empty ? 0 : fields_.size(), expected + index));
-      return;
+    if (is_empty && expected > 1 && !is_own_) return false;
+    if (is_names_again(number)) return false;
+    const bool is_comment = line.starts_with('#') && !holds_number(index);
+    if (fields_.size() == expected + index && !is_comment && !(is_empty && expected > 1)) return true;
+    table_.report(number, ProblemKind::field_count,
+                  is_comment ? "a comment line among the rows is not used"
+                             : fmt::format("{} fields where {} are expected; the row is not used",
+                                           is_empty ? 0 : fields_.size(), expected + index));
+    return false;
+  }
+
+  void join_first_two() {
+    const char* from = fields_[0].data();
+    fields_[0] = {from, static_cast<std::size_t>(fields_[1].data() + fields_[1].size() - from)};
+    fields_.erase(fields_.begin() + 1);
+  }
+
+  /// Of a line that begins like a comment: "#N/A;0.5;1" is a row.
+  bool holds_number(std::size_t index) const {
+    double value = 0;
+    return !is_own_ && fields_.size() == field_count_ + index &&
+           std::any_of(fields_.begin(), fields_.end(),
+                       [&](std::string_view field) { return number_in(field, dialect_.style.decimal, value); });
+  }
+
+  /// Names once more are passed over; other names, or the same in another order, begin another table.
+  bool is_names_again(std::size_t line) {
+    const auto known = std::count_if(fields_.begin(), fields_.end(), [&](std::string_view field) {
+      return !field.empty() && known_names_.contains(field);
+    });
+    if (fields_.front().empty() || is_own_ || known < 2) return false;
+    if (std::equal(fields_.begin(), fields_.end(), dialect_.names.begin(), dialect_.names.end())) {
+      if (names_again_++ == 0)
+        table_.report(line, ProblemKind::dialect, "the line of names stands here again: passed over");
+      return true;
     }
+    throw InputError(
+        fmt::format("{}, line {}: found other column names, {}, expected those of the first rows, {}; split "
+                    "the file here",
+                    table_.path, line, names_text({fields_.begin(), fields_.end()}), names_text(dialect_.names)));
+  }
+
+  void read_row(std::string_view line, std::size_t number) {
+    if (!take_fields(line, number)) return;
+    const std::size_t index = dialect_.has_index ? 1 : 0;
     for (std::size_t i = 0; i < row_.size(); ++i) row_[i] = read_field(fields_[places_[i] + index], i, number);
     for (std::size_t i = 0; i < row_.size(); ++i) table_.values[i].push_back(row_[i]);
     table_.line_numbers.push_back(number);
@@ -291,21 +379,6 @@ class TableReader {
     if (!std::isfinite(value))
       table_.report(line, ProblemKind::not_a_number, fmt::format("{} is {}", table_.names[column], field));
     return value;
-  }
-
-  /// Pairs of times and values make one table only where all have the same times.
-  void refuse_other_times() const {
-    if (!dialect_.has_pairs) return;
-    const std::vector<double>& times = table_.values[0];
-    for (std::size_t c = 2; c < table_.values.size(); c += 2)
-      for (std::size_t row = 0; row < times.size(); ++row) {
-        const double other = table_.values[c][row];
-        if (times[row] == other || (std::isnan(times[row]) && std::isnan(other))) continue;
-        throw InputError(fmt::format("{}, line {}: {} is {} where {} is {}, expected the same times for all channels: "
-                                     "export them with one sample time",
-                                     table_.path, table_.line_numbers[row], table_.names[c], other, table_.names[0],
-                                     times[row]));
-      }
   }
 
   /// A column of text is told once, and so is how often another holds text.
@@ -341,6 +414,11 @@ class TableReader {
   TextInput input_;
   const std::set<std::string>& wanted_;
   CsvTable table_;
+  KeyedRows keyed_;
+  std::string keyless_;  ///< the row that is read, without its names
+  std::map<std::string, std::size_t> times_named_;
+  std::set<std::string, std::less<>> known_names_;
+  std::size_t names_again_ = 0, sampled_bytes_ = 0;
   std::size_t field_count_ = 0;  ///< of a row, an index left aside
   std::vector<std::size_t> places_;  ///< of the kept columns among the fields
   Dialect dialect_;
@@ -401,7 +479,7 @@ void CsvTable::require(const std::vector<std::string>& columns) const {
   std::vector<std::string> found = names;
   found.insert(found.end(), left_out.begin(), left_out.end());
   throw InputError(fmt::format("{}: column{} {} {} missing; found {}", path, missing.size() > 1 ? "s" : "",
-                               fmt::join(missing, ", "), missing.size() > 1 ? "are" : "is", fmt::join(found, ", ")));
+                               fmt::join(missing, ", "), missing.size() > 1 ? "are" : "is", names_text(found)));
 }
 
 void CsvTable::report(std::size_t line, ProblemKind kind, std::string_view what) {

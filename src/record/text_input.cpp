@@ -27,25 +27,60 @@ struct Format {
 constexpr std::string_view as_csv = "write it as CSV";
 constexpr std::string_view unpack = "unpack it first";
 /// Files that are no text, by how they begin.
-constexpr std::array<Format, 17> formats{{{"PK\3\4", "a zip archive, as .xlsx, .ods and .npz files are", as_csv},
+constexpr std::array<Format, 38> formats{{{"PK\3\4", "a zip archive, as .xlsx, .ods and .npz files are", as_csv},
                                           {"\xd0\xcf\x11\xe0", "an Excel workbook (.xls)", as_csv},
                                           {"TDSm", "a LabVIEW TDMS file", as_csv},
                                           {"MDF     ", "an ASAM MDF file", as_csv},
                                           {"\x89HDF", "an HDF5 file, as MATLAB's .mat files of v7.3 are", as_csv},
                                           {"MATLAB 5.0 MAT-file", "a MATLAB .mat file", as_csv},
                                           {"PAR1", "a Parquet file", as_csv},
+                                          {"ARROW1", "an Arrow (Feather) file", as_csv},
                                           {"\x93NUMPY", "a numpy .npy file", as_csv},
+                                          {"\x80\4\x95", "a Python pickle", as_csv},
                                           {"SQLite format 3", "an SQLite database", as_csv},
                                           {"#ROSBAG", "a ROS bag", as_csv},
                                           {"\x89MCAP", "an MCAP file", as_csv},
+                                          {"RIFF", "a RIFF file, as .wav files are", as_csv},
                                           {"%PDF", "a PDF document", as_csv},
+                                          {"{\\rtf", "an RTF document", as_csv},
+                                          {"\x89PNG", "a picture (PNG)", as_csv},
+                                          {"\x7f"
+                                           "ELF",
+                                           "a program (ELF)", as_csv},
+                                          {"<?xml", "an XML document", as_csv},
+                                          {"<html", "an HTML page", as_csv},
+                                          {"<HTML", "an HTML page", as_csv},
+                                          {"<!DOCTYPE", "an HTML page", as_csv},
+                                          {"<!doctype", "an HTML page", as_csv},
+                                          {"<table", "an HTML page", as_csv},
+                                          {"{", "JSON", as_csv},
+                                          {"[{", "JSON", as_csv},
+                                          {"[[", "JSON", as_csv},
+                                          {"[\"", "JSON", as_csv},
+                                          {"[\n", "JSON", as_csv},
                                           {"\xff\xfe\0\0"sv, "text in UTF-32", "write it in UTF-8"},
                                           {"\0\0\xfe\xff"sv, "text in UTF-32", "write it in UTF-8"},
                                           {"\x28\xb5\x2f\xfd", "packed by zstd", unpack},
                                           {"BZh", "packed by bzip2", unpack},
                                           {"\xfd"
                                            "7zXZ",
-                                           "packed by xz", unpack}}};
+                                           "packed by xz", unpack},
+                                          {"7z\xbc\xaf", "a 7z archive", unpack},
+                                          {"Rar!", "a RAR archive", unpack},
+                                          {"\x04\x22\x4d\x18", "packed by lz4", unpack},
+                                          {"\x1f\x9d", "packed by compress", unpack}}};
+
+/// Throws InputError where the data begin as those of another format do.
+void refuse_other_formats(const std::string& path, std::string_view start) {
+  constexpr std::size_t place_of_tar = 257;  // of "ustar" in the first header
+  const auto refuse = [&](std::string_view name, std::string_view remedy) {
+    throw InputError(
+        fmt::format("{}: is {}; expected a table as text, plain or packed by gzip: {}", path, name, remedy));
+  };
+  for (const Format& format : formats)
+    if (start.starts_with(format.begins)) refuse(format.name, format.remedy);
+  if (start.size() > place_of_tar && start.substr(place_of_tar).starts_with("ustar")) refuse("a tar archive", unpack);
+}
 
 }  // namespace
 
@@ -102,6 +137,7 @@ bool TextInput::next_line(std::string_view& line) {
 void TextInput::fill() {
   text_.erase(0, start_);
   searched_ -= start_;
+  judged_ -= start_;
   start_ = 0;
   const std::size_t count = read_chunk();
   const auto& in = stream_->in;
@@ -110,16 +146,13 @@ void TextInput::fill() {
     gzip_ = count >= 2 && in[0] == 0x1f && in[1] == 0x8b;
     if (!gzip_ && count > 0 && path_.ends_with(".gz"))
       throw InputError(path_ + ": is not gzip data, although its name says so");
-    const std::string_view start(reinterpret_cast<const char*>(in.data()), count);
-    for (const Format& format : formats)
-      if (start.starts_with(format.begins))
-        throw InputError(fmt::format("{}: is {}; expected a table as text, plain or packed by gzip: {}", path_,
-                                     format.name, format.remedy));
+    refuse_other_formats(path_, {reinterpret_cast<const char*>(in.data()), count});
     constexpr int gzip_window_bits = 15 + 16;
     if (gzip_ && inflateInit2(&stream_->z, gzip_window_bits) != Z_OK) throw std::bad_alloc();
   }
   if (count == 0) {
     at_end_ = true;
+    end_lines_at_cr();
     if (gzip_ && stream_->in_member) end_ = End::truncated;
   } else if (gzip_) {
     inflate_chunk(count);
@@ -155,6 +188,7 @@ void TextInput::append(const char* bytes, std::size_t count) {
   if (count == 0) return;
   if (!has_text_) {
     has_text_ = true;
+    if (gzip_) refuse_other_formats(path_, {bytes, count});
     const std::string_view start(bytes, std::min<std::size_t>(count, 4));
     const bool is_long = start.size() == 4;
     is_big_endian_ = start.starts_with("\xfe\xff") || (is_long && start[0] == 0 && start[1] != 0 && start[2] == 0);
@@ -163,12 +197,18 @@ void TextInput::append(const char* bytes, std::size_t count) {
   }
   if (is_wide_) append_wide({bytes, count});
   else text_.append(bytes, count);
-  if (line_number_ == 0 && text_.find('\n') == std::string::npos)  // lines that end in CR alone
-    ends_in_cr_ = std::count(text_.begin(), text_.end(), '\r') > 1;
-  if (ends_in_cr_) {
-    std::replace(text_.begin(), text_.end(), '\r', '\n');
-    searched_ = start_;
+  end_lines_at_cr();
+}
+
+/// A CR that no LF and no other CR follows ends a line, in whichever part of the file it stands.
+void TextInput::end_lines_at_cr() {
+  for (std::size_t at = judged_; (at = text_.find('\r', at)) != std::string::npos; ++at) {
+    if (at + 1 == text_.size() && !at_end_) break;
+    if (at + 1 < text_.size() && (text_[at + 1] == '\n' || text_[at + 1] == '\r')) continue;
+    text_[at] = '\n';
+    searched_ = std::min(searched_, at);
   }
+  judged_ = text_.ends_with('\r') ? text_.size() - 1 : text_.size();
 }
 
 void TextInput::append_wide(std::string_view bytes) {

@@ -39,15 +39,16 @@ class TextInput {
   std::size_t read_chunk();
   void append(const char* bytes, std::size_t count);
   void append_wide(std::string_view bytes);
+  void end_lines_at_cr();
 
   std::string path_;
   std::unique_ptr<Stream> stream_;
   int descriptor_ = -1;
   bool gzip_ = false, at_end_ = false, first_ = true;
-  bool has_text_ = false, is_wide_ = false, is_big_endian_ = false, ends_in_cr_ = false;
+  bool has_text_ = false, is_wide_ = false, is_big_endian_ = false;
   std::string half_;  ///< the first byte of a wide character whose second is still to come
   std::string text_;
-  std::size_t start_ = 0, searched_ = 0, line_number_ = 0;
+  std::size_t start_ = 0, searched_ = 0, judged_ = 0, line_number_ = 0;
   End end_ = End::whole;
 };
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
+#include <cmath>
 
 #include "record/field_text.hpp"
 
@@ -11,90 +13,173 @@ namespace pneuservo {
 
 namespace {
 
-constexpr double psi_Pa = 6894.757, pound_N = 4.4482216;
+constexpr double psi_Pa = 6894.757, torr_Pa = 133.322, pound_N = 4.4482216;
 /// Where letters' size decides, the first one that fits counts.
-constexpr std::array<Unit, 69> units{{{"s", Quantity::time, 1},
-                                      {"sec", Quantity::time, 1},
-                                      {"secs", Quantity::time, 1},
-                                      {"second", Quantity::time, 1},
-                                      {"seconds", Quantity::time, 1},
-                                      {"ms", Quantity::time, 1e-3},
-                                      {"msec", Quantity::time, 1e-3},
-                                      {"milliseconds", Quantity::time, 1e-3},
-                                      {"us", Quantity::time, 1e-6},
-                                      {"\u00b5s", Quantity::time, 1e-6},
-                                      {"\u03bcs", Quantity::time, 1e-6},
-                                      {"microseconds", Quantity::time, 1e-6},
-                                      {"ns", Quantity::time, 1e-9},
-                                      {"nanoseconds", Quantity::time, 1e-9},
-                                      {"min", Quantity::time, 60},
-                                      {"m", Quantity::length, 1},
-                                      {"meters", Quantity::length, 1},
-                                      {"metres", Quantity::length, 1},
-                                      {"cm", Quantity::length, 1e-2},
-                                      {"mm", Quantity::length, 1e-3},
-                                      {"millimeters", Quantity::length, 1e-3},
-                                      {"millimetres", Quantity::length, 1e-3},
-                                      {"um", Quantity::length, 1e-6},
-                                      {"\u00b5m", Quantity::length, 1e-6},
-                                      {"\u03bcm", Quantity::length, 1e-6},
-                                      {"in", Quantity::length, 0.0254},
-                                      {"inches", Quantity::length, 0.0254},
-                                      {"Pa", Quantity::pressure, 1},
-                                      {"pascal", Quantity::pressure, 1},
-                                      {"hPa", Quantity::pressure, 100},
-                                      {"mbar", Quantity::pressure, 100},
-                                      {"kPa", Quantity::pressure, 1e3},
-                                      {"bar", Quantity::pressure, 1e5},
-                                      {"bara", Quantity::pressure, 1e5},
-                                      {"barg", Quantity::pressure, 1e5, true},
-                                      {"MPa", Quantity::pressure, 1e6},
-                                      {"psi", Quantity::pressure, psi_Pa},
-                                      {"psia", Quantity::pressure, psi_Pa},
-                                      {"psig", Quantity::pressure, psi_Pa, true},
-                                      {"V", Quantity::voltage, 1},
-                                      {"volt", Quantity::voltage, 1},
-                                      {"volts", Quantity::voltage, 1},
-                                      {"mV", Quantity::voltage, 1e-3},
-                                      {"N", Quantity::force, 1},
-                                      {"newton", Quantity::force, 1},
-                                      {"newtons", Quantity::force, 1},
-                                      {"daN", Quantity::force, 10},
-                                      {"kN", Quantity::force, 1e3},
-                                      {"lbf", Quantity::force, pound_N},
-                                      {"-", Quantity::raw, 1},
-                                      {"1", Quantity::raw, 1},
-                                      {"%", Quantity::raw, 1},
-                                      {"\u00b0C", Quantity::other, 1},
-                                      {"degC", Quantity::other, 1},
-                                      {"K", Quantity::other, 1},
-                                      {"A", Quantity::raw, 1},
-                                      {"mA", Quantity::raw, 1},
-                                      {"rad", Quantity::other, 1},
-                                      {"deg", Quantity::other, 1},
-                                      {"\u00b0", Quantity::other, 1},
-                                      {"m/s", Quantity::other, 1},
-                                      {"mm/s", Quantity::other, 1},
-                                      {"kg/s", Quantity::other, 1},
-                                      {"l/min", Quantity::other, 1},
-                                      {"Hz", Quantity::other, 1},
-                                      {"kg", Quantity::other, 1},
-                                      {"count", Quantity::raw, 1},
-                                      {"counts", Quantity::raw, 1},
-                                      {"bool", Quantity::raw, 1}}};
+constexpr std::array<Unit, 105> units{{{"s", Quantity::time, 1},
+                                       {"sec", Quantity::time, 1},
+                                       {"secs", Quantity::time, 1},
+                                       {"second", Quantity::time, 1},
+                                       {"seconds", Quantity::time, 1},
+                                       {"ms", Quantity::time, 1e-3},
+                                       {"msec", Quantity::time, 1e-3},
+                                       {"millisecond", Quantity::time, 1e-3},
+                                       {"milliseconds", Quantity::time, 1e-3},
+                                       {"us", Quantity::time, 1e-6},
+                                       {"\u00b5s", Quantity::time, 1e-6},
+                                       {"\u03bcs", Quantity::time, 1e-6},
+                                       {"usec", Quantity::time, 1e-6},
+                                       {"microsecond", Quantity::time, 1e-6},
+                                       {"microseconds", Quantity::time, 1e-6},
+                                       {"ns", Quantity::time, 1e-9},
+                                       {"nanosecond", Quantity::time, 1e-9},
+                                       {"nanoseconds", Quantity::time, 1e-9},
+                                       {"min", Quantity::time, 60},
+                                       {"minute", Quantity::time, 60},
+                                       {"minutes", Quantity::time, 60},
+                                       {"h", Quantity::time, 3600},
+                                       {"hr", Quantity::time, 3600},
+                                       {"hour", Quantity::time, 3600},
+                                       {"hours", Quantity::time, 3600},
+                                       {"d", Quantity::time, 86400},
+                                       {"day", Quantity::time, 86400},
+                                       {"days", Quantity::time, 86400},
+                                       {"m", Quantity::length, 1},
+                                       {"meter", Quantity::length, 1},
+                                       {"meters", Quantity::length, 1},
+                                       {"metre", Quantity::length, 1},
+                                       {"metres", Quantity::length, 1},
+                                       {"dm", Quantity::length, 1e-1},
+                                       {"cm", Quantity::length, 1e-2},
+                                       {"mm", Quantity::length, 1e-3},
+                                       {"\u339c", Quantity::length, 1e-3},
+                                       {"millimeter", Quantity::length, 1e-3},
+                                       {"millimeters", Quantity::length, 1e-3},
+                                       {"millimetre", Quantity::length, 1e-3},
+                                       {"millimetres", Quantity::length, 1e-3},
+                                       {"um", Quantity::length, 1e-6},
+                                       {"\u00b5m", Quantity::length, 1e-6},
+                                       {"\u03bcm", Quantity::length, 1e-6},
+                                       {"micron", Quantity::length, 1e-6},
+                                       {"microns", Quantity::length, 1e-6},
+                                       {"micrometer", Quantity::length, 1e-6},
+                                       {"micrometre", Quantity::length, 1e-6},
+                                       {"nm", Quantity::length, 1e-9},
+                                       {"in", Quantity::length, 0.0254},
+                                       {"inch", Quantity::length, 0.0254},
+                                       {"inches", Quantity::length, 0.0254},
+                                       {"mil", Quantity::length, 25.4e-6},
+                                       {"mils", Quantity::length, 25.4e-6},
+                                       {"thou", Quantity::length, 25.4e-6},
+                                       {"ft", Quantity::length, 0.3048},
+                                       {"feet", Quantity::length, 0.3048},
+                                       {"Pa", Quantity::pressure, 1},
+                                       {"pascal", Quantity::pressure, 1},
+                                       {"hPa", Quantity::pressure, 100},
+                                       {"mbar", Quantity::pressure, 100},
+                                       {"kPa", Quantity::pressure, 1e3},
+                                       {"dbar", Quantity::pressure, 1e4},
+                                       {"bar", Quantity::pressure, 1e5},
+                                       {"MPa", Quantity::pressure, 1e6},
+                                       {"N/mm2", Quantity::pressure, 1e6},
+                                       {"N/m2", Quantity::pressure, 1},
+                                       {"psi", Quantity::pressure, psi_Pa},
+                                       {"kgf/cm2", Quantity::pressure, 98066.5},
+                                       {"kg/cm2", Quantity::pressure, 98066.5},
+                                       {"atm", Quantity::pressure, 101325},
+                                       {"Torr", Quantity::pressure, torr_Pa},
+                                       {"mmHg", Quantity::pressure, torr_Pa},
+                                       {"inHg", Quantity::pressure, 25.4 * torr_Pa},
+                                       {"V", Quantity::voltage, 1},
+                                       {"volt", Quantity::voltage, 1},
+                                       {"volts", Quantity::voltage, 1},
+                                       {"mV", Quantity::voltage, 1e-3},
+                                       {"N", Quantity::force, 1},
+                                       {"newton", Quantity::force, 1},
+                                       {"newtons", Quantity::force, 1},
+                                       {"daN", Quantity::force, 10},
+                                       {"kN", Quantity::force, 1e3},
+                                       {"lbf", Quantity::force, pound_N},
+                                       {"kgf", Quantity::force, 9.80665},
+                                       {"-", Quantity::raw, 1},
+                                       {"1", Quantity::raw, 1},
+                                       {"%", Quantity::raw, 1},
+                                       {"A", Quantity::raw, 1},
+                                       {"mA", Quantity::raw, 1},
+                                       {"count", Quantity::raw, 1},
+                                       {"counts", Quantity::raw, 1},
+                                       {"bool", Quantity::raw, 1},
+                                       {"\u00b0C", Quantity::other, 1},
+                                       {"degC", Quantity::other, 1},
+                                       {"K", Quantity::other, 1},
+                                       {"rad", Quantity::other, 1},
+                                       {"deg", Quantity::other, 1},
+                                       {"\u00b0", Quantity::other, 1},
+                                       {"m/s", Quantity::other, 1},
+                                       {"mm/s", Quantity::other, 1},
+                                       {"kg/s", Quantity::other, 1},
+                                       {"l/min", Quantity::other, 1},
+                                       {"Hz", Quantity::other, 1},
+                                       {"kg", Quantity::other, 1}}};
 
-/// Without blanks, brackets and underscores: "bar (g)", "bar_g" and "bar abs" are barg and bara.
+/// Without blanks, brackets, underscores and a point at the end; raised digits are plain ones.
 std::string plain(std::string_view text) {
   std::string out;
   for (const char c : text)
     if (std::string_view(" ()[]_").find(c) == std::string_view::npos) out += c;
-  if (out.ends_with("abs")) out.resize(out.size() - 2);
+  for (const std::string_view raised : {"\u00b2", "^2"})
+    if (const std::size_t at = out.find(raised); at != std::string::npos) out.replace(at, raised.size(), "2");
+  if (out.size() > 1 && out.ends_with('.')) out.pop_back();
   return out;
 }
 
 bool is_alike(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](unsigned char one, unsigned char other) { return std::tolower(one) == std::tolower(other); });
+}
+
+std::optional<Unit> listed(std::string_view name) {
+  auto at = std::find_if(units.begin(), units.end(), [&](const Unit& unit) { return unit.name == name; });
+  if (at == units.end())
+    at = std::find_if(units.begin(), units.end(), [&](const Unit& unit) { return is_alike(unit.name, name); });
+  return at == units.end() ? std::nullopt : std::optional(*at);
+}
+
+/// "barg", "bar rel", "kPa gauge" and "MPa abs": a pressure with a word for its zero behind it.
+std::optional<Unit> pressure_with_zero(std::string_view name) {
+  constexpr std::array<std::string_view, 6> gauge{"gauge", "rel", "g", "\u00fc", "\u00dc", "eff"};
+  constexpr std::array<std::string_view, 3> absolute{"absolute", "abs", "a"};
+  const auto with = [&](std::string_view word, bool is_gauge) -> std::optional<Unit> {
+    if (name.size() <= word.size() || !is_alike(name.substr(name.size() - word.size()), word)) return std::nullopt;
+    std::optional<Unit> unit = listed(name.substr(0, name.size() - word.size()));
+    if (!unit || unit->quantity != Quantity::pressure) return std::nullopt;
+    unit->is_gauge = is_gauge;
+    return unit;
+  };
+  for (const std::string_view word : gauge)
+    if (const auto unit = with(word, true)) return unit;
+  for (const std::string_view word : absolute)
+    if (const auto unit = with(word, false)) return unit;
+  return std::nullopt;
+}
+
+/// "0.1 mm", "1e-3 m", "1/1000 m": a power of ten before a unit; none where there is no such.
+std::optional<Unit> multiple(std::string_view name) {
+  double factor = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), factor);
+  std::string_view rest = name.substr(static_cast<std::size_t>(end - name.data()));
+  if (error != std::errc() || !(factor > 0) || rest.empty()) return std::nullopt;
+  double under = 1;
+  if (rest.starts_with('/')) {
+    const auto [stop, wrong] = std::from_chars(rest.data() + 1, rest.data() + rest.size(), under);
+    if (wrong != std::errc() || !(under > 0)) return std::nullopt;
+    rest.remove_prefix(static_cast<std::size_t>(stop - rest.data()));
+  }
+  if (rest.starts_with('*')) rest.remove_prefix(1);
+  const double power = std::log10(factor / under);
+  std::optional<Unit> unit = listed(rest);
+  if (!unit || unit->quantity >= Quantity::raw || std::abs(power - std::round(power)) > 1e-9) return std::nullopt;
+  unit->factor *= factor / under;
+  return unit;
 }
 
 }  // namespace
@@ -107,19 +192,20 @@ std::string_view without_brackets(std::string_view text) {
   return is_in_brackets ? trimmed(text.substr(1, text.size() - 2)) : text;
 }
 
-const Unit* unit_in(std::string_view text) {
+std::optional<Unit> unit_in(std::string_view text) {
   const std::string name = plain(without_brackets(text));
-  auto at = std::find_if(units.begin(), units.end(), [&](const Unit& unit) { return unit.name == name; });
-  if (at == units.end())
-    at = std::find_if(units.begin(), units.end(), [&](const Unit& unit) { return is_alike(unit.name, name); });
-  return at == units.end() ? nullptr : &*at;
+  if (name.empty()) return std::nullopt;
+  if (const auto unit = listed(name)) return unit;
+  if (const auto unit = pressure_with_zero(name)) return unit;
+  return multiple(name);
 }
 
 std::size_t unit_start(std::string_view field) {
-  const std::size_t blank = field.find_last_of(" \t");
-  if (blank == std::string_view::npos || blank == 0) return field.size();
-  const std::string_view unit = field.substr(blank + 1);
-  return unit != "1" && unit != "-" && unit_in(unit) != nullptr ? blank + 1 : field.size();
+  std::size_t start = field.find_last_of(" \t");
+  start = start == std::string_view::npos ? field.find_last_of("0123456789.,") + 1 : start + 1;
+  if (start == 0 || start >= field.size()) return field.size();
+  const std::string_view unit = field.substr(start);
+  return unit != "1" && unit != "-" && listed(unit) ? start : field.size();
 }
 
 }  // namespace pneuservo

@@ -1,5 +1,6 @@
 // Units as loggers write them, and what they are in SI.
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -18,10 +19,10 @@ struct Unit {
 /// The text without blanks and one pair of brackets around it: "[bar (g)]" is "bar (g)".
 std::string_view without_brackets(std::string_view text);
 
-/// The unit that text stands for: mm, [bar], (V), bar(g), Millimeters; nullptr where it is none.
-const Unit* unit_in(std::string_view text);
+/// The unit that text stands for: mm, [bar], (V), bar(g), kPa gauge, 0.1 mm, Millimeters; none where it is none.
+std::optional<Unit> unit_in(std::string_view text);
 
-/// "0.5 mm": where the unit begins behind a number and a blank; the text's size where it has none.
+/// "0.5 mm", "3.2V": where the unit begins behind a number; the text's size where it has none.
 std::size_t unit_start(std::string_view field);
 
 }  // namespace pneuservo

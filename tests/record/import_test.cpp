@@ -52,8 +52,9 @@ TEST_CASE("what a map names and the file lacks is told, but without times or row
   map.columns["x_m"] = {"position"};
   const std::vector<Recording> runs = read_recordings(foreign_file(folder), map, 0.01);
   CHECK(!runs.front().has("x_m"));
-  REQUIRE(runs.front().problems.size() == 1);
+  REQUIRE(runs.front().problems.size() == 2);
   CHECK_THAT(runs.front().problems[0].sentence, Catch::Contains("position is missing"));
+  CHECK_THAT(runs.front().problems[1].sentence, Catch::Contains("rows have the time of another"));
   map.from_s = 1.0;
   CHECK_THROWS_AS(read_recordings(foreign_file(folder), map, 0.01), InputError);
   map.columns["t_s"] = {"clock"};

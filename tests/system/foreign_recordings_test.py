@@ -56,6 +56,8 @@ def put(name, text):
 
 
 config = put("axis.yaml", CONFIG)
+# Rows 10 ms apart show dry friction's step where the motion turns over 50 ms: Stribeck's is not told from it.
+COARSE = ("coulomb_friction", "stribeck_friction")
 
 
 def diagnosis(path, *more, rig=config):
@@ -73,12 +75,12 @@ def friction_of(found, name):
     return names, size["value"]
 
 
-def expect_coulomb(name, path, *more, rig=config, told=()):
+def expect_coulomb(name, path, *more, rig=config, told=(), kinds=("coulomb_friction",)):
     """The verdict on the whole recording, with its size."""
     found = diagnosis(path, *more, rig=rig)
     names, force_N = friction_of(found, name)
     expect(len(names) == 1, f"{name}: {names} instead of one name: {found['data']['warnings']}")
-    expect(names[0] in ("coulomb_friction", "stribeck_friction"), f"{name}: {names}: {found['data']['warnings']}")
+    expect(names[0] in kinds, f"{name}: {names}: {found['data']['warnings']}")
     expect(abs(force_N - COULOMB_N) < 0.02 * COULOMB_N, f"{name}: {force_N} N instead of {COULOMB_N}")
     for word in told:
         expect(any(word in line for line in found["data"]["warnings"]), f"{name}: '{word}' is not told: {found['data']['warnings']}")
@@ -88,7 +90,8 @@ whole = rows(0.001)
 expect_coulomb("whole", write("whole.csv", whole))
 for every in (2, 4, 10):
     thinned = whole[::every]
-    expect_coulomb(f"every {every}. row", write(f"every{every}.csv", thinned), told=[f"{0.001 * every:g} s apart"])
+    expect_coulomb(f"every {every}. row", write(f"every{every}.csv", thinned), told=[f"{0.001 * every:g} s apart"],
+                   kinds=COARSE if every == 10 else ("coulomb_friction",))
 expect_coulomb("5 kHz", write("fast.csv", rows(0.0005)))
 expect_coulomb("jitter", write("jitter.csv", rows(0.002, jitter_s=0.0002)))
 expect_coulomb("3 % lost", write("lost.csv", [row for row in whole if draw.random() > 0.03]))
@@ -105,7 +108,7 @@ expect_coulomb("instant", write("instant.csv", rows(0.001, held_s=0)), told=["sa
 for sampling, held_s, other in (("held", 0.01, "instant"), ("instant", 0, "held")):
     path = write(f"{sampling}.csv", rows(0.01, seconds=20, held_s=held_s))
     stated = [put(f"{word}.yaml", CONFIG + f"import: {{columns: {{F_N: {{column: F_N, sampling: {word}}}}}}}\n") for word in (sampling, other)]
-    expect_coulomb(f"force {sampling}", path, rig=stated[0])
+    expect_coulomb(f"force {sampling}", path, rig=stated[0], kinds=COARSE)
     wrong = diagnosis(path, rig=stated[1])
     expect([answer["effect"] for answer in wrong["answers"]] not in (["coulomb_friction"], ["stribeck_friction"]),
            f"force {sampling}, stated as {other}: {wrong['verdict']}, as if it made no difference")

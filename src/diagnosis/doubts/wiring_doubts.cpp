@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -174,22 +175,45 @@ std::vector<double> misfits_of(const Rig& rig, const Recording& judged, const st
   return out;
 }
 
-/// Throws where another choice fits as well as the best one does.
-void ask_where_two_fit(const Recording& recording, const std::vector<ReadingsOf>& kinds,
-                       const std::vector<Choice>& choices, const std::vector<double>& misfits, std::size_t best) {
-  for (std::size_t i = 0; i < misfits.size(); ++i) {
-    if (i == best || !(misfits[best] > decisive * misfits[i])) continue;
-    std::size_t k = 0;
-    while (choices[i][k] == choices[best][k]) ++k;
-    const UnitReading &one = kinds[k].readings[choices[best][k]], &other = kinds[k].readings[choices[i][k]];
-    throw InputError(fmt::format(
-        "{}: {} or {}? State it: {}", kinds[k].evidence, one.name.empty() ? "as recorded" : one.name,
-        other.name.empty() ? "as recorded" : other.name, stated_reading(recording, kinds[k].columns.front(), one)));
-  }
+/// Whether a map states another unit or zero than SI for the columns: somebody knew.
+bool is_stated(const Recording& recording, const ReadingsOf& of) {
+  const ImportedColumn source = source_of(recording, of.columns.front());
+  return source.factor != 1 || source.offset != 0;
+}
+
+std::string name_of(const UnitReading& reading) { return reading.name.empty() ? "as recorded" : reading.name; }
+
+/// Of the choices that fit about as well as the best one, the one that keeps what is stated; throws where that leaves
+/// two.
+std::size_t one_of_fitting(const Recording& recording, const std::vector<ReadingsOf>& kinds,
+                           const std::vector<Choice>& choices, const std::vector<double>& misfits, std::size_t best,
+                           std::vector<std::string>& notes) {
+  std::vector<std::size_t> fitting{best}, as_stated;
+  for (std::size_t i = 0; i < misfits.size(); ++i)
+    if (i != best && misfits[best] > decisive * misfits[i]) fitting.push_back(i);
+  if (fitting.size() == 1) return best;
+  std::copy_if(fitting.begin(), fitting.end(), std::back_inserter(as_stated), [&](std::size_t i) {
+    for (std::size_t k = 0; k < kinds.size(); ++k)
+      if (is_stated(recording, kinds[k]) && !is_as_recorded(kinds[k].readings[choices[i][k]])) return false;
+    return true;
+  });
+  const std::size_t taken = as_stated.empty() ? best : as_stated.front();
+  const std::size_t other = as_stated.size() > 1 ? as_stated[1] : fitting[0] == taken ? fitting[1] : fitting[0];
+  std::size_t k = 0;
+  while (choices[other][k] == choices[taken][k]) ++k;
+  const UnitReading &one = kinds[k].readings[choices[taken][k]], &another = kinds[k].readings[choices[other][k]];
+  if (as_stated.size() != 1)
+    throw InputError(fmt::format("{}: {} or {}? State it: {}", kinds[k].evidence, name_of(one), name_of(another),
+                                 stated_reading(recording, kinds[k].columns.front(), one)));
+  const bool is_twice = another.offset != 0 && source_of(recording, kinds[k].columns.front()).offset != 0;
+  if (!is_twice)  // a zero that was stated already is no second reading
+    notes.push_back(fmt::format("{}: taken as stated; {} would fit as well", kinds[k].evidence, name_of(another)));
+  return taken;
 }
 
 /// The choice that alone brings the misfit down; as recorded where that fits. Two are asked for.
-Choice decided(const Rig& rig, const Recording& recording, const std::vector<ReadingsOf>& kinds) {
+Choice decided(const Rig& rig, const Recording& recording, const std::vector<ReadingsOf>& kinds,
+               std::vector<std::string>& notes) {
   const std::vector<Choice> choices = choices_of(kinds);
   if (choices.size() == 1) return choices.front();
   const Recording judged = most_moving_part(recording, judged_s);
@@ -205,8 +229,7 @@ Choice decided(const Rig& rig, const Recording& recording, const std::vector<Rea
     if (is_possible && misfits[as_recorded] < doubtful_unit) break;
     const auto best = static_cast<std::size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
     if (is_possible && !(misfits[best] < decisive * misfits[as_recorded])) continue;
-    ask_where_two_fit(recording, kinds, choices, misfits, best);
-    return choices[best];
+    return choices[one_of_fitting(recording, kinds, choices, misfits, best, notes)];
   }
   return choices[as_recorded];
 }
@@ -321,7 +344,7 @@ double port_misfit(const Rig& rig, const Recording& recording) {
 void doubt_units(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
   if (rig.kind != RigKind::cylinder) return;
   const std::vector<ReadingsOf> kinds = possible_readings(rig, recording);
-  const Choice choice = decided(rig, recording, kinds);
+  const Choice choice = decided(rig, recording, kinds, notes);
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     const UnitReading& reading = kinds[k].readings[choice[k]];
     if (is_as_recorded(reading)) continue;

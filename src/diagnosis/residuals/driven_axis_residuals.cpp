@@ -53,6 +53,16 @@ double held_share(const Rig& rig, const Recording& recording, double interval_s)
   return std::min(1.0, rig.period_s / interval_s);
 }
 
+/// Behind each row, as a force over one interval: a jump between two rows that are read at their instants lies anywhere
+/// between them, equally likely. What the steps on both sides make too is no jump.
+std::vector<double> jumps_of(const std::vector<double>& force, double unknown_share) {
+  std::vector<double> out(force.size(), 0.0);
+  const auto step = [&](std::size_t i) { return std::abs(force[i + 1] - force[i]); };
+  for (std::size_t i = 1; i + 2 < force.size() && unknown_share > 0; ++i)
+    out[i] = unknown_share / std::sqrt(12.0) * std::max(0.0, step(i) - 0.5 * (step(i - 1) + step(i + 1)));
+  return out;
+}
+
 /// Pistons need no other drive: without a force sensor the pressures' force is all that moves the slider.
 bool has_force(const Rig& rig, const Recording& recording) {
   return !rig.has_pistons() || recording.has("F_N") || rig.drive.force_per_volt_N_per_V != 0;
@@ -104,7 +114,7 @@ DrivenAxisResiduals::DrivenAxisResiduals(const Rig& rig, const std::vector<Recor
   for (std::size_t i = 0; i < bins_.size(); ++i) {
     const Part& part = parts_[bins_[i].part];
     const double bin_s = part.interval_s * static_cast<double>(bins_[i].count);
-    rows_[i].sigma = std::hypot(noise_of(part, bins_[i].count),
+    rows_[i].sigma = std::hypot(noise_of(part, bins_[i].count), jump_error_N(bins_[i]),
                                 channel.floor * std::sqrt(std::max(1.0, floor_correlation_s / bin_s)));
   }
 }
@@ -122,11 +132,12 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
             {},
             {},
             {},
+            {},
             held_out_of(has_held_out_, recording.is_held_out, time_s.back() - time_s.front()),
             machine_changes(rig, recording)};
   part.usable = part.balance.usable();
   // The drive's mean around a row: what was held before it counts for as long as it was.
-  const double before = 0.5 * held_share(rig, recording, interval_s);
+  const double held = held_share(rig, recording, interval_s), before = 0.5 * held;
   std::vector<double> middle(force.size());
   for (std::size_t i = 0; i < force.size(); ++i) {
     if (!std::isfinite(force[i])) {
@@ -135,6 +146,7 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
     }
     middle[i] = force[i] - before * (force[i] - force[i > 0 ? i - 1 : 0]);
   }
+  part.jump_N = jumps_of(force, 1.0 - held);
   part.drive_N = part.balance.kernel().apply(middle, 0);
   part.drive_rate_Nps = part.balance.kernel().apply(middle, 1);
   if (rig.has_pistons()) {
@@ -156,6 +168,23 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
                      part.held_out(part.time_s[center])});
   }
   parts_.push_back(std::move(part));
+}
+
+/// Of the mean of the smoothed drive force over a row.
+double DrivenAxisResiduals::jump_error_N(const Bin& bin) const {
+  const Part& part = parts_[bin.part];
+  const std::size_t reach = part.balance.kernel().reach(), count = part.jump_N.size();
+  const std::size_t first = bin.first - std::min(bin.first, reach),
+                    end = std::min(count, bin.first + bin.count + reach);
+  double square = 0;
+  for (std::size_t k = first; k < end; ++k) {
+    if (part.jump_N[k] == 0) continue;
+    double weight = 0;
+    for (std::size_t i = bin.first; i < bin.first + bin.count; ++i)
+      weight += part.balance.kernel().weight(i > k ? i - k : k - i) / static_cast<double>(bin.count);
+    square += weight * weight * part.jump_N[k] * part.jump_N[k];
+  }
+  return std::sqrt(square);
 }
 
 void DrivenAxisResiduals::add_pressures(const Rig& rig, const Recording& recording, Part& part) const {

@@ -32,6 +32,7 @@ class DrivenAxisResiduals : public ResidualModel {
     ForceBalance balance;
     double interval_s;
     std::vector<double> time_s, drive_N, drive_rate_Nps;  ///< smoothed drive as recorded, and its rate
+    std::vector<double> jump_N;  ///< standard deviation by which a jump of the force behind each row is at another time
     std::vector<char> usable;
     std::array<std::vector<double>, 2> pressure_Pa;  ///< of the chambers, smoothed; empty: no piston
     HeldOut held_out;
@@ -44,6 +45,7 @@ class DrivenAxisResiduals : public ResidualModel {
   std::pair<std::vector<double>, std::vector<double>> forces(const Part& part, const Rig& rig) const;
   void add_recording(const Rig& rig, const Recording& recording);
   void add_pressures(const Rig& rig, const Recording& recording, Part& part) const;
+  double jump_error_N(const Bin& bin) const;
   std::pair<double, double> piston_force(const Part& part, const Rig& rig, std::size_t i) const;
 
   std::vector<ResidualChannel> channels_;

@@ -41,6 +41,39 @@ std::vector<char> widened(const std::vector<char>& marks, std::size_t reach) {
   return out;
 }
 
+/// A reversal takes so many times what its acceleration on both sides asks, or the slider rests in it.
+constexpr double longest_pass = 1.5;
+
+/// Of the cell of one period around each sample: the share in which the slider goes forward; NaN where it rests.
+/// Between samples of opposite speed the motion turns where the line through both is zero: a jump of friction put at a
+/// sample instead would be half a period off, which counts 2 F times that in the smoothed balance.
+std::vector<double> forward_shares(const std::vector<double>& v, const std::vector<double>& a, double rest_mps,
+                                   double period_s) {
+  std::vector<double> share(v.size(), std::nan(""));
+  for (std::size_t i = 0; i < v.size(); ++i)
+    if (std::abs(v[i]) >= rest_mps) share[i] = v[i] > 0 ? 1.0 : 0.0;
+  for (std::size_t first = 1, end = 0; first < v.size(); first = std::max(end, first) + 1) {
+    end = first;
+    while (end < v.size() && std::abs(v[end]) < rest_mps) ++end;
+    if (end == v.size() || v[first - 1] * v[end] > 0 || std::abs(v[first - 1]) < rest_mps) continue;
+    // From one side of rest to the other.
+    const double way_mps = std::abs(v[end] - v[first - 1]), steps = static_cast<double>(end - first + 1);
+    const double usual_mps2 = 0.5 * (std::abs(a[first - 1]) + std::abs(a[end]));
+    if (steps * period_s * usual_mps2 > longest_pass * way_mps) continue;
+    for (std::size_t i = first - 1; i < end; ++i) {
+      if (v[i] * v[i + 1] > 0) {
+        share[i + 1] = v[i + 1] > 0 ? 1.0 : 0.0;
+        continue;
+      }
+      const double turn = v[i] == v[i + 1] ? 0.5 : v[i] / (v[i] - v[i + 1]);  // of the way from i to i + 1
+      const double after = v[end] > 0 ? 1.0 : 0.0, before = 1.0 - after;
+      share[i] = turn < 0.5 ? (0.5 + turn) * before + (0.5 - turn) * after : before;
+      share[i + 1] = turn < 0.5 ? after : (turn - 0.5) * before + (1.5 - turn) * after;
+    }
+  }
+  return share;
+}
+
 /// A load on a coupling, carried along a sampled motion.
 class CarriedLoad {
  public:
@@ -110,7 +143,8 @@ ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, 
   // Four standard deviations of white noise, and the whole of one step of an encoder whose noise is all steps.
   const double noise_speed =
       noise_m * std::max(4 * fast_kernel_.noise_gain(1, 1), std::sqrt(12.0) * fast_kernel_.largest_weight() / period_s);
-  rest_speed_mps_ = std::max({0.005 * top, noise_speed, rounding_mps});
+  const double rest_mps = std::max({0.005 * top, noise_speed, rounding_mps});
+  forward_share_ = forward_shares(fast_[1], fast_[2], rest_mps, period_s);
 }
 
 double ForceBalance::force_noise(double mass_kg, std::size_t count) const {
@@ -148,9 +182,11 @@ std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const
     last_x = x_fast;
     const double blow_N =
         loose_load.force_at(x_fast, v_fast, is_missing_[i]) - bristle_N;  // as short as friction's steps
-    if (std::abs(v_fast) >= rest_speed_mps_) {
+    if (const double forward = forward_share_[i]; std::isfinite(forward)) {
       const double direction = v_fast > 0 ? 1.0 : -1.0, speed = std::abs(v_fast);
-      abrupt_part[i] = -blow_N + direction * slider.dry_friction(speed, direction, x_fast, around) +
+      const double friction_N = forward * slider.dry_friction(speed, 1.0, x_fast, around) -
+                                (1.0 - forward) * slider.dry_friction(speed, -1.0, x_fast, around);
+      abrupt_part[i] = -blow_N + friction_N +
                        (slider.damping_coefficient(speed, direction) - slider.damping_coefficient(0.0, 0.0)) * v_fast;
     } else {  // at rest dry friction balances what is left, up to its values at v = 0
       abrupt_part[i] = -blow_N + std::clamp(drive_N[i] - smooth_part[i] + blow_N,

@@ -44,7 +44,9 @@ class ForceBalance {
   std::vector<double> derivative_[4];  ///< position and its derivatives, smoothed
   std::vector<double> fast_[3];  ///< the same with the shorter kernel of friction
   std::vector<char> usable_, is_missing_;
-  double rest_speed_mps_;  ///< slower is rest: what the position's noise makes, 0.5 % of the top speed
+  /// Of a period around each sample, in which the motion goes forward; NaN at rest, which is what is slower than the
+  /// position's noise makes and than 0.5 % of the top speed, and does not just turn there.
+  std::vector<double> forward_share_;
 };
 
 }  // namespace pneuservo

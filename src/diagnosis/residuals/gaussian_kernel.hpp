@@ -20,6 +20,8 @@ class GaussianKernel {
   std::vector<double> apply(std::span<const double> signal, int order) const;
   /// Of the smoothed value's weights: the rate that a unit step makes is this over the period.
   double largest_weight() const { return taps_[0][reach()]; }
+  /// Of the smoothed value for a sample so far from it; 0 beyond the reach.
+  double weight(std::size_t distance) const { return distance > reach() ? 0.0 : taps_[0][reach() + distance]; }
   /// Standard deviation of the mean of `count` neighbouring results for white noise of standard deviation 1 a sample.
   double noise_gain(int order, std::size_t count) const;
 

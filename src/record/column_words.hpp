@@ -1,0 +1,21 @@
+// What the name of a column says of its quantity.
+#pragma once
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "record/units.hpp"
+
+namespace pneuservo {
+
+struct ColumnWord {
+  std::string word;       ///< of the name, by which it is known
+  std::string_view ours;  ///< a column of the recording format; empty: a quantity that has none, such as an error
+  Quantity quantity;
+};
+
+/// Of a name without its unit: "Actual Position", "Druck A", "/axis/position", "MAIN.fbAxis.lrPos"; none where nothing
+/// in it is known. A set point, an error, a speed or a temperature is never taken for the quantity that it belongs to.
+std::optional<ColumnWord> column_word(std::string_view text);
+
+}  // namespace pneuservo

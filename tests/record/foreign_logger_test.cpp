@@ -1,0 +1,348 @@
+// Tables of loggers, controllers and spreadsheets, each with the habit of its kind: read alike, or refused in one
+// sentence.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include "config/input_error.hpp"
+#include "core/test_seed.hpp"
+#include "record/column_guess.hpp"
+#include "record/column_words.hpp"
+#include "record/field_text.hpp"
+#include "record/files.hpp"
+#include "record/import.hpp"
+#include "record/stamps.hpp"
+#include "record/units.hpp"
+
+using namespace pneuservo;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr int row_count = 400;
+constexpr double interval_s = 0.002;
+
+/// Times, positions [m] and commands [V] of one drawn motion.
+struct Drawn {
+  std::vector<double> t_s, x_m, u_V;
+  Drawn() {
+    const unsigned seed = test::new_seed();
+    UNSCOPED_INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+    std::mt19937 generator(seed);
+    std::uniform_real_distribution<double> value(-1, 1);
+    const double phase = value(generator);
+    for (int i = 0; i < row_count; ++i) {
+      t_s.push_back(i * interval_s);
+      x_m.push_back(std::round(1e5 * (0.1 * std::sin(7 * i * interval_s + phase) + 0.001 * value(generator))) * 1e-5);
+      u_V.push_back(std::round(1e3 * (2 * value(generator))) * 1e-3);
+    }
+  }
+  std::string lines(const std::function<std::string(double, double, double)>& line) const {
+    std::string out;
+    for (std::size_t i = 0; i < t_s.size(); ++i) out += line(t_s[i], x_m[i], u_V[i]) + "\n";
+    return out;
+  }
+};
+
+std::string with_comma(std::string text) {
+  std::replace(text.begin(), text.end(), '.', ',');
+  return text;
+}
+
+/// Read by what its columns are taken for.
+Recording understood(const std::string& bytes, std::size_t runs = 1) {
+  const TemporaryFolder folder;
+  const CsvTable table = read_table(put_plain(folder.file("f.csv"), bytes));
+  const ImportParameters map = import_map(guess_columns(table));
+  std::vector<Recording> found = recordings_in(table, map, 0.001);
+  REQUIRE(found.size() == runs);
+  return found.front();
+}
+
+void check_read(const std::string& bytes, const Drawn& drawn) {
+  CAPTURE(bytes.substr(0, 200));
+  const Recording run = understood(bytes);
+  REQUIRE(run.rows() == drawn.t_s.size());
+  REQUIRE(run.has("x_m"));
+  REQUIRE(run.has("u_V"));
+  CHECK(run.period_s == Approx(interval_s).epsilon(2e-3));
+  for (std::size_t i = 0; i < drawn.t_s.size(); ++i) {
+    REQUIRE(run.t_s()[i] - run.t_s()[0] == Approx(drawn.t_s[i]).margin(1e-5));
+    REQUIRE(run.column("x_m")[i] == Approx(drawn.x_m[i]).margin(1e-9));
+    REQUIRE(run.column("u_V")[i] == Approx(drawn.u_V[i]).margin(1e-9));
+  }
+}
+
+std::string refusal_of(const std::string& bytes) {
+  try {
+    understood(bytes);
+  } catch (const InputError& error) { return error.what(); }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("times of controllers and spreadsheets are the same times") {
+  const Drawn drawn;
+  const auto with = [&](const std::string& name, const std::function<std::string(double)>& time) {
+    check_read(name + ";x_m;u_V\n" + drawn.lines([&](double t, double x, double u) {
+      return fmt::format("{};{:.5f};{:.3f}", time(t), x, u);
+    }),
+               drawn);
+  };
+  const auto parts = [](const char* form, double t) {
+    const auto ms = static_cast<int>(std::lround(1e3 * t));
+    return fmt::format(fmt::runtime(form), ms / 1000, ms % 1000);
+  };
+  for (const char* form : {"T#{}s{}ms", "LTIME#{}s_{}ms", "TOD#10:11:{:02}.{:03}", "DT#2026-01-03-10:11:{:02}.{:03}",
+                           "2026-01-03-10:11:{:02}.{:03}", "PT{}.{:03}S", "0h 1m {}.{:03}s", "75:{:02}.{:03}"}) {
+    CAPTURE(form);
+    with("Time", [&](double t) { return parts(form, t); });
+  }
+  with("Time", [](double t) { return fmt::format("{:.0f}", 134120000000000000.0 + std::round(1e7 * t)); });
+  with("Time", [](double t) { return fmt::format("{:.0f}", 639030000000000000.0 + std::round(1e5 * t) * 100); });
+  with("Time", [](double t) { return fmt::format("{:.0f}", 820000000000000000.0 + std::round(1e6 * t) * 1000); });
+  with("Time", [](double t) { return fmt::format("{:.6f}", 3.85e9 + t); });
+  with("Time", [](double t) { return fmt::format("{:.10f}", 46025.25 + t / 86400); });
+  with("Time [h]", [](double t) { return fmt::format("{:.12f}", t / 3600); });
+  with("Time [d]", [](double t) { return fmt::format("{:.12f}", t / 86400); });
+}
+
+TEST_CASE("a unit of the times follows from the loop's period, from nanoseconds to days") {
+  for (const auto& [factor, words] : std::vector<std::pair<double, std::string>>{
+           {1e-3, "milliseconds"}, {1e-6, "microseconds"}, {1e-9, "nanoseconds"}, {86400, "days"}}) {
+    std::vector<double> stamps;
+    for (int i = 0; i < 50; ++i) stamps.push_back(i * 1e-3 / factor);
+    CHECK(unit_of_times(stamps, 1e-3, false).words == words);
+  }
+}
+
+TEST_CASE("exports of measuring systems are read with their heads, labels, types and units") {
+  const Drawn drawn;
+  const auto rows = [&](const char* form) {
+    return drawn.lines([&](double t, double x, double u) { return fmt::format(fmt::runtime(form), t, 1e3 * x, u); });
+  };
+  check_read("LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\t\nChannels\t2\t\t\nSamples\t400\t400\t\n"
+             "Y_Unit_Label\tmm\tV\t\nX0\t0.0E+0\t0.0E+0\t\nDelta_X\t0.002\t0.002\t\n***End_of_Header***\t\t\t\n"
+             "X_Value\tPosition\tValve\tComment\n" +
+                 rows("{:.3f}\t{:.2f}\t{:.3f}\t"),
+             drawn);
+  check_read("type,Export\npath,Platform,Model Root/x,Model "
+             "Root/u\nname,time,Position,Command\nunit,s,mm,V\ntrace_values,,,\n" +
+                 rows(",{:.3f},{:.2f},{:.3f}"),
+             drawn);
+  check_read("record\tENGLISH\nsampleCount\t400\t\ntime\tPosition\tCommand\nf8\tf8\tf8\ns\tmm\tV\n" +
+                 rows("{:.3f}\t{:.2f}\t{:.3f}"),
+             drawn);
+  check_read("s,mm,V\nTime,Position,Valve\n" + rows("{:.3f},{:.2f},{:.3f}"), drawn);
+  check_read("| Time [s] | Position [mm] | Valve [V] |\n|-----|:---:|-----|\n" + rows("| {:.3f} | {:.2f} | {:.3f} |"),
+             drawn);
+  check_read("Time [s]  Position [mm]  Valve [V]\n" + rows("{:.3f}   {:.2f}   {:.3f}"), drawn);
+  check_read("sep=;\n\u201cTime [s]\u201d;\u201cPosition [mm]\u201d;\u201cValve [V]\u201d\n" +
+                 rows("{:.3f};{:.2f};{:.3f}"),
+             drawn);
+  check_read(rows("t_s:{:.3f},Position_mm:{:.2f},u_V:{:.3f}"), drawn);
+  check_read(rows("t_s={:.3f} Position_mm={:.2f} u_V={:.3f}"), drawn);
+  check_read("Time,Position,Valve\n" + rows("{:.3f}s,{:.2f}mm,{:.3f}V"), drawn);
+}
+
+TEST_CASE("every channel may have times of its own, also at another rate") {
+  std::string text = "Name;Position;Name;Command\nSampleTime[ms];2;SampleTime[ms];4\nUnit;mm;Unit;V\n";
+  for (int i = 0; i < row_count; ++i) {
+    const bool has_command = 2 * i < row_count;
+    text += fmt::format("{};{};{};{}\n", 2 * i, 10 + i, has_command ? fmt::format("{}", 4 * i) : "",
+                        has_command ? fmt::format("{:.3f}", 0.01 * i) : "");
+  }
+  const Recording run = understood(text);
+  REQUIRE(run.rows() == row_count);
+  CHECK(run.period_s == Approx(interval_s));
+  CHECK(run.column("x_m")[7] == Approx(0.017));
+  CHECK(run.column("u_V")[8] == Approx(0.04));
+  CHECK(std::isnan(run.column("u_V")[7]));
+}
+
+TEST_CASE("milliseconds in a column of their own and behind a comma belong to the time") {
+  const Drawn drawn;
+  check_read("Date;Time;Millisecond;x_m;u_V\n" + drawn.lines([](double t, double x, double u) {
+    const auto ms = static_cast<int>(std::lround(1e3 * t));
+    return fmt::format("03.01.2026;10:11:{:02};{};{:.5f};{:.3f}", 12 + ms / 1000, ms % 1000, x, u);
+  }),
+             drawn);
+  check_read("time,x_m,u_V\n" + drawn.lines([](double t, double x, double u) {
+    return fmt::format("2026-01-03 10:11:12,{:03.0f},{:.5f},{:.3f}", 1e3 * t, x, u);
+  }),
+             drawn);
+}
+
+TEST_CASE("what stands between the rows costs none of them") {
+  const Drawn drawn;
+  const auto row = [](double t, double x, double u) { return fmt::format("{:.3f},{:.5f},{:.3f}", t, x, u); };
+  const std::string names = "t_s,x_m,u_V\n", rows = drawn.lines(row);
+  const auto between = [&](const std::string& text) {
+    std::string out;
+    for (std::size_t i = 0; i < drawn.t_s.size(); ++i)
+      out += (i % 50 == 0 ? text : "") + row(drawn.t_s[i], drawn.x_m[i], drawn.u_V[i]) + "\n";
+    return out;
+  };
+  check_read(between(names), drawn);
+  check_read(names + between("# an event\n"), drawn);
+  check_read(names + rows + "\nMin,-0.1,-2\nMax,0.1,2\nSamples: 400\n", drawn);
+  check_read(names + rows + std::string(4096, '\0'), drawn);
+  check_read("t_s,x_m,u_V,note\n" + row(drawn.t_s[0], drawn.x_m[0], drawn.u_V[0]) + ",start\n" +
+                 rows.substr(rows.find('\n') + 1),
+             drawn);
+  check_read(names + "023,0.1\n" + rows, drawn);
+  std::string head;
+  for (int i = 0; i < 900; ++i) head += fmt::format("Setting {}: {}\n", i, i * i);
+  check_read(head + names + rows, drawn);
+  std::string ends;
+  for (std::size_t i = 0; i < drawn.t_s.size(); ++i)
+    ends += row(drawn.t_s[i], drawn.x_m[i], drawn.u_V[i]) + (i % 3 == 0 ? "\n" : i % 3 == 1 ? "\r\n" : "\r");
+  check_read(names + ends, drawn);
+}
+
+TEST_CASE("a decimal sign that the first rows do not show is found behind them") {
+  std::string text = "t_ms;x_m;u_V\n", quoted = "t_ms,x_m,u_V\n";
+  for (int i = 0; i < 2 * row_count; ++i) {
+    const std::string x = i < row_count ? "0" : with_comma(fmt::format("{:.4f}", 1e-4 * (i - row_count + 1)));
+    text += fmt::format("{};{};0\n", 2 * i, x);
+    quoted += fmt::format("{},{},0\n", 2 * i, i < row_count ? x : "\"" + x + "\"");
+  }
+  for (const std::string& bytes : {text, quoted}) {
+    const Recording run = understood(bytes);
+    REQUIRE(run.rows() == 2 * row_count);
+    CHECK(run.column("x_m").back() == Approx(1e-4 * row_count));
+  }
+}
+
+TEST_CASE("other names in the middle of a file end in a sentence, for the columns behind them may be others") {
+  const std::string first = "t_s,x_m,u_V\n0,0.1,2\n0.001,0.1,2\n";
+  for (const char* other : {"t_s,u_V,x_m\n0.002,2,0.1\n", "t_s,F_N,x_m,u_V\n0.002,5,0.1,2\n"}) {
+    CHECK_THAT(refusal_of(first + other),
+               Contains("line 4") && Contains("found other column names") && Contains("split"));
+  }
+}
+
+TEST_CASE("stamps that do not tell the rows apart are refused, not averaged") {
+  const Drawn drawn;
+  const auto with = [&](const std::function<std::string(double)>& time) {
+    return refusal_of("t_s,x_m,u_V\n" + drawn.lines([&](double t, double x, double u) {
+      return fmt::format("{},{:.5f},{:.3f}", time(t), x, u);
+    }));
+  };
+  CHECK_THAT(with([](double t) { return fmt::format("{:g}", 1.77e9 + t); }),
+             Contains("400 rows have 1 different times"));
+  CHECK_THAT(with([](double t) { return fmt::format("10:11:{:02.0f}", 12 + std::floor(t + 0.5)); }),
+             Contains("different times, expected a time for each row"));
+}
+
+TEST_CASE("a set point, an error, a speed or a temperature is not taken for what it belongs to") {
+  const auto ours = [](const char* name) {
+    const std::optional<ColumnWord> word = column_word(name);
+    return word ? std::string(word->ours) : "-";
+  };
+  for (const char* name : {"position error", "Pos_Err", "Pos_Vel", "x_dot", "velocity", "Valve_Temp", "Valve_Current",
+                           "Valve_Act", "valve feedback", "spool position", "pressure setpoint A", "supply voltage",
+                           "Regelabweichung", "cycle time", "p1_temp", "actualVelocity", "ForceError"}) {
+    CAPTURE(name);
+    CHECK((ours(name) == "" || ours(name) == "-" || (std::string(name) == "spool position" && ours(name) != "u_V")));
+  }
+  for (const auto& [name, column] :
+       std::vector<std::pair<const char*, std::string>>{{"position setpoint", "x_ref_m"},
+                                                        {"Target Position", "x_ref_m"},
+                                                        {"Sollposition", "x_ref_m"},
+                                                        {"Pos_Cmd", "x_ref_m"},
+                                                        {"Actual Position", "x_m"},
+                                                        {"cylinder position", "x_m"},
+                                                        {"MAIN.fbAxis.lrActPos", "x_m"},
+                                                        {"Istposition", "x_m"},
+                                                        {"Scope/Position:1", "x_m"},
+                                                        {"/axis/state/position", "x_m"},
+                                                        {"x filtered", "x_m"},
+                                                        {"Valve_Cmd", "u_V"},
+                                                        {"Ventilspannung", "u_V"},
+                                                        {"Druck A", "p1_port_Pa"},
+                                                        {"Pressure B", "p2_port_Pa"},
+                                                        {"Pression 1", "p1_port_Pa"},
+                                                        {"p_A", "p1_port_Pa"},
+                                                        {"Chamber B pressure", "p2_chamber_Pa"},
+                                                        {"Supply pressure", "p_supply_Pa"},
+                                                        {"X_Value", "t_s"},
+                                                        {"Uhrzeit", "t_s"},
+                                                        {"header.stamp", "t_s"}}) {
+    CAPTURE(name);
+    CHECK(ours(name) == column);
+  }
+}
+
+TEST_CASE("units of pressure and length in their spellings") {
+  const auto check_unit = [](const char* text, double factor, bool is_gauge = false) {
+    CAPTURE(text);
+    const std::optional<Unit> unit = unit_in(text);
+    REQUIRE(unit);
+    CHECK(unit->factor == Approx(factor));
+    CHECK(unit->is_gauge == is_gauge);
+  };
+  for (const char* text : {"bar rel", "bar \u00fc", "bar\u00dc", "bar(g)", "BAR G", "barg", "bar gauge"})
+    check_unit(text, 1e5, true);
+  for (const char* text : {"bar abs.", "bara", "Bar(a)", "bar absolute"}) check_unit(text, 1e5);
+  check_unit("kPa(g)", 1e3, true);
+  check_unit("psi abs", 6894.757);
+  check_unit("kg/cm\u00b2", 98066.5);
+  check_unit("N/mm^2", 1e6);
+  check_unit("mmHg", 133.322);
+  check_unit("0.1 mm", 1e-4);
+  check_unit("1/1000 m", 1e-3);
+  check_unit("1e-3 m", 1e-3);
+  check_unit("Millimeter", 1e-3);
+  check_unit("mm.", 1e-3);
+  check_unit("inch", 0.0254);
+  check_unit("mil", 25.4e-6);
+  for (const char* text : {"", "filtered", "3 mm", "raw x", "/"}) {
+    CAPTURE(text);
+    CHECK_FALSE(unit_in(text));
+  }
+}
+
+TEST_CASE("numbers as accountants and Fortran write them") {
+  double value = 0;
+  for (const auto& [text, expected] : std::vector<std::pair<const char*, double>>{
+           {"(0.5)", -0.5}, {"0.5-", -0.5}, {"1.5D-03", 1.5e-3}, {"-1.5d+02", -150}, {"2.5 E-01", 0.25}}) {
+    CAPTURE(text);
+    REQUIRE(number_in(text, '.', value));
+    CHECK(value == Approx(expected));
+  }
+  for (const char* text : {"()", "(x)", "-", "1D3", "(-0.5)", "3-4", "E5", "1.5 mm"}) {
+    CAPTURE(text);
+    CHECK_FALSE(number_in(text, '.', value));
+  }
+}
+
+TEST_CASE("files of other formats and matrices are named in a sentence of readable length") {
+  using namespace std::string_literals;
+  for (const auto& [bytes, words] :
+       std::vector<std::pair<std::string, std::string>>{{"{\"t_s\": [0, 1]}", "JSON"},
+                                                        {"[{\"t_s\": 0}]", "JSON"},
+                                                        {"<?xml version='1.0'?>\n<a/>", "XML"},
+                                                        {"<!DOCTYPE html>\n<table>", "HTML"},
+                                                        {"Rar!\x1a\x07", "RAR"},
+                                                        {"ARROW1\0\0"s, "Arrow"},
+                                                        {"\x1f\x9d\x90", "compress"}})
+    CHECK_THAT(refusal_of(bytes), Contains(words) && Contains("as text"));
+  std::string wide = "t_s";
+  for (int i = 0; i < 200000; ++i) wide += ",c";
+  CHECK_THAT(refusal_of(wide + "\n"), Contains("200001 fields") && Contains("at most"));
+  std::string names = "a0";
+  for (int i = 1; i < 3000; ++i) names += fmt::format(",a{}", i);
+  std::string row = names;
+  std::replace(row.begin(), row.end(), 'a', '1');
+  const TemporaryFolder folder;
+  try {
+    read_recordings(put_plain(folder.file("n.csv"), names + "\n" + row + "\n" + row + "\n"), std::nullopt, 1e-3);
+    FAIL("no refusal");
+  } catch (const InputError& error) { CHECK(std::string(error.what()).size() < 600); }
+}

@@ -42,7 +42,7 @@ template <class Visit> struct NumberWalker {
 template <class RigType, class Visit> void walk_numbers(RigType& rig, const Visit& visit) {
   RigType::visit(
       [&](const Field& field, auto& value) {
-        if (field.key == "hal") return;  // wiring, nothing of the physics
+        if (field.key == "hal" || field.key == "serve") return;  // wiring, nothing of the physics
         if (field.key != "effects") return NumberWalker<Visit>{visit, ""}(field, value);
         visit_effects(rig, NumberWalker<Visit>{visit, "effects"});
         for (const Signal signal : all_signals) {

@@ -18,6 +18,11 @@ struct LiveLimits {
   int smoothness = 11;  ///< degree of the smoothstep of a change of speed: 2 k + 1 for k + 1 continuous derivatives
 };
 
+/// Those of a reference of kind `live`.
+inline LiveLimits live_limits(const ReferenceSpec& live) noexcept {
+  return {live.lowest_m, live.highest_m, live.speed_mps, live.acceleration_mps2, live.smoothness};
+}
+
 /// A line that runs to the target at constant speed, smoothed by a kernel of finite length (docs/physics/references.md).
 ///
 /// The line's speed is constant but for jumps on ticks; the set point is its convolution with the derivative of a

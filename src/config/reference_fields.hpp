@@ -8,8 +8,8 @@
 
 namespace pneuservo {
 
-inline constexpr std::array<std::string_view, 8> reference_kind_names{
-    "sine", "multisine", "waypoints", "sum", "cruise", "minimum_jerk", "file", "live"};
+inline constexpr std::array<std::string_view, 8> reference_kind_names{"sine",   "multisine",    "waypoints", "sum",
+                                                                      "cruise", "minimum_jerk", "file",      "live"};
 
 /// Polynomial degrees of ramps and moves.
 inline constexpr std::array<int, 5> reference_degrees{3, 5, 7, 9, 11};

@@ -61,7 +61,7 @@ ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std
     if (i < gains.size()) mailbox.post(gains[i]);
     if (i < commands.size() && commands[i].kind != CommandKind::none) link->commands.push(commands[i]);
     if (!loop.pass(backend, ticks[i], skipped, nullptr, nullptr)) break;
-    for (CommandAnswer answer; link->answers.pop(answer);) {}
+    for (AxisAnswer answer; link->answers.pop(answer);) {}
     const Row& row = loop.row();
     result.rows.push_back(row);
     for (std::size_t c = 0; c < recorded.size(); ++c) {

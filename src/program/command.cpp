@@ -95,7 +95,9 @@ std::string status_text(const Json& s) {
   return text;
 }
 
-void show_status(const Json& status, bool json) { std::cout << (json ? status.dump() : status_text(status)) << std::endl; }
+void show_status(const Json& status, bool json) {
+  std::cout << (json ? status.dump() : status_text(status)) << std::endl;
+}
 
 /// Until `done(status)`; false: a fault, or the axis is not active any more.
 template <class Done> bool wait_until(CommandClient& client, const Done& done, Json& status) {
@@ -141,7 +143,8 @@ int command(const CommandOptions& options) {
   Json status;
   bool good = true;
   if (place->word == "enable")
-    good = wait_until(client, [](const Json& s) { return s["state"] == "active" || s["enabled"] == false; }, status) &&
+    good = wait_until(
+               client, [](const Json& s) { return s["state"] == "active" || s["enabled"] == false; }, status) &&
            status["state"] == "active";
   if (options.wait && place->is_motion)
     good = wait_until(client, [](const Json& s) { return s["moving"] == false; }, status);
@@ -159,14 +162,16 @@ int command(const CommandOptions& options) {
 void add_command(CLI::App& app, int& status) {
   auto o = std::make_shared<CommandOptions>();
   CLI::App* verb = app.add_subcommand("command", "tells a served axis what to do, or shows how it is");
-  verb->add_option("WORD", o->word,
-                   "enable, disable, reset (a fault), move X_M, move-by WAY_M, jog SPEED_MPS, stop, hold, resume, mark, "
-                   "status, watch")
+  verb->add_option(
+          "WORD", o->word,
+          "enable, disable, reset (a fault), move X_M, move-by WAY_M, jog SPEED_MPS, stop, hold, resume, mark, "
+          "status, watch")
       ->required();
   verb->add_option("NUMBER", o->value, "of move, move-by and jog");
   verb->add_option("--speed", o->speed_mps, "speed of the move [m/s] [default: reference.speed_mps]");
   verb->add_flag("--wait", o->wait, "until the set point rests; whoever waits is the commander");
-  verb->add_option("--socket", o->socket, "Unix socket of the axis [default: that of the only one that is served here]");
+  verb->add_option("--socket", o->socket,
+                   "Unix socket of the axis [default: that of the only one that is served here]");
   verb->add_option("--tcp", o->tcp, "port of the axis on this machine instead")->check(CLI::Range(1, 65535));
   verb->add_option("--interval", o->interval_s, "of watch [s]")->check(CLI::Range(0.01, 3600.0));
   verb->add_flag("--json", o->json, "what the axis answered, as JSON");

@@ -100,9 +100,8 @@ ReplayResult replay_rows(const Rig& rig, ReplayBackend& backend, int moves, cons
   }
   backend.configure();
   backend.activate();
-  ReplayResult result =
-      replay_loop(rig, backend, ticks, dropped, moves, load_reference_positions, recorded, gains_of(data),
-                  commands_of(data, moves));
+  ReplayResult result = replay_loop(rig, backend, ticks, dropped, moves, load_reference_positions, recorded,
+                                    gains_of(data), commands_of(data, moves));
   backend.deactivate();
   return result;
 }
@@ -139,7 +138,8 @@ nlohmann::ordered_json result_json(const Rig& rig, const ReplayOptions& options,
 /// The next file of a series that `serve` wrote, behind what came before it.
 void append_part(Recording& all, const Recording& part) {
   if (part.names != all.names)
-    throw InputError(part.path + ": found other columns than in " + all.path + ", expected the next file of the same run");
+    throw InputError(part.path + ": found other columns than in " + all.path +
+                     ", expected the next file of the same run");
   const double step_s = part.t_s().front() - all.t_s().back();
   if (!(step_s > 0.0))
     throw InputError(fmt::format("{}: begins {:g} s before the end of the file before it, expected files of one run",

@@ -46,15 +46,17 @@ Rig read_with_options(const ServeOptions& options) {
   Rig rig = read_rig(options.config, sets, options.backend == "sim" ? ConfigUse::simulation : ConfigUse::machine);
   require_kind("serve", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
   if (rig.reference.kind != ReferenceKind::live)
-    throw InputError(options.config + ": reference.kind: found a reference that is fixed, expected live, with lowest_m, "
-                                      "highest_m, speed_mps and acceleration_mps2 (docs/serve.md)");
+    throw InputError(options.config +
+                     ": reference.kind: found a reference that is fixed, expected live, with lowest_m, "
+                     "highest_m, speed_mps and acceleration_mps2 (docs/serve.md)");
   const std::string backend = backend_of(options, rig);
   if (rig.sensors.position.incremental && backend != "sim" && !rig.zeros.contains("x"))
     throw InputError(options.config + ": sensors.position.incremental: found true without a zero of x, expected "
                                       "--zeros FILE of the verb home, run after the encoder was switched on");
   if (options.time != "real" && backend == "configured" && rig.hal->has_devices())
-    throw InputError("--time: found simulated with channels on real devices, expected --time real, or --hal sim for the "
-                     "simulated plant");
+    throw InputError(
+        "--time: found simulated with channels on real devices, expected --time real, or --hal sim for the "
+        "simulated plant");
   if (!rig.serve) rig.serve.emplace();
   return rig;
 }
@@ -168,12 +170,13 @@ void add_serve(CLI::App& app, int& status) {
                  "serve devices although the linear model finds the loop unstable ('pneuservo check')");
   verb->add_option("--priority", o->priority, "SCHED_FIFO priority in real time")->check(CLI::Range(1, 99));
   verb->add_option("--cpu", o->cpu, "processor to pin the loop to in real time");
-  verb->footer("In one terminal, and then in another:\n"
-               "  pneuservo serve config/served/cylinder-10m-7.65mm.yaml --socket axis.sock\n"
-               "  pneuservo command enable --socket axis.sock\n"
-               "  pneuservo command move 0.1 --speed 0.2 --socket axis.sock\n"
-               "Exit status: 0 stopped by a signal; 1 a fault was latched then, or the recording is not whole; 2 unusable\n"
-               "input.");
+  verb->footer(
+      "In one terminal, and then in another:\n"
+      "  pneuservo serve config/served/cylinder-10m-7.65mm.yaml --socket axis.sock\n"
+      "  pneuservo command enable --socket axis.sock\n"
+      "  pneuservo command move 0.1 --speed 0.2 --socket axis.sock\n"
+      "Exit status: 0 stopped by a signal; 1 a fault was latched then, or the recording is not whole; 2 unusable\n"
+      "input.");
   verb->callback([o, &status] { status = serve(*o); });
 }
 

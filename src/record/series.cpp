@@ -99,9 +99,10 @@ void RecordingSeries::keep(Part& part) {
   {
     const std::lock_guard lock(mutex_);
     if (state_.kept_MB + size > settings_.kept_MB) {
-      state_.trouble = fmt::format("{}: found {:.4g} MB of kept recordings, expected at most serve.kept_MB ({:g}): move "
-                                   "them away, nothing more is kept until then",
-                                   (settings_.folder / "kept").string(), state_.kept_MB, settings_.kept_MB);
+      state_.trouble =
+          fmt::format("{}: found {:.4g} MB of kept recordings, expected at most serve.kept_MB ({:g}): move "
+                      "them away, nothing more is kept until then",
+                      (settings_.folder / "kept").string(), state_.kept_MB, settings_.kept_MB);
       return;
     }
   }
@@ -109,7 +110,9 @@ void RecordingSeries::keep(Part& part) {
   std::error_code error;
   fs::create_hard_link(part.path, to, error);  // refuses to replace, as a rename would not
   if (!error) fs::remove(part.path, error);
-  if (error) return note_trouble(fmt::format("{}: cannot be moved to the folder kept ({})", part.path.string(), error.message()));
+  if (error)
+    return note_trouble(
+        fmt::format("{}: cannot be moved to the folder kept ({})", part.path.string(), error.message()));
   part.path = to;
   part.is_kept = true;
   const std::lock_guard lock(mutex_);

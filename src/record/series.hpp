@@ -27,9 +27,9 @@ struct SeriesState {
   std::string trouble;  ///< the last, empty: none
 };
 
-/// Events are faults that begin, and the command `mark`. The files that hold the time around one are moved to the folder
-/// `kept` at once, as long as its size allows. Others go, the oldest first, where all of the folder's, also of earlier
-/// starts, are larger than the budget. No file is ever written over. Of the thread that writes but for state().
+/// Events are faults that begin, and the command `mark`. The files that hold the time around one are moved to the
+/// folder `kept` at once, as long as its size allows. Others go, the oldest first, where all of the folder's, also of
+/// earlier starts, are larger than the budget. No file is ever written over. Of the thread that writes but for state().
 class RecordingSeries {
  public:
   /// Value of the column `command` that is a mark; it stands in recordings and does not change.

@@ -48,7 +48,8 @@ class RecordingWriter {
   /// slow and not hung.
   static constexpr std::chrono::seconds closing_limit{10};
 
-  /// `path` is not used for a series. `columns`: names of the columns that this run has, empty = all. Throws InputError.
+  /// `path` is not used for a series. `columns`: names of the columns that this run has, empty = all. Throws
+  /// InputError.
   RecordingWriter(std::string path, const RecordingHeader& header, const std::vector<std::string>& columns,
                   RecordingOptions options = {});
   /// Closes.

@@ -29,7 +29,8 @@ nlohmann::ordered_json CommandClient::next() {
       const std::string line = in_.substr(0, end);
       in_.erase(0, end + 1);
       auto answer = nlohmann::ordered_json::parse(line, nullptr, false);
-      if (!answer.is_object()) throw InputError("found an answer that is no JSON object, expected 'pneuservo serve' there");
+      if (!answer.is_object())
+        throw InputError("found an answer that is no JSON object, expected 'pneuservo serve' there");
       return answer;
     }
     pollfd polled{socket_.number(), POLLIN, 0};

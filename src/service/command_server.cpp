@@ -82,7 +82,8 @@ void CommandServer::wait() {
   if (tcp_) polled.push_back({tcp_.number(), POLLIN, 0});
   const std::size_t listeners = polled.size();
   for (const Client& client : clients_)
-    polled.push_back({client.descriptor.number(), static_cast<short>(client.out.empty() ? POLLIN : POLLIN | POLLOUT), 0});
+    polled.push_back(
+        {client.descriptor.number(), static_cast<short>(client.out.empty() ? POLLIN : POLLIN | POLLOUT), 0});
   const bool busy = !asked_.empty() || owed_ != CommandKind::none;
   if (poll(polled.data(), polled.size(), busy ? busy_ms : idle_ms) <= 0) return;
   std::size_t i = listeners;
@@ -101,7 +102,8 @@ void CommandServer::accept_from(const Descriptor& listener) {
   client.name = peer_name(client.descriptor.number());
   client.heard = Clock::now();
   if (clients_.size() >= most_clients) {
-    put(client, error_line({}, fmt::format("{} connections are open, expected at most {}", clients_.size(), most_clients)));
+    put(client,
+        error_line({}, fmt::format("{} connections are open, expected at most {}", clients_.size(), most_clients)));
     send_out(client);
     return;
   }
@@ -167,7 +169,8 @@ void CommandServer::command(Client& client, const Request& request) {
                                                           asked_.size())));
   take_status();
   command.number = ++commands_;
-  if (!link_.commands.push(command)) return put(client, error_line(request.id, "the loop takes no commands now, expected it to run"));
+  if (!link_.commands.push(command))
+    return put(client, error_line(request.id, "the loop takes no commands now, expected it to run"));
   asked_[command.number] = {client.number, request.id, status_.tick};
   if (takes && commander_ == 0) {
     commander_ = client.number;
@@ -187,11 +190,12 @@ void CommandServer::post_owed() {
 }
 
 void CommandServer::take_answers() {
-  for (CommandAnswer answer; link_.answers.pop(answer);) {
+  for (AxisAnswer answer; link_.answers.pop(answer);) {
     const auto asked = asked_.find(answer.number);
     if (asked == asked_.end()) continue;
     for (Client& client : clients_)
-      if (client.number == asked->second.client) put(client, answer_line(asked->second.id, answer, answer.tick - asked->second.tick, period_s_));
+      if (client.number == asked->second.client)
+        put(client, answer_line(asked->second.id, answer, answer.tick - asked->second.tick, period_s_));
     asked_.erase(asked);
   }
 }

@@ -97,7 +97,8 @@ AxisCommand RequestReader::motion(const json& line, CommandKind kind) const {
   if (kind != CommandKind::jog) return command;
   command.speed_mps = number(line, "speed_mps", -speed_mps_, speed_mps_);
   if (std::fabs(command.speed_mps) < slowest_mps)
-    throw InputError(fmt::format("speed_mps: found {:g}, expected at least {:g} either way", command.speed_mps, slowest_mps));
+    throw InputError(
+        fmt::format("speed_mps: found {:g}, expected at least {:g} either way", command.speed_mps, slowest_mps));
   return command;
 }
 
@@ -130,7 +131,7 @@ Request RequestReader::read(std::string_view line, json& id) const {
   return out;
 }
 
-std::string answer_line(const json& id, const CommandAnswer& answer, std::int64_t waited, double period_s) {
+std::string answer_line(const json& id, const AxisAnswer& answer, std::int64_t waited, double period_s) {
   if (answer.result != CommandResult::taken) return error_line(id, text_of(answer.result));
   nlohmann::ordered_json line{{"version", protocol_version}};
   if (!id.is_null()) line["id"] = id;

@@ -27,7 +27,8 @@ struct Request {
   double interval_s = 0.1;  ///< of watch
 };
 
-/// Moves anything, or keeps it from moving: what only the commander may. `stop` and `disable` everybody may, and `mark`.
+/// Moves anything, or keeps it from moving: what only the commander may. `stop` and `disable` everybody may, and
+/// `mark`.
 constexpr bool needs_command(CommandKind kind) noexcept {
   return kind != CommandKind::stop && kind != CommandKind::disable && kind != CommandKind::mark;
 }
@@ -48,7 +49,7 @@ class RequestReader {
 };
 
 /// One line without its end. `waited`: ticks from the last one that was over when the command came.
-std::string answer_line(const nlohmann::json& id, const CommandAnswer& answer, std::int64_t waited, double period_s);
+std::string answer_line(const nlohmann::json& id, const AxisAnswer& answer, std::int64_t waited, double period_s);
 std::string error_line(const nlohmann::json& id, std::string_view sentence);
 nlohmann::ordered_json status_json(const AxisStatus& status, double period_s, std::string_view commander,
                                    const SeriesState& recording);

@@ -107,7 +107,8 @@ Descriptor connect_to(const fs::path& path) {
 Descriptor connect_to_loopback(std::uint16_t port) {
   const std::string where = fmt::format("127.0.0.1:{}", port);
   Descriptor descriptor = made(AF_INET, where);
-  if (connect_with(descriptor.number(), loopback(port)) != 0) refuse(where, "serve.tcp_port of a running 'pneuservo serve'");
+  if (connect_with(descriptor.number(), loopback(port)) != 0)
+    refuse(where, "serve.tcp_port of a running 'pneuservo serve'");
   const int yes = 1;
   setsockopt(descriptor.number(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
   return descriptor;

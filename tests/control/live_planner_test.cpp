@@ -87,7 +87,8 @@ TEST_CASE("random re-plans never leave position, speed and acceleration, and end
     }
     // Whatever was planned last ends there and rests.
     const std::int64_t end = std::max(planner.end_tick(), tick);
-    for (std::int64_t step = 0; step <= 20; ++step) require_within(planner, planner.at(tick + (end - tick) * step / 20));
+    for (std::int64_t step = 0; step <= 20; ++step)
+      require_within(planner, planner.at(tick + (end - tick) * step / 20));
     const ReferencePoint planned = planner.at(end);
     REQUIRE(std::fabs(planned.d[0] - planner.target_m()) < 1e-12);
     planner.pass(end);
@@ -118,7 +119,8 @@ TEST_CASE("a re-plan changes nothing of the present, and derivatives up to the s
       ask(planner, tick, random);
       const ReferencePoint after = planner.at(tick);
       for (std::size_t order = 0; order <= 6; ++order)
-        REQUIRE(std::fabs(after.d[order] - before.d[order]) <= 1e-13 * scale_of(planner, static_cast<int>(order), period_s));
+        REQUIRE(std::fabs(after.d[order] - before.d[order]) <=
+                1e-13 * scale_of(planner, static_cast<int>(order), period_s));
     }
   }
 }
@@ -137,8 +139,7 @@ TEST_CASE("each derivative of the planner is the slope of the one before") {
     for (std::size_t order = 0; order < 6; ++order) {
       const double slope = (high.d[order] - low.d[order]) / (2.0 * h * 1e-3);
       INFO("order " << order << " at tick " << t);
-      REQUIRE(std::fabs(slope - mid.d[order + 1]) <=
-              1e-9 * scale_of(planner, static_cast<int>(order) + 1, 1e-3));
+      REQUIRE(std::fabs(slope - mid.d[order + 1]) <= 1e-9 * scale_of(planner, static_cast<int>(order) + 1, 1e-3));
     }
   }
 }
@@ -154,7 +155,8 @@ TEST_CASE("a move takes the way at its speed and one transition, a turn rests on
   CHECK(planner.at(300 + planner.transition()).d[1] == Approx(0.0).margin(1e-12));
   CHECK(planner.end_tick() == 300 + planner.transition() + 300 + planner.transition());
   // Twice the acceleration or half the speed: half the transition.
-  CHECK(LivePlanner::transition_s({-1, 1, 0.5, 10.0, 11}) == Approx(0.5 * LivePlanner::transition_s({-1, 1, 0.5, 5.0, 11})));
+  CHECK(LivePlanner::transition_s({-1, 1, 0.5, 10.0, 11}) ==
+        Approx(0.5 * LivePlanner::transition_s({-1, 1, 0.5, 5.0, 11})));
   CHECK(LivePlanner::transition_s({-1, 1, 0.5, 5.0, 3}) == Approx(1.5 * 0.1));
 }
 

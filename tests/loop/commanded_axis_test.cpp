@@ -36,12 +36,12 @@ class Axis {
     }
   }
   /// Asks, and runs until the answer is there.
-  CommandAnswer ask(AxisCommand command) {
+  AxisAnswer ask(AxisCommand command) {
     command.number = ++numbers_;
     REQUIRE(link_->commands.push(command));
     for (int i = 0; i < 200; ++i) {
       run(1);
-      if (CommandAnswer answer; link_->answers.pop(answer)) {
+      if (AxisAnswer answer; link_->answers.pop(answer)) {
         CHECK(answer.number == command.number);
         return answer;
       }
@@ -89,7 +89,7 @@ TEST_CASE("nothing moves before enable, and again after disable") {
   CHECK(axis.ask({CommandKind::enable}).result == CommandResult::is_enabled);
   axis.run(500);
   CHECK(axis.rows().back().x_ref_m == Approx(0.0).margin(1e-4));
-  const CommandAnswer answer = axis.ask(move_to(0.05));
+  const AxisAnswer answer = axis.ask(move_to(0.05));
   CHECK(answer.result == CommandResult::taken);
   CHECK(answer.target_m == 0.05);
   axis.run(2500);
@@ -106,10 +106,10 @@ TEST_CASE("nothing moves before enable, and again after disable") {
 TEST_CASE("a command is obeyed in the next tick, which has the first new set point") {
   Axis axis(served_rig());
   axis.enable();
-  axis.ask(move_to(0.1));
+  axis.ask(move_to(0.1, 0.05));
   axis.run(1500);
   const double on_way_m = axis.rows().back().x_ref_m;
-  const CommandAnswer answer = axis.ask({CommandKind::stop});
+  const AxisAnswer answer = axis.ask({CommandKind::stop});
   CHECK(answer.tick == static_cast<std::int64_t>(axis.rows().size()) - 1);
   CHECK(axis.rows().back().command == static_cast<std::uint32_t>(CommandKind::stop));
   axis.run(2000);
@@ -140,8 +140,8 @@ TEST_CASE("the first move is slow until the start is proven, and then has its sp
 TEST_CASE("relative moves, hold and resume; what is outside moves nothing") {
   Axis axis(served_rig());
   axis.enable();
-  axis.ask(move_to(0.05));
-  axis.ask({CommandKind::move_by, 0.02, 0.4});
+  axis.ask(move_to(0.05, 0.05));
+  axis.ask({CommandKind::move_by, 0.02, 0.05});
   CHECK(axis.status().target_m == Approx(0.07));
   CHECK(axis.ask({CommandKind::move_by, 0.1, 0.4}).result == CommandResult::outside);
   CHECK(axis.status().target_m == Approx(0.07));
@@ -190,7 +190,8 @@ TEST_CASE("random commands: no fault, within limits, and what was obeyed replays
   }
   REQUIRE(again.rows().size() == axis.rows().size());
   for (std::size_t i = 0; i < axis.rows().size(); ++i) {
-    REQUIRE(std::bit_cast<std::uint64_t>(axis.rows()[i].x_ref_m) == std::bit_cast<std::uint64_t>(again.rows()[i].x_ref_m));
+    REQUIRE(std::bit_cast<std::uint64_t>(axis.rows()[i].x_ref_m) ==
+            std::bit_cast<std::uint64_t>(again.rows()[i].x_ref_m));
     REQUIRE(axis.rows()[i].u_V == again.rows()[i].u_V);
   }
 }

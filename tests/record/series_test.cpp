@@ -1,5 +1,5 @@
-// A recording as a series of files: names, lengths, what is kept around faults and marks, what goes, and that nothing is
-// written over.
+// A recording as a series of files: names, lengths, what is kept around faults and marks, what goes, and that nothing
+// is written over.
 #include <catch2/catch.hpp>
 
 #include <cmath>
@@ -54,8 +54,8 @@ TEST_CASE("a series begins a file each part_s, and its rows are all there") {
     write_rows(writer, 0.0, 7.0);
     CHECK(writer.close().whole());
   }
-  CHECK(names_in(folder) == std::set<std::string>{"axis-a-000001.csv.gz", "axis-a-000002.csv.gz", "axis-a-000003.csv.gz",
-                                                  "axis-a-000004.csv.gz"});
+  CHECK(names_in(folder) == std::set<std::string>{"axis-a-000001.csv.gz", "axis-a-000002.csv.gz",
+                                                  "axis-a-000003.csv.gz", "axis-a-000004.csv.gz"});
   std::size_t rows = 0;
   for (const std::string& name : names_in(folder)) rows += read_recording((folder / name).string()).rows();
   CHECK(rows == 700);

@@ -116,7 +116,7 @@ refused(client.ask({"command": "resume"}), "nothing to resume")
 refused(client.ask({"command": "enable"}), "enabled already")
 refused(client.ask({"command": "reset"}), "no fault")
 answer = client.ask({"command": "status", "id": "me"})
-expect(answer["id"] == "me" and answer["status"]["target_m"] == 0.03 and not answer["status"]["moving"], f"something moved: {answer}")
+expect(answer["id"] == "me" and abs(answer["status"]["target_m"] - 0.03) < 1e-12 and not answer["status"]["moving"], f"something moved: {answer}")
 
 # Two commanders: the second may look, stop and mark, and commands when the first has released.
 other = Client(axis.socket)

@@ -23,7 +23,8 @@ inline LiveLimits live_limits(const ReferenceSpec& live) noexcept {
   return {live.lowest_m, live.highest_m, live.speed_mps, live.acceleration_mps2, live.smoothness};
 }
 
-/// A line that runs to the target at constant speed, smoothed by a kernel of finite length (docs/physics/references.md).
+/// A line that runs to the target at constant speed, smoothed by a kernel of finite length
+/// (docs/physics/references.md).
 ///
 /// The line's speed is constant but for jumps on ticks; the set point is its convolution with the derivative of a
 /// smoothstep of transition() ticks. So it stays within what the line has been over that time: position between start
@@ -71,7 +72,8 @@ class LivePlanner {
     target_m_ = position_m;
   }
 
-  /// From `tick` on to the target (held to the range) at the speed (held to the limit). False: no room, nothing changed.
+  /// From `tick` on to the target (held to the range) at the speed (held to the limit). False: no room, nothing
+  /// changed.
   bool move_to(std::int64_t tick, double target_m, double speed_mps) noexcept {
     pass(tick);
     if (!has_room(tick, jumps_of_move + 1)) return false;  // one is left for a stop

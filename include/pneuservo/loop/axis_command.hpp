@@ -54,7 +54,7 @@ constexpr std::string_view text_of(CommandResult result) noexcept {
   return command_result_texts[static_cast<std::size_t>(result)];
 }
 
-struct CommandAnswer {
+struct AxisAnswer {
   std::uint64_t number = 0;
   CommandResult result = CommandResult::taken;
   std::int64_t tick = 0;       ///< in which it was obeyed or refused
@@ -81,7 +81,7 @@ struct CommandLink {
   static constexpr std::size_t most_waiting = 64;
   WaitFreeQueue<AxisCommand, most_waiting> commands;
   /// A command is answered once, so that answers fit where never more than most_waiting commands are unanswered.
-  WaitFreeQueue<CommandAnswer, most_waiting> answers;
+  WaitFreeQueue<AxisAnswer, most_waiting> answers;
   Mailbox<AxisStatus> status;
 };
 

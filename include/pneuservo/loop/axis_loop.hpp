@@ -136,7 +136,7 @@ class AxisLoop {
   GainMailbox* gain_mailbox_ = nullptr;
   CommandLink* link_ = nullptr;
   CommandedMotion commanded_;
-  AxisCommand command_;          ///< taken, and where `waits_` not obeyed yet
+  AxisCommand command_;  ///< taken, and where `waits_` not obeyed yet
   CommandKind obeyed_ = CommandKind::none;  ///< in this tick
   bool enabled_ = false, waits_ = false;
   std::int64_t enabled_tick_ = 0;

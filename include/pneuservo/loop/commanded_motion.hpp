@@ -27,8 +27,8 @@ class CommandedMotion {
     switch (command.kind) {
       case CommandKind::move_to: return move(command.position_m, command.speed_mps, tick, result);
       case CommandKind::move_by:
-        return move((jogs_ ? planner_.at(tick).d[0] : planner_.target_m()) + command.position_m, command.speed_mps, tick,
-                    result);
+        return move((jogs_ ? planner_.at(tick).d[0] : planner_.target_m()) + command.position_m, command.speed_mps,
+                    tick, result);
       case CommandKind::jog: return jog(command.speed_mps, tick);
       case CommandKind::hold:
         if (!stop(tick)) return false;
@@ -53,7 +53,9 @@ class CommandedMotion {
   const LivePlanner& planner() const noexcept { return planner_; }
 
  private:
-  double held(double speed_mps) const noexcept { return proven_ ? speed_mps : std::min(speed_mps, Approach::speed_mps); }
+  double held(double speed_mps) const noexcept {
+    return proven_ ? speed_mps : std::min(speed_mps, Approach::speed_mps);
+  }
   bool move(double target_m, double speed_mps, std::int64_t tick, CommandResult& result) noexcept {
     const LiveLimits& limits = planner_.limits();
     if (!(target_m >= limits.lowest_m && target_m <= limits.highest_m)) {

@@ -27,9 +27,8 @@ struct ServeParameters {
   double around_s = 10.0;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
-    v(Field{"commander_lost", "", 0, 0,
-            "when the commander is gone: finish the move, stop, or safe output at once", optional,
-            commander_lost_names},
+    v(Field{"commander_lost", "", 0, 0, "when the commander is gone: finish the move, stop, or safe output at once",
+            optional, commander_lost_names},
       p.commander_lost...);
     v(Field{"commander_silent_s", "s", 0, 3600, "a commander that says nothing for so long is gone, too; 0: it may",
             optional},

@@ -140,6 +140,14 @@ void wake_devices(Backend& backend) {
   } catch (const std::exception& error) { std::cerr << "reset: " << error.what() << "\n"; }
 }
 
+/// Slots skipped on the way to the next one; those that devices take to come back do not count.
+std::int64_t next_slot(const RunSettings& settings, Backend& backend, const AxisLoop& loop, TimeGrid& grid) {
+  if (!was_reset(settings, backend, loop)) return grid.advance(MonotonicClock::now_ns());
+  wake_devices(backend);
+  grid.restart(MonotonicClock::now_ns());
+  return 0;
+}
+
 /// Until the devices showed the safe output. A device that does not show it in so many cycles does not have it.
 void await_readback(AxisLoop& loop, Backend& backend, std::int64_t tick, std::int64_t period_ns) {
   constexpr int most_cycles = 5;  // an answer comes a cycle later, or two
@@ -190,13 +198,7 @@ void run_real(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSetting
     if (out.ticks > warm_up_ticks) account(timing, stages, lateness_ns, tick);
     if (out.ticks == warm_up_ticks) before = ThreadCounters::now();
     if (!goes_on) break;
-    if (was_reset(settings, backend, loop)) {
-      wake_devices(backend);
-      grid.restart(MonotonicClock::now_ns());
-      skipped = 0;
-      continue;
-    }
-    skipped = grid.advance(MonotonicClock::now_ns());
+    skipped = next_slot(settings, backend, loop, grid);
     if (out.ticks > warm_up_ticks) timing.overruns += skipped;
   }
   const ThreadCounters counted = ThreadCounters::now() - before;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # An axis that is served: commands of good and bad clients, a commander that dies, a fault, recordings and their replay.
-import glob, gzip, json, os, signal, socket, subprocess, sys, tempfile, time
+import atexit, glob, gzip, json, os, signal, socket, subprocess, sys, tempfile, time
 
 from program import expect, expect_refusal, program, run
 
@@ -19,6 +19,7 @@ class Served:
         self.socket, self.records, self.log = at(name + ".sock"), at(name), at(name + ".log")
         self.process = subprocess.Popen([program, "serve", CONFIG, "--time", "simulated", "--socket", self.socket, "--record", self.records, *options],
                                         stderr=open(self.log, "w"))
+        atexit.register(self.process.kill)  # of a test that fails, too
         for _ in range(400):
             if os.path.exists(self.socket) and self.process.poll() is None:
                 return

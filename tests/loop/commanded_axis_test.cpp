@@ -1,6 +1,5 @@
 // An axis that is commanded, and the queue that its commands take: nothing moves before the edge of enable, moves end
-// where they shall, a fault takes the edge back, refusals move nothing, and a replay of what was obeyed gives the same
-// rows.
+// where they shall, refusals move nothing, and a replay of what was obeyed gives the same rows.
 #include <catch2/catch.hpp>
 
 #include <bit>
@@ -87,15 +86,16 @@ TEST_CASE("the queue between two threads keeps order, loses nothing and says whe
     CHECK(value == i);
   }
   CHECK_FALSE(queue.pop(value));
-  constexpr std::uint64_t last = 200000;
+  constexpr std::uint64_t last = 50000;
+  WaitFreeQueue<std::uint64_t, 64> long_queue;
   std::thread pushes([&] {
     for (std::uint64_t i = 1; i <= last;)
-      if (queue.push(i)) ++i;
+      if (long_queue.push(i)) ++i;
       else std::this_thread::yield();
   });
   bool in_order = true;
   for (std::uint64_t wanted = 1; wanted <= last;) {
-    if (!queue.pop(value)) {
+    if (!long_queue.pop(value)) {
       std::this_thread::yield();
       continue;
     }

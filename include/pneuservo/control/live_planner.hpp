@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/control/smoothstep.hpp>
@@ -40,16 +41,23 @@ class LivePlanner {
     limits_ = limits;
     period_s_ = period_s;
     const auto s = smoothstep_coefficients(limits.smoothness);
-    flatness_ = static_cast<std::size_t>(limits.smoothness - 1) / 2;
+    const std::size_t flatness = static_cast<std::size_t>(limits.smoothness - 1) / 2;
     transition_ = transition_ticks(limits, period_s);
     transition_s_ = static_cast<double>(transition_) * period_s;
-    const std::size_t lowest = flatness_ + 2;  // power of the first term of the smoothstep's integral
-    for (std::size_t order = 0; order < coefficients_.size(); ++order)
-      for (std::size_t term = 0; term <= flatness_; ++term) {
-        double c = s[flatness_ + 1 + term] / static_cast<double>(lowest + term);
-        for (std::size_t i = 0; i < order; ++i) c *= static_cast<double>(lowest + term) - static_cast<double>(i);
-        coefficients_[order][term] = c;  // 0 where the power is lower than the order
+    per_transition_ = 1.0 / static_cast<double>(transition_);
+    // Terms of the smoothstep's integral and its derivatives; their lowest powers of z stand apart.
+    const std::size_t lowest = flatness + 2;
+    for (auto& term : coefficients_) term.fill(0.0);
+    for (std::size_t order = 0; order < orders; ++order) {
+      power_[order] = order > lowest ? 0 : lowest - order;
+      scale_[order] = std::pow(transition_s_, 1.0 - static_cast<double>(order));
+      mirrored_[order] = order % 2 == 1 ? -scale_[order] : scale_[order];
+      for (std::size_t term = order > lowest ? order - lowest : 0; term <= flatness; ++term) {
+        double c = s[flatness + 1 + term] / static_cast<double>(lowest + term);
+        for (std::size_t i = 0; i < order; ++i) c *= static_cast<double>(lowest + term - i);
+        coefficients_[lowest + term - order - power_[order]][order] = c;
       }
+    }
     start(0, 0.0);
   }
 
@@ -147,6 +155,7 @@ class LivePlanner {
     double position_m = 0.0, from_mps = 0.0, to_mps = 0.0;
   };
   static constexpr std::size_t jumps_of_move = 3;
+  static constexpr std::size_t orders = std::tuple_size_v<decltype(ReferencePoint::d)>;
   static constexpr std::size_t most_terms = (smoothstep_degree_max + 1) / 2;
 
   const Jump& jump_at(std::size_t i) const noexcept { return jumps_[(first_ + i) % most_jumps]; }
@@ -186,7 +195,7 @@ class LivePlanner {
   // Of the line's lag, T (z - I(z)) a speed, and of the derivatives; I the integral of the smoothstep. Near the end
   // from there, so that it arrives exactly: I(z) = z - 1/2 + I(1 - z).
   void add(double change_mps, double since, ReferencePoint& point) const noexcept {
-    const double z = since / static_cast<double>(transition_);
+    const double z = since * per_transition_;
     if (z >= 1.0) {
       point.d[0] -= 0.5 * transition_s_ * change_mps;
       point.d[1] += change_mps;
@@ -196,24 +205,23 @@ class LivePlanner {
     const double w = late ? 1.0 - z : z;
     std::array<double, smoothstep_degree_max> power{1.0};
     for (std::size_t i = 1; i < power.size(); ++i) power[i] = power[i - 1] * w;
-    double scale = change_mps * transition_s_;
-    for (std::size_t order = 0; order < point.d.size(); ++order) {
-      const std::size_t lowest = flatness_ + 2, first = order > lowest ? order - lowest : 0;
-      double value = 0.0;
-      for (std::size_t term = flatness_ + 1; term-- > first;) value = value * w + coefficients_[order][term];
-      value *= power[order > lowest ? 0 : lowest - order];
-      if (order == 0) value = late ? value - 0.5 : value - z;
-      else if (late) value = order == 1 ? 1.0 - value : order % 2 == 1 ? -value : value;
-      point.d[order] += scale * value;
-      scale /= transition_s_;
-    }
+    std::array<double, orders> value{};
+    for (std::size_t term = most_terms; term-- > 0;)
+      for (std::size_t order = 0; order < orders; ++order) value[order] = value[order] * w + coefficients_[term][order];
+    for (std::size_t order = 0; order < orders; ++order) value[order] *= power[power_[order]];
+    point.d[0] += change_mps * transition_s_ * (late ? value[0] - 0.5 : value[0] - z);
+    point.d[1] += change_mps * (late ? 1.0 - value[1] : value[1]);
+    const auto& scale = late ? mirrored_ : scale_;
+    for (std::size_t order = 2; order < orders; ++order) point.d[order] += change_mps * scale[order] * value[order];
   }
 
   LiveLimits limits_;
-  double period_s_ = 1e-3, transition_s_ = 1e-3, target_m_ = 0.0;
+  double period_s_ = 1e-3, transition_s_ = 1e-3, per_transition_ = 1.0, target_m_ = 0.0;
   std::int64_t transition_ = 1;
-  std::size_t flatness_ = 5, first_ = 0, count_ = 0;
-  std::array<std::array<double, most_terms>, 8> coefficients_{};
+  std::size_t first_ = 0, count_ = 0;
+  std::array<std::array<double, orders>, most_terms> coefficients_{};
+  std::array<std::size_t, orders> power_{};
+  std::array<double, orders> scale_{}, mirrored_{};
   Jump base_;
   std::array<Jump, most_jumps> jumps_{};
 };

@@ -336,7 +336,7 @@ void AxisLoop::fill_row(double t_s, std::int64_t skipped, bool stepped, const Me
                (supervisor_.faults() != 0 ? row_fault : 0u) | (supervisor_.bridged() ? row_input_bridged : 0u);
   row_.fault = supervisor_.faults();
   const bool commanded = obeyed_ != CommandKind::none;
-  row_.command = static_cast<std::uint32_t>(obeyed_);
+  row_.command_kind = static_cast<std::uint32_t>(obeyed_);
   row_.command_m = known(commanded, command_.position_m);
   row_.command_mps = known(commanded, command_.speed_mps);
 }

@@ -129,7 +129,7 @@ class Learner {
 /// Devices let go of the loop with each fault: the command `reset` takes them up again.
 bool was_reset(const RunSettings& settings, const Backend& backend, const AxisLoop& loop) {
   return settings.commands != nullptr && backend.name() == "configured" &&
-         loop.row().command == static_cast<std::uint32_t>(CommandKind::reset);
+         loop.row().command_kind == static_cast<std::uint32_t>(CommandKind::reset);
 }
 
 /// Cold, in the middle of a run: the valves have the safe output. What does not come back is missing in the next tick.

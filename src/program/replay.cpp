@@ -64,10 +64,10 @@ std::vector<Ppd2GainSet> gains_of(const Recording& data) {
 
 /// What a commanded axis obeyed in each row; nothing of a run along a reference.
 std::vector<AxisCommand> commands_of(const Recording& data, int moves) {
-  if (moves > 0 || !data.has("command")) return {};
+  if (moves > 0 || !data.has("command_kind")) return {};
   std::vector<AxisCommand> commands(data.rows());
   for (std::size_t i = 0; i < commands.size(); ++i) {
-    commands[i].kind = static_cast<CommandKind>(data.column("command")[i]);
+    commands[i].kind = static_cast<CommandKind>(data.column("command_kind")[i]);
     commands[i].position_m = data.column("command_m")[i];
     commands[i].speed_mps = data.column("command_mps")[i];
   }

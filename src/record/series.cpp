@@ -76,7 +76,7 @@ bool RecordingSeries::after(const Row& row) noexcept try {
   Part& now = parts_.back();
   if (begins_) now.begin_s = row.t_s;
   const bool fault = (row.flags & row_fault) != 0;
-  const bool event = (fault && !in_fault_) || row.command == mark_command;
+  const bool event = (fault && !in_fault_) || row.command_kind == mark_command;
   in_fault_ = fault;
   now.end_s = row.t_s;
   if (event) {

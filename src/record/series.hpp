@@ -32,7 +32,7 @@ struct SeriesState {
 /// earlier starts, are larger than the budget. No file is ever written over. Of the thread that writes but for state().
 class RecordingSeries {
  public:
-  /// Value of the column `command` that is a mark; it stands in recordings and does not change.
+  /// Value of the column `command_kind` that is a mark; it stands in recordings and does not change.
   static constexpr std::uint32_t mark_command = 10;
 
   /// Creates both folders. Throws InputError where that cannot be, or a file of this start is there already.

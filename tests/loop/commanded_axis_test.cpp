@@ -114,7 +114,7 @@ TEST_CASE("nothing moves before enable, and again after disable") {
   for (const Row& row : axis.rows()) {
     REQUIRE(row.state == static_cast<std::uint32_t>(SupervisorState::inactive));
     REQUIRE(row.u_V == 0.0);
-    REQUIRE(row.command == 0);
+    REQUIRE(row.command_kind == 0);
   }
   axis.enable();
   CHECK(axis.ask({CommandKind::enable}).result == CommandResult::is_enabled);
@@ -142,7 +142,7 @@ TEST_CASE("a command is obeyed in the next tick, which has the first new set poi
   const double on_way_m = axis.rows().back().x_ref_m;
   const AxisAnswer answer = axis.ask({CommandKind::stop});
   CHECK(answer.tick == static_cast<std::int64_t>(axis.rows().size()) - 1);
-  CHECK(axis.rows().back().command == static_cast<std::uint32_t>(CommandKind::stop));
+  CHECK(axis.rows().back().command_kind == static_cast<std::uint32_t>(CommandKind::stop));
   axis.run(2000);
   CHECK(axis.rows().back().v_ref_mps == 0.0);
   CHECK(axis.rows().back().x_ref_m == answer.target_m);
@@ -214,8 +214,8 @@ TEST_CASE("random commands: no fault, within limits, and what was obeyed replays
   Axis again(rig);
   for (const Row& row : axis.rows()) {
     CHECK(std::fabs(row.measured[Signal::x]) < 0.15);
-    if (row.command != 0)
-      REQUIRE(again.ask({static_cast<CommandKind>(row.command), row.command_m, row.command_mps}).result ==
+    if (row.command_kind != 0)
+      REQUIRE(again.ask({static_cast<CommandKind>(row.command_kind), row.command_m, row.command_mps}).result ==
               CommandResult::taken);
     else again.run(1);
   }

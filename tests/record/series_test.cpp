@@ -33,14 +33,14 @@ void write_rows(RecordingWriter& writer, double from_s, double to_s, double even
     Row row;
     row.t_s = 0.01 * static_cast<double>(k);
     const double since_s = row.t_s - event_s;
-    if (mark && std::fabs(since_s) < 0.005) row.command = RecordingSeries::mark_command;
+    if (mark && std::fabs(since_s) < 0.005) row.command_kind = RecordingSeries::mark_command;
     if (!mark && event_s >= 0.0 && since_s >= 0.0 && since_s < 0.1) row.flags = row_fault;
     writer.write(row);
   }
 }
 
 RecordingWriter writer_of(const std::shared_ptr<RecordingSeries>& series) {
-  return RecordingWriter("", RecordingHeader("rig", 0.01), {"t_s", "flags", "command"}, {.series = series});
+  return RecordingWriter("", RecordingHeader("rig", 0.01), {"t_s", "flags", "command_kind"}, {.series = series});
 }
 
 }  // namespace

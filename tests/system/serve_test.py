@@ -167,7 +167,7 @@ kinds = []
 for part in parts:
     with gzip.open(part, "rt") as file:
         rows = (line.rstrip("\n").split(",") for line in file if not line.startswith("#"))
-        column = next(rows).index("command")
+        column = next(rows).index("command_kind")
         kinds += [row[column] for row in rows if row[column] != "0"]
 expect(kinds[:3] == ["1", "4", "5"] and kinds.count("10") == 1 and kinds.count("8") == 1 and kinds.count("9") == 1 and kinds[-3:] == ["2", "1", "4"],
        f"commands in the record: {kinds[:5]} ... {kinds[-5:]}")

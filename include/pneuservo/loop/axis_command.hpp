@@ -10,7 +10,7 @@
 
 namespace pneuservo {
 
-/// The values stand in recordings (column `command`) and stay what they are.
+/// The values stand in recordings (column `command_kind`) and stay what they are.
 enum class CommandKind : std::uint32_t {
   none,
   enable,   ///< the edge without which nothing moves

@@ -72,10 +72,11 @@ std::filesystem::path socket_of(const ServeOptions& options) {
   return folder / (axis_name(options) + ".sock");
 }
 
-std::shared_ptr<RecordingSeries> series_of(const ServeOptions& options, const ServeParameters& serve) {
+std::shared_ptr<RecordingSeries> series_of(const ServeOptions& options, const ServeParameters& serve,
+                                           const std::string& stem) {
   if (options.record.empty()) return nullptr;
   return std::make_shared<RecordingSeries>(SeriesSettings{.folder = options.record,
-                                                          .stem = axis_name(options) + "-" + utc_stamp(),
+                                                          .stem = stem,
                                                           .part_s = serve.part_s,
                                                           .budget_MB = serve.recordings_MB,
                                                           .kept_MB = serve.kept_MB,
@@ -125,7 +126,8 @@ int serve(const ServeOptions& options) {
   const auto backend = make_faulty_backend(backend_name, rig, faults);
   if (backend->name() == "configured") std::cerr << device_warning(rig);
   backend->configure();
-  const auto series = series_of(options, *rig.serve);
+  const std::string stem = axis_name(options) + "-" + utc_stamp();
+  const auto series = series_of(options, *rig.serve, stem);
   const auto link = std::make_unique<CommandLink>();
   const std::filesystem::path socket = socket_of(options);
   CommandServer server(rig, socket, *link, series.get(), [](const std::string& line) { std::cerr << line + "\n"; });
@@ -138,7 +140,7 @@ int serve(const ServeOptions& options) {
                                        .moves = 0,
                                        .ring = writer ? writer->ring() : nullptr,
                                        .writer = real_time ? nullptr : writer.get(),
-                                       .recording = options.record,
+                                       .recording = series ? options.record + "/" + stem + ".csv.gz" : std::string(),
                                        .commands = link.get(),
                                        .late = late_ticks(faults, rig.period_s, longest_injection_s),
                                        .suspends = suspends(faults, rig.period_s)});

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # An axis that is served: commands of good and bad clients, a commander that dies, a fault, recordings and their replay.
-import atexit, glob, gzip, json, os, signal, socket, subprocess, sys, tempfile, time
+import atexit, glob, gzip, json, os, signal, socket, subprocess, sys, tempfile, threading, time
 
 from program import expect, expect_refusal, program, run
 
@@ -15,10 +15,10 @@ def at(name):
 class Served:
     """`serve` in simulated time, as fast as it goes."""
 
-    def __init__(self, name, *options):
+    def __init__(self, name, *options, **environment):
         self.socket, self.records, self.log = at(name + ".sock"), at(name), at(name + ".log")
         self.process = subprocess.Popen([program, "serve", CONFIG, "--time", "simulated", "--socket", self.socket, "--record", self.records, *options],
-                                        stderr=open(self.log, "w"))
+                                        stderr=open(self.log, "w"), env={**os.environ, **environment})
         atexit.register(self.process.kill)  # of a test that fails, too
         for _ in range(400):
             if os.path.exists(self.socket) and self.process.poll() is None:
@@ -172,8 +172,29 @@ for part in parts:
 expect(kinds[:3] == ["1", "4", "5"] and kinds.count("10") == 1 and kinds.count("8") == 1 and kinds.count("9") == 1 and kinds[-3:] == ["2", "1", "4"],
        f"commands in the record: {kinds[:5]} ... {kinds[-5:]}")
 
-# A fault: commands are refused, the way back is reset and enable; the file around it is kept.
-axis = Served("faulty", "--fault", "emergency_stop@300+1")
+# A fault: commands are refused, the way back is reset and enable; the file around it is kept. The service manager is told
+# that the axis is ready and lives; commands come over TCP on the loopback, too.
+manager = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+manager.bind(at("manager"))
+manager.settimeout(20)
+free = socket.socket()
+free.bind(("127.0.0.1", 0))
+port = free.getsockname()[1]
+free.close()
+axis = Served("faulty", "--fault", "emergency_stop@300+1", "--set", f"serve.tcp_port={port}", NOTIFY_SOCKET=at("manager"), WATCHDOG_USEC="200000")
+expect(manager.recv(4096).decode().startswith("READY=1\n"), "the manager was not told that the axis is ready")
+said = []
+
+
+def listen():
+    while b"STOPPING=1" not in said:
+        said.append(manager.recv(4096))
+
+
+listener = threading.Thread(target=listen, daemon=True)
+listener.start()
+done = run("command", "status", "--tcp", str(port))
+expect(done.returncode == 0 and "inactive" in done.stdout, f"status over TCP: {done}")
 expect(axis.command("enable").returncode == 0, "enable before the fault")
 axis.until(lambda s: s["faults"], "the fault")
 done = axis.command("move", "0.05")
@@ -184,4 +205,6 @@ expect(axis.command("reset").returncode == 0 and axis.status()["state"] == "inac
 expect(axis.command("enable").returncode == 0 and axis.command("move", "0.01", "--wait").returncode == 0, "a move after the fault")
 status, log = axis.end()
 expect(status == 0 and "fault:" in log, f"the end after a fault: {status}: {log}")
+listener.join(10)
+expect(b"WATCHDOG=1" in said and said[-1] == b"STOPPING=1", f"the manager was told {said[-5:]}")
 expect(any("/kept/" in part for part in axis.parts()), "the file of the fault was not kept")

@@ -8,14 +8,17 @@
 
 namespace pneuservo {
 
-inline constexpr std::array<std::string_view, 7> reference_kind_names{"sine",   "multisine",    "waypoints", "sum",
-                                                                      "cruise", "minimum_jerk", "file"};
+inline constexpr std::array<std::string_view, 8> reference_kind_names{"sine",   "multisine",    "waypoints", "sum",
+                                                                      "cruise", "minimum_jerk", "file",      "live"};
 
 /// Polynomial degrees of ramps and moves.
 inline constexpr std::array<int, 5> reference_degrees{3, 5, 7, 9, 11};
 
 /// A kind's own default of `smoothness`.
-constexpr int default_smoothness(ReferenceKind kind) { return kind == ReferenceKind::cruise ? 9 : 5; }
+constexpr int default_smoothness(ReferenceKind kind) {
+  if (kind == ReferenceKind::live) return 11;  // the sixth derivative is continuous, the highest that a law needs so
+  return kind == ReferenceKind::cruise ? 9 : 5;
+}
 
 /// Visits the keys that references of `kind` have. An optional number below its range is not stated (ramp_s: one
 /// period).
@@ -58,6 +61,14 @@ template <class V, class... P> void visit_reference(ReferenceKind kind, V&& v, P
       break;
     case ReferenceKind::file:
       v(Field{"path", "", 0, 0, "recording with the columns t_s and x_ref_m, from the config's folder"}, p.path...);
+      break;
+    case ReferenceKind::live:
+      v(Field{"lowest_m", "m", -10, 10, "commands may go down to it"}, p.lowest_m...);
+      v(Field{"highest_m", "m", -10, 10, "commands may go up to it"}, p.highest_m...);
+      v(Field{"speed_mps", "m/s", 1e-4, 100, "largest speed of a commanded move"}, p.speed_mps...);
+      v(Field{"acceleration_mps2", "m/s2", 1e-3, 1e5, "largest acceleration of a commanded move"},
+        p.acceleration_mps2...);
+      v(degree, p.smoothness...);
       break;
   }
 }

@@ -117,6 +117,9 @@ void check_parameters(const Ppd2Parameters& p, const Rig& rig, const Check& chec
   if (needs_lag && !(rig.axis.line_1.natural_frequency_Hz > 0.0))
     check.refuse("controller.feedforward", {"line_1.natural_frequency_Hz"}, name,
                  "none, 3 or flatness, or line_1.natural_frequency_Hz and damping_ratio of the lines");
+  if (p.feedforward == FeedforwardKind::flatness && rig.reference.kind == ReferenceKind::live)
+    check.refuse("controller.feedforward", {"reference.kind"}, name,
+                 "none, 3, 5 or 7 with reference.kind live: flatness plans the whole reference before it moves");
   if (p.feedforward == FeedforwardKind::flatness && p.observer != ObserverInput::error)
     check.refuse("controller.observer", {"controller.feedforward"}, "measured",
                  "error: feedforward flatness has its own commands");
@@ -426,6 +429,13 @@ void check_reference_keys(const ReferenceSpec& reference, const ConfigNode& node
     if (way_s < reference.ramp_s)
       refuse(key_origin("ramp_s"), join_path(path, "ramp_s"), number_text(reference.ramp_s),
              fmt::format("at most |end_m - start_m| / speed_mps ({:.6g} s), or the speed is never reached", way_s));
+  }
+  if (reference.kind == ReferenceKind::live) {
+    if (path != "reference")
+      refuse(key_origin("kind"), join_path(path, "kind"), "live as a part", "it as the whole reference");
+    if (!(reference.lowest_m < reference.highest_m))
+      refuse(key_origin("highest_m"), join_path(path, "highest_m"), number_text(reference.highest_m),
+             fmt::format("more than lowest_m ({})", number_text(reference.lowest_m)));
   }
   if (reference.kind == ReferenceKind::file && !std::filesystem::exists(reference.path))
     refuse(key_origin("path"), join_path(path, "path"), fmt::format("no such file ({})", reference.path),

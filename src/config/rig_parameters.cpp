@@ -63,7 +63,7 @@ struct RigWalker {
   const OnNumber& on;
 
   template <class T> void operator()(const Field& field, const T& value) const {
-    if (field.key == "hal") return;  // wiring, nothing of the physics
+    if (field.key == "hal" || field.key == "serve") return;  // wiring, nothing of the physics
     if (field.key != "effects") return NumberWalker{on, ""}(field, value);
     visit_effects(rig, NumberWalker{on, "effects"});
     for (const Signal signal : all_signals) {

@@ -246,8 +246,7 @@ FlatnessPlan::FlatnessPlan(const AxisParameters<double>& axis, const Reference& 
   FlatnessSettings remedy = settings;
   remedy.mean_pressure_Pa = mean_pressure_needed_Pa(axis, reference, duration_s, settings);
   const double needed = remedy.mean_pressure_Pa;
-  const bool suffices =
-      needed > 0.0 && peak_V(plan(axis, motion_of(reference, duration_s, remedy), remedy)) <= limit_V;
+  const bool suffices = needed > 0.0 && peak_V(plan(axis, motion_of(reference, duration_s, remedy), remedy)) <= limit_V;
   const std::string found = "mean_pressure_Pa " + number_text(settings.mean_pressure_Pa) +
                             " does not suffice for the reference: its feedforward would reach " +
                             number_text(std::round(peak_command_V_ * 100.0) / 100.0) + " V of " + number_text(limit_V) +

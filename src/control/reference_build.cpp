@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include <pneuservo/control/live_planner.hpp>
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/control/smoothstep.hpp>
 
@@ -42,6 +43,42 @@ void require_samples(const std::vector<double>& times_s, const std::vector<doubl
 }
 }  // namespace
 
+ReferenceSpec live_trial(const ReferenceSpec& live) {
+  constexpr double rest_s = 0.5;
+  require_finite({{"lowest_m", live.lowest_m}, {"highest_m", live.highest_m}});
+  require_degree(live.smoothness);
+  require(live.speed_mps > 0.0 && live.acceleration_mps2 > 0.0,
+          fmt::format("speed_mps is {} and acceleration_mps2 {}, expected more than 0", live.speed_mps,
+                      live.acceleration_mps2));
+  const double ramp_s = LivePlanner::transition_s(live_limits(live)), range_m = live.highest_m - live.lowest_m;
+  const double reached_m = ramp_s * live.speed_mps;
+  require(range_m >= reached_m,
+          fmt::format("between lowest_m {} and highest_m {} speed_mps {} is not reached with acceleration_mps2 {}, "
+                      "expected at least {:.4g} m between them, more acceleration or less speed",
+                      live.lowest_m, live.highest_m, live.speed_mps, live.acceleration_mps2, reached_m));
+  ReferenceSpec trial;
+  trial.kind = ReferenceKind::sum;
+  const double widest_s = range_m / live.speed_mps + ramp_s, shortest_s = 2.0 * ramp_s;
+  double begin_s = rest_s;
+  const auto go = [&](double from_m, double to_m, double takes_s) {
+    ReferenceSpec part;
+    part.kind = ReferenceKind::cruise;
+    part.start_m = from_m;
+    part.end_m = to_m;
+    part.speed_mps = live.speed_mps;
+    part.ramp_s = ramp_s;
+    part.smoothness = live.smoothness;
+    part.start_s = begin_s;
+    trial.parts.push_back(part);
+    begin_s += takes_s;
+  };
+  go(live.lowest_m, live.highest_m, widest_s);
+  go(0.0, -range_m, widest_s + rest_s);
+  go(0.0, reached_m * (1.0 + 1e-12), shortest_s);
+  go(0.0, -reached_m * (1.0 + 1e-12), shortest_s);
+  return trial;
+}
+
 /// Appends to a reference; each function checks its own part of the description.
 struct Reference::Builder {
   Reference& out;
@@ -57,6 +94,7 @@ struct Reference::Builder {
       case ReferenceKind::cruise: return cruise(spec);
       case ReferenceKind::minimum_jerk: return minimum_jerk(spec);
       case ReferenceKind::file: return file(spec);
+      case ReferenceKind::live: return sum(live_trial(spec));
     }
     reject("unknown kind");
   }

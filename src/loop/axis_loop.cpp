@@ -59,6 +59,7 @@ void AxisLoop::configure(const Rig& rig, const LoadPositions& load) {
   command_max_V_ = rig.axis.valve.command_max_V;
   estimator_.configure(estimator_parameters(rig));
   reference_ = Reference(rig.reference, load);
+  if (rig.reference.kind == ReferenceKind::live) commanded_.configure(live_limits(rig.reference), rig.period_s);
   controller_.configure(rig.controller, rig.axis, rig.period_s, reference_, rig.duration_s);
   source_ = controller_.pressure_source();
   tolerance_m_ =
@@ -75,9 +76,9 @@ void AxisLoop::configure(const Rig& rig, const LoadPositions& load) {
 
 void AxisLoop::rearm() noexcept {
   may_move_still_ = supervisor_.has_moved();
-  supervisor_.allow_motion(!may_move_still_);
   stood_at_m_ = Row::none;
   stood_s_ = 0.0;
+  supervisor_.allow_motion(may_start());
   begins_ = twin_waits_ = true;
   moved_ = limited_ = false;
   velocity_mps_ = 0.0;
@@ -110,20 +111,41 @@ std::array<double, 2> AxisLoop::pressures(const JudgedInputs& inputs, const Esti
   return {estimate.chamber_pressure_Pa[0], estimate.chamber_pressure_Pa[1]};
 }
 
-std::array<double, 2> AxisLoop::control(double t_s, const JudgedInputs& inputs, const EstimatorOutput& estimate,
-                                        std::int64_t skipped) noexcept {
+// Where the slider shall be in this tick, and for the law at its lead.
+void AxisLoop::set_points(double t_s, std::int64_t tick, const JudgedInputs& inputs) noexcept {
+  const double lead_s = controller_.lead_s();
+  if (link_ != nullptr) {
+    if (begins_) {
+      commanded_.start(tick, inputs.position_m);
+      reference_start_s_ = t_s;
+    }
+    begins_ = false;
+    commanded_.pass(tick, supervisor_.motion().proven());
+    obey_motion(tick);
+    now_ = commanded_.at(tick, 0.0);
+    control_in_.ahead = lead_s > 0.0 ? commanded_.at(tick, lead_s / period_s_) : now_;
+    return;
+  }
   if (begins_) plan_motion(t_s, inputs);
   // What the last move teaches is not known yet: one period more of rest.
   if (learning_due() && t_s >= reference_start_s_) reference_start_s_ = t_s + period_s_;
+  now_ = reference_at(t_s);
+  control_in_.ahead = lead_s > 0.0 ? reference_at(t_s + lead_s) : now_;
+}
+
+std::array<double, 2> AxisLoop::control(std::int64_t tick, const JudgedInputs& inputs, const EstimatorOutput& estimate,
+                                        std::int64_t skipped) noexcept {
+  const double t_s = static_cast<double>(tick) * period_s_;
+  set_points(t_s, tick, inputs);
   if (Ppd2GainSet gains; gain_mailbox_ != nullptr && gain_mailbox_->take(gains)) {
     controller_.change_gains(gains);
     twin_.change_gains(gains);
   }
-  now_ = reference_at(t_s);
-  const double lead_s = controller_.lead_s();
   ControlInput& in = control_in_;
-  in = {inputs.position_m, pressures(inputs, estimate), inputs.port_Pa, now_, now_};
-  if (lead_s > 0.0) in.ahead = reference_at(t_s + lead_s);
+  in.x_m = inputs.position_m;
+  in.pressure_Pa = pressures(inputs, estimate);
+  in.port_Pa = inputs.port_Pa;
+  in.now = now_;
   in.tick = std::llround((t_s - reference_start_s_) / period_s_);
   if (twin_waits_) twin_.start(in.x_m, in.pressure_Pa, supervisor_.command_V());
   else if (skipped > 0) twin_.hold(std::min<std::int64_t>(skipped, most_held_periods));
@@ -147,7 +169,7 @@ void AxisLoop::note_rest(const JudgedInputs& inputs, std::int64_t skipped) noexc
     stood_at_m_ = inputs.position_m;
     stood_s_ = 0.0;
   } else stood_s_ += static_cast<double>(skipped + 1) * period_s_;
-  supervisor_.allow_motion(!may_move_still_ || stood_s_ >= rest_before_motion_s);
+  supervisor_.allow_motion(may_start());
 }
 
 MotionSample AxisLoop::motion_sample(const ControlInput& in, std::int64_t skipped) const noexcept {
@@ -180,6 +202,7 @@ bool AxisLoop::pass(Backend& backend, std::int64_t tick, std::int64_t skipped, S
   if (!backend.read(tick, measured)) return false;
   const Truth truth = backend.truth();  // for the row alone, taken at the sampling instant
   stamp(&StageTimes::read);
+  if (link_ != nullptr) take_command(tick);
   const JudgedInputs inputs = supervisor_.judge(measured, skipped);
   if (!supervisor_.is_active()) note_rest(inputs, skipped);
   controller_.skip(skipped);
@@ -189,7 +212,7 @@ bool AxisLoop::pass(Backend& backend, std::int64_t tick, std::int64_t skipped, S
   std::array<double, 2> command_V = supervisor_.safe_V();
   limited_ = false;
   const bool stepped = supervisor_.is_active();
-  if (stepped) command_V = control(t_s, inputs, estimated, skipped);
+  if (stepped) command_V = control(tick, inputs, estimated, skipped);
   if (!supervisor_.is_active()) command_V = supervisor_.safe_V();
   stamp(&StageTimes::controlled);
   const bool ended = supervisor_.faults() != 0;
@@ -203,7 +226,78 @@ bool AxisLoop::pass(Backend& backend, std::int64_t tick, std::int64_t skipped, S
   stamp(&StageTimes::written);
   fill_row(t_s, skipped, stepped, measured, truth, estimated);
   if (supervisor_.is_active()) twin_.step(control_in_, inputs.supply_Pa, supervisor_.motion().most_command_V());
+  if (link_ != nullptr) tell_status(tick);
   return true;
+}
+
+void AxisLoop::answer(CommandResult result, std::int64_t tick) noexcept {
+  const LivePlanner& planner = commanded_.planner();
+  link_->answers.push({command_.number, result, tick, planner.target_m(), planner.end_tick()});
+  if (result == CommandResult::taken) obeyed_ = command_.kind;
+}
+
+// One command a tick, before anything is judged; a motion waits for its place in the pass.
+void AxisLoop::take_command(std::int64_t tick) noexcept {
+  obeyed_ = CommandKind::none;
+  const double waited_s = static_cast<double>(tick - enabled_tick_) * period_s_;
+  if (supervisor_.faults() != 0 || (!supervisor_.is_active() && waited_s > enabled_within_s)) enabled_ = false;
+  if (!waits_ && !link_->commands.pop(command_)) return;
+  waits_ = is_motion(command_.kind) && supervisor_.is_active();
+  if (waits_) return;
+  if (is_motion(command_.kind))
+    return answer(supervisor_.faults() != 0 ? CommandResult::in_fault : CommandResult::not_enabled, tick);
+  answer(obey_state(command_.kind, tick), tick);
+}
+
+CommandResult AxisLoop::obey_state(CommandKind kind, std::int64_t tick) noexcept {
+  const bool in_fault = supervisor_.faults() != 0;
+  switch (kind) {
+    case CommandKind::enable:
+      if (in_fault) return CommandResult::in_fault;
+      if (enabled_) return CommandResult::is_enabled;
+      enabled_ = true;
+      enabled_tick_ = tick;
+      if (supervisor_.state() == SupervisorState::safe_stop) rearm();
+      break;
+    case CommandKind::disable:
+      enabled_ = false;
+      supervisor_.stop();
+      break;
+    case CommandKind::reset:
+      if (!in_fault) return CommandResult::no_fault;
+      enabled_ = false;
+      rearm();
+      break;
+    default: break;
+  }
+  supervisor_.allow_motion(may_start());
+  return CommandResult::taken;
+}
+
+void AxisLoop::obey_motion(std::int64_t tick) noexcept {
+  CommandResult result = CommandResult::taken;
+  // The line jumps at the last tick: that set point has gone out and stays true, this one is the first that changes.
+  if (!waits_ || !commanded_.obey(command_, tick - 1, result)) return;
+  waits_ = false;
+  answer(result, tick);
+}
+
+void AxisLoop::tell_status(std::int64_t tick) noexcept {
+  link_->status.post({.tick = tick,
+                      .t_s = row_.t_s,
+                      .state = supervisor_.state(),
+                      .enabled = enabled_,
+                      .proven = supervisor_.motion().proven(),
+                      .faults = supervisor_.faults(),
+                      .first_faults = supervisor_.first_faults(),
+                      .x_m = row_.measured[Signal::x],
+                      .x_ref_m = row_.x_ref_m,
+                      .v_ref_mps = row_.v_ref_mps,
+                      .target_m = commanded_.planner().target_m(),
+                      .end_tick = commanded_.planner().end_tick(),
+                      .u_V = supervisor_.command_V()[0],
+                      .p1_port_Pa = row_.measured[Signal::p1_port],
+                      .p2_port_Pa = row_.measured[Signal::p2_port]});
 }
 
 void AxisLoop::stop(Backend& backend, std::int64_t tick) noexcept {
@@ -244,6 +338,10 @@ void AxisLoop::fill_row(double t_s, std::int64_t skipped, bool stepped, const Me
   row_.flags = (skipped > 0 ? row_overrun : 0u) | (limited_ ? row_command_limited : 0u) |
                (supervisor_.faults() != 0 ? row_fault : 0u) | (supervisor_.bridged() ? row_input_bridged : 0u);
   row_.fault = supervisor_.faults();
+  const bool commanded = obeyed_ != CommandKind::none;
+  row_.command_kind = static_cast<std::uint32_t>(obeyed_);
+  row_.command_m = known(commanded, command_.position_m);
+  row_.command_mps = known(commanded, command_.speed_mps);
 }
 
 }  // namespace pneuservo

@@ -8,6 +8,7 @@ namespace pneuservo {
 Course::Course(const Rig& rig, int moves, std::size_t rows_kept)
     : period_s_(rig.period_s), duration_s_(rig.duration_s),
       planned_ticks_(std::max(rig.duration_s / rig.period_s * moves, 1.0)), wanted_moves_(moves) {
+  if (moves == 0) return;
   const double most_s =
       static_cast<double>(moves) * (rig.duration_s + AxisLoop::longest_approach_s(rig.axis.cylinder.stroke_m)) +
       after_fault_s;
@@ -25,6 +26,7 @@ bool Course::after(std::int64_t tick, AxisLoop& loop) noexcept PNEUSERVO_NONBLOC
   ++count_;
   if (last_tick_ >= 0) overruns_ += tick - last_tick_ - 1;
   last_tick_ = tick;
+  if (wanted_moves_ == 0) return true;
   if (loop.faults() != 0 && fault_tick_ < 0) fault_tick_ = tick;
   if (fault_tick_ >= 0) return static_cast<double>(tick - fault_tick_) * period_s_ < after_fault_s;
   // The last tick of a move is the one before its duration is over.

@@ -31,7 +31,7 @@ class Course {
   /// More than a page or a table can show; 0.2 MB.
   static constexpr std::size_t moves_kept_max = 4096;
 
-  /// `rows_kept`: so many of the last rows are kept at most.
+  /// `rows_kept`: so many of the last rows are kept at most. `moves` 0: commanded, goes on for ever and keeps no rows.
   Course(const Rig& rig, int moves, std::size_t rows_kept = rows_kept_max);
   /// After the pass of `tick`; false: the run is over. Keeps the row. HOT.
   bool after(std::int64_t tick, AxisLoop& loop) noexcept PNEUSERVO_NONBLOCKING;

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 
 #include "loop/course.hpp"
 
@@ -41,7 +42,7 @@ std::vector<std::string> replayed_columns(ControllerKind law) {
 ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std::int64_t>& ticks,
                          const std::vector<bool>& dropped_before, int moves, const LoadPositions& load,
                          const std::vector<std::pair<std::string, const std::vector<double>*>>& recorded,
-                         const std::vector<Ppd2GainSet>& gains) {
+                         const std::vector<Ppd2GainSet>& gains, const std::vector<AxisCommand>& commands) {
   ReplayResult result;
   const std::span<const std::string_view> terms = law_columns(rig.controller.kind);
   for (const auto& [name, values] : recorded) result.compared.push_back(name);
@@ -50,13 +51,17 @@ ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std
   loop.configure(rig, load);
   GainMailbox mailbox;
   loop.set_gain_mailbox(&mailbox);
+  const auto link = std::make_unique<CommandLink>();
+  if (!commands.empty()) loop.set_command_link(link.get());
   Course course(rig, moves, 0);
   result.rows.reserve(ticks.size());
   for (std::size_t i = 0; i < ticks.size(); ++i) {
     if (dropped_before[i]) break;
     const std::int64_t skipped = i == 0 ? 0 : ticks[i] - ticks[i - 1] - 1;
     if (i < gains.size()) mailbox.post(gains[i]);
+    if (i < commands.size() && commands[i].kind != CommandKind::none) link->commands.push(commands[i]);
     if (!loop.pass(backend, ticks[i], skipped, nullptr, nullptr)) break;
+    for (AxisAnswer answer; link->answers.pop(answer);) {}
     const Row& row = loop.row();
     result.rows.push_back(row);
     for (std::size_t c = 0; c < recorded.size(); ++c) {

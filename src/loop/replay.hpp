@@ -7,6 +7,7 @@
 #include <pneuservo/control/ppd2.hpp>
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/hal/backend.hpp>
+#include <pneuservo/loop/axis_command.hpp>
 #include <pneuservo/record/row.hpp>
 #include <pneuservo/rig/rig.hpp>
 
@@ -33,10 +34,11 @@ struct ReplayResult {
 std::vector<std::string> replayed_columns(ControllerKind law);
 
 /// `ticks[i]` is the tick of the recording's row i; `recorded(name)` its column or null. `moves` as in the run.
+/// `commands[i]` is what a commanded axis obeyed in row i; none: it runs its reference.
 /// Rows after dropped ones start from another state: the comparison ends there, `compared_rows` says where.
 ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std::int64_t>& ticks,
                          const std::vector<bool>& dropped_before, int moves, const LoadPositions& load,
                          const std::vector<std::pair<std::string, const std::vector<double>*>>& recorded,
-                         const std::vector<Ppd2GainSet>& gains = {});
+                         const std::vector<Ppd2GainSet>& gains = {}, const std::vector<AxisCommand>& commands = {});
 
 }  // namespace pneuservo

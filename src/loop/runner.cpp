@@ -4,6 +4,7 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <iostream>
 #include <thread>
 
 #include <pneuservo/loop/axis_loop.hpp>
@@ -125,6 +126,28 @@ class Learner {
   std::jthread thread_;
 };
 
+/// Devices let go of the loop with each fault: the command `reset` takes them up again.
+bool was_reset(const RunSettings& settings, const Backend& backend, const AxisLoop& loop) {
+  return settings.commands != nullptr && backend.name() == "configured" &&
+         loop.row().command_kind == static_cast<std::uint32_t>(CommandKind::reset);
+}
+
+/// Cold, in the middle of a run: the valves have the safe output. What does not come back is missing in the next tick.
+void wake_devices(Backend& backend) {
+  backend.deactivate();
+  try {
+    backend.activate();
+  } catch (const std::exception& error) { std::cerr << "reset: " << error.what() << "\n"; }
+}
+
+/// Slots skipped on the way to the next one; those that devices take to come back do not count.
+std::int64_t next_slot(const RunSettings& settings, Backend& backend, const AxisLoop& loop, TimeGrid& grid) {
+  if (!was_reset(settings, backend, loop)) return grid.advance(MonotonicClock::now_ns());
+  wake_devices(backend);
+  grid.restart(MonotonicClock::now_ns());
+  return 0;
+}
+
 /// Until the devices showed the safe output. A device that does not show it in so many cycles does not have it.
 void await_readback(AxisLoop& loop, Backend& backend, std::int64_t tick, std::int64_t period_ns) {
   constexpr int most_cycles = 5;  // an answer comes a cycle later, or two
@@ -175,7 +198,7 @@ void run_real(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSetting
     if (out.ticks > warm_up_ticks) account(timing, stages, lateness_ns, tick);
     if (out.ticks == warm_up_ticks) before = ThreadCounters::now();
     if (!goes_on) break;
-    skipped = grid.advance(MonotonicClock::now_ns());
+    skipped = next_slot(settings, backend, loop, grid);
     if (out.ticks > warm_up_ticks) timing.overruns += skipped;
   }
   const ThreadCounters counted = ThreadCounters::now() - before;
@@ -203,6 +226,7 @@ RunOutcome run_loop(const Rig& rig, Backend& backend, const RunSettings& setting
   AxisLoop loop;
   loop.configure(rig, settings.load);
   loop.set_gain_mailbox(settings.gains);
+  loop.set_command_link(settings.commands);
   Course course(rig, settings.moves);
   const LastResort last_resort(backend, settings.recording, rig.period_s);
   backend.activate();

@@ -18,6 +18,7 @@ namespace pneuservo {
 
 class FaultWatch;
 class GainMailbox;
+struct CommandLink;
 class RecordingRing;
 class RecordingWriter;
 
@@ -42,13 +43,14 @@ struct RunSettings {
 
   bool real_time = false;
   double early_wake_s = -1.0;  ///< 0: wakes at the slot; below 0: the usual share of the period
-  int moves = 1;  ///< times the reference is run
+  int moves = 1;  ///< times the reference is run; 0: until a stop is asked for
   LoadPositions load{};  ///< references of kind `file`
   RecordingRing* ring = nullptr;  ///< real time: rows go here
   RecordingWriter* writer = nullptr;  ///< simulated time: rows go here
   FaultWatch* fault_watch = nullptr;  ///< the first fault is noted here
   std::string recording{};  ///< its path, for the last record of a crash
   GainMailbox* gains = nullptr;  ///< gains for the running loop come from here
+  CommandLink* commands = nullptr;  ///< whoever commands the axis; its reference is not run then
   std::vector<LateTick> late{};  ///< injected: the loop comes so late, in order of their ticks
   std::vector<Suspend> suspends{};  ///< injected
   std::function<void(double fraction)> progress{};  ///< called between ticks in simulated time only

@@ -24,7 +24,7 @@ namespace {
 
 struct ReplayOptions {
   std::string config, recording, record, json;
-  std::vector<std::string> sets;
+  std::vector<std::string> sets, further;
   bool force = false;
   ExistingFile existing() const { return force ? ExistingFile::replace : ExistingFile::refuse; }
 };
@@ -62,6 +62,18 @@ std::vector<Ppd2GainSet> gains_of(const Recording& data) {
   return gains;
 }
 
+/// What a commanded axis obeyed in each row; nothing of a run along a reference.
+std::vector<AxisCommand> commands_of(const Recording& data, int moves) {
+  if (moves > 0 || !data.has("command_kind")) return {};
+  std::vector<AxisCommand> commands(data.rows());
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    commands[i].kind = static_cast<CommandKind>(data.column("command_kind")[i]);
+    commands[i].position_m = data.column("command_m")[i];
+    commands[i].speed_mps = data.column("command_mps")[i];
+  }
+  return commands;
+}
+
 using RecordedColumns = std::vector<std::pair<std::string, const std::vector<double>*>>;
 
 /// Columns of estimator and controller that a recording has, to compare with.
@@ -88,8 +100,8 @@ ReplayResult replay_rows(const Rig& rig, ReplayBackend& backend, int moves, cons
   }
   backend.configure();
   backend.activate();
-  ReplayResult result =
-      replay_loop(rig, backend, ticks, dropped, moves, load_reference_positions, recorded, gains_of(data));
+  ReplayResult result = replay_loop(rig, backend, ticks, dropped, moves, load_reference_positions, recorded,
+                                    gains_of(data), commands_of(data, moves));
   backend.deactivate();
   return result;
 }
@@ -123,6 +135,33 @@ nlohmann::ordered_json result_json(const Rig& rig, const ReplayOptions& options,
   return json;
 }
 
+/// The next file of a series that `serve` wrote, behind what came before it.
+void append_part(Recording& all, const Recording& part) {
+  if (part.names != all.names)
+    throw InputError(part.path + ": found other columns than in " + all.path +
+                     ", expected the next file of the same run");
+  const double step_s = part.t_s().front() - all.t_s().back();
+  if (!(step_s > 0.0))
+    throw InputError(fmt::format("{}: begins {:g} s before the end of the file before it, expected files of one run",
+                                 part.path, -step_s));
+  for (std::size_t i = 0; i < all.values.size(); ++i)
+    all.values[i].insert(all.values[i].end(), part.values[i].begin(), part.values[i].end());
+  all.line_numbers.insert(all.line_numbers.end(), part.line_numbers.begin(), part.line_numbers.end());
+}
+
+/// The files of one run, in the order of their times.
+Recording read_parts(const ReplayOptions& options, const Rig& rig) {
+  std::vector<Recording> parts;
+  parts.push_back(read_first_recording(options.recording, rig.imported, rig.period_s));
+  for (const std::string& path : options.further) parts.push_back(read_recording(path));
+  std::ranges::sort(parts, {}, [](const Recording& part) { return part.t_s().front(); });
+  for (const Recording& part : parts)
+    for (const auto& line : problem_lines(part)) std::cerr << line << "\n";
+  Recording all = std::move(parts.front());
+  for (std::size_t i = 1; i < parts.size(); ++i) append_part(all, parts[i]);
+  return all;
+}
+
 int run_replay(const ReplayOptions& options) {
   Rig rig = read_rig(options.config, options.sets);
   require_kind("replay", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
@@ -130,10 +169,10 @@ int run_replay(const ReplayOptions& options) {
       .reads("CONFIG", options.config)
       .reads_of(rig)
       .reads("RECORDING", options.recording)
+      .reads("FURTHER", options.further)
       .records("--record", options.record, options.existing())
       .writes("--json", options.json, ResultKind::json);
-  Recording recording = read_first_recording(options.recording, rig.imported, rig.period_s);
-  for (const auto& line : problem_lines(recording)) std::cerr << line << "\n";
+  Recording recording = read_parts(options, rig);
   adopt_header(recording, rig);
   const int moves = recording.header["moves"] ? recording.header["moves"].as<int>() : 1;
   ReplayBackend backend(std::move(recording), rig.period_s);
@@ -159,6 +198,7 @@ void add_replay(CLI::App& app, int& status) {
   CLI::App* verb = app.add_subcommand("replay", "run estimator and controller on a recording and compare bit for bit");
   verb->add_option("CONFIG", o->config, "the config that the recording was made with")->required();
   verb->add_option("RECORDING", o->recording, "FILE.csv.gz")->required();
+  verb->add_option("FURTHER", o->further, "the other files of a run of serve");
   verb->add_option("--set", o->sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
   verb->add_option("--record", o->record, "write what was replayed, FILE.csv.gz");
   verb->add_flag("--force", o->force, "--record may replace a recording that is there");

@@ -84,6 +84,26 @@ Facts channel_facts(const Backend& backend) {
   return facts;
 }
 
+std::vector<std::string> recorded_columns(const Rig& rig, const Backend& backend, RecordedTime time) {
+  std::vector<std::string> columns;
+  const auto origins = backend.origins().channels;
+  const bool truth = backend.name() == "sim";
+  Row row;
+  Row::visit(
+      [&](std::string_view name, auto&) {
+        if (const auto signal = signal_of_column(name); signal && origins[*signal] == Origin::absent) return;
+        if (name.find("_true_") != std::string_view::npos && !truth) return;
+        if (name == (rig.kind == RigKind::servo_table ? "u_V" : "u1_V")) return;
+        if (name == "u2_V" && rig.kind != RigKind::servo_table) return;
+        if ((name == "lateness_us" || name == "work_us") && !time.real_time) return;
+        if (name.starts_with("command") && !time.commanded) return;
+        columns.emplace_back(name);
+      },
+      row);
+  for (const std::string_view name : law_columns(rig.controller.kind)) columns.emplace_back(name);
+  return columns;
+}
+
 RecordingHeader run_header(const Rig& rig, const Backend& backend, const Facts& machine, int moves) {
   RecordingHeader header(rig.name, rig.period_s);
   header.add_text("backend", backend.name());

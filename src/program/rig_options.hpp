@@ -32,6 +32,13 @@ Facts machine_facts(const RealTimeState* session);
 /// Name and origin of each channel, of the command and of the digital lines that there are.
 Facts channel_facts(const Backend& backend);
 
+/// What decides on the columns of a recording beside rig and backend.
+struct RecordedTime {
+  bool real_time = false, commanded = false;
+};
+/// Columns that such a run has.
+std::vector<std::string> recorded_columns(const Rig& rig, const Backend& backend, RecordedTime time);
+
 /// Header of a run's recording: rig, config, reference, machine, channels.
 RecordingHeader run_header(const Rig& rig, const Backend& backend, const Facts& machine, int moves);
 

@@ -92,26 +92,6 @@ std::string record_path(const RunOptions& options, PressureSource source, bool s
          std::string(ending);
 }
 
-/// Columns that this run has.
-std::vector<std::string> recorded_columns(const Rig& rig, const Backend& backend, bool real_time) {
-  std::vector<std::string> columns;
-  const auto origins = backend.origins().channels;
-  const bool truth = backend.name() == "sim";
-  Row row;
-  Row::visit(
-      [&](std::string_view name, auto&) {
-        if (const auto signal = signal_of_column(name); signal && origins[*signal] == Origin::absent) return;
-        if (name.find("_true_") != std::string_view::npos && !truth) return;
-        if (name == (rig.kind == RigKind::servo_table ? "u_V" : "u1_V")) return;
-        if (name == "u2_V" && rig.kind != RigKind::servo_table) return;
-        if ((name == "lateness_us" || name == "work_us") && !real_time) return;
-        columns.emplace_back(name);
-      },
-      row);
-  for (const std::string_view name : law_columns(rig.controller.kind)) columns.emplace_back(name);
-  return columns;
-}
-
 void show_progress(double fraction, std::string_view source) {
   std::fprintf(stderr, "\r%-9.*s %3.0f %%", static_cast<int>(source.size()), source.data(),
                100.0 * std::min(fraction, 1.0));
@@ -141,7 +121,7 @@ std::unique_ptr<RecordingWriter> open_recording(const RunOptions& options, const
                                                 const Facts& machine, const std::string& path) {
   if (path.empty()) return nullptr;
   const bool real_time = options.time == "real";
-  const auto columns = recorded_columns(rig, backend, real_time);
+  const auto columns = recorded_columns(rig, backend, {.real_time = real_time});
   const auto terms = law_columns(rig.controller.kind);
   RecordingOptions recording{.existing = options.existing(), .terms = terms};
   if (!options.live.empty()) recording.live = std::make_shared<LiveValues>(options.live, columns, terms);

@@ -27,9 +27,37 @@ std::string checked(std::string path) {
 
 /// The file and what is on its way into it.
 struct RecordingWriter::Work {
-  Work(std::string path, const std::vector<std::string>& columns, RecordingOptions chosen)
-      : options(std::move(chosen)), file(checked(std::move(path)), options.existing), text(columns, options.terms),
-        buffer(buffer_size) {}
+  Work(std::string path, const RecordingHeader& header, const std::vector<std::string>& columns,
+       RecordingOptions chosen)
+      : options(std::move(chosen)), text(columns, options.terms), head(header.comment_lines() + text.header_line()),
+        buffer(buffer_size) {
+    open(options.series ? options.series->begin_part() : std::move(path));
+    name = file->path();
+    flush();
+    if (!file->error().empty()) throw InputError(file->error());
+  }
+
+  void open(std::string path) {
+    file = std::make_unique<GzipFile>(checked(std::move(path)), options.existing);
+    file->write(head);
+  }
+
+  /// The next file of a series. Where it cannot be made the rows up to the next one after it are lost, and it is told.
+  void next_part() {
+    pass_on();
+    file->close();
+    note_error(file->error());
+    try {
+      open(options.series->begin_part());
+    } catch (const std::exception& problem) { note_error(problem.what()); }
+    flush();
+  }
+
+  void note_error(const std::string& sentence) {
+    if (sentence.empty()) return;
+    options.series->note_trouble(sentence);
+    if (error.empty()) error = sentence;
+  }
 
   void run() {
     become_ordinary_thread("recording");
@@ -62,17 +90,18 @@ struct RecordingWriter::Work {
     const bool fault = (row.flags & row_fault) != 0;
     if (fault && !in_fault) flush();
     in_fault = fault;
+    if (options.series && options.series->after(row)) next_part();
   }
 
   void pass_on() {
-    file.write({buffer.data(), used});
+    file->write({buffer.data(), used});
     used = 0;
   }
 
   void flush() {
     pass_on();
     // A simulation can be run again: it need not survive a loss of power and does not wait for the disk.
-    file.flush(options.ring != nullptr);
+    file->flush(options.ring != nullptr);
     flushed = std::chrono::steady_clock::now();
     rows_flushed.store(rows, std::memory_order_relaxed);
   }
@@ -84,12 +113,15 @@ struct RecordingWriter::Work {
   void end() {
     if (options.ring) flush();
     pass_on();
-    file.close();
+    file->close();
+    if (error.empty()) error = file->error();
   }
 
   RecordingOptions options;
-  GzipFile file;
   RowText text;
+  std::string head, error;
+  std::string name;  ///< of the first file
+  std::unique_ptr<GzipFile> file;
   std::vector<char> buffer;
   std::size_t used = 0;
   std::int64_t rows = 0;
@@ -101,11 +133,7 @@ struct RecordingWriter::Work {
 
 RecordingWriter::RecordingWriter(std::string path, const RecordingHeader& header,
                                  const std::vector<std::string>& columns, RecordingOptions options)
-    : work_(std::make_shared<Work>(std::move(path), columns, std::move(options))) {
-  work_->file.write(header.comment_lines());
-  work_->file.write(work_->text.header_line());
-  work_->flush();
-  if (!work_->file.error().empty()) throw InputError(work_->file.error());
+    : work_(std::make_shared<Work>(std::move(path), header, columns, std::move(options))) {
   if (work_->options.ring) thread_ = std::thread([work = work_] { work->run(); });
 }
 
@@ -119,7 +147,7 @@ void RecordingWriter::write(const Row& row) {
 
 RecordingRing* RecordingWriter::ring() const noexcept { return work_->options.ring.get(); }
 
-const std::string& RecordingWriter::path() const noexcept { return work_->file.path(); }
+const std::string& RecordingWriter::path() const noexcept { return work_->name; }
 
 bool RecordingWriter::wait_for_thread(const std::function<bool()>& give_up) const {
   const auto limit = std::chrono::steady_clock::now() + closing_limit;
@@ -145,7 +173,7 @@ RecordingSummary RecordingWriter::close(const std::function<bool()>& give_up) {
                         path(), there, pushed)};
   }
   if (!work_->options.ring) work_->end();
-  return {work_->rows, dropped, work_->file.error()};
+  return {work_->rows, dropped, work_->error};
 }
 
 }  // namespace pneuservo

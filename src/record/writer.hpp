@@ -15,6 +15,7 @@
 #include "record/gzip_file.hpp"
 #include "record/header.hpp"
 #include "record/live_values.hpp"
+#include "record/series.hpp"
 
 namespace pneuservo {
 
@@ -32,6 +33,7 @@ struct RecordingOptions {
   std::shared_ptr<LiveValues> live{};  ///< gets each row after it was written, in the writing thread
   ExistingFile existing = ExistingFile::refuse;
   std::span<const std::string_view> terms{};  ///< columns of Row::terms
+  std::shared_ptr<RecordingSeries> series{};  ///< without end, a file after the other; they have their paths from here
 };
 
 /// A file is created, its header written and flushed in the constructor, so an unusable path shows before the run.
@@ -46,7 +48,8 @@ class RecordingWriter {
   /// slow and not hung.
   static constexpr std::chrono::seconds closing_limit{10};
 
-  /// `columns`: names of the columns that this run has, empty = all. Throws InputError.
+  /// `path` is not used for a series. `columns`: names of the columns that this run has, empty = all. Throws
+  /// InputError.
   RecordingWriter(std::string path, const RecordingHeader& header, const std::vector<std::string>& columns,
                   RecordingOptions options = {});
   /// Closes.

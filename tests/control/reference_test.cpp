@@ -36,6 +36,7 @@ bool near_joint(const NamedReference& r, double t, double h) {
     case ReferenceKind::minimum_jerk: joints = {0.3, 1.1}; break;
     case ReferenceKind::sum: joints = {0.0, 0.3, 0.5, 1.1}; break;
     case ReferenceKind::file: joints = load_samples("").first; break;
+    case ReferenceKind::live: break;  // what it plays is a sum of cruises
   }
   for (const double joint : joints)
     if (std::fabs(t - joint) < h) return true;
@@ -142,6 +143,30 @@ TEST_CASE("a reference rests exactly before its start and after its end") {
   REQUIRE(r.at(-1.0).d[0] == -0.03);
   REQUIRE(r.at(0.5).d[0] == 0.07);
   REQUIRE(Reference().at(3.0).d == ReferencePoint{}.d);
+}
+
+TEST_CASE("the trial motion of a live reference reaches its limits and stays within") {
+  ReferenceSpec live;
+  live.kind = ReferenceKind::live;
+  live.lowest_m = -0.1;
+  live.highest_m = 0.12;
+  live.speed_mps = 0.4;
+  live.acceleration_mps2 = 3.0;
+  live.smoothness = 11;
+  const Reference r(live);
+  REQUIRE(r.is_move());
+  const ReferenceExtremes x = r.extremes(0, r.end_s()), v = r.extremes(1, r.end_s()), a = r.extremes(2, r.end_s());
+  CHECK(x.minimum == Approx(-0.1).margin(1e-12));
+  CHECK(x.maximum == Approx(0.12).margin(1e-12));
+  CHECK(v.maximum == Approx(0.4));
+  CHECK(v.minimum == Approx(-0.4));
+  CHECK(a.maximum == Approx(3.0));
+  CHECK(a.minimum == Approx(-3.0));
+  live.highest_m = -0.05;
+  CHECK_THROWS_WITH(Reference(live), Catch::Contains("speed_mps 0.4 is not reached"));
+  live.highest_m = 0.12;
+  live.acceleration_mps2 = 0.0;
+  CHECK_THROWS_AS(Reference(live), std::invalid_argument);
 }
 
 TEST_CASE("start, end and kind of motion") {

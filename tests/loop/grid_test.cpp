@@ -48,6 +48,13 @@ TEST_CASE("a late tick skips to the first slot that is not past") {
     REQUIRE(grid.missed() == 5);
     REQUIRE(grid.slot() == 8);
   }
+  SECTION("a restart goes on a period from now, with the next number and nothing missed") {
+    const std::int64_t now_ns = after_slot(grid, 1234.5);
+    grid.restart(now_ns);
+    REQUIRE(grid.slot() == 1);
+    REQUIRE(grid.slot_ns() == now_ns + period_ns);
+    REQUIRE(grid.missed() == 0);
+  }
 }
 
 TEST_CASE("the phase is kept whatever the lateness") {

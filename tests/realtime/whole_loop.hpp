@@ -1,6 +1,7 @@
 // The whole loop for the proofs: simulated plant, guard, estimator, controller, recording ring and course, as in
 // run_loop.
 #pragma once
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,8 @@ struct LoopCase {
   std::vector<std::string> sets;
 };
 
-/// Each pressure source of a cylinder with and without feedforward, and the servo table with linear feedforward and
-/// with flatness, learning between its moves.
+/// Each pressure source of a cylinder with and without feedforward, the servo table with linear feedforward and with
+/// flatness, learning between its moves, and a cylinder that is commanded twenty times a second.
 inline std::vector<LoopCase> loop_cases() {
   std::vector<LoopCase> cases;
   for (const std::string source : {"valve", "chamber", "estimated"})
@@ -38,6 +39,7 @@ inline std::vector<LoopCase> loop_cases() {
                      {move, "duration_s=0.3", "initial.position_m=-0.0495", "simulation.cells_per_m=16",
                       "controller.integral_gain_V_per_m_s=1e4", "controller.learning=flow",
                       "controller.feedforward=" + feedforward}});
+  cases.push_back({"commanded", "served/cylinder-10m-7.65mm", {"initial.position_m=0.02"}});
   return cases;
 }
 
@@ -46,8 +48,9 @@ class WholeLoop {
  public:
   explicit WholeLoop(const LoopCase& one)
       : rig_(read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/" + one.config + ".yaml", one.sets)), backend_(rig_),
-        course_(rig_, moves) {
+        course_(rig_, is_commanded() ? 0 : moves) {
     loop_.set_gain_mailbox(&gains_);
+    if (is_commanded()) loop_.set_command_link(link_.get());
     loop_.configure(rig_);
     backend_.configure();
     backend_.activate();
@@ -58,6 +61,7 @@ class WholeLoop {
     const std::int64_t skipped = tick_ % 97 == 96 ? 3 : 0;
     tick_ += skipped;
     if (loop_.learning_due()) loop_.learn(rig_.axis);
+    if (is_commanded()) command();
     if (tick_ % 1000 == 0) gains_.post(gain_set(rig_.controller.of<Ppd2>()));
     const RtScope hot;
     StageTimes stages;
@@ -82,13 +86,26 @@ class WholeLoop {
 
  private:
   static constexpr int moves = 6;
+  bool is_commanded() const noexcept { return rig_.reference.kind == ReferenceKind::live; }
+  /// What stands beside the loop: the edge of enable, then moves to and fro that replace each other on their way.
+  void command() {
+    for (AxisAnswer answer; link_->answers.pop(answer);) {}
+    for (AxisStatus status; link_->status.take(status);) {}
+    const double target_m = 0.1 * static_cast<double>(asked_ * 7 % 11 - 5) / 5.0;
+    if (tick_ / 50 < asked_) return;
+    link_->commands.push(asked_ == 0        ? AxisCommand{CommandKind::enable}
+                         : asked_ % 13 == 0 ? AxisCommand{CommandKind::stop}
+                                            : AxisCommand{CommandKind::move_to, target_m, 0.3});
+    ++asked_;
+  }
   Rig rig_;
   SimBackend backend_;
   AxisLoop loop_;
   Course course_;
   RecordingRing ring_;
   GainMailbox gains_;
-  std::int64_t tick_ = 0;
+  std::unique_ptr<CommandLink> link_ = std::make_unique<CommandLink>();
+  std::int64_t tick_ = 0, asked_ = 0;
 };
 
 }  // namespace pneuservo

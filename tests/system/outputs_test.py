@@ -117,12 +117,13 @@ for key in ('"\\e[2Jkey": 1', '"a\\x9bb": 1', 'name: "\\e]0;title\\a"', '"\\u009
     expect(done.returncode == 2 and len(done.stderr.splitlines()) == 1, f"{key}: {done.returncode} {done.stderr!r}")
     expect(not any(ord(c) < 32 or 126 < ord(c) < 160 for c in done.stderr.strip()), f"{key}: raw: {done.stderr!r}")
 
-# The service starts nothing at boot and records each start to a file of its own.
+# The service starts nothing at boot, moves nothing by itself, and is watched.
 with open("cmake/debian/pneuservo@.service") as file:
     unit = [line.strip() for line in file if not line.startswith("#")]
 starts = [line for line in unit if line.startswith("ExecStart=")]
 expect("[Install]" not in unit and "Restart=no" in unit, "the service may start by itself")
-expect(len(starts) == 1 and "--record" in starts[0] and "date -u" in starts[0], f"the service overwrites its recording: {starts}")
+expect(starts == ["ExecStart=/usr/bin/pneuservo serve /etc/pneuservo/%i.yaml --record %S/pneuservo/%i"], f"the service: {starts}")
+expect("Type=notify" in unit and any(line.startswith("WatchdogSec=") for line in unit), "the service is not watched")
 
 # The guard's service watches the same config under the same account, and neither of the two is unknown to systemd.
 with open("cmake/debian/pneuservo-guard@.service") as file:

@@ -15,7 +15,7 @@ struct ReferencePoint {
   std::array<double, 8> d{};
 };
 
-enum class ReferenceKind { sine, multisine, waypoints, sum, cruise, minimum_jerk, file };
+enum class ReferenceKind { sine, multisine, waypoints, sum, cruise, minimum_jerk, file, live };
 
 /// A reference as a config states it (docs/config-keys.md); keys that a kind does not have stay unused.
 struct ReferenceSpec {
@@ -29,6 +29,7 @@ struct ReferenceSpec {
   std::vector<ReferenceSpec> parts;                                  // sum
   double start_m = 0.0, end_m = 0.0, speed_mps = 0.0, duration_s = 0.0;  // cruise, minimum_jerk
   std::string path;                                                  // file
+  double lowest_m = 0.0, highest_m = 0.0, acceleration_mps2 = 0.0;   // live, with speed_mps
 };
 
 /// Reads the columns t_s and x_ref_m of a recording: the loader of references of kind `file`.
@@ -41,6 +42,11 @@ inline bool needs_file(const ReferenceSpec& spec) {
     if (needs_file(part)) return true;
   return false;
 }
+
+/// The trial motion of a reference of kind `live`: the hardest that commands may ask for, with which everything that a
+/// config's motion is checked by is checked (docs/serve.md). Forth and at once back over the range, then the shortest
+/// moves that reach the largest speed, forth and back.
+ReferenceSpec live_trial(const ReferenceSpec& live);
 
 /// Smallest and largest value of one derivative of a reference over a time span.
 struct ReferenceExtremes {

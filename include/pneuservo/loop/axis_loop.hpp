@@ -10,6 +10,8 @@
 #include <pneuservo/estimator/pipeline_estimator.hpp>
 #include <pneuservo/hal/backend.hpp>
 #include <pneuservo/loop/approach.hpp>
+#include <pneuservo/loop/axis_command.hpp>
+#include <pneuservo/loop/commanded_motion.hpp>
 #include <pneuservo/loop/gain_mailbox.hpp>
 #include <pneuservo/loop/motion_twin.hpp>
 #include <pneuservo/loop/supervisor.hpp>
@@ -68,6 +70,15 @@ class AxisLoop {
   /// Where gains for the running loop come from; null: nowhere. Before the first pass.
   void set_gain_mailbox(GainMailbox* mailbox) noexcept { gain_mailbox_ = mailbox; }
 
+  /// Whoever commands the axis (reference of kind `live`); null: it runs its reference. Before the first pass. An axis
+  /// that is commanded moves after the command `enable` alone, which is lost with each fault, and rests where it is.
+  void set_command_link(CommandLink* link) noexcept {
+    link_ = link;
+    supervisor_.allow_motion(may_start());
+  }
+  /// Inputs that are not ready for so long after `enable` take it back.
+  static constexpr double enabled_within_s = 2.0;
+
   /// Time that the machine has been suspended so far [ns]; before the pass of a tick. HOT.
   void note_slept(std::int64_t slept_ns) noexcept { supervisor_.note_slept(slept_ns); }
 
@@ -93,8 +104,17 @@ class AxisLoop {
  private:
   void plan_motion(double t_s, const JudgedInputs& inputs) noexcept;
   ReferencePoint reference_at(double t_s) const noexcept;
+  bool may_start() const noexcept {
+    return (link_ == nullptr || enabled_) && (!may_move_still_ || stood_s_ >= rest_before_motion_s);
+  }
+  void take_command(std::int64_t tick) noexcept;
+  CommandResult obey_state(CommandKind kind, std::int64_t tick) noexcept;
+  void obey_motion(std::int64_t tick) noexcept;
+  void answer(CommandResult result, std::int64_t tick) noexcept;
+  void set_points(double t_s, std::int64_t tick, const JudgedInputs& inputs) noexcept;
+  void tell_status(std::int64_t tick) noexcept;
   std::array<double, 2> pressures(const JudgedInputs& inputs, const EstimatorOutput& estimate) const noexcept;
-  std::array<double, 2> control(double t_s, const JudgedInputs& inputs, const EstimatorOutput& estimate,
+  std::array<double, 2> control(std::int64_t tick, const JudgedInputs& inputs, const EstimatorOutput& estimate,
                                 std::int64_t skipped) noexcept;
   void fill_row(double t_s, std::int64_t skipped, bool stepped, const Measurement& measured, const Truth& truth,
                 const EstimatorOutput& estimate) noexcept;
@@ -114,6 +134,12 @@ class AxisLoop {
 
   std::atomic<bool> learning_due_{false};
   GainMailbox* gain_mailbox_ = nullptr;
+  CommandLink* link_ = nullptr;
+  CommandedMotion commanded_;
+  AxisCommand command_;  ///< taken, and where `waits_` not obeyed yet
+  CommandKind obeyed_ = CommandKind::none;  ///< in this tick
+  bool enabled_ = false, waits_ = false;
+  std::int64_t enabled_tick_ = 0;
   bool begins_ = true, moved_ = false, twin_waits_ = true;
   ControlInput control_in_;
   double stood_at_m_ = std::numeric_limits<double>::quiet_NaN(), stood_s_ = 0.0;

@@ -35,6 +35,11 @@ class TimeGrid {
     missed_ += skipped;
     return skipped;
   }
+  /// The next slot is a period from now: what held the loop up was meant to.
+  constexpr void restart(std::int64_t now_ns) noexcept {
+    ++slot_;
+    slot_ns_ = now_ns + period_ns_;
+  }
 
  private:
   std::int64_t period_ns_, slot_ns_;

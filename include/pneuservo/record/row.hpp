@@ -47,7 +47,10 @@ enum RowFlag : std::uint32_t {
   COLUMN(double, work_us, none)                                                                                        \
   COLUMN(std::uint32_t, state, 0) /* SupervisorState (loop/supervisor.hpp) */                                          \
   COLUMN(std::uint32_t, flags, 0) /* bits of RowFlag */                                                                \
-  COLUMN(std::uint64_t, fault, 0) /* bits of Fault (loop/fault.hpp), 0 while healthy */
+  COLUMN(std::uint64_t, fault, 0) /* bits of Fault (loop/fault.hpp), 0 while healthy */                                \
+  COLUMN(std::uint32_t, command_kind, 0) /* CommandKind (loop/axis_command.hpp) that was obeyed in this tick */        \
+  COLUMN(double, command_m, none) /* its target or way */                                                              \
+  COLUMN(double, command_mps, none) /* its speed */
 
 /// Plain data, copied through the ring. NaN means "no value" and is written as an empty field.
 struct Row {

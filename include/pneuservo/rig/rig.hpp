@@ -17,6 +17,7 @@
 #include <pneuservo/record/import_parameters.hpp>
 #include <pneuservo/rig/axis.hpp>
 #include <pneuservo/rig/hal_parameters.hpp>
+#include <pneuservo/rig/serve_parameters.hpp>
 #include <pneuservo/rig/switched_parameters.hpp>
 
 namespace pneuservo {
@@ -286,6 +287,7 @@ struct Rig {
   SafeOutputParameters safe_output;
   std::map<std::string, double> zeros;  ///< added to what a device gives, by channel name, in its SI unit
   std::optional<HalParameters> hal;
+  std::optional<ServeParameters> serve;  ///< of an axis that is commanded; not stated: its defaults
   std::optional<ImportParameters> imported;  ///< how recordings of a foreign format are read
 
   /// Whether it is a pneumatic servo axis: proportional valve, lines and chambers.
@@ -482,6 +484,7 @@ struct Rig {
     v(Field{"zeros", "", -1e7, 1e7, "added to what a device gives, by channel; written by the verb zero", optional},
       p.zeros...);
     v(Field{"hal", "", 0, 0, "devices behind the channels; without it all of them are simulated", optional}, p.hal...);
+    v(Field{"serve", "", 0, 0, "commander and recordings of the verb serve", optional}, p.serve...);
   }
 };
 

@@ -1,0 +1,88 @@
+// What an axis can be told while it runs, what it answers, and what it says of itself.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include <pneuservo/loop/mailbox.hpp>
+#include <pneuservo/loop/supervisor_state.hpp>
+
+namespace pneuservo {
+
+/// The values stand in recordings (column `command_kind`) and stay what they are.
+enum class CommandKind : std::uint32_t {
+  none,
+  enable,   ///< the edge without which nothing moves
+  disable,  ///< safe output
+  reset,    ///< acknowledges a fault; the axis is not enabled after it
+  move_to,
+  move_by,
+  jog,      ///< at a speed towards the end of the range
+  stop,     ///< to rest as fast as the limits allow
+  hold,     ///< the same, but the target is kept for `resume`
+  resume,
+  mark,     ///< nothing but a mark in the recording
+};
+inline constexpr std::array<std::string_view, 11> command_kind_names{
+    "none", "enable", "disable", "reset", "move_to", "move_by", "jog", "stop", "hold", "resume", "mark"};
+
+/// Whether it asks for a motion.
+constexpr bool is_motion(CommandKind kind) noexcept {
+  return kind >= CommandKind::move_to && kind <= CommandKind::resume;
+}
+
+struct AxisCommand {
+  CommandKind kind = CommandKind::none;
+  double position_m = 0.0;  ///< target of move_to, way of move_by
+  double speed_mps = 0.0;   ///< of moves and, with its sign, of jog
+  std::uint64_t number = 0; ///< comes back with the answer
+};
+
+/// How a command ended. Each has one sentence.
+enum class CommandResult : std::uint8_t { taken, not_enabled, in_fault, no_fault, is_enabled, outside, nothing_held };
+inline constexpr std::array<std::string_view, 7> command_result_texts{
+    "taken",
+    "the axis is not enabled: nothing moves before the command enable",
+    "a fault is latched: mend its cause, then the commands reset and enable",
+    "no fault is latched: there is nothing to reset",
+    "the axis is enabled already",
+    "the target is outside of reference.lowest_m to reference.highest_m",
+    "no move was held: there is nothing to resume",
+};
+constexpr std::string_view text_of(CommandResult result) noexcept {
+  return command_result_texts[static_cast<std::size_t>(result)];
+}
+
+struct AxisAnswer {
+  std::uint64_t number = 0;
+  CommandResult result = CommandResult::taken;
+  std::int64_t tick = 0;       ///< in which it was obeyed or refused
+  double target_m = 0.0;       ///< of the plan then
+  std::int64_t end_tick = 0;   ///< from which on the set point rests
+};
+
+/// After each tick.
+struct AxisStatus {
+  std::int64_t tick = -1;
+  double t_s = 0.0;
+  SupervisorState state = SupervisorState::unconfigured;
+  bool enabled = false;  ///< told to be; `state` says what it is
+  bool proven = false;   ///< the start is: until then moves are slow
+  std::uint64_t faults = 0, first_faults = 0;
+  double x_m = 0.0, x_ref_m = 0.0, v_ref_mps = 0.0, target_m = 0.0;
+  std::int64_t end_tick = 0;
+  double u_V = 0.0, p1_port_Pa = 0.0, p2_port_Pa = 0.0;
+};
+
+/// Between the running loop and the one thread that speaks for it; no side ever waits.
+struct CommandLink {
+  /// More than a thread that looks every few milliseconds leaves lying.
+  static constexpr std::size_t most_waiting = 64;
+  WaitFreeQueue<AxisCommand, most_waiting> commands;
+  /// A command is answered once, so that answers fit where never more than most_waiting commands are unanswered.
+  WaitFreeQueue<AxisAnswer, most_waiting> answers;
+  Mailbox<AxisStatus> status;
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,185 @@
+// Verb serve: an axis that runs until it is told otherwise and moves as it is commanded.
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "backends.hpp"
+#include "config/input_error.hpp"
+#include "config/read_rig.hpp"
+#include "loop/device_grade.hpp"
+#include "loop/realtime_stop.hpp"
+#include "loop/runner.hpp"
+#include "loop/safe_output_text.hpp"
+#include "program/injection.hpp"
+#include "program/loop_check.hpp"
+#include "program/rig_options.hpp"
+#include "program/verbs.hpp"
+#include "program/zeros.hpp"
+#include "record/series.hpp"
+#include "record/writer.hpp"
+#include "service/command_server.hpp"
+#include "service/sockets.hpp"
+
+namespace pneuservo {
+namespace {
+
+struct ServeOptions {
+  std::string config, time = "real", backend, socket, record;
+  std::vector<std::string> sets, scenarios, faults, zeros;
+  int priority = 80, cpu = -1;
+  AllowedRisks allowed;
+};
+
+/// Hours of injected faults that come again and again; nobody serves a simulation for longer.
+constexpr double longest_injection_s = 1e5;
+
+std::string backend_of(const ServeOptions& options, const Rig& rig) {
+  if (!options.backend.empty()) return options.backend;
+  return rig.hal ? "configured" : "sim";
+}
+
+Rig read_with_options(const ServeOptions& options) {
+  const auto sets = with_zeros(options.config, options.sets, options.zeros);
+  Rig rig = read_rig(options.config, sets, options.backend == "sim" ? ConfigUse::simulation : ConfigUse::machine);
+  require_kind("serve", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
+  if (rig.reference.kind != ReferenceKind::live)
+    throw InputError(options.config +
+                     ": reference.kind: found a reference that is fixed, expected live, with lowest_m, "
+                     "highest_m, speed_mps and acceleration_mps2 (docs/serve.md)");
+  const std::string backend = backend_of(options, rig);
+  if (rig.sensors.position.incremental && backend != "sim" && !rig.zeros.contains("x"))
+    throw InputError(options.config + ": sensors.position.incremental: found true without a zero of x, expected "
+                                      "--zeros FILE of the verb home, run after the encoder was switched on");
+  if (options.time != "real" && backend == "configured" && rig.hal->has_devices())
+    throw InputError(
+        "--time: found simulated with channels on real devices, expected --time real, or --hal sim for the "
+        "simulated plant");
+  if (!rig.serve) rig.serve.emplace();
+  return rig;
+}
+
+/// Of the config's name: axis.yaml is served as axis.
+std::string axis_name(const ServeOptions& options) { return std::filesystem::path(options.config).stem().string(); }
+
+std::filesystem::path socket_of(const ServeOptions& options) {
+  if (!options.socket.empty()) return options.socket;
+  const std::filesystem::path folder = socket_folder();
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  return folder / (axis_name(options) + ".sock");
+}
+
+std::shared_ptr<RecordingSeries> series_of(const ServeOptions& options, const ServeParameters& serve,
+                                           const std::string& stem) {
+  if (options.record.empty()) return nullptr;
+  return std::make_shared<RecordingSeries>(SeriesSettings{.folder = options.record,
+                                                          .stem = stem,
+                                                          .part_s = serve.part_s,
+                                                          .budget_MB = serve.recordings_MB,
+                                                          .kept_MB = serve.kept_MB,
+                                                          .around_s = serve.around_s});
+}
+
+std::unique_ptr<RecordingWriter> open_recording(const Rig& rig, const Backend& backend, const Facts& machine,
+                                                bool real_time, const std::shared_ptr<RecordingSeries>& series) {
+  if (!series) return nullptr;
+  RecordingOptions recording{.terms = law_columns(rig.controller.kind), .series = series};
+  if (real_time) recording.ring = std::make_shared<RecordingRing>();
+  return std::make_unique<RecordingWriter>("", run_header(rig, backend, machine, 0),
+                                           recorded_columns(rig, backend, {.real_time = real_time, .commanded = true}),
+                                           std::move(recording));
+}
+
+/// What is to be told at the end. True: the recording is whole.
+bool close_all(const Rig& rig, const Backend& backend, const RunOutcome& outcome, RecordingWriter* writer) {
+  for (const std::string& note : backend.notes()) std::cerr << note << "\n";
+  if (outcome.stopped_by_signal) std::cerr << "stopped by " << StopRequest::signal_name() << ": ";
+  std::cerr << safe_output_text(backend.safe_output(), rig) << "\n";
+  for (const std::string& fault : outcome.faults) std::cerr << "latched: " << fault << "\n";
+  if (writer == nullptr) return true;
+  const RecordingSummary summary = writer->close();
+  if (summary.dropped > 0)
+    std::cerr << fmt::format("{} rows were dropped, the writer came too late\n", summary.dropped);
+  if (!summary.error.empty()) std::cerr << summary.error << "\n";
+  return summary.whole();
+}
+
+int serve(const ServeOptions& options) {
+  if (options.time != "real" && options.time != "simulated")
+    throw InputError("--time: found '" + options.time + "', expected real or simulated");
+  const Rig rig = read_with_options(options);
+  require_reference_in_stroke(options.config, rig);
+  const bool real_time = options.time == "real";
+  const std::string backend_name = backend_of(options, rig);
+  heed_loop(options.config, rig, real_time && backend_name == "configured" && rig.hal->has_devices(), options.allowed);
+  StopRequest stop;
+  std::unique_ptr<RealTimeSession> session;
+  if (real_time) {
+    session = std::make_unique<RealTimeSession>(RealTimeSettings{
+        .priority = options.priority, .cpu = options.cpu >= 0 ? std::optional(options.cpu) : std::nullopt});
+    std::cerr << refusal_message(session->findings());
+  }
+  const auto faults = injected_faults(options.scenarios, options.faults, rig);
+  const auto backend = make_faulty_backend(backend_name, rig, faults);
+  if (backend->name() == "configured") std::cerr << device_warning(rig);
+  backend->configure();
+  const std::string stem = axis_name(options) + "-" + utc_stamp();
+  const auto series = series_of(options, *rig.serve, stem);
+  const auto link = std::make_unique<CommandLink>();
+  const std::filesystem::path socket = socket_of(options);
+  CommandServer server(rig, socket, *link, series.get(), [](const std::string& line) { std::cerr << line + "\n"; });
+  const auto writer =
+      open_recording(rig, *backend, machine_facts(session ? &session->state() : nullptr), real_time, series);
+  server.start();
+  std::cerr << fmt::format("commands at {}; nothing moves before the command enable; Ctrl-C ends\n", socket.string());
+  const RunOutcome outcome = run_loop(rig, *backend,
+                                      {.real_time = real_time,
+                                       .moves = 0,
+                                       .ring = writer ? writer->ring() : nullptr,
+                                       .writer = real_time ? nullptr : writer.get(),
+                                       .recording = series ? options.record + "/" + stem + ".csv.gz" : std::string(),
+                                       .commands = link.get(),
+                                       .late = late_ticks(faults, rig.period_s, longest_injection_s),
+                                       .suspends = suspends(faults, rig.period_s)});
+  const bool whole = close_all(rig, *backend, outcome, writer.get());
+  StopRequest::let_go(StopRequest::patience_s);
+  return outcome.faults.empty() && whole ? 0 : 1;
+}
+
+}  // namespace
+
+void add_serve(CLI::App& app, int& status) {
+  auto o = std::make_shared<ServeOptions>();
+  CLI::App* verb = app.add_subcommand("serve", "runs an axis that moves as it is commanded, until it is stopped");
+  verb->add_option("CONFIG", o->config, "rig with a reference of kind live")->required();
+  verb->add_option("--set", o->sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
+  verb->add_option("--time", o->time, "real: on the machine's clock; simulated: as fast as it goes")
+      ->check(CLI::IsMember({"real", "simulated"}))
+      ->capture_default_str();
+  verb->add_option("--hal", o->backend, "backend: sim, or configured; default: configured where the config has hal");
+  verb->add_option("--socket", o->socket,
+                   "Unix socket for commands [default: CONFIG's name.sock in $RUNTIME_DIRECTORY or "
+                   "$XDG_RUNTIME_DIR/pneuservo]");
+  verb->add_option("--record", o->record, "folder for recordings: files of serve.part_s, the oldest go");
+  verb->add_option("--zeros", o->zeros, "zeros of the channels, a file that the verbs home and zero wrote");
+  verb->add_option("--scenario", o->scenarios, "faults to inject into the backend sim, a file (docs/faults.md)");
+  verb->add_option("--fault", o->faults, "a fault to inject; may stand several times")
+      ->type_name("KIND[:TARGET[:VALUE]][@START_S[+DURATION_S]]");
+  verb->add_flag("--allow-unstable", o->allowed.unstable_loop,
+                 "serve devices although the linear model finds the loop unstable ('pneuservo check')");
+  verb->add_option("--priority", o->priority, "SCHED_FIFO priority in real time")->check(CLI::Range(1, 99));
+  verb->add_option("--cpu", o->cpu, "processor to pin the loop to in real time");
+  verb->footer(
+      "In one terminal, and then in another:\n"
+      "  pneuservo serve config/served/cylinder-10m-7.65mm.yaml --socket axis.sock\n"
+      "  pneuservo command enable --socket axis.sock\n"
+      "  pneuservo command move 0.1 --speed 0.2 --socket axis.sock\n"
+      "Exit status: 0 stopped by a signal; 1 a fault was latched then, or the recording is not whole; 2 unusable\n"
+      "input.");
+  verb->callback([o, &status] { status = serve(*o); });
+}
+
+}  // namespace pneuservo

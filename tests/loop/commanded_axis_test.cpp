@@ -1,0 +1,228 @@
+// An axis that is commanded, and the queue that its commands take: nothing moves before the edge of enable, moves end
+// where they shall, refusals move nothing, and a replay of what was obeyed gives the same rows.
+#include <catch2/catch.hpp>
+
+#include <bit>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include <pneuservo/loop/axis_loop.hpp>
+
+#include "core/test_seed.hpp"
+#include "loop/loop_rigs.hpp"
+#include "sim/sim_backend.hpp"
+
+using namespace pneuservo;
+
+namespace {
+
+Rig served_rig() { return config_rig("served/cylinder-10m-7.65mm"); }
+
+/// The loop on the simulated plant, tick by tick.
+class Axis {
+ public:
+  explicit Axis(const Rig& rig) : backend_(rig) {
+    backend_.configure();
+    loop_.configure(rig);
+    loop_.set_command_link(link_.get());
+    backend_.activate();
+  }
+  void run(int ticks) {
+    for (int i = 0; i < ticks; ++i) {
+      REQUIRE(loop_.pass(backend_, tick_++, 0, nullptr, nullptr));
+      rows_.push_back(loop_.row());
+    }
+  }
+  /// Asks, and runs until the answer is there.
+  AxisAnswer ask(AxisCommand command) {
+    command.number = ++numbers_;
+    REQUIRE(link_->commands.push(command));
+    for (int i = 0; i < 200; ++i) {
+      run(1);
+      if (AxisAnswer answer; link_->answers.pop(answer)) {
+        CHECK(answer.number == command.number);
+        return answer;
+      }
+    }
+    FAIL("no answer");
+    return {};
+  }
+  AxisStatus status() {
+    AxisStatus status;
+    link_->status.take(status);
+    return status;
+  }
+  void enable() {
+    CHECK(ask({CommandKind::enable}).result == CommandResult::taken);
+    for (int i = 0; i < 500 && !loop_.supervisor().is_active(); ++i) run(1);
+    REQUIRE(loop_.supervisor().is_active());
+  }
+  AxisLoop& loop() { return loop_; }
+  const std::vector<Row>& rows() const { return rows_; }
+
+ private:
+  SimBackend backend_;
+  AxisLoop loop_;
+  std::unique_ptr<CommandLink> link_ = std::make_unique<CommandLink>();
+  std::int64_t tick_ = 0;
+  std::uint64_t numbers_ = 0;
+  std::vector<Row> rows_;
+};
+
+AxisCommand move_to(double position_m, double speed_mps = 0.4) { return {CommandKind::move_to, position_m, speed_mps}; }
+
+}  // namespace
+
+TEST_CASE("the queue between two threads keeps order, loses nothing and says when it is full") {
+  WaitFreeQueue<std::uint64_t, 8> queue;
+  for (std::uint64_t i = 0; i < 8; ++i) CHECK(queue.push(i));
+  CHECK_FALSE(queue.push(8));
+  std::uint64_t value = 0;
+  for (std::uint64_t i = 0; i < 8; ++i) {
+    CHECK(queue.pop(value));
+    CHECK(value == i);
+  }
+  CHECK_FALSE(queue.pop(value));
+  constexpr std::uint64_t last = 50000;
+  WaitFreeQueue<std::uint64_t, 64> long_queue;
+  std::thread pushes([&] {
+    for (std::uint64_t i = 1; i <= last;)
+      if (long_queue.push(i)) ++i;
+      else std::this_thread::yield();
+  });
+  bool in_order = true;
+  for (std::uint64_t wanted = 1; wanted <= last;) {
+    if (!long_queue.pop(value)) {
+      std::this_thread::yield();
+      continue;
+    }
+    in_order = in_order && value == wanted;
+    ++wanted;
+  }
+  pushes.join();
+  CHECK(in_order);
+}
+
+TEST_CASE("nothing moves before enable, and again after disable") {
+  Axis axis(served_rig());
+  axis.run(500);
+  CHECK(axis.ask(move_to(0.05)).result == CommandResult::not_enabled);
+  axis.run(500);
+  for (const Row& row : axis.rows()) {
+    REQUIRE(row.state == static_cast<std::uint32_t>(SupervisorState::inactive));
+    REQUIRE(row.u_V == 0.0);
+    REQUIRE(row.command_kind == 0);
+  }
+  axis.enable();
+  CHECK(axis.ask({CommandKind::enable}).result == CommandResult::is_enabled);
+  axis.run(500);
+  CHECK(axis.rows().back().x_ref_m == Approx(0.0).margin(1e-4));
+  const AxisAnswer answer = axis.ask(move_to(0.05));
+  CHECK(answer.result == CommandResult::taken);
+  CHECK(answer.target_m == 0.05);
+  axis.run(2500);
+  CHECK(axis.rows().back().x_ref_m == 0.05);
+  CHECK(axis.rows().back().x_true_m == Approx(0.05).margin(1e-3));
+  CHECK(axis.ask({CommandKind::disable}).result == CommandResult::taken);
+  axis.run(10);
+  CHECK(axis.rows().back().u_V == 0.0);
+  CHECK(axis.ask(move_to(0.0)).result == CommandResult::not_enabled);
+  axis.enable();
+  CHECK(axis.rows().back().x_ref_m == Approx(axis.rows().back().measured[Signal::x]).margin(1e-4));
+}
+
+TEST_CASE("a command is obeyed in the next tick, which has the first new set point") {
+  Axis axis(served_rig());
+  axis.enable();
+  axis.ask(move_to(0.1, 0.05));
+  axis.run(1500);
+  const double on_way_m = axis.rows().back().x_ref_m;
+  const AxisAnswer answer = axis.ask({CommandKind::stop});
+  CHECK(answer.tick == static_cast<std::int64_t>(axis.rows().size()) - 1);
+  CHECK(axis.rows().back().command_kind == static_cast<std::uint32_t>(CommandKind::stop));
+  axis.run(2000);
+  CHECK(axis.rows().back().v_ref_mps == 0.0);
+  CHECK(axis.rows().back().x_ref_m == answer.target_m);
+  CHECK(answer.target_m > on_way_m);
+  CHECK(answer.target_m < 0.1);
+}
+
+TEST_CASE("the first move is slow until the start is proven, and then has its speed") {
+  Axis axis(served_rig());
+  axis.enable();
+  axis.ask(move_to(0.1));
+  double fastest_mps = 0.0;
+  while (!axis.loop().supervisor().motion().proven()) {
+    axis.run(1);
+    CHECK(axis.rows().back().v_ref_mps <= Approach::speed_mps * (1.0 + 1e-12));
+    REQUIRE(axis.rows().size() < 5000);
+  }
+  for (int i = 0; i < 2000; ++i) {
+    axis.run(1);
+    fastest_mps = std::max(fastest_mps, axis.rows().back().v_ref_mps);
+  }
+  CHECK(fastest_mps > 0.25);
+  CHECK(axis.rows().back().x_ref_m == 0.1);
+}
+
+TEST_CASE("relative moves, hold and resume; what is outside moves nothing") {
+  Axis axis(served_rig());
+  axis.enable();
+  axis.ask(move_to(0.05, 0.05));
+  axis.ask({CommandKind::move_by, 0.02, 0.05});
+  CHECK(axis.status().target_m == Approx(0.07));
+  CHECK(axis.ask({CommandKind::move_by, 0.1, 0.4}).result == CommandResult::outside);
+  CHECK(axis.status().target_m == Approx(0.07));
+  CHECK(axis.ask({CommandKind::resume}).result == CommandResult::nothing_held);
+  axis.run(800);
+  CHECK(axis.ask({CommandKind::hold}).target_m < 0.07);
+  axis.run(1000);
+  CHECK(axis.rows().back().v_ref_mps == 0.0);
+  CHECK(axis.ask({CommandKind::resume}).target_m == Approx(0.07));
+  axis.run(2000);
+  CHECK(axis.rows().back().x_ref_m == Approx(0.07));
+  axis.ask({CommandKind::jog, 0.0, -0.1});
+  axis.run(500);
+  const double jogged_m = axis.rows().back().x_ref_m;
+  CHECK(axis.ask({CommandKind::move_by, 0.01, 0.4}).target_m == Approx(jogged_m + 0.01).margin(1e-3));
+}
+
+TEST_CASE("random commands: no fault, within limits, and what was obeyed replays bit for bit") {
+  const auto seed = test::new_seed();
+  CAPTURE(seed);
+  std::mt19937_64 random(seed);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  const Rig rig = served_rig();
+  Axis axis(rig);
+  axis.enable();
+  for (int i = 0; i < 150; ++i) {
+    const double speed_mps = uniform(0.01, 0.4);
+    switch (random() % 6) {
+      case 0: axis.ask({CommandKind::stop}); break;
+      case 1: axis.ask({CommandKind::jog, 0.0, random() % 2 == 0 ? speed_mps : -speed_mps}); break;
+      case 2: axis.ask({CommandKind::move_by, uniform(-0.05, 0.05), speed_mps}); break;
+      default: axis.ask(move_to(uniform(-0.12, 0.12), speed_mps));
+    }
+    axis.run(1 + static_cast<int>(random() % 600));
+    REQUIRE(axis.loop().faults() == 0);
+  }
+  Axis again(rig);
+  for (const Row& row : axis.rows()) {
+    CHECK(std::fabs(row.measured[Signal::x]) < 0.15);
+    if (row.command_kind != 0)
+      REQUIRE(again.ask({static_cast<CommandKind>(row.command_kind), row.command_m, row.command_mps}).result ==
+              CommandResult::taken);
+    else again.run(1);
+  }
+  REQUIRE(again.rows().size() == axis.rows().size());
+  for (std::size_t i = 0; i < axis.rows().size(); ++i) {
+    REQUIRE(std::bit_cast<std::uint64_t>(axis.rows()[i].x_ref_m) ==
+            std::bit_cast<std::uint64_t>(again.rows()[i].x_ref_m));
+    REQUIRE(axis.rows()[i].u_V == again.rows()[i].u_V);
+  }
+}

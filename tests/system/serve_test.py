@@ -1,0 +1,210 @@
+#!/usr/bin/env python3
+# An axis that is served: commands of good and bad clients, a commander that dies, a fault, recordings and their replay.
+import atexit, glob, gzip, json, os, signal, socket, subprocess, sys, tempfile, threading, time
+
+from program import expect, expect_refusal, program, run
+
+CONFIG = "config/served/cylinder-10m-7.65mm.yaml"
+folder = tempfile.TemporaryDirectory()
+
+
+def at(name):
+    return os.path.join(folder.name, name)
+
+
+class Served:
+    """`serve` in simulated time, as fast as it goes."""
+
+    def __init__(self, name, *options, **environment):
+        self.socket, self.records, self.log = at(name + ".sock"), at(name), at(name + ".log")
+        self.process = subprocess.Popen([program, "serve", CONFIG, "--time", "simulated", "--socket", self.socket, "--record", self.records, *options],
+                                        stderr=open(self.log, "w"), env={**os.environ, **environment})
+        atexit.register(self.process.kill)  # of a test that fails, too
+        for _ in range(400):
+            if os.path.exists(self.socket) and self.process.poll() is None:
+                return
+            time.sleep(0.05)
+        sys.exit(f"serve_test.py: serve did not start: {open(self.log).read()}")
+
+    def command(self, *words):
+        return run("command", *words, "--socket", self.socket)
+
+    def status(self):
+        return json.loads(self.command("status", "--json").stdout)
+
+    def until(self, holds, what):
+        for _ in range(400):
+            status = self.status()
+            if holds(status):
+                return status
+            time.sleep(0.02)
+        sys.exit(f"serve_test.py: {what} did not come: {status}")
+
+    def end(self):
+        self.process.send_signal(signal.SIGTERM)
+        status = self.process.wait(timeout=30)
+        return status, open(self.log).read()
+
+    def parts(self):
+        return sorted(glob.glob(self.records + "/*.csv.gz") + glob.glob(self.records + "/kept/*.csv.gz"), key=os.path.basename)
+
+
+class Client:
+    def __init__(self, path):
+        self.socket = socket.socket(socket.AF_UNIX)
+        self.socket.settimeout(10)
+        self.socket.connect(path)
+        self.lines = self.socket.makefile("rb")
+
+    def send(self, data):
+        self.socket.sendall(data if isinstance(data, bytes) else (json.dumps({"version": 1, **data}) + "\n").encode())
+
+    def answer(self):
+        return json.loads(self.lines.readline())
+
+    def ask(self, data):
+        self.send(data)
+        return self.answer()
+
+    def close(self):
+        self.lines.close()
+        self.socket.close()
+
+
+def refused(answer, *words):
+    expect(answer["ok"] is False and all(word in answer["error"] for word in words), f"not refused with {words}: {answer}")
+
+
+# What serve does not take.
+expect_refusal(run("serve", "config/cylinder-10m-7.65mm.yaml", "--socket", at("no.sock")), ["reference.kind", "live"], "a fixed reference")
+expect_refusal(run("check", CONFIG, "--set", "reference.highest_m=0.2"), ["reference"], "a range beyond the stroke")
+expect_refusal(run("check", CONFIG, "--set", "reference.lowest_m=0.12"), ["highest_m", "lowest_m"], "an empty range")
+expect_refusal(run("check", CONFIG, "--set", "reference.speed_mps=9"), ["speed"], "a speed beyond the valve")
+expect_refusal(run("command", "status", "--socket", at("nobody.sock")), ["nobody.sock", "serve"], "no axis there")
+
+axis = Served("axis", "--set", "serve.part_s=20")
+expect_refusal(run("serve", CONFIG, "--socket", axis.socket), ["another program"], "a second axis at the same socket")
+
+# Before enable nothing moves.
+done = axis.command("move", "0.05")
+expect(done.returncode == 1 and "not enabled" in done.stderr, f"a move before enable: {done}")
+status = axis.status()
+expect(status["state"] == "inactive" and abs(status["x_m"]) < 1e-5, f"not at rest: {status}")
+expect(axis.command("enable").returncode == 0, "enable was refused")
+done = axis.command("move", "0.05", "--speed", "0.2", "--wait")
+expect(done.returncode == 0 and "50.000 mm" in done.stdout, f"a move: {done}")
+axis.until(lambda s: abs(s["x_m"] - 0.05) < 1e-3, "the target of the move")
+expect(axis.command("move-by", "-0.02", "--wait").returncode == 0, "a relative move was refused")
+axis.until(lambda s: abs(s["target_m"] - 0.03) < 1e-12 and abs(s["x_m"] - 0.03) < 1e-3, "the target of the relative move")
+
+# Bad input: one sentence each, and the axis stays where it is.
+client = Client(axis.socket)
+refused(client.ask(b"move\n"), "no JSON object")
+refused(client.ask(b'[1]\n'), "no JSON object")
+refused(client.ask(b'\xff\xfe{}\n'), "no JSON object")
+refused(client.ask(b'{"command":"move_to","position_m":0.1}\n'), "version")
+refused(client.ask({"version": 2, "command": "status"}), "version", "2")
+refused(client.ask({"command": "fly"}), "fly", "enable")
+refused(client.ask({"command": "move_to"}), "position_m", "nothing")
+refused(client.ask({"command": "move_to", "position_m": 0.5}), "position_m", "0.5", "-0.12 to 0.12")
+refused(client.ask({"command": "move_to", "position_m": "0.1"}), "position_m")
+refused(client.ask(b'{"version":1,"command":"move_to","position_m":1e999}\n'), "no JSON object")
+refused(client.ask({"command": "move_to", "position_m": 0.1, "speed_mps": 3}), "speed_mps", "0.4")
+refused(client.ask({"command": "move_to", "position_m": 0.1, "sped": 3}), "sped", "unknown key")
+refused(client.ask({"command": "move_by", "way_m": 0.2}), "outside")
+refused(client.ask({"command": "jog", "speed_mps": 0}), "speed_mps")
+refused(client.ask({"command": "resume"}), "nothing to resume")
+refused(client.ask({"command": "enable"}), "enabled already")
+refused(client.ask({"command": "reset"}), "no fault")
+answer = client.ask({"command": "status", "id": "me"})
+expect(answer["id"] == "me" and abs(answer["status"]["target_m"] - 0.03) < 1e-12 and not answer["status"]["moving"], f"something moved: {answer}")
+
+# Two commanders: the second may look, stop and mark, and commands when the first has released.
+other = Client(axis.socket)
+expect(client.ask({"command": "move_to", "position_m": 0.0})["ok"], "the commander's move")
+refused(other.ask({"command": "move_to", "position_m": 0.1}), "commanded by process")
+expect(other.ask({"command": "stop"})["ok"] and other.ask({"command": "mark"})["ok"], "stop and mark of a second client")
+expect(client.ask({"command": "release"})["ok"] and other.ask({"command": "move_to", "position_m": 0.1})["ok"], "command after the release")
+expect(other.ask({"command": "hold"})["ok"] and other.ask({"command": "resume"})["ok"], "hold and resume")
+axis.until(lambda s: abs(s["x_m"] - 0.1) < 1e-3, "the target after hold and resume")
+
+# A flood is answered line by line, and the last word counts.
+flood = 3000
+for i in range(flood):
+    other.send({"command": "move_to", "position_m": 0.1 * (i % 2), "id": i})
+    if i % 100 == 99:
+        answers = [other.answer() for _ in range(100)]
+        expect(all("error" in a or a["ok"] for a in answers), "an answer of the flood")
+other.send(b"x" * 10000)
+refused(other.answer(), "4096")
+axis.until(lambda s: s["commander"] is None and not s["moving"], "the end of the flood")
+expect(axis.status()["state"] == "active", "the flood ended the motion")
+
+# A commander that dies while it jogs: the axis stops.
+jogger = Client(axis.socket)
+expect(jogger.ask({"command": "move_to", "position_m": -0.1})["ok"], "the way to the lower end")
+axis.until(lambda s: not s["moving"], "the lower end")
+watcher = Client(axis.socket)
+expect(watcher.ask({"command": "watch", "interval_s": 0.01})["ok"] and "status" in watcher.answer(), "watch")
+expect(jogger.ask({"command": "jog", "speed_mps": 0.001})["ok"], "jog")
+jogger.close()
+status = axis.until(lambda s: s["commander"] is None and not s["moving"], "the stop after the commander's death")
+expect(status["state"] == "active" and status["target_m"] < 0.12, f"it went on: {status}")
+expect(axis.command("disable").returncode == 0 and axis.status()["state"] == "safe_stop", "disable")
+done = axis.command("move", "0.05")
+expect(done.returncode == 1 and "not enabled" in done.stderr, f"a move after disable: {done}")
+expect(axis.command("enable").returncode == 0 and axis.command("move", "0").returncode == 0, "enable once more")
+status, log = axis.end()
+expect(status == 0 and "is gone: stop" in log and "fault" not in log, f"the end: {status}: {log}")
+expect(not os.path.exists(axis.socket), "the socket was left")
+
+# The record has it all: the mark's file is kept, the replay is bit for bit.
+parts = axis.parts()
+expect(any("/kept/" in part for part in parts), f"no file of the mark was kept: {parts}")
+done = run("replay", CONFIG, *parts, "--set", "serve.part_s=20")
+expect(done.returncode == 0 and "bit for bit" in done.stdout, f"replay: {done.stdout[-600:]} {done.stderr[-600:]}")
+kinds = []
+for part in parts:
+    with gzip.open(part, "rt") as file:
+        rows = (line.rstrip("\n").split(",") for line in file if not line.startswith("#"))
+        column = next(rows).index("command_kind")
+        kinds += [row[column] for row in rows if row[column] != "0"]
+expect(kinds[:3] == ["1", "4", "5"] and kinds.count("10") == 1 and kinds.count("8") == 1 and kinds.count("9") == 1 and kinds[-3:] == ["2", "1", "4"],
+       f"commands in the record: {kinds[:5]} ... {kinds[-5:]}")
+
+# A fault: commands are refused, the way back is reset and enable; the file around it is kept. The service manager is told
+# that the axis is ready and lives; commands come over TCP on the loopback, too.
+manager = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+manager.bind(at("manager"))
+manager.settimeout(20)
+free = socket.socket()
+free.bind(("127.0.0.1", 0))
+port = free.getsockname()[1]
+free.close()
+axis = Served("faulty", "--fault", "emergency_stop@300+1", "--set", f"serve.tcp_port={port}", NOTIFY_SOCKET=at("manager"), WATCHDOG_USEC="200000")
+expect(manager.recv(4096).decode().startswith("READY=1\n"), "the manager was not told that the axis is ready")
+said = []
+
+
+def listen():
+    while b"STOPPING=1" not in said:
+        said.append(manager.recv(4096))
+
+
+listener = threading.Thread(target=listen, daemon=True)
+listener.start()
+done = run("command", "status", "--tcp", str(port))
+expect(done.returncode == 0 and "inactive" in done.stdout, f"status over TCP: {done}")
+expect(axis.command("enable").returncode == 0, "enable before the fault")
+axis.until(lambda s: s["faults"], "the fault")
+done = axis.command("move", "0.05")
+expect(done.returncode == 1 and "fault is latched" in done.stderr, f"a move in a fault: {done}")
+done = axis.command("enable")
+expect(done.returncode == 1 and "fault is latched" in done.stderr, f"enable in a fault: {done}")
+expect(axis.command("reset").returncode == 0 and axis.status()["state"] == "inactive", "reset")
+expect(axis.command("enable").returncode == 0 and axis.command("move", "0.01", "--wait").returncode == 0, "a move after the fault")
+status, log = axis.end()
+expect(status == 0 and "fault:" in log, f"the end after a fault: {status}: {log}")
+listener.join(10)
+expect(b"WATCHDOG=1" in said and said[-1] == b"STOPPING=1", f"the manager was told {said[-5:]}")
+expect(any("/kept/" in part for part in axis.parts()), "the file of the fault was not kept")

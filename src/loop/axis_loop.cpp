@@ -290,14 +290,12 @@ void AxisLoop::tell_status(std::int64_t tick) noexcept {
                       .proven = supervisor_.motion().proven(),
                       .faults = supervisor_.faults(),
                       .first_faults = supervisor_.first_faults(),
-                      .x_m = row_.measured[Signal::x],
+                      .measured = row_.measured,
                       .x_ref_m = row_.x_ref_m,
                       .v_ref_mps = row_.v_ref_mps,
                       .target_m = commanded_.planner().target_m(),
                       .end_tick = commanded_.planner().end_tick(),
-                      .u_V = supervisor_.command_V()[0],
-                      .p1_port_Pa = row_.measured[Signal::p1_port],
-                      .p2_port_Pa = row_.measured[Signal::p2_port]});
+                      .u_V = supervisor_.command_V()[0]});
 }
 
 void AxisLoop::stop(Backend& backend, std::int64_t tick) noexcept {

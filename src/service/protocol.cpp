@@ -158,27 +158,28 @@ nlohmann::ordered_json status_json(const AxisStatus& s, double period_s, std::st
   for (const FaultText& text : fault_texts)
     if ((s.faults & text.bit) != 0) faults.push_back(text.name);
   const bool active = s.state == SupervisorState::active;
-  return {{"t_s", s.t_s},
-          {"state", supervisor_state_names[static_cast<std::size_t>(s.state)]},
-          {"enabled", s.enabled},
-          {"start_proven", active && s.proven},
-          {"moving", active && s.tick < s.end_tick},
-          {"x_m", number_or_null(s.x_m)},
-          {"x_ref_m", number_or_null(active ? s.x_ref_m : std::nan(""))},
-          {"v_ref_mps", number_or_null(active ? s.v_ref_mps : std::nan(""))},
-          {"target_m", number_or_null(active ? s.target_m : std::nan(""))},
-          {"ends_s", number_or_null(active ? static_cast<double>(s.end_tick) * period_s : std::nan(""))},
-          {"u_V", number_or_null(s.u_V)},
-          {"p1_port_Pa", number_or_null(s.p1_port_Pa)},
-          {"p2_port_Pa", number_or_null(s.p2_port_Pa)},
-          {"faults", faults},
-          {"commander", commander.empty() ? json(nullptr) : json(commander)},
-          {"recording",
-           {{"parts", recording.parts},
-            {"kept", recording.kept},
-            {"kept_MB", recording.kept_MB},
-            {"deleted", recording.deleted},
-            {"trouble", recording.trouble.empty() ? json(nullptr) : json(recording.trouble)}}}};
+  nlohmann::ordered_json status = {
+      {"t_s", s.t_s},
+      {"state", supervisor_state_names[static_cast<std::size_t>(s.state)]},
+      {"enabled", s.enabled},
+      {"start_proven", active && s.proven},
+      {"moving", active && s.tick < s.end_tick},
+      {"x_ref_m", number_or_null(active ? s.x_ref_m : std::nan(""))},
+      {"v_ref_mps", number_or_null(active ? s.v_ref_mps : std::nan(""))},
+      {"target_m", number_or_null(active ? s.target_m : std::nan(""))},
+      {"ends_s", number_or_null(active ? static_cast<double>(s.end_tick) * period_s : std::nan(""))},
+      {"u_V", number_or_null(s.u_V)},
+      {"faults", faults},
+      {"commander", commander.empty() ? json(nullptr) : json(commander)},
+      {"recording",
+       {{"parts", recording.parts},
+        {"kept", recording.kept},
+        {"kept_MB", recording.kept_MB},
+        {"deleted", recording.deleted},
+        {"trouble", recording.trouble.empty() ? json(nullptr) : json(recording.trouble)}}}};
+  for (const Signal signal : channel_signals)
+    status[std::string(info(signal).column)] = number_or_null(s.measured[signal]);
+  return status;
 }
 
 }  // namespace pneuservo

@@ -84,7 +84,7 @@ TEST_CASE("missing keys are refused at the line of their section") {
   CHECK(refusal(with(plain, "pressure_source: estimated\n  ", "")) ==
         "rig.yaml:34: controller.pressure_source: found nothing, expected one of valve, chamber, estimated");
   CHECK(refusal(with(plain, "kind: sine, ", "")) == "rig.yaml:40: reference.kind: found nothing, expected one of sine, "
-                                                    "multisine, waypoints, sum, cruise, minimum_jerk, file");
+                                                    "multisine, waypoints, sum, cruise, minimum_jerk, file, live");
 }
 
 TEST_CASE("wrong types are refused") {
@@ -153,7 +153,7 @@ TEST_CASE("other formats, rigs and controllers are refused with the known ones")
         "rig.yaml:35: controller.pressure_source: found 'measured', expected one of valve, chamber, estimated");
   CHECK(refusal(with(plain, "kind: sine", "kind: square")) ==
         "rig.yaml:40: reference.kind: found 'square', expected one of sine, multisine, waypoints, sum, cruise, "
-        "minimum_jerk, file");
+        "minimum_jerk, file, live");
 }
 
 TEST_CASE("a key that stands twice is refused with both lines") {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include <pneuservo/core/signal.hpp>
 #include <pneuservo/loop/mailbox.hpp>
 #include <pneuservo/loop/supervisor_state.hpp>
 
@@ -70,9 +71,10 @@ struct AxisStatus {
   bool enabled = false;  ///< told to be; `state` says what it is
   bool proven = false;   ///< the start is: until then moves are slow
   std::uint64_t faults = 0, first_faults = 0;
-  double x_m = 0.0, x_ref_m = 0.0, v_ref_mps = 0.0, target_m = 0.0;
+  PerSignal<double> measured;  ///< NaN: no valid sample
+  double x_ref_m = 0.0, v_ref_mps = 0.0, target_m = 0.0;
   std::int64_t end_tick = 0;
-  double u_V = 0.0, p1_port_Pa = 0.0, p2_port_Pa = 0.0;
+  double u_V = 0.0;
 };
 
 /// Between the running loop and the one thread that speaks for it; no side ever waits.

@@ -1,12 +1,11 @@
-// An axis that is commanded, and the queue that its commands take: nothing moves before the edge of enable, moves end
-// where they shall, refusals move nothing, and a replay of what was obeyed gives the same rows.
+// An axis that is commanded: nothing moves before the edge of enable, moves end where they shall, refusals move
+// nothing, and a replay of what was obeyed gives the same rows.
 #include <catch2/catch.hpp>
 
 #include <bit>
 #include <cmath>
 #include <memory>
 #include <random>
-#include <thread>
 #include <vector>
 
 #include <pneuservo/loop/axis_loop.hpp>
@@ -75,36 +74,6 @@ class Axis {
 AxisCommand move_to(double position_m, double speed_mps = 0.4) { return {CommandKind::move_to, position_m, speed_mps}; }
 
 }  // namespace
-
-TEST_CASE("the queue between two threads keeps order, loses nothing and says when it is full") {
-  WaitFreeQueue<std::uint64_t, 8> queue;
-  for (std::uint64_t i = 0; i < 8; ++i) CHECK(queue.push(i));
-  CHECK_FALSE(queue.push(8));
-  std::uint64_t value = 0;
-  for (std::uint64_t i = 0; i < 8; ++i) {
-    CHECK(queue.pop(value));
-    CHECK(value == i);
-  }
-  CHECK_FALSE(queue.pop(value));
-  constexpr std::uint64_t last = 50000;
-  WaitFreeQueue<std::uint64_t, 64> long_queue;
-  std::thread pushes([&] {
-    for (std::uint64_t i = 1; i <= last;)
-      if (long_queue.push(i)) ++i;
-      else std::this_thread::yield();
-  });
-  bool in_order = true;
-  for (std::uint64_t wanted = 1; wanted <= last;) {
-    if (!long_queue.pop(value)) {
-      std::this_thread::yield();
-      continue;
-    }
-    in_order = in_order && value == wanted;
-    ++wanted;
-  }
-  pushes.join();
-  CHECK(in_order);
-}
 
 TEST_CASE("nothing moves before enable, and again after disable") {
   Axis axis(served_rig());

@@ -164,7 +164,7 @@ TEST_CASE("flatness law: learns an area that is off, and a flow that is missing"
   }
 }
 
-TEST_CASE("flatness law: a few skipped ticks are bridged; a move with more than one percent of them teaches nothing") {
+TEST_CASE("flatness law: a few skipped ticks are bridged, a move with more than one percent of them teaches nothing") {
   const AxisParameters<double> axis = test::table_axis(table_4mm);
   for (const std::int64_t every : {200, 50}) {
     FlatnessLaw law(FlatnessPlan(axis, cruise(-0.02, 0.02), 1.2, at_pressure(140e3)), flatness_gains(axis, 110e3),

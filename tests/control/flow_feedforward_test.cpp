@@ -79,7 +79,7 @@ TEST_CASE("the commanded area gives the force rate that the reference asks for")
   }
 }
 
-TEST_CASE("payload and friction enter the force of the motion; line loss enlarges the area") {
+TEST_CASE("payload and friction enter the force of the motion, line loss enlarges the area") {
   AxisParameters<double> axis = nominal_axis();
   axis.slider.payload_kg = 1.25;
   ReferencePoint r;

@@ -160,7 +160,7 @@ TEST_CASE("a move takes the way at its speed and one transition, a turn rests on
   CHECK(LivePlanner::transition_s({-1, 1, 0.5, 5.0, 3}) == Approx(1.5 * 0.1));
 }
 
-TEST_CASE("a stop comes to rest half a transition at the speed ahead; a start outside comes back and jogs no further") {
+TEST_CASE("a stop comes to rest half a transition at the speed ahead, a start outside comes back and jogs no further") {
   LivePlanner planner;
   planner.configure({-0.1, 0.1, 0.5, 5.0, 11}, 1e-3);
   planner.start(0, -0.1);

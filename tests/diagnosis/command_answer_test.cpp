@@ -60,7 +60,7 @@ TEST_CASE("command answer: what follows the command's steps is kept whole, what 
   CHECK(squares(answer.of(early)) < 0.25 * all);
 }
 
-TEST_CASE("command answer: white noise has the same size in every row; a command without steps has no rows") {
+TEST_CASE("command answer: white noise has the same size in every row, a command without steps has no rows") {
   constexpr std::size_t count = 20000;
   const CommandAnswer answer(white(count, 0.003, 2), std::vector<char>(count, 1));
   double sum = 0;

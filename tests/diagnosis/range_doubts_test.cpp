@@ -107,7 +107,7 @@ TEST_CASE("spikes, an encoder that freezes, gaps and steps are no turns of a cou
   });
 }
 
-TEST_CASE("an end of the range where values pile up is clipped, with noise and without; a rest at the end is not") {
+TEST_CASE("an end of the range where values pile up is clipped, with noise and without, a rest at the end is not") {
   Drawn drawn;
   INFO("seed " << drawn.seed << " (PNEUSERVO_TEST_SEED)");
   for (const double noise_m : {0.0, 1e-5}) {
@@ -168,7 +168,7 @@ TEST_CASE("clipped pressures are left out and told, and nothing else of the reco
   CHECK(std::isfinite(wrong[0].column("p2_port_Pa")[2000]));
 }
 
-TEST_CASE("a sensor that is coarser than its section becomes so in the rig, and is told; one that is not stays") {
+TEST_CASE("a sensor that is coarser than its section becomes so in the rig, and is told, one that is not stays") {
   Drawn drawn;
   INFO("seed " << drawn.seed << " (PNEUSERVO_TEST_SEED)");
   Rig rig = test::cylinder_rig();
@@ -194,7 +194,7 @@ TEST_CASE("a sensor that is coarser than its section becomes so in the rig, and 
   CHECK(notes.empty());
 }
 
-TEST_CASE("a copy is told as one, scaled or not; two sensors of one pressure are not") {
+TEST_CASE("a copy is told as one, scaled or not, two sensors of one pressure are not") {
   Drawn drawn;
   INFO("seed " << drawn.seed << " (PNEUSERVO_TEST_SEED)");
   const Rig rig = test::cylinder_rig();

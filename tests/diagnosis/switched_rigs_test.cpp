@@ -124,7 +124,7 @@ TEST_CASE("a tank's wall heat and a wrong orifice come out of its blow-down") {
   CHECK(found.answers[0].parameters[0].value == Approx(8.0).epsilon(0.05));
 }
 
-TEST_CASE("pump and orifice agree on the pressure between them; no pump is a constant supply") {
+TEST_CASE("pump and orifice agree on the pressure between them, no pump is a constant supply") {
   const Air<double> air;
   const double area = 1e-6, b = 0.528, stalled = 1.5e5, p = 1.1e5, T = 293;
   const double R = 2e7, between = pressure_behind_pump({R}, air, area, b, stalled, p, T);

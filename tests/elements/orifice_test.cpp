@@ -7,7 +7,7 @@
 
 using namespace pneuservo;
 
-TEST_CASE("orifice: swapping the sides turns the sign, exactly; equal pressures give exactly nothing") {
+TEST_CASE("orifice: swapping the sides turns the sign, exactly, equal pressures give exactly nothing") {
   const std::uint64_t seed = 7;
   INFO("seed " << seed);
   Random random(seed);

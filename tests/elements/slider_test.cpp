@@ -65,7 +65,7 @@ TEST_CASE("slider: each law has its force, m = 2 kg with payload") {
   CHECK(acceleration(e, 0.0, 0.0, 0.05) == Approx(-1.5));
 }
 
-TEST_CASE("slider: below breakaway nothing moves, exactly; above it does; direction by direction") {
+TEST_CASE("slider: below breakaway nothing moves, exactly, above it does, direction by direction") {
   MotionEffects<double> e;
   e.direction_dependent_friction = {4.0, 6.0};
   Slider<double> slider = make_slider(e);

@@ -217,7 +217,7 @@ TEST_CASE("servo table: integral action takes out a leak of 1e-8 m2") {
   }
 }
 
-TEST_CASE("servo table: noisy port sensors and a coarse spool cost little; a wrong mean pressure is brought back") {
+TEST_CASE("servo table: noisy port sensors and a coarse spool cost little, a wrong mean pressure is brought back") {
   for (const auto& one : both) {
     TableTrial noisy = gentle(one), coarse = gentle(one), wrong = gentle(one);
     noisy.port_noise_Pa = 300.0;

@@ -170,7 +170,7 @@ TEST_CASE("a delayed channel of the device sends the counts of some periods befo
   REQUIRE(before[290] != before[290 - periods]);  // it moves, or nothing would be seen
 }
 
-TEST_CASE("after bus-off nothing is sent until the user configures anew; then it goes on") {
+TEST_CASE("after bus-off nothing is sent until the user configures anew, then it goes on") {
   Bench b({}, {"bus_off@0.1"});
   REQUIRE(b.run(500) >= 0);
   b.bus->sent.clear();

@@ -148,7 +148,7 @@ TEST_CASE("a serial line full of anything but frames takes one reading a call") 
   REQUIRE(line.dropped() >= 290);
 }
 
-TEST_CASE("a serial line and a node of a bus have one controller; the other one is told who has it") {
+TEST_CASE("a serial line and a node of a bus have one controller, the other one is told who has it") {
   const std::string us = std::to_string(getpid());
   Adapter adapter;
   {
@@ -226,7 +226,7 @@ TEST_CASE("an interface that is not there is named with its remedy") {
                       Catch::Contains("nocan77: no such interface") || Catch::Contains("this kernel has no CAN"));
 }
 
-TEST_CASE("EDS and DCF: types, mapping, values with the node's number; mistakes by line") {
+TEST_CASE("EDS and DCF: types, mapping, values with the node's number, mistakes by line") {
   const EdsFile eds =
       EdsFile::parse("; a comment\n[DeviceInfo]\nVendorName=Somebody\n[1000]\nParameterName=Device type\n"
                      "DefaultValue=0x000F0191\nDataType=0x0007\nAccessType=ro\n[1800sub1]\nDataType=0x0007\n"

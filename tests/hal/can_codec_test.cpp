@@ -114,7 +114,7 @@ TEST_CASE("SDO: the bytes of expedited transfers and aborts") {
   REQUIRE_FALSE(server.answer(bytes(0x605, {0x40, 0x00, 0x10})));
 }
 
-TEST_CASE("SDO: a text comes in segments with alternating toggle bits; a wrong one ends it") {
+TEST_CASE("SDO: a text comes in segments with alternating toggle bits, a wrong one ends it") {
   ObjectDictionary dictionary;
   dictionary.add_text(0x1008, "an analog device");
   SdoServer server(5, dictionary, {});

@@ -172,7 +172,7 @@ TEST_CASE("the safe output is told as sent, as read back only where the device s
   }
 }
 
-TEST_CASE("an output that the device does not show is a fault within four cycles; lost frames and steps are none") {
+TEST_CASE("an output that the device does not show is a fault within four cycles, lost frames and steps are none") {
   const unsigned seed = test::stated_seed().value_or(20261125u);
   INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   std::mt19937 random(seed);
@@ -224,7 +224,7 @@ TEST_CASE("outputs of other objects take the substitute that the config names, o
   REQUIRE(b.device.command_V() == Approx(-0.5).margin(0.6 / o.counts_per_V));
 }
 
-TEST_CASE("a second answer each cycle is a fault within half a second; single late and repeated frames are none") {
+TEST_CASE("a second answer each cycle is a fault within half a second, single late and repeated frames are none") {
   const unsigned seed = test::stated_seed().value_or(20261126u);
   INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   std::mt19937 random(seed);

@@ -77,7 +77,7 @@ TEST_CASE("gpio: levels become states, a line that cannot be read says so, a mis
   REQUIRE(panel.backend.notes().front() == "gpio: valve_power could not be read");
 }
 
-TEST_CASE("gpio: an emergency stop that was pressed and let go between two ticks is one; a limit switch is its level") {
+TEST_CASE("gpio: an emergency stop that was pressed and let go between two ticks is one, a limit switch is its level") {
   Panel panel;
   panel.backend.configure();
   for (const char* key : {"emergency_stop", "limit_high"}) panel.wires[key].edges = {true, 1};

@@ -92,7 +92,7 @@ TEST_CASE("a config is judged by its motion, the larger side decides") {
   CHECK(index_html("rest", r).find("<svg") == std::string::npos);
 }
 
-TEST_CASE("text, JSON and page carry the verdict; the page needs nothing from outside") {
+TEST_CASE("text, JSON and page carry the verdict, the page needs nothing from outside") {
   const RigNecessity r = rig_necessity(nominal_rig());
   CHECK(index_text("name", r).find("pipeline model is needed") != std::string::npos);
   const auto json = index_json("name", r);

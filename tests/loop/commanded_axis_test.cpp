@@ -137,7 +137,7 @@ TEST_CASE("the first move is slow until the start is proven, and then has its sp
   CHECK(axis.rows().back().x_ref_m == 0.1);
 }
 
-TEST_CASE("relative moves, hold and resume; what is outside moves nothing") {
+TEST_CASE("relative moves, hold and resume, what is outside moves nothing") {
   Axis axis(served_rig());
   axis.enable();
   axis.ask(move_to(0.05, 0.05));

@@ -199,7 +199,7 @@ TEST_CASE("a loop without an estimate: a fault where it closes on the estimate, 
   }
 }
 
-TEST_CASE("a channel that comes late at the start is waited for in the safe output; one that never comes is missing") {
+TEST_CASE("a channel that comes late at the start is waited for in the safe output, one that never comes is missing") {
   Rig rig = rig_for(Signal::x);
   rig.safe_output.command_V = 0.01;  // too little to move the slider in 50 ms
   Stepper run(rig);

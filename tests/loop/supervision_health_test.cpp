@@ -88,7 +88,7 @@ TEST_CASE("the channel of a bad share is told: position or pressure") {
   REQUIRE(pressure == fault_pressure_unreliable);
 }
 
-TEST_CASE("missed slots are found by their share, whatever the length of their gaps; one gap alone is not") {
+TEST_CASE("missed slots are found by their share, whatever the length of their gaps, one gap alone is not") {
   const double share = GENERATE(0.21, 0.3, 0.5);
   const std::int64_t slots = GENERATE(1, 5, 20, 50);
   CAPTURE(share, slots);

@@ -144,7 +144,7 @@ TEST_CASE("digital lines: an emergency stop, lost valve power, a limit switch th
   REQUIRE(bench.step().fault == 0);
 }
 
-TEST_CASE("a tick later than limits.lateness_s is a fault in that tick; a shorter one is not") {
+TEST_CASE("a tick later than limits.lateness_s is a fault in that tick, a shorter one is not") {
   Bench bench(usual_rig({"limits.lateness_s=0.005"}));
   for (int i = 0; i < 20; ++i) bench.step();
   REQUIRE(bench.step(5).fault == 0);

@@ -38,7 +38,7 @@ struct Listener {
 
 }  // namespace
 
-TEST_CASE("live values are thinned JSON of the columns that have a value; a new fault is sent at once") {
+TEST_CASE("live values are thinned JSON of the columns that have a value, a new fault is sent at once") {
   const Listener listener;
   LiveValues live(listener.address, {"t_s", "x_m", "p1_port_Pa", "fault"});
   for (int i = 0; i < 25; ++i) {
@@ -61,7 +61,7 @@ TEST_CASE("live values are thinned JSON of the columns that have a value; a new 
   for (std::size_t i = 0; i < 4; ++i) REQUIRE(times[i] == Approx(std::vector<double>{0.0, 0.01, 0.013, 0.023}[i]));
 }
 
-TEST_CASE("nobody listens: values are lost, nothing else; what is no address is refused") {
+TEST_CASE("nobody listens: values are lost, nothing else, what is no address is refused") {
   std::string nobody;
   {
     const Listener listener;

@@ -187,7 +187,7 @@ TEST_CASE("a file cut anywhere gives its whole rows and says where it ends, or i
   }
 }
 
-TEST_CASE("gzip files joined end to end read as one; a plain file without its last LF is cut off") {
+TEST_CASE("gzip files joined end to end read as one, a plain file without its last LF is cut off") {
   const TemporaryFolder folder;
   const std::string one = bytes_of(put_gzip(folder.file("1.csv.gz"), head + "t_s\n0\n"));
   const std::string two = bytes_of(put_gzip(folder.file("2.csv.gz"), "0.001\n0.002"));
@@ -209,7 +209,7 @@ TEST_CASE("a table of foreign columns needs no times") {
   REQUIRE(table.problems.empty());
 }
 
-TEST_CASE("of our own format wanted columns alone are kept, with the same values; of foreign tables all") {
+TEST_CASE("of our own format wanted columns alone are kept, with the same values, of foreign tables all") {
   const TemporaryFolder folder;
   const std::string text = "t_s,x_m,note,u_V,flags\n0,1.5,x,-0.5,0\n0.001,2,y,0.5,0\n";
   const CsvTable table = read_table(put_plain(folder.file("w.csv"), head + text), {"t_s", "u_V", "p1_port_Pa"});

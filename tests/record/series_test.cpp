@@ -92,7 +92,7 @@ TEST_CASE("files within around_s of a fault or mark are kept at once, others are
   }
 }
 
-TEST_CASE("the oldest files go beyond the budget, kept ones stay; a full folder of kept ones is told") {
+TEST_CASE("the oldest files go beyond the budget, kept ones stay, a full folder of kept ones is told") {
   const TemporaryFolder temporary;
   const fs::path folder = temporary.file("series");
   fs::create_directories(folder / "kept");

@@ -203,7 +203,7 @@ TEST_CASE("a recording that cannot be begun is refused at once, with path and re
   REQUIRE_THROWS_AS(RecordingWriter(folder.file("c.csv.gz"), header, {"speed"}), InputError);
 }
 
-TEST_CASE("a recording is not overwritten, unless that is said; links to nothing are not followed") {
+TEST_CASE("a recording is not overwritten, unless that is said, links to nothing are not followed") {
   const TemporaryFolder folder;
   const RecordingHeader header("r", 0.001);
   const std::string path = put_plain(folder.file("r.csv.gz"), "the only recording of a fault");

@@ -83,7 +83,7 @@ TEST_CASE("the config's window wins, is counted from the start of the reference 
   REQUIRE(std::isnan(evaluate(rig, {}).max_position_error_m));
 }
 
-TEST_CASE("a move is judged from its start to 0.6 s after its end; the end error is the mean over the last 0.1 s") {
+TEST_CASE("a move is judged from its start to 0.6 s after its end, the end error is the mean over the last 0.1 s") {
   Rig rig;
   rig.reference.kind = ReferenceKind::minimum_jerk;
   rig.reference.end_m = 0.1;

@@ -175,10 +175,12 @@ constexpr const char* example = R"(format: pneuservo-rig/1
 name: example
 rig: cylinder
 period_s: 0.001                      # one control period
+
 supply:   {pressure_Pa: 700000}      # pressures are absolute
 valve:    {command_max_V: 5.0, area_per_volt_m2_per_V: 2.6e-6, area_max_m2: 1.3e-5, critical_pressure_ratio: 0.35}
 line_1:   {length_m: 10.0, diameter_m: 0.00765}    # valve port 1 to chamber 1
 line_2:   {length_m: 10.0, diameter_m: 0.00765}
+
 cylinder:
   stroke_m: 0.300                    # x = 0 is mid-stroke
   area_1_m2: 1.257e-3
@@ -187,9 +189,11 @@ cylinder:
   dead_volume_2_m3: 2.0e-5
   wall_heat_W_per_m2K: 50.0
 slider:   {mass_kg: 2.0, viscous_friction_Ns_per_m: 60.0}
+
 sensors:
   position:      {quantum_m: 5.0e-6}
   port_pressure: {quantum_Pa: 100.0, noise_Pa: 300.0}
+
 controller:
   kind: pd_force
   pressure_source: estimated         # the pipeline estimator's chamber pressures close the force loop
@@ -197,8 +201,10 @@ controller:
   velocity_gain_Ns_per_m: 95.6
   velocity_filter_s: 0.002
   force_gain_V_per_N: 0.00572
+
 reference: {kind: sine, amplitude_m: 0.080, frequency_Hz: 1.0}
 duration_s: 5.0
+
 tolerances: {slider.mass_kg: 0.02}   # the owner knows the mass to 2 % (one standard deviation)
 effects:                             # physics beside the nominal model, by name
   coulomb_friction: {force_N: 3.0}

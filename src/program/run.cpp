@@ -19,13 +19,12 @@
 #include "loop/realtime_stop.hpp"
 #include "loop/runner.hpp"
 #include "loop/safe_output_text.hpp"
+#include "program/axis_options.hpp"
 #include "program/gain_file.hpp"
 #include "program/injection.hpp"
-#include "program/loop_check.hpp"
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
-#include "program/zeros.hpp"
 #include "record/writer.hpp"
 #include "report/evaluation.hpp"
 #include "report/motion_verdict.hpp"
@@ -36,34 +35,22 @@
 namespace pneuservo {
 namespace {
 
-struct RunOptions {
-  std::string config, time = "simulated", pressure_source, backend, record, report, json, gains, live;
-  std::vector<std::string> sets, scenarios, faults, zeros;
+struct RunOptions : AxisOptions {
+  RunOptions() { time = "simulated"; }
+  std::string pressure_source, record, report, json, gains, live;
   double duration_s = 0.0;
   double early_wake_us = -1.0;
-  int moves = 1, priority = 80, cpu = -1;
+  int moves = 1;
   bool dump_config = false, force = false;
-  AllowedRisks allowed;
   ExistingFile existing() const { return force ? ExistingFile::replace : ExistingFile::refuse; }
 };
 
-/// A config that names its devices runs on them unless told otherwise.
-std::string backend_of(const RunOptions& options, const Rig& rig) {
-  if (!options.backend.empty()) return options.backend;
-  return rig.hal ? "configured" : "sim";
-}
-
 Rig read_with_options(const RunOptions& options) {
-  std::vector<std::string> sets = with_zeros(options.config, options.sets, options.zeros);
+  std::vector<std::string> sets;
   if (options.duration_s > 0.0) sets.push_back(fmt::format("duration_s={}", options.duration_s));
   if (!options.pressure_source.empty() && options.pressure_source != "all")
     sets.push_back("controller.pressure_source=" + options.pressure_source);
-  Rig rig = read_rig(options.config, sets, options.backend == "sim" ? ConfigUse::simulation : ConfigUse::machine);
-  if (rig.sensors.position.incremental && backend_of(options, rig) != "sim" && !rig.zeros.contains("x"))
-    throw InputError(options.config +
-                     ": sensors.position.incremental: found true without a zero of x, expected --zeros "
-                     "FILE of the verb home, run after the encoder was switched on");
-  require_kind("run", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
+  Rig rig = read_axis("run", options, sets);
   if (!rig.controller.closes_force_loop() && !options.pressure_source.empty())
     throw InputError(fmt::format("--pressure-source: found {}, but {} of {} takes no pressure into its loop",
                                  options.pressure_source, rig.controller.name(), options.config));
@@ -211,12 +198,8 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
                 Effort& effort) {
   rig.controller.choose_pressures(source);
   const bool real_time = options.time == "real", shows_progress = !real_time && isatty(STDERR_FILENO) != 0;
-  std::unique_ptr<RealTimeSession> session;
-  if (real_time) {
-    session = std::make_unique<RealTimeSession>(RealTimeSettings{
-        .priority = options.priority, .cpu = options.cpu >= 0 ? std::optional(options.cpu) : std::nullopt});
-    if (report.runs.empty()) std::cerr << refusal_message(session->findings());
-  }
+  const std::unique_ptr<RealTimeSession> session = realtime_session(options);
+  if (session && report.runs.empty()) std::cerr << refusal_message(session->findings());
   const std::vector<InjectedFault> faults = injected_faults(options.scenarios, options.faults, rig);
   auto backend = make_faulty_backend(backend_of(options, rig), rig, faults);
   if (report.runs.empty() && backend->name() == "configured") std::cerr << device_warning(rig);
@@ -259,15 +242,7 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
 
 /// What would only show after the run: no such backend, no such folder, a file that must stay.
 void check_outputs(const RunOptions& options, const Rig& rig, const std::vector<PressureSource>& sources) {
-  const auto backend =
-      make_faulty_backend(backend_of(options, rig), rig, injected_faults(options.scenarios, options.faults, rig));
-  if (options.time != "real" && backend->name() == "configured" && rig.hal->has_devices())
-    throw InputError(
-        "--time: found simulated with channels on real devices, expected --time real, or --hal sim for the "
-        "simulated plant");
-  if (!options.zeros.empty() && backend->name() != "configured")
-    throw InputError("--zeros: found with the backend " + backend->name() +
-                     ", expected devices, whose values the zeros are added to");
+  make_faulty_backend(backend_of(options, rig), rig, injected_faults(options.scenarios, options.faults, rig));
   if (!options.record.empty() && !options.record.ends_with(".csv.gz"))
     throw InputError("--record: found " + options.record + ", expected a name that ends in .csv.gz");
   if (!options.live.empty() && options.record.empty())
@@ -284,8 +259,6 @@ void check_outputs(const RunOptions& options, const Rig& rig, const std::vector<
 }
 
 int run(const RunOptions& options) {
-  if (options.time != "real" && options.time != "simulated")
-    throw InputError("--time: found '" + options.time + "', expected real or simulated");
   if (options.moves < 1) throw InputError(fmt::format("--moves: found {}, expected 1 or more", options.moves));
   const Rig rig = read_with_options(options);
   if (!options.gains.empty() && !rig.controller.is<Ppd2>())
@@ -297,10 +270,7 @@ int run(const RunOptions& options) {
   }
   const auto sources = sources_of(options, rig);
   check_outputs(options, rig, sources);
-  require_reference_in_stroke(options.config, rig);
-  heed_loop(options.config, rig,
-            options.time == "real" && backend_of(options, rig) == "configured" && rig.hal->has_devices(),
-            options.allowed);
+  heed_axis(options, rig);
   StopRequest stop;
   RunReport report;
   report.config = rig.name;
@@ -326,36 +296,21 @@ int run(const RunOptions& options) {
 void add_run(CLI::App& app, int& status) {
   auto o = std::make_shared<RunOptions>();
   CLI::App* verb = app.add_subcommand("run", "run the controller on the configured backend");
-  verb->add_option("CONFIG", o->config, "rig to run, e.g. config/cylinder-10m-7.65mm.yaml")->required();
-  verb->add_option("--set", o->sets, "override one key: PATH=VALUE, e.g. --set reference.frequency_Hz=0.5")
-      ->type_name("PATH=VALUE");
+  add_axis_options(*verb, *o, "rig to run, e.g. config/cylinder-10m-7.65mm.yaml");
   verb->add_option("--pressure-source", o->pressure_source,
                    "pressures that close the force loop; all: the three of them, compared")
       ->check(CLI::IsMember({"valve", "chamber", "estimated", "all"}));
-  verb->add_option("--time", o->time, "simulated: as fast as it goes; real: on the machine's clock")
-      ->check(CLI::IsMember({"real", "simulated"}));
   verb->add_option("--duration-s", o->duration_s, "length of the run instead of the config's [s]")
       ->check(CLI::PositiveNumber);
   verb->add_option("--gains", o->gains,
                    "gains of a ppd2 law for the running loop, KEY: VALUE; looked at ten times a second");
   verb->add_option("--moves", o->moves, "times the reference is run");
-  verb->add_option("--hal", o->backend,
-                   "backend: sim, or configured (each channel from its source in the config's section hal); "
-                   "default: configured where the config has that section");
-  verb->add_flag("--allow-unstable", o->allowed.unstable_loop,
-                 "run on devices although the linear model finds the loop unstable ('pneuservo check')");
-  verb->add_option("--zeros", o->zeros, "zeros of the channels, a file that the verbs home and zero wrote");
-  verb->add_option("--scenario", o->scenarios, "faults to inject into the backend sim, a file (docs/faults.md)");
-  verb->add_option("--fault", o->faults, "a fault to inject; may stand several times")
-      ->type_name("KIND[:TARGET[:VALUE]][@START_S[+DURATION_S]]");
   verb->add_option("--record", o->record, "recording, FILE.csv.gz; with all sources FILE-valve.csv.gz and so on");
   verb->add_flag("--force", o->force, "--record may replace recordings that are there");
   verb->add_option("--live", o->live,
                    "live values as JSON over UDP, for PlotJuggler (port 9870); a PORT of this machine, or HOST:PORT");
   verb->add_option("--report", o->report, "self-contained HTML page with plots");
   verb->add_option("--json", o->json, "figures as JSON, - for standard output");
-  verb->add_option("--priority", o->priority, "SCHED_FIFO priority in real time")->check(CLI::Range(1, 99));
-  verb->add_option("--cpu", o->cpu, "processor to pin the loop to in real time");
   verb->add_option("--early-wake-us", o->early_wake_us,
                    "real time: wake so long before the slot and watch the clock until it comes; 0: sleep to the slot "
                    "[default: 5 % of the period, at most 50]")

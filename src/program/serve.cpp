@@ -8,16 +8,14 @@
 
 #include "backends.hpp"
 #include "config/input_error.hpp"
-#include "config/read_rig.hpp"
 #include "loop/device_grade.hpp"
 #include "loop/realtime_stop.hpp"
 #include "loop/runner.hpp"
 #include "loop/safe_output_text.hpp"
+#include "program/axis_options.hpp"
 #include "program/injection.hpp"
-#include "program/loop_check.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
-#include "program/zeros.hpp"
 #include "record/series.hpp"
 #include "record/writer.hpp"
 #include "service/command_server.hpp"
@@ -26,37 +24,20 @@
 namespace pneuservo {
 namespace {
 
-struct ServeOptions {
-  std::string config, time = "real", backend, socket, record;
-  std::vector<std::string> sets, scenarios, faults, zeros;
-  int priority = 80, cpu = -1;
-  AllowedRisks allowed;
+struct ServeOptions : AxisOptions {
+  ServeOptions() { time = "real"; }
+  std::string socket, record;
 };
 
 /// Hours of injected faults that come again and again; nobody serves a simulation for longer.
 constexpr double longest_injection_s = 1e5;
 
-std::string backend_of(const ServeOptions& options, const Rig& rig) {
-  if (!options.backend.empty()) return options.backend;
-  return rig.hal ? "configured" : "sim";
-}
-
 Rig read_with_options(const ServeOptions& options) {
-  const auto sets = with_zeros(options.config, options.sets, options.zeros);
-  Rig rig = read_rig(options.config, sets, options.backend == "sim" ? ConfigUse::simulation : ConfigUse::machine);
-  require_kind("serve", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
+  Rig rig = read_axis("serve", options);
   if (rig.reference.kind != ReferenceKind::live)
     throw InputError(options.config +
                      ": reference.kind: found a reference that is fixed, expected live, with lowest_m, "
                      "highest_m, speed_mps and acceleration_mps2 (docs/serve.md)");
-  const std::string backend = backend_of(options, rig);
-  if (rig.sensors.position.incremental && backend != "sim" && !rig.zeros.contains("x"))
-    throw InputError(options.config + ": sensors.position.incremental: found true without a zero of x, expected "
-                                      "--zeros FILE of the verb home, run after the encoder was switched on");
-  if (options.time != "real" && backend == "configured" && rig.hal->has_devices())
-    throw InputError(
-        "--time: found simulated with channels on real devices, expected --time real, or --hal sim for the "
-        "simulated plant");
   if (!rig.serve) rig.serve.emplace();
   return rig;
 }
@@ -108,22 +89,14 @@ bool close_all(const Rig& rig, const Backend& backend, const RunOutcome& outcome
 }
 
 int serve(const ServeOptions& options) {
-  if (options.time != "real" && options.time != "simulated")
-    throw InputError("--time: found '" + options.time + "', expected real or simulated");
   const Rig rig = read_with_options(options);
-  require_reference_in_stroke(options.config, rig);
-  const bool real_time = options.time == "real";
-  const std::string backend_name = backend_of(options, rig);
-  heed_loop(options.config, rig, real_time && backend_name == "configured" && rig.hal->has_devices(), options.allowed);
+  const bool real_time = options.real_time();
+  heed_axis(options, rig);
   StopRequest stop;
-  std::unique_ptr<RealTimeSession> session;
-  if (real_time) {
-    session = std::make_unique<RealTimeSession>(RealTimeSettings{
-        .priority = options.priority, .cpu = options.cpu >= 0 ? std::optional(options.cpu) : std::nullopt});
-    std::cerr << refusal_message(session->findings());
-  }
+  const std::unique_ptr<RealTimeSession> session = realtime_session(options);
+  if (session) std::cerr << refusal_message(session->findings());
   const auto faults = injected_faults(options.scenarios, options.faults, rig);
-  const auto backend = make_faulty_backend(backend_name, rig, faults);
+  const auto backend = make_faulty_backend(backend_of(options, rig), rig, faults);
   if (backend->name() == "configured") std::cerr << device_warning(rig);
   backend->configure();
   const std::string stem = axis_name(options) + "-" + utc_stamp();
@@ -154,24 +127,11 @@ int serve(const ServeOptions& options) {
 void add_serve(CLI::App& app, int& status) {
   auto o = std::make_shared<ServeOptions>();
   CLI::App* verb = app.add_subcommand("serve", "runs an axis that moves as it is commanded, until it is stopped");
-  verb->add_option("CONFIG", o->config, "rig with a reference of kind live")->required();
-  verb->add_option("--set", o->sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
-  verb->add_option("--time", o->time, "real: on the machine's clock; simulated: as fast as it goes")
-      ->check(CLI::IsMember({"real", "simulated"}))
-      ->capture_default_str();
-  verb->add_option("--hal", o->backend, "backend: sim, or configured; default: configured where the config has hal");
+  add_axis_options(*verb, *o, "rig with a reference of kind live, e.g. config/served/cylinder-10m-7.65mm.yaml");
   verb->add_option("--socket", o->socket,
                    "Unix socket for commands [default: CONFIG's name.sock in $RUNTIME_DIRECTORY or "
                    "$XDG_RUNTIME_DIR/pneuservo]");
   verb->add_option("--record", o->record, "folder for recordings: files of serve.part_s, the oldest go");
-  verb->add_option("--zeros", o->zeros, "zeros of the channels, a file that the verbs home and zero wrote");
-  verb->add_option("--scenario", o->scenarios, "faults to inject into the backend sim, a file (docs/faults.md)");
-  verb->add_option("--fault", o->faults, "a fault to inject; may stand several times")
-      ->type_name("KIND[:TARGET[:VALUE]][@START_S[+DURATION_S]]");
-  verb->add_flag("--allow-unstable", o->allowed.unstable_loop,
-                 "serve devices although the linear model finds the loop unstable ('pneuservo check')");
-  verb->add_option("--priority", o->priority, "SCHED_FIFO priority in real time")->check(CLI::Range(1, 99));
-  verb->add_option("--cpu", o->cpu, "processor to pin the loop to in real time");
   verb->footer(
       "In one terminal, and then in another:\n"
       "  pneuservo serve config/served/cylinder-10m-7.65mm.yaml --socket axis.sock\n"

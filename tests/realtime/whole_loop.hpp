@@ -56,7 +56,7 @@ class WholeLoop {
     backend_.activate();
   }
 
-  /// Every 97th tick comes late and skips three slots. False: the run is over.
+  /// Every 97th tick comes late and skips three slots. False: the run, or the time of a commanded axis, is over.
   bool tick() {
     const std::int64_t skipped = tick_ % 97 == 96 ? 3 : 0;
     tick_ += skipped;
@@ -70,7 +70,7 @@ class WholeLoop {
     loop_.pass(backend_, tick_, skipped, &stages, &MonotonicClock::now_ns);
     ring_.push(loop_.row());
     ++tick_;
-    return course_.after(tick_ - 1, loop_);
+    return course_.after(tick_ - 1, loop_) && !(is_commanded() && tick_ >= commanded_ticks);
   }
   /// The consumer's part, outside the section.
   void drain() noexcept {
@@ -86,6 +86,7 @@ class WholeLoop {
 
  private:
   static constexpr int moves = 6;
+  static constexpr std::int64_t commanded_ticks = 12000;  // 240 commands; such an axis runs until told otherwise
   bool is_commanded() const noexcept { return rig_.reference.kind == ReferenceKind::live; }
   /// What stands beside the loop: the edge of enable, then moves to and fro that replace each other on their way.
   void command() {

@@ -1,8 +1,6 @@
-// The shared verification cases of references (V15) and of the velocity filter (V16).
+// The verification cases of references (V15) and of the velocity filter (V16).
 #include <catch2/catch.hpp>
 
-#include <cstdlib>
-#include <filesystem>
 
 #include <yaml-cpp/yaml.h>
 
@@ -16,17 +14,11 @@ using namespace pneuservo;
 using namespace pneuservo::test;
 
 namespace {
-/// The checks of one case; undefined where the shared folder is not at hand.
 YAML::Node checks_of(const std::string& id) {
-  const char* shared = std::getenv("PNEUSERVO_SHARED");
-  const std::filesystem::path path =
-      std::filesystem::path(shared ? shared : PNEUSERVO_SOURCE_DIR "/../shared") / "verification/cases.yaml";
-  if (!std::filesystem::exists(path)) return YAML::Node(YAML::NodeType::Undefined);
-  YAML::Node root = YAML::LoadFile(path.string());
-  if (root["cases"]) root = root["cases"];
-  for (const YAML::Node& one : root)
+  for (const YAML::Node& one : YAML::LoadFile(PNEUSERVO_SOURCE_DIR "/tests/data/verification/cases.yaml")["cases"])
     if (one["id"].as<std::string>() == id) return one["checks"];
-  return YAML::Node(YAML::NodeType::Undefined);
+  FAIL("no case " << id);
+  return {};
 }
 void compare(const YAML::Node& check, const std::vector<double>& got) {
   const auto expected = check["value"].IsSequence() ? check["value"].as<std::vector<double>>()
@@ -59,10 +51,6 @@ double peak(const Reference& r, int order) {
 
 TEST_CASE("V15: every check of the polynomials and the ramped sine") {
   const YAML::Node checks = checks_of("V15");
-  if (!checks.IsDefined()) {
-    WARN("SKIPPED: no shared verification cases here");
-    return;
-  }
   int done = 0;
   for (const YAML::Node& check : checks) {
     const std::string quantity = check["quantity"].as<std::string>();
@@ -97,10 +85,6 @@ TEST_CASE("V15: every check of the polynomials and the ramped sine") {
 
 TEST_CASE("V16: every check of the velocity filter") {
   const YAML::Node checks = checks_of("V16");
-  if (!checks.IsDefined()) {
-    WARN("SKIPPED: no shared verification cases here");
-    return;
-  }
   const auto step = [](PdForce& control, double x) {
     const ReferencePoint r{};
     control.step(x, 470e3, 540e3, r, r);

@@ -64,12 +64,10 @@ double largest_error(const std::vector<Row>& rows, double L, double D) {
 
 TEST_CASE("estimator meets the recorded converged solutions") {
   const char* shared = std::getenv("PNEUSERVO_SHARED");
-  const std::filesystem::path folder =
+  std::filesystem::path folder =
       std::filesystem::path(shared ? shared : PNEUSERVO_SOURCE_DIR "/../shared") / "design/golden";
-  if (!std::filesystem::exists(folder)) {
-    WARN("SKIPPED: no recorded converged solutions here");
-    return;
-  }
+  const bool has_all = std::filesystem::exists(folder);
+  if (!has_all) folder = PNEUSERVO_SOURCE_DIR "/tests/data/golden";
   int seen = 0;
   for (const auto& [D_mm, limit] : {std::pair{"7.65", 125.0}, {"6.10", 180.0}, {"4.15", 460.0}}) {
     for (const auto& [L, name] : {std::pair{2.0, "2m"}, {5.0, "5m"}, {10.0, "10m"}}) {
@@ -86,7 +84,7 @@ TEST_CASE("estimator meets the recorded converged solutions") {
       }
     }
   }
-  CHECK(seen == 12);
+  CHECK(seen == (has_all ? 12 : 3));
 }
 
 // The plant itself on ever finer grids: the estimator at 1 cell/m must lie near the limit, and the plants approach it.

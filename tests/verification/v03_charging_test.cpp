@@ -46,7 +46,6 @@ class Charging {
 
 TEST_CASE("V03 charging of a chamber", "[V03]") {
   Case v03("V03");
-  if (!v03) return;
   v03.run(Resolution::normal, Charging(Resolution::normal));
   v03.run(Resolution::fine, Charging(Resolution::fine));
 }

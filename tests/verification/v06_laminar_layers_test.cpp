@@ -46,7 +46,6 @@ class Lines {
 
 TEST_CASE("V06 line with laminar layers, and first resonance of the plain model", "[V06]") {
   Case v06("V06", {"frequency_dependent"});
-  if (!v06) return;
   v06.run(Resolution::normal, Lines(Resolution::normal));
   v06.run(Resolution::fine, Lines(Resolution::fine));
 }

@@ -41,7 +41,6 @@ class SteadyLines {
 
 TEST_CASE("V08 steady flow with friction", "[V08]") {
   Case v08("V08");
-  if (!v08) return;
   v08.run(Resolution::normal, SteadyLines(Resolution::normal));
   v08.run(Resolution::fine, SteadyLines(Resolution::fine));
 }

@@ -217,7 +217,6 @@ Answer answer(Resolution resolution, const Check& check) {
 
 TEST_CASE("V11 slider", "[V11]") {
   Case v11("V11");
-  if (!v11) return;
   for (const auto resolution : {Resolution::normal, Resolution::fine})
     v11.run(resolution, [&](const Check& check) { return answer(resolution, check); });
 }

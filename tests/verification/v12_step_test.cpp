@@ -110,7 +110,6 @@ class Steps {
 
 TEST_CASE("V12 pressure step along the line", "[V12]") {
   Case v12("V12");
-  if (!v12) return;
   v12.run(Resolution::normal, Steps(Resolution::normal));
   v12.run(Resolution::fine, Steps(Resolution::fine));
 }

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <exception>
-#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iomanip>
@@ -58,17 +57,7 @@ struct Answer {
   }
 };
 
-inline std::filesystem::path shared_folder() {
-  const char* set = std::getenv("PNEUSERVO_SHARED");
-  return set ? std::filesystem::path(set) : std::filesystem::path(PNEUSERVO_SOURCE_DIR).parent_path() / "shared";
-}
-/// The cases' folder, or nothing (with a clear word) where the shared data is absent.
-inline std::optional<std::filesystem::path> cases_folder() {
-  const auto folder = shared_folder() / "verification";
-  if (std::filesystem::exists(folder / "cases.yaml")) return folder;
-  WARN("SKIPPED: no verification cases in " << folder.string() << " (set PNEUSERVO_SHARED)");
-  return std::nullopt;
-}
+inline constexpr const char* cases_file = PNEUSERVO_SOURCE_DIR "/tests/data/verification/cases.yaml";
 
 inline std::vector<double> numbers(const YAML::Node& node) {
   if (node.IsSequence()) return node.as<std::vector<double>>();
@@ -125,9 +114,7 @@ class Case {
  public:
   /// `has`: what a check may need beyond the plain model and is asked all the same.
   explicit Case(const std::string& id, std::set<std::string> has = {}) : id_(id), has_(std::move(has)) {
-    const auto folder = cases_folder();
-    if (!folder) return;
-    const YAML::Node file = YAML::LoadFile((*folder / "cases.yaml").string());
+    const YAML::Node file = YAML::LoadFile(cases_file);
     for (const auto& node : file["cases"]) {
       if (node["id"].as<std::string>() != id) continue;
       title_ = node["title"].as<std::string>();
@@ -135,8 +122,6 @@ class Case {
     }
     REQUIRE(!checks_.empty());
   }
-  /// False where the shared data is absent.
-  explicit operator bool() const { return !checks_.empty(); }
   const std::vector<Check>& checks() const { return checks_; }
 
   void run(Resolution resolution, const std::function<Answer(const Check&)>& answer) {

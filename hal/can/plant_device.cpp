@@ -142,8 +142,7 @@ void PlantDevice::take_command() {
 std::vector<std::string> PlantDevice::recorded_columns(const Rig& rig) {
   std::vector<std::string> columns{"t_s", "v_mps", "x_true_m", "p1_chamber_true_Pa", "p2_chamber_true_Pa"};
   for (const Signal signal : recorded_signals) columns.emplace_back(info(signal).column);
-  if (rig.kind == RigKind::servo_table) columns.insert(columns.end(), {"u1_V", "u2_V"});
-  else columns.emplace_back("u_V");
+  for (const std::string& command : command_columns(rig)) columns.push_back(command);
   return columns;
 }
 

@@ -30,11 +30,11 @@ CompositeBackend::CompositeBackend(const Rig& rig) {
                                                     : Origin::real;
   });
   bool commands_sim = false, commands_can = false, commands_board = false;
-  for (const auto* valve : {&c.u, &c.u1, &c.u2}) {
-    commands_sim = commands_sim || valve->simulated;
-    commands_can = commands_can || valve->can;
-    commands_board = commands_board || valve->is_on_board();
-  }
+  c.for_each_command([&](std::string_view, std::size_t, const auto& valve) {
+    commands_sim = commands_sim || valve.simulated;
+    commands_can = commands_can || valve.can;
+    commands_board = commands_board || valve.is_on_board();
+  });
   origins_.command = commands_can || commands_board ? Origin::real : Origin::simulated;
   const auto any = [](const Gives& gives) { return std::ranges::find(gives.all, true) != gives.all.end(); };
   if (commands_sim || any(simulated)) sources_.push_back({std::make_unique<SimBackend>(rig), simulated});

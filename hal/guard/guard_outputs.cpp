@@ -32,18 +32,17 @@ GuardOutputs::GuardOutputs(const Rig& rig) : rig_(rig) {
 }
 
 void GuardOutputs::open_board() {
-  const HalChannels& c = rig_.hal->channels;
   const auto safe_V = safe_commands_V(rig_);
-  for (const auto& [name, valve] : {std::pair{"u", &c.u}, {"u1", &c.u1}, {"u2", &c.u2}}) {
-    if (!valve->comedi) continue;
+  rig_.hal->channels.for_each_command([&](std::string_view name, std::size_t valve, const auto& channel) {
+    if (!channel.comedi) return;
     if (!board_) board_ = std::make_unique<ComediBoard>(*rig_.hal->comedi, true);
-    const auto& out = *valve->comedi;
-    const std::size_t number = board_->add_output(name, out.channel, out.range, out.reference);
-    const double volts = std::clamp(safe_V[valve == &c.u2 ? 1 : 0], out.lowest, out.highest);
+    const auto& out = *channel.comedi;
+    const std::size_t number = board_->add_output(std::string(name), out.channel, out.range, out.reference);
+    const double volts = std::clamp(safe_V[valve], out.lowest, out.highest);
     board_->set_volts(number, (volts - out.zero) / out.scale);
     description_.push_back(fmt::format("sets output {} of {} to {:g} V", out.channel, rig_.hal->comedi->device,
                                        board_->set_volts_of(number)));
-  }
+  });
 }
 
 // Where the mapping is the device's own its places are not known here: NMT stop alone.

@@ -59,7 +59,7 @@ Command PlantFaults::command(double t_s, const Command& asked) noexcept {
       if (fault.value) last_.valve_V = *fault.value, last_.valve_2_V = -*fault.value;
       return last_;
     }
-    const bool pair = rig_.kind == RigKind::servo_table;
+    const bool pair = rig_.valves() == 2;
     if (fault.kind == InjectedKind::exchanged_hoses && pair) std::swap(given.valve_V, given.valve_2_V);
     else if (fault.kind == InjectedKind::exchanged_hoses || fault.kind == InjectedKind::reversed_valve)
       given.valve_V = -given.valve_V, given.valve_2_V = -given.valve_2_V;

@@ -106,17 +106,16 @@ void check_bus(const CanBusParameters& bus, double period_s, const RefusePath& r
 }
 
 void check_valves(const Rig& rig, const RefusePath& refuse) {
-  const HalChannels& c = rig.hal->channels;
   const auto check = [&](const std::string& path, const auto& output, double safe_V) {
     if (!output || (safe_V >= output->lowest && safe_V <= output->highest)) return;
     refuse(path + ".lowest_V", fmt::format("{} to {} V", number_text(output->lowest), number_text(output->highest)),
            fmt::format("a range that holds safe_output.command_V ({})", number_text(safe_V)));
   };
-  for (const auto& [name, valve] : {std::pair{"u", &c.u}, {"u1", &c.u1}, {"u2", &c.u2}}) {
-    const double safe_V = safe_commands_V(rig)[valve == &c.u2 ? 1 : 0];
-    check(fmt::format("hal.channels.{}.can", name), valve->can, safe_V);
-    check(fmt::format("hal.channels.{}.comedi", name), valve->comedi, safe_V);
-  }
+  rig.hal->channels.for_each_command([&](std::string_view name, std::size_t valve, const auto& channel) {
+    const double safe_V = safe_commands_V(rig)[valve];
+    check(fmt::format("hal.channels.{}.can", name), channel.can, safe_V);
+    check(fmt::format("hal.channels.{}.comedi", name), channel.comedi, safe_V);
+  });
 }
 
 void check_lines(const GpioParameters& gpio, const RefusePath& refuse) {
@@ -172,17 +171,16 @@ void check_board_watchdog(const HalParameters& hal, const RefusePath& refuse) {
 
 void check_outputs_without_us(const Rig& rig, const RefusePath& refuse) {
   if (!rig.hal) return;
-  const HalChannels& c = rig.hal->channels;
   bool is_real = false, on_board = false;
-  for (const auto& [name, valve] : {std::pair{"u", &c.u}, {"u1", &c.u1}, {"u2", &c.u2}}) {
-    on_board = on_board || valve->comedi;
-    is_real = is_real || valve->comedi || valve->can;
-    if (valve->can && !substitute_of(valve->can->object, valve->can->substitute))
+  rig.hal->channels.for_each_command([&](std::string_view name, std::size_t, const auto& valve) {
+    on_board = on_board || valve.comedi;
+    is_real = is_real || valve.comedi || valve.can;
+    if (valve.can && !substitute_of(valve.can->object, valve.can->substitute))
       refuse(fmt::format("hal.channels.{}.can.substitute", name),
-             fmt::format("nothing for object 0x{:08x}", valve->can->object.word),
+             fmt::format("nothing for object 0x{:08x}", valve.can->object.word),
              "{value: ..., mode: ...}, the device's objects for the output without master: else the valve keeps its "
              "last command when this program dies");
-  }
+  });
   if (is_real) check_bench(rig, refuse);
   if (on_board) check_board_watchdog(*rig.hal, refuse);
 }
@@ -190,7 +188,7 @@ void check_outputs_without_us(const Rig& rig, const RefusePath& refuse) {
 void check_hal(const Rig& rig, const RefusePath& refuse) {
   if (!rig.hal) return;
   const HalParameters& hal = *rig.hal;
-  const bool is_table = rig.kind == RigKind::servo_table;
+  const bool is_table = rig.valves() == 2;
   const bool chambers = rig.controller.takes_chambers();
   const std::string loop = "a source: the loop needs this channel";
   const std::string command = "a source: the loop needs somewhere to send its command";

@@ -224,7 +224,7 @@ void check_limits(const Rig& rig, const Check& check) {
 /// What the valves of this rig can do in the safe state.
 void check_safe_output(const Rig& rig, const Check& check) {
   const SafeOutputParameters& safe = rig.safe_output;
-  if (safe.action == SafeAction::vent && rig.kind != RigKind::servo_table)
+  if (safe.action == SafeAction::vent && rig.valves() != 2)
     check.refuse("safe_output.action", {"rig"},
                  "vent with a five-port valve, which feeds one side when it vents the other",
                  "hold or centre; vent takes the two three-port valves of a servo_table");
@@ -453,9 +453,10 @@ void complete_rig(Rig& rig, const ConfigNode& root) {
       refuse(root.origin, "duration_s", "nothing", "the key: a reference from a file does not tell its end");
     rig.duration_s = default_duration_s(rig.reference, root);
   }
-  if (rig.kind == RigKind::servo_table && !is_stated(root, "initial", "pressure_1_Pa"))
-    rig.initial.pressure_1_Pa = rig.controller.rest_pressure_Pa().value_or(rig.initial.pressure_1_Pa);
-  if (rig.kind == RigKind::cylinder && !is_stated(root, "initial", "pressure_1_Pa")) {
+  if (!rig.is_pneumatic() || is_stated(root, "initial", "pressure_1_Pa")) return;
+  if (const auto rest_Pa = rig.controller.rest_pressure_Pa()) {
+    rig.initial.pressure_1_Pa = *rest_Pa;
+  } else {
     const double supply = rig.axis.supply.pressure_Pa, atmosphere = rig.axis.air.atmosphere_Pa;
     const double usual = rig.initial.pressure_1_Pa;
     const double area_ratio = rig.axis.cylinder.area_2_m2 / rig.axis.cylinder.area_1_m2;

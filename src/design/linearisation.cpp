@@ -126,7 +126,7 @@ AxisLinearisation linearise_cylinder(const Rig& rig) {
 }  // namespace
 
 AxisLinearisation linearise(const Rig& rig) {
-  return rig.kind == RigKind::servo_table ? linearise_table(rig) : linearise_cylinder(rig);
+  return rig.valves() == 2 ? linearise_table(rig) : linearise_cylinder(rig);
 }
 
 AxisResponse exact_response(const AxisLinearisation& linear, Complex s) {

@@ -55,7 +55,7 @@ EstimatorParameters estimator_parameters(const Rig& rig) {
 
 void AxisLoop::configure(const Rig& rig, const LoadPositions& load) {
   period_s_ = rig.period_s;
-  rig_ = rig.kind;
+  valves_ = rig.valves();
   command_max_V_ = rig.axis.valve.command_max_V;
   estimator_.configure(estimator_parameters(rig));
   reference_ = Reference(rig.reference, load);
@@ -309,37 +309,21 @@ void AxisLoop::fill_row(double t_s, std::int64_t skipped, bool stepped, const Me
                         const EstimatorOutput& estimate) noexcept {
   const bool estimated = (estimate.health & estimator_not_started) == 0;
   const auto known = [](bool is_known, double value) { return is_known ? value : Row::none; };
-  row_.t_s = t_s;
-  row_.x_ref_m = known(!begins_, now_.d[0]);
-  row_.v_ref_mps = known(!begins_, now_.d[1]);
-  row_.x_predicted_m = known(!twin_waits_, twin_.position_m());
+  const bool commanded = obeyed_ != CommandKind::none;
+  const bool two_valves = valves_ == 2;
   for (const Signal signal : channel_signals) {
     const Channel& channel = measured.channel[signal];
     row_.measured[signal] = channel.valid ? channel.value : Row::none;
   }
-  row_.v_mps = velocity_mps_;
-  const bool two_valves = rig_ == RigKind::servo_table;
-  row_.u_V = known(!two_valves, supervisor_.command_V()[0]);
-  row_.u1_V = known(two_valves, supervisor_.command_V()[0]);
-  row_.u2_V = known(two_valves, supervisor_.command_V()[1]);
   controller_.write_terms(stepped, row_.terms);
-  row_.p1_estimated_Pa = known(estimated, estimate.chamber_pressure_Pa[0]);
-  row_.p2_estimated_Pa = known(estimated, estimate.chamber_pressure_Pa[1]);
-  row_.p1_bound_Pa = known(estimated, estimate.error_bound_Pa[0]);
-  row_.p2_bound_Pa = known(estimated, estimate.error_bound_Pa[1]);
-  row_.mass_flow_1_kgps = known(estimated, estimate.mass_flow_kgps[0]);
-  row_.mass_flow_2_kgps = known(estimated, estimate.mass_flow_kgps[1]);
-  row_.x_true_m = truth.x_m;
-  row_.p1_chamber_true_Pa = truth.p1_chamber_Pa;
-  row_.p2_chamber_true_Pa = truth.p2_chamber_Pa;
-  row_.state = static_cast<std::uint32_t>(supervisor_.state());
-  row_.flags = (skipped > 0 ? row_overrun : 0u) | (limited_ ? row_command_limited : 0u) |
-               (supervisor_.faults() != 0 ? row_fault : 0u) | (supervisor_.bridged() ? row_input_bridged : 0u);
-  row_.fault = supervisor_.faults();
-  const bool commanded = obeyed_ != CommandKind::none;
-  row_.command_kind = static_cast<std::uint32_t>(obeyed_);
-  row_.command_m = known(commanded, command_.position_m);
-  row_.command_mps = known(commanded, command_.speed_mps);
+  const std::uint32_t flags = (skipped > 0 ? row_overrun : 0u) | (limited_ ? row_command_limited : 0u) |
+                              (supervisor_.faults() != 0 ? row_fault : 0u) |
+                              (supervisor_.bridged() ? row_input_bridged : 0u);
+#define PNEUSERVO_SET(type, name, initial, value) row_.name = value;
+#define PNEUSERVO_SET_MEASURED(first, last)
+  PNEUSERVO_ROW_COLUMNS(PNEUSERVO_SET, PNEUSERVO_SET_MEASURED)
+#undef PNEUSERVO_SET
+#undef PNEUSERVO_SET_MEASURED
 }
 
 }  // namespace pneuservo

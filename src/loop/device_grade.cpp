@@ -35,8 +35,11 @@ Finding board_finding(const Rig& rig) {
 std::vector<Finding> grade_devices(const Rig& rig) {
   std::vector<Finding> findings;
   if (!rig.hal) return findings;
-  const HalChannels& c = rig.hal->channels;
-  const bool on_board = c.u.comedi || c.u1.comedi || c.u2.comedi, on_bus = c.u.can || c.u1.can || c.u2.can;
+  bool on_board = false, on_bus = false;
+  rig.hal->channels.for_each_command([&](std::string_view, std::size_t, const auto& valve) {
+    on_board = on_board || valve.comedi;
+    on_bus = on_bus || valve.can;
+  });
   if (on_board) findings.push_back(board_finding(rig));
   if (on_bus)
     findings.push_back({Level::good, "bus without program",

@@ -69,7 +69,7 @@ double start_command_V(const Rig& rig) {
 /// An air bearing has no seals that rub.
 double dry_friction_max_N(const Rig& rig) {
   const auto& c = rig.axis.cylinder;
-  const double seals_N = rig.kind == RigKind::servo_table ? 0.0 : breakaway_Pa * std::max(c.area_1_m2, c.area_2_m2);
+  const double seals_N = info(rig.kind).has_seals ? breakaway_Pa * std::max(c.area_1_m2, c.area_2_m2) : 0.0;
   return rig.limits.dry_friction_max_N.value_or(seals_N);
 }
 
@@ -84,9 +84,8 @@ double resting_force_N(const Rig& rig) {
   const auto& c = rig.axis.cylinder;
   const double noise_N = noise_deviations * pressure_noise_Pa(rig) * std::hypot(c.area_1_m2, c.area_2_m2);
   const auto safe_V = safe_commands_V(rig);
-  const double open_N =
-      port_step_Pa_per_V(rig) * (std::fabs(safe_V[0]) * c.area_1_m2 +
-                                 std::fabs(rig.kind == RigKind::servo_table ? safe_V[1] : safe_V[0]) * c.area_2_m2);
+  const double open_N = port_step_Pa_per_V(rig) * (std::fabs(safe_V[0]) * c.area_1_m2 +
+                                                   std::fabs(rig.valves() == 2 ? safe_V[1] : safe_V[0]) * c.area_2_m2);
   return dry_friction_max_N(rig) + noise_N + open_N;
 }
 

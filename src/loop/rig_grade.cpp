@@ -122,8 +122,7 @@ double command_noise_rms_V(const Rig& rig) {
 
 std::vector<Finding> grade_rig(const Rig& rig) {
   Findings findings;
-  const bool has_valve = rig.is_pneumatic(),
-             has_force_loop = rig.kind == RigKind::cylinder && rig.controller.is<PdForce>();
+  const bool has_valve = rig.is_pneumatic(), has_force_loop = has_valve && rig.controller.is<PdForce>();
   grade_period(rig, findings);
   if (has_valve) grade_command_range(rig, findings);
   if (has_force_loop) grade_gains(rig, findings);

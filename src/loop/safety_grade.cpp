@@ -115,10 +115,10 @@ class SafetyGrades {
           "hal.gpio.limit_low and limit_high", "a wrong zero of the encoder is not seen before the end stop");
     lacks(!lines.valve_power, Level::acceptable, "signal of the valve's supply", "hal.gpio.valve_power",
           "a valve without supply is seen by its missing air alone");
-    lacks(hal.channels.p_supply.is_absent(), Level::acceptable, "supply sensor", "hal.channels.p_supply",
+    lacks(hal.channels.is_absent(Signal::p_supply), Level::acceptable, "supply sensor", "hal.channels.p_supply",
           "a lost supply is seen by its missing air alone");
-    lacks(hal.channels.p1_chamber.is_absent() || hal.channels.p2_chamber.is_absent(), Level::acceptable,
-          "sensor in each chamber", "hal.channels.p1_chamber and p2_chamber",
+    lacks(std::ranges::any_of(chamber_signals, [&](Signal one) { return hal.channels.is_absent(one); }),
+          Level::acceptable, "sensor in each chamber", "hal.channels.p1_chamber and p2_chamber",
           "the estimate has nothing to be compared with");
   }
 
@@ -175,8 +175,7 @@ class SafetyGrades {
     const auto reads_back = [&](const ChannelParameters<VoltageKeys>& u) {
       return of_source(u.comedi) || of_source(u.can);
     };
-    return rig_.kind == RigKind::servo_table ? reads_back(channels.u1) && reads_back(channels.u2)
-                                             : reads_back(channels.u);
+    return rig_.valves() == 2 ? reads_back(channels.u1) && reads_back(channels.u2) : reads_back(channels.u);
   }
 
   const Rig& rig_;

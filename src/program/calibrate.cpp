@@ -31,7 +31,7 @@ struct CalibrateOptions {
 
 Rig read_calibrated(std::string_view verb, const CalibrateOptions& options) {
   const Rig rig = read_rig(options.config, with_zeros(options.config, options.sets, options.zeros));
-  require_kind(verb, options.config, rig, {RigKind::cylinder, RigKind::servo_table});
+  require_valves(verb, options.config, rig);
   OutputFiles()
       .reads("CONFIG", options.config)
       .reads_of(rig)

@@ -62,7 +62,7 @@ int run_design(DesignOptions& options) {
       .writes("--write", options.write, ResultKind::config)
       .writes("--report", options.report, ResultKind::page)
       .writes("--json", options.json, ResultKind::json);
-  require_kind("design", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
+  require_valves("design", options.config, rig);
   for (std::size_t i = 0; i < design_method_names.size(); ++i)
     if (options.method == design_method_names[i]) options.request.method = static_cast<DesignMethod>(i);
   if (options.position_gain_V_per_m > 0.0) options.request.position_gain_V_per_m = options.position_gain_V_per_m;

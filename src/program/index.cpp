@@ -36,7 +36,7 @@ void run_index(const IndexOptions& options) {
       .writes("--json", options.json, ResultKind::json);
   if (options.table) return print(options, index_table_text(), index_table_json(), index_table_html());
   const Rig rig = read_rig(options.config);
-  require_kind("index", options.config, rig, {RigKind::cylinder});
+  require_valves("index", options.config, rig, 1);
   try {
     const RigNecessity result = rig_necessity(rig);
     print(options, index_text(rig.name, result), index_json(rig.name, result), index_html(rig.name, result));

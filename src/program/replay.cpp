@@ -164,7 +164,7 @@ Recording read_parts(const ReplayOptions& options, const Rig& rig) {
 
 int run_replay(const ReplayOptions& options) {
   Rig rig = read_rig(options.config, options.sets);
-  require_kind("replay", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
+  require_valves("replay", options.config, rig);
   OutputFiles()
       .reads("CONFIG", options.config)
       .reads_of(rig)

@@ -22,15 +22,13 @@ std::pair<std::vector<double>, std::vector<double>> load_reference_positions(con
   return {recording.t_s(), recording.column("x_ref_m")};
 }
 
-void require_kind(std::string_view verb, const std::string& config, const Rig& rig,
-                  std::initializer_list<RigKind> kinds) {
-  const auto name = [](RigKind kind) { return rig_kind_names[static_cast<std::size_t>(kind)]; };
+void require_valves(std::string_view verb, const std::string& config, const Rig& rig, std::size_t most) {
+  const auto fits = [most](const RigKindInfo& kind) { return kind.valves > 0 && kind.valves <= most; };
+  if (fits(info(rig.kind))) return;
   std::vector<std::string_view> names;
-  for (const RigKind kind : kinds) {
-    if (kind == rig.kind) return;
-    names.push_back(name(kind));
-  }
-  throw InputError(fmt::format("{}: rig: found {}, expected {}: {} works on no other rig", config, name(rig.kind),
+  for (const RigKindInfo& kind : rig_kind_table)
+    if (fits(kind)) names.push_back(kind.name);
+  throw InputError(fmt::format("{}: rig: found {}, expected {}: {} works on no other rig", config, info(rig.kind).name,
                                fmt::join(names, " or "), verb));
 }
 
@@ -93,8 +91,8 @@ std::vector<std::string> recorded_columns(const Rig& rig, const Backend& backend
       [&](std::string_view name, auto&) {
         if (const auto signal = signal_of_column(name); signal && origins[*signal] == Origin::absent) return;
         if (name.find("_true_") != std::string_view::npos && !truth) return;
-        if (name == (rig.kind == RigKind::servo_table ? "u_V" : "u1_V")) return;
-        if (name == "u2_V" && rig.kind != RigKind::servo_table) return;
+        if (name == (rig.valves() == 2 ? "u_V" : "u1_V")) return;
+        if (name == "u2_V" && rig.valves() != 2) return;
         if ((name == "lateness_us" || name == "work_us") && !time.real_time) return;
         if (name.starts_with("command") && !time.commanded) return;
         columns.emplace_back(name);

@@ -20,9 +20,8 @@ namespace pneuservo {
 /// Loads t_s and x_ref_m of a recording, for references of kind `file`. Throws InputError.
 std::pair<std::vector<double>, std::vector<double>> load_reference_positions(const std::string& path);
 
-/// Throws InputError where the config's kind of rig is none that the verb works on.
-void require_kind(std::string_view verb, const std::string& config, const Rig& rig,
-                  std::initializer_list<RigKind> kinds);
+/// Throws InputError where commands drive no valve of this rig, or more than the verb works on.
+void require_valves(std::string_view verb, const std::string& config, const Rig& rig, std::size_t most = 2);
 
 /// Writes JSON to a file, or to standard output for "-"; nothing for an empty path. Throws InputError.
 void write_json(const std::string& path, const nlohmann::ordered_json& json);

@@ -112,7 +112,7 @@ std::vector<Difference> differences(const Recording& recording, const std::vecto
 
 int run_simulate(const SimulateOptions& options) {
   const Rig rig = read_rig(options.config, options.sets);
-  require_kind("simulate", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
+  require_valves("simulate", options.config, rig);
   OutputFiles()
       .reads("CONFIG", options.config)
       .reads_of(rig)

@@ -24,7 +24,7 @@ struct StoppingOptions {
 void run_stopping(const StoppingOptions& options) {
   OutputFiles().reads("CONFIG", options.config).writes("--json", options.json, ResultKind::json);
   const Rig rig = read_rig(options.config, options.sets);
-  require_kind("stopping", options.config, rig, {RigKind::cylinder, RigKind::servo_table});
+  require_valves("stopping", options.config, rig);
   try {
     const StoppingTable table = stopping_table(rig, load_reference_positions);
     if (options.json != "-") std::cout << stopping_text(rig, table);

@@ -41,7 +41,7 @@ Recording recording_of(const Rig& rig, const std::vector<Row>& rows) {
 }  // namespace
 
 std::optional<Recording> record_virtual_run(const Rig& rig) {
-  if (rig.kind != RigKind::cylinder) return std::nullopt;
+  if (rig.valves() != 1) return std::nullopt;
   const auto backend = make_backend("sim", rig);
   backend->configure();
   RunSettings settings;

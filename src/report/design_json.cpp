@@ -86,7 +86,7 @@ Json design_json(const Rig& rig, const AxisDesign& design, bool coefficients) {
            {"gain_m_per_s3V", axis.gain_per_V},
            {"natural_frequency_rad_per_s", std::sqrt(axis.natural_frequency_squared())},
            {"damping_per_s", axis.damping_per_s}};
-  if (rig.kind == RigKind::servo_table) {
+  if (rig.valves() == 2) {
     out["discharge_ratio"] = design.linear.discharge_ratio;
     out["K_n_per_ms"] = design.linear.speed_per_area_per_ms;
     out["area_per_volt_m2_per_V"] = rig.axis.valve.area_per_volt_m2_per_V;

@@ -88,7 +88,7 @@ Table model_table(const Rig& rig, const AxisDesign& design) {
   Quantities out("Linear model");
   out.add("K", linear.axis.gain_per_V, "m/(s3 V)", "jerk per volt of spool");
   out.add("omega_n", std::sqrt(linear.axis.natural_frequency_squared()), "rad/s", "slider between both air springs");
-  if (rig.kind == RigKind::servo_table) {
+  if (rig.valves() == 2) {
     out.add("delta", linear.discharge_ratio, "-", "discharge over charge flow");
     out.add("K_n", linear.speed_per_area_per_ms, "1/(m s)");
     out.add("K_sv", rig.axis.valve.area_per_volt_m2_per_V, "m2/V");
@@ -229,7 +229,7 @@ Table coefficient_table(const AxisDesign& design) {
 }
 
 std::string circumstances(const Rig& rig, const AxisDesign& design) {
-  const bool table = rig.kind == RigKind::servo_table;
+  const bool table = rig.valves() == 2;
   const auto& sides = design.linear.sides;
   const std::string pressures =
       table ? fmt::format("P0 {:g} kPa", 1e-3 * sides[0].pressure_Pa)

@@ -105,13 +105,13 @@ void collect_lines(const ReferenceSpec& spec, std::vector<double>& lines_Hz) {
 
 /// The largest swing of the command that noise explains.
 double quiet_command_V(const Rig& rig) {
-  const double noise_V = rig.kind == RigKind::cylinder ? command_noise_rms_V(rig) : 0.0;
+  const double noise_V = rig.controller.is<PdForce>() ? command_noise_rms_V(rig) : 0.0;
   const double range_V = rig.axis.valve.command_max_V;
   return std::clamp(noise_gain * noise_V, least_range_share * range_V, largest_range_share * range_V);
 }
 
 void judge_oscillation(const Rig& rig, const RunResult& run, const Stretch& stretch, MotionVerdict& out) {
-  const RowColumn command = rig.kind == RigKind::servo_table ? &Row::u1_V : &Row::u_V;
+  const RowColumn command = rig.valves() == 2 ? &Row::u1_V : &Row::u_V;
   const EvenSignal x = even_signal(stretch.rows, stretch.position), u = even_signal(stretch.rows, command);
   const std::vector<Row> with_history(
       run.rows.begin(), run.rows.begin() + static_cast<std::ptrdiff_t>(stretch.first + stretch.rows.size()));

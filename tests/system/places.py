@@ -49,14 +49,7 @@ class Addition:
 
 
 EFFECT = "include/pneuservo/elements/"
-FILL_ROW = Edit("src/loop/axis_loop.cpp", "\n  row_.toy_mps = 2.0 * velocity_mps_;", "  row_.v_mps = velocity_mps_;")
-# One line where the columns are a list, else a member and its line of the visit.
-if "COLUMN(double, v_mps, none)" in (SOURCE / "include/pneuservo/record/row.hpp").read_text(encoding="utf-8"):
-    COLUMN_EDITS = (Edit("include/pneuservo/record/row.hpp", " COLUMN(double, toy_mps, none)", "COLUMN(double, v_mps, none)"), FILL_ROW)
-else:
-    COLUMN_EDITS = (Edit("include/pneuservo/record/row.hpp", "\n  double toy_mps = none;", "  double x_m = none, v_mps = none;"),
-                    Edit("include/pneuservo/record/row.hpp", '\n    v(std::string_view("toy_mps"), r.toy_mps...);', '    v(std::string_view("v_mps"), r.v_mps...);'),
-                    FILL_ROW)
+V_COLUMN = "COLUMN(double, v_mps, none, velocity_mps_)"
 ADDITIONS = (
     Addition("effect", "toy_drag", (
         Edit(EFFECT + "motion_effects.hpp", '''
@@ -87,7 +80,9 @@ template <class S> struct ToyDrag {
                      .channels = {F},
                      .against = "speed"}}},''', "constexpr EffectEntry entries[] = {"),
     ), beside=(EFFECT + "effects.hpp", "src/elements/effects.cpp")),
-    Addition("column of a recording", "toy_mps", COLUMN_EDITS, beside=("include/pneuservo/core/signal.hpp",)),
+    Addition("column of a recording", "toy_mps", (
+        Edit("include/pneuservo/record/row.hpp", " COLUMN(double, toy_mps, none, 2.0 * velocity_mps_)", V_COLUMN),
+    ), beside=("include/pneuservo/core/signal.hpp",)),
     Addition("verb", "toy", (
         Edit("src/program/toy.cpp", '''// Verb `toy`: says so.
 #include <cstdio>

@@ -19,17 +19,18 @@ struct SignalInfo {
   std::string_view name, unit, column;
   SensorKind sensor;
   std::uint8_t side;
+  std::string_view words;
 };
 
 /// In the order of Signal. Positions are 0 at mid-stroke, pressures absolute.
 inline constexpr std::array signal_table{
-    SignalInfo{"x", "m", "x_m", SensorKind::position, 0},
-    SignalInfo{"p1_port", "Pa", "p1_port_Pa", SensorKind::port_pressure, 1},
-    SignalInfo{"p2_port", "Pa", "p2_port_Pa", SensorKind::port_pressure, 2},
-    SignalInfo{"p1_chamber", "Pa", "p1_chamber_Pa", SensorKind::chamber_pressure, 1},
-    SignalInfo{"p2_chamber", "Pa", "p2_chamber_Pa", SensorKind::chamber_pressure, 2},
-    SignalInfo{"p_supply", "Pa", "p_supply_Pa", SensorKind::supply_pressure, 0},
-    SignalInfo{"F", "N", "F_N", SensorKind::force, 0},
+    SignalInfo{"x", "m", "x_m", SensorKind::position, 0, "position"},
+    SignalInfo{"p1_port", "Pa", "p1_port_Pa", SensorKind::port_pressure, 1, "pressure at valve port 1, absolute"},
+    SignalInfo{"p2_port", "Pa", "p2_port_Pa", SensorKind::port_pressure, 2, "pressure at valve port 2, absolute"},
+    SignalInfo{"p1_chamber", "Pa", "p1_chamber_Pa", SensorKind::chamber_pressure, 1, "pressure in chamber 1, absolute"},
+    SignalInfo{"p2_chamber", "Pa", "p2_chamber_Pa", SensorKind::chamber_pressure, 2, "pressure in chamber 2, absolute"},
+    SignalInfo{"p_supply", "Pa", "p_supply_Pa", SensorKind::supply_pressure, 0, "supply pressure, absolute"},
+    SignalInfo{"F", "N", "F_N", SensorKind::force, 0, "drive force"},
 };
 inline constexpr std::size_t signal_count = signal_table.size();
 

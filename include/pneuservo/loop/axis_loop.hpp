@@ -123,7 +123,7 @@ class AxisLoop {
   MotionSample motion_sample(const ControlInput& in, std::int64_t skipped) const noexcept;
 
   double period_s_ = 0.001;
-  RigKind rig_ = RigKind::cylinder;
+  std::size_t valves_ = 1;
   PressureSource source_ = PressureSource::estimated;
   double command_max_V_ = 5.0;
   Supervisor supervisor_;

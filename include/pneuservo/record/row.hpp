@@ -20,43 +20,53 @@ enum RowFlag : std::uint32_t {
   row_input_bridged = 16,   ///< a sample of this tick was wrong and was replaced
 };
 
-// All columns in file order, each declared by its line alone: type, name, value where there is none. MEASURED stands
-// for the columns of signal_table from the first signal to the last.
+// All columns in file order, each declared by its line alone: type, name, value where there is none, and what the loop
+// puts there, in the names of AxisLoop::fill_row, which alone expands it. MEASURED stands for the columns of
+// signal_table from the first signal to the last.
 #define PNEUSERVO_ROW_COLUMNS(COLUMN, MEASURED)                                                                        \
-  COLUMN(double, t_s, 0.0)                                                                                             \
-  COLUMN(double, x_ref_m, none)                                                                                        \
-  COLUMN(double, v_ref_mps, none)                                                                                      \
-  COLUMN(double, x_predicted_m, none) /* of the simulated closed loop */                                               \
+  COLUMN(double, t_s, 0.0, t_s)                                                                                        \
+  COLUMN(double, x_ref_m, none, known(!begins_, now_.d[0]))                                                            \
+  COLUMN(double, v_ref_mps, none, known(!begins_, now_.d[1]))                                                          \
+  /* of the simulated closed loop */                                                                                   \
+  COLUMN(double, x_predicted_m, none, known(!twin_waits_, twin_.position_m()))                                         \
   MEASURED(x, x)                                                                                                       \
-  COLUMN(double, v_mps, none)                                                                                          \
-  COLUMN(double, u_V, none)                                                                                            \
-  COLUMN(double, u1_V, none) /* of a servo table's two valves, instead of u_V */                                       \
-  COLUMN(double, u2_V, none)                                                                                           \
+  COLUMN(double, v_mps, none, velocity_mps_)                                                                           \
+  COLUMN(double, u_V, none, known(!two_valves, supervisor_.command_V()[0]))                                            \
+  /* of a servo table's two valves, instead of u_V */                                                                  \
+  COLUMN(double, u1_V, none, known(two_valves, supervisor_.command_V()[0]))                                            \
+  COLUMN(double, u2_V, none, known(two_valves, supervisor_.command_V()[1]))                                            \
   MEASURED(p1_port, p2_chamber)                                                                                        \
-  COLUMN(double, p1_estimated_Pa, none)                                                                                \
-  COLUMN(double, p2_estimated_Pa, none)                                                                                \
-  COLUMN(double, p1_bound_Pa, none) /* the estimator's stated error bounds */                                          \
-  COLUMN(double, p2_bound_Pa, none)                                                                                    \
-  COLUMN(double, mass_flow_1_kgps, none) /* estimated, into the chambers */                                            \
-  COLUMN(double, mass_flow_2_kgps, none)                                                                               \
+  COLUMN(double, p1_estimated_Pa, none, known(estimated, estimate.chamber_pressure_Pa[0]))                             \
+  COLUMN(double, p2_estimated_Pa, none, known(estimated, estimate.chamber_pressure_Pa[1]))                             \
+  /* the estimator's stated error bounds */                                                                            \
+  COLUMN(double, p1_bound_Pa, none, known(estimated, estimate.error_bound_Pa[0]))                                      \
+  COLUMN(double, p2_bound_Pa, none, known(estimated, estimate.error_bound_Pa[1]))                                      \
+  /* estimated, into the chambers */                                                                                   \
+  COLUMN(double, mass_flow_1_kgps, none, known(estimated, estimate.mass_flow_kgps[0]))                                 \
+  COLUMN(double, mass_flow_2_kgps, none, known(estimated, estimate.mass_flow_kgps[1]))                                 \
   MEASURED(p_supply, p_supply)                                                                                         \
-  COLUMN(double, x_true_m, none)                                                                                       \
-  COLUMN(double, p1_chamber_true_Pa, none)                                                                             \
-  COLUMN(double, p2_chamber_true_Pa, none)                                                                             \
-  COLUMN(double, lateness_us, none) /* real time only */                                                               \
-  COLUMN(double, work_us, none)                                                                                        \
-  COLUMN(std::uint32_t, state, 0) /* SupervisorState (loop/supervisor.hpp) */                                          \
-  COLUMN(std::uint32_t, flags, 0) /* bits of RowFlag */                                                                \
-  COLUMN(std::uint64_t, fault, 0) /* bits of Fault (loop/fault.hpp), 0 while healthy */                                \
-  COLUMN(std::uint32_t, command_kind, 0) /* CommandKind (loop/axis_command.hpp) that was obeyed in this tick */        \
-  COLUMN(double, command_m, none) /* its target or way */                                                              \
-  COLUMN(double, command_mps, none) /* its speed */
+  COLUMN(double, x_true_m, none, truth.x_m)                                                                            \
+  COLUMN(double, p1_chamber_true_Pa, none, truth.p1_chamber_Pa)                                                        \
+  COLUMN(double, p2_chamber_true_Pa, none, truth.p2_chamber_Pa)                                                        \
+  /* real time only, set after the pass by what drives it */                                                           \
+  COLUMN(double, lateness_us, none, Row::none)                                                                         \
+  COLUMN(double, work_us, none, Row::none)                                                                             \
+  /* SupervisorState (loop/supervisor.hpp) */                                                                          \
+  COLUMN(std::uint32_t, state, 0, static_cast<std::uint32_t>(supervisor_.state()))                                     \
+  /* bits of RowFlag */                                                                                                \
+  COLUMN(std::uint32_t, flags, 0, flags)                                                                               \
+  /* bits of Fault (loop/fault.hpp), 0 while healthy */                                                                \
+  COLUMN(std::uint64_t, fault, 0, supervisor_.faults())                                                                \
+  /* CommandKind (loop/axis_command.hpp) that was obeyed in this tick, its target or way, its speed */                 \
+  COLUMN(std::uint32_t, command_kind, 0, static_cast<std::uint32_t>(obeyed_))                                          \
+  COLUMN(double, command_m, none, known(commanded, command_.position_m))                                               \
+  COLUMN(double, command_mps, none, known(commanded, command_.speed_mps))
 
 /// Plain data, copied through the ring. NaN means "no value" and is written as an empty field.
 struct Row {
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-#define PNEUSERVO_MEMBER(type, name, initial) type name = initial;
+#define PNEUSERVO_MEMBER(type, name, initial, value) type name = initial;
 #define PNEUSERVO_NO_MEMBER(first, last)
   PNEUSERVO_ROW_COLUMNS(PNEUSERVO_MEMBER, PNEUSERVO_NO_MEMBER)
 #undef PNEUSERVO_MEMBER
@@ -85,14 +95,13 @@ struct Row {
       for (std::size_t i = index_of(first); i <= index_of(last); ++i)
         v(signal_table[i].column, r.measured[all_signals[i]]...);
     };
-#define PNEUSERVO_VISIT(type, name, initial) v(std::string_view(#name), r.name...);
+#define PNEUSERVO_VISIT(type, name, initial, value) v(std::string_view(#name), r.name...);
 #define PNEUSERVO_VISIT_MEASURED(first, last) visit_measured(Signal::first, Signal::last);
     PNEUSERVO_ROW_COLUMNS(PNEUSERVO_VISIT, PNEUSERVO_VISIT_MEASURED)
 #undef PNEUSERVO_VISIT
 #undef PNEUSERVO_VISIT_MEASURED
   }
 };
-#undef PNEUSERVO_ROW_COLUMNS
 
 inline constexpr std::size_t row_column_count = [] {
   std::size_t count = 0;

@@ -6,7 +6,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <type_traits>
+#include <utility>
 
 #include <pneuservo/core/field.hpp>
 #include <pneuservo/core/signal.hpp>
@@ -88,10 +90,6 @@ struct PositionKeys {
 struct PressureKeys {
   static constexpr std::string_view unit = "Pa", scale = "scale_Pa_per_count", scale_V = "scale_Pa_per_V",
                                     zero = "zero_Pa", lowest = "lowest_Pa", highest = "highest_Pa";
-};
-struct ForceKeys {
-  static constexpr std::string_view unit = "N", scale = "scale_N_per_count", scale_V = "scale_N_per_V", zero = "zero_N",
-                                    lowest = "lowest_N", highest = "highest_N";
 };
 struct VoltageKeys {
   static constexpr std::string_view unit = "V", scale = "scale_V_per_count", scale_V = "scale_V_per_V", zero = "zero_V",
@@ -319,30 +317,42 @@ template <class Keys> struct ChannelParameters {
   bool is_on_board() const noexcept { return comedi || comedi_counter; }
 };
 
+/// One ChannelParameters for each of channel_signals, in their order.
+template <class Places> struct ChannelsOf;
+template <std::size_t... I> struct ChannelsOf<std::index_sequence<I...>> {
+  template <Signal signal> using Keys = std::conditional_t<is_pressure(signal), PressureKeys, PositionKeys>;
+  using Tuple = std::tuple<ChannelParameters<Keys<channel_signals[I]>>...>;
+};
+
 /// What stands behind each signal and each command.
 struct HalChannels {
-  ChannelParameters<PositionKeys> x;
-  ChannelParameters<PressureKeys> p1_port, p2_port, p1_chamber, p2_chamber, p_supply;
+  using InputPlaces = std::make_index_sequence<channel_signals.size()>;
+  ChannelsOf<InputPlaces>::Tuple inputs;
   ChannelParameters<VoltageKeys> u, u1, u2;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
-    v(Field{"x", "", 0, 0, "position", optional}, p.x...);
-    v(Field{"p1_port", "", 0, 0, "pressure at valve port 1, absolute", optional}, p.p1_port...);
-    v(Field{"p2_port", "", 0, 0, "pressure at valve port 2, absolute", optional}, p.p2_port...);
-    v(Field{"p1_chamber", "", 0, 0, "pressure in chamber 1, absolute", optional}, p.p1_chamber...);
-    v(Field{"p2_chamber", "", 0, 0, "pressure in chamber 2, absolute", optional}, p.p2_chamber...);
-    v(Field{"p_supply", "", 0, 0, "supply pressure, absolute", optional}, p.p_supply...);
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      const auto input = [&]<std::size_t i>() {
+        constexpr const SignalInfo& signal = info(channel_signals[i]);
+        v(Field{signal.name, "", 0, 0, signal.words, optional}, std::get<i>(p.inputs)...);
+      };
+      (input.template operator()<I>(), ...);
+    }(InputPlaces{});
     v(Field{"u", "", 0, 0, "command of a cylinder's valve", optional}, p.u...);
     v(Field{"u1", "", 0, 0, "command of a servo table's valve 1", optional}, p.u1...);
     v(Field{"u2", "", 0, 0, "command of a servo table's valve 2", optional}, p.u2...);
   }
   /// f(signal, parameters) for every measured channel, in the order of signal_table.
   template <class F> void for_each_input(F&& f) const {
-    visit(
-        [&](const Field& field, const auto& channel) {
-          if (const auto signal = signal_named(field.key)) f(*signal, channel);
-        },
-        *this);
+    [&]<std::size_t... I>(std::index_sequence<I...>) {
+      (f(channel_signals[I], std::get<I>(inputs)), ...);
+    }(InputPlaces{});
+  }
+  bool is_absent(Signal wanted) const {
+    bool absent = true;
+    for_each_input(
+        [&](Signal signal, const auto& channel) { absent = absent && (signal != wanted || channel.is_absent()); });
+    return absent;
   }
   /// f(key, valve, parameters) for every command; valve counts as in Command.
   template <class F> void for_each_command(F&& f) const {

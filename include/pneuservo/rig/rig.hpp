@@ -229,21 +229,31 @@ struct DriveParameters {
 /// that are recorded and diagnosed, not run: a vessel behind an on/off valve, a cylinder that an on/off valve sends
 /// from end to end.
 enum class RigKind { cylinder, servo_table, driven_axis, vessel, switched_cylinder };
-inline constexpr std::array<std::string_view, 5> rig_kind_names{"cylinder", "servo_table", "driven_axis", "vessel",
-                                                                "switched_cylinder"};
+/// What a kind of rig is. `valves`: proportional valves that commands drive, one for both sides or one a side.
+struct RigKindInfo {
+  std::string_view name;
+  std::size_t valves;
+  bool has_controller;  ///< moves along a reference
+  bool has_seals;       ///< that rub; an air bearing has none
+};
+/// In the order of RigKind.
+inline constexpr std::array rig_kind_table{
+    RigKindInfo{"cylinder", 1, true, true},           RigKindInfo{"servo_table", 2, true, false},
+    RigKindInfo{"driven_axis", 0, true, true},        RigKindInfo{"vessel", 0, false, false},
+    RigKindInfo{"switched_cylinder", 0, false, true},
+};
+inline constexpr auto rig_kind_names = [] {
+  std::array<std::string_view, rig_kind_table.size()> names;
+  for (std::size_t i = 0; i < names.size(); ++i) names[i] = rig_kind_table[i].name;
+  return names;
+}();
+constexpr const RigKindInfo& info(RigKind kind) noexcept { return rig_kind_table[static_cast<std::size_t>(kind)]; }
 inline constexpr std::array<std::string_view, 1> rig_format_names{"pneuservo-rig/1"};
 
 /// Whether a law runs that kind of rig: it drives as many valves, or gives the force of a driven axis.
 constexpr bool runs(ControllerKind law, RigKind rig) {
-  return with_law(law, [rig]<class L>(LawTag<L>) {
-    switch (rig) {
-      case RigKind::cylinder: return L::valves == 1;
-      case RigKind::servo_table: return L::valves == 2;
-      case RigKind::driven_axis: return HasOuterLoop<L>;
-      case RigKind::vessel:
-      case RigKind::switched_cylinder: break;
-    }
-    return false;
+  return with_law(law, [kind = info(rig)]<class L>(LawTag<L>) {
+    return kind.valves > 0 ? L::valves == kind.valves : kind.has_controller && HasOuterLoop<L>;
   });
 }
 /// The laws that run that kind of rig, in the order of the list.
@@ -290,10 +300,12 @@ struct Rig {
   std::optional<ServeParameters> serve;  ///< of an axis that is commanded; not stated: its defaults
   std::optional<ImportParameters> imported;  ///< how recordings of a foreign format are read
 
-  /// Whether it is a pneumatic servo axis: proportional valve, lines and chambers.
-  bool is_pneumatic() const noexcept { return kind == RigKind::cylinder || kind == RigKind::servo_table; }
+  /// Proportional valves that commands drive.
+  std::size_t valves() const noexcept { return info(kind).valves; }
+  /// Whether it is a pneumatic servo axis: proportional valves, lines and chambers.
+  bool is_pneumatic() const noexcept { return valves() > 0; }
   /// Whether a controller moves it along a reference.
-  bool has_controller() const noexcept { return is_pneumatic() || kind == RigKind::driven_axis; }
+  bool has_controller() const noexcept { return info(kind).has_controller; }
   /// Whether pressures act on its slider.
   bool has_pistons() const noexcept {
     return kind != RigKind::vessel && (axis.cylinder.area_1_m2 > 0.0 || axis.cylinder.area_2_m2 > 0.0);
@@ -327,72 +339,16 @@ struct Rig {
   }
 
  private:
-  // Sections of a driven axis: their values stand where every rig has them, their keys are its own.
-  template <class R> struct DrivenSlider {
+  /// A section whose values stand where every rig has them: Keys{}(visitor, rigs...) visits them.
+  template <class Keys, class R> struct Section {
     R& rig;
-    template <class V, class... P> static void visit(V&& v, P&... p) {
-      SliderParameters<double>::visit(v, p.rig.axis.slider...);
-      v(Field{"stroke_m", "m", 1e-3, 100, "from end stop to end stop"}, p.rig.axis.cylinder.stroke_m...);
-      DriveParameters::visit(v, p.rig.drive...);
-    }
+    template <class V, class... P> static void visit(V&& v, P&... p) { Keys{}(v, p.rig...); }
   };
-  template <class R> struct DrivenCylinder {
-    R& rig;
-    template <class V, class... P> static void visit(V&& v, P&... p) {
-      constexpr auto optional = Presence::optional;
-      v(Field{"area_1_m2", "m2", 0, 1, "effective piston area that p1_chamber_Pa pushes to positive x", optional},
-        p.rig.axis.cylinder.area_1_m2...);
-      v(Field{"area_2_m2", "m2", 0, 1, "effective piston area that p2_chamber_Pa pushes to negative x", optional},
-        p.rig.axis.cylinder.area_2_m2...);
-    }
-  };
-  template <class R> struct DrivenSensors {
-    R& rig;
-    template <class V, class... P> static void visit(V&& v, P&... p) {
-      v(Field{"position", "", 0, 0, "encoder"}, p.rig.sensors.position...);
-      v(Field{"force", "", 0, 0, "drive force, measured or commanded"}, p.rig.sensors.force...);
-      v(Field{"chamber_pressure", "", 0, 0, "where pressures act on the slider", Presence::optional},
-        p.rig.sensors.chamber_pressure...);
-    }
-  };
-  template <class R> struct VesselSensors {
-    R& rig;
-    template <class V, class... P> static void visit(V&& v, P&... p) {
-      v(Field{"pressure", "", 0, 0, "in the vessel, and at the valve's port"}, p.rig.sensors.chamber_pressure...);
-    }
-  };
-  template <class R> struct StrokeSensors {
-    R& rig;
-    template <class V, class... P> static void visit(V&& v, P&... p) {
-      v(Field{"position", "", 0, 0, "encoder"}, p.rig.sensors.position...);
-    }
-  };
-  template <class R> struct VesselSupply {
-    R& rig;
-    template <class V, class... P> static void visit(V&& v, P&... p) {
-      v(Field{"pressure_Pa", "Pa", 0, 2e6, "supply pressure, absolute, where a recording has no p_supply_Pa"},
-        p.rig.axis.supply.pressure_Pa...);
-    }
-  };
-  template <class R> struct StrokeValve {
-    R& rig;
-    template <class V, class... P> static void visit(V&& v, P&... p) {
-      v(Field{"critical_pressure_ratio", "-", 0.05, 0.9, "b of valve and throttles"}, p.rig.cylinder_critical_ratio...);
-    }
-  };
-  template <class R> struct DrivenController {
-    R& rig;
-    template <class V, class... P> static void visit(V&& v, P&... p) {
-      ControllerParameters::visit_outer_loop(v, p.rig.controller...);
-    }
-  };
-  template <class R> struct DrivenInitial {
-    R& rig;
-    template <class V, class... P> static void visit(V&& v, P&... p) {
-      v(Field{"position_m", "m", -100, 100, "slider position", Presence::optional}, p.rig.initial.position_m...);
-    }
-  };
+  template <class V, class Keys, class... P> static void visit_section(V& v, const Field& field, Keys, P&... p) {
+    [&](auto... sections) { v(field, sections...); }(Section<Keys, P>{p}...);
+  }
 
+  static constexpr Field sensors_field() { return {"sensors", "", 0, 0, "resolution and noise of the sensors"}; }
   template <class V, class... P> static void visit_head(V& v, P&... p) {
     constexpr auto required = Presence::required;
     v(Field{"format", "", 0, 0, "version of this format", required, rig_format_names}, p.format...);
@@ -402,40 +358,84 @@ struct Rig {
   }
   template <class V, class... P> static void visit_pneumatic(V& v, P&... p) {
     AxisParameters<double>::visit(v, p.axis...);
-    v(Field{"sensors", "", 0, 0, "resolution and noise of the sensors"}, p.sensors...);
+    v(sensors_field(), p.sensors...);
     v(Field{"controller", "", 0, 0, "control law and its gains"}, p.controller...);
     v(Field{"initial", "", 0, 0, "state at the start of a simulation", Presence::optional}, p.initial...);
   }
   template <class V, class... P> static void visit_driven(V& v, P&... p) {
-    const auto section = [&v](const Field& field, auto... views) { v(field, views...); };
-    section(Field{"slider", "", 0, 0, "moving mass and its drive"}, DrivenSlider<P>{p}...);
-    section(Field{"cylinder", "", 0, 0, "pistons that measured pressures push", Presence::optional},
-            DrivenCylinder<P>{p}...);
-    v(Field{"effects", "", 0, 0, "physics beside the nominal model, by name", Presence::optional}, p.axis.effects...);
-    section(Field{"sensors", "", 0, 0, "resolution and noise of the sensors"}, DrivenSensors<P>{p}...);
-    section(Field{"controller", "", 0, 0, "control law and its gains"}, DrivenController<P>{p}...);
-    section(Field{"initial", "", 0, 0, "state at the start of a simulation", Presence::optional},
-            DrivenInitial<P>{p}...);
+    constexpr auto optional = Presence::optional;
+    visit_section(
+        v, Field{"slider", "", 0, 0, "moving mass and its drive"},
+        [](auto& keys, auto&... rig) {
+          SliderParameters<double>::visit(keys, rig.axis.slider...);
+          keys(Field{"stroke_m", "m", 1e-3, 100, "from end stop to end stop"}, rig.axis.cylinder.stroke_m...);
+          DriveParameters::visit(keys, rig.drive...);
+        },
+        p...);
+    visit_section(
+        v, Field{"cylinder", "", 0, 0, "pistons that measured pressures push", optional},
+        [](auto& keys, auto&... rig) {
+          keys(Field{"area_1_m2", "m2", 0, 1, "effective piston area that p1_chamber_Pa pushes to positive x",
+                     Presence::optional},
+               rig.axis.cylinder.area_1_m2...);
+          keys(Field{"area_2_m2", "m2", 0, 1, "effective piston area that p2_chamber_Pa pushes to negative x",
+                     Presence::optional},
+               rig.axis.cylinder.area_2_m2...);
+        },
+        p...);
+    v(Field{"effects", "", 0, 0, "physics beside the nominal model, by name", optional}, p.axis.effects...);
+    visit_section(
+        v, sensors_field(),
+        [](auto& keys, auto&... rig) {
+          keys(Field{"position", "", 0, 0, "encoder"}, rig.sensors.position...);
+          keys(Field{"force", "", 0, 0, "drive force, measured or commanded"}, rig.sensors.force...);
+          keys(Field{"chamber_pressure", "", 0, 0, "where pressures act on the slider", Presence::optional},
+               rig.sensors.chamber_pressure...);
+        },
+        p...);
+    visit_section(
+        v, Field{"controller", "", 0, 0, "control law and its gains"},
+        [](auto& keys, auto&... rig) { ControllerParameters::visit_outer_loop(keys, rig.controller...); }, p...);
+    visit_section(
+        v, Field{"initial", "", 0, 0, "state at the start of a simulation", optional},
+        [](auto& keys, auto&... rig) {
+          keys(Field{"position_m", "m", -100, 100, "slider position", Presence::optional}, rig.initial.position_m...);
+        },
+        p...);
   }
   template <class V, class... P> static void visit_vessel(V& v, P&... p) {
     constexpr auto optional = Presence::optional;
-    const auto section = [&v](const Field& field, auto... views) { v(field, views...); };
     v(Field{"air", "", 0, 0, "gas and surroundings", optional}, p.axis.air...);
-    section(Field{"supply", "", 0, 0, "pressure supply", optional}, VesselSupply<P>{p}...);
+    visit_section(
+        v, Field{"supply", "", 0, 0, "pressure supply", optional},
+        [](auto& keys, auto&... rig) {
+          keys(Field{"pressure_Pa", "Pa", 0, 2e6, "supply pressure, absolute, where a recording has no p_supply_Pa"},
+               rig.axis.supply.pressure_Pa...);
+        },
+        p...);
     v(Field{"valve", "", 0, 0, "on/off valve: command 1 to supply, -1 to exhaust, 0 closed", optional},
       p.on_off_valve...);
     v(Field{"line", "", 0, 0, "pipeline from valve to vessel", optional}, p.line...);
     v(Field{"vessel", "", 0, 0, "rigid volume"}, p.vessel...);
     v(Field{"effects", "", 0, 0, "physics beside the nominal model, by name", optional}, p.vessel_effects...);
-    section(Field{"sensors", "", 0, 0, "resolution and noise of the sensors"}, VesselSensors<P>{p}...);
+    visit_section(
+        v, sensors_field(),
+        [](auto& keys, auto&... rig) {
+          keys(Field{"pressure", "", 0, 0, "in the vessel, and at the valve's port"}, rig.sensors.chamber_pressure...);
+        },
+        p...);
   }
   template <class V, class... P> static void visit_switched_cylinder(V& v, P&... p) {
     constexpr auto optional = Presence::optional;
-    const auto section = [&v](const Field& field, auto... views) { v(field, views...); };
     v(Field{"air", "", 0, 0, "gas and surroundings", optional}, p.axis.air...);
     v(Field{"supply", "", 0, 0, "pressure supply"}, p.axis.supply...);
-    section(Field{"valve", "", 0, 0, "on/off five-port valve: command 1 fills chamber 1, -1 chamber 2"},
-            StrokeValve<P>{p}...);
+    visit_section(
+        v, Field{"valve", "", 0, 0, "on/off five-port valve: command 1 fills chamber 1, -1 chamber 2"},
+        [](auto& keys, auto&... rig) {
+          keys(Field{"critical_pressure_ratio", "-", 0.05, 0.9, "b of valve and throttles"},
+               rig.cylinder_critical_ratio...);
+        },
+        p...);
     v(Field{"throttle_1", "", 0, 0, "flow control valve of chamber 1"}, p.throttle_1...);
     v(Field{"throttle_2", "", 0, 0, "flow control valve of chamber 2"}, p.throttle_2...);
     v(Field{"cylinder", "", 0, 0, "double-acting cylinder"}, p.axis.cylinder...);
@@ -443,7 +443,9 @@ struct Rig {
     v(Field{"cushion_2", "", 0, 0, "end cushioning at chamber 2's end", optional}, p.cushion_2...);
     v(Field{"slider", "", 0, 0, "moving mass"}, p.axis.slider...);
     v(Field{"effects", "", 0, 0, "physics beside the nominal model, by name", optional}, p.axis.effects...);
-    section(Field{"sensors", "", 0, 0, "resolution and noise of the sensors"}, StrokeSensors<P>{p}...);
+    visit_section(
+        v, sensors_field(),
+        [](auto& keys, auto&... rig) { keys(Field{"position", "", 0, 0, "encoder"}, rig.sensors.position...); }, p...);
   }
   /// Of every rig, whether it is run or recorded.
   template <class V, class... P> static void visit_tolerances(V& v, P&... p) {
@@ -489,12 +491,12 @@ struct Rig {
 };
 
 inline ValveArrangement valve_arrangement(const Rig& rig) noexcept {
-  return rig.kind == RigKind::servo_table ? ValveArrangement::three_port_pair : ValveArrangement::five_port;
+  return rig.valves() == 2 ? ValveArrangement::three_port_pair : ValveArrangement::five_port;
 }
 
 /// Columns of a recording that say what the valves are given: one valve for both sides, or one a side.
 inline std::vector<std::string> command_columns(const Rig& rig) {
-  if (rig.kind == RigKind::servo_table) return {"u1_V", "u2_V"};
+  if (rig.valves() == 2) return {"u1_V", "u2_V"};
   return {"u_V"};
 }
 

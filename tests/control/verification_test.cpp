@@ -1,7 +1,6 @@
 // The verification cases of references (V15) and of the velocity filter (V16).
 #include <catch2/catch.hpp>
 
-
 #include <yaml-cpp/yaml.h>
 
 #include <pneuservo/control/pd_force.hpp>

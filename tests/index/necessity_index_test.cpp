@@ -1,7 +1,6 @@
 // Necessity index: the thesis' tables, the verification case V14, the index of a config, the page.
 #include <catch2/catch.hpp>
 
-
 #include <yaml-cpp/yaml.h>
 
 #include "index/index_map.hpp"

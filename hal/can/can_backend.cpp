@@ -50,7 +50,10 @@ void CanBackend::check_against_eds(const CanChannel& channel, const EdsFile& eds
                                  channel.name, what));
   };
   const EdsObject* object = eds.find(channel.object.index(), channel.object.sub());
-  if (object == nullptr) refuse("found no such entry, expected one that the device has");
+  if (object == nullptr)
+    refuse(eds.describes_modules ? "found no such entry; the file describes modules ([...SubExt...]), whose objects "
+                                   "are there only once they are plugged: leave hal.can.nodes.*.eds out"
+                                 : "found no such entry, expected one that the device has");
   if (!object->can_map) refuse("found PDOMapping=0, expected an entry that can be mapped");
   if (object->bits() != channel.object.bits())
     refuse(fmt::format("found a data type of {} bits, expected {}", object->bits(), channel.object.bits()));
@@ -62,7 +65,13 @@ void CanBackend::check_against_eds(const CanChannel& channel, const EdsFile& eds
 void CanBackend::read_eds_files() {
   eds_.clear();
   for (const auto& [name, node] : rig_.hal->can->nodes)
-    if (!node.eds.empty()) eds_.emplace(name, EdsFile::read(node.eds));
+    if (!node.eds.empty()) {
+      const EdsFile& eds = eds_.emplace(name, EdsFile::read(node.eds)).first->second;
+      if (eds.node != 0 && eds.node != node.node_id)
+        throw InputError(fmt::format("{}: NodeID: found {}, expected {} (hal.can.nodes.{}.node_id): its values are for "
+                                     "another node",
+                                     eds.source(), eds.node, node.node_id, name));
+    }
   for (const CanChannel& channel : channels_)
     if (const auto eds = eds_.find(channel.node); eds != eds_.end()) check_against_eds(channel, eds->second);
 }
@@ -78,12 +87,36 @@ CanFrame CanBackend::own_heartbeat() const noexcept {
   return heartbeat_frame(static_cast<std::uint8_t>(rig_.hal->can->node_id), NmtState::operational);
 }
 
+/// What nodes say of themselves before the loop runs.
+void CanBackend::hear(const ReceivedFrame& received) {
+  process_.on_frame(received);
+  if (const auto heartbeat = parse_heartbeat(received.frame)) {
+    states_[heartbeat->node] = heartbeat->state;
+    if (heartbeat->state == NmtState::boot_up) open_emergencies_.erase(heartbeat->node);
+  } else if (const auto emergency = parse_emergency(received.frame)) {
+    if (emergency->code >> 8 == 0) open_emergencies_.erase(emergency->node);
+    else open_emergencies_[emergency->node] = *emergency;
+  }
+}
+
+std::string CanBackend::words_of(std::uint8_t node) const {
+  const auto emergency = open_emergencies_.find(node);
+  return emergency == open_emergencies_.end() ? "" : "reported " + emergency_text(emergency->second);
+}
+
+void CanBackend::refuse_open_emergencies() const {
+  for (const CanWatchedNode& node : process_.nodes())
+    if (open_emergencies_.contains(node.node))
+      throw std::runtime_error(fmt::format("{}: node {} ({}) {}: mend the cause before this axis moves", bus_->name(),
+                                           node.name, node.node, words_of(node.node)));
+}
+
 template <class Wanted> bool CanBackend::receive_until(std::int64_t timeout_ns, const Wanted& wanted) {
   const std::int64_t end_ns = bus_->now_ns() + timeout_ns;
   for (std::int64_t now_ns = bus_->now_ns(); now_ns < end_ns; now_ns = bus_->now_ns()) {
     ReceivedFrame received;
     while (bus_->receive(received)) {
-      process_.on_frame(received);
+      hear(received);
       if (wanted(received)) return true;
     }
     if (!bus_->is_up()) throw std::runtime_error(bus_->name() + ": the link went down");
@@ -113,10 +146,15 @@ void CanBackend::wait_for_boot(const std::string& name, const CanNodeParameters&
                     bus_->name(), name, number, node.boot_timeout_s, rig_.hal->can->bit_rate_bps));
 }
 
-void CanBackend::set_up_node(const std::string& name, const CanNodeParameters& node, std::vector<CanInputPdo>& inputs,
+void CanBackend::set_up_node(CanWatchedNode& watched, std::vector<CanInputPdo>& inputs,
                              std::vector<CanOutputPdo>& outputs) {
+  const std::string& name = watched.name;
+  const CanNodeParameters& node = rig_.hal->can->nodes.at(name);
   wait_for_boot(name, node);
-  SdoClient sdo(*bus_, static_cast<std::uint8_t>(node.node_id), name, {});
+  // A node that starts itself: objects of PDOs may be written in pre-operational alone.
+  send_or_throw(nmt_frame(NmtCommand::enter_pre_operational, watched.node));
+  SdoClient sdo(
+      *bus_, watched.node, name, [this](const ReceivedFrame& received) { hear(received); }, node.sdo_timeout_s);
   const auto eds = eds_.find(name);
   const NodeSetup setup{rig_, channels_, name, eds == eds_.end() ? nullptr : &eds->second};
   NodeConfigurator configurator(sdo, setup);
@@ -145,6 +183,9 @@ void CanBackend::set_up_node(const std::string& name, const CanNodeParameters& n
                         node.transmission == CanTransmission::sync, nanoseconds(oldest_periods * rig_.period_s),
                         std::llround(lost_after_heartbeats * node.heartbeat_s / rig_.period_s) + 1, signals});
   }
+  configurator.refuse_errors();
+  if (!configurator.has_heartbeat()) watched.silence_ns = watched.heartbeat_ns = 0;
+  setup_notes_.insert(setup_notes_.end(), configurator.notes().begin(), configurator.notes().end());
 }
 
 std::vector<std::uint32_t> CanBackend::process_ids() const {
@@ -169,6 +210,9 @@ void CanBackend::configure() {
     bus_ = open_carrier(can.interface, can.bit_rate_bps, false);
   }
   node_numbers_.clear();
+  open_emergencies_.clear();
+  states_.clear();
+  setup_notes_.clear();
   std::vector<std::uint32_t> ids{cob_sync, cob_heartbeat + can.node_id};
   std::vector<CanWatchedNode> watched;
   for (const auto& [name, node] : can.nodes) {
@@ -186,7 +230,7 @@ void CanBackend::configure() {
   refuse_second_master();
   std::vector<CanInputPdo> inputs;
   std::vector<CanOutputPdo> outputs;
-  for (const auto& [name, node] : can.nodes) set_up_node(name, node, inputs, outputs);
+  for (CanWatchedNode& node : watched) set_up_node(node, inputs, outputs);
   process_ = CanProcessImage(std::move(inputs), std::move(outputs), std::move(watched), own);
   bus_->accept_only(process_ids());
 }
@@ -203,16 +247,24 @@ void CanBackend::refuse_second_master() {
 }
 
 void CanBackend::wait_until_operational() {
-  std::vector<std::uint8_t> waiting = node_numbers_;
-  for (const std::uint8_t node : node_numbers_) send_or_throw(nmt_frame(NmtCommand::start, node));
+  std::vector<const CanWatchedNode*> waiting;
+  for (const CanWatchedNode& node : process_.nodes()) {
+    send_or_throw(nmt_frame(NmtCommand::start, node.node));
+    if (node.heartbeat_ns > 0) waiting.push_back(&node);
+  }
   receive_until(start_timeout_ns, [&](const ReceivedFrame& received) {
     const auto heartbeat = parse_heartbeat(received.frame);
-    if (heartbeat && heartbeat->state == NmtState::operational) std::erase(waiting, heartbeat->node);
+    if (heartbeat && heartbeat->state == NmtState::operational)
+      std::erase_if(waiting, [&](const CanWatchedNode* node) { return node->node == heartbeat->node; });
     return waiting.empty();
   });
-  if (!waiting.empty())
-    throw std::runtime_error(
-        fmt::format("{}: node {} did not become operational within 2 s", bus_->name(), waiting.front()));
+  if (waiting.empty()) return;
+  const CanWatchedNode& node = *waiting.front();
+  const auto state = states_.find(node.node);
+  throw std::runtime_error(
+      fmt::format("{}: node {} ({}) did not become operational within 2 s{}{}{}", bus_->name(), node.name, node.node,
+                  state == states_.end() ? "" : fmt::format(", it stays {}", nmt_state_word(state->second)),
+                  open_emergencies_.contains(node.node) ? "; it " : "", words_of(node.node)));
 }
 
 // An answer that always comes after the next SYNC would look like a quick one of a wrong age: the bus is quiet now.
@@ -227,9 +279,11 @@ void CanBackend::check_answers() {
     const bool any_expected = !process_.inputs().empty();
     if (any_expected && !all) {
       std::string who;
-      for (const CanInputPdo& input : process_.inputs())
-        who += fmt::format("{}0x{:03x}", who.empty() ? "" : ", ", input.id);
-      throw std::runtime_error(fmt::format("{}: not every PDO ({}) answered a SYNC within 1 s", bus_->name(), who));
+      for (const std::string& silent : process_.unanswered())
+        who += fmt::format("{}{}", who.empty() ? "" : "; ", silent);
+      for (const CanWatchedNode& node : process_.nodes())
+        if (open_emergencies_.contains(node.node)) who += fmt::format("; node {} {}", node.name, words_of(node.node));
+      throw std::runtime_error(fmt::format("{}: no sample within 1 s: {}", bus_->name(), who));
     }
     quickest_ns = std::min(quickest_ns, process_.counts().slowest_answer_ns);
     // A second device with the same number is as quick as the first.
@@ -256,6 +310,7 @@ void CanBackend::activate() {
   process_.start(bus_->now_ns());
   wait_until_operational();
   check_answers();
+  refuse_open_emergencies();
   start_ns_ = bus_->now_ns();
   dropped_before_ = bus_->dropped();
   queue_full_ = 0;
@@ -350,6 +405,7 @@ Origins CanBackend::origins() const {
 
 std::vector<std::string> CanBackend::notes() const {
   std::vector<std::string> lines;
+  for (const std::string& line : setup_notes_) lines.push_back("can: " + line);
   for (const std::string& line : process_.event_lines(start_ns_)) lines.push_back("can: " + line);
   const CanCounts& counts = process_.counts();
   lines.push_back(fmt::format(

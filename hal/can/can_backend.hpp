@@ -35,7 +35,8 @@ class CanBackend final : public Backend {
 
   /// Resets the nodes and sets them up by SDO. Throws InputError or std::runtime_error.
   void configure() override;
-  /// Starts the nodes with the safe output, and checks that each answers a SYNC once, within 0.9 periods.
+  /// Starts the nodes with the safe output, checks that each answers a SYNC once, within 0.9 periods, and that none has
+  /// told of an error that is not over.
   void activate() override;
   bool read(std::int64_t tick, Measurement& measurement) noexcept override;
   bool write(std::int64_t tick, const Command& command) noexcept override;
@@ -55,9 +56,11 @@ class CanBackend final : public Backend {
   void read_eds_files();
   void check_against_eds(const CanChannel& channel, const EdsFile& eds) const;
   std::vector<std::uint32_t> process_ids() const;
+  void hear(const ReceivedFrame& received);
+  void refuse_open_emergencies() const;
+  std::string words_of(std::uint8_t node) const;
   void wait_for_boot(const std::string& name, const CanNodeParameters& node);
-  void set_up_node(const std::string& name, const CanNodeParameters& node, std::vector<CanInputPdo>& inputs,
-                   std::vector<CanOutputPdo>& outputs);
+  void set_up_node(CanWatchedNode& watched, std::vector<CanInputPdo>& inputs, std::vector<CanOutputPdo>& outputs);
   void wait_until_operational();
   void refuse_second_master();
   void check_answers();
@@ -76,6 +79,9 @@ class CanBackend final : public Backend {
   std::map<std::string, EdsFile> eds_;
   CanProcessImage process_;
   std::vector<std::uint8_t> node_numbers_;
+  std::map<std::uint8_t, Emergency> open_emergencies_;  // by node, since its boot-up: each is sent once
+  std::map<std::uint8_t, NmtState> states_;  // as its heartbeats told last
+  std::vector<std::string> setup_notes_;
   std::unique_ptr<BusLock> lock_;
   SafeOutput safe_output_;
   int unconfirmed_cycles_ = 0;  // in a row, after the safe output was sent

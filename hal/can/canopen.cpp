@@ -1,6 +1,12 @@
 // CANopen's own frames: network management, SYNC, heartbeat, emergency.
 #include "can/canopen.hpp"
 
+#include <array>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 namespace pneuservo {
 namespace {
 
@@ -80,6 +86,21 @@ void put_u32(std::uint8_t* at, std::uint32_t value) noexcept {
 std::uint16_t get_u16(const std::uint8_t* at) noexcept { return static_cast<std::uint16_t>(at[0] | at[1] << 8); }
 std::uint32_t get_u32(const std::uint8_t* at) noexcept {
   return get_u16(at) | static_cast<std::uint32_t>(get_u16(at + 2)) << 16;
+}
+
+std::string error_register_words(std::uint8_t error_register) {
+  constexpr std::array words{"generic",       "current",        "voltage",  "temperature",
+                             "communication", "device profile", "reserved", "manufacturer"};
+  std::vector<std::string_view> set;
+  for (std::size_t bit = 0; bit < words.size(); ++bit)
+    if ((error_register >> bit & 1) != 0) set.emplace_back(words[bit]);
+  return fmt::format("{}", fmt::join(set, ", "));
+}
+
+std::string emergency_text(const Emergency& emergency) {
+  return fmt::format("emergency 0x{:04x} ({}), error register 0x{:02x} ({})", emergency.code,
+                     emergency_class_word(emergency.code), emergency.error_register,
+                     error_register_words(emergency.error_register));
 }
 
 CanFrame nmt_frame(NmtCommand command, std::uint8_t node) noexcept {

@@ -47,6 +47,11 @@ inline constexpr std::uint16_t emergency_heartbeat_lost = 0x8130;
 /// What an emergency code's class means (CiA 301, table of error code classes).
 std::string_view emergency_class_word(std::uint16_t code);
 
+/// The bits of an error register (0x1001) in words.
+std::string error_register_words(std::uint8_t error_register);
+/// "emergency 0x5000 (device hardware), error register 0x81 (generic, manufacturer)".
+std::string emergency_text(const Emergency& emergency);
+
 CanFrame nmt_frame(NmtCommand command, std::uint8_t node) noexcept;
 CanFrame sync_frame() noexcept;
 CanFrame heartbeat_frame(std::uint8_t node, NmtState state) noexcept;

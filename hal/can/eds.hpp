@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace pneuservo {
@@ -15,20 +16,30 @@ struct EdsObject {
   std::string name;
   std::uint16_t data_type = 0;   ///< 0x0003 INTEGER16, 0x0007 UNSIGNED32, ...; 0: not a plain value
   bool can_map = false;
-  bool can_write = false;
-  std::optional<std::uint32_t> standard;    ///< DefaultValue
-  std::optional<std::uint32_t> configured;  ///< ParameterValue of a DCF
-  bool adds_node = false;                   ///< the node's number is added to the value
+  bool can_read = true, can_write = false;
+  std::string standard;    ///< DefaultValue as the file has it
+  std::string configured;  ///< ParameterValue of a DCF as the file has it
   int line = 0;
 
-  /// ParameterValue, else DefaultValue, else 0; with the node's number where the file says so.
-  std::uint32_t value(std::uint8_t node) const noexcept {
-    return configured.value_or(standard.value_or(0)) + (adds_node ? node : 0u);
-  }
   /// Length of its data type; 0 for texts and domains.
   unsigned bits() const noexcept;
   /// Two's complement.
   bool is_signed() const noexcept;
+};
+
+/// Bytes of a text as an object of that type holds them, little-endian; `why` says what is wrong where there are none.
+struct EdsBytes {
+  std::vector<std::uint8_t> bytes;
+  std::string why;
+};
+/// `node`: number of the node, for $NODEID.
+EdsBytes eds_bytes(const EdsObject& object, std::string_view text, std::uint8_t node);
+
+/// A value that a DCF gives and that is not written.
+struct LeftOutValue {
+  std::uint16_t index = 0;
+  std::uint8_t sub = 0;
+  std::string why;
 };
 
 /// A read file.
@@ -39,13 +50,26 @@ class EdsFile {
   static EdsFile parse(const std::string& text, const std::string& source_name);
 
   const EdsObject* find(std::uint16_t index, std::uint8_t sub) const noexcept;
-  /// Entries that a DCF gives a value and that can be written, communication objects of PDOs left out: those follow
-  /// from the config.
-  std::vector<EdsObject> configured() const;
+  /// Entries that a DCF gives a value and that can be written. Communication objects of PDOs are left out, which follow
+  /// from the config, as are store and restore (0x1010, 0x1011) and what does not fit its type: see left_out().
+  std::vector<EdsObject> configured(std::uint8_t node) const;
+  std::vector<LeftOutValue> left_out(std::uint8_t node) const;
   const std::vector<EdsObject>& objects() const noexcept { return objects_; }
   const std::string& source() const noexcept { return source_; }
 
+  /// As the file states them; 0: it does not.
+  std::uint32_t vendor = 0, product = 0;
+  std::uint32_t node = 0;  ///< of a DCF
+  bool describes_modules = false;  ///< objects of modules that may be plugged stand beside the device's own
+
  private:
+  struct Section;
+  void take(const Section& section);
+  void take_object(const Section& section, EdsObject object);
+  void take_compact(const Section& section, const EdsObject& array);
+  void take_list(const Section& section);
+  std::string why_left_out(const EdsObject& object, std::uint8_t node) const;
+
   std::string source_;
   std::vector<EdsObject> objects_;  // by index and sub-index
 };

@@ -24,12 +24,15 @@ std::uint32_t milliseconds(double time_s) { return static_cast<std::uint32_t>(st
 
 }  // namespace
 
+bool NodeSetup::has_output() const {
+  return std::any_of(channels.begin(), channels.end(),
+                     [&](const CanChannel& c) { return c.is_output && c.node == name; });
+}
+
 // After a fault our heartbeat stops: nodes with outputs give their substitute, a sensor that only answers SYNC goes on
 // and shows what the axis does. One that sends by its own timer would never stop.
 bool watches_us(const NodeSetup& setup) {
-  const bool has_output = std::any_of(setup.channels.begin(), setup.channels.end(),
-                                      [&](const CanChannel& c) { return c.is_output && c.node == setup.name; });
-  return has_output || setup.rig.hal->can->nodes.at(setup.name).transmission == CanTransmission::event;
+  return setup.has_output() || setup.rig.hal->can->nodes.at(setup.name).transmission == CanTransmission::event;
 }
 
 std::optional<unsigned> SetUpPdo::place_of(CanObject object) const noexcept {
@@ -50,30 +53,114 @@ unsigned SetUpPdo::bits() const noexcept {
 NodeConfigurator::NodeConfigurator(SdoClient& sdo, const NodeSetup& setup)
     : sdo_(sdo), setup_(setup), node_(setup.rig.hal->can->nodes.at(setup.name)), bus_(*setup.rig.hal->can) {}
 
+void NodeConfigurator::refuse(const std::string& what) const {
+  throw std::runtime_error(fmt::format("node {} ({}): {}", setup_.name, node_.node_id, what));
+}
+
+void NodeConfigurator::note(const std::string& what) {
+  notes_.push_back(fmt::format("node {} ({}): {}", setup_.name, node_.node_id, what));
+}
+
 void NodeConfigurator::check_profile() {
   const std::uint32_t type = sdo_.read_number(0x1000, 0);
   if (node_.profile != 0 && (type & 0xFFFF) != node_.profile)
-    throw std::runtime_error(fmt::format("node {} ({}): its device type 0x1000 states profile {}, expected {} "
-                                         "(hal.can.nodes.{}.profile)",
-                                         setup_.name, node_.node_id, type & 0xFFFF, node_.profile, setup_.name));
+    refuse(fmt::format("its device type 0x1000 states profile {}, expected {} (hal.can.nodes.{}.profile)",
+                       type & 0xFFFF, node_.profile, setup_.name));
+}
+
+void NodeConfigurator::check_identity() {
+  const auto check = [&](std::uint8_t sub, const char* what, std::uint32_t of_config, std::uint32_t of_eds) {
+    const std::uint32_t wanted = of_config != 0 ? of_config : of_eds;
+    if (wanted == 0) return;
+    const auto found = sdo_.find_number(0x1018, sub);
+    if (!found || *found == wanted) return;
+    const std::string stated =
+        of_config != 0 ? fmt::format("hal.can.nodes.{}.{}", setup_.name, what) : setup_.eds->source();
+    refuse(fmt::format("0x1018:{} states {} 0x{:x}, expected 0x{:x} ({}): is another device there?", sub, what, *found,
+                       wanted, stated));
+  };
+  check(1, "vendor", node_.vendor, setup_.eds == nullptr ? 0 : setup_.eds->vendor);
+  check(2, "product", node_.product, setup_.eds == nullptr ? 0 : setup_.eds->product);
 }
 
 void NodeConfigurator::write_dcf() {
   if (setup_.eds == nullptr) return;
-  for (const EdsObject& object : setup_.eds->configured())
-    sdo_.write_checked(object.index, object.sub, object.value(static_cast<std::uint8_t>(node_.node_id)));
+  const auto number = static_cast<std::uint8_t>(node_.node_id);
+  for (const LeftOutValue& left : setup_.eds->left_out(number))
+    note(fmt::format("{}: the value of 0x{:04x}:{} is left out: {}", setup_.eds->source(), left.index, left.sub,
+                     left.why));
+  for (const EdsObject& object : setup_.eds->configured(number)) {
+    const std::vector<std::uint8_t> bytes = eds_bytes(object, object.configured, number).bytes;
+    if (object.can_read && sdo_.read(object.index, object.sub) == bytes) continue;
+    sdo_.write_any(object.index, object.sub, bytes);
+    if (object.can_read && sdo_.read(object.index, object.sub) != bytes)
+      refuse(fmt::format("object 0x{:04x}:{} does not hold what was written ({}:{})", object.index, object.sub,
+                         setup_.eds->source(), object.line));
+  }
+}
+
+void NodeConfigurator::write_watchdog() {
+  const std::uint32_t ms = watches_us(setup_) ? milliseconds(bus_.watchdog_s) : 0;
+  if (sdo_.write_found(0x1016, 1, bus_.node_id << 16 | ms)) return;
+  if (setup_.has_output())
+    refuse("it has no 0x1016 and cannot watch this program's heartbeat: its output would stay when this program dies; "
+           "a node that can is needed for the valve");
+  note("it has no 0x1016 and does not watch this program; it has no output to make safe");
+}
+
+void NodeConfigurator::write_heartbeat() {
+  has_heartbeat_ = sdo_.write_found(0x1017, 0, milliseconds(node_.heartbeat_s));
+  if (has_heartbeat_) return;
+  if (setup_.has_output() || node_.transmission == CanTransmission::event)
+    refuse("it has no 0x1017 and sends no heartbeat (node guarding is not supported): its loss would not be seen; "
+           "possible only for a node without outputs that answers SYNC (transmission: sync)");
+  note("it has no 0x1017 and sends no heartbeat: its loss is seen by its missing answers to SYNC");
+}
+
+// Where it went by another identifier, or was switched off, an emergency would never be seen.
+void NodeConfigurator::write_emergency() {
+  const auto held = sdo_.find_number(0x1014, 0);
+  const std::uint32_t wanted = cob_emergency + node_.node_id;
+  if (!held || *held == wanted) return;
+  try {
+    write_identifier(0x1014, 0, wanted);
+  } catch (const SdoError&) {
+    note(fmt::format("its 0x1014 is 0x{:08x} and cannot be written: its emergencies are not seen", *held));
+  }
+}
+
+// SYNC is 0x080 without a counter.
+void NodeConfigurator::write_sync() {
+  const std::uint32_t generates = 0x40000000u;
+  if (const auto held = sdo_.find_number(0x1005, 0); held && (*held & (generates | 0x7FF)) != cob_sync)
+    sdo_.write_checked(0x1005, 0, cob_sync);
+  if (const auto counter = sdo_.find_number(0x1019, 0); counter && *counter != 0) sdo_.write_checked(0x1019, 0, 0);
 }
 
 void NodeConfigurator::write_parameters() {
   check_profile();
+  check_identity();
   write_dcf();
-  sdo_.write_checked(0x1016, 1, bus_.node_id << 16 | (watches_us(setup_) ? milliseconds(bus_.watchdog_s) : 0));
-  sdo_.write_checked(0x1017, 0, milliseconds(node_.heartbeat_s));
+  write_watchdog();
+  write_heartbeat();
+  write_emergency();
+  write_sync();
   // 1 would let it go on in operational when we are gone.
   if (const auto behaviour = sdo_.find_number(0x1029, 1); behaviour && *behaviour == 1)
     sdo_.write_checked(0x1029, 1, 0);
   for (const CanChannel& channel : setup_.channels)
     if (channel.is_output && channel.node == setup_.name) write_substitute(channel);
+}
+
+void NodeConfigurator::refuse_errors() {
+  const std::uint32_t error_register = sdo_.find_number(0x1001, 0).value_or(0);
+  if (error_register == 0) return;
+  std::string last;
+  if (const auto field = sdo_.find_number(0x1003, 1); field && *field != 0)
+    last = fmt::format(", its last error 0x1003:1 is 0x{:04x} ({})", *field & 0xFFFF,
+                       emergency_class_word(static_cast<std::uint16_t>(*field)));
+  refuse(fmt::format("its error register 0x1001 is 0x{:02x} ({}){}: mend the cause before this axis moves",
+                     error_register, error_register_words(static_cast<std::uint8_t>(error_register)), last));
 }
 
 // Without it the valve would keep its last command when we die: some devices' default is just that.
@@ -87,9 +174,14 @@ void NodeConfigurator::write_substitute(const CanChannel& output) {
   const std::uint64_t raw = counts.raw_of(safe_commands_V(setup_.rig)[output.command]);
   const std::int64_t value =
       output.is_signed ? sign_extended(raw, output.object.bits()) : static_cast<std::int64_t>(raw);
-  sdo_.write_checked(substitute.value.index(), substitute.value.sub(), static_cast<std::uint32_t>(value));
-  if (substitute.mode.word != 0)
-    sdo_.write_checked(substitute.mode.index(), substitute.mode.sub(), substitute.mode_value);
+  const auto write = [&](CanObject object, std::uint32_t number) {
+    if (sdo_.write_found(object.index(), object.sub(), number)) return;
+    refuse(fmt::format("it has no object 0x{:04x}:{}: the valve would keep its last command when this program dies; "
+                       "state hal.channels.{}.can.substitute, the device's own objects for it",
+                       object.index(), object.sub(), output.name));
+  };
+  write(substitute.value, static_cast<std::uint32_t>(value));
+  if (substitute.mode.word != 0) write(substitute.mode, substitute.mode_value);
 }
 
 void NodeConfigurator::write_mapping(std::uint16_t mapping, const std::vector<CanObject>& objects) {
@@ -107,52 +199,102 @@ std::vector<CanObject> NodeConfigurator::read_mapping(std::uint16_t mapping) {
   return objects;
 }
 
+void NodeConfigurator::write_identifier(std::uint16_t index, std::uint8_t sub, std::uint32_t wanted) {
+  const std::uint32_t held = sdo_.read_number(index, sub);
+  if (held == wanted) return;
+  const std::uint32_t identifier = 0x3FFFFFFFu;
+  if ((held & pdo_off) == 0 && ((held ^ wanted) & identifier) != 0) sdo_.write_checked(index, sub, held | pdo_off);
+  if ((wanted & pdo_off) == 0 && ((held ^ wanted) & identifier) != 0) sdo_.write_checked(index, sub, wanted | pdo_off);
+  sdo_.write_checked(index, sub, wanted);
+}
+
+// Event-driven PDOs are type 254, the maker's event, or 255, the profile's: devices have one or both.
+void NodeConfigurator::write_type(std::uint16_t parameters, bool by_event) {
+  const std::uint32_t held = sdo_.read_number(parameters, 2);
+  if (by_event ? held >= on_event : held == on_every_sync) return;
+  try {
+    sdo_.write_checked(parameters, 2, by_event ? on_event : on_every_sync);
+  } catch (const SdoError& error) {
+    if (error.code == 0) throw;
+    if (by_event) return sdo_.write_checked(parameters, 2, 255);
+    if (parameters < 0x1800) {
+      note(fmt::format("0x{:04x}:2 stays {}: the output acts when it comes, not at SYNC", parameters, held));
+      return;
+    }
+    refuse(
+        fmt::format("0x{:04x}:2 refuses type 1, an answer to each SYNC ({}): where it takes event-driven PDOs alone, "
+                    "hal.can.nodes.{}.transmission: event",
+                    parameters, sdo_abort_text(error.code), setup_.name));
+  }
+}
+
 SetUpPdo NodeConfigurator::set_up_pdo(const CanPdo& pdo) {
   const std::uint16_t parameters = parameters_of(pdo.is_output, pdo.pdo);
   const auto mapping = static_cast<std::uint16_t>(parameters + 0x200);
   const std::uint32_t id =
       pdo.is_output ? cob_receive_pdo(pdo.pdo, node_.node_id) : cob_transmit_pdo(pdo.pdo, node_.node_id);
   const bool by_event = !pdo.is_output && node_.transmission == CanTransmission::event;
+  const std::uint32_t timer_ms = by_event ? milliseconds(setup_.rig.period_s) : 0;
   // Bit 30: no remote requests. Devices that know it for a transmit PDO keep it, others ignore it.
-  const std::uint32_t kept = sdo_.read_number(parameters, 1) & 0x40000000u;
-  sdo_.write(parameters, 1, id | pdo_off | kept, 4);
+  const std::uint32_t wanted = id | (sdo_.read_number(parameters, 1) & 0x40000000u);
+  std::vector<CanObject> objects = read_mapping(mapping);
   if (node_.mapping == CanMapping::write) {
-    std::vector<CanObject> objects;
-    objects.reserve(pdo.signals.size());
-    for (const std::size_t i : pdo.signals) objects.push_back(setup_.channels[i].object);
-    write_mapping(mapping, objects);
+    std::vector<CanObject> named;
+    named.reserve(pdo.signals.size());
+    for (const std::size_t i : pdo.signals) named.push_back(setup_.channels[i].object);
+    if (objects != named) {
+      turn_off(pdo.is_output, pdo.pdo);
+      write_mapping(mapping, named);
+      objects = read_mapping(mapping);
+    }
   }
-  sdo_.write_checked(parameters, 2, by_event ? on_event : on_every_sync);
-  if (!pdo.is_output) {
-    if (sdo_.find_number(parameters, 3)) sdo_.write_checked(parameters, 3, 0);  // inhibit time, often 10 ms
-    const std::uint32_t timer_ms = by_event ? milliseconds(setup_.rig.period_s) : 0;
-    if (sdo_.find_number(parameters, 5)) sdo_.write_checked(parameters, 5, timer_ms);
-    if (by_event && sdo_.find_number(input_interrupts, 0)) sdo_.write_checked(input_interrupts, 0, 1);
+  if (!is_set_up(parameters, pdo.is_output, by_event, timer_ms)) {
+    turn_off(pdo.is_output, pdo.pdo);
+    write_type(parameters, by_event);
+    if (!pdo.is_output) {
+      sdo_.write_found(parameters, 3, 0);  // inhibit time, often 10 ms
+      sdo_.write_found(parameters, 5, timer_ms);
+    }
   }
-  SetUpPdo done{id, read_mapping(mapping)};
+  if (by_event) sdo_.write_found(input_interrupts, 0, 1);
+  SetUpPdo done{id, objects};
   for (const std::size_t i : pdo.signals)
     if (!done.place_of(setup_.channels[i].object))
-      throw std::runtime_error(fmt::format("node {} ({}): object 0x{:08x} of channel {} is not in the mapping 0x{:04x}",
-                                           setup_.name, node_.node_id, setup_.channels[i].object.word,
-                                           setup_.channels[i].name, mapping));
-  if (done.bits() > 64)
-    throw std::runtime_error(fmt::format("node {} ({}): mapping 0x{:04x} has {} bits, expected at most 64", setup_.name,
-                                         node_.node_id, mapping, done.bits()));
-  sdo_.write_checked(parameters, 1, id | kept);
+      refuse(fmt::format("object 0x{:08x} of channel {} is not in the mapping 0x{:04x}", setup_.channels[i].object.word,
+                         setup_.channels[i].name, mapping));
+  if (done.bits() > 64) refuse(fmt::format("mapping 0x{:04x} has {} bits, expected at most 64", mapping, done.bits()));
+  write_identifier(parameters, 1, wanted);
   return done;
 }
 
+// Where nothing has to change the PDO need not be turned off: some devices let its objects only be read.
+bool NodeConfigurator::is_set_up(std::uint16_t parameters, bool is_output, bool by_event, std::uint32_t timer_ms) {
+  const std::uint32_t type = sdo_.read_number(parameters, 2);
+  if (by_event ? type < on_event : type != on_every_sync) return false;
+  if (is_output) return true;
+  return sdo_.find_number(parameters, 3).value_or(0) == 0 &&
+         sdo_.find_number(parameters, 5).value_or(timer_ms) == timer_ms;
+}
+
+/// False: the device has no such PDO.
+bool NodeConfigurator::turn_off(bool is_output, std::uint32_t number) {
+  const std::uint16_t parameters = parameters_of(is_output, number);
+  const auto id = sdo_.find_number(parameters, 1);
+  if (id && (*id & pdo_off) == 0) sdo_.write_checked(parameters, 1, *id | pdo_off);
+  return id.has_value();
+}
+
+// CiA 301 has 512 of each. Devices number them from 1 on, with gaps of at most a block of four a module.
 void NodeConfigurator::turn_off_others(const std::vector<CanPdo>& used) {
-  for (std::uint32_t number = 1; number <= 4; ++number)
-    for (const bool is_output : {false, true}) {
+  for (const bool is_output : {false, true}) {
+    std::uint32_t missing = 0;
+    for (std::uint32_t number = 1; number <= 512 && missing < 8; ++number) {
       const bool is_used = std::any_of(used.begin(), used.end(), [&](const CanPdo& pdo) {
         return pdo.node == setup_.name && pdo.pdo == number && pdo.is_output == is_output;
       });
-      if (is_used) continue;
-      const std::uint16_t parameters = parameters_of(is_output, number);
-      const auto id = sdo_.find_number(parameters, 1);
-      if (id && (*id & pdo_off) == 0) sdo_.write_checked(parameters, 1, *id | pdo_off);
+      missing = is_used || turn_off(is_output, number) ? 0 : missing + 1;
     }
+  }
 }
 
 }  // namespace pneuservo

@@ -26,6 +26,7 @@ struct NodeSetup {
   const std::vector<CanChannel>& channels;
   std::string name;
   const EdsFile* eds = nullptr;  ///< of the device, where the config names one
+  bool has_output() const;
 };
 
 /// The node watches our heartbeat.
@@ -37,15 +38,33 @@ class NodeConfigurator {
  public:
   NodeConfigurator(SdoClient& sdo, const NodeSetup& setup);
 
-  /// Profile, DCF values, watchdog over our heartbeat, its own heartbeat, substitute outputs.
+  /// Profile, DCF values, watchdog over our heartbeat, its own heartbeat, emergencies, SYNC, substitute outputs.
   void write_parameters();
+  /// The device's own word on errors (0x1001, 0x1003): none may be there before motion.
+  void refuse_errors();
   /// Mapping and transmission of one PDO. Returns what the node has then.
   SetUpPdo set_up_pdo(const CanPdo& pdo);
   /// PDOs that no channel uses are turned off: they would take the bus's time.
   void turn_off_others(const std::vector<CanPdo>& used);
+  /// What the device does without, in sentences for the user.
+  const std::vector<std::string>& notes() const noexcept { return notes_; }
+  /// Whether it sends a heartbeat.
+  bool has_heartbeat() const noexcept { return has_heartbeat_; }
 
  private:
+  [[noreturn]] void refuse(const std::string& what) const;
+  void note(const std::string& what);
   void check_profile();
+  void check_identity();
+  void write_watchdog();
+  void write_heartbeat();
+  void write_emergency();
+  void write_sync();
+  void write_type(std::uint16_t parameters, bool by_event);
+  /// Identifier and bit 31 in two steps: an identifier may not change while its PDO is valid.
+  void write_identifier(std::uint16_t index, std::uint8_t sub, std::uint32_t wanted);
+  bool is_set_up(std::uint16_t parameters, bool is_output, bool by_event, std::uint32_t timer_ms);
+  bool turn_off(bool is_output, std::uint32_t number);
   void write_dcf();
   void write_substitute(const CanChannel& output);
   void write_mapping(std::uint16_t mapping, const std::vector<CanObject>& objects);
@@ -55,6 +74,8 @@ class NodeConfigurator {
   const NodeSetup& setup_;
   const CanNodeParameters& node_;
   const CanBusParameters& bus_;
+  std::vector<std::string> notes_;
+  bool has_heartbeat_ = true;
 };
 
 }  // namespace pneuservo

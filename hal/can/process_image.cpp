@@ -101,8 +101,10 @@ void CanProcessImage::on_link_down(std::int64_t now_ns) noexcept {
 void CanProcessImage::on_process_data(std::size_t input, const ReceivedFrame& received) noexcept {
   const CanInputPdo& pdo = inputs_[input];
   Sample& sample = samples_[input];
-  if (received.frame.length != pdo.length) {
+  // A longer frame is taken by its first bytes, as CiA 301 has it.
+  if (received.frame.length < pdo.length) {
     ++counts_.malformed;
+    sample.short_length = received.frame.length;
     return;
   }
   ++sample.arrivals;
@@ -130,13 +132,13 @@ void CanProcessImage::on_heartbeat(const Heartbeat& heartbeat, std::int64_t at_n
   Watch& watch = watches_[static_cast<std::size_t>(i)];
   watch.seen_ns = std::max(watch.seen_ns, at_ns);
   count_heartbeat(static_cast<std::size_t>(i), at_ns);
-  if (heartbeat.state == NmtState::operational || watch.lost) return;
+  if (heartbeat.state == NmtState::operational) return;
+  // A node that watches our heartbeat leaves that state when we withhold it. Stopped, its outputs are the substitutes.
+  const bool is_let_go = let_go_ && nodes_[static_cast<std::size_t>(i)].has_output;
+  if (is_let_go && heartbeat.state == NmtState::stopped) watch.substituted = true;
+  if (watch.lost) return;
   watch.lost = true;
-  // A node that watches our heartbeat leaves that state when we withhold it.
-  const bool is_wanted =
-      let_go_ && heartbeat.state != NmtState::boot_up && nodes_[static_cast<std::size_t>(i)].has_output;
-  if (!is_wanted) faults_ |= device_node_lost;
-  else if (heartbeat.state == NmtState::stopped) watch.substituted = true;
+  if (!is_let_go || heartbeat.state == NmtState::boot_up) faults_ |= device_node_lost;
   note(CanEvent::Kind::left_operational, heartbeat.node, static_cast<std::uint32_t>(heartbeat.state), at_ns);
 }
 
@@ -172,7 +174,7 @@ void CanProcessImage::on_emergency(const Emergency& emergency, std::int64_t at_n
 void CanProcessImage::look_for_silence(std::int64_t now_ns) noexcept {
   for (std::size_t i = 0; i < watches_.size(); ++i) {
     Watch& watch = watches_[i];
-    if (watch.lost || now_ns - watch.seen_ns <= nodes_[i].silence_ns) continue;
+    if (watch.lost || nodes_[i].silence_ns == 0 || now_ns - watch.seen_ns <= nodes_[i].silence_ns) continue;
     watch.lost = true;
     faults_ |= device_node_lost;
     note(CanEvent::Kind::silent, nodes_[i].node, 0, now_ns);
@@ -267,6 +269,20 @@ bool CanProcessImage::all_answered() const noexcept {
   return true;
 }
 
+std::vector<std::string> CanProcessImage::unanswered() const {
+  std::vector<std::string> out;
+  for (std::size_t i = 0; i < inputs_.size(); ++i) {
+    const CanInputPdo& pdo = inputs_[i];
+    if (pdo.on_sync ? samples_[i].answers > 0 : samples_[i].ever) continue;
+    const int length = samples_[i].short_length;
+    out.push_back(fmt::format("node {} ({}): PDO 0x{:03x} {}", name_of(pdo.node), pdo.node, pdo.id,
+                              length > 0    ? fmt::format("has {} bytes, its mapping {}", length, pdo.length)
+                              : pdo.on_sync ? "did not answer SYNC"
+                                            : "did not come"));
+  }
+  return out;
+}
+
 const CanInputPdo* CanProcessImage::answered_twice() const noexcept {
   for (std::size_t i = 0; i < inputs_.size(); ++i)
     if (inputs_[i].on_sync && samples_[i].answers > 1) return &inputs_[i];
@@ -293,8 +309,9 @@ std::vector<std::string> CanProcessImage::event_lines(std::int64_t start_ns) con
         what = fmt::format("{}: state {}", node, nmt_state_word(static_cast<NmtState>(event.detail)));
         break;
       case CanEvent::Kind::emergency:
-        what = fmt::format("{}: emergency 0x{:04x} ({}), error register 0x{:02x}", node, event.detail >> 8,
-                           emergency_class_word(static_cast<std::uint16_t>(event.detail >> 8)), event.detail & 0xFF);
+        what = fmt::format("{}: {}", node,
+                           emergency_text({event.node, static_cast<std::uint16_t>(event.detail >> 8),
+                                           static_cast<std::uint8_t>(event.detail)}));
         break;
       case CanEvent::Kind::double_answer:
         what =

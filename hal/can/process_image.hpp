@@ -46,7 +46,7 @@ struct CanOutputPdo {
 struct CanWatchedNode {
   std::string name;
   std::uint8_t node = 0;
-  std::int64_t silence_ns = 0;  ///< longer without a heartbeat: lost
+  std::int64_t silence_ns = 0;  ///< longer without a heartbeat: lost; 0: it sends none
   std::int64_t heartbeat_ns = 0;  ///< it sends one so often; 0: not known
   bool has_output = false;      ///< watches our heartbeat, and gives its substitute without it
 };
@@ -76,7 +76,7 @@ struct CanCounts {
   std::uint64_t answers = 0;      ///< process data taken as samples
   std::uint64_t missed = 0;       ///< cycles in which an awaited PDO did not come
   std::uint64_t late = 0;         ///< came after the next SYNC, or twice in a cycle, before the end
-  std::uint64_t malformed = 0;    ///< wrong length of a known PDO
+  std::uint64_t malformed = 0;    ///< a known PDO with fewer bytes than are mapped
   std::uint64_t foreign = 0;      ///< frames that belong to nothing here
   std::uint64_t out_of_limits = 0;
   std::uint64_t error_frames = 0;
@@ -135,6 +135,8 @@ class CanProcessImage {
   const CanCounts& counts() const noexcept { return counts_; }
   /// Every input on SYNC answered since begin_cycle.
   bool all_answered() const noexcept;
+  /// Those of all_answered() that have not, in sentences with node, identifier and what came instead.
+  std::vector<std::string> unanswered() const;
   /// An input on SYNC that came more than once since begin_cycle; null: none.
   const CanInputPdo* answered_twice() const noexcept;
   /// SYNC and heartbeats of our own number that others sent, since start().
@@ -154,6 +156,7 @@ class CanProcessImage {
     std::uint64_t image = 0;
     std::int64_t received_ns = 0;
     std::uint32_t answers = 0, arrivals = 0;  // in this cycle; arrivals: late ones too
+    std::uint8_t short_length = 0;  // of a frame that was too short; 0: none was
     bool ever = false;
     AnswerBalance balance;
   };

@@ -18,12 +18,15 @@ struct SdoError : std::runtime_error {
   std::uint32_t code;
 };
 
-/// Blocks for at most the timeout a message. Frames that are no answers go to `others` (heartbeats, emergencies).
+/// Blocks for at most three times the timeout a message: a request without answer is sent again, as a lost frame or a
+/// device that is busy after its start wants it. Frames that are no answers go to `others` (heartbeats, emergencies).
 class SdoClient {
  public:
   using Others = std::function<void(const ReceivedFrame&)>;
-  SdoClient(CanCarrier& bus, std::uint8_t node, std::string name, Others others)
-      : bus_(bus), node_(node), name_(std::move(name)), others_(std::move(others)) {}
+  static constexpr int attempts = 3;
+  static constexpr double usual_timeout_s = 1.0;  ///< a device that writes to flash takes some 0.7 s
+  SdoClient(CanCarrier& bus, std::uint8_t node, std::string name, Others others, double timeout_s = usual_timeout_s)
+      : bus_(bus), node_(node), name_(std::move(name)), others_(std::move(others)), timeout_s_(timeout_s) {}
 
   /// Bytes of the object, expedited or in segments. Throws SdoError.
   std::vector<std::uint8_t> read(std::uint16_t index, std::uint8_t sub);
@@ -34,16 +37,22 @@ class SdoClient {
 
   /// Writes `bytes` bytes, 1 to 4. Throws SdoError.
   void write(std::uint16_t index, std::uint8_t sub, std::uint32_t value, unsigned bytes);
+  /// Writes them as they are, in segments where there are more than 4. Throws SdoError.
+  void write_any(std::uint16_t index, std::uint8_t sub, const std::vector<std::uint8_t>& bytes);
   /// Writes more than 4 bytes in segments. Throws SdoError.
   void write_bytes(std::uint16_t index, std::uint8_t sub, const std::vector<std::uint8_t>& bytes);
-  /// Writes as many bytes as the object has (they differ from maker to maker), reads it back and compares.
+  /// Writes as many bytes as the object has (they differ from maker to maker), reads it back and compares. What holds
+  /// the value already is left alone: some devices let it only be read.
   void write_checked(std::uint16_t index, std::uint8_t sub, std::uint32_t value);
+  /// The same where the device has the object; false: it has none.
+  bool write_found(std::uint16_t index, std::uint8_t sub, std::uint32_t value);
 
   const std::string& name() const noexcept { return name_; }
   std::uint8_t node() const noexcept { return node_; }
 
  private:
-  CanFrame ask(const CanFrame& request, std::uint16_t index, std::uint8_t sub);
+  /// `tries`: 1 for a segment, which may not come twice.
+  CanFrame ask(const CanFrame& request, std::uint16_t index, std::uint8_t sub, int tries = attempts);
   std::optional<CanFrame> wait_for_answer(std::uint16_t index, std::uint8_t sub);
   [[noreturn]] void fail(std::uint16_t index, std::uint8_t sub, const std::string& what, std::uint32_t code);
   std::uint32_t request_id() const noexcept { return cob_sdo_request + node_; }
@@ -52,6 +61,7 @@ class SdoClient {
   std::uint8_t node_;
   std::string name_;
   Others others_;
+  double timeout_s_;
 };
 
 }  // namespace pneuservo

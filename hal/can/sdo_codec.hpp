@@ -9,7 +9,7 @@
 
 namespace pneuservo {
 
-/// Abort codes that are sent or explained here.
+/// Abort codes that are sent or asked for here.
 enum class SdoAbort : std::uint32_t {
   none = 0,
   toggle = 0x05030000,
@@ -27,7 +27,7 @@ enum class SdoAbort : std::uint32_t {
   general = 0x08000000,
   state = 0x08000022,
 };
-/// The code in words, "no such object".
+/// The code in words, "no such object", as CiA 301 has them; others with their number.
 std::string sdo_abort_text(std::uint32_t code);
 
 /// One side's message, decoded: what the first byte says, without meaning given to it yet.
@@ -46,8 +46,10 @@ inline constexpr std::uint8_t sdo_download_segment = 0, sdo_download = 1, sdo_up
 inline constexpr std::uint8_t sdo_segment_uploaded = 0, sdo_segment_downloaded = 1, sdo_upload_begun = 2,
                               sdo_downloaded = 3;
 
-/// Decodes the first four bytes; empty unless the frame has 8 bytes.
+/// Decodes what the first four bytes say, absent ones as 0; empty for a frame without any.
 std::optional<SdoMessage> parse_sdo(const CanFrame& frame) noexcept;
+/// The same of a server's answer; empty unless it has all the bytes that it speaks of. Some devices send no more.
+std::optional<SdoMessage> parse_sdo_answer(const CanFrame& frame) noexcept;
 
 /// A message with index and sub-index and up to 4 bytes of data behind them.
 CanFrame sdo_frame(std::uint32_t id, std::uint8_t first, std::uint16_t index, std::uint8_t sub,

@@ -7,7 +7,7 @@ namespace pneuservo {
 
 std::optional<CanFrame> SdoServer::answer(const CanFrame& request) {
   const auto message = parse_sdo(request);
-  if (!message) return {};
+  if (!message || request.length != 8) return {};
   switch (message->specifier) {
     case sdo_abort_specifier: transfer_ = Transfer::none; return {};
     case sdo_download_segment:

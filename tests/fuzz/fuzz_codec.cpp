@@ -108,7 +108,9 @@ void device_file(const Bytes& bytes) {
     const EdsFile file = EdsFile::parse(bytes.rest(), "fuzz.eds");
     for (const EdsObject& object : file.objects())
       if (file.find(object.index, object.sub) == nullptr || object.bits() > 64) std::abort();
-    (void)file.configured();
+    for (const EdsObject& object : file.configured(5))
+      if (!eds_bytes(object, object.configured, 5).why.empty()) std::abort();
+    (void)file.left_out(5);
   } catch (const InputError& error) {
     if (std::string(error.what()).empty()) std::abort();
   }

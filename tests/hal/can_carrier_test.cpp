@@ -236,20 +236,81 @@ TEST_CASE("EDS and DCF: types, mapping, values with the node's number, mistakes 
                      "DataType=7\nAccessType=rw\nParameterValue=0x64010110\n[1008]\nDataType=0x0009\n"
                      "DefaultValue=A name\n",
                      "io.dcf");
-  REQUIRE(eds.find(0x1000, 0)->value(9) == 0x000F0191);
-  REQUIRE(eds.find(0x1800, 1)->value(9) == 0x189);
+  const auto standard = [&](std::uint16_t index, std::uint8_t sub) {
+    const EdsObject& object = *eds.find(index, sub);
+    return eds_bytes(object, object.standard, 9).bytes;
+  };
+  using Bytes = std::vector<std::uint8_t>;
+  REQUIRE(standard(0x1000, 0) == Bytes{0x91, 0x01, 0x0F, 0x00});
+  REQUIRE(standard(0x1800, 1) == Bytes{0x89, 0x01, 0x00, 0x00});
   const EdsObject& input = *eds.find(0x6401, 1);
   REQUIRE((input.bits() == 16 && input.is_signed() && input.can_map && !input.can_write));
   REQUIRE(eds.find(0x1008, 0)->bits() == 0);
   REQUIRE(eds.find(0x6401, 2) == nullptr);
-  const auto configured = eds.configured();  // not the mapping: that follows from the config
+  const auto configured = eds.configured(9);  // not the mapping: that follows from the config
   REQUIRE(configured.size() == 2);
-  REQUIRE((configured[0].index == 0x1014 && configured[0].value(9) == 0x89));
-  REQUIRE((configured[1].index == 0x6423 && configured[1].value(9) == 1));
-  REQUIRE_THROWS_WITH(EdsFile::parse("[1000]\nDataType=0x0007\nDefaultValue=abc\n", "a.eds"),
-                      Catch::Contains("a.eds:3: found 'abc'"));
+  REQUIRE((configured[0].index == 0x1014 &&
+           eds_bytes(configured[0], configured[0].configured, 9).bytes == Bytes{0x89, 0, 0, 0}));
+  REQUIRE((configured[1].index == 0x6423 && eds_bytes(configured[1], configured[1].configured, 9).bytes == Bytes{1}));
   REQUIRE_THROWS_WITH(EdsFile::parse("[1000\n", "a.eds"), Catch::Contains("a.eds:1: found '[' without ']'"));
   REQUIRE_THROWS_WITH(EdsFile::parse("Key=1\n", "a.eds"), Catch::Contains("a.eds:1"));
   REQUIRE_THROWS_WITH(EdsFile::parse("[FileInfo]\n", "a.eds"), Catch::Contains("no objects"));
   REQUIRE_THROWS_AS(EdsFile::read("/nonexistent.eds"), InputError);
+}
+
+TEST_CASE("EDS as found: comments, arrays in one section, defaults that nobody uses, text outside the form") {
+  const EdsFile eds = EdsFile::parse(
+      "\xEF\xBB\xBFwritten by hand\n[DeviceInfo]\nVendorNumber=0x1F ; "
+      "ours\nProductNumber=7\n[DeviceComissioning]\nNodeID=5\n"
+      "a line of text\n[6020]; four of them\nDataType=0x0004 ; INTEGER32\nAccessType=ro\nPDOMapping=1 ; yes\n"
+      "CompactSubObj=4\n[6020Name]\nNrOfEntries=1\n2=second\n[2001]\nDataType=0x0007\nDefaultValue=0.0\n"
+      "[2002]\nDataType=\nDefaultValue=TRUE\n",
+      "a.eds");
+  REQUIRE((eds.vendor == 0x1F && eds.product == 7 && eds.node == 5));
+  for (const std::uint8_t sub : {1, 2, 3, 4}) {
+    const EdsObject* one = eds.find(0x6020, sub);
+    REQUIRE(one != nullptr);
+    REQUIRE((one->bits() == 32 && one->is_signed() && one->can_map));
+  }
+  REQUIRE(eds.find(0x6020, 2)->name == "second");
+  REQUIRE((eds.find(0x6020, 0)->standard == "4" && !eds.find(0x6020, 0)->can_map));
+  REQUIRE(eds.find(0x6020, 5) == nullptr);
+  REQUIRE_THROWS_WITH(EdsFile::parse("<?xml version=\"1.0\"?>\n", "a.xdd"), Catch::Contains("XML, an XDD"));
+}
+
+TEST_CASE("a DCF's values become the bytes of their type, or are named as left out") {
+  const auto bytes = [](unsigned type, const std::string& text) {
+    EdsObject object;
+    object.data_type = static_cast<std::uint16_t>(type);
+    return eds_bytes(object, text, 3).bytes;
+  };
+  using Bytes = std::vector<std::uint8_t>;
+  CHECK(bytes(0x08, "1.5") == Bytes{0x00, 0x00, 0xC0, 0x3F});
+  CHECK(bytes(0x08, "2") == Bytes{0x00, 0x00, 0x00, 0x40});
+  CHECK(bytes(0x11, "-1") == Bytes{0, 0, 0, 0, 0, 0, 0xF0, 0xBF});
+  CHECK(bytes(0x03, "-0x80") == Bytes{0x80, 0xFF});
+  CHECK(bytes(0x03, "0xFF80") == Bytes{0x80, 0xFF});
+  CHECK(bytes(0x02, "-128") == Bytes{0x80});
+  CHECK(bytes(0x05, "01h") == Bytes{0x01});
+  CHECK(bytes(0x05, "08") == Bytes{0x08});
+  CHECK(bytes(0x05, "010") == Bytes{0x08});  // octal
+  CHECK(bytes(0x01, "TRUE") == Bytes{0x01});
+  CHECK(bytes(0x1B, "0xFFFFFFFFFFFFFFFF") == Bytes(8, 0xFF));
+  CHECK(bytes(0x07, "$NODEID+0x80") == Bytes{0x83, 0, 0, 0});
+  CHECK(bytes(0x09, "a;b") == Bytes{'a', ';', 'b'});
+  CHECK(bytes(0x0A, "01 A0") == Bytes{0x01, 0xA0});
+  for (const auto& [type, text] :
+       {std::pair{0x05u, "0x1FF"}, {0x05u, "-1"}, {0x02u, "-129"}, {0x08u, "abc"}, {0x0Fu, "x"}})
+    CHECK(bytes(type, text).empty());
+  const EdsFile dcf = EdsFile::parse(
+      "[2103]\nDataType=6\nAccessType=rw\nCompactSubObj=2\n[2103Value]\nNrOfEntries=2\n1=17\n2=0x12345\n"
+      "[1010sub1]\nDataType=7\nAccessType=rw\nParameterValue=0x65766173\n[2104]\nDataType=5\nAccessType=wo\n"
+      "ParameterValue=3\n",
+      "a.dcf");
+  const auto written = dcf.configured(3);
+  REQUIRE(written.size() == 2);
+  CHECK((written[0].index == 0x2103 && written[0].sub == 1 && written[1].index == 0x2104 && !written[1].can_read));
+  const auto left = dcf.left_out(3);
+  REQUIRE(left.size() == 2);
+  CHECK((left[0].index == 0x1010 && left[1].index == 0x2103 && left[1].sub == 2));
 }

@@ -6,9 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <type_traits>
-#include <utility>
 
 #include <pneuservo/core/field.hpp>
 #include <pneuservo/core/signal.hpp>
@@ -31,6 +29,8 @@ struct CanNodeParameters {
   CanTransmission transmission = CanTransmission::sync;
   double heartbeat_s = 0.02;
   double boot_timeout_s = 2.0;
+  double sdo_timeout_s = 1.0;
+  std::uint32_t vendor = 0, product = 0;
   std::string eds;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
@@ -50,6 +50,12 @@ struct CanNodeParameters {
       p.heartbeat_s...);
     v(Field{"boot_timeout_s", "s", 0.01, 60, "it must have come up after a reset within this time", optional},
       p.boot_timeout_s...);
+    v(Field{"sdo_timeout_s", "s", 0.01, 60, "it must answer a request within this time; asked three times", optional},
+      p.sdo_timeout_s...);
+    v(Field{"vendor", "-", 0, 4294967295.0, "vendor that 0x1018:1 must state; 0: that of the EDS, or any", optional},
+      p.vendor...);
+    v(Field{"product", "-", 0, 4294967295.0, "product that 0x1018:2 must state; 0: that of the EDS, or any", optional},
+      p.product...);
     v(Field{"eds", "", 0, 0, "EDS or DCF file of the device, from the config's folder; what a DCF states is written",
             optional},
       p.eds...);
@@ -317,42 +323,30 @@ template <class Keys> struct ChannelParameters {
   bool is_on_board() const noexcept { return comedi || comedi_counter; }
 };
 
-/// One ChannelParameters for each of channel_signals, in their order.
-template <class Places> struct ChannelsOf;
-template <std::size_t... I> struct ChannelsOf<std::index_sequence<I...>> {
-  template <Signal signal> using Keys = std::conditional_t<is_pressure(signal), PressureKeys, PositionKeys>;
-  using Tuple = std::tuple<ChannelParameters<Keys<channel_signals[I]>>...>;
-};
-
 /// What stands behind each signal and each command.
 struct HalChannels {
-  using InputPlaces = std::make_index_sequence<channel_signals.size()>;
-  ChannelsOf<InputPlaces>::Tuple inputs;
+  ChannelParameters<PositionKeys> position;
+  PerSignal<ChannelParameters<PressureKeys>> pressures;  ///< of the signals that are pressures
   ChannelParameters<VoltageKeys> u, u1, u2;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
-    [&]<std::size_t... I>(std::index_sequence<I...>) {
-      const auto input = [&]<std::size_t i>() {
-        constexpr const SignalInfo& signal = info(channel_signals[i]);
-        v(Field{signal.name, "", 0, 0, signal.words, optional}, std::get<i>(p.inputs)...);
-      };
-      (input.template operator()<I>(), ...);
-    }(InputPlaces{});
+    for (const Signal signal : channel_signals) {
+      const Field field{info(signal).name, "", 0, 0, info(signal).words, optional};
+      if (is_pressure(signal)) v(field, p.pressures[signal]...);
+      else v(field, p.position...);
+    }
     v(Field{"u", "", 0, 0, "command of a cylinder's valve", optional}, p.u...);
     v(Field{"u1", "", 0, 0, "command of a servo table's valve 1", optional}, p.u1...);
     v(Field{"u2", "", 0, 0, "command of a servo table's valve 2", optional}, p.u2...);
   }
   /// f(signal, parameters) for every measured channel, in the order of signal_table.
   template <class F> void for_each_input(F&& f) const {
-    [&]<std::size_t... I>(std::index_sequence<I...>) {
-      (f(channel_signals[I], std::get<I>(inputs)), ...);
-    }(InputPlaces{});
+    for (const Signal signal : channel_signals)
+      if (is_pressure(signal)) f(signal, pressures[signal]);
+      else f(signal, position);
   }
-  bool is_absent(Signal wanted) const {
-    bool absent = true;
-    for_each_input(
-        [&](Signal signal, const auto& channel) { absent = absent && (signal != wanted || channel.is_absent()); });
-    return absent;
+  bool is_absent(Signal signal) const {
+    return is_pressure(signal) ? pressures[signal].is_absent() : position.is_absent();
   }
   /// f(key, valve, parameters) for every command; valve counts as in Command.
   template <class F> void for_each_command(F&& f) const {

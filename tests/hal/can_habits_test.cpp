@@ -1,0 +1,258 @@
+// Habits of real CANopen devices: each works, or is refused before motion with one sentence.
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+#include "can/sdo_codec.hpp"
+#include "hal/can_bench.hpp"
+
+using namespace pneuservo;
+using Catch::Contains;
+
+namespace {
+
+constexpr std::uint8_t io = 2, encoder = 3;
+
+/// A controller before a device with one habit; it is configured and activated by start().
+struct Habit {
+  Rig rig;
+  PlantDevice device;
+  DeviceBus* bus = nullptr;
+  CanBackend backend;
+
+  explicit Habit(const std::vector<std::string>& sets = {})
+      : rig(can_rig(sets)), device(rig), backend(rig, make_bus()) {}
+  std::unique_ptr<CanCarrier> make_bus() {
+    auto made = std::make_unique<DeviceBus>(device);
+    bus = made.get();
+    return made;
+  }
+  ObjectDictionary& dictionary(std::uint8_t number) {
+    for (auto& node : device.nodes())
+      if (node->node() == number) return node->dictionary();
+    FAIL("no node " << int(number));
+    throw 0;
+  }
+  /// The node answers requests for this object with an abort; `writes`: those to write its sub-index 2 alone.
+  void refuse(std::uint8_t number, std::uint16_t index, std::uint32_t code, bool writes = false) {
+    bus->spoil = [=, before = bus->spoil](CanFrame& frame) {
+      const auto answer = parse_sdo_answer(frame);
+      const bool is_meant = answer && frame.id == cob_sdo_answer + number && answer->index == index &&
+                            (!writes || answer->sub == 2) &&
+                            answer->specifier == (writes ? sdo_downloaded : sdo_upload_begun);
+      if (is_meant) frame = sdo_abort_frame(frame.id, answer->index, answer->sub, static_cast<SdoAbort>(code));
+      return !before || before(frame);
+    };
+  }
+  void start() {
+    backend.configure();
+    backend.activate();
+  }
+  std::string notes() const {
+    std::string all;
+    for (const std::string& note : backend.notes()) all += note + "\n";
+    return all;
+  }
+};
+
+/// Whether the node has this state now, in a heartbeat.
+bool tells(const CanFrame& frame, std::uint8_t node, NmtState state) {
+  const auto heartbeat = parse_heartbeat(frame);
+  return heartbeat && heartbeat->node == node && heartbeat->state == state;
+}
+
+}  // namespace
+
+TEST_CASE("an emergency before the loop runs refuses the start, unless its error is over") {
+  const bool is_over = GENERATE(false, true);
+  Habit h;
+  bool told = false;
+  h.bus->spoil = [&](CanFrame& frame) {
+    if (tells(frame, encoder, NmtState::operational) && !told) {
+      told = true;
+      h.bus->after(emergency_frame({encoder, 0x5000, 0x81}));
+      if (is_over) h.bus->after(emergency_frame({encoder, 0x0000, 0x00}));
+    }
+    return true;
+  };
+  if (is_over) REQUIRE_NOTHROW(h.start());
+  else
+    REQUIRE_THROWS_WITH(h.start(),
+                        Contains("node encoder (3) reported emergency 0x5000 (device hardware), error register 0x81 "
+                                 "(generic, manufacturer)"));
+}
+
+TEST_CASE("an error register that is set refuses the start") {
+  Habit h;
+  h.bus->spoil = [](CanFrame& frame) {
+    const auto answer = parse_sdo_answer(frame);
+    if (answer && frame.id == cob_sdo_answer + encoder && answer->index == 0x1001) frame.data[4] = 0x11;
+    return true;
+  };
+  REQUIRE_THROWS_WITH(h.start(), Contains("node encoder (3)") && Contains("0x1001 is 0x11 (generic, communication)"));
+}
+
+TEST_CASE("emergencies, SYNC and its counter are put where they are listened to") {
+  Habit h;
+  h.dictionary(encoder).add_number(0x1014, 0, 32, 0x80000085, true);
+  h.dictionary(encoder).add_number(0x1005, 0, 32, 0x81, true);
+  h.dictionary(encoder).add_number(0x1019, 0, 8, 10, true);
+  h.start();
+  CHECK(h.dictionary(encoder).number(0x1014, 0) == 0x83);
+  CHECK(h.dictionary(encoder).number(0x1005, 0) == 0x80);
+  CHECK(h.dictionary(encoder).number(0x1019, 0) == 0);
+}
+
+TEST_CASE("an emergency object that cannot be moved is told") {
+  Habit h;
+  h.dictionary(encoder).add_number(0x1014, 0, 32, 0x80000083, false);
+  h.start();
+  CHECK_THAT(h.notes(), Contains("node encoder (3): its 0x1014 is 0x80000083") && Contains("not seen"));
+}
+
+TEST_CASE("a PDO longer than its mapping is taken by its first bytes, a shorter one is named with its length") {
+  const int more = GENERATE(4, -1);
+  Habit h;
+  h.bus->spoil = [&](CanFrame& frame) {
+    if (frame.id == 0x183) frame.length = static_cast<std::uint8_t>(frame.length + more);
+    return true;
+  };
+  if (more > 0) REQUIRE_NOTHROW(h.start());
+  else
+    REQUIRE_THROWS_WITH(h.start(),
+                        Contains("node encoder (3): PDO 0x183 has 3 bytes, its mapping 4") && !Contains("0x282"));
+}
+
+TEST_CASE("who does not become operational is named with its state and emergency") {
+  Habit h;
+  h.bus->lose = [&](const CanFrame& frame) {
+    const bool is_start = frame.id == 0 && frame.data[0] == 1 && frame.data[1] == encoder;
+    if (is_start) h.bus->inject(emergency_frame({encoder, 0xFF00, 0x81}));
+    return is_start;
+  };
+  REQUIRE_THROWS_WITH(h.start(),
+                      Contains("node encoder (3) did not become operational within 2 s, it stays pre-operational; "
+                               "it reported emergency 0xff00"));
+}
+
+TEST_CASE("a sensor without heartbeat consumer or producer is used and told, a node with the valve is refused") {
+  const auto missing = GENERATE(0x1016, 0x1017);
+  constexpr auto no_object = static_cast<std::uint32_t>(SdoAbort::no_object);
+  Habit sensor;
+  sensor.refuse(encoder, static_cast<std::uint16_t>(missing), no_object);
+  REQUIRE_NOTHROW(sensor.start());
+  CHECK_THAT(sensor.notes(), Contains("node encoder (3): it has no 0x101"));
+  Habit valve;
+  valve.refuse(io, static_cast<std::uint16_t>(missing), no_object);
+  REQUIRE_THROWS_WITH(valve.start(), Contains("node io (2): it has no 0x101"));
+}
+
+TEST_CASE("what holds the wanted value already is not written") {
+  Habit h;
+  h.dictionary(encoder).set_number(0x1800, 2, 1);
+  for (const std::uint8_t sub : {1, 2, 3, 5}) h.dictionary(encoder).find(0x1800, sub)->can_write = false;
+  REQUIRE_NOTHROW(h.start());
+}
+
+TEST_CASE("an identifier changes only while its PDO is off") {
+  Habit h;
+  h.dictionary(io).set_number(0x1801, 1, 0x400001A2);
+  std::uint32_t held = 0x400001A2;
+  int changes = 0;
+  h.bus->lose = [&](const CanFrame& frame) {
+    const auto request = parse_sdo(frame);
+    if (frame.id != cob_sdo_request + io || !request || request->specifier != sdo_download ||
+        request->index != 0x1801 || request->sub != 1)
+      return false;
+    const std::uint32_t wanted = get_u32(&frame.data[4]);
+    if (((held ^ wanted) & 0x3FFFFFFFu) != 0) {
+      ++changes;
+      CHECK((held & wanted & 0x80000000u) != 0);
+    }
+    held = wanted;
+    return false;
+  };
+  h.start();
+  CHECK(changes == 1);
+  CHECK((held & 0xBFFFFFFFu) == 0x282);
+}
+
+TEST_CASE("a node that starts itself is configured in pre-operational") {
+  Habit h;
+  bool pre_operational = false, asked = false;
+  h.bus->lose = [&](const CanFrame& frame) {
+    if (frame.id == 0 && frame.data[0] == 0x80 && frame.data[1] == encoder) pre_operational = true;
+    if (frame.id == cob_sdo_request + encoder && !asked) {
+      asked = true;
+      CHECK(pre_operational);
+    }
+    return false;
+  };
+  h.start();
+  CHECK(asked);
+}
+
+TEST_CASE("SDO is asked again: slow after boot-up, one answer lost, answers of their own length") {
+  const std::string how = GENERATE("slow", "lost", "short");
+  Habit h;
+  std::int64_t since = -1;
+  bool lost = false;
+  if (how == "slow")
+    h.bus->lose = [&](const CanFrame& frame) {
+      if (frame.id != cob_sdo_request + encoder) return false;
+      if (since < 0) since = h.bus->now;
+      return h.bus->now - since < 1'800'000'000;
+    };
+  else
+    h.bus->spoil = [&](CanFrame& frame) {
+      const auto answer = parse_sdo_answer(frame);
+      if (!answer || frame.id != cob_sdo_answer + encoder) return true;
+      if (how == "lost" && answer->index == 0x1017 && !lost) return !(lost = true);
+      if (how == "short" && answer->specifier == sdo_upload_begun && answer->expedited)
+        frame.length = static_cast<std::uint8_t>(8 - answer->unused);
+      if (how == "short" && answer->specifier == sdo_downloaded) frame.length = 4;
+      return true;
+    };
+  INFO(how);
+  REQUIRE_NOTHROW(h.start());
+}
+
+TEST_CASE("abort codes have words, and the device's own their number") {
+  CHECK_THAT(sdo_abort_text(0x06060000), Contains("hardware error"));
+  CHECK_THAT(sdo_abort_text(0x06040043), Contains("parameters do not fit"));
+  CHECK_THAT(sdo_abort_text(0x08000021), Contains("local control"));
+  CHECK_THAT(sdo_abort_text(0x12345678), Contains("0x12345678"));
+}
+
+TEST_CASE("the fifth PDO and further ones that no channel uses are off") {
+  Habit h;
+  for (const std::uint16_t index : {0x1804, 0x180B}) {
+    h.dictionary(encoder).add_number(index, 0, 8, 2, false);
+    h.dictionary(encoder).add_number(index, 1, 32, 0x1C3, true);
+  }
+  h.start();
+  CHECK(h.dictionary(encoder).number(0x1804, 1) == 0x800001C3);
+  CHECK(h.dictionary(encoder).number(0x180B, 1) == 0x800001C3);
+}
+
+TEST_CASE("event-driven PDOs alone: the key that takes them is named") {
+  Habit h;
+  h.dictionary(encoder).set_number(0x1800, 2, 255);
+  h.refuse(encoder, 0x1800, static_cast<std::uint32_t>(SdoAbort::value), true);
+  REQUIRE_THROWS_WITH(h.start(), Contains("hal.can.nodes.encoder.transmission: event"));
+}
+
+TEST_CASE("another device than the one that was expected is refused") {
+  Habit vendor({"hal.can.nodes.encoder.vendor=31"});
+  vendor.dictionary(encoder).set_number(0x1018, 1, 0x22);
+  REQUIRE_THROWS_WITH(vendor.start(), Contains("node encoder (3): 0x1018:1 states vendor 0x22, expected 0x1f"));
+}
+
+TEST_CASE("a valve's module without substitute output is refused with the reason") {
+  Habit h;
+  h.refuse(io, 0x6444, static_cast<std::uint32_t>(SdoAbort::no_object));
+  REQUIRE_THROWS_WITH(h.start(),
+                      Contains("node io (2): it has no object 0x6444:1") && Contains("keep its last command"));
+}

@@ -243,13 +243,13 @@ SetUpPdo NodeConfigurator::set_up_pdo(const CanPdo& pdo) {
     named.reserve(pdo.signals.size());
     for (const std::size_t i : pdo.signals) named.push_back(setup_.channels[i].object);
     if (objects != named) {
-      turn_off(pdo.is_output, pdo.pdo);
+      try_turn_off(pdo);
       write_mapping(mapping, named);
       objects = read_mapping(mapping);
     }
   }
   if (!is_set_up(parameters, pdo.is_output, by_event, timer_ms)) {
-    turn_off(pdo.is_output, pdo.pdo);
+    try_turn_off(pdo);
     write_type(parameters, by_event);
     if (!pdo.is_output) {
       sdo_.write_found(parameters, 3, 0);  // inhibit time, often 10 ms
@@ -274,6 +274,15 @@ bool NodeConfigurator::is_set_up(std::uint16_t parameters, bool is_output, bool 
   if (is_output) return true;
   return sdo_.find_number(parameters, 3).value_or(0) == 0 &&
          sdo_.find_number(parameters, 5).value_or(timer_ms) == timer_ms;
+}
+
+// One whose identifier can only be read may take its other objects all the same; where it does not, they say so.
+void NodeConfigurator::try_turn_off(const CanPdo& pdo) {
+  try {
+    turn_off(pdo.is_output, pdo.pdo);
+  } catch (const SdoError& error) {
+    if (error.code != static_cast<std::uint32_t>(SdoAbort::read_only)) throw;
+  }
 }
 
 /// False: the device has no such PDO.

@@ -65,6 +65,7 @@ class NodeConfigurator {
   void write_identifier(std::uint16_t index, std::uint8_t sub, std::uint32_t wanted);
   bool is_set_up(std::uint16_t parameters, bool is_output, bool by_event, std::uint32_t timer_ms);
   bool turn_off(bool is_output, std::uint32_t number);
+  void try_turn_off(const CanPdo& pdo);
   void write_dcf();
   void write_substitute(const CanChannel& output);
   void write_mapping(std::uint16_t mapping, const std::vector<CanObject>& objects);

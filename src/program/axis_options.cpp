@@ -20,8 +20,7 @@ bool on_devices(const AxisOptions& options, const Rig& rig) {
 
 void add_axis_options(CLI::App& verb, AxisOptions& options, const std::string& config_help) {
   verb.add_option("CONFIG", options.config, config_help)->required();
-  verb.add_option("--set", options.sets, "override one key: PATH=VALUE, e.g. --set reference.frequency_Hz=0.5")
-      ->type_name("PATH=VALUE");
+  add_set_option(verb, options.sets);
   verb.add_option("--time", options.time, "simulated: as fast as it goes; real: on the machine's clock")
       ->check(CLI::IsMember({"real", "simulated"}))
       ->capture_default_str();

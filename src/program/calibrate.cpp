@@ -132,7 +132,7 @@ int zero(const CalibrateOptions& options) {
 
 void add_common(CLI::App& verb, CalibrateOptions& o) {
   verb.add_option("CONFIG", o.config, "rig, e.g. config/can/cylinder-10m-7.65mm.yaml")->required();
-  verb.add_option("--set", o.sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
+  add_set_option(verb, o.sets);
   verb.add_option("--zeros", o.zeros, "zeros found before; those found now are added to them");
   verb.add_option("--write", o.write, "file for run --zeros");
   verb.add_option("--time", o.time, "real: on the machine's clock, for devices; simulated: as fast as it goes")
@@ -147,7 +147,7 @@ void add_home(CLI::App& app, int& status) {
   add_common(*verb, *o);
   verb->add_option("--end", o->end, "end stop to drive to")->check(CLI::IsMember({"low", "high"}));
   verb->add_option("--command-V", o->command_V, "command that pushes there [V] (default: 2 % of the valve's range)")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   verb->footer("The slider moves: keep clear. An incremental encoder is homed after each time it was switched on.");
   verb->callback([o, &status] { status = home(*o); });
 }
@@ -172,7 +172,7 @@ void add_zero(CLI::App& app, int& status) {
   auto o = std::make_shared<CalibrateOptions>();
   CLI::App* verb = app.add_subcommand("zero", "zero the pressure sensors and tell gauge from absolute");
   add_common(*verb, *o);
-  verb->add_option("--duration-s", o->duration_s, "length of the mean [s]")->check(CLI::PositiveNumber);
+  verb->add_option("--duration-s", o->duration_s, "length of the mean [s]")->check(above_zero());
   verb->footer(
       "Shut off the supply and vent both lines first; a sensor that then shows neither the atmosphere nor 0 is\n"
       "refused.");

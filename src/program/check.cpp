@@ -85,8 +85,7 @@ void add_check(CLI::App& app, int& status) {
   CLI::App* verb =
       app.add_subcommand("check", "grade the machine for real time, and a config; exit status 1 if anything is bad");
   verb->add_option("CONFIG", options->config, "config to check as well");
-  verb->add_option("--set", options->sets, "override one key: PATH=VALUE; may stand several times")
-      ->type_name("PATH=VALUE");
+  add_set_option(*verb, options->sets);
   verb->add_option("--cpu", options->session.cpu, "processor that the loop shall be pinned to");
   verb->add_option("--priority", options->session.priority, "SCHED_FIFO priority that is tried")
       ->check(CLI::Range(1, 99))

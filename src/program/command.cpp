@@ -132,6 +132,7 @@ int command(const CommandOptions& options) {
   CommandClient client(connect_by(options));
   const Json answer = client.ask(request);
   if (!answer.value("ok", false)) {
+    client.ask({{"command", "release"}});
     std::cerr << fmt::format("{}: {}\n", options.word, answer.value("error", "no answer"));
     return 1;
   }

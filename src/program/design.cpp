@@ -91,20 +91,16 @@ void add_design(CLI::App& app, int& status) {
   CLI::App* verb = app.add_subcommand("design", "linear models, gains by a rule, poles, margins, step, feedforward");
   verb->footer(rules);
   verb->add_option("CONFIG", options->config, "rig to design for: a cylinder or a servo table")->required();
-  verb->add_option("--set", options->overrides, "PATH=VALUE: overrides one key of the config; may stand several times");
+  add_set_option(*verb, options->overrides);
   verb->add_option("--method", options->method, "where the gains come from, see below")
       ->check(CLI::IsMember({"config", "alpha_beta", "itae_7", "itae_min"}))
       ->capture_default_str();
   verb->add_option("--position-gain", options->position_gain_V_per_m, "K_p of a rule in V/m (default: the config's)")
-      ->check(CLI::PositiveNumber);
-  verb->add_option("--alpha", options->request.alpha, "of alpha_beta")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  verb->add_option("--beta", options->request.beta, "of alpha_beta")->check(CLI::PositiveNumber)->capture_default_str();
-  verb->add_option("--c6", options->request.c_1, "of itae_7: of s")->check(CLI::PositiveNumber)->capture_default_str();
-  verb->add_option("--c5", options->request.c_2, "of itae_7: of s^2")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+      ->check(above_zero());
+  verb->add_option("--alpha", options->request.alpha, "of alpha_beta")->check(above_zero())->capture_default_str();
+  verb->add_option("--beta", options->request.beta, "of alpha_beta")->check(above_zero())->capture_default_str();
+  verb->add_option("--c6", options->request.c_1, "of itae_7: of s")->check(above_zero())->capture_default_str();
+  verb->add_option("--c5", options->request.c_2, "of itae_7: of s^2")->check(above_zero())->capture_default_str();
   verb->add_flag("--coefficients", options->coefficients,
                  "normalised coefficients beside those of least ITAE (seconds)");
   verb->add_option("--write", options->write, "config with the design's gains, all keys commented");

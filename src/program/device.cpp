@@ -21,6 +21,7 @@
 #include "loop/realtime.hpp"
 #include "loop/realtime_stop.hpp"
 #include "program/output_files.hpp"
+#include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "record/writer.hpp"
 #include "rig/injected_fault.hpp"
@@ -156,13 +157,13 @@ void add_device(CLI::App& app, int& status) {
       ->required();
   verb->add_option("--can", o->interface, "can0, vcan0, slcan:/dev/ttyACM0, or unix:PATH where there is no CAN kernel")
       ->required();
-  verb->add_option("--set", o->sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
+  add_set_option(*verb, o->sets);
   verb->add_option("--fault", o->faults, "a fault on command; may stand several times")
       ->type_name("KIND[:TARGET[:VALUE]][@START_S[+DURATION_S]]");
   verb->add_option("--scenario", o->scenarios, "faults from a scenario file (docs/faults.md)");
   verb->add_option("--record", o->record, "the plant's true state and its valves' commands, FILE.csv.gz");
   verb->add_option("--duration-s", o->duration_s, "end after so much time of the plant [s]; default: Ctrl-C")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   verb->add_option("--priority", o->priority, "SCHED_FIFO priority; 0: an ordinary process")
       ->check(CLI::Range(0, 99))
       ->capture_default_str();

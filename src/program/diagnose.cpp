@@ -225,6 +225,12 @@ std::vector<Recording> read_all(const DiagnoseVerbOptions& options, const Rig& r
       recordings.push_back(std::move(run));
     }
   };
+  std::set<std::filesystem::path> seen;
+  for (const auto* paths : {&options.recordings, &options.held_out})
+    for (const std::string& path : *paths)
+      if (!seen.insert(std::filesystem::weakly_canonical(path)).second)
+        throw InputError(path +
+                         ": found twice, expected each recording once; held-out ones are those that no fit sees");
   for (const std::string& path : options.recordings) add(path, false);
   for (const std::string& path : options.held_out) add(path, true);
   apply_changes(options.changed, recordings);
@@ -286,7 +292,7 @@ void add_diagnose(CLI::App& app, int& status) {
   verb->add_option("--next-experiment", options->next_experiment,
                    "config of the recording that tells rivals apart, for run; it is also sought for --report");
   verb->add_option("--jobs", options->jobs, "threads; 0: all of the machine")->check(CLI::Range(0, 1024));
-  verb->add_option("--set", options->sets, "PATH=VALUE: overrides a value of the config");
+  add_set_option(*verb, options->sets);
   verb->add_flag("--quiet", options->quiet, "no progress");
   verb->callback([options, &status] { status = run_diagnose(*options); });
 }

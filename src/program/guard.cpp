@@ -17,6 +17,7 @@
 #include "loop/realtime.hpp"
 #include "loop/realtime_clock.hpp"
 #include "loop/realtime_stop.hpp"
+#include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 
 namespace pneuservo {
@@ -136,7 +137,7 @@ void add_guard(CLI::App& app, int& status) {
   auto o = std::make_shared<GuardOptions>();
   CLI::App* verb = app.add_subcommand("guard", "closes the valve when a running loop dies or stops");
   verb->add_option("CONFIG", o->config, "rig with the section hal.guard, the one that run gets")->required();
-  verb->add_option("--set", o->sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
+  add_set_option(*verb, o->sets);
   verb->add_option("--priority", o->priority, "SCHED_FIFO priority, above the loop's")
       ->check(CLI::Range(1, 99))
       ->capture_default_str();

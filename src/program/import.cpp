@@ -148,7 +148,7 @@ void add_import(CLI::App& app, int& status) {
   verb->add_option("--json", o->json, "result as JSON, - for standard output");
   verb->add_option("--write", o->write, "OUT.yaml: the config with a section import, or the section alone");
   verb->add_flag("--force", o->force, "replaces an older result of import");
-  verb->add_option("--set", o->sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
+  add_set_option(*verb, o->sets);
   verb->footer("Quantities and units are guessed from names, brackets and a row of units; each line says by what.");
   verb->callback([o, &status] { status = run_import(*o); });
 }

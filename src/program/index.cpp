@@ -17,6 +17,7 @@ namespace pneuservo {
 namespace {
 struct IndexOptions {
   std::string config, report, json;
+  std::vector<std::string> sets;
   bool table = false;
 };
 
@@ -35,7 +36,7 @@ void run_index(const IndexOptions& options) {
       .writes("--report", options.report, ResultKind::page)
       .writes("--json", options.json, ResultKind::json);
   if (options.table) return print(options, index_table_text(), index_table_json(), index_table_html());
-  const Rig rig = read_rig(options.config);
+  const Rig rig = read_rig(options.config, options.sets);
   require_valves("index", options.config, rig, 1);
   try {
     const RigNecessity result = rig_necessity(rig);
@@ -48,6 +49,7 @@ void add_index(CLI::App& app, int&) {
   auto options = std::make_shared<IndexOptions>();
   CLI::App* verb = app.add_subcommand("index", "necessity of the pipeline model: line loss at peak speed over 10 kPa");
   verb->add_option("CONFIG", options->config, "rig to judge");
+  add_set_option(*verb, options->sets);
   verb->add_flag("--table", options->table, "the thesis' tables 4.2 and 4.3, printed digits beside ours");
   verb->add_option("--report", options->report, "self-contained HTML page with a map over length and diameter");
   verb->add_option("--json", options->json, "result as JSON with units in the keys; - for standard output");

@@ -1,18 +1,34 @@
 // The program pneuservo: one table of verbs, exit status 0 done, 1 fault or failed check, 2 unusable input.
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
+#include <fmt/ranges.h>
 
 #include "config/config_tree.hpp"
 #include "config/input_error.hpp"
+#include "config/key_suggestion.hpp"
 #include "config/version.hpp"
 #include "loop/realtime_stop.hpp"
 #include "program/verbs.hpp"
 
 namespace {
+/// A first word that is no option must be a verb.
+void refuse_unknown_verb(const CLI::App& app, const std::string& word) {
+  if (word.starts_with("-")) return;
+  std::vector<std::string> verbs;
+  for (const CLI::App* verb : app.get_subcommands({})) verbs.push_back(verb->get_name());
+  if (std::ranges::find(verbs, word) != verbs.end()) return;
+  const std::vector<std::string> near = pneuservo::near_names(word, verbs);
+  throw pneuservo::InputError(fmt::format("found the verb '{}', expected {}{}", word, near.empty() ? "one of " : "",
+                                          fmt::join(near.empty() ? verbs : near, near.empty() ? ", " : " or ")));
+}
+
 int run_program(int argc, char** argv) {
   CLI::App app{"pneuservo: real-time control of pneumatic servo axes with connected pipelines", "pneuservo"};
   app.require_subcommand(1);
@@ -29,6 +45,7 @@ int run_program(int argc, char** argv) {
     std::fputs(app.help().c_str(), stdout);
     return 2;
   }
+  refuse_unknown_verb(app, argv[1]);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) { return app.exit(error) == 0 ? 0 : 2; }

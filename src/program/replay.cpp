@@ -199,7 +199,7 @@ void add_replay(CLI::App& app, int& status) {
   verb->add_option("CONFIG", o->config, "the config that the recording was made with")->required();
   verb->add_option("RECORDING", o->recording, "FILE.csv.gz")->required();
   verb->add_option("FURTHER", o->further, "the other files of a run of serve");
-  verb->add_option("--set", o->sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
+  add_set_option(*verb, o->sets);
   verb->add_option("--record", o->record, "write what was replayed, FILE.csv.gz");
   verb->add_flag("--force", o->force, "--record may replace a recording that is there");
   verb->add_option("--json", o->json, "result as JSON, - for standard output");

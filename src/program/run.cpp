@@ -300,8 +300,7 @@ void add_run(CLI::App& app, int& status) {
   verb->add_option("--pressure-source", o->pressure_source,
                    "pressures that close the force loop; all: the three of them, compared")
       ->check(CLI::IsMember({"valve", "chamber", "estimated", "all"}));
-  verb->add_option("--duration-s", o->duration_s, "length of the run instead of the config's [s]")
-      ->check(CLI::PositiveNumber);
+  verb->add_option("--duration-s", o->duration_s, "length of the run instead of the config's [s]")->check(above_zero());
   verb->add_option("--gains", o->gains,
                    "gains of a ppd2 law for the running loop, KEY: VALUE; looked at ten times a second");
   verb->add_option("--moves", o->moves, "times the reference is run");

@@ -156,7 +156,7 @@ void add_simulate(CLI::App& app, int& status) {
   verb->add_option("CONFIG", o->config, "rig to simulate")->required();
   verb->add_option("--command", o->command, "recording with the column u_V, of a servo table u1_V and u2_V")
       ->required();
-  verb->add_option("--set", o->sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
+  add_set_option(*verb, o->sets);
   verb->add_option("--record", o->record, "what was simulated, without sensor noise, FILE.csv.gz");
   verb->add_flag("--force", o->force, "--record may replace a recording that is there");
   verb->add_option("--json", o->json, "differences from the recording as JSON, - for standard output");

@@ -38,7 +38,7 @@ void add_stopping(CLI::App& app, int&) {
   auto o = std::make_shared<StoppingOptions>();
   CLI::App* verb = app.add_subcommand("stopping", "stopping time and distance of a rig, simulated from its config");
   verb->add_option("CONFIG", o->config, "rig to stop, e.g. config/cylinder-10m-7.65mm.yaml")->required();
-  verb->add_option("--set", o->sets, "override one key: PATH=VALUE")->type_name("PATH=VALUE");
+  add_set_option(*verb, o->sets);
   verb->add_option("--json", o->json, "result as JSON with units in the keys; - for standard output");
   verb->footer("The loop runs along the config's reference and along moves at three places of the stroke, with the\n"
                "smallest and the largest payload (limits.payload_max_kg) and supply (tolerances); 64 times along\n"

@@ -193,9 +193,11 @@ void CommandServer::take_answers() {
   for (AxisAnswer answer; link_.answers.pop(answer);) {
     const auto asked = asked_.find(answer.number);
     if (asked == asked_.end()) continue;
-    for (Client& client : clients_)
-      if (client.number == asked->second.client)
-        put(client, answer_line(asked->second.id, answer, answer.tick - asked->second.tick, period_s_));
+    for (Client& client : clients_) {
+      if (client.number != asked->second.client) continue;
+      client.obeyed = client.obeyed || answer.result == CommandResult::taken;
+      put(client, answer_line(asked->second.id, answer, answer.tick - asked->second.tick, period_s_));
+    }
     asked_.erase(asked);
   }
 }
@@ -241,7 +243,13 @@ void CommandServer::drop_ended() {
       ++client;
       continue;
     }
-    if (client->number == commander_) lose_commander("is gone");
+    // Who was refused alone moved nothing: what another one began goes on.
+    const bool waits =
+        std::ranges::any_of(asked_, [&](const auto& asked) { return asked.second.client == client->number; });
+    if (client->number == commander_) {
+      if (client->obeyed || waits) lose_commander("is gone");
+      else commander_ = 0;
+    }
     client = clients_.erase(client);
   }
 }

@@ -46,6 +46,7 @@ class CommandServer {
     std::uint64_t number = 0;
     std::string name, in, out;
     bool ends = false;  // once `out` is sent
+    bool obeyed = false;  // a command of its own was taken
     double watch_s = 0.0;
     Clock::time_point next_watch, heard;
   };

@@ -156,6 +156,14 @@ TEST_CASE("what holds the wanted value already is not written") {
   REQUIRE_NOTHROW(h.start());
 }
 
+TEST_CASE("an identifier that can only be read does not hold up the PDO's other objects") {
+  Habit h;
+  h.dictionary(encoder).find(0x1800, 1)->can_write = false;
+  h.dictionary(encoder).set_number(0x1800, 3, 100);
+  REQUIRE_NOTHROW(h.start());
+  CHECK(h.dictionary(encoder).number(0x1800, 3) == 0);
+}
+
 TEST_CASE("an identifier changes only while its PDO is off") {
   Habit h;
   h.dictionary(io).set_number(0x1801, 1, 0x400001A2);

@@ -105,7 +105,9 @@
   const invisible = "rgba(0,0,0,0)";
   const colours = (plot) => plot.curves.map(toneColour).concat(plot.bands.flatMap(() => [invisible, invisible]));
 
-  function options(plot) {
+  // A narrow pane has room for labels of three digits.
+  function options(plot, width) {
+    const narrow = width < 420;
     const curves = plot.curves.map((_, i) => "curve " + i);
     const bands = plot.bands.flatMap((_, i) => ["band low " + i, "band high " + i]);
     const series = {};
@@ -118,7 +120,7 @@
       highlightCircleSize: 0, gridLineColor: variable("line"), axisLineColor: variable("soft"), axisLabelFontSize: 12,
       gridLineWidth: 1, xRangePad: 0, yRangePad: plot.logY ? 0 : 8, logscale: plot.logY, labelsKMB: false,
       rightGap: 12,
-      axes: { x: { logscale: plot.logX, axisLabelWidth: 60, pixelsPerLabel: plot.logX ? 40 : 70, drawGrid: false },
+      axes: { x: { logscale: plot.logX, axisLabelWidth: narrow ? 36 : 60, pixelsPerLabel: plot.logX || narrow ? 40 : 70, drawGrid: false },
               y: { axisLabelWidth: 58, pixelsPerLabel: plot.logY ? 26 : 34 } },
       underlayCallback: (context, area, graph) => drawUnder(plot, context, area, graph),
       drawCallback: (graph, first) => { if (!first) follow(plot, graph); },
@@ -187,7 +189,7 @@
     buildLegend(plot, element);
     paintLegend(plot);
     plot.rows = joinedRows(plot);
-    plot.graph = new Dygraph(canvas, plot.rows, options(plot));
+    plot.graph = new Dygraph(canvas, plot.rows, options(plot, canvas.clientWidth));
     plot.hairline = document.createElement("div");
     plot.hairline.className = "hairline";
     canvas.append(plot.hairline);

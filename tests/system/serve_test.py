@@ -124,8 +124,10 @@ other = Client(axis.socket)
 expect(client.ask({"command": "move_to", "position_m": 0.0})["ok"], "the commander's move")
 refused(other.ask({"command": "move_to", "position_m": 0.1}), "commanded by process")
 expect(other.ask({"command": "stop"})["ok"] and other.ask({"command": "mark"})["ok"], "stop and mark of a second client")
-expect(client.ask({"command": "release"})["ok"] and other.ask({"command": "move_to", "position_m": 0.1})["ok"], "command after the release")
+slow = {"command": "move_to", "position_m": 0.1, "speed_mps": 0.001}
+expect(client.ask({"command": "release"})["ok"] and other.ask(slow)["ok"], "command after the release")
 expect(other.ask({"command": "hold"})["ok"] and other.ask({"command": "resume"})["ok"], "hold and resume")
+expect(other.ask({"command": "move_to", "position_m": 0.1})["ok"], "a faster move to the same place")
 axis.until(lambda s: abs(s["x_m"] - 0.1) < 1e-3, "the target after hold and resume")
 
 # A flood is answered line by line, and the last word counts.
@@ -139,6 +141,15 @@ other.send(b"x" * 10000)
 refused(other.answer(), "4096")
 axis.until(lambda s: s["commander"] is None and not s["moving"], "the end of the flood")
 expect(axis.status()["state"] == "active", "the flood ended the motion")
+
+# A refused command has no effect: what another commander began goes on.
+expect(axis.command("move", "-0.1", "--speed", "0.0005").returncode == 0, "a slow move")
+expect(axis.command("enable").returncode == 1 and axis.command("move", "5").returncode == 1, "refused commands")
+dumb = Client(axis.socket)
+refused(dumb.ask({"command": "enable"}), "enabled already")
+dumb.close()
+status = axis.until(lambda s: s["commander"] is None, "the end of the refused client")
+expect(status["moving"] and abs(status["target_m"] + 0.1) < 1e-9, f"a refused command ended the move: {status}")
 
 # A commander that dies while it jogs: the axis stops.
 jogger = Client(axis.socket)

@@ -34,17 +34,18 @@ struct CommandOptions {
 struct Word {
   std::string_view word, command, value;
   bool is_motion = false;
+  std::string_view done = "";  ///< told when it is
 };
-constexpr std::array words{Word{"enable", "enable", ""},
-                           Word{"disable", "disable", ""},
-                           Word{"reset", "reset", ""},
+constexpr std::array words{Word{"enable", "enable", "", false, "active: moves are obeyed"},
+                           Word{"disable", "disable", "", false, "safe output: nothing moves before the next enable"},
+                           Word{"reset", "reset", "", false, "the fault is acknowledged; enable leads on"},
                            Word{"move", "move_to", "position_m", true},
                            Word{"move-by", "move_by", "way_m", true},
                            Word{"jog", "jog", "speed_mps", true},
                            Word{"stop", "stop", "", true},
                            Word{"hold", "hold", "", true},
                            Word{"resume", "resume", "", true},
-                           Word{"mark", "mark", ""},
+                           Word{"mark", "mark", "", false, "marked: the recording around now is kept"},
                            Word{"status", "status", ""},
                            Word{"watch", "watch", ""}};
 
@@ -154,6 +155,7 @@ int command(const CommandOptions& options) {
   else if (place->is_motion)
     std::cout << fmt::format("to {:.3f} mm, there at {:.3f} s (now {:.3f} s)\n", 1e3 * answer["target_m"].get<double>(),
                              answer["ends_s"].get<double>(), answer["t_s"].get<double>());
+  else if (good) std::cout << place->done << "\n";
   if (!good && !status.is_null()) std::cerr << options.word << ": " << status_text(status) << "\n";
   return good ? 0 : 1;
 }

@@ -1,4 +1,5 @@
 // Verb import: what the program understands of a foreign recording, and the section of a config that says so.
+#include <algorithm>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -40,6 +41,34 @@ std::vector<ColumnGuess> mapped_columns(const CsvTable& table, const ImportParam
   return out;
 }
 
+/// Columns that `diagnose` compares nothing without, of a rig that has no column in the file for them.
+std::vector<std::string> missing_columns(const Rig& rig, const Recording& recording) {
+  std::vector<std::string> wanted{"x_m"}, missing;
+  if (rig.is_pneumatic()) {
+    for (const std::string& command : command_columns(rig)) wanted.push_back(command);
+    for (const Signal port : port_signals) wanted.emplace_back(info(port).column);
+  } else if (!rig.has_controller()) {
+    return {};  // a column of several serves there
+  }
+  std::ranges::copy_if(wanted, std::back_inserter(missing),
+                       [&](const std::string& name) { return !recording.has(name); });
+  return missing;
+}
+
+/// What the user has to state, with the columns of the file that nothing was taken from.
+void tell_missing(const Rig& rig, ImportResult& result) {
+  const std::vector<std::string> missing = missing_columns(rig, result.runs.front());
+  if (missing.empty()) return;
+  std::vector<std::string> untaken;
+  for (const ColumnGuess& guess : result.columns)
+    if (guess.ours.empty())
+      untaken.push_back(guess.unit.empty() ? guess.column : fmt::format("{} [{}]", guess.column, guess.unit));
+  for (const std::string& name : missing)
+    result.doubts.push_back(fmt::format("{0}: found no column for it, expected one: state it, "
+                                        "import: {{columns: {{{0}: {{column: \"...\", factor: 1, offset: 0}}}}}}{1}",
+                                        name, untaken.empty() ? "" : "; not taken are " + names_text(untaken)));
+}
+
 ImportResult understood(const ImportOptions& options, std::optional<Rig> rig) {
   CsvTable table = read_table(options.recording);
   ImportResult out;
@@ -74,6 +103,7 @@ ImportResult understood(const ImportOptions& options, std::optional<Rig> rig) {
       source.tells_runs = tells_runs;
     }
   }
+  if (rig) tell_missing(*rig, out);
   out.section = import_section(map, out.columns);
   return out;
 }
@@ -97,19 +127,32 @@ nlohmann::ordered_json import_json(const ImportResult& result) {
           {"understood", result.understood}, {"doubts", result.doubts}, {"import", result.section}};
 }
 
-/// The config with the section behind it, or the section alone.
-void write_section(const ImportOptions& options, const ImportResult& result, bool has_section) {
+/// A config's text without its section import: from that key to the next one of the top level.
+std::string without_section(const std::string& config) {
+  std::istringstream lines(config);
+  std::string out;
+  bool inside = false;
+  for (std::string line; std::getline(lines, line);) {
+    const bool is_key = !line.empty() && line[0] != ' ' && line[0] != '\t' && line[0] != '#';
+    if (is_key) inside = line.starts_with("import:");
+    if (!inside) out += line + "\n";
+  }
+  return out;
+}
+
+/// The config with the section behind it, in place of one that it has, or the section alone.
+void write_section(const ImportOptions& options, const ImportResult& result) {
   if (options.write.empty()) return;
   std::string text;
   if (!options.config.empty()) {
     std::ifstream in(options.config);
     std::ostringstream all;
     all << in.rdbuf();
-    text = all.str();
+    text = without_section(all.str());
   }
   if (!text.starts_with(import_mark)) text = std::string(import_mark) + "\n" + text;
   if (!text.ends_with('\n')) text += '\n';
-  if (!has_section) text += result.section;
+  text += result.section;
   write_result(options.write, text);
 }
 
@@ -132,7 +175,9 @@ int run_import(const ImportOptions& options) {
   }
   write_json(options.json, import_json(result));
   if (!options.report.empty()) write_import_report(result, options.report);
-  write_section(options, result, rig && rig->imported);
+  write_section(options, result);
+  for (const std::string& written : {options.report, options.write})
+    if (!written.empty() && options.json != "-") std::cout << "written: " << written << "\n";
   return 0;
 }
 

@@ -11,6 +11,7 @@
 
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
+#include "diagnosis/doubts/recording_doubts.hpp"
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
@@ -110,6 +111,20 @@ std::vector<Difference> differences(const Recording& recording, const std::vecto
   return out;
 }
 
+/// A foreign recording is doubted as `diagnose` doubts it: what is certain is corrected, and all of it told.
+Recording doubted(const Rig& rig, Recording recording) {
+  if (is_own_format(recording)) return recording;
+  Rig judge = rig;
+  std::vector<Recording> judged{recording};
+  std::vector<std::string> notes;
+  try {
+    doubt_recordings(judge, judged, notes);
+    recording = std::move(judged.front());
+  } catch (const InputError& asked) { notes.emplace_back(asked.what()); }
+  for (const std::string& note : notes) std::cerr << "doubt: " << note << "\n";
+  return recording;
+}
+
 int run_simulate(const SimulateOptions& options) {
   const Rig rig = read_rig(options.config, options.sets);
   require_valves("simulate", options.config, rig);
@@ -119,7 +134,7 @@ int run_simulate(const SimulateOptions& options) {
       .reads("--command", options.command)
       .records("--record", options.record, options.existing())
       .writes("--json", options.json, ResultKind::json);
-  const Recording recording = read_first_recording(options.command, rig.imported, rig.period_s);
+  const Recording recording = doubted(rig, read_first_recording(options.command, rig.imported, rig.period_s));
   for (const auto& line : problem_lines(recording)) std::cerr << line << "\n";
   recording.require(command_columns(rig));
   refuse_long_gaps(rig, recording);

@@ -46,6 +46,22 @@ for words in ('x_m: {column: "Weg [mm]", factor: 0.001, offset: -0.15}', 'u_V: {
 again = json.loads(run("import", log, mine, "--json", "-").stdout)
 expect(again["doubts"] == [], f"import of what import wrote: {again['doubts']}")
 
+# A section that a config has is replaced, a column that is missing is told, and simulate corrects what is certain.
+bare = path_of("bare.yaml")
+with open(mine) as file, open(bare, "w") as out:
+    out.write(file.read().replace(", offset: -0.15", "").replace(", offset: 101325", "").replace(", offset: -5", ""))
+mended = path_of("mended.yaml")
+expect(run("import", log, bare, "--write", mended).returncode == 0, "import of a config with a section")
+with open(mended) as file:
+    text = file.read()
+expect(text.count("import:") == 1 and text.split("import:")[1] == section, f"import --write of a config with a section: {text[-600:]}")
+done = run("simulate", bare, "--command", log, "--json", "-")
+expect(done.returncode == 0 and done.stderr.count("doubt: ") == 3, f"simulate: {done.stderr}")
+expect(json.loads(done.stdout) == json.loads(run("simulate", mine, "--command", log, "--json", "-").stdout), "simulate on doubted channels")
+one_port = put("one-port.csv", "\n".join(line.rpartition(";")[0] for line in lines) + "\n")
+done = run("import", one_port, CONFIG)
+expect("p2_port_Pa: found no column for it" in done.stdout, f"import without a port: {done.stdout}")
+
 # replay runs estimator and controller on it: apart from the text's last digit, 1e-7 V, what the machine's own loop computed.
 done = run("replay", mine, log, "--record", path_of("replayed.csv.gz"), "--json", "-")
 expect(done.returncode == 0, f"replay: {done.stderr}")

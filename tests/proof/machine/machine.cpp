@@ -124,7 +124,7 @@ double Machine::through_edges(const double* y, double t, std::size_t side, doubl
 /// The pressure in the end plane at which the tube takes what the edges let through: Newton's method in a bracket.
 double Machine::port_pressure_without_volume(const double* y, double t, std::size_t side, double spool) {
   const Tube& tube = tubes_[side];
-  const double inside_K = tube.beside(0).temperature_K, ts = data_.supply.temperature_K;
+  const double inside_K = tube.beside(0).stagnation_K, ts = data_.supply.temperature_K;
   double a, b, low = 1e3, high = 3e6, p = std::clamp(port_Pa_[side], low, high);
   const auto missing = [&](double at) { return tube.end_flow(0, at, ts).mass - through_edges(y, t, side, spool, at, inside_K, &a, &b); };
   double f = missing(p);
@@ -146,7 +146,7 @@ Machine::PortFlow Machine::port(const double* y, double t, std::size_t side, dou
   const Gas& gas = data_.gas;
   double feed = 0.0, vent = 0.0;
   if (s.port_m3 <= 0.0) {
-    const double p = port_pressure_without_volume(y, t, side, spool), inside_K = tubes_[side].beside(0).temperature_K;
+    const double p = port_pressure_without_volume(y, t, side, spool), inside_K = tubes_[side].beside(0).stagnation_K;
     const double net = through_edges(y, t, side, spool, p, inside_K, &feed, &vent);
     EndFlow flow = tubes_[side].end_flow(0, p, data_.supply.temperature_K);
     if (flow.mass != 0.0 && std::abs(net) < 2.0 * std::abs(flow.mass)) flow.energy *= net / flow.mass;
@@ -194,7 +194,7 @@ EndFlow Machine::chamber_end(const double* y, std::size_t side, double x) {
   }
   double low = 1e3, high = 3e6, p = pc;
   const auto surplus = [&](double at) {
-    return orifice_kg_per_s(data_.gas, area, data_.valve.critical_ratio, at, in.temperature_K, pc, tc) - tube.end_flow(1, at, tc).mass;
+    return orifice_kg_per_s(data_.gas, area, data_.valve.critical_ratio, at, in.stagnation_K, pc, tc) - tube.end_flow(1, at, tc).mass;
   };
   double f = surplus(p);
   for (int i = 0; i < 40; ++i) {

@@ -67,9 +67,10 @@ void go_on(Machine& machine, std::vector<double>& waiting, double command, doubl
   const double part = delay - static_cast<double>(whole) * period;
   waiting.push_back(command);
   const double due = waiting.size() > whole ? waiting[waiting.size() - 1 - whole] : waiting.front();
-  if (part > 0.0) machine.advance(part);
+  const double before = std::min(part, period);
+  if (before > 0.0) machine.advance(before);
   machine.command(due);
-  machine.advance(period - part);
+  if (period > before) machine.advance(period - before);
 }
 
 }  // namespace
@@ -101,7 +102,7 @@ void record(const Scenario& s, std::ostream& out, const std::vector<double>* com
   const MotionData& m = s.machine.motion;
   const double air = s.machine.gas.atmosphere_Pa, a1 = s.machine.side[0].piston_m2, a2 = s.machine.side[1].piston_m2;
   const double balance = air + (a1 * (s.start_Pa - air) - m.load_N - m.spring_N_per_m * (x0 - m.spring_at_m)) / a2;
-  machine.start(x0, s.start_Pa, std::clamp(balance, air, s.machine.supply.pressure_Pa));
+  machine.start(x0, s.start_Pa, s.start_2_Pa > 0.0 ? s.start_2_Pa : std::clamp(balance, air, s.machine.supply.pressure_Pa));
   machine.advance(1e-9);
   Random random(s.seed);
   const auto first = truth(machine);

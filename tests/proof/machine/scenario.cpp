@@ -152,6 +152,7 @@ Keys keys_of(Scenario& s) {
   keys["length"] = &s.length_s;
   keys["jitter"] = &s.jitter_s;
   keys["start_pressure"] = &s.start_Pa;
+  keys["start_pressure_2"] = &s.start_2_Pa;
   return keys;
 }
 

@@ -28,7 +28,7 @@ struct Scenario {
   LoopData loop;
   MoveData move;
   double period_s = 1e-3, first_s = 4.0, length_s = 8.0, jitter_s = 0.0;
-  double start_Pa = 4.7e5;
+  double start_Pa = 4.7e5, start_2_Pa = 0.0;  // 0: what balances the piston
   double area_1_m2 = 0.0, area_2_m2 = 0.0;  // as the loop believes
   std::uint64_t seed = 1;
 };

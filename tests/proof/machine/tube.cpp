@@ -110,7 +110,7 @@ void Tube::look(const double* state) {
 
 Tube::Beside Tube::beside(int end) const {
   const std::size_t i = end == 0 ? 0 : points_ - 1;
-  return {rho_[i], u_[i], p_[i], t_[i], std::sqrt(gas_.heat_ratio * std::max(p_[i], 1.0) / rho_[i])};
+  return {rho_[i], u_[i], p_[i], t_[i] + 0.5 * u_[i] * u_[i] / gas_.cp(), std::sqrt(gas_.heat_ratio * std::max(p_[i], 1.0) / rho_[i])};
 }
 
 EndFlow Tube::end_flow(int end, double pressure_Pa, double outside_K) const {

@@ -50,7 +50,7 @@ class Tube {
   void look(const double* state);
   /// The gas beside an end: 0 at the valve, 1 at the chamber.
   struct Beside {
-    double density, speed_mps, pressure_Pa, temperature_K, sound_mps;
+    double density, speed_mps, pressure_Pa, stagnation_K, sound_mps;
   };
   Beside beside(int end) const;
   /// Flow over an end whose static pressure is `pressure_Pa`; what enters has the stagnation temperature `outside_K`.

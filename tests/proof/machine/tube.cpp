@@ -52,7 +52,7 @@ double renewal(double reynolds) {
 }  // namespace
 
 Tube::Tube(const Gas& gas, const TubeData& data) : gas_(gas), data_(data), derivative_(derivative_matrix()) {
-  const double wanted = std::clamp(data.length_m / 6.0, 0.25, 1.0) / data.refine;
+  const double wanted = std::clamp(data.length_m / 4.0, 0.3, 1.0) / data.refine;
   elements_ = static_cast<std::size_t>(std::max(2.0, std::ceil(data.length_m / wanted - 1e-9)));
   points_ = elements_ * nodes;
   element_ = data.length_m / static_cast<double>(elements_);

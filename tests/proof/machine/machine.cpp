@@ -159,9 +159,10 @@ Machine::PortFlow Machine::port(const double* y, double t, std::size_t side, dou
   const double net = through_edges(y, t, side, spool, p, gas_K, &feed, &vent);
   const double brought = gas.cp() * (feed * (feed > 0.0 ? data_.supply.temperature_K : gas_K) - vent * (vent > 0.0 ? gas_K : data_.room_K));
   EndFlow flow = tubes_[side].end_flow(0, p, gas_K);
-  const double wall_m2 = 6.0 * std::pow(s.port_m3, 2.0 / 3.0);
+  const double heat = 30.0 * 6.0 * std::pow(s.port_m3, 2.0 / 3.0) * (data_.room_K - gas_K);  // through a cube's walls
   out[at_port_[side]] = net - flow.mass;
-  out[at_port_[side] + 1] = brought - flow.energy + 30.0 * wall_m2 * (data_.room_K - gas_K);
+  out[at_port_[side] + 1] = brought - flow.energy + heat;
+  out[at_book_ + 1] += heat;
   flow.pressure_Pa = p;
   return {flow, net, brought};
 }

@@ -17,7 +17,8 @@ int failures = 0;
 void near(const std::string& what, double got, double expected, double tolerance) {
   const bool good = std::abs(got - expected) <= tolerance;
   if (!good) ++failures;
-  std::cout << (good ? "  ok   " : "  FAIL ") << what << ": got " << got << ", expected " << expected << " +- " << tolerance << '\n';
+  std::cout << (good ? "  ok   " : "  FAIL ") << what << ": got " << got << ", expected " << expected << " +- "
+            << tolerance << '\n';
 }
 
 /// A tube between two ends given as functions, by the classical Runge-Kutta method.
@@ -166,10 +167,12 @@ void steady_loss() {
         out = t.end_flow(1, p2, 293.0);
         return std::pair{t.end_flow(0, 6e5, 293.0), out};
       });
-    const double d = data.diameter_m, area = pi / 4.0 * d * d, flow = out.mass / area, re = flow * d / gas.viscosity_Pas;
+    const double d = data.diameter_m, area = pi / 4.0 * d * d, flow = out.mass / area,
+                 re = flow * d / gas.viscosity_Pas;
     const double lambda = re < 2300.0 ? 64.0 / re : 0.3164 * std::pow(re, -0.25);
     const double loss = 0.5 * flow * flow * 287.0 * 293.0 * (lambda * 5.0 / d + 2.0 * std::log(6e5 / p2));
-    near("isothermal flow at Re " + std::to_string(static_cast<int>(re)) + ", (p1^2 - p2^2)/2", loss / (0.5 * (6e5 * 6e5 - p2 * p2)), 1.0, 4e-3);
+    near("isothermal flow at Re " + std::to_string(static_cast<int>(re)) + ", (p1^2 - p2^2)/2",
+         loss / (0.5 * (6e5 * 6e5 - p2 * p2)), 1.0, 4e-3);
   }
 }
 
@@ -265,18 +268,18 @@ void scenarios() {
   bool refused = false;
   try {
     read_scenario(bad);
-  } catch (const std::exception& error) {
-    refused = std::string(error.what()).find("motion.mas") != std::string::npos;
-  }
+  } catch (const std::exception& error) { refused = std::string(error.what()).find("motion.mas") != std::string::npos; }
   near("an unknown key is refused by name", refused, 1.0, 0.0);
 }
 
 }  // namespace
 
 int main(int count, char** words) {
-  const std::map<std::string, void (*)()> checks{{"orifice", orifice}, {"discharge", discharge}, {"modes", modes}, {"layers", layers},
-                                                 {"steady_loss", steady_loss}, {"slider", slider}, {"budgets", budgets},
-                                                 {"refinement", refinement}, {"noise", noise}, {"scenarios", scenarios}};
+  const std::map<std::string, void (*)()> checks{
+      {"orifice", orifice},    {"discharge", discharge},     {"modes", modes},
+      {"layers", layers},      {"steady_loss", steady_loss}, {"slider", slider},
+      {"budgets", budgets},    {"refinement", refinement},   {"noise", noise},
+      {"scenarios", scenarios}};
   int ran = 0;
   for (const auto& [name, check] : checks) {
     if (count > 1 && name != words[1]) continue;

@@ -20,8 +20,9 @@ struct Gas {
   static double conductivity(double temperature_K) { return 7.95e-5 * temperature_K + 2.0465e-3; }
 };
 
-/// Mass flow in kg/s from 1 to 2, below zero the other way; `area_m2` is what an ideal nozzle would have in choked flow,
-/// `b` the critical pressure ratio. Above a ratio of 0.999 the flow is linear in the pressure difference (laminar).
+/// Mass flow in kg/s from 1 to 2, below zero the other way; `area_m2` is what an ideal nozzle would have in choked
+/// flow, `b` the critical pressure ratio. Above a ratio of 0.999 the flow is linear in the pressure difference
+/// (laminar).
 inline double orifice_kg_per_s(const Gas& gas, double area_m2, double b, double p1, double t1, double p2, double t2) {
   if (area_m2 <= 0.0 || p1 == p2) return 0.0;
   const double sign = p1 > p2 ? 1.0 : -1.0;

@@ -57,7 +57,9 @@ double Machine::volume_m3(std::size_t s, double x) const {
   return data_.side[s].dead_m3 + data_.side[s].piston_m2 * (s == 0 ? half + x : half - x);
 }
 
-double Machine::chamber_K(const double* y, std::size_t s) const { return y[at_chamber_[s] + 1] / (y[at_chamber_[s]] * data_.gas.cv()); }
+double Machine::chamber_K(const double* y, std::size_t s) const {
+  return y[at_chamber_[s] + 1] / (y[at_chamber_[s]] * data_.gas.cv());
+}
 double Machine::chamber_Pa(const double* y, std::size_t s) const {
   return (data_.gas.heat_ratio - 1.0) * y[at_chamber_[s] + 1] / volume_m3(s, y[at_x_]);
 }
@@ -107,7 +109,9 @@ double Machine::valve_supply_Pa(const double* y, double t) const {
   return p;
 }
 
-double Machine::exhaust_Pa(const double* y) const { return data_.valve.silencer_m2 > 0.0 ? y[at_exhaust_] : data_.gas.atmosphere_Pa; }
+double Machine::exhaust_Pa(const double* y) const {
+  return data_.valve.silencer_m2 > 0.0 ? y[at_exhaust_] : data_.gas.atmosphere_Pa;
+}
 
 /// Net mass flow into port `side` at pressure `p`; its two parts, each positive in its usual direction.
 double Machine::through_edges(const double* y, double t, std::size_t side, double spool, double p, double gas_K,
@@ -126,7 +130,9 @@ double Machine::port_pressure_without_volume(const double* y, double t, std::siz
   const Tube& tube = tubes_[side];
   const double inside_K = tube.beside(0).stagnation_K, ts = data_.supply.temperature_K;
   double a, b, low = 1e3, high = 3e6, p = std::clamp(port_Pa_[side], low, high);
-  const auto missing = [&](double at) { return tube.end_flow(0, at, ts).mass - through_edges(y, t, side, spool, at, inside_K, &a, &b); };
+  const auto missing = [&](double at) {
+    return tube.end_flow(0, at, ts).mass - through_edges(y, t, side, spool, at, inside_K, &a, &b);
+  };
   double f = missing(p);
   for (int i = 0; i < 40; ++i) {
     (f > 0.0 ? high : low) = p;
@@ -157,7 +163,8 @@ Machine::PortFlow Machine::port(const double* y, double t, std::size_t side, dou
   const double m = y[at_port_[side]], energy = y[at_port_[side] + 1];
   const double p = (gas.heat_ratio - 1.0) * energy / s.port_m3, gas_K = energy / (m * gas.cv());
   const double net = through_edges(y, t, side, spool, p, gas_K, &feed, &vent);
-  const double brought = gas.cp() * (feed * (feed > 0.0 ? data_.supply.temperature_K : gas_K) - vent * (vent > 0.0 ? gas_K : data_.room_K));
+  const double brought = gas.cp() * (feed * (feed > 0.0 ? data_.supply.temperature_K : gas_K) -
+                                     vent * (vent > 0.0 ? gas_K : data_.room_K));
   EndFlow flow = tubes_[side].end_flow(0, p, gas_K);
   const double heat = 30.0 * 6.0 * std::pow(s.port_m3, 2.0 / 3.0) * (data_.room_K - gas_K);  // through a cube's walls
   out[at_port_[side]] = net - flow.mass;
@@ -170,7 +177,9 @@ Machine::PortFlow Machine::port(const double* y, double t, std::size_t side, dou
 double Machine::opening_m2(const double*, std::size_t side, double x, bool out_of_chamber) const {
   const SideData& s = data_.side[side];
   double area = s.end_m2;
-  const auto in_line = [&area](double other) { area = std::isfinite(area) ? 1.0 / std::hypot(1.0 / area, 1.0 / other) : other; };
+  const auto in_line = [&area](double other) {
+    area = std::isfinite(area) ? 1.0 / std::hypot(1.0 / area, 1.0 / other) : other;
+  };
   if (out_of_chamber && std::isfinite(s.out_of_chamber_m2)) in_line(s.out_of_chamber_m2);
   if (x > s.kink_from_m) in_line(s.kink_m2);
   const double half = data_.motion.stroke_m / 2.0, to_stop = side == 0 ? half + x : half - x;
@@ -195,7 +204,8 @@ EndFlow Machine::chamber_end(const double* y, std::size_t side, double x) {
   }
   double low = 1e3, high = 3e6, p = pc;
   const auto surplus = [&](double at) {
-    return orifice_kg_per_s(data_.gas, area, data_.valve.critical_ratio, at, in.stagnation_K, pc, tc) - tube.end_flow(1, at, tc).mass;
+    return orifice_kg_per_s(data_.gas, area, data_.valve.critical_ratio, at, in.stagnation_K, pc, tc) -
+           tube.end_flow(1, at, tc).mass;
   };
   double f = surplus(p);
   for (int i = 0; i < 40; ++i) {
@@ -217,7 +227,8 @@ void Machine::chamber_rates(const double* y, std::size_t side, const EndFlow& in
   const double x = y[at_x_], v = y[at_x_ + 1], p = chamber_Pa(y, side), gas_K = chamber_K(y, side);
   double opening = s.leak_m2;
   if (p > s.relief_Pa) opening += s.relief_m2_per_Pa * (p - s.relief_Pa);
-  const double lost = orifice_kg_per_s(gas, opening, data_.valve.critical_ratio, p, gas_K, gas.atmosphere_Pa, data_.room_K);
+  const double lost =
+      orifice_kg_per_s(gas, opening, data_.valve.critical_ratio, p, gas_K, gas.atmosphere_Pa, data_.room_K);
   const double half = data_.motion.stroke_m / 2.0, length = side == 0 ? half + x : half - x;
   const double wall_m2 = 2.0 * s.piston_m2 + std::sqrt(4.0 * pi * s.piston_m2) * std::max(length, 0.0);
   const double growing = s.piston_m2 * (side == 0 ? v : -v);
@@ -234,7 +245,8 @@ void Machine::piston_leak_rates(const double* y, double* out) const {
   const double area = data_.piston_leak_m2 + data_.piston_zone_m2 * std::exp(-from * from);
   if (area <= 0.0) return;
   const double t1 = chamber_K(y, 0), t2 = chamber_K(y, 1);
-  const double flow = orifice_kg_per_s(data_.gas, area, data_.valve.critical_ratio, chamber_Pa(y, 0), t1, chamber_Pa(y, 1), t2);
+  const double flow =
+      orifice_kg_per_s(data_.gas, area, data_.valve.critical_ratio, chamber_Pa(y, 0), t1, chamber_Pa(y, 1), t2);
   const double energy = flow * data_.gas.cp() * (flow > 0.0 ? t1 : t2);
   out[at_chamber_[0]] -= flow;
   out[at_chamber_[1]] += flow;
@@ -255,7 +267,8 @@ void Machine::supply_rates(const double* y, double t, double drawn, double blown
     out[at_supply_] = gas.gas_constant * s.temperature_K / s.volume_m3 * (in - drawn);
   }
   if (data_.valve.silencer_m2 > 0.0) {
-    const double gone = orifice_kg_per_s(gas, data_.valve.silencer_m2, b, y[at_exhaust_], data_.room_K, gas.atmosphere_Pa, data_.room_K);
+    const double gone = orifice_kg_per_s(gas, data_.valve.silencer_m2, b, y[at_exhaust_], data_.room_K,
+                                         gas.atmosphere_Pa, data_.room_K);
     out[at_exhaust_] = gas.gas_constant * data_.room_K / silencer_m3 * (blown - gone);
   }
 }
@@ -289,7 +302,8 @@ double Machine::dry_N(const double* y, double t, double speed, int direction) co
   double force = direction > 0 ? m.forward_N : m.backward_N;
   if (m.extra_N > 0.0) force += m.extra_N * std::exp(-(speed / m.stribeck_mps) * (speed / m.stribeck_mps));
   if (m.seal_N_per_Pa > 0.0)
-    for (std::size_t s = 0; s < 2; ++s) force += 0.5 * m.seal_N_per_Pa * std::max(chamber_Pa(y, s) - data_.gas.atmosphere_Pa, 0.0);
+    for (std::size_t s = 0; s < 2; ++s)
+      force += 0.5 * m.seal_N_per_Pa * std::max(chamber_Pa(y, s) - data_.gas.atmosphere_Pa, 0.0);
   if (m.zone_N > 0.0) force += m.zone_N * std::exp(-std::pow((y[at_x_] - m.zone_at_m) / m.zone_m, 2));
   if (m.warm_N > 0.0) force += m.warm_N * std::exp(-t / m.warm_s);
   return force;

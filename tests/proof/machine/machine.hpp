@@ -80,7 +80,8 @@ class Machine {
   MachineData data_;
   std::array<Tube, 2> tubes_;
   std::array<std::size_t, 2> at_tube_{}, at_port_{}, at_chamber_{};
-  std::size_t at_supply_ = 0, at_exhaust_ = 0, at_spool_ = 0, at_x_ = 0, at_bristle_ = 0, at_tail_ = 0, at_book_ = 0, size_ = 0;
+  std::size_t at_supply_ = 0, at_exhaust_ = 0, at_spool_ = 0, at_x_ = 0, at_bristle_ = 0, at_tail_ = 0, at_book_ = 0,
+              size_ = 0;
   std::vector<double> state_, next_, trial_, k1_, k2_, k3_, k4_;
   std::array<double, 2> port_Pa_{};
   double time_ = 0.0, command_ = 0.0, played_ = 0.0;

@@ -11,7 +11,8 @@ double Machine::longest_step_s() const {
   for (const SideData& side : data_.side)
     if (side.port_m3 > 0.0) {
       const double bore = side.tube.diameter_m * side.tube.diameter_m * 0.785;
-      step = std::min(step, 1.2 * side.port_m3 / (bore * 400.0));  // the port's volume empties into the tube's impedance
+      step =
+          std::min(step, 1.2 * side.port_m3 / (bore * 400.0));  // the port's volume empties into the tube's impedance
     }
   const MotionData& m = data_.motion;
   const double stiff = std::max(m.bristle_N > 0.0 ? m.bristle_N / m.bristle_m : 0.0, m.bumper_N_per_m);

@@ -102,7 +102,8 @@ void record(const Scenario& s, std::ostream& out, const std::vector<double>* com
   const MotionData& m = s.machine.motion;
   const double air = s.machine.gas.atmosphere_Pa, a1 = s.machine.side[0].piston_m2, a2 = s.machine.side[1].piston_m2;
   const double balance = air + (a1 * (s.start_Pa - air) - m.load_N - m.spring_N_per_m * (x0 - m.spring_at_m)) / a2;
-  machine.start(x0, s.start_Pa, s.start_2_Pa > 0.0 ? s.start_2_Pa : std::clamp(balance, air, s.machine.supply.pressure_Pa));
+  machine.start(x0, s.start_Pa,
+                s.start_2_Pa > 0.0 ? s.start_2_Pa : std::clamp(balance, air, s.machine.supply.pressure_Pa));
   machine.advance(1e-9);
   Random random(s.seed);
   const auto first = truth(machine);
@@ -112,7 +113,8 @@ void record(const Scenario& s, std::ostream& out, const std::vector<double>* com
   Loop loop(s, x0);
   std::vector<double> waiting;
   out << "t_s,x_ref_m,x_m,u_V,p1_port_Pa,p2_port_Pa,p1_chamber_Pa,p2_chamber_Pa,p_supply_Pa\n";
-  const auto lead = static_cast<long>(std::round(s.first_s / s.period_s)), rows = static_cast<long>(std::round(s.length_s / s.period_s));
+  const auto lead = static_cast<long>(std::round(s.first_s / s.period_s)),
+             rows = static_cast<long>(std::round(s.length_s / s.period_s));
   double shift = 0.0;
   for (long k = -lead; k < rows; ++k) {
     const double t = static_cast<double>(k) * s.period_s;
@@ -124,7 +126,8 @@ void record(const Scenario& s, std::ostream& out, const std::vector<double>* com
     if (commands != nullptr) u = k < 0 ? 0.0 : commands->at(static_cast<std::size_t>(k));
     if (k >= 0) {
       char row[256];
-      std::snprintf(row, sizeof row, "%.9g,%.6f,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", t, x_ref, y[0], u, y[1], y[2], y[3], y[4], y[5]);
+      std::snprintf(row, sizeof row, "%.9g,%.6f,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", t, x_ref, y[0], u, y[1], y[2],
+                    y[3], y[4], y[5]);
       out << row;
     }
     const double next_shift = s.jitter_s * std::clamp(random.normal(), -3.0, 3.0);

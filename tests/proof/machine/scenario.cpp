@@ -176,7 +176,9 @@ void read_line(Scenario& s, const Keys& keys, const std::string& key, std::istri
     read = static_cast<bool>(words >> *found->second);
   }
   std::string more;
-  if (!read || words >> more) throw std::runtime_error("line " + std::to_string(line) + ": " + key + ": expected numbers and nothing behind them");
+  if (!read || words >> more)
+    throw std::runtime_error("line " + std::to_string(line) + ": " + key +
+                             ": expected numbers and nothing behind them");
 }
 
 }  // namespace

@@ -18,7 +18,8 @@ struct MoveData {
 
 /// A user's loop: force from position and speed, command from force; pressures from the ports or the chambers.
 struct LoopData {
-  double position_gain = 8000.0, speed_gain = 120.0, force_gain = 0.004, filter_s = 0.003, bias_N = 0.0, step_V = 2.5e-4;
+  double position_gain = 8000.0, speed_gain = 120.0, force_gain = 0.004, filter_s = 0.003, bias_N = 0.0,
+         step_V = 2.5e-4;
   bool at_chambers = false;
 };
 

@@ -110,7 +110,8 @@ void Tube::look(const double* state) {
 
 Tube::Beside Tube::beside(int end) const {
   const std::size_t i = end == 0 ? 0 : points_ - 1;
-  return {rho_[i], u_[i], p_[i], t_[i] + 0.5 * u_[i] * u_[i] / gas_.cp(), std::sqrt(gas_.heat_ratio * std::max(p_[i], 1.0) / rho_[i])};
+  return {rho_[i], u_[i], p_[i], t_[i] + 0.5 * u_[i] * u_[i] / gas_.cp(),
+          std::sqrt(gas_.heat_ratio * std::max(p_[i], 1.0) / rho_[i])};
 }
 
 EndFlow Tube::end_flow(int end, double pressure_Pa, double outside_K) const {
@@ -135,7 +136,8 @@ EndFlow Tube::end_flow(int end, double pressure_Pa, double outside_K) const {
 
 std::array<double, 3> Tube::between(std::size_t l, std::size_t r) const {
   const double k = gas_.heat_ratio;
-  const double impedance = 0.5 * (std::sqrt(k * std::max(p_[l], 1.0) * rho_[l]) + std::sqrt(k * std::max(p_[r], 1.0) * rho_[r]));
+  const double impedance =
+      0.5 * (std::sqrt(k * std::max(p_[l], 1.0) * rho_[l]) + std::sqrt(k * std::max(p_[r], 1.0) * rho_[r]));
   const double pressure = 0.5 * (p_[l] + p_[r]) + 0.5 * impedance * (u_[l] - u_[r]);
   const double speed = 0.5 * (u_[l] + u_[r]) + 0.5 * (p_[l] - p_[r]) / impedance;
   const std::size_t up = speed >= 0.0 ? l : r;
@@ -162,7 +164,8 @@ void Tube::volume_terms(double* out) const {
       }
 }
 
-/// With Gauss-Lobatto nodes the diagonal volume terms cancel the inner fluxes at the faces: only the common flux is left.
+/// With Gauss-Lobatto nodes the diagonal volume terms cancel the inner fluxes at the faces: only the common flux is
+/// left.
 void Tube::surface_terms(const EndFlow& first, const EndFlow& last, double* out) const {
   const double scale = 2.0 / (element_ * node_weights[0]);
   const auto add = [&](std::size_t point, const std::array<double, 3>& flux, double sign) {
@@ -192,7 +195,8 @@ void Tube::leak_terms(double* out) const {
   for (std::size_t a = 1; a < nodes; ++a)
     if (std::abs(node_places[a] - inside) < std::abs(node_places[node] - inside)) node = a;
   const std::size_t i = element * nodes + node;
-  const double lost = orifice_kg_per_s(gas_, data_.leak_m2, data_.critical_ratio, p_[i], t_[i], gas_.atmosphere_Pa, data_.wall_K);
+  const double lost =
+      orifice_kg_per_s(gas_, data_.leak_m2, data_.critical_ratio, p_[i], t_[i], gas_.atmosphere_Pa, data_.wall_K);
   const double a_volume = lost / (area_ * node_weights[node] * element_ / 2.0);
   out[i] -= a_volume;
   out[points_ + i] -= a_volume * u_[i];

@@ -15,7 +15,7 @@ import yaml
 import concealed
 import rigs
 
-FIRST_S, LENGTH_S, RECORDINGS = 4.0, 8.0, 2
+FIRST_S, LENGTH_S, RECORDINGS = 4.0, 6.0, 2
 # Shares of the kinds in a block of 21: 100 clean, 120 single, 40 pairs, 40 parameters, 20 sensors, 20 mounting, 80 outside of 420.
 BLOCK = ["clean"] * 5 + ["single"] * 6 + ["pair"] * 2 + ["parameter"] * 2 + ["sensor", "mounting"] + ["outside"] * 4
 COLUMNS = ["t_s", "x_ref_m", "x_m", "u_V", "p1_port_Pa", "p2_port_Pa"]

@@ -52,9 +52,9 @@ def background(rng, rig, lines):
               "valve.neutral_leak": amount * rng.uniform(5e-5, 4e-4) * largest, "supply.swing": amount * rng.uniform(5e-4, 3e-3) * rig["supply"]["pressure_Pa"],
               "supply.swing_frequency": log_uniform(rng, 0.4, 3), "jitter": 2e-5 * amount, "piston.leak": amount * rng.uniform(1e-5, 5e-5) * largest}
     for s in (1, 2):
-        tube = math.pi / 4 * rig[f"line_{s}"]["diameter_m"] ** 2 * rig[f"line_{s}"]["length_m"]
+        bore = math.pi / 4 * rig[f"line_{s}"]["diameter_m"] ** 2
         lines |= {f"tube_{s}.layers": 1.0, f"side_{s}.inlet_loss": 0.5 * amount, f"side_{s}.leak": amount * rng.uniform(1e-5, 5e-5) * largest,
-                  f"side_{s}.port": min(max(amount * rng.uniform(5e-7, 4e-6), 5e-7), 0.1 * tube + 5e-7)}
+                  f"side_{s}.port": rng.uniform(0.05, 0.15) * bore}  # 0.6 to 2 cm3 at 4 mm
         for channel in ("port", "chamber"):
             lines |= {f"sensor.{channel}_{s}.lag": 3e-4 * amount, f"sensor.{channel}_{s}.offset": amount * rng.uniform(-200, 200)}
     fair = ["frequency_dependent_losses", "valve_dead_band", "valve_asymmetry", "valve_curve", "command_delay", "supply_swing", "valve_neutral_leak",

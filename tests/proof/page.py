@@ -78,6 +78,22 @@ def by_size(rows):
             yield f"moves a port by {low:g} to {high:g} floors" if high < 1e9 else f"moves a port by {low:g} floors and more", sum(r["right"] for r in inside), len(inside)
 
 
+def write_picture(path, figures):
+    """The rates with their exact 95 % intervals, as a picture for a page of its own."""
+    rates = [(name, rate) for name, rate in figures["rates"].items() if rate["of"]]
+    x = lambda share: 430 + 260 * share
+    out = f'<svg xmlns="http://www.w3.org/2000/svg" width="800" height="{24 * len(rates) + 40}" font-family="sans-serif" font-size="13">'
+    out += '<rect width="100%" height="100%" fill="white"/>'
+    for i, (name, rate) in enumerate(rates):
+        y = 24 * i + 20
+        out += (f'<text x="420" y="{y + 4}" text-anchor="end">{html.escape(name)}</text><line x1="{x(0)}" x2="{x(1)}" y1="{y}" y2="{y}" stroke="#ddd"/>'
+                f'<line x1="{x(rate["low"]):.1f}" x2="{x(rate["high"]):.1f}" y1="{y}" y2="{y}" stroke="#36c" stroke-width="6" opacity=".4"/>'
+                f'<circle cx="{x(rate["right"] / rate["of"]):.1f}" cy="{y}" r="4.5" fill="#36c"/><text x="705" y="{y + 4}">{rate["right"]} of {rate["of"]}</text>')
+    for share in (0, 0.5, 1):
+        out += f'<text x="{x(share)}" y="{24 * len(rates) + 30}" text-anchor="middle" fill="#666">{share:.0%}</text>'
+    path.write_text(out + "</svg>\n", encoding="utf-8")
+
+
 def write_page(path, told_of_run, rows, figures):
     calibration = figures["calibration"]
     heads = ("case", "kind", "hidden", "times smallest", "floors", "background", "answer", "result")

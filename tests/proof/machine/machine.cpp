@@ -64,7 +64,6 @@ double Machine::chamber_Pa(const double* y, std::size_t s) const {
   return (data_.gas.heat_ratio - 1.0) * y[at_chamber_[s] + 1] / volume_m3(s, y[at_x_]);
 }
 double Machine::chamber_Pa(int side) const { return chamber_Pa(state_.data(), static_cast<std::size_t>(side)); }
-double Machine::chamber_K(int side) const { return chamber_K(state_.data(), static_cast<std::size_t>(side)); }
 
 void Machine::command(double volt) {
   const ValveData& v = data_.valve;
@@ -174,7 +173,7 @@ Machine::PortFlow Machine::port(const double* y, double t, std::size_t side, dou
   return {flow, net, brought};
 }
 
-double Machine::opening_m2(const double*, std::size_t side, double x, bool out_of_chamber) const {
+double Machine::opening_m2(std::size_t side, double x, bool out_of_chamber) const {
   const SideData& s = data_.side[side];
   double area = s.end_m2;
   const auto in_line = [&area](double other) {
@@ -192,7 +191,7 @@ EndFlow Machine::chamber_end(const double* y, std::size_t side, double x) {
   const double pc = chamber_Pa(y, side), tc = chamber_K(y, side);
   const Tube::Beside in = tube.beside(1);
   const bool out = in.pressure_Pa + in.density * in.sound_mps * in.speed_mps < pc;
-  const double area = opening_m2(y, side, x, out);
+  const double area = opening_m2(side, x, out);
   if (!std::isfinite(area)) {
     EndFlow flow = tube.end_flow(1, pc, tc);
     const double heads = data_.side[side].inlet_loss;

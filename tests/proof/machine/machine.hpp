@@ -23,19 +23,14 @@ class Machine {
   double position_m() const { return state_[at_x_]; }
   double speed_mps() const { return state_[at_x_ + 1]; }
   double chamber_Pa(int side) const;
-  double chamber_K(int side) const;
   double port_Pa(int side) const { return port_Pa_[static_cast<std::size_t>(side)]; }
   double supply_Pa() const { return valve_supply_Pa(state_.data(), time_); }
-  bool resting() const { return mode_ != Mode::sliding; }
   /// Mass of all gas between the valve's ports and the piston, kg, and its energy with that of the walls' heat, J.
   double gas_kg() const;
   double gas_J() const;
   /// What came in through the valve's ports and left by leaks since the start.
   double gained_kg() const { return state_[at_book_]; }
   double gained_J() const { return state_[at_book_ + 1]; }
-  long steps() const { return steps_; }
-  Tube& tube(int side) { return tubes_[static_cast<std::size_t>(side)]; }
-  const double* tube_state(int side) const { return state_.data() + at_tube_[static_cast<std::size_t>(side)]; }
   double longest_step_s() const;
 
  private:
@@ -56,7 +51,7 @@ class Machine {
   double through_edges(const double* y, double t, std::size_t side, double spool, double p, double gas_K,
                        double* from_supply, double* to_exhaust) const;
   double port_pressure_without_volume(const double* y, double t, std::size_t side, double spool);
-  double opening_m2(const double* y, std::size_t side, double x, bool out_of_chamber) const;
+  double opening_m2(std::size_t side, double x, bool out_of_chamber) const;
   double area_of(double volt, double t) const;
   double spool_V(const double* y) const;
   double chamber_Pa(const double* y, std::size_t side) const;
@@ -88,7 +83,6 @@ class Machine {
   Mode mode_ = Mode::resting;
   int direction_ = 1, stop_ = 0;  // of sliding; of the end stop that is touched
   bool regulator_open_ = true;
-  long steps_ = 0;
 };
 
 }  // namespace proof

@@ -98,7 +98,6 @@ void Machine::step(double dt) {
     if (state_[at_supply_] > supply.pressure_Pa + supply.regulator_gap_Pa / 2.0) regulator_open_ = false;
   }
   runge_kutta(state_, dt, next_);
-  ++steps_;
   if (event(next_, time_ + dt) <= 0.0) {
     // What lies on the wrong side from the start (a load that jumped) is obeyed at once.
     if (event(state_, time_) <= 0.0 && mode_ == Mode::resting) judge_rest();

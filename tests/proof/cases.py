@@ -85,11 +85,11 @@ def tuned(machine, rig, reference):
     return None
 
 
-def draw_rig(rng, machine, name):
+def draw_rig(rng, machine, name, length_s):
     """An owner's rig whose loop works, with its moves."""
     while True:
         rig = rigs.owners_rig(rng, name)
-        moves = [rigs.move(rng, rig, LENGTH_S) for _ in range(RECORDINGS)]
+        moves = [rigs.move(rng, rig, length_s) for _ in range(RECORDINGS)]
         gains = tuned(machine, rig, moves[0])
         if gains:
             return rig, moves, gains
@@ -106,7 +106,7 @@ def true_machine(rng, rig):
     return true_rig
 
 
-def conceal(rng, kind, rig, true_rig, gains, vocabulary):
+def conceal(rng, kind, rig, true_rig, gains, vocabulary, length_s):
     """Lines of the machine without and with its secret, and the truth."""
     plain_rig = copy.deepcopy(true_rig)
     truth = {"verdict": "consistent", "elements": ["none"]}
@@ -133,7 +133,7 @@ def conceal(rng, kind, rig, true_rig, gains, vocabulary):
     elif kind == "mounting":
         truth = concealed.mounting(rng)
     elif kind == "outside":
-        truth = concealed.outside(rng, rig, lines, LENGTH_S)
+        truth = concealed.outside(rng, rig, lines, length_s)
     # The loop goes by what its owner believes, not by what is true.
     believed = rigs.machine_lines(rig, gains)
     for changed in (plain, lines):
@@ -170,9 +170,9 @@ def write_recording(path, rig, reference, rows):
         file.writelines(",".join(f"{row[c]:.9g}" for c in columns) + "\n" for row in rows)
 
 
-def owners_config(rig, gains, reference):
+def owners_config(rig, gains, reference, length_s):
     source = "chamber" if "chamber_pressure" in rig["sensors"] else "valve"
-    return rig | {"controller": {"kind": "pd_force", "pressure_source": source, **gains}, "reference": reference, "duration_s": LENGTH_S}
+    return rig | {"controller": {"kind": "pd_force", "pressure_source": source, **gains}, "reference": reference, "duration_s": length_s}
 
 
 def make_case(number, options, vocabulary_of):
@@ -186,20 +186,21 @@ def make_case(number, options, vocabulary_of):
     kind = options.kind or kind_of(options.seed, number)
     rng = random.Random(f"case {options.seed} {number} {kind}")
     while True:
-        rig, moves, gains = draw_rig(rng, options.machine, name)
+        rig, moves, gains = draw_rig(rng, options.machine, name, options.length_s)
         true_rig = true_machine(rng, rig)
-        plain, lines, truth = conceal(rng, kind, rig, true_rig, gains, vocabulary_of(owners_config(rig, gains, moves[0])))
+        config = owners_config(rig, gains, moves[0], options.length_s)
+        plain, lines, truth = conceal(rng, kind, rig, true_rig, gains, vocabulary_of(config), options.length_s)
         seed = rng.randrange(1, 2**31)
         recordings, shows = [], []
         for i, reference in enumerate(moves):
-            run = rigs.move_lines(reference) | {"first": FIRST_S, "length": LENGTH_S, "seed": seed + i}
+            run = rigs.move_lines(reference) | {"first": FIRST_S, "length": options.length_s, "seed": seed + i}
             recordings.append(simulate(options.machine, lines | run))
             shows.append(visible(recordings[-1], simulate(options.machine, plain | run), rig))
         # What the vocabulary has no law for has to show at all: nobody could find a relief valve that never opens.
         if all(is_sensible(rows, rig) for rows in recordings) and (kind != "outside" or max(shows) > 3.0):
             break
     truth |= {"true_rig": true_rig, "lines": {k: v for k, v in lines.items() if v != plain.get(k)}, "visible": rigs.rounded(max(shows)), "salt": secrets.token_hex(16)}
-    (folder / "rig.yaml").write_text(yaml.safe_dump(owners_config(rig, gains, moves[0]), sort_keys=False), encoding="utf-8")
+    (folder / "rig.yaml").write_text(yaml.safe_dump(config, sort_keys=False), encoding="utf-8")
     for i, rows in enumerate(recordings):
         write_recording(folder / f"recording-{i + 1}.csv.gz", rig, None if "mounting" in truth else moves[i], as_logged(rows, truth.get("mounting")))
     text = json.dumps(truth, indent=1, sort_keys=True)

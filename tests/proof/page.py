@@ -1,4 +1,6 @@
 # The page of a proof: protocol, rates with exact intervals, reliability, coverage, and every case that went wrong.
+import csv
+import gzip
 import html
 
 STYLE = ("body{font:15px/1.5 sans-serif;max-width:64em;margin:2em auto;padding:0 1em;color:#222}table{border-collapse:collapse;margin:1em 0}"
@@ -78,6 +80,29 @@ def by_size(rows):
             yield f"moves a port by {low:g} to {high:g} floors" if high < 1e9 else f"moves a port by {low:g} floors and more", sum(r["right"] for r in inside), len(inside)
 
 
+def curve(rows, column, left, top, width, height, colour):
+    """A column over the rows, thinned to two points a pixel: the least and the largest value of each."""
+    values = [float(row[column]) for row in rows]
+    low, high = min(values), max(values)
+    step = max(1, len(values) // width)
+    points = []
+    for k in range(0, len(values), step):
+        piece = values[k:k + step]
+        x = left + width * k / len(values)
+        points += [f"{x:.1f},{top + height * (high - y) / ((high - low) or 1):.1f}" for y in (min(piece), max(piece))]
+    return f'<polyline fill="none" stroke="{colour}" points="{" ".join(points)}"/><text x="{left}" y="{top - 4}" fill="{colour}">{column} {low:.4g} to {high:.4g}</text>'
+
+
+def course(folder):
+    """Position, command and ports of a case's first recording."""
+    with gzip.open(folder / "recording-1.csv.gz", "rt", encoding="utf-8") as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    out = '<svg width="820" height="110" font-size="11">'
+    for k, (column, colour) in enumerate((("x_m", "#333"), ("u_V", "#a50"), ("p1_port_Pa", "#36c"), ("p2_port_Pa", "#093"))):
+        out += curve(rows, column, 205 * k, 20, 190, 80, colour)
+    return out + "</svg>"
+
+
 def write_picture(path, figures):
     """The rates with their exact 95 % intervals, as a picture for a page of its own."""
     rates = [(name, rate) for name, rate in figures["rates"].items() if rate["of"]]
@@ -94,6 +119,14 @@ def write_picture(path, figures):
     path.write_text(out + "</svg>\n", encoding="utf-8")
 
 
+def wrong_cases(folder, rows, heads):
+    """Each with its first recording."""
+    out = ""
+    for row in rows:
+        out += rows_of(case_lines([row]), heads) + course(folder / row["name"])
+    return out or "<p>Nothing.</p>"
+
+
 def write_page(path, told_of_run, rows, figures):
     calibration = figures["calibration"]
     heads = ("case", "kind", "hidden", "times smallest", "floors", "background", "answer", "result")
@@ -108,6 +141,6 @@ def write_page(path, told_of_run, rows, figures):
     body += "<h2>By size</h2>" + rows_of(by_size(rows), ("one effect", "named first", "of"))
     body += f'<h2>Are the probabilities honest?</h2>{reliability(calibration["bins"])}<p>Expected calibration error {calibration["expected_calibration_error"]:.3f}, Brier score {calibration["brier"]:.3f}, {calibration["answers"]} answers.</p>'
     body += "<h2>Do the intervals of sizes hold the truth?</h2>" + rates_table(figures["coverage"])
-    body += "<h2>What went wrong</h2>" + rows_of(case_lines(r for r in rows if not r["right"]), heads)
+    body += "<h2>What went wrong</h2>" + wrong_cases(path.parent, [r for r in rows if not r["right"]], heads)
     body += "<h2>All cases</h2>" + rows_of(case_lines(rows), heads)
     path.write_text(f'<!doctype html><meta charset="utf-8"><title>Proof</title><style>{STYLE}</style>{body}\n', encoding="utf-8")

@@ -96,7 +96,8 @@ def outcome(truth, answer):
         row["right"] = set(hidden) <= set(names) and not false
         row["one"] = bool(set(hidden) & set(names))
     else:
-        row["right"] = bool(names) and names[0] in hidden
+        beside = [name for name in names if name in hidden or name not in fair]  # what the background holds stands aside
+        row["right"] = bool(beside) and beside[0] in hidden
     row["word"] = word_of(kind, row, answer)
     return row
 

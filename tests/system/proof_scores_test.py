@@ -39,6 +39,7 @@ for what, t, a, word in (
         ("unknown on an ideal machine", truth("clean"), UNKNOWN, "unknown"),
         ("unknown on a background", truth("clean", background=True), UNKNOWN, "right"),
         ("a name of the background", truth("clean", background=True, fair=["piston_leak"]), answer(("piston_leak", 0.6)), "right"),
+        ("behind a name of the background", truth("single", LEAK, background=True, fair=["valve_dead_band"]), answer(("valve_dead_band", 0.9), ("chamber_leak_1", 0.8)), "right"),
         ("half of a pair", truth("pair", LEAK | {"valve_lag": {"time_constant_s": 0.01}}), answer(("chamber_leak_1", 0.9)), "one of two"),
         ("outside", relief, UNKNOWN, "right"),
         ("outside, elsewhere", relief, answer(("unknown", 0.7), verdict="unknown", element="motion"), "unknown, other element"),

@@ -106,14 +106,14 @@ def true_machine(rng, rig):
     return true_rig
 
 
-def conceal(rng, kind, rig, true_rig, gains, vocabulary, length_s):
+def conceal(rng, kind, rig, true_rig, gains, vocabulary, options):
     """Lines of the machine without and with its secret, and the truth."""
     plain_rig = copy.deepcopy(true_rig)
     truth = {"verdict": "consistent", "elements": ["none"]}
     if kind == "parameter":
         truth = concealed.parameter(rng, rig, true_rig, get, put)
     plain = rigs.machine_lines(plain_rig, gains)
-    with_background = rng.random() < 0.75
+    with_background = {"draw": rng.random() < 0.75, "yes": True, "no": False}[options.background]
     small, fair = {}, []
     if with_background:
         small = dict(plain)
@@ -133,7 +133,7 @@ def conceal(rng, kind, rig, true_rig, gains, vocabulary, length_s):
     elif kind == "mounting":
         truth = concealed.mounting(rng)
     elif kind == "outside":
-        truth = concealed.outside(rng, rig, lines, length_s)
+        truth = concealed.outside(rng, rig, lines, options.length_s)
     # The loop goes by what its owner believes, not by what is true.
     believed = rigs.machine_lines(rig, gains)
     for changed in (plain, lines):
@@ -189,7 +189,7 @@ def make_case(number, options, vocabulary_of):
         rig, moves, gains = draw_rig(rng, options.machine, name, options.length_s)
         true_rig = true_machine(rng, rig)
         config = owners_config(rig, gains, moves[0], options.length_s)
-        plain, lines, truth = conceal(rng, kind, rig, true_rig, gains, vocabulary_of(config), options.length_s)
+        plain, lines, truth = conceal(rng, kind, rig, true_rig, gains, vocabulary_of(config), options)
         seed = rng.randrange(1, 2**31)
         recordings, shows = [], []
         for i, reference in enumerate(moves):

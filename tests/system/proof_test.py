@@ -37,7 +37,7 @@ for channel, most in (("p1_port_Pa", 60), ("p2_port_Pa", 60), ("p1_chamber_Pa", 
 
 
 def proof(out, *arguments):
-    return subprocess.run(["tools/proof", folder / out, "--program", program, "--machine", machine, "--seed", "2", "--length-s", "2.5", *arguments],
+    return subprocess.run(["tools/proof", folder / out, "--program", program, "--machine", machine, "--seed", "2", "--length-s", "2.5", "--background", "no", *arguments],
                           capture_output=True, text=True, timeout=1000)
 
 

@@ -33,6 +33,13 @@ bool is_held(const Recording& recording, const std::string& column, int steps) {
   return steps == 1;  // every n-th command of a loop: between two of them there were others
 }
 
+/// How long before the middle of the step that its command acts in a row was read. A loop's own row begins the step;
+/// whoever reads beside the loop finds a command that is half of its step old in the mean.
+double read_before_middle_s(const Recording& recording, const std::string& column, bool is_even, double step_s) {
+  const bool is_instant = source_of(recording, column).sampling == Sampling::instant;
+  return is_even && !is_instant ? 0.0 : 0.5 * step_s;
+}
+
 /// Missing values on a straight line between their neighbours; marks them, and what follows long gaps.
 std::vector<double> filled(std::vector<double> values, double period_s, std::vector<char>& usable) {
   const auto known = [](double value) { return std::isfinite(value); };
@@ -96,7 +103,10 @@ CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, 
   out.usable.assign(even.count(), 1);
   out.position_m = even.drawn(recording.column("x_m"));
   for (std::size_t valve = 0; valve < commands.size(); ++valve)
-    out.inputs.command_V[valve] = filled(even.straight(recording.column(commands[valve])), out.period_s(), out.usable);
+    out.inputs.command_V[valve] = filled(
+        even.straight(recording.column(commands[valve]),
+                      read_before_middle_s(recording, commands[valve], even.is_even(), out.inputs.step_s())),
+        out.period_s(), out.usable);
   for (const Signal signal : pressure_signals) {
     if (!recording.has(info(signal).column)) continue;
     std::vector<double>& values = out.measured_Pa[signal];

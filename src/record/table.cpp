@@ -369,11 +369,11 @@ class TableReader {
         table_.is_clock[column] = 1;
         return *seconds;
       }
-      if (unreadable_[column].count++ == 0) unreadable_[column].first = as_utf8(field);
+      if (unreadable_[column].count++ == 0) unreadable_[column].first = shown(field);
       if (unreadable_[column].count <= most_told)
         table_.report(line, ProblemKind::unreadable_field,
                       fmt::format("{} is \"{}\", which is no number; it is read as no value", table_.names[column],
-                                  as_utf8(field)));
+                                  shown(field)));
       return no_value;
     }
     if (!std::isfinite(value))

@@ -138,6 +138,24 @@ TEST_CASE("a command that somebody read beside the loop is imposed without delay
   }
 }
 
+TEST_CASE("the noise of a channel is told beside its motion at every rate") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal;
+  for (const double period_s : {1e-3, 2e-3, 4e-3, 0.01}) {
+    std::vector<double> always, resting;  // moving throughout; moving with rests and ringing of what no rate here shows
+    for (double t = 0; t < 16; t += period_s) {
+      const bool rests = std::fmod(t, 1.6) > 1.0;
+      always.push_back(3e4 * std::sin(2 * 3.14159265 * 1.5 * t) + 300 * normal(generator));
+      resting.push_back((rests ? 0 : 8e3 * std::sin(2 * 3.14159265 * 47.3 * t)) + 300 * normal(generator));
+    }
+    CAPTURE(period_s);
+    CHECK(quiet_noise(always, period_s) == Approx(300).epsilon(0.25));
+    CHECK(quiet_noise(resting, period_s) == Approx(300).epsilon(0.25));
+  }
+}
+
 TEST_CASE("a recording is cut at a gap, short ends are left out, and all of it is told") {
   const Rig rig = test::cylinder_rig();
   Recording whole = test::simulated_recording(rig, 8.0, 3, test::all_pressures);

@@ -170,7 +170,7 @@ TEST_CASE("the unit and the zero of a position follow from its range where only 
   check(1e6, 0, "micrometres");
 }
 
-TEST_CASE("a zero at the end and per cent that no range gives away are told by simulation, and what is right stays") {
+TEST_CASE("a zero at an end and units of the command that no range gives away are told by simulation, and what is right stays") {
   Rig rig = test::cylinder_rig();
   rig.axis.cylinder.stroke_m = 0.4;  // of which the motion covers the middle: within the stroke both ways
   rig.axis.valve.command_max_V = 10;
@@ -191,6 +191,11 @@ TEST_CASE("a zero at the end and per cent that no range gives away are told by s
   const double most_V = std::max(quantile(right.column("u_V"), 1), -quantile(right.column("u_V"), 0));
   REQUIRE(10 * most_V < 10);
   CHECK_THAT(read("u_V", 10, 0), Contains("per cent of the valve's range"));
+  CHECK_THAT(read("u_V", 0.1, 0), Contains("shares of the valve's range"));
+  CHECK_THAT(read("u_V", 5, 50), Contains("per cent from the valve's end"));
+  CHECK_THAT(read("u_V", 0.05, 0.5), Contains("shares from the valve's end"));
+  CHECK_THAT(read("u_V", 0.8, 12), Contains("milliamperes"));
+  CHECK_THAT(read("x_m", -1, 0.2), Contains("counted from the extended end"));
   CHECK(read("x_m", 1, 0).empty());
 }
 

@@ -41,7 +41,7 @@ std::string stated_reading(Recording recording, const std::string& column, const
 
 /// Columns of sensors that the config does not have do not count, whatever the recorder wrote into them.
 void leave_out_absent_sensors(const Rig& rig, Recording& recording, std::vector<std::string>& notes);
-/// Where the zero of a position may be that stays within the stroke: at the middle, or at the retracted end.
+/// Where the zero of a position may be that stays within the stroke: at the middle, or at an end.
 std::vector<UnitReading> position_zeros(const Rig& rig, const Recording& recording);
 /// Position beyond the stroke: another unit, or counted from an end.
 void doubt_position_unit(const Rig& rig, Recording& recording, std::vector<std::string>& notes);

@@ -174,11 +174,13 @@ std::vector<double> misfits_of(const Rig& rig, const Recording& judged, const st
                                const std::vector<Choice>& choices, MisfitOf misfit_of) {
   std::vector<double> out;
   for (const Choice& choice : choices) {
+    const bool is_far = needs_fit(kinds, choice);
+    out.push_back(infinite_misfit);
+    if (is_far && misfit_of != &port_misfit) continue;  // such a reading changes more than a neutral does
     Recording tried = judged;
     for (std::size_t k = 0; k < kinds.size(); ++k) apply(kinds[k], choice[k], tried);
     const double misfit = misfit_of(rig, tried);
-    const bool has_fitted = misfit < doubtful_wiring || !needs_fit(kinds, choice);
-    out.push_back(has_fitted ? misfit : infinite_misfit);
+    if (!is_far || misfit < doubtful_wiring) out.back() = misfit;
   }
   return out;
 }

@@ -156,7 +156,7 @@ constexpr std::array<std::string_view, 12> saying_nothing{
 constexpr std::array<std::string_view, 15> lasting{"timeout",  "cycle",  "task",     "exec", "execution",
                                                    "dead",     "delay",  "rise",     "loop", "period",
                                                    "response", "filter", "settling", "run",  "computing"};
-constexpr std::array<std::string_view, 8> pressure_words{"pressure", "press",    "druck", "pression",
+constexpr std::array<std::string_view, 8> pressure_words{"pressure", "press",     "druck", "pression",
                                                          "presion",  "pressione", "druk",  "p"};
 constexpr std::array<std::string_view, 8> supply_words{"supply",  "versorgung",    "source",       "alimentation",
                                                        "network", "alimentazione", "alimentacion", "voeding"};

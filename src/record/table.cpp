@@ -105,7 +105,8 @@ class TableReader {
       return problem.kind == ProblemKind::field_count;
     });
     if (at == table_.problems.end()) return "";
-    return fmt::format(" under the names {}; {}", names_text(table_.names), at->sentence.substr(table_.path.size() + 2));
+    return fmt::format(" under the names {}; {}", names_text(table_.names),
+                       at->sentence.substr(table_.path.size() + 2));
   }
 
   struct Line {

@@ -170,18 +170,18 @@ TEST_CASE("the unit and the zero of a position follow from its range where only 
   check(1e6, 0, "micrometres");
 }
 
-TEST_CASE("a zero at an end and units of the command that no range gives away are told by simulation, and what is right stays") {
+TEST_CASE("a zero at the end and units of the command that no range gives away are told by simulation") {
   Rig rig = test::cylinder_rig();
   rig.axis.cylinder.stroke_m = 0.4;  // of which the motion covers the middle: within the stroke both ways
   rig.axis.valve.command_max_V = 10;
   const Recording right = test::simulated_recording(rig, 4.0, 5, ports);
   const auto read = [&](const std::string& column, double factor, double offset) {
-    std::vector<Recording> read{right};
-    shift(read[0].column(column), factor, offset);
+    std::vector<Recording> wrong{right};
+    shift(wrong[0].column(column), factor, offset);
     Rig owner = rig;
     std::vector<std::string> notes;
-    doubt_recordings(owner, read, notes);
-    CHECK(largest_difference(read[0].column(column), right.column(column)) < 1e-9);
+    doubt_recordings(owner, wrong, notes);
+    CHECK(largest_difference(wrong[0].column(column), right.column(column)) < 1e-9);
     return notes.empty() ? std::string() : notes.front();
   };
   const double low = quantile(right.column("x_m"), 0), high = quantile(right.column("x_m"), 1);
@@ -195,7 +195,6 @@ TEST_CASE("a zero at an end and units of the command that no range gives away ar
   CHECK_THAT(read("u_V", 5, 50), Contains("per cent from the valve's end"));
   CHECK_THAT(read("u_V", 0.05, 0.5), Contains("shares from the valve's end"));
   CHECK_THAT(read("u_V", 0.8, 12), Contains("milliamperes"));
-  CHECK_THAT(read("x_m", -1, 0.2), Contains("counted from the extended end"));
   CHECK(read("x_m", 1, 0).empty());
 }
 

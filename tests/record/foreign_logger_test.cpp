@@ -228,8 +228,9 @@ TEST_CASE("other names in the middle of a file end in a sentence, for the column
 }
 
 TEST_CASE("rows that no line of names belongs to are refused with what stands in them") {
-  CHECK_THAT(refusal_of("VARIABLES = \"t [s]\" \"x [mm]\"\nZONE T=\"run 1\"\n0.0 1.5 0.1\n0.001 1.6 0.1\n0.002 1.7 0.1\n"),
-             Contains("no row that can be used") && Contains("under the names") && Contains("line "));
+  CHECK_THAT(
+      refusal_of("VARIABLES = \"t [s]\" \"x [mm]\"\nZONE T=\"run 1\"\n0.0 1.5 0.1\n0.001 1.6 0.1\n0.002 1.7 0.1\n"),
+      Contains("no row that can be used") && Contains("under the names") && Contains("line "));
 }
 
 TEST_CASE("stamps that do not tell the rows apart are refused, not averaged") {

@@ -258,8 +258,7 @@ std::vector<UnitReading> position_zeros(const Rig& rig, const Recording& recordi
   const Range range = range_of(recording.column("x_m"));
   std::vector<UnitReading> out{{1, 0, ""}};
   if (stroke_m > 0 && std::isfinite(stroke_m) && range.low >= 0 && range.high <= (0.5 + furthest) * stroke_m)
-    for (const auto& [sign, end] : {std::pair(1.0, "retracted"), std::pair(-1.0, "extended")})
-      out.push_back({sign, -0.5 * sign * stroke_m, fmt::format("counted from the {} end", end), true});
+    out.push_back({1, -0.5 * stroke_m, "counted from the retracted end", true});
   return out;
 }
 

@@ -15,7 +15,7 @@ namespace pneuservo {
 struct UnitReading {
   double factor = 1, offset = 0;
   std::string name;  ///< "millimetres"; empty: as recorded
-  bool needs_fit = false;  ///< no range asks for it: taken only where simulated pressures then keep to the measured ones
+  bool needs_fit = false;  ///< a range alone does not ask for it: a simulation must fit then
 };
 
 /// Shares of the values that a channel's range is judged by: spikes are judged after it.
@@ -41,7 +41,7 @@ std::string stated_reading(Recording recording, const std::string& column, const
 
 /// Columns of sensors that the config does not have do not count, whatever the recorder wrote into them.
 void leave_out_absent_sensors(const Rig& rig, Recording& recording, std::vector<std::string>& notes);
-/// Where the zero of a position may be that stays within the stroke: at the middle, or at an end.
+/// Where the zero of a position may be that stays within the stroke: at the middle, or at the retracted end.
 std::vector<UnitReading> position_zeros(const Rig& rig, const Recording& recording);
 /// Position beyond the stroke: another unit, or counted from an end.
 void doubt_position_unit(const Rig& rig, Recording& recording, std::vector<std::string>& notes);

@@ -131,10 +131,10 @@ CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, 
   out.usable.assign(even.count(), 1);
   out.position_m = even.drawn(recording.column("x_m"));
   for (std::size_t valve = 0; valve < commands.size(); ++valve)
-    out.inputs.command_V[valve] = filled(
-        even.straight(recording.column(commands[valve]),
-                      read_before_middle_s(recording, commands[valve], even.is_even(), out.inputs.step_s())),
-        out.period_s(), out.usable);
+    out.inputs.command_V[valve] =
+        filled(even.straight(recording.column(commands[valve]),
+                             read_before_middle_s(recording, commands[valve], even.is_even(), out.inputs.step_s())),
+               out.period_s(), out.usable);
   for (const Signal signal : pressure_signals) {
     if (!recording.has(info(signal).column)) continue;
     std::vector<double>& values = out.measured_Pa[signal];
@@ -163,7 +163,8 @@ CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, 
 
 double quiet_noise(const std::vector<double>& signal, double period_s) {
   const std::size_t window = std::max(least_quiet_rows, static_cast<std::size_t>(std::lround(quiet_s / period_s)));
-  // A course that is smooth over some samples leaves less and less of itself in higher differences, white noise as much.
+  // A course that is smooth over some samples leaves less and less of itself in higher differences, white noise as
+  // much.
   double least = std::numeric_limits<double>::infinity();
   std::vector<double> differences(signal);
   double gain = 1;  // of white noise, squared: the central binomial coefficient

@@ -136,8 +136,8 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
             held_out_of(has_held_out_, recording.is_held_out, time_s.back() - time_s.front()),
             machine_changes(rig, recording)};
   part.usable = part.balance.usable();
-  // The drive's mean around a row: what was held before it counts as long as it was, beside a loop half of the time.
-  const double held = held_share(rig, recording, interval_s), before = even.is_even() ? 0.5 * held : 0.0;
+  // The drive's mean around a row: what was held before it counts for as long as it was.
+  const double held = held_share(rig, recording, interval_s), before = 0.5 * held;
   std::vector<double> middle(force.size());
   for (std::size_t i = 0; i < force.size(); ++i) {
     if (!std::isfinite(force[i])) {

@@ -19,6 +19,7 @@ namespace {
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 constexpr double position_sigma_s = 0.003, pressure_sigma_s = 0.005;
 constexpr double long_gap_s = 0.02, forget_gap_s = 0.5;
+constexpr double longest_told_steps = 12;  ///< of the loop, over three rows: a line through slower ones tells no age
 
 double interval_of(const Recording& recording) {
   const double interval_s = row_interval_s(recording);
@@ -33,11 +34,46 @@ bool is_held(const Recording& recording, const std::string& column, int steps) {
   return steps == 1;  // every n-th command of a loop: between two of them there were others
 }
 
+/// Whether rows at uneven stamps found commands that a loop had held since its last tick, rather than the command of
+/// their own instant. A held one is off the line through its neighbours by its slope times how much older it is, with
+/// the ticks where that explains most. Rows that do not tell were read: who writes in the loop's tick stamps evenly.
+bool found_held(const std::vector<double>& time_s, const std::vector<double>& command_V, double step_s) {
+  constexpr int phases = 8;
+  constexpr double least_known = 0.25;  // standard error of the share of the age, 0 or 1
+  constexpr double least_turns = 0.1;   // of the rows: with fewer on the other side of a tick their stamps err
+  double most_explained = 0, share = 1, error = infinite;
+  for (int phase = 0; phase < phases; ++phase) {
+    const auto age_s = [&](std::size_t i) {
+      const double ticks = (time_s[i] - time_s.front()) / step_s - static_cast<double>(phase) / phases;
+      return step_s * (ticks - std::floor(ticks));
+    };
+    double both = 0, square = 0, rest = 0, count = 0, turns = 0;
+    for (std::size_t i = 1; i + 1 < time_s.size(); ++i) {
+      const double apart_s = time_s[i + 1] - time_s[i - 1], way = (time_s[i] - time_s[i - 1]) / apart_s;
+      const double slope = (command_V[i + 1] - command_V[i - 1]) / apart_s;
+      const double off = command_V[i] - command_V[i - 1] - way * (command_V[i + 1] - command_V[i - 1]);
+      const double by_age = -slope * (age_s(i) - (1 - way) * age_s(i - 1) - way * age_s(i + 1));
+      if (!std::isfinite(off * by_age) || apart_s > longest_told_steps * step_s) continue;
+      both += off * by_age;
+      square += by_age * by_age;
+      rest += off * off;
+      turns += std::abs(age_s(i) - age_s(i - 1)) > 0.5 * step_s;
+      ++count;
+    }
+    if (!(square > 0) || !(both > 0) || both * both / square <= most_explained) continue;
+    most_explained = both * both / square;
+    share = turns > least_turns * count ? both / square : 0;
+    error = std::sqrt(std::max(0.0, rest - most_explained) / count / square);
+  }
+  return error > least_known || share > 0.5;
+}
+
 /// How long before the middle of the step that its command acts in a row was read. A loop's own row begins the step;
-/// whoever reads beside the loop finds a command that is half of its step old in the mean.
+/// one that finds a held command finds it half of a step old in the mean.
 double read_before_middle_s(const Recording& recording, const std::string& column, bool is_even, double step_s) {
-  const bool is_instant = source_of(recording, column).sampling == Sampling::instant;
-  return is_even && !is_instant ? 0.0 : 0.5 * step_s;
+  if (source_of(recording, column).sampling == Sampling::instant) return 0.5 * step_s;
+  const bool is_beside = !is_even && found_held(recording.t_s(), recording.column(column), step_s);
+  return is_beside ? 0.5 * step_s : 0.0;
 }
 
 /// Missing values on a straight line between their neighbours; marks them, and what follows long gaps.

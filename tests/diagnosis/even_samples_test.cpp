@@ -156,8 +156,10 @@ TEST_CASE("the noise of a channel is told beside its motion at every rate") {
       resting.push_back((rests ? 0 : 8e3 * std::sin(2 * 3.14159265 * 47.3 * t)) + 300 * normal(generator));
     }
     CAPTURE(period_s);
-    CHECK(quiet_noise(always, period_s) == Approx(300).epsilon(0.25));
-    CHECK(quiet_noise(resting, period_s) == Approx(300).epsilon(0.25));
+    for (const double noise : {quiet_noise(always, period_s), quiet_noise(resting, period_s)}) {
+      CHECK(noise < 1.2 * 300);
+      CHECK(noise > 0.5 * 300);  // the least of windows of 40 rows is low by a third
+    }
   }
 }
 

@@ -67,7 +67,9 @@ ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmos
     out.evidence = "holds dates or times of day";
     return out;
   }
-  const std::optional<Unit> unit = stated.empty() ? std::nullopt : unit_in(stated);
+  // "millis" is both.
+  const bool is_named_by_unit = stated.empty() && word && word->quantity == Quantity::time && parts.text.size() > 1;
+  const std::optional<Unit> unit = unit_in(is_named_by_unit ? parts.text : stated);
   if (!word || word->ours.empty() || (unit && unit->quantity != word->quantity && unit->quantity != Quantity::raw)) {
     out.evidence = !word                ? "no known name"
                    : word->ours.empty() ? fmt::format("named like {}, which nothing is compared with", word->word)

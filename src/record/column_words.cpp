@@ -18,7 +18,7 @@ struct Word {
   Quantity quantity;
 };
 constexpr std::string_view column_of(Signal signal) { return info(signal).column; }
-constexpr std::array<Word, 60> quantity_words{{{"timestamp", "t_s", Quantity::time},
+constexpr std::array<Word, 73> quantity_words{{{"timestamp", "t_s", Quantity::time},
                                                {"time", "t_s", Quantity::time},
                                                {"zeit", "t_s", Quantity::time},
                                                {"temps", "t_s", Quantity::time},
@@ -31,6 +31,13 @@ constexpr std::array<Word, 60> quantity_words{{{"timestamp", "t_s", Quantity::ti
                                                {"uptime", "t_s", Quantity::time},
                                                {"tiempo", "t_s", Quantity::time},
                                                {"tempo", "t_s", Quantity::time},
+                                               {"tijd", "t_s", Quantity::time},
+                                               {"millis", "t_s", Quantity::time},
+                                               {"micros", "t_s", Quantity::time},
+                                               {"msec", "t_s", Quantity::time},
+                                               {"usec", "t_s", Quantity::time},
+                                               {"ms", "t_s", Quantity::time},
+                                               {"us", "t_s", Quantity::time},
                                                {"t", "t_s", Quantity::time},
                                                {"xref", "x_ref_m", Quantity::length},
                                                {"setpoint", "x_ref_m", Quantity::length},
@@ -55,6 +62,12 @@ constexpr std::array<Word, 60> quantity_words{{{"timestamp", "t_s", Quantity::ti
                                                {"stell", "u_V", Quantity::voltage},
                                                {"commande", "u_V", Quantity::voltage},
                                                {"vanne", "u_V", Quantity::voltage},
+                                               {"comando", "u_V", Quantity::voltage},
+                                               {"mando", "u_V", Quantity::voltage},
+                                               {"valvola", "u_V", Quantity::voltage},
+                                               {"valvula", "u_V", Quantity::voltage},
+                                               {"stuur", "u_V", Quantity::voltage},
+                                               {"klep", "u_V", Quantity::voltage},
                                                {"u", "u_V", Quantity::voltage},
                                                {"p1chamber", column_of(Signal::p1_chamber), Quantity::pressure},
                                                {"p2chamber", column_of(Signal::p2_chamber), Quantity::pressure},
@@ -143,10 +156,12 @@ constexpr std::array<std::string_view, 12> saying_nothing{
 constexpr std::array<std::string_view, 15> lasting{"timeout",  "cycle",  "task",     "exec", "execution",
                                                    "dead",     "delay",  "rise",     "loop", "period",
                                                    "response", "filter", "settling", "run",  "computing"};
-constexpr std::array<std::string_view, 6> pressure_words{"pressure", "press", "druck", "pression", "presion", "p"};
-constexpr std::array<std::string_view, 5> supply_words{"supply", "versorgung", "source", "alimentation", "network"};
-constexpr std::array<std::string_view, 3> chamber_words{"chamber", "kammer", "chambre"};
-constexpr std::array<std::string_view, 3> voltage_words{"voltage", "spannung", "tension"};
+constexpr std::array<std::string_view, 8> pressure_words{"pressure", "press",     "druck", "pression",
+                                                         "presion",  "pressione", "druk",  "p"};
+constexpr std::array<std::string_view, 8> supply_words{"supply",  "versorgung",    "source",       "alimentation",
+                                                       "network", "alimentazione", "alimentacion", "voeding"};
+constexpr std::array<std::string_view, 6> chamber_words{"chamber", "kammer", "chambre", "camera", "camara", "kamer"};
+constexpr std::array<std::string_view, 5> voltage_words{"voltage", "spannung", "tension", "tensione", "spanning"};
 
 template <std::size_t N> bool is_one_of(std::string_view part, const std::array<std::string_view, N>& list) {
   return std::find(list.begin(), list.end(), part) != list.end();
@@ -159,8 +174,22 @@ template <std::size_t N> const std::string* one_of(const std::vector<std::string
   return at == parts.end() ? nullptr : &*at;
 }
 
+/// Latin letters with signs above or below them without these, in small letters: "Presi\u00f3n" is "presion".
+std::string without_signs(std::string_view text) {
+  constexpr std::string_view plain = "aaaaaaaceeeeiiiidnooooo ouuuuyysaaaaaaaceeeeiiiidnooooo ouuuuyyy";
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool is_latin = static_cast<unsigned char>(text[i]) == 0xc3 && i + 1 < text.size();
+    const char letter = is_latin ? plain[static_cast<unsigned char>(text[i + 1]) & 0x3f] : ' ';
+    if (letter == ' ') out += text[i];
+    else out += letter, ++i;
+  }
+  return out;
+}
+
 /// "lrActual_Position2" is lr, actual, position, 2; "p1" stays whole. Letters beyond ASCII are letters.
-std::vector<std::string> parts_of(std::string_view text) {
+std::vector<std::string> parts_of(std::string_view signed_text) {
+  const std::string text = without_signs(signed_text);
   std::vector<std::string> parts(1);
   unsigned char before = ' ';
   for (const char c : text) {

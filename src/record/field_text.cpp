@@ -196,4 +196,18 @@ std::string as_utf8(std::string_view text) {
   return out;
 }
 
+std::string shown(std::string_view field) {
+  constexpr std::size_t most_bytes = 40;
+  const std::string text = as_utf8(field.substr(0, most_bytes));
+  std::string out;
+  for (std::string_view rest = text; !rest.empty();) {
+    const std::size_t size = character_size(rest);
+    const auto lead = static_cast<unsigned char>(rest[0]);
+    const bool is_control = lead < 0x20 || lead == 0x7f || (lead == 0xc2 && static_cast<unsigned char>(rest[1]) < 0xa0);
+    out += is_control ? "?" : std::string(rest.substr(0, size));
+    rest.remove_prefix(size);
+  }
+  return field.size() > most_bytes ? out + "..." : out;
+}
+
 }  // namespace pneuservo

@@ -24,4 +24,7 @@ bool number_in(std::string_view field, char decimal, double& value);
 /// The text in UTF-8; what is not valid in it is taken for Latin-1.
 std::string as_utf8(std::string_view text);
 
+/// A field in a sentence: its beginning in UTF-8, with "?" for what a terminal would obey.
+std::string shown(std::string_view field);
+
 }  // namespace pneuservo

@@ -104,6 +104,9 @@ void take_seconds(CsvTable& table, MappedColumns& columns, double period_s) {
     table.report(0, ProblemKind::interval,
                  fmt::format("t_s passes midnight {}: the time goes on behind it",
                              nights == 1 ? "once" : fmt::format("{} times", nights)));
+  if (const int bits = columns.is_clock ? 0 : pass_wraps(times); bits > 0)
+    table.report(0, ProblemKind::interval,
+                 fmt::format("t_s is a counter of {} bits that begins again: the time goes on behind it", bits));
   TimeUnit unit = unit_of_times(times, period_s, columns.is_clock);
   if (columns.has_time_factor && unit.start == 0) return;
   if (columns.has_time_factor) unit.factor = 1;  // stated

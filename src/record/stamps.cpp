@@ -44,6 +44,7 @@ constexpr std::array<std::pair<double, std::string_view>, 7> time_units{{{1.0, "
 constexpr std::size_t rows_of_a_run = 3;  ///< that must go on behind a step back; fewer are rows out of order
 constexpr double interval_agreement = 0.25;  ///< of the interval: rounding to half of it moves a step that far
 constexpr double course_gain = 0.1;          ///< of a stamp's distance from the even course, which it moves by
+constexpr double longest_at_wrap = 4;        ///< intervals: a run that ends so near to a counter's end is rare
 constexpr double longest_counted = 20;       ///< intervals: behind a longer gap rows are counted anew
 
 double first_finite(const std::vector<double>& values) {
@@ -66,6 +67,22 @@ bool goes_on(const std::vector<double>& t, std::size_t i, double before) {
     ++count;
   }
   return count == rows_of_a_run;
+}
+
+/// Adds a turn wherever times go back by one less a step of at most `longest`; how often. Those of a clock are within a
+/// turn, others must be, and each step must go on.
+std::size_t go_on_behind(std::vector<double>& t, double turn, double longest, bool is_clock) {
+  double before = no_value, added = 0;
+  std::size_t count = 0;
+  for (double& time : t) {
+    if (!std::isfinite(time)) continue;
+    const double now = time + added, step = now - before;
+    const bool is_within = is_clock || (before - added <= turn && time >= 0 && step + turn > 0);
+    if (step < 0 && step + turn < longest && is_within) added += turn, ++count;
+    time += added;
+    before = time;
+  }
+  return count;
 }
 
 /// First rows of groups of equal stamps.
@@ -136,18 +153,15 @@ TimeUnit unit_of_times(const std::vector<double>& stamps, double period_s, bool 
 
 std::size_t pass_midnights(std::vector<double>& t, bool is_clock) {
   constexpr double day_s = 86400;
-  const double most_s = is_clock ? 0.5 * day_s : longest_counted * median_step_s(t);
-  double before = no_value, added = 0;
-  std::size_t count = 0;
-  for (double& time_s : t) {
-    if (!std::isfinite(time_s)) continue;
-    const double now = time_s + added, step = now - before;
-    const bool is_within_a_day = is_clock || (before - added <= day_s && time_s >= 0);
-    if (step < 0 && step + day_s < most_s && is_within_a_day) added += day_s, ++count;
-    time_s += added;
-    before = time_s;
-  }
-  return count;
+  return go_on_behind(t, day_s, is_clock ? 0.5 * day_s : longest_counted * median_step_s(t), is_clock);
+}
+
+int pass_wraps(std::vector<double>& t) {
+  const double longest = longest_at_wrap * median_step_s(t);
+  for (const int bits : {16, 32})
+    for (const double unit : {1.0, 1e-3, 1e-6})
+      if (std::ldexp(unit, bits) > 1 && go_on_behind(t, std::ldexp(unit, bits), longest, false) > 0) return bits;
+  return 0;
 }
 
 std::vector<std::size_t> run_starts(const std::vector<double>& t) {

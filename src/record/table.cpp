@@ -93,12 +93,22 @@ class TableReader {
     report_end();
     if (table_.rows() == 0)
       throw InputError(
-          fmt::format("{}, line {}: there is no row that can be used{}; expected at least one line of {} numbers",
-                      table_.path, input_.line_number() + 1, end_words(), table_.names.size()));
+          fmt::format("{}, line {}: there is no row that can be used{}; expected at least one line of {} numbers{}",
+                      table_.path, input_.line_number() + 1, end_words(), table_.names.size(), other_count_words()));
     return std::move(table_);
   }
 
  private:
+  /// The first row that had not as many fields as there are names.
+  std::string other_count_words() const {
+    const auto at = std::find_if(table_.problems.begin(), table_.problems.end(), [](const RecordingProblem& problem) {
+      return problem.kind == ProblemKind::field_count;
+    });
+    if (at == table_.problems.end()) return "";
+    return fmt::format(" under the names {}; {}", names_text(table_.names),
+                       at->sentence.substr(table_.path.size() + 2));
+  }
+
   struct Line {
     std::string text;
     std::size_t number;
@@ -369,11 +379,11 @@ class TableReader {
         table_.is_clock[column] = 1;
         return *seconds;
       }
-      if (unreadable_[column].count++ == 0) unreadable_[column].first = as_utf8(field);
+      if (unreadable_[column].count++ == 0) unreadable_[column].first = shown(field);
       if (unreadable_[column].count <= most_told)
         table_.report(line, ProblemKind::unreadable_field,
                       fmt::format("{} is \"{}\", which is no number; it is read as no value", table_.names[column],
-                                  as_utf8(field)));
+                                  shown(field)));
       return no_value;
     }
     if (!std::isfinite(value))

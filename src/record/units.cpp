@@ -15,19 +15,21 @@ namespace {
 
 constexpr double psi_Pa = 6894.757, torr_Pa = 133.322, pound_N = 4.4482216;
 /// Where letters' size decides, the first one that fits counts.
-constexpr std::array<Unit, 105> units{{{"s", Quantity::time, 1},
+constexpr std::array<Unit, 107> units{{{"s", Quantity::time, 1},
                                        {"sec", Quantity::time, 1},
                                        {"secs", Quantity::time, 1},
                                        {"second", Quantity::time, 1},
                                        {"seconds", Quantity::time, 1},
                                        {"ms", Quantity::time, 1e-3},
                                        {"msec", Quantity::time, 1e-3},
+                                       {"millis", Quantity::time, 1e-3},
                                        {"millisecond", Quantity::time, 1e-3},
                                        {"milliseconds", Quantity::time, 1e-3},
                                        {"us", Quantity::time, 1e-6},
                                        {"\u00b5s", Quantity::time, 1e-6},
                                        {"\u03bcs", Quantity::time, 1e-6},
                                        {"usec", Quantity::time, 1e-6},
+                                       {"micros", Quantity::time, 1e-6},
                                        {"microsecond", Quantity::time, 1e-6},
                                        {"microseconds", Quantity::time, 1e-6},
                                        {"ns", Quantity::time, 1e-9},

@@ -6,6 +6,7 @@
 
 #include "config/input_error.hpp"
 #include "core/test_seed.hpp"
+#include "diagnosis/recordings/cylinder_recording.hpp"
 #include "diagnosis/recordings/even_samples.hpp"
 #include "diagnosis/recordings/stretches.hpp"
 #include "diagnosis/residuals/imposed_run.hpp"
@@ -82,6 +83,85 @@ TEST_CASE("lost rows are drawn, a sparse column at its own rate, nothing through
   CHECK(largest_error(even.drawn(sparse), interval_s) < 1e-4);  // straight beside the gap
   CHECK(std::isnan(even.placed(sparse)[1]));
   CHECK(drawing_error(times, courses(times), interval_s) < 1e-8);
+}
+
+TEST_CASE("stamps that are rounded alone stand at their samples, stamps that jitter beyond their digits do not") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal;
+  for (const double interval_s : {2.5e-3, 1.0 / 60, 3.3e-3}) {
+    std::vector<double> exact, rounded, cut, jittered;
+    for (int i = 0; i < 1200; ++i) {
+      exact.push_back(i * interval_s);
+      rounded.push_back(std::round(exact.back() * 1e3) * 1e-3);
+      cut.push_back(std::floor(exact.back() * 1e3 + 1e-6) * 1e-3);
+      jittered.push_back(std::round((exact.back() + 2e-4 * normal(generator)) * 1e6) * 1e-6);
+    }
+    CAPTURE(interval_s);
+    for (const std::vector<double>& times : {rounded, cut}) {
+      const EvenSamples even(times, interval_s);
+      CHECK(even.is_even());
+      CHECK(largest_error(even.drawn(courses(exact)), interval_s) < 1e-12);
+    }
+    CHECK_FALSE(EvenSamples(jittered, interval_s).is_even());
+  }
+}
+
+TEST_CASE("a command that somebody read beside the loop is imposed without delay, one of its own instant too") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal;
+  const Rig rig = test::cylinder_rig(2.0);
+  const Recording whole = test::simulated_recording(rig, 6.0, 3, test::all_pressures);
+  const std::vector<double>& u = whole.column("u_V");
+  const double loop_s = 1e-3;
+  for (const int every : {1, 2, 4})
+    for (const bool is_held : {true, false}) {
+      if (!is_held && every > 2) continue;  // rows further apart do not tell, beside a noisy loop
+      Recording polled =
+          rows_of(whole, [&](std::size_t i) { return i > 0 && i % static_cast<std::size_t>(every) == 0; });
+      for (std::size_t i = 0; i < polled.rows(); ++i) {
+        double& t = polled.column("t_s")[i];
+        t += (i > 0 ? std::clamp(0.2 * normal(generator), -0.4, 0.4) : 0.0) * loop_s;
+        const double tick = std::floor(t / loop_s + 1e-9), since = is_held ? 0 : t / loop_s - tick;
+        const auto at = static_cast<std::size_t>(tick);
+        polled.column("u_V")[i] = u[at] + since * (u[std::min(at + 1, u.size() - 1)] - u[at]);
+      }
+      polled.period_s = every * loop_s;
+      const CylinderRecording prepared = prepare_recording(polled, rig, 1e300);
+      double both = 0, square = 0;
+      for (std::size_t k = 100; k + 100 < prepared.samples(); ++k)
+        for (int step = 0; step < every; ++step) {
+          const auto at = static_cast<std::size_t>(every) * (k + 1) + static_cast<std::size_t>(step);
+          const double rate = (u[at + 3] - u[at - 3]) / (6 * loop_s);
+          both -= (prepared.inputs.command_at(0, k, step) - u[at]) * rate;
+          square += rate * rate;
+        }
+      CAPTURE(every, is_held);
+      CHECK(std::abs(both / square) < 0.15 * loop_s);
+    }
+}
+
+TEST_CASE("the noise of a channel is told beside its motion at every rate") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal;
+  for (const double period_s : {1e-3, 2e-3, 4e-3, 0.01}) {
+    std::vector<double> always, resting;  // moving throughout; moving with rests and ringing of what no rate here shows
+    for (double t = 0; t < 16; t += period_s) {
+      const bool rests = std::fmod(t, 1.6) > 1.0;
+      always.push_back(3e4 * std::sin(2 * 3.14159265 * 1.5 * t) + 300 * normal(generator));
+      resting.push_back((rests ? 0 : 8e3 * std::sin(2 * 3.14159265 * 47.3 * t)) + 300 * normal(generator));
+    }
+    CAPTURE(period_s);
+    for (const double noise : {quiet_noise(always, period_s), quiet_noise(resting, period_s)}) {
+      CHECK(noise < 1.2 * 300);
+      CHECK(noise > 0.5 * 300);  // the least of windows of 40 rows is low by a third
+    }
+  }
 }
 
 TEST_CASE("a recording is cut at a gap, short ends are left out, and all of it is told") {

@@ -170,6 +170,34 @@ TEST_CASE("the unit and the zero of a position follow from its range where only 
   check(1e6, 0, "micrometres");
 }
 
+TEST_CASE("a zero at the end and units of the command that no range gives away are told by simulation") {
+  Rig rig = test::cylinder_rig();
+  rig.axis.cylinder.stroke_m = 0.4;  // of which the motion covers the middle: within the stroke both ways
+  rig.axis.valve.command_max_V = 10;
+  const Recording right = test::simulated_recording(rig, 4.0, 5, ports);
+  const auto read = [&](const std::string& column, double factor, double offset) {
+    std::vector<Recording> wrong{right};
+    shift(wrong[0].column(column), factor, offset);
+    Rig owner = rig;
+    std::vector<std::string> notes;
+    doubt_recordings(owner, wrong, notes);
+    CHECK(largest_difference(wrong[0].column(column), right.column(column)) < 1e-9);
+    return notes.empty() ? std::string() : notes.front();
+  };
+  const double low = quantile(right.column("x_m"), 0), high = quantile(right.column("x_m"), 1);
+  REQUIRE(low + 0.2 > 0);
+  REQUIRE(high + 0.2 < 0.6 * 0.4);
+  CHECK_THAT(read("x_m", 1, 0.2), Contains("counted from the retracted end"));
+  const double most_V = std::max(quantile(right.column("u_V"), 1), -quantile(right.column("u_V"), 0));
+  REQUIRE(10 * most_V < 10);
+  CHECK_THAT(read("u_V", 10, 0), Contains("per cent of the valve's range"));
+  CHECK_THAT(read("u_V", 0.1, 0), Contains("shares of the valve's range"));
+  CHECK_THAT(read("u_V", 5, 50), Contains("per cent from the valve's end"));
+  CHECK_THAT(read("u_V", 0.05, 0.5), Contains("shares from the valve's end"));
+  CHECK_THAT(read("u_V", 0.8, 12), Contains("milliamperes"));
+  CHECK(read("x_m", 1, 0).empty());
+}
+
 TEST_CASE("what cannot be known is asked for in one sentence with the key") {
   Rig rig = test::cylinder_rig();
   const Recording right = test::simulated_recording(rig, 4.0, 5, ports);

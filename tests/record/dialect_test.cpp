@@ -127,6 +127,19 @@ TEST_CASE("UTF-16 and Latin-1 are read, quotes protect separators, and the diale
   CHECK_THAT(table.problems[0].sentence, Contains("separator ;") && Contains("decimal comma") && Contains("quotes"));
 }
 
+TEST_CASE("what a terminal would obey stands in no sentence, and a long field is cut") {
+  const TemporaryFolder folder;
+  const std::string text = "t_s,x_m,u_V\n0,1,\x1b]0;title\x07\n0.001,2,0\n0.002," + std::string(5000, '\0') +
+                           ",0\n0.003,1,\xc2\x9b" + "31m\n";
+  const CsvTable table = read_table(put_plain(folder.file("hostile.csv"), text));
+  std::string told;
+  for (const RecordingProblem& problem : table.problems) told += problem.sentence;
+  CHECK(table.problems.size() >= 3);
+  CHECK(std::none_of(told.begin(), told.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }));
+  CHECK(told.find("\xc2\x9b") == std::string::npos);
+  CHECK(told.size() < 1000);
+}
+
 TEST_CASE("dates and epoch times in every unit become seconds from the first row on") {
   const unsigned seed = test::new_seed();
   INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");

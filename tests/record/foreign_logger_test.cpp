@@ -227,6 +227,12 @@ TEST_CASE("other names in the middle of a file end in a sentence, for the column
   }
 }
 
+TEST_CASE("rows that no line of names belongs to are refused with what stands in them") {
+  CHECK_THAT(
+      refusal_of("VARIABLES = \"t [s]\" \"x [mm]\"\nZONE T=\"run 1\"\n0.0 1.5 0.1\n0.001 1.6 0.1\n0.002 1.7 0.1\n"),
+      Contains("no row that can be used") && Contains("under the names") && Contains("line "));
+}
+
 TEST_CASE("stamps that do not tell the rows apart are refused, not averaged") {
   const Drawn drawn;
   const auto with = [&](const std::function<std::string(double)>& time) {
@@ -260,6 +266,16 @@ TEST_CASE("a set point, an error, a speed or a temperature is not taken for what
                                                         {"cylinder position", "x_m"},
                                                         {"MAIN.fbAxis.lrActPos", "x_m"},
                                                         {"Istposition", "x_m"},
+                                                        {"Posici\u00f3n", "x_m"},
+                                                        {"Posizione", "x_m"},
+                                                        {"Positie", "x_m"},
+                                                        {"Presi\u00f3n A", "p1_port_Pa"},
+                                                        {"PRESSIONE 2", "p2_port_Pa"},
+                                                        {"Druk 1", "p1_port_Pa"},
+                                                        {"Comando valvola", "u_V"},
+                                                        {"Stuurspanning", "u_V"},
+                                                        {"Tijd", "t_s"},
+                                                        {"millis", "t_s"},
                                                         {"Scope/Position:1", "x_m"},
                                                         {"/axis/state/position", "x_m"},
                                                         {"x filtered", "x_m"},

@@ -115,6 +115,34 @@ TEST_CASE("times of day go on behind midnight, as a clock's text and as seconds 
   CHECK(pass_midnights(two, false) == 0);
 }
 
+TEST_CASE("a counter of 16 or 32 bits goes on behind its end, runs that begin at 0 anew do not") {
+  const TemporaryFolder folder;
+  struct Counter {
+    const char* name;
+    double start, step, turn;
+  };
+  for (const Counter& counter : {Counter{"micros", 4294600000.0, 1000, 4294967296.0},
+                                 Counter{"millis", 4294966000.0, 2, 4294967296.0}, Counter{"ms", 65000, 1, 65536.0}}) {
+    std::string text = fmt::format("{},x_m,u_V\n", counter.name);
+    for (int i = 0; i < 2000; ++i)
+      text += fmt::format("{:.0f},{},0\n", std::fmod(counter.start + i * counter.step, counter.turn), 1e-4 * i);
+    put_plain(folder.file("counter.csv"), text);
+    ImportParameters map;
+    map.columns["t_s"].column = counter.name;
+    map.columns["x_m"].column = "x_m";
+    const std::vector<Recording> runs = read_recordings(folder.file("counter.csv"), map, 1e-3);
+    CAPTURE(counter.name);
+    REQUIRE(runs.size() == 1);
+    CHECK(runs[0].rows() == 2000);
+    CHECK(runs[0].period_s == Approx(counter.name == std::string("millis") ? 2e-3 : 1e-3));
+    CHECK_THAT(fmt::format("{}", fmt::join(problem_lines(runs[0]), "\n")), Contains("begins again"));
+  }
+  std::vector<double> two = even_times(65536, 1e-3);
+  two.insert(two.end(), two.begin(), two.begin() + 40);
+  two.erase(two.begin() + 65000, two.begin() + 65536);  // another run, which began at 0 as well
+  CHECK(pass_wraps(two) == 0);
+}
+
 TEST_CASE("two runs in one file are two recordings with or without a map, and that is told") {
   const TemporaryFolder folder;
   std::string text = "t_s,x_m,u_V\n";

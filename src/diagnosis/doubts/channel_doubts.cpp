@@ -253,6 +253,15 @@ void doubt_position_unit(const Rig& rig, Recording& recording, std::vector<std::
                               stated_sources(recording, {"x_m"})));
 }
 
+std::vector<UnitReading> position_zeros(const Rig& rig, const Recording& recording) {
+  const double stroke_m = rig.axis.cylinder.stroke_m;
+  const Range range = range_of(recording.column("x_m"));
+  std::vector<UnitReading> out{{1, 0, ""}};
+  if (stroke_m > 0 && std::isfinite(stroke_m) && range.low >= 0 && range.high <= (0.5 + furthest) * stroke_m)
+    out.push_back({1, -0.5 * stroke_m, "counted from the retracted end", true});
+  return out;
+}
+
 std::vector<UnitReading> pressure_readings(const Rig& rig, const Recording& recording) {
   const PossibleRange possible = possible_pressure_Pa(rig);
   const std::vector<std::string> columns = pressure_columns(recording);
@@ -276,17 +285,23 @@ std::vector<UnitReading> command_readings(const Rig& rig, const Recording& recor
   const double most_V = rig.axis.valve.command_max_V;
   const Range range = range_of(recording.column("u_V"));
   std::vector<UnitReading> out;
-  const auto add = [&](double factor, double offset, const char* name) {
+  const auto add = [&](double factor, double offset, const char* name, bool needs_fit = false) {
     const double low = factor * range.low + offset, high = factor * range.high + offset;
-    if (std::max(-low, high) <= command_share * most_V) out.push_back({factor, offset, name});
+    if (std::max(-low, high) <= command_share * most_V) out.push_back({factor, offset, name, needs_fit});
+  };
+  // Always on one side of zero, and about half of a range of twice the valve's.
+  const auto is_from_the_end = [&](double neutral) {
+    return range.low > 0 && 0.5 * (range.low + range.high) > 0.5 * neutral;
   };
   add(1, 0, "");
-  // Always on one side of zero, and about half of a range of twice the valve's.
-  if (range.low > 0 && 0.5 * (range.low + range.high) > 0.5 * most_V)
-    add(1, -most_V, "volts from the valve's end, neutral in the middle");
-  if (!out.empty()) return out;
-  add(1e-3, 0, "millivolts");
-  add(most_V / 100, 0, "per cent of the valve's range");
+  if (is_from_the_end(most_V)) add(1, -most_V, "volts from the valve's end, neutral in the middle");
+  const bool may_be_volts = !out.empty();
+  if (!may_be_volts) add(1e-3, 0, "millivolts");
+  add(most_V / 100, 0, "per cent of the valve's range", may_be_volts);
+  add(most_V, 0, "shares of the valve's range", may_be_volts);
+  if (is_from_the_end(50)) add(most_V / 50, -most_V, "per cent from the valve's end, neutral at 50 %", may_be_volts);
+  if (is_from_the_end(0.5)) add(2 * most_V, -most_V, "shares from the valve's end, neutral at 0.5", may_be_volts);
+  if (is_from_the_end(12)) add(most_V / 8, -1.5 * most_V, "milliamperes from 4 to 20, neutral at 12", may_be_volts);
   return out;
 }
 

@@ -15,6 +15,7 @@ namespace pneuservo {
 struct UnitReading {
   double factor = 1, offset = 0;
   std::string name;  ///< "millimetres"; empty: as recorded
+  bool needs_fit = false;  ///< a range alone does not ask for it: a simulation must fit then
 };
 
 /// Shares of the values that a channel's range is judged by: spikes are judged after it.
@@ -40,6 +41,8 @@ std::string stated_reading(Recording recording, const std::string& column, const
 
 /// Columns of sensors that the config does not have do not count, whatever the recorder wrote into them.
 void leave_out_absent_sensors(const Rig& rig, Recording& recording, std::vector<std::string>& notes);
+/// Where the zero of a position may be that stays within the stroke: at the middle, or at the retracted end.
+std::vector<UnitReading> position_zeros(const Rig& rig, const Recording& recording);
 /// Position beyond the stroke: another unit, or counted from an end.
 void doubt_position_unit(const Rig& rig, Recording& recording, std::vector<std::string>& notes);
 /// How pressures may be meant: those readings in which all lie between vacuum and what the loop refuses.

@@ -128,6 +128,12 @@ std::vector<Choice> choices_of(const std::vector<ReadingsOf>& kinds) {
   return out;
 }
 
+bool needs_fit(const std::vector<ReadingsOf>& kinds, const Choice& choice) {
+  for (std::size_t k = 0; k < kinds.size(); ++k)
+    if (kinds[k].readings[choice[k]].needs_fit) return true;
+  return false;
+}
+
 /// The least misfit over changes of the command, by at most `most` both ways.
 double misfit_at_best(const Rig& rig, const Recording& recording, double most, double (*changed_V)(double, double)) {
   if (!recording.has("u_V")) return port_misfit(rig, recording);
@@ -168,9 +174,13 @@ std::vector<double> misfits_of(const Rig& rig, const Recording& judged, const st
                                const std::vector<Choice>& choices, MisfitOf misfit_of) {
   std::vector<double> out;
   for (const Choice& choice : choices) {
+    const bool is_far = needs_fit(kinds, choice);
+    out.push_back(infinite_misfit);
+    if (is_far && misfit_of != &port_misfit) continue;  // such a reading changes more than a neutral does
     Recording tried = judged;
     for (std::size_t k = 0; k < kinds.size(); ++k) apply(kinds[k], choice[k], tried);
-    out.push_back(misfit_of(rig, tried));
+    const double misfit = misfit_of(rig, tried);
+    if (!is_far || misfit < doubtful_wiring) out.back() = misfit;
   }
   return out;
 }
@@ -278,6 +288,12 @@ std::vector<ReadingsOf> possible_readings(const Rig& rig, const Recording& recor
                    fmt::format("{}: u_V goes from {:.4g} to {:.4g} V, the valve takes +-{:g} V", recording.path,
                                quantile(recording.column("u_V"), lowest_share),
                                quantile(recording.column("u_V"), highest_share), rig.axis.valve.command_max_V)});
+  if (recording.has("x_m") && std::isfinite(quantile(recording.column("x_m"), 0.5)))
+    out.push_back({{"x_m"},
+                   position_zeros(rig, recording),
+                   fmt::format("{}: x_m goes from {:.4g} to {:.4g} m, the stroke is +-{:g} m", recording.path,
+                               quantile(recording.column("x_m"), lowest_share),
+                               quantile(recording.column("x_m"), highest_share), 0.5 * rig.axis.cylinder.stroke_m)});
   for (const ReadingsOf& kind : out)
     if (kind.readings.empty())
       throw InputError(fmt::format("{}, expected that: in which unit? State it: {}", kind.evidence,

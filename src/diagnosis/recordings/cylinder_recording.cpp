@@ -19,6 +19,7 @@ namespace {
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 constexpr double position_sigma_s = 0.003, pressure_sigma_s = 0.005;
 constexpr double long_gap_s = 0.02, forget_gap_s = 0.5;
+constexpr double longest_told_steps = 12;  ///< of the loop, over three rows: a line through slower ones tells no age
 
 double interval_of(const Recording& recording) {
   const double interval_s = row_interval_s(recording);
@@ -31,6 +32,48 @@ bool is_held(const Recording& recording, const std::string& column, int steps) {
   const Sampling stated = source_of(recording, column).sampling;
   if (stated != Sampling::unstated) return stated == Sampling::held;
   return steps == 1;  // every n-th command of a loop: between two of them there were others
+}
+
+/// Whether rows at uneven stamps found commands that a loop had held since its last tick, rather than the command of
+/// their own instant. A held one is off the line through its neighbours by its slope times how much older it is, with
+/// the ticks where that explains most. Rows that do not tell were read: who writes in the loop's tick stamps evenly.
+bool found_held(const std::vector<double>& time_s, const std::vector<double>& command_V, double step_s) {
+  constexpr int phases = 8;
+  constexpr double least_known = 0.25;  // standard error of the share of the age, 0 or 1
+  constexpr double least_turns = 0.1;   // of the rows: with fewer on the other side of a tick their stamps err
+  double most_explained = 0, share = 1, error = infinite;
+  for (int phase = 0; phase < phases; ++phase) {
+    const auto age_s = [&](std::size_t i) {
+      const double ticks = (time_s[i] - time_s.front()) / step_s - static_cast<double>(phase) / phases;
+      return step_s * (ticks - std::floor(ticks));
+    };
+    double both = 0, square = 0, rest = 0, count = 0, turns = 0;
+    for (std::size_t i = 1; i + 1 < time_s.size(); ++i) {
+      const double apart_s = time_s[i + 1] - time_s[i - 1], way = (time_s[i] - time_s[i - 1]) / apart_s;
+      const double slope = (command_V[i + 1] - command_V[i - 1]) / apart_s;
+      const double off = command_V[i] - command_V[i - 1] - way * (command_V[i + 1] - command_V[i - 1]);
+      const double by_age = -slope * (age_s(i) - (1 - way) * age_s(i - 1) - way * age_s(i + 1));
+      if (!std::isfinite(off * by_age) || apart_s > longest_told_steps * step_s) continue;
+      both += off * by_age;
+      square += by_age * by_age;
+      rest += off * off;
+      turns += std::abs(age_s(i) - age_s(i - 1)) > 0.5 * step_s;
+      ++count;
+    }
+    if (!(square > 0) || !(both > 0) || both * both / square <= most_explained) continue;
+    most_explained = both * both / square;
+    share = turns > least_turns * count ? both / square : 0;
+    error = std::sqrt(std::max(0.0, rest - most_explained) / count / square);
+  }
+  return error > least_known || share > 0.5;
+}
+
+/// How long before the middle of the step that its command acts in a row was read. A loop's own row begins the step;
+/// one that finds a held command finds it half of a step old in the mean.
+double read_before_middle_s(const Recording& recording, const std::string& column, bool is_even, double step_s) {
+  if (source_of(recording, column).sampling == Sampling::instant) return 0.5 * step_s;
+  const bool is_beside = !is_even && found_held(recording.t_s(), recording.column(column), step_s);
+  return is_beside ? 0.5 * step_s : 0.0;
 }
 
 /// Missing values on a straight line between their neighbours; marks them, and what follows long gaps.
@@ -82,6 +125,34 @@ void take_start_pressures(CylinderRecording& out, const std::string& path) {
   }
 }
 
+constexpr int highest_difference = 4;
+
+/// A rest of a usual motion; and rows that tell a standard deviation to 11 %.
+constexpr double quiet_s = 0.25;
+constexpr std::size_t least_quiet_rows = 40;
+
+/// Standard deviation in the windows in which it is least: a tenth of them has less.
+double quiet_deviation(const std::vector<double>& values, std::size_t window) {
+  std::vector<double> deviations;
+  for (std::size_t from = 0; from + window <= values.size(); from += window) {
+    double sum = 0, squares = 0;
+    std::size_t n = 0;
+    for (std::size_t k = from; k < from + window; ++k) {
+      if (!std::isfinite(values[k])) continue;
+      sum += values[k];
+      squares += values[k] * values[k];
+      ++n;
+    }
+    if (n < window / 2) continue;
+    const double mean = sum / static_cast<double>(n);
+    deviations.push_back(std::sqrt(std::max(0.0, squares / static_cast<double>(n) - mean * mean)));
+  }
+  if (deviations.empty()) return 0.0;
+  const auto tenth = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 10);
+  std::nth_element(deviations.begin(), tenth, deviations.end());
+  return *tenth;
+}
+
 }  // namespace
 
 CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, double longest_s) {
@@ -96,7 +167,10 @@ CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, 
   out.usable.assign(even.count(), 1);
   out.position_m = even.drawn(recording.column("x_m"));
   for (std::size_t valve = 0; valve < commands.size(); ++valve)
-    out.inputs.command_V[valve] = filled(even.straight(recording.column(commands[valve])), out.period_s(), out.usable);
+    out.inputs.command_V[valve] =
+        filled(even.straight(recording.column(commands[valve]),
+                             read_before_middle_s(recording, commands[valve], even.is_even(), out.inputs.step_s())),
+               out.period_s(), out.usable);
   for (const Signal signal : pressure_signals) {
     if (!recording.has(info(signal).column)) continue;
     std::vector<double>& values = out.measured_Pa[signal];
@@ -123,27 +197,20 @@ CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, 
   return out;
 }
 
-double quiet_noise(const std::vector<double>& signal) {
-  constexpr std::size_t window = 250;
-  std::vector<double> deviations;
-  for (std::size_t from = 0; from + window < signal.size(); from += window) {
-    double sum = 0, squares = 0;
-    std::size_t n = 0;
-    for (std::size_t k = from; k < from + window; ++k) {
-      const double step = signal[k + 1] - signal[k];
-      if (!std::isfinite(step)) continue;
-      sum += step;
-      squares += step * step;
-      ++n;
-    }
-    if (n < window / 2) continue;
-    const double mean = sum / static_cast<double>(n);
-    deviations.push_back(std::sqrt(std::max(0.0, squares / static_cast<double>(n) - mean * mean) / 2.0));
+double quiet_noise(const std::vector<double>& signal, double period_s) {
+  const std::size_t window = std::max(least_quiet_rows, static_cast<std::size_t>(std::lround(quiet_s / period_s)));
+  // A course that is smooth over some samples leaves less and less of itself in higher differences, white noise as
+  // much.
+  double least = std::numeric_limits<double>::infinity();
+  std::vector<double> differences(signal);
+  double gain = 1;  // of white noise, squared: the central binomial coefficient
+  for (int order = 1; order <= highest_difference; ++order) {
+    for (std::size_t k = 0; k + 1 < differences.size(); ++k) differences[k] = differences[k + 1] - differences[k];
+    if (!differences.empty()) differences.pop_back();
+    gain *= 2.0 * (2 * order - 1) / order;
+    least = std::min(least, quiet_deviation(differences, window) / std::sqrt(gain));
   }
-  if (deviations.empty()) return 0.0;
-  const auto tenth = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 10);
-  std::nth_element(deviations.begin(), tenth, deviations.end());
-  return *tenth;
+  return least;
 }
 
 }  // namespace pneuservo

@@ -19,6 +19,19 @@ constexpr double same_place = 1e-3;
 /// A gap of 20 ms is drawn through, between rows 0.2 ms apart by 100 samples: a grid with more is none of its rows'.
 constexpr double most_samples_a_row = 100;
 
+/// The power of ten that all times are multiples of; 0: finer than a tenth of a microsecond.
+double decimal_of(const std::vector<double>& time_s, std::size_t count) {
+  double step_s = 1.0;
+  for (std::size_t i = 1; i < count; ++i) {
+    const double since_s = time_s[i] - time_s[0];
+    while (std::abs(since_s / step_s - std::round(since_s / step_s)) > 1e-2) {
+      step_s /= 10;
+      if (step_s < 1e-7) return 0;
+    }
+  }
+  return step_s;
+}
+
 /// Value at t of the cubic through four points, or of the line through the inner two.
 double value_between(const std::vector<double>& t, const std::vector<double>& y, std::size_t i, double at,
                      bool is_cubic, double longest) {
@@ -48,6 +61,7 @@ EvenSamples::EvenSamples(const std::vector<double>& time_s, double interval_s, d
     else is_even_ = false;
   }
   if (place_.empty()) return;
+  if (!is_even_) take_rounded_places(decimal_of(time_s, place_.size()) / interval_s);
   const double count = std::floor(place_.back() + same_place) + 1;
   if (!(count <= most_samples_a_row * static_cast<double>(place_.size())))
     throw InputError(
@@ -57,21 +71,34 @@ EvenSamples::EvenSamples(const std::vector<double>& time_s, double interval_s, d
   count_ = static_cast<std::size_t>(count);
 }
 
+/// Between the earliest and the latest of rounded stamps lies no more than the rounding.
+void EvenSamples::take_rounded_places(double rounding) {
+  double early = 0, late = 0;
+  for (const double place : place_) {
+    early = std::min(early, place - std::round(place));
+    late = std::max(late, place - std::round(place));
+  }
+  if (rounding >= 0.5 || late - early > rounding + 2 * same_place) return;
+  for (double& place : place_) place = std::round(place);
+  is_even_ = true;
+}
+
 std::vector<double> EvenSamples::placed(const std::vector<double>& values) const {
   if (is_even_) {
     std::vector<double> out(count_, no_value);
     for (std::size_t i = 0; i < place_.size(); ++i) out[static_cast<std::size_t>(place_[i])] = values[i];
     return out;
   }
-  return drawn(values, false);
+  return straight(values);
 }
 
-std::vector<double> EvenSamples::drawn(const std::vector<double>& values, bool is_cubic) const {
+std::vector<double> EvenSamples::drawn(const std::vector<double>& values, bool is_cubic, double later) const {
   std::vector<double> place, known, steps, out(count_, no_value);
   for (std::size_t i = 0; i < place_.size(); ++i)
     if (std::isfinite(values[i])) {
-      if (!place.empty()) steps.push_back(place_[i] - place.back());
-      place.push_back(place_[i]);
+      const double at = place_[i] - later;
+      if (!place.empty()) steps.push_back(at - place.back());
+      place.push_back(at);
       known.push_back(values[i]);
     }
   if (place.empty()) return out;
@@ -84,12 +111,12 @@ std::vector<double> EvenSamples::drawn(const std::vector<double>& values, bool i
   const double longest = longest_drawn_s(own * interval_s_) / interval_s_;
   for (std::size_t i = 0; i + 1 < place.size(); ++i) {
     if (place[i + 1] - place[i] > longest) continue;
-    for (auto k = static_cast<std::size_t>(std::ceil(place[i])); static_cast<double>(k) < place[i + 1] && k < count_;
-         ++k)
+    const double from = std::max(0.0, std::ceil(place[i]));
+    for (auto k = static_cast<std::size_t>(from); static_cast<double>(k) < place[i + 1] && k < count_; ++k)
       out[k] = value_between(place, known, i, static_cast<double>(k), is_cubic, longest);
   }
   for (std::size_t i = 0; i < place.size(); ++i)  // a row at its place stands as it is
-    if (place[i] == std::round(place[i]) && place[i] < static_cast<double>(count_))
+    if (place[i] >= 0 && place[i] == std::round(place[i]) && place[i] < static_cast<double>(count_))
       out[static_cast<std::size_t>(place[i])] = known[i];
   return out;
 }

@@ -11,22 +11,28 @@ namespace pneuservo {
 /// Two missing rows are, and 20 ms: a command that changes evenly over that moves no side by a sensor's noise.
 double longest_drawn_s(double interval_s);
 
-/// Grid sample k is at time_s.front() + k interval_s.
+/// Grid sample k is at time_s.front() + k interval_s. Rows whose stamps are rounded no further than they stand off such
+/// a grid stand at its samples.
 class EvenSamples {
  public:
   /// Rows after time_s.front() + longest_s are left out.
   EvenSamples(const std::vector<double>& time_s, double interval_s, double longest_s = 1e300);
 
   std::size_t count() const { return count_; }
+  /// Every row stands at its sample: a loop wrote it in its tick. Others were read beside the loop.
+  bool is_even() const { return is_even_; }
   /// Values at their nearest samples; NaN where there is none. For columns that are compared where they were measured.
   std::vector<double> placed(const std::vector<double>& values) const;
   /// Cubics through neighbouring rows; straight where a neighbour is missing; NaN in gaps.
-  std::vector<double> drawn(const std::vector<double>& values) const { return drawn(values, true); }
-  /// Straight lines between neighbouring rows; NaN in gaps.
-  std::vector<double> straight(const std::vector<double>& values) const { return drawn(values, false); }
+  std::vector<double> drawn(const std::vector<double>& values) const { return drawn(values, true, 0); }
+  /// Straight lines between neighbouring rows, each read `later_s` behind its sample; NaN in gaps.
+  std::vector<double> straight(const std::vector<double>& values, double later_s = 0) const {
+    return drawn(values, false, later_s / interval_s_);
+  }
 
  private:
-  std::vector<double> drawn(const std::vector<double>& values, bool is_cubic) const;
+  std::vector<double> drawn(const std::vector<double>& values, bool is_cubic, double later) const;
+  void take_rounded_places(double rounding);
 
   std::vector<double> place_;  ///< of each row, in intervals
   double interval_s_;

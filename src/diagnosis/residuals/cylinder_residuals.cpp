@@ -82,7 +82,7 @@ std::vector<double> with_gaps_filled(const std::vector<double>& measured, const 
 double largest_noise(const std::vector<CylinderRecording>& recordings, Signal signal, double configured) {
   double noise = configured;
   for (const CylinderRecording& recording : recordings) {
-    const double seen = quiet_noise(recording.measured_Pa[signal]);
+    const double seen = quiet_noise(recording.measured_Pa[signal], recording.period_s());
     if (seen > noise_margin * configured) noise = std::max(noise, seen);
   }
   return noise;

@@ -44,7 +44,8 @@ template <class T> std::string standard_text(const Field& field, const T& value)
 }
 
 /// Keys of data sheets that a section takes instead of SI keys.
-template <class Section> void add_sheet_rows(std::vector<Row>& rows, const std::string& prefix, const Section& section) {
+template <class Section> void add_sheet_rows(std::vector<Row>& rows, const std::string& prefix,
+                                             const Section& section) {
   for (const DataSheetForm& form : forms_of(fields_of(section)))
     for (const Field& key : form.keys)
       rows.push_back(make_row(prefix + std::string(key.key), key, range_text(key),

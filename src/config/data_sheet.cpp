@@ -99,15 +99,17 @@ constexpr auto optional = Presence::optional;
 
 /// A sensor's step from its range and the bits of its converter.
 Form resolution(std::string_view unit, std::string_view quantum) {
-  return {{{Field{"range", unit, -infinite, infinite, "measured from one end of the converter to the other (0 to 10 bar)"},
-            Field{"bits", "-", 1, 32, "of the converter"}},
-           {quantum},
-           "range / 2^bits"},
-          {"range"},
-          {},
-          [quantum](const FormValues& v, const Rig&) -> FormResult {
-            return {{std::string(quantum), std::ldexp(std::fabs(v.at("range")[1] - v.at("range")[0]), -static_cast<int>(v.at("bits")[0]))}};
-          }};
+  return {
+      {{Field{"range", unit, -infinite, infinite, "measured from one end of the converter to the other (0 to 10 bar)"},
+        Field{"bits", "-", 1, 32, "of the converter"}},
+       {quantum},
+       "range / 2^bits"},
+      {"range"},
+      {},
+      [quantum](const FormValues& v, const Rig&) -> FormResult {
+        return {{std::string(quantum),
+                 std::ldexp(std::fabs(v.at("range")[1] - v.at("range")[0]), -static_cast<int>(v.at("bits")[0]))}};
+      }};
 }
 
 /// A channel of a board by the signal of its sensor.
@@ -250,7 +252,8 @@ class Translation {
   void take_form(const Form& form) {
     const ConfigNode::Entry* first = nullptr;
     for (const Field& key : form.words.keys)
-      if (const ConfigNode::Entry* entry = map_.find(std::string(key.key)); entry != nullptr && first == nullptr && !has_key(fields_, key.key))
+      if (const ConfigNode::Entry* entry = map_.find(std::string(key.key));
+          entry != nullptr && first == nullptr && !has_key(fields_, key.key))
         first = entry;
     if (first == nullptr || !names_form(form)) return;
     for (const std::string_view key : form.words.gives) excused_.insert(std::string(key));
@@ -292,7 +295,8 @@ class Translation {
       const std::string name(key.key), path = join_path(path_, name);
       const ConfigNode::Entry* entry = map_.find(name);
       if (entry == nullptr && key.presence == Presence::optional) continue;
-      if (entry == nullptr) refuse(map_.origin, path, "nothing", fmt::format("it beside the others of its form ({})", form.words.rule));
+      if (entry == nullptr)
+        refuse(map_.origin, path, "nothing", fmt::format("it beside the others of its form ({})", form.words.rule));
       const bool is_range = std::ranges::find(form.ranges, key.key) != form.ranges.end();
       values[key.key] = is_range ? range_of(key, entry->value, path) : one_of(key, entry->value, path);
     }
@@ -305,10 +309,12 @@ class Translation {
   }
   std::array<double, 2> one_of(const Field& key, const ConfigNode& node, const std::string& path) const {
     const bool is_pure = key.unit == "-";
-    const ReadQuantity read = is_pure ? ReadQuantity{number_from_text(node.text), "a number"}
-                                      : read_quantity(key, node.text, datums());
+    const ReadQuantity read =
+        is_pure ? ReadQuantity{number_from_text(node.text), "a number"} : read_quantity(key, node.text, datums());
     if (!read.value || !(*read.value >= key.minimum && *read.value <= key.maximum))
-      refuse(node.origin, path, describe(node), fmt::format("{}, {} to {} in {}", read.expected, number_text(key.minimum), number_text(key.maximum), key.unit));
+      refuse(node.origin, path, describe(node),
+             fmt::format("{}, {} to {} in {}", read.expected, number_text(key.minimum), number_text(key.maximum),
+                         key.unit));
     return {*read.value, *read.value};
   }
   /// A current becomes a voltage by the shunt.

@@ -46,8 +46,7 @@ void read_effects(ConfigNode& node, const std::string& path, Rig& rig, InputErro
     const std::string name = entry.key.substr(0, colon);
     const NamedEffectReader reader{name, entry.value, full, context};
     if (colon == std::string::npos) visit_effects(rig, reader);
-    else
-      SensorEffects<double>::visit(reader, rig.sensor_effects[signal_named(entry.key.substr(colon + 1)).value()]);
+    else SensorEffects<double>::visit(reader, rig.sensor_effects[signal_named(entry.key.substr(colon + 1)).value()]);
   };
   for (ConfigNode::Entry& entry : node.entries) errors.collect([&] { read(entry); });
 }

@@ -74,7 +74,8 @@ Rig rig_from_tree(ConfigNode root, const std::vector<std::string>& overrides,
   Rig rig;
   read_keys(root, rig, errors);
   const ConfigNode::Entry* reference = root.find("reference");
-  if (anchor && reference != nullptr && !errors.concern("reference")) anchor_paths(rig.reference, reference->value, *anchor);
+  if (anchor && reference != nullptr && !errors.concern("reference"))
+    anchor_paths(rig.reference, reference->value, *anchor);
   if (anchor) anchor_device_files(rig, *anchor);
   if (!errors.concern("reference")) errors.collect([&] { complete_rig(rig, root); });
   check_rig(rig, root, errors);

@@ -54,7 +54,7 @@ struct Check {
   const ConfigNode& root;
   InputErrors& errors;
   void refuse(const std::string& path, const std::vector<std::string>& others, const std::string& found,
-                           const std::string& expected) const {
+              const std::string& expected) const {
     std::string origin = origin_of(root, path);
     for (const std::string& other : others) {
       const std::string from = origin_of(root, other);
@@ -505,8 +505,8 @@ void check_choice_of_law(RigKind kind, const ConfigNode& root, InputErrors& erro
   std::vector<std::string_view> names;
   for (const ControllerKind able : laws_of(kind)) names.push_back(name_of(able));
   Check{root, errors}.refuse("controller.kind", {"rig"}, std::string(*law),
-                             fmt::format("{}, the law{} of a {}", fmt::join(names, " or "),
-                                         names.size() > 1 ? "s" : "", rig_kind_names[static_cast<std::size_t>(kind)]));
+                             fmt::format("{}, the law{} of a {}", fmt::join(names, " or "), names.size() > 1 ? "s" : "",
+                                         rig_kind_names[static_cast<std::size_t>(kind)]));
 }
 
 namespace {

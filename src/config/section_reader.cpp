@@ -210,9 +210,8 @@ void tell_unknown_keys(const ConfigNode& map, const std::string& path, const std
     if (const Field* meant = field_of_other_unit(entry.key, fields)) excused.emplace(meant->key);
     const std::vector<std::string> near = near_names(entry.key, keys);
     if (!near.empty()) excused.insert(near.front());
-    context.errors.collect([&] {
-      refuse(entry.origin, join_path(path, entry.key), "an unknown key", expected_keys(entry.key, fields));
-    });
+    context.errors.collect(
+        [&] { refuse(entry.origin, join_path(path, entry.key), "an unknown key", expected_keys(entry.key, fields)); });
   }
 }
 

@@ -131,8 +131,7 @@ struct SectionReader {
     read_section(node, node_path, value.emplace(), context);
   }
   template <ParameterSection T>
-  void read_one(const Field&, ConfigNode& node, const std::string& node_path,
-                std::map<std::string, T>& values) const {
+  void read_one(const Field&, ConfigNode& node, const std::string& node_path, std::map<std::string, T>& values) const {
     require_map(node, node_path);
     values.clear();
     for (ConfigNode::Entry& entry : node.entries)

@@ -68,8 +68,8 @@ struct Prefix {
   std::string_view name;
   int exponent;
 };
-constexpr std::array prefixes{Prefix{"M", 6},       Prefix{"k", 3},       Prefix{"h", 2},  Prefix{"d", -1},
-                              Prefix{"c", -2},      Prefix{"m", -3},      Prefix{"u", -6}, Prefix{"\u00b5", -6},
+constexpr std::array prefixes{Prefix{"M", 6},       Prefix{"k", 3},  Prefix{"h", 2},  Prefix{"d", -1},
+                              Prefix{"c", -2},      Prefix{"m", -3}, Prefix{"u", -6}, Prefix{"\u00b5", -6},
                               Prefix{"\u03bc", -6}, Prefix{"n", -9}};
 
 UnitOfMeasure unit_of(const Symbol& symbol, int prefix_exponent) {
@@ -274,7 +274,8 @@ std::string example_quantity(const Field& field) {
   switch (datum_of(field)) {
     case Datum::vacuum: return "a pressure with its zero (6 bar gauge, 7 bar absolute)";
     case Datum::absolute_zero: return "a temperature with its unit (20 degC, 293 K)";
-    case Datum::mid_stroke: return "a position with its unit (20 mm, which counts from mid-stroke, or 20 mm from end 1)";
+    case Datum::mid_stroke:
+      return "a position with its unit (20 mm, which counts from mid-stroke, or 20 mm from end 1)";
     case Datum::none: break;
   }
   std::string_view like = field.unit;
@@ -295,19 +296,23 @@ ReadQuantity read_quantity(const Field& field, std::string_view text, const Datu
   }
   const auto unit = parse_unit(written.unit), own = parse_unit(field.unit);
   if (!unit || !own || unit->dimension != own->dimension || !fits_datum(field, written)) return {{}, expected};
-  if (is_one_of(written.words, end_words) && !(datums.stroke_m > 0.0)) return {{}, "a position from mid-stroke: the stroke is not known"};
+  if (is_one_of(written.words, end_words) && !(datums.stroke_m > 0.0))
+    return {{}, "a position from mid-stroke: the stroke is not known"};
   const auto value = value_of(written.number, *unit);
   return {value ? std::optional(from_datum(*value, written.words, datums)) : std::nullopt, expected};
 }
 
 ReadRange read_range(const Field& field, std::string_view text, const Datums& datums) {
-  const std::string expected = fmt::format("two ends with their unit (0 to 10 {})", field.unit == "Pa" ? "bar gauge" : field.unit == "m" ? "mm" : field.unit);
+  const std::string expected = fmt::format("two ends with their unit (0 to 10 {})", field.unit == "Pa"  ? "bar gauge"
+                                                                                    : field.unit == "m" ? "mm"
+                                                                                                        : field.unit);
   const std::size_t to = text.find(" to ");
   if (to == std::string_view::npos) return {{}, expected};
   const std::string_view high_text = text.substr(to + 4);
   const Written last = split(high_text);
   std::string low_text(text.substr(0, to));
-  if (split(low_text).unit.empty() && split(low_text).words.empty()) low_text += fmt::format(" {} {}", last.unit, last.words);
+  if (split(low_text).unit.empty() && split(low_text).words.empty())
+    low_text += fmt::format(" {} {}", last.unit, last.words);
   const auto low = read_quantity(field, low_text, datums), high = read_quantity(field, high_text, datums);
   if (!low.value || !high.value || *low.value == *high.value) return {{}, expected};
   return {std::array{*low.value, *high.value}, expected};

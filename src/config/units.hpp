@@ -12,7 +12,8 @@ namespace pneuservo {
 /// Powers of m, kg, s, K, V, A, rad.
 using Dimension = std::array<int, 7>;
 
-/// A unit against its SI unit: value_SI = value numerator/denominator 10^exponent. Apart, so that a decimal stays exact.
+/// A unit against its SI unit: value_SI = value numerator/denominator 10^exponent. Apart, so that a decimal stays
+/// exact.
 struct UnitOfMeasure {
   Dimension dimension{};
   double numerator = 1.0, denominator = 1.0;

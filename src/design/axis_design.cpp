@@ -270,7 +270,8 @@ AxisDesign design_axis(const Rig& rig, const DesignRequest& request, const LoadP
   AxisDesign out(linearise(rig));
   out.method = request.method;
   out.gains_before = gains_of(rig.controller, out.linear);
-  out.gains = request.method == DesignMethod::margins ? gains_with_margins(rig, out.linear) : designed_gains(request, out);
+  out.gains =
+      request.method == DesignMethod::margins ? gains_with_margins(rig, out.linear) : designed_gains(request, out);
   out.controller =
       request.method == DesignMethod::config ? rig.controller : with_gains(rig.controller, out.gains, out.linear);
   if (request.method != DesignMethod::config) require_usable(rig, request, out);

@@ -14,6 +14,7 @@
 
 #include "design/linearisation.hpp"
 #include "design/sampled_laws.hpp"
+#include "design/sampled_loop.hpp"
 
 namespace pneuservo {
 
@@ -46,23 +47,31 @@ PdForceParameters unit_gains(PdForceParameters p, double position, double veloci
   return p;
 }
 
-OperatingPoint operating_point(const Rig& rig, const std::vector<double>& frequencies) {
+double delay_s(const Rig& rig) {
+  return rig.axis.effects.valve.command_delay.delay_s + rig.controller.command_delay_s();
+}
+
+/// The law with a force gain of 1 V/N and these position and velocity gains.
+StateSpace unit_law(const Rig& rig, const AxisLinearisation& linear, double position, double velocity) {
+  return sampled_law(unit_gains(rig.controller.of<PdForce>(), position, velocity),
+                     MovedMass{linear.mass_kg, linear.friction_Ns_per_m}, rig.period_s);
+}
+
+bool is_on_ports(const Rig& rig) { return rig.controller.of<PdForce>().pressure_source == PressureSource::valve; }
+
+/// On distributed lines.
+OperatingPoint exact_point(const Rig& rig, const std::vector<double>& frequencies) {
   const AxisLinearisation linear = linearise(rig);
-  const MovedMass moved{linear.mass_kg, linear.friction_Ns_per_m};
-  const PdForceParameters& p = rig.controller.of<PdForce>();
-  const auto law = [&](double position, double velocity) {
-    return sampled_law(unit_gains(p, position, velocity), moved, rig.period_s);
-  };
-  const StateSpace force = law(0, 0), position = law(1, 0), velocity = law(0, 1);
-  const double T = rig.period_s;
-  const double delay_s = rig.axis.effects.valve.command_delay.delay_s + rig.controller.command_delay_s();
+  const StateSpace force = unit_law(rig, linear, 0, 0), position = unit_law(rig, linear, 1, 0),
+                   velocity = unit_law(rig, linear, 0, 1);
+  const double T = rig.period_s, dead_s = delay_s(rig);
   OperatingPoint out;
   for (const double f : frequencies) {
     const Complex s(0.0, 2.0 * std::numbers::pi * f), z = std::exp(s * T);
     const AxisResponse axis = exact_response(linear, s);
     Eigen::Vector4cd y(axis.position_m, s * axis.position_m, s * s * axis.position_m, 0.0), forced = y;
-    if (p.pressure_source == PressureSource::valve) forced(1) = 0.0, forced(2) = axis.port_force_N / linear.mass_kg;
-    const Complex hold = -(1.0 - 1.0 / z) / (s * T) * std::exp(-s * delay_s);
+    if (is_on_ports(rig)) forced(1) = 0.0, forced(2) = axis.port_force_N / linear.mass_kg;
+    const Complex hold = -(1.0 - 1.0 / z) / (s * T) * std::exp(-s * dead_s);
     const auto through = [&](const StateSpace& of, const Eigen::Vector4cd& measured) {
       return (of.transfer(z) * measured)(0) * hold;
     };
@@ -70,6 +79,23 @@ OperatingPoint operating_point(const Rig& rig, const std::vector<double>& freque
     out.force.push_back(through(force, forced));
     out.position.push_back(through(position, y) - none);
     out.velocity.push_back(through(velocity, y) - none);
+  }
+  return out;
+}
+
+/// The same by the linear model, in which a lag stands for each line.
+OperatingPoint lag_point(const Rig& rig, const std::vector<double>& frequencies) {
+  const AxisLinearisation linear = linearise(rig);
+  const auto loop = [&](double position, double velocity) {
+    return SampledLoop{held(continuous_axis(linear.axis), rig.period_s, delay_s(rig)),
+                       unit_law(rig, linear, position, velocity), rig.period_s};
+  };
+  const SampledLoop force = loop(0, 0), position = loop(1, 0), velocity = loop(0, 1);
+  OperatingPoint out;
+  for (const double f : frequencies) {
+    out.force.push_back(force.open(f));
+    out.position.push_back(position.open(f) - out.force.back());
+    out.velocity.push_back(velocity.open(f) - out.force.back());
   }
   return out;
 }
@@ -91,7 +117,8 @@ std::vector<OperatingPoint> operating_points(const Rig& rig) {
         at.axis.supply.pressure_Pa *= supply;
         at.initial.pressure_1_Pa *= supply;
         if (at.initial.pressure_2_Pa) *at.initial.pressure_2_Pa *= supply;
-        out.push_back(operating_point(at, frequencies));
+        out.push_back(exact_point(at, frequencies));
+        if (!is_on_ports(rig)) out.push_back(lag_point(at, frequencies));  // it does not know the port pressures
         if (supply_share == 0.0) break;
       }
   return out;
@@ -196,7 +223,8 @@ std::string obstacle_words(const Rig& rig, const std::optional<MarginGains>& fou
     std::function<void(Rig&)> change;
   };
   std::vector<Variant> variants{
-      {fmt::format("half the length of both lines ({:g} and {:g} m)", rig.axis.line_1.length_m, rig.axis.line_2.length_m),
+      {fmt::format("half the length of both lines ({:g} and {:g} m)", rig.axis.line_1.length_m,
+                   rig.axis.line_2.length_m),
        [](Rig& r) { r.axis.line_1.length_m *= 0.5, r.axis.line_2.length_m *= 0.5; }},
       {fmt::format("half the control period ({:g} s) and velocity filter", rig.period_s),
        [](Rig& r) { r.period_s *= 0.5, r.controller.of<PdForce>().velocity_filter_s *= 0.5; }},

@@ -214,8 +214,8 @@ void grade_simulation(const Rig& rig, std::vector<Finding>& findings) {
                                     place_words(place.position_m, payload_kg)));
       seconds += rest_s;
     }
-    keep_worst(motion,
-               reference_finding(simulated_run(moving, payload_kg), fmt::format("with a payload of {:g} kg", payload_kg)));
+    keep_worst(motion, reference_finding(simulated_run(moving, payload_kg),
+                                         fmt::format("with a payload of {:g} kg", payload_kg)));
     seconds += moving.duration_s;
   }
   if (rest->level == Level::good) rest->what = fmt::format("it settles at {} positions", places_of(rig).size());

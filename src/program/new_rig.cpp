@@ -31,8 +31,9 @@ void ask(SheetAnswers& answers) {
   for (const SheetQuestion& question : sheet_questions) {
     std::string& answer = answers.of(question.option);
     while (answer.empty()) {
-      std::cout << question.question << (question.typical.empty() ? fmt::format(" (such as {})", question.example)
-                                                                  : fmt::format(" [{}]", question.typical))
+      std::cout << question.question
+                << (question.typical.empty() ? fmt::format(" (such as {})", question.example)
+                                             : fmt::format(" [{}]", question.typical))
                 << ": " << std::flush;
       if (!std::getline(std::cin, answer)) throw InputError("new-rig: found the end of the answers, expected more");
       if (answer.empty() && !question.typical.empty()) break;
@@ -66,7 +67,8 @@ int run_new_rig(NewRigOptions& options) {
 
 void add_new_rig(CLI::App& app, int& status) {
   auto options = std::make_shared<NewRigOptions>();
-  CLI::App* verb = app.add_subcommand("new-rig", "config of a new axis from data sheets, with gains and a motion it can do");
+  CLI::App* verb =
+      app.add_subcommand("new-rig", "config of a new axis from data sheets, with gains and a motion it can do");
   verb->add_option("FILE", options->file, "config to write")->required();
   verb->add_option("--name", options->answers.name, "of the rig, in recordings and reports")->capture_default_str();
   for (const SheetQuestion& question : sheet_questions)
@@ -75,8 +77,9 @@ void add_new_rig(CLI::App& app, int& status) {
                                  question.typical.empty() ? question.example : question.typical));
   verb->add_option("--speed", options->answers.speed, "of moves (0.2 m/s); default: what the valve can feed");
   verb->add_option("--acceleration", options->answers.acceleration, "of moves (2 m/s2); default: the same");
-  verb->footer("On a terminal it asks for what the options do not say. Status 1: the axis does not follow its moves within\n"
-               "2 % of their way, and a sentence says what stands in the way.");
+  verb->footer(
+      "On a terminal it asks for what the options do not say. Status 1: the axis does not follow its moves within\n"
+      "2 % of their way, and a sentence says what stands in the way.");
   verb->callback([options, &status] { status = run_new_rig(*options); });
 }
 

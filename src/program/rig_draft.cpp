@@ -75,7 +75,8 @@ std::string comment_lines(const std::vector<std::string>& lines) {
 
 std::string machine_text(const SheetAnswers& a) {
   const TypicalNumbers typical = typical_numbers(a);
-  const std::string hose = fmt::format("{{length: {}, diameter: {}}}", answer_of(a, "line-length"), answer_of(a, "line-diameter"));
+  const std::string hose =
+      fmt::format("{{length: {}, diameter: {}}}", answer_of(a, "line-length"), answer_of(a, "line-diameter"));
   const bool conductance = is_conductance(answer_of(a, "flow"));
   std::string out = fmt::format("supply: {{pressure: {}}}\n\nvalve:\n", answer_of(a, "supply"));
   out += fmt::format("  {}\n  {}\n  {}\n  {}\n", line(a, "signal", "signal"),
@@ -85,8 +86,10 @@ std::string machine_text(const SheetAnswers& a) {
   out += "  damping_ratio: 0.7               # typical: between resonance and creep\n\n";
   out += "# Valve port 1 to chamber 1, port 2 to chamber 2.\n";
   out += fmt::format("line_1: {}\nline_2: {}\n\n", hose, hose);
-  out += "# Chamber 1 pushes to positive x, the rod is on the side of chamber 2; end 1 is where chamber 1 is smallest.\n";
-  out += fmt::format("cylinder:\n  {}\n  {}\n  {}\n", line(a, "bore", "bore"), line(a, "rod", "rod"), line(a, "stroke", "stroke"));
+  out +=
+      "# Chamber 1 pushes to positive x, the rod is on the side of chamber 2; end 1 is where chamber 1 is smallest.\n";
+  out += fmt::format("cylinder:\n  {}\n  {}\n  {}\n", line(a, "bore", "bore"), line(a, "rod", "rod"),
+                     line(a, "stroke", "stroke"));
   for (const int side : {1, 2})
     out += fmt::format("  {:<32}# typical: 5 mm of the bore and 1 cm3 of port and fitting\n",
                        fmt::format("dead_volume_{}: {:.3g} cm3", side, typical.dead_volume_cm3));
@@ -97,9 +100,10 @@ std::string machine_text(const SheetAnswers& a) {
                      fmt::format("coulomb_friction: {{force: {:.3g} N}}", typical.dry_N));
   if (quantity_of(a, "incline", "rad") != 0.0 || !a.of("incline").empty())
     out += fmt::format("  constant_force: {{incline: {}}}\n", answer_of(a, "incline"));
-  out += fmt::format("\nsensors:\n  position:\n    {}\n  port_pressure:\n    {}\n    {}\n    {:<30}# typical: 0.03 % of 10 bar\n\n",
-                     line(a, "quantum", "position-step"), line(a, "range", "pressure-range"),
-                     line(a, "bits", "pressure-bits"), "noise: 300 Pa");
+  out += fmt::format(
+      "\nsensors:\n  position:\n    {}\n  port_pressure:\n    {}\n    {}\n    {:<30}# typical: 0.03 % of 10 bar\n\n",
+      line(a, "quantum", "position-step"), line(a, "range", "pressure-range"), line(a, "bits", "pressure-bits"),
+      "noise: 300 Pa");
   return out;
 }
 
@@ -125,15 +129,18 @@ std::string run_text(const SheetAnswers& a, const DraftNumbers& n) {
   const double length_m = std::max(0.01, quantity_of(a, "line-length", "m"));
   const double stroke_mm = 1e3 * quantity_of(a, "stroke", "m"), from_end_mm = end_share * stroke_mm;
   std::string out = comment_lines(n.notes);
-  out += fmt::format("controller:\n  kind: pd_force\n  pressure_source: estimated\n  position_gain_N_per_m: {:.4g}\n"
-                     "  velocity_gain_Ns_per_m: {:.4g}\n  velocity_filter: 2 ms\n  force_gain_V_per_N: {:.4g}\n"
-                     "  flow_feedforward: true\n  feedforward_lead: {:.3g} ms\n\n",
-                     n.position_gain_N_per_m, n.velocity_gain_Ns_per_m, n.force_gain_V_per_N, 1e3 * n.feedforward_lead_s);
+  out +=
+      fmt::format("controller:\n  kind: pd_force\n  pressure_source: estimated\n  position_gain_N_per_m: {:.4g}\n"
+                  "  velocity_gain_Ns_per_m: {:.4g}\n  velocity_filter: 2 ms\n  force_gain_V_per_N: {:.4g}\n"
+                  "  flow_feedforward: true\n  feedforward_lead: {:.3g} ms\n\n",
+                  n.position_gain_N_per_m, n.velocity_gain_Ns_per_m, n.force_gain_V_per_N, 1e3 * n.feedforward_lead_s);
   const std::string speed = a.speed.empty() ? fmt::format("{:.3g} m/s", n.speed_mps) : a.speed;
-  const std::string acceleration = a.acceleration.empty() ? fmt::format("{:.3g} m/s2", n.acceleration_mps2) : a.acceleration;
+  const std::string acceleration =
+      a.acceleration.empty() ? fmt::format("{:.3g} m/s2", n.acceleration_mps2) : a.acceleration;
   out += "# What commands may ask for; `run` plays the hardest motion among them.\nreference:\n  kind: live\n";
-  out += fmt::format("  lowest: {:.4g} mm from end 1\n  highest: {:.4g} mm from end 2\n  speed: {}\n  acceleration: {}\n\n",
-                     from_end_mm, from_end_mm, speed, acceleration);
+  out += fmt::format(
+      "  lowest: {:.4g} mm from end 1\n  highest: {:.4g} mm from end 2\n  speed: {}\n  acceleration: {}\n\n",
+      from_end_mm, from_end_mm, speed, acceleration);
   out += tolerances;
   out += fmt::format("simulation: {{cells_per_m: {:.3g}}}\nestimator: {{cells_per_m: {:.3g}, flow_correction: 0.2}}\n",
                      std::max(4.0, 4.0 / length_m), std::max(1.0, 1.0 / length_m));
@@ -185,7 +192,8 @@ class Finisher {
     const auto& axis = rig.axis;
     const Air<double> air(axis.air);
     const double smaller_m2 = std::min(axis.cylinder.area_1_m2, axis.cylinder.area_2_m2);
-    const double fastest = air.flow_constant * std::sqrt(air.R * air.temperature_K) * axis.valve.area_max_m2 / smaller_m2;
+    const double fastest =
+        air.flow_constant * std::sqrt(air.R * air.temperature_K) * axis.valve.area_max_m2 / smaller_m2;
     const double mass_kg = axis.slider.mass_kg + rig.limits.payload_max_kg.value_or(0.0);
     const double force_N = (axis.supply.pressure_Pa - axis.air.atmosphere_Pa) * smaller_m2;
     const double way_m = (1.0 - 2.0 * end_share) * axis.cylinder.stroke_m;
@@ -206,23 +214,29 @@ class Finisher {
   void choose_gains(const Rig& rig) {
     const auto found = highest_gains(rig);
     if (!found)
-      throw InputError(fmt::format("new-rig: controller: found no gains with a gain margin of {:g} and a phase margin of {:g} "
-                                   "deg, expected some; in the way: {}",
-                                   least_gain_margin, least_phase_margin_deg, obstacle_words(rig, found)));
+      throw InputError(
+          fmt::format("new-rig: controller: found no gains with a gain margin of {:g} and a phase margin of {:g} "
+                      "deg, expected some; in the way: {}",
+                      least_gain_margin, least_phase_margin_deg, obstacle_words(rig, found)));
     take(*found);
     int steps = 0;
     while (steps < most_steps && !settles(read())) numbers_.force_gain_V_per_N *= gain_step_down, ++steps;
     if (steps == most_steps)
-      throw InputError(fmt::format("new-rig: controller: found a loop that does not settle in simulation at any gain, expected "
-                                   "one that rests; in the way: {}", obstacle_words(rig, found)));
-    const std::string lowered =
-        steps == 0 ? "it settles in simulation as they are"
-                   : fmt::format("lowered to {:.2g} of that, where the simulated axis settles", std::pow(gain_step_down, steps));
-    numbers_.notes = {fmt::format("The highest gains with a gain margin of {:g} and a phase margin of {:g} deg over stroke, "
-                                  "payload and supply;", least_gain_margin, least_phase_margin_deg),
-                      lowered + ". New ones after a change: pneuservo design CONFIG --method margins"};
-    told_.push_back(fmt::format("gains: {} operating points keep gain margin {:g} and phase margin {:g} deg; {}",
-                                found->points, least_gain_margin, least_phase_margin_deg, lowered));
+      throw InputError(
+          fmt::format("new-rig: controller: found a loop that does not settle in simulation at any gain, expected "
+                      "one that rests; in the way: {}",
+                      obstacle_words(rig, found)));
+    const std::string lowered = steps == 0 ? "it settles in simulation as they are"
+                                           : fmt::format("lowered to {:.2g} of that, where the simulated axis settles",
+                                                         std::pow(gain_step_down, steps));
+    numbers_.notes = {
+        fmt::format("The highest gains with a gain margin of {:g} and a phase margin of {:g} deg over stroke, "
+                    "payload and supply;",
+                    least_gain_margin, least_phase_margin_deg),
+        lowered + ". New ones after a change: pneuservo design CONFIG --method margins"};
+    told_.push_back(fmt::format(
+        "gains: {} linear models over stroke, payload and supply keep gain margin {:g} and phase margin {:g} deg; {}",
+        found->points, least_gain_margin, least_phase_margin_deg, lowered));
   }
 
   /// The motion that the owner asked for is judged; one of our own is slowed down until the axis follows.
@@ -237,13 +251,15 @@ class Finisher {
     }
     is_fed_ = run.is_calm && run.error_share <= permitted_share;
     const Rig rig = read();
-    const std::string motion = fmt::format("moves of up to {:.3g} m/s and {:.3g} m/s2 over {:.0f} mm: largest error {:.2g} % "
-                                           "of the way", rig.reference.speed_mps, rig.reference.acceleration_mps2,
-                                           1e3 * (rig.reference.highest_m - rig.reference.lowest_m), 1e2 * run.error_share);
+    const std::string motion =
+        fmt::format("moves of up to {:.3g} m/s and {:.3g} m/s2 over {:.0f} mm: largest error {:.2g} % "
+                    "of the way",
+                    rig.reference.speed_mps, rig.reference.acceleration_mps2,
+                    1e3 * (rig.reference.highest_m - rig.reference.lowest_m), 1e2 * run.error_share);
     if (is_fed_) told_.push_back(motion);
     else
-      told_.push_back(fmt::format("{}, more than {:g} %{}: the valve cannot feed it, or the gains are too low; {}", motion,
-                                  1e2 * permitted_share, run.is_calm ? "" : ", and it swings",
+      told_.push_back(fmt::format("{}, more than {:g} %{}: the valve cannot feed it, or the gains are too low; {}",
+                                  motion, 1e2 * permitted_share, run.is_calm ? "" : ", and it swings",
                                   obstacle_words(rig, highest_gains(rig))));
   }
 
@@ -259,14 +275,13 @@ const std::string& SheetAnswers::of(std::string_view option) const { return answ
 std::string& SheetAnswers::of(std::string_view option) { return answers.at(place_of(option)); }
 
 std::string draft_text(const SheetAnswers& answers, const DraftNumbers& numbers) {
-  std::string out = "# Written by pneuservo new-rig from data sheets. What is marked typical nobody measured: replace it by\n"
-                    "# what you know, and narrow its tolerance. Keys: pneuservo keys; judged by: pneuservo check.\n";
+  std::string out =
+      "# Written by pneuservo new-rig from data sheets. What is marked typical nobody measured: replace it by\n"
+      "# what you know, and narrow its tolerance. Keys: pneuservo keys; judged by: pneuservo check.\n";
   out += fmt::format("format: pneuservo-rig/1\nname: {}\nrig: cylinder\nperiod: 1 ms\n\n", yaml_text(answers.name));
   return out + machine_text(answers) + run_text(answers, numbers);
 }
 
-FinishedDraft finish_draft(const SheetAnswers& answers) {
-  return Finisher(answers).result();
-}
+FinishedDraft finish_draft(const SheetAnswers& answers) { return Finisher(answers).result(); }
 
 }  // namespace pneuservo

@@ -1,4 +1,5 @@
-// A config of a new axis from the numbers of its data sheets: what the sheets do not say gets a typical value that says so.
+// A config of a new axis from the numbers of its data sheets: what the sheets do not say gets a typical value that says
+// so.
 #pragma once
 #include <array>
 #include <string>
@@ -11,11 +12,11 @@ namespace pneuservo {
 
 /// One question of new-rig; its answer stands in the config as it was given.
 struct SheetQuestion {
-  std::string_view option;    ///< also its name on the command line
+  std::string_view option;  ///< also its name on the command line
   std::string_view question;  ///< on a terminal
-  std::string_view example;   ///< how an answer looks
-  std::string_view typical;   ///< taken where the owner does not know; empty: must be answered
-  std::string_view why;       ///< where the typical value comes from
+  std::string_view example;  ///< how an answer looks
+  std::string_view typical;  ///< taken where the owner does not know; empty: must be answered
+  std::string_view why;  ///< where the typical value comes from
 };
 inline constexpr std::array sheet_questions{
     SheetQuestion{"bore", "Bore of the cylinder", "32 mm", "", ""},
@@ -64,7 +65,7 @@ std::string draft_text(const SheetAnswers& answers, const DraftNumbers& numbers)
 struct FinishedDraft {
   std::string text;
   std::vector<std::string> told;  ///< sentences for the owner
-  bool is_fed = true;             ///< the error of the hardest motion stays within 2 % of its way
+  bool is_fed = true;  ///< the error of the hardest motion stays within 2 % of its way
 };
 /// Throws InputError with the keys of all answers that cannot be read.
 FinishedDraft finish_draft(const SheetAnswers& answers);

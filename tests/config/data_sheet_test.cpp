@@ -80,8 +80,8 @@ TEST_CASE("values that count from somewhere say from where") {
 }
 
 TEST_CASE("text that is no quantity of that dimension is none") {
-  for (const char* text : {"", "m", "3.5", "3.5 kg", "3.5 m2", "3,5 m", "3.5 m m", "1e999 m", "--3 m", "3 m from", "3 (m",
-                           "3 m)", "3 m/", "3 m/1/1/1/1/1/1/1/1/1", "nan m", ".inf m", "3 x"})
+  for (const char* text : {"", "m", "3.5", "3.5 kg", "3.5 m2", "3,5 m", "3.5 m m", "1e999 m", "--3 m", "3 m from",
+                           "3 (m", "3 m)", "3 m/", "3 m/1/1/1/1/1/1/1/1/1", "nan m", ".inf m", "3 x"})
     CHECK(std::isnan(read("m", text)));
 }
 
@@ -105,12 +105,13 @@ TEST_CASE("every key that carries its unit takes a value with that unit") {
   int tried = 0;
   for (const ParameterPath& parameter : parameter_paths(rig)) {
     const std::string key(key_without_unit(parameter.field));
-    const bool is_plain_number = parameter.field.unit.empty() || parameter.field.unit == "-" || parameter.field.unit == "SI";
+    const bool is_plain_number =
+        parameter.field.unit.empty() || parameter.field.unit == "-" || parameter.field.unit == "SI";
     INFO(parameter.path << " in " << parameter.field.unit);
     REQUIRE(key.empty() == is_plain_number);
     const bool is_stated = !parameter.path.starts_with("effects") && !parameter.path.starts_with("sensors.chamber") &&
                            !parameter.path.starts_with("sensors.supply");
-    if (key.empty() || !is_stated) continue;
+    if (key.empty() || !is_stated || !std::isfinite(parameter.value)) continue;
     const std::size_t dot = parameter.path.rfind('.');
     const std::string path = dot == std::string::npos ? key : parameter.path.substr(0, dot + 1) + key;
     const char* words = datum_of(parameter.field) == Datum::vacuum ? " absolute" : "";
@@ -131,15 +132,16 @@ TEST_CASE("bore and rod are the piston areas") {
 }
 
 TEST_CASE("a rod thicker than its bore leaves no piston") {
-  CHECK_THAT(refusal(with_cylinder("  bore: 12 mm\n  rod: 32 mm\n")), Contains("cylinder.area_2_m2: found -") &&
-                                                                         Contains("(by bore), expected a number in m2"));
+  CHECK_THAT(refusal(with_cylinder("  bore: 12 mm\n  rod: 32 mm\n")),
+             Contains("cylinder.area_2_m2: found -") && Contains("(by bore), expected a number in m2"));
 }
 
 TEST_CASE("half a form names its other half, a key beside its SI key is refused, a --set wins") {
   CHECK(refusal(with_cylinder("  bore: 32 mm\n")) ==
-        "rig.yaml:18: cylinder.rod: found nothing, expected it beside the others of its form (pi/4 (bore^2 - rod^2))");
-  CHECK_THAT(refusal(with(plain, "length_m: 10.0", "length: 10 m\n  length_m: 10.0")),
-             Contains("rig.yaml:13: line_1.length: found it beside length_m (at rig.yaml:14), expected one of the two"));
+        "rig.yaml:19: cylinder.rod: found nothing, expected it beside the others of its form (pi/4 (bore^2 - rod^2))");
+  CHECK_THAT(
+      refusal(with(plain, "length_m: 10.0", "length: 10 m\n  length_m: 10.0")),
+      Contains("rig.yaml:13: line_1.length: found it beside length_m (at rig.yaml:14), expected one of the two"));
   const Rig rig = parse_rig(with(plain, "length_m: 10.0", "length: 10 m"), "rig.yaml", {"line_1.length_m=3"});
   CHECK(rig.axis.line_1.length_m == 3.0);
   CHECK(parse_rig(plain, "rig.yaml", {"line_1.length=400 cm"}).axis.line_1.length_m == 4.0);
@@ -147,7 +149,8 @@ TEST_CASE("half a form names its other half, a key beside its SI key is refused,
 
 TEST_CASE("flow by ISO 6358 or by the nominal flow gives one valve") {
   const auto valve = [](const std::string& flow) {
-    return parse_rig(with(plain, "  area_per_volt_m2_per_V: 2.6e-6\n  area_max_m2: 1.3e-5\n", flow), "rig.yaml").axis.valve;
+    return parse_rig(with(plain, "  area_per_volt_m2_per_V: 2.6e-6\n  area_max_m2: 1.3e-5\n", flow), "rig.yaml")
+        .axis.valve;
   };
   // C = K_f S/(rho_0 sqrt(R T_0)) with rho_0 = 1.1886 kg/m3, K_f = 0.68473.
   const double C = 2.6e-8, S = C * 1.18861 * std::sqrt(287.0 * 293.15) / 0.68473;
@@ -198,27 +201,27 @@ TEST_CASE("an inclined axis carries its weight") {
 }
 
 TEST_CASE("positions of a reference count from an end") {
-  const Rig rig = parse_rig(
-      with(plain, "{kind: sine, amplitude_m: 0.080, frequency_Hz: 1.0}",
-           "{kind: waypoints, times: [0 s, 500 ms], positions: [50 mm from end 1, 50 mm from end 2]}"),
-      "rig.yaml");
+  const Rig rig =
+      parse_rig(with(plain, "{kind: sine, amplitude_m: 0.080, frequency_Hz: 1.0}",
+                     "{kind: waypoints, times: [0 s, 500 ms], positions: [50 mm from end 1, 50 mm from end 2]}"),
+                "rig.yaml");
   CHECK(rig.reference.times_s == std::vector<double>{0.0, 0.5});
   CHECK(rig.reference.positions_m[0] == Approx(-0.1));
   CHECK(rig.reference.positions_m[1] == Approx(0.1));
 }
 
 TEST_CASE("a config in units of data sheets is dumped in SI and reads back to the same rig") {
-  const Rig rig = parse_rig(with(with_cylinder("  bore: 40 mm\n  rod: 16 mm\n"), "pressure_Pa: 700000",
-                                 "pressure: 6 bar gauge"),
-                            "rig.yaml");
+  const Rig rig = parse_rig(
+      with(with_cylinder("  bore: 40 mm\n  rod: 16 mm\n"), "pressure_Pa: 700000", "pressure: 6 bar gauge"), "rig.yaml");
   CHECK(rig.axis.supply.pressure_Pa == 701325.0);
   CHECK(same_rig(rig, parse_rig(dump_rig(rig), "dump")));
 }
 
 TEST_CASE("gauge counts from the config's own atmosphere") {
-  CHECK(parse_rig(with(plain, "pressure_Pa: 700000", "pressure: 6 bar gauge") + "air: {atmosphere: 850 mbar absolute}\n",
-                  "rig.yaml")
-            .axis.supply.pressure_Pa == 685000.0);
+  CHECK(
+      parse_rig(with(plain, "pressure_Pa: 700000", "pressure: 6 bar gauge") + "air: {atmosphere: 850 mbar absolute}\n",
+                "rig.yaml")
+          .axis.supply.pressure_Pa == 685000.0);
 }
 
 TEST_CASE("all errors of a file are told at once, each with its line") {
@@ -242,7 +245,7 @@ TEST_CASE("all errors of a file are told at once, each with its line") {
 }
 
 TEST_CASE("contradictions of sections that read are told beside errors of others") {
-  const std::string message =
-      refusal(with(with(plain, "length_m: 10.0", "length_m: 10.0\n  laminar_reynolds: 5000"), "mass_kg: 2.0", "mass_kg: x"));
+  const std::string message = refusal(
+      with(with(plain, "length_m: 10.0", "length_m: 10.0\n  laminar_reynolds: 5000"), "mass_kg: 2.0", "mass_kg: x"));
   CHECK_THAT(message, Contains("rig.yaml:14: line_1.laminar_reynolds: ") && Contains("rig.yaml:27: slider.mass_kg: "));
 }

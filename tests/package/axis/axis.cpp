@@ -37,8 +37,8 @@ int main(int, char** arguments) {
   OwnReference reference{0.05, std::numbers::pi};
   // Choked flow out of a chamber a volt: what the speed needs.
   const Air<double> air(rig.axis.air);
-  const double speed_per_V = air.flow_constant * std::sqrt(air.R * air.temperature_K) *
-                             rig.axis.valve.area_per_volt_m2_per_V / area_1;
+  const double speed_per_V =
+      air.flow_constant * std::sqrt(air.R * air.temperature_K) * rig.axis.valve.area_per_volt_m2_per_V / area_1;
   OwnLaw law{.flow_V_per_mps = 1.0 / speed_per_V};
 
   plant->configure();
@@ -50,8 +50,8 @@ int main(int, char** arguments) {
     const double x_m = in.channel[Signal::x].value;
     if (tick == 0) start_m = last_m = x_m;
     v_mps += 0.2 * ((x_m - last_m) / rig.period_s - v_mps), last_m = x_m;
-    const auto chambers = estimator.step(
-        {in.channel[Signal::p1_port].value, in.channel[Signal::p2_port].value, x_m, v_mps, command_V});
+    const auto chambers =
+        estimator.step({in.channel[Signal::p1_port].value, in.channel[Signal::p2_port].value, x_m, v_mps, command_V});
     const double force_N = area_1 * chambers.chamber_pressure_Pa[0] - area_2 * chambers.chamber_pressure_Pa[1];
     reference.at(static_cast<double>(tick) * rig.period_s);
     command_V = law.step(reference, x_m - start_m, force_N, (area_1 - area_2) * rig.axis.air.atmosphere_Pa);

@@ -284,7 +284,8 @@ std::string example_quantity(const Field& field) {
   if (field.unit == "m3") like = "cm3";
   if (field.unit == "m2") like = "mm2";
   if (field.unit == "s") like = "ms";
-  return fmt::format("a number with a unit of {}, such as {}", field.unit, like);
+  const bool has_own = key_without_unit(field).empty();
+  return fmt::format("a number with its unit ({}){}", like, has_own ? "" : fmt::format(", or the key {}", field.key));
 }
 
 ReadQuantity read_quantity(const Field& field, std::string_view text, const Datums& datums) {

@@ -59,7 +59,7 @@ TEST_CASE("a key with another unit is refused with the right one") {
       refusal(with(plain, "length_m: 10.0", "length_mm: 10000")) ==
       "rig.yaml:13: line_1.length_mm: found an unknown key, expected the key length_m (in m), or length with its unit");
   CHECK(refusal(with(plain, "length_m: 10.0", "length: 10")) ==
-        "rig.yaml:13: line_1.length: found '10', expected a number with a unit of m, such as mm");
+        "rig.yaml:13: line_1.length: found '10', expected a number with its unit (mm), or the key length_m");
   CHECK(refusal(with(plain, "pressure_Pa: 700000", "pressure_bar: 7")) ==
         "rig.yaml:6: supply.pressure_bar: found an unknown key, expected the key pressure_Pa (in Pa), or pressure with "
         "its unit");

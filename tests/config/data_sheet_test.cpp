@@ -182,17 +182,24 @@ TEST_CASE("channels of a board by the signals of sensor and valve") {
     u: {comedi: {channel: 0, signal: 0 to 10 V, neutral: 5 V}}
 )";
   const Rig rig = parse_rig(plain + hal, "rig.yaml");
-  const auto& channels = rig.hal->channels;
-  CHECK(channels.u.comedi->zero == -5.0);
-  CHECK(channels.u.comedi->lowest == -5.0);
-  CHECK(channels.u.comedi->highest == 5.0);
-  CHECK(channels.x.comedi->scale == Approx(0.03));
-  CHECK(channels.x.comedi->zero == Approx(-0.15));
+  const auto& u = *rig.hal->channels.u.comedi;
+  CHECK(u.zero == -5.0);
+  CHECK(u.lowest == -5.0);
+  CHECK(u.highest == 5.0);
+  struct Scaling {
+    double scale, zero, lowest;
+  };
+  PerSignal<Scaling> scaled{};
+  rig.hal->channels.for_each_input([&](Signal signal, const auto& channel) {
+    if (channel.comedi) scaled[signal] = {channel.comedi->scale, channel.comedi->zero, channel.comedi->lowest};
+  });
+  CHECK(scaled[Signal::x].scale == Approx(0.03));
+  CHECK(scaled[Signal::x].zero == Approx(-0.15));
   // 1 V is 0 bar gauge, 5 V is 10: 2.5 bar a volt.
-  CHECK(channels.p1_port.comedi->scale == Approx(2.5e5));
-  CHECK(channels.p1_port.comedi->zero == Approx(101325 - 2.5e5));
-  CHECK(channels.p1_port.comedi->lowest == Approx(101325 - 1e6 * 0.0125));
-  CHECK(channels.p2_port.comedi->zero == Approx(101325));
+  CHECK(scaled[Signal::p1_port].scale == Approx(2.5e5));
+  CHECK(scaled[Signal::p1_port].zero == Approx(101325 - 2.5e5));
+  CHECK(scaled[Signal::p1_port].lowest == Approx(101325 - 1e6 * 0.0125));
+  CHECK(scaled[Signal::p2_port].zero == Approx(101325));
 }
 
 TEST_CASE("an inclined axis carries its weight") {

@@ -1,4 +1,5 @@
 // An own axis with an own reference and an own control law: rig, simulated plant and estimator are the library's.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>

@@ -26,6 +26,8 @@ constexpr double permitted_share = 0.02;
 /// Steps down of gains and motion where the simulation does not bear them out.
 constexpr double gain_step_down = 0.8, motion_step_down = 0.8;
 constexpr int most_steps = 12;
+/// A quarter of what valve and supply allow is still a motion; slower ones are told.
+constexpr int most_motion_steps = 6;
 /// The motion begins with this share of the speed that empties the smaller chamber, and of the supply's force.
 constexpr double speed_share = 0.35, force_share = 0.15;
 /// Moves keep this share of the stroke away from either end.
@@ -243,7 +245,7 @@ class Finisher {
   void slow_down() {
     const bool is_ours = answers_.speed.empty() && answers_.acceleration.empty();
     TrialRun run = worst_trial(read());
-    for (int i = 0; i < most_steps && is_ours && !(run.is_calm && run.error_share <= permitted_share); ++i) {
+    for (int i = 0; i < most_motion_steps && is_ours && !(run.is_calm && run.error_share <= permitted_share); ++i) {
       numbers_.speed_mps *= motion_step_down;
       numbers_.acceleration_mps2 *= motion_step_down * motion_step_down;
       lead(read());

@@ -111,7 +111,8 @@ TEST_CASE("every key that carries its unit takes a value with that unit") {
     REQUIRE(key.empty() == is_plain_number);
     const bool is_stated = !parameter.path.starts_with("effects") && !parameter.path.starts_with("sensors.chamber") &&
                            !parameter.path.starts_with("sensors.supply");
-    if (key.empty() || !is_stated || !std::isfinite(parameter.value)) continue;
+    const bool is_in_range = parameter.value >= parameter.field.minimum && std::isfinite(parameter.value);
+    if (key.empty() || !is_stated || !is_in_range) continue;
     const std::size_t dot = parameter.path.rfind('.');
     const std::string path = dot == std::string::npos ? key : parameter.path.substr(0, dot + 1) + key;
     const char* words = datum_of(parameter.field) == Datum::vacuum ? " absolute" : "";

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "config/data_sheet.hpp"
 #include "config/field_text.hpp"
 #include "config/reference_fields.hpp"
 #include "config/section_reader.hpp"
@@ -42,6 +43,15 @@ template <class T> std::string standard_text(const Field& field, const T& value)
   else return "not stated";
 }
 
+/// Keys of data sheets that a section takes instead of SI keys.
+template <class Section> void add_sheet_rows(std::vector<Row>& rows, const std::string& prefix,
+                                             const Section& section) {
+  for (const DataSheetForm& form : forms_of(fields_of(section)))
+    for (const Field& key : form.keys)
+      rows.push_back(make_row(prefix + std::string(key.key), key, range_text(key),
+                              fmt::format("gives {}", fmt::join(form.gives, ", "))));
+}
+
 /// Rows of a section; the keys of sections within it follow with their path.
 struct RowCollector {
   std::vector<Row>& rows;
@@ -52,6 +62,7 @@ struct RowCollector {
     if constexpr (ParameterSection<T>) {
       rows.push_back(make_row(key, field, "section", section_presence(field)));
       T::visit(RowCollector{rows, key + "."}, value);
+      add_sheet_rows(rows, key + ".", value);
     } else {
       rows.push_back(make_row(key, field, accepted_text(field, value), standard_text(field, value)));
     }
@@ -85,6 +96,7 @@ struct TableCollector {
     add_top_row(field);
     Table table{fmt::format("`{}`", field.key), std::string(field.help), {}};
     T::visit(RowCollector{table.rows, ""}, section);
+    add_sheet_rows(table.rows, "", section);
     if constexpr (std::is_same_v<T, AxisEffects<double>>) add_sensor_effects(table);
     tables.push_back(std::move(table));
   }
@@ -212,9 +224,14 @@ effects:                             # physics beside the nominal model, by name
 
 constexpr const char* rules =
     R"(One YAML file describes a rig and what to do with it. Numbers are SI and keys carry their unit. An unknown or
-missing key, a wrong type, a value out of range or values that contradict each other end the program with status 2 and one
-sentence `FILE:LINE: KEY: found ..., expected ...`. `--set PATH=VALUE` replaces one key (`--set line_1.length_m=5`,
+missing key, a wrong type, a value out of range or values that contradict each other end the program with status 2. All
+errors of a file are told at once, one sentence `FILE:LINE: KEY: found ..., expected ...` each. `--set PATH=VALUE` replaces one key (`--set line_1.length_m=5`,
 `--set effects.coulomb_friction.force_N=3`, `--set reference.components.0.1=0.5`); VALUE is YAML.
+
+Without its unit a key takes a value with a unit: `length: 3.5 m` for `length_m: 3.5`, `pressure: 6 bar gauge`,
+`area_per_volt: 2.6 mm2/V`, `temperature: 20 degC`. A pressure that counts from vacuum says `gauge` or `absolute`. A position
+counts from mid-stroke, or `20 mm from end 1` (where chamber 1 is smallest). Pure numbers take `2 %`. Rows with `gives` are
+keys of data sheets, which stand in place of the keys that they give.
 
 )";
 

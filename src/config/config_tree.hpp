@@ -16,6 +16,7 @@ struct ConfigNode {
   std::string text;             ///< of a scalar
   bool quoted = false;          ///< "5" is a text, 5 a number
   std::string origin;           ///< "rig.yaml:12" or "--set line_1.length_m=5"
+  std::string written;          ///< as the user wrote it, where `text` was computed from it; else empty
   std::vector<ConfigNode> items;
   std::vector<Entry> entries;   ///< of a map, in their order, each key once
 

@@ -14,10 +14,11 @@ namespace {
 /// Reads the one effect of a visit whose name is `name`.
 struct NamedEffectReader {
   const std::string& name;
-  const ConfigNode& node;
+  ConfigNode& node;
   const std::string& path;
+  ReadContext& context;
   template <class Effect> void operator()(const Field& field, Effect& effect) const {
-    if (field.key == name) read_section(node, path, effect);
+    if (field.key == name) read_section(node, path, effect, context);
   }
 };
 
@@ -33,22 +34,21 @@ std::vector<std::string> effect_names(const Rig& rig) {
   return names;
 }
 
-void read_effects(const ConfigNode& node, const std::string& path, Rig& rig) {
+void read_effects(ConfigNode& node, const std::string& path, Rig& rig, InputErrors& errors) {
   require_map(node, path);
   const std::vector<std::string> known = effect_names(rig);
-  for (const ConfigNode::Entry& entry : node.entries) {
+  ReadContext context{rig, errors};
+  const auto read = [&](ConfigNode::Entry& entry) {
     const std::string full = join_path(path, entry.key);
     if (std::find(known.begin(), known.end(), entry.key) == known.end())
       refuse(entry.origin, full, "an unknown effect", expected_names(entry.key, known));
     const std::size_t colon = entry.key.find(':');
     const std::string name = entry.key.substr(0, colon);
-    const NamedEffectReader reader{name, entry.value, full};
-    if (colon == std::string::npos) {
-      visit_effects(rig, reader);
-      continue;
-    }
-    SensorEffects<double>::visit(reader, rig.sensor_effects[signal_named(entry.key.substr(colon + 1)).value()]);
-  }
+    const NamedEffectReader reader{name, entry.value, full, context};
+    if (colon == std::string::npos) visit_effects(rig, reader);
+    else SensorEffects<double>::visit(reader, rig.sensor_effects[signal_named(entry.key.substr(colon + 1)).value()]);
+  };
+  for (ConfigNode::Entry& entry : node.entries) errors.collect([&] { read(entry); });
 }
 
 }  // namespace pneuservo

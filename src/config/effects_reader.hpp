@@ -6,13 +6,14 @@
 #include <pneuservo/rig/rig.hpp>
 
 #include "config/config_tree.hpp"
+#include "config/input_errors.hpp"
 
 namespace pneuservo {
 
 /// Every name the section knows: effects of the axis, then sensor_*:CHANNEL.
 std::vector<std::string> effect_names(const Rig& rig);
 
-/// Reads the section into `rig.axis.effects` and `rig.sensor_effects`. Throws InputError.
-void read_effects(const ConfigNode& node, const std::string& path, Rig& rig);
+/// Reads the section into `rig.axis.effects` and `rig.sensor_effects`; errors of single effects go to `errors`.
+void read_effects(ConfigNode& node, const std::string& path, Rig& rig, InputErrors& errors);
 
 }  // namespace pneuservo

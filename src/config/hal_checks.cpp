@@ -185,7 +185,7 @@ void check_outputs_without_us(const Rig& rig, const RefusePath& refuse) {
   if (on_board) check_board_watchdog(*rig.hal, refuse);
 }
 
-void check_hal(const Rig& rig, const RefusePath& refuse) {
+void check_hal(const Rig& rig, InputErrors& errors, const RefusePath& refuse) {
   if (!rig.hal) return;
   const HalParameters& hal = *rig.hal;
   const bool is_table = rig.valves() == 2;
@@ -196,24 +196,27 @@ void check_hal(const Rig& rig, const RefusePath& refuse) {
   Wiring wiring{hal, refuse, {}, {}};
   hal.channels.for_each_input([&](Signal signal, const auto& channel) {
     const bool always = signal == Signal::x || is_port(signal);
-    wiring.channel(std::string(info(signal).name), channel, false,
-                   always               ? loop
-                   : is_chamber(signal) ? chamber
-                                        : std::string());
+    errors.collect([&] {
+      wiring.channel(std::string(info(signal).name), channel, false,
+                     always               ? loop
+                     : is_chamber(signal) ? chamber
+                                          : std::string());
+    });
   });
+  const auto command_of = [&](const char* name, const auto& valve) {
+    errors.collect([&] { wiring.channel(name, valve, true, command); });
+  };
   const auto& absent = is_table ? hal.channels.u : hal.channels.u1;
-  if (!absent.is_absent() || (!is_table && !hal.channels.u2.is_absent()))
-    refuse(is_table ? "hal.channels.u" : "hal.channels", is_table ? "a command u" : "a command u1 or u2",
-           is_table ? "u1 and u2, the two valves of a servo table" : "u, the one valve of a cylinder");
-  if (is_table) {
-    wiring.channel("u1", hal.channels.u1, true, command);
-    wiring.channel("u2", hal.channels.u2, true, command);
-  } else {
-    wiring.channel("u", hal.channels.u, true, command);
-  }
-  if (hal.can) check_bus(*hal.can, rig.period_s, refuse);
-  check_valves(rig, refuse);
-  if (hal.gpio) check_lines(*hal.gpio, refuse);
+  errors.collect([&] {
+    if (!absent.is_absent() || (!is_table && !hal.channels.u2.is_absent()))
+      refuse(is_table ? "hal.channels.u" : "hal.channels", is_table ? "a command u" : "a command u1 or u2",
+             is_table ? "u1 and u2, the two valves of a servo table" : "u, the one valve of a cylinder");
+  });
+  if (is_table) command_of("u1", hal.channels.u1), command_of("u2", hal.channels.u2);
+  else command_of("u", hal.channels.u);
+  if (hal.can) errors.collect([&] { check_bus(*hal.can, rig.period_s, refuse); });
+  errors.collect([&] { check_valves(rig, refuse); });
+  if (hal.gpio) errors.collect([&] { check_lines(*hal.gpio, refuse); });
 }
 
 }  // namespace pneuservo

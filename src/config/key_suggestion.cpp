@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "config/units.hpp"
+
 namespace pneuservo {
 
 int edit_distance(std::string_view a, std::string_view b) {
@@ -41,6 +43,8 @@ std::vector<std::string> near_names(std::string_view wrong, const std::vector<st
 std::string unit_suffix(std::string_view unit) {
   if (unit.empty() || unit == "-" || unit == "SI") return "";
   if (unit == "m/s") return "_mps";
+  if (unit == "m/s2") return "_mps2";
+  if (unit == "V/(m s)") return "_V_per_m_s";
   std::string suffix = "_";
   for (const char c : unit) {
     if (c == '/') suffix += suffix.back() == '_' ? "per_" : "_per_";
@@ -78,7 +82,9 @@ std::string expected_keys(std::string_view wrong, std::span<const Field> fields)
   for (const std::string& name : near_names(wrong, known))
     if (name != other->key && edit_distance(wrong, name) < edit_distance(wrong, other->key))
       return expected_names(wrong, known);
-  return fmt::format("the key {} (in {})", other->key, other->unit);
+  const std::string_view stem = key_without_unit(*other);
+  if (stem.empty() || wrong == stem) return fmt::format("the key {} (in {})", other->key, other->unit);
+  return fmt::format("the key {} (in {}), or {} with its unit", other->key, other->unit, stem);
 }
 
 }  // namespace pneuservo

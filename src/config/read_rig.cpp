@@ -2,6 +2,7 @@
 #include "config/read_rig.hpp"
 
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -19,8 +20,10 @@ struct RigReader {
   SectionReader section;
   template <class T> void operator()(const Field& field, T& value) const {
     if constexpr (std::is_same_v<T, AxisEffects<double>> || std::is_same_v<T, VesselEffects<double>>) {
-      const ConfigNode::Entry* entry = section.map.find(std::string(field.key));
-      if (entry != nullptr && !section.choices_only) read_effects(entry->value, std::string(field.key), rig);
+      ConfigNode::Entry* entry = section.map.find(std::string(field.key));
+      if (entry == nullptr || section.choices_only) return;
+      section.context.errors.collect(
+          [&] { read_effects(entry->value, std::string(field.key), rig, section.context.errors); });
     } else section(field, value);
   }
 };
@@ -47,23 +50,37 @@ void anchor_device_files(Rig& rig, const std::filesystem::path& folder) {
   for (auto& [name, node] : rig.hal->can->nodes) anchor(node.eds);
 }
 
+/// All keys of the file; what another kind of rig or format would read is told alone.
+void read_keys(ConfigNode& root, Rig& rig, InputErrors& errors) {
+  const std::string top;
+  ReadContext context{rig, errors};
+  Rig::visit(RigReader{rig, {root, top, context, true}}, rig);
+  errors.throw_if_any();
+  if (rig.has_controller()) check_choice_of_law(rig.kind, root, errors);
+  const std::vector<Field> fields = fields_of(rig);
+  std::set<std::string> excused = translate_data_sheet(root, top, fields, context);
+  tell_unknown_keys(root, top, fields, context, excused);
+  for (const std::string& key : excused)
+    if (root.find(key) == nullptr) errors.doubt(key);
+  Rig::visit(RigReader{rig, {root, top, context, false, &excused}}, rig);
+}
+
 Rig rig_from_tree(ConfigNode root, const std::vector<std::string>& overrides,
                   const std::optional<std::filesystem::path>& anchor, ConfigUse use) {
   require_map(root, "");
-  for (const std::string& override_text : overrides) apply_override(root, override_text);
-
+  InputErrors errors;
+  for (const std::string& override_text : overrides) errors.collect([&] { apply_override(root, override_text); });
+  errors.throw_if_any();
   Rig rig;
-  const std::string top;
-  Rig::visit(RigReader{rig, {root, top, true}}, rig);
-  require_known_keys(root, top, fields_of(rig));
-  if (rig.has_controller()) check_choice_of_law(rig.kind, root);
-  Rig::visit(RigReader{rig, {root, top}}, rig);
+  read_keys(root, rig, errors);
   const ConfigNode::Entry* reference = root.find("reference");
-  if (anchor && reference != nullptr) anchor_paths(rig.reference, reference->value, *anchor);
+  if (anchor && reference != nullptr && !errors.concern("reference"))
+    anchor_paths(rig.reference, reference->value, *anchor);
   if (anchor) anchor_device_files(rig, *anchor);
-  complete_rig(rig, root);
-  check_rig(rig, root);
-  if (use == ConfigUse::machine) check_machine_rig(rig, root);
+  if (!errors.concern("reference")) errors.collect([&] { complete_rig(rig, root); });
+  check_rig(rig, root, errors);
+  if (use == ConfigUse::machine) errors.collect([&] { check_machine_rig(rig, root); });
+  errors.throw_if_any();
   return rig;
 }
 
@@ -79,9 +96,13 @@ Rig parse_rig(const std::string& yaml_text, const std::string& source_name, cons
 }
 
 ReferenceSpec parse_reference(const std::string& yaml_text, const std::string& source_name) {
-  const ConfigNode root = parse_config_tree(yaml_text, source_name);
+  ConfigNode root = parse_config_tree(yaml_text, source_name);
   ReferenceSpec reference;
-  read_value(Field{"reference", "", 0, 0, ""}, root, "reference", reference);
+  InputErrors errors;
+  const Rig no_rig;
+  ReadContext context{no_rig, errors};
+  errors.collect([&] { read_reference(root, "reference", reference, context); });
+  errors.throw_if_any();
   check_reference_keys(reference, root, "reference");
   return reference;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <initializer_list>
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
@@ -47,17 +48,25 @@ bool is_stated(const ConfigNode& root, const std::string& section, const std::st
   return entry != nullptr && entry->value.find(key) != nullptr;
 }
 
-/// Throws at `path` with the line it stands on, or with the --set that made one of the `others` contradict it.
+/// Tells what is wrong at `path` with the line it stands on, or with the --set that made one of the `others` contradict
+/// it.
 struct Check {
   const ConfigNode& root;
-  [[noreturn]] void refuse(const std::string& path, const std::vector<std::string>& others, const std::string& found,
-                           const std::string& expected) const {
+  InputErrors& errors;
+  void refuse(const std::string& path, const std::vector<std::string>& others, const std::string& found,
+              const std::string& expected) const {
     std::string origin = origin_of(root, path);
     for (const std::string& other : others) {
       const std::string from = origin_of(root, other);
       if (from.starts_with("--set") && !origin.starts_with("--set")) origin = from;
     }
-    pneuservo::refuse(origin, path, found, expected);
+    errors.collect([&] { pneuservo::refuse(origin, path, found, expected); });
+  }
+  /// Runs a check of sections that were read without an error.
+  template <class Step> void of(std::initializer_list<std::string_view> sections, Step&& step) const {
+    for (const std::string_view section : sections)
+      if (errors.concern(section)) return;
+    errors.collect(std::forward<Step>(step));
   }
 };
 
@@ -236,8 +245,8 @@ void check_safe_output(const Rig& rig, const Check& check) {
 void check_zeros(const Rig& rig, const Check& check) {
   for (const auto& [channel, zero] : rig.zeros)
     if (std::ranges::none_of(channel_signals, [&](Signal signal) { return info(signal).name == channel; }))
-      refuse(check.root.find("zeros")->value.find(channel)->origin, join_path("zeros", channel), "no channel of a rig",
-             fmt::format("one of {}", fmt::join(names_of(channel_signals), ", ")));
+      check.refuse(join_path("zeros", channel), {}, "no channel of a rig",
+                   fmt::format("one of {}", fmt::join(names_of(channel_signals), ", ")));
 }
 
 void check_times(const Rig& rig, const Check& check) {
@@ -268,7 +277,7 @@ void check_initial_pressures(const Rig& rig, const Check& check) {
   const std::string limit = fmt::format("at most supply.pressure_Pa ({})", number_text(supply));
   const double pressure_1 = rig.initial.pressure_1_Pa, balancing = balancing_pressure_2_Pa(rig, pressure_1);
   if (pressure_1 > supply)
-    check.refuse("initial.pressure_1_Pa", {"supply.pressure_Pa"}, number_text(pressure_1), limit);
+    return check.refuse("initial.pressure_1_Pa", {"supply.pressure_Pa"}, number_text(pressure_1), limit);
   if (rig.initial.pressure_2_Pa.value_or(0.0) > supply)
     check.refuse("initial.pressure_2_Pa", {"supply.pressure_Pa"}, number_text(*rig.initial.pressure_2_Pa), limit);
   if (!rig.initial.pressure_2_Pa && !(balancing > 0.0 && balancing <= supply))
@@ -386,8 +395,10 @@ void check_paths(const Rig& rig, const Check& check, const std::string& section_
     const std::vector<std::string> near = near_names(path, known);
     const ConfigNode& section = check.root.find(section_name)->value;
     const std::string known_near = fmt::format("a known path (did you mean {}?)", fmt::join(near, ", "));
-    refuse(section.find(path)->origin, join_path(section_name, path), "a path that names no number of this rig",
-           near.empty() ? "a path such as slider.mass_kg" : known_near);
+    check.errors.collect([&] {
+      refuse(section.find(path)->origin, join_path(section_name, path), "a path that names no number of this rig",
+             near.empty() ? "a path such as slider.mass_kg" : known_near);
+    });
   }
 }
 
@@ -395,14 +406,17 @@ void check_paths(const Rig& rig, const Check& check, const std::string& section_
 void check_deviations(const Rig& rig, const Check& check) {
   check_paths(rig, check, "deviations", rig.deviations);
   for (const auto& [path, deviation] : rig.deviations) {
+    if (!has_parameter(rig, path)) continue;
     const std::string section = path.substr(0, path.find('.'));
     bool physical = false;
     AxisParameters<double>::visit([&](const Field& field, const auto&) { physical = physical || field.key == section; },
                                   rig.axis);
     if (physical && get_parameter(rig, path) != 0.0) continue;
-    refuse(check.root.find("deviations")->value.find(path)->origin, join_path("deviations", path),
-           physical ? "a number that is 0" : "a number of no part of the plant",
-           "a path of air, supply, valve, lines, cylinder, slider or effects with a value of its own");
+    check.errors.collect([&] {
+      refuse(check.root.find("deviations")->value.find(path)->origin, join_path("deviations", path),
+             physical ? "a number that is 0" : "a number of no part of the plant",
+             "a path of air, supply, valve, lines, cylinder, slider or effects with a value of its own");
+    });
   }
 }
 
@@ -481,7 +495,7 @@ void check_program(const Rig& rig, const Check& check) {
 
 }  // namespace
 
-void check_choice_of_law(RigKind kind, const ConfigNode& root) {
+void check_choice_of_law(RigKind kind, const ConfigNode& root, InputErrors& errors) {
   const ConfigNode::Entry* controller = root.find("controller");
   const ConfigNode::Entry* stated = controller != nullptr ? controller->value.find("kind") : nullptr;
   if (stated == nullptr) return;
@@ -490,44 +504,53 @@ void check_choice_of_law(RigKind kind, const ConfigNode& root) {
   if (runs(static_cast<ControllerKind>(law - controller_kind_names.begin()), kind)) return;
   std::vector<std::string_view> names;
   for (const ControllerKind able : laws_of(kind)) names.push_back(name_of(able));
-  Check{root}.refuse("controller.kind", {"rig"}, std::string(*law),
-                     fmt::format("{}, the law{} of a {}", fmt::join(names, " or "), names.size() > 1 ? "s" : "",
-                                 rig_kind_names[static_cast<std::size_t>(kind)]));
+  Check{root, errors}.refuse("controller.kind", {"rig"}, std::string(*law),
+                             fmt::format("{}, the law{} of a {}", fmt::join(names, " or "), names.size() > 1 ? "s" : "",
+                                         rig_kind_names[static_cast<std::size_t>(kind)]));
 }
 
-void check_rig(const Rig& rig, const ConfigNode& root) {
-  const Check check{root};
-  check_coupled_loads(rig, check);
+namespace {
+
+void check_pneumatic(const Rig& rig, const Check& check) {
+  check.of({"line_1", "line_2", "effects"}, [&] { check_lines(rig, check); });
+  check.of({"air", "supply", "effects"}, [&] { check_supply_swing(rig, check); });
+  check.of({"controller", "sensors", "valve", "safe_output"}, [&] { check_controller(rig, check); });
+  check.of({"safe_output", "valve"}, [&] { check_safe_output(rig, check); });
+  check.of({"zeros"}, [&] { check_zeros(rig, check); });
+  check.of({"air", "supply", "cylinder", "initial", "controller"}, [&] { check_initial_pressures(rig, check); });
+}
+
+}  // namespace
+
+void check_rig(const Rig& rig, const ConfigNode& root, InputErrors& errors) {
+  const Check check{root, errors};
+  check.of({"slider", "effects"}, [&] { check_coupled_loads(rig, check); });
   if (!rig.has_controller()) {
-    check_program(rig, check);
-    check_paths(rig, check, "tolerances", rig.tolerances);
+    check.of({"program"}, [&] { check_program(rig, check); });
+    check.of({"tolerances"}, [&] { check_paths(rig, check, "tolerances", rig.tolerances); });
     return;
   }
-  check_law(rig, check);
-  check_limits(rig, check);
-  if (rig.is_pneumatic()) {
-    check_lines(rig, check);
-    check_supply_swing(rig, check);
-    check_controller(rig, check);
-    check_safe_output(rig, check);
-    check_zeros(rig, check);
-    check_initial_pressures(rig, check);
-  }
-  check_initial_position(rig, check);
-  check_times(rig, check);
-  check_reference_range(rig, check);
-  check_reference_motion(rig, check);
-  check_paths(rig, check, "tolerances", rig.tolerances);
-  check_deviations(rig, check);
-  check_hal(rig, [&](const std::string& path, const std::string& found, const std::string& expected) {
-    check.refuse(path, {}, found, expected);
+  check.of({"air", "supply", "line_1", "line_2", "controller", "reference"}, [&] { check_law(rig, check); });
+  check.of({"supply", "sensors", "controller", "cylinder", "effects", "limits", "simulation"},
+           [&] { check_limits(rig, check); });
+  if (rig.is_pneumatic()) check_pneumatic(rig, check);
+  check.of({"cylinder", "slider", "initial"}, [&] { check_initial_position(rig, check); });
+  check.of({"period_s", "duration_s", "evaluation", "reference"}, [&] { check_times(rig, check); });
+  check.of({"period_s", "duration_s", "reference", "cylinder", "slider"}, [&] { check_reference_range(rig, check); });
+  check.of({"duration_s", "reference", "air", "supply", "valve", "cylinder", "slider", "limits"},
+           [&] { check_reference_motion(rig, check); });
+  check.of({"tolerances"}, [&] { check_paths(rig, check, "tolerances", rig.tolerances); });
+  check.of({"deviations"}, [&] { check_deviations(rig, check); });
+  check.of({"hal", "controller", "safe_output", "valve", "period_s"}, [&] {
+    check_hal(rig, errors, [&](const std::string& path, const std::string& found, const std::string& expected) {
+      refuse(origin_of(root, path), path, found, expected);
+    });
   });
 }
 
 void check_machine_rig(const Rig& rig, const ConfigNode& root) {
-  const Check check{root};
   check_outputs_without_us(rig, [&](const std::string& path, const std::string& found, const std::string& expected) {
-    check.refuse(path, {}, found, expected);
+    refuse(origin_of(root, path), path, found, expected);
   });
 }
 

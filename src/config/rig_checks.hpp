@@ -5,6 +5,7 @@
 #include <pneuservo/rig/rig.hpp>
 
 #include "config/config_tree.hpp"
+#include "config/input_errors.hpp"
 
 namespace pneuservo {
 
@@ -12,12 +13,11 @@ namespace pneuservo {
 /// give where the usual 470 kPa would be too much.
 void complete_rig(Rig& rig, const ConfigNode& root);
 
-/// Throws InputError where the law that the config names does not run that kind of rig. Before its keys are read, which
-/// would be unknown.
-void check_choice_of_law(RigKind kind, const ConfigNode& root);
+/// Tells where the law that the config names does not run that kind of rig.
+void check_choice_of_law(RigKind kind, const ConfigNode& root, InputErrors& errors);
 
-/// Throws InputError at the first contradiction, naming the line of the key that is to blame.
-void check_rig(const Rig& rig, const ConfigNode& root);
+/// Tells every contradiction between sections without an error, naming the line of the key that is to blame.
+void check_rig(const Rig& rig, const ConfigNode& root, InputErrors& errors);
 
 /// Throws InputError where a valve would not be closed without this program, or would follow simulated sensors.
 void check_machine_rig(const Rig& rig, const ConfigNode& root);

@@ -9,6 +9,7 @@
 
 #include "config/number_text.hpp"
 #include "config/reference_fields.hpp"
+#include "config/units.hpp"
 
 namespace pneuservo {
 
@@ -27,6 +28,13 @@ const ConfigNode& require_list(const Field& field, const ConfigNode& node, const
     refuse(node.origin, path, found, expected_list(field, of));
   }
   return node;  // NOLINT(bugprone-return-const-ref-from-parameter): of a config that outlives its reading
+}
+
+/// Where a value has its unit beside it, the key that takes it.
+std::string unit_remedy(const Field& field, const ConfigNode& node) {
+  const std::string_view key = key_without_unit(field);
+  if (key.empty() || node.type != Type::scalar || !read_quantity(field, node.text, {}).value) return "";
+  return fmt::format("; with a unit the key is {}", key);
 }
 
 }  // namespace
@@ -55,8 +63,11 @@ void require_in_range(const Field& field, double value, const std::string& origi
 void read_value(const Field& field, const ConfigNode& node, const std::string& path, double& value) {
   std::optional<double> number;
   if (node.type == Type::scalar && !node.quoted) number = number_from_text(node.text);
-  if (!number) refuse(node.origin, path, describe(node), expected_number(field));
-  require_in_range(field, *number, node.origin, path, node.text);
+  const bool is_share = (field.unit.empty() || field.unit == "-") && field.maximum <= 10.0;
+  if (!number && is_share && node.type == Type::scalar) number = share_from_text(node.text);
+  if (!number) refuse(node.origin, path, describe(node), expected_number(field) + unit_remedy(field, node));
+  const std::string found = node.written.empty() ? node.text : fmt::format("{} ({})", node.text, node.written);
+  require_in_range(field, *number, node.origin, path, found);
   value = *number;
 }
 
@@ -147,23 +158,24 @@ void read_value(const Field& field, const ConfigNode& node, const std::string& p
 }
 
 void read_value(const Field& field, const ConfigNode& node, const std::string& path,
-                std::vector<ReferenceSpec>& parts) {
-  parts.clear();
-  for (const ConfigNode& item : require_list(field, node, path, "references").items) {
-    ReferenceSpec part;
-    read_value(field, item, join_path(path, std::to_string(parts.size())), part);
-    parts.push_back(std::move(part));
-  }
-}
-
-void read_value(const Field& field, const ConfigNode& node, const std::string& path,
                 std::map<std::string, double>& values) {
   require_map(node, path);
   for (const ConfigNode::Entry& entry : node.entries)
     read_value(field, entry.value, join_path(path, entry.key), values[entry.key]);
 }
 
-void read_value(const Field&, const ConfigNode& node, const std::string& path, ReferenceSpec& reference) {
+void SectionReader::read_one(const Field& field, ConfigNode& node, const std::string& node_path,
+                             std::vector<ReferenceSpec>& parts) const {
+  parts.clear();
+  require_list(field, node, node_path, "references");
+  for (ConfigNode& item : node.items) {
+    const std::string item_path = join_path(node_path, std::to_string(parts.size()));
+    ReferenceSpec& part = parts.emplace_back();
+    context.errors.collect([&] { read_reference(item, item_path, part, context); });
+  }
+}
+
+void read_reference(ConfigNode& node, const std::string& path, ReferenceSpec& reference, ReadContext& context) {
   require_map(node, path);
   reference = {};
   const Field kind{"kind", "", 0, 0, "", Presence::required, reference_kind_names};
@@ -171,26 +183,35 @@ void read_value(const Field&, const ConfigNode& node, const std::string& path, R
   std::vector<Field> fields{kind};
   if (entry == nullptr) {
     for (const ConfigNode::Entry& other : node.entries)
-      if (!near_names(other.key, {"kind"}).empty()) require_known_keys(node, path, fields);
+      if (!near_names(other.key, {"kind"}).empty())
+        refuse(other.origin, join_path(path, other.key), "an unknown key", expected_keys(other.key, fields));
     refuse_missing(node, path, kind, expected_choice(kind));
   }
   read_value(kind, entry->value, join_path(path, "kind"), reference.kind);
   reference.smoothness = default_smoothness(reference.kind);
   fields.clear();
   visit_reference(reference.kind, FieldCollector{fields});
-  require_known_keys(node, path, fields);
-  visit_reference(reference.kind, SectionReader{node, path}, reference);
+  std::set<std::string> excused = translate_data_sheet(node, path, fields, context);
+  tell_unknown_keys(node, path, fields, context, excused);
+  visit_reference(reference.kind, SectionReader{node, path, context, false, &excused}, reference);
 }
 
 void require_map(const ConfigNode& node, const std::string& path) {
   if (node.type != Type::map) refuse(node.origin, path.empty() ? "(top)" : path, describe(node), "a map of keys");
 }
 
-void require_known_keys(const ConfigNode& map, const std::string& path, const std::vector<Field>& fields) {
+void tell_unknown_keys(const ConfigNode& map, const std::string& path, const std::vector<Field>& fields,
+                       ReadContext& context, std::set<std::string>& excused) {
+  std::vector<std::string> keys;
+  for (const Field& field : fields) keys.emplace_back(field.key);
   for (const ConfigNode::Entry& entry : map.entries) {
     const auto known = [&](const Field& field) { return field.key == entry.key; };
-    if (std::none_of(fields.begin(), fields.end(), known))
-      refuse(entry.origin, join_path(path, entry.key), "an unknown key", expected_keys(entry.key, fields));
+    if (std::any_of(fields.begin(), fields.end(), known)) continue;
+    if (const Field* meant = field_of_other_unit(entry.key, fields)) excused.emplace(meant->key);
+    const std::vector<std::string> near = near_names(entry.key, keys);
+    if (!near.empty()) excused.insert(near.front());
+    context.errors.collect(
+        [&] { refuse(entry.origin, join_path(path, entry.key), "an unknown key", expected_keys(entry.key, fields)); });
   }
 }
 

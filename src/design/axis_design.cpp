@@ -41,9 +41,21 @@ Ppd2Gains designed_gains(const DesignRequest& request, const AxisDesign& design)
     case DesignMethod::alpha_beta: return alpha_beta_gains(axis, Kp, request.alpha, request.beta);
     case DesignMethod::itae_7: return coefficient_gains(axis, Kp, request.c_1, request.c_2);
     case DesignMethod::itae_min: return least_itae_gains(axis, Kp);
+    case DesignMethod::margins:
     case DesignMethod::config: break;
   }
   return design.gains_before;
+}
+
+/// Those of the search over all operating points; throws with what stands in the way.
+Ppd2Gains gains_with_margins(const Rig& rig, const AxisLinearisation& linear) {
+  const std::optional<MarginGains> found = highest_gains(rig);
+  if (!found)
+    throw std::invalid_argument(fmt::format("no gains keep a gain margin of {:g} and a phase margin of {:g} deg over "
+                                            "stroke, payload and supply; in the way: {}",
+                                            least_gain_margin, least_phase_margin_deg, obstacle_words(rig, found)));
+  return as_ppd2_gains(with_margin_gains(rig, *found).controller.of<PdForce>(), linear.mass_kg,
+                       linear.friction_Ns_per_m);
 }
 
 std::optional<NamedGain> unusable(const ControllerParameters& controller, const Ppd2Gains& gains,
@@ -197,7 +209,8 @@ void warn_of_margins(std::string_view where, const LoopMargins& margins, std::ve
 void warn_of_instability(const Rig& rig, const DesignRequest& request, AxisDesign& design) {
   if (design.is_stable) return;
   std::string text = "the loop is unstable with these gains";
-  if (request.method != DesignMethod::config) text += "; position gain " + rule_advice(rig, request, design);
+  const bool has_rule = request.method != DesignMethod::config && request.method != DesignMethod::margins;
+  if (has_rule) text += "; position gain " + rule_advice(rig, request, design);
   else if (design.margins.gain_down > 0.0)
     text += fmt::format("; gain down: it is stable below {:.3g} of them", design.margins.gain_down);
   design.warnings.push_back(std::move(text));
@@ -257,7 +270,8 @@ AxisDesign design_axis(const Rig& rig, const DesignRequest& request, const LoadP
   AxisDesign out(linearise(rig));
   out.method = request.method;
   out.gains_before = gains_of(rig.controller, out.linear);
-  out.gains = designed_gains(request, out);
+  out.gains =
+      request.method == DesignMethod::margins ? gains_with_margins(rig, out.linear) : designed_gains(request, out);
   out.controller =
       request.method == DesignMethod::config ? rig.controller : with_gains(rig.controller, out.gains, out.linear);
   if (request.method != DesignMethod::config) require_usable(rig, request, out);

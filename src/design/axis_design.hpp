@@ -9,13 +9,15 @@
 #include <pneuservo/control/spool_loop.hpp>
 
 #include "design/linearisation.hpp"
+#include "design/margin_gains.hpp"
 #include "design/sampled_loop.hpp"
 
 namespace pneuservo {
 
 /// Where the gains come from: the config, or a rule (design/gain_rules.hpp).
-enum class DesignMethod { config, alpha_beta, itae_7, itae_min };
-inline constexpr std::array<std::string_view, 4> design_method_names{"config", "alpha_beta", "itae_7", "itae_min"};
+enum class DesignMethod { config, alpha_beta, itae_7, itae_min, margins };
+inline constexpr std::array<std::string_view, 5> design_method_names{"config", "alpha_beta", "itae_7", "itae_min",
+                                                                     "margins"};
 
 struct DesignRequest {
   DesignMethod method = DesignMethod::config;
@@ -33,9 +35,6 @@ struct ModelFigures {
   std::vector<double> feedforward;  ///< c_1, c_2, ...
   double itae_s2 = 0.0;  ///< infinite: unstable
 };
-
-/// Margins below these are warned of.
-inline constexpr double least_gain_margin = 2.0, least_phase_margin_deg = 30.0;
 
 struct AxisDesign {
   explicit AxisDesign(const AxisLinearisation& linearisation) : linear(linearisation) {}

@@ -39,6 +39,7 @@ constexpr const char* rules = R"(methods:
   alpha_beta  third order: s^3 + alpha w s^2 + beta w^2 s + w^3, w^3 = Kp K
   itae_7      two normalised coefficients of the full order: C6 of s, C5 of s^2
   itae_min    the velocity and acceleration gain that make the ITAE of the step least
+  margins     the highest gains with gain margin 2 and phase margin 30 deg over stroke, payload range and supply
 A rule keeps the position gain of the config unless --position-gain is given.
 A warning stands where the gain margin is below 2 or the phase margin below 30 deg.)";
 
@@ -93,7 +94,7 @@ void add_design(CLI::App& app, int& status) {
   verb->add_option("CONFIG", options->config, "rig to design for: a cylinder or a servo table")->required();
   add_set_option(*verb, options->overrides);
   verb->add_option("--method", options->method, "where the gains come from, see below")
-      ->check(CLI::IsMember({"config", "alpha_beta", "itae_7", "itae_min"}))
+      ->check(CLI::IsMember({"config", "alpha_beta", "itae_7", "itae_min", "margins"}))
       ->capture_default_str();
   verb->add_option("--position-gain", options->position_gain_V_per_m, "K_p of a rule in V/m (default: the config's)")
       ->check(above_zero());

@@ -142,26 +142,6 @@ Rig unsupervised(Rig rig) {
   return rig;
 }
 
-/// One run in simulation; the payload is the machine's, the law believes the config's.
-RunResult simulated(const Rig& config, double payload_kg) {
-  const Rig rig = unsupervised(config);
-  Rig machine = rig;
-  machine.axis.slider.payload_kg = payload_kg;
-  const auto backend = make_backend("sim", machine);
-  backend->configure();
-  RunSettings settings;
-  settings.load = load_reference_positions;
-  RunOutcome outcome = run_loop(rig, *backend, settings);
-  RunResult run;
-  if (outcome.moves.empty()) return run;
-  run.start_s = outcome.moves[0].start_s;
-  run.rows = std::move(outcome.rows);
-  run.faults = std::move(outcome.faults);
-  run.metrics = evaluate(rig, run.rows, run.start_s);
-  run.verdict = judge_motion(rig, run);
-  return run;
-}
-
 Rig resting(Rig rig, double position_m) {
   rig.reference = ReferenceSpec{};
   rig.reference.frequency_Hz = 1.0;
@@ -230,12 +210,12 @@ void grade_simulation(const Rig& rig, std::vector<Finding>& findings) {
   if (moving.evaluation && moving.evaluation->to_s > moving.duration_s) moving.evaluation.reset();
   for (const double payload_kg : payloads_of(rig)) {
     for (const Place& place : places_of(rig)) {
-      keep_worst(rest, rest_finding(simulated(resting(rig, place.position_m), payload_kg), place.is_reached,
+      keep_worst(rest, rest_finding(simulated_run(resting(rig, place.position_m), payload_kg), place.is_reached,
                                     place_words(place.position_m, payload_kg)));
       seconds += rest_s;
     }
-    keep_worst(motion,
-               reference_finding(simulated(moving, payload_kg), fmt::format("with a payload of {:g} kg", payload_kg)));
+    keep_worst(motion, reference_finding(simulated_run(moving, payload_kg),
+                                         fmt::format("with a payload of {:g} kg", payload_kg)));
     seconds += moving.duration_s;
   }
   if (rest->level == Level::good) rest->what = fmt::format("it settles at {} positions", places_of(rig).size());
@@ -296,6 +276,31 @@ void tell_supervised_motion(const Rig& rig, std::vector<Finding>& findings) {
 }
 
 }  // namespace
+
+RunResult simulated_run(const Rig& config, double payload_kg) {
+  const Rig rig = unsupervised(config);
+  Rig machine = rig;
+  machine.axis.slider.payload_kg = payload_kg;
+  const auto backend = make_backend("sim", machine);
+  backend->configure();
+  RunSettings settings;
+  settings.load = load_reference_positions;
+  RunOutcome outcome = run_loop(rig, *backend, settings);
+  RunResult run;
+  if (outcome.moves.empty()) return run;
+  run.start_s = outcome.moves[0].start_s;
+  run.rows = std::move(outcome.rows);
+  run.faults = std::move(outcome.faults);
+  run.metrics = evaluate(rig, run.rows, run.start_s);
+  run.verdict = judge_motion(rig, run);
+  return run;
+}
+
+std::vector<Finding> grade_simulated_loop(const Rig& rig) {
+  std::vector<Finding> findings;
+  grade_simulation(rig, findings);
+  return findings;
+}
 
 std::vector<Finding> grade_loop(const Rig& rig) {
   std::vector<Finding> findings;

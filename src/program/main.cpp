@@ -4,6 +4,7 @@
 #include <exception>
 #include <new>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -60,7 +61,9 @@ int main(int argc, char** argv) {
   try {
     return run_program(argc, argv);
   } catch (const pneuservo::InputError& error) {
-    std::fprintf(stderr, "pneuservo: %s\n", pneuservo::printable(error.what()).c_str());
+    std::istringstream sentences(error.what());
+    for (std::string sentence; std::getline(sentences, sentence);)
+      std::fprintf(stderr, "pneuservo: %s\n", pneuservo::printable(sentence).c_str());
     return 2;
   } catch (const std::bad_alloc&) {
     std::fputs("pneuservo: found too little memory for this task, expected a shorter or smaller one\n", stderr);

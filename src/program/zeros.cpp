@@ -78,7 +78,7 @@ std::vector<std::string> with_zeros(const std::string& config, std::vector<std::
   const Rig rig = read_rig(config, sets);
   for (const std::string& file : files) {
     ZeroFile read;
-    read_section(read_config_tree(file, "a file that home, zero or commission wrote"), "", read);
+    read_document(read_config_tree(file, "a file that home, zero or commission wrote"), read);
     require_same_rig(file, read, config, rig);
     for (const auto& [channel, zero] : read.zeros) sets.push_back("zeros." + channel + "=" + number_text(zero));
     if (read.commission) add_commission(file, *read.commission, rig, sets);

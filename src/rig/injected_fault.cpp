@@ -97,9 +97,8 @@ InjectedFault parse_fault_order(const std::string& text, double now_s) {
 }
 
 Scenario read_scenario(const std::filesystem::path& file) {
-  const ConfigNode root = read_config_tree(file, "a scenario file (docs/faults.md)");
   Scenario scenario;
-  read_section(root, "", scenario);
+  read_document(read_config_tree(file, "a scenario file (docs/faults.md)"), scenario);
   return scenario;
 }
 

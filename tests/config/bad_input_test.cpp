@@ -55,22 +55,25 @@ TEST_CASE("unknown keys are refused with the nearest known one") {
 }
 
 TEST_CASE("a key with another unit is refused with the right one") {
-  CHECK(refusal(with(plain, "length_m: 10.0", "length_mm: 10000")) ==
-        "rig.yaml:13: line_1.length_mm: found an unknown key, expected the key length_m (in m)");
+  CHECK(
+      refusal(with(plain, "length_m: 10.0", "length_mm: 10000")) ==
+      "rig.yaml:13: line_1.length_mm: found an unknown key, expected the key length_m (in m), or length with its unit");
   CHECK(refusal(with(plain, "length_m: 10.0", "length: 10")) ==
-        "rig.yaml:13: line_1.length: found an unknown key, expected the key length_m (in m)");
+        "rig.yaml:13: line_1.length: found '10', expected a number with its unit (mm), or the key length_m");
   CHECK(refusal(with(plain, "pressure_Pa: 700000", "pressure_bar: 7")) ==
-        "rig.yaml:6: supply.pressure_bar: found an unknown key, expected the key pressure_Pa (in Pa)");
+        "rig.yaml:6: supply.pressure_bar: found an unknown key, expected the key pressure_Pa (in Pa), or pressure with "
+        "its unit");
   CHECK(refusal(with(plain, "area_per_volt_m2_per_V: 2.6e-6", "area_per_volt_mm2_per_V: 2.6")) ==
         "rig.yaml:9: valve.area_per_volt_mm2_per_V: found an unknown key, expected the key area_per_volt_m2_per_V (in "
-        "m2/V)");
+        "m2/V), or area_per_volt with its unit");
   CHECK(refusal(with(plain, "velocity_gain_Ns_per_m", "velocity_gain_Ns_per_mm")) ==
         "rig.yaml:37: controller.velocity_gain_Ns_per_mm: found an unknown key, expected the key "
-        "velocity_gain_Ns_per_m (in N s/m)");
+        "velocity_gain_Ns_per_m (in N s/m), or velocity_gain with its unit");
   CHECK(refusal(with(plain, "frequency_Hz: 1.0", "frequency_rad_per_s: 6.28")) ==
-        "rig.yaml:40: reference.frequency_rad_per_s: found an unknown key, expected the key frequency_Hz (in Hz)");
+        "rig.yaml:40: reference.frequency_rad_per_s: found an unknown key, expected the key frequency_Hz (in Hz), or "
+        "frequency with its unit");
   CHECK(refusal(with(plain, "period_s: 0.001", "period_ms: 1")) ==
-        "rig.yaml:4: period_ms: found an unknown key, expected the key period_s (in s)");
+        "rig.yaml:4: period_ms: found an unknown key, expected the key period_s (in s), or period with its unit");
 }
 
 TEST_CASE("missing keys are refused at the line of their section") {
@@ -94,7 +97,7 @@ TEST_CASE("wrong types are refused") {
   CHECK(refusal(with(plain, "length_m: 10.0", "length_m: '10'")) ==
         "rig.yaml:13: line_1.length_m: found the quoted text \"10\", expected " + length);
   CHECK(refusal(with(plain, "length_m: 10.0", "length_m: 10 m")) ==
-        "rig.yaml:13: line_1.length_m: found '10 m', expected " + length);
+        "rig.yaml:13: line_1.length_m: found '10 m', expected " + length + "; with a unit the key is length");
   CHECK(refusal(with(plain, "length_m: 10.0", "length_m: 10,0")) ==
         "rig.yaml:13: line_1.length_m: found '10,0', expected " + length);
   CHECK(refusal(with(plain, "length_m: 10.0", "length_m: 0x10")) ==
@@ -227,7 +230,8 @@ TEST_CASE("unknown effects and their parameters are refused with near names") {
                                                                 Catch::Contains("piston_leak, ") &&
                                                                 Catch::Contains("sensor_lag:x"));
   CHECK(refusal(plain + "effects:\n  piston_leak: {area_mm2: 1}\n") ==
-        "rig.yaml:43: effects.piston_leak.area_mm2: found an unknown key, expected the key area_m2 (in m2)");
+        "rig.yaml:43: effects.piston_leak.area_mm2: found an unknown key, expected the key area_m2 (in m2), or area "
+        "with its unit");
   CHECK(refusal(plain + "effects:\n  line_leak_1: {area_m2: 1e-8}\n") ==
         "rig.yaml:43: effects.line_leak_1.position: found nothing, expected a number, 0 to 1");
   CHECK(refusal(plain + "effects:\n  valve_asymmetry: 2\n") ==
@@ -266,8 +270,8 @@ TEST_CASE("mistakes of --set name the --set") {
       "--set line_1.lenght_m=5: line_1.lenght_m: found an unknown key, expected a known one (did you mean length_m?)");
   CHECK(refusal(plain, {"lin_1.length_m=5"}) ==
         "--set lin_1.length_m=5: lin_1: found an unknown key, expected a known one (did you mean line_1, line_2?)");
-  CHECK(refusal(plain, {"line_1.length_mm=5000"}) ==
-        "--set line_1.length_mm=5000: line_1.length_mm: found an unknown key, expected the key length_m (in m)");
+  CHECK(refusal(plain, {"line_1.length_mm=5000"}) == "--set line_1.length_mm=5000: line_1.length_mm: found an unknown "
+                                                     "key, expected the key length_m (in m), or length with its unit");
   CHECK(refusal(plain, {"effects.coulomb_friction.force_N=-3"}) ==
         "--set effects.coulomb_friction.force_N=-3: effects.coulomb_friction.force_N: found -3, expected a number in "
         "N, 0 to 100000");

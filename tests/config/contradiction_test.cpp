@@ -148,7 +148,7 @@ TEST_CASE("keys of references are checked against each other") {
         "rig.yaml:40: reference.positions_m: found 2 positions, expected as many as times_s has (3)");
   CHECK(refusal_of_reference("{kind: waypoints, times_s: [0, 1, 1], positions_m: [0, 0.1, 0]}") ==
         "rig.yaml:40: reference.times_s: found 1 after 1, expected strictly increasing times");
-  CHECK(refusal_of_reference("{kind: waypoints, times_s: [], positions_m: []}") ==
+  CHECK(refusal_of_reference("{kind: waypoints, times_s: [], positions_m: [0]}") ==
         "rig.yaml:40: reference.times_s: found an empty list, expected a list of numbers in s");
   CHECK(refusal_of_reference("{kind: waypoints, times_s: [0, one], positions_m: [0, 0.1]}") ==
         "rig.yaml:40: reference.times_s.1: found 'one', expected a number in s, 0 to 1000000");

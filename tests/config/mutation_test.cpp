@@ -3,6 +3,7 @@
 
 #include <cstdlib>
 #include <random>
+#include <sstream>
 
 #include "config/dump_rig.hpp"
 #include "config/input_error.hpp"
@@ -56,12 +57,13 @@ TEST_CASE("a damaged config reads or is refused with its line") {
       REQUIRE(same_rig(rig, parse_rig(dump_rig(rig), "dump")));
     } catch (const InputError& error) {
       ++refused;
-      const std::string message = error.what();
-      INFO(message);
-      REQUIRE(message.starts_with("rig.yaml:"));
-      REQUIRE(message.find(": found ") != std::string::npos);
-      REQUIRE(message.find(", expected ") != std::string::npos);
-      REQUIRE(message.find('\n') == std::string::npos);
+      INFO(error.what());
+      std::istringstream sentences(error.what());
+      for (std::string sentence; std::getline(sentences, sentence);) {
+        REQUIRE(sentence.starts_with("rig.yaml:"));
+        REQUIRE(sentence.find(": found ") != std::string::npos);
+        REQUIRE(sentence.find(", expected ") != std::string::npos);
+      }
     }
   }
   REQUIRE(read > 100);

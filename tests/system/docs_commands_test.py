@@ -18,7 +18,7 @@ import tempfile
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 WRITE = "--write" in sys.argv[2:]
-PAGES = ("README.md", "docs/first-hour.md", "docs/estimator.md")
+PAGES = ("README.md", "docs/first-hour.md", "docs/your-axis.md", "docs/estimator.md")
 PICTURE = SOURCE / "docs/images/cylinder-10m-6.10mm.svg"  # README.md draws it as run.svg
 KEYS = SOURCE / "docs/config-keys.md"
 BLOCK = re.compile(r"^```sh\n(?P<code>.*?)^```\n(?:\n```text\n(?P<output>.*?)^```$)?", re.MULTILINE | re.DOTALL)

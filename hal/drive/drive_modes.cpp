@@ -175,11 +175,12 @@ void DriveNode::show_values() {
   const double x_m = status_.measured[Signal::x];
   if (std::isfinite(x_m)) set(object::position_actual, of_axis(x_m));
   if (std::isfinite(status_.v_mps)) set(object::speed_actual, to_drive_units(status_.v_mps));
-  const bool is_planned = std::isfinite(status_.x_ref_m) && status_.state == SupervisorState::active;
-  if (!is_planned) return;
-  set(object::position_demand, of_axis(status_.x_ref_m));
-  set(object::speed_demand, to_drive_units(status_.v_ref_mps));
-  if (std::isfinite(x_m)) set(object::following_error, to_drive_units(status_.x_ref_m - x_m));
+  // An axis that nobody commands is where it shall be.
+  const bool is_commanded = status_.state == SupervisorState::active && std::isfinite(status_.x_ref_m);
+  const double demand_m = is_commanded ? status_.x_ref_m : x_m;
+  if (std::isfinite(demand_m)) set(object::position_demand, of_axis(demand_m));
+  set(object::speed_demand, is_commanded ? to_drive_units(status_.v_ref_mps) : 0);
+  if (std::isfinite(x_m)) set(object::following_error, to_drive_units(demand_m - x_m));
 }
 
 }  // namespace pneuservo

@@ -65,7 +65,8 @@ class SetPointStream {
     late_ = false;
     for (std::size_t stage = 0; stage <= stages_; ++stage) sum_[stage] = length_ * base_;
     block_.fill({});
-    begun_block_ = block_at_ = 0;
+    begun_block_ = 0;
+    block_at_ = 0;
     newest_ = 0;
     points_[0] = {};
     points_[0].d[0] = metres(base_);

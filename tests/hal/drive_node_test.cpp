@@ -463,7 +463,7 @@ TEST_CASE("what a drive does not have is refused, and windows are judged") {
   CHECK(bench.bit(10));
 }
 
-TEST_CASE("homing of an axis that knows its place: attained at once; the zero of the bus moves where it is asked to") {
+TEST_CASE("homing of an axis that knows its place is attained at once, and the zero of the bus moves where it is asked to") {
   Bench bench;
   bench.enable(1);
   bench.target(30'000);

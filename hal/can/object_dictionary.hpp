@@ -64,7 +64,8 @@ class ObjectDictionary {
   }
   /// Calls visit(index, sub, entry) in the order of the keys.
   template <class Visit> void each(Visit&& visit) const {
-    for (const auto& [k, entry] : entries_) visit(static_cast<std::uint16_t>(k >> 8), static_cast<std::uint8_t>(k), entry);
+    for (const auto& [k, entry] : entries_)
+      visit(static_cast<std::uint16_t>(k >> 8), static_cast<std::uint8_t>(k), entry);
   }
 
  private:

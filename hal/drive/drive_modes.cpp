@@ -65,8 +65,7 @@ void DriveNode::take_set_point() {
   set_point.is_relative = (controlword_ & control_relative) != 0;
   set_point.is_immediate = (controlword_ & control_change_immediately) != 0;
   const std::uint32_t place = number(object::target_position);
-  set_point.position_m =
-      set_point.is_relative ? from_drive_units(static_cast<std::int32_t>(place)) : to_axis_m(place);
+  set_point.position_m = set_point.is_relative ? from_drive_units(static_cast<std::int32_t>(place)) : to_axis_m(place);
   const double speed_mps = from_drive_units(number(object::profile_speed));
   set_point.is_cut = speed_mps > most_mps_ + 0.5 / drive_units_per_m;
   set_point.speed_mps = std::clamp(speed_mps, slowest_share * most_mps_, most_mps_);
@@ -127,8 +126,8 @@ void DriveNode::judge_windows() {
   };
   const std::uint32_t following = number(object::following_window), position = number(object::position_window);
   const bool is_on = state_ == DriveState::operation_enabled;
-  const bool behind = is_on && following != window_off &&
-                      std::fabs(status_.x_ref_m - x_m) > from_drive_units(following);
+  const bool behind =
+      is_on && following != window_off && std::fabs(status_.x_ref_m - x_m) > from_drive_units(following);
   is_behind_ = held(behind_since_s_, behind, object::following_time);
   const bool at_target = knows() && std::fabs(status_.target_m - target_m_) <= 0.5 / drive_units_per_m;
   const bool near = is_on && at_target &&

@@ -125,8 +125,7 @@ void DriveNode::ask(AxisCommand command) {
 }
 
 void DriveNode::act(Frames& out) {
-  if (state_ == DriveState::not_ready_to_switch_on && status_.tick >= 0)
-    change_state(DriveState::switch_on_disabled);
+  if (state_ == DriveState::not_ready_to_switch_on && status_.tick >= 0) change_state(DriveState::switch_on_disabled);
   const auto controlword = static_cast<std::uint16_t>(number(object::controlword));
   rising_ = controlword & static_cast<std::uint16_t>(~controlword_);
   falling_ = controlword_ & static_cast<std::uint16_t>(~controlword);

@@ -87,16 +87,18 @@ class DriveNode {
   /// The status has seen all that was asked for.
   bool knows() const noexcept { return waiting_ == 0 && status_.tick >= sure_tick_; }
   bool rests() const noexcept { return knows() && status_.tick >= status_.end_tick; }
-  std::uint32_t number(std::uint16_t index, std::uint8_t sub = 0) const { return node_.dictionary().number(index, sub); }
+  std::uint32_t number(std::uint16_t index, std::uint8_t sub = 0) const {
+    return node_.dictionary().number(index, sub);
+  }
   std::int16_t option(std::uint16_t index) const { return static_cast<std::int16_t>(number(index)); }
   void set(std::uint16_t index, std::int64_t value, std::uint8_t sub = 0) {
     node_.dictionary().set_number(index, sub, static_cast<std::uint32_t>(value));
   }
-  DriveMode mode() const { return static_cast<DriveMode>(static_cast<std::int8_t>(number(drive_object::mode_display))); }
-  /// Place on the bus = place of the axis - shift.
-  double to_axis_m(std::uint32_t object) const {
-    return from_drive_units(static_cast<std::int32_t>(object) + shift_);
+  DriveMode mode() const {
+    return static_cast<DriveMode>(static_cast<std::int8_t>(number(drive_object::mode_display)));
   }
+  /// Place on the bus = place of the axis - shift.
+  double to_axis_m(std::uint32_t object) const { return from_drive_units(static_cast<std::int32_t>(object) + shift_); }
   std::int64_t of_axis(double position_m) const { return std::int64_t{to_drive_units(position_m)} - shift_; }
 
   CanopenNode node_;
@@ -111,8 +113,8 @@ class DriveNode {
   bool may_enable_ = false;  // the edge to enable_operation waits for its state
   bool enabling_ = false, reset_asked_ = false, is_own_fault_ = false;
   std::uint64_t numbers_ = 0;
-  int waiting_ = 0;               // for answers, but those of a stream
-  std::int64_t sure_tick_ = -1;   // in which the last answered command was obeyed
+  int waiting_ = 0;  // for answers, but those of a stream
+  std::int64_t sure_tick_ = -1;  // in which the last answered command was obeyed
   std::vector<std::uint64_t> followed_;  // set points of a stream without an answer
   AxisStatus status_;
 

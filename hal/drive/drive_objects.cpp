@@ -98,7 +98,8 @@ SdoAbort accept_acceleration(const ObjectDictionary& dictionary, std::uint32_t v
 SdoAbort accept_interpolation(std::uint8_t sub, std::uint32_t value) {
   if (sub == 1) return value == 0 ? SdoAbort::too_low : SdoAbort::none;
   return is_one_of(static_cast<std::int8_t>(value), {std::int8_t{-4}, std::int8_t{-3}, std::int8_t{-2}})
-             ? SdoAbort::none : SdoAbort::value;
+             ? SdoAbort::none
+             : SdoAbort::value;
 }
 
 /// Classes of CiA 402-2; 0xFF00 and above are the manufacturer's: what a pneumatic axis has beyond them.
@@ -112,17 +113,17 @@ constexpr std::array error_rows{
     ErrorRow{0x7305, fault_position_missing | fault_position_jump | fault_position_frozen | fault_position_unreliable},
     ErrorRow{0x8400, fault_speed},
     ErrorRow{0x8611, fault_deviation | fault_start_motion},  // following error
-    ErrorRow{0x7121, fault_stall},                           // motor blocked
-    ErrorRow{0x5100, fault_valve_power},                     // supply
+    ErrorRow{0x7121, fault_stall},  // motor blocked
+    ErrorRow{0x5100, fault_valve_power},  // supply
     ErrorRow{0x5000, fault_output_missed | fault_output_unconfirmed | fault_node_emergency},  // device hardware
     ErrorRow{0x7500, fault_bus_off | fault_link_down | fault_node_lost | fault_double_answer},  // communication
-    ErrorRow{0x6010, fault_guard_lost},                                                       // watchdog
+    ErrorRow{0x6010, fault_guard_lost},  // watchdog
     ErrorRow{0x6100, fault_late_tick | fault_missed_slots | fault_suspended | fault_checks_rested |
                          fault_command_not_finite | fault_estimate_invalid},  // internal software
     ErrorRow{0xFF02, fault_supply_missing | fault_supply_frozen | fault_supply_low},
     ErrorRow{0xFF03, fault_pressure_limit},
-    ErrorRow{0xFF04, fault_flow_mismatch_1 | fault_flow_mismatch_2 | fault_chamber_mismatch_1 |
-                         fault_chamber_mismatch_2},
+    ErrorRow{0xFF04,
+             fault_flow_mismatch_1 | fault_flow_mismatch_2 | fault_chamber_mismatch_1 | fault_chamber_mismatch_2},
     ErrorRow{0xFF05, ~std::uint64_t{0}},  // the pressure sensors
 };
 

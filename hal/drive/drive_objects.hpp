@@ -29,7 +29,13 @@ inline constexpr std::uint16_t faults = 0x2000, stream_delay = 0x2001, abort_opt
 /// Values of 0x6060.
 enum class DriveMode : std::int8_t { none = 0, profile_position = 1, homing = 6, cyclic_position = 8 };
 /// Values of 0x6007: what the drive does when its master is gone while the axis is enabled.
-enum class DriveAbort : std::int16_t { as_configured = -1, nothing = 0, fault = 1, disable_voltage = 2, quick_stop = 3 };
+enum class DriveAbort : std::int16_t {
+  as_configured = -1,
+  nothing = 0,
+  fault = 1,
+  disable_voltage = 2,
+  quick_stop = 3
+};
 
 /// Units of the bus: micrometres, and seconds.
 constexpr double drive_units_per_m = 1e6;

@@ -18,15 +18,15 @@ enum class DriveState : std::uint8_t {
   fault,
 };
 inline constexpr std::array<std::string_view, 8> drive_state_names{
-    "not ready to switch on", "switch on disabled", "ready to switch on", "switched on", "operation enabled",
-    "quick stop active",      "fault reaction active", "fault"};
+    "not ready to switch on", "switch on disabled", "ready to switch on",    "switched on",
+    "operation enabled",      "quick stop active",  "fault reaction active", "fault"};
 
 /// Bits of the controlword (0x6040) and of the statusword (0x6041); those of a mode stand in DriveNode.
 inline constexpr std::uint16_t control_new_set_point = 0x0010, control_change_immediately = 0x0020,
                                control_relative = 0x0040, control_fault_reset = 0x0080, control_halt = 0x0100;
 inline constexpr std::uint16_t status_voltage_enabled = 0x0010, status_warning = 0x0080, status_remote = 0x0200,
-                               status_target_reached = 0x0400, status_internal_limit = 0x0800,
-                               status_of_mode = 0x1000, status_error_of_mode = 0x2000;
+                               status_target_reached = 0x0400, status_internal_limit = 0x0800, status_of_mode = 0x1000,
+                               status_error_of_mode = 0x2000;
 
 /// Bits 0 to 3, 5 and 6 of the statusword.
 constexpr std::uint16_t status_bits(DriveState state) noexcept {
@@ -56,8 +56,7 @@ constexpr DriveState commanded_state(DriveState state, DriveCommand command) noe
       return is_up ? S::switch_on_disabled : state;
     case DriveCommand::shutdown: return is_up || state == S::switch_on_disabled ? S::ready_to_switch_on : state;
     case DriveCommand::switch_on: return is_up ? S::switched_on : state;
-    case DriveCommand::enable_operation:
-      return is_up || state == S::quick_stop_active ? S::operation_enabled : state;
+    case DriveCommand::enable_operation: return is_up || state == S::quick_stop_active ? S::operation_enabled : state;
   }
   return state;
 }

@@ -22,8 +22,8 @@
 
 namespace pneuservo {
 
-/// One thread of ordinary priority for all connections and for a commander in this program. The first that commands is the commander until it releases or
-/// ends; the others may look, stop, disable and mark.
+/// One thread of ordinary priority for all connections and for a commander in this program. The first that commands is
+/// the commander until it releases or ends; the others may look, stop, disable and mark.
 class CommandServer {
  public:
   static constexpr std::size_t most_clients = 16;

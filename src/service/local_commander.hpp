@@ -1,4 +1,5 @@
-// A commander of the axis in this program, on a thread of its own: what it says passes the server as any client's words.
+// A commander of the axis in this program, on a thread of its own: what it says passes the server as any client's
+// words.
 #pragma once
 #include <cstdint>
 #include <string>

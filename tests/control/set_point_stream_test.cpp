@@ -54,7 +54,8 @@ TEST_CASE("random streams never leave position, speed and acceleration, and end 
   };
   const int machines = std::getenv("PNEUSERVO_LONG") != nullptr ? 3000 : 150;
   for (int machine = 0; machine < machines; ++machine) {
-    LiveLimits limits{-uniform(0.02, 0.5), uniform(0.02, 0.5), uniform(0.02, 2.0), 0.0, 5 + 2 * static_cast<int>(random() % 4)};
+    LiveLimits limits{-uniform(0.02, 0.5), uniform(0.02, 0.5), uniform(0.02, 2.0), 0.0,
+                      5 + 2 * static_cast<int>(random() % 4)};
     limits.acceleration_mps2 = limits.speed_mps * std::exp(uniform(0.0, 4.0));
     SetPointStream stream;
     stream.configure(limits, period_s, 0.0);
@@ -86,8 +87,7 @@ TEST_CASE("derivatives of a stream up to the sixth are continuous, and each is t
   stream.start(0, 0.0);
   std::mt19937_64 random(new_seed());
   std::vector<double> set_points;
-  for (int i = 0; i < 300; ++i)
-    set_points.push_back(std::uniform_real_distribution<double>(-0.1, 0.1)(random));
+  for (int i = 0; i < 300; ++i) set_points.push_back(std::uniform_real_distribution<double>(-0.1, 0.1)(random));
   const auto points = played(stream, set_points, 10);
   const double per_length = 1.0 / (static_cast<double>(stream.cascade()) / 6.0);
   for (std::size_t i = 1; i < points.size(); ++i)
@@ -97,7 +97,8 @@ TEST_CASE("derivatives of a stream up to the sixth are continuous, and each is t
       INFO("order " << order << " at " << i);
       // The trapezoid's share of the next two orders, and what rounding to the unit leaves.
       REQUIRE(std::fabs(change - mean * period_s) <=
-              period_s * scale_of(stream, limits, order + 1) * 64.0 * per_length * per_length + 4e-12 / period_s * 1e-3);
+              period_s * scale_of(stream, limits, order + 1) * 64.0 * per_length * per_length +
+                  4e-12 / period_s * 1e-3);
     }
   for (std::size_t i = 1; i < points.size(); ++i)
     REQUIRE(std::fabs(points[i].d[6] - points[i - 1].d[6]) <= 64.0 * scale_of(stream, limits, 7) * period_s);

@@ -58,7 +58,9 @@ class IdealAxis {
     AxisStatus status;
     status.tick = tick_;
     status.t_s = static_cast<double>(tick_) * period_s;
-    status.state = faults != 0 ? SupervisorState::fault : enabled_ ? SupervisorState::active : SupervisorState::inactive;
+    status.state = faults != 0 ? SupervisorState::fault
+                   : enabled_  ? SupervisorState::active
+                               : SupervisorState::inactive;
     status.enabled = enabled_;
     status.proven = true;
     status.faults = status.first_faults = faults;
@@ -94,7 +96,8 @@ class IdealAxis {
       default: break;
     }
     if (!enabled_) return CommandResult::not_enabled;
-    REQUIRE(motion_.obey(command, tick_, result));
+    const bool has_room = motion_.obey(command, tick_, result);
+    REQUIRE(has_room);
     return result;
   }
   CommandedMotion motion_;
@@ -287,7 +290,9 @@ TEST_CASE("cyclic position: 10 000 set points on SYNC are followed in order and 
     bench.send(sync_frame());
     bench.run(4);
     const int delay = static_cast<int>(std::lround(SetPointStream::peak(6) * 0.4 / 3.0 * 6.0 / period_s / 2.0 / 4.0));
-    if (i > 3000) worst_m = std::max(worst_m, std::fabs(bench.axis.status().x_ref_m - 1e-6 * sent[static_cast<std::size_t>(i - 1 - delay)]));
+    if (i > 3000)
+      worst_m = std::max(worst_m,
+                         std::fabs(bench.axis.status().x_ref_m - 1e-6 * sent[static_cast<std::size_t>(i - 1 - delay)]));
     REQUIRE(bench.bit(12));
     REQUIRE_FALSE(bench.bit(11));
   }
@@ -463,7 +468,8 @@ TEST_CASE("what a drive does not have is refused, and windows are judged") {
   CHECK(bench.bit(10));
 }
 
-TEST_CASE("homing of an axis that knows its place is attained at once, and the zero of the bus moves where it is asked to") {
+TEST_CASE(
+    "homing of an axis that knows its place is attained at once, and the zero of the bus moves where it is asked to") {
   Bench bench;
   bench.enable(1);
   bench.target(30'000);

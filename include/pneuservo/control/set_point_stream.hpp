@@ -29,8 +29,9 @@ class SetPointStream {
     limits_ = limits;
     period_s_ = period_s;
     stages_ = static_cast<std::size_t>(limits.smoothness + 1) / 2;
-    length_ = static_cast<std::int64_t>(
-                  std::ceil(peak(stages_) * limits.speed_mps / (limits.acceleration_mps2 * period_s))) + 1;
+    length_ =
+        static_cast<std::int64_t>(std::ceil(peak(stages_) * limits.speed_mps / (limits.acceleration_mps2 * period_s))) +
+        1;
     lead_ = static_cast<std::int64_t>(std::ceil(lead_s / period_s));
     behind_s_ = static_cast<double>(lead_) * period_s - lead_s;
     std::size_t values = 0;
@@ -49,7 +50,8 @@ class SetPointStream {
     double sum = 0.0, binomial = 1.0, factorial = 1.0;
     for (std::size_t i = 1; i < n; ++i) factorial *= static_cast<double>(i);
     for (std::size_t i = 0; 2 * i < n; ++i) {
-      const double power = std::pow(0.5 * static_cast<double>(n) - static_cast<double>(i), static_cast<double>(n) - 1.0);
+      const double power =
+          std::pow(0.5 * static_cast<double>(n) - static_cast<double>(i), static_cast<double>(n) - 1.0);
       sum += (i % 2 == 0 ? binomial : -binomial) * power;
       binomial *= static_cast<double>(n - i) / static_cast<double>(i + 1);
     }
@@ -203,8 +205,8 @@ class SetPointStream {
     double scale = unit_m;
     for (std::size_t order = 0; order <= stages_; ++order, scale *= per_length)
       point.d[order] = scale * static_cast<double>(difference(stages_ - order, order, 0));
-    point.d[stages_ + 1] = scale / (per_length * period_s_) *
-                           static_cast<double>(difference(0, stages_, 0) - difference(0, stages_, 1));
+    point.d[stages_ + 1] =
+        scale / (per_length * period_s_) * static_cast<double>(difference(0, stages_, 0) - difference(0, stages_, 1));
     return point;
   }
   std::int64_t difference(std::size_t stage, std::size_t order, std::int64_t ago) const noexcept {

@@ -29,6 +29,8 @@ struct ObjectRow {
 constexpr std::uint32_t off = 0xFFFFFFFF;  // of a window: not watched
 constexpr std::uint32_t micrometres = 0xFA010000, per_second = 0x0300, per_second_squared = 0x5700;  // CiA 303-2
 constexpr std::uint32_t modes = 1u << 0 | 1u << 5 | 1u << 7;  // profile position, homing, cyclic synchronous position
+/// Of the statusword's PDO beside its changes: masters that wait for the next one, and ones that come late.
+constexpr std::uint32_t status_event_timer_ms = 50;
 constexpr auto rw = Access::write, ro = Access::read, constant = Access::constant;
 
 std::uint32_t raw(std::int32_t value) { return static_cast<std::uint32_t>(value); }
@@ -161,6 +163,7 @@ void add_drive_objects(const Rig& rig, CanopenNode& node) {
   node.map(false, 1, {mapped(object::controlword), mapped(object::mode)}, 255);
   node.map(false, 2, {mapped(object::target_position), mapped(object::profile_speed)}, 255);
   node.map(true, 1, {mapped(object::statusword), mapped(object::mode_display), mapped(object::error_code)}, 255);
+  dictionary.set_number(0x1800, 5, status_event_timer_ms);
   node.map(true, 2, {mapped(object::position_actual), mapped(object::speed_actual)}, 255);
 }
 

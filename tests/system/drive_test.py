@@ -90,7 +90,7 @@ class Master:
         self.drive.sdo[0x1017].raw = 50
         self.drive.setup_402_state_machine()
         self.drive.nmt.state = "OPERATIONAL"
-        self.until(lambda: self.drive.tpdo_values[0x6041] != 0, "the first statusword")
+        self.until(lambda: self.drive.state != "NOT READY TO SWITCH ON", "the axis", 120.0)
 
     def until(self, holds, what, patience_s=30.0):
         end = time.monotonic() + patience_s

@@ -28,30 +28,40 @@ CanopenNode::CanopenNode(const NodeIdentity& identity)
 }
 
 void CanopenNode::add_communication_objects() {
-  dictionary_.add_number(0x1000, 0, 32, identity_.device_type, false);
-  dictionary_.add_number(0x1001, 0, 8, 0, false);
-  dictionary_.add_text(0x1008, identity_.name);
-  dictionary_.add_number(consumer_heartbeat, 0, 8, 1, false);
-  dictionary_.add_number(consumer_heartbeat, 1, 32, 0, true);
-  dictionary_.add_number(producer_heartbeat, 0, 16, 0, true);
-  dictionary_.add_number(0x1018, 0, 8, 1, false);
-  dictionary_.add_number(0x1018, 1, 32, 0, false);
-  dictionary_.add_number(error_behaviour, 0, 8, 1, false);
-  dictionary_.add_number(error_behaviour, 1, 8, 0, true);
+  dictionary_.add_number(0x1000, 0, 32, identity_.device_type, false, "Device type");
+  dictionary_.add_number(0x1001, 0, 8, 0, false, "Error register");
+  dictionary_.add_text(0x1008, identity_.name, "Manufacturer device name");
+  dictionary_.name_object(consumer_heartbeat, "Consumer heartbeat time");
+  dictionary_.add_number(consumer_heartbeat, 0, 8, 1, false, "Highest sub-index supported");
+  dictionary_.add_number(consumer_heartbeat, 1, 32, 0, true, "Node (bits 16 to 22) and time in ms");
+  dictionary_.add_number(producer_heartbeat, 0, 16, 0, true, "Producer heartbeat time");
+  dictionary_.name_object(0x1018, "Identity object");
+  dictionary_.add_number(0x1018, 0, 8, 1, false, "Highest sub-index supported");
+  dictionary_.add_number(0x1018, 1, 32, 0, false, "Vendor-ID");
+  dictionary_.name_object(error_behaviour, "Error behaviour");
+  dictionary_.add_number(error_behaviour, 0, 8, 1, false, "Highest sub-index supported");
+  dictionary_.add_number(error_behaviour, 1, 8, 0, true, "Communication error");
   for (std::uint16_t i = 0; i < 4; ++i)
-    for (const bool transmit : {false, true}) {
-      const auto parameters = static_cast<std::uint16_t>((transmit ? transmit_parameters : receive_parameters) + i);
-      const auto mapping = static_cast<std::uint16_t>((transmit ? transmit_mapping : receive_mapping) + i);
-      const std::uint32_t id =
-          transmit ? cob_transmit_pdo(i + 1u, identity_.node) : cob_receive_pdo(i + 1u, identity_.node);
-      dictionary_.add_number(parameters, 0, 8, transmit ? 5 : 2, false);
-      dictionary_.add_number(parameters, 1, 32, id | pdo_off, true);
-      dictionary_.add_number(parameters, 2, 8, 255, true);
-      if (transmit) dictionary_.add_number(parameters, 3, 16, 0, true);
-      if (transmit) dictionary_.add_number(parameters, 5, 16, 0, true);
-      dictionary_.add_number(mapping, 0, 8, 0, true);
-      for (std::uint8_t sub = 1; sub <= 8; ++sub) dictionary_.add_number(mapping, sub, 32, 0, true);
-    }
+    for (const bool transmit : {false, true}) add_pdo_objects(transmit, i);
+}
+
+void CanopenNode::add_pdo_objects(bool transmit, std::uint16_t i) {
+  const auto parameters = static_cast<std::uint16_t>((transmit ? transmit_parameters : receive_parameters) + i);
+  const auto mapping = static_cast<std::uint16_t>((transmit ? transmit_mapping : receive_mapping) + i);
+  const std::uint32_t id =
+      transmit ? cob_transmit_pdo(i + 1u, identity_.node) : cob_receive_pdo(i + 1u, identity_.node);
+  const std::string which = (transmit ? "TPDO" : "RPDO") + std::to_string(i + 1);
+  dictionary_.name_object(parameters, which + " communication parameter");
+  dictionary_.add_number(parameters, 0, 8, transmit ? 5 : 2, false, "Highest sub-index supported");
+  dictionary_.add_number(parameters, 1, 32, id | pdo_off, true, "COB-ID");
+  dictionary_.find(parameters, 1)->adds_node = true;
+  dictionary_.add_number(parameters, 2, 8, 255, true, "Transmission type");
+  if (transmit) dictionary_.add_number(parameters, 3, 16, 0, true, "Inhibit time");
+  if (transmit) dictionary_.add_number(parameters, 5, 16, 0, true, "Event timer");
+  dictionary_.name_object(mapping, which + " mapping parameter");
+  dictionary_.add_number(mapping, 0, 8, 0, true, "Number of mapped objects");
+  for (std::uint8_t sub = 1; sub <= 8; ++sub)
+    dictionary_.add_number(mapping, sub, 32, 0, true, "Mapped object " + std::to_string(sub));
 }
 
 void CanopenNode::map(bool transmit, std::uint32_t pdo, const std::vector<CanObject>& objects, std::uint8_t type) {
@@ -141,7 +151,7 @@ SdoAbort CanopenNode::accept_write(std::uint16_t index, std::uint8_t sub, std::u
   if (in_range_of(index, receive_mapping) || in_range_of(index, transmit_mapping))
     return accept_mapping(index, sub, value);
   if (index == error_behaviour && value > 2) return SdoAbort::value;
-  return SdoAbort::none;
+  return accept_application ? accept_application(index, sub, value) : SdoAbort::none;
 }
 
 // The order that CiA 301 asks for: PDO off, number of entries 0, entries, number, PDO on.
@@ -170,20 +180,38 @@ void CanopenNode::apply(const Pdo& pdo, std::uint64_t image) {
     const auto raw = static_cast<std::uint32_t>(extract(image, {offset, object.bits()}));
     offset += object.bits();
     DictionaryEntry* entry = dictionary_.find(object.index(), object.sub());
-    if (entry != nullptr && entry->can_write) entry->value = raw;
+    if (entry == nullptr || !entry->can_write) continue;
+    entry->value = raw;
+    ++entry->writes;
   }
+}
+
+std::uint64_t CanopenNode::image_to_send(const Pdo& pdo, std::span<const std::uint16_t> indices) const {
+  std::uint64_t image = 0;
+  unsigned offset = 0;
+  for (const CanObject& object : pdo.objects) {
+    if (indices.empty() || std::ranges::find(indices, object.index()) != indices.end())
+      image = insert(image, {offset, object.bits()}, dictionary_.number(object.index(), object.sub()));
+    offset += object.bits();
+  }
+  return image;
 }
 
 CanFrame CanopenNode::transmit(const Pdo& pdo) const {
   CanFrame frame{.id = pdo.id, .length = static_cast<std::uint8_t>((pdo.bits + 7) / 8)};
-  std::uint64_t image = 0;
-  unsigned offset = 0;
-  for (const CanObject& object : pdo.objects) {
-    image = insert(image, {offset, object.bits()}, dictionary_.number(object.index(), object.sub()));
-    offset += object.bits();
-  }
-  put_image(frame.data, image);
+  put_image(frame.data, image_to_send(pdo, {}));
   return frame;
+}
+
+void CanopenNode::send_events(std::span<const std::uint16_t> indices, std::vector<CanFrame>& out) {
+  if (state_ != NmtState::operational) return;
+  for (Pdo& pdo : transmit_) {
+    if (!pdo.enabled || pdo.type <= 240) continue;
+    const std::uint64_t image = image_to_send(pdo, indices);
+    if (pdo.told == image) continue;
+    pdo.told = image;
+    out.push_back(transmit(pdo));
+  }
 }
 
 void CanopenNode::on_frame(const CanFrame& frame, std::int64_t now_ns, std::vector<CanFrame>& out) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -32,6 +33,7 @@ class CanopenNode {
   CanopenNode& operator=(const CanopenNode&) = delete;
 
   ObjectDictionary& dictionary() noexcept { return dictionary_; }
+  const ObjectDictionary& dictionary() const noexcept { return dictionary_; }
   /// Mapping that the device has of its own; PDO 1 to 4.
   void map(bool transmit, std::uint32_t pdo, const std::vector<CanObject>& objects, std::uint8_t type);
 
@@ -46,6 +48,8 @@ class CanopenNode {
   void act_on_sync();
   /// ...then, when the application has sampled its inputs into the dictionary, they are sent.
   void answer_sync(std::vector<CanFrame>& out);
+  /// Event-driven PDOs in which one of these objects has changed, and all once after the start.
+  void send_events(std::span<const std::uint16_t> indices, std::vector<CanFrame>& out);
   /// Heartbeat, watch over the master's, timers of event-driven PDOs.
   void on_time(std::int64_t now_ns, std::vector<CanFrame>& out);
   /// When on_time is due next.
@@ -58,6 +62,8 @@ class CanopenNode {
   /// The outputs are the substitutes because the master was lost.
   bool is_substituted() const noexcept { return substituted_; }
 
+  /// Judges what a master writes by SDO into an object of the application; none: it takes everything.
+  SdoServer::AcceptWrite accept_application;
   bool heartbeat_muted = false;  ///< fault on command: no heartbeat
   bool is_deaf = false;  ///< fault on command: no process data come in
 
@@ -72,6 +78,7 @@ class CanopenNode {
     bool has_waiting = false;
     int syncs = 0;
     std::int64_t next_event_ns = 0;
+    std::optional<std::uint64_t> told;  // by send_events
   };
   struct Watch {
     std::uint8_t node = 0;
@@ -80,6 +87,7 @@ class CanopenNode {
   };
 
   void add_communication_objects();
+  void add_pdo_objects(bool transmit, std::uint16_t i);
   void on_nmt(NmtCommand command, std::int64_t now_ns, std::vector<CanFrame>& out);
   void reset(std::int64_t now_ns, std::vector<CanFrame>& out);
   void enter(NmtState state);
@@ -88,6 +96,7 @@ class CanopenNode {
   SdoAbort accept_write(std::uint16_t index, std::uint8_t sub, std::uint32_t value) const;
   SdoAbort accept_mapping(std::uint16_t index, std::uint8_t sub, std::uint32_t value) const;
   void apply(const Pdo& pdo, std::uint64_t image);
+  std::uint64_t image_to_send(const Pdo& pdo, std::span<const std::uint16_t> indices) const;
   CanFrame transmit(const Pdo& pdo) const;
   void on_heartbeat_of(std::uint8_t node, std::int64_t now_ns);
   void lose_master(std::int64_t now_ns, std::vector<CanFrame>& out);

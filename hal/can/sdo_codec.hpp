@@ -24,6 +24,7 @@ enum class SdoAbort : std::uint32_t {
   length = 0x06070010,
   no_sub_index = 0x06090011,
   value = 0x06090030,
+  too_low = 0x06090032,
   general = 0x08000000,
   state = 0x08000022,
 };

@@ -44,7 +44,9 @@ SdoAbort SdoServer::store(const std::uint8_t* bytes, std::size_t count) {
   std::uint32_t value = 0;
   for (std::size_t i = 0; i < count; ++i) value |= static_cast<std::uint32_t>(bytes[i]) << (8 * i);
   const SdoAbort refused = accept_write_ ? accept_write_(index_, sub_, value) : SdoAbort::none;
-  if (refused == SdoAbort::none) entry->value = value;
+  if (refused != SdoAbort::none) return refused;
+  entry->value = value;
+  ++entry->writes;
   return refused;
 }
 

@@ -493,6 +493,14 @@ void check_program(const Rig& rig, const Check& check) {
                    "strictly increasing times");
 }
 
+/// The loop is the one master of its own bus; a drive there would have two.
+void check_serve(const Rig& rig, const Check& check) {
+  if (!rig.serve || !rig.serve->drive || !rig.hal || !rig.hal->can) return;
+  if (rig.serve->drive->interface == rig.hal->can->interface)
+    check.refuse("serve.drive.interface", {"hal.can.interface"}, "'" + rig.serve->drive->interface + "'",
+                 "another bus than the one of hal.can");
+}
+
 }  // namespace
 
 void check_choice_of_law(RigKind kind, const ConfigNode& root, InputErrors& errors) {
@@ -541,6 +549,7 @@ void check_rig(const Rig& rig, const ConfigNode& root, InputErrors& errors) {
            [&] { check_reference_motion(rig, check); });
   check.of({"tolerances"}, [&] { check_paths(rig, check, "tolerances", rig.tolerances); });
   check.of({"deviations"}, [&] { check_deviations(rig, check); });
+  check.of({"serve", "hal"}, [&] { check_serve(rig, check); });
   check.of({"hal", "controller", "safe_output", "valve", "period_s"}, [&] {
     check_hal(rig, errors, [&](const std::string& path, const std::string& found, const std::string& expected) {
       refuse(origin_of(root, path), path, found, expected);

@@ -59,8 +59,9 @@ void AxisLoop::configure(const Rig& rig, const LoadPositions& load) {
   command_max_V_ = rig.axis.valve.command_max_V;
   estimator_.configure(estimator_parameters(rig));
   reference_ = Reference(rig.reference, load);
-  if (rig.reference.kind == ReferenceKind::live) commanded_.configure(live_limits(rig.reference), rig.period_s);
   controller_.configure(rig.controller, rig.axis, rig.period_s, reference_, rig.duration_s);
+  if (rig.reference.kind == ReferenceKind::live)
+    commanded_.configure(live_limits(rig.reference), rig.period_s, controller_.lead_s());
   source_ = controller_.pressure_source();
   tolerance_m_ =
       std::min(approach_tolerance_m, approach_quanta * (rig.sensors.position.quantum_m + rig.sensors.position.noise_m));
@@ -122,6 +123,7 @@ void AxisLoop::set_points(double t_s, std::int64_t tick, const JudgedInputs& inp
     begins_ = false;
     commanded_.pass(tick, supervisor_.motion().proven());
     obey_motion(tick);
+    commanded_.advance(tick);
     now_ = commanded_.at(tick, 0.0);
     control_in_.ahead = lead_s > 0.0 ? commanded_.at(tick, lead_s / period_s_) : now_;
     return;
@@ -231,8 +233,7 @@ bool AxisLoop::pass(Backend& backend, std::int64_t tick, std::int64_t skipped, S
 }
 
 void AxisLoop::answer(CommandResult result, std::int64_t tick) noexcept {
-  const LivePlanner& planner = commanded_.planner();
-  link_->answers.push({command_.number, result, tick, planner.target_m(), planner.end_tick()});
+  link_->answers.push({command_.number, result, tick, commanded_.target_m(), commanded_.end_tick()});
   if (result == CommandResult::taken) obeyed_ = command_.kind;
 }
 
@@ -276,8 +277,7 @@ CommandResult AxisLoop::obey_state(CommandKind kind, std::int64_t tick) noexcept
 
 void AxisLoop::obey_motion(std::int64_t tick) noexcept {
   CommandResult result = CommandResult::taken;
-  // The line jumps at the last tick: that set point has gone out and stays true, this one is the first that changes.
-  if (!waits_ || !commanded_.obey(command_, tick - 1, result)) return;
+  if (!waits_ || !commanded_.obey(command_, tick, result)) return;
   waits_ = false;
   answer(result, tick);
 }
@@ -291,10 +291,13 @@ void AxisLoop::tell_status(std::int64_t tick) noexcept {
                       .faults = supervisor_.faults(),
                       .first_faults = supervisor_.first_faults(),
                       .measured = row_.measured,
+                      .v_mps = row_.v_mps,
                       .x_ref_m = row_.x_ref_m,
                       .v_ref_mps = row_.v_ref_mps,
-                      .target_m = commanded_.planner().target_m(),
-                      .end_tick = commanded_.planner().end_tick(),
+                      .target_m = commanded_.target_m(),
+                      .end_tick = commanded_.end_tick(),
+                      .is_late = commanded_.is_late(),
+                      .stream_delay_s = commanded_.stream().delay_s(),
                       .u_V = supervisor_.command_V()[0]});
 }
 

@@ -70,6 +70,7 @@ std::vector<AxisCommand> commands_of(const Recording& data, int moves) {
     commands[i].kind = static_cast<CommandKind>(data.column("command_kind")[i]);
     commands[i].position_m = data.column("command_m")[i];
     commands[i].speed_mps = data.column("command_mps")[i];
+    if (data.has("command_s")) commands[i].interval_s = data.column("command_s")[i];
   }
   return commands;
 }

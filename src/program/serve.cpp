@@ -1,5 +1,6 @@
 // Verb serve: an axis that runs until it is told otherwise and moves as it is commanded.
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <memory>
 
@@ -8,13 +9,16 @@
 
 #include "backends.hpp"
 #include "config/input_error.hpp"
+#include "drive/drive_objects.hpp"
 #include "loop/device_grade.hpp"
 #include "loop/realtime_stop.hpp"
 #include "loop/runner.hpp"
 #include "loop/safe_output_text.hpp"
 #include "program/axis_options.hpp"
 #include "program/injection.hpp"
+#include "program/output_files.hpp"
 #include "program/rig_options.hpp"
+#include "program/served_drive.hpp"
 #include "program/verbs.hpp"
 #include "record/series.hpp"
 #include "record/writer.hpp"
@@ -26,7 +30,7 @@ namespace {
 
 struct ServeOptions : AxisOptions {
   ServeOptions() { time = "real"; }
-  std::string socket, record;
+  std::string socket, record, eds;
 };
 
 /// Hours of injected faults that come again and again; nobody serves a simulation for longer.
@@ -74,6 +78,19 @@ std::unique_ptr<RecordingWriter> open_recording(const Rig& rig, const Backend& b
                                            std::move(recording));
 }
 
+/// What a PLC's tool reads of the drive; nothing is served.
+int write_eds(const ServeOptions& options) {
+  const Rig rig = read_with_options(options);
+  if (!rig.serve->drive)
+    throw InputError(options.config +
+                     ": serve.drive: found nothing, expected the drive's interface and node_id (docs/drive.md)");
+  OutputFiles().reads("CONFIG", options.config).writes("--eds", options.eds, ResultKind::eds);
+  std::ofstream file(options.eds, std::ios::binary);
+  file << drive_eds(rig);
+  if (!file.flush()) throw InputError(options.eds + ": cannot be written, expected a file in a folder that is there");
+  return 0;
+}
+
 /// What is to be told at the end. True: the recording is whole.
 bool close_all(const Rig& rig, const Backend& backend, const RunOutcome& outcome, RecordingWriter* writer) {
   for (const std::string& note : backend.notes()) std::cerr << note << "\n";
@@ -89,6 +106,7 @@ bool close_all(const Rig& rig, const Backend& backend, const RunOutcome& outcome
 }
 
 int serve(const ServeOptions& options) {
+  if (!options.eds.empty()) return write_eds(options);
   const Rig rig = read_with_options(options);
   const bool real_time = options.real_time();
   heed_axis(options, rig);
@@ -103,10 +121,14 @@ int serve(const ServeOptions& options) {
   const auto series = series_of(options, *rig.serve, stem);
   const auto link = std::make_unique<CommandLink>();
   const std::filesystem::path socket = socket_of(options);
+  const auto drive = rig.serve->drive ? std::make_unique<ServedDrive>(rig) : nullptr;
   CommandServer server(rig, socket, *link, series.get(), [](const std::string& line) { std::cerr << line + "\n"; });
   const auto writer =
       open_recording(rig, *backend, machine_facts(session ? &session->state() : nullptr), real_time, series);
+  if (drive) server.add(drive->commander());
   server.start();
+  if (drive) drive->start();
+  if (drive) std::cerr << fmt::format("a CiA 402 drive is {}\n", drive->name());
   std::cerr << fmt::format("commands at {}; nothing moves before the command enable; Ctrl-C ends\n", socket.string());
   const RunOutcome outcome = run_loop(rig, *backend,
                                       {.real_time = real_time,
@@ -132,6 +154,8 @@ void add_serve(CLI::App& app, int& status) {
                    "Unix socket for commands [default: CONFIG's name.sock in $RUNTIME_DIRECTORY or "
                    "$XDG_RUNTIME_DIR/pneuservo]");
   verb->add_option("--record", o->record, "folder for recordings: files of serve.part_s, the oldest go");
+  verb->add_option("--eds", o->eds, "write the EDS of the drive (serve.drive) into FILE, serve nothing")
+      ->type_name("FILE");
   verb->footer(
       "In one terminal, and then in another:\n"
       "  pneuservo serve config/served/cylinder-10m-7.65mm.yaml --socket axis.sock\n"

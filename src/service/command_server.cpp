@@ -48,6 +48,11 @@ CommandServer::~CommandServer() {
   std::filesystem::remove(path_, error);
 }
 
+void CommandServer::add(LocalCommander& commander) {
+  commander.number_ = ++numbers_;
+  local_commander_ = &commander;
+}
+
 void CommandServer::start() {
   thread_ = std::jthread([this](const std::stop_token& ends) { serve(ends); });
 }
@@ -59,6 +64,7 @@ void CommandServer::serve(const std::stop_token& ends) {
     wait();
     take_status();
     take_answers();
+    take_local_words();
     if (!is_ready && status_.tick >= 0) notice_.ready(fmt::format("commands at {}", path_.string()));
     is_ready = status_.tick >= 0;
     notice_.alive(status_.tick);
@@ -81,12 +87,14 @@ void CommandServer::wait() {
   std::vector<pollfd> polled{{local_.number(), POLLIN, 0}};
   if (tcp_) polled.push_back({tcp_.number(), POLLIN, 0});
   const std::size_t listeners = polled.size();
+  if (local_commander_ != nullptr) polled.push_back({local_commander_->wake_.number(), POLLIN, 0});
+  const std::size_t before_clients = polled.size();
   for (const Client& client : clients_)
     polled.push_back(
         {client.descriptor.number(), static_cast<short>(client.out.empty() ? POLLIN : POLLIN | POLLOUT), 0});
-  const bool busy = !asked_.empty() || owed_ != CommandKind::none;
+  const bool busy = local_commander_ != nullptr || !asked_.empty() || owed_ != CommandKind::none;
   if (poll(polled.data(), polled.size(), busy ? busy_ms : idle_ms) <= 0) return;
-  std::size_t i = listeners;
+  std::size_t i = before_clients;
   for (Client& client : clients_)
     if ((polled[i++].revents & (POLLIN | POLLHUP | POLLERR)) != 0) receive(client);
   if (polled[0].revents != 0) accept_from(local_);
@@ -157,26 +165,59 @@ void CommandServer::handle(Client& client, const std::string& line) {
 }
 
 void CommandServer::command(Client& client, const Request& request) {
-  AxisCommand command = request.command;
+  switch (pass_on(request.command, {client.number, request.id, 0, 0})) {
+    case CommandResult::other_commander:
+      return put(client, error_line(request.id, fmt::format("the axis is commanded by {}, expected one commander: it "
+                                                            "has to release the axis or end first",
+                                                            commander_name())));
+    case CommandResult::too_many:
+      return put(client, error_line(request.id, fmt::format("{} commands are without an answer, expected fewer: wait "
+                                                            "for answers",
+                                                            asked_.size())));
+    default: break;
+  }
+}
+
+CommandResult CommandServer::pass_on(AxisCommand command, Asked asked) {
   const bool takes = needs_command(command.kind);
-  if (takes && commander_ != 0 && commander_ != client.number)
-    return put(client, error_line(request.id, fmt::format("the axis is commanded by {}, expected one commander: it has "
-                                                          "to release the axis or end first",
-                                                          commander_name())));
-  if (asked_.size() >= most_unanswered)
-    return put(client, error_line(request.id, fmt::format("{} commands are without an answer, expected fewer: wait for "
-                                                          "answers",
-                                                          asked_.size())));
+  if (takes && commander_ != 0 && commander_ != asked.client) return CommandResult::other_commander;
   take_status();
   command.number = ++commands_;
-  if (!link_.commands.push(command))
-    return put(client, error_line(request.id, "the loop takes no commands now, expected it to run"));
-  asked_[command.number] = {client.number, request.id, status_.tick};
+  if (asked_.size() >= most_unanswered || !link_.commands.push(command)) return CommandResult::too_many;
+  asked.tick = status_.tick;
   if (takes && commander_ == 0) {
-    commander_ = client.number;
+    commander_ = asked.client;
     last_motion_ = CommandKind::none;
   }
   if (is_motion(command.kind)) last_motion_ = command.kind;
+  asked_[command.number] = std::move(asked);
+  return CommandResult::taken;
+}
+
+void CommandServer::take_local_words() {
+  if (local_commander_ == nullptr) return;
+  LocalCommander& local = *local_commander_;
+  std::uint64_t wakes = 0;
+  [[maybe_unused]] const ssize_t count = read(local.wake_.number(), &wakes, sizeof wakes);
+  for (CommanderWord word; local.words_.pop(word);) {
+    const bool has_axis = commander_ == local.number_;
+    switch (word.kind) {
+      case CommanderWord::Kind::command: {
+        Asked asked;
+        asked.client = local.number_;
+        asked.number = word.command.number;
+        const CommandResult result = pass_on(word.command, std::move(asked));
+        if (result != CommandResult::taken) local.answers_.push({word.command.number, result, status_.tick});
+        break;
+      }
+      case CommanderWord::Kind::release:
+        if (has_axis) commander_ = 0;
+        break;
+      case CommanderWord::Kind::lost:
+        if (has_axis) lose_commander("is gone");
+        break;
+    }
+  }
 }
 
 /// Commands of the server's own, which nobody waits for.
@@ -193,6 +234,11 @@ void CommandServer::take_answers() {
   for (AxisAnswer answer; link_.answers.pop(answer);) {
     const auto asked = asked_.find(answer.number);
     if (asked == asked_.end()) continue;
+    if (local_commander_ != nullptr && asked->second.client == local_commander_->number_) {
+      AxisAnswer own = answer;
+      own.number = asked->second.number;
+      local_commander_->answers_.push(own);
+    }
     for (Client& client : clients_) {
       if (client.number != asked->second.client) continue;
       client.obeyed = client.obeyed || answer.result == CommandResult::taken;
@@ -205,6 +251,7 @@ void CommandServer::take_answers() {
 void CommandServer::take_status() {
   AxisStatus now = status_;
   if (!link_.status.take(now)) return;
+  if (local_commander_ != nullptr) local_commander_->status_.post(now);
   if (now.state != status_.state)
     say_(fmt::format("{:.3f} s: {}", now.t_s, supervisor_state_names[static_cast<std::size_t>(now.state)]));
   if (now.faults != 0 && status_.faults == 0)
@@ -267,6 +314,8 @@ void CommandServer::lose_commander(const std::string& why) {
 }
 
 std::string CommandServer::commander_name() const {
+  if (local_commander_ != nullptr && commander_ == local_commander_->number_ && commander_ != 0)
+    return local_commander_->name_;
   for (const Client& client : clients_)
     if (client.number == commander_) return client.name;
   return {};

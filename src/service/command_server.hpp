@@ -16,13 +16,14 @@
 
 #include "record/series.hpp"
 #include "service/descriptor.hpp"
+#include "service/local_commander.hpp"
 #include "service/protocol.hpp"
 #include "service/service_notice.hpp"
 
 namespace pneuservo {
 
-/// One thread of ordinary priority for all connections. The first that commands is the commander until it releases or
-/// ends; the others may look, stop, disable and mark.
+/// One thread of ordinary priority for all connections and for a commander in this program. The first that commands is
+/// the commander until it releases or ends; the others may look, stop, disable and mark.
 class CommandServer {
  public:
   static constexpr std::size_t most_clients = 16;
@@ -37,6 +38,8 @@ class CommandServer {
   ~CommandServer();
   CommandServer(const CommandServer&) = delete;
   CommandServer& operator=(const CommandServer&) = delete;
+  /// Before start(): another commander, which lives at least as long as the server.
+  void add(LocalCommander& commander);
   void start();
 
  private:
@@ -54,6 +57,7 @@ class CommandServer {
     std::uint64_t client = 0;
     nlohmann::json id;
     std::int64_t tick = 0;  // the last that was over when it came
+    std::uint64_t number = 0;  // of a local commander's command
   };
 
   void serve(const std::stop_token& ends);
@@ -62,6 +66,8 @@ class CommandServer {
   void receive(Client& client);
   void handle(Client& client, const std::string& line);
   void command(Client& client, const Request& request);
+  CommandResult pass_on(AxisCommand command, Asked asked);
+  void take_local_words();
   void post_owed();
   void take_answers();
   void take_status();
@@ -82,6 +88,7 @@ class CommandServer {
   ServiceNotice notice_;
   Descriptor local_, tcp_;
   std::list<Client> clients_;
+  LocalCommander* local_commander_ = nullptr;
   std::map<std::uint64_t, Asked> asked_;  // by number of command
   CommandKind owed_ = CommandKind::none, last_motion_ = CommandKind::none;
   std::uint64_t commands_ = 0, numbers_ = 0, commander_ = 0;

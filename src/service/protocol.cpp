@@ -21,6 +21,9 @@ using nlohmann::json;
 
 static_assert(static_cast<std::uint32_t>(CommandKind::mark) == RecordingSeries::mark_command);
 
+/// Of a stream: what a bus or a program can keep up, and beyond which set points are moves.
+constexpr double shortest_interval_s = 1e-4, longest_interval_s = 1.0;
+
 constexpr std::array<std::string_view, 3> other_requests{"status", "watch", "release"};
 
 std::vector<std::string> known_requests() {
@@ -35,6 +38,7 @@ std::vector<std::string_view> keys_of(std::string_view command) {
   if (command == "move_by") return {"way_m", "speed_mps"};
   if (command == "jog") return {"speed_mps"};
   if (command == "watch") return {"interval_s"};
+  if (command == "follow") return {"position_m", "interval_s"};
   return {};
 }
 
@@ -90,10 +94,13 @@ double RequestReader::number(const json& line, const char* key, double lowest, d
 AxisCommand RequestReader::motion(const json& line, CommandKind kind) const {
   AxisCommand command{kind};
   const double slowest_mps = 1e-3 * speed_mps_, range_m = highest_m_ - lowest_m_;
-  if (kind == CommandKind::move_to) command.position_m = number(line, "position_m", lowest_m_, highest_m_);
+  if (kind == CommandKind::move_to || kind == CommandKind::follow)
+    command.position_m = number(line, "position_m", lowest_m_, highest_m_);
   if (kind == CommandKind::move_by) command.position_m = number(line, "way_m", -range_m, range_m);
   if (kind == CommandKind::move_to || kind == CommandKind::move_by)
     command.speed_mps = number(line, "speed_mps", slowest_mps, speed_mps_, speed_mps_);
+  if (kind == CommandKind::follow)
+    command.interval_s = number(line, "interval_s", shortest_interval_s, longest_interval_s);
   if (kind != CommandKind::jog) return command;
   command.speed_mps = number(line, "speed_mps", -speed_mps_, speed_mps_);
   if (std::fabs(command.speed_mps) < slowest_mps)
@@ -168,6 +175,7 @@ nlohmann::ordered_json status_json(const AxisStatus& s, double period_s, std::st
       {"v_ref_mps", number_or_null(active ? s.v_ref_mps : std::nan(""))},
       {"target_m", number_or_null(active ? s.target_m : std::nan(""))},
       {"ends_s", number_or_null(active ? static_cast<double>(s.end_tick) * period_s : std::nan(""))},
+      {"late", s.is_late},
       {"u_V", number_or_null(s.u_V)},
       {"faults", faults},
       {"commander", commander.empty() ? json(nullptr) : json(commander)},

@@ -195,3 +195,64 @@ TEST_CASE("random commands: no fault, within limits, and what was obeyed replays
     REQUIRE(axis.rows()[i].u_V == again.rows()[i].u_V);
   }
 }
+
+TEST_CASE("a stream of set points moves the axis, rests when it stops, and replays bit for bit") {
+  const Rig rig = served_rig();
+  Axis axis(rig);
+  axis.enable();
+  axis.ask(move_to(0.0, 0.4));  // proves the start
+  axis.ask(move_to(0.03, 0.1));
+  axis.run(300);
+  // Set points while it still moves wait for rest; every 10 ticks one more comes.
+  double set_point_m = 0.0;
+  for (int i = 0; i < 400; ++i) {
+    set_point_m = 0.03 + 0.05 * std::sin(0.01 * 3.0 * i);
+    AxisCommand follow{CommandKind::follow, set_point_m};
+    follow.interval_s = 0.01;
+    REQUIRE(axis.ask(follow).result == CommandResult::taken);
+    axis.run(9);
+  }
+  AxisCommand outside{CommandKind::follow, 0.2};
+  outside.interval_s = 0.01;
+  CHECK(axis.ask(outside).result == CommandResult::outside);
+  CHECK(axis.loop().faults() == 0);
+  axis.run(1500);
+  CHECK(axis.rows().back().x_ref_m == Approx(set_point_m).margin(1e-12));
+  CHECK(axis.rows().back().v_ref_mps == 0.0);
+  CHECK(axis.rows().back().x_true_m == Approx(set_point_m).margin(1e-3));
+  // Moves go on from there; in the midst of a stream, too.
+  AxisCommand follow{CommandKind::follow, set_point_m + 0.002};
+  follow.interval_s = 0.02;
+  axis.ask(follow);
+  axis.run(30);
+  CHECK(axis.ask(move_to(-0.05)).target_m == Approx(-0.05));
+  axis.run(2500);
+  CHECK(axis.rows().back().x_ref_m == Approx(-0.05).margin(1e-12));
+  axis.ask(move_to(0.05));
+  axis.run(2500);
+  CHECK(axis.rows().back().x_ref_m == 0.05);
+  CHECK(axis.loop().faults() == 0);
+  double last_mps = 0.0;
+  for (const Row& row : axis.rows()) {
+    if (!std::isfinite(row.v_ref_mps)) continue;
+    REQUIRE(std::fabs(row.v_ref_mps) <= rig.reference.speed_mps * (1.0 + 1e-9));
+    REQUIRE(std::fabs(row.v_ref_mps - last_mps) <= rig.reference.acceleration_mps2 * rig.period_s * (1.0 + 1e-6));
+    last_mps = row.v_ref_mps;
+  }
+  Axis again(rig);
+  for (const Row& row : axis.rows()) {
+    if (row.command_kind == 0) {
+      again.run(1);
+      continue;
+    }
+    AxisCommand command{static_cast<CommandKind>(row.command_kind), row.command_m, row.command_mps};
+    command.interval_s = row.command_s;
+    REQUIRE(again.ask(command).result == CommandResult::taken);
+  }
+  REQUIRE(again.rows().size() == axis.rows().size());
+  for (std::size_t i = 0; i < axis.rows().size(); ++i) {
+    REQUIRE(std::bit_cast<std::uint64_t>(axis.rows()[i].x_ref_m) ==
+            std::bit_cast<std::uint64_t>(again.rows()[i].x_ref_m));
+    REQUIRE(axis.rows()[i].u_V == again.rows()[i].u_V);
+  }
+}

@@ -24,25 +24,37 @@ enum class CommandKind : std::uint32_t {
   hold,     ///< the same, but the target is kept for `resume`
   resume,
   mark,     ///< nothing but a mark in the recording
+  follow,   ///< the next set point of a stream
 };
-inline constexpr std::array<std::string_view, 11> command_kind_names{
-    "none", "enable", "disable", "reset", "move_to", "move_by", "jog", "stop", "hold", "resume", "mark"};
+inline constexpr std::array<std::string_view, 12> command_kind_names{
+    "none", "enable", "disable", "reset", "move_to", "move_by", "jog", "stop", "hold", "resume", "mark", "follow"};
 
 /// Whether it asks for a motion.
 constexpr bool is_motion(CommandKind kind) noexcept {
-  return kind >= CommandKind::move_to && kind <= CommandKind::resume;
+  return (kind >= CommandKind::move_to && kind <= CommandKind::resume) || kind == CommandKind::follow;
 }
 
 struct AxisCommand {
   CommandKind kind = CommandKind::none;
-  double position_m = 0.0;  ///< target of move_to, way of move_by
+  double position_m = 0.0;  ///< target of move_to and follow, way of move_by
   double speed_mps = 0.0;   ///< of moves and, with its sign, of jog
   std::uint64_t number = 0; ///< comes back with the answer
+  double interval_s = 0.0;  ///< of follow: until the next set point comes
 };
 
 /// How a command ended. Each has one sentence.
-enum class CommandResult : std::uint8_t { taken, not_enabled, in_fault, no_fault, is_enabled, outside, nothing_held };
-inline constexpr std::array<std::string_view, 7> command_result_texts{
+enum class CommandResult : std::uint8_t {
+  taken,
+  not_enabled,
+  in_fault,
+  no_fault,
+  is_enabled,
+  outside,
+  nothing_held,
+  other_commander,
+  too_many,
+};
+inline constexpr std::array<std::string_view, 9> command_result_texts{
     "taken",
     "the axis is not enabled: nothing moves before the command enable",
     "a fault is latched: mend its cause, then the commands reset and enable",
@@ -50,6 +62,8 @@ inline constexpr std::array<std::string_view, 7> command_result_texts{
     "the axis is enabled already",
     "the target is outside of reference.lowest_m to reference.highest_m",
     "no move was held: there is nothing to resume",
+    "another commander has the axis: it has to release the axis or end first",
+    "too many commands are without an answer: wait for answers",
 };
 constexpr std::string_view text_of(CommandResult result) noexcept {
   return command_result_texts[static_cast<std::size_t>(result)];
@@ -63,6 +77,13 @@ struct AxisAnswer {
   std::int64_t end_tick = 0;   ///< from which on the set point rests
 };
 
+/// What a commander in this program says to whoever arbitrates: a command, that it gives the axis back, or that
+/// whoever stood behind it is gone.
+struct CommanderWord {
+  enum class Kind : std::uint8_t { command, release, lost } kind = Kind::command;
+  AxisCommand command;
+};
+
 /// After each tick.
 struct AxisStatus {
   std::int64_t tick = -1;
@@ -72,8 +93,11 @@ struct AxisStatus {
   bool proven = false;   ///< the start is: until then moves are slow
   std::uint64_t faults = 0, first_faults = 0;
   PerSignal<double> measured;  ///< NaN: no valid sample
+  double v_mps = 0.0;  ///< as the law sees it
   double x_ref_m = 0.0, v_ref_mps = 0.0, target_m = 0.0;
   std::int64_t end_tick = 0;
+  bool is_late = false;  ///< the set points of a stream are faster than the limits
+  double stream_delay_s = 0.0;  ///< from a set point of a stream to the axis' own
   double u_V = 0.0;
 };
 

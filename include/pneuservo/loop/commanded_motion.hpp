@@ -5,30 +5,39 @@
 #include <cstdint>
 
 #include <pneuservo/control/live_planner.hpp>
+#include <pneuservo/control/set_point_stream.hpp>
 #include <pneuservo/loop/approach.hpp>
 #include <pneuservo/loop/axis_command.hpp>
 
 namespace pneuservo {
 
-/// Commands into plans. Until the start is proven moves go as slowly as an approach. All of it but configure is HOT.
+/// Commands into plans, set points of a stream into one motion. Until the start is proven moves go as slowly as an
+/// approach. A stream takes over from the planner at rest and gives back at rest; commands in between are obeyed by the
+/// stream's own line. All of it but configure is HOT.
 class CommandedMotion {
  public:
-  void configure(const LiveLimits& limits, double period_s) noexcept { planner_.configure(limits, period_s); }
+  /// `lead_s`: how far ahead the law looks.
+  void configure(const LiveLimits& limits, double period_s, double lead_s) {
+    planner_.configure(limits, period_s);
+    stream_.configure(limits, period_s, lead_s);
+    period_s_ = period_s;
+  }
   /// Rests there.
   void start(std::int64_t tick, double position_m) noexcept {
     planner_.start(tick, position_m);
     moving_ = held_ = false;
     proven_ = false;
-    jogs_ = false;
+    jogs_ = streams_ = comes_ = false;
   }
-  /// False: the planner has no room yet; ask again in the next tick. Else `result` says what became of it.
+  /// False: the planner has no room yet; ask again in the next tick. Else `result` says what became of it. The line
+  /// of the planner jumps at the tick before: that set point has gone out, the one of `tick` is the first to change.
   bool obey(const AxisCommand& command, std::int64_t tick, CommandResult& result) noexcept {
     result = CommandResult::taken;
+    if (command.kind != CommandKind::follow) comes_ = false;
     switch (command.kind) {
       case CommandKind::move_to: return move(command.position_m, command.speed_mps, tick, result);
       case CommandKind::move_by:
-        return move((jogs_ ? planner_.at(tick).d[0] : planner_.target_m()) + command.position_m, command.speed_mps,
-                    tick, result);
+        return move((jogs_ ? at(tick - 1).d[0] : target_m()) + command.position_m, command.speed_mps, tick, result);
       case CommandKind::jog: return jog(command.speed_mps, tick);
       case CommandKind::hold:
         if (!stop(tick)) return false;
@@ -37,43 +46,94 @@ class CommandedMotion {
       case CommandKind::resume:
         if (!held_) result = CommandResult::nothing_held;
         return !held_ || move(wanted_m_, wanted_mps_, tick, result);
+      case CommandKind::follow: return follow(command, tick, result);
       default:
         if (!stop(tick)) return false;
         moving_ = held_ = jogs_ = false;
         return true;
     }
   }
-  /// Once a tick, before the set points. From the proof of the start on moves have their full speed.
+  /// Once a tick, before commands. From the proof of the start on moves have their full speed.
   void pass(std::int64_t tick, bool proven) noexcept {
     planner_.pass(tick);
-    if (proven && !proven_) proven_ = held_ || !moving_ || planner_.move_to(tick, wanted_m_, wanted_mps_);
-    moving_ = moving_ && (held_ || tick < planner_.end_tick());
+    if (proven && !proven_) proven_ = held_ || !moving_ || streams_ || planner_.move_to(tick, wanted_m_, wanted_mps_);
+    moving_ = moving_ && (held_ || tick < end_tick());
+    if (comes_ && tick > planner_.end_tick()) begin_stream(tick);
   }
-  ReferencePoint at(std::int64_t tick, double ahead) const noexcept { return planner_.at(tick, ahead); }
+  /// Once a tick, after commands: the set point of the tick.
+  void advance(std::int64_t tick) noexcept {
+    if (!streams_) return;
+    stream_.advance(tick, proven_ ? planner_.limits().speed_mps : Approach::speed_mps);
+    if (!stream_.rests()) return;
+    planner_.start(tick, stream_.target_m());
+    streams_ = false;
+  }
+  /// Of the tick of the last advance(), and ahead of it by nothing or by the law's lead (in periods).
+  ReferencePoint at(std::int64_t tick, double ahead = 0.0) const noexcept {
+    if (!streams_) return planner_.at(tick, ahead);
+    return ahead > 0.0 ? stream_.ahead() : stream_.now();
+  }
+  double target_m() const noexcept { return streams_ ? stream_.target_m() : planner_.target_m(); }
+  /// Tick from which on the set point rests.
+  std::int64_t end_tick() const noexcept { return streams_ ? stream_.end_tick() : planner_.end_tick(); }
+  /// The set points of a stream are faster than the limits.
+  bool is_late() const noexcept { return streams_ && stream_.is_late(); }
   const LivePlanner& planner() const noexcept { return planner_; }
+  const SetPointStream& stream() const noexcept { return stream_; }
 
  private:
   double held(double speed_mps) const noexcept {
     return proven_ ? speed_mps : std::min(speed_mps, Approach::speed_mps);
   }
+  bool is_inside(double target_m) const noexcept {
+    return target_m >= planner_.limits().lowest_m && target_m <= planner_.limits().highest_m;
+  }
   bool move(double target_m, double speed_mps, std::int64_t tick, CommandResult& result) noexcept {
-    const LiveLimits& limits = planner_.limits();
-    if (!(target_m >= limits.lowest_m && target_m <= limits.highest_m)) {
+    if (!is_inside(target_m)) {
       result = CommandResult::outside;
       return true;
     }
-    if (!planner_.move_to(tick, target_m, held(speed_mps))) return false;
+    if (streams_) stream_.go_at(target_m, held(speed_mps));
+    else if (!planner_.move_to(tick - 1, target_m, held(speed_mps))) return false;
     wanted(target_m, speed_mps);
     jogs_ = false;
     return true;
   }
   bool jog(double speed_mps, std::int64_t tick) noexcept {
-    if (!planner_.jog(tick, std::copysign(held(std::fabs(speed_mps)), speed_mps))) return false;
-    wanted(planner_.target_m(), std::fabs(speed_mps));
+    const LiveLimits& limits = planner_.limits();
+    const double speed = held(std::fabs(speed_mps));
+    if (streams_) stream_.go_at(speed_mps > 0.0 ? limits.highest_m : limits.lowest_m, speed);
+    else if (!planner_.jog(tick - 1, std::copysign(speed, speed_mps))) return false;
+    wanted(target_m(), std::fabs(speed_mps));
     jogs_ = true;
     return true;
   }
-  bool stop(std::int64_t tick) noexcept { return planner_.stop(tick); }
+  bool stop(std::int64_t tick) noexcept {
+    if (streams_) stream_.halt();
+    return streams_ || planner_.stop(tick - 1);
+  }
+  // An axis that still moves comes to rest first.
+  bool follow(const AxisCommand& command, std::int64_t tick, CommandResult& result) noexcept {
+    if (!is_inside(command.position_m)) {
+      result = CommandResult::outside;
+      return true;
+    }
+    if (!streams_ && !comes_ && tick <= planner_.end_tick() && !planner_.stop(tick - 1)) return false;
+    next_m_ = command.position_m;
+    interval_ = std::max<std::int64_t>(std::llround(command.interval_s / period_s_), 1);
+    moving_ = held_ = jogs_ = false;
+    if (streams_) stream_.go(next_m_, interval_);
+    else comes_ = true;
+    if (comes_ && tick > planner_.end_tick()) begin_stream(tick);
+    return true;
+  }
+  void begin_stream(std::int64_t tick) noexcept {
+    comes_ = false;
+    if (next_m_ == planner_.target_m()) return;
+    stream_.start(tick - 1, planner_.target_m());
+    stream_.go(next_m_, interval_);
+    streams_ = true;
+  }
   void wanted(double target_m, double speed_mps) noexcept {
     wanted_m_ = target_m;
     wanted_mps_ = speed_mps;
@@ -82,8 +142,12 @@ class CommandedMotion {
   }
 
   LivePlanner planner_;
+  SetPointStream stream_;
+  double period_s_ = 1e-3;
   bool proven_ = false, moving_ = false, held_ = false, jogs_ = false;
-  double wanted_m_ = 0.0, wanted_mps_ = 0.0;
+  bool streams_ = false, comes_ = false;  // a stream moves the axis; its first set point waits for rest
+  double wanted_m_ = 0.0, wanted_mps_ = 0.0, next_m_ = 0.0;
+  std::int64_t interval_ = 1;
 };
 
 }  // namespace pneuservo

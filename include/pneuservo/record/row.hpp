@@ -60,7 +60,9 @@ enum RowFlag : std::uint32_t {
   /* CommandKind (loop/axis_command.hpp) that was obeyed in this tick, its target or way, its speed */                 \
   COLUMN(std::uint32_t, command_kind, 0, static_cast<std::uint32_t>(obeyed_))                                          \
   COLUMN(double, command_m, none, known(commanded, command_.position_m))                                               \
-  COLUMN(double, command_mps, none, known(commanded, command_.speed_mps))
+  COLUMN(double, command_mps, none, known(commanded, command_.speed_mps))                                              \
+  /* until the next set point of a stream */                                                                           \
+  COLUMN(double, command_s, none, known(commanded, command_.interval_s))
 
 /// Plain data, copied through the ring. NaN means "no value" and is written as an empty field.
 struct Row {

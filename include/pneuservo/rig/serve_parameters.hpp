@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -17,6 +18,24 @@ enum class CommanderLost {
 };
 inline constexpr std::array<std::string_view, 3> commander_lost_names{"finish", "stop", "safe"};
 
+/// The axis as a drive on a CAN bus (docs/drive.md).
+struct CanDriveParameters {
+  std::string interface;
+  std::uint32_t node_id = 1;
+  double bit_rate_bps = 1e6;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    v(Field{"interface", "", 0, 0,
+            "bus of the PLC: can1 (SocketCAN), slcan:/dev/ttyACM1 (serial adapter), unix:PATH (local socket); not the "
+            "one of hal.can"},
+      p.interface...);
+    v(Field{"node_id", "-", 1, 127, "CANopen node number of the drive"}, p.node_id...);
+    v(Field{"bit_rate_bps", "1/s", 10000, 1000000, "bit rate of the bus, bits per second; told to a serial adapter",
+            optional},
+      p.bit_rate_bps...);
+  }
+};
+
 struct ServeParameters {
   CommanderLost commander_lost = CommanderLost::stop;
   double commander_silent_s = 0.0;
@@ -25,6 +44,7 @@ struct ServeParameters {
   double recordings_MB = 1000.0;
   double kept_MB = 1000.0;
   double around_s = 10.0;
+  std::optional<CanDriveParameters> drive;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"commander_lost", "", 0, 0, "when the commander is gone: finish the move, stop, or safe output at once",
@@ -44,6 +64,7 @@ struct ServeParameters {
       p.kept_MB...);
     v(Field{"around_s", "s", 0, 3600, "so long before and after a fault or mark the recording is kept", optional},
       p.around_s...);
+    v(Field{"drive", "", 0, 0, "the axis as a CiA 402 drive on a CAN bus", optional}, p.drive...);
   }
 };
 

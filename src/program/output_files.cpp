@@ -56,6 +56,7 @@ std::string_view name_of(ResultKind kind) {
     case ResultKind::config: return "config that this program wrote";
     case ResultKind::import_section: return "result of import";
     case ResultKind::zeros: return "file of zeros";
+    case ResultKind::picture: return "picture of an unknown";
     case ResultKind::commission: break;
   }
   return "commissioning";
@@ -82,6 +83,7 @@ bool is_older_result(const std::string& path, ResultKind kind) {
     case ResultKind::config: return head.find(dumped_rig_mark) != std::string::npos;
     case ResultKind::import_section: return head.starts_with(import_mark);
     case ResultKind::zeros: return head.starts_with("# Zeros of ");
+    case ResultKind::picture: return head.starts_with("# Missing: ");
     case ResultKind::commission: break;
   }
   return head.starts_with("# Commissioning of ");

@@ -340,8 +340,9 @@ void take_refuted_names(const LatentJudgement& judgement, const Search& search, 
   std::vector<std::string> names;
   for (const std::size_t m : decision.chosen->members) names.push_back(search.candidates()[m].name);
   decision.verdict = Verdict::unknown;
-  decision.reason = fmt::format("{} with a free function beside it is {:.0f} in log evidence behind a free function at {}",
-                                fmt::join(names, " and "), -judgement.ahead, judgement.owner.inputs.front().input.element);
+  decision.reason = fmt::format("{} is {:.0f} in log evidence behind a free function of time at {}, and adds {:.0f} to it",
+                                fmt::join(names, " and "), -judgement.names_ahead,
+                                judgement.owner.inputs.front().input.element, judgement.names_bring);
 }
 
 /// What free functions say, and of an unknown its picture; the courses are there already.

@@ -18,7 +18,9 @@ double with_best(const LatentRanking& ranking) {
 
 }  // namespace
 
-bool LatentJudgement::refutes_names() const { return named.has_value() && ahead < -clearly_behind; }
+bool LatentJudgement::refutes_names() const {
+  return named.has_value() && names_ahead < -clearly_behind && names_bring < clearly_behind;
+}
 
 LatentJudgement judge_by_latents(FittedRows& rows, const Decision& decision, const Search& search) {
   LatentJudgement out;
@@ -29,8 +31,12 @@ LatentJudgement judge_by_latents(FittedRows& rows, const Decision& decision, con
     out.owner = ranked_again(rows, out.owner);
   if (decision.chosen->members.empty()) return out;
   out.named = rank_latents(rows, *decision.chosen, with_best(out.owner));
-  if (out.named->fit.failed) out.named.reset();
-  else out.ahead = with_best(*out.named) - with_best(out.owner);
+  if (out.named->fit.failed) {
+    out.named.reset();
+    return out;
+  }
+  out.names_ahead = out.named->log_evidence - with_best(out.owner);
+  out.names_bring = with_best(*out.named) - with_best(out.owner);
   return out;
 }
 

@@ -11,11 +11,12 @@ namespace pneuservo {
 struct LatentJudgement {
   LatentRanking owner;                 ///< functions beside the owner's model
   std::optional<LatentRanking> named;  ///< and beside the verdict's names
-  /// Log evidence by which the names with the best function beside them are ahead of the best function alone.
-  double ahead = 0;
+  double names_ahead = 0;  ///< log evidence of the names alone over that of the best function beside the owner's model
+  double names_bring = 0;  ///< of names and a function over that of the best function: what the names add to it
 
   bool is_there() const { return !owner.inputs.empty(); }
-  /// The names are clearly behind a function that anything may have.
+  /// The names alone are clearly behind a function that anything may have, and add nothing to one. A right name beside
+  /// a background may be behind, but adds much; one that only bends what is missing adds nothing.
   bool refutes_names() const;
 };
 

@@ -59,7 +59,6 @@ LatentRanking ranked_again(FittedRows& rows, const LatentRanking& ranking) {
   const RankedLatent& best = ranking.inputs.front();
   LatentRanking out;
   out.fit = ranking.fit;
-  out.log_evidence = ranking.log_evidence;  // alone the fit stands best where it was
   out.fit.z = LatentEvidence(rows.model().rows(), ranking.fit).parameters_beside(best.input, best.fit);
   for (std::size_t i = 0; i < out.fit.parameters.size(); ++i) {
     double& z = out.fit.z(static_cast<Eigen::Index>(i));
@@ -68,6 +67,8 @@ LatentRanking ranked_again(FittedRows& rows, const LatentRanking& ranking) {
   out.fit.known_columns.clear();
   linearise(rows, {&out.fit});
   if (out.fit.failed) return ranking;
+  // Alone the fit stands best where it was, or here where small physics has moved too.
+  out.log_evidence = std::max(ranking.log_evidence, LatentEvidence(rows.model().rows(), out.fit).without());
   add_inputs(rows, out);
   return out;
 }

@@ -15,10 +15,10 @@ using Lanes = Pack<double, imposed_lanes>;
 using Simulation = imposed::ImposedSimulation<Lanes>;
 using Sides = Pair<Lanes>;
 
-/// The undisturbed course: the plant as each group of bumps finds it, and its pressures in every bin.
+/// The undisturbed course: the plant as each group of bumps finds it, and its pressures at every sample.
 struct Undisturbed {
   std::vector<AxisPlant<Lanes>> at_group;
-  PerSignal<std::vector<double>> means;
+  GasCourse course;
 };
 
 class BumpRuns {
@@ -35,7 +35,7 @@ class BumpRuns {
 
   void run_undisturbed() {
     Simulation simulation(inputs_, runs_, grid_, stop_);
-    for (const Signal signal : pressure_signals) undisturbed_.means[signal].assign(bins_, 0.0);
+    for (const Signal signal : pressure_signals) undisturbed_.course[signal].resize(inputs_.samples());
     simulation.begin();
     std::size_t group = 0;
     for (std::size_t k = 0;; ++k) {
@@ -43,11 +43,8 @@ class BumpRuns {
         undisturbed_.at_group.push_back(simulation.plant());
         ++group;
       }
-      if (k / bin_ < bins_) {
-        const PerSignal<Lanes> values = true_values(simulation.plant());
-        for (const Signal signal : pressure_signals)
-          undisturbed_.means[signal][k / bin_] += lane(values[signal], 0) / static_cast<double>(bin_);
-      }
+      const PerSignal<Lanes> values = true_values(simulation.plant());
+      for (const Signal signal : pressure_signals) undisturbed_.course[signal][k] = lane(values[signal], 0);
       if (k + 1 >= inputs_.samples()) return;
       simulation.advance(k, Sides(0));
       if (k % steps_between_looks == 0) look_for_stop(stop_);
@@ -64,19 +61,8 @@ class BumpRuns {
       Sides command(0);
       if (k <= all_over) command = impose(simulation.plant(), gas_inputs[input], first_bump, lanes, k);
       simulation.advance(k, command);
-      const std::size_t bin = (k + 1) / bin_;
-      if (bin < bins_) store(simulation.plant(), input, first_bump, lanes, bin);
+      if ((k + 1) / bin_ < bins_) store(simulation.plant(), input, first_bump, lanes, k + 1);
       if (k % steps_between_looks == 0) look_for_stop(stop_);
-    }
-    for (const Signal signal : pressure_signals) {
-      auto& columns = responses_[input][signal];
-      for (std::size_t i = 0; i < lanes; ++i)
-        for (std::size_t bin = start / bin_ + 1; bin < bins_; ++bin)
-          columns(static_cast<Eigen::Index>(bin), static_cast<Eigen::Index>(first_bump + i)) -=
-              undisturbed_.means[signal][bin];
-      columns.middleCols(static_cast<Eigen::Index>(first_bump), static_cast<Eigen::Index>(lanes)) /= bump_sizes[input];
-      columns.topRows(static_cast<Eigen::Index>(std::min(start / bin_ + 1, bins_))).middleCols(
-          static_cast<Eigen::Index>(first_bump), static_cast<Eigen::Index>(lanes)).setZero();
     }
   }
   std::array<BumpResponse, gas_inputs.size()> take() { return std::move(responses_); }
@@ -110,13 +96,16 @@ class BumpRuns {
     plant.set_disturbance(disturbance);
     return Sides(0);
   }
+  /// Adds sample k to its bin.
   void store(const AxisPlant<Lanes>& plant, std::size_t input, std::size_t first_bump, std::size_t lanes,
-             std::size_t bin) {
+             std::size_t k) {
     const PerSignal<Lanes> values = true_values(plant);
+    const auto bin = static_cast<Eigen::Index>(k / bin_);
+    const double weight = 1 / (bump_sizes[input] * static_cast<double>(bin_));
     for (const Signal signal : pressure_signals)
       for (std::size_t i = 0; i < lanes; ++i)
-        responses_[input][signal](static_cast<Eigen::Index>(bin), static_cast<Eigen::Index>(first_bump + i)) +=
-            lane(values[signal], static_cast<int>(i)) / static_cast<double>(bin_);
+        responses_[input][signal](bin, static_cast<Eigen::Index>(first_bump + i)) +=
+            weight * (lane(values[signal], static_cast<int>(i)) - undisturbed_.course[signal][k]);
   }
 
   const ImposedInputs& inputs_;

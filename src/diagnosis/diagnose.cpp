@@ -340,9 +340,10 @@ void take_refuted_names(const LatentJudgement& judgement, const Search& search, 
   std::vector<std::string> names;
   for (const std::size_t m : decision.chosen->members) names.push_back(search.candidates()[m].name);
   decision.verdict = Verdict::unknown;
-  decision.reason = fmt::format("{} is {:.0f} in log evidence behind a free function of time at {}, and adds {:.0f} to it",
-                                fmt::join(names, " and "), -judgement.names_ahead,
-                                judgement.owner.inputs.front().input.element, judgement.names_bring);
+  decision.reason =
+      fmt::format("{} is {:.0f} in log evidence behind a free function of time at {}, and adds {:.0f} to it",
+                  fmt::join(names, " and "), -judgement.names_ahead, judgement.owner.inputs.front().input.element,
+                  judgement.names_bring);
 }
 
 /// What free functions say, and of an unknown its picture; the courses are there already.
@@ -365,7 +366,8 @@ void tell(const Rig& rig, ResidualModel& model, const Decision& decision, const 
   out.verdict = decision.verdict;
   if (search.grants_small_physics() && out.verdict == Verdict::consistent) add_small_physics(rig, decision, out);
   add_candidates(decision, search, out);
-  if (decision.verdict == Verdict::unknown) add_unknown(model, decision, search, options.rules,
+  if (decision.verdict == Verdict::unknown)
+    add_unknown(model, decision, search, options.rules,
                 element_probabilities(judgement.owner, options.rules.temperature), out);
   else if (decision.verdict != Verdict::consistent) {
     add_answers(decision, search, options.rules, out);

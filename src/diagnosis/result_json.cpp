@@ -85,7 +85,7 @@ Json coverage_json(const Coverage& coverage) {
 
 Json picture_json(const std::optional<UnknownPicture>& picture) {
   if (!picture) return nullptr;
-  return {{"element", picture->element}, {"what", picture->what},   {"unit", picture->unit},
+  return {{"element", picture->element},   {"what", picture->what},   {"unit", picture->unit},
           {"log_evidence", picture->gain}, {"level", picture->level}, {"words", picture->words}};
 }
 

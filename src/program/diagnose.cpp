@@ -240,8 +240,9 @@ std::vector<Recording> read_all(const DiagnoseVerbOptions& options, const Rig& r
 
 /// One row a point: when, what the machine did, what is missing with its standard deviation.
 void write_picture(const UnknownPicture& picture, const std::string& path) {
-  std::string text = fmt::format("# Missing: {} at {} [{}]; {}\nrecording,t_s,x_m,v_mps,u_V,p1_Pa,p2_Pa,missing,deviation\n",
-                                 picture.what, picture.element, picture.unit, picture.words);
+  std::string text =
+      fmt::format("# Missing: {} at {} [{}]; {}\nrecording,t_s,x_m,v_mps,u_V,p1_Pa,p2_Pa,missing,deviation\n",
+                  picture.what, picture.element, picture.unit, picture.words);
   for (const PicturePoint& p : picture.points)
     text += fmt::format("{},{:.4f},{:.6f},{:.5f},{:.5f},{:.1f},{:.1f},{:.6g},{:.6g}\n", p.recording + 1, p.time_s,
                         p.position_m, p.velocity_mps, p.command_V, p.p1_Pa, p.p2_Pa, p.mean, p.deviation);
@@ -305,8 +306,9 @@ void add_diagnose(CLI::App& app, int& status) {
   verb->add_option("--improved", options->improved, "config with what was found, for run and simulate");
   verb->add_option("--next-experiment", options->next_experiment,
                    "config of the recording that tells rivals apart, for run; it is also sought for --report");
-  verb->add_flag("--latent", options->latent,
-                 "a free function of time at each element: where an unknown sits, how it looks, how large it could hide");
+  verb->add_flag(
+      "--latent", options->latent,
+      "a free function of time at each element: where an unknown sits, how it looks, how large it could hide");
   verb->add_option("--picture", options->picture, "course of an unknown as CSV; with --latent");
   verb->add_option("--leave-out", options->left_out, "name that is not tried, for tools/ablation-trial")->group("");
   verb->add_option("--jobs", options->jobs, "threads; 0: all of the machine")->check(CLI::Range(0, 1024));

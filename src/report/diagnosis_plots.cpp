@@ -243,7 +243,7 @@ std::vector<Plot> unknown_plots(const UnknownPicture& picture) {
   struct Abscissa {
     const char *title, *unit;
     double factor;
-    double PicturePoint::*member;
+    double PicturePoint::* member;
   };
   constexpr std::array abscissas{Abscissa{"position", "mm", 1e3, &PicturePoint::position_m},
                                  Abscissa{"velocity", "mm/s", 1e3, &PicturePoint::velocity_mps},

@@ -16,7 +16,8 @@ namespace {
 constexpr std::size_t bin = 10;
 
 /// Change of a pressure in each bin between two rigs.
-Eigen::VectorXd change(const ImposedInputs& inputs, const Rig& from, const Rig& to, const PlantGrid& grid, Signal signal) {
+Eigen::VectorXd change(const ImposedInputs& inputs, const Rig& from, const Rig& to, const PlantGrid& grid,
+                       Signal signal) {
   const std::array<ImposedRun, 1> before{ImposedRun{&from, {}}}, after{ImposedRun{&to, {}}};
   const auto was = run_imposed(inputs, before, grid)[0][signal], is = run_imposed(inputs, after, grid)[0][signal];
   Eigen::VectorXd out = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(was.size() / bin));
@@ -50,13 +51,16 @@ TEST_CASE("gas bumps: all together are a change of the rig") {
     Rig other = rig;
     other.axis.effects.valve.valve_offset.offset_V = 2e-3;
     const double area_m2 = 2e-3 * rig.axis.valve.area_per_volt_m2_per_V;
-    CHECK(off(sum(GasInput::valve_area, Signal::p1_port, area_m2), change(inputs, rig, other, grid, Signal::p1_port)) < 0.1);
-    CHECK(off(sum(GasInput::valve_area, Signal::p2_port, -area_m2), change(inputs, rig, other, grid, Signal::p2_port)) < 0.1);
+    CHECK(off(sum(GasInput::valve_area, Signal::p1_port, area_m2), change(inputs, rig, other, grid, Signal::p1_port)) <
+          0.1);
+    CHECK(off(sum(GasInput::valve_area, Signal::p2_port, -area_m2), change(inputs, rig, other, grid, Signal::p2_port)) <
+          0.1);
   }
   SECTION("late command") {
     Rig other = rig;
     other.axis.effects.valve.command_delay.delay_s = 1e-4;
-    CHECK(off(sum(GasInput::command_time, Signal::p1_port, 1e-4), change(inputs, rig, other, grid, Signal::p1_port)) < 0.1);
+    CHECK(off(sum(GasInput::command_time, Signal::p1_port, 1e-4), change(inputs, rig, other, grid, Signal::p1_port)) <
+          0.1);
   }
 }
 

@@ -33,7 +33,8 @@ Eigen::MatrixXd Problem::covariance_of(const LatentInput& input, const LatentFit
   if (input.own_answer.size() > 0) {
     std::vector<double> time_s;
     for (const ResidualRow& row : rows) time_s.push_back(row.time_s);
-    return at.level * at.level * input.own_answer.asDiagonal() * ou(time_s, at.memory_s) * input.own_answer.asDiagonal();
+    return at.level * at.level * input.own_answer.asDiagonal() * ou(time_s, at.memory_s) *
+           input.own_answer.asDiagonal();
   }
   const LatentInput::Piece& piece = input.pieces.front();
   return at.level * at.level * piece.answer * ou(piece.time_s, at.memory_s) * piece.answer.transpose();

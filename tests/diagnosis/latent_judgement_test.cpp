@@ -29,7 +29,8 @@ UnknownPicture friction_picture() {
   UnknownPicture out{"motion", "force on the slider with the motion", "N", 0, 6, {}, ""};
   for (int i = 0; i < 200; ++i) {
     const double speed = 0.5e-3 * (i + 1), v = i % 2 == 0 ? speed : -speed, against_N = speed < 0.02 ? 12 : 2;
-    out.points.push_back({0, 0.01 * i, 0.001 * (i % 7), v, 0.1 * (i % 5), 4e5, 4e5, v > 0 ? -against_N : against_N, 0.5});
+    out.points.push_back(
+        {0, 0.01 * i, 0.001 * (i % 7), v, 0.1 * (i % 5), 4e5, 4e5, v > 0 ? -against_N : against_N, 0.5});
   }
   return out;
 }

@@ -75,8 +75,8 @@ LatentCourse course_at(int recording, const std::vector<double>& time_s, const E
 
 double LatentEvidence::Normal::log_evidence() const {
   const Eigen::LDLT<Eigen::MatrixXd> factors(curvature);
-  return -0.5 * (squares - gradient.dot(factors.solve(gradient)) +
-                 factors.vectorD().array().max(1e-300).log().sum() + log_determinant);
+  return -0.5 * (squares - gradient.dot(factors.solve(gradient)) + factors.vectorD().array().max(1e-300).log().sum() +
+                 log_determinant);
 }
 
 Eigen::VectorXd LatentEvidence::Normal::moved() const { return -curvature.ldlt().solve(gradient); }
@@ -145,8 +145,7 @@ LatentEvidence::Normal LatentEvidence::beside(const std::vector<Solved>& pieces,
 std::vector<LatentEvidence::Solved> LatentEvidence::solved_of(const LatentInput& input, const std::vector<Gram>& grams,
                                                               double memory_s) {
   std::vector<Solved> out;
-  for (std::size_t p = 0; p < grams.size(); ++p)
-    out.push_back(solved(grams[p], input.pieces[p].time_s, memory_s));
+  for (std::size_t p = 0; p < grams.size(); ++p) out.push_back(solved(grams[p], input.pieces[p].time_s, memory_s));
   return out;
 }
 
@@ -281,8 +280,10 @@ std::vector<LatentCourse> LatentEvidence::course_of_own(const LatentInput& input
     const Eigen::VectorXd mean = -part.joint * part.seen.solve(Eigen::VectorXd(residual_(at)) + columns * moved);
     const Eigen::MatrixXd by_moved = part.joint * part.seen.solve(columns);
     const Eigen::VectorXd variance =
-        (fit.level * fit.level - part.joint.transpose().cwiseProduct(part.seen.solve(part.joint.transpose())).colwise().sum().array())
-            .matrix().transpose() +
+        (fit.level * fit.level -
+         part.joint.transpose().cwiseProduct(part.seen.solve(part.joint.transpose())).colwise().sum().array())
+            .matrix()
+            .transpose() +
         by_moved.transpose().cwiseProduct(factors.solve(by_moved.transpose())).colwise().sum().transpose();
     out.push_back(course_at(recording, part.time_s, mean, variance));
   }

@@ -46,8 +46,7 @@ std::vector<ElementShare> element_probabilities(const LatentRanking& ranking, do
   for (const RankedLatent& latent : ranking.inputs) {  // best first
     if (std::any_of(out.begin(), out.end(), [&](const ElementShare& e) { return e.element == latent.input.element; }))
       continue;
-    out.push_back(
-        {latent.input.element, std::exp((latent.gain - ranking.inputs.front().gain) / temperature)});
+    out.push_back({latent.input.element, std::exp((latent.gain - ranking.inputs.front().gain) / temperature)});
     sum += out.back().share;
   }
   for (ElementShare& e : out) e.share /= sum;

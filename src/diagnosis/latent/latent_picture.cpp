@@ -162,8 +162,8 @@ std::string picture_words(const UnknownPicture& picture) {
   const Binned low = *std::min_element(most.bins.begin(), most.bins.end(), by_mean);
   const Binned high = *std::max_element(most.bins.begin(), most.bins.end(), by_mean);
   const auto told = [&](const Binned& bin) {
-    return fmt::format("{:+.2g} {} at {:.3g} to {:.3g} {}", handy.factor * bin.mean, handy.unit, best->factor * bin.from,
-                       best->factor * bin.to, best->unit);
+    return fmt::format("{:+.2g} {} at {:.3g} to {:.3g} {}", handy.factor * bin.mean, handy.unit,
+                       best->factor * bin.from, best->factor * bin.to, best->unit);
   };
   return fmt::format("{}{}; {} tells {:.0f} % of it: {}, {}", size, best->against_motion ? ", against the motion" : "",
                      best->name, 100 * most.share, told(high), told(low));

@@ -62,8 +62,7 @@ Eigen::MatrixXd CylinderResiduals::answer_of_rows(const BumpResponse& gas, std::
                                                   std::size_t recording, const Eigen::VectorXd& force_answer) const {
   const auto [first, last] = rows_of(recording);
   const CylinderRecording& data = recordings_[recording];
-  Eigen::MatrixXd out =
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(last - first), gas[Signal::p1_port].cols());
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(last - first), gas[Signal::p1_port].cols());
   for (const Stretch& stretch : stretches_) {
     if (stretch.recording != recording || stretch.bins.empty()) continue;
     const Signal signal = signals_[stretch.channel];
@@ -83,7 +82,8 @@ Eigen::MatrixXd CylinderResiduals::answer_of_rows(const BumpResponse& gas, std::
     const double factor = signal == Signal::p_supply ? 0.5 * (sides[0] + sides[1]) : sides[side_of(signal)];
     for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
       const std::size_t row = stretch.first_row + b;
-      const auto at = static_cast<Eigen::Index>(stretch.bins[b].first / bin), to = static_cast<Eigen::Index>(row - first);
+      const auto at = static_cast<Eigen::Index>(stretch.bins[b].first / bin),
+                 to = static_cast<Eigen::Index>(row - first);
       if (signal == Signal::F) out.row(to) = force_answer(static_cast<Eigen::Index>(row)) * force.row(at);
       else out.row(to) = factor / rows_[row].sigma * gas[signal].row(at);
     }
@@ -101,7 +101,8 @@ LatentInput::Piece CylinderResiduals::latent_piece(const BumpTimes& bumps, std::
 
 void CylinderResiduals::add_sensor_latents(const Eigen::VectorXd& force_answer, std::vector<LatentInput>& out) const {
   for (std::size_t c = 0; c + 1 < channels_.size(); ++c) {
-    LatentInput input{fmt::format("sensor:{}", channels_[c].name), "error of this sensor alone", channels_[c].unit, {}, {}};
+    LatentInput input{
+        fmt::format("sensor:{}", channels_[c].name), "error of this sensor alone", channels_[c].unit, {}, {}};
     const std::size_t side = side_of(signals_[c]);
     for (std::size_t r = 0; r < recordings_.size(); ++r) {
       const CylinderRecording& data = recordings_[r];

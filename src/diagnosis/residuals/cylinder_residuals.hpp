@@ -77,7 +77,8 @@ class CylinderResiduals final : public ResidualModel {
                                        std::size_t side) const;
   LatentInput::Piece latent_piece(const BumpTimes& bumps, std::size_t recording) const;
   void add_sensor_latents(const Eigen::VectorXd& force_answer, std::vector<LatentInput>& out) const;
-  /// What changes of the gas in every bin do to the rows of a recording; `sides`: factors on what each side has changed.
+  /// What changes of the gas in every bin do to the rows of a recording; `sides`: factors on what each side has
+  /// changed.
   Eigen::MatrixXd answer_of_rows(const BumpResponse& gas, std::array<double, 2> sides, std::size_t recording,
                                  const Eigen::VectorXd& force_answer) const;
   Eigen::VectorXd answer_to_force(const Hypothesis& hypothesis);

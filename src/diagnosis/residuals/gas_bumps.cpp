@@ -69,7 +69,8 @@ class BumpRuns {
 
  private:
   /// Sets what acts from sample k on; returns what comes to the commands.
-  Sides impose(AxisPlant<Lanes>& plant, GasInput input, std::size_t first_bump, std::size_t lanes, std::size_t k) const {
+  Sides impose(AxisPlant<Lanes>& plant, GasInput input, std::size_t first_bump, std::size_t lanes,
+               std::size_t k) const {
     Lanes size(0);
     for (std::size_t i = 0; i < lanes; ++i) {
       const std::size_t begin = bumps_.begin(first_bump + i);

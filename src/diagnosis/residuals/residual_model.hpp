@@ -56,7 +56,7 @@ struct ChannelMisfit {
 /// A free function of time that acts at one element, and what each of its values does to the rows.
 struct LatentInput {
   std::string element;  ///< as in the vocabulary
-  std::string what;     ///< in words: "force on the slider"
+  std::string what;  ///< in words: "force on the slider"
   std::string unit;
   /// Of one recording: the middle of each piece of time, and what one unit in it does to the rows from `first_row` on
   /// (rows by pieces).
@@ -102,8 +102,8 @@ class ResidualModel {
   /// Columns are again as if there were no slow error.
   virtual void drop_slow_error() {}
 
-  /// Free functions at every element, with their answers about this hypothesis: derivatives, in sigmas of the rows. Rows
-  /// over a whole recording have none. Empty: the model knows none.
+  /// Free functions at every element, with their answers about this hypothesis: derivatives, in sigmas of the rows.
+  /// Rows over a whole recording have none. Empty: the model knows none.
   virtual std::vector<LatentInput> latent_inputs(const Hypothesis&) { return {}; }
 
   /// Over samples instead of bins, one entry a channel.

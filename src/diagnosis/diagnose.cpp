@@ -13,6 +13,8 @@
 #include "config/input_error.hpp"
 #include "config/rig_parameters.hpp"
 #include "diagnosis/doubts/recording_doubts.hpp"
+#include "diagnosis/latent/latent_judgement.hpp"
+#include "diagnosis/latent/latent_picture.hpp"
 #include "diagnosis/recordings/recorded_rigs.hpp"
 #include "diagnosis/recordings/stretches.hpp"
 #include "diagnosis/recordings/telling_pieces.hpp"
@@ -332,18 +334,47 @@ void add_improved(const Decision& decision, Diagnosis& out) {
   overlap_V = 0;
 }
 
+/// Takes the verdict from names that are clearly behind a free function.
+void take_refuted_names(const LatentJudgement& judgement, const Search& search, Decision& decision) {
+  if (!judgement.refutes_names() || decision.verdict == Verdict::unknown) return;
+  std::vector<std::string> names;
+  for (const std::size_t m : decision.chosen->members) names.push_back(search.candidates()[m].name);
+  decision.verdict = Verdict::unknown;
+  decision.reason =
+      fmt::format("{} is {:.0f} in log evidence behind a free function of time at {}, and adds {:.0f} to it",
+                  fmt::join(names, " and "), -judgement.names_ahead, judgement.owner.inputs.front().input.element,
+                  judgement.names_bring);
+}
+
+/// What free functions say, and of an unknown its picture; the courses are there already.
+void add_functions(const ResidualModel& model, const LatentJudgement& judgement, Diagnosis& out) {
+  if (!judgement.is_there()) return;
+  out.functions = functions_of(judgement.owner);
+  if (out.verdict != Verdict::unknown || out.answers.empty()) return;
+  const std::vector<RankedLatent>& inputs = judgement.owner.inputs;
+  const auto here = std::find_if(inputs.begin(), inputs.end(), [&](const RankedLatent& latent) {
+    return latent.input.element == out.answers.front().element;
+  });
+  if (here == inputs.end() || !(here->fit.level > 0)) return;
+  out.picture = picture_of(model.rows(), judgement.owner, *here, model.channels(), out.courses_before);
+  out.answers.front().note = out.picture->words + "; " + out.answers.front().note;
+}
+
 /// Everything that a decision and its search say.
-void tell(const Rig& rig, ResidualModel& model, const Decision& decision, const Search& search,
-          const DiagnoseOptions& options, Diagnosis& out) {
+void tell(const Rig& rig, ResidualModel& model, const Decision& decision, const LatentJudgement& judgement,
+          const Search& search, const DiagnoseOptions& options, Diagnosis& out) {
   out.verdict = decision.verdict;
   if (search.grants_small_physics() && out.verdict == Verdict::consistent) add_small_physics(rig, decision, out);
   add_candidates(decision, search, out);
-  if (decision.verdict == Verdict::unknown) add_unknown(model, decision, search, options.rules, out);
+  if (decision.verdict == Verdict::unknown)
+    add_unknown(model, decision, search, options.rules,
+                element_probabilities(judgement.owner, options.rules.temperature), out);
   else if (decision.verdict != Verdict::consistent) {
     add_answers(decision, search, options.rules, out);
     add_element_shares(decision, search, out);
   }
   add_fit(model, search, decision, options.rules, out);
+  add_functions(model, judgement, out);
   if (decision.beside_remainder && out.verdict != Verdict::unknown && !out.answers.empty())
     out.answers.front().note =
         fmt::format("takes {:.0f} % of the squared mismatch; the remainder: {}", 100 * out.explained_share,
@@ -402,23 +433,30 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   const StopWhileAlive stoppable(model, options.stop);
   FittedRows rows(model, options.stop);
   require_comparison(rig, rows);
-  const std::vector<Candidate> candidates =
+  std::vector<Candidate> candidates =
       shown_candidates(all_candidates(rig, model.channels(), range_of(rig, model)), model.rows());
+  std::erase_if(candidates, [&](const Candidate& c) {
+    return std::find(options.left_out.begin(), options.left_out.end(), c.name) != options.left_out.end();
+  });
   Search search(rows, rig, candidates, {}, options.rules, options.progress);
   Diagnosis out = empty_diagnosis(rig);
   try {
     search.run();
     if (options.progress) options.progress(0.95, "verdict");
     std::optional<Search> beside;
-    const Decision decision = decided_twice(rig, rows, search, options, beside, out);
-    tell(rig, model, decision, beside ? *beside : search, options, out);
+    Decision decision = decided_twice(rig, rows, search, options, beside, out);
+    const Search& used = beside ? *beside : search;
+    LatentJudgement judgement;
+    if (options.with_free_functions) judgement = judge_by_latents(rows, decision, used);
+    take_refuted_names(judgement, used, decision);
+    tell(rig, model, decision, judgement, used, options, out);
   } catch (const DiagnosisStopped&) {
     if (search.owner().fit.z.size() == 0) throw;
     KnownRows known(model);
     out = empty_diagnosis(rig);
     out.stopped = true;
     out.warnings.emplace_back("stopped early: names not yet tried are missing, and no fit need be at its end");
-    tell(rig, known, decided(rig, known, search, options.rules), search, options, out);
+    tell(rig, known, decided(rig, known, search, options.rules), {}, search, options, out);
   }
   out.hypotheses_tried = rows.hypotheses_tried();
   return out;

@@ -17,6 +17,8 @@ struct DiagnoseOptions {
   std::function<void(double share, const std::string& what)> progress;
   StopQuestion stop;                                               ///< true ends early with what is there
   DecisionRules rules;
+  std::vector<std::string> left_out;  ///< names that are not tried: what is said where the list has a gap
+  bool with_free_functions = false;  ///< of time, at each element: they say where an unknown sits and judge the names
   VirtualMachine
       virtual_machine;  ///< makes the recordings that a next experiment is chosen by; empty: none is proposed
 };

@@ -90,6 +90,31 @@ struct Coverage {
   std::string choice;  ///< how the spans were chosen; empty: everything usable is compared
 };
 
+/// What is missing at one time, with its standard deviation, beside what the machine did then. NaN: not measured.
+struct PicturePoint {
+  int recording = 0;
+  double time_s = 0, position_m = 0, velocity_mps = 0, command_V = 0, p1_Pa = 0, p2_Pa = 0;
+  double mean = 0, deviation = 0;
+};
+
+/// The free function of time that stands best for what no name explains.
+struct UnknownPicture {
+  std::string element, what, unit;
+  double gain = 0;   ///< in log evidence over the owner's model
+  double level = 0;  ///< its standard deviation [unit]
+  std::vector<PicturePoint> points;
+  std::string words;  ///< what it goes with
+};
+
+/// A free function of time at an element beside the owner's model; its size as its standard deviation.
+struct FreeFunction {
+  std::string element, what, unit;
+  double gain = 0;         ///< in log evidence
+  double level = 0;        ///< likeliest
+  double memory_s = 0;
+  double upper_level = 0;  ///< what is larger is excluded with 95 %
+};
+
 struct Diagnosis {
   std::string rig;
   std::vector<std::string> recordings;
@@ -106,6 +131,8 @@ struct Diagnosis {
   Coverage coverage;
   std::vector<DetectableSize> detectable;
   std::vector<MovedParameter> moved;
+  std::optional<UnknownPicture> picture;  ///< of `unknown`
+  std::vector<FreeFunction> functions;    ///< best first
   std::optional<ProposedExperiment> next_experiment;
   bool stopped = false;  ///< ended early; what stands here is what was known by then
 

@@ -83,6 +83,12 @@ Json coverage_json(const Coverage& coverage) {
   return {{"recorded_s", coverage.recorded_s}, {"choice", coverage.choice}, {"spans", spans}};
 }
 
+Json picture_json(const std::optional<UnknownPicture>& picture) {
+  if (!picture) return nullptr;
+  return {{"element", picture->element},   {"what", picture->what},   {"unit", picture->unit},
+          {"log_evidence", picture->gain}, {"level", picture->level}, {"words", picture->words}};
+}
+
 }  // namespace
 
 Json diagnosis_json(const Diagnosis& diagnosis) {
@@ -94,7 +100,15 @@ Json diagnosis_json(const Diagnosis& diagnosis) {
   for (const RankedExplanation& r : diagnosis.candidates)
     candidates.push_back(
         {{"effects", r.effects}, {"probability", r.probability}, {"log_evidence_behind", r.log_evidence_behind}});
-  Json detectable = Json::array(), moved = Json::array();
+  Json detectable = Json::array(), moved = Json::array(), functions = Json::array();
+  for (const FreeFunction& f : diagnosis.functions)
+    functions.push_back({{"element", f.element},
+                         {"what", f.what},
+                         {"unit", f.unit},
+                         {"log_evidence", f.gain},
+                         {"level", f.level},
+                         {"memory_s", f.memory_s},
+                         {"upper_level", f.upper_level}});
   for (const DetectableSize& d : diagnosis.detectable)
     detectable.push_back({{"effect", d.effect}, {"parameter", d.parameter}, {"value", d.value}});
   for (const MovedParameter& m : diagnosis.moved)
@@ -117,6 +131,8 @@ Json diagnosis_json(const Diagnosis& diagnosis) {
             {"coverage", coverage_json(diagnosis.coverage)}}},
           {"parameters_moved", moved},
           {"detectable", detectable},
+          {"unknown_picture", picture_json(diagnosis.picture)},
+          {"free_functions", functions},
           {"next_experiment", experiment_json(diagnosis.next_experiment)}};
 }
 

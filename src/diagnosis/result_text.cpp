@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "config/dump_rig.hpp"
+#include "diagnosis/latent/latent_picture.hpp"
 #include "diagnosis/verdict/decision_rules.hpp"
 
 namespace pneuservo {
@@ -89,6 +90,15 @@ std::string coverage_text(const Coverage& coverage) {
   return out + "\n";
 }
 
+std::string functions_text(const Diagnosis& diagnosis) {
+  std::string out =
+      "\nfree functions of time beside the owner's model: gain in log evidence, likeliest size, at most (95 %)\n";
+  for (const FreeFunction& f : diagnosis.functions)
+    out += fmt::format("  {:<20}{:<42}{:>10.1f}   {:<26}{}\n", f.element, f.what, f.gain, size_text(f.level, f.unit),
+                       size_text(f.upper_level, f.unit));
+  return out;
+}
+
 }  // namespace
 
 std::string explanation_text(const RankedExplanation& explanation) {
@@ -142,6 +152,7 @@ std::string diagnosis_text(const Diagnosis& diagnosis) {
     out += fmt::format("  {:<40}{:>12.5g} -> {:<12.5g} ({:+.1f} tolerances)\n", m.path, m.configured, m.fitted,
                        m.tolerances);
   }
+  if (!diagnosis.functions.empty()) out += functions_text(diagnosis);
   if (diagnosis.verdict == Verdict::consistent)
     out += "\nsmallest sizes that would have been seen\n" + smallest_sizes(diagnosis);
   for (const std::string& warning : diagnosis.warnings) out += "\nwarning: " + warning;

@@ -35,10 +35,10 @@ namespace pneuservo {
 namespace {
 
 struct DiagnoseVerbOptions {
-  std::string config, json, report, improved, next_experiment;
-  std::vector<std::string> recordings, held_out, changed, sets;
+  std::string config, json, report, improved, next_experiment, picture;
+  std::vector<std::string> recordings, held_out, changed, sets, left_out;
   int jobs = 0;
-  bool quiet = false;
+  bool latent = false, quiet = false;
 };
 
 constexpr const char* nothing_known = "pneuservo: stopped before anything was known";
@@ -209,7 +209,8 @@ void judge_outputs(const DiagnoseVerbOptions& options, const Rig& rig) {
       .writes("--json", options.json, ResultKind::json)
       .writes("--report", options.report, ResultKind::page)
       .writes("--improved", options.improved, ResultKind::config)
-      .writes("--next-experiment", options.next_experiment, ResultKind::config);
+      .writes("--next-experiment", options.next_experiment, ResultKind::config)
+      .writes("--picture", options.picture, ResultKind::picture);
 }
 
 /// All recordings with the columns that are used and what is stated of them.
@@ -237,12 +238,24 @@ std::vector<Recording> read_all(const DiagnoseVerbOptions& options, const Rig& r
   return recordings;
 }
 
+/// One row a point: when, what the machine did, what is missing with its standard deviation.
+void write_picture(const UnknownPicture& picture, const std::string& path) {
+  std::string text =
+      fmt::format("# Missing: {} at {} [{}]; {}\nrecording,t_s,x_m,v_mps,u_V,p1_Pa,p2_Pa,missing,deviation\n",
+                  picture.what, picture.element, picture.unit, picture.words);
+  for (const PicturePoint& p : picture.points)
+    text += fmt::format("{},{:.4f},{:.6f},{:.5f},{:.5f},{:.1f},{:.1f},{:.6g},{:.6g}\n", p.recording + 1, p.time_s,
+                        p.position_m, p.velocity_mps, p.command_V, p.p1_Pa, p.p2_Pa, p.mean, p.deviation);
+  write_result(path, text);
+}
+
 void write_results(const DiagnoseVerbOptions& options, const Diagnosis& diagnosis) {
   if (options.json != "-") std::fputs(diagnosis_text(diagnosis).c_str(), stdout);
   write_json(options.json, diagnosis_json(diagnosis));
   if (!options.report.empty()) write_diagnosis_report(diagnosis, options.report);
   write_improved(options, diagnosis);
   write_next_experiment(options, diagnosis);
+  if (!options.picture.empty() && diagnosis.picture) write_picture(*diagnosis.picture, options.picture);
 }
 
 int run_diagnose(const DiagnoseVerbOptions& options) {
@@ -253,6 +266,8 @@ int run_diagnose(const DiagnoseVerbOptions& options) {
   ProgressLine progress(!options.quiet);
   DiagnoseOptions settings;
   settings.jobs = options.jobs;
+  settings.left_out = options.left_out;
+  settings.with_free_functions = options.latent || !options.picture.empty();
   // It takes longer than the diagnosis itself: only for those who look at it.
   if (!options.next_experiment.empty() || !options.report.empty()) settings.virtual_machine = record_virtual_run;
   settings.stop = StopRequest::requested;
@@ -291,6 +306,11 @@ void add_diagnose(CLI::App& app, int& status) {
   verb->add_option("--improved", options->improved, "config with what was found, for run and simulate");
   verb->add_option("--next-experiment", options->next_experiment,
                    "config of the recording that tells rivals apart, for run; it is also sought for --report");
+  verb->add_flag(
+      "--latent", options->latent,
+      "a free function of time at each element: where an unknown sits, how it looks, how large it could hide");
+  verb->add_option("--picture", options->picture, "course of an unknown as CSV; with --latent");
+  verb->add_option("--leave-out", options->left_out, "name that is not tried, for tools/ablation-trial")->group("");
   verb->add_option("--jobs", options->jobs, "threads; 0: all of the machine")->check(CLI::Range(0, 1024));
   add_set_option(*verb, options->sets);
   verb->add_flag("--quiet", options->quiet, "no progress");

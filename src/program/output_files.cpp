@@ -57,6 +57,7 @@ std::string_view name_of(ResultKind kind) {
     case ResultKind::import_section: return "result of import";
     case ResultKind::zeros: return "file of zeros";
     case ResultKind::eds: return "EDS file";
+    case ResultKind::picture: return "picture of an unknown";
     case ResultKind::commission: break;
   }
   return "commissioning";
@@ -84,6 +85,7 @@ bool is_older_result(const std::string& path, ResultKind kind) {
     case ResultKind::import_section: return head.starts_with(import_mark);
     case ResultKind::zeros: return head.starts_with("# Zeros of ");
     case ResultKind::eds: return head.starts_with("[FileInfo]");
+    case ResultKind::picture: return head.starts_with("# Missing: ");
     case ResultKind::commission: break;
   }
   return head.starts_with("# Commissioning of ");

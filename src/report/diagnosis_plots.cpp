@@ -2,12 +2,14 @@
 #include <report/diagnosis_plots.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 #include <report/binned_mean.hpp>
 #include <report/diagnosis_words.hpp>
 
+#include "diagnosis/latent/latent_picture.hpp"
 #include "diagnosis/recordings/held_out.hpp"
 
 namespace pneuservo {
@@ -214,6 +216,60 @@ Plot residual_plot(const Diagnosis& diagnosis, std::size_t channel, ResidualAxis
   add_binned(plot, "before", before_tone, x, before);
   add_binned(plot, "after", after_tone, x, after);
   return plot;
+}
+
+Plot unknown_course_plot(const UnknownPicture& picture, int recording) {
+  const HandyUnit handy = handy_unit_of(picture.unit);
+  Plot plot;
+  plot.title = fmt::format("{}, recording {}", picture.what, recording + 1);
+  plot.unit = handy.unit;
+  Curve course{"what is missing", after_tone, {}, {}, false, false};
+  Band band{"two standard deviations", after_tone, {}, {}, {}};
+  for (const PicturePoint& point : picture.points) {
+    if (point.recording != recording) continue;
+    const double value = handy.factor * point.mean, width = 2 * handy.factor * point.deviation;
+    course.x.push_back(point.time_s);
+    course.y.push_back(value);
+    band.x.push_back(point.time_s);
+    band.low.push_back(value - width);
+    band.high.push_back(value + width);
+  }
+  plot.curves.push_back(std::move(course));
+  plot.bands.push_back(std::move(band));
+  return plot;
+}
+
+std::vector<Plot> unknown_plots(const UnknownPicture& picture) {
+  struct Abscissa {
+    const char *title, *unit;
+    double factor;
+    double PicturePoint::* member;
+  };
+  constexpr std::array abscissas{Abscissa{"position", "mm", 1e3, &PicturePoint::position_m},
+                                 Abscissa{"velocity", "mm/s", 1e3, &PicturePoint::velocity_mps},
+                                 Abscissa{"pressure of side 1", "kPa", 1e-3, &PicturePoint::p1_Pa},
+                                 Abscissa{"pressure of side 2", "kPa", 1e-3, &PicturePoint::p2_Pa},
+                                 Abscissa{"command", "V", 1, &PicturePoint::command_V}};
+  const HandyUnit handy = handy_unit_of(picture.unit);
+  std::vector<Plot> out;
+  for (const Abscissa& abscissa : abscissas) {
+    Plot plot;
+    plot.group.clear();
+    plot.title = fmt::format("against {}", abscissa.title);
+    plot.unit = handy.unit;
+    plot.x_title = abscissa.title;
+    plot.x_unit = abscissa.unit;
+    plot.height_px = 220;
+    std::vector<double> x, y;
+    for (const PicturePoint& point : picture.points)
+      if (std::isfinite(point.*abscissa.member)) {
+        x.push_back(abscissa.factor * point.*abscissa.member);
+        y.push_back(handy.factor * point.mean);
+      }
+    add_binned(plot, "what is missing", after_tone, x, y);
+    if (!plot.curves.empty()) out.push_back(std::move(plot));
+  }
+  return out;
 }
 
 }  // namespace pneuservo

@@ -24,4 +24,9 @@ enum class ResidualAxis { position, velocity, command };
 /// Binned means with their spread, in floors, before and after.
 Plot residual_plot(const Diagnosis& diagnosis, std::size_t channel, ResidualAxis axis);
 
+/// The course of what no name explains in one recording, with its band of two standard deviations.
+Plot unknown_course_plot(const UnknownPicture& picture, int recording);
+/// The same against position, velocity, pressures and command, as binned means with their spread.
+std::vector<Plot> unknown_plots(const UnknownPicture& picture);
+
 }  // namespace pneuservo

@@ -1,6 +1,7 @@
 // The page of the verb `diagnose`.
 #include <report/diagnosis_report.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -66,6 +67,23 @@ void add_answers(HtmlPage& page, const Diagnosis& diagnosis) {
   if (diagnosis.explained_share > 0 && is_named(diagnosis))
     page.paragraph(fmt::format("Together this takes {:.1f} % of the squared mismatch above the noise floors.",
                                100 * diagnosis.explained_share));
+}
+
+void add_unknown(HtmlPage& page, const Diagnosis& diagnosis) {
+  if (!diagnosis.picture) return;
+  const UnknownPicture& picture = *diagnosis.picture;
+  page.section("What is missing looks like this",
+               "A free function of time at this element, as the recordings have it: what the model would need there to "
+               "agree. A law shows as a line in one of these pictures.");
+  page.paragraph(picture.words + ".");
+  std::vector<Plot> courses;
+  for (std::size_t r = 0; r < recording_count(diagnosis); ++r)
+    courses.push_back(unknown_course_plot(picture, static_cast<int>(r)));
+  page.plots(courses);
+  const std::vector<Plot> plots = unknown_plots(picture);
+  for (std::size_t first = 0; first < plots.size(); first += 3)
+    page.plots({plots.begin() + static_cast<std::ptrdiff_t>(first),
+                plots.begin() + static_cast<std::ptrdiff_t>(std::min(first + 3, plots.size()))});
 }
 
 /// Only where not everything is compared.
@@ -160,6 +178,7 @@ HtmlPage make_page(const Diagnosis& diagnosis) {
   for (const std::string& warning : diagnosis.warnings) page.alert(warning);
   add_picture(page, diagnosis);
   add_answers(page, diagnosis);
+  add_unknown(page, diagnosis);
   add_experiment(page, diagnosis);
   add_coverage(page, diagnosis);
   add_proof(page, diagnosis);
@@ -178,6 +197,12 @@ HtmlPage make_page(const Diagnosis& diagnosis) {
         "The smallest size of each effect that these recordings would have shown in nine of ten cases. What is "
         "smaller may be there.");
     page.table(detectable_table(diagnosis));
+  }
+  if (!diagnosis.functions.empty()) {
+    page.section("How large could it hide",
+                 "A free function of time at each element beside the owner's model, its size as the standard deviation "
+                 "over time. What is larger than the last column is excluded with 95 %. Small physics is granted.");
+    page.table(functions_table(diagnosis));
   }
   page.section("Circumstances");
   page.details("Config with what was found", dump_rig(diagnosis.improved));

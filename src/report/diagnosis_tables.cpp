@@ -6,6 +6,7 @@
 #include <report/diagnosis_words.hpp>
 
 #include "config/dump_rig.hpp"
+#include "diagnosis/latent/latent_picture.hpp"
 #include "diagnosis/result_text.hpp"
 
 namespace pneuservo {
@@ -143,6 +144,18 @@ Table detectable_table(const Diagnosis& diagnosis) {
       words("that is", all, [](const DetectableSize& d) {
         return size_words(d.parameter == "value" ? d.effect : d.parameter, d.value);
       })};
+  return table;
+}
+
+Table functions_table(const Diagnosis& diagnosis) {
+  const auto& all = diagnosis.functions;
+  Table table;
+  table.columns = {
+      words("element", all, [](const FreeFunction& f) { return element_words(f.element); }),
+      words("free function of time", all, [](const FreeFunction& f) { return f.what; }),
+      column("gain in log evidence", "", all, [](const FreeFunction& f) { return fmt::format("{:.1f}", f.gain); }),
+      column("likeliest size", "", all, [](const FreeFunction& f) { return size_text(f.level, f.unit); }),
+      column("at most (95 %)", "", all, [](const FreeFunction& f) { return size_text(f.upper_level, f.unit); })};
   return table;
 }
 

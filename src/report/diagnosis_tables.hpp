@@ -20,6 +20,8 @@ Table candidates_table(const Diagnosis& diagnosis);
 Table moved_table(const Diagnosis& diagnosis);
 /// The smallest size of each effect that would have been seen.
 Table detectable_table(const Diagnosis& diagnosis);
+/// Free functions of time at each element: what each is worth, how large it is, how large it could be.
+Table functions_table(const Diagnosis& diagnosis);
 /// The proposed recording: what it asks for.
 Table experiment_table(const ProposedExperiment& experiment);
 

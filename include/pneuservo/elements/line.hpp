@@ -49,6 +49,8 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
     friction_.nusselt_laminar = S(3.66) + minimum(share, S(1)) * S(8 - 3.66);
     set_time_step(step_s_);
   }
+  /// Gas that comes into the middle from here on [kg/s], for the diagnosis.
+  void set_inflow(const S& inflow_kgps) noexcept { losses_.set_inflow(inflow_kgps); }
   /// Wall heat off: an adiabatic line, for tests against closed forms.
   void set_adiabatic(bool adiabatic) noexcept {
     adiabatic_ = adiabatic;

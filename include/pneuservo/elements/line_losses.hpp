@@ -1,4 +1,4 @@
-// What a line loses along its length, beside its ends: a leak to the atmosphere and a dead-end branch.
+// What a line loses along its length, beside its ends: a leak to the atmosphere, a dead-end branch, an imposed inflow.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -27,7 +27,12 @@ template <class S> class LineLosses {
     branched_ = any(effects.branch.volume_m3 > S(0));
     leak_flow_ = S(0);
   }
-  bool are_present() const noexcept { return leaking_ || branched_; }
+  /// Gas that comes into the middle of the line from here on [kg/s]; negative: is taken.
+  void set_inflow(const S& inflow_kgps) noexcept {
+    inflow_ = inflow_kgps;
+    fed_ = true;
+  }
+  bool are_present() const noexcept { return leaking_ || branched_ || fed_; }
 
   /// Gas at rest in the branch.
   void reset(const S& pressure_Pa, const S& density_kg_per_m3) noexcept {
@@ -42,6 +47,7 @@ template <class S> class LineLosses {
     std::fill(loss_.begin(), loss_.end(), CellLoss{});
     if (leaking_) step_leak(line, effects, k, step_s);
     if (branched_) step_branch(line, effects.branch, k, step_s);
+    if (fed_) step_inflow(line, k, step_s);
   }
   /// What the last sub-step took from a group of cells.
   const CellLoss& in_cells(int group) const noexcept { return loss_[static_cast<std::size_t>(group)]; }
@@ -88,6 +94,13 @@ template <class S> class LineLosses {
           select(flow > S(0), line.cell_temperature(i), from_branch_K));
   }
 
+  // The middle cells take the inflow at their own temperature.
+  template <class Line> void step_inflow(const Line& line, const Constants& k, double step_s) noexcept {
+    const int n = line.cells(), first = (n - 1) / 2, last = n / 2;
+    const S each = inflow_ * S(-step_s / (last - first + 1)) / (line.cross_section() * line.cell_length());
+    for (int i = first; i <= last; ++i) add(i, line.air().cp, k, each, line.cell_temperature(i));
+  }
+
   // What cell i loses in this sub-step [kg/m3], with the enthalpy of gas of temperature_K from its internal energy (the
   // gas's kinetic energy is not part of that).
   void add(int i, const S& cp, const Constants& k, const S& density, const S& temperature_K) noexcept {
@@ -98,10 +111,10 @@ template <class S> class LineLosses {
     set_element<S>(loss.pressure, at, element<S>(loss.pressure, at) + density * k.kappa_minus_one * cp * temperature_K);
   }
 
-  S leak_flow_{};
+  S leak_flow_{}, inflow_{};
   Branch<S> branch_;
   std::vector<CellLoss> loss_;
-  bool leaking_ = false, branched_ = false;
+  bool leaking_ = false, branched_ = false, fed_ = false;
 };
 
 }  // namespace pneuservo

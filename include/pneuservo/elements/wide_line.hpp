@@ -28,6 +28,10 @@ class Line<Pack<T, N>> : public LineSteps<Line<Pack<T, N>>, Pack<T, N>> {
     low_.set_port_tolerance(tolerance);
     high_.set_port_tolerance(tolerance);
   }
+  void set_inflow(const S& inflow_kgps) noexcept {
+    low_.set_inflow(low(inflow_kgps));
+    high_.set_inflow(high(inflow_kgps));
+  }
   void set_adiabatic(bool adiabatic) noexcept {
     low_.set_adiabatic(adiabatic);
     high_.set_adiabatic(adiabatic);

@@ -29,6 +29,13 @@ struct PlantGrid {
   double port_tolerance = pneuservo::port_tolerance;
 };
 
+/// What acts on the gas beside the model; side 1 in the low half, side 2 in the high half.
+template <class S> struct GasDisturbance {
+  Pair<S> valve_area_m2{};      ///< more of the edge that fills; negative: of the one that empties
+  Pair<S> line_flow_kgps{};     ///< into the middle of each line
+  Pair<S> chamber_flow_kgps{};  ///< into each chamber, at its gas's temperature
+};
+
 /// Both sides are computed side by side in the lanes of Pair<S>; S itself may carry several rigs.
 /// step() is one control period with the commands held; it allocates nothing and throws nothing.
 template <class S> class AxisPlant {
@@ -111,6 +118,12 @@ template <class S> class AxisPlant {
     axis_.effects.chamber_leak_2.area_m2 = area_2_m2;
     chambers_leak_ = true;
   }
+  /// Acts from here on.
+  void set_disturbance(const GasDisturbance<S>& disturbance) noexcept {
+    disturbance_ = disturbance;
+    disturbed_ = true;
+    sides_.line().set_inflow(disturbance.line_flow_kgps);
+  }
   /// Holds the piston where it is (tests, held-piston experiments) or lets it go.
   void hold_piston(bool held) noexcept { held_ = held; }
 
@@ -166,8 +179,9 @@ template <class S> class AxisPlant {
     const double h = sides_.step_s();
     valves_.set_time_step(h);
     for (int i = 0; i < n; ++i) {
-      const PortAreas<P> areas = valves_.step(i * h);
-      const ChamberInflow<P> leaks = chambers_leak_ ? chamber_leaks() : ChamberInflow<P>{};
+      PortAreas<P> areas = valves_.step(i * h);
+      ChamberInflow<P> leaks = chambers_leak_ ? chamber_leaks() : ChamberInflow<P>{};
+      if (disturbed_) disturb(areas, leaks);
       move(h, i, n);
       const ValvePort<P> port{areas.supply, areas.exhaust, join(supply_pressure_, supply_pressure_),
                               join(axis_.valve.critical_pressure_ratio, axis_.valve.critical_pressure_ratio)};
@@ -214,6 +228,15 @@ template <class S> class AxisPlant {
     const S h_across = orifice_enthalpy_flow(air_, across, low(T), high(T));
     return {join(-out_1 - across, across - out_2), join(-h_1 - h_across, h_across - h_2)};
   }
+  // Of two edges that are open the difference is shifted; what both have stays.
+  void disturb(PortAreas<P>& areas, ChamberInflow<P>& leaks) const noexcept {
+    const P common = minimum(areas.supply, areas.exhaust);
+    const P net = areas.supply - areas.exhaust + disturbance_.valve_area_m2;
+    areas = {common + maximum(net, P(0)), common + maximum(-net, P(0))};
+    const P flow = disturbance_.chamber_flow_kgps;
+    leaks.mass_flow_kgps += flow;
+    leaks.enthalpy_flow_W += flow * join(air_.cp, air_.cp) * sides_.chamber().temperature();
+  }
   // V dp/dt = R T (G_in - G_out), isothermal at supply temperature, fed from the configured pressure.
   void step_supply(double h, const PortAreas<P>& areas) noexcept {
     const SupplyDroop<S>& droop = axis_.effects.supply_droop;
@@ -233,11 +256,12 @@ template <class S> class AxisPlant {
   Valves<S> valves_;
   Slider<S> slider_;
   LineFlow<P> flow_;
+  GasDisturbance<S> disturbance_;
   S supply_pressure_{};
   Oscillation<S> supply_swing_;
   S last_force_{};
   double last_step_s_ = 0.0;  // 0: no step yet
-  bool chambers_leak_ = false, leak_zone_ = false, droops_ = false, swings_ = false, held_ = false;
+  bool chambers_leak_ = false, leak_zone_ = false, droops_ = false, swings_ = false, held_ = false, disturbed_ = false;
 };
 
 /// What ideal sensors would show.

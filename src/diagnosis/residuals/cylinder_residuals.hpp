@@ -8,6 +8,7 @@
 #include "diagnosis/residuals/command_answer.hpp"
 #include "diagnosis/residuals/folded_ringing.hpp"
 #include "diagnosis/residuals/force_balance.hpp"
+#include "diagnosis/residuals/gas_bumps.hpp"
 #include "diagnosis/residuals/gas_runs.hpp"
 #include "diagnosis/residuals/residual_model.hpp"
 #include "diagnosis/residuals/slow_error.hpp"
@@ -41,6 +42,7 @@ class CylinderResiduals final : public ResidualModel {
   void set_working_point(const Hypothesis& hypothesis) override;
   std::vector<double> take_slow_error(const Hypothesis& hypothesis) override;
   void drop_slow_error() override { slow_errors_.assign(channels_.size(), {}); }
+  std::vector<LatentInput> latent_inputs(const Hypothesis& hypothesis) override;
   std::vector<ChannelMisfit> sample_misfit(const Hypothesis& hypothesis) override;
   std::vector<ResidualCourse> courses(const Hypothesis& hypothesis) override;
 
@@ -73,6 +75,14 @@ class CylinderResiduals final : public ResidualModel {
   SampledCourse force_course(const Rig& rig, const GasCourse& gas, std::size_t recording) const;
   std::vector<double> chamber_pressure(const Rig& rig, const GasCourse& gas, std::size_t recording,
                                        std::size_t side) const;
+  LatentInput::Piece latent_piece(const BumpTimes& bumps, std::size_t recording) const;
+  void add_sensor_latents(const Eigen::VectorXd& force_answer, std::vector<LatentInput>& out) const;
+  /// What changes of the gas in every bin do to the rows of a recording; `sides`: factors on what each side has
+  /// changed.
+  Eigen::MatrixXd answer_of_rows(const BumpResponse& gas, std::array<double, 2> sides, std::size_t recording,
+                                 const Eigen::VectorXd& force_answer) const;
+  Eigen::VectorXd answer_to_force(const Hypothesis& hypothesis);
+  std::pair<std::size_t, std::size_t> rows_of(std::size_t recording) const;  ///< first and one past the last
   using Column = std::shared_ptr<const Eigen::VectorXd>;
   /// Residual in sigmas, slow errors still in it; remembered, for fits come back to where they were.
   std::vector<Column> plain_columns(std::span<const Hypothesis> hypotheses);

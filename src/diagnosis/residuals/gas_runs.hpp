@@ -36,6 +36,7 @@ class GasRuns {
   void set_stop(StopQuestion stop) { stop_ = std::move(stop); }
   /// Course of hypothesis i over recording r at [i][r], with the grid's error at the working point taken out.
   std::vector<std::vector<Course>> of(std::span<const Hypothesis> hypotheses);
+  static ImposedRun run_of(const RecordedRigs& rigs, const Hypothesis& hypothesis, std::size_t recording);
   /// Takes the difference of a fine grid and the work grid at this hypothesis for the grid's error.
   void set_working_point(const Hypothesis& hypothesis);
 
@@ -56,7 +57,6 @@ class GasRuns {
   /// Simulates a batch and takes the grid's error out.
   void compute(Batch& batch) const;
   Key key_of(const ImposedRun& run, std::size_t recording) const;
-  static ImposedRun run_of(const RecordedRigs& rigs, const Hypothesis& hypothesis, std::size_t recording);
   void remember(std::size_t recording, Key key, Course course);
 
   const std::vector<CylinderRecording>& recordings_;

@@ -53,6 +53,24 @@ struct ChannelMisfit {
   double fitted = 0, held_out = 0;  ///< [unit of the channel]
 };
 
+/// A free function of time that acts at one element, and what each of its values does to the rows.
+struct LatentInput {
+  std::string element;  ///< as in the vocabulary
+  std::string what;  ///< in words: "force on the slider"
+  std::string unit;
+  /// Of one recording: the middle of each piece of time, and what one unit in it does to the rows from `first_row` on
+  /// (rows by pieces).
+  struct Piece {
+    int recording = 0;
+    std::vector<double> time_s;
+    std::size_t first_row = 0;
+    Eigen::MatrixXd answer;
+  };
+  std::vector<Piece> pieces;
+  /// Instead, where nothing is simulated: what one unit at a row's own time does to that row. Empty: not so.
+  Eigen::VectorXd own_answer;
+};
+
 /// The comparison of recordings with hypotheses. Residuals are simulation minus recording.
 class ResidualModel {
  public:
@@ -83,6 +101,10 @@ class ResidualModel {
   virtual std::vector<double> take_slow_error(const Hypothesis&) { return std::vector<double>(channels().size(), 0.0); }
   /// Columns are again as if there were no slow error.
   virtual void drop_slow_error() {}
+
+  /// Free functions at every element, with their answers about this hypothesis: derivatives, in sigmas of the rows.
+  /// Rows over a whole recording have none. Empty: the model knows none.
+  virtual std::vector<LatentInput> latent_inputs(const Hypothesis&) { return {}; }
 
   /// Over samples instead of bins, one entry a channel.
   virtual std::vector<ChannelMisfit> sample_misfit(const Hypothesis& hypothesis) = 0;

@@ -130,10 +130,11 @@ void add_element_shares(const Decision& decision, const Search& search, Diagnosi
 }
 
 void add_unknown(ResidualModel& model, const Decision& decision, const Search& search, const DecisionRules& rules,
-                 Diagnosis& out) {
+                 const std::vector<ElementShare>& located, Diagnosis& out) {
   double sum = 1e-300;
-  const std::vector<ElementPattern> ranked =
-      out.stopped ? screened_elements(search) : patterns_of_elements(model, search, rules);
+  std::vector<ElementPattern> ranked;
+  for (const ElementShare& e : located) ranked.push_back({e.element, e.share});
+  if (ranked.empty()) ranked = out.stopped ? screened_elements(search) : patterns_of_elements(model, search, rules);
   std::vector<ElementPattern> patterns_by_element = ranked;
   std::string element = decision.element;
   if (decision.levels.line && element.empty()) {  // a periodic part in the force or the supply sits there

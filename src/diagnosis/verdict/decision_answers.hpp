@@ -9,10 +9,10 @@ namespace pneuservo {
 void add_answers(const Decision& decision, const Search& search, const DecisionRules& rules, Diagnosis& out);
 /// Shares of the elements by all rivals' probabilities.
 void add_element_shares(const Decision& decision, const Search& search, Diagnosis& out);
-/// Where something sits that has no name: the element whose patterns over all channels take most of what is left on the
-/// owner's model.
+/// Where something sits that has no name: the first element of `located`; where that is empty, the one whose patterns
+/// over all channels take most of what is left on the owner's model.
 void add_unknown(ResidualModel& model, const Decision& decision, const Search& search, const DecisionRules& rules,
-                 Diagnosis& out);
+                 const std::vector<ElementShare>& located, Diagnosis& out);
 /// The explanations that were tried, the chosen one first.
 void add_candidates(const Decision& decision, const Search& search, Diagnosis& out);
 

@@ -1,0 +1,64 @@
+// What free functions of time say of a verdict.
+#include "diagnosis/latent/latent_judgement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pneuservo {
+
+namespace {
+
+/// In log evidence. On clean machines the best function gained 6 to 14 in a trial, so that less says nothing.
+constexpr double clearly_behind = 20;
+
+double with_best(const LatentRanking& ranking) {
+  return ranking.log_evidence + (ranking.inputs.empty() ? 0.0 : std::max(ranking.inputs.front().gain, 0.0));
+}
+
+}  // namespace
+
+bool LatentJudgement::refutes_names() const {
+  return named.has_value() && names_ahead < -clearly_behind && names_bring < clearly_behind;
+}
+
+LatentJudgement judge_by_latents(FittedRows& rows, const Decision& decision, const Search& search) {
+  LatentJudgement out;
+  constexpr double never = std::numeric_limits<double>::infinity();
+  out.owner = rank_latents(rows, search.owner(), never);
+  if (!out.is_there()) return out;
+  if (decision.verdict != Verdict::consistent && out.owner.inputs.front().gain > 0)
+    out.owner = ranked_again(rows, out.owner);
+  if (decision.chosen->members.empty()) return out;
+  out.named = rank_latents(rows, *decision.chosen, with_best(out.owner));
+  if (out.named->fit.failed) {
+    out.named.reset();
+    return out;
+  }
+  out.names_ahead = out.named->log_evidence - with_best(out.owner);
+  out.names_bring = with_best(*out.named) - with_best(out.owner);
+  return out;
+}
+
+std::vector<ElementShare> element_probabilities(const LatentRanking& ranking, double temperature) {
+  std::vector<ElementShare> out;
+  double sum = 0;
+  for (const RankedLatent& latent : ranking.inputs) {  // best first
+    if (std::any_of(out.begin(), out.end(), [&](const ElementShare& e) { return e.element == latent.input.element; }))
+      continue;
+    out.push_back({latent.input.element, std::exp((latent.gain - ranking.inputs.front().gain) / temperature)});
+    sum += out.back().share;
+  }
+  for (ElementShare& e : out) e.share /= sum;
+  return out;
+}
+
+std::vector<FreeFunction> functions_of(const LatentRanking& ranking) {
+  std::vector<FreeFunction> out;
+  for (const RankedLatent& latent : ranking.inputs)
+    out.push_back({latent.input.element, latent.input.what, latent.input.unit, latent.gain, latent.fit.level,
+                   latent.fit.memory_s, latent.fit.upper_level});
+  return out;
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,29 @@
+// What free functions of time say of a verdict: where an unknown sits, whether its names may stand, what may hide.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "diagnosis/latent/latent_ranking.hpp"
+#include "diagnosis/verdict/decision.hpp"
+
+namespace pneuservo {
+
+struct LatentJudgement {
+  LatentRanking owner;                 ///< functions beside the owner's model
+  std::optional<LatentRanking> named;  ///< and beside the verdict's names
+  double names_ahead = 0;  ///< log evidence of the names alone over that of the best function beside the owner's model
+  double names_bring = 0;  ///< of names and a function over that of the best function: what the names add to it
+
+  bool is_there() const { return !owner.inputs.empty(); }
+  /// The names alone are clearly behind a function that anything may have, and add nothing to one. A right name beside
+  /// a background may be behind, but adds much; one that only bends what is missing adds nothing.
+  bool refutes_names() const;
+};
+
+LatentJudgement judge_by_latents(FittedRows& rows, const Decision& decision, const Search& search);
+
+/// Probabilities of the elements by the best function at each, best first; of functions alone.
+std::vector<ElementShare> element_probabilities(const LatentRanking& ranking, double temperature);
+std::vector<FreeFunction> functions_of(const LatentRanking& ranking);
+
+}  // namespace pneuservo

@@ -1,0 +1,31 @@
+// Free functions at all elements, ranked by evidence about one explanation.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "diagnosis/latent/latent_evidence.hpp"
+#include "diagnosis/search/search.hpp"
+
+namespace pneuservo {
+
+/// One input beside an explanation.
+struct RankedLatent {
+  LatentInput input;
+  LatentFit fit;
+  double gain = 0;  ///< in log evidence over the explanation alone
+};
+
+/// What free functions are worth beside an explanation.
+struct LatentRanking {
+  Fit fit;                 ///< of the explanation, with small physics beside the tolerances
+  double log_evidence = 0;  ///< of it alone, on the rows that functions are compared on
+  std::vector<RankedLatent> inputs;  ///< best first
+};
+
+/// The model's residuals have to be plain (no slow error taken). No inputs where the model knows none, or where the
+/// explanation alone has `enough` evidence.
+LatentRanking rank_latents(FittedRows& rows, const Explanation& explanation, double enough);
+/// The same where the parameters stand beside the best function: what is missing had bent them.
+LatentRanking ranked_again(FittedRows& rows, const LatentRanking& ranking);
+
+}  // namespace pneuservo

@@ -1,0 +1,87 @@
+// Derivatives by bumps are what whole changes of the rig do, and gas that is let in stays.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include "config/rig_parameters.hpp"
+#include "diagnosis/recordings/cylinder_recording.hpp"
+#include "diagnosis/residuals/gas_bumps.hpp"
+#include "diagnosis/simulated_recording.hpp"
+
+using namespace pneuservo;
+using namespace pneuservo::test;
+
+namespace {
+
+constexpr std::size_t bin = 10;
+
+/// Change of a pressure in each bin between two rigs.
+Eigen::VectorXd change(const ImposedInputs& inputs, const Rig& from, const Rig& to, const PlantGrid& grid,
+                       Signal signal) {
+  const std::array<ImposedRun, 1> before{ImposedRun{&from, {}}}, after{ImposedRun{&to, {}}};
+  const auto was = run_imposed(inputs, before, grid)[0][signal], is = run_imposed(inputs, after, grid)[0][signal];
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(was.size() / bin));
+  for (std::size_t k = 0; k / bin < was.size() / bin; ++k)
+    out(static_cast<Eigen::Index>(k / bin)) += (is[k] - was[k]) / static_cast<double>(bin);
+  return out;
+}
+
+double off(const Eigen::VectorXd& found, const Eigen::VectorXd& expected) {
+  const Eigen::Index from = expected.size() / 3;  // the start is not disturbed by bumps
+  return (found - expected).tail(expected.size() - from).norm() / expected.tail(expected.size() - from).norm();
+}
+
+}  // namespace
+
+TEST_CASE("gas bumps: all together are a change of the rig") {
+  const Rig rig = cylinder_rig(2.0, 6.1e-3);
+  const ImposedInputs inputs = prepare_recording(simulated_recording(rig, 4.0, 3, all_pressures), rig, 1e9).inputs;
+  const PlantGrid grid = grid_for(rig, 30, 1e-3);
+  const auto gas = bump_responses(inputs, {&rig, {}}, grid, bumps_of(inputs, 0.1), bin, 2);
+  const auto sum = [&](GasInput input, Signal signal, double size) {
+    return Eigen::VectorXd(size * gas[static_cast<std::size_t>(input)][signal].rowwise().sum());
+  };
+  SECTION("supply pressure") {
+    Rig other = rig;
+    other.axis.supply.pressure_Pa += 500;
+    for (const Signal signal : {Signal::p1_port, Signal::p2_chamber, Signal::p_supply})
+      CHECK(off(sum(GasInput::supply_pressure, signal, 500), change(inputs, rig, other, grid, signal)) < 0.1);
+  }
+  SECTION("shift of the spool") {
+    Rig other = rig;
+    other.axis.effects.valve.valve_offset.offset_V = 2e-3;
+    const double area_m2 = 2e-3 * rig.axis.valve.area_per_volt_m2_per_V;
+    CHECK(off(sum(GasInput::valve_area, Signal::p1_port, area_m2), change(inputs, rig, other, grid, Signal::p1_port)) <
+          0.1);
+    CHECK(off(sum(GasInput::valve_area, Signal::p2_port, -area_m2), change(inputs, rig, other, grid, Signal::p2_port)) <
+          0.1);
+  }
+  SECTION("late command") {
+    Rig other = rig;
+    other.axis.effects.valve.command_delay.delay_s = 1e-4;
+    CHECK(off(sum(GasInput::command_time, Signal::p1_port, 1e-4), change(inputs, rig, other, grid, Signal::p1_port)) <
+          0.1);
+  }
+}
+
+TEST_CASE("gas bumps: what comes into a closed side at rest is there as pressure") {
+  const Rig rig = cylinder_rig(2.0, 6.1e-3);
+  ImposedInputs inputs;
+  const std::size_t samples = 4000;
+  inputs.command_V[0].assign(samples, 0.0);
+  inputs.position_m.assign(samples, 0.0);
+  inputs.velocity_mps.assign(samples, 0.0);
+  for (auto& p : inputs.start_Pa) p.assign(samples, 4e5);
+  for (auto& p : inputs.start_Pa_per_s) p.assign(samples, 0.0);
+  inputs.release = 300;
+  const PlantGrid grid = grid_for(rig, 30, 1e-3);
+  const auto gas = bump_responses(inputs, {&rig, {}}, grid, bumps_of(inputs, 0.1), bin, 2);
+  const AxisParameters<double>& axis = rig.axis;
+  const double volume_m3 = axis.cylinder.dead_volume_1_m3 + 0.5 * axis.cylinder.stroke_m * axis.cylinder.area_1_m2 +
+                           axis.line_1.section_m2() * axis.line_1.length_m;
+  const double expected = 0.1 * axis.air.gas_constant_J_per_kgK * axis.air.temperature_K / volume_m3;  // a unit, 0.1 s
+  for (const GasInput input : {GasInput::line_flow, GasInput::chamber_flow})
+    for (const Signal signal : {Signal::p1_port, Signal::p1_chamber})
+      CHECK(gas[static_cast<std::size_t>(input)][signal](399, 0) == Approx(expected).epsilon(0.02));
+  CHECK(gas[0][Signal::p1_port].topLeftCorner(30, 5).cwiseAbs().maxCoeff() == 0);  // nothing before it acts
+}

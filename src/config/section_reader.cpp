@@ -87,11 +87,13 @@ void read_value(const Field&, const ConfigNode& node, const std::string& path, s
 }
 
 void read_value(const Field& field, const ConfigNode& node, const std::string& path, std::uint32_t& value) {
-  const auto expected = fmt::format("a whole number from {:g} to {:g}", field.minimum, field.maximum);
+  const auto expected = fmt::format("a whole number from {:.0f} to {:.0f}", field.minimum, field.maximum);
   std::uint32_t read = 0;
   std::from_chars_result result{nullptr, std::errc::invalid_argument};
   const char* const end = node.text.data() + node.text.size();
-  if (node.type == Type::scalar && !node.quoted) result = std::from_chars(node.text.data(), end, read);
+  const int hexadecimal = node.text.starts_with("0x") ? 2 : 0;
+  if (node.type == Type::scalar && !node.quoted)
+    result = std::from_chars(node.text.data() + hexadecimal, end, read, hexadecimal > 0 ? 16 : 10);
   const bool whole = result.ec == std::errc{} && result.ptr == end;
   if (!whole || read < field.minimum || read > field.maximum) refuse(node.origin, path, describe(node), expected);
   value = read;

@@ -36,9 +36,10 @@ int run_program(int argc, char** argv) {
   app.set_help_all_flag("--help-all", "help of all verbs");
   app.set_version_flag("--version", "pneuservo " + std::string(pneuservo::version()));
   app.footer("Start here:\n"
-             "  pneuservo run config/cylinder-10m-7.65mm.yaml --pressure-source all --report run.html\n"
-             "  pneuservo check config/cylinder-10m-7.65mm.yaml\n"
-             "  pneuservo run --help\n"
+             "  nothing but this program   pneuservo run config/cylinder-10m-7.65mm.yaml --report run.html\n"
+             "  data sheets of an axis     pneuservo new-rig my-axis.yaml, then serve and command\n"
+             "  a logger's recording       pneuservo import log.csv my-axis.yaml, then diagnose\n"
+             "  one verb                   pneuservo run --help\n"
              "Exit status: 0 done, 1 a fault or a failed check, 2 unusable input.");
   int status = 0;
   for (const auto& add_verb : pneuservo::all_verbs()) add_verb(app, status);

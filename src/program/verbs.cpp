@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include <CLI/CLI.hpp>
+
 namespace pneuservo {
 
 using AddsVerb = void(CLI::App&, int& status);
@@ -11,13 +13,36 @@ AddsVerb add_run, add_check, add_device, add_guard, add_latency, add_replay, add
     add_diagnose, add_keys, add_home, add_zero, add_commission, add_stopping, add_import, add_effects, add_serve,
     add_command, add_new_rig;
 
+namespace {
+
+/// A verb and what it is for, as the help lists it.
+struct Verb {
+  AddsVerb* add;
+  const char* purpose;
+};
+constexpr const char *design = "A new axis", *running = "An axis that moves", *recorded = "A recording",
+                     *reference = "Reference";
+constexpr Verb verbs[] = {
+    {add_new_rig, design},     {add_check, design},      {add_design, design},   {add_index, design},
+    {add_stopping, design},    {add_run, running},       {add_serve, running},   {add_command, running},
+    {add_commission, running}, {add_zero, running},      {add_home, running},    {add_device, running},
+    {add_guard, running},      {add_latency, running},   {add_import, recorded}, {add_diagnose, recorded},
+    {add_replay, recorded},    {add_simulate, recorded}, {add_keys, reference},  {add_effects, reference},
+};
+
+}  // namespace
+
 const std::vector<AddVerb>& all_verbs() {
-  static const std::vector<AddVerb> verbs{
-      add_run,      add_check,  add_device,   add_guard, add_latency, add_replay,  add_simulate,
-      add_design,   add_index,  add_diagnose, add_keys,  add_home,    add_zero,    add_commission,
-      add_stopping, add_import, add_effects,  add_serve, add_command, add_new_rig,
-  };
-  return verbs;
+  static const std::vector<AddVerb> all = [] {
+    std::vector<AddVerb> out;
+    for (const Verb& verb : verbs)
+      out.emplace_back([&verb](CLI::App& app, int& status) {
+        verb.add(app, status);
+        app.get_subcommands({}).back()->group(verb.purpose);
+      });
+    return out;
+  }();
+  return all;
 }
 
 bool moves_an_axis(std::string_view verb) {

@@ -114,11 +114,11 @@ def unknown_options():
     """Verbs, tools and their options in all pages, against what --help of each says."""
     helps = {f"tools/{tool.name}": help_of(tool) for tool in sorted((SOURCE / "tools").iterdir()) if tool.is_file() and os.access(tool, os.X_OK)}
     wrong = [f"{tool} --help does not print its usage" for tool, text in helps.items() if not text]
-    verbs = re.findall(r"^  (\w+) ", help_of(BUILD / "pneuservo").split("Subcommands:")[1], re.MULTILINE)
+    verbs = re.findall(r"^  ([a-z-]+) ", help_of(BUILD / "pneuservo").split("A new axis:")[1].split("Start here:")[0], re.MULTILINE)
     helps |= {f"pneuservo {verb}": help_of(BUILD / "pneuservo", verb) for verb in verbs}
     for page in [*SOURCE.glob("*.md"), *(SOURCE / "docs").rglob("*.md")]:
         for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1):
-            for name, rest in re.findall(r"(?:(?<=`)|(?<=^)|(?<= ))(?:build/release/)?(pneuservo [a-z]+|tools/[\w-]+)\b([^`|;&\n]*)", line):
+            for name, rest in re.findall(r"(?:(?<=`)|(?<=^)|(?<= ))(?:build/release/)?(pneuservo [a-z-]+|tools/[\w-]+)\b([^`|;&\n]*)", line):
                 if name not in helps:
                     known = name.startswith("tools/") and any((SOURCE / "tools").glob(name[6:] + "*"))
                     wrong += [] if known or not rest.startswith(" --") else [f"{page.relative_to(SOURCE)}:{number}: {name} is not there"]

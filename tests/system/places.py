@@ -100,7 +100,7 @@ void add_toy(CLI::App& app, int& status) {
 }  // namespace pneuservo
 '''),
         Edit("src/program/verbs.cpp", " add_toy,", "\nAddsVerb"),
-        Edit("src/program/verbs.cpp", " add_toy,", "add_serve, add_command,"),
+        Edit("src/program/verbs.cpp", " {add_toy, reference},", "{add_command, running},"),
     )),
     # law_place_test.py compiles its dispatch and what it lacks.
     Addition("control law", "toy_law", (

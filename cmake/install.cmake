@@ -1,6 +1,8 @@
 # Install rules and the export sets, so that find_package(pneuservo) works from another project.
 # Component "estimator": the header-only estimator, which needs no library. Component "library": pneuservo::axis, all that
 # runs an axis. Component "program": the program (src/CMakeLists.txt). A header whose body stays behind is not installed.
+# Types hold as many lanes as a register has: who links with the library compiles for the same instruction set. Packages
+# hold it once for each and the loader takes one, so that nobody can link with it there.
 set(PNEUSERVO_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/pneuservo)
 
 foreach(folder core elements estimator)
@@ -10,7 +12,7 @@ endforeach()
 install(TARGETS pneuservo_estimator EXPORT pneuservo_targets COMPONENT estimator)
 install(EXPORT pneuservo_targets NAMESPACE pneuservo:: DESTINATION ${PNEUSERVO_PACKAGE_DIR} COMPONENT estimator)
 
-if(PNEUSERVO_BUILD_PROGRAM AND PNEUSERVO_LIBRARY_DESTINATION STREQUAL CMAKE_INSTALL_LIBDIR)
+if(PNEUSERVO_BUILD_PROGRAM AND NOT PNEUSERVO_SHARED_LIBRARY)
   foreach(folder control hal loop record rig)
     install(DIRECTORY include/pneuservo/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pneuservo COMPONENT library
       FILES_MATCHING PATTERN "*.hpp")
@@ -21,20 +23,17 @@ if(PNEUSERVO_BUILD_PROGRAM AND PNEUSERVO_LIBRARY_DESTINATION STREQUAL CMAKE_INST
     install(DIRECTORY src/${folder} DESTINATION ${PNEUSERVO_HOST_INCLUDES} COMPONENT library FILES_MATCHING PATTERN "*.hpp")
   endforeach()
   install(FILES hal/backends.hpp DESTINATION ${PNEUSERVO_HOST_INCLUDES} COMPONENT library)
-  if(PNEUSERVO_SHARED_LIBRARY)
-    set_target_properties(pneuservo_shared PROPERTIES EXPORT_NAME axis)
-    target_include_directories(pneuservo_shared INTERFACE $<INSTALL_INTERFACE:${PNEUSERVO_HOST_INCLUDES}>)
-    target_link_libraries(pneuservo_shared INTERFACE pneuservo_estimator nlohmann_json::nlohmann_json fmt::fmt)
-  else()
-    # hal needs core and core nothing of hal, so one name for both is a library that links them in this order.
-    add_library(pneuservo_axis INTERFACE)
-    add_library(pneuservo::axis ALIAS pneuservo_axis)
-    set_target_properties(pneuservo_axis PROPERTIES EXPORT_NAME axis)
-    target_link_libraries(pneuservo_axis INTERFACE pneuservo_hal)
-    set_target_properties(pneuservo_hal PROPERTIES EXPORT_NAME hal)
-    target_include_directories(pneuservo_core INTERFACE $<INSTALL_INTERFACE:${PNEUSERVO_HOST_INCLUDES}>)
-    install(TARGETS pneuservo_core pneuservo_hal pneuservo_axis EXPORT pneuservo_axis_targets COMPONENT library)
+  # hal needs core and core nothing of hal, so one name for both is a library that links them in this order.
+  add_library(pneuservo_axis INTERFACE)
+  add_library(pneuservo::axis ALIAS pneuservo_axis)
+  set_target_properties(pneuservo_axis PROPERTIES EXPORT_NAME axis)
+  target_link_libraries(pneuservo_axis INTERFACE pneuservo_hal)
+  set_target_properties(pneuservo_hal PROPERTIES EXPORT_NAME hal)
+  target_include_directories(pneuservo_core INTERFACE $<INSTALL_INTERFACE:${PNEUSERVO_HOST_INCLUDES}>)
+  if(PNEUSERVO_ARCHITECTURE)
+    target_compile_options(pneuservo_core INTERFACE $<INSTALL_INTERFACE:-march=${PNEUSERVO_ARCHITECTURE}>)
   endif()
+  install(TARGETS pneuservo_core pneuservo_hal pneuservo_axis EXPORT pneuservo_axis_targets COMPONENT library)
   install(EXPORT pneuservo_axis_targets NAMESPACE pneuservo:: DESTINATION ${PNEUSERVO_PACKAGE_DIR} COMPONENT library)
 endif()
 

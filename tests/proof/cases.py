@@ -2,10 +2,12 @@
 """A case depends on seed and number alone. OUT/case-NNN holds what the owner has, OUT/sealed/case-NNN.json the truth, and
 OUT/commitments.txt the truth's SHA-256, written before anything is diagnosed."""
 import copy
+import functools
 import gzip
 import hashlib
 import json
 import math
+import operator
 import random
 import secrets
 import subprocess
@@ -22,16 +24,12 @@ COLUMNS = ["t_s", "x_ref_m", "x_m", "u_V", "p1_port_Pa", "p2_port_Pa"]
 
 
 def get(tree, path):
-    for key in path.split("."):
-        tree = tree[key]
-    return tree
+    return functools.reduce(operator.getitem, path.split("."), tree)
 
 
 def put(tree, path, value):
-    *way, last = path.split(".")
-    for key in way:
-        tree = tree[key]
-    tree[last] = value
+    way, _, last = path.rpartition(".")
+    (get(tree, way) if way else tree)[last] = value
 
 
 def kind_of(seed, number):

@@ -1,20 +1,10 @@
 #!/usr/bin/env bash
 # Another project finds the installed package, compiles against it with Eigen alone, and gets a right chamber pressure.
 set -euo pipefail
-build_dir=$(cd -- "$1" && pwd)
-source_dir=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
+source "$(dirname -- "${BASH_SOURCE[0]}")/installing.sh"
 compiler=${CXX:-g++}
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-unset CPATH CPLUS_INCLUDE_PATH C_INCLUDE_PATH CXXFLAGS CPPFLAGS CMAKE_PREFIX_PATH
 
-fail() {
-  echo "FAILED: $*"
-  exit 1
-}
-
-prefix=$work/prefix
-cmake --install "$build_dir" --component estimator --prefix "$prefix" >"$work/install.log" || fail "install: $(cat "$work/install.log")"
+install_component estimator
 [[ -f $prefix/include/pneuservo/estimator/pipeline_estimator.hpp ]] || fail "the estimator's header is not installed"
 for folder in "$prefix"/include/pneuservo/*; do
   case ${folder##*/} in

@@ -1,22 +1,9 @@
 #!/usr/bin/env bash
 # Another project finds the installed library and runs an own axis with an own reference and an own law.
 set -euo pipefail
-build_dir=$(cd -- "$1" && pwd)
-source_dir=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../.." && pwd)
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-unset CPATH CPLUS_INCLUDE_PATH C_INCLUDE_PATH CXXFLAGS CPPFLAGS CMAKE_PREFIX_PATH
+source "$(dirname -- "${BASH_SOURCE[0]}")/installing.sh"
 
-fail() {
-  echo "FAILED: $*"
-  exit 1
-}
-
-prefix=$work/prefix
-for component in estimator library; do
-  cmake --install "$build_dir" --component "$component" --prefix "$prefix" >"$work/install.log" ||
-    fail "install: $(cat "$work/install.log")"
-done
+for component in estimator library; do install_component "$component"; done
 cmake -G Ninja -S "$source_dir/tests/package/axis" -B "$work/axis" -DCMAKE_BUILD_TYPE=Release \
   -DCMAKE_PREFIX_PATH="$prefix" >"$work/configure.log" 2>&1 || fail "configure: $(cat "$work/configure.log")"
 cmake --build "$work/axis" >"$work/build.log" 2>&1 || fail "build: $(cat "$work/build.log")"

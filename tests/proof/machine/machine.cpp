@@ -124,26 +124,37 @@ double Machine::through_edges(const double* y, double t, std::size_t side, doubl
   return *from_supply - *to_exhaust;
 }
 
-/// The pressure in the end plane at which the tube takes what the edges let through: Newton's method in a bracket.
-double Machine::port_pressure_without_volume(const double* y, double t, std::size_t side, double spool) {
-  const Tube& tube = tubes_[side];
-  const double inside_K = tube.beside(0).stagnation_K, ts = data_.supply.temperature_K;
-  double a, b, low = 1e3, high = 3e6, p = std::clamp(port_Pa_[side], low, high);
-  const auto missing = [&](double at) {
-    return tube.end_flow(0, at, ts).mass - through_edges(y, t, side, spool, at, inside_K, &a, &b);
-  };
-  double f = missing(p);
+namespace {
+
+/// The pressure at which a flow that rises with it is zero: Newton's step, halved brackets where that leaves them; to 1
+/// mPa.
+template <class Flow> double balancing_Pa(const Flow& flow, double p, double low, double high) {
+  double f = flow(p);
   for (int i = 0; i < 40; ++i) {
     (f > 0.0 ? high : low) = p;
-    const double h = 1e-5 * p, slope = (missing(p + h) - f) / h;
+    const double h = 1e-5 * p, slope = (flow(p + h) - f) / h;
     double next = slope > 0.0 ? p - f / slope : 0.5 * (low + high);
     if (next <= low || next >= high) next = 0.5 * (low + high);
     const double moved = std::abs(next - p);
     p = next;
     if (moved < 1e-3) break;
-    f = missing(p);
+    f = flow(p);
   }
   return p;
+}
+
+}  // namespace
+
+/// The pressure in the end plane at which the tube takes what the edges let through: Newton's method in a bracket.
+double Machine::port_pressure_without_volume(const double* y, double t, std::size_t side, double spool) {
+  const Tube& tube = tubes_[side];
+  const double inside_K = tube.beside(0).stagnation_K, ts = data_.supply.temperature_K;
+  const double low = 1e3, high = 3e6;
+  double a, b;
+  const auto missing = [&](double at) {
+    return tube.end_flow(0, at, ts).mass - through_edges(y, t, side, spool, at, inside_K, &a, &b);
+  };
+  return balancing_Pa(missing, std::clamp(port_Pa_[side], low, high), low, high);
 }
 
 Machine::PortFlow Machine::port(const double* y, double t, std::size_t side, double spool, double* out) {
@@ -201,23 +212,12 @@ EndFlow Machine::chamber_end(const double* y, std::size_t side, double x) {
     }
     return flow;
   }
-  double low = 1e3, high = 3e6, p = pc;
+  const double low = 1e3, high = 3e6;
   const auto surplus = [&](double at) {
     return orifice_kg_per_s(data_.gas, area, data_.valve.critical_ratio, at, in.stagnation_K, pc, tc) -
            tube.end_flow(1, at, tc).mass;
   };
-  double f = surplus(p);
-  for (int i = 0; i < 40; ++i) {
-    (f > 0.0 ? high : low) = p;
-    const double h = 1e-5 * p, slope = (surplus(p + h) - f) / h;
-    double next = slope > 0.0 ? p - f / slope : 0.5 * (low + high);
-    if (next <= low || next >= high) next = 0.5 * (low + high);
-    const double moved = std::abs(next - p);
-    p = next;
-    if (moved < 1e-3) break;
-    f = surplus(p);
-  }
-  return tube.end_flow(1, p, tc);
+  return tube.end_flow(1, balancing_Pa(surplus, pc, low, high), tc);
 }
 
 void Machine::chamber_rates(const double* y, std::size_t side, const EndFlow& in, double* out) {

@@ -18,12 +18,12 @@ bool on_devices(const AxisOptions& options, const Rig& rig) {
 
 }  // namespace
 
-void add_axis_options(CLI::App& verb, AxisOptions& options, const std::string& config_help) {
-  verb.add_option("CONFIG", options.config, config_help)->required();
+void add_axis_options(Verb& verb, AxisOptions& options, const std::string& config_help) {
+  verb.add_option("CONFIG", options.config, config_help).required();
   add_set_option(verb, options.sets);
   verb.add_option("--time", options.time, "simulated: as fast as it goes; real: on the machine's clock")
-      ->check(CLI::IsMember({"real", "simulated"}))
-      ->capture_default_str();
+      .among({"real", "simulated"})
+      .shows_default();
   verb.add_option("--hal", options.backend,
                   "backend: sim, or configured (each channel from its source in the config's section hal); "
                   "default: configured where the config has that section");
@@ -32,8 +32,8 @@ void add_axis_options(CLI::App& verb, AxisOptions& options, const std::string& c
   verb.add_option("--zeros", options.zeros, "zeros of the channels, a file that the verbs home and zero wrote");
   verb.add_option("--scenario", options.scenarios, "faults to inject into the backend sim, a file (docs/faults.md)");
   verb.add_option("--fault", options.faults, "a fault to inject; may stand several times")
-      ->type_name("KIND[:TARGET[:VALUE]][@START_S[+DURATION_S]]");
-  verb.add_option("--priority", options.priority, "SCHED_FIFO priority in real time")->check(CLI::Range(1, 99));
+      .type_name("KIND[:TARGET[:VALUE]][@START_S[+DURATION_S]]");
+  verb.add_option("--priority", options.priority, "SCHED_FIFO priority in real time").within(1, 99);
   verb.add_option("--cpu", options.cpu, "processor to pin the loop to in real time");
 }
 

@@ -5,11 +5,10 @@
 #include <string_view>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include <pneuservo/rig/rig.hpp>
 
 #include "loop/realtime.hpp"
+#include "program/command_line.hpp"
 #include "program/loop_check.hpp"
 
 namespace pneuservo {
@@ -25,7 +24,7 @@ struct AxisOptions {
 /// Adds CONFIG with its help, --set, --time (default: the one that `options` has), --hal, --allow-unstable, --zeros,
 /// --scenario,
 /// --fault, --priority and --cpu; `options` lives as long as the verb.
-void add_axis_options(CLI::App& verb, AxisOptions& options, const std::string& config_help);
+void add_axis_options(Verb& verb, AxisOptions& options, const std::string& config_help);
 /// sim or configured: a config that names its devices runs on them unless told otherwise.
 std::string backend_of(const AxisOptions& options, const Rig& rig);
 /// The config with the zeros and the overrides of the options, then `more`. Throws InputError, also where an

@@ -2,7 +2,6 @@
 #include <iostream>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "backends.hpp"
@@ -130,53 +129,52 @@ int zero(const CalibrateOptions& options) {
   return report(options, rig, find_pressure_zeros(rig, *backend, options.duration_s, options.time == "real"));
 }
 
-void add_common(CLI::App& verb, CalibrateOptions& o) {
-  verb.add_option("CONFIG", o.config, "rig, e.g. config/can/cylinder-10m-7.65mm.yaml")->required();
+void add_common(Verb& verb, CalibrateOptions& o) {
+  verb.add_option("CONFIG", o.config, "rig, e.g. config/can/cylinder-10m-7.65mm.yaml").required();
   add_set_option(verb, o.sets);
   verb.add_option("--zeros", o.zeros, "zeros found before; those found now are added to them");
   verb.add_option("--write", o.write, "file for run --zeros");
   verb.add_option("--time", o.time, "real: on the machine's clock, for devices; simulated: as fast as it goes")
-      ->check(CLI::IsMember({"real", "simulated"}));
+      .among({"real", "simulated"});
 }
 
 }  // namespace
 
-void add_home(CLI::App& app, int& status) {
+void add_home(CommandLine& app, int& status) {
   auto o = std::make_shared<CalibrateOptions>();
-  CLI::App* verb = app.add_subcommand("home", "find the zero of an incremental encoder at an end stop");
-  add_common(*verb, *o);
-  verb->add_option("--end", o->end, "end stop to drive to")->check(CLI::IsMember({"low", "high"}));
-  verb->add_option("--command-V", o->command_V, "command that pushes there [V] (default: 2 % of the valve's range)")
-      ->check(above_zero());
-  verb->footer("The slider moves: keep clear. An incremental encoder is homed after each time it was switched on.");
-  verb->callback([o, &status] { status = home(*o); });
+  Verb verb = app.add_verb("home", "find the zero of an incremental encoder at an end stop");
+  add_common(verb, *o);
+  verb.add_option("--end", o->end, "end stop to drive to").among({"low", "high"});
+  verb.add_option("--command-V", o->command_V, "command that pushes there [V] (default: 2 % of the valve's range)")
+      .above_zero();
+  verb.footer("The slider moves: keep clear. An incremental encoder is homed after each time it was switched on.");
+  verb.callback([o, &status] { status = home(*o); });
 }
 
-void add_commission(CLI::App& app, int& status) {
+void add_commission(CommandLine& app, int& status) {
   auto o = std::make_shared<CalibrateOptions>();
-  CLI::App* verb =
-      app.add_subcommand("commission", "prove signs, hoses, sensors and neutral by moves of some millimetres");
-  add_common(*verb, *o);
-  verb->add_option("--json", o->json, "what was found as JSON, - for standard output");
+  Verb verb = app.add_verb("commission", "prove signs, hoses, sensors and neutral by moves of some millimetres");
+  add_common(verb, *o);
+  verb.add_option("--json", o->json, "what was found as JSON, - for standard output");
   o->kind = ResultKind::commission;
   o->existing = ExistingFile::refuse;
-  verb->add_flag_callback(
+  verb.add_flag(
       "--force", [o] { o->existing = ExistingFile::replace; }, "replaces an older commissioning of that name");
-  verb->footer(
+  verb.footer(
       "The slider moves by some millimetres each way, at 20 mm/s or so: keep clear. Let it stand away from both ends.\n"
       "Exit status: 0 all proven, 1 something is wrong or not proven, 2 unusable input.");
-  verb->callback([o, &status] { status = commission(*o); });
+  verb.callback([o, &status] { status = commission(*o); });
 }
 
-void add_zero(CLI::App& app, int& status) {
+void add_zero(CommandLine& app, int& status) {
   auto o = std::make_shared<CalibrateOptions>();
-  CLI::App* verb = app.add_subcommand("zero", "zero the pressure sensors and tell gauge from absolute");
-  add_common(*verb, *o);
-  verb->add_option("--duration-s", o->duration_s, "length of the mean [s]")->check(above_zero());
-  verb->footer(
+  Verb verb = app.add_verb("zero", "zero the pressure sensors and tell gauge from absolute");
+  add_common(verb, *o);
+  verb.add_option("--duration-s", o->duration_s, "length of the mean [s]").above_zero();
+  verb.footer(
       "Shut off the supply and vent both lines first; a sensor that then shows neither the atmosphere nor 0 is\n"
       "refused.");
-  verb->callback([o, &status] { status = zero(*o); });
+  verb.callback([o, &status] { status = zero(*o); });
 }
 
 }  // namespace pneuservo

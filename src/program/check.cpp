@@ -4,7 +4,6 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "can/bus_interface.hpp"
@@ -80,18 +79,17 @@ int run_check(const CheckOptions& options) {
 
 }  // namespace
 
-void add_check(CLI::App& app, int& status) {
+void add_check(CommandLine& app, int& status) {
   auto options = std::make_shared<CheckOptions>();
-  CLI::App* verb =
-      app.add_subcommand("check", "grade the machine for real time, and a config; exit status 1 if anything is bad");
-  verb->add_option("CONFIG", options->config, "config to check as well");
-  add_set_option(*verb, options->sets);
-  verb->add_option("--cpu", options->session.cpu, "processor that the loop shall be pinned to");
-  verb->add_option("--priority", options->session.priority, "SCHED_FIFO priority that is tried")
-      ->check(CLI::Range(1, 99))
-      ->capture_default_str();
-  verb->add_option("--json", options->json, "write the findings here; - is standard output");
-  verb->callback([options, &status] { status = run_check(*options); });
+  Verb verb = app.add_verb("check", "grade the machine for real time, and a config; exit status 1 if anything is bad");
+  verb.add_option("CONFIG", options->config, "config to check as well");
+  add_set_option(verb, options->sets);
+  verb.add_option("--cpu", options->session.cpu, "processor that the loop shall be pinned to");
+  verb.add_option("--priority", options->session.priority, "SCHED_FIFO priority that is tried")
+      .within(1, 99)
+      .shows_default();
+  verb.add_option("--json", options->json, "write the findings here; - is standard output");
+  verb.callback([options, &status] { status = run_check(*options); });
 }
 
 }  // namespace pneuservo

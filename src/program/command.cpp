@@ -7,7 +7,6 @@
 #include <thread>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
@@ -162,25 +161,23 @@ int command(const CommandOptions& options) {
 
 }  // namespace
 
-void add_command(CLI::App& app, int& status) {
+void add_command(CommandLine& app, int& status) {
   auto o = std::make_shared<CommandOptions>();
-  CLI::App* verb = app.add_subcommand("command", "tells a served axis what to do, or shows how it is");
-  verb->add_option(
-          "WORD", o->word,
-          "enable, disable, reset (a fault), move X_M, move-by WAY_M, jog SPEED_MPS, stop, hold, resume, mark, "
-          "status, watch")
-      ->required();
-  verb->add_option("NUMBER", o->value, "of move, move-by and jog");
-  verb->add_option("--speed", o->speed_mps, "speed of the move [m/s] [default: reference.speed_mps]");
-  verb->add_flag("--wait", o->wait, "until the set point rests; whoever waits is the commander");
-  verb->add_option("--socket", o->socket,
-                   "Unix socket of the axis [default: that of the only one that is served here]");
-  verb->add_option("--tcp", o->tcp, "port of the axis on this machine instead")->check(CLI::Range(1, 65535));
-  verb->add_option("--interval", o->interval_s, "of watch [s]")->check(CLI::Range(0.01, 3600.0));
-  verb->add_flag("--json", o->json, "what the axis answered, as JSON");
-  verb->footer("Without --wait the axis is released again after the answer, and goes on to its target.\n"
-               "Exit status: 0 done, 1 refused or a fault, 2 unusable input or no axis there.");
-  verb->callback([o, &status] { status = command(*o); });
+  Verb verb = app.add_verb("command", "tells a served axis what to do, or shows how it is");
+  verb.add_option("WORD", o->word,
+                  "enable, disable, reset (a fault), move X_M, move-by WAY_M, jog SPEED_MPS, stop, hold, resume, mark, "
+                  "status, watch")
+      .required();
+  verb.add_option("NUMBER", o->value, "of move, move-by and jog");
+  verb.add_option("--speed", o->speed_mps, "speed of the move [m/s] [default: reference.speed_mps]");
+  verb.add_flag("--wait", o->wait, "until the set point rests; whoever waits is the commander");
+  verb.add_option("--socket", o->socket, "Unix socket of the axis [default: that of the only one that is served here]");
+  verb.add_option("--tcp", o->tcp, "port of the axis on this machine instead").within(1, 65535);
+  verb.add_option("--interval", o->interval_s, "of watch [s]").within(0.01, 3600.0);
+  verb.add_flag("--json", o->json, "what the axis answered, as JSON");
+  verb.footer("Without --wait the axis is released again after the answer, and goes on to its target.\n"
+              "Exit status: 0 done, 1 refused or a fault, 2 unusable input or no axis there.");
+  verb.callback([o, &status] { status = command(*o); });
 }
 
 }  // namespace pneuservo

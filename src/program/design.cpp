@@ -7,7 +7,6 @@
 #include <numbers>
 #include <stdexcept>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "config/dump_rig.hpp"
@@ -87,28 +86,28 @@ int run_design(DesignOptions& options) {
 
 }  // namespace
 
-void add_design(CLI::App& app, int& status) {
+void add_design(CommandLine& app, int& status) {
   auto options = std::make_shared<DesignOptions>();
-  CLI::App* verb = app.add_subcommand("design", "linear models, gains by a rule, poles, margins, step, feedforward");
-  verb->footer(rules);
-  verb->add_option("CONFIG", options->config, "rig to design for: a cylinder or a servo table")->required();
-  add_set_option(*verb, options->overrides);
-  verb->add_option("--method", options->method, "where the gains come from, see below")
-      ->check(CLI::IsMember({"config", "alpha_beta", "itae_7", "itae_min", "margins"}))
-      ->capture_default_str();
-  verb->add_option("--position-gain", options->position_gain_V_per_m, "K_p of a rule in V/m (default: the config's)")
-      ->check(above_zero());
-  verb->add_option("--alpha", options->request.alpha, "of alpha_beta")->check(above_zero())->capture_default_str();
-  verb->add_option("--beta", options->request.beta, "of alpha_beta")->check(above_zero())->capture_default_str();
-  verb->add_option("--c6", options->request.c_1, "of itae_7: of s")->check(above_zero())->capture_default_str();
-  verb->add_option("--c5", options->request.c_2, "of itae_7: of s^2")->check(above_zero())->capture_default_str();
-  verb->add_flag("--coefficients", options->coefficients,
-                 "normalised coefficients beside those of least ITAE (seconds)");
-  verb->add_option("--write", options->write, "config with the design's gains, all keys commented");
-  verb->add_flag("--force", options->force, "writes gains of an unstable loop too");
-  verb->add_option("--report", options->report, "self-contained HTML page with pole loci and Bode diagrams");
-  verb->add_option("--json", options->json, "result as JSON with units in the keys; - for standard output");
-  verb->callback([options, &status] { status = run_design(*options); });
+  Verb verb = app.add_verb("design", "linear models, gains by a rule, poles, margins, step, feedforward");
+  verb.footer(rules);
+  verb.add_option("CONFIG", options->config, "rig to design for: a cylinder or a servo table").required();
+  add_set_option(verb, options->overrides);
+  verb.add_option("--method", options->method, "where the gains come from, see below")
+      .among({"config", "alpha_beta", "itae_7", "itae_min", "margins"})
+      .shows_default();
+  verb.add_option("--position-gain", options->position_gain_V_per_m, "K_p of a rule in V/m (default: the config's)")
+      .above_zero();
+  verb.add_option("--alpha", options->request.alpha, "of alpha_beta").above_zero().shows_default();
+  verb.add_option("--beta", options->request.beta, "of alpha_beta").above_zero().shows_default();
+  verb.add_option("--c6", options->request.c_1, "of itae_7: of s").above_zero().shows_default();
+  verb.add_option("--c5", options->request.c_2, "of itae_7: of s^2").above_zero().shows_default();
+  verb.add_flag("--coefficients", options->coefficients,
+                "normalised coefficients beside those of least ITAE (seconds)");
+  verb.add_option("--write", options->write, "config with the design's gains, all keys commented");
+  verb.add_flag("--force", options->force, "writes gains of an unstable loop too");
+  verb.add_option("--report", options->report, "self-contained HTML page with pole loci and Bode diagrams");
+  verb.add_option("--json", options->json, "result as JSON with units in the keys; - for standard output");
+  verb.callback([options, &status] { status = run_design(*options); });
 }
 
 }  // namespace pneuservo

@@ -5,7 +5,6 @@
 #include <iostream>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
@@ -150,28 +149,27 @@ int run_device(const DeviceOptions& options) {
 
 }  // namespace
 
-void add_device(CLI::App& app, int& status) {
+void add_device(CommandLine& app, int& status) {
   auto o = std::make_shared<DeviceOptions>();
-  CLI::App* verb = app.add_subcommand("device", "the simulated plant as CANopen nodes on a bus");
-  verb->add_option("CONFIG", o->config, "rig with the section hal, e.g. config/can/cylinder-10m-7.65mm.yaml")
-      ->required();
-  verb->add_option("--can", o->interface, "can0, vcan0, slcan:/dev/ttyACM0, or unix:PATH where there is no CAN kernel")
-      ->required();
-  add_set_option(*verb, o->sets);
-  verb->add_option("--fault", o->faults, "a fault on command; may stand several times")
-      ->type_name("KIND[:TARGET[:VALUE]][@START_S[+DURATION_S]]");
-  verb->add_option("--scenario", o->scenarios, "faults from a scenario file (docs/faults.md)");
-  verb->add_option("--record", o->record, "the plant's true state and its valves' commands, FILE.csv.gz");
-  verb->add_option("--duration-s", o->duration_s, "end after so much time of the plant [s]; default: Ctrl-C")
-      ->check(above_zero());
-  verb->add_option("--priority", o->priority, "SCHED_FIFO priority; 0: an ordinary process")
-      ->check(CLI::Range(0, 99))
-      ->capture_default_str();
-  verb->footer(fault_order_help(InjectionPlace::device) +
-               "The same may be typed, one a line, while it runs. Times count from the first SYNC.\n"
-               "  pneuservo device config/can/cylinder-10m-7.65mm.yaml --can vcan0 --fault freeze:x@2\n"
-               "  pneuservo run config/can/cylinder-10m-7.65mm.yaml --set hal.can.interface=vcan0 --time real");
-  verb->callback([o, &status] { status = run_device(*o); });
+  Verb verb = app.add_verb("device", "the simulated plant as CANopen nodes on a bus");
+  verb.add_option("CONFIG", o->config, "rig with the section hal, e.g. config/can/cylinder-10m-7.65mm.yaml").required();
+  verb.add_option("--can", o->interface, "can0, vcan0, slcan:/dev/ttyACM0, or unix:PATH where there is no CAN kernel")
+      .required();
+  add_set_option(verb, o->sets);
+  verb.add_option("--fault", o->faults, "a fault on command; may stand several times")
+      .type_name("KIND[:TARGET[:VALUE]][@START_S[+DURATION_S]]");
+  verb.add_option("--scenario", o->scenarios, "faults from a scenario file (docs/faults.md)");
+  verb.add_option("--record", o->record, "the plant's true state and its valves' commands, FILE.csv.gz");
+  verb.add_option("--duration-s", o->duration_s, "end after so much time of the plant [s]; default: Ctrl-C")
+      .above_zero();
+  verb.add_option("--priority", o->priority, "SCHED_FIFO priority; 0: an ordinary process")
+      .within(0, 99)
+      .shows_default();
+  verb.footer(fault_order_help(InjectionPlace::device) +
+              "The same may be typed, one a line, while it runs. Times count from the first SYNC.\n"
+              "  pneuservo device config/can/cylinder-10m-7.65mm.yaml --can vcan0 --fault freeze:x@2\n"
+              "  pneuservo run config/can/cylinder-10m-7.65mm.yaml --set hal.can.interface=vcan0 --time real");
+  verb.callback([o, &status] { status = run_device(*o); });
 }
 
 }  // namespace pneuservo

@@ -12,7 +12,6 @@
 #include <set>
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -291,30 +290,30 @@ int run_diagnose(const DiagnoseVerbOptions& options) {
 
 }  // namespace
 
-void add_diagnose(CLI::App& app, int& status) {
+void add_diagnose(CommandLine& app, int& status) {
   auto options = std::make_shared<DiagnoseVerbOptions>();
-  CLI::App* verb = app.add_subcommand("diagnose", "where and why recordings of the machine differ from its config");
-  verb->add_option("CONFIG", options->config, "rig as the owner believes it is, with tolerances")->required();
-  verb->add_option("RECORDING", options->recordings, "recordings of the machine (.csv.gz)")->required();
-  verb->add_option("--held-out", options->held_out,
-                   "recordings kept from every fit, for the proof; the others are then fitted whole");
-  verb->add_option("--changed", options->changed,
-                   "RECORDING:PATH=VALUE: what the machine had otherwise while this recording was made, e.g. "
-                   "slow.csv.gz:supply.pressure_Pa=525e3");
-  verb->add_option("--json", options->json, "result as JSON; - for standard output");
-  verb->add_option("--report", options->report, "self-contained HTML page with pictures");
-  verb->add_option("--improved", options->improved, "config with what was found, for run and simulate");
-  verb->add_option("--next-experiment", options->next_experiment,
-                   "config of the recording that tells rivals apart, for run; it is also sought for --report");
-  verb->add_flag(
+  Verb verb = app.add_verb("diagnose", "where and why recordings of the machine differ from its config");
+  verb.add_option("CONFIG", options->config, "rig as the owner believes it is, with tolerances").required();
+  verb.add_option("RECORDING", options->recordings, "recordings of the machine (.csv.gz)").required();
+  verb.add_option("--held-out", options->held_out,
+                  "recordings kept from every fit, for the proof; the others are then fitted whole");
+  verb.add_option("--changed", options->changed,
+                  "RECORDING:PATH=VALUE: what the machine had otherwise while this recording was made, e.g. "
+                  "slow.csv.gz:supply.pressure_Pa=525e3");
+  verb.add_option("--json", options->json, "result as JSON; - for standard output");
+  verb.add_option("--report", options->report, "self-contained HTML page with pictures");
+  verb.add_option("--improved", options->improved, "config with what was found, for run and simulate");
+  verb.add_option("--next-experiment", options->next_experiment,
+                  "config of the recording that tells rivals apart, for run; it is also sought for --report");
+  verb.add_flag(
       "--latent", options->latent,
       "a free function of time at each element: where an unknown sits, how it looks, how large it could hide");
-  verb->add_option("--picture", options->picture, "course of an unknown as CSV; with --latent");
-  verb->add_option("--leave-out", options->left_out, "name that is not tried, for tools/ablation-trial")->group("");
-  verb->add_option("--jobs", options->jobs, "threads; 0: all of the machine")->check(CLI::Range(0, 1024));
-  add_set_option(*verb, options->sets);
-  verb->add_flag("--quiet", options->quiet, "no progress");
-  verb->callback([options, &status] { status = run_diagnose(*options); });
+  verb.add_option("--picture", options->picture, "course of an unknown as CSV; with --latent");
+  verb.add_option("--leave-out", options->left_out, "name that is not tried, for tools/ablation-trial").hidden();
+  verb.add_option("--jobs", options->jobs, "threads; 0: all of the machine").within(0, 1024);
+  add_set_option(verb, options->sets);
+  verb.add_flag("--quiet", options->quiet, "no progress");
+  verb.callback([options, &status] { status = run_diagnose(*options); });
 }
 
 }  // namespace pneuservo

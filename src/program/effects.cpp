@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -181,12 +180,12 @@ void print_effects(const EffectsOptions& options) {
 
 }  // namespace
 
-void add_effects(CLI::App& app, int&) {
+void add_effects(CommandLine& app, int&) {
   auto options = std::make_shared<EffectsOptions>();
-  CLI::App* verb = app.add_subcommand("effects", "the effects that a config can have and a diagnosis looks for");
-  verb->add_option("CONFIG", options->config, "those of this rig, sizes in its numbers; else all");
-  verb->add_option("--json", options->json, "with priors, reporting limits and sizes, as JSON; - for standard output");
-  verb->callback([options] { print_effects(*options); });
+  Verb verb = app.add_verb("effects", "the effects that a config can have and a diagnosis looks for");
+  verb.add_option("CONFIG", options->config, "those of this rig, sizes in its numbers; else all");
+  verb.add_option("--json", options->json, "with priors, reporting limits and sizes, as JSON; - for standard output");
+  verb.callback([options] { print_effects(*options); });
 }
 
 }  // namespace pneuservo

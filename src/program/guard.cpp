@@ -5,7 +5,6 @@
 #include <iostream>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -133,16 +132,14 @@ int run_guard(const GuardOptions& options) {
 
 }  // namespace
 
-void add_guard(CLI::App& app, int& status) {
+void add_guard(CommandLine& app, int& status) {
   auto o = std::make_shared<GuardOptions>();
-  CLI::App* verb = app.add_subcommand("guard", "closes the valve when a running loop dies or stops");
-  verb->add_option("CONFIG", o->config, "rig with the section hal.guard, the one that run gets")->required();
-  add_set_option(*verb, o->sets);
-  verb->add_option("--priority", o->priority, "SCHED_FIFO priority, above the loop's")
-      ->check(CLI::Range(1, 99))
-      ->capture_default_str();
-  verb->footer("Start it before run; run refuses to start without it and faults when it vanishes.");
-  verb->callback([o, &status] { status = run_guard(*o); });
+  Verb verb = app.add_verb("guard", "closes the valve when a running loop dies or stops");
+  verb.add_option("CONFIG", o->config, "rig with the section hal.guard, the one that run gets").required();
+  add_set_option(verb, o->sets);
+  verb.add_option("--priority", o->priority, "SCHED_FIFO priority, above the loop's").within(1, 99).shows_default();
+  verb.footer("Start it before run; run refuses to start without it and faults when it vanishes.");
+  verb.callback([o, &status] { status = run_guard(*o); });
 }
 
 }  // namespace pneuservo

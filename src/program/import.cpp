@@ -5,7 +5,6 @@
 #include <memory>
 #include <sstream>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
@@ -183,19 +182,18 @@ int run_import(const ImportOptions& options) {
 
 }  // namespace
 
-void add_import(CLI::App& app, int& status) {
+void add_import(CommandLine& app, int& status) {
   auto o = std::make_shared<ImportOptions>();
-  CLI::App* verb =
-      app.add_subcommand("import", "what is understood of a foreign recording: columns, units, times, gaps");
-  verb->add_option("FILE", o->recording, "a table of any logger, .csv or .csv.gz")->required();
-  verb->add_option("CONFIG", o->config, "rig whose ranges and physics doubt the recording");
-  verb->add_option("--report", o->report, "self-contained HTML page with the channels over time");
-  verb->add_option("--json", o->json, "result as JSON, - for standard output");
-  verb->add_option("--write", o->write, "OUT.yaml: the config with a section import, or the section alone");
-  verb->add_flag("--force", o->force, "replaces an older result of import");
-  add_set_option(*verb, o->sets);
-  verb->footer("Quantities and units are guessed from names, brackets and a row of units; each line says by what.");
-  verb->callback([o, &status] { status = run_import(*o); });
+  Verb verb = app.add_verb("import", "what is understood of a foreign recording: columns, units, times, gaps");
+  verb.add_option("FILE", o->recording, "a table of any logger, .csv or .csv.gz").required();
+  verb.add_option("CONFIG", o->config, "rig whose ranges and physics doubt the recording");
+  verb.add_option("--report", o->report, "self-contained HTML page with the channels over time");
+  verb.add_option("--json", o->json, "result as JSON, - for standard output");
+  verb.add_option("--write", o->write, "OUT.yaml: the config with a section import, or the section alone");
+  verb.add_flag("--force", o->force, "replaces an older result of import");
+  add_set_option(verb, o->sets);
+  verb.footer("Quantities and units are guessed from names, brackets and a row of units; each line says by what.");
+  verb.callback([o, &status] { status = run_import(*o); });
 }
 
 }  // namespace pneuservo

@@ -3,8 +3,6 @@
 #include <memory>
 #include <stdexcept>
 
-#include <CLI/CLI.hpp>
-
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "index/index_report.hpp"
@@ -45,15 +43,15 @@ void run_index(const IndexOptions& options) {
 }
 }  // namespace
 
-void add_index(CLI::App& app, int&) {
+void add_index(CommandLine& app, int&) {
   auto options = std::make_shared<IndexOptions>();
-  CLI::App* verb = app.add_subcommand("index", "necessity of the pipeline model: line loss at peak speed over 10 kPa");
-  verb->add_option("CONFIG", options->config, "rig to judge");
-  add_set_option(*verb, options->sets);
-  verb->add_flag("--table", options->table, "the thesis' tables 4.2 and 4.3, printed digits beside ours");
-  verb->add_option("--report", options->report, "self-contained HTML page with a map over length and diameter");
-  verb->add_option("--json", options->json, "result as JSON with units in the keys; - for standard output");
-  verb->callback([options] { run_index(*options); });
+  Verb verb = app.add_verb("index", "necessity of the pipeline model: line loss at peak speed over 10 kPa");
+  verb.add_option("CONFIG", options->config, "rig to judge");
+  add_set_option(verb, options->sets);
+  verb.add_flag("--table", options->table, "the thesis' tables 4.2 and 4.3, printed digits beside ours");
+  verb.add_option("--report", options->report, "self-contained HTML page with a map over length and diameter");
+  verb.add_option("--json", options->json, "result as JSON with units in the keys; - for standard output");
+  verb.callback([options] { run_index(*options); });
 }
 
 }  // namespace pneuservo

@@ -6,7 +6,6 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -141,26 +140,23 @@ int run_latency(LatencyOptions options) {
 
 }  // namespace
 
-void add_latency(CLI::App& app, int& status) {
+void add_latency(CommandLine& app, int& status) {
   auto options = std::make_shared<LatencyOptions>();
-  CLI::App* verb =
-      app.add_subcommand("latency", "wake-up latency of the loop's own timer, beside the loop with a config");
-  verb->add_option("CONFIG", options->config, "also run this rig's loop on its simulated plant, for the same time");
-  CLI::Option* period =
-      verb->add_option("--period-us", options->period_us, "period of the timer [us]; with CONFIG its period_s")
-          ->check(CLI::Range(20.0, 1e6))
-          ->capture_default_str();
-  verb->add_option("--duration-s", options->settings.duration_s, "how long to measure [s]")
-      ->check(CLI::Range(0.01, 1e6))
-      ->capture_default_str();
-  verb->add_option("--cpu", options->settings.session.cpu, "processor to pin the timer's thread to");
-  verb->add_option("--priority", options->settings.session.priority, "of SCHED_FIFO")
-      ->check(CLI::Range(1, 99))
-      ->capture_default_str();
-  verb->add_option("--json", options->json, "write the numbers and the histogram here; - is standard output");
-  verb->footer("pneuservo latency config/cylinder-10m-7.65mm.yaml --duration-s 30");
-  verb->callback([options, period, &status] {
-    options->period_stated = period->count() > 0;
+  Verb verb = app.add_verb("latency", "wake-up latency of the loop's own timer, beside the loop with a config");
+  verb.add_option("CONFIG", options->config, "also run this rig's loop on its simulated plant, for the same time");
+  const VerbOption period =
+      verb.add_option("--period-us", options->period_us, "period of the timer [us]; with CONFIG its period_s")
+          .within(20.0, 1e6)
+          .shows_default();
+  verb.add_option("--duration-s", options->settings.duration_s, "how long to measure [s]")
+      .within(0.01, 1e6)
+      .shows_default();
+  verb.add_option("--cpu", options->settings.session.cpu, "processor to pin the timer's thread to");
+  verb.add_option("--priority", options->settings.session.priority, "of SCHED_FIFO").within(1, 99).shows_default();
+  verb.add_option("--json", options->json, "write the numbers and the histogram here; - is standard output");
+  verb.footer("pneuservo latency config/cylinder-10m-7.65mm.yaml --duration-s 30");
+  verb.callback([options, period, &status] {
+    options->period_stated = period.count() > 0;
     status = run_latency(*options);
   });
 }

@@ -42,7 +42,7 @@ int run_program(int argc, char** argv) {
              "  one verb                   pneuservo run --help\n"
              "Exit status: 0 done, 1 a fault or a failed check, 2 unusable input.");
   int status = 0;
-  for (const auto& add_verb : pneuservo::all_verbs()) add_verb(app, status);
+  pneuservo::add_verbs(app, status);
   if (argc < 2) {
     std::fputs(app.help().c_str(), stdout);
     return 2;

@@ -3,7 +3,6 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -65,22 +64,21 @@ int run_new_rig(NewRigOptions& options) {
 
 }  // namespace
 
-void add_new_rig(CLI::App& app, int& status) {
+void add_new_rig(CommandLine& app, int& status) {
   auto options = std::make_shared<NewRigOptions>();
-  CLI::App* verb =
-      app.add_subcommand("new-rig", "config of a new axis from data sheets, with gains and a motion it can do");
-  verb->add_option("FILE", options->file, "config to write")->required();
-  verb->add_option("--name", options->answers.name, "of the rig, in recordings and reports")->capture_default_str();
+  Verb verb = app.add_verb("new-rig", "config of a new axis from data sheets, with gains and a motion it can do");
+  verb.add_option("FILE", options->file, "config to write").required();
+  verb.add_option("--name", options->answers.name, "of the rig, in recordings and reports").shows_default();
   for (const SheetQuestion& question : sheet_questions)
-    verb->add_option(fmt::format("--{}", question.option), options->answers.of(question.option),
-                     fmt::format("{} ({}{})", question.question, question.typical.empty() ? "such as " : "typical: ",
-                                 question.typical.empty() ? question.example : question.typical));
-  verb->add_option("--speed", options->answers.speed, "of moves (0.2 m/s); default: what the valve can feed");
-  verb->add_option("--acceleration", options->answers.acceleration, "of moves (2 m/s2); default: the same");
-  verb->footer(
+    verb.add_option(fmt::format("--{}", question.option), options->answers.of(question.option),
+                    fmt::format("{} ({}{})", question.question, question.typical.empty() ? "such as " : "typical: ",
+                                question.typical.empty() ? question.example : question.typical));
+  verb.add_option("--speed", options->answers.speed, "of moves (0.2 m/s); default: what the valve can feed");
+  verb.add_option("--acceleration", options->answers.acceleration, "of moves (2 m/s2); default: the same");
+  verb.footer(
       "On a terminal it asks for what the options do not say. Status 1: the axis does not follow its moves within\n"
       "2 % of their way, and a sentence says what stands in the way.");
-  verb->callback([options, &status] { status = run_new_rig(*options); });
+  verb.callback([options, &status] { status = run_new_rig(*options); });
 }
 
 }  // namespace pneuservo

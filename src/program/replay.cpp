@@ -5,7 +5,6 @@
 #include <iostream>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
@@ -194,18 +193,18 @@ int run_replay(const ReplayOptions& options) {
 
 }  // namespace
 
-void add_replay(CLI::App& app, int& status) {
+void add_replay(CommandLine& app, int& status) {
   auto o = std::make_shared<ReplayOptions>();
-  CLI::App* verb = app.add_subcommand("replay", "run estimator and controller on a recording and compare bit for bit");
-  verb->add_option("CONFIG", o->config, "the config that the recording was made with")->required();
-  verb->add_option("RECORDING", o->recording, "FILE.csv.gz")->required();
-  verb->add_option("FURTHER", o->further, "the other files of a run of serve");
-  add_set_option(*verb, o->sets);
-  verb->add_option("--record", o->record, "write what was replayed, FILE.csv.gz");
-  verb->add_flag("--force", o->force, "--record may replace a recording that is there");
-  verb->add_option("--json", o->json, "result as JSON, - for standard output");
-  verb->footer("Exit status: 0 identical, 1 something differs, 2 unusable input.");
-  verb->callback([o, &status] { status = run_replay(*o); });
+  Verb verb = app.add_verb("replay", "run estimator and controller on a recording and compare bit for bit");
+  verb.add_option("CONFIG", o->config, "the config that the recording was made with").required();
+  verb.add_option("RECORDING", o->recording, "FILE.csv.gz").required();
+  verb.add_option("FURTHER", o->further, "the other files of a run of serve");
+  add_set_option(verb, o->sets);
+  verb.add_option("--record", o->record, "write what was replayed, FILE.csv.gz");
+  verb.add_flag("--force", o->force, "--record may replace a recording that is there");
+  verb.add_option("--json", o->json, "result as JSON, - for standard output");
+  verb.footer("Exit status: 0 identical, 1 something differs, 2 unusable input.");
+  verb.callback([o, &status] { status = run_replay(*o); });
 }
 
 }  // namespace pneuservo

@@ -1,10 +1,8 @@
 // What verbs that take a CONFIG share.
 #include "program/rig_options.hpp"
 
-#include <cmath>
 #include <iostream>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <sys/utsname.h>
 
@@ -24,21 +22,10 @@ std::pair<std::vector<double>, std::vector<double>> load_reference_positions(con
   return {recording.t_s(), recording.column("x_ref_m")};
 }
 
-void add_set_option(CLI::App& verb, std::vector<std::string>& sets) {
+void add_set_option(Verb& verb, std::vector<std::string>& sets) {
   verb.add_option("--set", sets,
                   "overrides a key of the config, e.g. --set supply.pressure_Pa=6e5; may stand several times")
-      ->type_name("PATH=VALUE");
-}
-
-const CLI::Validator& above_zero() {
-  static const CLI::Validator validator(
-      [](const std::string& text) {
-        double value = 0.0;
-        const bool is_above = CLI::detail::lexical_cast(text, value) && value > 0.0 && std::isfinite(value);
-        return is_above ? std::string() : fmt::format("found {}, expected a number above 0", text);
-      },
-      "above 0");
-  return validator;
+      .type_name("PATH=VALUE");
 }
 
 void require_valves(std::string_view verb, const std::string& config, const Rig& rig, std::size_t most) {

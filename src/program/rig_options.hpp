@@ -12,20 +12,14 @@
 #include <pneuservo/rig/rig.hpp>
 
 #include "loop/realtime.hpp"
+#include "program/command_line.hpp"
 #include "record/header.hpp"
 #include "report/run_result.hpp"
-
-namespace CLI {
-class App;
-class Validator;
-}  // namespace CLI
 
 namespace pneuservo {
 
 /// The option --set PATH=VALUE of every verb that reads a config; it may stand several times.
-void add_set_option(CLI::App& verb, std::vector<std::string>& sets);
-/// A number above 0, for options.
-const CLI::Validator& above_zero();
+void add_set_option(Verb& verb, std::vector<std::string>& sets);
 
 /// Loads t_s and x_ref_m of a recording, for references of kind `file`. Throws InputError.
 std::pair<std::vector<double>, std::vector<double>> load_reference_positions(const std::string& path);

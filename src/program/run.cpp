@@ -3,7 +3,6 @@
 #include <iostream>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -293,36 +292,36 @@ int run(const RunOptions& options) {
 
 }  // namespace
 
-void add_run(CLI::App& app, int& status) {
+void add_run(CommandLine& app, int& status) {
   auto o = std::make_shared<RunOptions>();
-  CLI::App* verb = app.add_subcommand("run", "run the controller on the configured backend");
-  add_axis_options(*verb, *o, "rig to run, e.g. config/cylinder-10m-7.65mm.yaml");
-  verb->add_option("--pressure-source", o->pressure_source,
-                   "pressures that close the force loop; all: the three of them, compared")
-      ->check(CLI::IsMember({"valve", "chamber", "estimated", "all"}));
-  verb->add_option("--duration-s", o->duration_s, "length of the run instead of the config's [s]")->check(above_zero());
-  verb->add_option("--gains", o->gains,
-                   "gains of a ppd2 law for the running loop, KEY: VALUE; looked at ten times a second");
-  verb->add_option("--moves", o->moves, "times the reference is run");
-  verb->add_option("--record", o->record, "recording, FILE.csv.gz; with all sources FILE-valve.csv.gz and so on");
-  verb->add_flag("--force", o->force, "--record may replace recordings that are there");
-  verb->add_option("--live", o->live,
-                   "live values as JSON over UDP, for PlotJuggler (port 9870); a PORT of this machine, or HOST:PORT");
-  verb->add_option("--report", o->report, "self-contained HTML page with plots");
-  verb->add_option("--json", o->json, "figures as JSON, - for standard output");
-  verb->add_option("--early-wake-us", o->early_wake_us,
-                   "real time: wake so long before the slot and watch the clock until it comes; 0: sleep to the slot "
-                   "[default: 5 % of the period, at most 50]")
-      ->check(CLI::Range(0.0, 1000.0));
-  verb->add_flag("--dump-config", o->dump_config, "print the config with every key, value, unit and range, and stop");
-  verb->footer("Three pressure sources side by side, with a page to look at:\n"
-               "  pneuservo run config/cylinder-10m-7.65mm.yaml --pressure-source all --report run.html\n"
-               "On the machine's clock, recorded:\n"
-               "  pneuservo run config/cylinder-10m-7.65mm.yaml --time real --duration-s 30 --record run.csv.gz\n"
-               "Exit status: 0 done, also when Ctrl-C or another signal ended it early; 1 the run ended in a fault or "
-               "its\n"
-               "recording is not whole (rows were dropped, its disk is full or hangs); 2 unusable input.");
-  verb->callback([o, &status] { status = run(*o); });
+  Verb verb = app.add_verb("run", "run the controller on the configured backend");
+  add_axis_options(verb, *o, "rig to run, e.g. config/cylinder-10m-7.65mm.yaml");
+  verb.add_option("--pressure-source", o->pressure_source,
+                  "pressures that close the force loop; all: the three of them, compared")
+      .among({"valve", "chamber", "estimated", "all"});
+  verb.add_option("--duration-s", o->duration_s, "length of the run instead of the config's [s]").above_zero();
+  verb.add_option("--gains", o->gains,
+                  "gains of a ppd2 law for the running loop, KEY: VALUE; looked at ten times a second");
+  verb.add_option("--moves", o->moves, "times the reference is run");
+  verb.add_option("--record", o->record, "recording, FILE.csv.gz; with all sources FILE-valve.csv.gz and so on");
+  verb.add_flag("--force", o->force, "--record may replace recordings that are there");
+  verb.add_option("--live", o->live,
+                  "live values as JSON over UDP, for PlotJuggler (port 9870); a PORT of this machine, or HOST:PORT");
+  verb.add_option("--report", o->report, "self-contained HTML page with plots");
+  verb.add_option("--json", o->json, "figures as JSON, - for standard output");
+  verb.add_option("--early-wake-us", o->early_wake_us,
+                  "real time: wake so long before the slot and watch the clock until it comes; 0: sleep to the slot "
+                  "[default: 5 % of the period, at most 50]")
+      .within(0.0, 1000.0);
+  verb.add_flag("--dump-config", o->dump_config, "print the config with every key, value, unit and range, and stop");
+  verb.footer("Three pressure sources side by side, with a page to look at:\n"
+              "  pneuservo run config/cylinder-10m-7.65mm.yaml --pressure-source all --report run.html\n"
+              "On the machine's clock, recorded:\n"
+              "  pneuservo run config/cylinder-10m-7.65mm.yaml --time real --duration-s 30 --record run.csv.gz\n"
+              "Exit status: 0 done, also when Ctrl-C or another signal ended it early; 1 the run ended in a fault or "
+              "its\n"
+              "recording is not whole (rows were dropped, its disk is full or hangs); 2 unusable input.");
+  verb.callback([o, &status] { status = run(*o); });
 }
 
 }  // namespace pneuservo

@@ -4,7 +4,6 @@
 #include <iostream>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "backends.hpp"
@@ -146,24 +145,24 @@ int serve(const ServeOptions& options) {
 
 }  // namespace
 
-void add_serve(CLI::App& app, int& status) {
+void add_serve(CommandLine& app, int& status) {
   auto o = std::make_shared<ServeOptions>();
-  CLI::App* verb = app.add_subcommand("serve", "runs an axis that moves as it is commanded, until it is stopped");
-  add_axis_options(*verb, *o, "rig with a reference of kind live, e.g. config/served/cylinder-10m-7.65mm.yaml");
-  verb->add_option("--socket", o->socket,
-                   "Unix socket for commands [default: CONFIG's name.sock in $RUNTIME_DIRECTORY or "
-                   "$XDG_RUNTIME_DIR/pneuservo]");
-  verb->add_option("--record", o->record, "folder for recordings: files of serve.part_s, the oldest go");
-  verb->add_option("--eds", o->eds, "write the EDS of the drive (serve.drive) into FILE, serve nothing")
-      ->type_name("FILE");
-  verb->footer(
+  Verb verb = app.add_verb("serve", "runs an axis that moves as it is commanded, until it is stopped");
+  add_axis_options(verb, *o, "rig with a reference of kind live, e.g. config/served/cylinder-10m-7.65mm.yaml");
+  verb.add_option("--socket", o->socket,
+                  "Unix socket for commands [default: CONFIG's name.sock in $RUNTIME_DIRECTORY or "
+                  "$XDG_RUNTIME_DIR/pneuservo]");
+  verb.add_option("--record", o->record, "folder for recordings: files of serve.part_s, the oldest go");
+  verb.add_option("--eds", o->eds, "write the EDS of the drive (serve.drive) into FILE, serve nothing")
+      .type_name("FILE");
+  verb.footer(
       "In one terminal, and then in another:\n"
       "  pneuservo serve config/served/cylinder-10m-7.65mm.yaml --socket axis.sock\n"
       "  pneuservo command enable --socket axis.sock\n"
       "  pneuservo command move 0.1 --speed 0.2 --socket axis.sock\n"
       "Exit status: 0 stopped by a signal; 1 a fault was latched then, or the recording is not whole; 2 unusable\n"
       "input.");
-  verb->callback([o, &status] { status = serve(*o); });
+  verb.callback([o, &status] { status = serve(*o); });
 }
 
 }  // namespace pneuservo

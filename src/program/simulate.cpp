@@ -3,7 +3,6 @@
 #include <iostream>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <pneuservo/loop/axis_loop.hpp>
@@ -165,20 +164,19 @@ int run_simulate(const SimulateOptions& options) {
 
 }  // namespace
 
-void add_simulate(CLI::App& app, int& status) {
+void add_simulate(CommandLine& app, int& status) {
   auto o = std::make_shared<SimulateOptions>();
-  CLI::App* verb = app.add_subcommand("simulate", "simulate the plant alone on a recorded command");
-  verb->add_option("CONFIG", o->config, "rig to simulate")->required();
-  verb->add_option("--command", o->command, "recording with the column u_V, of a servo table u1_V and u2_V")
-      ->required();
-  add_set_option(*verb, o->sets);
-  verb->add_option("--record", o->record, "what was simulated, without sensor noise, FILE.csv.gz");
-  verb->add_flag("--force", o->force, "--record may replace a recording that is there");
-  verb->add_option("--json", o->json, "differences from the recording as JSON, - for standard output");
-  verb->footer(
+  Verb verb = app.add_verb("simulate", "simulate the plant alone on a recorded command");
+  verb.add_option("CONFIG", o->config, "rig to simulate").required();
+  verb.add_option("--command", o->command, "recording with the column u_V, of a servo table u1_V and u2_V").required();
+  add_set_option(verb, o->sets);
+  verb.add_option("--record", o->record, "what was simulated, without sensor noise, FILE.csv.gz");
+  verb.add_flag("--force", o->force, "--record may replace a recording that is there");
+  verb.add_option("--json", o->json, "differences from the recording as JSON, - for standard output");
+  verb.footer(
       "The plant starts at the recording's first position and pressures, at rest. A free position drifts: small flow\n"
       "errors add up; compare pressures first.");
-  verb->callback([o, &status] { status = run_simulate(*o); });
+  verb.callback([o, &status] { status = run_simulate(*o); });
 }
 
 }  // namespace pneuservo

@@ -3,8 +3,6 @@
 #include <memory>
 #include <stdexcept>
 
-#include <CLI/CLI.hpp>
-
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "loop/stopping.hpp"
@@ -34,17 +32,17 @@ void run_stopping(const StoppingOptions& options) {
 
 }  // namespace
 
-void add_stopping(CLI::App& app, int&) {
+void add_stopping(CommandLine& app, int&) {
   auto o = std::make_shared<StoppingOptions>();
-  CLI::App* verb = app.add_subcommand("stopping", "stopping time and distance of a rig, simulated from its config");
-  verb->add_option("CONFIG", o->config, "rig to stop, e.g. config/cylinder-10m-7.65mm.yaml")->required();
-  add_set_option(*verb, o->sets);
-  verb->add_option("--json", o->json, "result as JSON with units in the keys; - for standard output");
-  verb->footer("The loop runs along the config's reference and along moves at three places of the stroke, with the\n"
-               "smallest and the largest payload (limits.payload_max_kg) and supply (tolerances); 64 times along\n"
-               "each the safe output begins. docs/safety.md says what the figures are for.\n"
-               "  pneuservo stopping config/cylinder-10m-7.65mm.yaml --set safe_output.action=centre");
-  verb->callback([o] { run_stopping(*o); });
+  Verb verb = app.add_verb("stopping", "stopping time and distance of a rig, simulated from its config");
+  verb.add_option("CONFIG", o->config, "rig to stop, e.g. config/cylinder-10m-7.65mm.yaml").required();
+  add_set_option(verb, o->sets);
+  verb.add_option("--json", o->json, "result as JSON with units in the keys; - for standard output");
+  verb.footer("The loop runs along the config's reference and along moves at three places of the stroke, with the\n"
+              "smallest and the largest payload (limits.payload_max_kg) and supply (tolerances); 64 times along\n"
+              "each the safe output begins. docs/safety.md says what the figures are for.\n"
+              "  pneuservo stopping config/cylinder-10m-7.65mm.yaml --set safe_output.action=centre");
+  verb.callback([o] { run_stopping(*o); });
 }
 
 }  // namespace pneuservo

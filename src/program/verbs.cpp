@@ -4,11 +4,9 @@
 #include <algorithm>
 #include <array>
 
-#include <CLI/CLI.hpp>
-
 namespace pneuservo {
 
-using AddsVerb = void(CLI::App&, int& status);
+using AddsVerb = void(CommandLine&, int& status);
 AddsVerb add_run, add_check, add_device, add_guard, add_latency, add_replay, add_simulate, add_design, add_index,
     add_diagnose, add_keys, add_home, add_zero, add_commission, add_stopping, add_import, add_effects, add_serve,
     add_command, add_new_rig;
@@ -16,13 +14,13 @@ AddsVerb add_run, add_check, add_device, add_guard, add_latency, add_replay, add
 namespace {
 
 /// A verb and what it is for, as the help lists it.
-struct Verb {
+struct VerbEntry {
   AddsVerb* add;
   const char* purpose;
 };
 constexpr const char *design = "A new axis", *running = "An axis that moves", *recorded = "A recording",
                      *reference = "Reference";
-constexpr Verb verbs[] = {
+constexpr VerbEntry verbs[] = {
     {add_new_rig, design},     {add_check, design},      {add_design, design},   {add_index, design},
     {add_stopping, design},    {add_run, running},       {add_serve, running},   {add_command, running},
     {add_commission, running}, {add_zero, running},      {add_home, running},    {add_device, running},
@@ -32,17 +30,11 @@ constexpr Verb verbs[] = {
 
 }  // namespace
 
-const std::vector<AddVerb>& all_verbs() {
-  static const std::vector<AddVerb> all = [] {
-    std::vector<AddVerb> out;
-    for (const Verb& verb : verbs)
-      out.emplace_back([&verb](CLI::App& app, int& status) {
-        verb.add(app, status);
-        app.get_subcommands({}).back()->group(verb.purpose);
-      });
-    return out;
-  }();
-  return all;
+void add_verbs(CLI::App& app, int& status) {
+  for (const VerbEntry& verb : verbs) {
+    CommandLine line(app, verb.purpose);
+    verb.add(line, status);
+  }
 }
 
 bool moves_an_axis(std::string_view verb) {

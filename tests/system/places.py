@@ -87,14 +87,12 @@ template <class S> struct ToyDrag {
         Edit("src/program/toy.cpp", '''// Verb `toy`: says so.
 #include <cstdio>
 
-#include <CLI/CLI.hpp>
-
 #include "program/verbs.hpp"
 
 namespace pneuservo {
 
-void add_toy(CLI::App& app, int& status) {
-  app.add_subcommand("toy", "a toy of the test of places")->callback([&status] { status = std::puts("a toy") < 0; });
+void add_toy(CommandLine& app, int& status) {
+  app.add_verb("toy", "a toy of the test of places").callback([&status] { status = std::puts("a toy") < 0; });
 }
 
 }  // namespace pneuservo

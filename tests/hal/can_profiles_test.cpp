@@ -59,7 +59,7 @@ struct Start {
 
 }  // namespace
 
-TEST_CASE("a valve of CiA 408 is brought to ACTIVE and follows the command; transmitters of CiA 404 close the loop") {
+TEST_CASE("a valve of CiA 408 is brought to ACTIVE and follows the command, transmitters of CiA 404 close the loop") {
   Bench bench(profile_sets());
   REQUIRE(bench.run(1500) == -1);
   CHECK(std::abs(bench.device.truth().x_m - 0.0) > 1e-3);

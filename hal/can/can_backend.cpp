@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "can/fluid_valve.hpp"
 #include "can/open_carrier.hpp"
 #include "config/input_error.hpp"
 #include "rig/bus_load.hpp"
@@ -184,6 +185,7 @@ void CanBackend::set_up_node(CanWatchedNode& watched, std::vector<CanInputPdo>& 
                         std::llround(lost_after_heartbeats * node.heartbeat_s / rig_.period_s) + 1, signals});
   }
   configurator.refuse_errors();
+  if (configurator.is_valve()) valves_.push_back(watched.node);
   if (!configurator.has_heartbeat()) watched.silence_ns = watched.heartbeat_ns = 0;
   setup_notes_.insert(setup_notes_.end(), configurator.notes().begin(), configurator.notes().end());
 }
@@ -213,6 +215,7 @@ void CanBackend::configure() {
   open_emergencies_.clear();
   states_.clear();
   setup_notes_.clear();
+  valves_.clear();
   std::vector<std::uint32_t> ids{cob_sync, cob_heartbeat + can.node_id};
   std::vector<CanWatchedNode> watched;
   for (const auto& [name, node] : can.nodes) {
@@ -303,6 +306,25 @@ void CanBackend::check_answers() {
         bus_->name(), static_cast<double>(quickest_ns) * 1e-3, answer_share * static_cast<double>(period_ns_) * 1e-3));
 }
 
+// CiA 408: the spool follows its set point in the state ACTIVE alone. The set point is the safe output since the first
+// SYNC.
+void CanBackend::activate_valves() {
+  std::vector<std::uint32_t> ids = process_ids();
+  for (const std::uint8_t node : valves_) ids.push_back(cob_sdo_answer + node);
+  if (!valves_.empty()) bus_->accept_only(ids);
+  for (const CanWatchedNode& node : process_.nodes()) {
+    if (std::ranges::find(valves_, node.node) == valves_.end()) continue;
+    const auto others = [this](const ReceivedFrame& received) {
+      hear(received);
+      keep_alive(bus_->now_ns());
+    };
+    SdoClient sdo(*bus_, node.node, node.name, others, rig_.hal->can->nodes.at(node.name).sdo_timeout_s);
+    if (const std::string note = activate_valve(sdo); !note.empty())
+      setup_notes_.push_back(fmt::format("node {} ({}): {}", node.name, node.node, note));
+  }
+  if (!valves_.empty()) bus_->accept_only(process_ids());
+}
+
 void CanBackend::activate() {
   if (!bus_) throw std::runtime_error("backend can: activated without configure");
   active_ = true;
@@ -310,6 +332,7 @@ void CanBackend::activate() {
   process_.start(bus_->now_ns());
   wait_until_operational();
   check_answers();
+  activate_valves();
   refuse_open_emergencies();
   start_ns_ = bus_->now_ns();
   dropped_before_ = bus_->dropped();

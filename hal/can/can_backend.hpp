@@ -64,6 +64,7 @@ class CanBackend final : public Backend {
   void wait_until_operational();
   void refuse_second_master();
   void check_answers();
+  void activate_valves();
   void follow_safe_output(std::int64_t tick) noexcept;
   void stop_unconfirmed_outputs(std::int64_t tick) noexcept;
   bool send_outputs(const std::array<double, 2>& commands) noexcept;
@@ -82,6 +83,7 @@ class CanBackend final : public Backend {
   std::map<std::uint8_t, Emergency> open_emergencies_;  // by node, since its boot-up: each is sent once
   std::map<std::uint8_t, NmtState> states_;  // as its heartbeats told last
   std::vector<std::string> setup_notes_;
+  std::vector<std::uint8_t> valves_;  // nodes of CiA 408
   std::unique_ptr<BusLock> lock_;
   SafeOutput safe_output_;
   int unconfirmed_cycles_ = 0;  // in a row, after the safe output was sent

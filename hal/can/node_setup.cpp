@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "can/eds.hpp"
+#include "can/fluid_valve.hpp"
 #include "can/process_data.hpp"
 
 namespace pneuservo {
@@ -15,6 +16,14 @@ namespace {
 constexpr std::uint32_t pdo_off = 0x80000000u;
 constexpr std::uint16_t input_interrupts = 0x6423;
 constexpr std::uint8_t on_every_sync = 1, on_event = 254;
+
+/// Units of pressure as CiA 303-2 numbers them.
+struct PressureUnit {
+  std::uint32_t code;
+  const char* name;
+  double unit_Pa;
+};
+constexpr PressureUnit pressure_units[] = {{0x22, "Pa", 1.0}, {0x4E, "bar", 1e5}, {0xAB, "psi", 6894.757293168}};
 
 std::uint16_t parameters_of(bool is_output, std::uint32_t pdo) {
   return static_cast<std::uint16_t>((is_output ? 0x1400 : 0x1800) + pdo - 1);
@@ -62,10 +71,35 @@ void NodeConfigurator::note(const std::string& what) {
 }
 
 void NodeConfigurator::check_profile() {
-  const std::uint32_t type = sdo_.read_number(0x1000, 0);
-  if (node_.profile != 0 && (type & 0xFFFF) != node_.profile)
-    refuse(fmt::format("its device type 0x1000 states profile {}, expected {} (hal.can.nodes.{}.profile)",
-                       type & 0xFFFF, node_.profile, setup_.name));
+  profile_ = sdo_.read_number(0x1000, 0) & 0xFFFF;
+  if (node_.profile != 0 && profile_ != node_.profile)
+    refuse(fmt::format("its device type 0x1000 states profile {}, expected {} (hal.can.nodes.{}.profile)", profile_,
+                       node_.profile, setup_.name));
+}
+
+bool NodeConfigurator::is_valve() const noexcept { return profile_ == valve_profile && setup_.has_output(); }
+
+// CiA 404 states what a count is: unit (0x6131, as in CiA 303-2: prefix, then the unit) and decimal digits (0x6132).
+void NodeConfigurator::check_pressure_unit(const CanChannel& input) {
+  const std::uint16_t index = input.object.index();
+  if (input.unit != "Pa" || (index != 0x7130 && index != 0x9130)) return;
+  const auto unit = sdo_.find_number(0x6131, input.object.sub());
+  const auto digits = sdo_.find_number(0x6132, input.object.sub());
+  if (!unit || !digits) return;
+  const auto known = std::ranges::find(pressure_units, *unit >> 16 & 0xFF, &PressureUnit::code);
+  if (known == std::end(pressure_units) || (*unit & 0xFFFF) != 0) {
+    note(fmt::format("0x6131:{} is 0x{:08x}, a unit that is not known here: scale_Pa_per_count of {} is not checked",
+                     input.object.sub(), *unit, input.name));
+    return;
+  }
+  const auto prefix = static_cast<std::int8_t>(*unit >> 24);
+  const double per_count_Pa = known->unit_Pa * std::pow(10.0, prefix - static_cast<int>(*digits & 0xFF));
+  // The digits of a config's number, not of the sensor.
+  if (std::abs(std::abs(input.scale) / per_count_Pa - 1.0) > 1e-3)
+    refuse(fmt::format("it states {:g} Pa a count (0x6131:{} is 10^{} {}, 0x6132 {} decimal digits), found {:g} in "
+                       "hal.channels.{}.can.scale_Pa_per_count: one of the two is wrong",
+                       per_count_Pa, input.object.sub(), int{prefix}, known->name, *digits & 0xFF, input.scale,
+                       input.name));
 }
 
 void NodeConfigurator::check_identity() {
@@ -148,8 +182,11 @@ void NodeConfigurator::write_parameters() {
   // 1 would let it go on in operational when we are gone.
   if (const auto behaviour = sdo_.find_number(0x1029, 1); behaviour && *behaviour == 1)
     sdo_.write_checked(0x1029, 1, 0);
-  for (const CanChannel& channel : setup_.channels)
-    if (channel.is_output && channel.node == setup_.name) write_substitute(channel);
+  for (const CanChannel& channel : setup_.channels) {
+    if (channel.node != setup_.name) continue;
+    if (channel.is_output) write_substitute(channel);
+    else check_pressure_unit(channel);
+  }
 }
 
 void NodeConfigurator::refuse_errors() {
@@ -262,6 +299,10 @@ SetUpPdo NodeConfigurator::set_up_pdo(const CanPdo& pdo) {
     if (!done.place_of(setup_.channels[i].object))
       refuse(fmt::format("object 0x{:08x} of channel {} is not in the mapping 0x{:04x}", setup_.channels[i].object.word,
                          setup_.channels[i].name, mapping));
+  if (pdo.is_output && is_valve() && std::ranges::count(objects, valve_control_word, &CanObject::index) > 0)
+    refuse(fmt::format("its mapping 0x{:04x} has the control word 0x6040, which is written by SDO alone: "
+                       "hal.can.nodes.{}.mapping: write",
+                       mapping, setup_.name));
   if (done.bits() > 64) refuse(fmt::format("mapping 0x{:04x} has {} bits, expected at most 64", mapping, done.bits()));
   write_identifier(parameters, 1, wanted);
   return done;

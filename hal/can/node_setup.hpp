@@ -48,6 +48,8 @@ class NodeConfigurator {
   void turn_off_others(const std::vector<CanPdo>& used);
   /// What the device does without, in sentences for the user.
   const std::vector<std::string>& notes() const noexcept { return notes_; }
+  /// A CiA 408 valve: activate_valve (fluid_valve.hpp) after the start.
+  bool is_valve() const noexcept;
   /// Whether it sends a heartbeat.
   bool has_heartbeat() const noexcept { return has_heartbeat_; }
 
@@ -68,6 +70,7 @@ class NodeConfigurator {
   void try_turn_off(const CanPdo& pdo);
   void write_dcf();
   void write_substitute(const CanChannel& output);
+  void check_pressure_unit(const CanChannel& input);
   void write_mapping(std::uint16_t mapping, const std::vector<CanObject>& objects);
   std::vector<CanObject> read_mapping(std::uint16_t mapping);
 
@@ -76,6 +79,7 @@ class NodeConfigurator {
   const CanNodeParameters& node_;
   const CanBusParameters& bus_;
   std::vector<std::string> notes_;
+  std::uint32_t profile_ = 0;  ///< as 0x1000 states it
   bool has_heartbeat_ = true;
 };
 

@@ -12,7 +12,7 @@
 namespace pneuservo {
 namespace {
 
-constexpr std::uint32_t profile_analog = 401, profile_encoder = 406;
+constexpr std::uint32_t profile_analog = 401, profile_transmitter = 404, profile_encoder = 406;
 constexpr double usual_emergency = 0x5000;  // device hardware
 /// Chambers are recorded as the plant has them, not as a sensor shows them.
 constexpr std::array recorded_signals{Signal::x, Signal::p1_port, Signal::p2_port, Signal::p_supply};
@@ -20,10 +20,26 @@ constexpr std::array recorded_signals{Signal::x, Signal::p1_port, Signal::p2_por
 std::uint32_t device_type_of(const CanNodeParameters& node, const std::vector<CanChannel>& channels,
                              const std::string& name) {
   if (node.profile != 0) return node.profile;
+  const auto has = [&](std::uint16_t index) {
+    return std::any_of(channels.begin(), channels.end(),
+                       [&](const CanChannel& c) { return c.node == name && c.object.index() == index; });
+  };
+  if (has(valve_set_point)) return valve_profile;
+  if (has(0x9130) || has(0x7130)) return profile_transmitter;
   const bool analog = std::any_of(channels.begin(), channels.end(), [&](const CanChannel& c) {
     return c.node == name && (c.object.index() >> 8 == 0x64);
   });
   return analog ? profile_analog : profile_encoder;
+}
+
+/// A transmitter of CiA 404 states what a count is: here a power of ten of a bar, if it is one.
+void state_pressure_unit(ObjectDictionary& dictionary, const CanChannel& channel) {
+  if (channel.object.index() != 0x9130 && channel.object.index() != 0x7130) return;
+  const double digits = std::log10(1e5 / std::abs(channel.scale));
+  if (std::abs(digits - std::round(digits)) > 1e-9 || digits < 0) return;
+  constexpr std::uint32_t bar = 0x004E0000;
+  dictionary.add_number(0x6131, channel.object.sub(), 32, bar, false);
+  dictionary.add_number(0x6132, channel.object.sub(), 8, static_cast<std::uint32_t>(std::lround(digits)), false);
 }
 
 /// What a saturated channel sends: beyond the highest of its counts, which hold it there.
@@ -52,13 +68,16 @@ void PlantDevice::build_nodes() {
   for (const auto& [name, parameters] : rig_.hal->can->nodes) {
     auto node = std::make_unique<CanopenNode>(
         NodeIdentity{static_cast<std::uint8_t>(parameters.node_id), device_type_of(parameters, channels_, name), name});
+    ValveStates* valve = nullptr;
+    if (node->dictionary().number(0x1000, 0) == valve_profile) valve = &valves_.try_emplace(name, *node).first->second;
     for (const CanChannel& c : channels_) {
       if (c.node != name) continue;
+      if (!c.is_output) state_pressure_unit(node->dictionary(), c);
       if (c.is_output) node->add_output(c.object, c.substitute);
       else if (node->dictionary().find(c.object.index(), c.object.sub()) == nullptr)
         node->dictionary().add(c.object.index(), c.object.sub(),
                                {.bits = c.object.bits(), .can_write = false, .can_map = true});
-      signals_.push_back({c, node.get(), {c.scale, c.zero, c.is_signed, c.object.bits()}});
+      signals_.push_back({c, node.get(), {c.scale, c.zero, c.is_signed, c.object.bits()}, valve});
     }
     nodes_.push_back(std::move(node));
   }
@@ -77,6 +96,7 @@ void PlantDevice::build_nodes() {
 void PlantDevice::power_on(std::int64_t now_ns, std::vector<CanFrame>& out) {
   now_ns_ = now_ns;
   for (auto& node : nodes_) node->power_on(now_ns, out);
+  for (auto& [name, valve] : valves_) valve.power_on();
 }
 
 bool PlantDevice::is_active(InjectedKind kind, const std::string& target) const {
@@ -126,8 +146,9 @@ void PlantDevice::answer(CanopenNode& node, std::vector<CanFrame>& out) {
 void PlantDevice::take_command() {
   for (const DeviceChannel& signal : signals_) {
     if (!signal.channel.is_output) continue;
-    const std::uint32_t raw =
-        signal.node->dictionary().number(signal.channel.object.index(), signal.channel.object.sub());
+    const bool follows = signal.valve == nullptr || signal.valve->follows_set_point();
+    const std::uint32_t raw = signal.node->dictionary().number(
+        follows ? signal.channel.object.index() : valve_hold_set_point, signal.channel.object.sub());
     commands_V_[signal.channel.command] = is_off(*signal.node) ? 0.0 : signal.counts.value_of(raw);  // no supply
   }
   for (const DeviceChannel& signal : signals_)  // what an output is, in an object of its own or in the output's

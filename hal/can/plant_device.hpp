@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include <pneuservo/rig/rig.hpp>
 
 #include "can/canopen_node.hpp"
+#include "can/fluid_valve.hpp"
 #include "inject/plant_faults.hpp"
 #include "inject/sample_faults.hpp"
 #include "rig/can_channels.hpp"
@@ -54,6 +56,7 @@ class PlantDevice {
     CanChannel channel;
     CanopenNode* node;
     CountScale counts;
+    ValveStates* valve = nullptr;  // of a CiA 408 node
   };
   struct Order {
     InjectedFault order;
@@ -77,6 +80,7 @@ class PlantDevice {
   SampleFaults sample_faults_;
   std::vector<CanChannel> channels_;
   std::vector<std::unique_ptr<CanopenNode>> nodes_;
+  std::map<std::string, ValveStates> valves_;
   std::vector<DeviceChannel> signals_;
   std::vector<Order> orders_;
   std::vector<CanFrame> held_back_;  // answers that come a cycle late on command

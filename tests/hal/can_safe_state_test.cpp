@@ -202,7 +202,7 @@ TEST_CASE("outputs of other objects take the substitute that the config names, o
     const char *object, *value, *mode;
     int counts_per_V;
   };
-  const Output o = GENERATE(Output{"0x63000110", "0x63070110", "0x63060108", 3277},
+  const Output o = GENERATE(Output{"0x21000110", "0x21070110", "0x21060108", 3277},
                             Output{"0x64120120", "0x64440120", "0x64430108", 3277},
                             Output{"0x62000108", "0x62070108", "0x62060108", 20});
   const std::string u = "hal.channels.u.can.";

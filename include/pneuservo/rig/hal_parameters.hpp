@@ -35,7 +35,7 @@ struct CanNodeParameters {
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"node_id", "-", 1, 127, "CANopen node number"}, p.node_id...);
-    v(Field{"profile", "-", 0, 65535, "device profile that 0x1000 must state, 401 or 406; 0: any", optional},
+    v(Field{"profile", "-", 0, 65535, "device profile that 0x1000 must state: 401, 404, 406 or 408; 0: any", optional},
       p.profile...);
     v(Field{"mapping", "", 0, 0,
             "write: the PDO mapping below is written into the device; read: the device's own is "
@@ -116,11 +116,13 @@ struct CanSubstitute {
   }
 };
 
-/// What the output `object` has: as the config states it, or as CiA 401 defines it for 16-bit analog outputs.
+/// What the output `object` has: as the config states it, or as CiA 401 defines it for 16-bit analog outputs and CiA
+/// 408 for the set point of a valve, which has its hold set point in a fault.
 constexpr std::optional<CanSubstitute> substitute_of(CanObject object, const std::optional<CanSubstitute>& stated) {
   if (stated) return stated;
-  if (object.index() != 0x6411) return {};
   const std::uint32_t sub = object.sub();
+  if (object.index() == 0x6300) return CanSubstitute{{0x63140000u | sub << 8 | object.bits()}, {}, 1};
+  if (object.index() != 0x6411) return {};
   return CanSubstitute{{0x64440020u | sub << 8}, {0x64430008u | sub << 8}, 1};
 }
 

@@ -206,10 +206,15 @@ std::string thesis_verb(const char* verb, const ThesisRig& which) {
 }
 
 double largest_apart_m(const ThesisCourse& a, const ThesisCourse& b) {
+  // Both on one grid in time, though one may begin earlier.
+  std::size_t shift = 0;
+  while (shift < b.t_s.size() && b.t_s[shift] < a.t_s.front() - 1e-9) ++shift;
   double largest = 0.0;
-  for (std::size_t i = 0; i < std::min(a.x_m.size(), b.x_m.size()); ++i)
+  for (std::size_t i = 0; i < a.x_m.size() && i + shift < b.x_m.size(); ++i) {
+    if (std::fabs(a.t_s[i] - b.t_s[i + shift]) > 1e-9) throw std::invalid_argument("two courses are not on one grid");
     if (a.t_s[i] >= a.from_s - 1e-9 && a.t_s[i] <= a.to_s + 1e-9)
-      largest = std::max(largest, std::fabs(a.x_m[i] - b.x_m[i]));
+      largest = std::max(largest, std::fabs(a.x_m[i] - b.x_m[i + shift]));
+  }
   return largest;
 }
 

@@ -50,4 +50,8 @@ inline const std::vector<std::string> noise_free{"sensors.position.quantum_m=0",
                                                  "sensors.port_pressure={quantum_Pa: 0, noise_Pa: 0}",
                                                  "sensors.chamber_pressure={quantum_Pa: 0, noise_Pa: 0}"};
 
+/// Nothing ends the motion of a loop that swings: for simulation alone.
+inline const std::vector<std::string> unguarded{"limits.speed_mps=20", "limits.deviation_m=0",
+                                                "limits.speed_deviation_mps=0", "limits.stall_force_N=0"};
+
 }  // namespace pneuservo

@@ -1,6 +1,7 @@
 // Rows of chapter 4: the index, pressure loss, position difference, and the verdicts by simulation.
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -11,7 +12,7 @@ namespace pneuservo {
 namespace {
 
 using Sets = std::vector<std::string>;
-constexpr double amplitude_m = 0.08, acceptable_share = 7.5;
+constexpr double amplitude_m = 0.08;
 constexpr const char *needed = "distributed model", *not_needed = "--";
 
 struct IndexCase {
@@ -20,27 +21,26 @@ struct IndexCase {
   double frequency_Hz;
   const char *index, *verdict;           ///< printed
   const char *rule_percent, *own_percent;  ///< position difference, set of chapter 4 and own gains
-  const char *rule_verdict, *own_verdict;  ///< where they are not the printed one
 };
 // clang-format off
 constexpr IndexCase cases[] = {
-    {"Table 4.2", "4.15", "2", 1.0, "5.88", needed, "?", "?", "", ""},
-    {"Table 4.2", "4.15", "5", 1.0, "14.69", needed, "?", "?", "", ""},
-    {"Table 4.2", "4.15", "10", 1.0, "29.39", needed, "?", "?", "", ""},
-    {"Table 4.2", "6.10", "2", 1.0, "1.02", needed, "?", "?", "", ""},
-    {"Table 4.2", "6.10", "5", 1.0, "2.36", needed, "?", "?", "", ""},
-    {"Table 4.2", "6.10", "10", 1.0, "4.72", needed, "?", "?", "", ""},
-    {"Table 4.2", "7.65", "2", 1.0, "0.32", not_needed, "?", "?", "", ""},
-    {"Table 4.2", "7.65", "5", 1.0, "0.80", not_needed, "?", "?", "", ""},
-    {"Table 4.2", "7.65", "10", 1.0, "1.61", needed, "?", "?", "", ""},
-    {"Table 4.3", "6.10", "10", 0.2, "0.28", not_needed, "?", "?", "", ""},
-    {"Table 4.3", "6.10", "10", 0.5, "1.40", needed, "?", "?", "", ""},
-    {"Table 4.3", "6.10", "10", 1.0, "4.72", needed, "?", "?", "", ""},
-    {"Table 4.3", "6.10", "10", 1.5, "9.59", needed, "?", "?", "", ""},
-    {"Table 4.3", "6.10", "10", 2.0, "15.86", needed, "?", "?", "", ""},
-    {"Table 4.3", "6.10", "10", 2.5, "23.44", needed, "?", "?", "", ""},
-    {"Table 4.3", "6.10", "10", 3.0, "32.25", needed, "?", "?", "", ""},
-    {"Table 4.3", "6.10", "10", 3.5, "42.24", needed, "?", "?", "", ""},
+    {"Table 4.2", "4.15", "2", 1.0, "5.88", needed, "46.45", "8.304"},
+    {"Table 4.2", "4.15", "5", 1.0, "14.69", needed, "73.8", "23.33"},
+    {"Table 4.2", "4.15", "10", 1.0, "29.39", needed, "86.81", "8.342"},
+    {"Table 4.2", "6.10", "2", 1.0, "1.02", needed, "8.467", "1.265"},
+    {"Table 4.2", "6.10", "5", 1.0, "2.36", needed, "19.24", "5.077"},
+    {"Table 4.2", "6.10", "10", 1.0, "4.72", needed, "37.95", "15.04"},
+    {"Table 4.2", "7.65", "2", 1.0, "0.32", not_needed, "2.964", "0.4396"},
+    {"Table 4.2", "7.65", "5", 1.0, "0.80", not_needed, "7.24", "1.412"},
+    {"Table 4.2", "7.65", "10", 1.0, "1.61", needed, "14.82", "5.877"},
+    {"Table 4.3", "6.10", "10", 0.2, "0.28", not_needed, "11.11", "1.019"},
+    {"Table 4.3", "6.10", "10", 0.5, "1.40", needed, "20.34", "4.973"},
+    {"Table 4.3", "6.10", "10", 1.0, "4.72", needed, "37.95", "15.04"},
+    {"Table 4.3", "6.10", "10", 1.5, "9.59", needed, "69.57", "23.46"},
+    {"Table 4.3", "6.10", "10", 2.0, "15.86", needed, "63.89", "27.6"},
+    {"Table 4.3", "6.10", "10", 2.5, "23.44", needed, "43.39", "25.43"},
+    {"Table 4.3", "6.10", "10", 3.0, "32.25", needed, "35.33", "22.04"},
+    {"Table 4.3", "6.10", "10", 3.5, "42.24", needed, "29.71", "19.66"},
 };
 // clang-format on
 
@@ -53,6 +53,7 @@ std::string name_of(const IndexCase& one) {
 ThesisRig rig_of(const IndexCase& one, bool of_rule, const char* source) {
   ThesisRig out{fmt::format("{}-{}m-{}mm", of_rule ? "thesis/rule" : "cylinder", one.length, one.diameter), noise_free};
   out.sets.push_back(fmt::format("controller.pressure_source={}", source));
+  out.sets.insert(out.sets.end(), unguarded.begin(), unguarded.end());
   if (one.frequency_Hz != 1.0) {
     const double from_s = std::max(3.0, 2.0 / one.frequency_Hz), to_s = from_s + 3.0 / one.frequency_Hz;
     out.sets.insert(out.sets.end(), {fmt::format("reference.frequency_Hz={:g}", one.frequency_Hz),
@@ -64,40 +65,34 @@ ThesisRig rig_of(const IndexCase& one, bool of_rule, const char* source) {
 
 /// x on port pressures less x on chamber pressures at the same time, in % of the amplitude.
 double difference_percent(ThesisBench& bench, const IndexCase& one, bool of_rule) {
-  return 100.0 / amplitude_m *
-         largest_apart_m(bench.run(rig_of(one, of_rule, "valve")), bench.run(rig_of(one, of_rule, "chamber")));
+  const ThesisCourse &valve = bench.run(rig_of(one, of_rule, "valve")),
+                     &chamber = bench.run(rig_of(one, of_rule, "chamber"));
+  for (const ThesisCourse* course : {&valve, &chamber})
+    if (!course->fault.empty()) throw std::invalid_argument("fault: " + course->fault);
+  return 100.0 / amplitude_m * largest_apart_m(valve, chamber);
 }
 
 std::string commands_of(const IndexCase& one, bool of_rule) {
   return thesis_verb("run", rig_of(one, of_rule, "valve")) + " --record valve.csv.gz; the same with chamber";
 }
 
-ThesisRow verdict_row(const IndexCase& one, bool of_rule) {
-  const char* held = of_rule ? one.rule_verdict : one.own_verdict;
-  return {.place = one.table,
-          .what = fmt::format("{}: verdict by simulation, {}", name_of(one), of_rule ? "chapter 4's set" : "own gains"),
-          .printed = one.verdict,
-          .plant = ThesisPlant::nonlinear,
-          .ours =
-              [one, of_rule](ThesisBench& bench) {
-                return difference_percent(bench, one, of_rule) < acceptable_share ? not_needed : needed;
-              },
-          .held = held,
-          .why = of_rule ? "the config is fitted to the rule on the nine lines of Table 4.2: no prediction there"
-                         : "the verdict depends on the gains: softer ones differ less",
-          .command = commands_of(one, of_rule)};
-}
+constexpr const char* rule_why =
+    "chapter 4's set is fitted to the rule on the nine lines at 1 Hz: no prediction there; it swings at slow motion";
+constexpr const char* own_why =
+    "the index knows no gains: with these, tuned for calm, the pressures' place matters less than the index says";
 
 ThesisRow percent_row(const IndexCase& one, bool of_rule) {
   const bool is_needed = std::string_view(one.verdict) == needed;
   return {.place = one.table,
-          .what = fmt::format("{}: position difference, {}", name_of(one), of_rule ? "chapter 4's set" : "own gains"),
+          .what = fmt::format("{}, printed \"{}\": difference, {}", name_of(one), one.verdict,
+                              of_rule ? "chapter 4's set" : "own gains"),
           .unit = "%",
           .printed = is_needed ? "above 7.5" : "below 7.5",
           .plant = ThesisPlant::nonlinear,
           .ours = [one, of_rule](ThesisBench& bench) { return difference_percent(bench, one, of_rule); },
           .held = of_rule ? one.rule_percent : one.own_percent,
           .held_within = simulated_within,
+          .why = of_rule ? rule_why : own_why,
           .command = commands_of(one, of_rule)};
 }
 
@@ -211,14 +206,12 @@ ThesisGroup thesis_difference_group() {
                     {loss_row("Fig 4.2", five, 1, "below 10", "9.76"), loss_row("Fig 4.2", five, 2, "below 10", "8.03"),
                      picture_row("Fig 4.3", five, "7.4", ""),
                      loss_row("Fig 4.4", ten, 1, "above 10", "19.2"), loss_row("Fig 4.4", ten, 2, "above 10", "15.8"),
-                     picture_row("Fig 4.5", ten, "above 7.5", "14.8"),
+                     picture_row("Fig 4.5", ten, "above 7.5", "14.82"),
                      loss_row("Fig 4.6", two, 1, "above 10", "11.3"), loss_row("Fig 4.6", two, 2, "above 10", "9.1"),
-                     picture_row("Fig 4.7", two, "above 7.5", "10.5")}};
+                     picture_row("Fig 4.7", two, "above 7.5", "8.468")}};
   for (const IndexCase& one : cases)
-    for (const bool of_rule : {true, false}) {
-      group.rows.push_back(verdict_row(one, of_rule));
+    for (const bool of_rule : {true, false})
       group.rows.push_back(percent_row(one, of_rule));
-    }
   return group;
 }
 

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include <fmt/format.h>
@@ -22,6 +23,14 @@ double last_digit(const std::string& text) {
   const double decimals = point == std::string::npos ? 0.0 : static_cast<double>(digits.size() - point - 1);
   const double power = power_at == std::string::npos ? 0.0 : std::strtod(text.c_str() + power_at + 1, nullptr);
   return std::pow(10.0, power - decimals);
+}
+
+/// "below 10", "above 7.5": whether a figure keeps the limit; nothing where the text states none.
+std::optional<bool> keeps_limit(double value, const std::string& text) {
+  const bool below = text.starts_with("below "), above = text.starts_with("above ");
+  if (!below && !above) return std::nullopt;
+  const double limit = thesis_number(text.substr(6));
+  return below ? value < limit : value > limit;
 }
 
 bool is_near(const ThesisValue& ours, const std::string& text, double share) {
@@ -50,10 +59,11 @@ double thesis_tolerance(const std::string& text, double share) {
 ThesisFinding judge_thesis_row(const ThesisRow& row, const ThesisValue& ours) {
   ThesisFinding out{&row, ours, ThesisVerdict::moved};
   const std::string& target = row.meant.empty() ? row.printed : row.meant;
-  const bool meets_print = is_near(ours, target, row.within);
+  const std::optional<bool> limit = keeps_limit(ours.value, target);
+  const bool meets_print = limit.value_or(false) || is_near(ours, target, row.within);
   if (row.held.empty() ? !meets_print : !is_near(ours, row.held, row.held_within)) return out;
   // Words in the print beside a figure of ours say nothing that could agree.
-  const bool no_figure = std::isnan(thesis_number(target)) && ours.words.empty();
+  const bool no_figure = !limit && std::isnan(thesis_number(target)) && ours.words.empty();
   if (no_figure) out.verdict = row.meant.empty() ? ThesisVerdict::no_figure : ThesisVerdict::corrected;
   else if (!meets_print) out.verdict = ThesisVerdict::differs;
   else out.verdict = row.meant.empty() ? ThesisVerdict::agrees : ThesisVerdict::corrected;

@@ -37,7 +37,7 @@ inline constexpr std::string_view thesis_holds = "holds";
 struct ThesisRow {
   std::string place{};              ///< in the thesis: "Table 2.5"
   std::string what{}, unit{};
-  std::string printed{};            ///< as it stands there
+  std::string printed{};            ///< as it stands there; "below 10", "above 7.5" are limits
   std::string meant{};              ///< what it should print; empty: the print stands
   ThesisPlant plant = ThesisPlant::formula;
   std::function<ThesisValue(ThesisBench&)> ours{};  ///< in `unit`; none: a misprint in words, or nothing is there

@@ -109,7 +109,7 @@ std::vector<ThesisRow> lines() {
     rows.push_back(run_row({.place = "Table 2.2",
                             .what = line.what,
                             .unit = "um",
-                            .printed = "sub-micrometre (1.2.1)",
+                            .printed = "below 1",
                             .held = line.held,
                             .why = line.why},
                            line.rig, [](const ThesisCourse& course) { return 1e6 * course.max_error_m; }));

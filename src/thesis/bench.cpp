@@ -87,8 +87,7 @@ ThesisCourse simulate_plant(const Rig& rig, const ThesisCourse& experiment) {
 LinearServoTable plant_of(const LinearRun& which, const Rig& rig) {
   constexpr double rad_per_cycle = 6.283185307179586;
   const SecondOrderLag line{rad_per_cycle * rig.axis.line_1.natural_frequency_Hz, rig.axis.line_1.damping_ratio};
-  LinearServoTable table =
-      linear_servo_table(rig.axis, rig.controller.of<Ppd2>().equilibrium_pressure_Pa, line);
+  LinearServoTable table = linear_servo_table(rig.axis, rig.controller.of<Ppd2>().equilibrium_pressure_Pa, line);
   if (which.plant_order == 5) table.valve = low_frequency_match(table.line, table.valve);
   if (which.plant_order == 3) table.valve = {};
   if (which.plant_order < 7) table.line = {};
@@ -130,8 +129,8 @@ ThesisCourse run_linear(const LinearRun& which, const Rig& rig) {
   ThesisCourse course;
   course.from_s = reference.start_s();
   course.to_s = reference.end_s() + settling_s;
-  course.max_error_m = linear_trial_error_m(
-      plant, reference, rig.period_s, [&](double t_s, const LinearTablePlant& state) {
+  course.max_error_m =
+      linear_trial_error_m(plant, reference, rig.period_s, [&](double t_s, const LinearTablePlant& state) {
         const double command_V = law(t_s, state);
         course.t_s.push_back(t_s);
         course.x_ref_m.push_back(reference.at(t_s).d[0]);
@@ -173,10 +172,10 @@ const ThesisCourse& ThesisBench::run(const ThesisRig& which) {
 }
 
 const ThesisCourse& ThesisBench::run(const LinearRun& which) {
-  const std::string name = fmt::format("{}\n{} {} {} ff {} plant {} law {}", name_of(which.rig),
-                                       which.gains.position_V_per_m, which.gains.velocity_Vs_per_m,
-                                       which.gains.acceleration_Vs2_per_m, which.feedforward_order, which.plant_order,
-                                       static_cast<int>(which.law));
+  const std::string name =
+      fmt::format("{}\n{} {} {} ff {} plant {} law {}", name_of(which.rig), which.gains.position_V_per_m,
+                  which.gains.velocity_Vs_per_m, which.gains.acceleration_Vs2_per_m, which.feedforward_order,
+                  which.plant_order, static_cast<int>(which.law));
   return courses_.once(name, [&] { return run_linear(which, rig(which.rig)); });
 }
 

@@ -39,7 +39,7 @@ struct LinearRun {
   ThesisRig rig;
   Ppd2Gains gains;
   int feedforward_order = 0;  ///< 0: none; of ideal derivatives
-  int plant_order = 7;        ///< 3: no lags; 5: one matched lag; 7: valve and line
+  int plant_order = 7;  ///< 3: no lags; 5: one matched lag; 7: valve and line
   enum class Law { ideal, config } law = Law::ideal;
 };
 

@@ -43,7 +43,8 @@ const std::vector<PrintedGains>& printed_gains() {
       {"Table 2.7", "3rd, 4 mm, K_p 1.0", c4, 1000, "5.49e-2", "1.57e-3", "", "", "", "", "--method alpha_beta", per_mm,
        0.007, alpha_beta(1000)},
       {"Table 2.7", "\"5th\" (7th by 2.4.2), C_5 45, C_6 11", c4, 1000, "6.48e-2", "1.50e-3", "", "", "5.683e-2",
-       "1.257e-3", "--method itae_7", "the printed pair does not give the printed gains", 0, two_coefficients(1000, 11, 45)},
+       "1.257e-3", "--method itae_7", "the printed pair does not give the printed gains", 0,
+       two_coefficients(1000, 11, 45)},
       {"Table 2.7", "\"5th\" (7th by 2.4.2), C_5 53.7, C_6 12.5", c4, 1000, "6.48e-2", "1.50e-3", "", "", "", "",
        "--method itae_7 --c5 53.7 --c6 12.5", "rows of Table 2.7 are swapped; this pair gives the printed gains", 0.002,
        two_coefficients(1000, 12.5, 53.7)},
@@ -56,7 +57,8 @@ const std::vector<PrintedGains>& printed_gains() {
       {"Table 2.8", "4 mm, 5th, K_p 1.2", c4, 1200, "5.40e-2", "1.30e-3", "", "", "6.654e-2", "1.511e-3",
        "--method itae_min", no_rule, 0, least(1200)},
       {"Table 2.8", "8 mm, 5th, K_p 1.5", c8, 1500, "1.80e-3", "6.00e-2", "6.00e-2", "1.80e-3", "7.735e-2", "1.627e-3",
-       "--method itae_min", "K_v and K_a are swapped in the print, as 2.6.2 shows; they follow no rule", 0, least(1500)},
+       "--method itae_min", "K_v and K_a are swapped in the print, as 2.6.2 shows; they follow no rule", 0,
+       least(1500)},
   };
   return all;
 }
@@ -78,8 +80,8 @@ void add(std::vector<ThesisRow>& rows, const PrintedGains& p, bool velocity) {
        .held = velocity ? p.velocity_held : p.acceleration_held,
        .held_within = searched ? searched_within : 0.0,
        .why = p.why,
-       .command = fmt::format("{} {} --position-gain {:g}", thesis_verb("design", {p.config}), p.method,
-                              p.position_V_per_m)});
+       .command =
+           fmt::format("{} {} --position-gain {:g}", thesis_verb("design", {p.config}), p.method, p.position_V_per_m)});
 }
 
 /// The lag of a line as the config has it.
@@ -112,10 +114,7 @@ ThesisGroup thesis_gain_group() {
   rows.push_back({.place = "2.3.2",
                   .what = "ITAE of the least coefficients, 7th",
                   .printed = "pattern in words",
-                  .ours =
-                      [](ThesisBench&) {
-                        return itae_of_coefficients(least_itae_coefficients(7));
-                      },
+                  .ours = [](ThesisBench&) { return itae_of_coefficients(least_itae_coefficients(7)); },
                   .held = "10.63",
                   .held_within = searched_within,
                   .why = "the classic coefficients have 15.00",

@@ -56,9 +56,9 @@ ThesisRig rig_of(const IndexCase& one, bool of_rule, const char* source) {
   out.sets.insert(out.sets.end(), unguarded.begin(), unguarded.end());
   if (one.frequency_Hz != 1.0) {
     const double from_s = std::max(3.0, 2.0 / one.frequency_Hz), to_s = from_s + 3.0 / one.frequency_Hz;
-    out.sets.insert(out.sets.end(), {fmt::format("reference.frequency_Hz={:g}", one.frequency_Hz),
-                                     fmt::format("duration_s={:g}", to_s),
-                                     fmt::format("evaluation={{from_s: {:g}, to_s: {:g}}}", from_s, to_s)});
+    out.sets.insert(out.sets.end(),
+                    {fmt::format("reference.frequency_Hz={:g}", one.frequency_Hz), fmt::format("duration_s={:g}", to_s),
+                     fmt::format("evaluation={{from_s: {:g}, to_s: {:g}}}", from_s, to_s)});
   }
   return out;
 }
@@ -107,7 +107,8 @@ ThesisRow index_row(const IndexCase& one) {
                 const double D = 1e-3 * thesis_number(one.diameter), L = thesis_number(one.length);
                 return necessity_index(thesis_side(1, L, D), thesis_peak_speed_mps(one.frequency_Hz)).index;
               },
-          .why = misprint ? "2/5 of the 5 m entry; the simulated loss sides with the print: the verdict stays needed" : "",
+          .why =
+              misprint ? "2/5 of the 5 m entry; the simulated loss sides with the print: the verdict stays needed" : "",
           .command = "pneuservo index --table"};
 }
 
@@ -141,9 +142,15 @@ ThesisRow picture_row(const char* place, const IndexCase& one, const char* print
 
 std::vector<ThesisRow> table_4_1() {
   const auto side = [](int number) { return thesis_side(number, 10.0, 0.00765); };
-  return {{.place = "Table 4.1", .what = "P_0L", .unit = "kPa", .printed = "470",
+  return {{.place = "Table 4.1",
+           .what = "P_0L",
+           .unit = "kPa",
+           .printed = "470",
            .ours = [side](ThesisBench&) { return 1e-3 * side(1).pressure_Pa; }},
-          {.place = "Table 4.1", .what = "P_0R", .unit = "kPa", .printed = "530",
+          {.place = "Table 4.1",
+           .what = "P_0R",
+           .unit = "kPa",
+           .printed = "530",
            .ours = [side](ThesisBench&) { return 1e-3 * side(2).pressure_Pa; }},
           {.place = "Table 4.1",
            .what = "P_0R that balances the piston with its rod",
@@ -156,10 +163,18 @@ std::vector<ThesisRow> table_4_1() {
            .held = "540.2",
            .why = "530 kPa is no equilibrium with 470 kPa and a rod in the atmosphere",
            .command = "pneuservo index config/cylinder-10m-7.65mm.yaml"},
-          {.place = "Table 4.1", .what = "P_re", .unit = "kPa", .printed = "10",
+          {.place = "Table 4.1",
+           .what = "P_re",
+           .unit = "kPa",
+           .printed = "10",
            .ours = [](ThesisBench&) { return 1e-3 * necessity_loss_limit_Pa; }},
-          {.place = "Table 4.1", .what = "viscosity", .unit = "Pa s", .printed = "not given (unit m2/s)",
-           .meant = "Pa s", .ours = [](ThesisBench&) { return thesis_viscosity_Pas; }, .held = "1.73e-5",
+          {.place = "Table 4.1",
+           .what = "viscosity",
+           .unit = "Pa s",
+           .printed = "not given (unit m2/s)",
+           .meant = "Pa s",
+           .ours = [](ThesisBench&) { return thesis_viscosity_Pas; },
+           .held = "1.73e-5",
            .why = "with it every printed digit but one comes out"},
           {.place = "(4.12), (4.14)",
            .what = "laminar loss",
@@ -188,7 +203,10 @@ std::vector<ThesisRow> table_4_1() {
                                  fast.loss_Pa);
                },
            .held = "holds"},
-          {.place = "(4.7)", .what = "sign of the flow of the right side", .printed = "plus", .meant = "minus",
+          {.place = "(4.7)",
+           .what = "sign of the flow of the right side",
+           .printed = "plus",
+           .meant = "minus",
            .why = "(4.11) has the minus; the index takes sizes"}};
 }
 
@@ -204,14 +222,12 @@ ThesisGroup thesis_difference_group() {
   const IndexCase &five = cases[7], &ten = cases[8], &two = cases[3];
   ThesisGroup group{"4.3 Pressure loss, position difference, verdicts by simulation",
                     {loss_row("Fig 4.2", five, 1, "below 10", "9.76"), loss_row("Fig 4.2", five, 2, "below 10", "8.03"),
-                     picture_row("Fig 4.3", five, "7.4", ""),
-                     loss_row("Fig 4.4", ten, 1, "above 10", "19.2"), loss_row("Fig 4.4", ten, 2, "above 10", "15.8"),
-                     picture_row("Fig 4.5", ten, "above 7.5", "14.82"),
+                     picture_row("Fig 4.3", five, "7.4", ""), loss_row("Fig 4.4", ten, 1, "above 10", "19.2"),
+                     loss_row("Fig 4.4", ten, 2, "above 10", "15.8"), picture_row("Fig 4.5", ten, "above 7.5", "14.82"),
                      loss_row("Fig 4.6", two, 1, "above 10", "11.3"), loss_row("Fig 4.6", two, 2, "above 10", "9.1"),
                      picture_row("Fig 4.7", two, "above 7.5", "8.468")}};
   for (const IndexCase& one : cases)
-    for (const bool of_rule : {true, false})
-      group.rows.push_back(percent_row(one, of_rule));
+    for (const bool of_rule : {true, false}) group.rows.push_back(percent_row(one, of_rule));
   return group;
 }
 

@@ -46,8 +46,7 @@ void add(std::vector<ThesisRow>& rows, const PrintedLine& line, const char* wher
   const auto resonance = [line, ends, loss] {
     return first_resonance(thesis_line(line.length_m, 1e-3 * line.diameter_mm, loss), ends);
   };
-  const std::string command =
-      fmt::format("pneuservo thesis --only '{}'", line.place);
+  const std::string command = fmt::format("pneuservo thesis --only '{}'", line.place);
   rows.push_back({.place = line.place,
                   .what = name + "w_t/2 pi",
                   .unit = "Hz",
@@ -57,14 +56,15 @@ void add(std::vector<ThesisRow>& rows, const PrintedLine& line, const char* wher
                   .why = why,
                   .command = command});
   const bool misprint = std::string_view(line.damping) == "0.005";
-  rows.push_back({.place = line.place,
-                  .what = name + "zeta_t",
-                  .printed = line.damping,
-                  .meant = misprint ? "0.05" : "",
-                  .ours = [resonance](ThesisBench&) { return resonance().damping_ratio; },
-                  .held = damping,
-                  .why = misprint ? std::string("0.005 would ring ten times as long as any air in a tube; ") + why : why,
-                  .command = command});
+  rows.push_back(
+      {.place = line.place,
+       .what = name + "zeta_t",
+       .printed = line.damping,
+       .meant = misprint ? "0.05" : "",
+       .ours = [resonance](ThesisBench&) { return resonance().damping_ratio; },
+       .held = damping,
+       .why = misprint ? std::string("0.005 would ring ten times as long as any air in a tube; ") + why : why,
+       .command = command});
 }
 
 }  // namespace
@@ -78,31 +78,32 @@ ThesisGroup thesis_line_group() {
     add(rows, line, "table, steady friction", line_table_ends, LineLoss::quasi_steady, line.model_Hz,
         line.model_damping, model_why);
   }
-  rows.push_back({.place = "(2.18)",
-                  .what = "static gain of the line, L 1 m, D 8 mm",
-                  .printed = "1",
-                  .meant = "1/(1 + V_line/V_0)",
-                  .ours =
-                      [](ThesisBench&) {
-                        return first_resonance(thesis_line(1.0, 8e-3, LineLoss::frequency_dependent), line_table_ends)
-                            .static_gain;
-                      },
-                  .held = "0.79",
-                  .why = "the line itself takes its share of the air"});
+  rows.push_back(
+      {.place = "(2.18)",
+       .what = "static gain of the line, L 1 m, D 8 mm",
+       .printed = "1",
+       .meant = "1/(1 + V_line/V_0)",
+       .ours =
+           [](ThesisBench&) {
+             return first_resonance(thesis_line(1.0, 8e-3, LineLoss::frequency_dependent), line_table_ends).static_gain;
+           },
+       .held = "0.79",
+       .why = "the line itself takes its share of the air"});
   rows.push_back({.place = "2.2.3",
                   .what = "Re of 2.5e-5 m3/s in D 5 mm, nu 1.64e-5 m2/s",
                   .printed = "387.75",
                   .ours = [](ThesisBench&) { return 4.0 * 2.5e-5 / (std::numbers::pi * 5e-3 * 1.64e-5); },
                   .within = searched_within,
                   .why = "a volume flow, as printed: with kg/s no diameter of the thesis gives this number"});
-  rows.push_back({.place = "Table 2.4",
-                  .what = "supply pressure of the line's experiment",
-                  .unit = "kPa",
-                  .printed = "300",
-                  .meant = "250",
-                  .ours = [](ThesisBench& bench) { return 1e-3 * bench.rig({table_4mm.config}).axis.supply.pressure_Pa; },
-                  .within = 0.01,
-                  .why = "2.2.3 says 0.25 MPa (251.3 kPa in Table 2.7); D 6.5 mm of this table is 5.0 in the figures"});
+  rows.push_back(
+      {.place = "Table 2.4",
+       .what = "supply pressure of the line's experiment",
+       .unit = "kPa",
+       .printed = "300",
+       .meant = "250",
+       .ours = [](ThesisBench& bench) { return 1e-3 * bench.rig({table_4mm.config}).axis.supply.pressure_Pa; },
+       .within = 0.01,
+       .why = "2.2.3 says 0.25 MPa (251.3 kPa in Table 2.7); D 6.5 mm of this table is 5.0 in the figures"});
   return {"2.2.3 The lines", rows};
 }
 

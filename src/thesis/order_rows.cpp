@@ -71,15 +71,13 @@ const Formula formulas[] = {
      }},
     {"(2.32)", "C_6 w^6", "", "", Order::seventh, 1,
      [](const Symbols& s) { return s.wt * s.wt * s.wv * s.wv * (s.wn2 + Kv * s.K); }},
-    {"(2.33)", "w^7", "", "", Order::seventh, 0,
-     [](const Symbols& s) { return s.wt * s.wt * s.wv * s.wv * Kp * s.K; }},
+    {"(2.33)", "w^7", "", "", Order::seventh, 0, [](const Symbols& s) { return s.wt * s.wt * s.wv * s.wv * Kp * s.K; }},
     {"(2.37)", "B_1 w", "", "", Order::fifth, 4, [](const Symbols& s) { return 2 * s.w0 * s.z0; }},
     {"(2.38)", "B_2 w^2, of s^3 in (2.36)", "s^3", "(2.36) and (2.43) print s^2 for it", Order::fifth, 3,
      [](const Symbols& s) { return s.w0 * s.w0 + s.wn2; }},
     {"(2.39)", "B_3 w^3", "", "", Order::fifth, 2,
      [](const Symbols& s) { return 2 * s.wn2 * s.z0 * s.w0 + Ka * s.K * s.w0 * s.w0; }},
-    {"(2.40)", "B_4 w^4", "", "", Order::fifth, 1,
-     [](const Symbols& s) { return s.w0 * s.w0 * (s.wn2 + Kv * s.K); }},
+    {"(2.40)", "B_4 w^4", "", "", Order::fifth, 1, [](const Symbols& s) { return s.w0 * s.w0 * (s.wn2 + Kv * s.K); }},
     {"(2.41)", "w^5", "", "", Order::fifth, 0, [](const Symbols& s) { return s.w0 * s.w0 * Kp * s.K; }},
 };
 
@@ -151,8 +149,9 @@ ThesisGroup thesis_order_group() {
                   .printed = "not given",
                   .ours = [](ThesisBench& bench) { return symbols_of(bench).w0 / 6.283185307179586; },
                   .held = "70.72",
-                  .why = "matched at low frequency; leaving out the two far poles would keep the line (106 Hz, 0.08) and "
-                         "lose the valve's phase"});
+                  .why =
+                      "matched at low frequency; leaving out the two far poles would keep the line (106 Hz, 0.08) and "
+                      "lose the valve's phase"});
   rows.push_back({.place = "2.3.3",
                   .what = "zeta_0 of the fifth order",
                   .printed = "not given",

@@ -61,7 +61,8 @@ struct Bode {
       plot->height_px = 280;
     }
   }
-  template <class Transfer> void add(const std::string& name, Tone tone, double low, double high, int points, bool dashed, const Transfer& transfer) {
+  template <class Transfer> void add(const std::string& name, Tone tone, double low, double high, int points,
+                                     bool dashed, const Transfer& transfer) {
     std::vector<double> Hz, size, angle;
     double turns = 0.0;
     for (int i = 0; i < points; ++i) {
@@ -94,13 +95,15 @@ void valve_pictures(HtmlPage& page, ThesisBench&) {
 }
 
 void line_pictures(HtmlPage& page, ThesisBench&) {
-  page.paragraph("Flow out of the line over flow into it, exact theory with losses that depend on frequency, between the "
-                 "small volumes of a test rig. Dashed: the printed lag.");
+  page.paragraph(
+      "Flow out of the line over flow into it, exact theory with losses that depend on frequency, between the "
+      "small volumes of a test rig. Dashed: the printed lag.");
   Bode by_length("Fig 2.12: D 5 mm", "lines"), by_diameter("Fig 2.13: L 1 m", "lines"),
       printed("Fig 2.11: L 1 m, D 5 mm", "lines");
   const auto line = [](Bode& bode, const std::string& name, Tone tone, double L, double D) {
     const LineAcoustics theory = thesis_line(L, D, LineLoss::frequency_dependent);
-    bode.add(name, tone, 2.0, 250.0, 300, false, [&](double f) { return flow_transfer(theory, line_rig_ends, at_Hz(f)); });
+    bode.add(name, tone, 2.0, 250.0, 300, false,
+             [&](double f) { return flow_transfer(theory, line_rig_ends, at_Hz(f)); });
   };
   std::size_t i = 0;
   for (const double L : {0.5, 1.0, 2.0}) line(by_length, fmt::format("L {:g} m", L), tones[i++], L, 5e-3);
@@ -124,10 +127,11 @@ void pole_pictures(HtmlPage& page, ThesisBench& bench) {
   const LinearAxis& axis = bench.design({table_4mm.config}).linear.axis;
   const auto poles_at = [&](double share) {
     const Ppd2Gains& g = table_4mm.fifth;
-    return roots(closed_loop(axis, {share * g.position_V_per_m, share * g.velocity_Vs_per_m,
-                                    share * g.acceleration_Vs2_per_m}));
+    return roots(
+        closed_loop(axis, {share * g.position_V_per_m, share * g.velocity_Vs_per_m, share * g.acceleration_Vs2_per_m}));
   };
-  PoleSet less{"gain below the printed", Tone::estimated, PoleMark::dot, {}}, more{"above", Tone::valve, PoleMark::dot, {}},
+  PoleSet less{"gain below the printed", Tone::estimated, PoleMark::dot, {}},
+      more{"above", Tone::valve, PoleMark::dot, {}},
       printed{"printed gains", Tone::chamber, PoleMark::cross, poles_at(1.0)};
   for (int i = 0; i <= 120; ++i) {
     const double share = 0.1 * std::pow(40.0, i / 120.0);
@@ -175,12 +179,14 @@ void feedforward_pictures(HtmlPage& page, ThesisBench& bench) {
   without.title = "Figs 2.27, 2.29: without feedforward, x_ref - x";
   without.unit = "um";
   for (const ThesisTable* table : {&table_4mm, &table_8mm})
-    without.curves.push_back(error_curve(std::string(table->name) + ", linear", table == &table_4mm ? Tone::chamber : Tone::valve,
+    without.curves.push_back(error_curve(std::string(table->name) + ", linear",
+                                         table == &table_4mm ? Tone::chamber : Tone::valve,
                                          bench.run(LinearRun{{table->config}, table->third, 0}), um));
   page.plots({input, without});
   for (const ThesisTable* table : {&table_4mm, &table_8mm}) {
-    Plot linear = time_plot(fmt::format("Figs {}: {}, linear plant", table == &table_4mm ? "2.28, 2.32" : "2.30, 2.33", table->name),
-                            "um", "feedforward"),
+    Plot linear = time_plot(
+             fmt::format("Figs {}: {}, linear plant", table == &table_4mm ? "2.28, 2.32" : "2.30, 2.33", table->name),
+             "um", "feedforward"),
          nonlinear = time_plot(std::string(table->name) + ", nonlinear table", "um", "feedforward");
     std::size_t i = 0;
     for (const int order : {3, 5}) {
@@ -210,8 +216,7 @@ void cylinder_pictures(HtmlPage& page, ThesisBench& bench) {
   Plot position = time_plot("Figs 3.13, 3.14, 3.20: position", "mm", "cylinder"),
        error = time_plot("x_ref - x", "mm", "cylinder");
   const auto on = [&](const char* source) -> const ThesisCourse& {
-    return bench.run(
-        ThesisRig{"thesis/picture-10m-7.65mm", {fmt::format("controller.pressure_source={}", source)}});
+    return bench.run(ThesisRig{"thesis/picture-10m-7.65mm", {fmt::format("controller.pressure_source={}", source)}});
   };
   const ThesisCourse& first = on("valve");
   position.curves.push_back(curve("reference", Tone::neutral, first.t_s, first.x_ref_m, mm, true));
@@ -224,8 +229,8 @@ void cylinder_pictures(HtmlPage& page, ThesisBench& bench) {
   page.plots({position, error});
   const ThesisCourse &free = bench.run(ThesisRig{"cylinder-10m-7.65mm"}),
                      &loaded = bench.run(ThesisRig{"cylinder-10m-7.65mm", {"slider.payload_kg=1.25"}});
-  page.plots({pressures("Fig 3.18: pipeline 1, free", free, 0, "estimate"),
-              pressures("pipeline 2", free, 1, "estimate")});
+  page.plots(
+      {pressures("Fig 3.18: pipeline 1, free", free, 0, "estimate"), pressures("pipeline 2", free, 1, "estimate")});
   page.plots({pressures("Fig 3.19: pipeline 1, payload 1.25 kg", loaded, 0, "estimate"),
               pressures("pipeline 2", loaded, 1, "estimate")});
 }
@@ -243,8 +248,8 @@ void difference_pictures(HtmlPage& page, ThesisBench& bench, const char* config,
   std::vector<Plot> losses;
   for (const std::size_t side : {0U, 1U}) {
     losses.push_back(time_plot(fmt::format("{}: line {}, port less chamber", pressure_place, side + 1), "kPa", config));
-    losses.back().curves = {curve("loss", Tone::estimated, chamber.t_s,
-                                  difference(chamber.port_Pa[side], chamber.chamber_Pa[side]), kPa)};
+    losses.back().curves = {
+        curve("loss", Tone::estimated, chamber.t_s, difference(chamber.port_Pa[side], chamber.chamber_Pa[side]), kPa)};
   }
   page.plots(losses);
   Plot position = time_plot(fmt::format("{}: position", position_place), "mm", config),
@@ -266,17 +271,17 @@ struct Pictures {
   const char* title;
   void (*add)(HtmlPage&, ThesisBench&);
 };
-constexpr Pictures all_pictures[] = {{"2.2.2", valve_pictures}, {"2.2.3", line_pictures},
-                                     {"2.3", pole_pictures},    {"2.4", model_pictures},
-                                     {"2.6", feedforward_pictures}, {"3.5", cylinder_pictures},
-                                     {"4.3", all_difference_pictures}};
+constexpr Pictures all_pictures[] = {
+    {"2.2.2", valve_pictures},     {"2.2.3", line_pictures},   {"2.3", pole_pictures},          {"2.4", model_pictures},
+    {"2.6", feedforward_pictures}, {"3.5", cylinder_pictures}, {"4.3", all_difference_pictures}};
 
 }  // namespace
 
 HtmlPage thesis_page(const std::vector<ThesisResult>& results, ThesisBench& bench) {
   HtmlPage page("The thesis beside ours", "pneuservo thesis", thesis_summary(results));
-  page.paragraph("Control Design of the Pneumatic Servo System Considering the Effect of Connected Pipelines. Each row: "
-                 "what is printed, what it should be, what this program gives now and on which plant.");
+  page.paragraph(
+      "Control Design of the Pneumatic Servo System Considering the Effect of Connected Pipelines. Each row: "
+      "what is printed, what it should be, what this program gives now and on which plant.");
   for (const ThesisResult& result : results) {
     page.section(result.title);
     for (const Pictures& pictures : all_pictures)

@@ -29,7 +29,7 @@ std::string reason_of(const ThesisFinding& finding) {
 
 nlohmann::ordered_json row_json(const ThesisFinding& f) {
   const ThesisRow& row = *f.row;
-  nlohmann::ordered_json out{{"place", row.place}, {"what", row.what},       {"unit", row.unit},
+  nlohmann::ordered_json out{{"place", row.place},     {"what", row.what},       {"unit", row.unit},
                              {"printed", row.printed}, {"corrected", row.meant}, {"plant", word(row.plant)}};
   if (!f.ours.words.empty()) out["ours"] = f.ours.words;
   else if (std::isfinite(f.ours.value)) out["ours"] = f.ours.value;

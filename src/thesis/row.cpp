@@ -97,8 +97,8 @@ std::vector<ThesisResult> compute_thesis(const std::vector<ThesisGroup>& groups,
     for (std::size_t i = next++; i < open.size(); i = next++) {
       ThesisFinding& finding = *open[i];
       try {
-        finding = finding.row->ours ? judge_thesis_row(*finding.row, finding.row->ours(bench))
-                                    : without_value(*finding.row);
+        finding =
+            finding.row->ours ? judge_thesis_row(*finding.row, finding.row->ours(bench)) : without_value(*finding.row);
       } catch (const std::exception& error) { finding.ours = ThesisValue(std::string(error.what())); }
       const std::lock_guard lock(told);
       progress(++done, open.size());

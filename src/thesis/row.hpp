@@ -41,11 +41,11 @@ struct ThesisRow {
   std::string meant{};              ///< what it should print; empty: the print stands
   ThesisPlant plant = ThesisPlant::formula;
   std::function<ThesisValue(ThesisBench&)> ours{};  ///< in `unit`; none: a misprint in words, or nothing is there
-  double within = 0.0;              ///< ours agrees with the print this near, relative; 0: half a unit of its last digit
-  std::string held{};               ///< what ours gives where that is not the print; a change of it is a moved row
-  double held_within = 0.0;         ///< relative; 0: half a unit of its last digit
-  std::string why{};                ///< reason of the corrected print or of the difference
-  std::string command{};            ///< to repeat it; empty: this verb with --only
+  double within = 0.0;  ///< ours agrees with the print this near, relative; 0: half a unit of its last digit
+  std::string held{};  ///< what ours gives where that is not the print; a change of it is a moved row
+  double held_within = 0.0;  ///< relative; 0: half a unit of its last digit
+  std::string why{};  ///< reason of the corrected print or of the difference
+  std::string command{};  ///< to repeat it; empty: this verb with --only
 };
 
 struct ThesisGroup {

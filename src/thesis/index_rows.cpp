@@ -175,8 +175,11 @@ std::vector<ThesisRow> table_4_1() {
            .meant = "Pa s",
            .ours = [](ThesisBench&) { return thesis_viscosity_Pas; },
            .held = "1.73e-5",
-           .why = "with it every printed digit but one comes out"},
-          {.place = "(4.12), (4.14)",
+           .why = "with it every printed digit but one comes out"}};
+}
+
+std::vector<ThesisRow> loss_equations() {
+  return {{.place = "(4.12), (4.14)",
            .what = "laminar loss",
            .printed = "32 mu/D",
            .meant = "32 mu/D^2",
@@ -214,6 +217,8 @@ std::vector<ThesisRow> table_4_1() {
 
 ThesisGroup thesis_index_group() {
   ThesisGroup group{"4.1, 4.2 The index", table_4_1()};
+  const auto more = loss_equations();
+  group.rows.insert(group.rows.end(), more.begin(), more.end());
   for (const IndexCase& one : cases) group.rows.push_back(index_row(one));
   return group;
 }

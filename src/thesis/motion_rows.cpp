@@ -151,16 +151,19 @@ std::vector<ThesisRow> flatness() {
               [](const ThesisCourse& course) { return 1e-3 * course.mean_pressure_Pa; })};
 }
 
+Sets move_of(int way_mm) {
+  return {fmt::format("reference={{kind: cruise, start_m: {0}, end_m: {1}, speed_mps: 0.0597, ramp_s: 0.156, "
+                      "start_s: 0.2, smoothness: 9}}",
+                      -0.0005 * way_mm, 0.0005 * way_mm),
+          fmt::format("initial.position_m={}", -0.0005 * way_mm)};
+}
+
 /// Table 2.8 names four ways and prints figures of one.
 std::vector<ThesisRow> other_lengths() {
   std::vector<ThesisRow> rows;
   for (const int way_mm : {70, 50, 20})
     for (const ThesisTable* table : {&table_4mm, &table_8mm}) {
-      const Sets move{
-          fmt::format("reference={{kind: cruise, start_m: {0}, end_m: {1}, speed_mps: 0.0597, ramp_s: 0.156, "
-                      "start_s: 0.2, smoothness: 9}}",
-                      -0.0005 * way_mm, 0.0005 * way_mm),
-          fmt::format("initial.position_m={}", -0.0005 * way_mm)};
+      const Sets move = move_of(way_mm);
       rows.push_back({.place = "Table 2.8",
                       .what = fmt::format("{}, move of {} mm, feedforward of order 3", table->name, way_mm),
                       .unit = "um",
@@ -197,6 +200,41 @@ std::vector<ThesisRow> leaks() {
                   {table_8mm.config, joined(gain_sets(table_8mm.third), {"controller.feedforward=none"})}, error_um)};
 }
 
+/// 2.4.3: "the same tendency" at 8 mm, in words.
+ThesisRow tendency(int order, const Ppd2Gains& gains, const char* held) {
+  const ThesisRig table{table_8mm.config, joined({"controller.feedforward=none"}, gain_sets(gains))};
+  return {.place = "2.4.3",
+          .what = fmt::format("8 mm, order {} against the 7th order", order),
+          .unit = "um",
+          .printed = "same tendency",
+          .plant = ThesisPlant::linear,
+          .ours =
+              [=](ThesisBench& bench) {
+                return 1e6 * largest_apart_m(bench.run(LinearRun{table, gains, 0, order, LinearRun::Law::config}),
+                                             bench.run(LinearRun{table, gains, 0, 7, LinearRun::Law::config}));
+              },
+          .held = held,
+          .held_within = simulated_within};
+}
+
+/// Table 2.8's other ways on the nonlinear table, under the flatness feedforward.
+std::vector<ThesisRow> flat_lengths() {
+  struct Way {
+    int mm;
+    const char *held_4mm, *held_8mm;
+  };
+  std::vector<ThesisRow> rows;
+  for (const Way& way : {Way{70, "?", "?"}, Way{50, "?", "?"}, Way{20, "?", "?"}})
+    for (const ThesisTable* table : {&table_4mm, &table_8mm})
+      rows.push_back(run_row({.place = "Table 2.8",
+                              .what = fmt::format("{}, move of {} mm, flatness feedforward", table->name, way.mm),
+                              .unit = "um",
+                              .printed = "no figure",
+                              .held = table == &table_4mm ? way.held_4mm : way.held_8mm},
+                             {table->config, move_of(way.mm)}, error_um));
+  return rows;
+}
+
 }  // namespace
 
 ThesisGroup thesis_model_group() {
@@ -210,6 +248,8 @@ ThesisGroup thesis_model_group() {
       rows.push_back(against(one, "the 7th order", one.against_seventh,
                              "what the order alone leaves out is this little on the printed move", {}, false));
   }
+  rows.push_back(tendency(3, table_8mm.third, "?"));
+  rows.push_back(tendency(5, table_8mm.fifth, "?"));
   return {"2.4 Linear models against the experiment", rows};
 }
 
@@ -220,7 +260,7 @@ ThesisGroup thesis_feedforward_group() {
     group.rows.push_back(on_table(one, false));
     if (*one.observed_um != '\0') group.rows.push_back(on_table(one, true));
   }
-  for (auto part : {flatness(), other_lengths(), leaks()})
+  for (auto part : {flatness(), other_lengths(), flat_lengths(), leaks()})
     group.rows.insert(group.rows.end(), part.begin(), part.end());
   return group;
 }

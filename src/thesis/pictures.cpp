@@ -286,7 +286,12 @@ HtmlPage thesis_page(const std::vector<ThesisResult>& results, ThesisBench& benc
     page.section(result.title);
     for (const Pictures& pictures : all_pictures)
       if (result.title.starts_with(pictures.title)) pictures.add(page, bench);
-    page.table(thesis_table(result, true));
+    page.table(thesis_table(result));
+    for (const std::string& reason : thesis_reasons(result)) page.paragraph(reason);
+    std::vector<std::pair<std::string, std::string>> commands;
+    for (const ThesisFinding& finding : result.findings)
+      commands.emplace_back(finding.row->place + ", " + finding.row->what, thesis_command(*finding.row));
+    page.details("Commands to repeat each row", commands);
   }
   return page;
 }

@@ -60,7 +60,7 @@ std::string thesis_summary(const std::vector<ThesisResult>& results) {
   return text;
 }
 
-Table thesis_table(const ThesisResult& result, bool reasons) {
+Table thesis_table(const ThesisResult& result) {
   const auto column = [&](const char* title, const auto& text) {
     std::vector<std::string> cells;
     for (const ThesisFinding& finding : result.findings) cells.push_back(text(finding));
@@ -74,24 +74,25 @@ Table thesis_table(const ThesisResult& result, bool reasons) {
                           column("ours", [](const ThesisFinding& f) { return thesis_value_text(f); }),
                           column("on", [](const ThesisFinding& f) { return std::string(word(f.row->plant)); }),
                           column("verdict", [](const ThesisFinding& f) { return std::string(word(f.verdict)); })}};
-  if (reasons) {
-    table.columns.push_back(column("why", reason_of));
-    table.columns.push_back(column("to repeat it", [](const ThesisFinding& f) { return thesis_command(*f.row); }));
-  }
   return table;
+}
+
+std::vector<std::string> thesis_reasons(const ThesisResult& result) {
+  std::vector<std::string> told, out;
+  for (const ThesisFinding& finding : result.findings) {
+    const std::string reason = reason_of(finding);
+    if (reason.empty() || std::find(told.begin(), told.end(), reason) != told.end()) continue;
+    told.push_back(reason);
+    out.push_back(fmt::format("{}: {}", finding.row->place, reason));
+  }
+  return out;
 }
 
 std::string thesis_text(const std::vector<ThesisResult>& results) {
   std::string text;
   for (const ThesisResult& result : results) {
-    text += text_table(thesis_table(result, false));
-    std::vector<std::string> told;
-    for (const ThesisFinding& finding : result.findings) {
-      const std::string reason = reason_of(finding);
-      if (reason.empty() || std::find(told.begin(), told.end(), reason) != told.end()) continue;
-      told.push_back(reason);
-      text += fmt::format("  {}: {}\n", finding.row->place, reason);
-    }
+    text += text_table(thesis_table(result));
+    for (const std::string& reason : thesis_reasons(result)) text += "  " + reason + "\n";
     text += "\n";
   }
   return text + thesis_summary(results) + "\n";

@@ -14,8 +14,9 @@ namespace pneuservo {
 std::vector<std::size_t> thesis_counts(const std::vector<ThesisResult>& results);
 /// "231 rows: 120 agrees, ...".
 std::string thesis_summary(const std::vector<ThesisResult>& results);
-/// One group as a table; with `reasons` also why and how to repeat it.
-Table thesis_table(const ThesisResult& result, bool reasons);
+Table thesis_table(const ThesisResult& result);
+/// "PLACE: reason", each reason once.
+std::vector<std::string> thesis_reasons(const ThesisResult& result);
 
 /// Groups as tables, reasons below each, the summary last.
 std::string thesis_text(const std::vector<ThesisResult>& results);

@@ -76,13 +76,16 @@ std::string thesis_command(const ThesisRow& row);
 /// Ours in as many digits as the print or what is held has, and one more.
 std::string thesis_value_text(const ThesisFinding& finding);
 
-/// Computes every row on all cores; `progress(done, all)` is called by one thread at a time. Rows that throw
-/// std::invalid_argument or InputError become moved, with the sentence as their words.
+/// What became of a group; its rows must outlive it.
 struct ThesisResult {
   std::string title;
   std::vector<ThesisFinding> findings;
 };
+/// Computes every row on all cores; `progress(done, all)` is called by one thread at a time. A row that throws has moved,
+/// with the sentence as its words.
 std::vector<ThesisResult> compute_thesis(const std::vector<ThesisGroup>& groups, ThesisBench& bench,
                                          const std::function<void(std::size_t, std::size_t)>& progress);
+std::vector<ThesisResult> compute_thesis(std::vector<ThesisGroup>&& groups, ThesisBench& bench,
+                                         const std::function<void(std::size_t, std::size_t)>& progress) = delete;
 
 }  // namespace pneuservo

@@ -81,8 +81,8 @@ struct ThesisResult {
   std::string title;
   std::vector<ThesisFinding> findings;
 };
-/// Computes every row on all cores; `progress(done, all)` is called by one thread at a time. A row that throws has moved,
-/// with the sentence as its words.
+/// Computes every row on all cores; `progress(done, all)` is called by one thread at a time. A row that throws has
+/// moved, with the sentence as its words.
 std::vector<ThesisResult> compute_thesis(const std::vector<ThesisGroup>& groups, ThesisBench& bench,
                                          const std::function<void(std::size_t, std::size_t)>& progress);
 std::vector<ThesisResult> compute_thesis(std::vector<ThesisGroup>&& groups, ThesisBench& bench,

@@ -1,8 +1,11 @@
 // Rows of 2.2.3: natural frequency and damping of the lines.
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 #include <fmt/format.h>
+
+#include <pneuservo/rig/plant.hpp>
 
 #include "thesis/groups.hpp"
 #include "thesis/pictures.hpp"
@@ -67,6 +70,109 @@ void add(std::vector<ThesisRow>& rows, const PrintedLine& line, const char* wher
        .command = command});
 }
 
+/// Frequency and damping of a pole.
+LineResonance of_pole(std::complex<double> pole) {
+  LineResonance out;
+  out.natural_frequency_Hz = std::abs(pole) / (2.0 * std::numbers::pi);
+  out.damping_ratio = -pole.real() / std::abs(pole);
+  return out;
+}
+
+/// Decay and frequency of a ringing, from two stretches of it turned back by a frequency near its own.
+LineResonance ring_down(const std::vector<double>& signal, double period_s, double near_Hz) {
+  const auto length = static_cast<std::size_t>(std::lround(6.0 / (near_Hz * period_s)));
+  const auto stretch = [&](std::size_t first) {
+    std::complex<double> sum = 0.0;
+    for (std::size_t i = 0; i < length; ++i) {
+      // Hann's window: the overtones of the line stay outside.
+      const double phase = 2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(length);
+      const double turn = -2.0 * std::numbers::pi * near_Hz * period_s * static_cast<double>(first + i);
+      sum += (1.0 - std::cos(phase)) * signal[first + i] * std::polar(1.0, turn);
+    }
+    return sum;
+  };
+  const std::complex<double> ratio = stretch(length) / stretch(length / 2);
+  const double apart_s = period_s * static_cast<double>(length - length / 2);
+  const std::complex<double> pole(std::log(std::abs(ratio)) / apart_s,
+                                  std::arg(ratio) / apart_s + 2.0 * std::numbers::pi * near_Hz);
+  return of_pole(pole);
+}
+
+/// A chamber of the table whose gas has no time for the wall at the line's frequency: adiabatic.
+constexpr LineEnds quick_chamber{0.0, 192e-6 / 1.4};
+
+/// The first pole of the exact theory, by secants from the lag of the same peak. That lag's damping is about pi/4 of
+/// the pole's: near its peak a line passes 4/pi of what a lag of the same pole does.
+LineResonance theory_of(const PrintedLine& line, LineLoss loss) {
+  const LineAcoustics theory = thesis_line(line.length_m, 1e-3 * line.diameter_mm, loss);
+  const LineResonance lag = first_resonance(theory, quick_chamber);
+  const auto inverse = [&](std::complex<double> s) { return 1.0 / flow_transfer(theory, quick_chamber, s); };
+  std::complex<double> before =
+      2.0 * std::numbers::pi * lag.natural_frequency_Hz *
+      std::complex<double>(-lag.damping_ratio, std::sqrt(1.0 - std::pow(lag.damping_ratio, 2)));
+  std::complex<double> now = 1.001 * before;
+  for (int i = 0; i < 30 && std::abs(now - before) > 1e-9 * std::abs(now); ++i) {
+    const std::complex<double> at_now = inverse(now), next = now - at_now * (now - before) / (at_now - inverse(before));
+    before = now;
+    now = next;
+  }
+  return of_pole(now);
+}
+
+/// The line of the simulated table before its chamber: a pulse of the valve, which then shuts, and how the line rings.
+LineResonance simulated_resonance(ThesisBench& bench, const PrintedLine& line, LineLoss loss) {
+  Rig rig = bench.rig({table_4mm.config});
+  auto& axis = rig.axis;
+  axis.line_1.length_m = axis.line_2.length_m = line.length_m;
+  axis.line_1.diameter_m = axis.line_2.diameter_m = 1e-3 * line.diameter_mm;
+  axis.effects.frequency_dependent_losses.share = loss == LineLoss::frequency_dependent ? 1.0 : 0.0;
+  axis.valve.natural_frequency_Hz = 0.0;  // the spool follows at once
+  axis.slider.mass_kg = 1e6;              // and the slider stays where it is
+  const double near_Hz = theory_of(line, loss).natural_frequency_Hz;
+  const double period_s = 1e-4;
+  AxisPlant<double> plant;
+  plant.configure(axis, period_s, 64.0, valve_arrangement(rig));
+  plant.reset({0.0, line_pressure_Pa, line_pressure_Pa});
+  // A quarter of a period of 1 % of the range: some tens of Pa, where friction is laminar.
+  const auto pulse = std::lround(0.25 / (near_Hz * period_s));
+  for (long k = 0; k < pulse; ++k) plant.step(0.01 * axis.valve.command_max_V, 0.0);
+  std::vector<double> difference_Pa;
+  for (long k = 0; k < std::lround(14.0 / (near_Hz * period_s)); ++k) {
+    const auto now = true_values(plant);
+    difference_Pa.push_back(now[Signal::p1_port] - now[Signal::p1_chamber]);
+    plant.step(0.0, 0.0);
+  }
+  return ring_down(difference_Pa, period_s, near_Hz);
+}
+
+/// What is asked of an identified line (docs/thesis.md).
+constexpr double ringing_frequency_within = 0.01, ringing_damping_within = 0.05;
+
+/// The simulated line's ringing over the exact theory of the same losses.
+void add_simulated(std::vector<ThesisRow>& rows, const PrintedLine& line, LineLoss loss) {
+  const bool is_steady = loss == LineLoss::quasi_steady;
+  const std::string name = fmt::format("L {:g} m, D {:g} mm, simulated, {}: ", line.length_m, line.diameter_mm,
+                                       is_steady ? "steady friction" : "frequency_dependent_losses");
+  const auto both = [line, loss](ThesisBench& bench, double LineResonance::* figure) {
+    const LineResonance exact = theory_of(line, loss);
+    return simulated_resonance(bench, line, loss).*figure / (exact.*figure);
+  };
+  for (const bool frequency : {true, false})
+    rows.push_back({.place = "2.2.3",
+                    .what = name + (frequency ? "w_t over exact theory" : "zeta_t over exact theory"),
+                    .printed = "experiment",
+                    .plant = ThesisPlant::nonlinear,
+                    .ours =
+                        [both, frequency](ThesisBench& bench) {
+                          return both(bench,
+                                      frequency ? &LineResonance::natural_frequency_Hz : &LineResonance::damping_ratio);
+                        },
+                    .held = "1.00",
+                    .held_within = frequency ? ringing_frequency_within : ringing_damping_within,
+                    .why = "a pulse of the valve and the ringing after it, before 192 cm3 of adiabatic gas, over the "
+                           "first pole of the theory"});
+}
+
 }  // namespace
 
 ThesisGroup thesis_line_group() {
@@ -77,6 +183,10 @@ ThesisGroup thesis_line_group() {
         table_why);
     add(rows, line, "table, steady friction", line_table_ends, LineLoss::quasi_steady, line.model_Hz,
         line.model_damping, model_why);
+  }
+  for (const PrintedLine& line : printed_lines) {
+    add_simulated(rows, line, LineLoss::frequency_dependent);
+    add_simulated(rows, line, LineLoss::quasi_steady);
   }
   rows.push_back(
       {.place = "(2.18)",

@@ -212,6 +212,35 @@ Plot pressures(std::string title, const ThesisCourse& course, std::size_t side, 
   return plot;
 }
 
+/// Figs 3.15 to 3.17, 3.21: the plant of 1 m cells under the command of one of 10 cells a metre; payload.
+void simulation_pictures(HtmlPage& page, ThesisBench& bench) {
+  const char* const config = "cylinder-10m-7.65mm";
+  Sets fine = noise_free;
+  fine.insert(fine.end(), {"controller.pressure_source=chamber", "simulation.cells_per_m=10"});
+  const ThesisRig experiment{config, fine};
+  const ThesisCourse &real = bench.run(experiment),
+                     &model = bench.simulate({config, {"simulation.cells_per_m=1"}}, experiment);
+  Plot position = time_plot("Fig 3.15: 10 cells a metre (\"experiment\") and 1 (model)", "mm", "simulation");
+  position.curves = {curve("experiment", Tone::chamber, real.t_s, real.x_m, mm),
+                     curve("model", Tone::valve, model.t_s, model.x_m, mm, true)};
+  Plot pressure = time_plot("Figs 3.16, 3.17: line 1", "kPa", "simulation");
+  pressure.curves = {curve("port, experiment", Tone::chamber, real.t_s, real.port_Pa[0], kPa),
+                     curve("port, model", Tone::valve, model.t_s, model.port_Pa[0], kPa, true),
+                     curve("chamber, experiment", Tone::fourth, real.t_s, real.chamber_Pa[0], kPa),
+                     curve("chamber, model", Tone::estimated, model.t_s, model.chamber_Pa[0], kPa, true)};
+  page.plots({position, pressure});
+  Plot loaded =
+      time_plot("Fig 3.21: x_ref - x, chapter 4's set, payload 1.25 kg, sensors with 10 kPa of noise", "mm", "loaded");
+  for (const auto& [source, tone] : {std::pair{"chamber", Tone::chamber}, std::pair{"estimated", Tone::estimated}})
+    loaded.curves.push_back(
+        error_curve(source, tone,
+                    bench.run(ThesisRig{"thesis/rule-10m-7.65mm",
+                                        {fmt::format("controller.pressure_source={}", source), "slider.payload_kg=1.25",
+                                         "seed=1", "sensors.chamber_pressure.noise_Pa=10000"}}),
+                    mm));
+  page.plot(loaded);
+}
+
 void cylinder_pictures(HtmlPage& page, ThesisBench& bench) {
   Plot position = time_plot("Figs 3.13, 3.14, 3.20: position", "mm", "cylinder"),
        error = time_plot("x_ref - x", "mm", "cylinder");
@@ -233,6 +262,7 @@ void cylinder_pictures(HtmlPage& page, ThesisBench& bench) {
       {pressures("Fig 3.18: pipeline 1, free", free, 0, "estimate"), pressures("pipeline 2", free, 1, "estimate")});
   page.plots({pressures("Fig 3.19: pipeline 1, payload 1.25 kg", loaded, 0, "estimate"),
               pressures("pipeline 2", loaded, 1, "estimate")});
+  simulation_pictures(page, bench);
 }
 
 /// Pressures of both lines with their difference, and positions with theirs, of one line of chapter 4.

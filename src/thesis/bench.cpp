@@ -117,7 +117,7 @@ TrialController config_law(const LinearRun& which, const Rig& rig, const Referen
   law->configure(parameters, rig.axis, rig.period_s, reference, rig.duration_s);
   return [law, &reference](double t_s, const LinearTablePlant& plant) {
     const ReferencePoint now = reference.at(t_s), ahead = reference.at(t_s + law->lead_s());
-    return law->step({plant.position_m(), {}, {}, now, ahead}).command_V[0];
+    return law->step({.x_m = plant.position_m(), .now = now, .ahead = ahead}).command_V[0];
   };
 }
 

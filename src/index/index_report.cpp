@@ -8,6 +8,10 @@
 namespace pneuservo {
 
 namespace {
+constexpr const char* index_limits =
+    "The index knows the lines and the speed, not the gains: a softer loop may do without the model above 1. pneuservo "
+    "thesis --only 'Table 4' tries every verdict by simulation, with two sets of gains.";
+
 NecessityIndex ours(const PrintedIndex& e, int side = 1) {
   return necessity_index(thesis_side(side, e.length_m, e.diameter_m), thesis_peak_speed_mps(e.frequency_Hz));
 }
@@ -132,7 +136,7 @@ std::string index_table_text() {
     if (!reproduces(e))
       remarks += fmt::format("(*) {:.2f} mm x {:g} m: {}\n", 1e3 * e.diameter_m, e.length_m, e.remark);
   }
-  return out + "\n" + remarks;
+  return out + "\n" + remarks + "\n" + index_limits + "\n";
 }
 
 nlohmann::ordered_json index_table_json() {
@@ -179,7 +183,7 @@ std::string index_table_html() {
   }
   const NecessitySide side = thesis_side(1, 10, 0.0061);
   body += "<h2>Table 4.2 on the map (80 mm sine, 1 Hz)</h2>" + index_map_svg(side, thesis_peak_speed_mps(1.0), points) +
-          map_note(side, thesis_peak_speed_mps(1.0), 1);
+          map_note(side, thesis_peak_speed_mps(1.0), 1) + fmt::format("<p class='note'>{}</p>", escape(index_limits));
   return page("Necessity index: thesis tables 4.2 and 4.3", body);
 }
 

@@ -1,0 +1,101 @@
+// Rows of 2.2.2: the valve's inner loop, on the simulated spool.
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include <pneuservo/control/spool_loop.hpp>
+#include <pneuservo/elements/spool_mass.hpp>
+
+#include "design/axis_design.hpp"
+#include "thesis/groups.hpp"
+#include "thesis/pictures.hpp"
+
+namespace pneuservo {
+
+std::complex<double> spool_response(double set_Hz, double Hz) {
+  constexpr double full_stroke_m = 0.75e-3, share = 0.1;
+  SpoolLoopParameters parameters;
+  parameters.natural_frequency_Hz = set_Hz;
+  SpoolLoop loop;
+  loop.configure(parameters);
+  SpoolMass<double> spool;
+  spool.configure({});
+  const double w = 2.0 * std::numbers::pi * Hz, T = parameters.period_s;
+  // Whole periods, after 25 of them or 0.1 s.
+  const int start = static_cast<int>(std::ceil(std::max(0.1, 25.0 / Hz) / T));
+  const int ticks = static_cast<int>(std::lround(std::ceil(0.2 * Hz) / (Hz * T)));
+  std::complex<double> sum = 0.0, input = 0.0;
+  double acting_V = 0.0;
+  for (int k = 0; k < start + ticks; ++k) {
+    const double wanted_m = share * full_stroke_m * std::sin(w * k * T);
+    if (k >= start) {
+      const std::complex<double> turn = std::exp(std::complex<double>(0.0, -w * k * T));
+      sum += turn * spool.position_m();
+      input += turn * wanted_m;
+    }
+    const double next_V = loop.step(spool.position_m(), wanted_m);
+    spool.step(acting_V, 0.0, T);
+    acting_V = next_V;
+  }
+  return sum / input;
+}
+
+namespace {
+
+/// Frequency at which the amplitude has fallen to that share.
+double falls_to_Hz(double set_Hz, double share) {
+  double low = 0.5 * set_Hz, high = 2.0 * set_Hz;
+  for (int i = 0; i < 20; ++i) {
+    const double middle = std::sqrt(low * high);
+    (std::abs(spool_response(set_Hz, middle)) > share ? low : high) = middle;
+  }
+  return std::sqrt(low * high);
+}
+
+}  // namespace
+
+ThesisGroup thesis_valve_group() {
+  std::vector<ThesisRow> rows;
+  // A lag of damping 0.7 has the amplitude 1/1.4 at its natural frequency. 0.5 %: whole periods do not end on a tick.
+  for (const int set_Hz : {50, 100, 300})
+    rows.push_back({.place = "Fig 2.7",
+                    .what = fmt::format("spool set to {} Hz, moved 75 um: natural frequency", set_Hz),
+                    .unit = "Hz",
+                    .printed = std::to_string(set_Hz),
+                    .plant = ThesisPlant::nonlinear,
+                    .ours = [set_Hz](ThesisBench&) { return falls_to_Hz(set_Hz, 1.0 / 1.4); },
+                    .within = searched_within});
+  rows.push_back({.place = "2.2.2",
+                  .what = "bandwidth (-3 dB) at 300 Hz",
+                  .unit = "Hz",
+                  .printed = "300",
+                  .plant = ThesisPlant::nonlinear,
+                  .ours = [](ThesisBench&) { return falls_to_Hz(300.0, std::sqrt(0.5)); },
+                  .within = 0.02,
+                  .why = "a lag of damping 0.7 reaches 1 % beyond its natural frequency"});
+  rows.push_back({.place = "Table 2.3",
+                  .what = "K_Fc K_i/M_s = 13.62 x 1.0/0.061",
+                  .unit = "m/(s2 V)",
+                  .printed = "223.28",
+                  .ours = [](ThesisBench&) { return SpoolMassParameters<double>{}.acceleration_per_volt_mps2_per_V; }});
+  rows.push_back({.place = "Table 2.3",
+                  .what = "period of the valve's loop",
+                  .unit = "ms",
+                  .printed = "0.1",
+                  .ours = [](ThesisBench&) { return 1e3 * SpoolLoopParameters{}.period_s; }});
+  rows.push_back({.place = "Fig 2.8",
+                  .what = "area at half the command over area at all of it",
+                  .printed = "linear",
+                  .plant = ThesisPlant::config,
+                  .ours =
+                      [](ThesisBench& bench) {
+                        const auto valve = bench.rig({table_4mm.config}).axis.valve;
+                        return valve.area_per_volt_m2_per_V * 0.5 * valve.command_max_V / valve.area_max_m2;
+                      },
+                  .held = "0.50"});
+  return {"2.2.2 The servo valve", rows};
+}
+
+}  // namespace pneuservo

@@ -11,7 +11,7 @@ namespace pneuservo {
 using AddsVerb = void(CLI::App&, int& status);
 AddsVerb add_run, add_check, add_device, add_guard, add_latency, add_replay, add_simulate, add_design, add_index,
     add_diagnose, add_keys, add_home, add_zero, add_commission, add_stopping, add_import, add_effects, add_serve,
-    add_command, add_new_rig;
+    add_command, add_new_rig, add_pass;
 
 namespace {
 
@@ -23,7 +23,7 @@ struct Verb {
 constexpr const char *design = "A new axis", *running = "An axis that moves", *recorded = "A recording",
                      *reference = "Reference";
 constexpr Verb verbs[] = {
-    {add_new_rig, design},     {add_check, design},      {add_design, design},   {add_index, design},
+    {add_new_rig, design},     {add_check, design},      {add_design, design},   {add_index, design},    {add_pass, design},
     {add_stopping, design},    {add_run, running},       {add_serve, running},   {add_command, running},
     {add_commission, running}, {add_zero, running},      {add_home, running},    {add_device, running},
     {add_guard, running},      {add_latency, running},   {add_import, recorded}, {add_diagnose, recorded},

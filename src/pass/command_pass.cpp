@@ -54,15 +54,42 @@ double rms(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-void judge(const Rig& rig, CommandPass& pass) {
+void judge(const Rig& rig, const std::vector<double>& slow_left_N, CommandPass& pass) {
   std::size_t limited = 0;
-  for (const LedTick& tick : pass.ticks) {
-    pass.largest_command_V = std::max(pass.largest_command_V, std::fabs(tick.u_V));
-    if (std::fabs(tick.u_V) >= rig.axis.valve.command_max_V) ++limited;
-    pass.left_N = std::max(pass.left_N, std::fabs(tick.wanted_N - tick.force_N));
+  for (std::size_t i = 0; i < pass.ticks.size(); ++i) {
+    const double command_V = std::fabs(pass.ticks[i].u_V);
+    pass.largest_command_V = std::max(pass.largest_command_V, command_V);
+    if (command_V >= rig.axis.valve.command_max_V) ++limited;
+    pass.left_N = std::max(pass.left_N, std::fabs(slow_left_N[i]));
   }
   pass.limited_share = static_cast<double>(limited) / static_cast<double>(pass.ticks.size());
   pass.feasible = limited == 0 && pass.left_N <= most_left_N;
+}
+
+/// The best of all commands that were tried; counts the runs. Leaves the axis' last run at it.
+void learn(LedAxis& axis, const PassMotion& motion, ForceLearning& learning, std::size_t& runs) {
+  std::vector<double> command_V = commands_of(axis.run(motion, {})), best_V = command_V;
+  double best_N = std::numeric_limits<double>::infinity();
+  const auto left_by = [&](const std::vector<double>& command) {
+    ++runs;
+    const std::vector<double> left_N = left_of(axis.run(motion, command), motion);
+    if (const double now_N = rms(left_N); now_N < best_N) best_N = now_N, best_V = command;
+    return left_N;
+  };
+  for (const Stage& stage : stages) {
+    learning.begin_stage(stage.cut_off_Hz);
+    for (int i = 0; i < stage.runs; ++i) command_V = learning.next(command_V, left_by(command_V));
+  }
+  left_by(command_V);
+  left_by(best_V);
+}
+
+/// The largest share from 1/16 on, by sixteenths, of which `is_feasible` holds; 0: of none that was tried.
+template <class F> double largest_share(F&& is_feasible) {
+  int known = 0;
+  for (int step = 8; step > 0; step /= 2)
+    if (is_feasible((known + step) / 16.0)) known += step;
+  return known / 16.0;
 }
 
 /// Sensors without noise, and the estimator behind them.
@@ -126,25 +153,14 @@ CommandPass make_command_pass(const Rig& rig, const Reference& reference, const 
   const auto response_ticks = static_cast<std::size_t>(std::llround(response_s / rig.period_s));
   ForceLearning learning(axis.pulse_response(pulse_V, response_ticks), motion.ticks(), rig.period_s);
   CommandPass pass;
-  const std::vector<LedTick>* ticks = &axis.run(motion, {});
-  std::vector<double> command_V = commands_of(*ticks), best_V = command_V;
-  double best_N = std::numeric_limits<double>::infinity();
-  pass.runs = 1;
-  for (const Stage& stage : stages) {
-    learning.begin_stage(stage.cut_off_Hz);
-    for (int i = 0; i < stage.runs; ++i) {
-      const std::vector<double> left_N = left_of(axis.run(motion, command_V), motion);
-      ++pass.runs;
-      if (getenv("PASS_DEBUG")) { double mx=0; for (double v: left_N) mx=std::max(mx,std::fabs(v)); fprintf(stderr,"%g Hz run %d rms %g max %g N\n", stage.cut_off_Hz, i, rms(left_N), mx); }
-      if (const double now_N = rms(left_N); now_N < best_N) best_N = now_N, best_V = command_V;
-      command_V = learning.next(command_V, left_N);
-    }
-  }
-  if (rms(left_of(axis.run(motion, command_V), motion)) > best_N) axis.run(motion, best_V);
-  const std::vector<LedTick>& all = *ticks;
-  const auto begin = all.begin() + static_cast<std::ptrdiff_t>(motion.first());
-  pass.ticks.assign(begin, begin + static_cast<std::ptrdiff_t>(motion.used()));
-  judge(rig, pass);
+  learn(axis, motion, learning, pass.runs);
+  const std::vector<double> slow_N = learning.below(judged_Hz, left_of(axis.ticks(), motion));
+  const auto used = [&](const auto& all) {
+    const auto begin = all.begin() + static_cast<std::ptrdiff_t>(motion.first());
+    return std::pair{begin, begin + static_cast<std::ptrdiff_t>(motion.used())};
+  };
+  pass.ticks.assign(used(axis.ticks()).first, used(axis.ticks()).second);
+  judge(rig, {used(slow_N).first, used(slow_N).second}, pass);
   return pass;
 }
 
@@ -167,13 +183,27 @@ double predicted_error_m(const Rig& rig, const Reference& reference, const Comma
   return most_m;
 }
 
-std::string refusal(const Rig&, const Reference&, const CommandPass& pass) {
-  return fmt::format("{}", pass.left_N);
+std::string refusal_words(const Rig& rig, const Reference& reference, const CommandPass& pass) {
+  const auto feasible = [&](const MotionScale& scale) { return make_command_pass(rig, reference, scale).feasible; };
+  const double speed = largest_share([&](double share) { return feasible({.speed = share}); });
+  const double size = largest_share([&](double share) { return feasible({.size = share}); });
+  const std::string found =
+      fmt::format("the command is at its limit of {:g} V for {:.2g} % of the time and {:.2g} N of the force are missing",
+                  rig.axis.valve.command_max_V, 100.0 * pass.limited_share, pass.left_N);
+  const std::string instead =
+      speed > 0.0 && size > 0.0
+          ? fmt::format("at {:.2f} of its speed or {:.2f} of its way they can", speed, size)
+          : std::string("at a sixteenth of its speed or way they cannot either");
+  return fmt::format("the lines cannot carry the reference: {}; {}", found, instead);
 }
 
 PassTables pass_tables(const Rig& rig, const Reference& reference) {
   if (!rig.controller.wants_pass()) return {};
   const CommandPass pass = make_command_pass(rig, reference);
+  if (!pass.feasible)
+    throw std::invalid_argument(
+        fmt::format("controller.flow_feedforward: found pass, but {}; expected a slower or shorter reference, or formula",
+                    refusal_words(rig, reference, pass)));
   return {pass.table(rig, true), pass.table(rig, false)};
 }
 

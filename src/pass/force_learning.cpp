@@ -60,27 +60,36 @@ void ForceLearning::begin_stage(double cut_off_Hz) {
   step_changes_V_.clear();
   last_step_V_.clear();
   gain_.resize(length_);
-  for (std::size_t i = 0; i < length_; ++i) {
-    const double f_Hz = static_cast<double>(std::min(i, length_ - i)) / (static_cast<double>(length_) * period_s_);
-    gain_[i] = 1.0 / (1.0 + std::pow(f_Hz / cut_off_Hz, low_pass_order)) / response_[i];
-  }
+  for (std::size_t i = 0; i < length_; ++i) gain_[i] = low_pass(i, cut_off_Hz) / response_[i];
 }
 
-std::vector<double> ForceLearning::correction_V(const std::vector<double>& left_N) const {
-  std::vector<double> padded(left_N), out;
+double ForceLearning::low_pass(std::size_t i, double cut_off_Hz) const noexcept {
+  const double f_Hz = static_cast<double>(std::min(i, length_ - i)) / (static_cast<double>(length_) * period_s_);
+  return 1.0 / (1.0 + std::pow(f_Hz / cut_off_Hz, low_pass_order));
+}
+
+std::vector<double> ForceLearning::filtered(const std::vector<double>& signal,
+                                            const std::vector<std::complex<double>>& gain) const {
+  std::vector<double> padded(signal), out;
   padded.resize(length_);
   std::vector<std::complex<double>> spectrum;
   Eigen::FFT<double> fft;
   fft.fwd(spectrum, padded);
-  for (std::size_t i = 0; i < length_; ++i) spectrum[i] *= gain_[i];
+  for (std::size_t i = 0; i < length_; ++i) spectrum[i] *= gain[i];
   fft.inv(out, spectrum);
   out.resize(ticks_);
   return out;
 }
 
+std::vector<double> ForceLearning::below(double cut_off_Hz, const std::vector<double>& force_N) const {
+  std::vector<std::complex<double>> gain(length_);
+  for (std::size_t i = 0; i < length_; ++i) gain[i] = low_pass(i, cut_off_Hz);
+  return filtered(force_N, gain);
+}
+
 // w_{k+1} = w_k + f_k - (dW + dF) gamma, where gamma makes |f_k - dF gamma| smallest (Anderson 1965, type II).
 std::vector<double> ForceLearning::next(const std::vector<double>& command_V, const std::vector<double>& left_N) {
-  const std::vector<double> step_V = correction_V(left_N);
+  const std::vector<double> step_V = filtered(left_N, gain_);
   if (!last_step_V_.empty()) {
     command_changes_V_.push_back(difference(command_V, last_command_V_));
     step_changes_V_.push_back(difference(step_V, last_step_V_));

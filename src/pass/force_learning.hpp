@@ -16,9 +16,12 @@ class ForceLearning {
   void begin_stage(double cut_off_Hz);
   /// The next command from the last one and what its run left of the force [N].
   std::vector<double> next(const std::vector<double>& command_V, const std::vector<double>& left_N);
+  /// What of a force lies below a cut-off frequency, without delay.
+  std::vector<double> below(double cut_off_Hz, const std::vector<double>& force_N) const;
 
  private:
-  std::vector<double> correction_V(const std::vector<double>& left_N) const;
+  double low_pass(std::size_t i, double cut_off_Hz) const noexcept;
+  std::vector<double> filtered(const std::vector<double>& signal, const std::vector<std::complex<double>>& gain) const;
 
   std::size_t ticks_, length_;
   double period_s_;

@@ -48,6 +48,8 @@ class LedAxis {
   LedAxis(const Rig& rig, double force_feedback_V_per_N);
   /// Runs the motion with command_V[tick] and the feedback of the force; with an empty one, with the formula's.
   const std::vector<LedTick>& run(const PassMotion& motion, const std::vector<double>& command_V);
+  /// Of the last run.
+  const std::vector<LedTick>& ticks() const noexcept { return ticks_; }
   /// Change of the force [N/V] in the ticks after a pulse of one period at rest, without dead band, play and offset.
   std::vector<double> pulse_response(double pulse_V, std::size_t ticks);
 

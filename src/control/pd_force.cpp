@@ -27,7 +27,8 @@ void PdForce::configure(const PdForceParameters& parameters, const LawSetup& set
   configure(parameters, setup.axis, setup.period_s);
   if (!parameters.wants_pass()) return;
   if (!setup.pass || setup.pass->rows.empty())
-    throw std::invalid_argument("controller.flow_feedforward: found pass, but no command pass was made of the reference");
+    throw std::invalid_argument(
+        "controller.flow_feedforward: found pass, but no command pass was made of the reference");
   pass_ = std::make_shared<const std::vector<PassTick>>(pass_ticks(setup));
 }
 

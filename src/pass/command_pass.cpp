@@ -97,8 +97,7 @@ class Shown {
  public:
   Shown(const Rig& rig, const PerSignal<double>& first, bool by_estimator)
       : estimates_(by_estimator && rig.controller.pressures() == PressureSource::estimated),
-        ports_(rig.controller.pressures() == PressureSource::valve),
-        aged_(rig.simulation.input_age_periods > 0) {
+        ports_(rig.controller.pressures() == PressureSource::valve), aged_(rig.simulation.input_age_periods > 0) {
     const bool estimated = rig.controller.pressures() == PressureSource::estimated;
     for (const Signal signal : channel_signals) {
       const bool of_port = estimated && is_chamber(signal);
@@ -187,13 +186,12 @@ std::string refusal_words(const Rig& rig, const Reference& reference, const Comm
   const auto feasible = [&](const MotionScale& scale) { return make_command_pass(rig, reference, scale).feasible; };
   const double speed = largest_share([&](double share) { return feasible({.speed = share}); });
   const double size = largest_share([&](double share) { return feasible({.size = share}); });
-  const std::string found =
-      fmt::format("the command is at its limit of {:g} V for {:.2g} % of the time and {:.2g} N of the force are missing",
-                  rig.axis.valve.command_max_V, 100.0 * pass.limited_share, pass.left_N);
-  const std::string instead =
-      speed > 0.0 && size > 0.0
-          ? fmt::format("at {:.2f} of its speed or {:.2f} of its way they can", speed, size)
-          : std::string("at a sixteenth of its speed or way they cannot either");
+  const std::string found = fmt::format(
+      "the command is at its limit of {:g} V for {:.2g} % of the time and {:.2g} N of the force are missing",
+      rig.axis.valve.command_max_V, 100.0 * pass.limited_share, pass.left_N);
+  const std::string instead = speed > 0.0 && size > 0.0
+                                  ? fmt::format("at {:.2f} of its speed or {:.2f} of its way they can", speed, size)
+                                  : std::string("at a sixteenth of its speed or way they cannot either");
   return fmt::format("the lines cannot carry the reference: {}; {}", found, instead);
 }
 
@@ -201,9 +199,9 @@ PassTables pass_tables(const Rig& rig, const Reference& reference) {
   if (!rig.controller.wants_pass()) return {};
   const CommandPass pass = make_command_pass(rig, reference);
   if (!pass.feasible)
-    throw std::invalid_argument(
-        fmt::format("controller.flow_feedforward: found pass, but {}; expected a slower or shorter reference, or formula",
-                    refusal_words(rig, reference, pass)));
+    throw std::invalid_argument(fmt::format(
+        "controller.flow_feedforward: found pass, but {}; expected a slower or shorter reference, or formula",
+        refusal_words(rig, reference, pass)));
   return {pass.table(rig, true), pass.table(rig, false)};
 }
 

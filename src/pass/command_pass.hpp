@@ -1,4 +1,5 @@
-// The command pass: the command along a known reference, learned on the config's own model (docs/physics/command_pass.md).
+// The command pass: the command along a known reference, learned on the config's own model
+// (docs/physics/command_pass.md).
 #pragma once
 #include <memory>
 #include <string>

@@ -109,8 +109,7 @@ std::vector<double> ForceLearning::next(const std::vector<double>& command_V, co
   }
   const std::vector<double> share = solve(std::move(a), std::move(b));
   for (std::size_t k = 0; k < n; ++k)
-    for (std::size_t i = 0; i < ticks_; ++i)
-      next_V[i] -= share[k] * (command_changes_V_[k][i] + step_changes_V_[k][i]);
+    for (std::size_t i = 0; i < ticks_; ++i) next_V[i] -= share[k] * (command_changes_V_[k][i] + step_changes_V_[k][i]);
   return next_V;
 }
 

@@ -61,8 +61,8 @@ const std::vector<LedTick>& LedAxis::run(const PassMotion& motion, const std::ve
     const double gauge_Pa = std::max(p_1 - atmosphere_Pa, 0.0) + std::max(p_2 - atmosphere_Pa, 0.0);
     tick.wanted_N =
         bristles_N + plant_.slider().driving_force_for(now.d[0], now.d[1], now.d[2], {gauge_Pa}, turning_mps);
-    const double known_V = command_V.empty() ? formula.command_V(now, p_1, p_2, tick.values[Signal::p_supply])
-                                             : command_V[i];
+    const double known_V =
+        command_V.empty() ? formula.command_V(now, p_1, p_2, tick.values[Signal::p_supply]) : command_V[i];
     tick.u_V = limited_V(known_V + feedback_V_per_N_ * (tick.wanted_N - tick.force_N));
     const ReferencePoint next = motion.at(i + 1);
     bristles_N = elastic.carried(bristles_N, next.d[0] - now.d[0]);

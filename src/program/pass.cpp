@@ -63,7 +63,8 @@ nlohmann::ordered_json json_of(const Rig& rig, const PassResult& result) {
 }
 
 std::string csv_of(const Rig& rig, const Reference& reference, const CommandPass& pass) {
-  std::string text = "# Command pass of " + rig.name + "\nt_s,x_ref_m,u_V,chamber_force_N,force_wanted_N,p1_Pa,p2_Pa,p_supply_Pa\n";
+  std::string text =
+      "# Command pass of " + rig.name + "\nt_s,x_ref_m,u_V,chamber_force_N,force_wanted_N,p1_Pa,p2_Pa,p_supply_Pa\n";
   const auto table = pass.table(rig, true);
   for (std::size_t i = 0; i < pass.ticks.size(); ++i) {
     const double t_s = static_cast<double>(i) * rig.period_s;

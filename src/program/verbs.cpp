@@ -23,11 +23,12 @@ struct Verb {
 constexpr const char *design = "A new axis", *running = "An axis that moves", *recorded = "A recording",
                      *reference = "Reference";
 constexpr Verb verbs[] = {
-    {add_new_rig, design},     {add_check, design},      {add_design, design},   {add_index, design},    {add_pass, design},
-    {add_stopping, design},    {add_run, running},       {add_serve, running},   {add_command, running},
-    {add_commission, running}, {add_zero, running},      {add_home, running},    {add_device, running},
-    {add_guard, running},      {add_latency, running},   {add_import, recorded}, {add_diagnose, recorded},
-    {add_replay, recorded},    {add_simulate, recorded}, {add_keys, reference},  {add_effects, reference},
+    {add_new_rig, design},    {add_check, design},       {add_design, design},     {add_index, design},
+    {add_pass, design},       {add_stopping, design},    {add_run, running},       {add_serve, running},
+    {add_command, running},   {add_commission, running}, {add_zero, running},      {add_home, running},
+    {add_device, running},    {add_guard, running},      {add_latency, running},   {add_import, recorded},
+    {add_diagnose, recorded}, {add_replay, recorded},    {add_simulate, recorded}, {add_keys, reference},
+    {add_effects, reference},
 };
 
 }  // namespace

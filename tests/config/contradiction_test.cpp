@@ -78,10 +78,11 @@ TEST_CASE("an elastic load is a part of what moves") {
 }
 
 TEST_CASE("a pass is refused where the reference is not known beforehand") {
-  CHECK_THAT(refusal(with(with(plain, "{kind: sine, amplitude_m: 0.080, frequency_Hz: 1.0}",
-                               "{kind: live, lowest_m: -0.1, highest_m: 0.1, speed_mps: 0.3, acceleration_mps2: 3}"),
-                          "kind: pd_force", "kind: pd_force\n  flow_feedforward: pass")),
-             Catch::Contains("controller.flow_feedforward: found pass, expected off or formula with reference.kind live"));
+  CHECK_THAT(
+      refusal(with(with(plain, "{kind: sine, amplitude_m: 0.080, frequency_Hz: 1.0}",
+                        "{kind: live, lowest_m: -0.1, highest_m: 0.1, speed_mps: 0.3, acceleration_mps2: 3}"),
+                   "kind: pd_force", "kind: pd_force\n  flow_feedforward: pass")),
+      Catch::Contains("controller.flow_feedforward: found pass, expected off or formula with reference.kind live"));
 }
 
 TEST_CASE("the --set that makes two values contradict is named") {

@@ -102,7 +102,9 @@ TEST_CASE("rigs that differ in one number are not the same") {
 
 TEST_CASE("the flow feedforward's older words read as today's") {
   const auto source = [](const std::string& word) {
-    return parse_rig(plain, "rig.yaml", {"controller.flow_feedforward=" + word}).controller.of<PdForce>().flow_feedforward;
+    return parse_rig(plain, "rig.yaml", {"controller.flow_feedforward=" + word})
+        .controller.of<PdForce>()
+        .flow_feedforward;
   };
   CHECK(source("false") == FeedforwardSource::off);
   CHECK(source("true") == FeedforwardSource::formula);

@@ -131,8 +131,8 @@ TEST_CASE("found effects of the valve are in the command") {
 
 TEST_CASE("with a pass the axis follows ten times as well as with the formula, friction known or none") {
   for (const std::string effects : {"{}", "{coulomb_friction: {force_N: 20}}"}) {
-    const Rig formula = config_rig("cylinder-10m-7.65mm", {"duration_s=2.5", "controller.flow_feedforward=formula",
-                                                           "effects=" + effects});
+    const Rig formula = config_rig("cylinder-10m-7.65mm",
+                                   {"duration_s=2.5", "controller.flow_feedforward=formula", "effects=" + effects});
     Rig pass = formula;
     pass.controller.of<PdForce>().flow_feedforward = FeedforwardSource::pass;
     CAPTURE(effects);

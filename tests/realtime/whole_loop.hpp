@@ -21,8 +21,9 @@ struct LoopCase {
   std::vector<std::string> sets;
 };
 
-/// Each pressure source of a cylinder without feedforward, with that of the formula and with that of a pass, the servo table with linear feedforward and with
-/// flatness, learning between its moves, and a cylinder that is commanded twenty times a second.
+/// Each pressure source of a cylinder without feedforward, with that of the formula and with that of a pass, the servo
+/// table with linear feedforward and with flatness, learning between its moves, and a cylinder that is commanded twenty
+/// times a second.
 inline std::vector<LoopCase> loop_cases() {
   std::vector<LoopCase> cases;
   for (const std::string source : {"valve", "chamber", "estimated"})

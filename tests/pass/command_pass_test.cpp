@@ -16,7 +16,7 @@ using namespace pneuservo;
 namespace {
 
 const std::string short_move =
-    "reference={kind: minimum_jerk, start_m: 0.0, end_m: 0.06, start_s: 0.1, duration_s: 0.5, smoothness: 7}";
+    "reference={kind: waypoints, times_s: [0.1, 0.6], positions_m: [0.0, 0.06], smoothness: 7}";
 
 Rig rig_of(const std::string& config, std::vector<std::string> sets) {
   sets.emplace_back("controller.flow_feedforward=pass");

@@ -1,8 +1,9 @@
 // Verb pass: the command along the reference, learned on the config's own model.
-#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -76,28 +77,47 @@ std::string csv_of(const Rig& rig, const Reference& reference, const CommandPass
   return text;
 }
 
-void write_page(const Rig& rig, const Reference& reference, const PassResult& result, const std::string& path) {
-  const std::vector<LedTick>& ticks = result.pass.ticks;
-  Curve way{.name = "reference", .tone = Tone::neutral}, command{.name = "of the pass", .tone = Tone::chamber};
-  Curve given{.name = "of the chambers", .tone = Tone::chamber}, wanted{.name = "wanted", .tone = Tone::neutral};
-  Curve p_1{.name = "chamber 1", .tone = Tone::chamber}, p_2{.name = "chamber 2", .tone = Tone::estimated};
-  for (Curve* curve : {&way, &command, &given, &wanted, &p_1, &p_2})
-    for (std::size_t i = 0; i < ticks.size(); ++i) curve->x.push_back(static_cast<double>(i) * rig.period_s);
-  for (std::size_t i = 0; i < ticks.size(); ++i) {
-    way.y.push_back(1e3 * reference.at(way.x[i]).d[0]);
-    command.y.push_back(ticks[i].u_V);
-    given.y.push_back(ticks[i].force_N);
-    wanted.y.push_back(ticks[i].wanted_N);
-    p_1.y.push_back(1e-3 * ticks[i].values[Signal::p1_chamber]);
-    p_2.y.push_back(1e-3 * ticks[i].values[Signal::p2_chamber]);
+/// A line over the ticks of a pass.
+template <class F> Curve curve_of(const Rig& rig, const CommandPass& pass, const char* name, Tone tone, F&& value) {
+  Curve curve;
+  curve.name = name;
+  curve.tone = tone;
+  for (std::size_t i = 0; i < pass.ticks.size(); ++i) {
+    curve.x.push_back(static_cast<double>(i) * rig.period_s);
+    curve.y.push_back(value(curve.x.back(), pass.ticks[i]));
   }
-  wanted.dashed = true;
+  return curve;
+}
+
+Plot plot_of(const Rig& rig, const char* title, const char* unit, std::vector<Curve> curves) {
+  Plot plot;
+  plot.title = title;
+  plot.unit = unit;
+  plot.curves = std::move(curves);
+  plot.x_step = rig.period_s;
+  return plot;
+}
+
+void write_page(const Rig& rig, const Reference& reference, const PassResult& result, const std::string& path) {
+  const auto curve = [&](const char* name, Tone tone, auto&& value) {
+    return curve_of(rig, result.pass, name, tone, value);
+  };
   HtmlPage page("Pass of " + rig.name, "pneuservo pass", rig.name);
   page.section("The command along the reference", text_of(rig, result));
-  page.plot({.title = "Position", .unit = "mm", .curves = {way}, .x_step = rig.period_s});
-  page.plot({.title = "Command", .unit = "V", .curves = {command}, .x_step = rig.period_s});
-  page.plot({.title = "Force", .unit = "N", .curves = {given, wanted}, .x_step = rig.period_s});
-  page.plot({.title = "Pressures", .unit = "kPa", .curves = {p_1, p_2}, .x_step = rig.period_s});
+  page.plot(plot_of(rig, "Position", "mm", {curve("reference", Tone::neutral, [&](double t_s, const LedTick&) {
+                      return 1e3 * reference.at(t_s).d[0];
+                    })}));
+  page.plot(plot_of(rig, "Command", "V",
+                    {curve("of the pass", Tone::chamber, [](double, const LedTick& tick) { return tick.u_V; })}));
+  page.plot(plot_of(rig, "Force", "N",
+                    {curve("of the chambers", Tone::chamber, [](double, const LedTick& tick) { return tick.force_N; }),
+                     curve("wanted", Tone::neutral, [](double, const LedTick& tick) { return tick.wanted_N; })}));
+  const auto pressure = [&](const char* name, Tone tone, Signal signal) {
+    return curve(name, tone, [signal](double, const LedTick& tick) { return 1e-3 * tick.values[signal]; });
+  };
+  page.plot(plot_of(rig, "Chamber pressures", "kPa",
+                    {pressure("chamber 1", Tone::chamber, Signal::p1_chamber),
+                     pressure("chamber 2", Tone::estimated, Signal::p2_chamber)}));
   page.write(path);
 }
 

@@ -193,9 +193,10 @@ std::string refusal_words(const Rig& rig, const Reference& reference, const Comm
   const auto feasible = [&](const MotionScale& scale) { return make_command_pass(rig, reference, scale).feasible; };
   const double speed = largest_share([&](double share) { return feasible({.speed = share}); });
   const double size = largest_share([&](double share) { return feasible({.size = share}); });
-  const std::string found = fmt::format(
-      "the command is at its limit of {:g} V for {:.2g} % of the time and {:.2g} N of the force are missing",
-      rig.axis.valve.command_max_V, 100.0 * pass.limited_share, pass.left_N);
+  std::string found = fmt::format("{:.2g} N of the force are missing", pass.left_N);
+  if (pass.limited_share > 0.0)
+    found = fmt::format("the command is at its limit of {:g} V for {:.2g} % of the time and {}",
+                        rig.axis.valve.command_max_V, 100.0 * pass.limited_share, found);
   const std::string instead = speed > 0.0 && size > 0.0
                                   ? fmt::format("at {:.2f} of its speed or {:.2f} of its way they can", speed, size)
                                   : std::string("at a sixteenth of its speed or way they cannot either");

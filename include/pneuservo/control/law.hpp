@@ -38,8 +38,8 @@ struct ControlOutput {
   bool finite = true;                 ///< false: no finite command came out; the last ones were kept
 };
 
-/// What a law is configured with beside its parameters; duration_s is how long it follows the reference. `pass`: that of
-/// the reference, for a law that asks for one; null: none.
+/// What a law is configured with beside its parameters; duration_s is how long it follows the reference. `pass`: that
+/// of the reference, for a law that asks for one; null: none.
 struct LawSetup {
   const AxisParameters<double>& axis;
   double period_s;

@@ -13,8 +13,8 @@
 
 namespace pneuservo {
 
-/// What adds the command that the reference needs: nothing, the quasi-steady formula, or a command pass (and the formula
-/// for what differs from it).
+/// What adds the command that the reference needs: nothing, the quasi-steady formula, or a command pass (and the
+/// formula for what differs from it).
 enum class FeedforwardSource { off, formula, pass };
 inline constexpr std::array<std::string_view, 3> feedforward_source_names{"off", "formula", "pass"};
 inline constexpr std::array<std::string_view, 2> feedforward_source_older_words{"false", "true"};

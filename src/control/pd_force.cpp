@@ -1,6 +1,7 @@
 // PD with force feedback: configuration, start, and the step of one period.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include <pneuservo/control/pd_force.hpp>
@@ -83,10 +84,12 @@ PdForceState PdForce::terms_of(const ControlInput& in) const noexcept {
   return s;
 }
 
-// The formula, and with a pass what it has beside the formula.
+// The formula, and with a pass what it has beside the formula. The formula alone keeps the axis' own supply; the pass
+// needs the measured one for what differs from it.
 void PdForce::feed_forward(const ControlInput& in, PdForceState& s) const noexcept {
   s.F_ref_N += feedforward_.motion_force_N(in.now);
-  s.u_feedforward_V = feedforward_.command_V(in.ahead, in.pressure_Pa[0], in.pressure_Pa[1], in.supply_Pa);
+  const double supply_Pa = pass_ ? in.supply_Pa : std::numeric_limits<double>::quiet_NaN();
+  s.u_feedforward_V = feedforward_.command_V(in.ahead, in.pressure_Pa[0], in.pressure_Pa[1], supply_Pa);
   if (!pass_) return;
   const auto last = static_cast<std::int64_t>(pass_->size()) - 1;
   const PassTick& tick = (*pass_)[static_cast<std::size_t>(std::clamp<std::int64_t>(in.tick, 0, last))];

@@ -129,7 +129,7 @@ TEST_CASE("found effects of the valve are in the command") {
   CHECK(late < 0.05 * plainly);
 }
 
-TEST_CASE("with a pass the axis follows ten times as well as with the formula, friction known or none") {
+TEST_CASE("with a pass the axis follows ten times as well, friction known or none", "[optimised]") {
   for (const std::string effects : {"{}", "{coulomb_friction: {force_N: 20}}"}) {
     const Rig formula = config_rig("cylinder-10m-7.65mm",
                                    {"duration_s=2.5", "controller.flow_feedforward=formula", "effects=" + effects});
@@ -152,7 +152,7 @@ TEST_CASE("another start pressure and another supply, measured, cost little") {
   CHECK(largest_error_m(known, machine) < 2e-4);
 }
 
-TEST_CASE("a reference that the lines cannot carry is refused with what they can, and they can it") {
+TEST_CASE("a reference that the lines cannot carry is refused with what they can", "[optimised]") {
   const Rig rig = rig_of("cylinder-10m-4.15mm", {"duration_s=2"});
   const Reference reference(rig.reference);
   const CommandPass pass = make_command_pass(rig, reference);

@@ -117,6 +117,11 @@ void check_lines(const Rig& rig, const Check& check) {
 
 /// What no single key of a law can be checked for; most laws need nothing.
 void check_parameters(const auto&, const Rig&, const Check&) {}
+void check_parameters(const PdForceParameters& p, const Rig& rig, const Check& check) {
+  if (p.wants_pass() && rig.reference.kind == ReferenceKind::live)
+    check.refuse("controller.flow_feedforward", {"reference.kind"}, "pass",
+                 "off or formula with reference.kind live: a pass runs the whole reference before it moves");
+}
 void check_parameters(const Ppd2Parameters& p, const Rig& rig, const Check& check) {
   if (p.observer_gains && p.observer_gains->size() != 3)
     check.refuse("controller.observer_gains", {}, fmt::format("{} numbers", p.observer_gains->size()),

@@ -134,6 +134,9 @@ void read_value(const Field& field, const ConfigNode& node, const std::string& p
 int read_choice(const Field& field, const ConfigNode& node, const std::string& path) {
   const auto known = std::find(field.choices.begin(), field.choices.end(), node.text);
   if (node.type == Type::scalar && known != field.choices.end()) return static_cast<int>(known - field.choices.begin());
+  const auto older = std::find(field.older_words.begin(), field.older_words.end(), node.text);
+  if (node.type == Type::scalar && older != field.older_words.end())
+    return static_cast<int>(older - field.older_words.begin());
   refuse(node.origin, path, describe(node), expected_choice(field));
 }
 

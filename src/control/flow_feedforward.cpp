@@ -38,16 +38,18 @@ FlowFeedforward::FlowFeedforward(const AxisParameters<double>& axis) noexcept {
   critical_pressure_ratio_ = axis.valve.critical_pressure_ratio;
 }
 
-double FlowFeedforward::flux(double port_Pa, bool fills) const noexcept {
+double FlowFeedforward::flux(double port_Pa, double supply_Pa, bool fills) const noexcept {
   if (fills) {
-    const double ratio = std::min(port_Pa / supply_Pa_, fill_ratio_max);
-    return flux_per_pressure_ * supply_Pa_ * orifice_psi(ratio, critical_pressure_ratio_);
+    const double ratio = std::min(port_Pa / supply_Pa, fill_ratio_max);
+    return flux_per_pressure_ * supply_Pa * orifice_psi(ratio, critical_pressure_ratio_);
   }
   const double upstream_Pa = std::max(port_Pa, empty_ratio_min * atmosphere_Pa_);
   return flux_per_pressure_ * upstream_Pa * orifice_psi(atmosphere_Pa_ / upstream_Pa, critical_pressure_ratio_);
 }
 
-double FlowFeedforward::area_m2(const ReferencePoint& ahead, double p1_Pa, double p2_Pa) const noexcept {
+double FlowFeedforward::area_m2(const ReferencePoint& ahead, double p1_Pa, double p2_Pa,
+                                double measured_Pa) const noexcept {
+  const double supply_Pa = measured_Pa > atmosphere_Pa_ ? measured_Pa : supply_Pa_;
   const double x = ahead.d[0], v = ahead.d[1], a = ahead.d[2], j = ahead.d[3];
   const double a1 = side_1_.area_m2, a2 = side_2_.area_m2;
   const double v1 = std::max(side_1_.middle_volume_m3 + a1 * x, side_1_.dead_volume_m3);
@@ -61,7 +63,7 @@ double FlowFeedforward::area_m2(const ReferencePoint& ahead, double p1_Pa, doubl
 
   double port_1 = p1_Pa, port_2 = p2_Pa, area = 0.0;
   for (int pass = 0;; ++pass) {
-    const double g1 = flux(port_1, fills_1), g2 = flux(port_2, !fills_1);
+    const double g1 = flux(port_1, supply_Pa, fills_1), g2 = flux(port_2, supply_Pa, !fills_1);
     area = wanted * per_n_r_t / (a1 * g1 * per_vt1 + a2 * g2 * per_vt2);
     if (pass == 2) return area;
     // Line loss at the mean of port and chamber flow gives the next port pressures.

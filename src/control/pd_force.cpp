@@ -1,5 +1,8 @@
 // PD with force feedback: configuration, start, and the step of one period.
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <stdexcept>
 
 #include <pneuservo/control/pd_force.hpp>
 #include <pneuservo/rig/axis.hpp>
@@ -9,6 +12,7 @@ namespace pneuservo {
 void PdForce::configure(const PdForceParameters& parameters, const AxisParameters<double>& axis,
                         double period_s) noexcept {
   parameters_ = parameters;
+  pass_.reset();
   feedforward_ = FlowFeedforward(axis);
   limiter_ = CommandLimiter(axis.valve.command_max_V, parameters.command_rate_V_per_s, period_s);
   period_s_ = period_s;
@@ -18,6 +22,34 @@ void PdForce::configure(const PdForceParameters& parameters, const AxisParameter
   area_2_m2_ = axis.cylinder.area_2_m2;
   atmosphere_force_N_ = (area_1_m2_ - area_2_m2_) * axis.air.atmosphere_Pa;
   reset();
+}
+
+void PdForce::configure(const PdForceParameters& parameters, const LawSetup& setup) {
+  configure(parameters, setup.axis, setup.period_s);
+  if (!parameters.wants_pass()) return;
+  if (!setup.pass || setup.pass->rows.empty())
+    throw std::invalid_argument(
+        "controller.flow_feedforward: found pass, but no command pass was made of the reference");
+  pass_ = std::make_shared<const std::vector<PassTick>>(pass_ticks(setup));
+}
+
+// On the reference the position loop asks for what its filter and the sensors make of it; the force that shows there
+// less that is what the law asks for beside the position loop.
+std::vector<PdForce::PassTick> PdForce::pass_ticks(const LawSetup& setup) const {
+  std::vector<PassTick> ticks;
+  ticks.reserve(setup.pass->rows.size());
+  double v_mps = 0.0, previous_x_m = setup.pass->rows.front().x_m;
+  for (const PassRow& row : setup.pass->rows) {
+    const double t_s = static_cast<double>(ticks.size()) * period_s_;
+    const ReferencePoint now = setup.reference.at(t_s), ahead = setup.reference.at(t_s + lead_s());
+    v_mps += filter_gain_ * ((row.x_m - previous_x_m) / period_s_ - v_mps);
+    previous_x_m = row.x_m;
+    const double asked_N = parameters_.position_gain_N_per_m * (now.d[0] - row.x_m) +
+                           parameters_.velocity_gain_Ns_per_m * (now.d[1] - v_mps);
+    ticks.push_back({row.u_V, feedforward_.command_V(ahead, row.p1_Pa, row.p2_Pa, row.supply_Pa),
+                     chamber_force_N(row.p1_Pa, row.p2_Pa) - asked_N, feedforward_.motion_force_N(now)});
+  }
+  return ticks;
 }
 
 void PdForce::reset(double previous_command_V) noexcept {
@@ -33,32 +65,42 @@ void PdForce::start_bumpless(double x_m, double p1_Pa, double p2_Pa, const Refer
   reset(command_V);
   const double integral_gain = parameters_.force_integral_V_per_Ns;
   if (!(integral_gain > 0.0)) return;
-  const PdForceState s = terms_of(x_m, p1_Pa, p2_Pa, now, ahead);
+  const PdForceState s = terms_of({.x_m = x_m, .pressure_Pa = {p1_Pa, p2_Pa}, .now = now, .ahead = ahead});
   // The first step adds period * e_F before it uses the integral.
   const double integral_Ns = (state_.u_V - unlimited_V(s)) / integral_gain - period_s_ * s.e_F_N;
   if (std::isfinite(integral_Ns)) state_.I_Ns = integral_Ns;
 }
 
-PdForceState PdForce::terms_of(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now,
-                               const ReferencePoint& ahead) const noexcept {
+PdForceState PdForce::terms_of(const ControlInput& in) const noexcept {
   PdForceState s;
-  s.e_m = now.d[0] - x_m;
+  s.e_m = in.now.d[0] - in.x_m;
   s.v_mps =
-      first_ ? 0.0 : state_.v_mps + filter_gain_ * ((x_m - previous_x_m_) / (periods_ * period_s_) - state_.v_mps);
-  s.F_N = area_1_m2_ * p1_Pa - area_2_m2_ * p2_Pa - atmosphere_force_N_;
-  s.F_ref_N = parameters_.position_gain_N_per_m * s.e_m + parameters_.velocity_gain_Ns_per_m * (now.d[1] - s.v_mps);
-  if (parameters_.flow_feedforward) {
-    s.F_ref_N += feedforward_.motion_force_N(now);
-    s.u_feedforward_V = feedforward_.command_V(ahead, p1_Pa, p2_Pa);
-  }
+      first_ ? 0.0 : state_.v_mps + filter_gain_ * ((in.x_m - previous_x_m_) / (periods_ * period_s_) - state_.v_mps);
+  s.F_N = chamber_force_N(in.pressure_Pa[0], in.pressure_Pa[1]);
+  s.F_ref_N = parameters_.position_gain_N_per_m * s.e_m + parameters_.velocity_gain_Ns_per_m * (in.now.d[1] - s.v_mps);
+  if (feeds_forward()) feed_forward(in, s);
   s.e_F_N = s.F_ref_N - s.F_N;
   s.I_Ns = state_.I_Ns;
   return s;
 }
 
-double PdForce::step(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now,
-                     const ReferencePoint& ahead) noexcept {
-  PdForceState s = terms_of(x_m, p1_Pa, p2_Pa, now, ahead);
+// The formula, and with a pass what it has beside the formula. The formula alone keeps the axis' own supply; the pass
+// needs the measured one for what differs from it.
+void PdForce::feed_forward(const ControlInput& in, PdForceState& s) const noexcept {
+  s.F_ref_N += feedforward_.motion_force_N(in.now);
+  const double supply_Pa = pass_ ? in.supply_Pa : std::numeric_limits<double>::quiet_NaN();
+  s.u_feedforward_V = feedforward_.command_V(in.ahead, in.pressure_Pa[0], in.pressure_Pa[1], supply_Pa);
+  if (!pass_) return;
+  const auto last = static_cast<std::int64_t>(pass_->size()) - 1;
+  const PassTick& tick = (*pass_)[static_cast<std::size_t>(std::clamp<std::int64_t>(in.tick, 0, last))];
+  s.u_pass_V = tick.u_V;
+  s.F_pass_N = tick.F_N;
+  s.F_ref_N += tick.F_N - tick.motion_N;
+  s.u_feedforward_V += tick.u_V - tick.formula_V;
+}
+
+double PdForce::update(const ControlInput& in) noexcept {
+  PdForceState s = terms_of(in);
   // The integral rests while the command is limited in the direction in which it would grow.
   const double without_growth_V = unlimited_V(s);
   if (std::isfinite(without_growth_V)) {
@@ -78,7 +120,7 @@ double PdForce::step(double x_m, double p1_Pa, double p2_Pa, const ReferencePoin
   s.u_V = result.command_V;
   s.limit = result.limit;
   state_ = s;
-  previous_x_m_ = x_m;
+  previous_x_m_ = in.x_m;
   periods_ = 1.0;
   first_ = false;
   return s.u_V;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "loop/motion_limits.hpp"
+#include "pass/command_pass.hpp"
 
 namespace pneuservo {
 namespace {
@@ -59,7 +60,8 @@ void AxisLoop::configure(const Rig& rig, const LoadPositions& load) {
   command_max_V_ = rig.axis.valve.command_max_V;
   estimator_.configure(estimator_parameters(rig));
   reference_ = Reference(rig.reference, load);
-  controller_.configure(rig.controller, rig.axis, rig.period_s, reference_, rig.duration_s);
+  PassTables pass = pass_tables(rig, reference_);
+  controller_.configure(rig.controller, rig.axis, rig.period_s, reference_, rig.duration_s, std::move(pass.law));
   if (rig.reference.kind == ReferenceKind::live)
     commanded_.configure(live_limits(rig.reference), rig.period_s, controller_.lead_s());
   source_ = controller_.pressure_source();
@@ -69,7 +71,7 @@ void AxisLoop::configure(const Rig& rig, const LoadPositions& load) {
   area_1_m2_ = cylinder.area_1_m2;
   area_2_m2_ = cylinder.area_2_m2;
   atmosphere_force_N_ = (area_1_m2_ - area_2_m2_) * rig.axis.air.atmosphere_Pa;
-  const MotionPrediction prediction = predict_motion(rig, reference_);
+  const MotionPrediction prediction = predict_motion(rig, reference_, std::move(pass.prediction));
   twin_ = prediction.twin;
   supervisor_.configure(rig, source_ == PressureSource::chamber, prediction.limits);
   rearm();
@@ -147,6 +149,7 @@ std::array<double, 2> AxisLoop::control(std::int64_t tick, const JudgedInputs& i
   in.x_m = inputs.position_m;
   in.pressure_Pa = pressures(inputs, estimate);
   in.port_Pa = inputs.port_Pa;
+  in.supply_Pa = inputs.supply_Pa;
   in.now = now_;
   in.tick = std::llround((t_s - reference_start_s_) / period_s_);
   if (twin_waits_) twin_.start(in.x_m, in.pressure_Pa, supervisor_.command_V());

@@ -12,6 +12,7 @@
 
 #include "config/rig_parameters.hpp"
 #include "loop/trial_motion.hpp"
+#include "pass/command_pass.hpp"
 
 namespace pneuservo {
 namespace {
@@ -195,6 +196,10 @@ double stated(double limit) { return limit > 0.0 ? limit : MotionLimits::unlimit
 }  // namespace
 
 MotionPrediction predict_motion(const Rig& rig, const Reference& reference) {
+  return predict_motion(rig, reference, pass_tables(rig, reference).prediction);
+}
+
+MotionPrediction predict_motion(const Rig& rig, const Reference& reference, std::shared_ptr<const PassTable> pass) {
   MotionPrediction out;
   MotionLimits& limits = out.limits;
   const LimitParameters& given = rig.limits;
@@ -203,7 +208,7 @@ MotionPrediction predict_motion(const Rig& rig, const Reference& reference) {
   limits.half_stroke_m = 0.5 * stroke_m;
   limits.end_stop_is_fault = given.end_stop_contact == EndStopContact::fault;
   limits.standing_m = std::max(least_standing_m, encoder_m);
-  out.twin.configure(rig, reference, resting_force_N(rig));
+  out.twin.configure(rig, reference, resting_force_N(rig), std::move(pass));
   const TrialMotion motion(rig, reference, out.twin);
   const double needed_V = std::max(largest_start_command_V(rig, motion, out.twin, 0, motion.start_m),
                                    largest_start_command_V(rig, motion, out.twin, motion.reference_tick, motion.end_m));

@@ -26,6 +26,9 @@ struct MotionPrediction {
 /// and dry friction (0 to limits.dry_friction_max_N), runs each in closed loop along the reference, and takes
 /// usual_margin times the largest of each quantity. Where the config states all four limits no machine is drawn.
 /// Deterministic. Cold: some 0.2 s for 5 s of motion at 1 kHz.
+/// `pass`: of the reference, for a law that follows one.
+MotionPrediction predict_motion(const Rig& rig, const Reference& reference, std::shared_ptr<const PassTable> pass);
+/// With a pass of its own where the law follows one.
 MotionPrediction predict_motion(const Rig& rig, const Reference& reference);
 
 }  // namespace pneuservo

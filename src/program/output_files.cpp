@@ -58,6 +58,7 @@ std::string_view name_of(ResultKind kind) {
     case ResultKind::zeros: return "file of zeros";
     case ResultKind::eds: return "EDS file";
     case ResultKind::picture: return "picture of an unknown";
+    case ResultKind::pass: return "command pass";
     case ResultKind::commission: break;
   }
   return "commissioning";
@@ -86,6 +87,7 @@ bool is_older_result(const std::string& path, ResultKind kind) {
     case ResultKind::zeros: return head.starts_with("# Zeros of ");
     case ResultKind::eds: return head.starts_with("[FileInfo]");
     case ResultKind::picture: return head.starts_with("# Missing: ");
+    case ResultKind::pass: return head.starts_with("# Command pass ");
     case ResultKind::commission: break;
   }
   return head.starts_with("# Commissioning of ");

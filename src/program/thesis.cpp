@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <unistd.h>
 
 #include "config/input_error.hpp"
@@ -45,15 +44,15 @@ int run_thesis(const ThesisOptions& options) {
 
 }  // namespace
 
-void add_thesis(CLI::App& app, int& status) {
+void add_thesis(CommandLine& app, int& status) {
   auto options = std::make_shared<ThesisOptions>();
-  CLI::App* verb = app.add_subcommand("thesis", "every table and figure of the thesis beside ours, with the reason");
-  verb->footer("Exit status 1: a row has moved, that is, ours is not what it is held to be.");
-  verb->add_option("--only", options->only, "rows whose place holds this text, e.g. 'Table 2.5' or 'Fig 3.'");
-  verb->add_option("--configs", options->configs, "folder of the shipped configs")->capture_default_str();
-  verb->add_option("--report", options->report, "self-contained HTML page with the thesis' pictures");
-  verb->add_option("--json", options->json, "result as JSON; - for standard output");
-  verb->callback([options, &status] { status = run_thesis(*options); });
+  Verb verb = app.add_verb("thesis", "every table and figure of the thesis beside ours, with the reason");
+  verb.footer("Exit status 1: a row has moved, that is, ours is not what it is held to be.");
+  verb.add_option("--only", options->only, "rows whose place holds this text, e.g. 'Table 2.5' or 'Fig 3.'");
+  verb.add_option("--configs", options->configs, "folder of the shipped configs").shows_default();
+  verb.add_option("--report", options->report, "self-contained HTML page with the thesis' pictures");
+  verb.add_option("--json", options->json, "result as JSON; - for standard output");
+  verb.callback([options, &status] { status = run_thesis(*options); });
 }
 
 }  // namespace pneuservo

@@ -113,7 +113,7 @@ TEST_CASE("wrong types are refused") {
   CHECK(refusal(with(plain, "supply:\n  pressure_Pa: 700000", "supply: 700000")) ==
         "rig.yaml:5: supply: found '700000', expected a map of keys");
   CHECK(refusal(with(plain, "kind: pd_force", "kind: pd_force\n  flow_feedforward: 1")) ==
-        "rig.yaml:35: controller.flow_feedforward: found '1', expected true or false");
+        "rig.yaml:35: controller.flow_feedforward: found '1', expected one of off, formula, pass");
   CHECK(refusal(plain + "seed: -1\n") ==
         "rig.yaml:42: seed: found '-1', expected a whole number from 0 to 18446744073709551615");
   CHECK(refusal(plain + "seed: 1.5\n") ==

@@ -77,6 +77,14 @@ TEST_CASE("an elastic load is a part of what moves") {
         accepted);
 }
 
+TEST_CASE("a pass is refused where the reference is not known beforehand") {
+  CHECK_THAT(
+      refusal(with(with(plain, "{kind: sine, amplitude_m: 0.080, frequency_Hz: 1.0}",
+                        "{kind: live, lowest_m: -0.1, highest_m: 0.1, speed_mps: 0.3, acceleration_mps2: 3}"),
+                   "kind: pd_force", "kind: pd_force\n  flow_feedforward: pass")),
+      Catch::Contains("controller.flow_feedforward: found pass, expected off or formula with reference.kind live"));
+}
+
 TEST_CASE("the --set that makes two values contradict is named") {
   CHECK(refusal(plain + "safe_output: {command_V: 2}\n", {"valve.command_max_V=1"}) ==
         "--set valve.command_max_V=1: safe_output.command_V: found 2, expected at most +-valve.command_max_V (1)");

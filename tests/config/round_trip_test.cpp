@@ -96,8 +96,21 @@ TEST_CASE("rigs that differ in one number are not the same") {
   rig.tolerances["slider.mass_kg"] = 0.2;
   CHECK_FALSE(same_rig(rig, original));
   rig = original;
-  rig.controller.of<PdForce>().flow_feedforward = true;
+  rig.controller.of<PdForce>().flow_feedforward = FeedforwardSource::formula;
   CHECK_FALSE(same_rig(rig, original));
+}
+
+TEST_CASE("the flow feedforward's older words read as today's") {
+  const auto source = [](const std::string& word) {
+    return parse_rig(plain, "rig.yaml", {"controller.flow_feedforward=" + word})
+        .controller.of<PdForce>()
+        .flow_feedforward;
+  };
+  CHECK(source("false") == FeedforwardSource::off);
+  CHECK(source("true") == FeedforwardSource::formula);
+  CHECK(source("off") == FeedforwardSource::off);
+  CHECK(source("formula") == FeedforwardSource::formula);
+  CHECK(source("pass") == FeedforwardSource::pass);
 }
 
 TEST_CASE("the manual's example reads") {

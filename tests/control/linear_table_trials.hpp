@@ -62,7 +62,7 @@ inline double with_law_um(const TableCase& one, const Ppd2Gains& g, const LawCas
   return 1e6 * linear_trial_error_m(plant, reference, table_period_s, [&](double t_s, const LinearTablePlant& state) {
            const ReferencePoint now = reference.at(t_s);
            const ReferencePoint ahead = law.shift ? reference.at(t_s + controller.lead_s()) : now;
-           return controller.step({state.position_m(), {}, {}, now, ahead}).command_V[0];
+           return controller.step({state.position_m(), {}, {}, {}, now, ahead}).command_V[0];
          });
 }
 

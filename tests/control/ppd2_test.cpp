@@ -43,7 +43,7 @@ ReferencePoint at_rest(double x_m) {
   r.d[0] = x_m;
   return r;
 }
-ControlInput at(double x_m, const ReferencePoint& r) { return {x_m, {}, {}, r, r}; }
+ControlInput at(double x_m, const ReferencePoint& r) { return {x_m, {}, {}, {}, r, r}; }
 }  // namespace
 
 TEST_CASE("ppd2 on the error: feedforward ahead, feedback of the observer's three states") {
@@ -68,7 +68,7 @@ TEST_CASE("ppd2 on the error: feedforward ahead, feedback of the observer's thre
     for (std::size_t i = 0; i < 8; ++i) r += c[i] * ahead.d[i];
     const double u = 1200.0 * (r - ahead.d[0]) - 54.0 * ahead.d[1] - 1.3 * ahead.d[2] - 1200.0 * observer.position_m() -
                      54.0 * observer.velocity_mps() - 1.3 * observer.acceleration_mps2();
-    const auto command = controller.step({x, {}, {}, now, ahead}).command_V;
+    const auto command = controller.step({x, {}, {}, {}, now, ahead}).command_V;
     CHECK(command[0] == Approx(u).epsilon(1e-9).margin(1e-12));
     CHECK(command[1] == -command[0]);
     CHECK(controller.state().speed_mps == Approx(observer.velocity_mps() + now.d[1]));
@@ -95,7 +95,7 @@ TEST_CASE("ppd2 on the measured position: r - x_measured, velocity and accelerat
     for (std::size_t i = 0; i < 8; ++i) r += c[i] * now.d[i];
     const double u = 1200.0 * (r - x) - 54.0 * observer.velocity_mps() - 1.3 * observer.acceleration_mps2();
     const double limited = std::clamp(u, -1.6, 1.6);
-    CHECK(controller.step({x, {}, {}, now, now}).command_V[0] == Approx(limited).epsilon(1e-9).margin(1e-12));
+    CHECK(controller.step({x, {}, {}, {}, now, now}).command_V[0] == Approx(limited).epsilon(1e-9).margin(1e-12));
   }
 }
 
@@ -106,10 +106,10 @@ TEST_CASE("without feedforward both laws follow x_ref alone") {
   ReferencePoint r = at_rest(0.01);
   r.d[1] = 1e-3, r.d[2] = 1e-2, r.d[3] = 5.0;
   Ppd2 on_error = controller_of(p);
-  CHECK(on_error.step({0.01, {}, {}, r, r}).command_V[0] == Approx(-54.0 * 1e-3 - 1.3 * 1e-2));
+  CHECK(on_error.step({0.01, {}, {}, {}, r, r}).command_V[0] == Approx(-54.0 * 1e-3 - 1.3 * 1e-2));
   p.observer = ObserverInput::measured;
   Ppd2 measured = controller_of(p);
-  CHECK(measured.step({0.01, {}, {}, r, r}).command_V[0] == 0.0);
+  CHECK(measured.step({0.01, {}, {}, {}, r, r}).command_V[0] == 0.0);
 }
 
 TEST_CASE("delay and hold are looked ahead for") {

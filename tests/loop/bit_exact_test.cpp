@@ -57,6 +57,7 @@ std::vector<Case> cases() {
       {"approach", "cylinder-10m-7.65mm", {"initial.position_m=0.05", "duration_s=1"}, 1, {}, {}},
       {"three moves", "cylinder-5m-6.10mm", {move, "duration_s=0.8"}, 3, {}, {}},
       {"flow feedforward", "cylinder-10m-6.10mm", {"controller.flow_feedforward=true", "duration_s=1"}, 1, {}, {}},
+      {"command pass", "cylinder-5m-6.10mm", {move, "duration_s=0.8", "controller.flow_feedforward=pass"}, 2, {}, {}},
       {"port pressures", "cylinder-2m-7.65mm", {"controller.pressure_source=valve", "duration_s=1"}, 1, {}, {}},
       {"chamber pressures", "cylinder-2m-4.15mm", {"controller.pressure_source=chamber", "duration_s=1"}, 1, {}, {}},
       {"servo table",

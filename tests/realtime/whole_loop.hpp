@@ -3,6 +3,7 @@
 #pragma once
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <pneuservo/loop/axis_loop.hpp>
@@ -21,16 +22,18 @@ struct LoopCase {
   std::vector<std::string> sets;
 };
 
-/// Each pressure source of a cylinder with and without feedforward, the servo table with linear feedforward and with
-/// flatness, learning between its moves, and a cylinder that is commanded twenty times a second.
+/// Each pressure source of a cylinder without feedforward, with that of the formula and with that of a pass, the servo
+/// table with linear feedforward and with flatness, learning between its moves, and a cylinder that is commanded twenty
+/// times a second.
 inline std::vector<LoopCase> loop_cases() {
   std::vector<LoopCase> cases;
   for (const std::string source : {"valve", "chamber", "estimated"})
-    for (const bool feedforward : {false, true})
-      cases.push_back({source + (feedforward ? " with feedforward" : ""),
+    for (const auto& [feedforward, words] :
+         {std::pair{"off", ""}, {"formula", " with feedforward"}, {"pass", " with a pass"}})
+      cases.push_back({source + words,
                        "cylinder-10m-7.65mm",
                        {"controller.pressure_source=" + source, "initial.position_m=0.02", "duration_s=1.5",
-                        std::string("controller.flow_feedforward=") + (feedforward ? "true" : "false")}});
+                        std::string("controller.flow_feedforward=") + feedforward}});
   const std::string move =
       "reference={kind: waypoints, times_s: [0.0, 0.2], positions_m: [-0.05, -0.0499], smoothness: 9}";
   for (const std::string feedforward : {"7", "flatness"})

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 
 #include <pneuservo/control/parameters.hpp>
@@ -21,8 +22,9 @@ constexpr decltype(auto) visit_law(Variant& law, F&& function) {
 class AxisController {
  public:
   /// Cold; may allocate, and throws std::invalid_argument where the law cannot follow the reference over duration_s.
+  /// `pass`: of the reference, where the law asks for one.
   void configure(const ControllerParameters& parameters, const AxisParameters<double>& axis, double period_s,
-                 const Reference& reference, double duration_s);
+                 const Reference& reference, double duration_s, std::shared_ptr<const PassTable> pass = {});
   /// Forgets integral and filters; rates count from the previous commands.
   void reset(const std::array<double, 2>& previous_V) noexcept {
     visit_law(law_, [&](auto& law) { law.reset(previous_V); });

@@ -39,11 +39,15 @@ class FlowFeedforward {
   explicit FlowFeedforward(const AxisParameters<double>& axis) noexcept;
 
   /// Signed spool area [m2] (> 0: port 1 fills) for the motion `ahead` (reference at t + lead) at the pressures in use
-  /// [Pa, absolute]. Not limited to area_max. HOT: three passes for the port pressures.
-  double area_m2(const ReferencePoint& ahead, double p1_Pa, double p2_Pa) const noexcept;
+  /// [Pa, absolute]; supply_Pa: measured, NaN for that of the axis. Not limited to area_max. HOT: three passes for the
+  /// port pressures.
+  double area_m2(const ReferencePoint& ahead, double p1_Pa, double p2_Pa, double supply_Pa) const noexcept;
+  double area_m2(const ReferencePoint& ahead, double p1_Pa, double p2_Pa) const noexcept {
+    return area_m2(ahead, p1_Pa, p2_Pa, supply_Pa_);
+  }
   /// The command for that area [V]. HOT.
-  double command_V(const ReferencePoint& ahead, double p1_Pa, double p2_Pa) const noexcept {
-    return area_m2(ahead, p1_Pa, p2_Pa) * volt_per_area_;
+  double command_V(const ReferencePoint& ahead, double p1_Pa, double p2_Pa, double supply_Pa) const noexcept {
+    return area_m2(ahead, p1_Pa, p2_Pa, supply_Pa) * volt_per_area_;
   }
   /// Force [N] for the motion at t: m a + B v. HOT.
   double motion_force_N(const ReferencePoint& now) const noexcept {
@@ -55,7 +59,7 @@ class FlowFeedforward {
     double area_m2 = 0.0, middle_volume_m3 = 0.0, dead_volume_m3 = 0.0, line_volume_m3 = 0.0;
     SteadyLine line;
   };
-  double flux(double port_Pa, bool fills) const noexcept;
+  double flux(double port_Pa, double supply_Pa, bool fills) const noexcept;
 
   Side side_1_, side_2_;
   double mass_kg_ = 0.0, viscous_Ns_per_m_ = 0.0, volt_per_area_ = 0.0;

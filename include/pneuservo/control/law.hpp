@@ -4,8 +4,11 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <string_view>
 
+#include <pneuservo/control/pass_table.hpp>
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/core/field.hpp>
 
@@ -22,7 +25,8 @@ struct ControlInput {
   double x_m = 0.0;                       ///< measured position
   std::array<double, 2> pressure_Pa{};    ///< those that close a force loop
   std::array<double, 2> port_Pa{};        ///< measured at the valve ports
-  ReferencePoint now, ahead;              ///< reference at t and at t + lead_s()
+  double supply_Pa = std::numeric_limits<double>::quiet_NaN();  ///< measured; NaN: that of the axis
+  ReferencePoint now{}, ahead{};          ///< reference at t and at t + lead_s()
   std::int64_t tick = 0;                  ///< periods since the reference's own time 0; negative: on the way to it
 };
 
@@ -34,12 +38,14 @@ struct ControlOutput {
   bool finite = true;                 ///< false: no finite command came out; the last ones were kept
 };
 
-/// What a law is configured with beside its parameters; duration_s is how long it follows the reference.
+/// What a law is configured with beside its parameters; duration_s is how long it follows the reference. `pass`: that
+/// of the reference, for a law that asks for one; null: none.
 struct LawSetup {
   const AxisParameters<double>& axis;
   double period_s;
   const Reference& reference;
   double duration_s;
+  std::shared_ptr<const PassTable> pass{};
 };
 
 /// One recorded term of a law. The name is the recording's column and ends in the unit.
@@ -100,7 +106,7 @@ template <class L>
 concept HasOuterLoop = requires(typename L::Parameters& p) { L::Parameters::visit_outer_loop(IgnoreMembers{}, p); };
 /// A control law: all of it but configure is HOT. Optional: lead_s(), rest_s(moved, port_Pa), learns() with learn(axis)
 /// and moves_not_learned(), change_gains(gains); of its Parameters: pressure_source, velocity_filter_s,
-/// command_delay_s, pressures(), feedforward_name(), visit_outer_loop(v, p...).
+/// command_delay_s, pressures(), feedforward_name(), wants_pass(), visit_outer_loop(v, p...).
 template <class L>
 concept ControlLaw = HasName<L> && DrivesValves<L> && HasParameters<L> && Configures<L> && Resets<L> && Steps<L> &&
                      Skips<L> && HasTerms<L> && KnowsRest<L>;

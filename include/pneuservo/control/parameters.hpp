@@ -62,6 +62,13 @@ struct ControllerParameters {
       else return "none";
     });
   }
+  /// Whether the law follows a command pass along the reference.
+  bool wants_pass() const noexcept {
+    return in_use([](const auto& p) {
+      if constexpr (requires { p.wants_pass(); }) return p.wants_pass();
+      else return false;
+    });
+  }
   /// Pressure of both sides before the first move, where the law has one.
   std::optional<double> rest_pressure_Pa() const noexcept {
     return in_use([](const auto& p) -> std::optional<double> {

@@ -2,7 +2,9 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include <pneuservo/control/flow_feedforward.hpp>
 #include <pneuservo/control/law.hpp>
@@ -10,6 +12,12 @@
 #include <pneuservo/control/reference.hpp>
 
 namespace pneuservo {
+
+/// What adds the command that the reference needs: nothing, the quasi-steady formula, or a command pass (and the
+/// formula for what differs from it).
+enum class FeedforwardSource { off, formula, pass };
+inline constexpr std::array<std::string_view, 3> feedforward_source_names{"off", "formula", "pass"};
+inline constexpr std::array<std::string_view, 2> feedforward_source_older_words{"false", "true"};
 
 /// PD with force feedback (chapter 3; docs/physics/pd_force.md has the law).
 struct PdForceParameters {
@@ -19,7 +27,7 @@ struct PdForceParameters {
   double velocity_filter_s = 0.002;
   double force_gain_V_per_N = 0.0;
   double force_integral_V_per_Ns = 0.0;
-  bool flow_feedforward = false;
+  FeedforwardSource flow_feedforward = FeedforwardSource::off;
   double feedforward_lead_s = 0.0;
   double command_rate_V_per_s = infinite;
 
@@ -32,7 +40,8 @@ struct PdForceParameters {
     v(Field{"force_gain_V_per_N", "V/N", 0, 1e6, "K_f: command per force error"}, p.force_gain_V_per_N...);
     v(Field{"force_integral_V_per_Ns", "V/(N s)", 0, 1e6, "K_i: command per integral of force error", optional},
       p.force_integral_V_per_Ns...);
-    v(Field{"flow_feedforward", "", 0, 1, "add the command that the reference's flow needs", optional},
+    v(Field{"flow_feedforward", "", 0, 0, "where the command comes from that the reference's flow needs", optional,
+            feedforward_source_names, feedforward_source_older_words},
       p.flow_feedforward...);
     v(Field{"feedforward_lead_s", "s", 0, 1, "the feedforward looks this far ahead", optional},
       p.feedforward_lead_s...);
@@ -42,7 +51,11 @@ struct PdForceParameters {
 
   /// Pressures that the law takes.
   std::optional<PressureSource> pressures() const noexcept { return pressure_source; }
-  std::string_view feedforward_name() const noexcept { return flow_feedforward ? "flow" : "none"; }
+  std::string_view feedforward_name() const noexcept {
+    constexpr std::array<std::string_view, 3> names{"none", "flow", "pass"};
+    return names[static_cast<std::size_t>(flow_feedforward)];
+  }
+  bool wants_pass() const noexcept { return flow_feedforward == FeedforwardSource::pass; }
 
   /// The loop of position and velocity alone: all there is where the drive gives its force at once.
   template <class V, class... P> static void visit_outer_loop(V&& v, P&... p) {
@@ -67,6 +80,8 @@ struct PdForceState {
   double e_F_N = 0.0;  ///< F_ref - F
   double I_Ns = 0.0;  ///< integral of e_F
   double u_feedforward_V = 0.0;
+  double u_pass_V = 0.0;  ///< the pass' command, a part of u_feedforward_V
+  double F_pass_N = 0.0;  ///< the force that shows on the reference, a part of F_ref_N
   double u_unlimited_V = 0.0;  ///< command before range and rate
   double u_V = 0.0;  ///< command
   std::uint8_t limit = limit_none;  ///< CommandLimit that acted
@@ -80,13 +95,16 @@ struct PdForceState {
     v(LawTerm{"force_error_N", "N", "force_reference_N - chamber_force_N"}, s.e_F_N...);
     v(LawTerm{"force_error_integral_Ns", "N s", "integral of the force error"}, s.I_Ns...);
     v(LawTerm{"u_feedforward_V", "V", "command that the reference's flow needs"}, s.u_feedforward_V...);
+    v(LawTerm{"u_pass_V", "V", "command of the pass, a part of u_feedforward_V"}, s.u_pass_V...);
+    v(LawTerm{"force_pass_N", "N", "force that shows on the reference by the pass, a part of force_reference_N"},
+      s.F_pass_N...);
     v(LawTerm{"u_unlimited_V", "V", "command before range and rate"}, s.u_unlimited_V...);
     v(LawTerm{"command_limit", "", "bits: 1 at the upper range, 2 the lower, 4 held back rising, 8 falling"},
       s.limit...);
   }
 };
 
-/// The controller of docs/physics/pd_force.md. Plain data; copying it copies its whole state.
+/// The controller of docs/physics/pd_force.md. Copying it copies its whole state.
 class PdForce {
  public:
   using Parameters = PdForceParameters;
@@ -100,9 +118,8 @@ class PdForce {
   }
   /// Cold: takes parameters (in the ranges of their fields), period_s > 0, and resets.
   void configure(const PdForceParameters& parameters, const AxisParameters<double>& axis, double period_s) noexcept;
-  void configure(const PdForceParameters& parameters, const LawSetup& setup) noexcept {
-    configure(parameters, setup.axis, setup.period_s);
-  }
+  /// Cold; allocates where the law follows a pass. Throws std::invalid_argument where it wants one and has none.
+  void configure(const PdForceParameters& parameters, const LawSetup& setup);
   /// Forgets velocity and integral; the command's rate counts from previous_command_V. HOT.
   void reset(double previous_command_V = 0.0) noexcept;
   void reset(const std::array<double, 2>& previous_V) noexcept { reset(previous_V[0]); }
@@ -113,9 +130,11 @@ class PdForce {
 
   /// Command [V] of one period from measured position [m], the pressures that pressure_source names [Pa, absolute], the
   /// reference at t and at t + lead_s(). Always finite; HOT.
-  double step(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now, const ReferencePoint& ahead) noexcept;
+  double step(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now, const ReferencePoint& ahead) noexcept {
+    return update({.x_m = x_m, .pressure_Pa = {p1_Pa, p2_Pa}, .now = now, .ahead = ahead});
+  }
   ControlOutput step(const ControlInput& in) noexcept {
-    const double u_V = step(in.x_m, in.pressure_Pa[0], in.pressure_Pa[1], in.now, in.ahead);
+    const double u_V = update(in);
     return {{u_V, 0.0}, state_.v_mps, state_.limit != limit_none, state_.fault == controller_healthy};
   }
 
@@ -125,17 +144,28 @@ class PdForce {
   const PdForceState& state() const noexcept { return state_; }
   const PdForceState& terms() const noexcept { return state_; }
   /// How far ahead of t the second reference point of a step lies [s]; 0 without flow feedforward.
-  double lead_s() const noexcept { return parameters_.flow_feedforward ? parameters_.feedforward_lead_s : 0.0; }
+  double lead_s() const noexcept { return feeds_forward() ? parameters_.feedforward_lead_s : 0.0; }
 
  private:
-  PdForceState terms_of(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now,
-                        const ReferencePoint& ahead) const noexcept;
+  // What the pass has in a tick, and what of it the formula has already.
+  struct PassTick {
+    double u_V = 0.0, formula_V = 0.0, F_N = 0.0, motion_N = 0.0;
+  };
+  std::vector<PassTick> pass_ticks(const LawSetup& setup) const;
+  double update(const ControlInput& in) noexcept;
+  PdForceState terms_of(const ControlInput& in) const noexcept;
+  void feed_forward(const ControlInput& in, PdForceState& s) const noexcept;
+  bool feeds_forward() const noexcept { return parameters_.flow_feedforward != FeedforwardSource::off; }
+  double chamber_force_N(double p1_Pa, double p2_Pa) const noexcept {
+    return area_1_m2_ * p1_Pa - area_2_m2_ * p2_Pa - atmosphere_force_N_;
+  }
   double unlimited_V(const PdForceState& s) const noexcept {
     return parameters_.force_gain_V_per_N * s.e_F_N + parameters_.force_integral_V_per_Ns * s.I_Ns + s.u_feedforward_V;
   }
 
   PdForceParameters parameters_{};
   FlowFeedforward feedforward_{};
+  std::shared_ptr<const std::vector<PassTick>> pass_;  ///< null: none; copies of the law share it
   CommandLimiter limiter_{};
   PdForceState state_{};
   double period_s_ = 0.001, filter_gain_ = 1.0;

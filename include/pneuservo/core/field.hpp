@@ -22,6 +22,8 @@ struct Field {
   std::string_view help;
   Presence presence = Presence::required;
   std::span<const std::string_view> choices{};
+  /// Other words for the first choices, which older configs use.
+  std::span<const std::string_view> older_words{};
 };
 
 // A parameter struct P<S> declares its fields once:

@@ -74,6 +74,20 @@ template <class S> class Slider {
            select(sign > S(0), own.forward_Ns_per_m, select(sign < S(0), own.backward_Ns_per_m, S(0)));
   }
 
+  /// Force [N] of the drive that lets it move at x with v and a, coupled loads going along. Dry friction turns over as
+  /// tanh(v/turning_mps); bristles and a periodic force are left out.
+  S driving_force_for(const S& x, const S& v, const S& a, const SliderSurroundings<S>& around,
+                      double turning_mps) const noexcept {
+    const S direction = select(v > S(0), S(1), select(v < S(0), S(-1), S(0))), speed = absolute(v);
+    const S carried_kg = mass_ + effects_.elastic_load.mass_kg + effects_.load_backlash.mass_kg;
+    S force = carried_kg * a + damping_coefficient(speed, direction) * v - less_load(S(0), x);
+    if (has_dry_friction_) {
+      const S decay = exponential(S(-2.0 / turning_mps) * speed);
+      force += direction * dry_friction(speed, direction, x, around) * (S(1) - decay) / (S(1) + decay);
+    }
+    return force;
+  }
+
   /// One step of h [s] under the constant driving force [N]. Viscous friction and couplings are trapezoidal, dry
   /// friction is taken at the start speed; the position follows the mean velocity.
   void step(double h_s, const S& driving_force_N, const SliderSurroundings<S>& around) noexcept {

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <memory>
+#include <utility>
 
 #include <pneuservo/control/axis_controller.hpp>
 #include <pneuservo/elements/sensor.hpp>
@@ -31,13 +33,15 @@ class MotionTwin {
 
   /// Allocates; throws what the law's configuration throws. The plant is the rig's own.
   /// `resting_force_N`: force of the air that friction may hold, or noise may show, at rest.
-  void configure(const Rig& rig, const Reference& reference, double resting_force_N) {
+  /// `pass`: of the reference, as this plant shows it.
+  void configure(const Rig& rig, const Reference& reference, double resting_force_N,
+                 std::shared_ptr<const PassTable> pass = {}) {
     resting_force_N_ = resting_force_N;
     const auto& cylinder = rig.axis.cylinder;
     area_1_m2_ = cylinder.area_1_m2;
     area_2_m2_ = cylinder.area_2_m2;
     atmosphere_force_N_ = (area_1_m2_ - area_2_m2_) * rig.axis.air.atmosphere_Pa;
-    law_.configure(rig.controller, rig.axis, rig.period_s, reference, rig.duration_s);
+    law_.configure(rig.controller, rig.axis, rig.period_s, reference, rig.duration_s, std::move(pass));
     chambers_ = law_.pressure_source() != PressureSource::valve;
     aged_ = rig.simulation.input_age_periods > 0;
     configure_sensors(rig);

@@ -1,0 +1,27 @@
+// What a command pass found (docs/physics/command_pass.md): the command along a reference, and what a law sees there.
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace pneuservo {
+
+/// One tick of a pass; measured values as the law's sensors or estimator show them.
+struct PassRow {
+  double u_V = 0.0;                  ///< command over the period that begins
+  double x_m = 0.0;                  ///< position
+  double p1_Pa = 0.0, p2_Pa = 0.0;   ///< of the law's pressure source, absolute
+  double supply_Pa = 0.0;
+};
+
+/// Ticks from the reference's time 0 on. It rests before the first row as there, after the last as there.
+struct PassTable {
+  std::vector<PassRow> rows;  ///< at least one
+
+  std::size_t index(std::int64_t tick) const noexcept {
+    return static_cast<std::size_t>(std::clamp<std::int64_t>(tick, 0, static_cast<std::int64_t>(rows.size()) - 1));
+  }
+};
+
+}  // namespace pneuservo

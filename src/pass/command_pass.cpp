@@ -1,0 +1,216 @@
+// The command pass: stages of the learning, the table, the verdict.
+#include "pass/command_pass.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <pneuservo/elements/sensor.hpp>
+#include <pneuservo/loop/axis_loop.hpp>
+#include <pneuservo/loop/motion_twin.hpp>
+
+#include "pass/force_learning.hpp"
+
+namespace pneuservo {
+namespace {
+
+/// Runs up to a cut-off frequency.
+struct Stage {
+  double cut_off_Hz;
+  int runs;
+};
+/// First what every line follows, then with the first two resonances of 10 m: reversals of 20 N of friction on the nine
+/// lines cost 0.13 to 0.28 mm with 40 Hz, 0.21 to 0.31 mm with 25 Hz.
+constexpr Stage stages[] = {{12.0, 8}, {40.0, 8}};
+/// Near its limit 10 m of 4.15 mm takes two or three rounds; all else takes one.
+constexpr int most_rounds = 3;
+/// Part of the law's force gain that stays in the loop: it holds the mean force while the rest is learned.
+constexpr double feedback_share = 0.25;
+/// As large as the commands that are learned; the valve's edges are not alike about the middle.
+constexpr double pulse_V = 1.0;
+constexpr double response_s = 2.0;
+
+/// The force that is left, faded out where nothing is used any more.
+std::vector<double> left_of(const std::vector<LedTick>& ticks, const PassMotion& motion) {
+  const std::size_t end = motion.first() + motion.used();
+  const double fade = static_cast<double>(ticks.size() - end);
+  std::vector<double> left_N(ticks.size());
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    const double beyond = i < end ? 0.0 : static_cast<double>(i - end) / fade;
+    left_N[i] = (ticks[i].wanted_N - ticks[i].force_N) * 0.5 * (1.0 + std::cos(M_PI * beyond));
+  }
+  return left_N;
+}
+
+std::vector<double> commands_of(const std::vector<LedTick>& ticks) {
+  std::vector<double> command_V(ticks.size());
+  for (std::size_t i = 0; i < ticks.size(); ++i) command_V[i] = ticks[i].u_V;
+  return command_V;
+}
+
+double rms(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value * value;
+  return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+void judge(const Rig& rig, const std::vector<double>& slow_left_N, CommandPass& pass) {
+  pass.largest_command_V = pass.left_N = 0.0;
+  std::size_t limited = 0;
+  for (std::size_t i = 0; i < pass.ticks.size(); ++i) {
+    const double command_V = std::fabs(pass.ticks[i].u_V);
+    pass.largest_command_V = std::max(pass.largest_command_V, command_V);
+    if (command_V >= rig.axis.valve.command_max_V) ++limited;
+    pass.left_N = std::max(pass.left_N, std::fabs(slow_left_N[i]));
+  }
+  pass.limited_share = static_cast<double>(limited) / static_cast<double>(pass.ticks.size());
+  pass.feasible = limited == 0 && pass.left_N <= most_left_N;
+}
+
+/// A round of all stages from the axis' last run on; counts the runs. Leaves the axis' last run at the best command.
+void learn(LedAxis& axis, const PassMotion& motion, ForceLearning& learning, std::size_t& runs) {
+  std::vector<double> command_V = commands_of(axis.ticks()), best_V = command_V;
+  double best_N = std::numeric_limits<double>::infinity();
+  const auto left_by = [&](const std::vector<double>& command) {
+    ++runs;
+    const std::vector<double> left_N = left_of(axis.run(motion, command), motion);
+    if (const double now_N = rms(left_N); now_N < best_N) best_N = now_N, best_V = command;
+    return left_N;
+  };
+  for (const Stage& stage : stages) {
+    learning.begin_stage(stage.cut_off_Hz);
+    for (int i = 0; i < stage.runs; ++i) command_V = learning.next(command_V, left_by(command_V));
+  }
+  left_by(command_V);
+  left_by(best_V);
+}
+
+/// The largest share from 1/16 on, by sixteenths, of which `is_feasible` holds; 0: of none that was tried.
+template <class F> double largest_share(F&& is_feasible) {
+  int known = 0;
+  for (int step = 8; step > 0; step /= 2)
+    if (is_feasible((known + step) / 16.0)) known += step;
+  return known / 16.0;
+}
+
+/// Sensors without noise, and the estimator behind them.
+class Shown {
+ public:
+  Shown(const Rig& rig, const PerSignal<double>& first, bool by_estimator)
+      : estimates_(by_estimator && rig.controller.pressures() == PressureSource::estimated),
+        ports_(rig.controller.pressures() == PressureSource::valve), aged_(rig.simulation.input_age_periods > 0) {
+    const bool estimated = rig.controller.pressures() == PressureSource::estimated;
+    for (const Signal signal : channel_signals) {
+      const bool of_port = estimated && is_chamber(signal);
+      sensors_[signal].configure(rig.sensor_effects[of_port ? port_signals[side_of(signal)] : signal], 0.0, 0.0,
+                                 rig.period_s, Random());
+      sensors_[signal].reset(first[signal]);
+    }
+    if (estimates_) estimator_.configure(estimator_parameters(rig));
+    last_ = first;
+  }
+  PassRow row(const LedTick& tick, double v_mps, double previous_V) {
+    PerSignal<double> now;
+    for (const Signal signal : channel_signals) now[signal] = sensors_[signal].read(tick.values[signal]);
+    const PerSignal<double> seen = aged_ ? std::exchange(last_, now) : now;
+    PassRow row{.u_V = tick.u_V, .x_m = seen[Signal::x], .supply_Pa = seen[Signal::p_supply]};
+    const auto& [side_1, side_2] = ports_ || estimates_ ? port_signals : chamber_signals;
+    row.p1_Pa = seen[side_1], row.p2_Pa = seen[side_2];
+    if (!estimates_) return row;
+    const EstimatorOutput estimate = estimator_.step({row.p1_Pa, row.p2_Pa, row.x_m, v_mps, previous_V});
+    row.p1_Pa = estimate.chamber_pressure_Pa[0], row.p2_Pa = estimate.chamber_pressure_Pa[1];
+    return row;
+  }
+
+ private:
+  bool estimates_, ports_, aged_;
+  PerSignal<Sensor> sensors_;
+  PerSignal<double> last_;
+  PipelineEstimator estimator_;
+};
+
+}  // namespace
+
+std::shared_ptr<const PassTable> CommandPass::table(const Rig& rig, bool by_estimator) const {
+  auto table = std::make_shared<PassTable>();
+  table->rows.reserve(ticks.size());
+  Shown shown(rig, ticks.front().values, by_estimator);
+  double previous_V = ticks.front().u_V, previous_x_m = ticks.front().values[Signal::x];
+  for (const LedTick& tick : ticks) {
+    const double x_m = tick.values[Signal::x];
+    table->rows.push_back(shown.row(tick, (x_m - previous_x_m) / rig.period_s, previous_V));
+    previous_V = tick.u_V, previous_x_m = x_m;
+  }
+  return table;
+}
+
+CommandPass make_command_pass(const Rig& rig, const Reference& reference, const MotionScale& scale) {
+  if (rig.valves() != 1 || rig.reference.kind == ReferenceKind::live)
+    throw std::invalid_argument("a command pass: expected a five-port valve and a reference that is known beforehand");
+  const double feedback_V_per_N = feedback_share * rig.controller.of<PdForce>().force_gain_V_per_N;
+  LedAxis axis(rig, feedback_V_per_N);
+  const PassMotion motion(rig, reference, scale);
+  const auto response_ticks = static_cast<std::size_t>(std::llround(response_s / rig.period_s));
+  ForceLearning learning(axis.pulse_response(pulse_V, response_ticks), motion.ticks(), rig.period_s);
+  CommandPass pass;
+  axis.run(motion, {});
+  const auto used = [&](const auto& all) {
+    const auto begin = all.begin() + static_cast<std::ptrdiff_t>(motion.first());
+    return std::pair{begin, begin + static_cast<std::ptrdiff_t>(motion.used())};
+  };
+  for (int round = 0; round < most_rounds && !pass.feasible && !(pass.limited_share > 0.0); ++round) {
+    learn(axis, motion, learning, pass.runs);
+    const std::vector<double> slow_N = learning.below(judged_Hz, left_of(axis.ticks(), motion));
+    pass.ticks.assign(used(axis.ticks()).first, used(axis.ticks()).second);
+    judge(rig, {used(slow_N).first, used(slow_N).second}, pass);
+  }
+  return pass;
+}
+
+double predicted_error_m(const Rig& rig, const Reference& reference, const CommandPass& pass) {
+  MotionTwin twin;
+  twin.configure(rig, reference, 0.0, pass.table(rig, false));
+  twin.set_machine(rig, rig.axis, MotionTwin::simulated_cells(rig));
+  const PerSignal<double>& first = pass.ticks.front().values;
+  twin.start(first[Signal::x], {first[Signal::p1_chamber], first[Signal::p2_chamber]}, {0.0, 0.0});
+  double most_m = 0.0;
+  for (std::size_t i = 0; i + 1 < pass.ticks.size(); ++i) {
+    const double t_s = static_cast<double>(i) * rig.period_s;
+    ControlInput in;
+    in.now = reference.at(t_s);
+    in.ahead = reference.at(t_s + twin.law().lead_s());
+    in.tick = static_cast<std::int64_t>(i);
+    most_m = std::max(most_m, std::fabs(in.now.d[0] - twin.position_m()));
+    twin.step(in, rig.axis.supply.pressure_Pa, MotionLimits::unlimited);
+  }
+  return most_m;
+}
+
+std::string refusal_words(const Rig& rig, const Reference& reference, const CommandPass& pass) {
+  const auto feasible = [&](const MotionScale& scale) { return make_command_pass(rig, reference, scale).feasible; };
+  const double speed = largest_share([&](double share) { return feasible({.speed = share}); });
+  const double size = largest_share([&](double share) { return feasible({.size = share}); });
+  std::string found = fmt::format("{:.2g} N of the force are missing", pass.left_N);
+  if (pass.limited_share > 0.0)
+    found = fmt::format("the command is at its limit of {:g} V for {:.2g} % of the time and {}",
+                        rig.axis.valve.command_max_V, 100.0 * pass.limited_share, found);
+  const std::string instead = speed > 0.0 && size > 0.0
+                                  ? fmt::format("at {:.2f} of its speed or {:.2f} of its way they can", speed, size)
+                                  : std::string("at a sixteenth of its speed or way they cannot either");
+  return fmt::format("the lines cannot carry the reference: {}; {}", found, instead);
+}
+
+PassTables pass_tables(const Rig& rig, const Reference& reference) {
+  if (!rig.controller.wants_pass()) return {};
+  const CommandPass pass = make_command_pass(rig, reference);
+  if (!pass.feasible)
+    throw std::invalid_argument(fmt::format(
+        "controller.flow_feedforward: found pass, but {}; expected a slower or shorter reference, or formula",
+        refusal_words(rig, reference, pass)));
+  return {pass.table(rig, true), pass.table(rig, false)};
+}
+
+}  // namespace pneuservo

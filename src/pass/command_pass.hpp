@@ -1,0 +1,53 @@
+// The command pass: the command along a known reference, learned on the config's own model
+// (docs/physics/command_pass.md).
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <pneuservo/control/pass_table.hpp>
+#include <pneuservo/control/reference.hpp>
+#include <pneuservo/rig/rig.hpp>
+
+#include "pass/led_axis.hpp"
+
+namespace pneuservo {
+
+/// What came out of the learning.
+struct CommandPass {
+  std::vector<LedTick> ticks;            ///< from the reference's time 0 to the end of the run
+  double largest_command_V = 0.0;
+  double limited_share = 0.0;            ///< of the ticks at the largest command
+  double left_N = 0.0;                   ///< largest force below judged_Hz that the chambers do not give
+  std::size_t runs = 0;                  ///< of the model
+  bool feasible = false;
+
+  /// As the law's pressures show them: by the estimator where the law has it (else the chambers themselves).
+  std::shared_ptr<const PassTable> table(const Rig& rig, bool by_estimator) const;
+};
+
+/// Four times what sensors with 300 Pa of noise make of the force (0.5 N rms); over the nine lines' position gains
+/// of 7 to 40 N/mm it is 0.05 to 0.3 mm.
+inline constexpr double most_left_N = 2.0;
+/// A reversal of dry friction is faster than any line and costs 0.2 mm; what the learning should have taken is slower.
+inline constexpr double judged_Hz = 12.0;
+
+/// Learns along the whole reference, or along a slower or smaller one. Cold: some 20 runs of the model. Throws
+/// std::invalid_argument for a rig without a five-port valve and for a reference of kind `live`.
+CommandPass make_command_pass(const Rig& rig, const Reference& reference, const MotionScale& scale = {});
+
+/// What of the reference is not feasible and what the lines can do instead; a sentence without its full stop. Cold:
+/// eight passes.
+std::string refusal_words(const Rig& rig, const Reference& reference, const CommandPass& pass);
+
+/// The tables for a loop and for its prediction; null where the law asks for none.
+struct PassTables {
+  std::shared_ptr<const PassTable> law, prediction;
+};
+/// Throws std::invalid_argument with a sentence where the law asks for a pass and there is none.
+PassTables pass_tables(const Rig& rig, const Reference& reference);
+
+/// Largest distance of the simulated closed loop from the reference, on the pass's own model without noise [m].
+double predicted_error_m(const Rig& rig, const Reference& reference, const CommandPass& pass);
+
+}  // namespace pneuservo

@@ -205,8 +205,28 @@ bool is_stated(const Recording& recording, const ReadingsOf& of) {
 
 std::string name_of(const UnitReading& reading) { return reading.name.empty() ? "as recorded" : reading.name; }
 
-/// Of the choices that fit about as well as the best one, the one that keeps what is stated; throws where that leaves
-/// two.
+std::size_t corrections_of(const std::vector<ReadingsOf>& kinds, const Choice& choice) {
+  std::size_t out = 0;
+  for (std::size_t k = 0; k < kinds.size(); ++k) out += !is_as_recorded(kinds[k].readings[choice[k]]);
+  return out;
+}
+
+/// Of some choices those that correct the fewest kinds: what is as recorded stays so where it fits as well.
+std::vector<std::size_t> fewest_corrections(const std::vector<ReadingsOf>& kinds, const std::vector<Choice>& choices,
+                                            std::vector<std::size_t> some) {
+  std::size_t fewest = kinds.size();
+  for (const std::size_t i : some) fewest = std::min(fewest, corrections_of(kinds, choices[i]));
+  std::erase_if(some, [&](std::size_t i) { return corrections_of(kinds, choices[i]) > fewest; });
+  return some;
+}
+
+/// The first kind that two choices read otherwise.
+std::size_t first_difference(const Choice& a, const Choice& b) {
+  return static_cast<std::size_t>(std::mismatch(a.begin(), a.end(), b.begin()).first - a.begin());
+}
+
+/// Of the choices that fit about as well as the best one, the one that keeps what is stated, else the one that corrects
+/// the fewest kinds; throws where that leaves two.
 std::size_t one_of_fitting(const Recording& recording, const std::vector<ReadingsOf>& kinds,
                            const std::vector<Choice>& choices, const std::vector<double>& misfits, std::size_t best,
                            std::vector<std::string>& notes) {
@@ -219,17 +239,20 @@ std::size_t one_of_fitting(const Recording& recording, const std::vector<Reading
       if (is_stated(recording, kinds[k]) && !is_as_recorded(kinds[k].readings[choices[i][k]])) return false;
     return true;
   });
-  const std::size_t taken = as_stated.empty() ? best : as_stated.front();
-  const std::size_t other = as_stated.size() > 1 ? as_stated[1] : fitting[0] == taken ? fitting[1] : fitting[0];
-  std::size_t k = 0;
-  while (choices[other][k] == choices[taken][k]) ++k;
+  const bool is_by_statement = as_stated.size() == 1;
+  const auto left =
+      is_by_statement ? as_stated : fewest_corrections(kinds, choices, as_stated.empty() ? fitting : as_stated);
+  const std::size_t taken = left.front();
+  const std::size_t other = left.size() > 1 ? left[1] : fitting[0] == taken ? fitting[1] : fitting[0];
+  const std::size_t k = first_difference(choices[other], choices[taken]);
   const UnitReading &one = kinds[k].readings[choices[taken][k]], &another = kinds[k].readings[choices[other][k]];
-  if (as_stated.size() != 1)
+  if (left.size() != 1)
     throw InputError(fmt::format("{}: {} or {}? State it: {}", kinds[k].evidence, name_of(one), name_of(another),
                                  stated_reading(recording, kinds[k].columns.front(), one)));
   const bool is_twice = another.offset != 0 && source_of(recording, kinds[k].columns.front()).offset != 0;
   if (!is_twice)  // a zero that was stated already is no second reading
-    notes.push_back(fmt::format("{}: taken as stated; {} would fit as well", kinds[k].evidence, name_of(another)));
+    notes.push_back(fmt::format("{}: taken {}; {} would fit as well", kinds[k].evidence,
+                                is_by_statement ? "as stated" : name_of(one), name_of(another)));
   return taken;
 }
 

@@ -8,6 +8,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "diagnosis/recordings/held_out.hpp"
+
 namespace pneuservo {
 
 namespace {
@@ -26,6 +28,26 @@ std::vector<double> rms_of_rows(const ResidualModel& model, const Eigen::VectorX
   }
   for (std::size_t c = 0; c < out.size(); ++c) out[c] = std::sqrt(out[c] / std::max(1.0, count[c]));
   return out;
+}
+
+/// What the mean of a row holds of noise and floor. A sigma weighs rows: its floor is raised by how long that stays the
+/// same, and by what is unknown of a recording's start.
+double floor_of_rows(const ResidualModel& model, std::size_t channel) {
+  double sigma = std::numeric_limits<double>::infinity();
+  std::vector<double> steps_s;
+  const ResidualRow* before = nullptr;
+  for (const ResidualRow& row : model.rows()) {
+    if (row.over_recording || row.channel != static_cast<int>(channel)) continue;
+    sigma = std::min(sigma, row.sigma);
+    if (before != nullptr && before->recording == row.recording) steps_s.push_back(row.time_s - before->time_s);
+    before = &row;
+  }
+  const double floor = model.channels()[channel].floor;
+  if (steps_s.empty()) return std::hypot(model.channels()[channel].noise, floor);
+  const auto half = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
+  std::nth_element(steps_s.begin(), half, steps_s.end());
+  const double raised = std::max(1.0, floor_correlation_s / *half);
+  return std::sqrt(std::max(sigma * sigma - floor * floor * (raised - 1), floor * floor));
 }
 
 }  // namespace
@@ -54,10 +76,10 @@ std::vector<ChannelMisfit> misfit_at(ResidualModel& model, const Fit& fit) {
 }
 
 std::vector<double> floors_of_misfit(const ResidualModel& model) {
-  if (!model.simulates())
-    return rms_of_rows(model, Eigen::VectorXd::Ones(static_cast<Eigen::Index>(model.rows().size())));
   std::vector<double> out;
-  for (const ResidualChannel& channel : model.channels()) out.push_back(std::hypot(channel.noise, channel.floor));
+  for (std::size_t c = 0; c < model.channels().size(); ++c)
+    out.push_back(model.simulates() ? std::hypot(model.channels()[c].noise, model.channels()[c].floor)
+                                    : floor_of_rows(model, c));
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -94,6 +95,35 @@ std::vector<YAML::Mark> first_documents(const std::string& yaml_text) {
   return starts.marks;
 }
 
+/// What stands at the front of a line where only a certain number of blanks may.
+struct Indentation {
+  int line;  ///< counted from 0
+  std::string found, expected;
+};
+
+/// A tab, or a line that stands farther in than the key before it: what a parser's words do not say.
+std::optional<Indentation> wrong_indentation(const std::string& yaml_text, int last_line) {
+  std::istringstream lines(yaml_text);
+  std::string text;
+  std::size_t before = 0;
+  bool is_key = false;  // the line before holds a key with its value
+  for (int line = 0; line <= last_line && std::getline(lines, text); ++line) {
+    const std::size_t blanks = text.find_first_not_of(' '), front = text.find_first_not_of(" \t\r");
+    if (front == std::string::npos || text[front] == '#') continue;
+    if (text[blanks] == '\t')
+      return Indentation{line, "a tab at the front of the line",
+                         "blanks instead, two for each step: YAML takes no tabs"};
+    if (line == last_line && is_key && blanks > before)
+      return Indentation{line, fmt::format("a line that begins with {} blanks, behind one with {}", blanks, before),
+                         "the keys of one section behind the same number of blanks"};
+    before = blanks;
+    const std::size_t colon = text.find(": "),
+                      value = text.find_first_not_of(' ', std::min(colon, text.size() - 1) + 1);
+    is_key = colon != std::string::npos && value != std::string::npos && text[value] != '#';
+  }
+  return std::nullopt;
+}
+
 ConfigNode load(const std::string& yaml_text, const std::string& source, bool has_lines, const std::string& path,
                 const std::string& expected) {
   const auto line = [&](const YAML::Mark& mark) {
@@ -107,6 +137,8 @@ ConfigNode load(const std::string& yaml_text, const std::string& source, bool ha
     if (documents.size() > 1) refuse(line(documents[1]), path, "a second YAML document", "one document");
     return TreeBuilder(source, has_lines).build(YAML::Load(yaml_text), path == "(file)" ? "" : path, 0);
   } catch (const YAML::ParserException& error) {
+    if (const auto wrong = wrong_indentation(yaml_text, error.mark.line); wrong && has_lines)
+      refuse(fmt::format("{}:{}", source, wrong->line + 1), path, wrong->found, wrong->expected);
     refuse(line(error.mark), path, fmt::format("text that is not YAML ({})", error.msg), expected);
   } catch (const YAML::Exception& error) {
     refuse(source, path, fmt::format("text that is not YAML ({})", error.msg), expected);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <thread>
@@ -38,6 +39,17 @@ double median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
 
+/// Of the channels together in their floors, each with the weight of its rows.
+double rms_in_floors(const Diagnosis& diagnosis, const std::vector<double>& rows, double ChannelFit::* misfit) {
+  double sum = 0, count = 0;
+  for (std::size_t c = 0; c < rows.size(); ++c) {
+    if (!(rows[c] > 0) || !(diagnosis.channels[c].noise > 0)) continue;
+    sum += rows[c] * std::pow(diagnosis.channels[c].*misfit / diagnosis.channels[c].noise, 2);
+    count += rows[c];
+  }
+  return count > 0 ? std::sqrt(sum / count) : std::numeric_limits<double>::quiet_NaN();
+}
+
 /// A squared mismatch above what floors alone make.
 double above_floor(double chi2, double floor) { return std::max(chi2 - floor, 0.0); }
 
@@ -56,11 +68,14 @@ void add_fit(ResidualModel& model, const Search& search, const Decision& decisio
   const std::vector<ResidualChannel>& channels = model.channels();
   const Fit &before = search.as_configured(), &after = decision.chosen->fit;
   const std::vector<ChannelMisfit> misfit_before = misfit_at(model, before), misfit_after = misfit_at(model, after);
-  std::vector<double> ratios, over;
+  const std::vector<double> floors = floors_of_misfit(model);
+  std::vector<double> ratios, over, fitted_rows(channels.size()), held_out_rows(channels.size());
+  for (const ResidualRow& row : model.rows())
+    if (!row.over_recording) ++(row.held_out ? held_out_rows : fitted_rows)[static_cast<std::size_t>(row.channel)];
   for (std::size_t c = 0; c < channels.size(); ++c) {
     ChannelFit fit;
     fit.column = channels[c].name + "_" + channels[c].unit;
-    fit.noise = std::hypot(channels[c].noise, channels[c].floor);
+    fit.noise = floors[c];
     fit.before = misfit_before[c].fitted;
     fit.after = misfit_after[c].fitted;
     fit.held_out_before = misfit_before[c].held_out;
@@ -72,6 +87,9 @@ void add_fit(ResidualModel& model, const Search& search, const Decision& decisio
   }
   out.held_out_ratio = median(ratios);
   out.over_noise = median(over);
+  out.error_left = rms_in_floors(out, held_out_rows, &ChannelFit::held_out_after) /
+                   rms_in_floors(out, held_out_rows, &ChannelFit::held_out_before);
+  out.floors_left = rms_in_floors(out, fitted_rows, &ChannelFit::after);
   out.residual_channels = channels;
   const Eigen::VectorXd residual_before = residual_at(model, before);
   for (std::size_t i = 0; i < model.rows().size(); ++i) {

@@ -48,6 +48,8 @@ struct RankedExplanation {
 /// Root mean square of simulation minus recording, in the channel's unit.
 struct ChannelFit {
   std::string column;  ///< with unit: p1_port_Pa
+  /// Root mean squares [unit]: `noise` is what noise and the model's own error make. Held out: NaN where none was
+  /// simulated.
   double noise = 0, before = 0, after = 0, held_out_before = 0, held_out_after = 0;
   double correlation = 0;  ///< of neighbouring residual rows at the end: 0 is white
 };
@@ -124,7 +126,10 @@ struct Diagnosis {
   std::vector<DiagnosisAnswer> answers;
   std::vector<RankedExplanation> candidates;
   std::vector<ChannelFit> channels;
-  double held_out_ratio = 1, over_noise = 1;
+  double held_out_ratio = 1, over_noise = 1;  ///< after over before, held out; after over noise: medians of channels
+  /// Root mean squares over all channels, each in its floor: held out, after over before (NaN: nothing held out was
+  /// simulated); fitted, after.
+  double error_left = 1, floors_left = 1;
   double explained_share = 0;  ///< of the squared mismatch above the floor that the answers take
   std::vector<std::string> warnings;
   double admitted_s = 0, held_out_s = 0;

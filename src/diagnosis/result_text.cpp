@@ -14,13 +14,29 @@ namespace pneuservo {
 
 namespace {
 
+/// With its article, for the middle of a sentence.
 std::string in_words(const std::string& element) {
-  if (element.starts_with("sensor:")) return "the sensor of " + element.substr(7);
-  if (element.starts_with("line_")) return "line " + element.substr(5);
-  if (element.starts_with("chamber_")) return "chamber " + element.substr(8);
-  if (element == "timing") return "the timing of the command";
-  if (element == "motion") return "the slider and its guide";
-  return "the " + element;
+  const bool is_numbered = element.starts_with("line_") || element.starts_with("chamber_");
+  return (is_numbered ? "" : "the ") + element_words(element);
+}
+
+/// Of what was compared how long, and what of it was held out.
+std::string compared_text(const Diagnosis& diagnosis) {
+  const std::size_t count = diagnosis.recordings.size();
+  const std::string out =
+      fmt::format("compared: {:.1f} s in {} recording{}", diagnosis.admitted_s, count, count == 1 ? "" : "s");
+  if (diagnosis.stopped)
+    return out + "; stopped before held-out stretches were simulated: figures are of means over rows, as fits see them";
+  return out + fmt::format(", {:.1f} s held out of every fit", diagnosis.held_out_s);
+}
+
+std::string misfits_text(const std::vector<ChannelFit>& channels) {
+  std::string out = fmt::format("{:<18}{:>12}{:>12}{:>12}{:>16}{:>16}\n", "channel", "floor", "before", "after",
+                                "held out before", "held out after");
+  for (const ChannelFit& c : channels)
+    out += fmt::format("{:<18}{:>12}{:>12}{:>12}{:>16}{:>16}\n", c.column, value_text(c.noise), value_text(c.before),
+                       value_text(c.after), value_text(c.held_out_before), value_text(c.held_out_after));
+  return out;
 }
 
 std::string parameters_text(const DiagnosisAnswer& answer) {
@@ -101,6 +117,17 @@ std::string functions_text(const Diagnosis& diagnosis) {
 
 }  // namespace
 
+std::string element_words(std::string_view element) {
+  if (element.starts_with("sensor:")) return fmt::format("sensor of {}", element.substr(7));
+  if (element.starts_with("line_") || element.starts_with("chamber_"))
+    return fmt::format("{} {}", element.substr(0, element.size() - 2), element.substr(element.size() - 1));
+  if (element == "timing") return "timing of the command";
+  if (element == "motion") return "slider, guide and load";
+  return std::string(element);
+}
+
+std::string value_text(double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : "–"; }
+
 std::string explanation_text(const RankedExplanation& explanation) {
   return explanation.effects.empty() ? "nothing" : fmt::format("{}", fmt::join(explanation.effects, " + "));
 }
@@ -116,14 +143,9 @@ std::string verdict_sentence(const Diagnosis& diagnosis) {
 
 std::string diagnosis_text(const Diagnosis& diagnosis) {
   std::string out = diagnosis.sentence + "\n\n";
-  out += fmt::format("compared: {:.1f} s in {} recordings, {:.1f} s held out of every fit\n\n", diagnosis.admitted_s,
-                     diagnosis.recordings.size(), diagnosis.held_out_s);
+  out += compared_text(diagnosis) + "\n\n";
   out += coverage_text(diagnosis.coverage);
-  out += fmt::format("{:<18}{:>12}{:>12}{:>12}{:>16}{:>16}\n", "channel", "floor", "before", "after", "held out before",
-                     "held out after");
-  for (const ChannelFit& c : diagnosis.channels)
-    out += fmt::format("{:<18}{:>12.4g}{:>12.4g}{:>12.4g}{:>16.4g}{:>16.4g}\n", c.column, c.noise, c.before, c.after,
-                       c.held_out_before, c.held_out_after);
+  out += misfits_text(diagnosis.channels);
   if (!diagnosis.candidates.empty()) {
     out += "\nexplanations tried in full, probability, log evidence behind the best\n";
     for (const RankedExplanation& r : diagnosis.candidates)

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <memory>
 
+#include <fmt/format.h>
+
 #include "loop/course.hpp"
 
 namespace pneuservo {
@@ -28,6 +30,13 @@ double value_of(const Row& row, std::span<const std::string_view> terms, const s
   return out;
 }
 
+std::string end_of_course(const Rig& rig, const Course& course, double t_s) {
+  if (course.fault_tick() >= 0)
+    return fmt::format("the loop has a fault at {:.6g} s, which ends a run {:g} s later",
+                       static_cast<double>(course.fault_tick()) * rig.period_s, Course::after_fault_s);
+  return fmt::format("the config's run ends at {:.6g} s (duration_s)", t_s);
+}
+
 }  // namespace
 
 std::vector<std::string> replayed_columns(ControllerKind law) {
@@ -47,6 +56,7 @@ ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std
   const std::span<const std::string_view> terms = law_columns(rig.controller.kind);
   for (const auto& [name, values] : recorded) result.compared.push_back(name);
   result.largest_difference.assign(recorded.size(), 0.0);
+  result.one_sided.assign(recorded.size(), 0);
   AxisLoop loop;
   loop.configure(rig, load);
   GainMailbox mailbox;
@@ -56,11 +66,17 @@ ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std
   Course course(rig, moves, 0);
   result.rows.reserve(ticks.size());
   for (std::size_t i = 0; i < ticks.size(); ++i) {
-    if (dropped_before[i]) break;
+    if (dropped_before[i]) {
+      result.end = fmt::format("rows were dropped before row {}, and what the loop knew there is lost", i);
+      break;
+    }
     const std::int64_t skipped = i == 0 ? 0 : ticks[i] - ticks[i - 1] - 1;
     if (i < gains.size()) mailbox.post(gains[i]);
     if (i < commands.size() && commands[i].kind != CommandKind::none) link->commands.push(commands[i]);
-    if (!loop.pass(backend, ticks[i], skipped, nullptr, nullptr)) break;
+    if (!loop.pass(backend, ticks[i], skipped, nullptr, nullptr)) {
+      result.end = fmt::format("the loop ended in row {}", i);
+      break;
+    }
     for (AxisAnswer answer; link->answers.pop(answer);) {}
     const Row& row = loop.row();
     result.rows.push_back(row);
@@ -68,11 +84,15 @@ ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std
       const double was = (*recorded[c].second)[i], is = value_of(row, terms, recorded[c].first);
       if (same_bits(was, is)) continue;
       ++result.differing_values;
-      result.largest_difference[c] = std::max(result.largest_difference[c], std::fabs(was - is));
+      if (std::isnan(was) != std::isnan(is)) ++result.one_sided[c];
+      else result.largest_difference[c] = std::max(result.largest_difference[c], std::fabs(was - is));
       if (!result.first) result.first = ReplayDifference{i, row.t_s, recorded[c].first, was, is};
     }
     ++result.compared_rows;
-    if (!course.after(ticks[i], loop)) break;
+    if (!course.after(ticks[i], loop)) {
+      if (i + 1 < ticks.size()) result.end = end_of_course(rig, course, row.t_s);
+      break;
+    }
     if (loop.learning_due()) loop.learn(rig.axis);
   }
   return result;

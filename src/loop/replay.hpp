@@ -25,7 +25,9 @@ struct ReplayResult {
   std::vector<Row> rows;                       ///< as replayed
   std::vector<std::string> compared;           ///< columns compared
   std::size_t compared_rows = 0, differing_values = 0;
-  std::vector<double> largest_difference;      ///< of each compared column, in its unit
+  std::vector<double> largest_difference;      ///< of each compared column where both have a value, in its unit
+  std::vector<std::size_t> one_sided;          ///< of each compared column: values that only one of both has
+  std::string end;                             ///< why it ended before the recording's last row; empty: it did not
   std::optional<ReplayDifference> first;
   bool identical() const noexcept { return differing_values == 0 && compared_rows > 0; }
 };

@@ -10,6 +10,7 @@
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "config/same_rig.hpp"
+#include "config/version.hpp"
 #include "loop/replay.hpp"
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
@@ -106,19 +107,58 @@ ReplayResult replay_rows(const Rig& rig, ReplayBackend& backend, int moves, cons
   return result;
 }
 
-/// Whether the numbers are the recorded ones, and the largest difference of each column where they are not.
-std::string result_text(const ReplayResult& result, std::size_t rows, bool is_foreign) {
-  std::string text =
-      fmt::format("{} of {} rows replayed, {} columns compared: ", result.compared_rows, rows, result.compared.size());
+/// " V" of u_V, " m/s" of v_mps; nothing of a name without a unit, or of one that has it in full (V_per_m).
+std::string unit_of(const std::string& column) {
+  if (column.find("_per_") != std::string::npos) return "";
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 8> units{{{"_Pa", "Pa"},
+                                                                                {"_kgps", "kg/s"},
+                                                                                {"_mps", "m/s"},
+                                                                                {"_Ns", "N s"},
+                                                                                {"_m", "m"},
+                                                                                {"_N", "N"},
+                                                                                {"_V", "V"},
+                                                                                {"_s", "s"}}};
+  for (const auto& [ending, unit] : units)
+    if (column.ends_with(ending)) return fmt::format(" {}", unit);
+  return "";
+}
+
+/// Why numbers differ, as far as the header tells.
+std::string reason_text(const Recording& recording) {
+  if (!is_own_format(recording))
+    return "another logger rounds what it writes: only the largest differences say something\n";
+  const auto recorded = [&](const char* key) {
+    const YAML::Node node = recording.header[key];
+    return node && node.IsScalar() ? node.as<std::string>() : std::string("unknown");
+  };
+  const std::string version_was = recorded("version"), path_was = recorded("code_path");
+  if (version_was == version() && path_was == code_path())
+    return "version and code path are those of the recording: another config, another C library or another build of "
+           "this version computes other numbers\n";
+  return fmt::format("recorded by version {} on code path {}, replayed by version {} on code path {}\n", version_was,
+                     path_was, version(), code_path());
+}
+
+/// Whether the numbers are the recorded ones, and of each column that differs by how much.
+std::string result_text(const ReplayResult& result, const ReplayBackend& backend) {
+  const std::size_t columns = result.compared.size();
+  std::string text = fmt::format("{} of {} rows replayed, {} column{} compared: ", result.compared_rows, backend.rows(),
+                                 columns, columns == 1 ? "" : "s");
   text += result.identical() ? "bit for bit as recorded\n" : fmt::format("{} values differ\n", result.differing_values);
+  if (!result.end.empty()) text += fmt::format("not to the last row: {}\n", result.end);
   if (!result.first) return text;
-  text += fmt::format("first: row {} (t = {} s), {}: recorded {}, replayed {}\n", result.first->row, result.first->t_s,
-                      result.first->column, result.first->recorded, result.first->replayed);
-  for (std::size_t i = 0; i < result.compared.size(); ++i)
-    text += fmt::format("  {:<18} largest difference {:.3g}\n", result.compared[i], result.largest_difference[i]);
-  return text + (is_foreign ? "another logger rounds what it writes: only the largest differences say something\n"
-                            : "another config, build or code path computes other numbers; the recording's header "
-                              "names those it was made with\n");
+  const std::string unit = unit_of(result.first->column);
+  text +=
+      fmt::format("first: row {} (t = {} s), {}: recorded {}{}, replayed {}{}\n", result.first->row, result.first->t_s,
+                  result.first->column, result.first->recorded, unit, result.first->replayed, unit);
+  for (std::size_t i = 0; i < columns; ++i) {
+    if (result.largest_difference[i] == 0 && result.one_sided[i] == 0) continue;
+    const std::string one_sided =
+        result.one_sided[i] > 0 ? fmt::format(", {} values that only one of both has", result.one_sided[i]) : "";
+    text += fmt::format("  {:<18} largest difference {:.3g}{}{}\n", result.compared[i], result.largest_difference[i],
+                        unit_of(result.compared[i]), one_sided);
+  }
+  return text + reason_text(backend.recording());
 }
 
 nlohmann::ordered_json result_json(const Rig& rig, const ReplayOptions& options, const ReplayResult& result,
@@ -179,7 +219,7 @@ int run_replay(const ReplayOptions& options) {
   const bool is_foreign = !is_own_format(backend.recording());
   const ReplayResult result = replay_rows(rig, backend, moves, compared_columns(options, rig, backend.recording()));
 
-  if (options.json != "-") std::cout << result_text(result, backend.rows(), is_foreign);
+  if (options.json != "-") std::cout << result_text(result, backend);
   write_json(options.json, result_json(rig, options, result, backend.rows()));
   if (!options.record.empty()) {
     RecordingWriter writer(options.record, run_header(rig, backend, machine_facts(nullptr), moves), {},

@@ -1,9 +1,12 @@
-// What the name of a column says of its quantity: its parts, one by one.
+// What the name of a column says of its quantity: roots of words in its parts, and the role of each.
 #include "record/column_words.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdint>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include <pneuservo/core/signal.hpp>
@@ -12,182 +15,151 @@ namespace pneuservo {
 
 namespace {
 
-/// Words that a column's name may begin with, in small letters without signs, and what it then is. The first that fits.
-struct Word {
-  std::string_view word, ours;
-  Quantity quantity;
+/// What a root says. `supply` to `side_2` say whose pressure, `actual` to `lasting` what kind of value; `apart` is
+/// another quantity beside the one that is named; `filler` changes nothing.
+enum class Role : std::uint8_t {
+  time,
+  position,
+  pressure,
+  force,
+  valve,
+  command,
+  actuation,
+  output,
+  voltage,
+  supply,
+  chamber,
+  cylinder,
+  port,
+  rod,
+  cap,
+  piston,
+  end,
+  side_1,
+  side_2,
+  actual,
+  reference,
+  apart,
+  lasting,
+  filler
+};  // clang-format off
+
+struct Roots {
+  Role role;
+  std::string_view words;  ///< small letters without signs
 };
-constexpr std::string_view column_of(Signal signal) { return info(signal).column; }
-constexpr std::array<Word, 73> quantity_words{{{"timestamp", "t_s", Quantity::time},
-                                               {"time", "t_s", Quantity::time},
-                                               {"zeit", "t_s", Quantity::time},
-                                               {"temps", "t_s", Quantity::time},
-                                               {"elapsed", "t_s", Quantity::time},
-                                               {"uhrzeit", "t_s", Quantity::time},
-                                               {"date", "t_s", Quantity::time},
-                                               {"datum", "t_s", Quantity::time},
-                                               {"xvalue", "t_s", Quantity::time},
-                                               {"stamp", "t_s", Quantity::time},
-                                               {"uptime", "t_s", Quantity::time},
-                                               {"tiempo", "t_s", Quantity::time},
-                                               {"tempo", "t_s", Quantity::time},
-                                               {"tijd", "t_s", Quantity::time},
-                                               {"millis", "t_s", Quantity::time},
-                                               {"micros", "t_s", Quantity::time},
-                                               {"msec", "t_s", Quantity::time},
-                                               {"usec", "t_s", Quantity::time},
-                                               {"ms", "t_s", Quantity::time},
-                                               {"us", "t_s", Quantity::time},
-                                               {"t", "t_s", Quantity::time},
-                                               {"xref", "x_ref_m", Quantity::length},
-                                               {"setpoint", "x_ref_m", Quantity::length},
-                                               {"sollwert", "x_ref_m", Quantity::length},
-                                               {"soll", "x_ref_m", Quantity::length},
-                                               {"position", column_of(Signal::x), Quantity::length},
-                                               {"pos", column_of(Signal::x), Quantity::length},
-                                               {"displacement", column_of(Signal::x), Quantity::length},
-                                               {"actualposition", column_of(Signal::x), Quantity::length},
-                                               {"istposition", column_of(Signal::x), Quantity::length},
-                                               {"weg", column_of(Signal::x), Quantity::length},
-                                               {"lage", column_of(Signal::x), Quantity::length},
-                                               {"hub", column_of(Signal::x), Quantity::length},
-                                               {"stroke", column_of(Signal::x), Quantity::length},
-                                               {"course", column_of(Signal::x), Quantity::length},
-                                               {"x", column_of(Signal::x), Quantity::length},
-                                               {"s", column_of(Signal::x), Quantity::length},
-                                               {"command", "u_V", Quantity::voltage},
-                                               {"cmd", "u_V", Quantity::voltage},
-                                               {"valve", "u_V", Quantity::voltage},
-                                               {"ventil", "u_V", Quantity::voltage},
-                                               {"stell", "u_V", Quantity::voltage},
-                                               {"commande", "u_V", Quantity::voltage},
-                                               {"vanne", "u_V", Quantity::voltage},
-                                               {"comando", "u_V", Quantity::voltage},
-                                               {"mando", "u_V", Quantity::voltage},
-                                               {"valvola", "u_V", Quantity::voltage},
-                                               {"valvula", "u_V", Quantity::voltage},
-                                               {"stuur", "u_V", Quantity::voltage},
-                                               {"klep", "u_V", Quantity::voltage},
-                                               {"u", "u_V", Quantity::voltage},
-                                               {"p1chamber", column_of(Signal::p1_chamber), Quantity::pressure},
-                                               {"p2chamber", column_of(Signal::p2_chamber), Quantity::pressure},
-                                               {"chamber1", column_of(Signal::p1_chamber), Quantity::pressure},
-                                               {"chamber2", column_of(Signal::p2_chamber), Quantity::pressure},
-                                               {"kammer1", column_of(Signal::p1_chamber), Quantity::pressure},
-                                               {"kammer2", column_of(Signal::p2_chamber), Quantity::pressure},
-                                               {"psupply", column_of(Signal::p_supply), Quantity::pressure},
-                                               {"supply", column_of(Signal::p_supply), Quantity::pressure},
-                                               {"versorgung", column_of(Signal::p_supply), Quantity::pressure},
-                                               {"ps", column_of(Signal::p_supply), Quantity::pressure},
-                                               {"p0", column_of(Signal::p_supply), Quantity::pressure},
-                                               {"p1", column_of(Signal::p1_port), Quantity::pressure},
-                                               {"p2", column_of(Signal::p2_port), Quantity::pressure},
-                                               {"pressure1", column_of(Signal::p1_port), Quantity::pressure},
-                                               {"pressure2", column_of(Signal::p2_port), Quantity::pressure},
-                                               {"druck1", column_of(Signal::p1_port), Quantity::pressure},
-                                               {"druck2", column_of(Signal::p2_port), Quantity::pressure},
-                                               {"pa", column_of(Signal::p1_port), Quantity::pressure},
-                                               {"pb", column_of(Signal::p2_port), Quantity::pressure},
-                                               {"force", column_of(Signal::F), Quantity::force},
-                                               {"kraft", column_of(Signal::F), Quantity::force},
-                                               {"f", column_of(Signal::F), Quantity::force}}};
-constexpr std::size_t whole_word = 2;  ///< letters: so short a word must be all of the name
+/// English, German, French, Spanish, Italian, Portuguese, Dutch, Swedish, Polish, Czech, Finnish.
+constexpr std::array roots_of_roles{
+    Roots{Role::time, "t time timestamp stamp elapsed uptime date clock millis micros msec usec ms us xvalue zeit "
+          "zeitstempel uhrzeit datum temps heure horodatage tiempo fecha hora tempo ora tijd tijdstip tid czas cas aika"},
+    Roots{Role::position, "x s pos position displacement stroke travel way place course weg hub lage stellung auslenkung "
+          "verschiebung deplacement posicion desplazamiento carrera recorrido posizione spostamento corsa posicao "
+          "deslocamento curso positie verplaatsing slag lage pozycja przemieszczenie skok poloha zdvih asema iskunpituus "
+          "actualposition"},
+    Roots{Role::pressure, "p press pres pressure pressures druck pression presion pressione pressao druk tryck trykk "
+          "cisnienie tlak paine"},
+    Roots{Role::force, "f force kraft fuerza forza forca kracht sila voima loadcell kraftmessdose kraftaufnehmer lastzelle"},
+    Roots{Role::valve, "valve ventil vanne distributeur valvola valvula klep ventiel zawor venttiili servovalve"},
+    Roots{Role::command, "cmd command commanded commande comando mando kommando befehl comanda"},
+    Roots{Role::actuation, "u control stell stellgrosse stellgrose stellgroesse stellgrad steuer steuerung ansteuerung stuur styr "
+          "styrning sterowanie sterujace ovladani ohjaus controllo"},
+    Roots{Role::output, "output out ausgang sortie salida uscita saida uitgang utgang wyjscie vystup"},
+    Roots{Role::voltage, "voltage volt volts spannung tension tensione tensao spanning spanning napiecie napeti jannite"},
+    Roots{Role::supply, "supply sup psup source network mains compressor versorgung vers vordruck netz system quelle "
+          "speisung alimentation reseau alimentacion suministro alimentazione rete alimentacao voeding matning zasilanie "
+          "napajeni syotto kompressor"},
+    Roots{Role::chamber, "chamber kammer chambre camera camara kamer kammare komora kammio"},
+    Roots{Role::port, "port anschluss anschlus connection connector raccord orifice puerto conexion attacco bocca poort "
+          "aansluiting anslutning przylacze"},
+    Roots{Role::rod, "rod rodside stange stangen kolbenstange kolbenstangen stangenseite kolbenstangenseite ring ringraum "
+          "ringseite annulus tige vastago stelo stang haste"},
+    Roots{Role::cap, "cap capside blind bore bodenseite boden kolbenseite kolbenraum kolbenkammer fond fondo fondello"},
+    Roots{Role::piston, "piston kolben pistone embolo zuiger kolv tlok pist mannan"},
+    Roots{Role::cylinder, "cylinder cyl zylinder zyl verin cilindro cilinder cylindre cilindru silownik sylinteri"},
+    Roots{Role::end, "side seite cote lado lato zijde sida end ende"},
+    Roots{Role::side_1, "1 a extend"},
+    Roots{Role::side_2, "2 b retract"},
+    Roots{Role::actual, "act actual ist istwert feedback fb measured meas monitor readback gemessen messwert ruckmeldung "
+          "rueckmeldung mesure mesuree reel reelle retour recopie medido medida real misurato misurata attuale gemeten "
+          "werkelijke"},
+    Roots{Role::reference, "set setpoint sp ref reference target demand desired wanted soll sollwert fuhrungsgrosse fuhrungsgrose "
+          "fuehrungsgroesse vorgabe ziel referenz consigne cible consigna referencia objetivo riferimento obiettivo "
+          "gewenst streefwaarde borvarde zadana zadane zadany zadana"},
+    Roots{Role::apart, "err error fehler erreur errore deviation abweichung ecart difference diff differenz differential "
+          "differenziale diferencial delta vel velocity speed geschwindigkeit vitesse velocidad velocita snelheid dot "
+          "acceleration accel acc beschleunigung jerk ruck rate temp temperature temperatur temperatura current strom "
+          "courant corriente corrente stroom power leistung puissance state status mode flag valid validity quality "
+          "limit grenze endlage endschalter lager bearing min max mean average mittelwert std rms alarm enable enabled timeout flow durchfluss volumenstrom "
+          "massenstrom debit caudal portata torque moment drehmoment humidity feuchte regelabweichung lag schleppfehler "
+          "count counter zahler zaehler id spool estimated estimate est geschatzt geschaetzt estime calculated calc "
+          "berechnet calcule simulated simuliert sim model modell theoretical true friction reibung reib frottement "
+          "friccion rozamiento attrito wrijving volume volumen area flache flaeche"},
+    Roots{Role::lasting, "timeout cycle zyklus takt task exec execution dead tot delay verzug verzogerung rise loop period "
+          "response filter settling run lauf computing abtast sampling duration dauer duree"},
+    Roots{Role::filler, "sensor sensors fuhler fuehler aufnehmer geber wegaufnehmer transducer transmitter capteur "
+          "trasduttore sensore transductor signal segnale senal sinal signaal value wert valeur valor valore waarde input "
+          "eingang entree entrada ingresso ingang analog analogue ai ao channel kanal canal canale ch raw roh brut "
+          "filtered filt gefiltert filtree filtrado filtrato gefilterd "
+          "air luft aria aire lucht axis achse axe eje asse drive antrieb actuator slider schlitten "
+          "carriage load last servo proportional prop regler controller regel absolute absolut abs gauge relative rel "
+          "working arbeits of the der die das des dem den de du la le les l d del della dell dello di da do el los van het "
+          "en in im at am an bei on to main stempel lr no nr number"}};
+// clang-format on
+constexpr std::size_t least_of_compound = 3, least_of_prefix = 4;  ///< letters
 
-/// Parts of a name that make it another quantity than the rest of it says.
-constexpr std::array<std::string_view, 49> derived{"error",
-                                                   "err",
-                                                   "fehler",
-                                                   "deviation",
-                                                   "abweichung",
-                                                   "difference",
-                                                   "diff",
-                                                   "velocity",
-                                                   "vel",
-                                                   "speed",
-                                                   "geschwindigkeit",
-                                                   "dot",
-                                                   "acceleration",
-                                                   "accel",
-                                                   "acc",
-                                                   "beschleunigung",
-                                                   "jerk",
-                                                   "temperature",
-                                                   "temperatur",
-                                                   "temp",
-                                                   "current",
-                                                   "strom",
-                                                   "power",
-                                                   "leistung",
-                                                   "state",
-                                                   "status",
-                                                   "mode",
-                                                   "flag",
-                                                   "valid",
-                                                   "validity",
-                                                   "quality",
-                                                   "limit",
-                                                   "min",
-                                                   "max",
-                                                   "std",
-                                                   "rms",
-                                                   "alarm",
-                                                   "enable",
-                                                   "enabled",
-                                                   "timeout",
-                                                   "flow",
-                                                   "durchfluss",
-                                                   "torque",
-                                                   "humidity",
-                                                   "regelabweichung",
-                                                   "lag",
-                                                   "count",
-                                                   "counter",
-                                                   "id"};
-constexpr std::array<std::string_view, 13> reference{"setpoint", "set",       "sp",     "soll",   "sollwert",
-                                                     "ref",      "reference", "target", "demand", "desired",
-                                                     "cmd",      "commanded", "command"};
-/// Of a valve: what its spool does, which is not its command.
-constexpr std::array<std::string_view, 11> feedback{"feedback", "fb",   "actual",   "act",   "ist",     "monitor",
-                                                    "measured", "meas", "readback", "spool", "position"};
-/// Of a name: what may stand before or behind the quantity without a change of it.
-constexpr std::array<std::string_view, 12> saying_nothing{
-    "filtered", "filt", "raw", "measured", "meas", "actual", "act", "sensor", "signal", "value", "input", "analog"};
-/// Before "time": how long something takes, not when.
-constexpr std::array<std::string_view, 15> lasting{"timeout",  "cycle",  "task",     "exec", "execution",
-                                                   "dead",     "delay",  "rise",     "loop", "period",
-                                                   "response", "filter", "settling", "run",  "computing"};
-constexpr std::array<std::string_view, 8> pressure_words{"pressure", "press",     "druck", "pression",
-                                                         "presion",  "pressione", "druk",  "p"};
-constexpr std::array<std::string_view, 8> supply_words{"supply",  "versorgung",    "source",       "alimentation",
-                                                       "network", "alimentazione", "alimentacion", "voeding"};
-constexpr std::array<std::string_view, 6> chamber_words{"chamber", "kammer", "chambre", "camera", "camara", "kamer"};
-constexpr std::array<std::string_view, 5> voltage_words{"voltage", "spannung", "tension", "tensione", "spanning"};
-
-template <std::size_t N> bool is_one_of(std::string_view part, const std::array<std::string_view, N>& list) {
-  return std::find(list.begin(), list.end(), part) != list.end();
+const std::map<std::string_view, Role>& role_of_root() {
+  static const std::map<std::string_view, Role> roles = [] {
+    std::map<std::string_view, Role> out;
+    for (auto [role, words] : roots_of_roles)
+      while (!words.empty()) {
+        const std::size_t end = std::min(words.find(' '), words.size());
+        out.emplace(words.substr(0, end), role);
+        words.remove_prefix(std::min(end + 1, words.size()));
+      }
+    return out;
+  }();
+  return roles;
 }
 
-template <std::size_t N> const std::string* one_of(const std::vector<std::string>& parts,
-                                                   const std::array<std::string_view, N>& list) {
-  const auto at =
-      std::find_if(parts.begin(), parts.end(), [&](const std::string& part) { return is_one_of(part, list); });
-  return at == parts.end() ? nullptr : &*at;
+using Found = std::pair<std::string_view, Role>;  ///< a root and its role
+
+const Found* found_root(std::string_view word) {
+  static const std::vector<Found> all(role_of_root().begin(), role_of_root().end());
+  const auto at = std::lower_bound(all.begin(), all.end(), Found{word, Role::time});
+  return at != all.end() && at->first == word ? &*at : nullptr;
 }
+
+/// A name as roots in their order.
+struct RootsOfName {
+  std::vector<Found> roots;
+  bool is_whole = true;  ///< nothing else stands in it
+
+  const Found* first_of(Role role) const {
+    const auto at = std::find_if(roots.begin(), roots.end(), [&](const Found& root) { return root.second == role; });
+    return at == roots.end() ? nullptr : &*at;
+  }
+  bool has(Role role) const { return first_of(role) != nullptr; }
+};
 
 /// Latin letters with signs above or below them without these, in small letters: "Presi\u00f3n" is "presion".
 std::string without_signs(std::string_view text) {
-  constexpr std::string_view plain = "aaaaaaaceeeeiiiidnooooo ouuuuyysaaaaaaaceeeeiiiidnooooo ouuuuyyy";
+  constexpr std::string_view plain = "aaaaaaaceeeeiiiidnooooo ouuuuyysaaaaaaaceeeeiiiidnooooo ouuuuyyy"
+                                     "aaaaaaccccccccddddeeeeeeeeeegggggggghhhhiiiiiiiiiiiijjkkklllllll"
+                                     "lllnnnnnnnnnoooooooorrrrrrssssssssttttttuuuuuuuuuuuuwwyyyzzzzzzs";
+  constexpr unsigned char first_lead = 0xc3, last_lead = 0xc5;
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool is_latin = static_cast<unsigned char>(text[i]) == 0xc3 && i + 1 < text.size();
-    const char letter = is_latin ? plain[static_cast<unsigned char>(text[i + 1]) & 0x3f] : ' ';
+    const auto lead = static_cast<unsigned char>(text[i]);
+    const bool is_latin = lead >= first_lead && lead <= last_lead && i + 1 < text.size();
+    const std::size_t at = is_latin ? (lead - first_lead) * 64U + (static_cast<unsigned char>(text[i + 1]) & 0x3fU) : 0;
+    const char letter = is_latin ? plain[at] : ' ';
     if (letter == ' ') out += text[i];
     else out += letter, ++i;
   }
   return out;
 }
 
-/// "lrActual_Position2" is lr, actual, position, 2; "p1" stays whole. Letters beyond ASCII are letters.
+/// "lrActual_Position2" is lr, actual, position, 2. Letters beyond ASCII are letters.
 std::vector<std::string> parts_of(std::string_view signed_text) {
   const std::string text = without_signs(signed_text);
   std::vector<std::string> parts(1);
@@ -195,8 +167,7 @@ std::vector<std::string> parts_of(std::string_view signed_text) {
   for (const char c : text) {
     const auto now = static_cast<unsigned char>(c);
     const bool is_letter = std::isalpha(now) || now >= 0x80, is_digit = std::isdigit(now) != 0;
-    const bool begins =
-        (std::isupper(now) && std::islower(before)) || (is_digit && std::isalpha(before) && parts.back().size() > 1);
+    const bool begins = (std::isupper(now) && std::islower(before)) || is_digit != (std::isdigit(before) != 0);
     if (begins || !(is_letter || is_digit)) parts.emplace_back();
     if (is_letter || is_digit) parts.back() += static_cast<char>(std::tolower(now));
     before = now;
@@ -218,66 +189,152 @@ std::string_view last_of_path(std::string_view text) {
   return text;
 }
 
-const Word* word_in(const std::string& letters) {
-  for (const Word& word : quantity_words)
-    if (letters == word.word || (word.word.size() > whole_word && letters.starts_with(word.word))) return &word;
-  return nullptr;
-}
-
-/// The word that the name begins with, else one that a later part begins with and that is long enough to be sure.
-const Word* word_among(const std::vector<std::string>& parts) {
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    std::string joined;
-    for (std::size_t k = i; k < parts.size(); ++k) joined += parts[k];
-    const Word* word = word_in(joined);
-    if (word != nullptr && (i == 0 || word->word.size() > whole_word)) return word;
+/// Whether the word is made of roots alone, joined as "Versorgung-s-druck"; they are added behind `roots`.
+bool is_compound(std::string_view word, std::vector<Found>& roots) {
+  if (word.empty()) return true;
+  if (word.size() == 1 && !roots.empty()) {  // "DruckA"
+    if (const Found* side = found_root(word); side && side->second >= Role::side_1 && side->second <= Role::side_2)
+      return roots.push_back(*side), true;
+    return false;
   }
+  for (std::size_t size = word.size(); size >= least_of_compound; --size) {
+    const Found* root = found_root(word.substr(0, size));
+    if (root == nullptr) continue;
+    const std::size_t before = roots.size();
+    for (const std::string_view joint : {"", "s", "es", "n", "en", "e"}) {
+      if (!word.substr(size).starts_with(joint)) continue;
+      roots.push_back(*root);
+      if (is_compound(word.substr(size + joint.size()), roots)) return true;
+      roots.resize(before);
+    }
+  }
+  return false;
+}
+
+/// "pa", "pb", "ps", "psupply": a pressure's sign with whose it is.
+bool is_signed_pressure(std::string_view word, std::vector<Found>& roots) {
+  if (word.size() < 2 || word.front() != 'p') return false;
+  const Found* whose = word == "ps" ? found_root("supply") : found_root(word.substr(1));
+  if (whose == nullptr || whose->second < Role::supply || whose->second > Role::side_2) return false;
+  roots.push_back(*found_root("p"));
+  roots.push_back(*whose);
+  return true;
+}
+
+/// "positions", "temperatures": the root of four letters or more that the word begins with, the longest.
+const Found* root_in_front(std::string_view word) {
+  for (std::size_t size = word.size(); size-- > least_of_prefix;)
+    if (const Found* root = found_root(word.substr(0, size)); root && root->second != Role::filler) return root;
   return nullptr;
 }
 
-/// "Pressure A", "Kammer 2 Druck", "supply pressure"; none where no pressure is named, or not whose.
-std::optional<ColumnWord> pressure_among(const std::vector<std::string>& parts) {
-  const std::string* noun = one_of(parts, pressure_words);
-  if (noun == nullptr) return std::nullopt;
-  const bool is_first = one_of(parts, std::array<std::string_view, 2>{"1", "a"}) != nullptr;
-  const bool is_second = one_of(parts, std::array<std::string_view, 2>{"2", "b"}) != nullptr;
-  const bool is_supply = one_of(parts, supply_words) != nullptr;
-  if (!is_supply && is_first == is_second) return std::nullopt;
-  const std::string place = one_of(parts, chamber_words) != nullptr ? "chamber" : "pressure";
-  const Word* whose = word_in(is_supply ? "supply" : place + (is_first ? "1" : "2"));
-  return ColumnWord{*noun, whose->ours, whose->quantity};
+RootsOfName roots_of(const std::vector<std::string>& parts) {
+  RootsOfName out;
+  std::string joined;
+  for (const std::string& part : parts) joined += part;
+  if (const Found* all = found_root(joined); all != nullptr && parts.size() > 1) return {{*all}, true};
+  for (const std::string& part : parts) {
+    if (const Found* root = found_root(part)) out.roots.push_back(*root);
+    else if (is_compound(part, out.roots) || is_signed_pressure(part, out.roots)) continue;
+    else if (const Found* front = root_in_front(part)) out.roots.push_back(*front);
+    else out.is_whole = out.is_whole && part == "0";
+  }
+  // A sign of one or two letters is sure where the rest of the name is known.
+  if (!out.is_whole)
+    std::erase_if(out.roots, [](const Found& root) { return root.first.size() < 3 && root.second < Role::supply; });
+  return out;
 }
 
-/// What stands beside the quantity and makes it another; nullptr: nothing.
-const std::string* what_else(const Word& word, const std::vector<std::string>& parts) {
-  if (word.quantity == Quantity::time) return one_of(parts, lasting);
-  if (const std::string* other = one_of(parts, derived)) return other;
-  if (word.ours == "u_V") return one_of(parts, feedback);
-  if (word.quantity == Quantity::length) return one_of(parts, voltage_words);
-  if (const std::string* other = one_of(parts, reference)) return other;
-  return word.quantity == Quantity::pressure ? one_of(parts, voltage_words) : nullptr;
+constexpr std::string_view column_of(Signal signal) { return info(signal).column; }
+const ColumnWord other_than(const Found& root) { return {std::string(root.first), "", Quantity::other}; }
+
+/// Side 1 or 2 of a pressure by its number or letter, else by the end of the cylinder; 0: none, or both.
+int side_in(const RootsOfName& name) {
+  const bool is_1 = name.has(Role::side_1), is_2 = name.has(Role::side_2);
+  if (is_1 || is_2) return is_1 == is_2 ? 0 : is_1 ? 1 : 2;
+  const bool is_rod = name.has(Role::rod);
+  const bool is_cap =
+      name.has(Role::cap) || (!is_rod && name.has(Role::piston) && (name.has(Role::chamber) || name.has(Role::end)));
+  return is_rod == is_cap ? 0 : is_cap ? 1 : 2;
+}
+
+/// Of a name with a pressure, a chamber or a port, and of no other quantity.
+std::optional<ColumnWord> pressure_in(const RootsOfName& name, const std::vector<std::string>& parts) {
+  const Found* noun = nullptr;
+  for (const Role role : {Role::pressure, Role::supply, Role::chamber, Role::port})
+    if (noun == nullptr) noun = name.first_of(role);
+  const bool is_sure = noun->second == Role::pressure;
+  if (!is_sure && !name.is_whole) return std::nullopt;
+  for (const Role role : {Role::reference, Role::command, Role::actuation, Role::voltage})
+    if (const Found* another = name.first_of(role)) return other_than(*another);
+  const bool is_p0 = noun->first == "p" && std::find(parts.begin(), parts.end(), "0") != parts.end();
+  const auto found = [&](Signal signal) {
+    return ColumnWord{std::string(noun->first), column_of(signal), Quantity::pressure, is_sure};
+  };
+  if (name.has(Role::supply) || is_p0) return found(Signal::p_supply);
+  const int side = side_in(name);
+  if (side == 0) return std::nullopt;
+  const bool is_inside = name.has(Role::chamber) || (name.has(Role::cylinder) && !name.has(Role::port));
+  const auto& signals = is_inside ? chamber_signals : port_signals;
+  return found(signals[static_cast<std::size_t>(side - 1)]);
+}
+
+std::optional<ColumnWord> position_in(const RootsOfName& name) {
+  for (const Role role : {Role::valve, Role::voltage, Role::actuation, Role::output})
+    if (const Found* another = name.first_of(role)) return other_than(*another);
+  const bool is_reference = name.has(Role::reference) || name.has(Role::command);
+  return ColumnWord{std::string(name.first_of(Role::position)->first), is_reference ? "x_ref_m" : column_of(Signal::x),
+                    Quantity::length};
+}
+
+std::optional<ColumnWord> force_in(const RootsOfName& name) {
+  for (const Role role :
+       {Role::pressure, Role::chamber, Role::reference, Role::command, Role::actuation, Role::voltage, Role::position})
+    if (const Found* another = name.first_of(role)) return other_than(*another);
+  return ColumnWord{std::string(name.first_of(Role::force)->first), column_of(Signal::F), Quantity::force};
+}
+
+/// Of a valve, or of what controls it.
+std::optional<ColumnWord> command_in(const RootsOfName& name) {
+  const Found* noun = nullptr;
+  for (const Role role : {Role::valve, Role::actuation, Role::command})
+    if (noun == nullptr) noun = name.first_of(role);
+  if (noun == nullptr && name.is_whole && name.has(Role::output)) noun = name.first_of(Role::output);
+  if (noun == nullptr) return std::nullopt;
+  if (const Found* measured = name.first_of(Role::actual)) return other_than(*measured);
+  if (const Found* supply = name.first_of(Role::supply)) return other_than(*supply);
+  return ColumnWord{std::string(noun->first), "u_V", Quantity::voltage};
 }
 
 std::optional<ColumnWord> word_of(const std::vector<std::string>& parts) {
-  std::vector<std::string> telling = parts;
-  std::erase_if(telling, [](const std::string& part) { return is_one_of(part, saying_nothing); });
-  const Word* whole = word_among(parts);
-  const Word* word = whole != nullptr ? whole : word_among(telling);
-  const std::optional<ColumnWord> pressure = pressure_among(parts);
-  const bool is_pressure = pressure && (word == nullptr || word->quantity != Quantity::time);
-  if (!is_pressure && word == nullptr) return std::nullopt;
-  const Word found = is_pressure ? Word{pressure->word, pressure->ours, pressure->quantity} : *word;
-  if (const std::string* other = what_else(found, parts)) return ColumnWord{*other, "", Quantity::other};
-  const bool is_reference = found.ours == column_of(Signal::x) && one_of(parts, reference) != nullptr;
-  return ColumnWord{std::string(found.word), is_reference ? "x_ref_m" : found.ours, found.quantity};
+  const RootsOfName name = roots_of(parts);
+  const auto quantity =
+      std::find_if(name.roots.begin(), name.roots.end(), [](const Found& root) { return root.second < Role::actual; });
+  if (const Found* apart = name.first_of(Role::apart); apart != nullptr && quantity != name.roots.end())
+    return other_than(*apart);
+  if (quantity != name.roots.end() && quantity->second == Role::time) {
+    const Found* lasting = name.first_of(Role::lasting);
+    return lasting ? other_than(*lasting) : ColumnWord{std::string(quantity->first), "t_s", Quantity::time};
+  }
+  if (name.has(Role::lasting) && name.has(Role::time)) return other_than(*name.first_of(Role::lasting));
+  if (name.has(Role::force)) return force_in(name);
+  if (name.has(Role::pressure)) return pressure_in(name, parts);
+  if (name.has(Role::position)) return position_in(name);
+  if (const std::optional<ColumnWord> command = command_in(name)) return command;
+  if (const Found* volts = name.first_of(Role::voltage)) return other_than(*volts);
+  if (name.has(Role::supply) || name.has(Role::chamber) || name.has(Role::port)) return pressure_in(name, parts);
+  if (const Found* reference = name.first_of(Role::reference); reference && name.is_whole)
+    return ColumnWord{std::string(reference->first), "x_ref_m", Quantity::length};
+  return std::nullopt;
 }
 
 }  // namespace
 
 std::optional<ColumnWord> column_word(std::string_view text) {
   // "Position.Cmd" is no command of a valve: a last part that may belong to anything is judged with what is before it.
-  const std::vector<std::string> last = parts_of(last_of_path(text));
-  if (const std::optional<ColumnWord> found = word_of(last); found && !is_one_of(found->word, reference)) return found;
+  const std::optional<ColumnWord> last = word_of(parts_of(last_of_path(text)));
+  const Found* root = last ? found_root(last->word) : nullptr;
+  if (root && root->second != Role::reference && root->second != Role::command && last->is_sure) return last;
   return word_of(parts_of(text));
 }
 

@@ -19,9 +19,10 @@ namespace pneuservo {
 namespace {
 
 std::string eyebrow(const Diagnosis& diagnosis) {
-  return fmt::format("{} · diagnosis of {} recording{}: {:.1f} s compared, {:.1f} s held out of every fit",
-                     diagnosis.rig, diagnosis.recordings.size(), diagnosis.recordings.size() == 1 ? "" : "s",
-                     diagnosis.admitted_s, diagnosis.held_out_s);
+  return fmt::format("{} · diagnosis of {} recording{}: {:.1f} s compared, {}", diagnosis.rig,
+                     diagnosis.recordings.size(), diagnosis.recordings.size() == 1 ? "" : "s", diagnosis.admitted_s,
+                     diagnosis.stopped ? "stopped early"
+                                       : fmt::format("{:.1f} s held out of every fit", diagnosis.held_out_s));
 }
 
 bool is_named(const Diagnosis& diagnosis) {
@@ -101,10 +102,13 @@ void add_proof(HtmlPage& page, const Diagnosis& diagnosis) {
                "sensor and the model's own error together. The correlation of neighbouring rows is 0 where nothing but "
                "noise is left.");
   page.table(fit_table(diagnosis));
-  page.paragraph(
-      fmt::format("On the held-out stretches {:.1f} % of the error is left; after the change a channel is at "
-                  "{:.2f} times its floor (medians over the channels).",
-                  100 * diagnosis.held_out_ratio, diagnosis.over_noise));
+  const std::string left =
+      std::isfinite(diagnosis.error_left)
+          ? fmt::format("On the held-out stretches {:.1f} % of the error is left", 100 * diagnosis.error_left)
+          : "Nothing held out was simulated";
+  page.paragraph(fmt::format("{}; after the change the fitted stretches are at {:.2f} times the floors (root mean "
+                             "squares over all channels, each in its floor).",
+                             left, diagnosis.floors_left));
 }
 
 void add_courses(HtmlPage& page, const Diagnosis& diagnosis) {

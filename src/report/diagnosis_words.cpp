@@ -47,15 +47,6 @@ std::string effect_words(std::string_view effect) {
   return std::string(effect);
 }
 
-std::string element_words(std::string_view element) {
-  if (element.starts_with("sensor:")) return fmt::format("sensor of {}", element.substr(7));
-  if (element.starts_with("line_") || element.starts_with("chamber_"))
-    return fmt::format("{} {}", element.substr(0, element.size() - 2), element.substr(element.size() - 1));
-  if (element == "timing") return "timing of the command";
-  if (element == "motion") return "slider, guide and load";
-  return std::string(element);
-}
-
 std::string size_words(std::string_view key, double value) {
   if (!std::isfinite(value) || key.find("_per_") != std::string_view::npos) return "";
   for (const HandyUnit& handy : handy_units) {
@@ -94,8 +85,6 @@ std::string verdict_words(const Diagnosis& diagnosis) {
   if (first.effect.starts_with("parameter:")) out.front() = first.effect[10];  // a path stays as it is written
   return out + ".";
 }
-
-std::string value_text(double value) { return std::isfinite(value) ? fmt::format("{:.4g}", value) : "–"; }
 
 std::string error_text(double error) { return std::isfinite(error) ? fmt::format("{:.2g}", error) : "–"; }
 

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <report/html_page.hpp>
 
+#include "diagnosis/result_text.hpp"
+
 namespace pneuservo {
 namespace {
 
@@ -113,7 +115,7 @@ void draw_slider(Picture& picture, const Rig& rig, double rod_from) {
   picture.add(
       "<path class=\"thin\" d=\"M868 262H1064M878 262l-8 10M908 262l-8 10M938 262l-8 10M968 262l-8 10M998 262l-8 "
       "10M1028 262l-8 10M1058 262l-8 10\"/>");
-  picture.element("motion", "slider, guide and load",
+  picture.element("motion", element_words("motion"),
                   box(rod_from, 202, 900 - rod_from, 16) + box(900, 168, 110, 94) + text(955, 206, "slider") +
                       text(955, 226, fmt::format("{:g} kg", mass), "small"),
                   {955, 152});

@@ -171,8 +171,13 @@ TEST_CASE("a key that stands twice is refused with both lines") {
 }
 
 TEST_CASE("what is no config at all is refused") {
-  CHECK_THAT(refusal(with(plain, "  mass_kg: 2.0", "\tmass_kg: 2.0")),
-             Catch::StartsWith("rig.yaml:26: (file): found text that is not YAML ("));
+  for (const char* front : {"\t", "  \t", " \t "})
+    CHECK(refusal(with(plain, "  mass_kg: 2.0", front + std::string("mass_kg: 2.0"))) ==
+          "rig.yaml:26: (file): found a tab at the front of the line, expected blanks instead, two for each step: YAML "
+          "takes no tabs");
+  CHECK(refusal(with(plain, "mass_kg: 2.0\n", "mass_kg: 2.0\n   payload_kg: 1.0\n")) ==
+        "rig.yaml:27: (file): found a line that begins with 3 blanks, behind one with 2, expected the keys of one "
+        "section behind the same number of blanks");
   CHECK_THAT(refusal("a: [1, 2\nb: }"), Catch::StartsWith("rig.yaml:2: (file): found text that is not YAML ("));
   CHECK(refusal("") == "rig.yaml:1: (file): found nothing, expected a config in YAML (docs/config-keys.md)");
   CHECK_THAT(refusal("# only a comment\n"), Catch::Contains("rig.yaml") && Catch::Contains("found nothing"));

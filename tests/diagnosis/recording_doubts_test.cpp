@@ -98,6 +98,32 @@ TEST_CASE("each mistake of units and wiring is named and undone, on drawn machin
   }
 }
 
+TEST_CASE("exchanged chambers, sides and a supply at a port are named and undone") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  Rig owner = test::cylinder_rig(std::uniform_real_distribution<double>(2, 10)(generator));
+  const Recording right = test::simulated_recording(drawn_machine(generator, owner), 6.0, seed, test::all_pressures);
+  using Pairs = std::vector<std::pair<const char*, const char*>>;
+  const auto check = [&](const Pairs& exchanged, const char* told) {
+    std::vector<Recording> wrong{right};
+    for (const auto& [a, b] : exchanged) std::swap(wrong[0].column(a), wrong[0].column(b));
+    std::vector<std::string> notes;
+    doubt_recordings(owner, wrong, notes);
+    CAPTURE(told, notes);
+    REQUIRE(notes.size() == (exchanged.empty() ? 0 : 1));
+    if (!exchanged.empty()) CHECK_THAT(notes[0], Contains(told));
+    for (const auto& column : test::all_pressures)
+      CHECK(largest_difference(wrong[0].column(column), right.column(column)) < 1);
+  };
+  const std::pair port{"p1_port_Pa", "p2_port_Pa"}, chamber{"p1_chamber_Pa", "p2_chamber_Pa"};
+  check({}, "");
+  check({port}, "p1_port and p2_port are exchanged");
+  check({chamber}, "p1_chamber and p2_chamber are exchanged");
+  check({port, chamber}, "sides 1 and 2 of ports and chambers are exchanged");
+  check({{"p2_port_Pa", "p_supply_Pa"}}, "p2_port and p_supply are exchanged");
+}
+
 TEST_CASE("gauge pressures are told beside a valve whose neutral is off, which pressures that are right stay with") {
   const unsigned seed = test::new_seed();
   INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");

@@ -1,5 +1,6 @@
 // A wish to stop: how often it is looked for, and that nothing is simulated after it.
 #include <atomic>
+#include <cmath>
 #include <memory>
 
 #include <catch2/catch.hpp>
@@ -12,12 +13,14 @@
 #include "diagnosis/recordings/cylinder_recording.hpp"
 #include "diagnosis/residuals/driven_axis_residuals.hpp"
 #include "diagnosis/residuals/gas_runs.hpp"
+#include "diagnosis/result_text.hpp"
 #include "diagnosis/simulated_recording.hpp"
 #include "diagnosis/synthetic_axis.hpp"
 
 namespace pneuservo {
 namespace {
 
+using Catch::Matchers::Contains;
 using Catch::Matchers::StartsWith;
 
 constexpr auto no_extra = [](double, double, double) { return 0.0; };
@@ -130,7 +133,13 @@ TEST_CASE("after a stop in any phase nothing is simulated, and what is known by 
       const Diagnosis early = diagnose(rig, model, options);
       CHECK(early.stopped);
       CHECK_THAT(early.sentence, StartsWith("Stopped early"));
-      CHECK(early.channels.size() == 1);
+      REQUIRE(early.channels.size() == 1);
+      const ChannelFit& force = early.channels[0];
+      CHECK(force.noise < 1.01 * finished.channels[0].noise);  // of means over rows
+      CHECK(force.noise > 0.2 * finished.channels[0].noise);
+      CHECK(std::isnan(force.held_out_after));
+      CHECK(std::isnan(early.error_left));
+      CHECK_THAT(diagnosis_text(early), !Contains("held out of every fit") && !Contains("nan") && Contains("–"));
       CHECK(early.courses_after.empty());
       named += !early.answers.empty() && early.answers[0].effect == "coulomb_friction";
     } catch (const DiagnosisStopped&) { ++unknown_yet; }

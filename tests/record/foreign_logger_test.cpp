@@ -251,9 +251,46 @@ TEST_CASE("a set point, an error, a speed or a temperature is not taken for what
     const std::optional<ColumnWord> word = column_word(name);
     return word ? std::string(word->ours) : "-";
   };
-  for (const char* name : {"position error", "Pos_Err", "Pos_Vel", "x_dot", "velocity", "Valve_Temp", "Valve_Current",
-                           "Valve_Act", "valve feedback", "spool position", "pressure setpoint A", "supply voltage",
-                           "Regelabweichung", "cycle time", "p1_temp", "actualVelocity", "ForceError"}) {
+  for (const char* name : {"position error",
+                           "Pos_Err",
+                           "Pos_Vel",
+                           "x_dot",
+                           "velocity",
+                           "Valve_Temp",
+                           "Valve_Current",
+                           "Valve_Act",
+                           "valve feedback",
+                           "spool position",
+                           "pressure setpoint A",
+                           "supply voltage",
+                           "Regelabweichung",
+                           "cycle time",
+                           "p1_temp",
+                           "actualVelocity",
+                           "ForceError",
+                           "chamber_force",
+                           "Druckkraft",
+                           "Reibkraft",
+                           "Kolbengeschwindigkeit",
+                           "s_dot",
+                           "u_ist",
+                           "Zylindertemperatur 1",
+                           "Differenzdruck",
+                           "Druck",
+                           "Solldruck 1",
+                           "p1_est",
+                           "Endlage 1",
+                           "Steuerdruck 1",
+                           "x_offset_z",
+                           "Versorgungsspannung",
+                           "Ventilposition",
+                           "Zykluszeit",
+                           "Abtastzeit",
+                           "R\u00fccklaufdruck 1",
+                           "fl\u00e4che A",
+                           "volume chamber 1",
+                           "vitesse du piston",
+                           "Presi\u00f3n diferencial A"}) {
     CAPTURE(name);
     CHECK((ours(name) == "" || ours(name) == "-" || (std::string(name) == "spool position" && ours(name) != "u_V")));
   }
@@ -288,11 +325,71 @@ TEST_CASE("a set point, an error, a speed or a temperature is not taken for what
                                                         {"Chamber B pressure", "p2_chamber_Pa"},
                                                         {"Supply pressure", "p_supply_Pa"},
                                                         {"X_Value", "t_s"},
+                                                        {"Druck P1", "p1_port_Pa"},
+                                                        {"Druck_P2", "p2_port_Pa"},
+                                                        {"Drucksensor 1", "p1_port_Pa"},
+                                                        {"druckB", "p2_port_Pa"},
+                                                        {"Kammerdruck 1", "p1_chamber_Pa"},
+                                                        {"KammerdruckB", "p2_chamber_Pa"},
+                                                        {"p_Kammer_2", "p2_chamber_Pa"},
+                                                        {"Druck im Zylinder A", "p1_chamber_Pa"},
+                                                        {"Zylinderanschluss B Druck", "p2_port_Pa"},
+                                                        {"Druck Kolbenseite", "p1_port_Pa"},
+                                                        {"Stangenseitendruck", "p2_port_Pa"},
+                                                        {"cap end pressure", "p1_port_Pa"},
+                                                        {"rod side chamber pressure", "p2_chamber_Pa"},
+                                                        {"Versorgungsdruck", "p_supply_Pa"},
+                                                        {"Netzdruck", "p_supply_Pa"},
+                                                        {"p0", "p_supply_Pa"},
+                                                        {"psupply", "p_supply_Pa"},
+                                                        {"Kolbenweg", "x_m"},
+                                                        {"Zylinderposition", "x_m"},
+                                                        {"rod position", "x_m"},
+                                                        {"s_ist", "x_m"},
+                                                        {"s_soll", "x_ref_m"},
+                                                        {"Sollwert Ventil", "u_V"},
+                                                        {"Stellgr\u00f6\u00dfe", "u_V"},
+                                                        {"Steuerspannung", "u_V"},
+                                                        {"u_soll", "u_V"},
+                                                        {"control voltage", "u_V"},
+                                                        {"Reglerausgang", "u_V"},
+                                                        {"Kraftsensor", "F_N"},
+                                                        {"capteur de pression 2", "p2_port_Pa"},
+                                                        {"Pression chambre A", "p1_chamber_Pa"},
+                                                        {"Pression d'alimentation", "p_supply_Pa"},
+                                                        {"Position du v\u00e9rin", "x_m"},
+                                                        {"consigne de position", "x_ref_m"},
+                                                        {"tension de commande", "u_V"},
+                                                        {"Presi\u00f3n c\u00e1mara 1", "p1_chamber_Pa"},
+                                                        {"sensor de presi\u00f3n B", "p2_port_Pa"},
+                                                        {"Carrera", "x_m"},
+                                                        {"v\u00e1lvula", "u_V"},
+                                                        {"Fuerza", "F_N"},
+                                                        {"Pressione camera 2", "p2_chamber_Pa"},
+                                                        {"pressione di alimentazione", "p_supply_Pa"},
+                                                        {"corsa cilindro", "x_m"},
+                                                        {"tensione valvola", "u_V"},
+                                                        {"press\u00e3o 1", "p1_port_Pa"},
+                                                        {"Ci\u015bnienie A", "p1_port_Pa"},
+                                                        {"zuigerpositie", "x_m"},
                                                         {"Uhrzeit", "t_s"},
                                                         {"header.stamp", "t_s"}}) {
     CAPTURE(name);
     CHECK(ours(name) == column);
   }
+}
+
+TEST_CASE("a port or a chamber without a word for pressure is one where its unit is a pressure's") {
+  const TemporaryFolder folder;
+  const auto first = [&](const std::string& name) {
+    const std::string bytes = "t_s," + name + "\n0,6\n0.001,6\n0.002,6\n";
+    return guess_columns(read_table(put_plain(folder.file("ports.csv"), bytes)))[1];
+  };
+  CHECK(first("Anschluss A [bar]").ours == "p1_port_Pa");
+  CHECK(first("Anschluss A [bar]").factor == 1e5);
+  CHECK(first("Kammer 2 [kPa]").ours == "p2_chamber_Pa");
+  CHECK(first("Port B (psi)").ours == "p2_port_Pa");
+  for (const char* name : {"Anschluss A", "Port B [V]", "Kammer 1 [mm]"}) CHECK(first(name).ours.empty());
 }
 
 TEST_CASE("units of pressure and length in their spellings") {

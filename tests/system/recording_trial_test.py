@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # Runs tools/recording-trial small: one machine in two other loggers' ways, and with every mistake of units and wiring.
-import os, random, subprocess, sys, tempfile
+import os, subprocess, sys, tempfile
 
 from program import expect, program
 
-SEED = int(os.environ.get("PNEUSERVO_TEST_SEED", random.randrange(1 << 30)))
+SEED = int(os.environ.get("PNEUSERVO_TEST_SEED", 9))
 print(f"seed {SEED} (PNEUSERVO_TEST_SEED)")
 folder = tempfile.mkdtemp()
 

@@ -5,7 +5,10 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <stdexcept>
+
+#include "diagnosis/recordings/held_out.hpp"
 
 namespace pneuservo {
 
@@ -13,19 +16,38 @@ namespace {
 
 [[noreturn]] void refuse() { throw std::logic_error("a diagnosis that was stopped simulates nothing"); }
 
-/// Root mean square over the rows of each channel.
-std::vector<ChannelMisfit> misfit_of_rows(const ResidualModel& model, const Eigen::VectorXd& residual) {
-  std::vector<ChannelMisfit> out(model.channels().size());
-  std::vector<double> count(out.size());
+/// Root mean square over the rows of each channel of residuals in sigmas, in the channel's unit.
+std::vector<double> rms_of_rows(const ResidualModel& model, const Eigen::VectorXd& residual) {
+  std::vector<double> out(model.channels().size()), count(out.size());
   for (std::size_t i = 0; i < model.rows().size(); ++i) {
     const ResidualRow& row = model.rows()[i];
     if (row.over_recording) continue;
     const auto channel = static_cast<std::size_t>(row.channel);
-    out[channel].fitted += std::pow(row.sigma * residual(static_cast<Eigen::Index>(i)), 2);
+    out[channel] += std::pow(row.sigma * residual(static_cast<Eigen::Index>(i)), 2);
     ++count[channel];
   }
-  for (std::size_t c = 0; c < out.size(); ++c) out[c].fitted = std::sqrt(out[c].fitted / std::max(1.0, count[c]));
+  for (std::size_t c = 0; c < out.size(); ++c) out[c] = std::sqrt(out[c] / std::max(1.0, count[c]));
   return out;
+}
+
+/// What the mean of a row holds of noise and floor. A sigma weighs rows: its floor is raised by how long that stays the
+/// same, and by what is unknown of a recording's start.
+double floor_of_rows(const ResidualModel& model, std::size_t channel) {
+  double sigma = std::numeric_limits<double>::infinity();
+  std::vector<double> steps_s;
+  const ResidualRow* before = nullptr;
+  for (const ResidualRow& row : model.rows()) {
+    if (row.over_recording || row.channel != static_cast<int>(channel)) continue;
+    sigma = std::min(sigma, row.sigma);
+    if (before != nullptr && before->recording == row.recording) steps_s.push_back(row.time_s - before->time_s);
+    before = &row;
+  }
+  const double floor = model.channels()[channel].floor;
+  if (steps_s.empty()) return std::hypot(model.channels()[channel].noise, floor);
+  const auto half = steps_s.begin() + static_cast<std::ptrdiff_t>(steps_s.size() / 2);
+  std::nth_element(steps_s.begin(), half, steps_s.end());
+  const double raised = std::max(1.0, floor_correlation_s / *half);
+  return std::sqrt(std::max(sigma * sigma - floor * floor * (raised - 1), floor * floor));
 }
 
 }  // namespace
@@ -46,7 +68,19 @@ Eigen::VectorXd residual_at(ResidualModel& model, const Fit& fit) {
 }
 
 std::vector<ChannelMisfit> misfit_at(ResidualModel& model, const Fit& fit) {
-  return model.simulates() ? model.sample_misfit(fit.hypothesis()) : misfit_of_rows(model, fit.residual);
+  if (model.simulates()) return model.sample_misfit(fit.hypothesis());
+  std::vector<ChannelMisfit> out;
+  for (const double rms : rms_of_rows(model, fit.residual))
+    out.push_back({rms, std::numeric_limits<double>::quiet_NaN()});
+  return out;
+}
+
+std::vector<double> floors_of_misfit(const ResidualModel& model) {
+  std::vector<double> out;
+  for (std::size_t c = 0; c < model.channels().size(); ++c)
+    out.push_back(model.simulates() ? std::hypot(model.channels()[c].noise, model.channels()[c].floor)
+                                    : floor_of_rows(model, c));
+  return out;
 }
 
 std::vector<ResidualCourse> courses_at(ResidualModel& model, const Fit& fit) {

@@ -27,8 +27,10 @@ class KnownRows final : public ResidualModel {
 
 /// Residual at the fit over all rows of the model; of one that does not simulate, as the fit saw it last.
 Eigen::VectorXd residual_at(ResidualModel& model, const Fit& fit);
-/// Over samples; of a model that does not simulate over rows, which lack the noise within a bin.
+/// Over samples; of a model that does not simulate over rows, which lack the noise within a bin, and held out: NaN.
 std::vector<ChannelMisfit> misfit_at(ResidualModel& model, const Fit& fit);
+/// What noise and the model's own error together make of that misfit, by channel [unit of the channel].
+std::vector<double> floors_of_misfit(const ResidualModel& model);
 /// None of a model that does not simulate.
 std::vector<ResidualCourse> courses_at(ResidualModel& model, const Fit& fit);
 

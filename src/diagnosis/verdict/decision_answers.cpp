@@ -13,9 +13,16 @@ namespace pneuservo {
 
 namespace {
 
+/// What variances are multiplied by: rows that the fit leaves above their floors tell as much less (Birge's ratio).
+double variance_growth(const Decision& decision) {
+  double rows = 0;
+  for (const ChannelLevel& channel : decision.levels.channels) rows += static_cast<double>(channel.fitted_rows);
+  return rows > 0 ? std::max(decision.growth, decision.levels.chi2(false) / rows) : decision.growth;
+}
+
 void add_parameters(const Decision& decision, const Candidate& candidate, DiagnosisAnswer& answer) {
   const Explanation& chosen = *decision.chosen;
-  const Eigen::MatrixXd covariance = decision.growth * chosen.fit.covariance();
+  const Eigen::MatrixXd covariance = variance_growth(decision) * chosen.fit.covariance();
   for (const FreeParameter& own : candidate.parameters)
     for (std::size_t i = 0; i < chosen.fit.own_count; ++i) {
       const FreeParameter& fitted = chosen.fit.parameters[i];

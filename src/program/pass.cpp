@@ -101,8 +101,18 @@ void write_page(const Rig& rig, const Reference& reference, const PassResult& re
   const auto curve = [&](const char* name, Tone tone, auto&& value) {
     return curve_of(rig, result.pass, name, tone, value);
   };
-  HtmlPage page("Pass of " + rig.name, "pneuservo pass", rig.name);
-  page.section("The command along the reference", text_of(rig, result));
+  const CommandPass& pass = result.pass;
+  const std::string headline =
+      pass.feasible
+          ? fmt::format("The lines can carry this reference: the axis errs by {:.3f} mm at most on the model.",
+                        1e3 * result.predicted_error_m)
+          : fmt::format("Not feasible: {}.", result.refusal);
+  HtmlPage page("Pass of " + rig.name, "pneuservo pass " + rig.name, headline);
+  page.section("The command along the reference",
+               fmt::format("The largest command is {:.3f} V of {:g} V; {:.2f} N of the force are left below {:g} Hz, "
+                           "after {} runs of the "
+                           "model.",
+                           pass.largest_command_V, rig.axis.valve.command_max_V, pass.left_N, judged_Hz, pass.runs));
   page.plot(plot_of(rig, "Position", "mm", {curve("reference", Tone::neutral, [&](double t_s, const LedTick&) {
                       return 1e3 * reference.at(t_s).d[0];
                     })}));

@@ -1,8 +1,9 @@
 // States of a CiA 408 valve, asked for by SDO, and simulated.
 #include "can/fluid_valve.hpp"
 
-#include <array>
+#include <chrono>
 #include <stdexcept>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -11,8 +12,9 @@ namespace pneuservo {
 namespace {
 constexpr std::uint32_t state_bits = valve_disabled | valve_hold | valve_active | valve_ready;
 constexpr std::uint32_t reset_fault = valve_ready;
-/// A valve takes a state within its cycle, some milliseconds; an answer by SDO takes about one.
+/// A valve takes a state within its cycle, some milliseconds.
 constexpr int most_looks = 100;
+constexpr std::chrono::milliseconds look_every{1};
 
 [[noreturn]] void refuse(const SdoClient& sdo, const std::string& what) {
   throw std::runtime_error(fmt::format("node {} ({}): {}", sdo.name(), sdo.node(), what));
@@ -24,6 +26,7 @@ std::uint32_t wait_for(SdoClient& sdo, std::uint32_t bits) {
   for (int look = 0; look < most_looks; ++look) {
     status = sdo.read_number(valve_status_word, 0) & state_bits;
     if (status == bits) break;
+    std::this_thread::sleep_for(look_every);
   }
   return status;
 }

@@ -95,7 +95,7 @@ void NodeConfigurator::check_pressure_unit(const CanChannel& input) {
   const auto prefix = static_cast<std::int8_t>(*unit >> 24);
   const double per_count_Pa = known->unit_Pa * std::pow(10.0, prefix - static_cast<int>(*digits & 0xFF));
   // The digits of a config's number, not of the sensor.
-  if (std::abs(std::abs(input.scale) / per_count_Pa - 1.0) > 1e-3)
+  if (std::abs(input.scale / per_count_Pa - 1.0) > 1e-3)
     refuse(fmt::format("it states {:g} Pa a count (0x6131:{} is 10^{} {}, 0x6132 {} decimal digits), found {:g} in "
                        "hal.channels.{}.can.scale_Pa_per_count: one of the two is wrong",
                        per_count_Pa, input.object.sub(), int{prefix}, known->name, *digits & 0xFF, input.scale,

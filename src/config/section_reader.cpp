@@ -2,6 +2,7 @@
 #include "config/section_reader.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 
@@ -134,7 +135,9 @@ void read_value(const Field& field, const ConfigNode& node, const std::string& p
 int read_choice(const Field& field, const ConfigNode& node, const std::string& path) {
   const auto known = std::find(field.choices.begin(), field.choices.end(), node.text);
   if (node.type == Type::scalar && known != field.choices.end()) return static_cast<int>(known - field.choices.begin());
-  const auto older = std::find(field.older_words.begin(), field.older_words.end(), node.text);
+  std::string lower = node.text;
+  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const auto older = std::find(field.older_words.begin(), field.older_words.end(), lower);
   if (node.type == Type::scalar && older != field.older_words.end())
     return static_cast<int>(older - field.older_words.begin());
   refuse(node.origin, path, describe(node), expected_choice(field));

@@ -69,7 +69,7 @@ std::string smallest_sizes(const Diagnosis& diagnosis) {
   std::string out;
   for (const DetectableSize& d : diagnosis.detectable)
     if (!d.effect.starts_with("parameter:") && !d.effect.starts_with("sensor_"))
-      out += fmt::format("  {:<32} {:<28} {:>10.3g}\n", d.effect, d.parameter, d.value);
+      out += fmt::format("  {:<32} {:<28} {:>10.5g}\n", d.effect, d.parameter, d.value);
   return out;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -29,8 +30,9 @@ constexpr Stage stages[] = {{12.0, 8}, {40.0, 8}};
 constexpr int most_rounds = 3;
 /// Part of the law's force gain that stays in the loop: it holds the mean force while the rest is learned.
 constexpr double feedback_share = 0.25;
-/// As large as the commands that are learned; the valve's edges are not alike about the middle.
-constexpr double pulse_V = 1.0;
+/// As large as the commands that are learned, and well within the valve's range; its edges are not alike about the
+/// middle.
+double pulse_V(const Rig& rig) { return std::min(1.0, 0.2 * rig.axis.valve.command_max_V); }
 constexpr double response_s = 2.0;
 
 /// The force that is left, faded out where nothing is used any more.
@@ -59,15 +61,17 @@ double rms(const std::vector<double>& values) {
 
 void judge(const Rig& rig, const std::vector<double>& slow_left_N, CommandPass& pass) {
   pass.largest_command_V = pass.left_N = 0.0;
+  bool finite = true;
   std::size_t limited = 0;
   for (std::size_t i = 0; i < pass.ticks.size(); ++i) {
     const double command_V = std::fabs(pass.ticks[i].u_V);
+    finite = finite && std::isfinite(command_V) && std::isfinite(slow_left_N[i]);
     pass.largest_command_V = std::max(pass.largest_command_V, command_V);
     if (command_V >= rig.axis.valve.command_max_V) ++limited;
     pass.left_N = std::max(pass.left_N, std::fabs(slow_left_N[i]));
   }
   pass.limited_share = static_cast<double>(limited) / static_cast<double>(pass.ticks.size());
-  pass.feasible = limited == 0 && pass.left_N <= most_left_N;
+  pass.feasible = finite && limited == 0 && pass.left_N <= most_left_N;
 }
 
 /// A round of all stages from the axis' last run on; counts the runs. Leaves the axis' last run at the best command.
@@ -137,24 +141,33 @@ class Shown {
 std::shared_ptr<const PassTable> CommandPass::table(const Rig& rig, bool by_estimator) const {
   auto table = std::make_shared<PassTable>();
   table->rows.reserve(ticks.size());
-  Shown shown(rig, ticks.front().values, by_estimator);
-  double previous_V = ticks.front().u_V, previous_x_m = ticks.front().values[Signal::x];
-  for (const LedTick& tick : ticks) {
+  Shown shown(rig, before.front().values, by_estimator);
+  double previous_V = before.front().u_V, previous_x_m = before.front().values[Signal::x];
+  const auto row_of = [&](const LedTick& tick) {
     const double x_m = tick.values[Signal::x];
-    table->rows.push_back(shown.row(tick, (x_m - previous_x_m) / rig.period_s, previous_V));
+    const PassRow row = shown.row(tick, (x_m - previous_x_m) / rig.period_s, previous_V);
     previous_V = tick.u_V, previous_x_m = x_m;
-  }
+    return row;
+  };
+  // Motion that begins at once needs its command before time 0: the first row must not be that of the motion.
+  const PassRow rest = row_of(before.front());
+  for (std::size_t i = 1; i < before.size(); ++i) row_of(before[i]);
+  for (const LedTick& tick : ticks) table->rows.push_back(row_of(tick));
+  table->rows.front() = rest;
   return table;
 }
 
 CommandPass make_command_pass(const Rig& rig, const Reference& reference, const MotionScale& scale) {
   if (rig.valves() != 1 || rig.reference.kind == ReferenceKind::live)
     throw std::invalid_argument("a command pass: expected a five-port valve and a reference that is known beforehand");
+  if (const double ticks = rig.duration_s / rig.period_s; ticks > static_cast<double>(most_pass_ticks))
+    throw std::invalid_argument(fmt::format(
+        "a command pass: found a run of {:.0f} periods, expected at most {} (duration_s)", ticks, most_pass_ticks));
   const double feedback_V_per_N = feedback_share * rig.controller.of<PdForce>().force_gain_V_per_N;
   LedAxis axis(rig, feedback_V_per_N);
   const PassMotion motion(rig, reference, scale);
   const auto response_ticks = static_cast<std::size_t>(std::llround(response_s / rig.period_s));
-  ForceLearning learning(axis.pulse_response(pulse_V, response_ticks), motion.ticks(), rig.period_s);
+  ForceLearning learning(axis.pulse_response(pulse_V(rig), response_ticks), motion.ticks(), rig.period_s);
   CommandPass pass;
   axis.run(motion, {});
   const auto used = [&](const auto& all) {
@@ -164,17 +177,20 @@ CommandPass make_command_pass(const Rig& rig, const Reference& reference, const 
   for (int round = 0; round < most_rounds && !pass.feasible && !(pass.limited_share > 0.0); ++round) {
     learn(axis, motion, learning, pass.runs);
     const std::vector<double> slow_N = learning.below(judged_Hz, left_of(axis.ticks(), motion));
+    pass.before.assign(axis.ticks().begin(), used(axis.ticks()).first);
     pass.ticks.assign(used(axis.ticks()).first, used(axis.ticks()).second);
     judge(rig, {used(slow_N).first, used(slow_N).second}, pass);
   }
   return pass;
 }
 
-double predicted_error_m(const Rig& rig, const Reference& reference, const CommandPass& pass) {
+double predicted_error_m(const Rig& rig, const Reference& reference, const CommandPass& pass, FeedforwardSource by) {
+  Rig followed = rig;
+  followed.controller.of<PdForce>().flow_feedforward = by;
   MotionTwin twin;
-  twin.configure(rig, reference, 0.0, pass.table(rig, false));
-  twin.set_machine(rig, rig.axis, MotionTwin::simulated_cells(rig));
-  const PerSignal<double>& first = pass.ticks.front().values;
+  twin.configure(followed, reference, 0.0, by == FeedforwardSource::pass ? pass.table(followed, false) : nullptr);
+  twin.set_machine(followed, followed.axis, MotionTwin::simulated_cells(followed));
+  const PerSignal<double>& first = pass.before.front().values;
   twin.start(first[Signal::x], {first[Signal::p1_chamber], first[Signal::p2_chamber]}, {0.0, 0.0});
   double most_m = 0.0;
   for (std::size_t i = 0; i + 1 < pass.ticks.size(); ++i) {
@@ -187,6 +203,16 @@ double predicted_error_m(const Rig& rig, const Reference& reference, const Comma
     twin.step(in, rig.axis.supply.pressure_Pa, MotionLimits::unlimited);
   }
   return most_m;
+}
+
+std::string unfollowed_words(const Rig& rig, const Reference& reference, const CommandPass& pass) {
+  const double by_pass_m = predicted_error_m(rig, reference, pass, FeedforwardSource::pass),
+               by_formula_m = predicted_error_m(rig, reference, pass, FeedforwardSource::formula),
+               noise_m = most_left_N / rig.controller.of<PdForce>().position_gain_N_per_m;
+  if (by_pass_m <= by_formula_m + noise_m) return "";
+  return fmt::format("this loop does not follow the pass that the lines can carry: on the model it errs by {:.3g} mm, "
+                     "with the formula by {:.3g} mm",
+                     1e3 * by_pass_m, 1e3 * by_formula_m);
 }
 
 std::string refusal_words(const Rig& rig, const Reference& reference, const CommandPass& pass) {
@@ -210,6 +236,9 @@ PassTables pass_tables(const Rig& rig, const Reference& reference) {
     throw std::invalid_argument(fmt::format(
         "controller.flow_feedforward: found pass, but {}; expected a slower or shorter reference, or formula",
         refusal_words(rig, reference, pass)));
+  if (const std::string words = unfollowed_words(rig, reference, pass); !words.empty())
+    throw std::invalid_argument(fmt::format(
+        "controller.flow_feedforward: found pass, but {}; expected formula, or a reference that begins slower", words));
   return {pass.table(rig, true), pass.table(rig, false)};
 }
 

@@ -15,6 +15,7 @@ namespace pneuservo {
 
 /// What came out of the learning.
 struct CommandPass {
+  std::vector<LedTick> before;           ///< rest before the reference's time 0
   std::vector<LedTick> ticks;            ///< from the reference's time 0 to the end of the run
   double largest_command_V = 0.0;
   double limited_share = 0.0;            ///< of the ticks at the largest command
@@ -22,7 +23,8 @@ struct CommandPass {
   std::size_t runs = 0;                  ///< of the model
   bool feasible = false;
 
-  /// As the law's pressures show them: by the estimator where the law has it (else the chambers themselves).
+  /// As the law's pressures show them: by the estimator where the law has it (else the chambers themselves). The first
+  /// row is the rest before the motion, for the law takes it on its way to the reference's start, too.
   std::shared_ptr<const PassTable> table(const Rig& rig, bool by_estimator) const;
 };
 
@@ -31,6 +33,9 @@ struct CommandPass {
 inline constexpr double most_left_N = 2.0;
 /// A reversal of dry friction is faster than any line and costs 0.2 mm; what the learning should have taken is slower.
 inline constexpr double judged_Hz = 12.0;
+
+/// Longer runs are refused: so many periods are learned within some seconds, which no signal ends.
+inline constexpr std::size_t most_pass_ticks = 60'000;
 
 /// Learns along the whole reference, or along a slower or smaller one. Cold: some 20 runs of the model. Throws
 /// std::invalid_argument for a rig without a five-port valve and for a reference of kind `live`.
@@ -47,7 +52,12 @@ struct PassTables {
 /// Throws std::invalid_argument with a sentence where the law asks for a pass and there is none.
 PassTables pass_tables(const Rig& rig, const Reference& reference);
 
-/// Largest distance of the simulated closed loop from the reference, on the pass's own model without noise [m].
-double predicted_error_m(const Rig& rig, const Reference& reference, const CommandPass& pass);
+/// Largest distance of the simulated closed loop from the reference, on the pass's own model without noise [m], with
+/// the pass or with another feedforward from the same rest.
+double predicted_error_m(const Rig& rig, const Reference& reference, const CommandPass& pass, FeedforwardSource by);
+
+/// Why this loop does not follow a feasible pass: it errs by more than with the formula, beyond what most_left_N makes;
+/// empty where it does. A sentence without its full stop.
+std::string unfollowed_words(const Rig& rig, const Reference& reference, const CommandPass& pass);
 
 }  // namespace pneuservo

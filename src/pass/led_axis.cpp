@@ -40,9 +40,18 @@ double LedAxis::limited_V(double command_V) const noexcept {
   return std::clamp(command_V, -rig_.axis.valve.command_max_V, rig_.axis.valve.command_max_V);
 }
 
+// Chambers that hold the load at rest there, where the config does not state the second one.
 void LedAxis::start(AxisPlant<double>& plant, double position_m) const noexcept {
-  const double p_1 = rig_.initial.pressure_1_Pa;
-  plant.reset({position_m, p_1, rig_.initial.pressure_2_Pa.value_or(balancing_pressure_2(rig_.axis, p_1))});
+  const CylinderParameters<double>& cylinder = rig_.axis.cylinder;
+  double p_1 = rig_.initial.pressure_1_Pa,
+         p_2 = rig_.initial.pressure_2_Pa.value_or(balancing_pressure_2(rig_.axis, p_1));
+  if (!rig_.initial.pressure_2_Pa) {
+    const double held_N = plant.slider().driving_force_for(position_m, 0.0, 0.0, {}, turning_mps);
+    const double balanced_Pa = p_2 - held_N / cylinder.area_2_m2;
+    p_2 = std::clamp(balanced_Pa, rig_.axis.air.atmosphere_Pa, rig_.axis.supply.pressure_Pa);
+    p_1 += (p_2 - balanced_Pa) * cylinder.area_2_m2 / cylinder.area_1_m2;
+  }
+  plant.reset({position_m, p_1, p_2});
 }
 
 const std::vector<LedTick>& LedAxis::run(const PassMotion& motion, const std::vector<double>& command_V) {

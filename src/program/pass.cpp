@@ -27,15 +27,14 @@ struct PassOptions {
 struct PassResult {
   CommandPass pass;
   double predicted_error_m = 0.0;
-  std::string refusal;  ///< empty for a feasible one
+  std::string refusal;  ///< empty for one that the lines carry and the loop follows
 };
 
 PassResult result_of(const Rig& rig, const Reference& reference) {
   PassResult result{.pass = make_command_pass(rig, reference), .predicted_error_m = 0.0, .refusal = ""};
-  Rig followed = rig;
-  followed.controller.of<PdForce>().flow_feedforward = FeedforwardSource::pass;
-  result.predicted_error_m = predicted_error_m(followed, reference, result.pass);
-  if (!result.pass.feasible) result.refusal = refusal_words(rig, reference, result.pass);
+  result.predicted_error_m = predicted_error_m(rig, reference, result.pass, FeedforwardSource::pass);
+  result.refusal =
+      result.pass.feasible ? unfollowed_words(rig, reference, result.pass) : refusal_words(rig, reference, result.pass);
   return result;
 }
 
@@ -46,8 +45,8 @@ std::string text_of(const Rig& rig, const PassResult& result) {
                   "  force left           {:>8.2f} N below {:g} Hz\n  predicted error      {:>8.3f} mm at most\n",
                   rig.name, pass.runs, pass.largest_command_V, rig.axis.valve.command_max_V, pass.left_N, judged_Hz,
                   1e3 * result.predicted_error_m);
-  return text + (pass.feasible ? "feasible: run it with --set controller.flow_feedforward=pass\n"
-                               : "not feasible: " + result.refusal + "\n");
+  if (result.refusal.empty()) return text + "feasible: run it with --set controller.flow_feedforward=pass\n";
+  return text + (pass.feasible ? "" : "not feasible: ") + result.refusal + "\n";
 }
 
 nlohmann::ordered_json json_of(const Rig& rig, const PassResult& result) {
@@ -103,10 +102,10 @@ void write_page(const Rig& rig, const Reference& reference, const PassResult& re
   };
   const CommandPass& pass = result.pass;
   const std::string headline =
-      pass.feasible
+      result.refusal.empty()
           ? fmt::format("The lines can carry this reference: the axis errs by {:.3f} mm at most on the model.",
                         1e3 * result.predicted_error_m)
-          : fmt::format("Not feasible: {}.", result.refusal);
+          : fmt::format("{}{}.", pass.feasible ? "" : "Not feasible: ", result.refusal);
   HtmlPage page("Pass of " + rig.name, "pneuservo pass " + rig.name, headline);
   page.section("The command along the reference",
                fmt::format("The largest command is {:.3f} V of {:g} V; {:.2f} N of the force are left below {:g} Hz, "
@@ -146,7 +145,7 @@ int run_pass(const PassOptions& options) {
     write_json(options.json, json_of(rig, result));
     if (!options.out.empty()) write_result(options.out, csv_of(rig, reference, result.pass));
     if (!options.report.empty()) write_page(rig, reference, result, options.report);
-    return result.pass.feasible ? 0 : 1;
+    return result.refusal.empty() ? 0 : 1;
   } catch (const std::invalid_argument& error) { throw InputError(options.config + ": " + error.what()); }
 }
 

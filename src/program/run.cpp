@@ -18,6 +18,7 @@
 #include "loop/realtime_stop.hpp"
 #include "loop/runner.hpp"
 #include "loop/safe_output_text.hpp"
+#include "pass/command_pass.hpp"
 #include "program/axis_options.hpp"
 #include "program/gain_file.hpp"
 #include "program/injection.hpp"
@@ -192,6 +193,15 @@ double longest_run_s(const Rig& rig, int moves) {
   return moves * (rig.duration_s + AxisLoop::longest_approach_s(rig.axis.cylinder.stroke_m));
 }
 
+/// Where the lines cannot carry the reference of a command pass: refused before a device is touched or a recording
+/// begun.
+void require_pass(const std::string& config, const Rig& rig) {
+  if (!rig.controller.wants_pass()) return;
+  try {
+    pass_tables(rig, Reference(rig.reference, load_reference_positions));
+  } catch (const std::invalid_argument& error) { throw InputError(config + ": " + error.what()); }
+}
+
 /// One pressure source from start to safe end; its moves are added to the report. True: no fault, recording whole.
 bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool several, RunReport& report,
                 Effort& effort) {
@@ -270,11 +280,13 @@ int run(const RunOptions& options) {
   const auto sources = sources_of(options, rig);
   check_outputs(options, rig, sources);
   heed_axis(options, rig);
+  require_pass(options.config, rig);
   StopRequest stop;
   RunReport report;
   report.config = rig.name;
   report.time = options.time;
   report.duration_s = rig.duration_s;
+  report.period_s = rig.period_s;
   report.config_yaml = dump_rig(rig);
   bool good = true;
   Effort effort;

@@ -140,7 +140,7 @@ Table detectable_table(const Diagnosis& diagnosis) {
             [](const DetectableSize& d) {
               return d.parameter == "value" ? d.effect : fmt::format("{}.{}", d.effect, d.parameter);
             }),
-      column("smallest value", "", all, [](const DetectableSize& d) { return fmt::format("{:.3g}", d.value); }),
+      column("smallest value", "", all, [](const DetectableSize& d) { return fmt::format("{:.5g}", d.value); }),
       words("that is", all, [](const DetectableSize& d) {
         return size_words(d.parameter == "value" ? d.effect : d.parameter, d.value);
       })};

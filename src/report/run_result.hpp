@@ -69,7 +69,8 @@ struct RunResult {
 struct RunReport {
   std::string config;  ///< the config's name
   std::string time = "simulated";  ///< "simulated" or "real"
-  double duration_s = 0.0;  ///< of one run
+  double duration_s = 0.0;  ///< of one run that comes to its end
+  double period_s = 0.0;  ///< of the loop
   double shown_from_s = Metrics::none;  ///< of a long run only the rows from here on were kept; NaN: all were
   std::vector<RunResult> runs;
   double realtime_factor = Metrics::none;  ///< simulated seconds a second of wall time

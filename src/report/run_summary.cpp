@@ -174,7 +174,13 @@ std::string headline(const RunReport& report) {
 }
 
 std::string circumstances(const RunReport& report) {
-  std::string text = fmt::format("{} time, {:g} s", report.time, report.duration_s);
+  double longest_s = 0.0;
+  for (const RunResult& run : report.runs)
+    longest_s = std::max(longest_s, static_cast<double>(run.ticks + run.overruns) * report.period_s);
+  const bool whole = longest_s >= report.duration_s - report.period_s;
+  std::string text =
+      whole ? fmt::format("{} time, {:g} s", report.time, report.duration_s)
+            : fmt::format("{} time, ended after {:.4g} of {:g} s", report.time, longest_s, report.duration_s);
   if (report.time == "simulated" && std::isfinite(report.realtime_factor))
     text += fmt::format(", {} times as fast as real time", figure(report.realtime_factor));
   if (std::isfinite(report.shown_from_s))

@@ -138,6 +138,9 @@ Request RequestReader::read(std::string_view line, json& id) const {
   return out;
 }
 
+/// A time without the last digits of its sum: 12.78 instead of 12.780000000000001.
+static double whole_nanoseconds(double time_s) { return std::round(time_s * 1e9) / 1e9; }
+
 std::string answer_line(const json& id, const AxisAnswer& answer, std::int64_t waited, double period_s) {
   if (answer.result != CommandResult::taken) return error_line(id, text_of(answer.result));
   nlohmann::ordered_json line{{"version", protocol_version}};
@@ -145,9 +148,9 @@ std::string answer_line(const json& id, const AxisAnswer& answer, std::int64_t w
   line["ok"] = true;
   line["tick"] = answer.tick;
   line["waited_ticks"] = waited;
-  line["t_s"] = static_cast<double>(answer.tick) * period_s;
+  line["t_s"] = whole_nanoseconds(static_cast<double>(answer.tick) * period_s);
   line["target_m"] = answer.target_m;
-  line["ends_s"] = static_cast<double>(answer.end_tick) * period_s;
+  line["ends_s"] = whole_nanoseconds(static_cast<double>(answer.end_tick) * period_s);
   return line.dump();
 }
 
@@ -166,7 +169,7 @@ nlohmann::ordered_json status_json(const AxisStatus& s, double period_s, std::st
     if ((s.faults & text.bit) != 0) faults.push_back(text.name);
   const bool active = s.state == SupervisorState::active;
   nlohmann::ordered_json status = {
-      {"t_s", s.t_s},
+      {"t_s", whole_nanoseconds(s.t_s)},
       {"state", supervisor_state_names[static_cast<std::size_t>(s.state)]},
       {"enabled", s.enabled},
       {"start_proven", active && s.proven},
@@ -174,7 +177,7 @@ nlohmann::ordered_json status_json(const AxisStatus& s, double period_s, std::st
       {"x_ref_m", number_or_null(active ? s.x_ref_m : std::nan(""))},
       {"v_ref_mps", number_or_null(active ? s.v_ref_mps : std::nan(""))},
       {"target_m", number_or_null(active ? s.target_m : std::nan(""))},
-      {"ends_s", number_or_null(active ? static_cast<double>(s.end_tick) * period_s : std::nan(""))},
+      {"ends_s", number_or_null(active ? whole_nanoseconds(static_cast<double>(s.end_tick) * period_s) : std::nan(""))},
       {"late", s.is_late},
       {"u_V", number_or_null(s.u_V)},
       {"faults", faults},

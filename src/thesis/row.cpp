@@ -12,6 +12,8 @@
 
 #include <fmt/format.h>
 
+#include "config/input_error.hpp"
+
 namespace pneuservo {
 namespace {
 
@@ -93,12 +95,16 @@ std::vector<ThesisResult> compute_thesis(const std::vector<ThesisGroup>& groups,
   std::atomic<std::size_t> next{0};
   std::size_t done = 0;
   std::mutex told;
+  std::exception_ptr refused;
   const auto work = [&] {
     for (std::size_t i = next++; i < open.size(); i = next++) {
       ThesisFinding& finding = *open[i];
       try {
         finding =
             finding.row->ours ? judge_thesis_row(*finding.row, finding.row->ours(bench)) : without_value(*finding.row);
+      } catch (const InputError&) {  // no row has moved where a config is not there
+        const std::lock_guard lock(told);
+        refused = std::current_exception();
       } catch (const std::exception& error) { finding.ours = ThesisValue(std::string(error.what())); }
       const std::lock_guard lock(told);
       progress(++done, open.size());
@@ -108,6 +114,7 @@ std::vector<ThesisResult> compute_thesis(const std::vector<ThesisGroup>& groups,
   for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i) threads.emplace_back(work);
   work();
   for (std::thread& thread : threads) thread.join();
+  if (refused) std::rethrow_exception(refused);
   return out;
 }
 

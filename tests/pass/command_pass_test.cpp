@@ -173,3 +173,49 @@ TEST_CASE("a reference that the lines cannot carry is refused with what they can
   CHECK(size < 0.8);
   CHECK_THROWS_WITH(pass_tables(rig, reference), Catch::Contains("expected a slower or shorter reference, or formula"));
 }
+
+TEST_CASE("before a motion that begins at once the law holds still: the first row of the table is rest") {
+  const Rig rig = rig_of("cylinder-10m-7.65mm",
+                         {"reference={kind: sine, amplitude_m: 0.05, frequency_Hz: 2, ramp_s: 0.1}", "duration_s=1"});
+  const CommandPass pass = make_command_pass(rig, Reference(rig.reference));
+  CHECK(std::fabs(pass.ticks.front().u_V) > 0.5);  // needed before time 0 already
+  for (const bool by_estimator : {false, true}) {
+    const auto table = pass.table(rig, by_estimator);
+    const PassRow& rest = table->rows.front();
+    CHECK(table->rows.size() == pass.ticks.size());
+    CHECK(std::fabs(rest.u_V) < 0.01);
+    CHECK(rest.p1_Pa == Approx(rig.initial.pressure_1_Pa).epsilon(1e-3));
+  }
+  // From elsewhere the axis comes to the start without a push, whether the pass is followed then or refused.
+  Rig elsewhere = config_rig("cylinder-10m-7.65mm", {"initial.position_m=0.05", "duration_s=1"});
+  elsewhere.controller.of<PdForce>().flow_feedforward = FeedforwardSource::pass;
+  SimBackend backend(elsewhere);
+  backend.configure();
+  const RunOutcome out = run_loop(elsewhere, backend, {});
+  CHECK(out.faults.empty());
+  for (const Row& row : out.rows)
+    if (row.t_s < 0.2) CHECK(row.x_true_m < 0.0502);
+}
+
+TEST_CASE("a constant load is held by the chambers from the start, and carried along") {
+  for (const std::string force_N : {"30", "-200"}) {
+    CAPTURE(force_N);
+    const Rig rig = rig_of("cylinder-10m-7.65mm",
+                           {short_move, "duration_s=0.8", "effects={constant_force: {force_N: " + force_N + "}}"});
+    const Reference reference(rig.reference);
+    const CommandPass pass = make_command_pass(rig, reference);
+    CHECK(pass.feasible);
+    CHECK(pass.before.front().force_N == Approx(pass.before.front().wanted_N).margin(1e-6));
+    CHECK(std::fabs(pass.before.front().wanted_N) == Approx(std::fabs(std::stod(force_N))));
+    CHECK(predicted_error_m(rig, reference, pass, FeedforwardSource::pass) < 3e-4);
+  }
+}
+
+TEST_CASE("a loop that does not follow the pass is refused with both errors, and a run that is too long at once") {
+  const Rig slow = rig_of("cylinder-10m-7.65mm", {"controller.command_rate_V_per_s=2", "duration_s=3"});
+  CHECK_THROWS_WITH(pass_tables(slow, Reference(slow.reference)),
+                    Catch::Contains("this loop does not follow the pass") && Catch::Contains("with the formula by"));
+  const Rig lasting = rig_of("cylinder-10m-7.65mm", {"duration_s=1000"});
+  CHECK_THROWS_WITH(pass_tables(lasting, Reference(lasting.reference)),
+                    Catch::Contains("found a run of 1000000 periods, expected at most 60000"));
+}

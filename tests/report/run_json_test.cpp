@@ -30,6 +30,7 @@ RunReport three_sources() {
   RunReport report;
   report.config = "cylinder-10m-7.65mm";
   report.duration_s = 10.0;
+  report.period_s = 1e-3;
   report.realtime_factor = 2600.0;
   report.runs = {result("valve", 0.0082), result("chamber", 0.0013), result("estimated", 0.0012)};
   return report;
@@ -142,6 +143,8 @@ TEST_CASE("the text aligns figures under their units and lists faults and latenc
   report.runs[1].timing = timing();
   const std::string text = run_text(report);
   REQUIRE(contains(text, "simulated time, 10 s, 2600 times as fast as real time"));
+  for (RunResult& run : report.runs) run.ticks = 3237;
+  REQUIRE(contains(run_text(report), "simulated time, ended after 3.237 of 10 s"));
   REQUIRE(contains(text, "[mm]"));
   REQUIRE(contains(text, "[kPa]"));
   REQUIRE(contains(text, "[mV]"));

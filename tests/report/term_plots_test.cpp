@@ -1,4 +1,7 @@
 // Plots of a law's terms: one a unit, with the values of the rows, without terms that keep one value.
+#include <algorithm>
+#include <string_view>
+
 #include <catch2/catch.hpp>
 
 #include <pneuservo/control/laws.hpp>
@@ -9,16 +12,20 @@ using namespace pneuservo;
 
 TEST_CASE("terms of one unit share a plot, a term that keeps one value has none") {
   const auto terms = law_terms(kind_of<PdForce>);
+  const auto place = [&](std::string_view name) {
+    const auto found = std::ranges::find(terms, name, [](const auto& term) { return term.name; });
+    REQUIRE(found != terms.end());
+    return static_cast<std::size_t>(found - terms.begin());
+  };
   RunResult run;
   run.start_s = 0.5;
   for (int k = 0; k < 4; ++k) {
     Row row;
     row.t_s = 0.5 + 0.001 * k;
     row.terms.fill(7.0);
-    row.terms[1] = 100.0 + k;  // chamber_force_N
-    row.terms[3] = -2.0 * k;   // force_error_N
-    if (k > 0) row.terms[6] = 0.1 * k;  // u_unlimited_V; none in the first row
-    else row.terms[6] = Row::none;
+    row.terms[place("chamber_force_N")] = 100.0 + k;
+    row.terms[place("force_error_N")] = -2.0 * k;
+    row.terms[place("u_unlimited_V")] = k > 0 ? 0.1 * k : Row::none;  // none in the first row
     run.rows.push_back(row);
   }
   RunReport report;

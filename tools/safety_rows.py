@@ -226,7 +226,7 @@ def killed(runner, rng, draw):
     """kill -9, with outputs of other kinds than CiA 401."""
     kill = lambda process: process.send_signal(signal.SIGKILL)
     act_s = 2.3 if draw == 0 else rng.uniform(1.5, 3.0)
-    for object_ in ("0x64110110", "0x63000110", "0x64120120"):
+    for object_ in ("0x64110110", "0x21000110", "0x64120120"):
         words = ["--set", f"hal.channels.u.can.object={object_}"]
         out = runner.two(runner.can_config("10m-7.65mm"), words, words, act=kill, act_s=act_s)
         case = Case(f"kill -9, output {object_}", f"refused at the start, or safe within {1e3 * WATCHDOG_S:.0f} ms", out)

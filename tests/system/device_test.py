@@ -173,12 +173,12 @@ device.end()
 
 # Outputs that nothing would close without this program: no start.
 BOARD = "config/comedi/cylinder-10m-7.65mm.yaml"
-other = "hal.channels.u.can.object=0x63000110"
-expect_refusal(run("run", CONFIG, "--time", "real", "--set", other), ["hal.channels.u.can.substitute", "0x63000110"], "no substitute")
+other = "hal.channels.u.can.object=0x21000110"
+expect_refusal(run("run", CONFIG, "--time", "real", "--set", other), ["hal.channels.u.can.substitute", "0x21000110"], "no substitute")
 expect_refusal(run("run", BOARD, "--time", "real", "--set", "hal.comedi={}"), ["hal.comedi.watchdog", "enable_line"], "no watchdog")
 edited = os.path.join(folder, "edited.yaml")
 for config, old, new, status, words in (
-        (CONFIG, "object: 0x64110110", "object: 0x63000110", 2, "hal.channels.u.can.substitute: found nothing for object 0x63000110"),
+        (CONFIG, "object: 0x64110110", "object: 0x21000110", 2, "hal.channels.u.can.substitute: found nothing for object 0x21000110"),
         (CONFIG, "x:        {can: {node: encoder, pdo: 1, object: 0x60200120", "x:        {simulated: true} # {", 2, "beside a real valve"),
         (BOARD, "watchdog: external", "watchdog: none", 1, "NOTHING closes the valve"),
         (BOARD, ", watchdog: external", "", 2, "hal.comedi.watchdog: found nothing")):

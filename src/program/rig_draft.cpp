@@ -134,7 +134,7 @@ std::string run_text(const SheetAnswers& a, const DraftNumbers& n) {
   out +=
       fmt::format("controller:\n  kind: pd_force\n  pressure_source: estimated\n  position_gain_N_per_m: {:.4g}\n"
                   "  velocity_gain_Ns_per_m: {:.4g}\n  velocity_filter: 2 ms\n  force_gain_V_per_N: {:.4g}\n"
-                  "  flow_feedforward: true\n  feedforward_lead: {:.3g} ms\n\n",
+                  "  flow_feedforward: formula\n  feedforward_lead: {:.3g} ms\n\n",
                   n.position_gain_N_per_m, n.velocity_gain_Ns_per_m, n.force_gain_V_per_N, 1e3 * n.feedforward_lead_s);
   const std::string speed = a.speed.empty() ? fmt::format("{:.3g} m/s", n.speed_mps) : a.speed;
   const std::string acceleration =

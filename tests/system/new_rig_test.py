@@ -21,7 +21,7 @@ def by_options():
     made = run("new-rig", at("axis.yaml"), "--name", "axis", *options())
     expect(made.returncode == 0, f"new-rig ends with {made.returncode}: {made.stdout}{made.stderr}")
     text = open(at("axis.yaml")).read()
-    for part in ("bore: 32 mm", "pressure: 6 bar gauge", "nominal_flow: 700 l/min", "# typical: ", "flow_feedforward: true"):
+    for part in ("bore: 32 mm", "pressure: 6 bar gauge", "nominal_flow: 700 l/min", "# typical: ", "flow_feedforward: formula"):
         expect(part in text, f"the file has no '{part}'")
     checked = run("check", at("axis.yaml"))
     expect("found" not in checked.stderr, f"check refuses what new-rig wrote: {checked.stderr}")

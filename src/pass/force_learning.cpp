@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include <Eigen/Dense>
 #include <unsupported/Eigen/FFT>
 
 namespace pneuservo {
@@ -15,34 +16,10 @@ constexpr std::size_t most_remembered = 6;
 /// Order of the low-pass 1/(1 + (f/f_c)^order), which has no phase.
 constexpr int low_pass_order = 8;
 
-double dot(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum;
-}
-
 std::vector<double> difference(const std::vector<double>& a, const std::vector<double>& b) {
   std::vector<double> out(a.size());
   for (std::size_t i = 0; i < a.size(); ++i) out[i] = a[i] - b[i];
   return out;
-}
-
-/// Solves the symmetric a x = b by elimination; a is made safe by a small part of its diagonal.
-std::vector<double> solve(std::vector<std::vector<double>> a, std::vector<double> b) {
-  constexpr double safe_share = 1e-10;
-  const std::size_t n = b.size();
-  for (std::size_t i = 0; i < n; ++i) a[i][i] += safe_share * a[i][i] + 1e-300;
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t row = i + 1; row < n; ++row) {
-      const double factor = a[row][i] / a[i][i];
-      for (std::size_t column = i; column < n; ++column) a[row][column] -= factor * a[i][column];
-      b[row] -= factor * b[i];
-    }
-  for (std::size_t i = n; i-- > 0;) {
-    for (std::size_t column = i + 1; column < n; ++column) b[i] -= a[i][column] * b[column];
-    b[i] /= a[i][i];
-  }
-  return b;
 }
 
 }  // namespace
@@ -101,15 +78,15 @@ std::vector<double> ForceLearning::next(const std::vector<double>& command_V, co
   for (std::size_t i = 0; i < ticks_; ++i) next_V[i] += step_V[i];
   const std::size_t n = step_changes_V_.size();
   if (n == 0) return next_V;
-  std::vector<std::vector<double>> a(n, std::vector<double>(n));
-  std::vector<double> b(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    b[i] = dot(step_changes_V_[i], step_V);
-    for (std::size_t j = 0; j <= i; ++j) a[i][j] = a[j][i] = dot(step_changes_V_[i], step_changes_V_[j]);
-  }
-  const std::vector<double> share = solve(std::move(a), std::move(b));
+  Eigen::MatrixXd changes(static_cast<Eigen::Index>(ticks_), static_cast<Eigen::Index>(n));
   for (std::size_t k = 0; k < n; ++k)
-    for (std::size_t i = 0; i < ticks_; ++i) next_V[i] -= share[k] * (command_changes_V_[k][i] + step_changes_V_[k][i]);
+    changes.col(static_cast<Eigen::Index>(k)) =
+        Eigen::Map<const Eigen::VectorXd>(step_changes_V_[k].data(), changes.rows());
+  const Eigen::VectorXd share =
+      changes.colPivHouseholderQr().solve(Eigen::Map<const Eigen::VectorXd>(step_V.data(), changes.rows()));
+  for (std::size_t k = 0; k < n; ++k)
+    for (std::size_t i = 0; i < ticks_; ++i)
+      next_V[i] -= share[static_cast<Eigen::Index>(k)] * (command_changes_V_[k][i] + step_changes_V_[k][i]);
   return next_V;
 }
 

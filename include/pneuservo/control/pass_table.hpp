@@ -1,8 +1,5 @@
 // What a command pass found (docs/physics/command_pass.md): the command along a reference, and what a law sees there.
 #pragma once
-#include <algorithm>
-#include <cstddef>
-#include <cstdint>
 #include <vector>
 
 namespace pneuservo {
@@ -18,10 +15,6 @@ struct PassRow {
 /// Ticks from the reference's time 0 on. It rests before the first row as there, after the last as there.
 struct PassTable {
   std::vector<PassRow> rows;  ///< at least one
-
-  std::size_t index(std::int64_t tick) const noexcept {
-    return static_cast<std::size_t>(std::clamp<std::int64_t>(tick, 0, static_cast<std::int64_t>(rows.size()) - 1));
-  }
 };
 
 }  // namespace pneuservo

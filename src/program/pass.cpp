@@ -132,6 +132,8 @@ void write_page(const Rig& rig, const Reference& reference, const PassResult& re
 int run_pass(const PassOptions& options) {
   const Rig rig = read_rig(options.config, options.sets);
   require_valves("pass", options.config, rig, 1);
+  if (options.out == "-")
+    throw InputError("--out: found -, expected the name of a file; --json - writes to standard output");
   OutputFiles()
       .reads("CONFIG", options.config)
       .reads_of(rig)

@@ -30,11 +30,13 @@ namespace {
 constexpr double judged_s = 6;     ///< of each recording: some strokes
 constexpr double force_judged_s = 20;
 constexpr double judge_effort = 60;  ///< cells times sub-steps: a share of the pressures' swing is enough
-/// Misfit as recorded below which nothing is doubted. On 106 recordings of machines with faults it was 0.08 to 3.3 as
-/// they are wired, and 0.84 or more with channels exchanged or reversed.
+/// Misfit as recorded below which nothing is doubted: the geometric mean of the least that 106 recordings of machines
+/// with faults miss by as they are wired (0.08), and with channels exchanged or reversed (0.84).
 constexpr double doubtful = 0.25;
-constexpr double own_swing = 1.0;  ///< misfit of a simulation that says nothing
-constexpr double decisive = 0.4;   ///< of the misfit as recorded, that another reading must come down to
+constexpr double own_swing = 1.0;  ///< misfit of a constant, by the misfit's definition
+/// Of the misfit as recorded, that another reading must come down to. In an earlier trial a wrong wiring missed by
+/// 2.6 times or more; readings differ by more than wirings (a factor of 6.9, 10 or 1000, a zero of an atmosphere).
+constexpr double decisive = 0.4;
 /// The same of another wiring. On those recordings a wrong wiring missed by 1.78 times what the right one missed by, or
 /// more: half way between that and equality.
 constexpr double decisive_wiring = 0.75;

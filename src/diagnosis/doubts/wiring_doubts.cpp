@@ -38,7 +38,7 @@ constexpr double own_swing = 1.0;  ///< misfit of a constant, by the misfit's de
 /// 2.6 times or more; readings differ by more than wirings (a factor of 6.9, 10 or 1000, a zero of an atmosphere).
 constexpr double decisive = 0.4;
 /// The same of another wiring. On those recordings a wrong wiring missed by 1.78 times what the right one missed by, or
-/// more: half way between that and equality.
+/// more: the geometric mean of that and equality.
 constexpr double decisive_wiring = 0.75;
 constexpr double neutral_tolerance = 0.02;  ///< of the command's range: data sheets state 5 +- 0.1 V of 0 to 10 V
 /// Of a command: 10 % of the valve's area, and what a dead band takes of the small commands that move an axis.

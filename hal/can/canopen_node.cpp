@@ -7,7 +7,6 @@
 namespace pneuservo {
 namespace {
 
-constexpr std::uint32_t pdo_off = 0x80000000u;
 constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
 constexpr std::int64_t millisecond_ns = 1'000'000;
 constexpr std::uint16_t receive_parameters = 0x1400, receive_mapping = 0x1600, transmit_parameters = 0x1800,

@@ -13,7 +13,6 @@
 namespace pneuservo {
 namespace {
 
-constexpr std::uint32_t pdo_off = 0x80000000u;
 constexpr std::uint16_t input_interrupts = 0x6423;
 constexpr std::uint8_t on_every_sync = 1, on_event = 254;
 

@@ -9,7 +9,7 @@
 namespace pneuservo {
 namespace {
 
-constexpr std::size_t largest = 4096;
+constexpr std::size_t longest_object = 4096;
 
 /// Little-endian, as all of CANopen has it.
 std::uint32_t number_in(const std::vector<std::uint8_t>& bytes) {
@@ -84,7 +84,7 @@ std::vector<std::uint8_t> SdoClient::read(std::uint16_t index, std::uint8_t sub)
     const auto count = static_cast<std::ptrdiff_t>(7 - (message.first >> 1 & 0x07));
     bytes.insert(bytes.end(), segment.data.begin() + 1, segment.data.begin() + 1 + count);
     if (message.last) return bytes;
-    if (bytes.size() > largest) fail(index, sub, "an object without end", 0);
+    if (bytes.size() > longest_object) fail(index, sub, "an object without end", 0);
   }
 }
 

@@ -13,11 +13,11 @@ constexpr int orders = 8;
 /// Derivatives 0 to 7 of (a b), both given by their derivatives (Leibniz).
 std::array<double, 8> product(const std::array<double, 8>& a, const std::array<double, 8>& b) noexcept {
   std::array<double, 8> out{};
-  for (std::size_t n = 0; n < orders; ++n) {
+  for (std::size_t order = 0; order < orders; ++order) {
     double binomial = 1.0;
-    for (std::size_t k = 0; k <= n; ++k) {
-      out[n] += binomial * a[k] * b[n - k];
-      binomial = binomial * static_cast<double>(n - k) / static_cast<double>(k + 1);
+    for (std::size_t k = 0; k <= order; ++k) {
+      out[order] += binomial * a[k] * b[order - k];
+      binomial = binomial * static_cast<double>(order - k) / static_cast<double>(k + 1);
     }
   }
   return out;

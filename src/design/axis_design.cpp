@@ -73,10 +73,6 @@ StateSpace law_of(const Rig& rig, const ControllerParameters& controller, const 
   return with_linear_law(controller, [&](const auto& p) { return sampled_law(p, moved_mass(linear), rig.period_s); });
 }
 
-double delay_s(const Rig& rig) {
-  return rig.axis.effects.valve.command_delay.delay_s + rig.controller.command_delay_s();
-}
-
 SampledLoop loop_of(const Rig& rig, const ControllerParameters& controller, const AxisLinearisation& linear) {
   return {held(continuous_axis(linear.axis), rig.period_s, delay_s(rig)), law_of(rig, controller, linear),
           rig.period_s};

@@ -14,8 +14,8 @@ namespace pneuservo {
 
 namespace {
 
-constexpr double step = 0.05;  // in units of the mean time constant: many in the fastest oscillation that counts
-constexpr int steps_max = 40000;
+constexpr double time_step = 0.05;  // in units of the mean time constant: many in the fastest oscillation that counts
+constexpr int time_steps_max = 40000;
 constexpr double settled = 1e-10;
 
 /// Error of the step in normalised time: e(t) = row exp(A t) start.
@@ -44,7 +44,7 @@ ErrorSystem error_system(const Polynomial& numerator, const Polynomial& denomina
 
 /// Time within (0, step) after `state` at which the error is zero, by Newton on its Taylor series kept between bounds.
 double zero_within(const ErrorSystem& e, const Eigen::VectorXd& state) {
-  double low = 0.0, high = step, t = 0.5 * step;
+  double low = 0.0, high = time_step, t = 0.5 * time_step;
   const bool positive = e.row.dot(state) > 0.0;
   const auto at = [&](double time, double& slope) {
     Eigen::VectorXd term = state, rate = e.A * state;
@@ -70,7 +70,7 @@ double zero_within(const ErrorSystem& e, const Eigen::VectorXd& state) {
 }
 
 double integrate(const ErrorSystem& e) {
-  const Eigen::MatrixXd transition = matrix_exponential(e.A * step);
+  const Eigen::MatrixXd transition = matrix_exponential(e.A * time_step);
   // The integral of t row exp(A t) x is row (t A^-1 - A^-2) exp(A t) x.
   const Eigen::MatrixXd inverse = e.A.inverse();
   const Eigen::RowVectorXd once = e.row * inverse, twice = once * inverse;
@@ -78,11 +78,11 @@ double integrate(const ErrorSystem& e) {
   Eigen::VectorXd x = e.start;
   double sum = 0.0, from = antiderivative(0.0, x);
   const double size = x.norm();
-  for (int i = 0; i < steps_max; ++i) {
+  for (int i = 0; i < time_steps_max; ++i) {
     const Eigen::VectorXd next = transition * x;
     const double here = e.row.dot(x), there = e.row.dot(next);
     if ((here > 0.0) != (there > 0.0) && here != 0.0) {
-      const double inside = zero_within(e, x), t = i * step + inside;
+      const double inside = zero_within(e, x), t = i * time_step + inside;
       const double to = antiderivative(t, matrix_exponential(e.A * inside) * x);
       sum += std::fabs(to - from);
       from = to;

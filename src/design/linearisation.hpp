@@ -11,6 +11,11 @@
 
 namespace pneuservo {
 
+/// Of the command on its way to the valve\'s spool.
+inline double delay_s(const Rig& rig) {
+  return rig.axis.effects.valve.command_delay.delay_s + rig.controller.command_delay_s();
+}
+
 /// Where the lag that stands for a line comes from.
 enum class LagSource { config, resonance, low_frequency };
 

@@ -23,7 +23,7 @@ namespace {
 using Complex = std::complex<double>;
 
 /// Frequencies lie one per cent apart: a resonance of damping 0.05 is ten of them wide.
-constexpr double frequency_step = 1.01, lowest_Hz = 0.05;
+constexpr double frequency_step = 1.01, grid_lowest_Hz = 0.05;
 /// Gains are sought on ratios of 1.12, twenty a decade.
 constexpr double gain_step = 1.122;
 constexpr double deviations_kept = 2.0;
@@ -37,7 +37,7 @@ struct OperatingPoint {
 
 std::vector<double> frequencies_Hz(double period_s) {
   std::vector<double> out;
-  for (double f = lowest_Hz; f < 0.5 / period_s; f *= frequency_step) out.push_back(f);
+  for (double f = grid_lowest_Hz; f < 0.5 / period_s; f *= frequency_step) out.push_back(f);
   return out;
 }
 
@@ -45,10 +45,6 @@ PdForceParameters unit_gains(PdForceParameters p, double position, double veloci
   p.force_gain_V_per_N = 1.0, p.position_gain_N_per_m = position, p.velocity_gain_Ns_per_m = velocity;
   p.force_integral_V_per_Ns = 0.0;
   return p;
-}
-
-double delay_s(const Rig& rig) {
-  return rig.axis.effects.valve.command_delay.delay_s + rig.controller.command_delay_s();
 }
 
 /// The law with a force gain of 1 V/N and these position and velocity gains.

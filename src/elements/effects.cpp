@@ -18,7 +18,7 @@ constexpr std::array<double, 3> branch_positions{0.15, 0.5, 0.85};
 constexpr std::array<double, 5> leak_zone_centers{-0.9, -0.45, 0, 0.45, 0.9};
 constexpr std::array<double, 2> leak_zone_widths{0.12, 0.3};
 
-constexpr EffectEntry entries[] = {
+constexpr EffectEntry pneumatic_entries[] = {
     {.name = "valve_dead_band",
      .words = "a dead band of the valve (overlap)",
      .element = "valve",
@@ -221,6 +221,6 @@ constexpr EffectEntry entries[] = {
 
 }  // namespace
 
-std::span<const EffectEntry> pneumatic_effect_entries() { return entries; }
+std::span<const EffectEntry> pneumatic_effect_entries() { return pneumatic_entries; }
 
 }  // namespace pneuservo

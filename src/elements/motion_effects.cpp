@@ -19,7 +19,7 @@ constexpr std::array<double, 16> load_plays{5e-5,   7e-5,   1e-4,   1.3e-4, 1.8e
 constexpr std::array<double, 2> contact_frequencies{25, 80};
 constexpr std::array<double, 1> contact_damping{0.2};
 
-constexpr EffectEntry entries[] = {
+constexpr EffectEntry motion_entries[] = {
     {.name = "coulomb_friction",
      .words = "dry friction, the same at every speed",
      .element = "motion",
@@ -180,6 +180,6 @@ constexpr EffectEntry entries[] = {
 
 }  // namespace
 
-std::span<const EffectEntry> motion_effect_entries() { return entries; }
+std::span<const EffectEntry> motion_effect_entries() { return motion_entries; }
 
 }  // namespace pneuservo

@@ -8,7 +8,7 @@ namespace {
 using enum EffectScale;
 using enum Signal;
 
-constexpr EffectEntry entries[] = {
+constexpr EffectEntry sensor_entries[] = {
     {.name = "sensor_offset",
      .words = "an offset of the sensor of #",
      .element = "sensor",
@@ -56,6 +56,6 @@ constexpr EffectEntry entries[] = {
 
 }  // namespace
 
-std::span<const EffectEntry> sensor_effect_entries() { return entries; }
+std::span<const EffectEntry> sensor_effect_entries() { return sensor_entries; }
 
 }  // namespace pneuservo

@@ -12,7 +12,7 @@ constexpr std::array<double, 2> drop_out_delays{1, 2.5};
 constexpr std::array<double, 3> pump_resistances{0.3, 1, 3};
 constexpr std::array<double, 3> porous_orifices{0.02, 0.06, 0.2};
 
-constexpr EffectEntry entries[] = {
+constexpr EffectEntry vessel_entries[] = {
     {.name = "wall_heat_exchange",
      .words = "heat between gas and wall",
      .element = "chamber_1",
@@ -50,6 +50,6 @@ constexpr EffectEntry entries[] = {
 
 }  // namespace
 
-std::span<const EffectEntry> vessel_effect_entries() { return entries; }
+std::span<const EffectEntry> vessel_effect_entries() { return vessel_entries; }
 
 }  // namespace pneuservo

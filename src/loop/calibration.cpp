@@ -18,14 +18,13 @@
 namespace pneuservo {
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr double settle_s = 0.3, longest_settle_s = 3.0;
 /// Peak of the homing speed that the valve's law allows; the command is less where the air is thin.
 constexpr double homing_speed_mps = 0.1;
 /// Of the growth of force that the valve's law gives at the largest volume: less than this is no stop. A valve of a
 /// quarter of its area, or a dead band of three quarters of the command, still passes.
 constexpr double growing_share = 0.25;
-constexpr double smoothing_s = 0.02;
+constexpr double force_smoothing_s = 0.02;
 
 [[noreturn]] void refuse(const std::string& why) { throw std::runtime_error("homing: " + why); }
 
@@ -34,7 +33,7 @@ class WayToEnd {
  public:
   WayToEnd(const Rig& rig, const HomingSettings& settings, HomingEnd end)
       : rig_(rig), settings_(settings), end_(end), sign_(end == HomingEnd::high ? 1 : -1),
-        smoothing_(-std::expm1(-rig.period_s / smoothing_s)) {
+        smoothing_(-std::expm1(-rig.period_s / force_smoothing_s)) {
     const double range_V = HomingSettings::usual_share * rig.axis.valve.command_max_V;
     command_V_ = settings.command_V > 0.0 ? settings.command_V : range_V;
     const double area_m2 = end == HomingEnd::high ? rig.axis.cylinder.area_1_m2 : rig.axis.cylinder.area_2_m2;
@@ -149,7 +148,8 @@ class WayToEnd {
   int sign_;
   double smoothing_, command_V_ = 0.0, available_N_ = 0.0, fastest_mps_ = 0.0, volts_ = 0.0,
                      noise_N_ = 0.0;  // six standard deviations of a difference of two smoothed forces
-  double first_m_ = none, before_m_ = none, stands_at_m_ = none, force_before_N_ = 0.0, expected_N_ = 0.0;
+  double first_m_ = Row::none, before_m_ = Row::none, stands_at_m_ = Row::none, force_before_N_ = 0.0,
+         expected_N_ = 0.0;
   std::array<double, 2> smooth_Pa_{};
   std::array<LineState, 2> switch_{};
   std::int64_t stands_since_ = 0;
@@ -158,7 +158,7 @@ class WayToEnd {
 
 /// Waits, the valve closed, until the slider stands: what was unbalanced at the start is no wrong direction.
 void let_settle(const Rig& rig, SupervisedSteps& steps) {
-  double stands_at_m = none, since_s = 0.0;
+  double stands_at_m = Row::none, since_s = 0.0;
   steps.run([&](const StepSample& sample) -> StepAnswer {
     const double x = sample.in.position_m;
     if (!(std::fabs(x - stands_at_m) <= HomingSettings::standing_m)) stands_at_m = x, since_s = sample.t_s;

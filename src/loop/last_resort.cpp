@@ -26,8 +26,8 @@ constexpr std::array<CrashSignal, 5> crash_signals{
 // Everything that the handler needs, taken before.
 std::atomic<Backend*> guarded{nullptr};
 std::array<char, 4096> record_path{};
-std::int64_t period_ns = 0;
-std::array<struct sigaction, crash_signals.size()> previous{};
+std::int64_t guarded_period_ns = 0;
+std::array<struct sigaction, crash_signals.size()> crash_actions_before{};
 /// The loop's thread may have crashed because its own stack is full.
 alignas(16) std::array<char, 64 * 1024> handler_stack{};
 
@@ -58,7 +58,7 @@ struct LastRecord {
     if (const std::int64_t tick = LastResort::tick_.load(std::memory_order_relaxed); tick < 0) {
       add(" before the first tick");
     } else {
-      const std::int64_t t_us = tick * (period_ns / 1000);
+      const std::int64_t t_us = tick * (guarded_period_ns / 1000);
       add(" in tick ");
       add(tick);
       add(", t = ");
@@ -84,7 +84,7 @@ struct LastRecord {
 namespace {
 
 void sleep_two_periods() noexcept {
-  timespec rest{2 * period_ns / 1'000'000'000, static_cast<long>(2 * period_ns % 1'000'000'000)};
+  timespec rest{2 * guarded_period_ns / 1'000'000'000, static_cast<long>(2 * guarded_period_ns % 1'000'000'000)};
   while (nanosleep(&rest, &rest) != 0) {}
 }
 
@@ -122,7 +122,7 @@ LastResort::LastResort(Backend& backend, const std::string& recording, double pe
   const std::string path = crash_path(recording);
   record_path.fill('\0');
   if (path.size() < record_path.size()) path.copy(record_path.data(), path.size());
-  period_ns = std::llround(period_s * 1e9);
+  guarded_period_ns = std::llround(period_s * 1e9);
   tick_ = -1;
   const stack_t stack{handler_stack.data(), 0, handler_stack.size()};
   sigaltstack(&stack, nullptr);
@@ -130,12 +130,14 @@ LastResort::LastResort(Backend& backend, const std::string& recording, double pe
   action.sa_handler = on_crash;
   action.sa_flags = static_cast<int>(SA_ONSTACK | SA_RESETHAND);
   sigfillset(&action.sa_mask);
-  for (std::size_t i = 0; i < crash_signals.size(); ++i) sigaction(crash_signals[i].number, &action, &previous[i]);
+  for (std::size_t i = 0; i < crash_signals.size(); ++i)
+    sigaction(crash_signals[i].number, &action, &crash_actions_before[i]);
 }
 
 LastResort::~LastResort() {
   if (!first_) return;
-  for (std::size_t i = 0; i < crash_signals.size(); ++i) sigaction(crash_signals[i].number, &previous[i], nullptr);
+  for (std::size_t i = 0; i < crash_signals.size(); ++i)
+    sigaction(crash_signals[i].number, &crash_actions_before[i], nullptr);
   const stack_t none{nullptr, SS_DISABLE, 0};
   sigaltstack(&none, nullptr);
   guarded = nullptr;

@@ -30,8 +30,8 @@ std::optional<std::string> first_line(const fs::path& path) {
 /// Folders cpu0, cpu1, ... below `root`.
 std::vector<fs::path> processor_folders(const std::string& root) {
   std::vector<fs::path> folders;
-  std::error_code none;
-  for (const auto& entry : fs::directory_iterator(root + processors, none)) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(root + processors, ignored)) {
     const std::string name = entry.path().filename();
     if (name.size() > 3 && name.rfind("cpu", 0) == 0 && name.find_first_not_of("0123456789", 3) == std::string::npos)
       folders.push_back(entry.path());
@@ -121,9 +121,9 @@ OptionalFinding check_swap(const std::string& root) {
 OptionalFinding check_sleep_states(const std::string& root) {
   double longest_us = -1;
   std::string name;
-  std::error_code none;
+  std::error_code ignored;
   for (const fs::path& folder : processor_folders(root))
-    for (const auto& state : fs::directory_iterator(folder / "cpuidle", none)) {
+    for (const auto& state : fs::directory_iterator(folder / "cpuidle", ignored)) {
       const auto latency = first_line(state.path() / "latency");
       if (!latency || first_line(state.path() / "disable").value_or("0") != "0") continue;
       if (std::stod(*latency) <= longest_us) continue;

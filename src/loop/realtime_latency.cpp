@@ -9,7 +9,7 @@
 namespace pneuservo {
 namespace {
 
-constexpr std::int64_t warm_up_ticks = 10;
+constexpr std::int64_t untimed_ticks = 10;
 
 // The bookkeeping that every tick of the loop has.
 void account(LoopTiming& timing, std::int64_t tick, std::int64_t lateness_ns, std::int64_t work_ns) noexcept {
@@ -38,7 +38,7 @@ std::unique_ptr<LatencyResult> measure_latency(const LatencySettings& settings) 
     MonotonicClock::sleep_until_ns(grid.slot_ns());
     const std::int64_t woken_ns = MonotonicClock::now_ns();
     account(timing, grid.slot(), grid.lateness_ns(woken_ns), work_ns);
-    if (++timing.ticks == warm_up_ticks) before = ThreadCounters::now();
+    if (++timing.ticks == untimed_ticks) before = ThreadCounters::now();
     const std::int64_t done_ns = MonotonicClock::now_ns();
     work_ns = done_ns - woken_ns;
     timing.overruns += grid.advance(done_ns);

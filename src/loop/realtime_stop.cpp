@@ -26,12 +26,12 @@ constexpr std::array stop_signals{SIGHUP,  SIGINT,    SIGQUIT, SIGTERM, SIGTSTP,
 constexpr std::array ignored_signals{SIGXFSZ, SIGTTIN, SIGTTOU};
 
 std::atomic<int> stop_reason{0};  // 0: none, else the signal's number
-std::atomic<int> signal_count{0}, living{0};
+std::atomic<int> signals_seen{0}, living{0};
 std::atomic<std::int64_t> held_until_ns{never};
 static_assert(std::atomic<int>::is_always_lock_free && std::atomic<std::int64_t>::is_always_lock_free,
               "a signal handler may only use lock-free atomics");
 
-std::array<struct sigaction, NSIG> previous{};
+std::array<struct sigaction, NSIG> actions_before{};
 StopSignals chosen = StopSignals::every;
 
 extern "C" void on_stop_signal(int number) {
@@ -40,9 +40,9 @@ extern "C" void on_stop_signal(int number) {
     raise(number);
     return;
   }
-  int none = 0;
-  stop_reason.compare_exchange_strong(none, number, std::memory_order_relaxed);
-  signal_count.fetch_add(1, std::memory_order_relaxed);
+  int no_reason = 0;
+  stop_reason.compare_exchange_strong(no_reason, number, std::memory_order_relaxed);
+  signals_seen.fetch_add(1, std::memory_order_relaxed);
 }
 
 /// Our own write to a reader that is gone brings SIGPIPE, too, and is no wish; the call's error is handled.
@@ -69,7 +69,7 @@ void install(int number, void (*handler)(int)) {
     action.sa_flags = SA_SIGINFO;
   }
   sigemptyset(&action.sa_mask);
-  struct sigaction& was = previous[static_cast<std::size_t>(number)];
+  struct sigaction& was = actions_before[static_cast<std::size_t>(number)];
   sigaction(number, &action, &was);
   if (number == SIGHUP && was.sa_handler == SIG_IGN) signal(SIGHUP, SIG_IGN);
 }
@@ -80,14 +80,15 @@ StopRequest::StopRequest(StopSignals signals) {
   if (living.fetch_add(1) > 0) return;
   chosen = signals;
   stop_reason = 0;
-  signal_count = 0;
+  signals_seen = 0;
   held_until_ns = never;
   for_each_signal(install);
 }
 
 StopRequest::~StopRequest() {
   if (living.fetch_sub(1) > 1) return;
-  for_each_signal([](int number, auto) { sigaction(number, &previous[static_cast<std::size_t>(number)], nullptr); });
+  for_each_signal(
+      [](int number, auto) { sigaction(number, &actions_before[static_cast<std::size_t>(number)], nullptr); });
   stop_reason = 0;
 }
 
@@ -105,11 +106,11 @@ std::string StopRequest::signal_name() {
   return name != nullptr ? std::string("SIG") + name : "signal " + std::to_string(number);
 }
 
-int StopRequest::signals() noexcept { return signal_count.load(std::memory_order_relaxed); }
+int StopRequest::signals() noexcept { return signals_seen.load(std::memory_order_relaxed); }
 
 void StopRequest::stop() noexcept {
-  int none = 0;
-  stop_reason.compare_exchange_strong(none, asked_within_program, std::memory_order_relaxed);
+  int no_reason = 0;
+  stop_reason.compare_exchange_strong(no_reason, asked_within_program, std::memory_order_relaxed);
 }
 
 void StopRequest::let_go(double patience_s) noexcept {

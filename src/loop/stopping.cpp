@@ -135,7 +135,7 @@ double vent_time_s(AxisPlant<double> plant, const Rig& rig) {
 }
 
 /// What the whole loop does on one machine along one reference: a stop from every between_stops_s of it.
-struct Course {
+struct FollowedCourse {
   std::vector<Stop> stops;
   std::optional<AxisPlant<double>> fastest;  ///< the plant at its highest speed
   Command fastest_command;
@@ -157,12 +157,12 @@ Rig without_limits(Rig rig) {
   return rig;
 }
 
-Course follow(const Rig& told, const Rig& machine, const LoadPositions& load, bool every_stop) {
+FollowedCourse follow(const Rig& told, const Rig& machine, const LoadPositions& load, bool every_stop) {
   const Rig rig = without_limits(told);
   IdealPlant backend(machine);
   AxisLoop loop;
   loop.configure(rig, load);
-  Course course;
+  FollowedCourse course;
   const auto ticks = static_cast<std::int64_t>(rig.duration_s / rig.period_s);
   const std::int64_t stride = std::max<std::int64_t>(1, ticks / stops_of_a_course);
   double fastest_mps = -1.0;
@@ -264,7 +264,7 @@ void drop(const Rig& rig, StoppingTable& table) {
   }
 }
 
-void add_stops(const Course& course, StoppingTable& table) {
+void add_stops(const FollowedCourse& course, StoppingTable& table) {
   for (const Stop& stop : course.stops)
     for (StoppingRow& row : table.rows) {
       if (stop.speed_mps > speed_slack * row.speed_mps) continue;
@@ -288,7 +288,7 @@ StoppingTable stopping_table(const Rig& rig, const LoadPositions& load) {
   // A cause waits up to a period for its sample, over a bus one more for its frame; then the tick answers.
   const bool over_bus = rig.hal && rig.hal->can;
   table.reaction_s = (over_bus || rig.simulation.input_age_periods > 0 ? 3.0 : 2.0) * rig.period_s;
-  const Course own = follow(rig, rig, load, true);
+  const FollowedCourse own = follow(rig, rig, load, true);
   if (!own.fastest) return table;
   table.own_reference = stop_of(*own.fastest, rig, {}, 0.0);
   table.own_reference.at_s = static_cast<double>(own.fastest_tick) * rig.period_s;

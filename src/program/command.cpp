@@ -35,22 +35,23 @@ struct Word {
   bool is_motion = false;
   std::string_view done = "";  ///< told when it is
 };
-constexpr std::array words{Word{"enable", "enable", "", false, "active: moves are obeyed"},
-                           Word{"disable", "disable", "", false, "safe output: nothing moves before the next enable"},
-                           Word{"reset", "reset", "", false, "the fault is acknowledged; enable leads on"},
-                           Word{"move", "move_to", "position_m", true},
-                           Word{"move-by", "move_by", "way_m", true},
-                           Word{"jog", "jog", "speed_mps", true},
-                           Word{"stop", "stop", "", true},
-                           Word{"hold", "hold", "", true},
-                           Word{"resume", "resume", "", true},
-                           Word{"mark", "mark", "", false, "marked: the recording around now is kept"},
-                           Word{"status", "status", ""},
-                           Word{"watch", "watch", ""}};
+constexpr std::array command_words{
+    Word{"enable", "enable", "", false, "active: moves are obeyed"},
+    Word{"disable", "disable", "", false, "safe output: nothing moves before the next enable"},
+    Word{"reset", "reset", "", false, "the fault is acknowledged; enable leads on"},
+    Word{"move", "move_to", "position_m", true},
+    Word{"move-by", "move_by", "way_m", true},
+    Word{"jog", "jog", "speed_mps", true},
+    Word{"stop", "stop", "", true},
+    Word{"hold", "hold", "", true},
+    Word{"resume", "resume", "", true},
+    Word{"mark", "mark", "", false, "marked: the recording around now is kept"},
+    Word{"status", "status", ""},
+    Word{"watch", "watch", ""}};
 
 std::vector<std::string> names_of_words() {
   std::vector<std::string> names;
-  for (const Word& word : words) names.emplace_back(word.word);
+  for (const Word& word : command_words) names.emplace_back(word.word);
   return names;
 }
 
@@ -121,8 +122,8 @@ int watch(CommandClient& client, const CommandOptions& options) {
 
 int command(const CommandOptions& options) {
   const auto names = names_of_words();
-  const auto place = std::ranges::find(words, options.word, &Word::word);
-  if (place == words.end()) {
+  const auto place = std::ranges::find(command_words, options.word, &Word::word);
+  if (place == command_words.end()) {
     const auto near = near_names(options.word, names);
     throw InputError(fmt::format("command: found {}, expected one of {}", options.word,
                                  fmt::join(near.empty() ? names : near, ", ")));

@@ -32,7 +32,7 @@ namespace {
 using Level = FindingLevel;
 constexpr double near_end_share = 0.8;     // of half the stroke: beyond lies what no reference should use
 constexpr double rest_s = 4.0;             // judged over its second half: ten periods of 5 Hz
-constexpr double longest_run_s = 20.0;     // of the reference
+constexpr double longest_reference_s = 20.0;     // of the reference
 constexpr double nudge_m = 4e-4;           // below the tolerance of the approach: the loop starts with a step
 constexpr const char* gain_remedy =
     "lower the gains, or the payload, until 'pneuservo design' shows a gain margin of 2 and a phase margin of 30 deg";
@@ -206,7 +206,7 @@ void grade_simulation(const Rig& rig, std::vector<Finding>& findings) {
   std::optional<Finding> rest, motion;
   double seconds = 0.0;
   Rig moving = rig;
-  moving.duration_s = std::min(rig.duration_s, longest_run_s);
+  moving.duration_s = std::min(rig.duration_s, longest_reference_s);
   if (moving.evaluation && moving.evaluation->to_s > moving.duration_s) moving.evaluation.reset();
   for (const double payload_kg : payloads_of(rig)) {
     for (const Place& place : places_of(rig)) {

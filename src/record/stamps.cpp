@@ -15,7 +15,6 @@ namespace pneuservo {
 
 namespace {
 
-constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 constexpr double least_epoch_s = 3e8, most_epoch_s = 3.3e9;  ///< 1979 to 2074
 /// Rows nearer than this show nothing that gas or slider do, and rows further apart nothing of a motion.
 constexpr double fastest_s = 1e-6, slowest_s = 100;

@@ -26,8 +26,6 @@ namespace pneuservo {
 
 namespace {
 
-constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
-
 /// None where it is no YAML, or no map.
 std::optional<YAML::Node> map_in(const std::string& text) {
   try {

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <set>
 #include <string>
 #include <string_view>
@@ -10,6 +11,9 @@
 #include <yaml-cpp/yaml.h>
 
 namespace pneuservo {
+
+/// What stands where a row has no number.
+inline constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 /// What can be wrong with a recording that is still of use.
 enum class ProblemKind {

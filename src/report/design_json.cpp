@@ -7,13 +7,10 @@
 #include <design/itae.hpp>
 #include <design/sampled_laws.hpp>
 #include <fmt/format.h>
+#include <report/json_number.hpp>
 
 namespace pneuservo {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json poles_json(const std::vector<std::complex<double>>& poles) {
   Json out = Json::array();

@@ -22,13 +22,13 @@ std::string with_side(std::string_view words, std::string_view side) {
   return out;
 }
 
-struct HandyUnit {
+struct SizeUnit {
   std::string_view ending, unit;
   double factor;
 };
-constexpr HandyUnit handy_units[] = {
-    {"_m2", "mm²", 1e6}, {"_m3", "cm³", 1e6}, {"_kPa", "kPa", 1}, {"_Pa", "kPa", 1e-3}, {"_mps", "mm/s", 1e3},
-    {"_m", "mm", 1e3},   {"_V", "mV", 1e3},   {"_kg", "kg", 1},   {"_Hz", "Hz", 1},     {"_s", "ms", 1e3}};
+constexpr SizeUnit size_units[] = {{"_m2", "mm²", 1e6},   {"_m3", "cm³", 1e6}, {"_kPa", "kPa", 1}, {"_Pa", "kPa", 1e-3},
+                                   {"_mps", "mm/s", 1e3}, {"_m", "mm", 1e3},   {"_V", "mV", 1e3},  {"_kg", "kg", 1},
+                                   {"_Hz", "Hz", 1},      {"_s", "ms", 1e3}};
 
 /// "coulomb force" for coulomb_force_N: the key without its unit.
 std::string name_words(std::string_view key) {
@@ -49,7 +49,7 @@ std::string effect_words(std::string_view effect) {
 
 std::string size_words(std::string_view key, double value) {
   if (!std::isfinite(value) || key.find("_per_") != std::string_view::npos) return "";
-  for (const HandyUnit& handy : handy_units) {
+  for (const SizeUnit& handy : size_units) {
     if (!key.ends_with(handy.ending)) continue;
     std::string words = fmt::format("{:.4g} {}", value * handy.factor, handy.unit);
     if (handy.unit == "mm²" && value > 0)  // the effective area of a sharp hole is about 0.6 of its own

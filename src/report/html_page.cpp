@@ -16,8 +16,6 @@
 namespace pneuservo {
 namespace {
 
-constexpr const char* tone_names[] = {"neutral", "valve", "chamber", "estimated", "fourth", "fifth", "sixth"};
-
 std::string with_unit(std::string_view title, std::string_view unit) {
   std::string text = fmt::format("<span class=\"name\">{}</span>", html_escape(title));
   if (!unit.empty()) text += fmt::format(" <span class=\"unit\">{}</span>", html_escape(unit));
@@ -29,7 +27,7 @@ std::string bar_html(const BarChart::Bar& bar, double largest) {
   return fmt::format(
       "<div class=\"bar\"><span class=\"bar-name\">{}</span><span class=\"bar-track\"><span class=\"bar-fill "
       "tone-{}\" style=\"width:{:.1f}%\"></span></span><span class=\"bar-value\">{}</span></div>",
-      html_escape(bar.name), tone_names[static_cast<int>(bar.tone)], 100.0 * share, html_escape(figure(bar.value)));
+      html_escape(bar.name), tone_name(bar.tone), 100.0 * share, html_escape(figure(bar.value)));
 }
 
 }  // namespace

@@ -24,9 +24,9 @@ constexpr int line_bins = 2;           // half width of a line behind a Hann win
 using Vector = Eigen::VectorXd;
 
 /// Columns that explain a signal, one a row of its samples.
-class Explanation {
+class PeriodicExplanation {
  public:
-  Explanation(const std::vector<double>& reference, std::size_t history, double period_s)
+  PeriodicExplanation(const std::vector<double>& reference, std::size_t history, double period_s)
       : history_(static_cast<Eigen::Index>(history)), n_(static_cast<Eigen::Index>(reference.size()) - history_),
         period_s_(period_s), time_(Vector::LinSpaced(n_, 0.0, 1.0)) {
     position_ = Eigen::Map<const Vector>(reference.data(), history_ + n_);
@@ -96,7 +96,7 @@ std::vector<double> left_over(const std::vector<double>& signal, const std::vect
                               const std::vector<double>& lines_Hz) {
   const std::size_t n = signal.size();
   if (n < fewest_samples || reference.size() < n) return std::vector<double>(n, 0.0);
-  Explanation explanation(reference, reference.size() - n, period_s);
+  PeriodicExplanation explanation(reference, reference.size() - n, period_s);
   explanation.add_trend();
   explanation.add_reference();
   for (const double line_Hz : lines_Hz) explanation.add_harmonics(line_Hz);

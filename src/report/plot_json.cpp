@@ -18,7 +18,7 @@ std::string quoted(const std::string& text) {
   return json;
 }
 
-std::string number(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "null"; }
+std::string number_text(double value) { return std::isfinite(value) ? fmt::format("{:.6g}", value) : "null"; }
 
 std::vector<double> chosen(const std::vector<double>& values, const std::vector<std::size_t>& indices) {
   std::vector<double> out;
@@ -29,7 +29,7 @@ std::vector<double> chosen(const std::vector<double>& values, const std::vector<
 
 std::string array(const std::vector<double>& values) {
   std::string json = "[";
-  for (std::size_t i = 0; i < values.size(); ++i) json.append(i > 0 ? "," : "").append(number(values[i]));
+  for (std::size_t i = 0; i < values.size(); ++i) json.append(i > 0 ? "," : "").append(number_text(values[i]));
   return json + "]";
 }
 

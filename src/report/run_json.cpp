@@ -3,14 +3,11 @@
 
 #include <cmath>
 
+#include <report/json_number.hpp>
 #include <report/motion_verdict.hpp>
 
 namespace pneuservo {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json quantiles_json(const TimeHistogram& times) {
   return {{"mean", times.mean_us()},

@@ -12,7 +12,7 @@ namespace pneuservo {
 namespace {
 
 /// Points that all curves of a page share; some 14 bytes each keep it well below 3 MB.
-constexpr std::size_t points_of_page = 150000;
+constexpr std::size_t points_of_run = 150000;
 
 bool has_values(const RunResult& run, RowColumn column) {
   return std::any_of(run.rows.begin(), run.rows.end(), [&](const Row& row) { return std::isfinite(column.of(row)); });
@@ -58,7 +58,7 @@ Plot time_plot(const RunReport& report, std::string title, std::string unit, dou
   plot.unit = std::move(unit);
   plot.x_step = period_s;
   const std::size_t curves = 12 * std::max<std::size_t>(1, shown_runs(report).size());
-  plot.points_max = std::clamp<std::size_t>(points_of_page / curves, 500, 4000);
+  plot.points_max = std::clamp<std::size_t>(points_of_run / curves, 500, 4000);
   return plot;
 }
 

@@ -5,14 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "report/json_number.hpp"
 #include "report/table.hpp"
 
 namespace pneuservo {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 std::string_view action_name(const Rig& rig) {
   return safe_action_names[static_cast<std::size_t>(rig.safe_output.action)];

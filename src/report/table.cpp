@@ -9,7 +9,7 @@
 namespace pneuservo {
 namespace {
 
-constexpr const char* no_value = "–";
+constexpr const char* no_figure = "–";
 
 /// Digits before the decimal point, negative for leading zeros behind it: 2 for 12.3, 1 for 1.2, 0 for 0.12.
 int magnitude(double value) { return static_cast<int>(std::floor(std::log10(value))) + 1; }
@@ -48,7 +48,7 @@ TableColumn figure_column(std::string title, std::string unit, const std::vector
   TableColumn column{std::move(title), std::move(unit), {}, false};
   const int decimals = decimals_of(values, decimals_max);
   for (double value : values)
-    column.cells.push_back(std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : no_value);
+    column.cells.push_back(std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : no_figure);
   return column;
 }
 
@@ -89,7 +89,7 @@ std::string text_table(const Table& table) {
 }
 
 std::string figure(double value) {
-  if (!std::isfinite(value)) return no_value;
+  if (!std::isfinite(value)) return no_figure;
   const double size = std::fabs(value);
   if (size == 0.0) return "0";
   if (size < 1e-3 || size >= 1e6) return fmt::format("{:.2e}", value);

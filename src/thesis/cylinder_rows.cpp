@@ -13,7 +13,7 @@ namespace pneuservo {
 namespace {
 
 using Sets = std::vector<std::string>;
-const ThesisRig axis{"cylinder-10m-7.65mm"};
+const ThesisRig cylinder{"cylinder-10m-7.65mm"};
 constexpr const char* picture = "thesis/picture-10m-7.65mm";
 constexpr const char* rule = "thesis/rule-10m-7.65mm";
 double error_mm(const ThesisCourse& course) { return 1e3 * course.max_error_m; }
@@ -21,37 +21,37 @@ double estimation_kPa(const ThesisCourse& course) { return 1e-3 * course.max_est
 
 Sets source_set(const char* source) { return {fmt::format("controller.pressure_source={}", source)}; }
 
-ThesisRow key_row(ThesisRow row, double (*value)(const Rig&)) {
+ThesisRow cylinder_row(ThesisRow row, double (*value)(const Rig&)) {
   row.place = "Table 3.1";
   row.plant = ThesisPlant::config;
-  row.command = thesis_verb("run", axis) + " --dump-config";
-  row.ours = [value](ThesisBench& bench) { return value(bench.rig(axis)); };
+  row.command = thesis_verb("run", cylinder) + " --dump-config";
+  row.ours = [value](ThesisBench& bench) { return value(bench.rig(cylinder)); };
   return row;
 }
 
-std::vector<ThesisRow> parameters() {
-  return {key_row({.what = "area A_L", .unit = "mm2", .printed = "1257"},
-                  [](const Rig& r) { return 1e6 * r.axis.cylinder.area_1_m2; }),
-          key_row({.what = "area A_R", .unit = "mm2", .printed = "1056"},
-                  [](const Rig& r) { return 1e6 * r.axis.cylinder.area_2_m2; }),
-          key_row({.what = "full stroke l", .unit = "mm", .printed = "300"},
-                  [](const Rig& r) { return 1e3 * r.axis.cylinder.stroke_m; }),
-          key_row({.what = "supply pressure P_s", .unit = "MPa", .printed = "0.7"},
-                  [](const Rig& r) { return 1e-6 * r.axis.supply.pressure_Pa; }),
-          key_row({.what = "length L", .unit = "m", .printed = "10.0"},
-                  [](const Rig& r) { return r.axis.line_1.length_m; }),
-          key_row({.what = "diameter D", .unit = "mm", .printed = "7.65"},
-                  [](const Rig& r) { return 1e3 * r.axis.line_1.diameter_m; }),
-          key_row({.what = "critical pressure ratio b (3.3.2.1)", .printed = "0.35"},
-                  [](const Rig& r) { return r.axis.valve.critical_pressure_ratio; }),
-          key_row({.what = "grid of the estimator (3.3.2.3)", .unit = "m", .printed = "1.0"},
-                  [](const Rig& r) { return 1.0 / r.estimator.cells_per_m; }),
-          key_row({.what = "largest valve area (Fig 3.7)",
-                   .unit = "mm2",
-                   .printed = "curve without figures",
-                   .held = "13.0",
-                   .why = "linear to 5 V; a measured curve enters as effects.valve_curve"},
-                  [](const Rig& r) { return 1e6 * r.axis.valve.area_max_m2; })};
+std::vector<ThesisRow> cylinder_parameters() {
+  return {cylinder_row({.what = "area A_L", .unit = "mm2", .printed = "1257"},
+                       [](const Rig& r) { return 1e6 * r.axis.cylinder.area_1_m2; }),
+          cylinder_row({.what = "area A_R", .unit = "mm2", .printed = "1056"},
+                       [](const Rig& r) { return 1e6 * r.axis.cylinder.area_2_m2; }),
+          cylinder_row({.what = "full stroke l", .unit = "mm", .printed = "300"},
+                       [](const Rig& r) { return 1e3 * r.axis.cylinder.stroke_m; }),
+          cylinder_row({.what = "supply pressure P_s", .unit = "MPa", .printed = "0.7"},
+                       [](const Rig& r) { return 1e-6 * r.axis.supply.pressure_Pa; }),
+          cylinder_row({.what = "length L", .unit = "m", .printed = "10.0"},
+                       [](const Rig& r) { return r.axis.line_1.length_m; }),
+          cylinder_row({.what = "diameter D", .unit = "mm", .printed = "7.65"},
+                       [](const Rig& r) { return 1e3 * r.axis.line_1.diameter_m; }),
+          cylinder_row({.what = "critical pressure ratio b (3.3.2.1)", .printed = "0.35"},
+                       [](const Rig& r) { return r.axis.valve.critical_pressure_ratio; }),
+          cylinder_row({.what = "grid of the estimator (3.3.2.3)", .unit = "m", .printed = "1.0"},
+                       [](const Rig& r) { return 1.0 / r.estimator.cells_per_m; }),
+          cylinder_row({.what = "largest valve area (Fig 3.7)",
+                        .unit = "mm2",
+                        .printed = "curve without figures",
+                        .held = "13.0",
+                        .why = "linear to 5 V; a measured curve enters as effects.valve_curve"},
+                       [](const Rig& r) { return 1e6 * r.axis.valve.area_max_m2; })};
 }
 
 /// lambda of the element at some Reynolds numbers against the print.
@@ -67,7 +67,7 @@ ThesisValue friction(std::array<double, 2> reynolds, double (*printed)(double)) 
   return nearly(wanted, ours, 1e-6);
 }
 
-std::vector<ThesisRow> equations() {
+std::vector<ThesisRow> line_equations() {
   return {
       {.place = "(3.6)",
        .what = "lambda = 64/Re",
@@ -124,7 +124,7 @@ std::vector<ThesisRow> flow_equations() {
        .printed = "below 1",
        .ours =
            [](ThesisBench& bench) {
-             const Rig r = bench.rig(axis);
+             const Rig r = bench.rig(cylinder);
              return Air<double>(r.axis.air).sound_speed() * r.period_s * r.estimator.cells_per_m;
            },
        .held = "0.343"},
@@ -181,13 +181,13 @@ std::vector<ThesisRow> estimates() {
   std::vector<ThesisRow> rows;
   rows.push_back(run_row(
       {.place = "Fig 3.18", .what = "estimate less truth, free", .unit = "kPa", .printed = "well", .held = "0.396"},
-      axis, estimation_kPa));
+      cylinder, estimation_kPa));
   rows.push_back(run_row({.place = "Fig 3.19",
                           .what = "estimate less truth, payload 1.25 kg",
                           .unit = "kPa",
                           .printed = "well",
                           .held = "0.40"},
-                         {axis.config, {"slider.payload_kg=1.25"}}, estimation_kPa));
+                         {cylinder.config, {"slider.payload_kg=1.25"}}, estimation_kPa));
   rows.push_back(
       {.place = "Fig 3.21",
        .what = "the pictures' own axis, payload: estimated over sensed error",
@@ -220,10 +220,10 @@ double noisy_payload_mm(ThesisBench& bench, const char* source) {
 /// 3.5.2: the model of 1 m cells under the command of an "experiment" of 10 cells a metre.
 ThesisRow simulated_row(const char* place, const char* what, const char* unit, const char* held,
                         double (*difference)(const ThesisCourse& model, const ThesisCourse& experiment)) {
-  const ThesisRig model{axis.config, {"simulation.cells_per_m=1"}};
+  const ThesisRig model{cylinder.config, {"simulation.cells_per_m=1"}};
   Sets fine = noise_free;
   fine.insert(fine.end(), {"controller.pressure_source=chamber", "simulation.cells_per_m=10"});
-  const ThesisRig experiment{axis.config, fine};
+  const ThesisRig experiment{cylinder.config, fine};
   return {
       .place = place,
       .what = what,
@@ -318,8 +318,8 @@ std::vector<ThesisRow> nine_lines() {
 }  // namespace
 
 ThesisGroup thesis_element_group() {
-  ThesisGroup group{"3.1 to 3.3 The cylinder and its model", parameters()};
-  for (auto part : {equations(), flow_equations()}) group.rows.insert(group.rows.end(), part.begin(), part.end());
+  ThesisGroup group{"3.1 to 3.3 The cylinder and its model", cylinder_parameters()};
+  for (auto part : {line_equations(), flow_equations()}) group.rows.insert(group.rows.end(), part.begin(), part.end());
   return group;
 }
 

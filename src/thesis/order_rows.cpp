@@ -11,7 +11,7 @@
 namespace pneuservo {
 namespace {
 
-constexpr Ppd2Gains gains = table_4mm.fifth;
+constexpr Ppd2Gains fifth_gains = table_4mm.fifth;
 
 /// Symbols of the thesis, from the model of the 4 mm table and its printed gains.
 struct Symbols {
@@ -36,8 +36,8 @@ Symbols symbols_of(ThesisBench& bench) {
 
 enum class Order { third, fifth, seventh };
 Polynomial loop_of(const Symbols& s, Order order) {
-  if (order == Order::third) return closed_loop(without_lags(s.axis), gains);
-  return closed_loop(order == Order::fifth ? matched_at_low_frequency(s.axis) : s.axis, gains);
+  if (order == Order::third) return closed_loop(without_lags(s.axis), fifth_gains);
+  return closed_loop(order == Order::fifth ? matched_at_low_frequency(s.axis) : s.axis, fifth_gains);
 }
 
 /// One coefficient of a loop by the printed, or the corrected, formula, against that of the polynomial.
@@ -47,7 +47,8 @@ struct Formula {
   std::size_t power;
   double (*value)(const Symbols&);
 };
-const double Ka = gains.acceleration_Vs2_per_m, Kv = gains.velocity_Vs_per_m, Kp = gains.position_V_per_m;
+const double Ka = fifth_gains.acceleration_Vs2_per_m, Kv = fifth_gains.velocity_Vs_per_m,
+             Kp = fifth_gains.position_V_per_m;
 
 const Formula formulas[] = {
     {"(2.20)", "A_1", "", "", Order::third, 2, [](const Symbols& s) { return Ka * s.K; }},
@@ -81,7 +82,7 @@ const Formula formulas[] = {
     {"(2.41)", "w^5", "", "", Order::fifth, 0, [](const Symbols& s) { return s.w0 * s.w0 * Kp * s.K; }},
 };
 
-std::vector<ThesisRow> equations() {
+std::vector<ThesisRow> order_equations() {
   std::vector<ThesisRow> rows;
   for (const Formula& f : formulas)
     rows.push_back({.place = f.place,
@@ -113,7 +114,7 @@ ThesisValue inverse_of(ThesisBench& bench, Order order) {
   const auto axis = order == Order::third ? without_lags(s.axis) : matched_at_low_frequency(s.axis);
   std::vector<double> wanted;
   for (std::size_t i = 1; i < loop.size(); ++i) wanted.push_back(loop[i] / loop[0]);
-  return equation(wanted, inverse_of_closed_loop(axis, gains));
+  return equation(wanted, inverse_of_closed_loop(axis, fifth_gains));
 }
 
 /// Where the real parts of the poles leave their largest gap: so many far, so many near.
@@ -130,7 +131,7 @@ ThesisValue poles_in_words(ThesisBench& bench) {
 }  // namespace
 
 ThesisGroup thesis_order_group() {
-  std::vector<ThesisRow> rows = equations();
+  std::vector<ThesisRow> rows = order_equations();
   rows.push_back({.place = "(2.34), (2.35)",
                   .what = "K_a, K_v from C_5, C_6",
                   .printed = "w^(5/7), w^(6/7)",

@@ -16,7 +16,7 @@ constexpr auto config = ThesisPlant::config;
 const ThesisRig table{table_4mm.config};
 
 /// A key of the config, in the print's unit.
-ThesisRow key_row(ThesisRow row, double (*value)(const Rig&)) {
+ThesisRow table_row(ThesisRow row, double (*value)(const Rig&)) {
   row.plant = config;
   row.command = thesis_verb("run", table) + " --dump-config";
   row.ours = [value](Bench& bench) { return value(bench.rig(table)); };
@@ -30,32 +30,32 @@ ThesisRow model_row(ThesisRow row, double (*value)(const AxisLinearisation&)) {
   return row;
 }
 
-std::vector<ThesisRow> parameters() {
+std::vector<ThesisRow> table_parameters() {
   return {
-      key_row({.place = "Table 2.1", .what = "half stroke l", .unit = "mm", .printed = "70"},
-              [](const Rig& r) { return 500.0 * r.axis.cylinder.stroke_m; }),
-      key_row({.place = "Table 2.1", .what = "mass m", .unit = "kg", .printed = "26"},
-              [](const Rig& r) { return r.axis.slider.mass_kg; }),
-      key_row({.place = "Table 2.1", .what = "piston area A", .unit = "m2", .printed = "1.2e-3"},
-              [](const Rig& r) { return r.axis.cylinder.area_1_m2; }),
-      key_row({.place = "Table 2.1", .what = "chamber volume V_0", .unit = "m3", .printed = "1.92e-4"},
-              [](const Rig& r) {
-                const auto& c = r.axis.cylinder;
-                return c.dead_volume_1_m3 + 0.5 * c.stroke_m * c.area_1_m2;
-              }),
-      key_row({.place = "Table 2.1", .what = "period", .unit = "us", .printed = "200"},
-              [](const Rig& r) { return 1e6 * r.period_s; }),
-      key_row({.place = "2.1.1", .what = "resolution of the scale", .unit = "pm", .printed = "62.5"},
-              [](const Rig& r) { return 1e12 * r.sensors.position.quantum_m; }),
-      key_row({.place = "2.1.1",
-               .what = "mean pressure",
-               .unit = "kPa",
-               .printed = "118",
-               .meant = "110",
-               .why = "2.2.1 computes with 110 kPa; the linear models take that"},
-              [](const Rig& r) { return 1e-3 * r.controller.of<Ppd2>().equilibrium_pressure_Pa; }),
-      key_row({.place = "2.1.2", .what = "largest effective area", .unit = "mm2", .printed = "5.0"},
-              [](const Rig& r) { return 1e6 * r.axis.valve.area_max_m2; }),
+      table_row({.place = "Table 2.1", .what = "half stroke l", .unit = "mm", .printed = "70"},
+                [](const Rig& r) { return 500.0 * r.axis.cylinder.stroke_m; }),
+      table_row({.place = "Table 2.1", .what = "mass m", .unit = "kg", .printed = "26"},
+                [](const Rig& r) { return r.axis.slider.mass_kg; }),
+      table_row({.place = "Table 2.1", .what = "piston area A", .unit = "m2", .printed = "1.2e-3"},
+                [](const Rig& r) { return r.axis.cylinder.area_1_m2; }),
+      table_row({.place = "Table 2.1", .what = "chamber volume V_0", .unit = "m3", .printed = "1.92e-4"},
+                [](const Rig& r) {
+                  const auto& c = r.axis.cylinder;
+                  return c.dead_volume_1_m3 + 0.5 * c.stroke_m * c.area_1_m2;
+                }),
+      table_row({.place = "Table 2.1", .what = "period", .unit = "us", .printed = "200"},
+                [](const Rig& r) { return 1e6 * r.period_s; }),
+      table_row({.place = "2.1.1", .what = "resolution of the scale", .unit = "pm", .printed = "62.5"},
+                [](const Rig& r) { return 1e12 * r.sensors.position.quantum_m; }),
+      table_row({.place = "2.1.1",
+                 .what = "mean pressure",
+                 .unit = "kPa",
+                 .printed = "118",
+                 .meant = "110",
+                 .why = "2.2.1 computes with 110 kPa; the linear models take that"},
+                [](const Rig& r) { return 1e-3 * r.controller.of<Ppd2>().equilibrium_pressure_Pa; }),
+      table_row({.place = "2.1.2", .what = "largest effective area", .unit = "mm2", .printed = "5.0"},
+                [](const Rig& r) { return 1e6 * r.axis.valve.area_max_m2; }),
   };
 }
 
@@ -81,14 +81,14 @@ std::vector<ThesisRow> valve_parameters() {
        .meant = "61",
        .ours = [](Bench&) { return 1e3 * SpoolMassParameters<double>{}.mass_kg; },
        .why = "Table 2.3 has 61 g with the coil, and the loop's gains need it"},
-      key_row({.place = "2.2.1", .what = "critical pressure ratio b", .printed = "0.4"},
-              [](const Rig& r) { return r.axis.valve.critical_pressure_ratio; }),
-      key_row({.place = "2.2.1",
-               .what = "supply pressure P_s",
-               .unit = "MPa",
-               .printed = "0.25",
-               .why = "Table 2.7 has 251.3 kPa"},
-              [](const Rig& r) { return 1e-6 * r.axis.supply.pressure_Pa; }),
+      table_row({.place = "2.2.1", .what = "critical pressure ratio b", .printed = "0.4"},
+                [](const Rig& r) { return r.axis.valve.critical_pressure_ratio; }),
+      table_row({.place = "2.2.1",
+                 .what = "supply pressure P_s",
+                 .unit = "MPa",
+                 .printed = "0.25",
+                 .why = "Table 2.7 has 251.3 kPa"},
+                [](const Rig& r) { return 1e-6 * r.axis.supply.pressure_Pa; }),
   };
 }
 
@@ -170,7 +170,7 @@ std::vector<ThesisRow> model() {
 }  // namespace
 
 ThesisGroup thesis_table_group() {
-  ThesisGroup group{"2.1, 2.2.1 The servo table", parameters()};
+  ThesisGroup group{"2.1, 2.2.1 The servo table", table_parameters()};
   for (auto part : {valve_parameters(), lines(), model()})
     group.rows.insert(group.rows.end(), part.begin(), part.end());
   return group;

@@ -20,7 +20,6 @@ namespace pneuservo {
 
 namespace {
 
-constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 /// Of the stroke: a sensor's offset may bring the position so far beyond its half, another unit brings it further.
 constexpr double furthest = 0.6;
 constexpr double least_motion = 0.01;  ///< of the stroke: less is no motion in any unit

@@ -16,7 +16,6 @@ namespace pneuservo {
 
 namespace {
 
-constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 constexpr double position_sigma_s = 0.003, pressure_sigma_s = 0.005;
 constexpr double long_gap_s = 0.02, forget_gap_s = 0.5;
 constexpr double longest_told_steps = 12;  ///< of the loop, over three rows: a line through slower ones tells no age

@@ -13,7 +13,6 @@ namespace pneuservo {
 
 namespace {
 
-constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 /// Of an interval: rows this close to their sample are taken as they stand. At 1 m/s and 1 ms that is a micrometre.
 constexpr double same_place = 1e-3;
 /// A gap of 20 ms is drawn through, between rows 0.2 ms apart by 100 samples: a grid with more is none of its rows'.

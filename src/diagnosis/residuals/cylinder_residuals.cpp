@@ -28,7 +28,6 @@ constexpr double answer_share = 0.1, slowest_answer_s = 2e-3;
 constexpr double answer_from_s = 1.5;
 // At rest a force within this many noises is balanced by whatever holds: otherwise every friction, however small, would
 // gain the noise of all rows at rest.
-constexpr double rest_noises = 2.0;
 constexpr double noise_margin = 1.15;  // a recording this much noisier than its config is believed
 
 // Memories that a slow error may have. Faults of flow add up in the gas and stay; a force is at once what it is, and

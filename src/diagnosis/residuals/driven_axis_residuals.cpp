@@ -19,7 +19,6 @@ namespace {
 /// What the balance itself gets wrong around reversals and in time steps, of the largest recorded force.
 constexpr double floor_share = 5e-4;
 constexpr double no_force_N = 1e-9;  ///< floor of a force that is zero throughout
-constexpr double rest_noises = 2;  ///< of the drive: what any rest balances, so that no friction gains by noise
 /// Fitted rows of all recordings: twice the numbers of the largest explanation, three names of three numbers.
 constexpr std::ptrdiff_t least_rows = 18;
 constexpr double turn_share = 0.5;            ///< of the usual speed

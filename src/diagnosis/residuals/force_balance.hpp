@@ -9,6 +9,9 @@
 
 namespace pneuservo {
 
+/// Standard deviations of the drive\'s noise that any rest balances, so that no friction gains by noise.
+inline constexpr double rest_noises = 2.0;
+
 /// The motion of one recording. Nothing is simulated: position is differentiated by symmetric Gaussian kernels, and the
 /// drive force is smoothed by the same kernel, so that both sides of m dv/dt = F - B v - F_friction - F_load are seen
 /// through one window (the weak form of the balance, with the Gaussian as test function).

@@ -64,7 +64,7 @@ double promised_gain(const Fit& fit, const Eigen::MatrixXd& h, const Eigen::Vect
 std::vector<double> plain(const Eigen::VectorXd& z) { return {z.data(), z.data() + z.size()}; }
 
 /// Where a difference is taken: away from the nearer bound.
-double difference_step(const FreeParameter& parameter, double z) {
+double step_inside(const FreeParameter& parameter, double z) {
   return z + parameter.step > parameter.upper ? -parameter.step : parameter.step;
 }
 
@@ -92,7 +92,7 @@ void collect_probes(Fit& fit, std::vector<Probe>& probes, std::vector<Hypothesis
       }
       known = static_cast<int>(probes.size());
     }
-    const double step = parameter.start_factor >= 0 ? parameter.step : difference_step(parameter, fit.z(column));
+    const double step = parameter.start_factor >= 0 ? parameter.step : step_inside(parameter, fit.z(column));
     std::vector<double> z = plain(fit.z);
     z[i] += step;
     hypotheses.push_back(with_parameters(fit.base, fit.parameters, z));

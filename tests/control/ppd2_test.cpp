@@ -14,7 +14,7 @@ using namespace pneuservo;
 using namespace pneuservo::test;
 
 namespace {
-constexpr double period_s = 2e-4;
+constexpr double ppd2_period_s = 2e-4;
 
 AxisParameters<double> axis_4mm() {
   AxisParameters<double> axis = table_axis(table_4mm);
@@ -34,7 +34,7 @@ Ppd2Parameters nominal() {
 
 Ppd2 controller_of(const Ppd2Parameters& p) {
   Ppd2 controller;
-  controller.configure(p, axis_4mm(), period_s);
+  controller.configure(p, axis_4mm(), ppd2_period_s);
   return controller;
 }
 
@@ -54,7 +54,7 @@ TEST_CASE("ppd2 on the error: feedforward ahead, feedback of the observer's thre
   const Ppd2Parameters p = nominal();
   Ppd2 controller = controller_of(p);
   MotionObserver observer;
-  observer.configure(ObserverGains::butterworth(1000.0), period_s);
+  observer.configure(ObserverGains::butterworth(1000.0), ppd2_period_s);
   const auto c = feedforward_coefficients(linear_servo_table(axis_4mm(), 110e3, table_4mm.line), {1200, 54, 1.3}, 5);
   for (int k = 0; k < 50; ++k) {
     ReferencePoint now, ahead;
@@ -84,7 +84,7 @@ TEST_CASE("ppd2 on the measured position: r - x_measured, velocity and accelerat
   Ppd2 controller = controller_of(p);
   CHECK(controller.lead_s() == 0.0);
   MotionObserver observer;
-  observer.configure({530.5, 140739.9, 1.85e7}, period_s);
+  observer.configure({530.5, 140739.9, 1.85e7}, ppd2_period_s);
   const auto c = feedforward_coefficients(linear_servo_table(axis_4mm(), 110e3, table_4mm.line), {1200, 54, 1.3}, 5);
   for (int k = 0; k < 50; ++k) {
     ReferencePoint now;
@@ -124,7 +124,7 @@ TEST_CASE("the integral sums the error and stands while a command is limited, an
   Ppd2 controller = controller_of(p);
   const double e = 1e-6;
   for (int k = 0; k < 1000; ++k) controller.step(at(0.01 + e, at_rest(0.01)));
-  CHECK(controller.state().I_ms == Approx(-e * 1000 * period_s));
+  CHECK(controller.state().I_ms == Approx(-e * 1000 * ppd2_period_s));
   CHECK(controller.state().u_V[0] == Approx(-1200.0 * e - 1e4 * e * 0.2).epsilon(1e-6));
   CHECK(controller.state().limit[0] == limit_none);
 

@@ -15,7 +15,7 @@ using namespace pneuservo::test;
 
 namespace {
 
-constexpr double period_s = 1e-3;
+constexpr double stream_period_s = 1e-3;
 
 LiveLimits usual_limits() { return {-0.12, 0.12, 0.4, 3.0, 11}; }
 
@@ -39,7 +39,7 @@ std::vector<ReferencePoint> played(SetPointStream& stream, const std::vector<dou
 
 /// Of derivative m: what the limits let it be at most, within a small factor.
 double scale_of(const SetPointStream& stream, const LiveLimits& limits, std::size_t order) {
-  const double length_s = static_cast<double>(stream.cascade()) * period_s / 6.0;
+  const double length_s = static_cast<double>(stream.cascade()) * stream_period_s / 6.0;
   return limits.speed_mps / std::pow(length_s, static_cast<double>(order) - 1.0);
 }
 
@@ -58,20 +58,21 @@ TEST_CASE("random streams never leave position, speed and acceleration, and end 
                       5 + 2 * static_cast<int>(random() % 4)};
     limits.acceleration_mps2 = limits.speed_mps * std::exp(uniform(0.0, 4.0));
     SetPointStream stream;
-    stream.configure(limits, period_s, 0.0);
+    stream.configure(limits, stream_period_s, 0.0);
     stream.start(0, 0.0);
     const int interval = 1 + static_cast<int>(random() % 40);
     std::vector<double> set_points;
     double at = 0.0, speed = 0.0;
     for (int i = 0; i < 400; ++i) {  // walks, jumps, rests and set points outside
       if (random() % 20 == 0) speed = uniform(-3.0, 3.0) * limits.speed_mps;
-      at = random() % 50 == 0 ? uniform(-1.0, 1.0) : std::clamp(at + speed * interval * period_s, -0.6, 0.6);
+      at = random() % 50 == 0 ? uniform(-1.0, 1.0) : std::clamp(at + speed * interval * stream_period_s, -0.6, 0.6);
       set_points.push_back(at);
     }
     for (const ReferencePoint& point : played(stream, set_points, interval)) {
       REQUIRE(point.d[0] >= limits.lowest_m - 1e-12);
       REQUIRE(point.d[0] <= limits.highest_m + 1e-12);
-      REQUIRE(std::fabs(point.d[1]) <= limits.speed_mps * (1.0 + 1e-9) + 2.0 * SetPointStream::unit_m / period_s);
+      REQUIRE(std::fabs(point.d[1]) <=
+              limits.speed_mps * (1.0 + 1e-9) + 2.0 * SetPointStream::unit_m / stream_period_s);
       REQUIRE(std::fabs(point.d[2]) <= limits.acceleration_mps2 * (1.0 + 1e-6));
     }
     const ReferencePoint end = stream.now();
@@ -83,7 +84,7 @@ TEST_CASE("random streams never leave position, speed and acceleration, and end 
 TEST_CASE("derivatives of a stream up to the sixth are continuous, and each is the slope of the one before") {
   const LiveLimits limits = usual_limits();
   SetPointStream stream;
-  stream.configure(limits, period_s, 0.0);
+  stream.configure(limits, stream_period_s, 0.0);
   stream.start(0, 0.0);
   std::mt19937_64 random(new_seed());
   std::vector<double> set_points;
@@ -96,24 +97,25 @@ TEST_CASE("derivatives of a stream up to the sixth are continuous, and each is t
       const double mean = 0.5 * (points[i].d[order + 1] + points[i - 1].d[order + 1]);
       INFO("order " << order << " at " << i);
       // The trapezoid's share of the next two orders, and what rounding to the unit leaves.
-      REQUIRE(std::fabs(change - mean * period_s) <=
-              period_s * scale_of(stream, limits, order + 1) * 64.0 * per_length * per_length +
-                  4e-12 / period_s * 1e-3);
+      REQUIRE(std::fabs(change - mean * stream_period_s) <=
+              stream_period_s * scale_of(stream, limits, order + 1) * 64.0 * per_length * per_length +
+                  4e-12 / stream_period_s * 1e-3);
     }
   for (std::size_t i = 1; i < points.size(); ++i)
-    REQUIRE(std::fabs(points[i].d[6] - points[i - 1].d[6]) <= 64.0 * scale_of(stream, limits, 7) * period_s);
+    REQUIRE(std::fabs(points[i].d[6] - points[i - 1].d[6]) <= 64.0 * scale_of(stream, limits, 7) * stream_period_s);
 }
 
 TEST_CASE("a stream within the limits is followed half a cascade later, however its set points are spaced") {
   for (const int interval : {1, 4, 10, 33}) {
     SetPointStream stream;
-    stream.configure(usual_limits(), period_s, 0.0);
+    stream.configure(usual_limits(), stream_period_s, 0.0);
     stream.start(0, 0.0);
     std::vector<double> set_points;
-    for (int i = 1; i <= 800 / interval; ++i) set_points.push_back(0.1 * period_s * interval * i);
+    for (int i = 1; i <= 800 / interval; ++i) set_points.push_back(0.1 * stream_period_s * interval * i);
     const auto points = played(stream, set_points, interval);
     const std::size_t i = 600;  // ticks; both ends are a cascade away
-    CHECK(points[i].d[0] == Approx(0.1 * (static_cast<double>(i + 1) * period_s - stream.delay_s())).margin(1e-11));
+    CHECK(points[i].d[0] ==
+          Approx(0.1 * (static_cast<double>(i + 1) * stream_period_s - stream.delay_s())).margin(1e-11));
     CHECK(points[i].d[1] == Approx(0.1).epsilon(1e-9));
     CHECK(points[i].d[2] == Approx(0.0).margin(1e-8));
     CHECK_FALSE(stream.is_late());
@@ -123,7 +125,7 @@ TEST_CASE("a stream within the limits is followed half a cascade later, however 
 
 TEST_CASE("a stream that is too fast is late, and caught up with") {
   SetPointStream stream;
-  stream.configure(usual_limits(), period_s, 0.0);
+  stream.configure(usual_limits(), stream_period_s, 0.0);
   stream.start(0, -0.1);
   stream.go(0.1, 100);  // 2 m/s
   for (int tick = 1; tick <= 100; ++tick) stream.advance(tick, 1e9);
@@ -147,13 +149,13 @@ TEST_CASE("a stream that is too fast is late, and caught up with") {
 TEST_CASE("what is ahead of a stream comes true after the lead") {
   const double lead_s = 7.3e-3;
   SetPointStream stream, without;
-  stream.configure(usual_limits(), period_s, lead_s);
-  without.configure(usual_limits(), period_s, 0.0);
+  stream.configure(usual_limits(), stream_period_s, lead_s);
+  without.configure(usual_limits(), stream_period_s, 0.0);
   stream.start(0, 0.0);
   without.start(0, 0.0);
   std::vector<ReferencePoint> ahead, undelayed;
   for (int tick = 1; tick <= 900; ++tick) {
-    const double set_point = 0.05 * std::sin(6.0 * tick * period_s);
+    const double set_point = 0.05 * std::sin(6.0 * tick * stream_period_s);
     for (SetPointStream* s : {&stream, &without}) {
       if (tick % 10 == 1) s->go(set_point, 10);
       s->advance(tick, 1e9);

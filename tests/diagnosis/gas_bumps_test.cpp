@@ -13,16 +13,16 @@ using namespace pneuservo::test;
 
 namespace {
 
-constexpr std::size_t bin = 10;
+constexpr std::size_t bump_bin = 10;
 
 /// Change of a pressure in each bin between two rigs.
 Eigen::VectorXd change(const ImposedInputs& inputs, const Rig& from, const Rig& to, const PlantGrid& grid,
                        Signal signal) {
   const std::array<ImposedRun, 1> before{ImposedRun{&from, {}}}, after{ImposedRun{&to, {}}};
   const auto was = run_imposed(inputs, before, grid)[0][signal], is = run_imposed(inputs, after, grid)[0][signal];
-  Eigen::VectorXd out = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(was.size() / bin));
-  for (std::size_t k = 0; k / bin < was.size() / bin; ++k)
-    out(static_cast<Eigen::Index>(k / bin)) += (is[k] - was[k]) / static_cast<double>(bin);
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(was.size() / bump_bin));
+  for (std::size_t k = 0; k / bump_bin < was.size() / bump_bin; ++k)
+    out(static_cast<Eigen::Index>(k / bump_bin)) += (is[k] - was[k]) / static_cast<double>(bump_bin);
   return out;
 }
 
@@ -37,7 +37,7 @@ TEST_CASE("gas bumps: all together are a change of the rig") {
   const Rig rig = cylinder_rig(2.0, 6.1e-3);
   const ImposedInputs inputs = prepare_recording(simulated_recording(rig, 4.0, 3, all_pressures), rig, 1e9).inputs;
   const PlantGrid grid = grid_for(rig, 30, 1e-3);
-  const auto gas = bump_responses(inputs, {&rig, {}}, grid, bumps_of(inputs, 0.1), bin, 2);
+  const auto gas = bump_responses(inputs, {&rig, {}}, grid, bumps_of(inputs, 0.1), bump_bin, 2);
   const auto sum = [&](GasInput input, Signal signal, double size) {
     return Eigen::VectorXd(size * gas[static_cast<std::size_t>(input)][signal].rowwise().sum());
   };
@@ -75,7 +75,7 @@ TEST_CASE("gas bumps: what comes into a closed side at rest is there as pressure
   for (auto& p : inputs.start_Pa_per_s) p.assign(samples, 0.0);
   inputs.release = 300;
   const PlantGrid grid = grid_for(rig, 30, 1e-3);
-  const auto gas = bump_responses(inputs, {&rig, {}}, grid, bumps_of(inputs, 0.1), bin, 2);
+  const auto gas = bump_responses(inputs, {&rig, {}}, grid, bumps_of(inputs, 0.1), bump_bin, 2);
   const AxisParameters<double>& axis = rig.axis;
   const double volume_m3 = axis.cylinder.dead_volume_1_m3 + 0.5 * axis.cylinder.stroke_m * axis.cylinder.area_1_m2 +
                            axis.line_1.section_m2() * axis.line_1.length_m;

@@ -14,7 +14,7 @@ using namespace pneuservo::test;
 
 namespace {
 
-Rig owners_rig() {
+Rig branched_rig() {
   Rig rig = cylinder_rig(5.0);
   rig.tolerances = {{"valve.area_per_volt_m2_per_V", 0.03}, {"line_1.length_m", 0.005},
                     {"line_1.diameter_m", 0.005},           {"line_2.length_m", 0.005},
@@ -23,7 +23,7 @@ Rig owners_rig() {
 }
 
 Recording with_vessel_on_line_2() {
-  Rig machine = owners_rig();
+  Rig machine = branched_rig();
   machine.axis.effects.line_branch_2 = {1.5e-4, 0.3, 4e-3, 0.6};
   return simulated_recording(machine, 6.5, 21, all_pressures);
 }
@@ -31,7 +31,7 @@ Recording with_vessel_on_line_2() {
 }  // namespace
 
 TEST_CASE("a vessel on a line is named, with its volume and its place") {
-  const Diagnosis found = diagnose(owners_rig(), {with_vessel_on_line_2()});
+  const Diagnosis found = diagnose(branched_rig(), {with_vessel_on_line_2()});
   CAPTURE(found.sentence);
   CHECK(found.verdict == Verdict::missing_physics);
   REQUIRE(found.answers.size() == 1);
@@ -47,7 +47,7 @@ TEST_CASE("a vessel on a line is named, with its volume and its place") {
 }
 
 TEST_CASE("a line of which length and diameter would both be wrong has something that its owner does not know") {
-  const Rig owner = owners_rig();
+  const Rig owner = branched_rig();
   CylinderResiduals model(owner, {with_vessel_on_line_2()});
   FittedRows rows(model, {});
   std::vector<Candidate> known;

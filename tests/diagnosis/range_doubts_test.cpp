@@ -42,7 +42,7 @@ Recording motion(Drawn& drawn, double amplitude_m, double noise_m) {
   return out;
 }
 
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+double largest_range_difference(const std::vector<double>& a, const std::vector<double>& b) {
   double largest = 0;
   for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
   return largest;
@@ -71,7 +71,7 @@ TEST_CASE("the turns of a counter are added, whatever its range and where it beg
     for (double& x : shifted) x += shift;
     // Noise of a step leaves the counter's range unsure by a quantum, once for each turn.
     const double most_turns = std::ceil(0.2 / range_m);
-    CHECK(largest_difference(wrong.column("x_m"), shifted) < 5e-6 * most_turns + 1e-9);
+    CHECK(largest_range_difference(wrong.column("x_m"), shifted) < 5e-6 * most_turns + 1e-9);
   }
 }
 

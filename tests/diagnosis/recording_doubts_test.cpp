@@ -17,7 +17,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-const std::vector<std::string> ports{"p1_port_Pa", "p2_port_Pa"};
+const std::vector<std::string> port_names{"p1_port_Pa", "p2_port_Pa"};
 
 /// A machine near the owner's rig, with a fault of its own.
 Rig drawn_machine(std::mt19937& generator, const Rig& owner) {
@@ -33,7 +33,7 @@ void shift(std::vector<double>& values, double factor, double offset) {
   for (double& value : values) value = factor * value + offset;
 }
 
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+double largest_channel_difference(const std::vector<double>& a, const std::vector<double>& b) {
   double largest = 0;
   for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
   return largest;
@@ -48,19 +48,19 @@ const std::vector<Mistake> mistakes{
     {"millimetres", [](Recording& r) { shift(r.column("x_m"), 1000, 0); }},
     {"bar",
      [](Recording& r) {
-       for (const auto& p : ports) shift(r.column(p), 1e-5, 0);
+       for (const auto& p : port_names) shift(r.column(p), 1e-5, 0);
      }},
     {"kPa",
      [](Recording& r) {
-       for (const auto& p : ports) shift(r.column(p), 1e-3, 0);
+       for (const auto& p : port_names) shift(r.column(p), 1e-3, 0);
      }},
     {"gauge",
      [](Recording& r) {
-       for (const auto& p : ports) shift(r.column(p), 1, -101325);
+       for (const auto& p : port_names) shift(r.column(p), 1, -101325);
      }},
     {"bar, gauge",
      [](Recording& r) {
-       for (const auto& p : ports) shift(r.column(p), 1e-5, -1.01325);
+       for (const auto& p : port_names) shift(r.column(p), 1e-5, -1.01325);
      }},
     {"neutral in the middle", [](Recording& r) { shift(r.column("u_V"), 1, 5); }},
     {"u_V has the other sign", [](Recording& r) { shift(r.column("u_V"), -1, 0); }},
@@ -76,7 +76,7 @@ TEST_CASE("each mistake of units and wiring is named and undone, on drawn machin
   std::mt19937 generator(seed);
   for (const double length_m : {2.0, 10.0}) {
     Rig owner = test::cylinder_rig(length_m);
-    const Recording right = test::simulated_recording(drawn_machine(generator, owner), 6.0, seed, ports);
+    const Recording right = test::simulated_recording(drawn_machine(generator, owner), 6.0, seed, port_names);
     std::vector<Recording> untouched{right};
     std::vector<std::string> notes;
     doubt_recordings(owner, untouched, notes);
@@ -91,9 +91,9 @@ TEST_CASE("each mistake of units and wiring is named and undone, on drawn machin
       CAPTURE(notes);
       REQUIRE(notes.size() == 1);
       CHECK_THAT(notes[0], Contains(mistake.told) && Contains("import"));
-      CHECK(largest_difference(wrong[0].column("x_m"), right.column("x_m")) < 1e-9);
-      CHECK(largest_difference(wrong[0].column("u_V"), right.column("u_V")) < 1e-9);
-      CHECK(largest_difference(wrong[0].column("p1_port_Pa"), right.column("p1_port_Pa")) < 1);
+      CHECK(largest_channel_difference(wrong[0].column("x_m"), right.column("x_m")) < 1e-9);
+      CHECK(largest_channel_difference(wrong[0].column("u_V"), right.column("u_V")) < 1e-9);
+      CHECK(largest_channel_difference(wrong[0].column("p1_port_Pa"), right.column("p1_port_Pa")) < 1);
     }
   }
 }
@@ -114,7 +114,7 @@ TEST_CASE("exchanged chambers, sides and a supply at a port are named and undone
     REQUIRE(notes.size() == (exchanged.empty() ? 0 : 1));
     if (!exchanged.empty()) CHECK_THAT(notes[0], Contains(told));
     for (const auto& column : test::all_pressures)
-      CHECK(largest_difference(wrong[0].column(column), right.column(column)) < 1);
+      CHECK(largest_channel_difference(wrong[0].column(column), right.column(column)) < 1);
   };
   const std::pair port{"p1_port_Pa", "p2_port_Pa"}, chamber{"p1_chamber_Pa", "p2_chamber_Pa"};
   check({}, "");
@@ -131,8 +131,8 @@ TEST_CASE("gauge pressures are told beside a valve whose neutral is off, which p
   Rig owner = test::cylinder_rig(10.0);
   Rig machine = drawn_machine(generator, owner);
   machine.axis.effects.valve.valve_offset.offset_V = std::uniform_real_distribution<double>(0.006, 0.02)(generator);
-  std::vector<Recording> right{test::simulated_recording(machine, 6.0, seed, ports)}, wrong = right;
-  for (const auto& p : ports) shift(wrong[0].column(p), 1, -101325);
+  std::vector<Recording> right{test::simulated_recording(machine, 6.0, seed, port_names)}, wrong = right;
+  for (const auto& p : port_names) shift(wrong[0].column(p), 1, -101325);
   std::vector<std::string> notes;
   CAPTURE(port_misfit(owner, right[0]), port_misfit(owner, wrong[0]), notes);
   REQUIRE_NOTHROW(doubt_recordings(owner, right, notes));
@@ -147,9 +147,9 @@ TEST_CASE("mistakes that come together are undone together, and stated beside th
   INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   std::mt19937 generator(seed);
   Rig owner = test::cylinder_rig(2.0);
-  const Recording right = test::simulated_recording(drawn_machine(generator, owner), 6.0, seed, ports);
+  const Recording right = test::simulated_recording(drawn_machine(generator, owner), 6.0, seed, port_names);
   std::vector<Recording> wrong{right};
-  for (const auto& p : ports) shift(wrong[0].column(p), 1, -101325);
+  for (const auto& p : port_names) shift(wrong[0].column(p), 1, -101325);
   shift(wrong[0].column("u_V"), 1, 5);
   shift(wrong[0].column("x_m"), 1000, 0);
   ImportedColumn valve;
@@ -160,9 +160,9 @@ TEST_CASE("mistakes that come together are undone together, and stated beside th
   doubt_recordings(owner, wrong, notes);
   CAPTURE(notes);
   REQUIRE(notes.size() == 3);
-  CHECK(largest_difference(wrong[0].column("x_m"), right.column("x_m")) < 1e-9);
-  CHECK(largest_difference(wrong[0].column("u_V"), right.column("u_V")) < 1e-9);
-  CHECK(largest_difference(wrong[0].column("p1_port_Pa"), right.column("p1_port_Pa")) < 1);
+  CHECK(largest_channel_difference(wrong[0].column("x_m"), right.column("x_m")) < 1e-9);
+  CHECK(largest_channel_difference(wrong[0].column("u_V"), right.column("u_V")) < 1e-9);
+  CHECK(largest_channel_difference(wrong[0].column("p1_port_Pa"), right.column("p1_port_Pa")) < 1);
   CHECK_THAT(notes[1], Contains("offset: 101325") && Contains("p2_port_Pa: {column"));
   CHECK_THAT(notes[2], Contains("u_V: {column: \"Ventil [mV]\", factor: 0.001, offset: -5}"));
   CHECK(source_of(wrong[0], "x_m").factor == 1e-3);
@@ -188,7 +188,7 @@ TEST_CASE("the unit and the zero of a position follow from its range where only 
     REQUIRE_NOTHROW(doubt_position_unit(rig, r, notes));
     REQUIRE(notes.size() == 1);
     CHECK_THAT(notes[0], Contains(told));
-    CHECK(largest_difference(r.column("x_m"), right.column("x_m")) < 1e-9);
+    CHECK(largest_channel_difference(r.column("x_m"), right.column("x_m")) < 1e-9);
   };
   check(1000, 0, "millimetres");
   check(1000, 500 * stroke_m, "millimetres, counted from the retracted end");
@@ -200,14 +200,14 @@ TEST_CASE("a zero at the end and units of the command that no range gives away a
   Rig rig = test::cylinder_rig();
   rig.axis.cylinder.stroke_m = 0.4;  // of which the motion covers the middle: within the stroke both ways
   rig.axis.valve.command_max_V = 10;
-  const Recording right = test::simulated_recording(rig, 4.0, 5, ports);
+  const Recording right = test::simulated_recording(rig, 4.0, 5, port_names);
   const auto read = [&](const std::string& column, double factor, double offset) {
     std::vector<Recording> wrong{right};
     shift(wrong[0].column(column), factor, offset);
     Rig owner = rig;
     std::vector<std::string> notes;
     doubt_recordings(owner, wrong, notes);
-    CHECK(largest_difference(wrong[0].column(column), right.column(column)) < 1e-9);
+    CHECK(largest_channel_difference(wrong[0].column(column), right.column(column)) < 1e-9);
     return notes.empty() ? std::string() : notes.front();
   };
   const double low = quantile(right.column("x_m"), 0), high = quantile(right.column("x_m"), 1);
@@ -226,7 +226,7 @@ TEST_CASE("a zero at the end and units of the command that no range gives away a
 
 TEST_CASE("what cannot be known is asked for in one sentence with the key") {
   Rig rig = test::cylinder_rig();
-  const Recording right = test::simulated_recording(rig, 4.0, 5, ports);
+  const Recording right = test::simulated_recording(rig, 4.0, 5, port_names);
   std::vector<std::string> notes;
   const auto refused = [&](auto make, const std::string& what) {
     std::vector<Recording> wrong{right};
@@ -242,7 +242,7 @@ TEST_CASE("spikes and frozen samples are left out, and told") {
   INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   std::mt19937 generator(seed);
   Rig rig = test::cylinder_rig();
-  const Recording right = test::simulated_recording(rig, 4.0, 7, ports);
+  const Recording right = test::simulated_recording(rig, 4.0, 7, port_names);
   std::vector<Recording> wrong{right};
   const std::size_t at = 500 + generator() % 1000;
   wrong[0].column("p1_port_Pa")[at] = 1e9;

@@ -18,24 +18,24 @@ using namespace pneuservo;
 
 namespace {
 
-enum class Wiring { right, valve_reversed, encoder_reversed, ports_exchanged, hoses_exchanged };
+enum class AxisWiring { right, valve_reversed, encoder_reversed, ports_exchanged, hoses_exchanged };
 
 /// The simulated machine behind wiring that may be wrong.
-class WiredBackend final : public Backend {
+class WiredAxisBackend final : public Backend {
  public:
-  WiredBackend(const Rig& machine, Wiring wiring) : machine_(machine), wiring_(wiring) { machine_.configure(); }
+  WiredAxisBackend(const Rig& machine, AxisWiring wiring) : machine_(machine), wiring_(wiring) { machine_.configure(); }
   void configure() override {}
   void activate() override {}
   void deactivate() noexcept override {}
   bool read(std::int64_t tick, Measurement& m) noexcept override {
     machine_.read(tick, m);
-    if (wiring_ == Wiring::encoder_reversed) m.channel[Signal::x].value = -m.channel[Signal::x].value;
-    if (wiring_ == Wiring::ports_exchanged || wiring_ == Wiring::hoses_exchanged)
+    if (wiring_ == AxisWiring::encoder_reversed) m.channel[Signal::x].value = -m.channel[Signal::x].value;
+    if (wiring_ == AxisWiring::ports_exchanged || wiring_ == AxisWiring::hoses_exchanged)
       std::swap(m.channel[Signal::p1_port].value, m.channel[Signal::p2_port].value);
     return true;
   }
   bool write(std::int64_t tick, const Command& command) noexcept override {
-    const double sign = wiring_ == Wiring::valve_reversed || wiring_ == Wiring::hoses_exchanged ? -1.0 : 1.0;
+    const double sign = wiring_ == AxisWiring::valve_reversed || wiring_ == AxisWiring::hoses_exchanged ? -1.0 : 1.0;
     return machine_.write(tick, {sign * command.valve_V, sign * command.valve_2_V, command.enable});
   }
   Origins origins() const override { return machine_.origins(); }
@@ -44,7 +44,7 @@ class WiredBackend final : public Backend {
 
  private:
   SimBackend machine_;
-  Wiring wiring_;
+  AxisWiring wiring_;
 };
 
 struct Outcome {
@@ -61,10 +61,10 @@ double air_force_N(const Rig& rig, const Truth& truth) {
 }
 
 /// The controller of `rig` on `machine`, until the first fault or the end.
-Outcome run_on(const Rig& rig, const Rig& machine, Wiring wiring = Wiring::right) {
+Outcome run_on(const Rig& rig, const Rig& machine, AxisWiring wiring = AxisWiring::right) {
   AxisLoop loop;
   loop.configure(rig);
-  WiredBackend backend(machine, wiring);
+  WiredAxisBackend backend(machine, wiring);
   Outcome out;
   out.limits = loop.supervisor().motion().limits();
   const double start_m = backend.truth().x_m;
@@ -154,8 +154,8 @@ TEST_CASE("motion: machines within tolerances, payload and friction are no fault
 
 TEST_CASE("motion: reversed and exchanged wiring is found within 5 mm and at no more than 0.2 m/s") {
   const std::string name = GENERATE(from_range(rigs.begin(), rigs.end()));
-  const Wiring wiring =
-      GENERATE(Wiring::valve_reversed, Wiring::encoder_reversed, Wiring::ports_exchanged, Wiring::hoses_exchanged);
+  const AxisWiring wiring = GENERATE(AxisWiring::valve_reversed, AxisWiring::encoder_reversed,
+                                     AxisWiring::ports_exchanged, AxisWiring::hoses_exchanged);
   const Rig rig = config_rig(name);
   const Outcome out = run_on(rig, rig, wiring);
   CAPTURE(name, static_cast<int>(wiring), out.t_s, out.went_m, out.peak_mps);
@@ -189,7 +189,7 @@ TEST_CASE("motion: an obstacle is found within 20 ms and 60 N of contact") {
   machine.axis.cylinder.dead_volume_2_m3 += machine.axis.cylinder.area_2_m2 * hidden_m;
   AxisLoop loop;
   loop.configure(rig);
-  WiredBackend backend(machine, Wiring::right);
+  WiredAxisBackend backend(machine, AxisWiring::right);
   double contact_s = -1.0, contact_N = 0.0;
   for (std::int64_t tick = 0; loop.faults() == 0 && tick < 5000; ++tick) {
     loop.pass(backend, tick, 0, nullptr, nullptr);

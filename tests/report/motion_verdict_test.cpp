@@ -24,7 +24,7 @@ namespace {
 
 constexpr double amplitude_m = 0.08, reference_Hz = 1.0;
 
-Rig sine_rig() {
+Rig judged_sine_rig() {
   Rig rig;
   rig.reference.kind = ReferenceKind::sine;
   rig.reference.amplitude_m = amplitude_m;
@@ -46,7 +46,7 @@ RunResult judged(const Rig& rig, std::vector<Row> rows) {
 
 /// An axis that comes `lag_s` late with `ratio` of the amplitude; `more(row)` adds to it.
 template <class More> RunResult lagging(double lag_s, double ratio, More&& more) {
-  return judged(sine_rig(), make_rows(6.0, 1e-3, [&](Row& row) {
+  return judged(judged_sine_rig(), make_rows(6.0, 1e-3, [&](Row& row) {
                   row.x_ref_m = amplitude_m * wave(reference_Hz, row.t_s);
                   row.x_true_m = row.measured[Signal::x] = ratio * amplitude_m * wave(reference_Hz, row.t_s - lag_s);
                   row.u_V = 1.2 * wave(reference_Hz, row.t_s + 0.2);
@@ -165,7 +165,7 @@ TEST_CASE("noise is no swing") {
 }
 
 TEST_CASE("a blow at the end stop is told with place, time and speed, a start at it is not") {
-  const Rig rig = sine_rig();
+  const Rig rig = judged_sine_rig();
   const auto bouncing = [&](double from_m, double speed_mps) {
     return judged(rig, make_rows(6.0, 1e-3, [&](Row& row) {
                     row.x_ref_m = 0.01 * wave(1.0, row.t_s);

@@ -30,7 +30,7 @@ double weighting_function(double tau) {
   return sum;
 }
 
-Answer answer(Resolution resolution, const Check& check) {
+Answer startup_answer(Resolution resolution, const Check& check) {
   if (check.quantity == "weighting_function_W") return weighting_function(check.number("tau"));
   const double D_mm = check.has("D_mm") ? check.number("D_mm") : 4.15, R = 0.5e-3 * D_mm;
   const double diffusion_time = R * R * density / viscosity;
@@ -47,5 +47,5 @@ Answer answer(Resolution resolution, const Check& check) {
 TEST_CASE("V07 laminar flow started from rest", "[V07]") {
   Case v07("V07", {"frequency_dependent"});
   for (const auto resolution : {Resolution::normal, Resolution::fine})
-    v07.run(resolution, [&](const Check& check) { return answer(resolution, check); });
+    v07.run(resolution, [&](const Check& check) { return startup_answer(resolution, check); });
 }

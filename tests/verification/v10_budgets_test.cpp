@@ -122,7 +122,7 @@ double loop_work(double f, double h) {
   return work;
 }
 
-Answer answer(Resolution resolution, const Check& check) {
+Answer budget_answer(Resolution resolution, const Check& check) {
   const bool fine = resolution == Resolution::fine;
   const std::string part = check.text("part"), &q = check.quantity;
   if (part == "a") {
@@ -151,5 +151,5 @@ Answer answer(Resolution resolution, const Check& check) {
 TEST_CASE("V10 budgets of a sealed axis", "[V10]") {
   Case v10("V10");
   for (const auto resolution : {Resolution::normal, Resolution::fine})
-    v10.run(resolution, [&](const Check& check) { return answer(resolution, check); });
+    v10.run(resolution, [&](const Check& check) { return budget_answer(resolution, check); });
 }

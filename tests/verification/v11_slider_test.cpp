@@ -194,7 +194,7 @@ Answer end_stop(const Check& check, double h) {
   throw std::runtime_error("quantity is unknown");
 }
 
-Answer answer(Resolution resolution, const Check& check) {
+Answer slider_answer(Resolution resolution, const Check& check) {
   const bool fine = resolution == Resolution::fine;
   const std::string part = check.text("part"), &q = check.quantity;
   if (part == "a") return driven(check, fine ? 1e-6 : 1e-3);
@@ -218,5 +218,5 @@ Answer answer(Resolution resolution, const Check& check) {
 TEST_CASE("V11 slider", "[V11]") {
   Case v11("V11");
   for (const auto resolution : {Resolution::normal, Resolution::fine})
-    v11.run(resolution, [&](const Check& check) { return answer(resolution, check); });
+    v11.run(resolution, [&](const Check& check) { return slider_answer(resolution, check); });
 }

@@ -86,7 +86,7 @@ Complex sine_response(double f, double tau, double dt) {
   return sum * 2.0 * dt / Complex(0.0, -1.0);
 }
 
-Answer answer(Resolution resolution, const Check& check) {
+Answer sensor_answer(Resolution resolution, const Check& check) {
   const std::string& q = check.quantity;
   if (q == "quantised") {
     const double gain = check.has("gain") ? check.number("gain") : 1.0,
@@ -123,5 +123,5 @@ TEST_CASE("V13 sensors", "[V13]") {
   Case v13("V13");
   INFO("seed " << seed);
   for (const auto resolution : {Resolution::normal, Resolution::fine})
-    v13.run(resolution, [&](const Check& check) { return answer(resolution, check); });
+    v13.run(resolution, [&](const Check& check) { return sensor_answer(resolution, check); });
 }

@@ -16,9 +16,9 @@ if(PNEUSERVO_PYTHON_MODULE)
   return()
 endif()
 
-# Without pip's own environment: the one that tools/setup makes.
-if(NOT SKBUILD AND NOT Python_EXECUTABLE AND EXISTS ${PROJECT_SOURCE_DIR}/build/python/bin/python)
-  set(Python_EXECUTABLE ${PROJECT_SOURCE_DIR}/build/python/bin/python)
+# Without pip's own environment: the one that tools/python-env makes.
+if(NOT SKBUILD AND NOT Python_EXECUTABLE AND EXISTS ${PROJECT_SOURCE_DIR}/build/python-env/bin/python)
+  set(Python_EXECUTABLE ${PROJECT_SOURCE_DIR}/build/python-env/bin/python)
 endif()
 find_package(Python 3.9 COMPONENTS Interpreter Development.Module OPTIONAL_COMPONENTS Development.SABIModule)
 set(reason "Python 3.9 with its headers (python3-dev)")

@@ -17,6 +17,7 @@
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
+#include "record/import.hpp"
 
 namespace pneuservo {
 namespace {

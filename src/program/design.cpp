@@ -16,6 +16,7 @@
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
+#include "record/import.hpp"
 #include "report/design_json.hpp"
 #include "report/design_report.hpp"
 #include "report/design_summary.hpp"

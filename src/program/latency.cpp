@@ -16,6 +16,7 @@
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
+#include "record/import.hpp"
 #include "report/run_json.hpp"
 #include "sim/sim_backend.hpp"
 

@@ -23,6 +23,7 @@
 #include "loop/safety_grade.hpp"
 #include "loop/told_payload.hpp"
 #include "program/rig_options.hpp"
+#include "record/import.hpp"
 #include "report/evaluation.hpp"
 #include "report/motion_verdict.hpp"
 

@@ -13,6 +13,7 @@
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
+#include "record/import.hpp"
 #include "report/html_page.hpp"
 
 namespace pneuservo {

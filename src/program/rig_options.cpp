@@ -13,14 +13,8 @@
 #include "config/version.hpp"
 #include "origin_name.hpp"
 #include "program/output_files.hpp"
-#include "record/import.hpp"
 
 namespace pneuservo {
-
-std::pair<std::vector<double>, std::vector<double>> load_reference_positions(const std::string& path) {
-  const Recording recording = read_first_recording(path, std::nullopt, std::numeric_limits<double>::quiet_NaN());
-  return {recording.t_s(), recording.column("x_ref_m")};
-}
 
 void add_set_option(Verb& verb, std::vector<std::string>& sets) {
   verb.add_option("--set", sets,

@@ -1,4 +1,4 @@
-// What verbs that take a CONFIG share: reading it with --set, loading references of kind file, writing results.
+// What verbs that take a CONFIG share: reading it with --set, writing results.
 #pragma once
 #include <initializer_list>
 #include <string>
@@ -20,9 +20,6 @@ namespace pneuservo {
 
 /// The option --set PATH=VALUE of every verb that reads a config; it may stand several times.
 void add_set_option(Verb& verb, std::vector<std::string>& sets);
-
-/// Loads t_s and x_ref_m of a recording, for references of kind `file`. Throws InputError.
-std::pair<std::vector<double>, std::vector<double>> load_reference_positions(const std::string& path);
 
 /// Throws InputError where commands drive no valve of this rig, or more than the verb works on.
 void require_valves(std::string_view verb, const std::string& config, const Rig& rig, std::size_t most = 2);

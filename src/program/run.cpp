@@ -25,6 +25,7 @@
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
+#include "record/import.hpp"
 #include "record/writer.hpp"
 #include "report/evaluation.hpp"
 #include "report/motion_verdict.hpp"

@@ -9,6 +9,7 @@
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
+#include "record/import.hpp"
 #include "report/stopping_report.hpp"
 
 namespace pneuservo {

@@ -7,6 +7,7 @@
 #include "backends.hpp"
 #include "loop/runner.hpp"
 #include "program/rig_options.hpp"
+#include "record/import.hpp"
 #include "record/row_text.hpp"
 
 namespace pneuservo {

@@ -301,4 +301,9 @@ Recording read_first_recording(const std::string& path, const std::optional<Impo
   return std::move(runs.front());
 }
 
+std::pair<std::vector<double>, std::vector<double>> load_reference_positions(const std::string& path) {
+  const Recording recording = read_first_recording(path, std::nullopt, std::numeric_limits<double>::quiet_NaN());
+  return {recording.t_s(), recording.column("x_ref_m")};
+}
+
 }  // namespace pneuservo

@@ -3,6 +3,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <pneuservo/record/import_parameters.hpp>
@@ -27,5 +28,8 @@ std::vector<Recording> recordings_in(CsvTable table, const std::optional<ImportP
 /// The first run, for verbs that take one; that there are others is told.
 Recording read_first_recording(const std::string& path, const std::optional<ImportParameters>& imported,
                                double period_s);
+
+/// Loads t_s and x_ref_m of a recording, for references of kind `file`. Throws InputError.
+std::pair<std::vector<double>, std::vector<double>> load_reference_positions(const std::string& path);
 
 }  // namespace pneuservo

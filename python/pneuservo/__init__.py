@@ -1,0 +1,97 @@
+# The Python package: what the program does, as objects and arrays.
+"""Pneumatic servo axes with long lines: estimator, plant, laws, diagnosis, design, recordings.
+
+Quantities are in SI units, which stand in the names (pressures absolute, x_m = 0 at mid-stroke). Names are those of
+configs and recordings. Arrays are numpy's float64 of shape (rows,), read and given without a copy. Long calls release
+the interpreter's lock; an object that two threads use at once refuses the second one.
+"""
+import json
+import os
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Union
+
+from ._core import (AxisValues, Config, Design, Estimate, Estimator, ImportResult, Law, Machine, Plant, Recording, Run,
+                    __version__, design, import_recording, run)
+from ._core import Diagnosis as _Diagnosis
+from ._core import diagnose as _diagnose
+from ._core import read_recordings as _read_recordings
+from ._core import simulate as _simulate
+from .errors import AxisRefused, DiagnosisStopped, InputError
+
+__all__ = ["AxisRefused", "AxisValues", "Config", "Design", "Diagnosis", "DiagnosisStopped", "Estimate", "Estimator",
+           "ImportResult", "InputError", "Law", "Machine", "Plant", "Recording", "Run", "__version__", "design",
+           "diagnose", "import_recording", "read_recordings", "recording_of", "run", "simulate", "state_space",
+           "to_dict", "to_pandas"]
+
+Diagnosis = _Diagnosis
+Source = Union[str, os.PathLike, Recording, Mapping[str, Any]]
+
+
+def read_recordings(path: Union[str, os.PathLike], config: Optional[Config] = None) -> List[Recording]:
+    """The runs of one file; files of other loggers by the config's section import. Raises InputError."""
+    return _read_recordings(os.fspath(path), config)
+
+
+def recording_of(source: Source, config: Optional[Config] = None) -> Recording:
+    """One recording from a file (its first run), a mapping of columns or a DataFrame with t_s [s]."""
+    if isinstance(source, Recording):
+        return source
+    if isinstance(source, (str, os.PathLike)):
+        return read_recordings(source, config)[0]
+    period_s = config.period_s if config is not None else float("nan")
+    return Recording(source, period_s=period_s, rig=config.name if config is not None else "")
+
+
+def simulate(config: Config, command: Source) -> Dict[str, Any]:
+    """The plant alone on a recorded command: t_s and u_V (u1_V and u2_V of a servo table), held over gaps.
+
+    Starts at the recording's first position and pressures, at rest. Gives columns of shape (rows,) by their names in
+    recordings, without sensor noise.
+    """
+    recording = recording_of(command, config)
+    return {"t_s": recording["t_s"], **_simulate(config, recording)}
+
+
+def _recordings(sources: Iterable[Source], config: Config) -> List[Recording]:
+    out: List[Recording] = []
+    for source in [sources] if isinstance(sources, (str, os.PathLike, Recording)) else sources:
+        if isinstance(source, (str, os.PathLike)):
+            out += read_recordings(source, config)
+        else:
+            out.append(recording_of(source, config))
+    return out
+
+
+def diagnose(config: Config, recordings: Sequence[Source], held_out: Sequence[Source] = (), *, jobs: int = 0,
+             latent: bool = False, progress: Optional[Callable[[float, str], Optional[bool]]] = None,
+             cancel: Any = None) -> Diagnosis:
+    """Where and why recordings of the machine differ from its config.
+
+    held_out: recordings that no fit sees. jobs: threads, 0: all of the machine. latent: a free function of time at each
+    element, too. progress(share, what) is called as it goes on; False from it cancels, as does a set threading.Event
+    in cancel. Ctrl-C or cancelling gives what is known by then, with `stopped` true. Where nothing is known yet, Ctrl-C
+    raises KeyboardInterrupt and cancelling raises DiagnosisStopped.
+    """
+    return _diagnose(config, _recordings(recordings, config), _recordings(held_out, config), jobs, latent, progress,
+                     cancel)
+
+
+def to_dict(result: Union[Diagnosis, Design, Config]) -> Dict[str, Any]:
+    """A diagnosis or a design as the verbs' --json, a config by its keys."""
+    return result.to_dict() if isinstance(result, Config) else json.loads(result.json())
+
+
+def to_pandas(source: Any) -> Any:
+    """A DataFrame: of a recording, of a run, of columns, or of a diagnosis (a row an answer)."""
+    import pandas
+
+    if isinstance(source, Diagnosis):
+        return pandas.DataFrame(to_dict(source)["answers"])
+    columns = source.columns if isinstance(source, Run) else source
+    return pandas.DataFrame({name: columns[name] for name in columns.keys()}, copy=False)
+
+
+def state_space(design: Design, order: Optional[int] = None) -> Any:
+    """python-control's StateSpace of the axis: command [V] to position [m], velocity [m/s], acceleration [m/s2]."""
+    import control
+
+    return control.ss(*design.matrices(order), inputs=["u_V"], outputs=["x_m", "v_mps", "a_mps2"])

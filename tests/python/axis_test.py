@@ -1,0 +1,130 @@
+# Estimator, plant, machine and law, step by step and by arrays.
+import concurrent.futures
+import math
+import multiprocessing
+
+import numpy
+import pytest
+
+import pneuservo
+from conftest import TABLE
+
+
+def test_the_estimator_gives_the_same_step_by_step_and_by_arrays(config, swept):
+    ports = [swept[name] for name in ("p1_port_Pa", "p2_port_Pa", "x_m", "v_mps", "u_V")]
+    by_arrays = pneuservo.Estimator(config).run(*ports)
+    estimator = pneuservo.Estimator(config)
+    for row in range(0, 500):
+        one = estimator.step(*(column[row] for column in ports))
+        assert one.p1_estimated_Pa == by_arrays["p1_estimated_Pa"][row]
+        assert one.p2_bound_Pa == by_arrays["p2_bound_Pa"][row]
+    assert by_arrays["health"].dtype == numpy.uint32 and not by_arrays["health"].any()
+
+
+def test_the_estimate_lies_on_the_chamber_and_not_on_the_port(config, swept):
+    estimate = pneuservo.Estimator(config).run(swept["p1_port_Pa"], swept["p2_port_Pa"], swept["x_m"], swept["v_mps"])
+    late = slice(1000, None)
+    error = estimate["p1_estimated_Pa"][late] - swept["p1_chamber_Pa"][late]
+    port = swept["p1_port_Pa"][late] - swept["p1_chamber_Pa"][late]
+    assert numpy.sqrt(numpy.mean(error**2)) < 0.1 * numpy.sqrt(numpy.mean(port**2))
+
+
+def test_an_estimate_goes_on_where_it_ended(config, swept):
+    names = ("p1_port_Pa", "p2_port_Pa", "x_m", "v_mps")
+    whole = pneuservo.Estimator(config).run(*(swept[name] for name in names))
+    estimator = pneuservo.Estimator(config)
+    parts = [estimator.run(*(swept[name][span] for name in names)) for span in (slice(0, 700), slice(700, None))]
+    assert numpy.array_equal(numpy.concatenate([p["p1_estimated_Pa"] for p in parts]), whole["p1_estimated_Pa"])
+
+
+def test_arrays_are_read_where_they_lie(config, swept):
+    names = ("p1_port_Pa", "p2_port_Pa", "x_m", "v_mps")
+    apart = numpy.column_stack([swept[name] for name in names])  # a column is every fourth number
+    estimate = pneuservo.Estimator(config).run(*apart.T)
+    whole = pneuservo.Estimator(config).run(*(swept[name] for name in names))
+    assert numpy.array_equal(estimate["p2_estimated_Pa"], whole["p2_estimated_Pa"])
+    assert not swept["x_m"].flags.writeable and not swept["x_m"].flags.owndata
+
+
+@pytest.mark.parametrize("wrong, kind, words", [
+    (numpy.zeros(2000, numpy.float32), TypeError, "x_m: found float32, expected an array of float64"),
+    (numpy.zeros((2000, 2)), ValueError, r"x_m: found the shape \(2000, 2\), expected one axis"),
+    (numpy.zeros(1999), ValueError, "x_m: found 1999 rows, expected 2000 as p1_port_Pa has"),
+    ([0.0] * 2000, TypeError, "x_m: found list, expected an array of float64"),
+    ("0", TypeError, "x_m: found str"),
+])
+def test_a_wrong_array_is_named(config, swept, wrong, kind, words):
+    with pytest.raises(kind, match=words):
+        pneuservo.Estimator(config).run(swept["p1_port_Pa"], swept["p2_port_Pa"], wrong, 0.0)
+
+
+def test_the_plant_gives_the_same_step_by_step_and_by_arrays(config):
+    u_V = 2.0 * numpy.sin(0.01 * numpy.arange(300))
+    columns = pneuservo.Plant(config).run(u_V)
+    plant = pneuservo.Plant(config)
+    for row, command in enumerate(u_V):
+        assert plant.now.x_m == columns["x_m"][row] and plant.now.p1_chamber_Pa == columns["p1_chamber_Pa"][row]
+        plant.step(command)
+
+
+def test_a_leak_empties_a_chamber(config):
+    still = numpy.zeros(1000)
+    leaking = config.with_effects({"chamber_leak_1": {"area_m2": 1e-7}})
+    tight, leaks = pneuservo.Plant(config).run(still), pneuservo.Plant(leaking).run(still)
+    assert leaks["p1_chamber_Pa"][-1] < tight["p1_chamber_Pa"][-1] - 1e3
+
+
+def test_simulate_is_the_plant_on_a_recorded_command(config, swept):
+    again = pneuservo.simulate(config, swept)
+    assert numpy.array_equal(again["x_m"], swept["x_m"])
+    assert numpy.array_equal(again["p2_port_Pa"], swept["p2_port_Pa"])
+    with pytest.raises(pneuservo.InputError, match="u_V"):
+        pneuservo.simulate(config, {"t_s": swept["t_s"]})
+
+
+def test_a_loop_of_parts_is_the_program_s_loop(config):
+    """Machine, estimator and law by hand against run(), as long as the program's own supervision has not let go."""
+    run = pneuservo.run(config)
+    assert not run.faults
+    columns = run.columns
+    machine, estimator, law = pneuservo.Machine(config), pneuservo.Estimator(config), pneuservo.Law(config)
+    u_V = 0.0
+    for row in range(len(run)):
+        seen = machine.read()
+        assert seen.x_m == columns["x_m"][row], row
+        chambers = estimator.step(seen.p1_port_Pa, seen.p2_port_Pa, seen.x_m, law.v_mps, u_V)
+        u_V = law.step(seen.x_m, chambers.p1_estimated_Pa, chambers.p2_estimated_Pa, seen.p1_port_Pa, seen.p2_port_Pa,
+                       seen.p_supply_Pa)
+        machine.write(u_V)
+
+
+def test_a_servo_table_has_two_commands():
+    config = pneuservo.Config(TABLE)
+    law = pneuservo.Law(config)
+    u_V = law.step(0.0, 3e5, 3e5)
+    assert len(u_V) == 2 and all(math.isfinite(u) for u in u_V)
+    assert set(law.terms)
+    columns = pneuservo.Plant(config).run(numpy.full(50, 0.5), numpy.full(50, 0.5))
+    assert columns["p1_chamber_Pa"][-1] > columns["p1_chamber_Pa"][0]
+
+
+def test_the_reference_and_its_derivatives(config):
+    t_s = numpy.linspace(0.0, 2.0, 2001)
+    wanted = pneuservo.Law(config).reference(t_s)
+    assert wanted.shape == (2001, 8)
+    slope = numpy.gradient(wanted[:, 0], t_s)
+    assert numpy.abs(slope - wanted[:, 1])[1:-1].max() < 1e-3
+
+
+def estimated(columns):
+    config = pneuservo.Config(TABLE.parent / "cylinder-10m-7.65mm.yaml")
+    return pneuservo.Estimator(config).run(*columns)["p1_estimated_Pa"]
+
+
+def test_threads_and_forked_processes_give_the_same(config, swept):
+    columns = tuple(numpy.array(swept[name]) for name in ("p1_port_Pa", "p2_port_Pa", "x_m", "v_mps"))
+    alone = estimated(columns)
+    with concurrent.futures.ThreadPoolExecutor(4) as threads:
+        assert all(numpy.array_equal(one, alone) for one in threads.map(estimated, [columns] * 8))
+    with multiprocessing.get_context("fork").Pool(2) as processes:
+        assert all(numpy.array_equal(one, alone) for one in processes.map(estimated, [columns] * 2))

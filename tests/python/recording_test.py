@@ -1,0 +1,97 @@
+# Recordings: files, arrays, pandas, foreign loggers, and the formats of other programs, equal to the last bit.
+import numpy
+import pytest
+
+import pneuservo
+
+
+def same(a, b):
+    return numpy.array_equal(numpy.asarray(a).view(numpy.uint64), numpy.asarray(b).view(numpy.uint64))
+
+
+def test_a_written_recording_reads_back_to_the_bit(config, swept, tmp_path):
+    path = str(tmp_path / "run.csv.gz")
+    swept.write(path, config)
+    again, = pneuservo.read_recordings(path, config)
+    assert again.rig == config.name and again.period_s == config.period_s
+    assert again.header["config"].startswith("# Rig")
+    for name in swept.keys():
+        assert same(again[name], swept[name]), name
+    with pytest.raises(pneuservo.InputError, match="run.csv.gz"):
+        swept.write(path, config)
+
+
+def test_pandas_and_back(config, swept):
+    pandas = pytest.importorskip("pandas")
+    frame = pneuservo.to_pandas(swept)
+    assert isinstance(frame, pandas.DataFrame) and list(frame.columns) == list(swept.keys())
+    again = pneuservo.recording_of(frame, config)
+    assert same(again["x_m"], swept["x_m"])
+
+
+def test_mistakes_of_recordings_are_named(tmp_path):
+    with pytest.raises(pneuservo.InputError, match="t_s"):
+        pneuservo.Recording({"x_m": numpy.zeros(3)})
+    with pytest.raises(ValueError, match="x_m: found 2 rows, expected 3 as t_s has"):
+        pneuservo.Recording({"t_s": numpy.arange(3.0), "x_m": numpy.zeros(2)})
+    with pytest.raises(pneuservo.InputError, match="nowhere.csv.gz"):
+        pneuservo.read_recordings(tmp_path / "nowhere.csv.gz")
+    recording = pneuservo.Recording({"t_s": numpy.arange(3.0)})
+    with pytest.raises(KeyError, match="x_m"):
+        recording["x_m"]
+
+
+def test_a_foreign_file_by_the_importer(tmp_path):
+    file = tmp_path / "logger.csv"
+    rows = "\n".join(f"{10 * i},{i / 7:.4f},{1.5 + i / 100:.3f}" for i in range(50))
+    file.write_text("time [ms],position [mm],p1 [bar]\n" + rows + "\n")
+    result = pneuservo.import_recording(str(file))
+    run = result.runs[0]
+    assert run["t_s"][1] - run["t_s"][0] == pytest.approx(0.01)
+    assert run["x_m"][7] == pytest.approx(1e-3)
+    assert "import:" in result.section
+    assert {c["taken_for"] for c in result.columns} >= {"t_s", "x_m"}
+
+
+@pytest.mark.parametrize("suffix, packages", [(".parquet", ["pyarrow"]), (".mat", ["scipy"]), (".mcap", ["mcap"])])
+def test_other_formats_come_back_to_the_bit(swept, tmp_path, suffix, packages):
+    for package in packages:
+        pytest.importorskip(package)
+    from pneuservo import export
+
+    columns = {name: numpy.array(swept[name]) for name in swept.keys()}
+    columns["p_supply_Pa"][3] = numpy.nan  # no value
+    columns["x_m"][4] = numpy.nextafter(0.1, 1.0)
+    recording = pneuservo.Recording(columns, period_s=swept.period_s, rig="rig")
+    path = tmp_path / f"run{suffix}"
+    export.write(recording, path)
+    again = export.read(path)
+    assert again.period_s == swept.period_s and again.rig == "rig"
+    assert list(again.keys()) == list(recording.keys())
+    for name in recording.keys():
+        assert same(again[name], recording[name]), name
+    with pytest.raises(pneuservo.InputError, match="expected none"):
+        export.write(recording, path)
+
+
+def test_the_command_exports_and_says_what_it_cannot(config, swept, tmp_path, capsys):
+    pytest.importorskip("scipy")
+    from pneuservo import export
+
+    swept.write(str(tmp_path / "run.csv.gz"), config)
+    assert export.main([str(tmp_path / "run.csv.gz"), "--mat", "--out", str(tmp_path)]) == 0
+    assert "written" in capsys.readouterr().out and (tmp_path / "run.mat").exists()
+    assert export.main([str(tmp_path / "nowhere.csv.gz"), "--mat"]) == 2
+    assert "nowhere.csv.gz" in capsys.readouterr().err
+
+
+def test_mcap_says_its_schema_and_units(swept, tmp_path):
+    reader = pytest.importorskip("mcap.reader")
+    from pneuservo import export
+
+    export.write(swept, tmp_path / "run.mcap")
+    with open(tmp_path / "run.mcap", "rb") as file:
+        schema, channel, message = next(iter(reader.make_reader(file).iter_messages()))
+    assert "float64 p1_port_Pa  # Pa" in schema.data.decode()
+    assert (channel.topic, channel.message_encoding, schema.encoding) == ("/recording", "cdr", "ros2msg")
+    assert len(message.data) == 4 + 8 * len(swept.keys())

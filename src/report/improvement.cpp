@@ -23,9 +23,11 @@ bool is_predicted(const RunResult& run) { return std::isfinite(run.metrics.max_p
 
 std::string fault_text(const RunResult& run) { return run.faults.empty() ? "" : "ended by " + run.faults.front(); }
 
+/// Numbers that differ as they are written.
 Table changes_table(const Improvement& improvement) {
   std::vector<std::string> paths, before, after;
   for (const ChangedNumber& change : improvement.changes) {
+    if (value_text(change.before) == value_text(change.after)) continue;
     paths.push_back(change.path);
     before.push_back(value_text(change.before));
     after.push_back(value_text(change.after));
@@ -53,8 +55,8 @@ Table errors_table(const Improvement& improvement) {
 /// How it is tried, on the simulated machine and on the real one.
 std::string trial_words(const Improvement& improvement) {
   const Rig& rig = improvement.improved;
-  if (!rig.hal) return fmt::format("try it: pneuservo run {}", improvement.written);
-  return fmt::format("try it: pneuservo check {0}, then pneuservo run {0} --backend configured --time real --record "
+  if (!rig.hal) return fmt::format("pneuservo run {}", improvement.written);
+  return fmt::format("pneuservo check {0}, then pneuservo run {0} --backend configured --time real --record "
                      "after.csv.gz",
                      improvement.written);
 }
@@ -139,7 +141,7 @@ std::string improvement_text(const Improvement& improvement) {
   else text += "\nwhat changes in the config:\n" + text_table(changes_table(improvement));
   if (is_predicted(improvement.before) || is_predicted(improvement.after))
     text += "\npredicted on the improved model:\n" + text_table(errors_table(improvement));
-  return text + fmt::format("\n{}\nwritten: {}\n{}\n", improvement_headline(improvement), improvement.written,
+  return text + fmt::format("\n{}\nwritten: {}\ntry it: {}\n", improvement_headline(improvement), improvement.written,
                             trial_words(improvement));
 }
 

@@ -56,7 +56,8 @@ Watched watched(const std::vector<std::string>& sets) {
 TEST_CASE("a known restriction, leak or branch is no fault and costs the estimate little") {
   for (const char* effect :
        {"line_restriction_1: {area_m2: 5e-6}", "chamber_leak_1: {area_m2: 3e-7}", "piston_leak: {area_m2: 3e-7}",
-        "line_leak_1: {area_m2: 3e-7, position: 0.6}", "line_branch_1: {volume_m3: 2e-4, neck_length_m: 0.1, neck_diameter_m: 0.004, position: 0.6}"}) {
+        "line_leak_1: {area_m2: 3e-7, position: 0.6}",
+        "line_branch_1: {volume_m3: 2e-4, neck_length_m: 0.1, neck_diameter_m: 0.004, position: 0.6}"}) {
     CAPTURE(effect);
     const std::string braced = "{" + std::string(effect) + "}";
     const Watched known = watched({"effects=" + braced});

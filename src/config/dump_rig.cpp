@@ -5,6 +5,7 @@
 
 #include "config/field_text.hpp"
 #include "config/reference_fields.hpp"
+#include "config/rig_parameters.hpp"
 #include "config/same_rig.hpp"
 
 namespace pneuservo {
@@ -87,26 +88,37 @@ class SectionWriter {
   int indent_;
 };
 
-/// Writes those effects of a visit that are not neutral.
+/// Writes those effects of a visit that are not neutral, or that have a value among `stated`.
 struct EffectWriter {
   std::string& out;
+  const std::map<std::string, double>& stated;
   std::string_view channel{};  ///< of a sensor's effect
   template <class Effect> void operator()(const Field& field, const Effect& effect) const {
-    if (same_section(effect, Effect{})) return;
     const std::string name = channel.empty() ? std::string(field.key) : fmt::format("{}:{}", field.key, channel);
+    const std::string path = fmt::format("effects.{}.", name);
+    const auto next = stated.lower_bound(path);
+    const bool is_stated = next != stated.end() && next->first.starts_with(path);
+    if (!is_stated && same_section(effect, Effect{})) return;
     Field named = field;
     named.key = name;
     SectionWriter(out, 2).section(named, effect);
   }
 };
 
-void write_effects(const Field& field, const Rig& rig, std::string& out) {
+void write_effects(const Field& field, const Rig& rig, const std::map<std::string, double>& stated, std::string& out) {
   std::string effects;
-  visit_effects(rig, EffectWriter{effects});
+  visit_effects(rig, EffectWriter{effects, stated});
   for (const Signal signal : all_signals)
-    SensorEffects<double>::visit(EffectWriter{effects, info(signal).name}, rig.sensor_effects[signal]);
+    SensorEffects<double>::visit(EffectWriter{effects, stated, info(signal).name}, rig.sensor_effects[signal]);
   SectionWriter(out, 0).line(field, effects.empty() ? "{}" : "");
   out += effects;
+}
+
+void write_concealed(const Field& field, const Rig& rig, std::string& out) {
+  Rig machine = rig;
+  without_effects(machine);
+  machine.deviations.clear();
+  write_effects(field, simulated_rig(machine), rig.concealed, out);
 }
 
 /// One line of a reference.
@@ -137,7 +149,8 @@ std::string dump_rig(const Rig& rig) {
   std::string out = fmt::format("# Rig {}{}\n", yaml_text(rig.name), dumped_rig_mark);
   Rig::visit(
       [&](const Field& field, const auto& value) {
-        if (field.key == "effects") write_effects(field, rig, out);
+        if (field.key == "effects") write_effects(field, rig, {}, out);
+        else if (field.key == "concealed") write_concealed(field, rig, out);
         else SectionWriter(out, 0)(field, value);
       },
       rig);

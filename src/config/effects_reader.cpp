@@ -1,10 +1,11 @@
-// The section `effects`: physics by name, on the axis and on its sensors (sensor_offset:x).
+// The sections `effects` and `concealed`: physics by name, on the axis and on its sensors (sensor_offset:x).
 #include "config/effects_reader.hpp"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
+#include "config/rig_parameters.hpp"
 #include "config/section_reader.hpp"
 
 namespace pneuservo {
@@ -49,6 +50,16 @@ void read_effects(ConfigNode& node, const std::string& path, Rig& rig, InputErro
     else SensorEffects<double>::visit(reader, rig.sensor_effects[signal_named(entry.key.substr(colon + 1)).value()]);
   };
   for (ConfigNode::Entry& entry : node.entries) errors.collect([&] { read(entry); });
+}
+
+void read_concealed(ConfigNode& node, const std::string& path, Rig& rig, InputErrors& errors) {
+  Rig machine = rig;
+  without_effects(machine);
+  read_effects(node, path, machine, errors);
+  for (const ParameterPath& parameter : parameter_paths(machine))
+    for (const ConfigNode::Entry& entry : node.entries)
+      if (parameter.path.starts_with(fmt::format("effects.{}.", entry.key)))
+        rig.concealed[parameter.path] = parameter.value;
 }
 
 }  // namespace pneuservo

@@ -14,7 +14,7 @@ namespace pneuservo {
 
 namespace {
 
-/// The section reader, with the effects of the sensors where `effects` stands.
+/// The section reader, with the effects of the sensors where `effects` and `concealed` stand.
 struct RigReader {
   Rig& rig;
   SectionReader section;
@@ -24,6 +24,10 @@ struct RigReader {
       if (entry == nullptr || section.choices_only) return;
       section.context.errors.collect(
           [&] { read_effects(entry->value, std::string(field.key), rig, section.context.errors); });
+    } else if (field.key == "concealed") {
+      ConfigNode::Entry* entry = section.choices_only ? nullptr : section.map.find("concealed");
+      if (entry != nullptr)
+        section.context.errors.collect([&] { read_concealed(entry->value, "concealed", rig, section.context.errors); });
     } else section(field, value);
   }
 };

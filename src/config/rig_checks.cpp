@@ -88,6 +88,11 @@ void check_line_models(const Rig& rig, const Check& check) {
     if (line->natural_frequency_Hz <= 0.0)
       check.refuse(std::string(key) + ".natural_frequency_Hz", {std::string(key) + ".model"},
                    number_text(line->natural_frequency_Hz), "the frequency of the second_order_lag, above 0 Hz");
+}
+
+/// A line that is one lag has no inside. `section`: where the effects were stated.
+void check_line_effects(const Rig& rig, std::string_view section, const Check& check) {
+  if (rig.axis.line_1.model != LineModel::second_order_lag) return;
   visit_effects(rig, [&](const Field& effect, const auto& parameters) {
     using Effect = std::remove_cvref_t<decltype(parameters)>;
     if constexpr (requires { Effect::is_inside_line; }) {
@@ -95,7 +100,7 @@ void check_line_models(const Rig& rig, const Check& check) {
       bool is_size = true;
       const auto refuse_size = [&](const Field& key, double size) {
         if (std::exchange(is_size, false) && size > 0.0)
-          check.refuse(fmt::format("effects.{}", effect.key), {"line_1.model"},
+          check.refuse(fmt::format("{}.{}", section, effect.key), {"line_1.model"},
                        fmt::format("{} {}", number_text(size), key.unit),
                        "none: a second_order_lag has no inside; line_1.model: distributed");
       };
@@ -163,7 +168,7 @@ void check_controller(const Rig& rig, const Check& check) {
 }
 
 /// A load on a coupling is a part of what moves.
-void check_coupled_loads(const Rig& rig, const Check& check) {
+void check_coupled_loads(const Rig& rig, std::string_view section, const Check& check) {
   const double moves_kg = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
   const MotionEffects<double>& effects = rig.axis.effects.motion;
   double coupled_kg = 0.0;
@@ -172,17 +177,17 @@ void check_coupled_loads(const Rig& rig, const Check& check) {
     coupled_kg += mass_kg;
     if (mass_kg > 0.0 && coupled_kg >= moves_kg)
       check.refuse(
-          fmt::format("effects.{}.mass_kg", effect), {"slider.mass_kg", "slider.payload_kg"}, number_text(mass_kg),
+          fmt::format("{}.{}.mass_kg", section, effect), {"slider.mass_kg", "slider.payload_kg"}, number_text(mass_kg),
           fmt::format("coupled loads of less than slider.mass_kg + slider.payload_kg ({})", number_text(moves_kg)));
   }
 }
 
 /// A supply that swings stays one.
-void check_supply_swing(const Rig& rig, const Check& check) {
+void check_supply_swing(const Rig& rig, std::string_view section, const Check& check) {
   const double swing_Pa = rig.axis.effects.supply_swing.amplitude_Pa,
                most_Pa = rig.axis.supply.pressure_Pa - rig.axis.air.atmosphere_Pa;
   if (swing_Pa > 0.0 && swing_Pa > most_Pa)
-    check.refuse("effects.supply_swing.amplitude_Pa", {"supply.pressure_Pa"}, number_text(swing_Pa),
+    check.refuse(fmt::format("{}.supply_swing.amplitude_Pa", section), {"supply.pressure_Pa"}, number_text(swing_Pa),
                  fmt::format("at most what the supply has above the atmosphere ({})", number_text(most_Pa)));
 }
 
@@ -525,19 +530,27 @@ void check_choice_of_law(RigKind kind, const ConfigNode& root, InputErrors& erro
 namespace {
 
 void check_pneumatic(const Rig& rig, const Check& check) {
-  check.of({"line_1", "line_2", "effects"}, [&] { check_lines(rig, check); });
-  check.of({"air", "supply", "effects"}, [&] { check_supply_swing(rig, check); });
+  check.of({"line_1", "line_2"}, [&] { check_lines(rig, check); });
   check.of({"controller", "sensors", "valve", "safe_output"}, [&] { check_controller(rig, check); });
   check.of({"safe_output", "valve"}, [&] { check_safe_output(rig, check); });
   check.of({"zeros"}, [&] { check_zeros(rig, check); });
   check.of({"air", "supply", "cylinder", "initial", "controller"}, [&] { check_initial_pressures(rig, check); });
 }
 
+/// Effects that contradict the axis which has them.
+void check_effects(const Rig& rig, std::string_view section, const Check& check) {
+  check.of({"slider", section}, [&] { check_coupled_loads(rig, section, check); });
+  if (!rig.is_pneumatic()) return;
+  check.of({"line_1", "line_2", section}, [&] { check_line_effects(rig, section, check); });
+  check.of({"air", "supply", section}, [&] { check_supply_swing(rig, section, check); });
+}
+
 }  // namespace
 
 void check_rig(const Rig& rig, const ConfigNode& root, InputErrors& errors) {
   const Check check{root, errors};
-  check.of({"slider", "effects"}, [&] { check_coupled_loads(rig, check); });
+  check_effects(rig, "effects", check);
+  if (!rig.concealed.empty()) check_effects(simulated_rig(rig), "concealed", check);
   if (!rig.has_controller()) {
     check.of({"program"}, [&] { check_program(rig, check); });
     check.of({"tolerances"}, [&] { check_paths(rig, check, "tolerances", rig.tolerances); });

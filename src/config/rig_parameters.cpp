@@ -156,12 +156,20 @@ void set_parameter(Rig& rig, std::string_view path, double value) { ParameterHan
 
 Rig simulated_rig(const Rig& rig) {
   Rig simulated = rig;
-  if (rig.deviations.empty()) return simulated;
+  if (rig.deviations.empty() && rig.concealed.empty()) return simulated;
   walk_numbers(simulated, [&](const std::string& name, const Field&, const WalkedNumber& number) {
     const auto found = rig.deviations.find(name);
     if (found != rig.deviations.end() && number.is_stated()) number.set(number.value() * (1.0 + found->second));
+    const auto instead = rig.concealed.find(name);
+    if (instead != rig.concealed.end()) number.set(instead->second);
   });
   return simulated;
+}
+
+void without_effects(Rig& rig) {
+  rig.axis.effects = {};
+  rig.vessel_effects = {};
+  rig.sensor_effects = {};
 }
 
 }  // namespace pneuservo

@@ -53,8 +53,11 @@ void set_parameter(Rig& rig, std::string_view path, double value);
 /// Whether the path names a number of this rig, stated or not.
 bool has_parameter(const Rig& rig, std::string_view path);
 
-/// The rig that a simulation runs: every number under `deviations` times 1 + its deviation. What the config says is
-/// what controller and estimator believe.
+/// The rig that a simulation runs: every number under `deviations` times 1 + its deviation, and what stands under
+/// `concealed` in place of the known effects. What the config says beside is what controller and estimator believe.
 Rig simulated_rig(const Rig& rig);
+
+/// Makes all effects of the axis and of its sensors neutral.
+void without_effects(Rig& rig);
 
 }  // namespace pneuservo

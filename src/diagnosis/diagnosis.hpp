@@ -20,6 +20,7 @@ inline constexpr std::array<std::string_view, 5> verdict_names{"consistent", "mi
 struct EstimatedParameter {
   std::string name;  ///< key of the effect's parameter; `value` for a parameter of the config
   double value = 0, standard_error = 0;
+  bool is_at_bound = false;  ///< the end of what is looked for, which is not where the effect is none
 };
 
 /// One thing that is held to be true.

@@ -45,6 +45,7 @@ EstimatorParameters estimator_parameters(const Rig& rig) {
   p.cells_per_m = rig.estimator.cells_per_m;
   p.valve = rig.axis.valve;
   p.flow_correction = rig.estimator.flow_correction;
+  p.effects = rig.axis.effects;
   p.uncertainty.port_noise_Pa = rig.sensors.port_pressure.rms_Pa();
   p.uncertainty.relative_diameter =
       std::max(tolerance_of(rig, "line_1.diameter_m"), tolerance_of(rig, "line_2.diameter_m"));

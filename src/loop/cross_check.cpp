@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <pneuservo/elements/orifice.hpp>
 #include <pneuservo/loop/fault.hpp>
 
 namespace pneuservo {
@@ -38,11 +37,6 @@ void CrossCheck::configure(const Rig& rig) {
   port_ = PortConstants<Two>(air_, Two(axis.valve.critical_pressure_ratio));
   flow_limit_share_ = rig.limits.flow_mismatch_share;
   chamber_limit_Pa_ = rig.limits.chamber_mismatch_Pa;
-  const auto& e = axis.effects;
-  leak_area_ = join(e.chamber_leak_1.area_m2 + e.line_leak_1.area_m2, e.chamber_leak_2.area_m2 + e.line_leak_2.area_m2);
-  piston_leak_m2_ = e.piston_leak.area_m2;
-  leak_zone_ = e.piston_leak_zone;
-  leaks_ = any(leak_area_ > Two(0)) || piston_leak_m2_ > 0.0 || leak_zone_.area_m2 > 0.0;
   const auto& c = axis.cylinder;
   floor_kg_ = join(floor_share * full_air_kg(rig, axis.line_1, c.area_1_m2, c.dead_volume_1_m3),
                    floor_share * full_air_kg(rig, axis.line_2, c.area_2_m2, c.dead_volume_2_m3));
@@ -67,14 +61,6 @@ CrossCheck::Two CrossCheck::valve_flow(const CrossCheckInput& in) noexcept {
   const Two now = join(in.port_Pa[0], in.port_Pa[1]), middle = Two(0.5) * (now + port_Pa_);
   port_Pa_ = now;
   return valve_port_inflow(port_, air_, {areas.supply, areas.exhaust, Two(in.supply_Pa), port_.shape.critical}, middle);
-}
-
-CrossCheck::Two CrossCheck::known_leaks(double position_m, const EstimatorOutput& estimate) const noexcept {
-  const Two p = join(estimate.chamber_pressure_Pa[0], estimate.chamber_pressure_Pa[1]), T = air_.temperature_K;
-  const Two b = port_.shape.critical;
-  const Two other = join(estimate.chamber_pressure_Pa[1], estimate.chamber_pressure_Pa[0]);
-  return orifice_mass_flow(air_, leak_area_, b, p, T, air_.atmosphere_Pa, T) +
-         orifice_mass_flow(air_, Two(piston_leak_m2_ + leak_zone_.area_at(position_m)), b, p, T, other, T);
 }
 
 std::uint64_t CrossCheck::check(const CrossCheckInput& in, const EstimatorOutput& estimate,
@@ -103,8 +89,7 @@ std::uint64_t CrossCheck::check(const CrossCheckInput& in, const EstimatorOutput
   watching_ = true;
   const Two into_line = join(estimate.port_mass_flow_kgps[0], estimate.port_mass_flow_kgps[1]);
   const Two dt(period_s_), keep(decay_);
-  const Two leaked = leaks_ ? known_leaks(in.position_m, estimate) : Two(0);
-  missing_kg_ = keep * missing_kg_ + dt * (through_valve - into_line - leaked);
+  missing_kg_ = keep * missing_kg_ + dt * (through_valve - into_line);
   through_kg_ = keep * through_kg_ + dt * Two(0.5) * (absolute(through_valve) + absolute(into_line));
   return judge_air() | judge_chambers(join(in.chamber_Pa[0], in.chamber_Pa[1]), estimate);
 }

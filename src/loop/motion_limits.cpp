@@ -94,6 +94,7 @@ double resting_force_N(const Rig& rig) {
 AxisParameters<double> drawn_machine(const Rig& rig, Random& random) {
   Rig machine = rig;
   machine.deviations.clear();
+  machine.concealed.clear();
   for (const auto& [path, tolerance] : rig.tolerances)
     machine.deviations[path] = std::max(tolerance * std::clamp(random.normal(), -3.0, 3.0), -0.9);
   machine = simulated_rig(machine);

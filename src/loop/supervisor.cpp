@@ -249,8 +249,7 @@ JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped
 void Supervisor::cross_check(const JudgedInputs& inputs, const EstimatorOutput& estimate,
                              std::int64_t skipped) noexcept {
   if (!is_active()) return;
-  latch(cross_check_.check({command_V_, inputs.port_Pa, inputs.chamber_Pa, inputs.supply_Pa, inputs.position_m},
-                           estimate, skipped));
+  latch(cross_check_.check({command_V_, inputs.port_Pa, inputs.chamber_Pa, inputs.supply_Pa}, estimate, skipped));
   if (is_active()) latch(health_.check_rest(cross_check_.watching(), inputs.position_m, skipped));
 }
 

@@ -279,15 +279,20 @@ void tell_supervised_motion(const Rig& rig, std::vector<Finding>& findings) {
 }  // namespace
 
 RunResult simulated_run(const Rig& config, double payload_kg) {
-  const Rig rig = unsupervised(config);
-  Rig machine = rig;
+  Rig machine = config;
   machine.axis.slider.payload_kg = payload_kg;
+  return simulated_run(config, machine);
+}
+
+RunResult simulated_run(const Rig& config, const Rig& machine) {
+  const Rig rig = unsupervised(config);
   const auto backend = make_backend("sim", machine);
   backend->configure();
   RunSettings settings;
   settings.load = load_reference_positions;
   RunOutcome outcome = run_loop(rig, *backend, settings);
   RunResult run;
+  run.feedforward = rig.controller.feedforward_name();
   if (outcome.moves.empty()) return run;
   run.start_s = outcome.moves[0].start_s;
   run.rows = std::move(outcome.rows);

@@ -194,13 +194,17 @@ double longest_run_s(const Rig& rig, int moves) {
   return moves * (rig.duration_s + AxisLoop::longest_approach_s(rig.axis.cylinder.stroke_m));
 }
 
-/// Where the lines cannot carry the reference of a command pass: refused before a device is touched or a recording
-/// begun.
-void require_pass(const std::string& config, const Rig& rig) {
+/// Where no command pass can be had: refused before a device is touched or a recording begun, or the formula's run.
+void heed_pass(const std::string& config, Rig& rig) {
   if (!rig.controller.wants_pass()) return;
   try {
     pass_tables(rig, Reference(rig.reference, load_reference_positions));
-  } catch (const std::invalid_argument& error) { throw InputError(config + ": " + error.what()); }
+  } catch (const std::invalid_argument& error) {
+    PdForceParameters& law = rig.controller.of<PdForce>();
+    if (law.without_pass == WithoutPass::refuse) throw InputError(config + ": " + error.what());
+    law.flow_feedforward = FeedforwardSource::formula;
+    std::cerr << fmt::format("{}: {}; the run goes on with the formula\n", config, error.what());
+  }
 }
 
 /// One pressure source from start to safe end; its moves are added to the report. True: no fault, recording whole.
@@ -270,7 +274,7 @@ void check_outputs(const RunOptions& options, const Rig& rig, const std::vector<
 
 int run(const RunOptions& options) {
   if (options.moves < 1) throw InputError(fmt::format("--moves: found {}, expected 1 or more", options.moves));
-  const Rig rig = read_with_options(options);
+  Rig rig = read_with_options(options);
   if (!options.gains.empty() && !rig.controller.is<Ppd2>())
     throw InputError(
         fmt::format("--gains: found with controller.kind {}, expected {}", rig.controller.name(), Ppd2::name));
@@ -281,7 +285,7 @@ int run(const RunOptions& options) {
   const auto sources = sources_of(options, rig);
   check_outputs(options, rig, sources);
   heed_axis(options, rig);
-  require_pass(options.config, rig);
+  heed_pass(options.config, rig);
   StopRequest stop;
   RunReport report;
   report.config = rig.name;

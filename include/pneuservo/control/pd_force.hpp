@@ -19,6 +19,10 @@ enum class FeedforwardSource { off, formula, pass };
 inline constexpr std::array<std::string_view, 3> feedforward_source_names{"off", "formula", "pass"};
 inline constexpr std::array<std::string_view, 2> feedforward_source_older_words{"false", "true"};
 
+/// What a run does where the pass that it asks for cannot be had.
+enum class WithoutPass { refuse, formula };
+inline constexpr std::array<std::string_view, 2> without_pass_names{"refuse", "formula"};
+
 /// PD with force feedback (chapter 3; docs/physics/pd_force.md has the law).
 struct PdForceParameters {
   PressureSource pressure_source = PressureSource::estimated;
@@ -28,6 +32,7 @@ struct PdForceParameters {
   double force_gain_V_per_N = 0.0;
   double force_integral_V_per_Ns = 0.0;
   FeedforwardSource flow_feedforward = FeedforwardSource::off;
+  WithoutPass without_pass = WithoutPass::refuse;
   double feedforward_lead_s = 0.0;
   double command_rate_V_per_s = infinite;
 
@@ -43,6 +48,9 @@ struct PdForceParameters {
     v(Field{"flow_feedforward", "", 0, 0, "where the command comes from that the reference's flow needs", optional,
             feedforward_source_names, feedforward_source_older_words},
       p.flow_feedforward...);
+    v(Field{"without_pass", "", 0, 0, "what a run does where no pass can be made: end, or go on with the formula",
+            optional, without_pass_names},
+      p.without_pass...);
     v(Field{"feedforward_lead_s", "s", 0, 1, "the feedforward looks this far ahead", optional},
       p.feedforward_lead_s...);
     v(Field{"command_rate_V_per_s", "V/s", 1e-6, infinite, "largest rate of the command; .inf: none", optional},

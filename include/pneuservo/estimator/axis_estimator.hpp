@@ -28,12 +28,15 @@ template <class S> class AxisEstimator {
   }
   /// From the last tick to this one; port pressure and position are linear between. The port pressure acts at the
   /// middle of each sub-step: the leapfrog's velocities live there. correction_kgps: gas that an observer adds to the
-  /// chambers at their temperature.
-  void step(const S& port_pressure_Pa, double position_m, const S& correction_kgps = S(0)) noexcept {
+  /// chambers at their temperature; leaks: what else flows into them.
+  void step(const S& port_pressure_Pa, double position_m, const S& correction_kgps = S(0),
+            const ChamberInflow<S>& leaks = {}) noexcept {
     const int n = side_.begin_period(period_s_);
     const S rise = port_pressure_Pa - port_;
     const double way = position_m - position_;
-    const ChamberInflow<S> extra{correction_kgps, correction_kgps * side_.line().air().cv * chamber_temperature()};
+    const ChamberInflow<S> extra{correction_kgps + leaks.mass_flow_kgps,
+                                 correction_kgps * side_.line().air().cv * chamber_temperature() +
+                                     leaks.enthalpy_flow_W};
     for (int i = 0; i < n; ++i) {
       const double middle = (i + 0.5) / n, end = static_cast<double>(i + 1) / n;
       flow_ = side_.step_prescribed(port_ + S(middle) * rise, distance(position_ + end * way), extra);

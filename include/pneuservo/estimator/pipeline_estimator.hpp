@@ -22,12 +22,14 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 #include <Eigen/Core>
 
 #include <pneuservo/core/pack.hpp>
 #include <pneuservo/core/random.hpp>
 #include <pneuservo/elements/orifice.hpp>
+#include <pneuservo/elements/valves.hpp>
 #include <pneuservo/estimator/axis_estimator.hpp>
 
 namespace pneuservo {
@@ -48,10 +50,13 @@ struct EstimatorParameters {
   LineParameters<double> line_1, line_2;
   CylinderParameters<double> cylinder;
   double period_s = 0.001;
-  ValveParameters<double> valve;  ///< used by the flow correction alone
+  ValveParameters<double> valve;  ///< for the flow correction; the orifices of effects have its critical ratio
   double flow_correction = 0.0;   ///< share of the flow innovation that corrects the port pressure, 0 (off) to 0.5
   double cells_per_m = 1.0;  ///< at least one cell a line; 1 is enough for the accuracy stated in docs/estimator.md
   EstimatorUncertainty uncertainty;
+  /// Known of the axis beside the nominal model. Restrictions, leaks and branches count; what the valve's command path
+  /// does counts for the flow correction. Losses that depend on frequency do not: they would cost half a tick more.
+  AxisEffects<double> effects;
 };
 
 /// One tick's measurements: absolute pressures at the valve ports, position (0 at mid-stroke) and velocity of the
@@ -114,6 +119,7 @@ class PipelineEstimator {
     axis_.configure(line, geometry, cast<AirParameters<Lanes>>(parameters.air), Lanes(0.5 * c.stroke_m),
                     both(1.0, -1.0), parameters.period_s, cells);
     air_ = Air<Lanes>(cast<AirParameters<Lanes>>(parameters.air));
+    configure_effects(parameters);
     // A plane wave that leaves the line changes the port's pressure by c G / A.
     const double sound_mps = lane(air_.sound_speed(), 0);
     const auto impedance = [&](const LineParameters<double>& l) {
@@ -161,7 +167,8 @@ class PipelineEstimator {
       // One after the other: the order in which a compiler evaluates arguments is its own.
       const double noise_2 = scale * (random_.uniform() - 0.5), noise_1 = scale * (random_.uniform() - 0.5);
       const Lanes port = lanes(p_1, p_2, p_1 + noise_1, p_2 + noise_2);
-      axis_.step(port + correction_, input_.x_m, -start_shares() * surplus_);
+      axis_.step(port + correction_, input_.x_m, -start_shares() * surplus_,
+                 leaks_ ? chamber_leaks() : ChamberInflow<Lanes>{});
       if (corrects_flow_) correct(measured.valve_command_V, port);
     }
     return output(health);
@@ -229,7 +236,51 @@ class PipelineEstimator {
     require(p.cells_per_m > 0.0, "cells_per_m", p.cells_per_m, "a number above 0");
   }
 
+  template <class To, class From> static To sides(const From& side_1, const From& side_2) {
+    To out = cast<To>(side_1);
+    set_parameters_lane(out, 1, side_2);
+    set_parameters_lane(out, 3, side_2);
+    return out;
+  }
+  void configure_effects(const EstimatorParameters& parameters) {
+    const AxisEffects<double>& e = parameters.effects;
+    LineEffects<Lanes> of_lines;
+    of_lines.restriction = sides<LineRestriction<Lanes>>(e.line_restriction_1, e.line_restriction_2);
+    of_lines.leak = sides<LineLeak<Lanes>>(e.line_leak_1, e.line_leak_2);
+    of_lines.branch = sides<LineBranch<Lanes>>(e.line_branch_1, e.line_branch_2);
+    of_lines.critical_pressure_ratio = Lanes(parameters.valve.critical_pressure_ratio);
+    axis_.side().line().set_effects(of_lines);
+    chamber_leak_m2_ = both(e.chamber_leak_1.area_m2, e.chamber_leak_2.area_m2);
+    leaks_ = any(chamber_leak_m2_ > Lanes(0)) || e.piston_leak.area_m2 > 0.0 || e.piston_leak_zone.area_m2 > 0.0;
+    moves_otherwise_ = false;
+    ValveEffects<double>::visit(
+        [this](const Field&, const auto& effect) {
+          using Effect = std::remove_cvref_t<decltype(effect)>;
+          const Effect none;
+          Effect::visit([this](const Field&, double known, double neutral) { moves_otherwise_ |= known != neutral; },
+                        effect, none);
+        },
+        e.valve);
+    if (!moves_otherwise_) return;
+    valves_.configure(ValveArrangement::five_port, parameters.valve, e.valve, parameters.period_s);
+    valves_.set_time_step(parameters.period_s);
+  }
+
+  // Out of each chamber to the atmosphere, and past the piston into the other one.
+  ChamberInflow<Lanes> chamber_leaks() const noexcept {
+    const auto& e = parameters_.effects;
+    const Lanes p = axis_.chamber_pressure(), T = axis_.chamber_temperature();
+    const Lanes other_p = other_side(p), other_T = other_side(T), b(parameters_.valve.critical_pressure_ratio);
+    const Lanes past_piston(e.piston_leak.area_m2 + e.piston_leak_zone.area_at(input_.x_m));
+    const Lanes out = orifice_mass_flow(air_, chamber_leak_m2_, b, p, T, air_.atmosphere_Pa, air_.temperature_K);
+    const Lanes across = orifice_mass_flow(air_, past_piston, b, p, T, other_p, other_T);
+    return {-out - across,
+            -orifice_enthalpy_flow(air_, out, T, air_.temperature_K) - orifice_enthalpy_flow(air_, across, T, other_T)};
+  }
+  static Lanes other_side(const Lanes& side) noexcept { return lanes(side[1], side[0], side[3], side[2]); }
+
   void begin() noexcept {
+    valves_.reset(0.0);
     const double p_1 = input_.p1_port_Pa, p_2 = input_.p2_port_Pa, off = parameters_.uncertainty.start_pressure_Pa;
     // The shadow starts wrong towards the middle of what is possible, so that it starts from a possible pressure.
     const double middle = 0.5 * (parameters_.air.atmosphere_Pa + parameters_.supply_pressure_Pa);
@@ -250,16 +301,27 @@ class PipelineEstimator {
     start_gain_ *= start_decay_;
     correction_ = surplus_ = Lanes(0);
     if (!std::isfinite(command_V)) return;
-    const auto& valve = parameters_.valve;
-    const double area = std::min(std::fabs(command_V) * valve.area_per_volt_m2_per_V, valve.area_max_m2),
-                 wide = area * (1.0 + parameters_.uncertainty.relative_valve_area);
-    const auto feeds = both(command_V, -command_V) >= Lanes(0);
+    const Pair<double> edges = edge_areas(command_V);
+    const Lanes area = join(edges, Pair<double>(1.0 + parameters_.uncertainty.relative_valve_area) * edges);
+    const auto feeds = area >= Lanes(0);
     const Lanes outside = select(feeds, Lanes(parameters_.supply_pressure_Pa), Lanes(parameters_.air.atmosphere_Pa));
-    const Lanes flow = orifice_mass_flow(air_, lanes(area, area, wide, wide), Lanes(valve.critical_pressure_ratio),
+    const Lanes flow = orifice_mass_flow(air_, absolute(area), Lanes(parameters_.valve.critical_pressure_ratio),
                                          outside, air_.temperature_K, middle, air_.temperature_K);
     const Lanes largest(correction_limit_Pa);
     surplus_ = flow - axis_.flow().port_mass_flow_kgps;
     correction_ = maximum(minimum(correction_gain_ * surplus_, largest), -largest);
+  }
+
+  // Of the edge that is open at each port: positive to the supply, negative to the exhaust.
+  Pair<double> edge_areas(double command_V) noexcept {
+    const auto& valve = parameters_.valve;
+    if (!moves_otherwise_) {
+      const double area = std::min(std::fabs(command_V) * valve.area_per_volt_m2_per_V, valve.area_max_m2);
+      return join(std::copysign(area, command_V), std::copysign(area, -command_V));
+    }
+    valves_.set_commands(command_V, -command_V);
+    const PortAreas<Pair<double>> areas = valves_.step(0.0);
+    return areas.supply - areas.exhaust;
   }
 
   // Of the surplus that goes into each chamber. One that is nearly closed has its line's pressure anyway, and would
@@ -340,7 +402,9 @@ class PipelineEstimator {
   Lanes correction_, correction_gain_, port_;  // Pa, Pa s/kg, Pa of the last tick
   Lanes surplus_;  // of the valve's flow over the model's in the last tick, kg/s
   double start_gain_ = 0.0, start_decay_ = 1.0, open_per_m_ = 0.0;
-  bool corrects_flow_ = false, alike_ = true;
+  Valves<double> valves_;
+  Lanes chamber_leak_m2_;
+  bool corrects_flow_ = false, alike_ = true, leaks_ = false, moves_otherwise_ = false;
   double grid_share_of_cell_ = grid_share;
   double peak_decay_ = 0.0, rms_gain_ = 1.0, grid_decay_ = 0.0;
   Random random_;

@@ -16,13 +16,12 @@ struct CrossCheckInput {
   std::array<double, 2> port_Pa{};
   std::array<double, 2> chamber_Pa{};
   double supply_Pa = 0.0;
-  double position_m = 0.0;
 };
 
 /// Per side, over about the last window_s:
 ///   air   |sum (G_valve - G_port) dt| > share * sum (|G_valve| + |G_port|)/2 dt + floor,
-/// G_valve by the valve's own law (its effects as configured) from command, supply and port pressure, G_port by the
-/// line model from port pressure and position; known leaks are taken off. And, smoothed over smoothing_s,
+/// G_valve by the valve's own law from command, supply and port pressure, G_port by the line model from port pressure
+/// and position, both with the effects that the config knows. And, smoothed over smoothing_s,
 ///   |p_measured - p_estimated| > limit + the estimate's stated bound.
 /// Both rest for settle_s after a start, for the estimator begins at rest and the axis may not, and for
 /// rest_per_skipped slots for each one that the loop skipped, at most as long.
@@ -55,18 +54,16 @@ class CrossCheck {
   Two valve_flow(const CrossCheckInput& in) noexcept;
   std::uint64_t judge_air() noexcept;
   std::uint64_t judge_chambers(const Two& measured_Pa, const EstimatorOutput& estimate) noexcept;
-  Two known_leaks(double position_m, const EstimatorOutput& estimate) const noexcept;
 
   Air<Two> air_;
   PortConstants<Two> port_;
   Valves<double> valves_;
   double period_s_ = 1e-3, flow_limit_share_ = 0.0, chamber_limit_Pa_ = 0.0;
-  Two leak_area_{}, port_Pa_{}, missing_kg_{}, through_kg_{}, difference_Pa_{}, floor_kg_{};
+  Two port_Pa_{}, missing_kg_{}, through_kg_{}, difference_Pa_{}, floor_kg_{};
   Two air_limit_kg_{1.0}, difference_limit_Pa_{1.0};  // beyond these the last check found a fault
-  PistonLeakZone<double> leak_zone_;
-  double piston_leak_m2_ = 0.0, decay_ = 0.0, smoothing_ = 1.0;
+  double decay_ = 0.0, smoothing_ = 1.0;
   std::int64_t settled_after_ = 0, ticks_ = 0;
-  bool started_ = false, watching_ = false, leaks_ = false;
+  bool started_ = false, watching_ = false;
 };
 
 }  // namespace pneuservo

@@ -24,7 +24,7 @@ template <class S> struct AxisParameters {
     v(Field{"line_2", "", 0, 0, "pipeline from valve port 2 to chamber 2"}, p.line_2...);
     v(Field{"cylinder", "", 0, 0, "double-acting cylinder"}, p.cylinder...);
     v(Field{"slider", "", 0, 0, "moving mass"}, p.slider...);
-    v(Field{"effects", "", 0, 0, "physics beside the nominal model, by name", Presence::optional}, p.effects...);
+    v(Field{"effects", "", 0, 0, "known physics beside the nominal model, by name", Presence::optional}, p.effects...);
   }
 };
 

@@ -291,6 +291,8 @@ struct Rig {
   InitialParameters initial;
   std::map<std::string, double> tolerances;  ///< relative standard deviation by config path
   std::map<std::string, double> deviations;  ///< of the simulated plant from the config, relative, by config path
+  /// What the simulated machine has in place of the effects of the same names: values by config path.
+  std::map<std::string, double> concealed;
   SimulationParameters simulation;
   EstimatorSettings estimator;
   LimitParameters limits;
@@ -383,7 +385,7 @@ struct Rig {
                rig.axis.cylinder.area_2_m2...);
         },
         p...);
-    v(Field{"effects", "", 0, 0, "physics beside the nominal model, by name", optional}, p.axis.effects...);
+    v(Field{"effects", "", 0, 0, "known physics beside the nominal model, by name", optional}, p.axis.effects...);
     visit_section(
         v, sensors_field(),
         [](auto& keys, auto&... rig) {
@@ -417,7 +419,7 @@ struct Rig {
       p.on_off_valve...);
     v(Field{"line", "", 0, 0, "pipeline from valve to vessel", optional}, p.line...);
     v(Field{"vessel", "", 0, 0, "rigid volume"}, p.vessel...);
-    v(Field{"effects", "", 0, 0, "physics beside the nominal model, by name", optional}, p.vessel_effects...);
+    v(Field{"effects", "", 0, 0, "known physics beside the nominal model, by name", optional}, p.vessel_effects...);
     visit_section(
         v, sensors_field(),
         [](auto& keys, auto&... rig) {
@@ -442,7 +444,7 @@ struct Rig {
     v(Field{"cushion_1", "", 0, 0, "end cushioning at chamber 1's end", optional}, p.cushion_1...);
     v(Field{"cushion_2", "", 0, 0, "end cushioning at chamber 2's end", optional}, p.cushion_2...);
     v(Field{"slider", "", 0, 0, "moving mass"}, p.axis.slider...);
-    v(Field{"effects", "", 0, 0, "physics beside the nominal model, by name", optional}, p.axis.effects...);
+    v(Field{"effects", "", 0, 0, "known physics beside the nominal model, by name", optional}, p.axis.effects...);
     visit_section(
         v, sensors_field(),
         [](auto& keys, auto&... rig) { keys(Field{"position", "", 0, 0, "encoder"}, rig.sensors.position...); }, p...);
@@ -475,6 +477,10 @@ struct Rig {
     v(Field{"deviations", "", -0.9, 10,
             "of the simulated plant from what controller and estimator believe, relative, by path", optional},
       p.deviations...);
+    v(Field{"concealed", "", 0, 0,
+            "effects of the simulated machine alone, as under `effects` and in place of those of the same name",
+            optional},
+      p.concealed...);
     v(Field{"limits", "", 0, 0, "a breach ends the motion in the safe output", optional}, p.limits...);
   }
   template <class V, class... P> static void visit_plant(V& v, P&... p) {

@@ -20,6 +20,14 @@ double variance_growth(const Decision& decision) {
   return rows > 0 ? std::max(decision.growth, decision.levels.chi2(false) / rows) : decision.growth;
 }
 
+/// A fit stops on its bounds, but for roundings.
+bool is_at_bound(const FreeParameter& fitted, double z, double neutral) {
+  const auto ends_at = [&](double bound) {
+    return std::fabs(z - bound) < 1e-6 && std::fabs(fitted.z(neutral) - bound) > 1e-6;
+  };
+  return ends_at(fitted.lower) || ends_at(fitted.upper);
+}
+
 void add_parameters(const Decision& decision, const Candidate& candidate, DiagnosisAnswer& answer) {
   const Explanation& chosen = *decision.chosen;
   const Eigen::MatrixXd covariance = variance_growth(decision) * chosen.fit.covariance();
@@ -30,8 +38,10 @@ void add_parameters(const Decision& decision, const Candidate& candidate, Diagno
       const auto at = static_cast<Eigen::Index>(i);
       const std::string key =
           candidate.kind == CandidateKind::parameter ? "value" : own.path.substr(own.path.rfind('.') + 1);
-      answer.parameters.push_back(
-          {key, fitted.value(chosen.fit.z(at)), fitted.slope(chosen.fit.z(at)) * std::sqrt(covariance(at, at))});
+      const double z = chosen.fit.z(at);
+      const std::size_t number = static_cast<std::size_t>(&own - candidate.parameters.data());
+      answer.parameters.push_back({key, fitted.value(z), fitted.slope(z) * std::sqrt(covariance(at, at)),
+                                   is_at_bound(fitted, z, candidate.neutral[number])});
     }
 }
 

@@ -80,6 +80,12 @@ ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmos
                                         : fmt::format("name and unit disagree ({} in {})", word->ours, stated);
     return out;
   }
+  const bool is_output = unit && unit->quantity == Quantity::raw && unit->name != "-" && unit->name != "1";
+  if (is_output && word->quantity != Quantity::voltage && word->quantity != Quantity::time) {
+    out.evidence =
+        fmt::format("named like {}, but {} is what a sensor gives: its scale is unknown", word->word, stated);
+    return out;
+  }
   out.ours = word->ours;
   out.evidence = fmt::format("named like {}", word->word);
   if (!unit || unit->quantity == Quantity::raw) {

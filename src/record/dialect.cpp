@@ -301,6 +301,7 @@ void take_names(const std::vector<std::string>& lines, const std::vector<LineFac
     std::vector<std::string> here = names_in(lines[i], out.style);
     const HeadLine kind = judge_head_line(here, lines[i], fields, out);
     if (kind == HeadLine::longer && longer == lines.size() && !facts[i].is_row()) longer = i;
+    if (longer == i && facts[i].numbers == 0 && i + 1 == out.first_row) break;  // a last column without values
     const bool is_between =
         kind == HeadLine::types || kind == HeadLine::ruled || (kind == HeadLine::units && out.units.empty());
     if (kind == HeadLine::units && is_between) take_units(here, out);

@@ -12,6 +12,30 @@ namespace {
 
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 
+bool is_ascii(char c) { return static_cast<unsigned char>(c) < 0x80; }
+
+/// Blanks that do not break a line, narrow ones, and a byte order mark.
+constexpr std::array<std::string_view, 5> wide_blanks{"\u00a0", "\u202f", "\u2009", "\u2007", "\ufeff"};
+constexpr char latin_blank = '\xa0';
+
+/// Bytes of a blank at the front; 0: none.
+std::size_t blank_at_front(std::string_view text) {
+  if (is_blank(text.front()) || text.front() == latin_blank) return 1;
+  if (is_ascii(text.front())) return 0;
+  for (const std::string_view blank : wide_blanks)
+    if (text.starts_with(blank)) return blank.size();
+  return 0;
+}
+
+std::size_t blank_at_end(std::string_view text) {
+  if (is_blank(text.back())) return 1;
+  if (is_ascii(text.back())) return 0;
+  for (const std::string_view blank : wide_blanks)
+    if (text.ends_with(blank)) return blank.size();
+  const bool is_latin = text.back() == latin_blank && (text.size() == 1 || is_ascii(text[text.size() - 2]));
+  return is_latin ? 1 : 0;
+}
+
 /// Between the raised quotes of word processors; the text itself where there are none.
 std::string_view without_raised_quotes(std::string_view text) {
   constexpr std::size_t size = std::string_view("\u201c").size();
@@ -142,8 +166,8 @@ std::size_t character_size(std::string_view text) {
 }  // namespace
 
 std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  for (std::size_t size; !text.empty() && (size = blank_at_front(text)) > 0;) text.remove_prefix(size);
+  for (std::size_t size; !text.empty() && (size = blank_at_end(text)) > 0;) text.remove_suffix(size);
   return text;
 }
 

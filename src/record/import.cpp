@@ -14,6 +14,7 @@
 
 #include "config/input_error.hpp"
 #include "config/key_suggestion.hpp"
+#include "record/kept_rows.hpp"
 #include "record/names_text.hpp"
 #include "record/row_text.hpp"
 #include "record/stamps.hpp"
@@ -86,14 +87,19 @@ MappedColumns mapped(CsvTable& table, const ImportParameters& imported) {
   return out;
 }
 
+/// Puts the columns that no map names among those left out.
+void tell_untaken(CsvTable& table, const MappedColumns& taken, const ImportParameters& imported) {
+  for (const std::string& name : table.names) {
+    const bool is_mapped = std::any_of(imported.columns.begin(), imported.columns.end(),
+                                       [&](const auto& entry) { return entry.second.column == name; });
+    const bool is_ours = std::find(taken.names.begin(), taken.names.end(), name) != taken.names.end();
+    if (!is_mapped && !is_ours) table.left_out.push_back(name);
+  }
+}
+
 /// The columns as they are named.
 MappedColumns unmapped(CsvTable& table) {
-  if (!table.has("t_s")) {
-    const std::string remedy = "`pneuservo import` proposes an import section for other names";
-    try {
-      table.require({"t_s"});
-    } catch (const InputError& error) { throw InputError(fmt::format("{}; {}", error.what(), remedy)); }
-  }
+  table.require({"t_s"});
   return {table.names, std::move(table.values), {}, false, is_clock_column(table, "t_s")};
 }
 
@@ -230,6 +236,28 @@ void take_interval(Recording& run, double loop_period_s) {
                            seen_s, loop_period_s));
 }
 
+/// Rows written twice: each that shares its time with the one before is its copy, which no sensor's noise makes.
+void leave_out_copies(Recording& run) {
+  const std::vector<double>& t = run.t_s();
+  if (run.names.size() < 2) return;
+  const auto is_copy = [&](std::size_t row) {
+    return std::all_of(run.values.begin(), run.values.end(), [row](const std::vector<double>& values) {
+      return values[row] == values[row - 1] || (std::isnan(values[row]) && std::isnan(values[row - 1]));
+    });
+  };
+  std::vector<std::size_t> kept;
+  for (std::size_t row = 0; row < t.size(); ++row) {
+    if (row == 0 || t[row] != t[row - 1]) kept.push_back(row);
+    else if (!is_copy(row)) return;
+  }
+  const std::size_t copies = t.size() - kept.size();
+  if (copies == 0) return;
+  for (std::vector<double>& values : run.values) keep_only(values, kept);
+  keep_only(run.line_numbers, kept);
+  run.report(0, ProblemKind::repeated_time,
+             fmt::format("{} row{} written twice: each is used once", copies, copies > 1 ? "s are" : " is"));
+}
+
 /// Rows that share their time with several others cannot be told apart.
 void refuse_few_stamps(const std::string& path, const std::vector<double>& times) {
   std::size_t rows = 0, different = 0;
@@ -244,6 +272,7 @@ void refuse_few_stamps(const std::string& path, const std::vector<double>& times
 
 /// Rows at one time that were rounded to it stand evenly again; otherwise they are told and left out.
 void mend_times(Recording& run) {
+  leave_out_copies(run);
   auto& times = run.column("t_s");
   if (!spread_rounded(times)) refuse_few_stamps(run.path, times);
   else
@@ -263,6 +292,7 @@ std::vector<Recording> read_recordings(const std::string& path, const std::optio
 std::vector<Recording> recordings_in(CsvTable table, const std::optional<ImportParameters>& imported, double period_s) {
   const bool is_own = !imported && is_own_format(table);
   MappedColumns columns = imported ? mapped(table, *imported) : unmapped(table);
+  if (imported) tell_untaken(table, columns, *imported);
   if (!is_own && columns.telling.empty()) turn_round(table, columns);
   if (!is_own) take_seconds(table, columns, period_s);
   const double from_s = imported ? imported->from_s : -infinite, to_s = imported ? imported->to_s : infinite;

@@ -10,6 +10,7 @@
 
 #include "config/input_error.hpp"
 #include "record/header.hpp"
+#include "record/kept_rows.hpp"
 
 namespace pneuservo {
 
@@ -120,11 +121,6 @@ class TimeCheck {
   std::vector<std::size_t> kept_;
   std::vector<Gap> gaps_;
 };
-
-template <class T> void keep_only(std::vector<T>& values, const std::vector<std::size_t>& kept) {
-  for (std::size_t i = 0; i < kept.size(); ++i) values[i] = values[kept[i]];
-  values.resize(kept.size());
-}
 
 }  // namespace
 

@@ -472,6 +472,7 @@ void CsvTable::keep_columns(const std::function<bool(const std::string&)>& is_ke
   };
   for (std::size_t c = names.size(); c-- > 0;) {
     if (is_kept(names[c])) continue;
+    left_out.push_back(names[c]);
     erase_at(values, c);
     erase_at(units, c);
     erase_at(is_clock, c);
@@ -484,10 +485,12 @@ void CsvTable::require(const std::vector<std::string>& columns) const {
   for (const std::string& name : columns)
     if (!has(name)) missing.push_back(name);
   if (missing.empty()) return;
+  missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
   std::vector<std::string> found = names;
   found.insert(found.end(), left_out.begin(), left_out.end());
-  throw InputError(fmt::format("{}: column{} {} {} missing; found {}", path, missing.size() > 1 ? "s" : "",
-                               fmt::join(missing, ", "), missing.size() > 1 ? "are" : "is", names_text(found)));
+  const char* remedy = header["format"] ? "" : "; `pneuservo import` proposes an import section for other names";
+  throw InputError(fmt::format("{}: column{} {} {} missing; found {}{}", path, missing.size() > 1 ? "s" : "",
+                               fmt::join(missing, ", "), missing.size() > 1 ? "are" : "is", names_text(found), remedy));
 }
 
 void CsvTable::report(std::size_t line, ProblemKind kind, std::string_view what) {

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double psi_Pa = 6894.757, torr_Pa = 133.322, pound_N = 4.4482216;
 /// Where letters' size decides, the first one that fits counts.
-constexpr std::array<Unit, 107> units{{{"s", Quantity::time, 1},
+constexpr std::array<Unit, 108> units{{{"s", Quantity::time, 1},
                                        {"sec", Quantity::time, 1},
                                        {"secs", Quantity::time, 1},
                                        {"second", Quantity::time, 1},
@@ -98,6 +98,7 @@ constexpr std::array<Unit, 107> units{{{"s", Quantity::time, 1},
                                        {"N", Quantity::force, 1},
                                        {"newton", Quantity::force, 1},
                                        {"newtons", Quantity::force, 1},
+                                       {"mN", Quantity::force, 1e-3},
                                        {"daN", Quantity::force, 10},
                                        {"kN", Quantity::force, 1e3},
                                        {"lbf", Quantity::force, pound_N},

@@ -122,6 +122,29 @@ TEST_CASE("exchanged chambers, sides and a supply at a port are named and undone
   check({chamber}, "p1_chamber and p2_chamber are exchanged");
   check({port, chamber}, "sides 1 and 2 of ports and chambers are exchanged");
   check({{"p2_port_Pa", "p_supply_Pa"}}, "p2_port and p_supply are exchanged");
+  check({{"p1_port_Pa", "p1_chamber_Pa"}}, "p1_port and p1_chamber are exchanged");
+  check({{"p2_port_Pa", "p2_chamber_Pa"}}, "p2_port and p2_chamber are exchanged");
+  check({{"p2_port_Pa", "p1_chamber_Pa"}}, "p2_port and p1_chamber are exchanged");
+  check({{"p1_chamber_Pa", "p_supply_Pa"}}, "p1_chamber and p_supply are exchanged");
+}
+
+TEST_CASE("a port's late sensor beside a right one is no exchange of port and chamber") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  Rig owner = test::cylinder_rig(2.0);
+  Rig machine = drawn_machine(generator, owner);
+  const double late_s = std::uniform_real_distribution<double>(0.02, 0.05)(generator);
+  machine.sensor_effects[Signal::p1_port].sensor_lag.time_constant_s = late_s;
+  std::vector<Recording> right{test::simulated_recording(machine, 6.0, seed, test::all_pressures)}, wrong = right;
+  std::vector<std::string> notes;
+  doubt_recordings(owner, right, notes);
+  CAPTURE(late_s, notes);
+  CHECK(notes.empty());
+  std::swap(wrong[0].column("p1_port_Pa"), wrong[0].column("p1_chamber_Pa"));
+  doubt_recordings(owner, wrong, notes);
+  REQUIRE(notes.size() == 1);
+  CHECK_THAT(notes[0], Contains("p1_port and p1_chamber are exchanged"));
 }
 
 TEST_CASE("gauge pressures are told beside a valve whose neutral is off, which pressures that are right stay with") {

@@ -86,6 +86,35 @@ std::string refusal_of(const std::string& bytes) {
 
 }  // namespace
 
+TEST_CASE("a last column without values, blanks that do not break and rows written twice do not matter") {
+  const Drawn drawn;
+  const auto rows = [&](const char* form) {
+    return drawn.lines([&](double t, double x, double u) { return fmt::format(fmt::runtime(form), t, 1e3 * x, u); });
+  };
+  check_read("LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\n***End_of_Header***\t\n\t\nChannels\t2\n"
+             "Samples\t400\t400\n***End_of_Header***\nX_Value\tPosition [mm]\tValve [V]\tComment\n" +
+                 rows("{:.3f}\t{:.2f}\t{:.3f}"),
+             drawn);
+  for (const char* blank : {"\u00a0", "\u202f", "\xa0"}) {
+    CAPTURE(blank);
+    check_read("t_s;x_mm;u_V\n" + rows(("{:.3f};" + std::string(blank) + "{:.2f}" + blank + ";{:.3f}" + blank).c_str()),
+               drawn);
+  }
+  check_read("t_s,x_mm,u_V\n" + rows("{0:.3f},{1:.2f},{2:.3f}\n{0:.3f},{1:.2f},{2:.3f}"), drawn);
+}
+
+TEST_CASE("what a sensor gives is no position and no pressure, a command may be") {
+  for (const char* unit : {"mA", "counts"}) {
+    CAPTURE(unit);
+    const std::string names = fmt::format("t_s,Position [{0}],Valve [{0}],Pressure A [{0}]\n", unit);
+    const TemporaryFolder folder;
+    const CsvTable table = read_table(put_plain(folder.file("f.csv"), names + "0,1,2,3\n0.002,2,3,4\n"));
+    const ImportParameters map = import_map(guess_columns(table));
+    CHECK(map.columns.count("u_V") == 1);
+    CHECK(map.columns.count("x_m") + map.columns.count("p1_port_Pa") == 0);
+  }
+}
+
 TEST_CASE("times of controllers and spreadsheets are the same times") {
   const Drawn drawn;
   const auto with = [&](const std::string& name, const std::function<std::string(double)>& time) {

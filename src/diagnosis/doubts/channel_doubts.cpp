@@ -61,6 +61,14 @@ std::vector<UnitReading> position_readings(double stroke_m, const Range& range) 
   return out;
 }
 
+/// "millimetres, centimetres or inches"
+std::string names_of(const std::vector<UnitReading>& readings) {
+  std::string out;
+  for (std::size_t i = 0; i < readings.size(); ++i)
+    out += (i == 0 ? "" : i + 1 == readings.size() ? " or " : ", ") + readings[i].name;
+  return out;
+}
+
 /// What a channel may do from one row to the next. Values in its unit.
 struct Plausible {
   double lowest = -infinite, highest = infinite;  ///< outside: no measurement
@@ -242,7 +250,7 @@ void doubt_position_unit(const Rig& rig, Recording& recording, std::vector<std::
                                            recording.path, range.low, range.high, 0.5 * stroke_m);
   const std::vector<UnitReading> readings = position_readings(stroke_m, range);
   if (readings.size() > 1)
-    throw InputError(fmt::format("{}: {} or {}? State it: {}", evidence, readings[0].name, readings[1].name,
+    throw InputError(fmt::format("{}: {}? State it: {}", evidence, names_of(readings),
                                  stated_reading(recording, "x_m", readings[0])));
   if (readings.empty())
     throw InputError(fmt::format("{}: another zero or unit? State it, with x = 0 at mid-stroke: {}", evidence,

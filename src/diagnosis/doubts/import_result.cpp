@@ -49,7 +49,9 @@ void tell_missing(const Rig& rig, ImportResult& result) {
   std::vector<std::string> untaken;
   for (const ColumnGuess& guess : result.columns)
     if (guess.ours.empty())
-      untaken.push_back(guess.unit.empty() ? guess.column : fmt::format("{} [{}]", guess.column, guess.unit));
+      untaken.push_back(guess.unit.empty() || guess.column.find(guess.unit) != std::string::npos
+                            ? guess.column
+                            : fmt::format("{} [{}]", guess.column, guess.unit));
   for (const std::string& name : missing)
     result.doubts.push_back(fmt::format("{0}: found no column for it, expected one: state it, "
                                         "import: {{columns: {{{0}: {{column: \"...\", factor: 1, offset: 0}}}}}}{1}",

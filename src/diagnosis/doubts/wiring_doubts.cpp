@@ -40,6 +40,9 @@ constexpr double decisive = 0.4;
 /// The same of another wiring. On those recordings a wrong wiring missed by 1.78 times what the right one missed by, or
 /// more: the geometric mean of that and equality.
 constexpr double decisive_wiring = 0.75;
+/// Means over which the difference of a side's two pressures is judged: it lasts as long as a stroke, white noise of
+/// 600 Pa comes down to 85 Pa.
+constexpr double side_mean_s = 0.05;
 constexpr double neutral_tolerance = 0.02;  ///< of the command's range: data sheets state 5 +- 0.1 V of 0 to 10 V
 /// Of a command: 10 % of the valve's area, and what a dead band takes of the small commands that move an axis.
 constexpr double gain_tolerance = 0.15;
@@ -91,7 +94,10 @@ std::vector<Wiring> wirings(const Recording& recording) {
   add_pair(Signal::p1_port, Signal::p2_port);
   add_pair(Signal::p1_chamber, Signal::p2_chamber);
   add("sides 1 and 2 of ports and chambers are exchanged", {ports, chambers});
-  for (const Signal port : port_signals) add_pair(port, Signal::p_supply);
+  add_pair(Signal::p1_port, Signal::p2_chamber);
+  add_pair(Signal::p2_port, Signal::p1_chamber);
+  for (const Signal pressure : {Signal::p1_port, Signal::p2_port, Signal::p1_chamber, Signal::p2_chamber})
+    add_pair(pressure, Signal::p_supply);
   out.push_back({"u_V has the other sign", {"u_V"}, [](Recording& r) { reverse(r, "u_V"); }});
   out.push_back({"x_m counts the other way", {"x_m"}, [](Recording& r) { reverse(r, "x_m"); }});
   return out;
@@ -304,6 +310,10 @@ std::optional<Rewired> rewired(const Rig& rig, const Recording& judged) {
   return std::nullopt;
 }
 
+bool are_whole(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return v == std::round(v) || std::isnan(v); });
+}
+
 /// What the recording's channels may be meant as; throws where a kind has no reading.
 std::vector<ReadingsOf> possible_readings(const Rig& rig, const Recording& recording) {
   std::vector<ReadingsOf> out;
@@ -333,8 +343,11 @@ std::vector<ReadingsOf> possible_readings(const Rig& rig, const Recording& recor
                                quantile(recording.column("x_m"), highest_share), 0.5 * rig.axis.cylinder.stroke_m)});
   for (const ReadingsOf& kind : out)
     if (kind.readings.empty())
-      throw InputError(fmt::format("{}, expected that: in which unit? State it: {}", kind.evidence,
-                                   "import: {columns: {NAME: {column: NAME, factor: ...}}}"));
+      throw InputError(fmt::format(
+          "{}, expected that: {}? State it, as SI = factor x value + offset: "
+          "import: {{columns: {{{}: {{column: \"{}\", factor: ..., offset: ...}}}}}}",
+          kind.evidence, are_whole(recording.column(kind.columns.front())) ? "counts of a converter" : "in which unit",
+          kind.columns.front(), source_of(recording, kind.columns.front()).column));
   return out;
 }
 
@@ -377,14 +390,89 @@ std::pair<double, double> force_lead(const Rig& rig, const Recording& whole, dou
           std::sqrt(variance * inverse(5, 5) * static_cast<double>(rows.size()) / std::max(independent, 1.0))};
 }
 
+/// A recording and what the rig does under its command and motion.
+struct Simulated {
+  CylinderRecording prepared;
+  GasCourse course;
+};
+
+Simulated simulated(const Rig& rig, const Recording& recording) {
+  Simulated out{prepare_recording(recording, rig, judged_s), {}};
+  const ImposedRun run{&rig, {}};
+  const ImposedInputs& inputs = out.prepared.inputs;
+  out.course = run_imposed(inputs, std::span(&run, 1), grid_for(rig, judge_effort, inputs.step_s()))[0];
+  return out;
+}
+
+/// Means of equal length of one signal minus another; NaN where a row is not compared.
+std::vector<double> mean_differences(const Simulated& of, const std::vector<double>& a, const std::vector<double>& b) {
+  const auto length = static_cast<std::size_t>(std::max(1.0, side_mean_s / of.prepared.period_s()));
+  std::vector<double> out;
+  for (std::size_t first = 0; first + length <= a.size(); first += length) {
+    double sum = 0;
+    for (std::size_t k = first; k < first + length; ++k)
+      sum += of.prepared.usable[k] ? a[k] - b[k] : std::numeric_limits<double>::quiet_NaN();
+    out.push_back(sum / static_cast<double>(length));
+  }
+  return out;
+}
+
+/// What the pressures at both ends of a line differ by, against the simulated difference: as recorded it misses by
+/// `misfit_as_recorded` of its swing, with both exchanged by `misfit`. A constant and the pressure's rate are taken out
+/// of both, for sensors that are off or late make them. Absolute pressures run away by more than a line's difference.
+struct SideMisfit {
+  double misfit, misfit_as_recorded;
+};
+
+SideMisfit side_misfit(const Simulated& of, Signal port, Signal chamber) {
+  const std::vector<double>&ports = of.course[port], &chambers = of.course[chamber];
+  const std::vector<double> zero(ports.size(), 0.0);
+  const std::vector<double> measured =
+      mean_differences(of, of.prepared.measured_Pa[port], of.prepared.measured_Pa[chamber]);
+  const std::vector<double> expected = mean_differences(of, ports, chambers), level = mean_differences(of, ports, zero);
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 1; i + 1 < measured.size(); ++i)
+    if (std::isfinite(measured[i] + expected[i] + level[i - 1] + level[i + 1])) rows.push_back(i);
+  if (rows.size() < 10) return {infinite_misfit, infinite_misfit};
+  const auto count = static_cast<Eigen::Index>(rows.size());
+  Eigen::MatrixXd of_sensors(count, 2), differences(count, 2);
+  for (Eigen::Index r = 0; r < count; ++r) {
+    const std::size_t i = rows[static_cast<std::size_t>(r)];
+    of_sensors.row(r) << 1.0, level[i + 1] - level[i - 1];
+    differences.row(r) << measured[i], expected[i];
+  }
+  const Eigen::MatrixXd left = differences - of_sensors * of_sensors.colPivHouseholderQr().solve(differences);
+  const double swing = left.col(0).norm();
+  return {(left.col(0) + left.col(1)).norm() / swing, (left.col(0) - left.col(1)).norm() / swing};
+}
+
+/// The sensors at both ends of one line: exchanged where their difference fits decisively better with the other sign.
+void doubt_sides(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
+  constexpr std::array<std::pair<Signal, Signal>, 2> sides{
+      {{Signal::p1_port, Signal::p1_chamber}, {Signal::p2_port, Signal::p2_chamber}}};
+  const auto has = [&](Signal signal) { return recording.has(std::string(info(signal).column)); };
+  if (std::none_of(sides.begin(), sides.end(), [&](const auto& side) { return has(side.first) && has(side.second); }))
+    return;
+  const Simulated judged = simulated(rig, most_moving_part(recording, judged_s));
+  for (const auto& [port, chamber] : sides) {
+    if (!has(port) || !has(chamber)) continue;
+    const SideMisfit found = side_misfit(judged, port, chamber);
+    if (!(found.misfit < decisive_wiring * found.misfit_as_recorded)) continue;
+    const std::string a(info(port).column), b(info(chamber).column);
+    exchange(recording, a, b);
+    notes.push_back(
+        fmt::format("{}: {} and {} are exchanged: so, their difference misses the simulated one by {:.0f} % of its "
+                    "swing instead of {:.0f} %; compared so; to state it: {}",
+                    recording.path, info(port).name, info(chamber).name, 100 * found.misfit,
+                    100 * found.misfit_as_recorded, stated_sources(recording, {a, b})));
+  }
+}
+
 }  // namespace
 
 double port_misfit(const Rig& rig, const Recording& recording) {
   try {
-    const CylinderRecording prepared = prepare_recording(recording, rig, judged_s);
-    const ImposedRun run{&rig, {}};
-    const GasCourse course =
-        run_imposed(prepared.inputs, std::span(&run, 1), grid_for(rig, judge_effort, prepared.inputs.step_s()))[0];
+    const auto [prepared, course] = simulated(rig, recording);
     double difference = 0, swing = 0;
     for (const Signal signal : pressure_signals)
       if (!prepared.measured_Pa[signal].empty())
@@ -412,7 +500,7 @@ void doubt_wiring(const Rig& rig, Recording& recording, std::vector<std::string>
   Recording judged = most_moving_part(recording, judged_s);
   for (int round = 0; round < 2 && !(port_misfit(rig, judged) < doubtful); ++round) {  // two mistakes at once
     const std::optional<Rewired> found = rewired(rig, judged);
-    if (!found) return;
+    if (!found) break;
     found->wiring.apply(judged);
     found->wiring.apply(recording);
     notes.push_back(fmt::format("{}: {}: simulated so, the pressures miss the measured ones by {:.0f} % of their swing "
@@ -421,6 +509,7 @@ void doubt_wiring(const Rig& rig, Recording& recording, std::vector<std::string>
                                 std::min(100 * found->misfit_as_recorded, 9999.0),
                                 stated_sources(recording, found->wiring.columns)));
   }
+  doubt_sides(rig, recording, notes);
 }
 
 void doubt_sampling(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {

@@ -71,9 +71,10 @@ std::vector<double> drive_force(const Rig& rig, const Recording& recording) {
   if (recording.has("F_N")) return recording.column("F_N");
   if (!has_force(rig, recording)) return std::vector<double>(recording.t_s().size(), 0.0);
   if (!recording.has("u_V") || rig.drive.force_per_volt_N_per_V == 0)
-    throw InputError(fmt::format("{}: found no column F_N, expected the drive force of '{}' (or u_V, with "
-                                 "slider.force_per_volt_N_per_V in the config)",
-                                 recording.path, rig.name));
+    throw InputError(
+        fmt::format("{}: found no column F_N, expected the drive force of '{}' (or u_V, with "
+                    "slider.force_per_volt_N_per_V in the config); `pneuservo import` shows what the file has",
+                    recording.path, rig.name));
   std::vector<double> force = recording.column("u_V");
   for (double& value : force) value *= rig.drive.force_per_volt_N_per_V;
   return force;

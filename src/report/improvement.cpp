@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <report/html_page.hpp>
+#include <report/json_number.hpp>
 #include <report/run_summary.hpp>
 
 #include "config/dump_rig.hpp"
@@ -146,7 +147,6 @@ std::string improvement_text(const Improvement& improvement) {
 }
 
 nlohmann::ordered_json improvement_json(const Improvement& improvement) {
-  using Json = nlohmann::ordered_json;
   Json calls = Json::array(), changes = Json::object();
   for (const ImprovementCall& call : improvement.calls) {
     Json effects = Json::array();
@@ -159,7 +159,6 @@ nlohmann::ordered_json improvement_json(const Improvement& improvement) {
   for (const ChangedNumber& change : improvement.changes)
     changes[change.path] = {{"before", change.before}, {"after", change.after}};
   const auto prediction = [](const RunResult& run) {
-    const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
     return Json{{"feedforward", run.feedforward},
                 {"max_position_error_m", number(run.metrics.max_position_error_m)},
                 {"rms_position_error_m", number(run.metrics.rms_position_error_m)},

@@ -75,10 +75,9 @@ def check_whole_law(folder):
         done = compile_in(tree, "-fsyntax-only", tree / source)
         expect(done.returncode == 0, f"{source} does not compile with the new law:\n{done.stderr[:2000]}")
     probe = tree / "probe.cpp"
-    probe.write_text(PROBE)
-    # The bodies of the other laws do not see the list: those of the build will do.
-    done = compile_in(tree, "-O0", probe, tree / "src/control/axis_controller.cpp", "-o", tree / "probe",
-                      BUILD / "src/libpneuservo_core.a", "-lfmt")
+    probe.write_text(PROBE + "".join(f'#include "{source}"\n' for source in sorted((tree / "src/control").glob("*.cpp"))))
+    # What is not the folder's comes from the build.
+    done = compile_in(tree, "-O0", probe, "-o", tree / "probe", BUILD / "src/libpneuservo_core.a", "-lfmt", "-lyaml-cpp", "-lz")
     expect(done.returncode == 0, f"the probe does not compile:\n{done.stderr[:2000]}")
     said = subprocess.run([tree / "probe"], capture_output=True, text=True, check=True).stdout.split("\n")
     for line in ("law pd_force", "law ppd2", "law toy", "key kind", "key toy_gain_V_per_m", "column toy_error_m",

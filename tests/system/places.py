@@ -78,7 +78,7 @@ template <class S> struct ToyDrag {
      .signatures = {{.sizes = {{"coefficient_Ns_per_m", 20}},
                      .words = "A straight line through zero.",
                      .channels = {F},
-                     .against = "speed"}}},''', "constexpr EffectEntry entries[] = {"),
+                     .against = "speed"}}},''', "constexpr EffectEntry motion_entries[] = {"),
     ), beside=(EFFECT + "effects.hpp", "src/elements/effects.cpp")),
     Addition("column of a recording", "toy_mps", (
         Edit("include/pneuservo/record/row.hpp", " COLUMN(double, toy_mps, none, 2.0 * velocity_mps_)", V_COLUMN),

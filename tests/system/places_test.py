@@ -38,7 +38,7 @@ add_executable(places ${CMAKE_SOURCE_DIR}/tests/system/places_program.cpp ${sim}
 target_include_directories(places PRIVATE ${CMAKE_SOURCE_DIR}/hal)
 target_link_libraries(places PRIVATE pneuservo_core)
 """)
-must("cmake", "-S", copy, "-B", work / "build", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O0", "-DPNEUSERVO_BUILD_TESTS=OFF",
+must("cmake", "-S", copy, "-B", work / "build", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=None", "-DCMAKE_CXX_FLAGS=-O0", "-DPNEUSERVO_BUILD_TESTS=OFF", "-DPNEUSERVO_UNITE_FOLDERS=ON",
      f"-DCMAKE_PROJECT_pneuservo_INCLUDE={work}/toy.cmake")
 must("cmake", "--build", work / "build", "-j", os.cpu_count(), "--target", "places")
 places = work / "build/places"
@@ -68,7 +68,7 @@ expect(names.index("toy_mps") == names.index("v_mps") + 1, f"columns: {names}")
 expect(all(float(row["toy_mps"]) == 2 * float(row["v_mps"]) for row in plain), "toy_mps is not twice v_mps")
 
 # The verb: its file and the table of verbs, linked with the libraries of the build that is there.
-compiler, flags = compile_flags(BUILD, "src/program/keys.cpp")
+compiler, flags = compile_flags(BUILD, "src/program/verbs.cpp")
 must(compiler, "-O0", *(word.replace(str(SOURCE), str(copy)) for word in flags), *(copy / f"src/program/{name}.cpp" for name in ("main", "verbs", "toy")),
      *libraries(BUILD), "-o", work / "pneuservo")
 shown = must(work / "pneuservo", "--help")

@@ -12,7 +12,7 @@ namespace pneuservo {
 /// Function codes; a node's identifier is added (CiA 301, predefined connection set).
 inline constexpr std::uint32_t cob_nmt = 0x000, cob_sync = 0x080, cob_emergency = 0x080, cob_sdo_answer = 0x580,
                                cob_sdo_request = 0x600, cob_heartbeat = 0x700;
-/// Bit of a process data object\'s identifier: the object is off.
+/// Bit of a process data object's identifier: the object is off.
 inline constexpr std::uint32_t pdo_off = 0x80000000u;
 /// Of process data object 1 to 4: what a node sends, and what it receives.
 constexpr std::uint32_t cob_transmit_pdo(std::uint32_t pdo, std::uint32_t node) { return 0x80 + 0x100 * pdo + node; }

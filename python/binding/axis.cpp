@@ -197,14 +197,15 @@ std::unique_ptr<Run> run(const Config& config, int moves) {
   require_pneumatic(config, "run");
   if (moves < 1) throw nb::value_error("run: moves: expected at least 1");
   const nb::gil_scoped_release released;
-  SimBackend backend(config.rig);
+  const Rig rig = with_pass_heeded(config);
+  SimBackend backend(rig);
   backend.configure();
   RunSettings settings;
   settings.moves = moves;
   settings.load = load_reference_positions;
   const auto terms = law_columns(config.rig.controller.kind);
   auto result = std::make_unique<Run>();
-  result->outcome = run_loop(config.rig, backend, settings);
+  result->outcome = run_loop(rig, backend, settings);
   result->terms.assign(terms.begin(), terms.end());
   return result;
 }
@@ -230,10 +231,8 @@ template <class Class> void add_channels(Class& c) {
   const auto add = [&](const char* column, Signal signal, const char* words) {
     c.def_prop_ro(column, [signal](const AxisValues& v) { return v.measured[signal]; }, words);
   };
-  for (const Signal signal : channel_signals) {
-    static std::vector<std::string> kept;
+  for (const Signal signal : channel_signals)
     add(info(signal).column.data(), signal, "In the unit of its name; NaN: no such sensor.");
-  }
 }
 
 void bind_estimator(nb::module_& m) {

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <initializer_list>
 #include <string>
 #include <utility>
@@ -10,6 +11,7 @@
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
@@ -29,6 +31,10 @@ struct Config {
   Rig rig;
   std::string source;  ///< file or name that its errors state
 };
+
+/// The config's rig, with the formula where it has no command pass and goes on without one. Throws InputError where it
+/// does not.
+Rig with_pass_heeded(const Config& config);
 
 /// One axis of float64 values of the caller's, read where they lie; a single number stands for every row.
 class Column {

@@ -1,8 +1,10 @@
 // The diagnosis from Python: progress, Ctrl-C and cancelling while it works in a thread of its own.
 #include <chrono>
 #include <condition_variable>
+#include <filesystem>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <thread>
 
 #include "binding.hpp"
@@ -15,6 +17,19 @@ namespace pneuservo::python {
 namespace {
 
 /// A diagnosis at work. The thread that called looks after it, for only there Python's signals arrive.
+class Work;
+
+/// Works whose thread may still run. Python ends threads of its own at its end, wherever they are: none may be in here.
+struct LivingWorks {
+  std::mutex mutex;
+  std::condition_variable none_left;
+  std::set<Work*> works;
+};
+LivingWorks& living_works() {
+  static LivingWorks living;
+  return living;
+}
+
 class Work {
  public:
   Work(const Rig& rig, std::vector<Recording> recordings, DiagnoseOptions options) {
@@ -23,6 +38,10 @@ class Work {
       const std::lock_guard lock(mutex_);
       share_ = share, what_ = what, told_ = false;
     };
+    {
+      const std::lock_guard lock(living_works().mutex);
+      living_works().works.insert(this);
+    }
     thread_ = std::thread([this, rig, recordings = std::move(recordings), options = std::move(options)]() mutable {
       std::exception_ptr error;
       try {
@@ -35,8 +54,13 @@ class Work {
   }
   ~Work() {
     stop_ = true;
-    const nb::gil_scoped_release released;
-    thread_.join();
+    {
+      const nb::gil_scoped_release released;
+      thread_.join();
+    }
+    const std::lock_guard lock(living_works().mutex);
+    living_works().works.erase(this);
+    living_works().none_left.notify_all();
   }
   Work(const Work&) = delete;
   Work& operator=(const Work&) = delete;
@@ -70,6 +94,14 @@ class Work {
   std::exception_ptr error_;
   std::thread thread_;
 };
+
+/// Before Python ends: stops what runs, and waits until the threads that asked for it have left, 10 s at most.
+void stop_all_work() {
+  const nb::gil_scoped_release released;
+  std::unique_lock lock(living_works().mutex);
+  for (Work* work : living_works().works) work->stop();
+  living_works().none_left.wait_for(lock, std::chrono::seconds(10), [] { return living_works().works.empty(); });
+}
 
 struct Watchers {
   nb::object progress, cancel;
@@ -132,12 +164,16 @@ std::unique_ptr<Diagnosis> run_diagnosis(const Config& config, const nb::list& r
 }  // namespace
 
 void bind_diagnosis(nb::module_& m) {
+  nb::module_::import_("atexit").attr("register")(nb::cpp_function(&stop_all_work));
   nb::class_<Diagnosis>(m, "Diagnosis", "What a diagnosis found.")
       .def(
           "json", [](const Diagnosis& d) { return diagnosis_json(d).dump(); },
           "As the verb's --json (docs/diagnosis-results.md).")
       .def("text", &diagnosis_text, "As the program prints it.")
-      .def("write_report", &write_diagnosis_report, nb::arg("path"), "The self-contained HTML page.")
+      .def(
+          "write_report",
+          [](const Diagnosis& d, const std::filesystem::path& path) { write_diagnosis_report(d, path.string()); },
+          nb::arg("path"), "The self-contained HTML page.")
       .def_prop_ro("verdict",
                    [](const Diagnosis& d) { return std::string(verdict_names[static_cast<std::size_t>(d.verdict)]); })
       .def_ro("sentence", &Diagnosis::sentence, "The verdict for a reader.")

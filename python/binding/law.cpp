@@ -1,6 +1,7 @@
 // The reference and the control law of a config, step by step and by arrays.
 #include <limits>
 #include <memory>
+#include <stdexcept>
 
 #include <pneuservo/control/axis_controller.hpp>
 
@@ -20,9 +21,9 @@ class Law {
   explicit Law(const Config& config)
       : reference_(config.rig.reference, load_reference_positions), period_s_(config.rig.period_s),
         valves_(config.rig.valves()), terms_(law_columns(config.rig.controller.kind)) {
-    const Rig& rig = config.rig;
-    if (!rig.is_pneumatic())
+    if (!config.rig.is_pneumatic())
       throw InputError(config.source + ": rig: expected a rig with proportional valves: Law works on no other");
+    const Rig rig = with_pass_heeded(config);
     controller_.configure(rig.controller, rig.axis, rig.period_s, reference_, rig.duration_s,
                           pass_tables(rig, reference_).law);
     reset();
@@ -115,6 +116,14 @@ nb::object Law::reference_at(const nb::object& t_s) const {
 }
 
 }  // namespace
+
+Rig with_pass_heeded(const Config& config) {
+  Rig rig = config.rig;
+  try {
+    heed_missing_pass(rig, Reference(rig.reference, load_reference_positions));
+  } catch (const std::invalid_argument& error) { throw InputError(config.source + ": " + error.what()); }
+  return rig;
+}
 
 void bind_law(nb::module_& m) {
   nb::class_<Law>(m, "Law", "The control law of a config along its reference, whose time 0 is the first step.")

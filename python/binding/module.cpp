@@ -24,6 +24,7 @@ NB_MODULE(_core, m) {
       "The compiled part of pneuservo. Quantities are in SI units, which stand in the names; x_m is 0 at mid-stroke.";
   m.attr("__version__") = std::string(pneuservo::version());
   nanobind::register_exception_translator(raise_ours);
+  nanobind::set_leak_warnings(false);  // threads that Python ends at its own end keep their objects
   pneuservo::python::bind_config(m);
   pneuservo::python::bind_axis(m);
   pneuservo::python::bind_law(m);

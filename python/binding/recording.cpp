@@ -51,6 +51,9 @@ void make(Recording* self, const nb::object& columns, double period_s, const std
   const std::size_t rows = made.values.front().size();
   for (std::size_t i = 0; i < rows; ++i) made.line_numbers.push_back(i + 1);
   check_times(made);
+  // A file's problems are told by whoever reads it; rows of arrays would go without a word.
+  for (const std::string& line : problem_lines(made))
+    if (PyErr_WarnEx(PyExc_UserWarning, line.c_str(), 1) != 0) throw nb::python_error();
   new (self) Recording(std::move(made));
 }
 
@@ -97,12 +100,12 @@ class RowMaker {
   std::vector<const std::vector<double>*> sources_;
 };
 
-void write(const Recording& recording, const std::string& path, const Config& config, bool replace) {
+void write(const Recording& recording, const std::filesystem::path& path, const Config& config, bool replace) {
   const nb::gil_scoped_release released;
   const auto terms = law_columns(config.rig.controller.kind);
   RecordingHeader header(config.rig.name, config.rig.period_s);
   header.add_text("config", dump_rig(config.rig));
-  RecordingWriter writer(path, header, recording.names,
+  RecordingWriter writer(path.string(), header, recording.names,
                          {.existing = replace ? ExistingFile::replace : ExistingFile::refuse, .terms = terms});
   const RowMaker rows(recording, terms);
   for (std::size_t i = 0; i < recording.rows(); ++i) writer.write(rows.at(i));
@@ -124,9 +127,9 @@ nb::list guesses(const ImportResult& result) {
   return out;
 }
 
-ImportResult understand(const std::string& path, const Config* config) {
+ImportResult understand(const std::filesystem::path& path, const Config* config) {
   const nb::gil_scoped_release released;
-  return understand_recording(path, config == nullptr ? std::nullopt : std::optional(config->rig));
+  return understand_recording(path.string(), config == nullptr ? std::nullopt : std::optional(config->rig));
 }
 
 }  // namespace

@@ -53,7 +53,8 @@ def simulate(config: Config, command: Source) -> Dict[str, Any]:
 
 def _recordings(sources: Iterable[Source], config: Config) -> List[Recording]:
     out: List[Recording] = []
-    for source in [sources] if isinstance(sources, (str, os.PathLike, Recording)) else sources:
+    one = isinstance(sources, (str, os.PathLike, Recording)) or hasattr(sources, "items")  # columns, a DataFrame
+    for source in [sources] if one else sources:
         if isinstance(source, (str, os.PathLike)):
             out += read_recordings(source, config)
         else:

@@ -25,7 +25,7 @@ class Axis:
         except OSError as error:
             self._socket.close()
             raise ConnectionError(f"{path}: found no axis there ({error.strerror or error}), expected the socket of 'pneuservo serve'") from error
-        self._lines = self._socket.makefile("rb")
+        self._received = b""
         self._id = 0
 
     def ask(self, command: str, **keys: Any) -> Dict[str, Any]:
@@ -42,13 +42,22 @@ class Axis:
         return answer
 
     def _next(self) -> Dict[str, Any]:
+        while b"\n" not in self._received:
+            try:
+                more = self._socket.recv(65536)
+            except socket.timeout as error:
+                raise TimeoutError(f"no answer came within {self._socket.gettimeout():g} s, expected one: does the axis run?") from error
+            if not more:
+                raise ConnectionError("the axis ended the connection, expected an answer")
+            self._received += more
+        line, self._received = self._received.split(b"\n", 1)
         try:
-            line = self._lines.readline()
-        except socket.timeout as error:
-            raise TimeoutError(f"no answer came within {self._socket.gettimeout():g} s, expected one: does the axis run?") from error
-        if not line.endswith(b"\n"):
-            raise ConnectionError("the axis ended the connection, expected an answer")
-        return json.loads(line)
+            answer = json.loads(line)
+        except ValueError as error:
+            raise ConnectionError(f"found {line[:60]!r}, expected an answer of 'pneuservo serve', an object of JSON") from error
+        if not isinstance(answer, dict):
+            raise ConnectionError(f"found {line[:60]!r}, expected an answer of 'pneuservo serve', an object of JSON")
+        return answer
 
     def enable(self) -> Dict[str, Any]:
         """The edge without which nothing moves."""
@@ -110,7 +119,6 @@ class Axis:
 
     def close(self) -> None:
         """Ends the connection; a commander that did not release is then lost."""
-        self._lines.close()
         self._socket.close()
 
     def __enter__(self) -> "Axis":

@@ -11,7 +11,7 @@
 
 namespace pneuservo {
 
-/// Of the command on its way to the valve\'s spool.
+/// Of the command on its way to the valve's spool.
 inline double delay_s(const Rig& rig) {
   return rig.axis.effects.valve.command_delay.delay_s + rig.controller.command_delay_s();
 }

@@ -125,6 +125,7 @@ struct Diagnosis {
   std::string sentence;  ///< the verdict for a reader
   std::vector<ElementShare> elements;
   std::vector<DiagnosisAnswer> answers;
+  std::vector<DiagnosisAnswer> unsaid;  ///< behind `unknown`: the best name's effects, which `improved` has
   std::vector<RankedExplanation> candidates;
   std::vector<ChannelFit> channels;
   double held_out_ratio = 1, over_noise = 1;  ///< after over before, held out; after over noise: medians of channels

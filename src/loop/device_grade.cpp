@@ -48,13 +48,17 @@ std::vector<Finding> grade_devices(const Rig& rig) {
   if (rig.hal->bench && (on_board || on_bus))
     findings.push_back({Level::acceptable, "hal.bench", "a real valve may follow simulated sensors",
                         "leave it out on a machine that moves"});
+  if (!rig.concealed.empty())
+    findings.push_back({Level::acceptable, "concealed",
+                        fmt::format("found {}, which the simulated machine alone has", rig.concealed.begin()->first),
+                        "leave the section out with devices"});
   return findings;
 }
 
 std::string device_warning(const Rig& rig) {
   std::string text;
   for (const Finding& finding : grade_devices(rig))
-    if (finding.level == Level::bad)
+    if (finding.level == Level::bad || finding.topic == "concealed")
       text += fmt::format("WARNING: {}: {}\n  {}\n", finding.topic, finding.what, finding.remedy);
   return text;
 }

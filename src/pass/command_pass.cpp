@@ -242,4 +242,17 @@ PassTables pass_tables(const Rig& rig, const Reference& reference) {
   return {pass.table(rig, true), pass.table(rig, false)};
 }
 
+std::string heed_missing_pass(Rig& rig, const Reference& reference) {
+  if (!rig.controller.wants_pass()) return "";
+  try {
+    pass_tables(rig, reference);
+  } catch (const std::invalid_argument& error) {
+    PdForceParameters& law = rig.controller.of<PdForce>();
+    if (law.without_pass == WithoutPass::refuse) throw;
+    law.flow_feedforward = FeedforwardSource::formula;
+    return error.what();
+  }
+  return "";
+}
+
 }  // namespace pneuservo

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -13,6 +14,7 @@
 #include "loop/machine_check.hpp"
 #include "loop/rig_grade.hpp"
 #include "loop/safety_grade.hpp"
+#include "pass/command_pass.hpp"
 #include "program/loop_check.hpp"
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
@@ -29,12 +31,24 @@ struct CheckOptions {
   RealTimeSettings session;
 };
 
+/// What a run does where no pass can be made and the config goes on with the formula.
+std::vector<Finding> heed_pass(Rig& rig) {
+  try {
+    const std::string why = heed_missing_pass(rig, Reference(rig.reference, load_reference_positions));
+    if (!why.empty())
+      return {{FindingLevel::acceptable, "command pass", why + "; a run goes on with the formula",
+               "state controller.flow_feedforward: formula, or a reference that the lines can carry"}};
+  } catch (const std::invalid_argument&) {}  // graded with the loop in motion
+  return {};
+}
+
 /// The config itself, and the kernel's interface where its devices are on one.
 std::vector<Finding> check_config(const std::string& path, const std::vector<std::string>& sets) {
-  const Rig rig = read_rig(path, sets);
+  Rig rig = read_rig(path, sets);
   if (rig.is_pneumatic()) require_reference_in_stroke(path, rig);
+  const std::vector<Finding> pass = heed_pass(rig);
   std::vector<Finding> findings = grade_rig(rig);
-  for (const auto& more : {grade_devices(rig), grade_safety(rig, load_reference_positions), grade_loop(rig)})
+  for (const auto& more : {pass, grade_devices(rig), grade_safety(rig, load_reference_positions), grade_loop(rig)})
     findings.insert(findings.end(), more.begin(), more.end());
   if (!rig.hal || !rig.hal->can || rig.hal->can->interface.find(':') != std::string::npos) return findings;
   const CanBusParameters& bus = *rig.hal->can;

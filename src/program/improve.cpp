@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -51,13 +52,14 @@ void require_own_recordings(const std::string& config, const Rig& rig, const std
 }
 
 ImprovementCall call_of(const Diagnosis& diagnosis) {
-  return {diagnosis.verdict, diagnosis.sentence, diagnosis.answers, diagnosis.floors_left};
+  return {diagnosis.verdict, diagnosis.sentence, diagnosis.answers, diagnosis.unsaid, diagnosis.floors_left};
 }
 
-bool names_the_same(const ImprovementCall& a, const ImprovementCall& b) {
-  return a.verdict == b.verdict &&
-         std::equal(a.answers.begin(), a.answers.end(), b.answers.begin(), b.answers.end(),
-                    [](const DiagnosisAnswer& x, const DiagnosisAnswer& y) { return x.effect == y.effect; });
+/// Keys in which a rig differs from the owner's.
+std::set<std::string> changed_keys(const Rig& owner, const Rig& rig) {
+  std::set<std::string> out;
+  for (const ChangedNumber& change : changed_numbers(owner, rig)) out.insert(change.path);
+  return out;
 }
 
 /// Diagnoses again from what was found, until nothing is missing, a call gains nothing, or none names anything new.
@@ -76,7 +78,8 @@ void diagnose_while_it_gains(const ImproveOptions& options, const std::vector<Re
     if (found.stopped) throw DiagnosisStopped();
     const ImprovementCall call = call_of(found);
     const bool gains = out.calls.empty() || call.floors_left < out.calls.back().floors_left;
-    const bool repeats = !out.calls.empty() && names_the_same(call, out.calls.back());
+    const bool repeats = !out.calls.empty() && std::ranges::includes(changed_keys(out.configured, out.improved),
+                                                                     changed_keys(out.configured, found.improved));
     out.calls.push_back(call);
     if (!gains) return;
     out.improved = found.improved;
@@ -87,11 +90,13 @@ void diagnose_while_it_gains(const ImproveOptions& options, const std::vector<Re
 /// A fit that ends at a bound says that something else is there.
 std::string bound_words(const Improvement& improvement) {
   for (const ImprovementCall& call : improvement.calls)
-    for (const DiagnosisAnswer& answer : call.answers)
-      for (const EstimatedParameter& parameter : answer.parameters)
-        if (parameter.is_at_bound)
-          return fmt::format("{} of {} is at the bound of what is looked for ({:.4g}), so something else may be there",
-                             parameter.name, answer.effect, parameter.value);
+    for (const auto* answers : {&call.answers, &call.unsaid})
+      for (const DiagnosisAnswer& answer : *answers)
+        for (const EstimatedParameter& parameter : answer.parameters)
+          if (parameter.is_at_bound)
+            return fmt::format(
+                "{} of {} is at the bound of what is looked for ({:.4g}), so something else may be there",
+                parameter.name, answer.effect, parameter.value);
   return "";
 }
 
@@ -103,13 +108,17 @@ RunResult predicted(const Rig& law, const Rig& improved) {
   return simulated_run(law, machine);
 }
 
-/// What the config does today. It does not know the machine: its cross-checks would end the motion.
+/// What the config does today, without its pass where it has none. It does not know the machine: its cross-checks
+/// would end the motion.
 RunResult predicted_before(const Improvement& improvement) {
   Rig law = improvement.configured;
   law.limits.flow_mismatch_share = law.limits.chamber_mismatch_Pa = 0.0;
-  try {
-    return predicted(law, improvement.improved);
-  } catch (const std::invalid_argument&) { return {}; }
+  for (;;) try {
+      return predicted(law, improvement.improved);
+    } catch (const std::invalid_argument&) {
+      if (!law.controller.wants_pass()) return {};
+      law.controller.of<PdForce>().flow_feedforward = FeedforwardSource::formula;
+    }
 }
 
 /// With the pass, or why there is none.
@@ -126,7 +135,11 @@ void predict_after(Improvement& out) {
       else if (ratio > 1.0) out.without_pass = fmt::format("on the model it errs {:.3g} times as much", ratio);
     } catch (const std::invalid_argument& error) { out.without_pass = error.what(); }
   if (out.without_pass.empty()) return;
-  law.flow_feedforward = law.without_pass == WithoutPass::formula ? FeedforwardSource::formula : configured;
+  const bool asks_for_pass = configured == FeedforwardSource::pass;
+  law.flow_feedforward =
+      asks_for_pass || law.without_pass == WithoutPass::formula ? FeedforwardSource::formula : configured;
+  if (asks_for_pass)
+    out.warnings.emplace_back("controller.flow_feedforward was pass and is formula now, for there is no pass");
   try {
     out.after = predicted(out.improved, out.improved);
   } catch (const std::invalid_argument&) { out.after = {}; }
@@ -137,6 +150,9 @@ void predict(Improvement& out) {
     out.without_pass = "reference.kind is live, and a pass needs a reference that is known beforehand";
     return;
   }
+  if (out.calls.back().verdict == Verdict::unknown)
+    out.warnings.emplace_back(
+        "the last call leaves something that no name explains; the prediction knows nothing of it");
   out.before = predicted_before(out);
   predict_after(out);
   if (out.after.verdict.oscillates)
@@ -153,7 +169,10 @@ void write_config(Improvement& improvement) {
   write_result(improvement.written, text);
   try {
     parse_rig(text, improvement.written);
-  } catch (const InputError& error) { improvement.warnings.emplace_back(error.what()); }
+  } catch (const InputError& error) {
+    improvement.is_refused = true;
+    improvement.warnings.emplace_back(error.what());
+  }
 }
 
 void judge_outputs(const ImproveOptions& options, const Rig& rig) {
@@ -175,6 +194,7 @@ int run_improve(ImproveOptions& options) {
     throw InputError(fmt::format("{}: controller.kind: found {}, expected {}, the law that follows a command pass",
                                  options.config, rig.controller.name(), PdForce::name));
   if (options.improved.empty()) options.improved = usual_name(options.config);
+  if (options.improved == "-") throw InputError("--improved: found -, expected the name of a file");
   judge_outputs(options, rig);
   const StopRequest stop_request;
   ProgressLine progress(!options.quiet);
@@ -204,7 +224,7 @@ int run_improve(ImproveOptions& options) {
   if (options.json != "-") std::fputs(improvement_text(improvement).c_str(), stdout);
   write_json(options.json, improvement_json(improvement));
   if (!options.report.empty()) write_improvement_report(improvement, options.report);
-  return improvement.without_pass.empty() ? 0 : 1;
+  return improvement.without_pass.empty() && !improvement.is_refused ? 0 : 1;
 }
 
 }  // namespace
@@ -224,7 +244,8 @@ void add_improve(CommandLine& app, int& status) {
   verb.footer(
       "Diagnoses the recordings, again from what was found while that gains, writes the improved config, makes\n"
       "its command pass and predicts the error that remains.\n"
-      "Exit status: 0 with a command pass; 1 without one, a sentence says why.");
+      "Exit status: 0 with a command pass; 1 without one, or where the improved config is refused: a sentence says "
+      "why.");
   verb.callback([options, &status] { status = run_improve(*options); });
 }
 

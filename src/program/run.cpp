@@ -194,17 +194,12 @@ double longest_run_s(const Rig& rig, int moves) {
   return moves * (rig.duration_s + AxisLoop::longest_approach_s(rig.axis.cylinder.stroke_m));
 }
 
-/// Where no command pass can be had: refused before a device is touched or a recording begun, or the formula's run.
+/// Before a device is touched or a recording begun.
 void heed_pass(const std::string& config, Rig& rig) {
-  if (!rig.controller.wants_pass()) return;
   try {
-    pass_tables(rig, Reference(rig.reference, load_reference_positions));
-  } catch (const std::invalid_argument& error) {
-    PdForceParameters& law = rig.controller.of<PdForce>();
-    if (law.without_pass == WithoutPass::refuse) throw InputError(config + ": " + error.what());
-    law.flow_feedforward = FeedforwardSource::formula;
-    std::cerr << fmt::format("{}: {}; the run goes on with the formula\n", config, error.what());
-  }
+    const std::string why = heed_missing_pass(rig, Reference(rig.reference, load_reference_positions));
+    if (!why.empty()) std::cerr << fmt::format("{}: {}; the run goes on with the formula\n", config, why);
+  } catch (const std::invalid_argument& error) { throw InputError(config + ": " + error.what()); }
 }
 
 /// One pressure source from start to safe end; its moves are added to the report. True: no fault, recording whole.

@@ -6,6 +6,7 @@
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "loop/stopping.hpp"
+#include "pass/command_pass.hpp"
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
@@ -22,7 +23,10 @@ struct StoppingOptions {
 
 void run_stopping(const StoppingOptions& options) {
   OutputFiles().reads("CONFIG", options.config).writes("--json", options.json, ResultKind::json);
-  const Rig rig = read_rig(options.config, options.sets);
+  Rig rig = read_rig(options.config, options.sets);
+  try {
+    heed_missing_pass(rig, Reference(rig.reference, load_reference_positions));
+  } catch (const std::invalid_argument& error) { throw InputError(options.config + ": " + error.what()); }
   require_valves("stopping", options.config, rig);
   try {
     const StoppingTable table = stopping_table(rig, load_reference_positions);

@@ -16,7 +16,7 @@ std::string html_escape(std::string_view text);
 
 /// Colours by role; one role keeps its colour on the whole page, in light, dark and print.
 enum class Tone { neutral, valve, chamber, estimated, fourth, fifth, sixth };
-/// Its class in the page\'s style sheet.
+/// Its class in the page's style sheet.
 constexpr const char* tone_name(Tone tone) {
   constexpr const char* names[] = {"neutral", "valve", "chamber", "estimated", "fourth", "fifth", "sixth"};
   return names[static_cast<int>(tone)];

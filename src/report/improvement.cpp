@@ -57,7 +57,7 @@ Table errors_table(const Improvement& improvement) {
 std::string trial_words(const Improvement& improvement) {
   const Rig& rig = improvement.improved;
   if (!rig.hal) return fmt::format("pneuservo run {}", improvement.written);
-  return fmt::format("pneuservo check {0}, then pneuservo run {0} --backend configured --time real --record "
+  return fmt::format("pneuservo check {0}, then pneuservo run {0} --hal configured --time real --record "
                      "after.csv.gz",
                      improvement.written);
 }
@@ -124,6 +124,7 @@ std::vector<ChangedNumber> changed_numbers(const Rig& before, const Rig& after) 
 }
 
 std::string improvement_headline(const Improvement& improvement) {
+  if (improvement.is_refused) return "The improved config is refused: " + improvement.warnings.back() + ".";
   const RunResult &before = improvement.before, &after = improvement.after;
   if (!improvement.without_pass.empty()) return "No command pass: " + improvement.without_pass + ".";
   if (!is_predicted(before))
@@ -159,7 +160,7 @@ nlohmann::ordered_json improvement_json(const Improvement& improvement) {
   for (const ChangedNumber& change : improvement.changes)
     changes[change.path] = {{"before", change.before}, {"after", change.after}};
   const auto prediction = [](const RunResult& run) {
-    return Json{{"feedforward", run.feedforward},
+    return Json{{"feedforward", is_predicted(run) ? Json(run.feedforward) : Json(nullptr)},
                 {"max_position_error_m", number(run.metrics.max_position_error_m)},
                 {"rms_position_error_m", number(run.metrics.rms_position_error_m)},
                 {"faults", run.faults}};

@@ -16,7 +16,7 @@ namespace pneuservo {
 struct ImprovementCall {
   Verdict verdict = Verdict::consistent;
   std::string sentence;
-  std::vector<DiagnosisAnswer> answers;
+  std::vector<DiagnosisAnswer> answers, unsaid;  ///< unsaid: of the best name, where the verdict is `unknown`
   double floors_left = 1.0;  ///< misfit after it, in noise floors
 };
 
@@ -33,6 +33,7 @@ struct Improvement {
   /// The reference on the improved model, with the config's law and with the improved one; no rows where none was run.
   RunResult before, after;
   std::string without_pass;  ///< why the improved config asks for no pass; empty: it does
+  bool is_refused = false;  ///< the improved config does not read: a number is beyond what a config may say
   std::vector<std::string> warnings;
   std::string written;  ///< path of the improved config
 

@@ -1,12 +1,15 @@
 # Diagnosis and design from Python: results, progress, cancelling, Ctrl-C.
 import os
 import signal
+import subprocess
+import sys
 import threading
 
 import numpy
 import pytest
 
 import pneuservo
+from conftest import CYLINDER
 
 
 @pytest.fixture(scope="module")
@@ -90,3 +93,18 @@ def test_python_control_takes_the_design(config):
     control = pytest.importorskip("control")
     system = pneuservo.state_space(pneuservo.design(config), 3)
     assert isinstance(system, control.StateSpace) and system.output_labels == ["x_m", "v_mps", "a_mps2"]
+
+
+def test_the_end_of_python_waits_for_a_diagnosis_in_a_thread(config, swept, tmp_path):
+    """A daemon thread at work ends with the interpreter, not with an abort."""
+    path = tmp_path / "swept.csv.gz"
+    swept.write(path, config)
+    code = (f"import pneuservo, threading, time\nc = pneuservo.Config({str(CYLINDER)!r})\n"
+            f"threading.Thread(target=pneuservo.diagnose, args=(c, [{str(path)!r}]), daemon=True).start()\ntime.sleep(0.3)")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0 and "terminate" not in done.stderr, done.stderr
+
+
+def test_one_mapping_is_one_recording(config, swept):
+    columns = {name: swept[name] for name in swept.keys()}
+    assert pneuservo.diagnose(config, columns).verdict == pneuservo.diagnose(config, [swept]).verdict

@@ -80,3 +80,40 @@ def test_an_end_in_the_midst_is_said():
                 axis.stop()
             axis.close()
             thread.join()
+
+
+def test_a_late_answer_is_left_and_junk_is_no_answer(tmp_path):
+    """After a time-out the next request gets its own answer; what is no object of JSON ends in a sentence."""
+    path = os.path.join(tempfile.mkdtemp(dir="/tmp"), "axis.sock")
+    listening = socket.socket(socket.AF_UNIX)
+    listening.bind(path)
+    listening.listen(1)
+    asked = threading.Event()
+
+    def late():
+        connection, _ = listening.accept()
+        lines = connection.makefile("rb")
+        lines.readline()
+        asked.wait(10)
+        lines.readline()
+        connection.sendall(b'{"id": 1, "ok": true}\n{"id": 2, "ok": true, "state": "active"}\n')
+        lines.readline()
+        connection.sendall(b"[1]\n")
+        lines.readline()
+        connection.close()
+
+    thread = threading.Thread(target=late)
+    thread.start()
+    axis = Axis(path, timeout_s=0.05)
+    with pytest.raises(TimeoutError, match="no answer came"):
+        axis.status()
+    asked.set()
+    axis._socket.settimeout(10)
+    assert axis.status()["state"] == "active"
+    with pytest.raises(ConnectionError, match="expected an answer"):
+        axis.status()
+    with pytest.raises(ConnectionError, match="ended the connection"):
+        axis.status()
+    axis.close()
+    thread.join()
+    listening.close()

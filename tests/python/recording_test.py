@@ -95,3 +95,9 @@ def test_mcap_says_its_schema_and_units(swept, tmp_path):
     assert "float64 p1_port_Pa  # Pa" in schema.data.decode()
     assert (channel.topic, channel.message_encoding, schema.encoding) == ("/recording", "cdr", "ros2msg")
     assert len(message.data) == 4 + 8 * len(swept.keys())
+
+
+def test_rows_that_are_left_out_are_warned_of():
+    with pytest.warns(UserWarning, match="t_s"):
+        recording = pneuservo.Recording({"t_s": numpy.array([0.0, 0.1, 0.05, 0.2]), "u_V": numpy.arange(4.0)})
+    assert len(recording) == 3

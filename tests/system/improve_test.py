@@ -49,10 +49,26 @@ with tempfile.TemporaryDirectory() as folder:
         expect(process.returncode == 128 + signal.SIGTERM, f"a stop: status {process.returncode}: {told}")
         expect(said == "" and "nothing is written" in told and not os.path.exists(path("stopped.yaml")), f"a stop: {said} {told}")
 
+# Where the config asks for a pass and there is none, the improved one asks for the formula; on devices the printed command is one.
+with tempfile.TemporaryDirectory() as folder:
+    path = lambda name: os.path.join(folder, name)
+    narrow = ("config/can/cylinder-10m-7.65mm.yaml", "--set", "line_1.diameter_m=4.15e-3", "--set", "line_2.diameter_m=4.15e-3")
+    done = run("run", *narrow, "--hal", "sim", "--set", "duration_s=2", "--set", "reference.amplitude_m=0.03", "--record", path("run.csv.gz"))
+    expect(done.returncode == 0, f"recording: status {done.returncode}: {done.stderr}")
+    done = run("improve", narrow[0], path("run.csv.gz"), *narrow[1:], "--set", "controller.flow_feedforward=pass", "--quiet", "--improved", path("better.yaml"),
+               "--json", path("result.json"))
+    expect(done.returncode == 1 and "No command pass" in done.stdout and "is formula now" in done.stdout, f"narrow: status {done.returncode}: {done.stdout}{done.stderr}")
+    with open(path("better.yaml")) as file:
+        expect("flow_feedforward: formula" in file.read(), "the improved config asks for a pass that cannot be had")
+    command = done.stdout.split("then pneuservo ")[1].splitlines()[0].split()
+    expect("not expected" not in run(*command, "--set", "hal.can.interface=unix:/nonexistent/bus").stderr, f"no command of the program: {command}")
+
 # Where no pass can be had the run ends, or goes on with the formula, as configured.
 NARROW = ("run", "config/cylinder-10m-4.15mm.yaml", "--set", "duration_s=2", "--set", "controller.flow_feedforward=pass")
 expect_refusal(run(*NARROW), ["the lines cannot carry the reference"], "without a fallback")
 done = run(*NARROW, "--set", "controller.without_pass=formula", "--json", "-")
 expect(done.returncode == 0 and "the run goes on with the formula" in done.stderr, f"with the formula: {done.returncode}: {done.stderr}")
 expect(json.loads(done.stdout)["runs"][0]["feedforward"] == "flow", "not with the formula")
+done = run("check", "config/cylinder-10m-4.15mm.yaml", "--set", "controller.flow_feedforward=pass", "--set", "controller.without_pass=formula")
+expect("a run goes on with the formula" in done.stdout, f"check: {done.stdout}{done.stderr}")
 expect_refusal(run("improve", "config/servo-table-1m-8mm.yaml", "nothing.csv.gz"), ["improve"], "a servo table")

@@ -9,7 +9,7 @@
 
 namespace pneuservo {
 
-/// Standard deviations of the drive\'s noise that any rest balances, so that no friction gains by noise.
+/// Standard deviations of the drive's noise that any rest balances, so that no friction gains by noise.
 inline constexpr double rest_noises = 2.0;
 
 /// The motion of one recording. Nothing is simulated: position is differentiated by symmetric Gaussian kernels, and the

@@ -174,6 +174,10 @@ void add_unknown(ResidualModel& model, const Decision& decision, const Search& s
   if (!decision.chosen->members.empty() && !decision.is_described) {
     const double before = search.owner().fit.chi2(), after = decision.chosen->fit.chi2();
     std::string names;
+    for (const std::size_t m : decision.chosen->members) {
+      out.unsaid.emplace_back().effect = search.candidates()[m].name;
+      add_parameters(decision, search.candidates()[m], out.unsaid.back());
+    }
     for (const std::size_t m : decision.chosen->members)
       names += (names.empty() ? "" : " and ") + search.candidates()[m].name;
     answer.note += fmt::format("; the best name, {}, takes {:.0f} % of the squared mismatch", names,

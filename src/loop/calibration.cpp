@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <stdexcept>
 
@@ -11,6 +10,7 @@
 
 #include <pneuservo/elements/orifice.hpp>
 #include <pneuservo/loop/fault.hpp>
+#include <pneuservo/record/row.hpp>
 
 #include "loop/air_force.hpp"
 #include "loop/supervised_steps.hpp"

@@ -19,7 +19,7 @@ NINE_IN_TEN = 1.2816  # of the normal distribution
 
 
 class Change(NamedTuple):
-    """In which week it was told, since when it is so, by how much in the last week, and that in sigmas."""
+    """In which week it was told, since when it is so, by how much, and how many sigmas told it."""
 
     told_week: int
     since_week: int
@@ -84,9 +84,20 @@ def _best(weeks: numpy.ndarray, values: numpy.ndarray, standard_errors: numpy.nd
     return Change(int(weeks[-1]), int(weeks[begins[best]]), float(amplitudes[best] * reach), float(errors[best] * reach), float(score))
 
 
+def _sized(change: Change, weeks: numpy.ndarray, values: numpy.ndarray, standard_errors: numpy.ndarray) -> Change:
+    """With the mean of the last weeks beyond that of the weeks before it, whatever the course between."""
+    variances = standard_errors ** 2 + scatter(values, standard_errors ** 2)
+    weights = 1.0 / numpy.maximum(variances, numpy.finfo(float).tiny)
+    before = weeks < change.since_week
+    after = ~before & (weeks > weeks[-1] - REACTION_WEEKS)
+    means = [float(numpy.average(values[part], weights=weights[part])) for part in (before, after)]
+    error = math.sqrt(sum(1.0 / weights[part].sum() for part in (before, after)))
+    return change._replace(size=means[1] - means[0], standard_error=error)
+
+
 def first_change(weeks: numpy.ndarray, values: numpy.ndarray, standard_errors: numpy.ndarray,
                  false_alarm_rate: float) -> Optional[Change]:
-    """The first change that is told, by what was known in that week; its begin and size by all that is known now.
+    """The first change that is told, and its begin, by what was known in that week; its size by the last weeks.
 
     false_alarm_rate: of the whole series.
     """
@@ -95,8 +106,7 @@ def first_change(weeks: numpy.ndarray, values: numpy.ndarray, standard_errors: n
     for end in range(least, len(weeks) + 1):
         told = _best(weeks[:end], values[:end], standard_errors[:end])
         if told and told.score > limit:
-            now = _best(weeks, values, standard_errors) or told
-            return now._replace(told_week=told.told_week)
+            return _sized(told, weeks, values, standard_errors)
     return None
 
 

@@ -169,7 +169,7 @@ def _connected(scheduler: Optional[str], workers: int) -> Tuple[Any, Any]:
             return Client(scheduler, timeout="10s", set_as_default=False), None
         except (OSError, ValueError) as error:
             raise FleetStopped(f"{scheduler}: found no Dask scheduler, expected an address such as tcp://host:8786 ({error})") from None
-    cluster = LocalCluster(n_workers=workers or os.cpu_count() or 1, threads_per_worker=1, dashboard_address=None)
+    cluster = LocalCluster(n_workers=workers or os.cpu_count() or 1, threads_per_worker=1, dashboard_address=":0")
     return Client(cluster, set_as_default=False), cluster
 
 

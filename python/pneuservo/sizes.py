@@ -36,7 +36,7 @@ def _size(answer: Mapping[str, Any], improved: Config, effects: Mapping[str, Seq
     variances = [sum(parameters[key]["standard_error"] ** 2 for key in keys) / len(keys) ** 2 for parameters, keys in named]
     smallest = [one["value"] for one in answer["detectable"] if one["effect"] in effects]
     return {"value": _stated(improved, effects), "standard_error": math.sqrt(sum(variances)) if named else math.nan,
-            "smallest_visible": min(smallest, default=math.nan), "named": bool(named)}
+            "smallest_visible": math.nan if named else min(smallest, default=math.nan), "named": bool(named)}
 
 
 def _supply(recordings: Sequence[Recording], config: Config, improved: Config) -> Dict[str, Any]:

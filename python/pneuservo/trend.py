@@ -60,12 +60,17 @@ def name_of(size: str) -> str:
     return size.rsplit("_", 1)[0].replace("_", " ")
 
 
+def rounded(value: float, digits: int) -> str:
+    """A number to so many digits, without an exponent where it needs none."""
+    return f"{float(f'{value:.{digits}g}'):.6g}"
+
+
 def words_of(series: Series) -> str:
     """The change in a sentence."""
     change = series.change
     assert change is not None
     return (f"{name_of(series.size)} {'rises' if change.size > 0 else 'falls'} since {monday_of(change.since_week)} "
-            f"by {abs(change.size):.3g} +- {change.standard_error:.1g} {SIZES[series.size]} (told {monday_of(change.told_week)})")
+            f"by {rounded(abs(change.size), 3)} +- {rounded(change.standard_error, 1)} {SIZES[series.size]} (told {monday_of(change.told_week)})")
 
 
 def read_results(sources: Iterable[Union[str, os.PathLike]]) -> Any:

@@ -9,7 +9,7 @@ from typing import Any, List, Tuple, Union
 import numpy
 
 from .sizes import SIZES
-from .trend import AxisTrend, Series, monday_of, name_of, words_of
+from .trend import AxisTrend, Series, monday_of, name_of, rounded, words_of
 
 _STYLE = """body { margin: 0 auto; max-width: 980px; padding: 32px 24px; color: #1b1f24; background: #fff;
   font: 16px/1.5 system-ui, "DejaVu Sans", sans-serif; }
@@ -23,7 +23,7 @@ def _ticks(low: float, high: float) -> List[float]:
     """Three to seven round numbers in a range."""
     step = 10.0 ** numpy.floor(numpy.log10((high - low) / 2.0))
     step *= next(factor for factor in (5, 2, 1) if (high - low) / (factor * step) >= 2)
-    return [float(tick) for tick in numpy.arange(numpy.ceil(low / step), numpy.floor(high / step) + 1) * step]
+    return [float(tick) for tick in numpy.arange(numpy.ceil(low / step), numpy.floor(high / step) + 1) * step + 0.0]
 
 
 def _range(series: Series) -> Tuple[float, float]:
@@ -72,7 +72,7 @@ def _axis_page(trend: AxisTrend) -> str:
         body.append(f"<h2>{name_of(one.size)} [{SIZES[one.size]}]</h2>")
         if one.change:
             body.append(f'<p class="changed">{html.escape(words_of(one))}</p>')
-        body.append(f"<p>A step of {one.smallest_visible:.3g} {SIZES[one.size]} is told within four weeks, nine times in ten.</p>")
+        body.append(f"<p>A step of {rounded(one.smallest_visible, 3)} {SIZES[one.size]} is told within four weeks, nine times in ten.</p>")
         body.append(svg_of(one))
     if trend.failed:
         body.append("<h2>Recordings without an answer</h2><ul>" + "".join(f"<li>{html.escape(s)}</li>" for s in trend.failed) + "</ul>")
@@ -84,7 +84,7 @@ def _last(trend: AxisTrend, size: str) -> str:
     one = next((series for series in trend.series if series.size == size), None)
     if one is None:
         return "<td>-</td>"
-    text = f"{one.values[-1]:.4g} +- {one.standard_errors[-1]:.1g}"
+    text = f"{rounded(one.values[-1], 4)} &plusmn; {rounded(one.standard_errors[-1], 1)}"
     return f'<td class="changed">{text}</td>' if one.change else f"<td>{text}</td>"
 
 

@@ -73,7 +73,7 @@ def test_a_cluster_that_goes_away_is_told_and_what_is_done_is_kept(tmp_path):
 
     go_on = tmp_path / "never"
     paths = recordings(tmp_path, ["fine", f"wait for {go_on}"])
-    cluster = LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None)
+    cluster = LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0")
     ended = threading.Event()
 
     def progress(done, of, failed):

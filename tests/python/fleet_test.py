@@ -73,7 +73,7 @@ def test_a_cluster_that_goes_away_is_told_and_what_is_done_is_kept(tmp_path):
 
     go_on = tmp_path / "never"
     paths = recordings(tmp_path, ["fine", f"wait for {go_on}"])
-    cluster = LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=":0")
+    cluster = LocalCluster(n_workers=1, threads_per_worker=2, dashboard_address=":0")
     ended = threading.Event()
 
     def progress(done, of, failed):
@@ -94,7 +94,7 @@ def test_ctrl_c_keeps_what_is_done(tmp_path):
     code = ("import sys, os, signal; sys.path.insert(0, sys.argv[1]); import fleet_test; from pneuservo import fleet\n"
             "def told(*numbers): os.kill(os.getpid(), signal.SIGINT)\n"
             "if __name__ == '__main__':\n"
-            "    try: fleet.run_fleet(sys.argv[3:], None, sys.argv[2], workers=1, work=fleet_test.counted, progress=told)\n"
+            "    try: fleet.run_fleet(sys.argv[3:], None, sys.argv[2], workers=2, work=fleet_test.counted, progress=told)\n"
             "    except KeyboardInterrupt: print('stopped')\n")
     script = tmp_path / "script.py"
     script.write_text(code)

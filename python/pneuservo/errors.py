@@ -36,3 +36,7 @@ class DiagnosisStopped(RuntimeError):
 
 class AxisRefused(RuntimeError):
     """A served axis did not obey; its own sentence says why."""
+
+
+class FleetStopped(RuntimeError):
+    """A fleet ended before all its recordings were done; its sentence says what is kept, and where."""

@@ -1,0 +1,129 @@
+# Many recordings on Dask: all done once, killed workers lose nothing, what is bad is a row, what is done stays.
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import pandas
+import pytest
+
+import pneuservo
+from conftest import CYLINDER
+from pneuservo import fleet
+from pneuservo.errors import FleetStopped
+
+
+def counted(path, config_text):
+    """Stands for a diagnosis: leaves a line a call, dies or fails where the recording says so."""
+    text = pathlib.Path(path).read_text()
+    calls = pathlib.Path(path + ".calls")
+    with open(calls, "a") as file:
+        file.write("called\n")
+    if text.startswith("kill the worker once") and len(calls.read_text().splitlines()) == 1:
+        os.kill(os.getpid(), signal.SIGKILL)
+    if text.startswith("too large"):
+        raise MemoryError
+    if text.startswith("bad"):
+        raise pneuservo.InputError(f"{path}: found no column t_s, expected the times of the rows")
+    if text.startswith("wait for"):
+        while not pathlib.Path(text.split(maxsplit=2)[2]).exists():
+            time.sleep(0.02)
+    return {"sentence": "fine", "friction_N": float(len(text))}
+
+
+def recordings(folder, texts):
+    paths = []
+    for number, text in enumerate(texts):
+        path = folder / f"axis-{number % 2}" / f"run-2026-01-{number + 1:02d}.csv"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text + f"\n{number}")
+        paths.append(path)
+    return paths
+
+
+def calls_of(path):
+    return len(pathlib.Path(f"{path}.calls").read_text().splitlines())
+
+
+def test_killed_workers_lose_nothing_and_bad_recordings_are_rows(tmp_path):
+    texts = ["fine"] * 6 + ["kill the worker once", "bad", "too large"]
+    paths = recordings(tmp_path, texts)
+    told = []
+    table = fleet.run_fleet([*paths, tmp_path / "absent.csv"], None, tmp_path / "out", workers=2, work=counted,
+                            progress=lambda *numbers: told.append(numbers))
+    frame = pandas.read_parquet(table).set_index("recording")
+    assert frame.loc[str(paths[7]), "status"] == "failed" and "found no column t_s" in frame.loc[str(paths[7]), "sentence"]
+    assert frame.loc[str(paths[8]), "status"] == "lost" and "memory" in frame.loc[str(paths[8]), "sentence"]
+    assert "No such file" in frame.loc[str(tmp_path / "absent.csv"), "sentence"]
+    assert (frame["status"] == "done").sum() == 7 and told[-1] == (9, 9, 2)
+    assert frame.loc[str(paths[0]), "axis"] == "axis-0" and frame.loc[str(paths[0]), "date"] == "2026-01-01"
+    assert calls_of(paths[6]) == 2
+
+    before = [calls_of(path) for path in paths]
+    fleet.run_fleet(paths, None, tmp_path / "out", workers=1, work=counted)
+    assert [calls_of(path) for path in paths] == [*before[:8], before[8] + 1]  # what a worker was lost with is tried again
+
+
+def test_a_cluster_that_goes_away_is_told_and_what_is_done_is_kept(tmp_path):
+    from dask.distributed import LocalCluster
+
+    go_on = tmp_path / "never"
+    paths = recordings(tmp_path, ["fine", f"wait for {go_on}"])
+    cluster = LocalCluster(n_workers=1, threads_per_worker=2, dashboard_address=":0")
+    ended = threading.Event()
+
+    def progress(done, of, failed):
+        if not ended.is_set():
+            ended.set()
+            threading.Thread(target=cluster.close).start()
+
+    with pytest.raises(FleetStopped, match="cluster went away with 1 of 2 recordings done; they are kept in"):
+        fleet.run_fleet(paths, None, tmp_path / "out", scheduler=cluster.scheduler_address, work=counted, progress=progress)
+    frame = pandas.read_parquet(tmp_path / "out/results.parquet")
+    assert list(frame["recording"]) == [str(paths[0])]
+    with pytest.raises(FleetStopped, match="found no Dask scheduler"):
+        fleet.run_fleet(paths, None, tmp_path / "out", scheduler="nonsense", work=counted)
+
+
+def test_ctrl_c_keeps_what_is_done(tmp_path):
+    paths = recordings(tmp_path, ["fine", f"wait for {tmp_path / 'never'}"])
+    code = ("import sys, os, signal; sys.path.insert(0, sys.argv[1]); import fleet_test; from pneuservo import fleet\n"
+            "def told(*numbers): os.kill(os.getpid(), signal.SIGINT)\n"
+            "if __name__ == '__main__':\n"
+            "    try: fleet.run_fleet(sys.argv[3:], None, sys.argv[2], workers=2, work=fleet_test.counted, progress=told)\n"
+            "    except KeyboardInterrupt: print('stopped')\n")
+    script = tmp_path / "script.py"
+    script.write_text(code)
+    tests = str(pathlib.Path(__file__).parent)
+    done = subprocess.run([sys.executable, script, tests, tmp_path / "out", *paths], capture_output=True, text=True)
+    assert done.stdout == "stopped\n", done.stderr
+    rows = [json.loads(path.read_text()) for path in (tmp_path / "out/rows").iterdir()]
+    assert [row["recording"] for row in rows] == [str(paths[0])]
+    assert len(pandas.read_parquet(tmp_path / "out/results.parquet")) == 1
+
+
+def test_the_command_says_what_is_wrong_with_a_recording_and_goes_on(tmp_path):
+    path, = recordings(tmp_path, ["no recording at all"])
+    command = [sys.executable, "-m", "pneuservo.fleet", path, "--config", CYLINDER, "--workers", "1", "--out", tmp_path / "out"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0 and "written: " in done.stdout and "1 of 1 done, 1 failed" in done.stderr
+    row, = fleet.Results(tmp_path / "out").rows()
+    assert row["status"] == "failed" and path.name in row["sentence"] and "\n" not in row["sentence"]
+
+
+def test_sizes_are_those_of_the_improved_config_and_leaks_are_normal_litres(config):
+    from pneuservo import sizes
+
+    # 1e-8 m2 from 7 bar at 293 K: 0.6847 * 1e-8 * 7e5 / sqrt(287 * 293) kg/s over 1.2926 kg/m3.
+    assert sizes.leak_nlpm_of(1e-8, config) == pytest.approx(0.7672, rel=1e-3)
+    answer = {"answers": [{"effect": "coulomb_friction", "parameters": {"force_N": {"value": 5.0, "standard_error": 0.2}}}],
+              "detectable": [{"effect": "valve_lag", "parameter": "time_constant_s", "value": 1e-3}]}
+    improved = config.with_effects({"coulomb_friction": {"force_N": 5.0}})
+    named = sizes._size(answer, improved, sizes.FRICTION)
+    assert named["value"] == 5.0 and named["standard_error"] == pytest.approx(0.2) and named["named"]
+    hidden = sizes._size(answer, improved, sizes.VALVE)
+    assert hidden["value"] == 0.0 and not hidden["named"] and hidden["smallest_visible"] == 1e-3

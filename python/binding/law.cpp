@@ -1,7 +1,6 @@
 // The reference and the control law of a config, step by step and by arrays.
 #include <limits>
 #include <memory>
-#include <stdexcept>
 
 #include <pneuservo/control/axis_controller.hpp>
 
@@ -119,9 +118,7 @@ nb::object Law::reference_at(const nb::object& t_s) const {
 
 Rig with_pass_heeded(const Config& config) {
   Rig rig = config.rig;
-  try {
-    heed_missing_pass(rig, Reference(rig.reference, load_reference_positions));
-  } catch (const std::invalid_argument& error) { throw InputError(config.source + ": " + error.what()); }
+  heed_missing_pass(config.source, rig, Reference(rig.reference, load_reference_positions));
   return rig;
 }
 

@@ -13,6 +13,7 @@
 #include <pneuservo/loop/axis_loop.hpp>
 #include <pneuservo/loop/motion_twin.hpp>
 
+#include "config/input_error.hpp"
 #include "pass/force_learning.hpp"
 
 namespace pneuservo {
@@ -242,13 +243,13 @@ PassTables pass_tables(const Rig& rig, const Reference& reference) {
   return {pass.table(rig, true), pass.table(rig, false)};
 }
 
-std::string heed_missing_pass(Rig& rig, const Reference& reference) {
+std::string heed_missing_pass(const std::string& config, Rig& rig, const Reference& reference) {
   if (!rig.controller.wants_pass()) return "";
   try {
     pass_tables(rig, reference);
   } catch (const std::invalid_argument& error) {
     PdForceParameters& law = rig.controller.of<PdForce>();
-    if (law.without_pass == WithoutPass::refuse) throw;
+    if (law.without_pass == WithoutPass::refuse) throw InputError(config + ": " + error.what());
     law.flow_feedforward = FeedforwardSource::formula;
     return error.what();
   }

@@ -53,8 +53,8 @@ struct PassTables {
 PassTables pass_tables(const Rig& rig, const Reference& reference);
 
 /// Where there is no pass and the config says so, the rig goes on with the formula: why, in a sentence; empty: as it
-/// was. Throws std::invalid_argument where the config refuses to go on.
-std::string heed_missing_pass(Rig& rig, const Reference& reference);
+/// was. Throws InputError with the config's name where it refuses to go on.
+std::string heed_missing_pass(const std::string& config, Rig& rig, const Reference& reference);
 
 /// Largest distance of the simulated closed loop from the reference, on the pass's own model without noise [m], with
 /// the pass or with another feedforward from the same rest.

@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
-#include <stdexcept>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
 #include "can/bus_interface.hpp"
+#include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "loop/bus_check.hpp"
 #include "loop/device_grade.hpp"
@@ -32,13 +32,13 @@ struct CheckOptions {
 };
 
 /// What a run does where no pass can be made and the config goes on with the formula.
-std::vector<Finding> heed_pass(Rig& rig) {
+std::vector<Finding> grade_pass(const std::string& path, Rig& rig) {
   try {
-    const std::string why = heed_missing_pass(rig, Reference(rig.reference, load_reference_positions));
+    const std::string why = heed_missing_pass(path, rig, Reference(rig.reference, load_reference_positions));
     if (!why.empty())
       return {{FindingLevel::acceptable, "command pass", why + "; a run goes on with the formula",
                "state controller.flow_feedforward: formula, or a reference that the lines can carry"}};
-  } catch (const std::invalid_argument&) {}  // graded with the loop in motion
+  } catch (const InputError&) {}  // graded with the loop in motion
   return {};
 }
 
@@ -46,7 +46,7 @@ std::vector<Finding> heed_pass(Rig& rig) {
 std::vector<Finding> check_config(const std::string& path, const std::vector<std::string>& sets) {
   Rig rig = read_rig(path, sets);
   if (rig.is_pneumatic()) require_reference_in_stroke(path, rig);
-  const std::vector<Finding> pass = heed_pass(rig);
+  const std::vector<Finding> pass = grade_pass(path, rig);
   std::vector<Finding> findings = grade_rig(rig);
   for (const auto& more : {pass, grade_devices(rig), grade_safety(rig, load_reference_positions), grade_loop(rig)})
     findings.insert(findings.end(), more.begin(), more.end());

@@ -22,6 +22,7 @@
 #include "loop/runner.hpp"
 #include "loop/safety_grade.hpp"
 #include "loop/told_payload.hpp"
+#include "pass/command_pass.hpp"
 #include "program/rig_options.hpp"
 #include "record/import.hpp"
 #include "report/evaluation.hpp"
@@ -33,7 +34,7 @@ namespace {
 using Level = FindingLevel;
 constexpr double near_end_share = 0.8;     // of half the stroke: beyond lies what no reference should use
 constexpr double rest_s = 4.0;             // judged over its second half: ten periods of 5 Hz
-constexpr double longest_reference_s = 20.0;     // of the reference
+constexpr double longest_reference_s = 20.0;  // judged of it
 constexpr double nudge_m = 4e-4;           // below the tolerance of the approach: the loop starts with a step
 constexpr const char* gain_remedy =
     "lower the gains, or the payload, until 'pneuservo design' shows a gain margin of 2 and a phase margin of 30 deg";
@@ -336,6 +337,11 @@ void require_reference_in_stroke(const std::string& config, const Rig& rig) {
     throw InputError(fmt::format("{}: reference.path: found a position {:.6g} m from mid-stroke, expected at most half "
                                  "of cylinder.stroke_m ({:g} m)",
                                  config, far_m, half_m));
+}
+
+void heed_pass(const std::string& config, Rig& rig) {
+  const std::string why = heed_missing_pass(config, rig, Reference(rig.reference, load_reference_positions));
+  if (!why.empty()) std::cerr << fmt::format("{}: {}; it goes on with the formula\n", config, why);
 }
 
 void heed_loop(const std::string& config, const Rig& rig, bool on_devices, const AllowedRisks& allowed) {

@@ -33,6 +33,10 @@ std::string unstable_loop_words(const Rig& rig);
 /// Throws InputError where a reference from a file leaves the stroke; others are refused where the config is read.
 void require_reference_in_stroke(const std::string& config, const Rig& rig);
 
+/// Goes on with the formula, and says so, where no command pass can be made and the config wants it so. Throws
+/// InputError where it does not.
+void heed_pass(const std::string& config, Rig& rig);
+
 /// What a run may do although it is not safe.
 struct AllowedRisks {
   bool unstable_loop = false;

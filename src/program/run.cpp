@@ -18,7 +18,6 @@
 #include "loop/realtime_stop.hpp"
 #include "loop/runner.hpp"
 #include "loop/safe_output_text.hpp"
-#include "pass/command_pass.hpp"
 #include "program/axis_options.hpp"
 #include "program/gain_file.hpp"
 #include "program/injection.hpp"
@@ -194,14 +193,6 @@ double longest_run_s(const Rig& rig, int moves) {
   return moves * (rig.duration_s + AxisLoop::longest_approach_s(rig.axis.cylinder.stroke_m));
 }
 
-/// Before a device is touched or a recording begun.
-void heed_pass(const std::string& config, Rig& rig) {
-  try {
-    const std::string why = heed_missing_pass(rig, Reference(rig.reference, load_reference_positions));
-    if (!why.empty()) std::cerr << fmt::format("{}: {}; the run goes on with the formula\n", config, why);
-  } catch (const std::invalid_argument& error) { throw InputError(config + ": " + error.what()); }
-}
-
 /// One pressure source from start to safe end; its moves are added to the report. True: no fault, recording whole.
 bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool several, RunReport& report,
                 Effort& effort) {
@@ -280,7 +271,7 @@ int run(const RunOptions& options) {
   const auto sources = sources_of(options, rig);
   check_outputs(options, rig, sources);
   heed_axis(options, rig);
-  heed_pass(options.config, rig);
+  heed_pass(options.config, rig);  // before a device is touched or a recording begun
   StopRequest stop;
   RunReport report;
   report.config = rig.name;

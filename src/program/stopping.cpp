@@ -6,7 +6,7 @@
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "loop/stopping.hpp"
-#include "pass/command_pass.hpp"
+#include "program/loop_check.hpp"
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
@@ -24,9 +24,7 @@ struct StoppingOptions {
 void run_stopping(const StoppingOptions& options) {
   OutputFiles().reads("CONFIG", options.config).writes("--json", options.json, ResultKind::json);
   Rig rig = read_rig(options.config, options.sets);
-  try {
-    heed_missing_pass(rig, Reference(rig.reference, load_reference_positions));
-  } catch (const std::invalid_argument& error) { throw InputError(options.config + ": " + error.what()); }
+  heed_pass(options.config, rig);
   require_valves("stopping", options.config, rig);
   try {
     const StoppingTable table = stopping_table(rig, load_reference_positions);

@@ -118,7 +118,7 @@ nb::object Law::reference_at(const nb::object& t_s) const {
 
 Rig with_pass_heeded(const Config& config) {
   Rig rig = config.rig;
-  heed_missing_pass(config.source, rig, Reference(rig.reference, load_reference_positions));
+  heed_missing_pass(config.source, rig, load_reference_positions);
   return rig;
 }
 

@@ -243,10 +243,10 @@ PassTables pass_tables(const Rig& rig, const Reference& reference) {
   return {pass.table(rig, true), pass.table(rig, false)};
 }
 
-std::string heed_missing_pass(const std::string& config, Rig& rig, const Reference& reference) {
+std::string heed_missing_pass(const std::string& config, Rig& rig, const LoadPositions& load) {
   if (!rig.controller.wants_pass()) return "";
   try {
-    pass_tables(rig, reference);
+    pass_tables(rig, Reference(rig.reference, load));
   } catch (const std::invalid_argument& error) {
     PdForceParameters& law = rig.controller.of<PdForce>();
     if (law.without_pass == WithoutPass::refuse) throw InputError(config + ": " + error.what());

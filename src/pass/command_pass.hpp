@@ -54,7 +54,7 @@ PassTables pass_tables(const Rig& rig, const Reference& reference);
 
 /// Where there is no pass and the config says so, the rig goes on with the formula: why, in a sentence; empty: as it
 /// was. Throws InputError with the config's name where it refuses to go on.
-std::string heed_missing_pass(const std::string& config, Rig& rig, const Reference& reference);
+std::string heed_missing_pass(const std::string& config, Rig& rig, const LoadPositions& load);
 
 /// Largest distance of the simulated closed loop from the reference, on the pass's own model without noise [m], with
 /// the pass or with another feedforward from the same rest.

@@ -34,7 +34,7 @@ struct CheckOptions {
 /// What a run does where no pass can be made and the config goes on with the formula.
 std::vector<Finding> grade_pass(const std::string& path, Rig& rig) {
   try {
-    const std::string why = heed_missing_pass(path, rig, Reference(rig.reference, load_reference_positions));
+    const std::string why = heed_missing_pass(path, rig, load_reference_positions);
     if (!why.empty())
       return {{FindingLevel::acceptable, "command pass", why + "; a run goes on with the formula",
                "state controller.flow_feedforward: formula, or a reference that the lines can carry"}};

@@ -340,7 +340,7 @@ void require_reference_in_stroke(const std::string& config, const Rig& rig) {
 }
 
 void heed_pass(const std::string& config, Rig& rig) {
-  const std::string why = heed_missing_pass(config, rig, Reference(rig.reference, load_reference_positions));
+  const std::string why = heed_missing_pass(config, rig, load_reference_positions);
   if (!why.empty()) std::cerr << fmt::format("{}: {}; it goes on with the formula\n", config, why);
 }
 

@@ -140,12 +140,15 @@ for number in (signal.SIGHUP, signal.SIGQUIT, signal.SIGTSTP, signal.SIGUSR1, si
     for scenario, fault, words in (("deaf-output", "output_unconfirmed", "NOT confirmed"),
                                    ("pre-operational", "", "NOT confirmed"),
                                    ("double-answer", "double_answer", "and read back at t = ")):
-        device = Device(interface, "--scenario", f"config/scenarios/device/{scenario}.yaml")
-        done = control(interface, 20)
-        expect(done.returncode == 1 and f"fault: {fault}" in done.stderr, f"{scenario}: {done.stderr}")
+        for _ in range(5):  # a valve that goes deaf while it is about closed shows the safe output, rightly
+            device = Device(interface, "--scenario", f"config/scenarios/device/{scenario}.yaml")
+            done = control(interface, 20)
+            expect(done.returncode == 1 and f"fault: {fault}" in done.stderr, f"{scenario}: {done.stderr}")
+            time.sleep(1.0)  # the device's own watchdog of 0.5 s
+            expect(device.end().rstrip().endswith("valve 0.0000 V"), f"{scenario}: the valve kept its command")
+            if words in done.stderr:
+                break
         expect("the safe output of 0 V was sent at t = " in done.stderr and words in done.stderr, f"{scenario}: {done.stderr}")
-        time.sleep(1.0)  # the device's own watchdog of 0.5 s
-        expect(device.end().rstrip().endswith("valve 0.0000 V"), f"{scenario}: the valve kept its command")
 
 # Verbs home and zero over the bus: an incremental encoder that counts from 40 mm, a pressure sensor 1.2 kPa off.
 bus_path = "unix:" + os.path.join(folder, "named steps")

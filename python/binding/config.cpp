@@ -7,6 +7,7 @@
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "config/rig_parameters.hpp"
+#include "fmu/variables.hpp"
 
 namespace pneuservo::python {
 namespace {
@@ -50,6 +51,23 @@ nb::dict parameters(const Config& config) {
   return out;
 }
 
+nb::list fmu_variables(const Config& config, const std::string& model) {
+  nb::list out;
+  for (const fmu::Variable& v : fmu::variables_of(config.rig, fmu::model_named(model))) {
+    nb::dict one;
+    one["name"] = v.name;
+    one["reference"] = v.reference;
+    one["causality"] = std::string(fmu::name_of(v.causality));
+    one["unit"] = v.unit;
+    one["help"] = v.help;
+    one["start"] = v.start;
+    one["minimum"] = v.minimum;
+    one["maximum"] = v.maximum;
+    out.append(one);
+  }
+  return out;
+}
+
 Config with_effects(const Config& config, const nb::dict& effects) {
   nb::dict changes;
   for (const auto& [name, keys] : effects) changes[nb::str("effects.") + nb::str(name)] = keys;
@@ -69,7 +87,7 @@ void bind_config(nb::module_& m) {
             new (self) Config{read_rig(file, overrides_of(changes), ConfigUse::simulation), file};
           },
           nb::arg("path"), nb::arg("changes") = nb::none(),
-          "Reads a file. changes: {\"line_1.length_m\": 5} or [\"line_1.length_m=5 m\"], as the program's --set.")
+          "Reads a file. changes: {\"line_1.length_m\": 5} or [\"line_1.length=5 m\"], as the program's --set.")
       .def_static(
           "from_text",
           [](const std::string& text, const std::string& name, const nb::object& changes) {
@@ -107,6 +125,7 @@ void bind_config(nb::module_& m) {
       .def("__setstate__", [](Config& c, const std::pair<std::string, std::string>& state) {
         new (&c) Config{parse_rig(state.first, state.second), state.second};
       });
+  m.def("_fmu_variables", &fmu_variables, nb::arg("config"), nb::arg("model"), "For pneuservo.fmu.");
 }
 
 }  // namespace pneuservo::python

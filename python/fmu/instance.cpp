@@ -1,0 +1,147 @@
+#include "instance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <pneuservo/loop/axis_loop.hpp>
+
+#include "config/dump_rig.hpp"
+#include "config/input_error.hpp"
+#include "config/read_rig.hpp"
+#include "config/rig_parameters.hpp"
+#include "sim/sim_backend.hpp"
+
+namespace pneuservo::fmu {
+namespace {
+
+// A time of a foreign clock is a sum of steps; this share of a period is more than it rounds by in a year.
+constexpr double most_rounding = 1e-3;
+
+nlohmann::json about(const std::filesystem::path& resources) {
+  const std::filesystem::path path = resources / "fmu.json";
+  std::ifstream file(path);
+  nlohmann::json out = nlohmann::json::parse(file, nullptr, false);
+  if (out.is_discarded() || !out.contains("model") || !out.contains("token"))
+    throw InputError(path.string() + ": cannot be read: the FMU is not whole; export it again");
+  return out;
+}
+
+}  // namespace
+
+Instance::Instance(const std::filesystem::path& resources, std::string_view token)
+    : source_((resources / "config.yaml").string()) {
+  const nlohmann::json made = about(resources);
+  if (const auto own = made["token"].get<std::string>(); own != token)
+    throw InputError(fmt::format("FMU: found the token \"{}\", expected \"{}\": model description and resources are of "
+                                 "two exports; export it again",
+                                 token, own));
+  model_ = model_named(made["model"].get<std::string>());
+  declared_ = rig_ = read_rig(source_, {}, ConfigUse::simulation);
+  reset();
+}
+
+void Instance::reset() {
+  rig_ = declared_;
+  variables_ = variables_of(rig_, model_);
+  inputs_ = static_cast<std::size_t>(
+      std::ranges::count(variables_, Causality::input, [](const Variable& v) { return v.causality; }));
+  time_ = static_cast<std::size_t>(
+      std::ranges::find(variables_, Causality::independent, [](const Variable& v) { return v.causality; }) -
+      variables_.begin());
+  is_started_ = false;
+}
+
+const Variable& Instance::variable(unsigned reference) const {
+  const auto found = std::ranges::lower_bound(variables_, reference, {}, &Variable::reference);
+  if (found == variables_.end() || found->reference != reference)
+    throw InputError(
+        fmt::format("FMU: found the value reference {}, expected one of the model description", reference));
+  return *found;
+}
+
+double Instance::value(unsigned reference) const { return variable(reference).start; }
+
+void Instance::set(unsigned reference, double value) {
+  const Variable& found = variable(reference);
+  if (found.causality == Causality::output || found.causality == Causality::independent)
+    throw InputError(fmt::format("FMU: {}: found a value for an {}, expected an input or a parameter", found.name,
+                                 name_of(found.causality)));
+  if (found.causality == Causality::parameter) {
+    if (is_started_)
+      throw InputError(fmt::format("FMU: {}: found a value after the initialisation, expected it before", found.name));
+    set_parameter(rig_, found.name, value);
+  }
+  variables_[static_cast<std::size_t>(&found - variables_.data())].start = value;
+}
+
+void Instance::start(double time_s) {
+  rig_ = parse_rig(dump_rig(rig_), source_);  // relations between values
+  start_s_ = time_s;
+  periods_ = 0;
+  variables_[time_].start = time_s;
+  if (model_ == Model::plant) {
+    plant_.configure(rig_.axis, rig_.period_s, rig_.simulation.cells_per_m, valve_arrangement(rig_));
+    plant_.reset(plant_start(rig_));
+    take_outputs(true_values(plant_), plant_.velocity());
+  } else {
+    estimator_.configure(estimator_parameters(rig_));
+  }
+  is_started_ = true;
+}
+
+// The first ones behind the inputs, whatever follows.
+std::span<Variable> Instance::outputs() { return std::span(variables_).subspan(inputs_); }
+
+void Instance::take_outputs(const PerSignal<double>& measured, double v_mps) {
+  std::size_t i = 0;
+  for (const Signal signal :
+       {Signal::x, Signal::p1_port, Signal::p2_port, Signal::p1_chamber, Signal::p2_chamber, Signal::p_supply})
+    outputs()[i++].start = measured[signal];
+  outputs()[i].start = v_mps;
+}
+
+void Instance::step_plant() {
+  const double u1_V = variables_[0].start;
+  plant_.step(u1_V, inputs_ == 2 ? variables_[1].start : -u1_V);
+  take_outputs(true_values(plant_), plant_.velocity());
+}
+
+void Instance::step_estimator() {
+  const EstimatorOutput e = estimator_.step(
+      {variables_[0].start, variables_[1].start, variables_[2].start, variables_[3].start, variables_[4].start});
+  const std::array shown{e.chamber_pressure_Pa[0], e.chamber_pressure_Pa[1], e.error_bound_Pa[0],
+                         e.error_bound_Pa[1],      e.mass_flow_kgps[0],      e.mass_flow_kgps[1]};
+  for (std::size_t i = 0; i < shown.size(); ++i) outputs()[i].start = shown[i];
+  show(estimator_.axis().side().step_s(), static_cast<double>(e.health));
+}
+
+// The last two outputs of every model.
+void Instance::show(double inner_step_s, double health) {
+  const std::size_t at = model_ == Model::plant ? 7 : 6;
+  outputs()[at].start = inner_step_s;
+  outputs()[at + 1].start = health;
+}
+
+bool Instance::step(double time_s, double step_s) {
+  if (!is_started_) throw InputError("FMU: found a step before the end of the initialisation");
+  const double due = (time_s + step_s - start_s_) / rig_.period_s;
+  const double whole = std::round(due);
+  if (!(step_s > 0.0) || !(std::fabs(due - whole) <= most_rounding) || whole <= static_cast<double>(periods_))
+    throw InputError(fmt::format("FMU: found a communication step from {} s over {} s, expected whole periods of {} s "
+                                 "since the start, each once",
+                                 time_s, step_s, rig_.period_s));
+  const auto until = static_cast<std::int64_t>(whole);
+  for (; periods_ < until; ++periods_) model_ == Model::plant ? step_plant() : step_estimator();
+  variables_[time_].start = time_s + step_s;
+  if (model_ == Model::estimator) return true;
+  const bool is_finite =
+      std::ranges::all_of(outputs().first(7), [](const Variable& v) { return std::isfinite(v.start); });
+  show(plant_.sides().step_s(), is_finite ? 0.0 : 1.0);
+  return is_finite;
+}
+
+}  // namespace pneuservo::fmu

@@ -103,10 +103,15 @@ class Plant {
     plant_.step(u1_V, u2_V.value_or(-u1_V));
     return values();
   }
-  AxisValues values() const { return {true_values(plant_), plant_.velocity()}; }
+  AxisValues now() {
+    const InUse hold(in_use_, "Plant");
+    return values();
+  }
   nb::dict run(const nb::object& u1, const nb::object& u2);
 
  private:
+  AxisValues values() const { return {true_values(plant_), plant_.velocity()}; }
+
   AxisPlant<double> plant_;
   PlantStart<double> start_;
   std::size_t valves_;
@@ -269,7 +274,7 @@ void bind_plant(nb::module_& m) {
            nb::arg("p2_Pa") = nb::none(), "To rest at a place [m] and chamber pressures [Pa]; else the config's start.")
       .def("step", &Plant::step, nb::arg("u_V"), nb::arg("u2_V") = nb::none(),
            "One period with the command held [V], for a servo table one a valve; gives the values at its end.")
-      .def_prop_ro("now", &Plant::values, "Values now.")
+      .def_prop_ro("now", &Plant::now, "Values now.")
       .def("run", &Plant::run, nb::arg("u_V"), nb::arg("u2_V") = nb::none(),
            "A period a row: commands of shape (rows,) [V], read without a copy. Gives columns of shape (rows,), the\n"
            "values as each period begins. Goes on where the last call ended.");

@@ -1,13 +1,13 @@
 // The config as an object of Python: read, looked into, changed into a new one.
 #include <fmt/format.h>
 
+#include "../fmu/variables.hpp"
 #include "binding.hpp"
 #include "config/dump_rig.hpp"
 #include "config/effects_reader.hpp"
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "config/rig_parameters.hpp"
-#include "fmu/variables.hpp"
 
 namespace pneuservo::python {
 namespace {

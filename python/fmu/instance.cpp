@@ -1,3 +1,4 @@
+// An FMU at work: periods of the plant or of the estimator between two communication points.
 #include "instance.hpp"
 
 #include <algorithm>

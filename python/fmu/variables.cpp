@@ -1,3 +1,4 @@
+// Value references of an FMU, and the sections of a config that concern it.
 #include "variables.hpp"
 
 #include <algorithm>

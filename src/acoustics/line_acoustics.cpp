@@ -37,7 +37,7 @@ Complex bessel_i1_over_i0(Complex z) {
 
 LineAcoustics::LineAcoustics(double length_m, double diameter_m, double pressure_Pa, const AirParameters<double>& air,
                              LineLoss loss)
-    : length_m_(length_m), diameter_m_(diameter_m), area_m2_(bore_area_m2(diameter_m)),
+    : length_m_(length_m), diameter_m_(diameter_m), area_m2_(bore_area_m2(diameter_m)), pressure_Pa_(pressure_Pa),
       density_kgpm3_(pressure_Pa / (air.gas_constant_J_per_kgK * air.temperature_K)), air_(air), loss_(loss) {}
 
 double LineAcoustics::sound_speed_mps() const { return air_.sound_speed(); }
@@ -67,10 +67,25 @@ LineTwoPort LineAcoustics::two_port(Complex s) const {
   return {std::cosh(angle), w.impedance_Pas_per_kg * sine, sine / w.impedance_Pas_per_kg};
 }
 
+Complex chamber_admittance(const LineAcoustics& line, const LineEnds& ends, Complex s) {
+  const double temperature_K = line.air().temperature_K;
+  const Complex isothermal = s * ends.volume_out_m3 / (line.air().R * temperature_K);
+  if (std::isinf(ends.wall_out_W_per_K)) return isothermal;
+  // Energy of the gas: V s p/(kappa - 1) + h p T/p_0 = G (c_p T + h R T^2/(s p_0 V)).
+  const double kappa = line.air().kappa, wall_per_K = ends.wall_out_W_per_K * temperature_K / line.pressure_Pa();
+  return (s * ends.volume_out_m3 / (kappa - 1.0) + wall_per_K) /
+         (line.air().cp * temperature_K + wall_per_K / isothermal);
+}
+
+Complex pressure_transfer(const LineAcoustics& line, const LineEnds& ends, Complex s) {
+  const LineTwoPort t = line.two_port(s);
+  return 1.0 / (t.a + t.b * chamber_admittance(line, ends, s));
+}
+
 Complex flow_transfer(const LineAcoustics& line, const LineEnds& ends, Complex s) {
   const double energy = line.air().R * line.air().temperature_K;
   const LineTwoPort t = line.two_port(s);
-  const Complex p_out = std::isinf(ends.volume_out_m3) ? Complex(0.0) : energy / (s * ends.volume_out_m3);
+  const Complex p_out = std::isinf(ends.volume_out_m3) ? Complex(0.0) : 1.0 / chamber_admittance(line, ends, s);
   const Complex p_in = t.a * p_out + t.b;
   return 1.0 / (t.a + t.c * p_out + s * ends.volume_in_m3 / (line.air().kappa * energy) * p_in);
 }

@@ -43,13 +43,14 @@ class LineAcoustics {
   LineTwoPort two_port(std::complex<double> s) const;
 
   double length_m() const { return length_m_; }
+  double pressure_Pa() const { return pressure_Pa_; }
   double volume_m3() const { return length_m_ * area_m2_; }
   /// Isentropic speed of sound [m/s].
   double sound_speed_mps() const;
   const Air<double>& air() const { return air_; }
 
  private:
-  double length_m_ = 0.0, diameter_m_ = 0.0, area_m2_ = 0.0, density_kgpm3_ = 0.0;
+  double length_m_ = 0.0, diameter_m_ = 0.0, area_m2_ = 0.0, pressure_Pa_ = 0.0, density_kgpm3_ = 0.0;
   Air<double> air_;
   LineLoss loss_ = LineLoss::none;
 };
@@ -57,8 +58,16 @@ class LineAcoustics {
 /// What stands at a line's ends.
 struct LineEnds {
   double volume_in_m3 = 0.0;                                        ///< between valve and line, adiabatic
-  double volume_out_m3 = std::numeric_limits<double>::infinity();  ///< chamber, isothermal; infinite: constant pressure
+  double volume_out_m3 = std::numeric_limits<double>::infinity();  ///< chamber; infinite: constant pressure
+  double wall_out_W_per_K = std::numeric_limits<double>::infinity();  ///< of the chamber; infinite: isothermal
 };
+
+/// Mass flow into the chamber per pressure in it [kg/(Pa s)], at s != 0: V s/(R T) with a wall that keeps the gas at
+/// its temperature, 1/kappa of it with none. volume_out finite.
+std::complex<double> chamber_admittance(const LineAcoustics& line, const LineEnds& ends, std::complex<double> s);
+
+/// Pressure in the chamber over pressure at the line's other end, at s != 0.
+std::complex<double> pressure_transfer(const LineAcoustics& line, const LineEnds& ends, std::complex<double> s);
 
 /// Flow out of the line into the chamber over flow through the valve, at s != 0.
 std::complex<double> flow_transfer(const LineAcoustics& line, const LineEnds& ends, std::complex<double> s);

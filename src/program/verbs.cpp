@@ -9,7 +9,7 @@ namespace pneuservo {
 using AddsVerb = void(CommandLine&, int& status);
 AddsVerb add_run, add_check, add_device, add_guard, add_latency, add_replay, add_simulate, add_design, add_index,
     add_diagnose, add_keys, add_home, add_zero, add_commission, add_stopping, add_import, add_effects, add_serve,
-    add_command, add_new_rig, add_pass, add_improve, add_thesis, add_export;
+    add_command, add_new_rig, add_pass, add_improve, add_thesis, add_export, add_identify;
 
 namespace {
 
@@ -21,12 +21,13 @@ struct VerbEntry {
 constexpr const char *design = "A new axis", *running = "An axis that moves", *recorded = "A recording",
                      *reference = "Reference";
 constexpr VerbEntry verbs[] = {
-    {add_new_rig, design},    {add_check, design},       {add_design, design},     {add_index, design},
-    {add_pass, design},       {add_stopping, design},    {add_run, running},       {add_serve, running},
-    {add_command, running},   {add_commission, running}, {add_zero, running},      {add_home, running},
-    {add_device, running},    {add_guard, running},      {add_latency, running},   {add_import, recorded},
-    {add_diagnose, recorded}, {add_improve, recorded},   {add_replay, recorded},   {add_simulate, recorded},
-    {add_export, recorded},   {add_keys, reference},     {add_effects, reference}, {add_thesis, reference},
+    {add_new_rig, design},    {add_check, design},       {add_design, design},   {add_index, design},
+    {add_pass, design},       {add_stopping, design},    {add_run, running},     {add_serve, running},
+    {add_command, running},   {add_commission, running}, {add_zero, running},    {add_home, running},
+    {add_device, running},    {add_guard, running},      {add_latency, running}, {add_import, recorded},
+    {add_diagnose, recorded}, {add_improve, recorded},   {add_replay, recorded}, {add_simulate, recorded},
+    {add_identify, recorded}, {add_export, recorded},    {add_keys, reference},  {add_effects, reference},
+    {add_thesis, reference},
 };
 
 }  // namespace

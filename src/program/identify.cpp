@@ -270,7 +270,7 @@ void add_response(HtmlPage& page, const IdentifiedLine& line) {
   magnitude.bands = {band};
   magnitude.curves = {measured, fitted, believed};
   phase.curves = {measured_phase, fitted_phase, believed_phase};
-  if (line.found.resonates) magnitude.marks.push_back({line.found.natural_frequency_Hz.value, "natural frequency"});
+  if (line.found.resonates) magnitude.marks.push_back({line.found.natural_frequency_Hz.value, "flow resonance"});
   page.section("Pressure at the chamber over pressure at the valve's port", "Recorded, with its noise, and as fitted.");
   page.plots({magnitude, phase});
 }

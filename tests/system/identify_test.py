@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # The verb identify on a simulated line behind a held piston, and what it refuses.
-import json, math, os, sys, tempfile
+import json, math, os, tempfile
 
 from program import CONFIG, expect, expect_refusal, run
 
@@ -45,4 +45,4 @@ moving = os.path.join(folder, "moving.csv.gz")
 run("run", CONFIG, "--duration-s", "1", "--record", moving)
 expect_refusal(run("identify", CONFIG, moving), ["x_m", "moves by", "expected one that is held"], "a piston that moves")
 expect_refusal(run("identify", "config/machines/emps.yaml", record), ["rig: found driven_axis", "pressures at both ends"], "no line")
-expect_refusal(run("identify", CONFIG, command), ["p1_port_Pa", "p1_chamber_Pa"], "no pressures")
+expect_refusal(run("identify", CONFIG, command, *LINE), ["p1_port_Pa", "p1_chamber_Pa"], "no pressures")

@@ -59,6 +59,7 @@ PlantDevice::PlantDevice(const Rig& rig)
   if (!rig.hal || !rig.hal->can)
     throw InputError(rig.name + ": hal.can: found nothing, expected the bus with its nodes (docs/can.md)");
   channels_ = can_channels(*rig.hal);
+  sends_sync = rig.hal->can->sync == CanSync::foreign;
   build_nodes();
   plant_.configure();
   plant_.activate();
@@ -77,7 +78,14 @@ void PlantDevice::build_nodes() {
       else if (node->dictionary().find(c.object.index(), c.object.sub()) == nullptr)
         node->dictionary().add(c.object.index(), c.object.sub(),
                                {.bits = c.object.bits(), .can_write = false, .can_map = true});
-      signals_.push_back({c, node.get(), {c.scale, c.zero, c.is_signed, c.object.bits()}, valve});
+      CountScale counts{c.scale, c.zero, c.is_signed, c.object.bits()};
+      if (c.wrap_counts > 0.0) {
+        counts = counts.wrapped(c.wrap_counts, c.lowest, c.highest);
+        if (c.wrap_counts < 4294967296.0)
+          node->dictionary().add_number(0x6002, 0, 32, static_cast<std::uint32_t>(c.wrap_counts), false,
+                                        "Total measuring range");
+      }
+      signals_.push_back({c, node.get(), counts, valve});
     }
     nodes_.push_back(std::move(node));
   }
@@ -207,12 +215,16 @@ void PlantDevice::on_time(std::int64_t now_ns, std::vector<CanFrame>& out) {
   }
   for (auto& node : nodes_)
     if (!is_off(*node)) node->on_time(now_ns, out);
+  if (!sends_sync || now_ns < next_sync_ns_) return;
+  next_sync_ns_ = std::max(next_sync_ns_ + period_ns_, now_ns);
+  out.push_back(sync_frame());
+  on_sync({sync_frame(), now_ns}, out);
 }
 
 std::int64_t PlantDevice::next_due_ns() const noexcept {
   std::int64_t due = syncs_ > 0 ? last_step_ns_ + 2 * period_ns_ + 1 : std::numeric_limits<std::int64_t>::max();
   for (const auto& node : nodes_) due = std::min(due, node->next_due_ns());
-  return due;
+  return sends_sync ? std::min(due, next_sync_ns_) : due;
 }
 
 void PlantDevice::add_fault(const InjectedFault& fault) {

@@ -169,7 +169,7 @@ class CanProcessImage {
     std::int64_t seen_ns = 0, beat_ns = 0;
     AnswerBalance balance{};
     bool lost = false, substituted = false;
-    bool toggle = false;     // of the next answer to a guard request
+    bool toggle = false;  // of the next answer to a guard request
     int guard_requests = 0;  // since the last answer
   };
   /// What an output was given of late: a device shows the command of this SYNC, or of the one before.

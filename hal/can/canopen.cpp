@@ -143,17 +143,17 @@ std::optional<NmtOrder> parse_nmt(const CanFrame& frame) noexcept {
 }
 
 std::optional<Heartbeat> parse_heartbeat(const CanFrame& frame) noexcept {
-  if (!is_plain(frame) || frame.length != 1 || !is_node(frame.id - cob_heartbeat)) return {};
-  if (!is_state(frame.data[0])) return {};
-  return Heartbeat{static_cast<std::uint8_t>(frame.id - cob_heartbeat), static_cast<NmtState>(frame.data[0])};
+  const auto answer = parse_guard_answer(frame);
+  if (!answer || answer->toggle) return {};
+  return Heartbeat{answer->node, answer->state};
 }
 
 std::optional<GuardAnswer> parse_guard_answer(const CanFrame& frame) noexcept {
-  CanFrame state = frame;
-  state.data[0] = static_cast<std::uint8_t>(frame.data[0] & ~toggle_bit);
-  const auto answer = parse_heartbeat(state);
-  if (!answer) return {};
-  return GuardAnswer{answer->node, answer->state, (frame.data[0] & toggle_bit) != 0};
+  if (!is_plain(frame) || frame.length != 1 || !is_node(frame.id - cob_heartbeat)) return {};
+  const auto state = static_cast<std::uint8_t>(frame.data[0] & ~toggle_bit);
+  if (!is_state(state)) return {};
+  return GuardAnswer{static_cast<std::uint8_t>(frame.id - cob_heartbeat), static_cast<NmtState>(state),
+                     (frame.data[0] & toggle_bit) != 0};
 }
 
 bool is_guard_request(const CanFrame& frame, std::uint8_t node) noexcept {

@@ -78,14 +78,10 @@ void PlantDevice::build_nodes() {
       else if (node->dictionary().find(c.object.index(), c.object.sub()) == nullptr)
         node->dictionary().add(c.object.index(), c.object.sub(),
                                {.bits = c.object.bits(), .can_write = false, .can_map = true});
-      CountScale counts{c.scale, c.zero, c.is_signed, c.object.bits()};
-      if (c.wrap_counts > 0.0) {
-        counts = counts.wrapped(c.wrap_counts, c.lowest, c.highest);
-        if (c.wrap_counts < 4294967296.0)
-          node->dictionary().add_number(0x6002, 0, 32, static_cast<std::uint32_t>(c.wrap_counts), false,
-                                        "Total measuring range");
-      }
-      signals_.push_back({c, node.get(), counts, valve});
+      if (c.wrap_counts > 0.0 && c.wrap_counts < 4294967296.0)
+        node->dictionary().add_number(0x6002, 0, 32, static_cast<std::uint32_t>(c.wrap_counts), false,
+                                      "Total measuring range");
+      signals_.push_back({c, node.get(), {c.scale, c.zero, c.is_signed, c.object.bits()}, valve});
     }
     nodes_.push_back(std::move(node));
   }
@@ -198,7 +194,9 @@ void PlantDevice::sample_inputs() {
   for (const DeviceChannel& signal : signals_) {
     if (signal.channel.is_output || signal.channel.is_readback) continue;
     const double value = measured_.channel[signal.channel.signal].value;
-    const auto raw = static_cast<std::uint32_t>(signal.counts.raw_of(value));
+    const CountWrap wrap{signal.channel.wrap_counts, 0.0};
+    const auto raw =
+        static_cast<std::uint32_t>(wrap.counts > 0.0 ? wrap.raw_of(signal.counts, value) : signal.counts.raw_of(value));
     signal.node->dictionary().set_number(signal.channel.object.index(), signal.channel.object.sub(), raw);
   }
 }

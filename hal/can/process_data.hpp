@@ -47,32 +47,38 @@ struct CountScale {
   double zero = 0.0;   ///< value at 0 counts
   bool is_signed = true;
   unsigned bits = 16;  ///< 1 to 32
-  double wrap_counts = 0.0;    ///< after so many the device begins at 0 again; 0: never
-  double middle_counts = 0.0;  ///< with a wrap: the values lie within half of it around these
 
-  double value_of(std::uint64_t raw) const noexcept {
-    double counts = is_signed ? static_cast<double>(sign_extended(raw, bits)) : static_cast<double>(raw);
-    if (wrap_counts > 0.0) counts -= wrap_counts * std::nearbyint((counts - middle_counts) / wrap_counts);
-    return zero + scale * counts;
+  double counts_of(std::uint64_t raw) const noexcept {
+    return is_signed ? static_cast<double>(sign_extended(raw, bits)) : static_cast<double>(raw);
   }
-  /// The values around the middle of their limits.
-  CountScale wrapped(double wrap, double lowest, double highest) const noexcept {
-    CountScale out = *this;
-    out.wrap_counts = wrap;
-    out.middle_counts = (0.5 * (lowest + highest) - zero) / scale;
-    return out;
-  }
+  /// Without regard to a wrap.
+  double value_of(std::uint64_t raw) const noexcept { return zero + scale * counts_of(raw); }
   double lowest_counts() const noexcept { return is_signed ? -std::ldexp(1.0, static_cast<int>(bits) - 1) : 0.0; }
   double highest_counts() const noexcept { return std::ldexp(1.0, static_cast<int>(bits - (is_signed ? 1 : 0))) - 1.0; }
   /// Nearest counts, held at the ends of their range; not-a-number gives the counts of the value 0.
   std::uint64_t raw_of(double value) const noexcept {
     double counts = std::nearbyint(((value == value ? value : 0.0) - zero) / scale);
-    if (wrap_counts > 0.0) {
-      counts -= wrap_counts * std::floor(counts / wrap_counts);
-      return static_cast<std::uint64_t>(counts) & low_bits(bits);
-    }
     counts = counts < lowest_counts() ? lowest_counts() : counts > highest_counts() ? highest_counts() : counts;
     return static_cast<std::uint64_t>(static_cast<std::int64_t>(counts)) & low_bits(bits);
+  }
+};
+
+/// A device whose counts begin at 0 again after so many: each reading has one place around the middle of its limits.
+struct CountWrap {
+  double counts = 0.0;         ///< 0: they never do
+  double middle_counts = 0.0;  ///< the values lie within half of the counts around these
+
+  static CountWrap around(const CountScale& scale, double counts, double lowest, double highest) noexcept {
+    return {counts, (0.5 * (lowest + highest) - scale.zero) / scale.scale};
+  }
+  double value_of(const CountScale& scale, std::uint64_t raw) const noexcept {
+    const double read = scale.counts_of(raw);
+    return scale.zero + scale.scale * (read - counts * std::nearbyint((read - middle_counts) / counts));
+  }
+  /// What the device shows of a value.
+  std::uint64_t raw_of(const CountScale& scale, double value) const noexcept {
+    const double all = std::nearbyint((value - scale.zero) / scale.scale);
+    return static_cast<std::uint64_t>(all - counts * std::floor(all / counts)) & low_bits(scale.bits);
   }
 };
 

@@ -224,16 +224,18 @@ void CanProcessImage::take(std::int64_t now_ns, Measurement& measurement) noexce
     const bool fresh = answered && now_ns - sampled_ns <= pdo.oldest_ns;
     if (fresh) ++counts_.answers;
     else ++counts_.missed;
+    const double age_s = static_cast<double>(now_ns - sampled_ns) * 1e-9;
     for (const CanSignal& signal : pdo.signals) {
-      const double value = signal.counts.value_of(extract(sample.image, signal.place));
+      const std::uint64_t raw = extract(sample.image, signal.place);
+      const bool wraps = pdo.wrap.counts > 0.0 && signal.signal == Signal::x && !signal.is_readback;
+      const double value = wraps ? pdo.wrap.value_of(signal.counts, raw) : signal.counts.value_of(raw);
       if (signal.is_readback) {
         if (bus_works) check_output(signal, value, fresh, pdo.node, now_ns);
         continue;
       }
       const bool within = value >= signal.lowest && value <= signal.highest;
       if (fresh && !within) ++counts_.out_of_limits;
-      measurement.channel[signal.signal] = {value, static_cast<double>(now_ns - sampled_ns) * 1e-9,
-                                            fresh && within && bus_works, Origin::real};
+      measurement.channel[signal.signal] = {value, age_s, fresh && within && bus_works, Origin::real};
     }
   }
   measurement.device_faults |= faults_;
@@ -246,9 +248,10 @@ void CanProcessImage::check_output(const CanSignal& signal, double value, bool f
   const auto held = [&](double command) {
     return std::clamp(command == command ? command : 0.0, signal.lowest, signal.highest);
   };
-  const auto [low, high] = std::minmax({held(sent.now), held(sent.before)});
-  const bool shown = fresh && value >= low - signal.tolerance && value <= high + signal.tolerance;
-  confirmed_ = confirmed_ && fresh && std::fabs(value - held(sent.now)) <= signal.tolerance;
+  const double now = held(sent.now), before = held(sent.before);
+  const bool shown =
+      fresh && value >= std::min(now, before) - signal.tolerance && value <= std::max(now, before) + signal.tolerance;
+  confirmed_ = confirmed_ && fresh && std::fabs(value - now) <= signal.tolerance;
   // Where the device's watchdog was let act, no answer is its consequence.
   if (shown || (let_go_ && !fresh)) sent.unconfirmed = 0;
   else ++sent.unconfirmed;

@@ -89,7 +89,7 @@ for long in (["--duration-s", "86400"], ["--duration-s", "1e6"], ["--moves", "20
                                preexec_fn=limit, text=True)
     wait_until(lambda: catches(process, signal.SIGTERM), "a run that can be stopped")
     process.terminate()
-    _, said = process.communicate(timeout=60)
+    _, said = process.communicate(timeout=300)
     expect(process.returncode == 0 and "stopped by SIGTERM" in said, f"{long}: status {process.returncode}: {said}")
 expect_refusal(run("run", "config/servo-table-0.5m-4mm.yaml", "--duration-s", "86400"), ["duration_s", "--moves"], "a plan of a day")
 done = run("run", CONFIG, "--duration-s", "300", "--json", at("long.json"))

@@ -30,6 +30,10 @@ CanBackend::CanBackend(const Rig& rig, std::unique_ptr<CanCarrier> bus)
     : rig_(rig), bus_(std::move(bus)), opens_(bus_ == nullptr), period_ns_(nanoseconds(rig.period_s)) {
   if (!rig.hal || !rig.hal->can)
     throw InputError(rig.name + ": hal.can: found nothing, expected the bus with its nodes (docs/can.md)");
+  const CanBusParameters& can = *rig.hal->can;
+  is_paced_ = can.sync == CanSync::foreign;
+  sends_sync_ = !is_paced_;
+  sync_timeout_ns_ = nanoseconds(can.sync_timeout_s > 0.0 ? can.sync_timeout_s : lost_after_heartbeats * rig.period_s);
   channels_ = can_channels(*rig.hal);
   heartbeat_ticks_ = std::max<std::int64_t>(std::llround(rig.hal->can->heartbeat_s / rig.period_s), 1);
 }
@@ -79,9 +83,20 @@ void CanBackend::read_eds_files() {
 
 // Devices that watch us since an earlier run must not give up while the nodes are started.
 void CanBackend::keep_alive(std::int64_t now_ns) {
-  if (!active_ || now_ns < next_alive_ns_) return;
+  if (!active_) return;
+  ask_guarded(now_ns, true);
+  if (now_ns < next_alive_ns_) return;
   send_or_throw(own_heartbeat());
   next_alive_ns_ = now_ns + nanoseconds(rig_.hal->can->heartbeat_s);
+}
+
+// Those with outputs are no longer asked after a fault: their life guarding gives the substitute output then.
+void CanBackend::ask_guarded(std::int64_t now_ns, bool with_outputs) noexcept {
+  for (Guarded& guarded : guarded_) {
+    if (now_ns < guarded.next_ns || (guarded.has_output && !with_outputs)) continue;
+    if (bus_->send(guard_request_frame(guarded.node)) == Sent::sent) process_.on_guard_request(guarded.node);
+    guarded.next_ns = now_ns + guarded.period_ns;
+  }
 }
 
 CanFrame CanBackend::own_heartbeat() const noexcept {
@@ -90,8 +105,8 @@ CanFrame CanBackend::own_heartbeat() const noexcept {
 
 /// What nodes say of themselves before the loop runs.
 void CanBackend::hear(const ReceivedFrame& received) {
-  process_.on_frame(received);
-  if (const auto heartbeat = parse_heartbeat(received.frame)) {
+  take_frame(received);
+  if (const auto heartbeat = parse_guard_answer(received.frame)) {
     states_[heartbeat->node] = heartbeat->state;
     if (heartbeat->state == NmtState::boot_up) open_emergencies_.erase(heartbeat->node);
   } else if (const auto emergency = parse_emergency(received.frame)) {
@@ -166,12 +181,16 @@ void CanBackend::set_up_node(CanWatchedNode& watched, std::vector<CanInputPdo>& 
     if (pdo.node != name) continue;
     const SetUpPdo done = configurator.set_up_pdo(pdo);
     std::vector<CanSignal> signals;
+    CountWrap wrap;
     for (const std::size_t i : pdo.signals) {
       const CanChannel& c = channels_[i];
+      const CountScale counts{c.scale, c.zero, c.is_signed, c.object.bits()};
+      if (const double all = configurator.wrap_counts(c); all > 0.0)
+        wrap = CountWrap::around(counts, all, c.lowest, c.highest);
       signals.push_back({c.signal,
                          c.command,
                          {*done.place_of(c.object), c.object.bits()},
-                         {c.scale, c.zero, c.is_signed, c.object.bits()},
+                         counts,
                          c.lowest,
                          c.highest,
                          c.is_readback,
@@ -182,10 +201,12 @@ void CanBackend::set_up_node(CanWatchedNode& watched, std::vector<CanInputPdo>& 
     else
       inputs.push_back({done.id, static_cast<std::uint8_t>(node.node_id), length,
                         node.transmission == CanTransmission::sync, nanoseconds(oldest_periods * rig_.period_s),
-                        std::llround(lost_after_heartbeats * node.heartbeat_s / rig_.period_s) + 1, signals});
+                        std::llround(lost_after_heartbeats * node.heartbeat_s / rig_.period_s) + 1, signals, wrap});
   }
   configurator.refuse_errors();
   if (configurator.is_valve()) valves_.push_back(watched.node);
+  watched.is_guarded = configurator.is_guarded();
+  if (watched.is_guarded) guarded_.push_back({watched.node, watched.has_output, watched.heartbeat_ns, 0});
   if (!configurator.has_heartbeat()) watched.silence_ns = watched.heartbeat_ns = 0;
   setup_notes_.insert(setup_notes_.end(), configurator.notes().begin(), configurator.notes().end());
 }
@@ -216,6 +237,9 @@ void CanBackend::configure() {
   states_.clear();
   setup_notes_.clear();
   valves_.clear();
+  guarded_.clear();
+  foreign_ = {};
+  sends_sync_ = !is_paced_;
   std::vector<std::uint32_t> ids{cob_sync, cob_heartbeat + can.node_id};
   std::vector<CanWatchedNode> watched;
   for (const auto& [name, node] : can.nodes) {
@@ -231,6 +255,7 @@ void CanBackend::configure() {
   const auto own = static_cast<std::uint8_t>(can.node_id);
   process_ = CanProcessImage({}, {}, watched, own);
   refuse_second_master();
+  if (is_paced_) check_foreign_sync();
   std::vector<CanInputPdo> inputs;
   std::vector<CanOutputPdo> outputs;
   for (CanWatchedNode& node : watched) set_up_node(node, inputs, outputs);
@@ -245,8 +270,29 @@ void CanBackend::refuse_second_master() {
   if (process_.master_frames() > 0)
     throw std::runtime_error(
         fmt::format("{}: somebody else sends SYNC or has number {} (hal.can.node_id): end the other "
-                    "master before this axis moves",
+                    "master before this axis moves; one whose SYNC shall be kept: hal.can.sync: foreign",
                     bus_->name(), rig_.hal->can->node_id));
+}
+
+// The loop's period is the master's: ten SYNC span ten periods to within half of one.
+void CanBackend::check_foreign_sync() {
+  constexpr std::uint64_t spans = 10;
+  const std::uint64_t before = foreign_.count;
+  std::int64_t first_ns = 0;
+  receive_until(static_cast<std::int64_t>(2 * spans) * period_ns_ + probe_timeout_ns, [&](const ReceivedFrame&) {
+    if (first_ns == 0 && foreign_.count > before) first_ns = foreign_.at_ns;
+    return foreign_.count > before + spans;
+  });
+  const std::uint64_t count = foreign_.count - before;
+  const double span_s = static_cast<double>(foreign_.at_ns - first_ns) * 1e-9;
+  if (count > spans && std::abs(span_s / rig_.period_s - static_cast<double>(spans)) <= 0.5) return;
+  throw std::runtime_error(
+      fmt::format("{}: hal.can.sync is foreign: found {}, expected one every {:g} s (period_s): start the master that "
+                  "sends SYNC, give both the same period, or hal.can.sync: own",
+                  bus_->name(),
+                  count > 1 ? fmt::format("a SYNC every {:.4g} s", span_s / static_cast<double>(count - 1))
+                            : fmt::format("{} SYNC", count),
+                  rig_.period_s));
 }
 
 void CanBackend::wait_until_operational() {
@@ -256,7 +302,7 @@ void CanBackend::wait_until_operational() {
     if (node.heartbeat_ns > 0) waiting.push_back(&node);
   }
   receive_until(start_timeout_ns, [&](const ReceivedFrame& received) {
-    const auto heartbeat = parse_heartbeat(received.frame);
+    const auto heartbeat = parse_guard_answer(received.frame);
     if (heartbeat && heartbeat->state == NmtState::operational)
       std::erase_if(waiting, [&](const CanWatchedNode* node) { return node->node == heartbeat->node; });
     return waiting.empty();
@@ -265,7 +311,9 @@ void CanBackend::wait_until_operational() {
   const CanWatchedNode& node = *waiting.front();
   const auto state = states_.find(node.node);
   throw std::runtime_error(
-      fmt::format("{}: node {} ({}) did not become operational within 2 s{}{}{}", bus_->name(), node.name, node.node,
+      fmt::format("{}: node {} ({}) did not become operational within 2 s{}{}{}: see its manual for what holds "
+                  "it back",
+                  bus_->name(), node.name, node.node,
                   state == states_.end() ? "" : fmt::format(", it stays {}", nmt_state_word(state->second)),
                   open_emergencies_.contains(node.node) ? "; it " : "", words_of(node.node)));
 }
@@ -277,8 +325,11 @@ void CanBackend::check_answers() {
   const CanInputPdo* twice = nullptr;
   for (int probe = 0; probe < probes; ++probe) {
     process_.start(bus_->now_ns());
+    const std::uint64_t before = foreign_.count;
     if (!send_outputs(safe_commands_V(rig_))) throw std::runtime_error(bus_->name() + ": SYNC could not be sent");
-    const bool all = receive_until(probe_timeout_ns, [&](const ReceivedFrame&) { return process_.all_answered(); });
+    const bool all = receive_until(probe_timeout_ns, [&](const ReceivedFrame&) {
+      return (sends_sync_ || foreign_.count > before) && process_.all_answered();
+    });
     const bool any_expected = !process_.inputs().empty();
     if (any_expected && !all) {
       std::string who;
@@ -289,6 +340,7 @@ void CanBackend::check_answers() {
       throw std::runtime_error(fmt::format("{}: no sample within 1 s: {}", bus_->name(), who));
     }
     quickest_ns = std::min(quickest_ns, process_.counts().slowest_answer_ns);
+    if (is_paced_) continue;  // the loop finds it: a period of silence would be another SYNC
     // A second device with the same number is as quick as the first.
     receive_until(period_ns_, [](const ReceivedFrame&) { return false; });
     if (process_.answered_twice() != nullptr) twice = process_.answered_twice(), ++doubled;
@@ -328,6 +380,7 @@ void CanBackend::activate_valves() {
 void CanBackend::activate() {
   if (!bus_) throw std::runtime_error("backend can: activated without configure");
   active_ = true;
+  sends_sync_ = !is_paced_;
   next_alive_ns_ = bus_->now_ns();
   process_.start(bus_->now_ns());
   wait_until_operational();
@@ -338,15 +391,64 @@ void CanBackend::activate() {
   dropped_before_ = bus_->dropped();
   queue_full_ = 0;
   next_heartbeat_tick_ = std::numeric_limits<std::int64_t>::min();
-  cycling_ = ended_ = false;
+  cycling_ = ended_ = is_awaited_ = false;
+  foreign_ = {};
   unconfirmed_cycles_ = 0;
   safe_output_ = {.has_outputs = process_.outputs() > 0, .is_read_back = process_.outputs_are_read_back()};
 }
 
+void CanBackend::take_frame(const ReceivedFrame& received) noexcept {
+  newest_frame_ns_ = received.received_ns;
+  if (sends_sync_ || !is_sync(received.frame)) return process_.on_frame(received);
+  // A second master's, too: it would be double answers.
+  const double periods = static_cast<double>(received.received_ns - foreign_.at_ns) / static_cast<double>(period_ns_);
+  foreign_.periods += foreign_.at_ns == 0 ? 1 : std::max<std::int64_t>(std::llround(periods), 1);
+  foreign_.at_ns = received.received_ns;
+  ++foreign_.count;
+  process_.begin_cycle(received.received_ns, commands_V_);
+}
+
+/// False: there may be more.
+bool CanBackend::take_waiting_frames() noexcept {
+  ReceivedFrame received;
+  for (int i = 0; i < most_frames_a_tick; ++i) {
+    if (!bus_->receive(received)) return true;
+    take_frame(received);
+  }
+  return false;
+}
+
+// Its SYNC may be lost on the way to us alone; the devices then see two, which a fault may cost.
+void CanBackend::give_up_sync(std::int64_t now_ns) noexcept {
+  sends_sync_ = true;
+  process_.on_sync_missing(now_ns);
+}
+
+Pace CanBackend::await_sample() noexcept {
+  const std::int64_t begun_ns = bus_->now_ns();
+  const std::int64_t answers_ns = std::llround(answer_share * static_cast<double>(period_ns_));
+  foreign_.periods = 0;
+  std::int64_t at_ns = 0;
+  for (std::int64_t now_ns = begun_ns; at_ns == 0; now_ns = bus_->now_ns()) {
+    const bool is_empty = take_waiting_frames();
+    if (!bus_->is_up()) sends_sync_ = true;  // nothing to wait for
+    const bool has_sample = foreign_.periods > 0 && !sends_sync_;
+    const std::int64_t since_ns = foreign_.at_ns == 0 || sends_sync_ ? begun_ns : foreign_.at_ns;
+    const std::int64_t end_ns = since_ns + (sends_sync_ ? period_ns_ : has_sample ? answers_ns : sync_timeout_ns_);
+    if (has_sample && is_empty && process_.all_answered()) at_ns = newest_frame_ns_;
+    else if (now_ns >= end_ns) at_ns = now_ns;
+    else if (is_empty) bus_->wait(end_ns - now_ns);
+    if (now_ns >= end_ns && !has_sample && !sends_sync_) give_up_sync(now_ns);
+  }
+  const std::int64_t periods = sends_sync_ ? 0 : cycling_ ? foreign_.periods : 1;
+  is_awaited_ = cycling_ = true;
+  return {periods, at_ns};
+}
+
 bool CanBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
   if (!bus_) return false;
-  ReceivedFrame received;
-  for (int i = 0; i < most_frames_a_tick && bus_->receive(received); ++i) process_.on_frame(received);
+  if (!is_awaited_) take_waiting_frames();
+  is_awaited_ = false;
   const std::int64_t now_ns = bus_->now_ns();
   if (!bus_->is_up()) process_.on_link_down(now_ns);
   // Before the first SYNC of the loop there is no sample of a known age; the loop waits for it.
@@ -368,6 +470,11 @@ bool CanBackend::send_outputs(const std::array<double, 2>& commands) noexcept {
   bool all = true;
   for (std::size_t i = 0; i < process_.outputs(); ++i)
     all = bus_->send(process_.output(i, commands)) == Sent::sent && all;
+  commands_V_ = commands;
+  if (!sends_sync_) {
+    if (!all) ++queue_full_;
+    return all;
+  }
   process_.begin_cycle(bus_->now_ns(), commands);
   all = bus_->send(sync_frame()) == Sent::sent && all;
   if (!all) ++queue_full_;
@@ -389,6 +496,7 @@ bool CanBackend::write(std::int64_t tick, const Command& command) noexcept {
   if ((process_.faults() & (device_bus_off | device_link_down)) != 0) return false;
   process_.let_go(command.ended);
   ended_ = command.ended;
+  if (!guarded_.empty()) ask_guarded(bus_->now_ns(), !ended_);
   const bool all = send_outputs({command.valve_V, command.valve_2_V});
   cycling_ = true;
   if (ended_) {
@@ -407,12 +515,14 @@ void CanBackend::deactivate() noexcept {
   next_alive_ns_ = std::numeric_limits<std::int64_t>::max();
   dropped_ = bus_->dropped() - dropped_before_;
   if ((process_.faults() & (device_bus_off | device_link_down)) != 0) return;
+  sends_sync_ = true;  // whatever the other master does, the last outputs act
   send_outputs(safe_commands_V(rig_));
   for (const std::uint8_t node : node_numbers_) bus_->send(nmt_frame(NmtCommand::enter_pre_operational, node));
 }
 
 bool CanBackend::emergency_write() noexcept {
   if (!bus_ || !active_) return true;
+  sends_sync_ = true;
   bool all = send_outputs(safe_commands_V(rig_));
   for (const std::uint8_t node : node_numbers_)
     all = bus_->send(nmt_frame(NmtCommand::enter_pre_operational, node)) == Sent::sent && all;

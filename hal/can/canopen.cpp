@@ -10,6 +10,8 @@
 namespace pneuservo {
 namespace {
 
+constexpr std::uint8_t toggle_bit = 0x80;
+
 constexpr bool is_node(std::uint32_t node) { return node >= 1 && node <= 127; }
 
 bool is_command(std::uint8_t byte) noexcept {
@@ -120,6 +122,16 @@ CanFrame emergency_frame(const Emergency& emergency) noexcept {
   return frame;
 }
 
+CanFrame guard_request_frame(std::uint8_t node) noexcept {
+  return {.id = cob_heartbeat + node, .length = 1, .remote = true};
+}
+
+CanFrame guard_answer_frame(const GuardAnswer& answer) noexcept {
+  CanFrame frame = heartbeat_frame(answer.node, answer.state);
+  if (answer.toggle) frame.data[0] |= toggle_bit;
+  return frame;
+}
+
 bool is_plain(const CanFrame& frame) noexcept {
   return !frame.error && !frame.remote && !frame.extended && frame.id <= 0x7FF && frame.length <= 8;
 }
@@ -131,9 +143,21 @@ std::optional<NmtOrder> parse_nmt(const CanFrame& frame) noexcept {
 }
 
 std::optional<Heartbeat> parse_heartbeat(const CanFrame& frame) noexcept {
+  const auto answer = parse_guard_answer(frame);
+  if (!answer || answer->toggle) return {};
+  return Heartbeat{answer->node, answer->state};
+}
+
+std::optional<GuardAnswer> parse_guard_answer(const CanFrame& frame) noexcept {
   if (!is_plain(frame) || frame.length != 1 || !is_node(frame.id - cob_heartbeat)) return {};
-  if (!is_state(frame.data[0])) return {};
-  return Heartbeat{static_cast<std::uint8_t>(frame.id - cob_heartbeat), static_cast<NmtState>(frame.data[0])};
+  const auto state = static_cast<std::uint8_t>(frame.data[0] & ~toggle_bit);
+  if (!is_state(state)) return {};
+  return GuardAnswer{static_cast<std::uint8_t>(frame.id - cob_heartbeat), static_cast<NmtState>(state),
+                     (frame.data[0] & toggle_bit) != 0};
+}
+
+bool is_guard_request(const CanFrame& frame, std::uint8_t node) noexcept {
+  return frame.remote && !frame.error && !frame.extended && frame.id == cob_heartbeat + node;
 }
 
 std::optional<Emergency> parse_emergency(const CanFrame& frame) noexcept {

@@ -38,12 +38,20 @@ struct Heartbeat {
   std::uint8_t node;
   NmtState state;
 };
+/// A node's answer to a guard request. The toggle bit changes from answer to answer.
+struct GuardAnswer {
+  std::uint8_t node;
+  NmtState state;
+  bool toggle;
+};
 /// Emergency object: code 0 with register 0 says that the error is gone.
 struct Emergency {
   std::uint8_t node = 0;
   std::uint16_t code = 0;
   std::uint8_t error_register = 0;
 };
+/// Objects of node guarding: how often the master asks [ms], and after so many times without a request it is lost.
+inline constexpr std::uint16_t guard_time = 0x100C, life_time_factor = 0x100D;
 /// A node's emergency when a heartbeat that it watches (0x1016) is missing.
 inline constexpr std::uint16_t emergency_heartbeat_lost = 0x8130;
 /// What an emergency code's class means (CiA 301, table of error code classes).
@@ -58,10 +66,15 @@ CanFrame nmt_frame(NmtCommand command, std::uint8_t node) noexcept;
 CanFrame sync_frame() noexcept;
 CanFrame heartbeat_frame(std::uint8_t node, NmtState state) noexcept;
 CanFrame emergency_frame(const Emergency& emergency) noexcept;
+/// Node guarding: the remote request, and what the node answers.
+CanFrame guard_request_frame(std::uint8_t node) noexcept;
+CanFrame guard_answer_frame(const GuardAnswer& answer) noexcept;
 
 /// Empty for every frame that is not exactly such an object: wrong identifier, length, unknown command or state.
 std::optional<NmtOrder> parse_nmt(const CanFrame& frame) noexcept;
 std::optional<Heartbeat> parse_heartbeat(const CanFrame& frame) noexcept;
+std::optional<GuardAnswer> parse_guard_answer(const CanFrame& frame) noexcept;
+bool is_guard_request(const CanFrame& frame, std::uint8_t node) noexcept;
 std::optional<Emergency> parse_emergency(const CanFrame& frame) noexcept;
 bool is_sync(const CanFrame& frame) noexcept;
 /// Neither error, remote request nor 29 bits: what CANopen objects travel in.

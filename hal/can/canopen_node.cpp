@@ -91,7 +91,9 @@ void CanopenNode::reset(std::int64_t now_ns, std::vector<CanFrame>& out) {
   dictionary_.set_number(consumer_heartbeat, 1, 0);
   dictionary_.set_number(producer_heartbeat, 0, 0);
   dictionary_.set_number(0x1001, 0, 0);
-  substituted_ = false;
+  dictionary_.set_number(guard_time, 0, 0);
+  dictionary_.set_number(life_time_factor, 0, 0);
+  substituted_ = guard_toggle_ = false;
   now_ns_ = now_ns;
   enter(NmtState::pre_operational);
   out.push_back(heartbeat_frame(identity_.node, NmtState::boot_up));
@@ -220,6 +222,7 @@ void CanopenNode::on_frame(const CanFrame& frame, std::int64_t now_ns, std::vect
     return;
   }
   if (const auto heartbeat = parse_heartbeat(frame)) return on_heartbeat_of(heartbeat->node, now_ns);
+  if (is_guard_request(frame, identity_.node)) return on_guard_request(now_ns, out);
   if (!is_plain(frame)) return;
   if (frame.id == cob_sdo_request + identity_.node && state_ != NmtState::stopped) {
     if (const auto answer = server_.answer(frame)) out.push_back(*answer);
@@ -262,6 +265,16 @@ void CanopenNode::on_heartbeat_of(std::uint8_t node, std::int64_t now_ns) {
   const std::uint32_t wanted = dictionary_.number(consumer_heartbeat, 1);
   if (node != (wanted >> 16 & 0xFF) || (wanted & 0xFFFF) == 0) return;
   watch_ = {node, static_cast<std::int64_t>(wanted & 0xFFFF) * millisecond_ns, now_ns, true};
+}
+
+// Only devices that have the objects answer; life guarding begins with the first request.
+void CanopenNode::on_guard_request(std::int64_t now_ns, std::vector<CanFrame>& out) {
+  if (dictionary_.find(guard_time, 0) == nullptr || heartbeat_muted) return;
+  out.push_back(guard_answer_frame({identity_.node, state_, guard_toggle_}));
+  guard_toggle_ = !guard_toggle_;
+  const std::int64_t life_ms =
+      std::int64_t{dictionary_.number(guard_time, 0)} * dictionary_.number(life_time_factor, 0);
+  if (life_ms > 0) watch_ = {0, life_ms * millisecond_ns, now_ns, true};
 }
 
 void CanopenNode::lose_master(std::int64_t, std::vector<CanFrame>& out) {

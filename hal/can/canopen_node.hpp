@@ -99,6 +99,7 @@ class CanopenNode {
   std::uint64_t image_to_send(const Pdo& pdo, std::span<const std::uint16_t> indices) const;
   CanFrame transmit(const Pdo& pdo) const;
   void on_heartbeat_of(std::uint8_t node, std::int64_t now_ns);
+  void on_guard_request(std::int64_t now_ns, std::vector<CanFrame>& out);
   void lose_master(std::int64_t now_ns, std::vector<CanFrame>& out);
   void substitute_outputs();
 
@@ -110,7 +111,7 @@ class CanopenNode {
   std::array<Pdo, 4> receive_{}, transmit_{};
   Watch watch_;
   std::int64_t next_heartbeat_ns_ = 0, now_ns_ = 0;
-  bool substituted_ = false;
+  bool substituted_ = false, guard_toggle_ = false;
 };
 
 }  // namespace pneuservo

@@ -14,6 +14,8 @@ namespace pneuservo {
 namespace {
 
 constexpr std::uint16_t input_interrupts = 0x6423;
+constexpr std::uint16_t total_measuring_range = 0x6002;
+constexpr std::uint32_t encoder_profile = 406;
 constexpr std::uint8_t on_every_sync = 1, on_event = 254;
 
 /// Units of pressure as CiA 303-2 numbers them.
@@ -101,6 +103,37 @@ void NodeConfigurator::check_pressure_unit(const CanChannel& input) {
                        input.name));
 }
 
+// CiA 406: 0x6002 counts only where 0x6000 scales; else the encoder's own steps (0x6501) and turns (0x6502) do.
+std::uint64_t NodeConfigurator::measuring_range() {
+  const std::uint32_t scales = 1u << 2;
+  if ((sdo_.find_number(0x6000, 0).value_or(scales) & scales) != 0)
+    return sdo_.find_number(total_measuring_range, 0).value_or(0);
+  return std::uint64_t{sdo_.find_number(0x6501, 0).value_or(0)} * sdo_.find_number(0x6502, 0).value_or(0);
+}
+
+// A multi-turn encoder counts up to its measuring range and goes on at 0. Within the limits each reading has one place,
+// so that none has to be remembered.
+double NodeConfigurator::wrap_counts(const CanChannel& input) {
+  if (input.unit != "m" || input.is_output) return 0.0;
+  double wrap = input.wrap_counts;
+  const std::uint16_t index = input.object.index();
+  const bool is_position = profile_ == encoder_profile && (index == 0x6004 || index == 0x6020);
+  if (const auto range = static_cast<double>(is_position ? measuring_range() : 0); range != 0.0) {
+    if (wrap != 0.0 && wrap != range)
+      refuse(fmt::format("its measuring range (0x6002, or 0x6501 times 0x6502) is {:.0f} counts, found {:.0f} in "
+                         "hal.channels.{}.can.wrap_counts: one of the two is wrong",
+                         range, wrap, input.name));
+    wrap = range;
+  }
+  const double travel_counts = (input.highest - input.lowest) / std::abs(input.scale);
+  if (wrap != 0.0 && travel_counts >= wrap)
+    refuse(fmt::format("after {:.0f} counts (0x6002, or wrap_counts) the encoder begins at 0 again, found {:.0f} "
+                       "counts from lowest_m to "
+                       "highest_m of hal.channels.{}.can, expected fewer: the same count would be two positions",
+                       wrap, travel_counts, input.name));
+  return wrap;
+}
+
 void NodeConfigurator::check_identity() {
   const auto check = [&](std::uint8_t sub, const char* what, std::uint32_t of_config, std::uint32_t of_eds) {
     const std::uint32_t wanted = of_config != 0 ? of_config : of_eds;
@@ -132,12 +165,34 @@ void NodeConfigurator::write_dcf() {
   }
 }
 
+// Heartbeats, or node guarding where the device lacks one that it needs: it does both ways at once.
+void NodeConfigurator::write_supervision() {
+  const bool lacks = !sdo_.find_number(0x1017, 0) || (watches_us(setup_) && !sdo_.find_number(0x1016, 1));
+  if (lacks && sdo_.find_number(guard_time, 0) && sdo_.find_number(life_time_factor, 0)) return write_guarding();
+  write_watchdog();
+  write_heartbeat();
+}
+
+void NodeConfigurator::write_guarding() {
+  const std::uint32_t life =
+      watches_us(setup_) ? static_cast<std::uint32_t>(std::ceil(bus_.watchdog_s / node_.heartbeat_s - 1e-9)) : 0;
+  if (life > 255)
+    refuse(fmt::format("it has node guarding alone, and 0x100d takes 255 at most: found hal.can.watchdog_s of {} times "
+                       "hal.can.nodes.{}.heartbeat_s, expected at most 255 times",
+                       life, setup_.name));
+  sdo_.write_found(0x1017, 0, 0);  // CiA 301: a device with a heartbeat does no node guarding
+  sdo_.write_checked(guard_time, 0, milliseconds(node_.heartbeat_s));
+  sdo_.write_checked(life_time_factor, 0, life);
+  is_guarded_ = true;
+  note(fmt::format("it lacks a heartbeat: asked for its state every {:g} s (node guarding)", node_.heartbeat_s));
+}
+
 void NodeConfigurator::write_watchdog() {
   const std::uint32_t ms = watches_us(setup_) ? milliseconds(bus_.watchdog_s) : 0;
   if (sdo_.write_found(0x1016, 1, bus_.node_id << 16 | ms)) return;
   if (setup_.has_output())
-    refuse("it has no 0x1016 and cannot watch this program's heartbeat: its output would stay when this program dies; "
-           "a node that can is needed for the valve");
+    refuse("it has no 0x1016 and cannot watch this program's heartbeat, nor 0x100c and 0x100d for node guarding: its "
+           "output would stay when this program dies; a node that can is needed for the valve");
   note("it has no 0x1016 and does not watch this program; it has no output to make safe");
 }
 
@@ -145,8 +200,8 @@ void NodeConfigurator::write_heartbeat() {
   has_heartbeat_ = sdo_.write_found(0x1017, 0, milliseconds(node_.heartbeat_s));
   if (has_heartbeat_) return;
   if (setup_.has_output() || node_.transmission == CanTransmission::event)
-    refuse("it has no 0x1017 and sends no heartbeat (node guarding is not supported): its loss would not be seen; "
-           "possible only for a node without outputs that answers SYNC (transmission: sync)");
+    refuse("it has no 0x1017 and sends no heartbeat, nor 0x100c and 0x100d for node guarding: its loss would not be "
+           "seen; possible only for a node without outputs that answers SYNC (transmission: sync)");
   note("it has no 0x1017 and sends no heartbeat: its loss is seen by its missing answers to SYNC");
 }
 
@@ -164,6 +219,7 @@ void NodeConfigurator::write_emergency() {
 
 // SYNC is 0x080 without a counter.
 void NodeConfigurator::write_sync() {
+  if (bus_.sync == CanSync::foreign) return;  // its master decides, which may be this node
   const std::uint32_t generates = 0x40000000u;
   if (const auto held = sdo_.find_number(0x1005, 0); held && (*held & (generates | 0x7FF)) != cob_sync)
     sdo_.write_checked(0x1005, 0, cob_sync);
@@ -174,8 +230,7 @@ void NodeConfigurator::write_parameters() {
   check_profile();
   check_identity();
   write_dcf();
-  write_watchdog();
-  write_heartbeat();
+  write_supervision();
   write_emergency();
   write_sync();
   // 1 would let it go on in operational when we are gone.

@@ -50,14 +50,20 @@ class NodeConfigurator {
   const std::vector<std::string>& notes() const noexcept { return notes_; }
   /// A CiA 408 valve: activate_valve (fluid_valve.hpp) after the start.
   bool is_valve() const noexcept;
-  /// Whether it sends a heartbeat.
+  /// Whether it sends a heartbeat, or answers guard requests instead.
   bool has_heartbeat() const noexcept { return has_heartbeat_; }
+  bool is_guarded() const noexcept { return is_guarded_; }
+  /// Counts after which an encoder begins at 0 again; 0: not known.
+  double wrap_counts(const CanChannel& input);
 
  private:
   [[noreturn]] void refuse(const std::string& what) const;
   void note(const std::string& what);
   void check_profile();
   void check_identity();
+  std::uint64_t measuring_range();
+  void write_supervision();
+  void write_guarding();
   void write_watchdog();
   void write_heartbeat();
   void write_emergency();
@@ -80,7 +86,7 @@ class NodeConfigurator {
   const CanBusParameters& bus_;
   std::vector<std::string> notes_;
   std::uint32_t profile_ = 0;  ///< as 0x1000 states it
-  bool has_heartbeat_ = true;
+  bool has_heartbeat_ = true, is_guarded_ = false;
 };
 
 }  // namespace pneuservo

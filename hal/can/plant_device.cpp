@@ -59,6 +59,7 @@ PlantDevice::PlantDevice(const Rig& rig)
   if (!rig.hal || !rig.hal->can)
     throw InputError(rig.name + ": hal.can: found nothing, expected the bus with its nodes (docs/can.md)");
   channels_ = can_channels(*rig.hal);
+  sends_sync = rig.hal->can->sync == CanSync::foreign;
   build_nodes();
   plant_.configure();
   plant_.activate();
@@ -77,6 +78,9 @@ void PlantDevice::build_nodes() {
       else if (node->dictionary().find(c.object.index(), c.object.sub()) == nullptr)
         node->dictionary().add(c.object.index(), c.object.sub(),
                                {.bits = c.object.bits(), .can_write = false, .can_map = true});
+      if (c.wrap_counts > 0.0 && c.wrap_counts < 4294967296.0)
+        node->dictionary().add_number(0x6002, 0, 32, static_cast<std::uint32_t>(c.wrap_counts), false,
+                                      "Total measuring range");
       signals_.push_back({c, node.get(), {c.scale, c.zero, c.is_signed, c.object.bits()}, valve});
     }
     nodes_.push_back(std::move(node));
@@ -190,7 +194,9 @@ void PlantDevice::sample_inputs() {
   for (const DeviceChannel& signal : signals_) {
     if (signal.channel.is_output || signal.channel.is_readback) continue;
     const double value = measured_.channel[signal.channel.signal].value;
-    const auto raw = static_cast<std::uint32_t>(signal.counts.raw_of(value));
+    const CountWrap wrap{signal.channel.wrap_counts, 0.0};
+    const auto raw =
+        static_cast<std::uint32_t>(wrap.counts > 0.0 ? wrap.raw_of(signal.counts, value) : signal.counts.raw_of(value));
     signal.node->dictionary().set_number(signal.channel.object.index(), signal.channel.object.sub(), raw);
   }
 }
@@ -207,12 +213,16 @@ void PlantDevice::on_time(std::int64_t now_ns, std::vector<CanFrame>& out) {
   }
   for (auto& node : nodes_)
     if (!is_off(*node)) node->on_time(now_ns, out);
+  if (!sends_sync || now_ns < next_sync_ns_) return;
+  next_sync_ns_ = std::max(next_sync_ns_ + period_ns_, now_ns);
+  out.push_back(sync_frame());
+  on_sync({sync_frame(), now_ns}, out);
 }
 
 std::int64_t PlantDevice::next_due_ns() const noexcept {
   std::int64_t due = syncs_ > 0 ? last_step_ns_ + 2 * period_ns_ + 1 : std::numeric_limits<std::int64_t>::max();
   for (const auto& node : nodes_) due = std::min(due, node->next_due_ns());
-  return due;
+  return sends_sync ? std::min(due, next_sync_ns_) : due;
 }
 
 void PlantDevice::add_fault(const InjectedFault& fault) {

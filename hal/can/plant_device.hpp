@@ -23,7 +23,8 @@ class RecordingRing;
 
 /// Every SYNC moves the plant of the backend `sim` on by the whole periods since the last one (at least one), applies
 /// the outputs that waited for it, samples the sensors and answers. When SYNC falls silent the plant goes on by the
-/// clock it is given. Only channels that stand on CAN are served.
+/// clock it is given. With hal.can.sync: foreign it is the master that sends SYNC, too. Only channels that stand on CAN
+/// are served.
 class PlantDevice {
  public:
   /// The rig must have hal.can. Throws InputError where it has not.
@@ -40,6 +41,7 @@ class PlantDevice {
 
   std::vector<std::unique_ptr<CanopenNode>>& nodes() noexcept { return nodes_; }
   std::int64_t syncs() const noexcept { return syncs_; }
+  bool sends_sync = false;  ///< by its clock; false from the start where the rig's hal.can.sync is own
   /// Periods since the first SYNC.
   std::int64_t tick() const noexcept { return tick_; }
   double time_s() const noexcept { return static_cast<double>(tick_) * rig_.period_s; }
@@ -84,7 +86,7 @@ class PlantDevice {
   std::vector<DeviceChannel> signals_;
   std::vector<Order> orders_;
   std::vector<CanFrame> held_back_;  // answers that come a cycle late on command
-  std::int64_t period_ns_, last_step_ns_ = 0, now_ns_ = 0;
+  std::int64_t period_ns_, last_step_ns_ = 0, now_ns_ = 0, next_sync_ns_ = 0;
   std::int64_t tick_ = 0, syncs_ = 0;
   std::array<double, 2> commands_V_{};
   Measurement measured_;

@@ -48,10 +48,11 @@ struct CountScale {
   bool is_signed = true;
   unsigned bits = 16;  ///< 1 to 32
 
-  double value_of(std::uint64_t raw) const noexcept {
-    const double counts = is_signed ? static_cast<double>(sign_extended(raw, bits)) : static_cast<double>(raw);
-    return zero + scale * counts;
+  double counts_of(std::uint64_t raw) const noexcept {
+    return is_signed ? static_cast<double>(sign_extended(raw, bits)) : static_cast<double>(raw);
   }
+  /// Without regard to a wrap.
+  double value_of(std::uint64_t raw) const noexcept { return zero + scale * counts_of(raw); }
   double lowest_counts() const noexcept { return is_signed ? -std::ldexp(1.0, static_cast<int>(bits) - 1) : 0.0; }
   double highest_counts() const noexcept { return std::ldexp(1.0, static_cast<int>(bits - (is_signed ? 1 : 0))) - 1.0; }
   /// Nearest counts, held at the ends of their range; not-a-number gives the counts of the value 0.
@@ -59,6 +60,25 @@ struct CountScale {
     double counts = std::nearbyint(((value == value ? value : 0.0) - zero) / scale);
     counts = counts < lowest_counts() ? lowest_counts() : counts > highest_counts() ? highest_counts() : counts;
     return static_cast<std::uint64_t>(static_cast<std::int64_t>(counts)) & low_bits(bits);
+  }
+};
+
+/// A device whose counts begin at 0 again after so many: each reading has one place around the middle of its limits.
+struct CountWrap {
+  double counts = 0.0;         ///< 0: they never do
+  double middle_counts = 0.0;  ///< the values lie within half of the counts around these
+
+  static CountWrap around(const CountScale& scale, double counts, double lowest, double highest) noexcept {
+    return {counts, (0.5 * (lowest + highest) - scale.zero) / scale.scale};
+  }
+  double value_of(const CountScale& scale, std::uint64_t raw) const noexcept {
+    const double read = scale.counts_of(raw);
+    return scale.zero + scale.scale * (read - counts * std::nearbyint((read - middle_counts) / counts));
+  }
+  /// What the device shows of a value.
+  std::uint64_t raw_of(const CountScale& scale, double value) const noexcept {
+    const double all = std::nearbyint((value - scale.zero) / scale.scale);
+    return static_cast<std::uint64_t>(all - counts * std::floor(all / counts)) & low_bits(scale.bits);
   }
 };
 

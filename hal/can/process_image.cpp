@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -15,7 +16,7 @@ CanProcessImage::CanProcessImage(std::vector<CanInputPdo> inputs, std::vector<Ca
 
 void CanProcessImage::start(std::int64_t now_ns) noexcept {
   for (Sample& sample : samples_) sample = {};
-  for (Watch& watch : watches_) watch = {.seen_ns = now_ns};
+  for (Watch& watch : watches_) watch = {.seen_ns = now_ns, .toggle = watch.toggle};
   sync_ns_ = now_ns;
   faults_ = 0;
   counts_ = {};
@@ -74,7 +75,7 @@ void CanProcessImage::on_frame(const ReceivedFrame& received) noexcept {
       ++master_frames_;
       return;
     }
-    if (const auto heartbeat = parse_heartbeat(frame)) return on_heartbeat(*heartbeat, received.received_ns);
+    if (const auto answer = parse_guard_answer(frame)) return on_guard_answer(*answer, received.received_ns);
     if (const auto emergency = parse_emergency(frame)) return on_emergency(*emergency, received.received_ns);
   }
   ++counts_.foreign;
@@ -121,6 +122,35 @@ void CanProcessImage::on_process_data(std::size_t input, const ReceivedFrame& re
   sample.image = image_of(received.frame.data);
   sample.received_ns = received.received_ns;
   sample.ever = true;
+}
+
+void CanProcessImage::on_sync_missing(std::int64_t now_ns) noexcept {
+  note(CanEvent::Kind::no_sync, 0, 0, now_ns);
+  faults_ |= device_node_lost;
+}
+
+void CanProcessImage::on_guard_request(std::uint8_t node) noexcept {
+  if (const int i = watched(node); i >= 0) ++watches_[static_cast<std::size_t>(i)].guard_requests;
+}
+
+// CiA 301: an answer whose toggle bit is not the awaited one is none; after a request without any answer nobody knows
+// which one it is. A boot-up message has none, and begins anew; nor has a heartbeat: with it, it is no state.
+void CanProcessImage::on_guard_answer(const GuardAnswer& answer, std::int64_t at_ns) noexcept {
+  const int i = watched(answer.node);
+  const bool is_guarded = i >= 0 && nodes_[static_cast<std::size_t>(i)].is_guarded;
+  if (is_guarded) {
+    Watch& watch = watches_[static_cast<std::size_t>(i)];
+    const bool is_lost_count = std::exchange(watch.guard_requests, 0) > 1 || answer.state == NmtState::boot_up;
+    if (!is_lost_count && answer.toggle != watch.toggle) {
+      ++counts_.malformed;
+      return;
+    }
+    watch.toggle = answer.state != NmtState::boot_up && !answer.toggle;
+  } else if (answer.toggle) {
+    ++counts_.foreign;
+    return;
+  }
+  on_heartbeat({answer.node, answer.state}, at_ns);
 }
 
 void CanProcessImage::on_heartbeat(const Heartbeat& heartbeat, std::int64_t at_ns) noexcept {
@@ -194,16 +224,18 @@ void CanProcessImage::take(std::int64_t now_ns, Measurement& measurement) noexce
     const bool fresh = answered && now_ns - sampled_ns <= pdo.oldest_ns;
     if (fresh) ++counts_.answers;
     else ++counts_.missed;
+    const double age_s = static_cast<double>(now_ns - sampled_ns) * 1e-9;
     for (const CanSignal& signal : pdo.signals) {
-      const double value = signal.counts.value_of(extract(sample.image, signal.place));
+      const std::uint64_t raw = extract(sample.image, signal.place);
+      const bool wraps = pdo.wrap.counts > 0.0 && signal.signal == Signal::x && !signal.is_readback;
+      const double value = wraps ? pdo.wrap.value_of(signal.counts, raw) : signal.counts.value_of(raw);
       if (signal.is_readback) {
         if (bus_works) check_output(signal, value, fresh, pdo.node, now_ns);
         continue;
       }
       const bool within = value >= signal.lowest && value <= signal.highest;
       if (fresh && !within) ++counts_.out_of_limits;
-      measurement.channel[signal.signal] = {value, static_cast<double>(now_ns - sampled_ns) * 1e-9,
-                                            fresh && within && bus_works, Origin::real};
+      measurement.channel[signal.signal] = {value, age_s, fresh && within && bus_works, Origin::real};
     }
   }
   measurement.device_faults |= faults_;
@@ -216,9 +248,10 @@ void CanProcessImage::check_output(const CanSignal& signal, double value, bool f
   const auto held = [&](double command) {
     return std::clamp(command == command ? command : 0.0, signal.lowest, signal.highest);
   };
-  const auto [low, high] = std::minmax({held(sent.now), held(sent.before)});
-  const bool shown = fresh && value >= low - signal.tolerance && value <= high + signal.tolerance;
-  confirmed_ = confirmed_ && fresh && std::fabs(value - held(sent.now)) <= signal.tolerance;
+  const double now = held(sent.now), before = held(sent.before);
+  const bool shown =
+      fresh && value >= std::min(now, before) - signal.tolerance && value <= std::max(now, before) + signal.tolerance;
+  confirmed_ = confirmed_ && fresh && std::fabs(value - now) <= signal.tolerance;
   // Where the device's watchdog was let act, no answer is its consequence.
   if (shown || (let_go_ && !fresh)) sent.unconfirmed = 0;
   else ++sent.unconfirmed;
@@ -276,8 +309,12 @@ std::vector<std::string> CanProcessImage::unanswered() const {
     if (pdo.on_sync ? samples_[i].answers > 0 : samples_[i].ever) continue;
     const int length = samples_[i].short_length;
     out.push_back(fmt::format("node {} ({}): PDO 0x{:03x} {}", name_of(pdo.node), pdo.node, pdo.id,
-                              length > 0    ? fmt::format("has {} bytes, its mapping {}", length, pdo.length)
-                              : pdo.on_sync ? "did not answer SYNC"
+                              length > 0
+                                  ? fmt::format("has {} bytes, its mapping {}: are the objects under hal.channels "
+                                                "those that it sends?",
+                                                length, pdo.length)
+                              : pdo.on_sync ? "did not answer SYNC: see its 0x1005 and 0x1019, or take "
+                                              "transmission: event"
                                             : "did not come"));
   }
   return out;
@@ -322,6 +359,7 @@ std::vector<std::string> CanProcessImage::event_lines(std::int64_t start_ns) con
       case CanEvent::Kind::second_master: what = "somebody else sends SYNC or has this program's number"; break;
       case CanEvent::Kind::not_read_back: what = node + ": shows another output than the one that was sent"; break;
       case CanEvent::Kind::substituted: what = node + ": misses our heartbeat and gives its substitute output"; break;
+      case CanEvent::Kind::no_sync: what = "no SYNC of the master that the loop waits for (hal.can.sync)"; break;
       case CanEvent::Kind::emergency_gone: what = node + ": emergency is over"; break;
     }
     lines.push_back(fmt::format("t = {:.4f} s: {}", static_cast<double>(event.at_ns - start_ns) * 1e-9, what));

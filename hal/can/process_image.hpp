@@ -33,6 +33,7 @@ struct CanInputPdo {
   std::int64_t oldest_ns = 0;   ///< an older sample is none
   std::int64_t most_owed = 1;   ///< so many SYNC may wait for their answer; a node that owes more is lost
   std::vector<CanSignal> signals;
+  CountWrap wrap{};  ///< of its position
 };
 
 /// A PDO that we send.
@@ -49,6 +50,7 @@ struct CanWatchedNode {
   std::int64_t silence_ns = 0;  ///< longer without a heartbeat: lost; 0: it sends none
   std::int64_t heartbeat_ns = 0;  ///< it sends one so often; 0: not known
   bool has_output = false;      ///< watches our heartbeat, and gives its substitute without it
+  bool is_guarded = false;      ///< says its state when it is asked, so often as a heartbeat would come
 };
 
 /// What happened on the bus, in the order it happened; told after the run.
@@ -64,7 +66,8 @@ struct CanEvent {
     double_answer,
     second_master,
     not_read_back,
-    substituted
+    substituted,
+    no_sync
   } kind{};
   std::uint8_t node = 0;
   std::uint32_t detail = 0;  ///< state, or emergency code and register
@@ -122,6 +125,9 @@ class CanProcessImage {
   void let_go(bool withheld) noexcept { let_go_ = withheld; }
   void on_frame(const ReceivedFrame& received) noexcept PNEUSERVO_NONBLOCKING;
   void on_link_down(std::int64_t now_ns) noexcept PNEUSERVO_NONBLOCKING;
+  void on_guard_request(std::uint8_t node) noexcept PNEUSERVO_NONBLOCKING;
+  /// The master whose SYNC the loop waits for sends none: a node that is lost.
+  void on_sync_missing(std::int64_t now_ns) noexcept PNEUSERVO_NONBLOCKING;
   /// Fills the channels that stand on the bus; all others are left as they are. A channel is valid only if its sample
   /// is of this cycle and within its limits.
   void take(std::int64_t now_ns, Measurement& measurement) noexcept PNEUSERVO_NONBLOCKING;
@@ -164,6 +170,8 @@ class CanProcessImage {
     std::int64_t seen_ns = 0, beat_ns = 0;
     AnswerBalance balance{};
     bool lost = false, substituted = false;
+    bool toggle = false;  // of the next answer to a guard request
+    int guard_requests = 0;  // since the last answer
   };
   /// What an output was given of late: a device shows the command of this SYNC, or of the one before.
   struct Sent {
@@ -173,6 +181,7 @@ class CanProcessImage {
   void on_error(const ReceivedFrame& received) noexcept;
   void on_process_data(std::size_t input, const ReceivedFrame& received) noexcept;
   void on_heartbeat(const Heartbeat& heartbeat, std::int64_t at_ns) noexcept;
+  void on_guard_answer(const GuardAnswer& answer, std::int64_t at_ns) noexcept;
   void on_emergency(const Emergency& emergency, std::int64_t at_ns) noexcept;
   void close_answers(std::int64_t now_ns) noexcept;
   void look_for_silence(std::int64_t now_ns) noexcept;

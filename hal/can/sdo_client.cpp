@@ -130,7 +130,14 @@ void SdoClient::write_checked(std::uint16_t index, std::uint8_t sub, std::uint32
   if (bytes < 1 || bytes > 4) fail(index, sub, fmt::format("{} bytes, expected a number", bytes), 0);
   const std::uint32_t mask = bytes == 4 ? ~0u : (1u << (8 * bytes)) - 1u;
   if (number_in(held) == (value & mask)) return;
-  write(index, sub, value, static_cast<unsigned>(bytes));
+  try {
+    write(index, sub, value, static_cast<unsigned>(bytes));
+  } catch (const SdoError& error) {
+    if (error.code == 0) throw;
+    throw SdoError(fmt::format("{}: found 0x{:x}, expected 0x{:x}; its manual says what it takes, and in which state",
+                               error.what(), number_in(held), value & mask),
+                   error.code);
+  }
   const std::uint32_t stored = read_number(index, sub);
   if (stored != (value & mask))
     fail(index, sub, fmt::format("found 0x{:x} after 0x{:x} was written", stored, value & mask), 0);

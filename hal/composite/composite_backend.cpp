@@ -84,6 +84,16 @@ void CompositeBackend::activate() {
   for (Source& source : sources_) source.backend->activate();
 }
 
+bool CompositeBackend::is_paced() const noexcept {
+  return std::ranges::any_of(sources_, [](const Source& source) { return source.backend->is_paced(); });
+}
+
+Pace CompositeBackend::await_sample() noexcept {
+  for (Source& source : sources_)
+    if (source.backend->is_paced()) return source.backend->await_sample();
+  return {};
+}
+
 bool CompositeBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
   for (Source& source : sources_) {
     Measurement part;

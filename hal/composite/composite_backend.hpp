@@ -18,6 +18,8 @@ class CompositeBackend final : public Backend {
 
   void configure() override;
   void activate() override;
+  bool is_paced() const noexcept override;
+  Pace await_sample() noexcept override;
   bool read(std::int64_t tick, Measurement& measurement) noexcept override;
   bool write(std::int64_t tick, const Command& command) noexcept override;
   void deactivate() noexcept override;

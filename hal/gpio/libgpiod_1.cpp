@@ -1,17 +1,17 @@
-// Digital lines through libgpiod 1.x (Debian 12). Version 2 has other calls: it would be a second file beside this one.
-#if defined(PNEUSERVO_HAS_GPIO)
+// Digital lines through libgpiod 1.x (Debian 12); libgpiod_2.cpp speaks to version 2.
+#if defined(PNEUSERVO_HAS_GPIO) && !defined(PNEUSERVO_HAS_GPIOD_2)
 #include "gpio/gpio_lines.hpp"
 
 #include <cerrno>
 #include <cstring>
-#include <stdexcept>
 #include <utility>
 
-#include <fmt/format.h>
 #include <gpiod.h>
 #include <poll.h>
 
 #include <pneuservo/core/rt.hpp>
+
+#include "gpio/line_refusal.hpp"
 
 namespace pneuservo {
 namespace {
@@ -67,23 +67,17 @@ class LibgpiodLine final : public GpioLine {
   int events_;
 };
 
-[[noreturn]] void fail(const std::string& key, const GpioLineParameters& p, const std::string& what) {
-  const std::string where = p.chip.empty() ? "'" + p.line + "'" : fmt::format("'{}' of {}", p.line, p.chip);
-  throw std::runtime_error(fmt::format("hal.gpio.{}: line {}: {}", key, where, what));
-}
-
 Chip open_chip(const std::string& key, const GpioLineParameters& p) {
   if (!p.chip.empty()) {
     Chip chip(gpiod_chip_open_lookup(p.chip.c_str()));
-    if (!chip) fail(key, p, fmt::format("no such chip: {} (see gpiodetect)", std::strerror(errno)));
+    if (!chip) refuse_chip(key, p, errno);
     return chip;
   }
   char name[64];
   unsigned offset = 0;
-  if (gpiod_ctxless_find_line(p.line.c_str(), name, sizeof name, &offset) != 1)
-    fail(key, p, "no chip has a line of this name, or none may be opened (see gpioinfo, ls -l /dev/gpiochip*)");
+  if (gpiod_ctxless_find_line(p.line.c_str(), name, sizeof name, &offset) != 1) refuse_chip(key, p, errno);
   Chip chip(gpiod_chip_open_lookup(name));
-  if (!chip) fail(key, p, std::string("its chip cannot be opened: ") + std::strerror(errno));
+  if (!chip) refuse_line(key, p, std::string("its chip cannot be opened: ") + std::strerror(errno));
   return chip;
 }
 
@@ -103,10 +97,9 @@ int flags_of(const GpioLineParameters& p, bool is_output) {
 
 std::unique_ptr<GpioLine> request_gpio_line(const std::string& key, const GpioLineParameters& p, bool is_output) {
   Chip chip = open_chip(key, p);
-  const bool is_number = p.line.find_first_not_of("0123456789") == std::string::npos;
-  gpiod_line* line = is_number ? gpiod_chip_get_line(chip.get(), static_cast<unsigned>(std::stoul(p.line)))
-                               : gpiod_chip_find_line(chip.get(), p.line.c_str());
-  if (line == nullptr) fail(key, p, "the chip has no such line (see gpioinfo)");
+  gpiod_line* line = is_line_number(p) ? gpiod_chip_get_line(chip.get(), static_cast<unsigned>(std::stoul(p.line)))
+                                       : gpiod_chip_find_line(chip.get(), p.line.c_str());
+  if (line == nullptr) refuse_line(key, p, "the chip has no such line (see gpioinfo)");
   const std::string consumer = "pneuservo " + key;
   const gpiod_line_request_config request{.consumer = consumer.c_str(),
                                           .request_type = is_output ? GPIOD_LINE_REQUEST_DIRECTION_OUTPUT
@@ -115,12 +108,7 @@ std::unique_ptr<GpioLine> request_gpio_line(const std::string& key, const GpioLi
   if (gpiod_line_request(line, &request, 0) != 0) {
     const int reason = errno;
     const char* user = reason == EBUSY && gpiod_line_update(line) == 0 ? gpiod_line_consumer(line) : nullptr;
-    if (reason == EBUSY)
-      fail(key, p,
-           fmt::format("is taken by '{}': end that, or name another line", user != nullptr ? user : "the kernel"));
-    fail(key, p,
-         fmt::format("cannot be requested as {}: {}", is_output ? "an output" : "an input with edges",
-                     std::strerror(reason)));
+    refuse_request(key, p, is_output, reason, user);
   }
   return std::make_unique<LibgpiodLine>(std::move(chip), line, is_output ? -1 : gpiod_line_event_get_fd(line));
 }

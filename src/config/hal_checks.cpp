@@ -100,6 +100,9 @@ void check_bus(const CanBusParameters& bus, double period_s, const RefusePath& r
   if (bus.heartbeat_s < period_s)
     refuse("hal.can.heartbeat_s", number_text(bus.heartbeat_s),
            fmt::format("at least period_s ({})", number_text(period_s)));
+  if (bus.sync_timeout_s != 0.0 && bus.sync_timeout_s <= period_s)
+    refuse("hal.can.sync_timeout_s", number_text(bus.sync_timeout_s),
+           fmt::format("more than period_s ({}), or 0", number_text(period_s)));
   if (bus.watchdog_s < 2.0 * bus.heartbeat_s)
     refuse("hal.can.watchdog_s", number_text(bus.watchdog_s),
            fmt::format("at least twice hal.can.heartbeat_s ({})", number_text(bus.heartbeat_s)));

@@ -85,6 +85,37 @@ OptionalFinding check_throttling(const std::string& root) {
                  remedy};
 }
 
+/// "6.12" and later of a text that begins with the release.
+bool is_at_least(const std::string& release, int major, int minor) {
+  int found_major = 0, found_minor = 0;
+  char dot = 0;
+  std::istringstream(release) >> found_major >> dot >> found_minor;
+  return found_major > major || (found_major == major && found_minor >= minor);
+}
+
+// Since 6.12 a server of the scheduler gives ordinary threads 50 ms of a second, whatever sched_rt_runtime_us says.
+OptionalFinding check_fair_server(const std::string& root, const std::string& version) {
+  const std::string servers = root + "/sys/kernel/debug/sched/fair_server";
+  constexpr const char* remedy =
+      "as root: for f in /sys/kernel/debug/sched/fair_server/cpu*/runtime; do echo 0 > $f; done";
+  double longest_ns = -1;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(servers, ignored))
+    if (const auto runtime = first_line(entry.path() / "runtime"))
+      longest_ns = std::max(longest_ns, std::stod(*runtime));
+  if (longest_ns == 0) return Finding{Level::good, "fair server", "off", ""};
+  if (longest_ns > 0)
+    return Finding{Level::acceptable, "fair server",
+                   fmt::format("stops a real-time thread for {:g} ms where ordinary ones wait for its processor",
+                               longest_ns * 1e-6),
+                   remedy};
+  if (!is_at_least(version, 6, 12)) return std::nullopt;
+  return Finding{Level::acceptable, "fair server",
+                 "cannot be read (root alone may): this kernel stops a real-time thread for 50 ms where ordinary ones "
+                 "wait for its processor",
+                 remedy};
+}
+
 OptionalFinding check_clock(const std::string& root) {
   const auto source = first_line(root + "/sys/devices/system/clocksource/clocksource0/current_clocksource");
   if (!source) return std::nullopt;
@@ -179,7 +210,8 @@ std::vector<Finding> check_settings(const std::string& root, const std::string& 
   for (const OptionalFinding& finding :
        {check_kernel(root, kernel_version), check_virtual_machine(root), check_processors(root), check_isolation(root),
         check_governor(root), check_sleep_states(root), check_hyper_threading(root), check_throttling(root),
-        check_clock(root), check_swap(root), check_huge_pages(root), check_numa_balancing(root)})
+        check_fair_server(root, kernel_version), check_clock(root), check_swap(root), check_huge_pages(root),
+        check_numa_balancing(root)})
     if (finding) findings.push_back(*finding);
   return findings;
 }

@@ -3,6 +3,7 @@
 
 #include <cerrno>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 
@@ -20,17 +21,35 @@
 namespace pneuservo {
 namespace {
 
-constexpr const char* rights_remedy =
+constexpr const char* login_remedy =
     "add to /etc/security/limits.d/pneuservo.conf: '@realtime - rtprio 98' and '@realtime - memlock unlimited', then "
     "'groupadd -f realtime; usermod -aG realtime USER' and log in again; or 'setcap cap_sys_nice,cap_ipc_lock+ep' on "
     "the program";
-constexpr int capability_ipc_lock = 14;  // linux/capability.h
+constexpr const char* container_remedy =
+    "in a container: docker run --cap-add SYS_NICE --cap-add IPC_LOCK --ulimit rtprio=98 --ulimit memlock=-1 (podman "
+    "has the same options)";
+constexpr const char* service_remedy =
+    "in a service of systemd: LimitRTPRIO=98 and LimitMEMLOCK=infinity below [Service], then 'systemctl daemon-reload'";
+constexpr const char* group_remedy =
+    "the right is there, but this control group has no real-time share (CONFIG_RT_GROUP_SCHED): echo 950000 > "
+    "/sys/fs/cgroup/cpu/GROUP/cpu.rt_runtime_us in it and in those above it, or boot with 'rt_group_sched=0' or a "
+    "kernel without that option";
+constexpr int capability_ipc_lock = 14, capability_sys_nice = 23;  // linux/capability.h
 
 bool has_capability(int number) {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)
     if (line.rfind("CapEff:", 0) == 0) return (std::stoull(line.substr(7), nullptr, 16) >> number & 1U) != 0;
   return false;
+}
+
+/// Limits of a login are read by no container and no service: each has its own way to the right.
+std::string rights_remedy() {
+  const auto is_there = [](const char* path) { return access(path, F_OK) == 0; };
+  if (is_there("/.dockerenv") || is_there("/run/.containerenv") || getenv("container") != nullptr)
+    return container_remedy;
+  return getenv("INVOCATION_ID") != nullptr ? fmt::format("{}; at a login: {}", service_remedy, login_remedy)
+                                            : login_remedy;
 }
 
 // With MCL_FUTURE and a finite limit a later mmap (a thread's stack) would fail in the middle of the run.
@@ -95,13 +114,13 @@ void RealTimeSession::lock_memory() {
         FindingLevel::bad, "memory lock",
         fmt::format("memory is not locked: the limit memlock is {} KiB, a page fault may stop a tick for milliseconds",
                     limit.rlim_cur / 1024),
-        rights_remedy);
+        rights_remedy());
     return;
   }
   state_.memory_locked = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
   if (!state_.memory_locked)
     refuse(FindingLevel::bad, "memory lock", fmt::format("memory is not locked: mlockall: {}", std::strerror(errno)),
-           rights_remedy);
+           rights_remedy());
 }
 
 void RealTimeSession::hold_cpu_latency() {
@@ -143,7 +162,9 @@ void RealTimeSession::raise_priority(int priority) {
     refuse(FindingLevel::bad, "scheduling policy",
            fmt::format("SCHED_FIFO priority {} was refused: {}; any other program may delay the loop", priority,
                        std::strerror(error)),
-           error == EINVAL ? "choose a priority from 1 to 99" : rights_remedy);
+           error == EINVAL                       ? "choose a priority from 1 to 99"
+           : has_capability(capability_sys_nice) ? group_remedy
+                                                 : rights_remedy());
 }
 
 std::string refusal_message(const std::vector<Finding>& findings) {

@@ -83,6 +83,16 @@ void account(LoopTiming& timing, const StageTimes& stages, std::int64_t lateness
   ++timing.ticks;
 }
 
+/// By the devices' own clock. Returns how many slots were skipped.
+std::int64_t wait_for_sample(Backend& backend, TimeGrid& grid, const AxisLoop& loop, const RecordingRing* ring,
+                             const Course& course) noexcept {
+  const Pace pace = backend.await_sample();
+  warm(&loop, sizeof loop);
+  course.prefetch();
+  if (ring != nullptr) ring->prefetch();
+  return grid.follow(pace.at_ns, pace.samples);
+}
+
 // Waits for the slot; what the tick will touch comes into the cache meanwhile, and the processor is awake.
 void wait_for_slot(std::int64_t slot_ns, std::int64_t early_ns, const AxisLoop& loop, const RecordingRing* ring,
                    const Course& course) noexcept {
@@ -142,8 +152,9 @@ void wake_devices(Backend& backend) {
 
 /// Slots skipped on the way to the next one; those that devices take to come back do not count.
 std::int64_t next_slot(const RunSettings& settings, Backend& backend, const AxisLoop& loop, TimeGrid& grid) {
-  if (!was_reset(settings, backend, loop)) return grid.advance(MonotonicClock::now_ns());
-  wake_devices(backend);
+  const bool is_reset = was_reset(settings, backend, loop);
+  if (!is_reset && !backend.is_paced()) return grid.advance(MonotonicClock::now_ns());
+  if (is_reset) wake_devices(backend);
   grid.restart(MonotonicClock::now_ns());
   return 0;
 }
@@ -185,7 +196,8 @@ void run_real(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSetting
       skipped += 1 + grid.advance(MonotonicClock::now_ns());
       ++unserved;
     }
-    wait_for_slot(grid.slot_ns(), early_ns, loop, settings.ring, course);
+    if (backend.is_paced()) skipped += wait_for_sample(backend, grid, loop, settings.ring, course);
+    else wait_for_slot(grid.slot_ns(), early_ns, loop, settings.ring, course);
     const std::int64_t woken_ns = MonotonicClock::now_ns();
     const std::int64_t tick = grid.slot(), lateness_ns = grid.lateness_ns(woken_ns);
     loop.note_slept(suspends.slept_ns(woken_ns) + injected_sleep_ns(settings, tick));

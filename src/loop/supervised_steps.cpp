@@ -48,13 +48,21 @@ Command SupervisedSteps::command(double volts) const noexcept {
 
 void SupervisedSteps::refuse(const std::string& why) const { throw std::runtime_error(name_ + ": " + why); }
 
+void SupervisedSteps::wait_for_slot() {
+  if (!backend_.is_paced()) return MonotonicClock::sleep_until_ns(grid_->slot_ns());
+  const Pace pace = backend_.await_sample();
+  const std::int64_t more = grid_->follow(pace.at_ns, pace.samples);
+  skipped_ += more;
+  tick_ += more;
+}
+
 void SupervisedSteps::run(const std::function<StepAnswer(const StepSample&)>& step) {
   const std::int64_t period_ns = std::llround(rig_.period_s * 1e9);
   if (!grid_) grid_ = std::make_unique<TimeGrid>(MonotonicClock::now_ns() + period_ns, period_ns);
   const std::int64_t first = tick_;
   for (bool done = false; !done; tick_ += 1 + skipped_) {
     if (StopRequest::requested()) refuse("stopped by a signal before its end");
-    if (real_time_) MonotonicClock::sleep_until_ns(grid_->slot_ns());
+    if (real_time_) wait_for_slot();
     LastResort::note_tick(tick_);
     StepSample sample{.tick = tick_,
                       .skipped = skipped_,
@@ -69,7 +77,7 @@ void SupervisedSteps::run(const std::function<StepAnswer(const StepSample&)>& st
     done = answer.done;
     supervisor_.note_commands({answer.command.valve_V, answer.command.valve_2_V});
     if (!backend_.write(tick_, answer.command)) refuse("the command could not be written");
-    skipped_ = real_time_ ? grid_->advance(MonotonicClock::now_ns()) : 0;
+    skipped_ = real_time_ && !backend_.is_paced() ? grid_->advance(MonotonicClock::now_ns()) : 0;
   }
 }
 

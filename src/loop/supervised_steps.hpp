@@ -54,6 +54,7 @@ class SupervisedSteps {
 
  private:
   [[noreturn]] void refuse(const std::string& why) const;
+  void wait_for_slot();
 
   const Rig& rig_;
   Backend& backend_;

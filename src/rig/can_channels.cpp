@@ -13,6 +13,7 @@ std::vector<CanChannel> can_channels(const HalParameters& hal) {
     const auto& can = *parameters.can;
     all.push_back({std::string(name), signal, command, is_output, std::string(Keys::unit), can.node, can.pdo,
                    can.object, can.is_signed, can.scale, can.zero, can.lowest, can.highest});
+    all.back().wrap_counts = can.wrap_counts;
     if (!is_output) return;
     all.back().substitute = substitute_of(can.object, can.substitute);
     if (!can.readback) return;

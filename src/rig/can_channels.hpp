@@ -25,6 +25,7 @@ struct CanChannel {
   std::optional<CanSubstitute> substitute{};  ///< of an output
   bool is_readback = false;                   ///< an input that shows the command
   double tolerance_V = 0.0;                   ///< of a readback
+  double wrap_counts = 0.0;                   ///< as the config states them; 0: as the device does
 };
 
 /// In the order of the config's manual: inputs, then commands, each with its readback behind it.

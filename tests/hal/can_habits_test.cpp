@@ -1,69 +1,20 @@
 // Habits of real CANopen devices: each works, or is refused before motion with one sentence.
-#include <functional>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
+#include <unistd.h>
+
 #include <catch2/catch.hpp>
 
-#include "can/sdo_codec.hpp"
-#include "hal/can_bench.hpp"
+#include "hal/habit_bench.hpp"
 
 using namespace pneuservo;
+using namespace pneuservo::habits;
 using Catch::Contains;
-
-namespace {
-
-constexpr std::uint8_t io = 2, encoder = 3;
-
-/// A controller before a device with one habit; it is configured and activated by start().
-struct Habit {
-  Rig rig;
-  PlantDevice device;
-  DeviceBus* bus = nullptr;
-  CanBackend backend;
-
-  explicit Habit(const std::vector<std::string>& sets = {})
-      : rig(can_rig(sets)), device(rig), backend(rig, make_bus()) {}
-  std::unique_ptr<CanCarrier> make_bus() {
-    auto made = std::make_unique<DeviceBus>(device);
-    bus = made.get();
-    return made;
-  }
-  ObjectDictionary& dictionary(std::uint8_t number) {
-    for (auto& node : device.nodes())
-      if (node->node() == number) return node->dictionary();
-    FAIL("no node " << int(number));
-    throw 0;
-  }
-  /// The node answers requests for this object with an abort; `writes`: those to write its sub-index 2 alone.
-  void refuse(std::uint8_t number, std::uint16_t index, std::uint32_t code, bool writes = false) {
-    bus->spoil = [=, before = bus->spoil](CanFrame& frame) {
-      const auto answer = parse_sdo_answer(frame);
-      const bool is_meant = answer && frame.id == cob_sdo_answer + number && answer->index == index &&
-                            (!writes || answer->sub == 2) &&
-                            answer->specifier == (writes ? sdo_downloaded : sdo_upload_begun);
-      if (is_meant) frame = sdo_abort_frame(frame.id, answer->index, answer->sub, static_cast<SdoAbort>(code));
-      return !before || before(frame);
-    };
-  }
-  void start() {
-    backend.configure();
-    backend.activate();
-  }
-  std::string notes() const {
-    std::string all;
-    for (const std::string& note : backend.notes()) all += note + "\n";
-    return all;
-  }
-};
-
-/// Whether the node has this state now, in a heartbeat.
-bool tells(const CanFrame& frame, std::uint8_t node, NmtState state) {
-  const auto heartbeat = parse_heartbeat(frame);
-  return heartbeat && heartbeat->node == node && heartbeat->state == state;
-}
-
-}  // namespace
 
 TEST_CASE("an emergency before the loop runs refuses the start, unless its error is over") {
   const bool is_over = GENERATE(false, true);
@@ -263,4 +214,113 @@ TEST_CASE("a valve's module without substitute output is refused with the reason
   h.refuse(io, 0x6444, static_cast<std::uint32_t>(SdoAbort::no_object));
   REQUIRE_THROWS_WITH(h.start(),
                       Contains("node io (2): it has no object 0x6444:1") && Contains("keep its last command"));
+}
+
+TEST_CASE("a module without heartbeats is guarded: asked for its state, lost when it is silent") {
+  const auto missing = static_cast<std::uint16_t>(GENERATE(0x1016, 0x1017));
+  Habit h;
+  h.refuse(io, missing, static_cast<std::uint32_t>(SdoAbort::no_object));
+  h.dictionary(io).add_number(0x100C, 0, 16, 0, true);
+  h.dictionary(io).add_number(0x100D, 0, 8, 0, true);
+  h.start();
+  CHECK_THAT(h.notes(), Contains("node io (2): it lacks a heartbeat: asked for its state every 0.02 s"));
+  CHECK(h.dictionary(io).number(0x100C, 0) == 20);
+  CHECK(h.dictionary(io).number(0x100D, 0) == 3);  // 60 ms of watchdog_s
+  AxisLoop loop;
+  loop.configure(h.rig);
+  std::int64_t tick = 0;
+  const auto run = [&](int ticks) {
+    for (int i = 0; i < ticks && loop.faults() == 0; ++i) {
+      loop.pass(h.backend, tick++, 0, nullptr, nullptr);
+      h.bus->advance(1'000'000);
+    }
+  };
+  SECTION("it answers, each time with another toggle bit, and one lost answer is no loss") {
+    bool lost = false;
+    h.also_spoil([&](CanFrame& frame) {
+      const bool loses = frame.id == cob_heartbeat + io && tick > 200 && !lost;
+      lost = lost || loses;
+      return !loses;
+    });
+    run(500);
+    CHECK(lost);
+    CHECK(loop.faults() == 0);
+  }
+  SECTION("answers whose toggle bit stands still are none") {
+    h.also_spoil([](CanFrame& frame) {
+      if (frame.id == cob_heartbeat + io) frame.data[0] &= 0x7F;
+      return true;
+    });
+    run(100);
+    CHECK((loop.faults() & fault_node_lost) != 0);
+  }
+  SECTION("it falls silent") {
+    h.also_spoil([](CanFrame& frame) { return frame.id != cob_heartbeat + io; });
+    run(100);
+    CHECK((loop.faults() & fault_node_lost) != 0);
+  }
+}
+
+TEST_CASE("a guarded module gives its substitute output when it is no longer asked") {
+  Habit h({"safe_output.command_V=0.1"});
+  h.refuse(io, 0x1016, static_cast<std::uint32_t>(SdoAbort::no_object));
+  h.dictionary(io).add_number(0x100C, 0, 16, 0, true);
+  h.dictionary(io).add_number(0x100D, 0, 8, 0, true);
+  h.start();
+  h.backend.write(0, {.valve_V = 1.0, .valve_2_V = 0.0, .enable = true, .ended = false});
+  CHECK(std::abs(h.device.command_V() - 1.0) < 1e-3);
+  h.bus->advance(100'000'000);
+  CHECK(std::abs(h.device.command_V() - 0.1) < 1e-3);
+}
+
+TEST_CASE("a multi-turn encoder that wraps between the limits shows one course of the position") {
+  // 100000 counts of 5 um: the slider goes through the end of the counts at 0.
+  Habit h({"hal.channels.x.can.wrap_counts=100000", "initial.position_m=-0.02", "reference.amplitude_m=0.05"});
+  h.start();
+  AxisLoop loop;
+  loop.configure(h.rig);
+  double lowest = 1.0, highest = -1.0;
+  for (int tick = 0; tick < 2500; ++tick) {
+    loop.pass(h.backend, tick, 0, nullptr, nullptr);
+    h.bus->advance(1'000'000);
+    if (tick == 0) continue;
+    const double x = loop.row().measured[Signal::x];
+    REQUIRE(std::abs(x - h.device.truth().x_m) < 2e-3);  // a period older
+    lowest = std::min(lowest, x);
+    highest = std::max(highest, x);
+  }
+  CHECK(loop.faults() == 0);
+  CHECK(lowest < -0.02);
+  CHECK(highest > 0.02);
+}
+
+TEST_CASE("the worked example of docs/can.md starts, and the valve of 0 to 10 V has its neutral 5 V as safe output") {
+  namespace fs = std::filesystem;
+  const fs::path source = PNEUSERVO_SOURCE_DIR,
+                 folder = fs::temp_directory_path() / ("pneuservo-can-example-" + std::to_string(getpid()));
+  const auto text_of = [](const fs::path& path) {
+    std::ifstream file(path);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  const std::string page = text_of(source / "docs/can.md"),
+                    config = text_of(source / "config/can/cylinder-10m-7.65mm.yaml");
+  const std::size_t begin = page.find("```yaml\n", page.find("### From the EDS to the config")) + 8;
+  fs::create_directories(folder);
+  fs::copy_file(source / "config/can/analog-module-401.eds", folder / "analog-module-401.eds",
+                fs::copy_options::overwrite_existing);
+  std::ofstream(folder / "rig.yaml") << config.substr(0, config.find("\nhal:\n") + 1)
+                                     << page.substr(begin, page.find("```", begin) - begin);
+  const Rig rig = read_rig((folder / "rig.yaml").string());
+  PlantDevice device(rig);
+  CanBackend backend(rig, std::make_unique<DeviceBus>(device));
+  backend.configure();
+  backend.activate();
+  for (const auto& node : device.nodes()) {
+    if (node->node() != io) continue;
+    const double terminal_V_per_count = 10.0 / 32768.0;
+    CHECK(node->dictionary().number(0x6411, 1) * terminal_V_per_count == 5.0);
+    CHECK(node->dictionary().number(0x6444, 1) * terminal_V_per_count == 5.0);
+  }
+  CHECK(device.command_V() == 0.0);
+  fs::remove_all(folder);
 }

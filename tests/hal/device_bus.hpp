@@ -44,7 +44,7 @@ class DeviceBus final : public CanCarrier {
   void after(const CanFrame& frame) { behind_.push_back(frame); }
 
   void accept_only(const std::vector<std::uint32_t>& ids) override { ids_ = ids; }
-  void wait(std::int64_t timeout_ns) override { advance(std::min<std::int64_t>(timeout_ns, 1'000'000)); }
+  void wait(std::int64_t timeout_ns) override { advance(std::min<std::int64_t>(timeout_ns, 250'000)); }
   Sent send(const CanFrame& frame) noexcept override {
     if (!up) return Sent::down;
     if (queue_is_full) return Sent::queue_full;

@@ -74,9 +74,10 @@ TEST_CASE("a machine set up for real time is good throughout") {
   root.plant("sys/devices/system/cpu/smt/active", "0");
   root.plant("sys/devices/system/clocksource/clocksource0/current_clocksource", "tsc");
   root.plant("sys/kernel/mm/transparent_hugepage/enabled", "always [madvise] never");
-  const auto findings = check_settings(root.folder, "6.1.0-rt #1 SMP PREEMPT_RT");
+  root.plant("sys/kernel/debug/sched/fair_server/cpu0/runtime", "0");
+  const auto findings = check_settings(root.folder, "6.12.0-rt #1 SMP PREEMPT_RT");
   CAPTURE(finding_table(findings));
-  REQUIRE(findings.size() == 11);
+  REQUIRE(findings.size() == 12);
   REQUIRE(worst_level(findings) == FindingLevel::good);
   require_remedies(findings);
 }
@@ -95,6 +96,7 @@ TEST_CASE("each unfit setting is named with its remedy") {
        FindingLevel::acceptable},
       {"proc/sys/kernel/sched_rt_runtime_us", "950000", "real-time throttling", FindingLevel::acceptable},
       {"proc/sys/kernel/sched_rt_runtime_us", "100000", "real-time throttling", FindingLevel::bad},
+      {"sys/kernel/debug/sched/fair_server/cpu1/runtime", "50000000", "fair server", FindingLevel::acceptable},
       {"proc/sys/kernel/numa_balancing", "1", "memory balancing", FindingLevel::acceptable},
       {"proc/swaps", "Filename\n/dev/sda2 partition 8 0 -2", "swap", FindingLevel::acceptable},
       {"proc/cpuinfo", "flags : fpu hypervisor", "hardware", FindingLevel::acceptable},
@@ -107,6 +109,17 @@ TEST_CASE("each unfit setting is named with its remedy") {
   REQUIRE(finding->level == level);
   REQUIRE(find(findings, "kernel")->level == FindingLevel::bad);
   require_remedies(findings);
+}
+
+TEST_CASE("a fair server that cannot be read is told on kernels that have one") {
+  const PlantedRoot root;
+  CHECK(find(check_settings(root.folder, "6.11.5 #1 SMP"), "fair server") == nullptr);
+  for (const char* release : {"6.12.0", "6.18.44+deb13", "7.0.1"}) {
+    const auto findings = check_settings(root.folder, std::string(release) + " #1 SMP");
+    CAPTURE(release);
+    REQUIRE(find(findings, "fair server") != nullptr);
+    require_remedies(findings);
+  }
 }
 
 TEST_CASE("rights are tried, not read: every right has exactly one finding") {

@@ -102,9 +102,7 @@ for number in (signal.SIGKILL, signal.SIGSTOP):
 # A guard that vanishes or is stopped ends the motion.
 for number in (signal.SIGKILL, signal.SIGSTOP):
     watch = guard()
-    moving = loop()
-    watch.wait_for("watches process")
-    time.sleep(1.0)
+    moving = moving_beside(watch)
     watch.process.send_signal(number)
     moving.process.wait(timeout=60)
     expect(moving.process.returncode == 1 and "fault: guard_lost" in moving.said(), f"guard {number.name}: {moving.said()}")
@@ -113,9 +111,7 @@ for number in (signal.SIGKILL, signal.SIGSTOP):
 
 # An ordered end is none of its business beyond the safe output.
 watch = guard()
-moving = loop()
-watch.wait_for("watches process")
-time.sleep(1.0)
+moving = moving_beside(watch)
 moving.end(signal.SIGINT)
 expect(moving.process.returncode == 0, f"an ordered end: {moving.said()}")
 watch.wait_for("ended its motion")

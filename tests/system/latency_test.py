@@ -1,18 +1,8 @@
 #!/usr/bin/env python3
 # The verbs check and latency: exit status, keys of their JSON, stop by signal, and messages for unusable input.
-import json, os, signal, subprocess, sys, tempfile, time
+import json, os, signal, subprocess, tempfile, time
 
-program = os.path.join(sys.argv[1], "pneuservo")
-
-
-def run(*arguments):
-    return subprocess.run([program, *arguments], capture_output=True, text=True)
-
-
-def expect(condition, what):
-    if not condition:
-        sys.exit(f"latency_test: {what}")
-
+from program import catches, expect, program, run, wait_until
 
 checked = run("check", "--json", "-")
 findings = json.loads(checked.stdout)
@@ -39,6 +29,7 @@ expect(run("latency", "--period-us", "1").returncode == 2, "latency: a period of
 expect(run("latency", "--duration-s", "0.1", "--json", "/nonexistent/file").returncode == 2, "latency: an unwritable file is no error")
 
 process = subprocess.Popen([program, "latency", "--duration-s", "600"], stdout=subprocess.PIPE, text=True)
+wait_until(lambda: catches(process, signal.SIGINT), "a measurement that can be stopped")
 time.sleep(1)
 process.send_signal(signal.SIGINT)
 output, _ = process.communicate(timeout=60)

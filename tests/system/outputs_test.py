@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # What the program may write over and what never: recordings, inputs, files of another kind, sockets; files that block or
 # never end; long runs in bounded memory; gaps in a recorded command; keys with control characters.
-import gzip, json, os, resource, shutil, subprocess, sys, tempfile, time
+import gzip, json, os, resource, shutil, signal, subprocess, sys, tempfile, time
 
-from program import CONFIG, edited_config, expect, expect_refusal, program, run
+from program import CONFIG, catches, edited_config, expect, expect_refusal, program, run, wait_until
 
 TABLE = "config/servo-table-1m-8mm.yaml"
 folder = tempfile.mkdtemp()
@@ -87,9 +87,9 @@ limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))
 for long in (["--duration-s", "86400"], ["--duration-s", "1e6"], ["--moves", "2000000000"]):
     process = subprocess.Popen([program, "run", CONFIG, "--time", "real", *long], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                preexec_fn=limit, text=True)
-    time.sleep(2.0)
+    wait_until(lambda: catches(process, signal.SIGTERM), "a run that can be stopped")
     process.terminate()
-    _, said = process.communicate(timeout=60)
+    _, said = process.communicate(timeout=300)
     expect(process.returncode == 0 and "stopped by SIGTERM" in said, f"{long}: status {process.returncode}: {said}")
 expect_refusal(run("run", "config/servo-table-0.5m-4mm.yaml", "--duration-s", "86400"), ["duration_s", "--moves"], "a plan of a day")
 done = run("run", CONFIG, "--duration-s", "300", "--json", at("long.json"))

@@ -1,5 +1,5 @@
 # What the scripts that run the program share: the program, a check with a sentence, small edits of configs.
-import os, re, subprocess, sys
+import os, re, subprocess, sys, time, zlib
 
 CONFIG = "config/cylinder-10m-7.65mm.yaml"
 program = os.path.join(sys.argv[1], "pneuservo")
@@ -21,6 +21,29 @@ def expect_refusal(done, words, what):
     expect(len(said.splitlines()) == 1, f"{what}: not one sentence: {said}")
     expect(all(word in said for word in words), f"{what}: {words} are not all in: {said}")
     expect(done.stdout == "", f"{what}: something was printed as a result: {done.stdout}")
+
+
+def wait_until(holds, what, within_s=60.0):
+    """Looks until it holds: what a loaded machine delays is no failure."""
+    end = time.monotonic() + within_s
+    while not holds():
+        expect(time.monotonic() < end, f"{what}: not within {within_s:g} s")
+        time.sleep(0.02)
+
+
+def catches(process, number):
+    """Whether the process has a handler for the signal by now."""
+    with open(f"/proc/{process.pid}/status") as file:
+        return int(re.search(r"SigCgt:\s+(\w+)", file.read()).group(1), 16) >> (number - 1) & 1 == 1
+
+
+def rows_so_far(record):
+    """Rows of a recording as far as it is on the disk, the first with the names of the columns."""
+    if not os.path.exists(record):
+        return []
+    with open(record, "rb") as file:
+        lines = zlib.decompressobj(31).decompress(file.read()).decode().splitlines()[:-1]
+    return [line.split(",") for line in lines if not line.startswith("#")]
 
 
 def edited_config(folder, pattern, replacement):

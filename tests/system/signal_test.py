@@ -3,7 +3,7 @@
 # a reader that goes away, a disk that hangs.
 import json, os, signal, subprocess, sys, tempfile, time
 
-from program import CONFIG, expect, program, run
+from program import CONFIG, catches, expect, program, rows_so_far, run, wait_until
 
 folder = tempfile.mkdtemp()
 signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup it would stay ignored, on purpose
@@ -39,7 +39,7 @@ for time_, numbers in (("simulated", STOPS[:2]), ("real", STOPS)):
         expect("cut off" not in done.stderr and "damaged" not in done.stderr, f"{what}: the recording is not closed: {done.stderr}")
 
 process, path = start("killed", "--time", "real", "--set", "duration_s=300")
-time.sleep(1.0)
+wait_until(lambda: len(rows_so_far(path)) > 1500, "rows on the disk")
 process.kill()
 elapsed = time.time()
 process.communicate(timeout=60)
@@ -69,7 +69,8 @@ for delay in (0.0, 0.005, 0.02, 0.05):
                                stderr=subprocess.PIPE, text=True)
     while "pneuservo" not in open(f"/proc/{process.pid}/cmdline").read() or not os.readlink(f"/proc/{process.pid}/exe").endswith("pneuservo"):
         time.sleep(0.001)
-    time.sleep(0.02 + delay)  # the dynamic loader is through
+    wait_until(lambda: catches(process, signal.SIGTERM), "the handler of signals")
+    time.sleep(delay)
     for _ in range(200):
         process.send_signal(signal.SIGTERM)
         process.send_signal(signal.SIGHUP)

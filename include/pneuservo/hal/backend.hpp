@@ -20,6 +20,12 @@ struct SafeOutput {
   std::int64_t substitute_tick = -1;  ///< all devices with outputs said that they miss us or are stopped
 };
 
+/// The devices' newest sampling instant.
+struct Pace {
+  std::int64_t samples = 0;  ///< periods since the one before; 0: none came in time
+  std::int64_t at_ns = 0;    ///< when its inputs were there, CLOCK_MONOTONIC
+};
+
 /// A rig's hardware, real or simulated. The cold calls may allocate, block and throw std::runtime_error with one clear
 /// sentence; read and write are called in the real-time loop: no allocation, no lock, no throw, no blocking call.
 class Backend {
@@ -30,6 +36,10 @@ class Backend {
   virtual void configure() = 0;
   /// Takes control of the outputs; from here on read and write are called every tick.
   virtual void activate() = 0;
+  /// The devices sample by a clock of their own: each tick begins with await_sample.
+  virtual bool is_paced() const noexcept { return false; }
+  /// Blocks until the inputs of the next sampling instant are there or the time for it is over, which is a fault.
+  virtual Pace await_sample() noexcept { return {}; }
   /// Samples all channels for tick `tick`. False: the backend has ended (a replay ran out of rows).
   virtual bool read(std::int64_t tick, Measurement& measurement) noexcept = 0;
   /// Applies the command from the sampling instant of `tick` on. False: the output was missed.

@@ -35,6 +35,15 @@ class TimeGrid {
     missed_ += skipped;
     return skipped;
   }
+  /// A clock of the devices' own has come to the current slot, `samples` of its periods after the last one. Returns how
+  /// many slots were skipped.
+  constexpr std::int64_t follow(std::int64_t at_ns, std::int64_t samples) noexcept PNEUSERVO_NONBLOCKING {
+    const std::int64_t skipped = samples > 1 ? samples - 1 : 0;
+    slot_ += skipped;
+    slot_ns_ = at_ns;
+    missed_ += skipped;
+    return skipped;
+  }
   /// The next slot is a period from now: what held the loop up was meant to.
   constexpr void restart(std::int64_t now_ns) noexcept {
     ++slot_;

@@ -21,6 +21,10 @@ inline constexpr std::array<std::string_view, 2> can_mapping_names{"write", "rea
 enum class CanTransmission { sync, event };
 inline constexpr std::array<std::string_view, 2> can_transmission_names{"sync", "event"};
 
+/// Whose SYNC the bus has: this program's, sent by its clock, or another master's, which the loop waits for.
+enum class CanSync { own, foreign };
+inline constexpr std::array<std::string_view, 2> can_sync_names{"own", "foreign"};
+
 /// One CANopen device.
 struct CanNodeParameters {
   std::uint32_t node_id = 1;
@@ -69,6 +73,8 @@ struct CanBusParameters {
   std::uint32_t node_id = 126;
   double heartbeat_s = 0.02;
   double watchdog_s = 0.06;
+  CanSync sync = CanSync::own;
+  double sync_timeout_s = 0.0;
   std::map<std::string, CanNodeParameters> nodes;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
@@ -84,6 +90,12 @@ struct CanBusParameters {
     v(Field{"watchdog_s", "s", 0.002, 30, "silence of it after which the devices give their substitute output (0x1016)",
             optional},
       p.watchdog_s...);
+    v(Field{"sync", "", 0, 0, "own: this program sends SYNC; foreign: another master does, and each tick waits for it",
+            optional, can_sync_names},
+      p.sync...);
+    v(Field{"sync_timeout_s", "s", 0, 10, "a foreign SYNC that is missing for so long is a fault; 0: 2.5 periods",
+            optional},
+      p.sync_timeout_s...);
     v(Field{"nodes", "", 0, 0, "devices by name"}, p.nodes...);
   }
 };
@@ -146,7 +158,7 @@ template <class Keys> struct CanChannelParameters {
   std::uint32_t pdo = 1;
   CanObject object;
   bool is_signed = true;
-  double scale = 1.0, zero = 0.0, lowest = 0.0, highest = 0.0;
+  double scale = 1.0, zero = 0.0, lowest = 0.0, highest = 0.0, wrap_counts = 0.0;
   std::optional<CanSubstitute> substitute;
   std::optional<CanReadback> readback;
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -161,6 +173,11 @@ template <class Keys> struct CanChannelParameters {
     v(Field{Keys::lowest, Keys::unit, -1e12, 1e12, "below it is no measurement; an output is held at it"}, p.lowest...);
     v(Field{Keys::highest, Keys::unit, -1e12, 1e12, "above it is no measurement; an output is held at it"},
       p.highest...);
+    if constexpr (std::is_same_v<Keys, PositionKeys>)
+      v(Field{"wrap_counts", "-", 0, 4294967296.0,
+              "after so many counts the encoder begins at 0 again, 2^25 or its 0x6002; 0: as its 0x6002 states",
+              optional},
+        p.wrap_counts...);
     if constexpr (std::is_same_v<Keys, VoltageKeys>) {
       v(Field{"substitute", "", 0, 0, "the device's objects for the output without master; default: those of 0x6411",
               optional},

@@ -7,10 +7,11 @@
 
 namespace pneuservo {
 
-ReplayBackend::ReplayBackend(Recording recording, double period_s) : recording_(std::move(recording)) {
-  std::vector<std::string> needed;
-  for (const Signal signal : {Signal::x, Signal::p1_port, Signal::p2_port}) needed.emplace_back(info(signal).column);
-  recording_.require(needed);
+ReplayBackend::ReplayBackend(Recording recording, double period_s, std::initializer_list<Signal> needed)
+    : recording_(std::move(recording)) {
+  std::vector<std::string> columns;
+  for (const Signal signal : needed) columns.emplace_back(info(signal).column);
+  recording_.require(columns);
   const auto column = [&](std::string_view name) -> Column {
     return recording_.has(name) ? &recording_.column(name) : nullptr;
   };

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <initializer_list>
 #include <vector>
 
 #include <pneuservo/hal/backend.hpp>
@@ -14,8 +15,9 @@ namespace pneuservo {
 /// column an absent one. read() ends where the rows end.
 class ReplayBackend final : public Backend {
  public:
-  /// The recording must have x_m and both port pressures; throws InputError naming a missing column.
-  ReplayBackend(Recording recording, double period_s);
+  /// The recording must have the signals `needed`; throws InputError naming a missing column.
+  ReplayBackend(Recording recording, double period_s,
+                std::initializer_list<Signal> needed = {Signal::x, Signal::p1_port, Signal::p2_port});
   void configure() override {}
   void activate() override { next_ = 0; }
   bool read(std::int64_t tick, Measurement& measurement) noexcept override;

@@ -62,15 +62,25 @@ PlantCourse simulate_plant(const Rig& rig, const Recording& recording) {
   refuse_long_gaps(rig, recording);
   const std::vector<double>&command_1 = recording.column(names.front()), &command_2 = recording.column(names.back());
   const std::vector<double>& t_s = recording.t_s();
+  VolumeGrowth growth;  // of a pressure rig
+  growth.configure(rig);
   AxisPlant<double> plant;
   plant.configure(rig.axis, rig.period_s, rig.simulation.cells_per_m, valve_arrangement(rig));
-  plant.reset(recorded_start(rig, recording));
+  PlantStart<double> start = recorded_start(rig, recording);
+  if (rig.controls_pressure()) {
+    growth.reset(start.pressure_1_Pa);
+    start.position_m = growth.position_m();
+  }
+  plant.reset(start);
+  const auto step = [&](double command_1_V, double command_2_V) {
+    if (rig.controls_pressure()) step_pressure_plant(plant, growth, command_1_V);
+    else plant.step(command_1_V, command_2_V);
+  };
   PlantCourse course = course_of(recording.rows(), names.size());
   double held_1_V = 0.0, held_2_V = 0.0;
   std::int64_t tick = std::llround(t_s.front() / rig.period_s);
   for (std::size_t i = 0; i < t_s.size(); ++i) {
-    for (const std::int64_t due = std::llround(t_s[i] / rig.period_s); tick < due; ++tick)
-      plant.step(held_1_V, held_2_V);
+    for (const std::int64_t due = std::llround(t_s[i] / rig.period_s); tick < due; ++tick) step(held_1_V, held_2_V);
     if (std::isfinite(command_1[i])) held_1_V = command_1[i];
     if (std::isfinite(command_2[i])) held_2_V = command_2[i];
     const PerSignal<double> values = true_values(plant);

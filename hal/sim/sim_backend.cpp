@@ -11,16 +11,18 @@ PlantStart<double> plant_start(const Rig& rig) {
 }
 
 SimBackend::SimBackend(const Rig& rig, Has sensors) : rig_(simulated_rig(rig)) {
-  for (const Signal signal : channel_signals) is_there_[signal] = true;
+  for (const Signal signal : channel_signals) is_there_[signal] = rig.has_sensor(signal);
   if (sensors == Has::every_sensor) return;
   for (const Signal chamber : chamber_signals)
-    is_there_[chamber] = rig.controller.takes_chambers() || rig.sensors.chamber_pressure.rms_Pa() > 0.0;
+    is_there_[chamber] =
+        is_there_[chamber] && (rig.controller.takes_chambers() || rig.sensors.chamber_pressure.rms_Pa() > 0.0);
   is_there_[Signal::p_supply] = rig.sensors.supply_pressure.rms_Pa() > 0.0;
 }
 
 void SimBackend::configure() {
   plant_.configure(rig_.axis, rig_.period_s, rig_.simulation.cells_per_m, valve_arrangement(rig_));
   plant_.reset(plant_start(rig_));
+  growth_.configure(rig_);
   const PerSignal<double> values = true_values(plant_);
   for (const Signal signal : channel_signals) {
     const auto [quantum, noise] = rig_.sensors.resolution(signal);
@@ -38,13 +40,18 @@ void SimBackend::activate() { safe_output_ = {.has_outputs = true, .is_simulated
 bool SimBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
   if (!started_) plant_tick_ = tick;
   started_ = true;
-  for (; plant_tick_ < tick; ++plant_tick_) plant_.step(command_.valve_V, command_.valve_2_V);
+  for (; plant_tick_ < tick; ++plant_tick_) step_plant();
   const PerSignal<double> values = true_values(plant_);
   for (const Signal signal : channel_signals)
     if (is_there_[signal])
       measurement.channel[signal] = {sensors_[signal].read(values[signal]), 0.0, true, Origin::simulated};
   if (rig_.simulation.input_age_periods > 0) age_by_a_tick(tick, measurement);
   return true;
+}
+
+void SimBackend::step_plant() noexcept {
+  if (!rig_.controls_pressure()) return plant_.step(command_.valve_V, command_.valve_2_V);
+  step_pressure_plant(plant_, growth_, command_.valve_V);
 }
 
 // Over a bus a tick finds what was sampled at the one before; the first tick finds what has been there for ever.
@@ -79,6 +86,7 @@ Origins SimBackend::origins() const {
 
 Truth SimBackend::truth() const noexcept {
   const auto chamber = plant_.chamber_pressure();
+  if (rig_.controls_pressure()) return {.p1_chamber_Pa = low(chamber)};
   return {plant_.position(), low(chamber), high(chamber)};
 }
 

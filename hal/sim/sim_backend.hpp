@@ -6,6 +6,7 @@
 #include <pneuservo/elements/sensor.hpp>
 #include <pneuservo/hal/backend.hpp>
 #include <pneuservo/rig/plant.hpp>
+#include <pneuservo/rig/pressure_axis.hpp>
 #include <pneuservo/rig/rig.hpp>
 
 namespace pneuservo {
@@ -40,11 +41,13 @@ class SimBackend final : public Backend {
   std::string name() const override { return "sim"; }
 
  private:
+  void step_plant() noexcept;
   void age_by_a_tick(std::int64_t tick, Measurement& measurement) noexcept;
 
   Rig rig_;
   PerSignal<bool> is_there_;
   AxisPlant<double> plant_;
+  VolumeGrowth growth_;  // of a pressure rig
   PerSignal<Sensor> sensors_;
   std::int64_t plant_tick_ = 0;
   bool started_ = false;

@@ -83,7 +83,8 @@ struct RowCollector {
 struct TableCollector {
   std::vector<Table>& tables;
   template <class T> void operator()(const Field& field, const T& value) const {
-    if constexpr (ParameterSection<T>) add_section(field, value);
+    if constexpr (std::is_same_v<T, PressureReferenceParameters>) add_pressure_reference(field);
+    else if constexpr (ParameterSection<T>) add_section(field, value);
     else if constexpr (std::is_same_v<T, ReferenceSpec>) add_references(field);
     else RowCollector{tables.front().rows, ""}(field, value);
   }
@@ -118,6 +119,17 @@ struct TableCollector {
       reference.smoothness = default_smoothness(reference.kind);
       Table table{fmt::format("`reference` of kind `{}`", reference_kind_names[i]), "", {}};
       visit_reference(reference.kind, RowCollector{table.rows, ""}, static_cast<const ReferenceSpec&>(reference));
+      tables.push_back(std::move(table));
+    }
+  }
+  /// Keys of a pressure's reference beyond those of the kind that the rig has here.
+  void add_pressure_reference(const Field& field) const {
+    add_top_row(field);
+    for (std::size_t i = 0; i < pressure_reference_names.size(); ++i) {
+      PressureReferenceParameters reference;
+      reference.kind = static_cast<PressureReferenceKind>(i);
+      Table table{fmt::format("`reference` of a `pressure` rig, kind `{}`", pressure_reference_names[i]), "", {}};
+      PressureReferenceParameters::visit(RowCollector{table.rows, ""}, std::as_const(reference));
       tables.push_back(std::move(table));
     }
   }

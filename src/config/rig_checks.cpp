@@ -13,10 +13,12 @@
 
 #include <pneuservo/elements/air.hpp>
 
+#include "config/check.hpp"
 #include "config/hal_checks.hpp"
 #include "config/input_error.hpp"
 #include "config/key_suggestion.hpp"
 #include "config/number_text.hpp"
+#include "config/pressure_checks.hpp"
 #include "config/rig_parameters.hpp"
 
 namespace pneuservo {
@@ -27,48 +29,6 @@ namespace {
 constexpr double default_periods = 10.0;
 /// Most positions among which the time of the farthest one is sought.
 constexpr double most_samples = 1e6;
-
-/// Where a path was written: the deepest node of it that the config has.
-std::string origin_of(const ConfigNode& root, const std::string& path) {
-  const ConfigNode* node = &root;
-  std::string origin = root.origin;
-  for (std::size_t start = 0; start <= path.size() && node->type == ConfigNode::Type::map;) {
-    const std::size_t dot = std::min(path.find('.', start), path.size());
-    const ConfigNode::Entry* entry = node->find(path.substr(start, dot - start));
-    if (entry == nullptr) break;
-    node = &entry->value;
-    origin = node->origin;
-    start = dot + 1;
-  }
-  return origin;
-}
-
-bool is_stated(const ConfigNode& root, const std::string& section, const std::string& key) {
-  const ConfigNode::Entry* entry = root.find(section);
-  return entry != nullptr && entry->value.find(key) != nullptr;
-}
-
-/// Tells what is wrong at `path` with the line it stands on, or with the --set that made one of the `others` contradict
-/// it.
-struct Check {
-  const ConfigNode& root;
-  InputErrors& errors;
-  void refuse(const std::string& path, const std::vector<std::string>& others, const std::string& found,
-              const std::string& expected) const {
-    std::string origin = origin_of(root, path);
-    for (const std::string& other : others) {
-      const std::string from = origin_of(root, other);
-      if (from.starts_with("--set") && !origin.starts_with("--set")) origin = from;
-    }
-    errors.collect([&] { pneuservo::refuse(origin, path, found, expected); });
-  }
-  /// Runs a check of sections that were read without an error.
-  template <class Step> void of(std::initializer_list<std::string_view> sections, Step&& step) const {
-    for (const std::string_view section : sections)
-      if (errors.concern(section)) return;
-    errors.collect(std::forward<Step>(step));
-  }
-};
 
 /// Pressure of chamber 2 that balances the piston at rest: A_1 p_1 - A_2 p_2 - (A_1 - A_2) p_atm = 0.
 double balancing_pressure_2_Pa(const Rig& rig, double pressure_1_Pa) {
@@ -109,14 +69,15 @@ void check_line_effects(const Rig& rig, std::string_view section, const Check& c
   });
 }
 
+void check_line(const LineParameters<double>& line, const std::string& name, const Check& check) {
+  if (line.laminar_reynolds > line.turbulent_reynolds)
+    check.refuse(name + ".laminar_reynolds", {name + ".turbulent_reynolds"}, number_text(line.laminar_reynolds),
+                 fmt::format("at most {}.turbulent_reynolds ({})", name, number_text(line.turbulent_reynolds)));
+}
+
 void check_lines(const Rig& rig, const Check& check) {
-  const auto check_line = [&](const LineParameters<double>& line, const std::string& name) {
-    if (line.laminar_reynolds > line.turbulent_reynolds)
-      check.refuse(name + ".laminar_reynolds", {name + ".turbulent_reynolds"}, number_text(line.laminar_reynolds),
-                   fmt::format("at most {}.turbulent_reynolds ({})", name, number_text(line.turbulent_reynolds)));
-  };
-  check_line(rig.axis.line_1, "line_1");
-  check_line(rig.axis.line_2, "line_2");
+  check_line(rig.axis.line_1, "line_1", check);
+  check_line(rig.axis.line_2, "line_2", check);
   check_line_models(rig, check);
 }
 
@@ -243,7 +204,7 @@ void check_limits(const Rig& rig, const Check& check) {
 /// What the valves of this rig can do in the safe state.
 void check_safe_output(const Rig& rig, const Check& check) {
   const SafeOutputParameters& safe = rig.safe_output;
-  if (safe.action == SafeAction::vent && rig.valves() != 2)
+  if (safe.action == SafeAction::vent && valve_arrangement(rig) == ValveArrangement::five_port)
     check.refuse("safe_output.action", {"rig"},
                  "vent with a five-port valve, which feeds one side when it vents the other",
                  "hold or centre; vent takes the two three-port valves of a servo_table");
@@ -421,6 +382,7 @@ void check_deviations(const Rig& rig, const Check& check) {
     bool physical = false;
     AxisParameters<double>::visit([&](const Field& field, const auto&) { physical = physical || field.key == section; },
                                   rig.axis);
+    physical = physical || (rig.controls_pressure() && section == "volume");
     if (physical && get_parameter(rig, path) != 0.0) continue;
     check.errors.collect([&] {
       refuse(check.root.find("deviations")->value.find(path)->origin, join_path("deviations", path),
@@ -471,6 +433,7 @@ void check_reference_keys(const ReferenceSpec& reference, const ConfigNode& node
 
 void complete_rig(Rig& rig, const ConfigNode& root) {
   if (!rig.has_controller()) return;
+  if (rig.controls_pressure()) return complete_pressure_rig(rig, root);
   check_reference_keys(rig.reference, root.find("reference")->value, "reference");
   if (root.find("duration_s") == nullptr) {
     if (needs_file(rig.reference))
@@ -547,8 +510,24 @@ void check_effects(const Rig& rig, std::string_view section, const Check& check)
 
 }  // namespace
 
+namespace {
+
+/// The valve's own edges against the volume, and what is sensed.
+void check_pressure_rig(const Rig& rig, const Check& check) {
+  check.of({"controller", "sensors", "valve", "safe_output"}, [&] { check_controller(rig, check); });
+  check.of({"safe_output", "valve"}, [&] { check_safe_output(rig, check); });
+  check.of({"line_1"}, [&] { check_line(rig.axis.line_1, "line_1", check); });
+  check_pressure_numbers(rig, check);
+  check.of({"period_s", "duration_s", "evaluation"}, [&] { check_times(rig, check); });
+  check.of({"tolerances"}, [&] { check_paths(rig, check, "tolerances", rig.tolerances); });
+  check.of({"deviations"}, [&] { check_deviations(rig, check); });
+}
+
+}  // namespace
+
 void check_rig(const Rig& rig, const ConfigNode& root, InputErrors& errors) {
   const Check check{root, errors};
+  if (rig.controls_pressure()) return check_pressure_rig(rig, check);
   check_effects(rig, "effects", check);
   if (!rig.concealed.empty()) check_effects(simulated_rig(rig), "concealed", check);
   if (!rig.has_controller()) {

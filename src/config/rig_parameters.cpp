@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include <pneuservo/rig/pressure_axis.hpp>
+
 #include "config/input_error.hpp"
 #include "config/reference_fields.hpp"
 #include "config/section_reader.hpp"
@@ -163,6 +165,7 @@ Rig simulated_rig(const Rig& rig) {
     const auto instead = rig.concealed.find(name);
     if (instead != rig.concealed.end()) number.set(instead->second);
   });
+  lay_out_pressure_axis(simulated);
   return simulated;
 }
 

@@ -482,6 +482,9 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
 
 Diagnosis diagnose(const Rig& configured, std::vector<Recording> recordings, const DiagnoseOptions& options) {
   if (recordings.empty()) throw InputError("diagnose: no recording, expected at least one");
+  if (configured.controls_pressure())
+    throw InputError(fmt::format("{}: rig: found pressure, expected another kind: diagnose has no residuals of it",
+                                 recordings.front().path));
   std::vector<std::string> left_out;
   Rig rig = without_disturbances(configured, left_out);
   if (options.progress) options.progress(0.01, "recordings");

@@ -44,6 +44,7 @@ EstimatorParameters estimator_parameters(const Rig& rig) {
   p.period_s = rig.period_s;
   p.cells_per_m = rig.estimator.cells_per_m;
   p.valve = rig.axis.valve;
+  p.arrangement = valve_arrangement(rig);
   p.flow_correction = rig.estimator.flow_correction;
   p.effects = rig.axis.effects;
   p.uncertainty.port_noise_Pa = rig.sensors.port_pressure.rms_Pa();

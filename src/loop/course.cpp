@@ -5,19 +5,22 @@
 #include <cmath>
 
 namespace pneuservo {
+double longest_start_s(const Rig& rig) noexcept {
+  // A pressure rig has no approach; its inputs are there within this time, or a fault is.
+  return rig.controls_pressure() ? 1.0 : AxisLoop::longest_approach_s(rig.axis.cylinder.stroke_m);
+}
+
 Course::Course(const Rig& rig, int moves, std::size_t rows_kept)
     : period_s_(rig.period_s), duration_s_(rig.duration_s),
       planned_ticks_(std::max(rig.duration_s / rig.period_s * moves, 1.0)), wanted_moves_(moves) {
   if (moves == 0) return;
-  const double most_s =
-      static_cast<double>(moves) * (rig.duration_s + AxisLoop::longest_approach_s(rig.axis.cylinder.stroke_m)) +
-      after_fault_s;
+  const double most_s = static_cast<double>(moves) * (rig.duration_s + longest_start_s(rig)) + after_fault_s;
   const double most = std::min(most_s / rig.period_s + 16.0, static_cast<double>(rows_kept));
   rows_.resize(static_cast<std::size_t>(most));  // touches every page now, not in the loop
   moves_.resize(std::min(static_cast<std::size_t>(moves), moves_kept_max));
 }
 
-bool Course::after(std::int64_t tick, AxisLoop& loop) noexcept PNEUSERVO_NONBLOCKING {
+bool Course::after(std::int64_t tick, ControlLoop& loop) noexcept PNEUSERVO_NONBLOCKING {
   move_start_s_ = loop.reference_start_s();
   if (!rows_.empty()) {
     rows_[next_] = loop.row();

@@ -19,6 +19,9 @@ struct MoveSpan {
   std::size_t rows_lost = 0;  ///< at its beginning, older than what was kept
 };
 
+/// Longest time of a move before its reference begins.
+double longest_start_s(const Rig& rig) noexcept;
+
 /// Decides after every pass whether the run goes on; the same for runs and replays, so that a replay restarts the
 /// reference at the tick at which the run did. All memory is taken and touched in the constructor and does not grow
 /// with the run: the last rows and moves are kept, newest over oldest. The recording has all of them.
@@ -34,7 +37,7 @@ class Course {
   /// `rows_kept`: so many of the last rows are kept at most. `moves` 0: commanded, goes on for ever and keeps no rows.
   Course(const Rig& rig, int moves, std::size_t rows_kept = rows_kept_max);
   /// After the pass of `tick`; false: the run is over. Keeps the row. HOT.
-  bool after(std::int64_t tick, AxisLoop& loop) noexcept PNEUSERVO_NONBLOCKING;
+  bool after(std::int64_t tick, ControlLoop& loop) noexcept PNEUSERVO_NONBLOCKING;
   /// HOT. Before the work of a tick: its row's memory comes into the cache meanwhile.
   void prefetch() const noexcept {
     if (rows_.empty()) return;

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "loop/course.hpp"
+#include "loop/runner.hpp"
 
 namespace pneuservo {
 namespace {
@@ -40,9 +41,9 @@ std::string end_of_course(const Rig& rig, const Course& course, double t_s) {
 }  // namespace
 
 std::vector<std::string> replayed_columns(ControllerKind law) {
-  std::vector<std::string> names{"p1_estimated_Pa", "p2_estimated_Pa",  "p1_bound_Pa",
-                                 "p2_bound_Pa",     "mass_flow_1_kgps", "mass_flow_2_kgps",
-                                 "x_ref_m",         "v_ref_mps",        "v_mps"};
+  std::vector<std::string> names{
+      "p1_estimated_Pa",  "p2_estimated_Pa", "p1_bound_Pa", "p2_bound_Pa", "mass_flow_1_kgps",
+      "mass_flow_2_kgps", "p_ref_Pa",        "x_ref_m",     "v_ref_mps",   "v_mps"};
   for (const std::string_view term : law_columns(law)) names.emplace_back(term);
   names.insert(names.end(), {"u_V", "u1_V", "u2_V", "fault"});
   return names;
@@ -57,12 +58,10 @@ ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std
   for (const auto& [name, values] : recorded) result.compared.push_back(name);
   result.largest_difference.assign(recorded.size(), 0.0);
   result.one_sided.assign(recorded.size(), 0);
-  AxisLoop loop;
-  loop.configure(rig, load);
   GainMailbox mailbox;
-  loop.set_gain_mailbox(&mailbox);
   const auto link = std::make_unique<CommandLink>();
-  if (!commands.empty()) loop.set_command_link(link.get());
+  const auto made = make_control_loop(rig, load, &mailbox, commands.empty() ? nullptr : link.get());
+  ControlLoop& loop = *made;
   Course course(rig, moves, 0);
   result.rows.reserve(ticks.size());
   for (std::size_t i = 0; i < ticks.size(); ++i) {

@@ -25,7 +25,7 @@ double wave_steps_per_period(const Rig& rig, double cells_per_m) {
 
 void grade_period(const Rig& rig, Findings& findings) {
   // Without lines there is nothing that asks for more than one step.
-  const double wave_steps = rig.is_pneumatic() ? wave_steps_per_period(rig, rig.estimator.cells_per_m) : 1.0;
+  const double wave_steps = rig.valves() > 0 ? wave_steps_per_period(rig, rig.estimator.cells_per_m) : 1.0;
   const double steps = std::max(1.0, std::ceil(wave_steps));
   const std::string what = fmt::format("{:g} us, at least {:.0f} estimator step{} of {:.0f} us each",
                                        rig.period_s * 1e6, steps, steps > 1 ? "s" : "", rig.period_s * 1e6 / steps);
@@ -122,7 +122,7 @@ double command_noise_rms_V(const Rig& rig) {
 
 std::vector<Finding> grade_rig(const Rig& rig) {
   Findings findings;
-  const bool has_valve = rig.is_pneumatic(), has_force_loop = has_valve && rig.controller.is<PdForce>();
+  const bool has_valve = rig.valves() > 0, has_force_loop = has_valve && rig.controller.is<PdForce>();
   grade_period(rig, findings);
   if (has_valve) grade_command_range(rig, findings);
   if (has_force_loop) grade_gains(rig, findings);

@@ -9,6 +9,7 @@
 
 #include <pneuservo/loop/axis_loop.hpp>
 #include <pneuservo/loop/grid.hpp>
+#include <pneuservo/loop/pressure_loop.hpp>
 #include <pneuservo/record/ring.hpp>
 
 #include "loop/fault_watch.hpp"
@@ -31,12 +32,13 @@ std::int64_t injected_sleep_ns(const RunSettings& settings, std::int64_t tick) n
 }
 
 /// HOT. After the course has seen the tick.
-void note_fault(const RunSettings& settings, const Course& course, const AxisLoop& loop, std::int64_t tick) noexcept {
+void note_fault(const RunSettings& settings, const Course& course, const ControlLoop& loop,
+                std::int64_t tick) noexcept {
   if (settings.fault_watch != nullptr && course.fault_tick() == tick)
     settings.fault_watch->note(loop.first_faults(), loop.row().t_s);
 }
 
-void run_simulated(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSettings& settings, Course& course,
+void run_simulated(const Rig& rig, ControlLoop& loop, Backend& backend, const RunSettings& settings, Course& course,
                    RunOutcome& out) {
   const auto pass = [&](std::int64_t tick, std::int64_t skipped) noexcept {
     const RtScope hot;
@@ -84,27 +86,27 @@ void account(LoopTiming& timing, const StageTimes& stages, std::int64_t lateness
 }
 
 /// By the devices' own clock. Returns how many slots were skipped.
-std::int64_t wait_for_sample(Backend& backend, TimeGrid& grid, const AxisLoop& loop, const RecordingRing* ring,
+std::int64_t wait_for_sample(Backend& backend, TimeGrid& grid, const ControlLoop& loop, const RecordingRing* ring,
                              const Course& course) noexcept {
   const Pace pace = backend.await_sample();
-  warm(&loop, sizeof loop);
+  warm(&loop, loop.size());
   course.prefetch();
   if (ring != nullptr) ring->prefetch();
   return grid.follow(pace.at_ns, pace.samples);
 }
 
 // Waits for the slot; what the tick will touch comes into the cache meanwhile, and the processor is awake.
-void wait_for_slot(std::int64_t slot_ns, std::int64_t early_ns, const AxisLoop& loop, const RecordingRing* ring,
+void wait_for_slot(std::int64_t slot_ns, std::int64_t early_ns, const ControlLoop& loop, const RecordingRing* ring,
                    const Course& course) noexcept {
   MonotonicClock::sleep_until_ns(slot_ns - early_ns);
-  warm(&loop, sizeof loop);
+  warm(&loop, loop.size());
   course.prefetch();
   if (ring != nullptr) ring->prefetch();
   MonotonicClock::spin_until_ns(slot_ns);
 }
 
 // One tick of real time: the pass, its row into the ring, the course. False: the run is over.
-bool real_tick(AxisLoop& loop, Backend& backend, const RunSettings& settings, Course& course, std::int64_t tick,
+bool real_tick(ControlLoop& loop, Backend& backend, const RunSettings& settings, Course& course, std::int64_t tick,
                std::int64_t skipped, std::int64_t lateness_ns, std::int64_t last_work_ns, StageTimes& stages) noexcept {
   const RtScope hot;
   LastResort::note_tick(tick);
@@ -121,7 +123,7 @@ bool real_tick(AxisLoop& loop, Backend& backend, const RunSettings& settings, Co
 /// Learns from finished moves beside the loop; that is too long for a tick. The reference waits for it.
 class Learner {
  public:
-  Learner(const Rig& rig, AxisLoop& loop) {
+  Learner(const Rig& rig, ControlLoop& loop) {
     if (!loop.controller().learns()) return;
     thread_ = std::jthread([&rig, &loop](const std::stop_token& ends) {
       become_ordinary_thread("learning");
@@ -137,7 +139,7 @@ class Learner {
 };
 
 /// Devices let go of the loop with each fault: the command `reset` takes them up again.
-bool was_reset(const RunSettings& settings, const Backend& backend, const AxisLoop& loop) {
+bool was_reset(const RunSettings& settings, const Backend& backend, const ControlLoop& loop) {
   return settings.commands != nullptr && backend.name() == "configured" &&
          loop.row().command_kind == static_cast<std::uint32_t>(CommandKind::reset);
 }
@@ -151,7 +153,7 @@ void wake_devices(Backend& backend) {
 }
 
 /// Slots skipped on the way to the next one; those that devices take to come back do not count.
-std::int64_t next_slot(const RunSettings& settings, Backend& backend, const AxisLoop& loop, TimeGrid& grid) {
+std::int64_t next_slot(const RunSettings& settings, Backend& backend, const ControlLoop& loop, TimeGrid& grid) {
   const bool is_reset = was_reset(settings, backend, loop);
   if (!is_reset && !backend.is_paced()) return grid.advance(MonotonicClock::now_ns());
   if (is_reset) wake_devices(backend);
@@ -160,7 +162,7 @@ std::int64_t next_slot(const RunSettings& settings, Backend& backend, const Axis
 }
 
 /// Until the devices showed the safe output. A device that does not show it in so many cycles does not have it.
-void await_readback(AxisLoop& loop, Backend& backend, std::int64_t tick, std::int64_t period_ns) {
+void await_readback(ControlLoop& loop, Backend& backend, std::int64_t tick, std::int64_t period_ns) {
   constexpr int most_cycles = 5;  // an answer comes a cycle later, or two
   for (int i = 1; i <= most_cycles; ++i) {
     const SafeOutput safe = backend.safe_output();
@@ -172,7 +174,7 @@ void await_readback(AxisLoop& loop, Backend& backend, std::int64_t tick, std::in
   }
 }
 
-void run_real(const Rig& rig, AxisLoop& loop, Backend& backend, const RunSettings& settings, Course& course,
+void run_real(const Rig& rig, ControlLoop& loop, Backend& backend, const RunSettings& settings, Course& course,
               RunOutcome& out) {
   const Learner learner(rig, loop);
   const double period_s = rig.period_s;
@@ -233,12 +235,24 @@ std::vector<std::string> fault_words(std::uint64_t first, std::uint64_t all) {
   return words;
 }
 
+std::unique_ptr<ControlLoop> make_control_loop(const Rig& rig, const LoadPositions& load, GainMailbox* gains,
+                                               CommandLink* commands) {
+  if (rig.controls_pressure()) {
+    auto loop = std::make_unique<PressureLoop>();
+    loop->configure(rig);
+    return loop;
+  }
+  auto loop = std::make_unique<AxisLoop>();
+  loop->configure(rig, load);
+  loop->set_gain_mailbox(gains);
+  loop->set_command_link(commands);
+  return loop;
+}
+
 RunOutcome run_loop(const Rig& rig, Backend& backend, const RunSettings& settings) {
   RunOutcome out;
-  AxisLoop loop;
-  loop.configure(rig, settings.load);
-  loop.set_gain_mailbox(settings.gains);
-  loop.set_command_link(settings.commands);
+  const std::unique_ptr<ControlLoop> made = make_control_loop(rig, settings.load, settings.gains, settings.commands);
+  ControlLoop& loop = *made;
   Course course(rig, settings.moves);
   const LastResort last_resort(backend, settings.recording, rig.period_s);
   backend.activate();

@@ -16,6 +16,7 @@
 
 namespace pneuservo {
 
+class ControlLoop;
 class FaultWatch;
 class GainMailbox;
 struct CommandLink;
@@ -73,6 +74,10 @@ struct RunOutcome {
   double wall_s = 0.0;
   std::unique_ptr<LoopTiming> timing;  ///< real time only
 };
+
+/// The configured loop of that kind of rig. `gains` and `commands` reach an axis alone; null: none.
+std::unique_ptr<ControlLoop> make_control_loop(const Rig& rig, const LoadPositions& load, GainMailbox* gains,
+                                               CommandLink* commands);
 
 /// Runs `rig` on a configured backend: activates it, and however the run ends the safe output stands and the backend is
 /// deactivated. In real time the caller holds the RealTimeSession. Throws what the backend's cold calls throw.

@@ -19,6 +19,9 @@ constexpr std::uint64_t missing_faults = [] {
   return all;
 }();
 
+/// Of a side that a pressure rig does not have.
+constexpr std::uint64_t second_side_faults = fault_flow_mismatch_2 | fault_chamber_mismatch_2;
+
 /// A channel of which physics says no more than its PlausibleChannel.
 constexpr auto no_extra = []() noexcept { return 0.0; };
 
@@ -63,6 +66,7 @@ PlausibleChannel plausible_position(const Rig& rig, double speed_limit_mps) {
 }  // namespace
 
 void Supervisor::configure(const Rig& rig, bool needs_chambers, const MotionLimits& motion) {
+  has_slider_ = info(rig.kind).has_slider;
   needs_chambers_ = needs_chambers;
   period_s_ = rig.period_s;
   safe_V_ = safe_commands_V(rig);
@@ -101,7 +105,8 @@ void Supervisor::rearm() noexcept {
   faults_ = first_faults_ = 0;
   bridged_ = false;
   judged_ = {};
-  judged_[Signal::x] = judged_[Signal::p1_port] = judged_[Signal::p2_port] = true;
+  judged_[Signal::p1_port] = true;
+  judged_[Signal::x] = judged_[Signal::p2_port] = has_slider_;
   limits_ = {};
   for (InputGuard& guard : guards_.all) guard.reset();
   calm_.reset();
@@ -162,7 +167,8 @@ std::uint64_t Supervisor::judge_pressures(const Measurement& measured, double pe
   std::uint64_t faults = 0;
   const double x = std::isfinite(in.position_m) ? in.position_m : 0.0;
   const auto wave_Pa = [&]() noexcept { return port_step_Pa_per_V_ * activity_V_; };
-  for (std::size_t i = 0; i < 2; ++i) {
+  in.chamber_Pa[1] = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < (has_slider_ ? 2 : 1); ++i) {
     const Signal port = port_signals[i], chamber = chamber_signals[i];
     const auto step_Pa = [&]() noexcept {
       return i == 0 ? chamber_step_Pa(cylinder_.dead_volume_1_m3, cylinder_.area_1_m2, half_stroke_m_ + x)
@@ -225,8 +231,9 @@ JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped
   const double periods = static_cast<double>(skipped + 1);
   bridged_ = false;
   all_good_ = true;
-  std::uint64_t faults = judge_position(measured.channel[Signal::x], periods, in);
+  std::uint64_t faults = has_slider_ ? judge_position(measured.channel[Signal::x], periods, in) : 0;
   faults |= judge_pressures(measured, periods, in);
+  if (!has_slider_) in.port_Pa[1] = in.port_Pa[0];
   faults |= judge_supply(measured.channel[Signal::p_supply], periods, in);
   // What a dead bus does not bring is its consequence, not the reason.
   if ((measured.device_faults & (device_bus_off | device_link_down)) != 0) faults &= ~missing_faults;
@@ -249,7 +256,9 @@ JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped
 void Supervisor::cross_check(const JudgedInputs& inputs, const EstimatorOutput& estimate,
                              std::int64_t skipped) noexcept {
   if (!is_active()) return;
-  latch(cross_check_.check({command_V_, inputs.port_Pa, inputs.chamber_Pa, inputs.supply_Pa}, estimate, skipped));
+  const std::uint64_t found =
+      cross_check_.check({command_V_, inputs.port_Pa, inputs.chamber_Pa, inputs.supply_Pa}, estimate, skipped);
+  latch(has_slider_ ? found : found & ~second_side_faults);
   if (is_active()) latch(health_.check_rest(cross_check_.watching(), inputs.position_m, skipped));
 }
 

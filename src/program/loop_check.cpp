@@ -23,6 +23,7 @@
 #include "loop/safety_grade.hpp"
 #include "loop/told_payload.hpp"
 #include "pass/command_pass.hpp"
+#include "program/pressure_check.hpp"
 #include "program/rig_options.hpp"
 #include "record/import.hpp"
 #include "report/evaluation.hpp"
@@ -311,6 +312,7 @@ std::vector<Finding> grade_simulated_loop(const Rig& rig) {
 
 std::vector<Finding> grade_loop(const Rig& rig) {
   std::vector<Finding> findings;
+  if (rig.controls_pressure()) return grade_pressure_loop(rig);
   if (!rig.is_pneumatic()) return findings;
   grade_margins(rig, findings);
   try {
@@ -324,6 +326,7 @@ std::vector<Finding> grade_loop(const Rig& rig) {
 }
 
 std::string unstable_loop_words(const Rig& rig) {
+  if (rig.controls_pressure()) return unstable_pressure_words(rig);
   if (!rig.is_pneumatic() || !has_linear_loop(rig)) return "";
   const Survey found = survey(rig, false);
   return found.unstable ? "the loop is " + instability(*found.unstable) : "";

@@ -204,7 +204,7 @@ Recording read_parts(const ReplayOptions& options, const Rig& rig) {
 
 int run_replay(const ReplayOptions& options) {
   Rig rig = read_rig(options.config, options.sets);
-  require_valves("replay", options.config, rig);
+  require_loop("replay", options.config, rig);
   OutputFiles()
       .reads("CONFIG", options.config)
       .reads_of(rig)
@@ -215,7 +215,8 @@ int run_replay(const ReplayOptions& options) {
   Recording recording = read_parts(options, rig);
   adopt_header(recording, rig);
   const int moves = recording.header["moves"] ? recording.header["moves"].as<int>() : 1;
-  ReplayBackend backend(std::move(recording), rig.period_s);
+  auto backend = rig.controls_pressure() ? ReplayBackend(std::move(recording), rig.period_s, {Signal::p1_port})
+                                         : ReplayBackend(std::move(recording), rig.period_s);
   const bool is_foreign = !is_own_format(backend.recording());
   const ReplayResult result = replay_rows(rig, backend, moves, compared_columns(options, rig, backend.recording()));
 

@@ -1,6 +1,8 @@
 // What verbs that take a CONFIG share.
 #include "program/rig_options.hpp"
 
+#include <algorithm>
+#include <array>
 #include <iostream>
 
 #include <fmt/format.h>
@@ -22,14 +24,28 @@ void add_set_option(Verb& verb, std::vector<std::string>& sets) {
       .type_name("PATH=VALUE");
 }
 
-void require_valves(std::string_view verb, const std::string& config, const Rig& rig, std::size_t most) {
-  const auto fits = [most](const RigKindInfo& kind) { return kind.valves > 0 && kind.valves <= most; };
+namespace {
+
+template <class Fits>
+void refuse_other_kinds(std::string_view verb, const std::string& config, const Rig& rig, Fits&& fits) {
   if (fits(info(rig.kind))) return;
   std::vector<std::string_view> names;
   for (const RigKindInfo& kind : rig_kind_table)
     if (fits(kind)) names.push_back(kind.name);
   throw InputError(fmt::format("{}: rig: found {}, expected {}: {} works on no other rig", config, info(rig.kind).name,
                                fmt::join(names, " or "), verb));
+}
+
+}  // namespace
+
+void require_valves(std::string_view verb, const std::string& config, const Rig& rig, std::size_t most) {
+  refuse_other_kinds(verb, config, rig, [most](const RigKindInfo& kind) {
+    return kind.has_slider && kind.valves > 0 && kind.valves <= most;
+  });
+}
+
+void require_loop(std::string_view verb, const std::string& config, const Rig& rig) {
+  refuse_other_kinds(verb, config, rig, [](const RigKindInfo& kind) { return kind.valves > 0; });
 }
 
 void write_json(const std::string& path, const nlohmann::ordered_json& json) {
@@ -82,6 +98,18 @@ Facts channel_facts(const Backend& backend) {
   return facts;
 }
 
+namespace {
+
+/// Columns that a pressure rig has nothing for: of position, of the second side.
+bool is_of_motion(std::string_view column) {
+  constexpr std::array<std::string_view, 9> names{"x_ref_m",           "v_ref_mps",   "x_predicted_m",    "v_mps",
+                                                  "p2_estimated_Pa",   "p2_bound_Pa", "mass_flow_2_kgps", "x_true_m",
+                                                  "p2_chamber_true_Pa"};
+  return std::ranges::find(names, column) != names.end();
+}
+
+}  // namespace
+
 std::vector<std::string> recorded_columns(const Rig& rig, const Backend& backend, RecordedTime time) {
   std::vector<std::string> columns;
   const auto origins = backend.origins().channels;
@@ -91,6 +119,7 @@ std::vector<std::string> recorded_columns(const Rig& rig, const Backend& backend
       [&](std::string_view name, auto&) {
         if (const auto signal = signal_of_column(name); signal && origins[*signal] == Origin::absent) return;
         if (name.find("_true_") != std::string_view::npos && !truth) return;
+        if (rig.controls_pressure() ? is_of_motion(name) : name == "p_ref_Pa") return;
         if (name == (rig.valves() == 2 ? "u_V" : "u1_V")) return;
         if (name == "u2_V" && rig.valves() != 2) return;
         if ((name == "lateness_us" || name == "work_us") && !time.real_time) return;
@@ -106,7 +135,7 @@ RecordingHeader run_header(const Rig& rig, const Backend& backend, const Facts& 
   RecordingHeader header(rig.name, rig.period_s);
   header.add_text("backend", backend.name());
   header.add_number("moves", moves);
-  header.add_yaml("reference", dump_reference(rig.reference));
+  if (!rig.controls_pressure()) header.add_yaml("reference", dump_reference(rig.reference));
   for (const auto& [key, value] : machine)
     if (key != "version" && key != "code_path") header.add_text(key, value);
   std::string channels = "{";

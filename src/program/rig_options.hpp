@@ -23,6 +23,8 @@ void add_set_option(Verb& verb, std::vector<std::string>& sets);
 
 /// Throws InputError where commands drive no valve of this rig, or more than the verb works on.
 void require_valves(std::string_view verb, const std::string& config, const Rig& rig, std::size_t most = 2);
+/// The same for a rig that the loop runs, a pressure rig among them.
+void require_loop(std::string_view verb, const std::string& config, const Rig& rig);
 
 /// Writes JSON to a file, or to standard output for "-"; nothing for an empty path. Throws InputError.
 void write_json(const std::string& path, const nlohmann::ordered_json& json);

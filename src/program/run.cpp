@@ -175,6 +175,10 @@ RunResult result_of(const Rig& rig, const RunOutcome& outcome, const MoveSpan& s
   run.ticks = static_cast<std::int64_t>(run.rows.size() + span.rows_lost);
   run.overruns = span.overruns;
   if (outcome.timing) run.timing = *outcome.timing;
+  if (rig.controls_pressure()) {
+    run.pressure = evaluate_pressure(rig, run.rows, run.start_s);
+    return run;
+  }
   run.metrics = evaluate(rig, run.rows, run.start_s);
   if (span.rows_lost > 0) run.metrics.from_s = std::max(run.metrics.from_s, run.rows.front().t_s - run.start_s);
   run.verdict = judge_motion(rig, run);
@@ -189,9 +193,7 @@ void note_what_is_shown(const RunOutcome& outcome, RunReport& report) {
 }
 
 /// All moves with the longest approach before each.
-double longest_run_s(const Rig& rig, int moves) {
-  return moves * (rig.duration_s + AxisLoop::longest_approach_s(rig.axis.cylinder.stroke_m));
-}
+double longest_run_s(const Rig& rig, int moves) { return moves * (rig.duration_s + longest_start_s(rig)); }
 
 /// One pressure source from start to safe end; its moves are added to the report. True: no fault, recording whole.
 bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool several, RunReport& report,

@@ -30,7 +30,7 @@ Row row_of(const Rig& rig, const Recording& recording, const PlantCourse& course
   Row row;
   row.t_s = recording.t_s()[i];
   for (const Signal signal : channel_signals) row.measured[signal] = course.measured[signal][i];
-  row.x_true_m = row.measured[Signal::x];
+  if (!rig.controls_pressure()) row.x_true_m = row.measured[Signal::x];
   row.p1_chamber_true_Pa = row.measured[Signal::p1_chamber];
   row.p2_chamber_true_Pa = row.measured[Signal::p2_chamber];
   row.v_mps = course.v_mps[i];
@@ -80,7 +80,7 @@ Recording doubted(const Rig& rig, Recording recording) {
 
 int run_simulate(const SimulateOptions& options) {
   const Rig rig = read_rig(options.config, options.sets);
-  require_valves("simulate", options.config, rig);
+  require_loop("simulate", options.config, rig);
   OutputFiles()
       .reads("CONFIG", options.config)
       .reads_of(rig)
@@ -103,8 +103,10 @@ int run_simulate(const SimulateOptions& options) {
   if (!options.record.empty()) {
     SimBackend backend(rig);
     std::vector<std::string> columns = command_columns(rig);
-    columns.insert(columns.end(), {"t_s", "v_mps"});
-    for (const Signal signal : channel_signals) columns.emplace_back(info(signal).column);
+    columns.emplace_back("t_s");
+    if (!rig.controls_pressure()) columns.emplace_back("v_mps");
+    for (const Signal signal : channel_signals)
+      if (rig.has_sensor(signal)) columns.emplace_back(info(signal).column);
     RecordingWriter writer(options.record, run_header(rig, backend, machine_facts(nullptr), 1), columns,
                            {.existing = options.existing()});
     for (std::size_t i = 0; i < recording.rows(); ++i) writer.write(row_of(rig, recording, course, i));

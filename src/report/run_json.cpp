@@ -1,4 +1,5 @@
 // The result of `run` as JSON.
+#include <report/pressure_report.hpp>
 #include <report/run_json.hpp>
 
 #include <cmath>
@@ -52,12 +53,24 @@ Json verdict_json(const MotionVerdict& verdict) {
   return json;
 }
 
+void add_ticks(Json& json, const RunResult& run) {
+  json["faults"] = run.faults;
+  json["ticks"] = run.ticks;
+  json["overruns"] = run.overruns;
+  if (run.timing) add_timing(json, *run.timing);
+}
+
 Json result_json(const RunResult& run) {
   const Metrics& metrics = run.metrics;
   Json json;
   json["pressure_source"] = run.pressure_source;
   json["feedforward"] = run.feedforward;
   json["move"] = run.move;
+  if (run.pressure) {
+    json["volume"] = pressure_json(*run.pressure);
+    add_ticks(json, run);
+    return json;
+  }
   json["max_position_error_m"] = number(metrics.max_position_error_m);
   json["rms_position_error_m"] = number(metrics.rms_position_error_m);
   json["end_error_m"] = number(metrics.end_error_m);
@@ -68,10 +81,7 @@ Json result_json(const RunResult& run) {
   json["motion"] = verdict_json(run.verdict);
   json["motion"]["deviation_limit_m"] = number(run.deviation_limit_m);
   json["motion"]["fault_s"] = number(run.fault_s);
-  json["faults"] = run.faults;
-  json["ticks"] = run.ticks;
-  json["overruns"] = run.overruns;
-  if (run.timing) add_timing(json, *run.timing);
+  add_ticks(json, run);
   return json;
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <report/evaluation.hpp>
 #include <report/html_page.hpp>
+#include <report/pressure_report.hpp>
 #include <report/run_plots.hpp>
 #include <report/run_summary.hpp>
 
@@ -119,9 +120,13 @@ HtmlPage make_page(const RunReport& report, const Rig& rig) {
     for (const std::string& fault : run.faults)
       page.alert(report.runs.size() > 1 ? fmt::format("Fault with {}: {}", run_label(report, run), fault) : fault);
   if (!report.runs.empty()) {
-    add_figures(page, report);
-    add_motion(page, report, rig.period_s);
-    add_pressures(page, report, rig.period_s);
+    if (is_of_pressure(report)) {
+      add_pressure_sections(page, report, rig.period_s);
+    } else {
+      add_figures(page, report);
+      add_motion(page, report, rig.period_s);
+      add_pressures(page, report, rig.period_s);
+    }
     add_terms(page, report, rig);
     add_timing(page, report);
   }

@@ -10,6 +10,8 @@
 #include <pneuservo/loop/timing.hpp>
 #include <pneuservo/record/row.hpp>
 
+#include <report/pressure_metrics.hpp>
+
 namespace pneuservo {
 
 /// Figures of one run over its evaluation window; NaN where the rows do not hold what a figure needs.
@@ -63,6 +65,7 @@ struct RunResult {
   std::optional<LoopTiming> timing;  ///< real time only
   Metrics metrics;
   MotionVerdict verdict;
+  std::optional<PressureMetrics> pressure;  ///< of a pressure rig, in place of metrics and verdict
 };
 
 /// Everything that one call of `run` found out.

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 #include <report/motion_verdict.hpp>
+#include <report/pressure_report.hpp>
 
 namespace pneuservo {
 namespace {
@@ -165,6 +166,7 @@ int best_run(const RunReport& report) {
 }
 
 std::string headline(const RunReport& report) {
+  if (is_of_pressure(report)) return pressure_headline(report);
   if (report.runs.empty()) return "No run was made.";
   const int best = best_run(report);
   const std::string faults = fault_words(report);
@@ -283,7 +285,7 @@ std::optional<Table> worst_cycles_table(const RunResult& run, std::size_t count)
 
 std::string run_text(const RunReport& report) {
   std::string text = fmt::format("{}: {}\n{}\n\n", report.config, circumstances(report), headline(report));
-  text += text_table(comparison_table(report));
+  text += text_table(is_of_pressure(report) ? pressure_table(report) : comparison_table(report));
   for (const RunResult& run : report.runs)
     for (const std::string& fault : run.faults) text += fmt::format("fault ({}): {}\n", run_label(report, run), fault);
   if (const auto table = latency_table(report)) text += "\n" + text_table(*table);

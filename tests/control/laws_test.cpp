@@ -54,6 +54,7 @@ TEST_CASE("each law has a name, keys and terms of its own, and each rig with a c
   CHECK(laws_of(RigKind::servo_table) == std::vector{kind_of<Ppd2>});
   CHECK(laws_of(RigKind::driven_axis) == std::vector{kind_of<PdForce>});
   CHECK(laws_of(RigKind::vessel).empty());
+  CHECK(laws_of(RigKind::pressure) == std::vector{kind_of<PressurePi>});
 }
 
 TEST_CASE("the recorded terms of pd_force add up to its command") {

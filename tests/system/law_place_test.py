@@ -99,7 +99,7 @@ def check_missing_pieces(folder):
 
 
 def check_numbers(folder):
-    for number, words in ((1, "redefinition of"), (3, "leaves out the next free number")):
+    for number, words in ((1, "redefinition of"), (4, "leaves out the next free number")):
         tree = scratch(folder)
         (tree / toy_law.HEADER).write_text(toy_law.header(number))
         probe = tree / "probe.cpp"

@@ -22,9 +22,10 @@ constexpr decltype(auto) visit_law(Variant& law, F&& function) {
 class AxisController {
  public:
   /// Cold; may allocate, and throws std::invalid_argument where the law cannot follow the reference over duration_s.
-  /// `pass`: of the reference, where the law asks for one.
+  /// `pass`: of the reference, where the law asks for one; `volume`: whose pressure the law controls.
   void configure(const ControllerParameters& parameters, const AxisParameters<double>& axis, double period_s,
-                 const Reference& reference, double duration_s, std::shared_ptr<const PassTable> pass = {});
+                 const Reference& reference, double duration_s, std::shared_ptr<const PassTable> pass = {},
+                 const ElasticVolumeParameters<double>* volume = nullptr);
   /// Forgets integral and filters; rates count from the previous commands.
   void reset(const std::array<double, 2>& previous_V) noexcept {
     visit_law(law_, [&](auto& law) { law.reset(previous_V); });

@@ -15,6 +15,7 @@
 namespace pneuservo {
 
 template <class S> struct AxisParameters;
+template <class S> struct ElasticVolumeParameters;
 
 /// Which pressures close the force loop.
 enum class PressureSource { valve, chamber, estimated };
@@ -39,13 +40,15 @@ struct ControlOutput {
 };
 
 /// What a law is configured with beside its parameters; duration_s is how long it follows the reference. `pass`: that
-/// of the reference, for a law that asks for one; null: none.
+/// of the reference, for a law that asks for one; null: none. `volume`: at the end of line_1, of a law that controls
+/// its pressure.
 struct LawSetup {
   const AxisParameters<double>& axis;
   double period_s;
   const Reference& reference;
   double duration_s;
   std::shared_ptr<const PassTable> pass{};
+  const ElasticVolumeParameters<double>* volume = nullptr;  ///< at the end of line_1, for a law that controls pressure
 };
 
 /// One recorded term of a law. The name is the recording's column and ends in the unit.
@@ -101,6 +104,9 @@ concept KnowsRest = L::valves == 1 || requires(const typename L::Parameters& p) 
   { p.rest_pressure_Pa() } -> std::same_as<double>;
 };
 
+/// Controls a pressure, not a position: positions of its references are pressures [Pa].
+template <class L>
+concept ControlsPressure = requires { requires L::controls_pressure; };
 /// Can run a drive that gives its force at once.
 template <class L>
 concept HasOuterLoop = requires(typename L::Parameters& p) { L::Parameters::visit_outer_loop(IgnoreMembers{}, p); };

@@ -2,6 +2,7 @@
 #pragma once
 #include <pneuservo/control/pd_force.hpp>
 #include <pneuservo/control/ppd2.hpp>
+#include <pneuservo/control/pressure_pi.hpp>
 
 #include <span>
 #include <tuple>

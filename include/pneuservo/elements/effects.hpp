@@ -245,6 +245,19 @@ template <class S> struct AxisEffects {
     v(Field{"chamber_leak_2", "", 0, 0, "leak of chamber 2 to atmosphere", optional}, p.chamber_leak_2...);
     v(Field{"piston_leak", "", 0, 0, "leak between the chambers", optional}, p.piston_leak...);
   }
+  /// Those of a valve, a hose and a volume: side 1 alone. Its supply does not droop: side 2 would draw from it, too.
+  template <class V, class... P> static void visit_of_one_side(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    ValveEffects<S>::visit(v, p.valve...);
+    v(Field{"supply_swing", "", 0, 0, "supply pressure that swings", optional}, p.supply_swing...);
+    v(Field{"line_restriction_1", "", 0, 0, "fitting between line 1 and chamber 1", optional}, p.line_restriction_1...);
+    v(Field{"line_leak_1", "", 0, 0, "leak of line 1 to atmosphere", optional}, p.line_leak_1...);
+    v(Field{"line_branch_1", "", 0, 0, "dead-end branch of line 1", optional}, p.line_branch_1...);
+    v(Field{"frequency_dependent_losses", "", 0, 0, "friction and wall heat of both lines that depend on frequency",
+            optional},
+      p.frequency_dependent_losses...);
+    v(Field{"chamber_leak_1", "", 0, 0, "leak of chamber 1 to atmosphere", optional}, p.chamber_leak_1...);
+  }
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     MotionEffects<S>::visit(v, p.motion...);

@@ -51,6 +51,7 @@ struct EstimatorParameters {
   CylinderParameters<double> cylinder;
   double period_s = 0.001;
   ValveParameters<double> valve;  ///< for the flow correction; the orifices of effects have its critical ratio
+  ValveArrangement arrangement = ValveArrangement::five_port;  ///< three_port_pair: both valves have one command
   double flow_correction = 0.0;   ///< share of the flow innovation that corrects the port pressure, 0 (off) to 0.5
   double cells_per_m = 1.0;  ///< at least one cell a line; 1 is enough for the accuracy stated in docs/estimator.md
   EstimatorUncertainty uncertainty;
@@ -262,7 +263,7 @@ class PipelineEstimator {
         },
         e.valve);
     if (!moves_otherwise_) return;
-    valves_.configure(ValveArrangement::five_port, parameters.valve, e.valve, parameters.period_s);
+    valves_.configure(parameters.arrangement, parameters.valve, e.valve, parameters.period_s);
     valves_.set_time_step(parameters.period_s);
   }
 
@@ -315,11 +316,13 @@ class PipelineEstimator {
   // Of the edge that is open at each port: positive to the supply, negative to the exhaust.
   Pair<double> edge_areas(double command_V) noexcept {
     const auto& valve = parameters_.valve;
+    const bool alike = parameters_.arrangement == ValveArrangement::three_port_pair;
+    const double second_V = alike ? command_V : -command_V;
     if (!moves_otherwise_) {
       const double area = std::min(std::fabs(command_V) * valve.area_per_volt_m2_per_V, valve.area_max_m2);
-      return join(std::copysign(area, command_V), std::copysign(area, -command_V));
+      return join(std::copysign(area, command_V), std::copysign(area, second_V));
     }
-    valves_.set_commands(command_V, -command_V);
+    valves_.set_commands(command_V, second_V);
     const PortAreas<Pair<double>> areas = valves_.step(0.0);
     return areas.supply - areas.exhaust;
   }

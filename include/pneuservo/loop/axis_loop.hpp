@@ -12,6 +12,7 @@
 #include <pneuservo/loop/approach.hpp>
 #include <pneuservo/loop/axis_command.hpp>
 #include <pneuservo/loop/commanded_motion.hpp>
+#include <pneuservo/loop/control_loop.hpp>
 #include <pneuservo/loop/gain_mailbox.hpp>
 #include <pneuservo/loop/motion_twin.hpp>
 #include <pneuservo/loop/supervisor.hpp>
@@ -23,11 +24,6 @@ namespace pneuservo {
 /// What the estimator must know, from the rig; its uncertainty from sensors and tolerances.
 EstimatorParameters estimator_parameters(const Rig& rig);
 
-/// Times of the stages of one pass [ns of the given clock].
-struct StageTimes {
-  std::int64_t start = 0, read = 0, estimated = 0, controlled = 0, written = 0, end = 0;
-};
-
 /// read -> supervisor -> estimator -> reference -> controller -> write -> row. The pass allocates nothing, locks
 /// nothing, throws nothing, and reads no clock of its own: t = tick * period.
 ///
@@ -36,7 +32,7 @@ struct StageTimes {
 /// axis is already there (within approach_tolerance_m, and within 100 quanta of its encoder) it starts at once. A fault
 /// is latched: from its tick on the valve gets the safe output, until rearm() starts anew from the measured position
 /// with estimator and integral reset.
-class AxisLoop {
+class AxisLoop final : public ControlLoop {
  public:
   static constexpr double approach_tolerance_m = 5e-4;
   static constexpr double approach_quanta = 100.0;
@@ -54,15 +50,15 @@ class AxisLoop {
   /// back from every fault: integral and estimator start anew, the latched faults are cleared.
   void rearm() noexcept;
   /// The reference once more from its time 0 (after an approach), everything else goes on.
-  void restart_reference() noexcept {
+  void restart_reference() noexcept override {
     begins_ = moved_ = true;
     learning_due_.store(controller_.learns(), std::memory_order_release);
   }
   /// A finished move waits to be learned from; the reference does not begin before that is done.
-  bool learning_due() const noexcept { return learning_due_.load(std::memory_order_acquire); }
+  bool learning_due() const noexcept override { return learning_due_.load(std::memory_order_acquire); }
   /// Learns from the finished move (`axis`: the rig's of configure); by one thread only, beside passes if need be: they
   /// keep away from what it works on. Cold.
-  void learn(const AxisParameters<double>& axis) {
+  void learn(const AxisParameters<double>& axis) override {
     controller_.learn(axis);
     learning_due_.store(false, std::memory_order_release);
   }
@@ -80,26 +76,27 @@ class AxisLoop {
   static constexpr double enabled_within_s = 2.0;
 
   /// Time that the machine has been suspended so far [ns]; before the pass of a tick. HOT.
-  void note_slept(std::int64_t slept_ns) noexcept { supervisor_.note_slept(slept_ns); }
+  void note_slept(std::int64_t slept_ns) noexcept override { supervisor_.note_slept(slept_ns); }
 
   /// One tick on the backend. False: the backend has ended. `now` reads a clock for the stage times (null: none read).
   bool pass(Backend& backend, std::int64_t tick, std::int64_t skipped, StageTimes* times,
-            std::int64_t (*now)() noexcept) noexcept PNEUSERVO_NONBLOCKING;
+            std::int64_t (*now)() noexcept) noexcept PNEUSERVO_NONBLOCKING override;
   /// Safe output now and from now on (end of the run, stop request); the backend's write is tried at once.
-  void stop(Backend& backend, std::int64_t tick) noexcept;
+  void stop(Backend& backend, std::int64_t tick) noexcept override;
 
   /// The row of the last pass; `lateness_us` and `work_us` are the caller's to fill.
-  const Row& row() const noexcept { return row_; }
-  Row& row() noexcept { return row_; }
-  std::uint64_t faults() const noexcept { return supervisor_.faults(); }
+  const Row& row() const noexcept override { return row_; }
+  Row& row() noexcept override { return row_; }
+  std::uint64_t faults() const noexcept override { return supervisor_.faults(); }
   /// Bits of the tick in which the first fault came: the reason.
-  std::uint64_t first_faults() const noexcept { return supervisor_.first_faults(); }
-  const Supervisor& supervisor() const noexcept { return supervisor_; }
+  std::uint64_t first_faults() const noexcept override { return supervisor_.first_faults(); }
+  const Supervisor& supervisor() const noexcept override { return supervisor_; }
   /// Time at which the reference's own time 0 stands [s from tick 0]; meaningful once the approach was planned.
-  double reference_start_s() const noexcept { return reference_start_s_; }
+  double reference_start_s() const noexcept override { return reference_start_s_; }
   const Reference& reference() const noexcept { return reference_; }
-  const AxisController& controller() const noexcept { return controller_; }
+  const AxisController& controller() const noexcept override { return controller_; }
   double period_s() const noexcept { return period_s_; }
+  std::size_t size() const noexcept override { return sizeof(AxisLoop); }
 
  private:
   void plan_motion(double t_s, const JudgedInputs& inputs) noexcept;

@@ -163,7 +163,8 @@ inline constexpr std::array<FaultText, 48> fault_texts{{
     {fault_late_tick, "late_tick",
      "the loop was late by more than limits.lateness_s: see what pneuservo check says of the machine"},
     {fault_pressure_limit, "pressure_limit",
-     "a measured pressure is above limits.pressure_Pa: check supply regulator, load and reference"},
+     "a pressure, measured or that of a pressure rig's volume, is above limits.pressure_Pa: check supply regulator, "
+     "load and reference"},
     {fault_supply_missing, "supply_missing",
      "the supply pressure was missing, too old, not a number or impossible: check sensor, cable and range"},
     {fault_supply_frozen, "supply_frozen",

@@ -20,7 +20,7 @@ namespace pneuservo {
 /// What the loop works with in a tick: bad samples replaced where that is allowed, NaN before the first good one.
 struct JudgedInputs {
   double position_m = 0.0;
-  std::array<double, 2> port_Pa{}, chamber_Pa{};
+  std::array<double, 2> port_Pa{}, chamber_Pa{};  ///< a pressure rig's one port in both
   double supply_Pa = 0.0;  ///< the config's where there is no sensor
 };
 
@@ -89,8 +89,8 @@ class Supervisor {
 
   SupervisorState state_ = SupervisorState::unconfigured;
   std::uint64_t faults_ = 0, first_faults_ = 0;
-  bool needs_chambers_ = false, bridged_ = false, all_good_ = false, may_move_ = true, has_moved_ = false,
-       on_bus_ = false;
+  bool has_slider_ = true, needs_chambers_ = false, bridged_ = false, all_good_ = false, may_move_ = true,
+       has_moved_ = false, on_bus_ = false;
   PerSignal<InputGuard> guards_;
   CalmPressures calm_;
   PerSignal<bool> judged_;  ///< there is a sensor, or the law cannot do without it

@@ -21,12 +21,14 @@ enum RowFlag : std::uint32_t {
 };
 
 // All columns in file order, each declared by its line alone: type, name, value where there is none, and what the loop
-// puts there, in the names of AxisLoop::fill_row, which alone expands it. MEASURED stands for the columns of
-// signal_table from the first signal to the last.
+// puts there, in the names of AxisLoop::fill_row, which alone expands it (PressureLoop sets its few). MEASURED stands
+// for the columns of signal_table from the first signal to the last.
 #define PNEUSERVO_ROW_COLUMNS(COLUMN, MEASURED)                                                                        \
   COLUMN(double, t_s, 0.0, t_s)                                                                                        \
   COLUMN(double, x_ref_m, none, known(!begins_, now_.d[0]))                                                            \
   COLUMN(double, v_ref_mps, none, known(!begins_, now_.d[1]))                                                          \
+  /* of a pressure rig, which has no position */                                                                       \
+  COLUMN(double, p_ref_Pa, none, Row::none)                                                                            \
   /* of the simulated closed loop */                                                                                   \
   COLUMN(double, x_predicted_m, none, known(!twin_waits_, twin_.position_m()))                                         \
   MEASURED(x, x)                                                                                                       \

@@ -32,7 +32,9 @@ inline int frozen_after_ticks(double noise, double quantum) {
 /// Above it the loop stops: a stop at the end of the stroke compresses above the supply.
 inline double pressure_limit_Pa(const Rig& rig) {
   constexpr double usual_share_of_supply = 1.4;
-  return rig.limits.pressure_Pa.value_or(usual_share_of_supply * rig.axis.supply.pressure_Pa);
+  const double usual_Pa = usual_share_of_supply * rig.axis.supply.pressure_Pa;
+  // A hose is filled from the supply however little its volume may have.
+  return rig.controls_pressure() ? usual_Pa : rig.limits.pressure_Pa.value_or(usual_Pa);
 }
 
 /// A chamber that is drawn out falls below the atmosphere, never near a vacuum; above the limit a fault must show.

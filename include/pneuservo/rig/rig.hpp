@@ -9,14 +9,17 @@
 #include <vector>
 
 #include <pneuservo/control/parameters.hpp>
+#include <pneuservo/control/pressure_reference.hpp>
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/core/signal.hpp>
 #include <pneuservo/elements/cushion.hpp>
+#include <pneuservo/elements/elastic_volume.hpp>
 #include <pneuservo/elements/valves.hpp>
 #include <pneuservo/elements/vessel_effects.hpp>
 #include <pneuservo/record/import_parameters.hpp>
 #include <pneuservo/rig/axis.hpp>
 #include <pneuservo/rig/hal_parameters.hpp>
+#include <pneuservo/rig/limit_parameters.hpp>
 #include <pneuservo/rig/serve_parameters.hpp>
 #include <pneuservo/rig/switched_parameters.hpp>
 
@@ -77,99 +80,6 @@ struct EstimatorSettings {
   }
 };
 
-/// What the slider may do at an end stop.
-enum class EndStopContact { fault, allowed };
-inline constexpr std::array<std::string_view, 2> end_stop_contact_names{"fault", "allowed"};
-
-/// Limits whose breach ends the motion in the safe output. What is not stated is derived from the config's own
-/// simulation over tolerances, payload and friction (loop/motion_limits.hpp); `pneuservo check` prints it.
-struct LimitParameters {
-  std::optional<double> speed_mps;
-  std::optional<double> deviation_m;
-  std::optional<double> speed_deviation_mps;
-  std::optional<double> stall_force_N;
-  EndStopContact end_stop_contact = EndStopContact::fault;
-  std::optional<double> payload_max_kg;
-  std::optional<double> dry_friction_max_N;
-  double bad_share = 0.1;
-  double missed_share = 0.1;
-  double checks_rest_s = 1.0;
-  double position_margin_m = 0.005;
-  std::optional<double> pressure_Pa;
-  double supply_share = 0.5;
-  std::uint32_t missing_ticks = 0;
-  double age_periods = 2.5;
-  double lateness_s = 0.1;
-  double flow_mismatch_share = 0.15;
-  double chamber_mismatch_Pa = 15e3;
-  template <class V, class... P> static void visit(V&& v, P&... p) {
-    visit_motion(v, p...);
-    visit_inputs(v, p...);
-  }
-  /// Limits of the motion, and what they are derived from.
-  template <class V, class... P> static void visit_motion(V&& v, P&... p) {
-    constexpr auto optional = Presence::optional;
-    v(Field{"speed_mps", "m/s", 1e-3, 100, "measured speed above it is a fault; default: derived", optional},
-      p.speed_mps...);
-    v(Field{"deviation_m", "m", 0, 10,
-            "measured position further than this from the predicted motion is a fault; default: derived; 0: not "
-            "checked",
-            optional},
-      p.deviation_m...);
-    v(Field{"speed_deviation_mps", "m/s", 0, 100,
-            "measured speed further than this from the predicted one is a fault; default: derived; 0: not checked",
-            optional},
-      p.speed_deviation_mps...);
-    v(Field{"stall_force_N", "N", 0, 1e9,
-            "force of the air on a slider that stands above it is a fault; default: derived; 0: not checked", optional},
-      p.stall_force_N...);
-    v(Field{"end_stop_contact", "", 0, 0, "whether running onto an end stop is a fault", optional,
-            end_stop_contact_names},
-      p.end_stop_contact...);
-    v(Field{"payload_max_kg", "kg", 0, 1e4,
-            "largest payload that the derived limits allow for; default: slider.payload_kg", optional},
-      p.payload_max_kg...);
-    v(Field{"dry_friction_max_N", "N", 0, 1e6,
-            "largest dry friction that the derived limits allow for; default: 8 kPa on the larger piston area, "
-            "servo_table: 0",
-            optional},
-      p.dry_friction_max_N...);
-  }
-  /// Limits of samples, ticks and cross-checks.
-  template <class V, class... P> static void visit_inputs(V&& v, P&... p) {
-    constexpr auto optional = Presence::optional;
-    v(Field{"bad_share", "-", 0, 1,
-            "bad samples of a channel above this share of about 0.3 s are a fault; 1: not checked", optional},
-      p.bad_share...);
-    v(Field{"missed_share", "-", 0, 1, "missed slots above this share of about 0.3 s are a fault; 1: not checked",
-            optional},
-      p.missed_share...);
-    v(Field{"checks_rest_s", "s", 0, 3600,
-            "cross-checks that rest longer than this while the axis is active are a fault; 0: not checked", optional},
-      p.checks_rest_s...);
-    v(Field{"position_margin_m", "m", 0, 1, "measured position further than this beyond an end stop is a fault",
-            optional},
-      p.position_margin_m...);
-    v(Field{"pressure_Pa", "Pa", 1e4, 1e8, "measured pressure above it is a fault; default: 1.4 times the supply",
-            optional},
-      p.pressure_Pa...);
-    v(Field{"supply_share", "-", 0, 1, "measured supply below this share of supply.pressure_Pa is a fault", optional},
-      p.supply_share...);
-    v(Field{"missing_ticks", "-", 0, 2, "missing samples in a row that are bridged; one more is a fault", optional},
-      p.missing_ticks...);
-    v(Field{"age_periods", "-", 0.5, 1000, "an older sample counts as missing", optional}, p.age_periods...);
-    v(Field{"lateness_s", "s", 0, 3600, "a tick that comes later is a fault, if it skips a slot of the grid", optional},
-      p.lateness_s...);
-    v(Field{"flow_mismatch_share", "-", 0, 10,
-            "air of the last 0.3 s in a side that valve and position do not explain, as a share; 0: not checked",
-            optional},
-      p.flow_mismatch_share...);
-    v(Field{"chamber_mismatch_Pa", "Pa", 0, 1e7,
-            "measured less estimated chamber pressure beyond the estimate's bound; 0: not checked", optional},
-      p.chamber_mismatch_Pa...);
-  }
-};
-
 /// What the valves do when the loop ends or faults.
 enum class SafeAction {
   hold,    ///< command_V, the command that closes the valve: the air stays in the chambers
@@ -227,20 +137,21 @@ struct DriveParameters {
 
 /// A cylinder with a five-port valve, a table with two three-port valves, an axis whose drive force is known; and two
 /// that are recorded and diagnosed, not run: a vessel behind an on/off valve, a cylinder that an on/off valve sends
-/// from end to end.
-enum class RigKind { cylinder, servo_table, driven_axis, vessel, switched_cylinder };
+/// from end to end; and a volume behind a hose whose pressure a three-port valve controls.
+enum class RigKind { cylinder, servo_table, driven_axis, vessel, switched_cylinder, pressure };
 /// What a kind of rig is. `valves`: proportional valves that commands drive, one for both sides or one a side.
 struct RigKindInfo {
   std::string_view name;
   std::size_t valves;
-  bool has_controller;  ///< moves along a reference
+  bool has_controller;  ///< follows a reference
   bool has_seals;       ///< that rub; an air bearing has none
+  bool has_slider = true;
 };
 /// In the order of RigKind.
 inline constexpr std::array rig_kind_table{
     RigKindInfo{"cylinder", 1, true, true},           RigKindInfo{"servo_table", 2, true, false},
-    RigKindInfo{"driven_axis", 0, true, true},        RigKindInfo{"vessel", 0, false, false},
-    RigKindInfo{"switched_cylinder", 0, false, true},
+    RigKindInfo{"driven_axis", 0, true, true},        RigKindInfo{"vessel", 0, false, false, false},
+    RigKindInfo{"switched_cylinder", 0, false, true}, RigKindInfo{"pressure", 1, true, false, false},
 };
 inline constexpr auto rig_kind_names = [] {
   std::array<std::string_view, rig_kind_table.size()> names;
@@ -252,7 +163,8 @@ inline constexpr std::array<std::string_view, 1> rig_format_names{"pneuservo-rig
 
 /// Whether a law runs that kind of rig: it drives as many valves, or gives the force of a driven axis.
 constexpr bool runs(ControllerKind law, RigKind rig) {
-  return with_law(law, [kind = info(rig)]<class L>(LawTag<L>) {
+  return with_law(law, [kind = info(rig), rig]<class L>(LawTag<L>) {
+    if (ControlsPressure<L> || rig == RigKind::pressure) return ControlsPressure<L> && rig == RigKind::pressure;
     return kind.valves > 0 ? L::valves == kind.valves : kind.has_controller && HasOuterLoop<L>;
   });
 }
@@ -275,6 +187,8 @@ struct Rig {
   SensorsParameters sensors;
   ControllerParameters controller;
   DriveParameters drive;  ///< of a driven axis
+  ElasticVolumeParameters<double> volume;         ///< of a pressure rig, at the end of line_1
+  PressureReferenceParameters pressure_reference;  ///< of a pressure rig
   VesselParameters vessel;
   OnOffValveParameters on_off_valve;           ///< of a vessel
   std::optional<LineParameters<double>> line;  ///< between on/off valve and vessel
@@ -305,12 +219,13 @@ struct Rig {
   /// Proportional valves that commands drive.
   std::size_t valves() const noexcept { return info(kind).valves; }
   /// Whether it is a pneumatic servo axis: proportional valves, lines and chambers.
-  bool is_pneumatic() const noexcept { return valves() > 0; }
-  /// Whether a controller moves it along a reference.
+  bool is_pneumatic() const noexcept { return valves() > 0 && info(kind).has_slider; }
+  bool controls_pressure() const noexcept { return kind == RigKind::pressure; }
+  /// Whether a controller leads it along a reference.
   bool has_controller() const noexcept { return info(kind).has_controller; }
   /// Whether pressures act on its slider.
   bool has_pistons() const noexcept {
-    return kind != RigKind::vessel && (axis.cylinder.area_1_m2 > 0.0 || axis.cylinder.area_2_m2 > 0.0);
+    return info(kind).has_slider && (axis.cylinder.area_1_m2 > 0.0 || axis.cylinder.area_2_m2 > 0.0);
   }
   /// Whether its recordings may hold this signal.
   bool has_sensor(Signal signal) const noexcept {
@@ -321,6 +236,8 @@ struct Rig {
                (signal == Signal::p2_chamber && axis.cylinder.area_2_m2 > 0.0);
       case RigKind::vessel: return signal == Signal::p1_chamber || (signal == Signal::p1_port && line.has_value());
       case RigKind::switched_cylinder: return signal == Signal::x;
+      case RigKind::pressure:
+        return signal == Signal::p1_port || signal == Signal::p1_chamber || signal == Signal::p_supply;
       default: return signal != Signal::F;
     }
   }
@@ -332,6 +249,7 @@ struct Rig {
     if (first.is_pneumatic()) visit_pneumatic(v, first, rest...);
     else if (first.kind == RigKind::vessel) visit_vessel(v, first, rest...);
     else if (first.kind == RigKind::switched_cylinder) visit_switched_cylinder(v, first, rest...);
+    else if (first.controls_pressure()) return visit_pressure(v, first, rest...);
     else visit_driven(v, first, rest...);
     if (first.has_controller()) visit_run(v, first, rest...);
     else visit_recorded(v, first, rest...);
@@ -449,6 +367,46 @@ struct Rig {
         v, sensors_field(),
         [](auto& keys, auto&... rig) { keys(Field{"position", "", 0, 0, "encoder"}, rig.sensors.position...); }, p...);
   }
+  template <class V, class... P> static void visit_pressure(V& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    v(Field{"air", "", 0, 0, "gas and surroundings", optional}, p.axis.air...);
+    v(Field{"supply", "", 0, 0, "pressure supply"}, p.axis.supply...);
+    v(Field{"valve", "", 0, 0, "three-port proportional valve: a command above 0 fills, below 0 empties"},
+      p.axis.valve...);
+    v(Field{"line_1", "", 0, 0, "hose from the valve's port to the volume"}, p.axis.line_1...);
+    v(Field{"volume", "", 0, 0, "at the far end of the hose"}, p.volume...);
+    v(Field{"effects", "", 0, 0, "known physics beside the nominal model, by name", optional}, p.axis.effects...);
+    visit_section(
+        v, sensors_field(),
+        [](auto& keys, auto&... rig) {
+          keys(Field{"port_pressure", "", 0, 0, "at the valve's port"}, rig.sensors.port_pressure...);
+          keys(Field{"chamber_pressure", "", 0, 0, "in the volume; not stated: there is none", Presence::optional},
+               rig.sensors.chamber_pressure...);
+          keys(Field{"supply_pressure", "", 0, 0, "at the supply", Presence::optional}, rig.sensors.supply_pressure...);
+        },
+        p...);
+    v(Field{"controller", "", 0, 0, "control law and its gains"}, p.controller...);
+    visit_section(
+        v, Field{"initial", "", 0, 0, "state at the start of a simulation", optional},
+        [](auto& keys, auto&... rig) {
+          keys(Field{"pressure_1_Pa", "Pa", 1e4, 2e6, "hose and volume, absolute; default: atmosphere",
+                     Presence::optional},
+               rig.initial.pressure_1_Pa...);
+        },
+        p...);
+    v(Field{"reference", "", 0, 0, "what the pressure shall do"}, p.pressure_reference...);
+    v(Field{"duration_s", "s", 1e-3, 1e6, "of a run; default: 2 s more than the last point, ten periods of a sine",
+            optional},
+      p.duration_s...);
+    v(Field{"evaluation", "", 0, 0, "window of the errors; default: the whole run", optional}, p.evaluation...);
+    v(Field{"seed", "", 0, 0, "of the simulated noise", optional}, p.seed...);
+    visit_tolerances(v, p...);
+    visit_machine(v, p...);
+    visit_section(
+        v, Field{"limits", "", 0, 0, "a breach ends the run in the safe output", optional},
+        [](auto& keys, auto&... rig) { LimitParameters::visit_of_pressure(keys, rig.limits...); }, p...);
+    visit_grids(v, p...);
+  }
   /// Of every rig, whether it is run or recorded.
   template <class V, class... P> static void visit_tolerances(V& v, P&... p) {
     v(Field{"tolerances", "", 0, 10, "one standard deviation, relative, of what the owner knows, by path",
@@ -474,6 +432,12 @@ struct Rig {
       p.evaluation...);
     v(Field{"seed", "", 0, 0, "of the simulated noise", optional}, p.seed...);
     visit_tolerances(v, p...);
+    visit_machine(v, p...);
+    v(Field{"limits", "", 0, 0, "a breach ends the motion in the safe output", optional}, p.limits...);
+  }
+  /// The simulated machine where it is not what the config says.
+  template <class V, class... P> static void visit_machine(V& v, P&... p) {
+    constexpr auto optional = Presence::optional;
     v(Field{"deviations", "", -0.9, 10,
             "of the simulated plant from what controller and estimator believe, relative, by path", optional},
       p.deviations...);
@@ -481,14 +445,17 @@ struct Rig {
             "effects of the simulated machine alone, as under `effects` and in place of those of the same name",
             optional},
       p.concealed...);
-    v(Field{"limits", "", 0, 0, "a breach ends the motion in the safe output", optional}, p.limits...);
   }
-  template <class V, class... P> static void visit_plant(V& v, P&... p) {
+  template <class V, class... P> static void visit_grids(V& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"simulation", "", 0, 0, "grid of the simulated lines", optional}, p.simulation...);
     v(Field{"estimator", "", 0, 0, "pipeline estimator", optional}, p.estimator...);
     v(Field{"safe_output", "", 0, 0, "what the valve is given when the loop ends or faults", optional},
       p.safe_output...);
+  }
+  template <class V, class... P> static void visit_plant(V& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    visit_grids(v, p...);
     v(Field{"zeros", "", -1e7, 1e7, "added to what a device gives, by channel; written by the verb zero", optional},
       p.zeros...);
     v(Field{"hal", "", 0, 0, "devices behind the channels; without it all of them are simulated", optional}, p.hal...);
@@ -497,7 +464,7 @@ struct Rig {
 };
 
 inline ValveArrangement valve_arrangement(const Rig& rig) noexcept {
-  return rig.valves() == 2 ? ValveArrangement::three_port_pair : ValveArrangement::five_port;
+  return rig.valves() == 2 || rig.controls_pressure() ? ValveArrangement::three_port_pair : ValveArrangement::five_port;
 }
 
 /// Columns of a recording that say what the valves are given: one valve for both sides, or one a side.
@@ -525,6 +492,7 @@ template <class RigType, class V> void visit_effects(RigType& rig, const V& v) {
       else Effects::visit_without_air(v, rig.axis.effects);
       break;
     case RigKind::vessel: VesselEffects<double>::visit(v, rig.vessel_effects); break;
+    case RigKind::pressure: Effects::visit_of_one_side(v, rig.axis.effects); break;
     case RigKind::switched_cylinder: Effects::visit_switched(v, rig.axis.effects); break;
     default: Effects::visit(v, rig.axis.effects);
   }

@@ -1,0 +1,43 @@
+// What drives passes sees of a control loop, whatever it controls.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+
+#include <pneuservo/control/axis_controller.hpp>
+#include <pneuservo/core/rt.hpp>
+#include <pneuservo/hal/backend.hpp>
+#include <pneuservo/loop/supervisor.hpp>
+#include <pneuservo/record/row.hpp>
+
+namespace pneuservo {
+
+/// Times of the stages of one pass [ns of the given clock].
+struct StageTimes {
+  std::int64_t start = 0, read = 0, estimated = 0, controlled = 0, written = 0, end = 0;
+};
+
+/// A loop on one backend; AxisLoop has the meaning of each. The passes are HOT.
+class ControlLoop {
+ public:
+  virtual ~ControlLoop() = default;
+
+  virtual bool pass(Backend& backend, std::int64_t tick, std::int64_t skipped, StageTimes* times,
+                    std::int64_t (*now)() noexcept) noexcept PNEUSERVO_NONBLOCKING = 0;
+  virtual void stop(Backend& backend, std::int64_t tick) noexcept = 0;
+  virtual void restart_reference() noexcept = 0;
+  virtual void note_slept(std::int64_t slept_ns) noexcept = 0;
+  virtual bool learning_due() const noexcept { return false; }
+  virtual void learn(const AxisParameters<double>&) {}
+
+  virtual const Row& row() const noexcept = 0;
+  virtual Row& row() noexcept = 0;
+  virtual std::uint64_t faults() const noexcept = 0;
+  virtual std::uint64_t first_faults() const noexcept = 0;
+  virtual double reference_start_s() const noexcept = 0;
+  virtual const Supervisor& supervisor() const noexcept = 0;
+  virtual const AxisController& controller() const noexcept = 0;
+  /// Of the object itself, to bring it into the cache.
+  virtual std::size_t size() const noexcept = 0;
+};
+
+}  // namespace pneuservo

@@ -1,0 +1,121 @@
+// What the loop of a pressure rig is worth before it runs.
+#include "program/pressure_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <pneuservo/control/pressure_pi.hpp>
+#include <pneuservo/control/pressure_reference.hpp>
+#include <pneuservo/elements/orifice.hpp>
+
+#include "backends.hpp"
+#include "loop/runner.hpp"
+#include "report/pressure_metrics.hpp"
+#include "report/table.hpp"
+
+namespace pneuservo {
+namespace {
+
+using Level = FindingLevel;
+
+constexpr double longest_simulation_s = 30.0;
+constexpr double large_overshoot_share = 0.1;
+
+/// The loop's sensitivity and the gain that has it.
+struct Margins {
+  double gain_per_s = 0.0, highest_per_s = 0.0, sensitivity = 0.0;
+  bool is_stated = false;
+};
+
+Margins margins_of(const Rig& rig) {
+  const Reference none;
+  const LawSetup setup{rig.axis, rig.period_s, none, rig.duration_s, {}, &rig.volume};
+  const auto& stated = rig.controller.of<PressurePi>().gain_per_s;
+  Margins out;
+  PressureGains gains = pressure_gains(setup);
+  out.highest_per_s = gains.gain_per_s;
+  out.is_stated = stated.has_value();
+  out.gain_per_s = gains.gain_per_s = stated.value_or(out.highest_per_s);
+  out.sensitivity = pressure_sensitivity(setup, gains);
+  return out;
+}
+
+Finding margins_finding(const Rig& rig) {
+  const Margins found = margins_of(rig);
+  const std::string what =
+      fmt::format("gain {} 1/s, {}; largest sensitivity {}", figure(found.gain_per_s),
+                  found.is_stated ? fmt::format("stated (highest with margin: {} 1/s)", figure(found.highest_per_s))
+                                  : "derived from hose, valve and period",
+                  std::isfinite(found.sensitivity) ? figure(found.sensitivity) : "beyond every bound");
+  const char* remedy = "lower controller.gain_per_s, or leave it out: it is then derived";
+  if (!std::isfinite(found.sensitivity)) return {Level::unsafe, "loop margins", what + ": unstable", remedy};
+  if (found.sensitivity > PressurePi::most_sensitivity * 1.01) return {Level::acceptable, "loop margins", what, remedy};
+  return {Level::good, "loop margins", what, ""};
+}
+
+/// Rate at which the open valve fills and empties at the pressures of the reference, the hose's drop left out.
+Finding flow_finding(const Rig& rig) {
+  const auto& axis = rig.axis;
+  const Air<double> air(axis.air);
+  const ReferenceExtremes range = PressureReference(rig.pressure_reference).range_Pa(rig.duration_s);
+  const double area_m2 = std::min(axis.valve.area_max_m2, axis.valve.area_per_volt_m2_per_V * axis.valve.command_max_V);
+  const auto rate = [&](double up_Pa, double down_Pa, double p_Pa) {
+    const double b = axis.valve.critical_pressure_ratio, volume_m3 = rig.volume.volume_m3 + axis.line_1.volume_m3() +
+                                                                     rig.volume.growth_m3(p_Pa, air.atmosphere_Pa);
+    const double flow = area_m2 * orifice_flux(air, up_Pa, air.temperature_K, down_Pa, b);
+    return flow * air.R * air.temperature_K / (volume_m3 + rig.volume.compliance_m3_per_Pa * p_Pa);
+  };
+  const double fills = rate(axis.supply.pressure_Pa, range.maximum, range.maximum),
+               empties = rate(std::max(range.minimum, air.atmosphere_Pa), air.atmosphere_Pa, range.minimum);
+  const std::string what =
+      fmt::format("fills at {} kPa/s at the highest pressure of the reference, empties at {} kPa/s "
+                  "at the lowest, without the hose's drop",
+                  figure(1e-3 * fills), figure(1e-3 * empties));
+  return {Level::good, "valve flow", what, ""};
+}
+
+Finding simulation_finding(Rig rig) {
+  rig.duration_s = std::min(rig.duration_s, longest_simulation_s);
+  if (rig.evaluation && rig.evaluation->to_s > rig.duration_s) rig.evaluation.reset();
+  const auto backend = make_backend("sim", rig);
+  backend->configure();
+  const RunOutcome outcome = run_loop(rig, *backend, RunSettings{});
+  const double start_s = outcome.moves.empty() ? 0.0 : outcome.moves.front().start_s;
+  const PressureMetrics m = evaluate_pressure(rig, outcome.rows, start_s);
+  const char* topic = "loop in simulation";
+  if (!outcome.faults.empty())
+    return {Level::bad, topic,
+            "ends by the fault " + outcome.faults.front().substr(0, outcome.faults.front().find(':')),
+            "run the config in simulated time and look at its report"};
+  if (m.steps.empty())
+    return {
+        Level::good, topic,
+        fmt::format("error {} kPa rms, {} kPa at most", figure(1e-3 * m.rms_error_Pa), figure(1e-3 * m.max_error_Pa)),
+        ""};
+  const std::string beyond =
+      fmt::format("{} steps, {} % overshoot", m.steps.size(), figure(100.0 * m.max_overshoot_share));
+  if (!std::isfinite(m.max_settling_s))
+    return {Level::bad, topic, beyond + ", one or more never settle", "give the steps more time, or a larger valve"};
+  const bool is_large = m.max_overshoot_share > large_overshoot_share;
+  return {is_large ? Level::acceptable : Level::good, topic,
+          fmt::format("{}, settled after {} s and within {} kPa from then on", beyond, figure(m.max_settling_s),
+                      figure(1e-3 * m.max_settled_error_Pa)),
+          is_large ? "lower controller.gain_per_s or rate_max_Pa_per_s" : ""};
+}
+
+}  // namespace
+
+std::vector<Finding> grade_pressure_loop(const Rig& rig) {
+  return {margins_finding(rig), flow_finding(rig), simulation_finding(rig)};
+}
+
+std::string unstable_pressure_words(const Rig& rig) {
+  const Margins found = margins_of(rig);
+  if (std::isfinite(found.sensitivity)) return "";
+  return fmt::format("the loop is unstable with controller.gain_per_s of {} (highest with margin: {})",
+                     figure(found.gain_per_s), figure(found.highest_per_s));
+}
+
+}  // namespace pneuservo

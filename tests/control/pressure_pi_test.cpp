@@ -1,0 +1,158 @@
+// The law of a pressure behind a hose: its reference, the valve's inverse, the gain with its margin, no wind-up.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include <pneuservo/control/pressure_pi.hpp>
+#include <pneuservo/control/pressure_reference.hpp>
+#include <pneuservo/elements/orifice.hpp>
+#include <pneuservo/rig/axis.hpp>
+
+using namespace pneuservo;
+
+namespace {
+
+/// 3 m of 4 mm to 0.5 l behind a valve of 5 mm2 at 700 kPa.
+struct HoseAxis {
+  AxisParameters<double> axis;
+  ElasticVolumeParameters<double> volume{.volume_m3 = 0.5e-3};
+  Reference none;
+  HoseAxis() {
+    axis.supply.pressure_Pa = 7e5;
+    axis.valve = {.command_max_V = 5.0,
+                  .area_per_volt_m2_per_V = 1e-6,
+                  .area_max_m2 = 5e-6,
+                  .critical_pressure_ratio = 0.35,
+                  .natural_frequency_Hz = 100.0};
+    axis.line_1 = {.length_m = 3.0, .diameter_m = 0.004};
+  }
+  LawSetup setup() const { return {axis, 1e-3, none, 10.0, {}, &volume}; }
+};
+
+ControlInput at_rest(double p_Pa) {
+  ControlInput in;
+  in.pressure_Pa = in.port_Pa = {p_Pa, p_Pa};
+  in.now.d[0] = p_Pa;
+  return in;
+}
+
+/// Flow that the valve of that axis lets into a port [kg/s].
+double valve_flow(const HoseAxis& rig, double command_V, double port_Pa) {
+  const Air<double> air(rig.axis.air);
+  const double area = std::fabs(command_V) * rig.axis.valve.area_per_volt_m2_per_V;
+  const double other_Pa = command_V > 0.0 ? rig.axis.supply.pressure_Pa : air.atmosphere_Pa;
+  return orifice_mass_flow(air, area, rig.axis.valve.critical_pressure_ratio, other_Pa, air.temperature_K, port_Pa,
+                           air.temperature_K);
+}
+
+}  // namespace
+
+TEST_CASE("steps of a pressure count from their times on, waypoints are smooth between theirs") {
+  PressureReferenceParameters p;
+  p.times_s = {1.0, 2.0};
+  p.pressures_Pa = {3e5, 4e5};
+  const PressureReference steps(p);
+  CHECK(steps.at(0.0).d[0] == 3e5);
+  CHECK(steps.at(1.999).d[0] == 3e5);
+  CHECK(steps.at(2.0).d[0] == 4e5);
+  CHECK(steps.at(99.0).d[0] == 4e5);
+  CHECK(steps.at(2.0).d[1] == 0.0);
+  p.kind = PressureReferenceKind::waypoints;
+  const PressureReference smooth(p);
+  CHECK(smooth.at(1.5).d[0] == Approx(3.5e5));
+  CHECK(smooth.at(1.5).d[1] == Approx(1.875e5));  // 15/8 of the mean rate in the middle of a polynomial of degree 5
+  CHECK(smooth.at(2.5).d[0] == Approx(4e5));
+  CHECK(smooth.range_Pa(3.0).maximum == Approx(4e5));
+  p.times_s = {2.0, 1.0};
+  CHECK_THROWS_WITH(PressureReference(p), Catch::Contains("reference.times_s: found 1"));
+  p.times_s = {1.0};
+  CHECK_THROWS_WITH(PressureReference(p),
+                    Catch::Contains("reference.pressures_Pa: found 2 pressures, expected as many"));
+}
+
+TEST_CASE("the command lets the flow pass that hose and volume need for the reference's rate") {
+  HoseAxis rig;
+  PressurePi law;
+  law.configure({}, rig.setup());
+  const double volume_m3 = rig.volume.volume_m3 + rig.axis.line_1.volume_m3();
+  for (const double rate : {1e5, -1e5}) {
+    law.reset({});
+    ControlInput in = at_rest(4e5);
+    in.now.d[1] = rate;
+    const ControlOutput out = law.step(in);
+    // dm/dt = V/(kappa R T) dp/dt of adiabatic gas.
+    const double expected = volume_m3 * rate / (1.4 * 287.0 * 293.0);
+    CHECK(law.terms().flow_wanted_kgps == Approx(expected));
+    CHECK(valve_flow(rig, out.command_V[0], 4e5) == Approx(expected));
+    CHECK(out.command_V[1] == out.command_V[0]);
+    CHECK_FALSE(out.limited);
+  }
+}
+
+TEST_CASE("what the config knows of the volume's growth and the valve's offset is in the command") {
+  HoseAxis rig;
+  rig.volume.compliance_m3_per_Pa = 1e-9;
+  rig.axis.effects.valve.valve_offset.offset_V = 0.1;
+  PressurePi law;
+  law.configure({}, rig.setup());
+  ControlInput in = at_rest(4e5);
+  in.now.d[1] = 1e5;
+  const ControlOutput out = law.step(in);
+  const double gas_m3 = 0.5e-3 + rig.axis.line_1.volume_m3() + 1e-9 * (4e5 - 101325.0);
+  CHECK(law.terms().flow_wanted_kgps == Approx((gas_m3 / 1.4 + 1e-9 * 4e5) * 1e5 / (287.0 * 293.0)));
+  CHECK(valve_flow(rig, out.command_V[0] + 0.1, 4e5) == Approx(law.terms().flow_wanted_kgps));
+  law.reset({});
+  CHECK(law.step(at_rest(4e5)).command_V[0] == Approx(-0.1));  // closed is where the offset puts it
+}
+
+TEST_CASE("the derived gain is the highest with a sensitivity of 2, and falls with the hose's length") {
+  HoseAxis rig;
+  const PressureGains gains = pressure_gains(rig.setup());
+  const auto times = [&](double factor) { return PressureGains{factor * gains.gain_per_s, gains.filter_rad_per_s}; };
+  CHECK(pressure_sensitivity(rig.setup(), gains) <= PressurePi::most_sensitivity);
+  CHECK(pressure_sensitivity(rig.setup(), times(1.03)) > PressurePi::most_sensitivity);
+  CHECK(std::isinf(pressure_sensitivity(rig.setup(), times(4.0))));
+  // Without the filter the hose's resonance sets the gain.
+  CHECK(pressure_sensitivity(rig.setup(), {gains.gain_per_s, 1e6}) > PressurePi::most_sensitivity);
+  double last = infinite;
+  for (const double length_m : {1.0, 3.0, 10.0}) {
+    rig.axis.line_1.length_m = length_m;
+    const double here = pressure_gains(rig.setup()).gain_per_s;
+    CHECK(here < last);
+    last = here;
+  }
+  PressurePi law;
+  law.configure({.gain_per_s = 3.0}, rig.setup());
+  CHECK(law.gains().gain_per_s == 3.0);
+}
+
+TEST_CASE("a supply that cannot give the pressure winds nothing up") {
+  HoseAxis rig;
+  PressurePi law;
+  law.configure({}, rig.setup());
+  ControlInput in = at_rest(4e5);
+  law.step(in);
+  in.now.d[0] = 6e5;
+  in.supply_Pa = 4e5;  // the supply has gone
+  for (int i = 0; i < 5000; ++i) CHECK(law.step(in).finite);
+  CHECK(law.terms().limit == limit_upper);
+  CHECK(law.terms().p_target_Pa == Approx(4e5).margin(1e3));
+  CHECK(std::fabs(law.terms().error_integral_Pas) < 10.0);
+  in.now.d[0] = 4e5;
+  in.supply_Pa = 7e5;  // it is back, and nobody wants more any longer
+  for (int i = 0; i < 100; ++i) law.step(in);
+  CHECK(std::fabs(law.step(in).command_V[0]) < 0.1);
+}
+
+TEST_CASE("an input that is not finite keeps the last command and says so") {
+  HoseAxis rig;
+  PressurePi law;
+  law.configure({}, rig.setup());
+  ControlInput in = at_rest(4e5);
+  in.now.d[1] = 1e5;
+  const double last_V = law.step(in).command_V[0];
+  in.port_Pa = in.pressure_Pa = {NAN, NAN};
+  const ControlOutput out = law.step(in);
+  CHECK_FALSE(out.finite);
+  CHECK(out.command_V[0] == last_V);
+}

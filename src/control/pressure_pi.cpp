@@ -54,23 +54,27 @@ double valve_delay_s(const LawSetup& setup) {
 /// The loop at one operating point without its controller, over frequencies up to the sampling's.
 struct OpenLoop {
   std::vector<double> rad_per_s;
-  std::vector<Complex> path;  ///< flow into the volume over flow wanted, 1 at rest
+  std::vector<Complex> path;  ///< rate of the controlled pressure over the one wanted, 1 at rest
 };
 
-OpenLoop open_loop(const LawSetup& setup, double p_Pa) {
+/// `at_port`: of the pressure at the valve, else of the one in the volume.
+OpenLoop open_loop(const LawSetup& setup, bool at_port, double p_Pa) {
   constexpr int points = 1500;  // finer than the resonances of a hose with laminar friction alone
   const auto& line = setup.axis.line_1;
   const LineAcoustics acoustics(line.length_m, line.diameter_m, p_Pa, setup.axis.air, LineLoss::quasi_steady);
   const double volume_m3 = volume_that_grows_m3(*setup.volume, acoustics.air(), p_Pa);
   const LineEnds ends{.volume_in_m3 = 0.0, .volume_out_m3 = volume_m3};
   const double at_rest = volume_m3 / (volume_m3 + line.volume_m3());
+  const double energy = acoustics.air().R * acoustics.air().temperature_K;
   const double lowest = 0.005, highest = std::numbers::pi / setup.period_s;
   OpenLoop out;
   for (int i = 0; i < points; ++i) {
     const double w = lowest * std::pow(highest / lowest, (i + 0.5) / points);
     const Complex s(0.0, w);
     out.rad_per_s.push_back(w);
-    out.path.push_back(flow_transfer(acoustics, ends, s) / at_rest * valve_path(setup, s));
+    const LineTwoPort hose = acoustics.two_port(s);
+    const Complex over_far = at_port ? hose.a + hose.b * s * volume_m3 / energy : 1.0;
+    out.path.push_back(over_far * flow_transfer(acoustics, ends, s) / at_rest * valve_path(setup, s));
   }
   return out;
 }
@@ -91,21 +95,20 @@ double sensitivity(const OpenLoop& loop, const PressureGains& gains) {
   return turned_rad > -0.5 * std::numbers::pi ? most : infinite;
 }
 
-std::array<OpenLoop, 2> open_loops(const LawSetup& setup) {
-  return {open_loop(setup, setup.axis.air.atmosphere_Pa), open_loop(setup, setup.axis.supply.pressure_Pa)};
+std::array<OpenLoop, 2> open_loops(const LawSetup& setup, bool at_port) {
+  return {open_loop(setup, at_port, setup.axis.air.atmosphere_Pa),
+          open_loop(setup, at_port, setup.axis.supply.pressure_Pa)};
 }
 
 double sensitivity(const std::array<OpenLoop, 2>& loops, const PressureGains& gains) {
   return std::max(sensitivity(loops[0], gains), sensitivity(loops[1], gains));
 }
 
-}  // namespace
-
-PressureGains pressure_gains(const LawSetup& setup) {
+PressureGains highest_gains(const LawSetup& setup, bool at_port) {
   constexpr double step = 1.02;              // finer than any margin is known
   constexpr double least_gain_per_s = 0.05;  // lower than that of any hose that a config may have
   constexpr int half_octaves = 6;
-  const std::array<OpenLoop, 2> loops = open_loops(setup);
+  const std::array<OpenLoop, 2> loops = open_loops(setup, at_port);
   PressureGains best{least_gain_per_s, 4.0 * quarter_wave_rad_per_s(setup)};
   for (int half_octave = -2; half_octave < half_octaves; ++half_octave) {
     PressureGains now{least_gain_per_s, quarter_wave_rad_per_s(setup) * std::exp2(-0.5 * half_octave)};
@@ -117,8 +120,12 @@ PressureGains pressure_gains(const LawSetup& setup) {
   return best;
 }
 
+}  // namespace
+
+PressureGains pressure_gains(const LawSetup& setup) { return highest_gains(setup, false); }
+
 double pressure_sensitivity(const LawSetup& setup, const PressureGains& gains) {
-  return sensitivity(open_loops(setup), gains);
+  return sensitivity(open_loops(setup, false), gains);
 }
 
 void PressurePi::configure(const PressurePiParameters& parameters, const LawSetup& setup) {
@@ -134,7 +141,7 @@ void PressurePi::configure(const PressurePiParameters& parameters, const LawSetu
   command_max_V_ = valve.command_max_V;
   range_V_ = std::min(command_max_V_, valve.area_max_m2 / area_per_volt_);
   period_s_ = setup.period_s;
-  gains_ = pressure_gains(setup);
+  gains_ = highest_gains(setup, parameters.pressure_source == PressureSource::valve);
   gains_.gain_per_s = parameters.gain_per_s.value_or(gains_.gain_per_s);
   smoothing_ = -std::expm1(-period_s_ * gains_.gain_per_s / pull_time_share);
   filter_gain_ = -std::expm1(-period_s_ * gains_.filter_rad_per_s);

@@ -42,6 +42,9 @@ Margins margins_of(const Rig& rig) {
   return out;
 }
 
+/// The pressure at the port has a loop of its own, whose margins are not told.
+bool has_margins(const Rig& rig) { return rig.controller.pressures() != PressureSource::valve; }
+
 Finding margins_finding(const Rig& rig) {
   const Margins found = margins_of(rig);
   const std::string what =
@@ -108,10 +111,13 @@ Finding simulation_finding(Rig rig) {
 }  // namespace
 
 std::vector<Finding> grade_pressure_loop(const Rig& rig) {
-  return {margins_finding(rig), flow_finding(rig), simulation_finding(rig)};
+  std::vector<Finding> findings{flow_finding(rig), simulation_finding(rig)};
+  if (has_margins(rig)) findings.insert(findings.begin(), margins_finding(rig));
+  return findings;
 }
 
 std::string unstable_pressure_words(const Rig& rig) {
+  if (!has_margins(rig)) return "";
   const Margins found = margins_of(rig);
   if (std::isfinite(found.sensitivity)) return "";
   return fmt::format("the loop is unstable with controller.gain_per_s of {} (highest with margin: {})",

@@ -12,7 +12,8 @@ using namespace pneuservo;
 
 namespace {
 
-/// The reference goes from 300 to 400 kPa at 1 s; the pressure follows by 1 - e^(-t/0.1 s), with a bump of 2 kPa at 2 s.
+/// The reference goes from 300 to 400 kPa at 1 s; the pressure follows by 1 - e^(-t/0.1 s), with a bump of 2 kPa at 2
+/// s.
 std::vector<Row> step_rows() {
   std::vector<Row> rows;
   for (int i = 0; i < 3000; ++i) {

@@ -103,8 +103,8 @@ Finding simulation_finding(Rig rig) {
     return {Level::bad, topic, beyond + ", one or more never settle", "give the steps more time, or a larger valve"};
   const bool is_large = m.max_overshoot_share > large_overshoot_share;
   return {is_large ? Level::acceptable : Level::good, topic,
-          fmt::format("{}, settled after {} s and within {} kPa from then on", beyond, figure(m.max_settling_s),
-                      figure(1e-3 * m.max_settled_error_Pa)),
+          fmt::format("{}, settled after {} s and {} kPa off at most in the second half of each", beyond,
+                      figure(m.max_settling_s), figure(1e-3 * m.max_settled_error_Pa)),
           is_large ? "lower controller.gain_per_s or rate_max_Pa_per_s" : ""};
 }
 

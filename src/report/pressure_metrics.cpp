@@ -64,13 +64,11 @@ PressureStep step_of(const std::vector<Row>& rows, RowColumn pressure, const Res
   for (std::size_t i = before.end; i < after.end; ++i) {
     const double off_Pa = pressure.of(rows[i]) - to_Pa;
     step.overshoot_share = std::max(step.overshoot_share, sign * off_Pa / std::fabs(height_Pa));
-    if (std::fabs(off_Pa) <= settled_share * std::fabs(height_Pa)) {
+    const double t_s = rows[i].t_s - start_s;
+    if (t_s >= 0.5 * (step.start_s + step.end_s))
       step.settled_error_Pa = std::max(step.settled_error_Pa, std::fabs(off_Pa));
-      continue;
-    }
-    step.settling_s = rows[i].t_s - start_s - step.start_s;
-    step.settled_error_Pa = 0.0;
-    if (i + 1 == after.end) step.settling_s = step.settled_error_Pa = PressureMetrics::none;
+    if (std::fabs(off_Pa) <= settled_share * std::fabs(height_Pa)) continue;
+    step.settling_s = i + 1 == after.end ? PressureMetrics::none : t_s - step.start_s;
   }
   return step;
 }
@@ -109,15 +107,11 @@ PressureMetrics evaluate_pressure(const Rig& rig, const std::vector<Row>& all, d
       out.steps.push_back(step_of(rows, pressure, rests[i - 1], rests[i], start_s));
   for (const PressureStep& step : out.steps) {
     out.max_overshoot_share = std::fmax(out.max_overshoot_share, step.overshoot_share);
-    const bool is_first = &step == &out.steps.front();
-    out.max_settling_s = is_first ? step.settling_s : std::max(step.settling_s, out.max_settling_s);
-    out.max_settled_error_Pa =
-        is_first ? step.settled_error_Pa : std::max(step.settled_error_Pa, out.max_settled_error_Pa);
-    if (!std::isfinite(step.settling_s)) {
-      out.max_settling_s = out.max_settled_error_Pa = PressureMetrics::none;
-      break;
-    }
+    out.max_settling_s = std::fmax(out.max_settling_s, step.settling_s);
+    out.max_settled_error_Pa = std::fmax(out.max_settled_error_Pa, step.settled_error_Pa);
   }
+  if (std::ranges::any_of(out.steps, [](const PressureStep& step) { return std::isnan(step.settling_s); }))
+    out.max_settling_s = PressureMetrics::none;
   return out;
 }
 

@@ -17,7 +17,7 @@ struct PressureStep {
   double from_Pa = 0.0, to_Pa = 0.0;
   double overshoot_share = 0.0; ///< farthest beyond the end value, over the step's height
   double settling_s = 0.0;      ///< from start_s until 5 % of the height are never left again; NaN: it is
-  double settled_error_Pa = 0.0;  ///< largest error from then on; NaN: never settled
+  double settled_error_Pa = 0.0;  ///< largest error in the second half from start_s to end_s
 };
 
 /// NaN where the rows do not hold what a figure needs. The pressure is the simulated volume's own, else the measured

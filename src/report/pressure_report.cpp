@@ -26,8 +26,8 @@ std::string step_words(const PressureMetrics& m) {
   const std::string beyond = fmt::format("{} % overshoot", figure(100.0 * m.max_overshoot_share));
   if (!std::isfinite(m.max_settling_s))
     return fmt::format("{}, {}: not every one settles within {:g} %", count, beyond, 100.0 * settled_share);
-  return fmt::format("{}, {}, settled after {} s at the latest and within {} from then on", count, beyond,
-                     figure(m.max_settling_s), kPa(m.max_settled_error_Pa));
+  return fmt::format("{}, {}, settled after {} s at the latest and {} off at most in the second half of each", count,
+                     beyond, figure(m.max_settling_s), kPa(m.max_settled_error_Pa));
 }
 
 Plot pressure_course(const RunReport& report, double period_s) {
@@ -125,7 +125,8 @@ nlohmann::ordered_json pressure_json(const PressureMetrics& m) {
 
 void add_pressure_sections(HtmlPage& page, const RunReport& report, double period_s) {
   page.section("Figures", fmt::format("Errors are reference minus {} pressure in the volume. A step has settled where "
-                                      "{:g} % of its height are left no more. Estimation error: estimated less that "
+                                      "{:g} % of its height are left no more; its settled error is the largest in "
+                                      "the second half of its time. Estimation error: estimated less that "
                                       "pressure. Command step: rms from one period to the next.",
                                       report.runs.front().pressure->pressure, 100.0 * settled_share));
   page.table(pressure_table(report));

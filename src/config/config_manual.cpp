@@ -128,7 +128,7 @@ struct TableCollector {
     for (std::size_t i = 0; i < pressure_reference_names.size(); ++i) {
       PressureReferenceParameters reference;
       reference.kind = static_cast<PressureReferenceKind>(i);
-      Table table{fmt::format("`reference` of a `pressure` rig, kind `{}`", pressure_reference_names[i]), "", {}};
+      Table table{fmt::format("`reference` of kind `{}`", pressure_reference_names[i]), "", {}};
       PressureReferenceParameters::visit(RowCollector{table.rows, ""}, std::as_const(reference));
       tables.push_back(std::move(table));
     }

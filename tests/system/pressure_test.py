@@ -49,7 +49,7 @@ moves = figures("--moves", "2")
 expect([move["move"] for move in moves] == [1, 2] and all(move["faults"] == [] for move in moves), f"two moves: {moves}")
 
 for fault, name in (("drop:p1_port@2+1", "port_pressure_1_missing"), ("freeze:p1_port@2+3", "port_pressure_1_frozen"),
-                    ("supply_loss::3e5@2+5", "supply_low"), ("leak:1:1e-6@2+5", "flow_mismatch_1"), ("emergency_stop@2+1", "emergency_stop")):
+                    ("supply_loss:3e5@2+5", "supply_low"), ("leak:1:1e-6@2+5", "flow_mismatch_1"), ("emergency_stop@2+1", "emergency_stop")):
     done = run("run", RIG, "--fault", fault)
     expect(done.returncode == 1 and name + ": " in done.stderr, f"{fault}: status {done.returncode}: {done.stderr}")
 
@@ -62,11 +62,9 @@ expect(run("run", copy, "--dump-config").stdout == dumped.stdout, "the dumped co
 for arguments, words in (
     (["run", RIG, "--set", "reference.pressures_Pa=[3e5, 4e5, 5e5, 6e5, 7e5, 4e5]"], ["a pressure of 700000", "less than supply.pressure_Pa"]),
     (["run", RIG, "--set", "reference.times_s=[0, 1]"], ["reference.pressures_Pa: found 6 pressures", "as many as times_s"]),
-    (["run", RIG, "--set", "controller.kind=pd_force"], ["controller.kind: found pd_force", "pressure_pi, the law of a pressure"]),
     (["run", RIG, "--set", "controller.pressure_source=chamber"], ["sensors.chamber_pressure"]),
     (["run", RIG, "--set", "line_1.model=second_order_lag"], ["line_1.model", "expected distributed"]),
     (["run", RIG, "--set", "limits.pressure_Pa=5e5"], ["limits.pressure_Pa", "more than the reference asks for"]),
-    (["run", "config/cylinder-2m-4.15mm.yaml", "--set", "controller.kind=pressure_pi"], ["controller.kind: found pressure_pi", "expected pd_force"]),
     (["design", RIG], ["rig: found pressure", "design works on no other rig"]),
     (["serve", RIG], ["rig: found pressure", "serve works on no other rig"]),
     (["improve", RIG, recording], ["rig: found pressure", "improve works on no other rig"]),
@@ -74,3 +72,9 @@ for arguments, words in (
     (["diagnose", RIG, recording], ["rig: found pressure", "no residuals of it"]),
 ):
     expect_refusal(run(*arguments), words, " ".join(arguments[:2]))
+
+# Another law has other keys, which are told as well.
+for rig, law, words in ((RIG, "pd_force", "found pd_force, expected pressure_pi, the law of a pressure"),
+                        ("config/cylinder-2m-4.15mm.yaml", "pressure_pi", "found pressure_pi, expected pd_force, the law of a cylinder")):
+    done = run("run", rig, "--set", "controller.kind=" + law)
+    expect(done.returncode == 2 and words in done.stderr, f"{law} on {rig}: {done.stderr}")

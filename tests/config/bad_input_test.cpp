@@ -147,11 +147,11 @@ TEST_CASE("other formats, rigs and controllers are refused with the known ones")
         "rig.yaml:1: format: found 'pneuservo-rig/2', expected pneuservo-rig/1");
   CHECK(refusal(with(plain, "rig: cylinder", "rig: gantry")) ==
         "rig.yaml:3: rig: found 'gantry', expected one of cylinder, servo_table, driven_axis, vessel, "
-        "switched_cylinder");
+        "switched_cylinder, pressure");
   CHECK(refusal(with(plain, "rig: cylinder", "rig: servo_table")) ==
         "rig.yaml:34: controller.kind: found pd_force, expected ppd2, the law of a servo_table");
   CHECK(refusal(with(plain, "kind: pd_force\n", "kind: lqr\n")) ==
-        "rig.yaml:34: controller.kind: found 'lqr', expected one of pd_force, ppd2");
+        "rig.yaml:34: controller.kind: found 'lqr', expected one of pd_force, ppd2, pressure_pi");
   CHECK(refusal(with(plain, "estimated", "measured")) ==
         "rig.yaml:35: controller.pressure_source: found 'measured', expected one of valve, chamber, estimated");
   CHECK(refusal(with(plain, "kind: sine", "kind: square")) ==

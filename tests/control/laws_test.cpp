@@ -28,6 +28,7 @@ double recorded(const AxisController& controller, ControllerKind law, bool stepp
 std::string suffix_of(std::string_view unit) {
   std::string out = unit == "m s" ? "m_s" : unit == "V/(m s)" ? "V_per_m_s" : std::string(unit);
   if (const std::size_t at = out.find("m/s"); at == 0) out = "mps" + out.substr(3);
+  if (out == "kg/s") out = "kgps";
   if (const std::size_t at = out.find('/'); at != std::string::npos) out.replace(at, 1, "_per_");
   std::erase(out, ' ');
   return out;

@@ -29,7 +29,7 @@ struct HoseAxis {
   LawSetup setup() const { return {axis, 1e-3, none, 10.0, {}, &volume}; }
 };
 
-ControlInput at_rest(double p_Pa) {
+ControlInput resting_input(double p_Pa) {
   ControlInput in;
   in.pressure_Pa = in.port_Pa = {p_Pa, p_Pa};
   in.now.d[0] = p_Pa;
@@ -37,7 +37,7 @@ ControlInput at_rest(double p_Pa) {
 }
 
 /// Flow that the valve of that axis lets into a port [kg/s].
-double valve_flow(const HoseAxis& rig, double command_V, double port_Pa) {
+double flow_of_valve(const HoseAxis& rig, double command_V, double port_Pa) {
   const Air<double> air(rig.axis.air);
   const double area = std::fabs(command_V) * rig.axis.valve.area_per_volt_m2_per_V;
   const double other_Pa = command_V > 0.0 ? rig.axis.supply.pressure_Pa : air.atmosphere_Pa;
@@ -77,13 +77,13 @@ TEST_CASE("the command lets the flow pass that hose and volume need for the refe
   const double volume_m3 = rig.volume.volume_m3 + rig.axis.line_1.volume_m3();
   for (const double rate : {1e5, -1e5}) {
     law.reset({});
-    ControlInput in = at_rest(4e5);
+    ControlInput in = resting_input(4e5);
     in.now.d[1] = rate;
     const ControlOutput out = law.step(in);
     // dm/dt = V/(kappa R T) dp/dt of adiabatic gas.
     const double expected = volume_m3 * rate / (1.4 * 287.0 * 293.0);
     CHECK(law.terms().flow_wanted_kgps == Approx(expected));
-    CHECK(valve_flow(rig, out.command_V[0], 4e5) == Approx(expected));
+    CHECK(flow_of_valve(rig, out.command_V[0], 4e5) == Approx(expected));
     CHECK(out.command_V[1] == out.command_V[0]);
     CHECK_FALSE(out.limited);
   }
@@ -95,14 +95,14 @@ TEST_CASE("what the config knows of the volume's growth and the valve's offset i
   rig.axis.effects.valve.valve_offset.offset_V = 0.1;
   PressurePi law;
   law.configure({}, rig.setup());
-  ControlInput in = at_rest(4e5);
+  ControlInput in = resting_input(4e5);
   in.now.d[1] = 1e5;
   const ControlOutput out = law.step(in);
   const double gas_m3 = 0.5e-3 + rig.axis.line_1.volume_m3() + 1e-9 * (4e5 - 101325.0);
   CHECK(law.terms().flow_wanted_kgps == Approx((gas_m3 / 1.4 + 1e-9 * 4e5) * 1e5 / (287.0 * 293.0)));
-  CHECK(valve_flow(rig, out.command_V[0] + 0.1, 4e5) == Approx(law.terms().flow_wanted_kgps));
+  CHECK(flow_of_valve(rig, out.command_V[0] + 0.1, 4e5) == Approx(law.terms().flow_wanted_kgps));
   law.reset({});
-  CHECK(law.step(at_rest(4e5)).command_V[0] == Approx(-0.1));  // closed is where the offset puts it
+  CHECK(law.step(resting_input(4e5)).command_V[0] == Approx(-0.1));  // closed is where the offset puts it
 }
 
 TEST_CASE("the derived gain is the highest with a sensitivity of 2, and falls with the hose's length") {
@@ -130,7 +130,7 @@ TEST_CASE("a supply that cannot give the pressure winds nothing up") {
   HoseAxis rig;
   PressurePi law;
   law.configure({}, rig.setup());
-  ControlInput in = at_rest(4e5);
+  ControlInput in = resting_input(4e5);
   law.step(in);
   in.now.d[0] = 6e5;
   in.supply_Pa = 4e5;  // the supply has gone
@@ -148,7 +148,7 @@ TEST_CASE("an input that is not finite keeps the last command and says so") {
   HoseAxis rig;
   PressurePi law;
   law.configure({}, rig.setup());
-  ControlInput in = at_rest(4e5);
+  ControlInput in = resting_input(4e5);
   in.now.d[1] = 1e5;
   const double last_V = law.step(in).command_V[0];
   in.port_Pa = in.pressure_Pa = {NAN, NAN};

@@ -84,7 +84,10 @@ IdentifiedLine line_of(const IdentifyOptions& options, const Rig& rig, const Rec
   } else {
     throw InputError(fmt::format("{}: rig: found {} {}, expected a cylinder, a servo table or a vessel with a line: "
                                  "identify needs pressures at both ends of one",
-                                 options.config, info(rig.kind).name, second ? "with --side 2" : "without a line"));
+                                 options.config, info(rig.kind).name,
+                                 second                    ? "with --side 2"
+                                 : rig.controls_pressure() ? "as its kind"
+                                                           : "without a line"));
   }
   out.sensor_noise_Pa = std::sqrt(
       0.5 * (std::pow(rig.sensors.port_pressure.rms_Pa(), 2) + std::pow(rig.sensors.chamber_pressure.rms_Pa(), 2)));

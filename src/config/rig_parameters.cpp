@@ -132,10 +132,6 @@ void ParameterHandle::set(Rig& rig, double value) const {
   // Words are made only for what may have to be refused.
   if (!(value >= field_.minimum && value <= field_.maximum))
     require_in_range(field_, value, "parameter", path_, fmt::format("{}", value));
-  set_beyond_range(rig, value);
-}
-
-void ParameterHandle::set_beyond_range(Rig& rig, double value) const {
   (is_inside_ ? number_in(rig, offset_, is_optional_) : find_number(rig, path_).second).set(value);
 }
 

@@ -32,8 +32,6 @@ class ParameterHandle {
   double value(const Rig& rig) const;
   /// Throws InputError for a value that is not finite or out of the field's range.
   void set(Rig& rig, double value) const;
-  /// Takes what no config can state, too.
-  void set_beyond_range(Rig& rig, double value) const;
 
  private:
   std::string path_;

@@ -273,15 +273,13 @@ Decision with_small_physics(const Rig& rig, FittedRows& rows, std::vector<Candid
                             const DiagnoseOptions& options, std::optional<Search>& search, Diagnosis& out) {
   ResidualModel& model = rows.model();
   SearchSettings settings;
-  SmallPhysics granted = small_physics(rig, model.channels());
-  settings.small_physics = std::move(granted.parameters);
+  settings.small_physics = small_physics(rig, model.channels());
   settings.known_starts = plain.best_starts(carried_over);
   settings.grow_floor = true;
   settings.settled_gain = settled_gain_beside;
-  std::erase_if(candidates, [](const Candidate& c) { return c.is_mimicked_by_small_physics; });
   DecisionRules rules = options.rules;
   rules.most_names = 1;
-  search.emplace(rows, granted.rig, std::move(candidates), settings, rules, options.progress);
+  search.emplace(rows, rig, std::move(candidates), settings, rules, options.progress);
   search->run();
   const Explanation* best = search->best_of(1);
   const std::vector<double> levels = model.take_slow_error((best ? *best : search->owner()).fit.hypothesis());
@@ -341,17 +339,6 @@ Decision decided_twice(const Rig& rig, FittedRows& rows, Search& search, const D
   return decision;
 }
 
-/// The best model as a config, without what a config has no key for.
-void add_improved(const Decision& decision, Diagnosis& out) {
-  out.improved = without_empty_small_shapes(decision.chosen->fit.hypothesis().rig);
-  double& overlap_V = out.improved.axis.effects.valve.valve_dead_band.width_V;
-  if (overlap_V >= 0) return;
-  out.warnings.push_back(fmt::format("the edges of the valve overlap by {:.3g} V (an underlap), for which a config has "
-                                     "no key: the improved config goes without it",
-                                     overlap_V));
-  overlap_V = 0;
-}
-
 /// Takes the verdict from names that are clearly behind a free function.
 void take_refuted_names(const LatentJudgement& judgement, const Search& search, Decision& decision) {
   if (!judgement.refutes_names() || decision.verdict == Verdict::unknown) return;
@@ -401,7 +388,7 @@ void tell(const Rig& rig, ResidualModel& model, const Decision& decision, const 
   add_moved(rig, decision, out);
   add_times(model, out);
   add_next_experiment(rig, model, decision, search, options, out);
-  add_improved(decision, out);
+  out.improved = decision.chosen->fit.hypothesis().rig;
   out.sentence = verdict_sentence(out);
 }
 

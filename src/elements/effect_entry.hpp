@@ -89,8 +89,6 @@ struct ParameterTrait {
   double small_spread = 0;
   /// Of that spread, for differences.
   double small_step = 0.01;
-  /// Whether that much may also be there with the other sign, which no config can state.
-  bool is_small_signed = false;
   static constexpr double infinite = std::numeric_limits<double>::infinity();
 
   constexpr ParameterTrait by(Variation how) const {
@@ -115,15 +113,10 @@ struct ParameterTrait {
     out.whole = sizes;
     return out;
   }
-  constexpr ParameterTrait small(double its_spread) const {
+  constexpr ParameterTrait small(double its_spread, double step = 0.01) const {
     ParameterTrait out = *this;
     out.small_spread = its_spread;
-    return out;
-  }
-  constexpr ParameterTrait small_of_either_sign(double its_spread, double step) const {
-    ParameterTrait out = small(its_spread);
     out.small_step = step;
-    out.is_small_signed = true;
     return out;
   }
 };
@@ -188,12 +181,9 @@ struct EffectEntry {
   Few<ParameterTrait, 4> parameters{};
   unsigned shown_by = 0;  ///< bits of Excitation
   bool is_never_added = false;  ///< to other names
-  bool is_mimicked_by_small_physics = false;  ///< has no name beside what every real machine has of it
   bool is_of_plain_axes = false;  ///< looked for where no pressures act on the slider
   std::string_view same_as{};  ///< path of a number that is the one at fault where the owner states it
   SimplerLaw contains{};
-  std::string_view at_line_end{};  ///< what it is called where its `position` is the line's end
-  Few<StatedSize, 4> small_shape{};  ///< the rest of it where every real machine has a little of it
   Few<StatedSize, 4> smallest{};  ///< first rung of the trial machines; empty: they have none of it
   Few<EffectSignature, 2> signatures{};
 };

@@ -10,7 +10,7 @@ using enum Signal;
 constexpr std::array<double, 3> droop_areas{0.1, 0.3, 1};
 constexpr std::array<double, 3> droop_volumes{2e-4, 1e-3, 5e-3};
 constexpr std::array<double, 3> restriction_sizes{0.1, 0.5, 2};
-constexpr std::array<double, 3> leak_positions{0, 0.5, 1};
+constexpr std::array<double, 3> leak_positions{0, 0.45, 0.9};
 constexpr std::array<double, 2> branch_volumes{0.3, 1.5};
 constexpr std::array<double, 1> branch_neck_lengths{0.3};
 constexpr std::array<double, 2> branch_neck_diameters{0.0025, 0.007};
@@ -20,11 +20,11 @@ constexpr std::array<double, 2> leak_zone_widths{0.12, 0.3};
 
 constexpr EffectEntry pneumatic_entries[] = {
     {.name = "valve_dead_band",
-     .words = "a dead band of the valve (overlap)",
+     .words = "overlapping edges of the valve (a dead band; below zero an underlap)",
      .element = "valve",
      .family = "edges",
-     // Overlap or underlap, the law of the edges is one; a step of 4 mV is more than the command dithers at rest.
-     .parameters = {amplitude("width_V", one, 0.15, 5e-4).small_of_either_sign(0.02, 0.2)},
+     // A step of 4 mV is more than the command dithers at rest.
+     .parameters = {amplitude("width_V", one, 0.15, 5e-4).small(0.02, 0.2)},
      .smallest = {{"width_V", 0.001}},
      .signatures = {{.sizes = {{"width_V", 0.03}},
                      .words = "Sides opposite. Runs away in the creep, where the command is small.",
@@ -87,8 +87,7 @@ constexpr EffectEntry pneumatic_entries[] = {
      .family = "edges",
      .role = EffectRole::description,
      .parameters = {amplitude("near_middle", one, 0.15, 0.005).small(0.04),
-                    amplitude("wide_open", one, 0.5, 0.02).small(0.04)},
-     .is_mimicked_by_small_physics = true},
+                    amplitude("wide_open", one, 0.5, 0.02).small(0.04)}},
     {.name = "command_delay",
      .words = "dead time between command and spool",
      .element = "timing",
@@ -147,8 +146,9 @@ constexpr EffectEntry pneumatic_entries[] = {
      .words = "a leak from line # to the room",
      .element = "line",
      .family = "leak",
-     .parameters = {amplitude("area_m2", valve_area, 0.01, 2.5e-5), shape("position", one, 0.4, leak_positions)},
-     .at_line_end = "chamber_leak",
+     // No pressure tells a leak of the last tenth from one of the chamber.
+     .parameters = {amplitude("area_m2", valve_area, 0.01, 2.5e-5),
+                    shape("position", one, 0.4, leak_positions).within(0, 0.9, one)},
      .smallest = {{"area_m2", 5e-5, valve_area}, held("position", 0.5)},
      .signatures = {{.side = "1",
                      .sizes = {{"area_m2", 1e-8}, {"position", 0.5}},
@@ -164,14 +164,10 @@ constexpr EffectEntry pneumatic_entries[] = {
      .words = "a dead-end branch of line # (a T-piece with a hose or a vessel)",
      .element = "line",
      .family = "line_branch",
-     .parameters = {amplitude("volume_m3", one, 1e-4, 1e-6).whole_at(branch_volumes).small(5e-6),
+     .parameters = {amplitude("volume_m3", one, 1e-4, 1e-6).whole_at(branch_volumes),
                     shape("neck_length_m", one, 0.7, branch_neck_lengths).by(Variation::logarithmic),
                     shape("neck_diameter_m", one, 0.7, branch_neck_diameters).by(Variation::logarithmic),
                     shape("position", one, 0.4, branch_positions)},
-     // The volume at a valve's port and the fittings of every real line look like it.
-     .is_mimicked_by_small_physics = true,
-     // Fittings and bore of a valve's port: a volume right at the line's end.
-     .small_shape = {held("neck_length_m", 0.01), held("neck_diameter_m", 0.006), held("position", 0)},
      .smallest = {{"volume_m3", 0.02, line_volume},
                   held("neck_length_m", 0.3),
                   held("neck_diameter_m", 0.004),
@@ -182,6 +178,12 @@ constexpr EffectEntry pneumatic_entries[] = {
            .words = "One side, in moves. Port and chamber go together.",
            .channels = {p1_port, p1_chamber},
            .against = "speed"}}},
+    {.name = "port_volume",
+     .words = "a volume at the valve's port # (fittings, bores)",
+     .element = "line",
+     .family = "line_branch",
+     .role = EffectRole::granted,
+     .parameters = {amplitude("volume_m3", one, 1e-4, 1e-6).small(5e-6)}},
     {.name = "chamber_leak",
      .words = "a leak from chamber # to the room",
      .element = "chamber",

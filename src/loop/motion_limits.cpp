@@ -63,7 +63,7 @@ double speed_per_volt(const Rig& rig) {
 double start_command_V(const Rig& rig) {
   const auto& valve = rig.axis.effects.valve;
   const double idle_V =
-      valve.valve_dead_band.width_V + std::fabs(valve.valve_offset.offset_V) + std::fabs(rig.safe_output.command_V);
+      std::max(valve.valve_dead_band.width_V, 0.0) + std::fabs(valve.valve_offset.offset_V) + std::fabs(rig.safe_output.command_V);
   return start_speed_share * largest_start_mps / speed_per_volt(rig) + idle_V;
 }
 

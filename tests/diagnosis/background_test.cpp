@@ -52,9 +52,8 @@ Judged judge(const Rig& machine, const Rig& owner = owners_rig(), const SearchSe
   FittedRows rows(model, {});
   SearchSettings settings = wanted;
   settings.grow_floor = true;
-  const SmallPhysics granted = small_physics(owner, model.channels());
-  settings.small_physics = granted.parameters;
-  Search search(rows, granted.rig, all_candidates(owner, model.channels(), motion_range(model.rows())), settings, rules,
+  settings.small_physics = small_physics(owner, model.channels());
+  Search search(rows, owner, all_candidates(owner, model.channels(), motion_range(model.rows())), settings, rules,
                 {});
   search.run();
   model.drop_slow_error();
@@ -89,8 +88,8 @@ TEST_CASE("background: tolerances at the end of their range together are no proo
                       {"cylinder.dead_volume_2_m3", 0.03}};
   Rig machine = with_background(owner);
   machine.axis.effects.valve.valve_dead_band.width_V = 0.012;  // an overlap, which has a name
-  machine.axis.effects.line_branch_1 = {5e-6, 0.01, 0.006, 0.0};
-  machine.axis.effects.line_branch_2 = {3e-6, 0.01, 0.006, 0.0};
+  machine.axis.effects.port_volume_1 = {5e-6};
+  machine.axis.effects.port_volume_2 = {3e-6};
   const std::vector<Recording> recordings{simulated_recording(machine, 6.5, 5, all_pressures)};
   const Diagnosis believed = diagnose(owner, recordings, {});
   CHECK(believed.verdict == Verdict::missing_physics);
@@ -109,8 +108,8 @@ TEST_CASE("background: tolerances at the end of their range together are no proo
 TEST_CASE("background: a name that an earlier search ended with is tried, whatever it promises") {
   Rig machine = with_background(owners_rig());
   machine.axis.effects.valve.command_delay.delay_s = 6e-3;
-  machine.axis.effects.line_branch_1 = {5e-6, 0.01, 0.006, 0.0};
-  machine.axis.effects.line_branch_2 = {3e-6, 0.01, 0.006, 0.0};
+  machine.axis.effects.port_volume_1 = {5e-6};
+  machine.axis.effects.port_volume_2 = {3e-6};
   SearchSettings settings;
   settings.refits = 0;
   CHECK(judge(machine, owners_rig(), settings).name.empty());
@@ -193,14 +192,14 @@ TEST_CASE(
   Rig machine = with_background(owners_rig());
   machine.axis.effects.chamber_leak_1.area_m2 = 3e-8;
   machine.axis.effects.frequency_dependent_losses.share = 1;
-  machine.axis.effects.line_branch_1 = {6e-6, 0.01, 0.006, 0.0};
-  machine.axis.effects.line_branch_2 = {3e-6, 0.01, 0.006, 0.0};
+  machine.axis.effects.port_volume_1 = {6e-6};
+  machine.axis.effects.port_volume_2 = {3e-6};
   const Judged judged = judge(machine);
   CHECK(judged.name == "chamber_leak_1");
   const AxisEffects<double>& found = judged.rig.axis.effects;
   CHECK(found.frequency_dependent_losses.share == Approx(1).epsilon(0.25));
-  CHECK(found.line_branch_1.volume_m3 == Approx(6e-6).epsilon(0.25));
-  CHECK(found.line_branch_2.volume_m3 == Approx(3e-6).epsilon(0.25));
+  CHECK(found.port_volume_1.volume_m3 == Approx(6e-6).epsilon(0.25));
+  CHECK(found.port_volume_2.volume_m3 == Approx(3e-6).epsilon(0.25));
 }
 
 TEST_CASE("losses that depend on frequency are granted, and no name of their own") {

@@ -47,13 +47,11 @@ std::vector<std::string_view> keys_named(const EffectEntry& entry) {
   std::vector<std::string_view> keys;
   for (const ParameterTrait& trait : entry.parameters) keys.push_back(trait.key);
   for (const StatedSize& size : entry.smallest) keys.push_back(size.key);
-  for (const StatedSize& size : entry.small_shape) keys.push_back(size.key);
   for (const EffectSignature& signature : entry.signatures)
     for (const StatedSize& size : signature.sizes) keys.push_back(size.key);
   const SimplerLaw& simpler = entry.contains;
   for (const std::string_view key : {simpler.extra, simpler.beside, simpler.alike[0], simpler.alike[1]})
     if (!key.empty()) keys.push_back(key);
-  if (!entry.at_line_end.empty()) keys.push_back("position");
   return keys;
 }
 
@@ -117,10 +115,6 @@ TEST_CASE("effects: what an entry says of another one holds of it") {
       REQUIRE(find_effect(entry->contains.name) != nullptr);
       CHECK(find_effect(entry->contains.name)->family == entry->family);
       CHECK(entry->contains.extra.empty() != entry->contains.alike[0].empty());
-    }
-    if (!entry->at_line_end.empty()) {
-      REQUIRE(find_effect(entry->at_line_end) != nullptr);
-      CHECK(find_effect(entry->at_line_end)->family == entry->family);
     }
   }
 }

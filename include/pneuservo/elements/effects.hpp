@@ -11,7 +11,7 @@ namespace pneuservo {
 template <class S> struct ValveDeadBand {
   S width_V = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
-    v(Field{"width_V", "V", 0, 1000, "w of s_eff = sign(s) max(|s| - w, 0)"}, p.width_V...);
+    v(Field{"width_V", "V", -1000, 1000, "w: each edge opens where |s| is past it; negative: an underlap"}, p.width_V...);
   }
 };
 template <class S> struct ValveOffset {
@@ -148,6 +148,17 @@ template <class S> struct LineBranch {
     v(Field{"position", "-", 0, 1, "0 valve end, 1 chamber end"}, p.position...);
   }
 };
+/// Volume at the valve's port, where its fittings and its sensor sit: a branch at the line's end behind the port's bore;
+/// volume 0: none.
+template <class S> struct PortVolume {
+  static constexpr bool is_inside_line = true;
+  S volume_m3 = S(0);
+  /// Behind 10 mm of 6 mm bore, which is no hindrance to the flows of a valve this size.
+  LineBranch<S> as_branch() const noexcept { return {volume_m3, S(0.01), S(0.006), S(0)}; }
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"volume_m3", "m3", 0, 1, "of fittings and bores between valve and line"}, p.volume_m3...);
+  }
+};
 /// Friction and wall heat of both lines beside the quasi-steady ones (wall_memory.hpp); share 0: none, 1: the theory of
 /// laminar layers, with the Nusselt number 8 of slow changes in place of 3.66.
 template <class S> struct FrequencyDependentLosses {
@@ -226,6 +237,7 @@ template <class S> struct AxisEffects {
   LineRestriction<S> line_restriction_1, line_restriction_2;
   LineLeak<S> line_leak_1, line_leak_2;
   LineBranch<S> line_branch_1, line_branch_2;
+  PortVolume<S> port_volume_1, port_volume_2;
   FrequencyDependentLosses<S> frequency_dependent_losses;
   ChamberLeak<S> chamber_leak_1, chamber_leak_2;
   PistonLeak<S> piston_leak;
@@ -270,6 +282,8 @@ template <class S> struct AxisEffects {
     v(Field{"line_leak_2", "", 0, 0, "leak of line 2 to atmosphere", optional}, p.line_leak_2...);
     v(Field{"line_branch_1", "", 0, 0, "dead-end branch of line 1", optional}, p.line_branch_1...);
     v(Field{"line_branch_2", "", 0, 0, "dead-end branch of line 2", optional}, p.line_branch_2...);
+    v(Field{"port_volume_1", "", 0, 0, "volume at the valve's port 1", optional}, p.port_volume_1...);
+    v(Field{"port_volume_2", "", 0, 0, "volume at the valve's port 2", optional}, p.port_volume_2...);
     v(Field{"frequency_dependent_losses", "", 0, 0, "friction and wall heat of both lines that depend on frequency",
             optional},
       p.frequency_dependent_losses...);

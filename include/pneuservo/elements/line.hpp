@@ -175,8 +175,8 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
   std::int64_t guard_actions() const noexcept { return guard_actions_; }
   /// Mass flow lost through the leak in the last sub-step [kg/s].
   S leak_mass_flow() const noexcept { return losses_.leak_mass_flow(); }
-  /// Gas behind the neck of a branch [kg].
-  S branch_mass() const noexcept { return losses_.branch_mass(effects_.branch); }
+  /// Gas behind the necks of a branch and of the valve's port [kg].
+  S branch_mass() const noexcept { return losses_.branch_mass(effects_); }
 
  private:
   using G = Group<S>;

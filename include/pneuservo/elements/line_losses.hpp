@@ -1,4 +1,4 @@
-// What a line loses along its length, beside its ends: a leak to the atmosphere, a dead-end branch, an imposed inflow.
+// What a line loses along its length, beside its ends: a leak to the atmosphere, dead-end branches, an imposed inflow.
 #pragma once
 #include <algorithm>
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace pneuservo {
 
-/// The state of both effects; what they take from each cell in a step goes into the cells' balances. Their parameters
+/// The state of these effects; what they take from each cell in a step goes into the cells' balances. Their parameters
 /// are the line's, which each step takes as an argument beside them; of it the public interface alone is used.
 template <class S> class LineLosses {
  public:
@@ -21,10 +21,11 @@ template <class S> class LineLosses {
 
   /// Allocates.
   void resize(std::size_t cell_groups) { loss_.assign(cell_groups, {}); }
-  /// Which of the two the line has from now on.
+  /// Which of them the line has from now on.
   void set_effects(const LineEffects<S>& effects) noexcept {
     leaking_ = any(effects.leak.area_m2 > S(0));
     branched_ = any(effects.branch.volume_m3 > S(0));
+    has_port_volume_ = any(effects.port_volume.volume_m3 > S(0));
     leak_flow_ = S(0);
   }
   /// Gas that comes into the middle of the line from here on [kg/s]; negative: is taken.
@@ -32,21 +33,26 @@ template <class S> class LineLosses {
     inflow_ = inflow_kgps;
     fed_ = true;
   }
-  bool are_present() const noexcept { return leaking_ || branched_ || fed_; }
+  bool are_present() const noexcept { return leaking_ || branched_ || has_port_volume_ || fed_; }
 
-  /// Gas at rest in the branch.
+  /// Gas at rest in the branches.
   void reset(const S& pressure_Pa, const S& density_kg_per_m3) noexcept {
     branch_.reset(pressure_Pa, density_kg_per_m3);
+    port_volume_.reset(pressure_Pa, density_kg_per_m3);
   }
-  /// Multiplies pressure and temperature of the gas in the branch.
-  void scale_gas(const S& pressure, const S& temperature) noexcept { branch_.scale_gas(pressure, temperature); }
+  /// Multiplies pressure and temperature of the gas in the branches.
+  void scale_gas(const S& pressure, const S& temperature) noexcept {
+    branch_.scale_gas(pressure, temperature);
+    port_volume_.scale_gas(pressure, temperature);
+  }
 
   /// One sub-step beside the line as it stands, its faces already at their new velocities.
   template <class Line>
   void step(const Line& line, const LineEffects<S>& effects, const Constants& k, double step_s) noexcept {
     std::fill(loss_.begin(), loss_.end(), CellLoss{});
     if (leaking_) step_leak(line, effects, k, step_s);
-    if (branched_) step_branch(line, effects.branch, k, step_s);
+    if (branched_) step_branch(line, branch_, effects.branch, k, step_s);
+    if (has_port_volume_) step_branch(line, port_volume_, effects.port_volume.as_branch(), k, step_s);
     if (fed_) step_inflow(line, k, step_s);
   }
   /// What the last sub-step took from a group of cells.
@@ -54,8 +60,10 @@ template <class S> class LineLosses {
 
   /// Mass flow lost through the leak in the last sub-step [kg/s].
   S leak_mass_flow() const noexcept { return leak_flow_; }
-  /// Gas behind the neck of the branch [kg].
-  S branch_mass(const LineBranch<S>& branch) const noexcept { return branch_.mass(branch); }
+  /// Gas behind the necks of branch and port [kg].
+  S branch_mass(const LineEffects<S>& effects) const noexcept {
+    return branch_.mass(effects.branch) + port_volume_.mass(effects.port_volume.as_branch());
+  }
 
  private:
   // Orifice to atmosphere in the cell that holds the leak's position.
@@ -75,9 +83,10 @@ template <class S> class LineLosses {
     }
   }
 
-  // The branch shares its flow between the two cells whose middles lie beside it.
+  // A branch shares its flow between the two cells whose middles lie beside it.
   template <class Line>
-  void step_branch(const Line& line, const LineBranch<S>& branch, const Constants& k, double step_s) noexcept {
+  void step_branch(const Line& line, Branch<S>& gas, const LineBranch<S>& branch, const Constants& k,
+                   double step_s) noexcept {
     const int n = line.cells();
     const S place = clamp(branch.position * S(n) - S(0.5), S(0), S(n - 1));
     const auto share = [&](int i) { return maximum(S(0), S(1) - absolute(place - S(i))); };
@@ -87,8 +96,8 @@ template <class S> class LineLosses {
       density += share(i) * line.cell_density(i);
     }
     const Air<S>& air = line.air();
-    const S cell_volume = line.cross_section() * line.cell_length(), from_branch_K = branch_.temperature(air);
-    const S flow = branch_.step(branch, air, line.friction(), step_s, {pressure, density, cell_volume});
+    const S cell_volume = line.cross_section() * line.cell_length(), from_branch_K = gas.temperature(air);
+    const S flow = gas.step(branch, air, line.friction(), step_s, {pressure, density, cell_volume});
     for (int i = 0; i < n; ++i)
       add(i, air.cp, k, share(i) * flow * S(step_s) / cell_volume,
           select(flow > S(0), line.cell_temperature(i), from_branch_K));
@@ -112,9 +121,9 @@ template <class S> class LineLosses {
   }
 
   S leak_flow_{}, inflow_{};
-  Branch<S> branch_;
+  Branch<S> branch_, port_volume_;
   std::vector<CellLoss> loss_;
-  bool leaking_ = false, branched_ = false, fed_ = false;
+  bool leaking_ = false, branched_ = false, has_port_volume_ = false, fed_ = false;
 };
 
 }  // namespace pneuservo

@@ -122,10 +122,8 @@ class Line<Pack<T, N>> : public LineSteps<Line<Pack<T, N>>, Pack<T, N>> {
   }
   template <bool upper> static LineEffects<Half> half_of(const LineEffects<S>& both) noexcept {
     LineEffects<Half> out;
-    out.restriction = half_of<LineRestriction<Half>, upper>(both.restriction);
-    out.leak = half_of<LineLeak<Half>, upper>(both.leak);
-    out.branch = half_of<LineBranch<Half>, upper>(both.branch);
-    out.frequency_dependent_losses = half_of<FrequencyDependentLosses<Half>, upper>(both.frequency_dependent_losses);
+    LineEffects<Half>::visit(
+        [](auto& to, const auto& from) { to = half_of<std::remove_cvref_t<decltype(to)>, upper>(from); }, out, both);
     out.critical_pressure_ratio = half_of<upper>(both.critical_pressure_ratio);
     return out;
   }

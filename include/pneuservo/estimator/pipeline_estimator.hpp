@@ -246,9 +246,13 @@ class PipelineEstimator {
   void configure_effects(const EstimatorParameters& parameters) {
     const AxisEffects<double>& e = parameters.effects;
     LineEffects<Lanes> of_lines;
-    of_lines.restriction = sides<LineRestriction<Lanes>>(e.line_restriction_1, e.line_restriction_2);
-    of_lines.leak = sides<LineLeak<Lanes>>(e.line_leak_1, e.line_leak_2);
-    of_lines.branch = sides<LineBranch<Lanes>>(e.line_branch_1, e.line_branch_2);
+    const auto of_line_1 = LineEffects<double>::of_line_1(e), of_line_2 = LineEffects<double>::of_line_2(e);
+    LineEffects<Lanes>::visit(
+        [](auto& to, const auto& side_1, const auto& side_2) {
+          to = sides<std::remove_cvref_t<decltype(to)>>(side_1, side_2);
+        },
+        of_lines, of_line_1, of_line_2);
+    of_lines.frequency_dependent_losses = {};  // it is the sensors' noise that these would remember
     of_lines.critical_pressure_ratio = Lanes(parameters.valve.critical_pressure_ratio);
     axis_.side().line().set_effects(of_lines);
     chamber_leak_m2_ = both(e.chamber_leak_1.area_m2, e.chamber_leak_2.area_m2);

@@ -60,12 +60,12 @@ template <class S> class AxisPlant {
     sides_.fix_substeps(grid.substeps);
     sides_.line().set_port_tolerance(grid.port_tolerance);
     LineEffects<P> line_effects;
-    line_effects.restriction =
-        join_parameters<LineRestriction<P>>(axis.effects.line_restriction_1, axis.effects.line_restriction_2);
-    line_effects.leak = join_parameters<LineLeak<P>>(axis.effects.line_leak_1, axis.effects.line_leak_2);
-    line_effects.branch = join_parameters<LineBranch<P>>(axis.effects.line_branch_1, axis.effects.line_branch_2);
-    line_effects.frequency_dependent_losses = join_parameters<FrequencyDependentLosses<P>>(
-        axis.effects.frequency_dependent_losses, axis.effects.frequency_dependent_losses);
+    const auto of_line_1 = LineEffects<S>::of_line_1(axis.effects), of_line_2 = LineEffects<S>::of_line_2(axis.effects);
+    LineEffects<P>::visit(
+        [](auto& to, const auto& side_1, const auto& side_2) {
+          to = join_parameters<std::remove_cvref_t<decltype(to)>>(side_1, side_2);
+        },
+        line_effects, of_line_1, of_line_2);
     line_effects.critical_pressure_ratio = join(axis.valve.critical_pressure_ratio, axis.valve.critical_pressure_ratio);
     sides_.line().set_effects(line_effects);
     valves_.configure(arrangement, axis.valve, axis.effects.valve, period_s);

@@ -15,10 +15,9 @@ Fit with_small_physics(FittedRows& rows, const Fit& fit) {
   out.base = fit.base;
   out.parameters = fit.parameters;
   out.own_count = fit.own_count;
-  SmallPhysics granted = small_physics(fit.hypothesis().rig, rows.model().channels());
   std::vector<double> z(fit.z.data(), fit.z.data() + fit.z.size());
-  out.base.rig = std::move(granted.rig);
-  for (FreeParameter& parameter : granted.parameters) {
+  out.base.rig = fit.hypothesis().rig;
+  for (FreeParameter& parameter : small_physics(out.base.rig, rows.model().channels())) {
     if (std::any_of(fit.parameters.begin(), fit.parameters.end(),
                     [&](const FreeParameter& known) { return known.is_same(parameter); }))
       continue;

@@ -123,7 +123,6 @@ Candidate effect_candidate(const std::string& name, const EffectEntry& entry, co
   candidate.starts = {{}};
   candidate.family = on_side_of(entry.family, name);
   candidate.entry = &entry;
-  candidate.is_mimicked_by_small_physics = entry.is_mimicked_by_small_physics;
   candidate.is_description = entry.role == EffectRole::description;
   candidate.is_never_added = entry.is_never_added || candidate.is_description;
   candidate.shown_by = entry.shown_by;
@@ -305,11 +304,6 @@ std::vector<std::string> names_of(const EffectEntry& entry, const std::vector<st
   return out;
 }
 
-/// Whether the effect does nothing in this rig: its first size is the neutral one.
-bool is_off(const Rig& rig, const std::string& name, const EffectEntry& entry) {
-  return get_parameter(rig, fmt::format("effects.{}.{}", name, entry.parameters[0].key)) == 0;
-}
-
 /// Adds the small sizes of one effect about what the rig has of it.
 void add_small(const Rig& rig, const std::string& name, const EffectEntry& entry,
                const std::vector<ParameterPath>& known, std::vector<FreeParameter>& out) {
@@ -324,26 +318,20 @@ void add_small(const Rig& rig, const std::string& name, const EffectEntry& entry
     free.step = trait.small_step;
     keep_in_range(free, known);
     free.lower = std::min(free.lower, 0.0);
-    free.is_beyond_range = trait.is_small_signed;
-    if (free.is_beyond_range) free.lower = -tolerance_cut;
     out.push_back(free);
   }
 }
 
 }  // namespace
 
-SmallPhysics small_physics(Rig rig, const std::vector<ResidualChannel>& channels) {
+std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels) {
   std::vector<FreeParameter> out;
-  if (!rig.is_pneumatic()) return {std::move(rig), {}};
+  if (!rig.is_pneumatic()) return out;
   const std::vector<ParameterPath> known = parameter_paths(rig);
   const std::vector<std::string> names = effect_names(rig);
   for (const EffectEntry* entry : all_effects())
     for (const std::string& name : names_of(*entry, names)) {
-      if (split_effect(name).is_of_sensor) continue;
-      if (!entry->small_shape.empty() && is_off(rig, name, *entry))
-        for (const StatedSize& size : entry->small_shape)
-          set_parameter(rig, fmt::format("effects.{}.{}", name, size.key), size.value);
-      add_small(rig, name, *entry, known, out);
+      if (!split_effect(name).is_of_sensor) add_small(rig, name, *entry, known, out);
     }
   for (const ResidualChannel& channel : channels) {
     if (!channel.name.starts_with("p")) continue;
@@ -352,15 +340,7 @@ SmallPhysics small_physics(Rig rig, const std::vector<ResidualChannel>& channels
       if (std::find(names.begin(), names.end(), name) != names.end()) add_small(rig, name, *entry, known, out);
     }
   }
-  return {std::move(rig), std::move(out)};
-}
-
-Rig without_empty_small_shapes(Rig rig) {
-  visit_effects(rig, [&](const Field& field, auto& effect) {
-    const EffectEntry& entry = *find_effect(field.key);
-    if (!entry.small_shape.empty() && is_off(rig, std::string(field.key), entry)) effect = {};
-  });
-  return rig;
+  return out;
 }
 
 std::vector<Candidate> all_candidates(const Rig& rig, const std::vector<ResidualChannel>& channels,

@@ -25,7 +25,6 @@ struct Candidate {
   std::vector<char> amplitude;  ///< of each parameter: found by its derivative
   std::vector<std::vector<double>> whole_starts;  ///< z whose whole change is screened beside the derivative
   std::string family;  ///< names that mimic each other; all are refitted when one is
-  bool is_mimicked_by_small_physics = false;  ///< has no name beside small physics that is everywhere
   /// Tells where and how much, and no law: sought alone, and its verdict is `unknown` at its element.
   bool is_description = false;
   bool is_never_added = false;  ///< to other names; every description is one such
@@ -51,13 +50,7 @@ std::vector<FreeParameter> nuisances(const Rig& rig, std::size_t start_factor_co
 
 /// Small physics that every real machine has a little of, as nuisances with narrow priors about neutral: they take up
 /// the small and leave the large, which has a name.
-struct SmallPhysics {
-  Rig rig;  ///< with a volume of no size at either valve port, behind a neck that is no hindrance
-  std::vector<FreeParameter> parameters;
-};
-SmallPhysics small_physics(Rig rig, const std::vector<ResidualChannel>& channels);
-/// The rig without those volumes that have stayed empty.
-Rig without_empty_small_shapes(Rig rig);
+std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels);
 
 /// Element at which a config path sits: slider.mass_kg is at motion.
 std::string element_of_path(const std::string& path);

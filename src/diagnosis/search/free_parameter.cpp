@@ -18,7 +18,6 @@ Hypothesis with_parameters(const Hypothesis& base, const std::vector<FreeParamet
     const double value = parameter.value(z[i]);
     if (parameter.start_factor >= 0)
       hypothesis.start_factors.at(static_cast<std::size_t>(parameter.start_factor)) = value;
-    else if (parameter.is_beyond_range) parameter.number.value().set_beyond_range(hypothesis.rig, value);
     else parameter.number.value().set(hypothesis.rig, value);
   }
   return hypothesis;

@@ -23,7 +23,6 @@ struct FreeParameter {
   /// Of z, for differences. Short: where two numbers nearly stand for each other, a fit follows the difference of their
   /// columns, and with steps five times as long it crept on 8 in chi2 above its minimum.
   double step = 0.005;
-  bool is_beyond_range = false;  ///< takes values that no config can state, such as a valve's underlap
 
   /// Whether both are one number, whatever their priors.
   bool is_same(const FreeParameter& other) const { return start_factor == other.start_factor && path == other.path; }

@@ -288,7 +288,6 @@ std::vector<KnownStart> Search::best_starts(std::size_t most) const {
   std::vector<KnownStart> out;
   for (const Explanation* e : ranking(1)) {
     if (out.size() == most) break;
-    if (candidates_[e->members.front()].is_mimicked_by_small_physics) continue;
     const double* z = e->fit.z.data();
     out.push_back({candidates_[e->members.front()].name, {z, z + e->fit.own_count}});
   }

@@ -69,13 +69,6 @@ bool is_simpler_law(const Explanation& explanation, const Candidate& candidate, 
   return std::abs(one - other) < law_share * 0.5 * (one + other);
 }
 
-/// The candidate's name, but for what the fit puts at the line's end and has another one there.
-std::string name_by_place(const Explanation& explanation, const Candidate& candidate, const DecisionRules& rules) {
-  if (candidate.entry == nullptr || candidate.entry->at_line_end.empty()) return candidate.name;
-  const bool at_end = own_value(explanation, candidate.path_of("position")) >= rules.line_end_position;
-  return at_end ? on_side_of(candidate.entry->at_line_end, candidate.name) : candidate.name;
-}
-
 std::vector<const Explanation*> sizeable(const Search& search, std::size_t members, const DecisionRules& rules) {
   std::vector<const Explanation*> out = search.ranking(members);
   std::erase_if(out, [&](const Explanation* e) {
@@ -555,14 +548,9 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
 
 double probability_of_member(const Decision& decision, const Search& search, std::size_t member,
                              const DecisionRules& rules) {
-  const std::string name = name_by_place(*decision.chosen, search.candidates()[member], rules);
   double sum = 0;
-  for (std::size_t i = 0; i < decision.rivals.size(); ++i) {
-    const Explanation& rival = *decision.rivals[i];
-    if (std::any_of(rival.members.begin(), rival.members.end(),
-                    [&](std::size_t m) { return name_by_place(rival, search.candidates()[m], rules) == name; }))
-      sum += decision.probabilities[i];
-  }
+  for (std::size_t i = 0; i < decision.rivals.size(); ++i)
+    if (contains(decision.rivals[i]->members, member)) sum += decision.probabilities[i];
   // What the member gains where it is beside all others; with each name that is there already, small physics has more
   // to hide behind.
   double without = decision.chosen->members.size() == 1 ? search.owner().log_evidence : -1e300;

@@ -27,7 +27,6 @@ struct DecisionRules {
   double ambiguous_distance = 10;  ///< in log evidence
   double temperature = 3;  ///< log evidence over it makes probabilities
   double law_share = 0.1;  ///< a force below this share of a simpler law's does not make another law of it
-  double line_end_position = 0.9;  ///< along its line: a leak beyond is one of the chamber, no pressure tells
   double most_sure = 0.97;  ///< small unmodelled physics is part of every probability
   double grid_error_gain = 15;  ///< in log evidence: names that bring less raise no alarm, whatever the grid does
   double doubted_gain = 15;  ///< in log evidence: what small unmodelled physics gains a name every other time

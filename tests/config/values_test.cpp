@@ -1,6 +1,7 @@
 // Values land where they belong: defaults, every kind of reference, effects, --set, numbers by path.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 

@@ -1,5 +1,7 @@
 // The simulated axis: valves, both lines with their chambers, slider and supply, built from the elements.
 #pragma once
+#include <type_traits>
+
 #include <pneuservo/core/pack.hpp>
 #include <pneuservo/core/signal.hpp>
 #include <pneuservo/elements/line_with_chamber.hpp>

@@ -277,6 +277,7 @@ Decision with_small_physics(const Rig& rig, FittedRows& rows, std::vector<Candid
   settings.known_starts = plain.best_starts(carried_over);
   settings.grow_floor = true;
   settings.settled_gain = settled_gain_beside;
+  std::erase_if(candidates, is_granted);
   DecisionRules rules = options.rules;
   rules.most_names = 1;
   search.emplace(rows, rig, std::move(candidates), settings, rules, options.progress);

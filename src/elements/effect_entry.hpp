@@ -23,6 +23,7 @@ enum class EffectScale {
   drag,                ///< that force over the square of the top speed
   stiffness,           ///< that force over half the stroke
   valve_area,          ///< the valve's largest area
+  valve_area_per_pressure,  ///< the valve's largest area over the gauge supply pressure
   inverse_valve_area,  ///< of 1/area^2: 1 over the square of the valve's largest area
   moving_mass,         ///< slider and payload
   top_speed,
@@ -35,6 +36,9 @@ enum class EffectScale {
   viscosity,           ///< the slider's configured viscous friction
   adiabatic_change,    ///< K by which gas cools from a recording's first pressure to the atmosphere's without heat
   supply_resistance,   ///< Pa s/kg through which a vessel fills with a time constant of 10 s
+  supply_pressure,
+  stroke,
+  duration,            ///< s from the first row of the recordings that is compared to the last
 };
 
 /// In what a parameter is varied: itself, its logarithm, or 1/value^2 (0 stands for "none" there).
@@ -136,6 +140,7 @@ enum class EffectRole {
   description,  ///< a shape for whatever is there: sought alone, its verdict is `unknown` at its element
   granted,  ///< every real machine has it: allowed for beside other physics, never a name
   disturbance,  ///< other in each recording: told with its frequency, and no config holds it
+  played,  ///< for configs and simulations: no verdict looks for it
 };
 
 /// The simpler law that an effect contains: it is that law where `extra` is nothing beside `beside`, or where both

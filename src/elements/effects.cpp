@@ -10,6 +10,9 @@ using enum Signal;
 constexpr std::array<double, 3> droop_areas{0.1, 0.3, 1};
 constexpr std::array<double, 3> droop_volumes{2e-4, 1e-3, 5e-3};
 constexpr std::array<double, 3> restriction_sizes{0.1, 0.5, 2};
+constexpr std::array<double, 3> relief_pressures{0.5, 0.65, 0.8};
+constexpr std::array<double, 2> cushion_lengths{0.08, 0.25};
+constexpr std::array<double, 1> throttle_sizes{0.5};
 constexpr std::array<double, 3> leak_positions{0, 0.45, 0.9};
 constexpr std::array<double, 2> branch_volumes{0.3, 1.5};
 constexpr std::array<double, 1> branch_neck_lengths{0.3};
@@ -50,6 +53,14 @@ constexpr EffectEntry pneumatic_entries[] = {
                      .words = "Sides opposite. Quiet in the first rest, turns with every move.",
                      .channels = {p1_port, p2_port},
                      .against = "command"}}},
+    {.name = "valve_stiction",
+     .words = "a spool that sticks and jumps",
+     .element = "valve",
+     .family = "late",
+     // What it does to a recording hangs on the instant of every jump: a fit from sizes beside the true one does not
+     // find it.
+     .role = EffectRole::played,
+     .parameters = {amplitude("threshold_V", one, 0.15, 1e-3)}},
     {.name = "valve_lag",
      .words = "a lag between command and spool",
      .element = "valve",
@@ -178,12 +189,49 @@ constexpr EffectEntry pneumatic_entries[] = {
            .words = "One side, in moves. Port and chamber go together.",
            .channels = {p1_port, p1_chamber},
            .against = "speed"}}},
+    {.name = "line_compliance",
+     .words = "hose # that swells with the pressure",
+     .element = "line",
+     .family = "line_branch",
+     // Beside tolerances of bore and dead volume a short branch stands for it: it has no name yet.
+     .role = EffectRole::played,
+     // Gas itself gives way by 1/(kappa p), 1e-6 at 7 bar: a growth of a two-hundredth of that is within any tolerance.
+     .parameters = {amplitude("section_growth_per_Pa", one, 2e-7, 5e-9)},
+     .signatures = {{.side = "1",
+                     .sizes = {{"section_growth_per_Pa", 2e-7}},
+                     .words = "One side, in moves. Port and chamber go together.",
+                     .channels = {p1_port, p1_chamber},
+                     .against = "speed"}}},
     {.name = "port_volume",
      .words = "a volume at the valve's port # (fittings, bores)",
      .element = "line",
      .family = "line_branch",
      .role = EffectRole::granted,
      .parameters = {amplitude("volume_m3", one, 1e-4, 1e-6).small(5e-6)}},
+    {.name = "flow_control",
+     .words = "a throttle with a check valve at port # of the cylinder",
+     .element = "line",
+     .family = "line_restriction",
+     .parameters =
+         {amplitude("area_m2", inverse_valve_area, 4, 0.01).by(Variation::inverse_square).whole_at(throttle_sizes)},
+     .signatures = {{.side = "1",
+                     .sizes = {{"area_m2", 8e-6}},
+                     .words = "As line_restriction_1, in the moves alone that empty the chamber.",
+                     .channels = {p1_port, p1_chamber},
+                     .against = "speed"}}},
+    {.name = "end_cushion",
+     .words = "a cushion of the end at chamber #",
+     .element = "chamber",
+     .family = "line_restriction",
+     .parameters =
+         {amplitude("area_m2", inverse_valve_area, 4, 0.01).by(Variation::inverse_square).whole_at(throttle_sizes),
+          shape("length_m", stroke, 0.3, cushion_lengths)}},
+    {.name = "chamber_relief",
+     .words = "a relief valve of chamber #, or a seal that lifts",
+     .element = "chamber",
+     .family = "leak",
+     .parameters = {amplitude("area_per_pressure_m2_per_Pa", valve_area_per_pressure, 0.3, 1e-3),
+                    shape("opening_Pa", supply_pressure, 0.3, relief_pressures)}},
     {.name = "chamber_leak",
      .words = "a leak from chamber # to the room",
      .element = "chamber",

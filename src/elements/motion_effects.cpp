@@ -12,6 +12,8 @@ constexpr std::array<double, 9> zone_centers{-0.9, -0.675, -0.45, -0.225, 0, 0.2
 constexpr std::array<double, 2> zone_widths{0.07, 0.2};
 constexpr std::array<double, 3> friction_ways{0.003, 0.01, 0.03};
 constexpr std::array<double, 3> spring_rests{-0.5, 0, 0.5};
+constexpr std::array<double, 16> change_times{0.03, 0.09, 0.16, 0.22, 0.28, 0.34, 0.41, 0.47,
+                                              0.53, 0.59, 0.66, 0.72, 0.78, 0.84, 0.91, 0.97};
 constexpr std::array<double, 12> load_frequencies{3, 3.8, 4.8, 6, 7.5, 9.5, 12, 15, 19, 24, 30, 38};
 constexpr std::array<double, 1> load_damping{0.03};
 constexpr std::array<double, 16> load_plays{5e-5,   7e-5,   1e-4,   1.3e-4, 1.8e-4, 2.5e-4, 3.3e-4, 4.5e-4,
@@ -146,6 +148,18 @@ constexpr EffectEntry motion_entries[] = {
                      .words = "A straight line over position, at rest too.",
                      .channels = {F},
                      .against = "position"}}},
+    {.name = "payload_change",
+     .words = "a payload that is taken up or put down within the recording",
+     .element = "motion",
+     .family = "load",
+     .parameters = {amplitude("mass_kg", moving_mass, 0.3, 2e-3), amplitude("weight_N", force, 0.03, 5e-5),
+                    shape("time_s", duration, 0.5, change_times)},
+     // Beside another name its step would take what that one has wrong after some instant.
+     .is_never_added = true,
+     .signatures = {{.sizes = {{"mass_kg", 1}, {"weight_N", 9.81}, {"time_s", 1}},
+                     .words = "Nothing up to an instant, from then on a weight, and a force with every acceleration.",
+                     .channels = {F},
+                     .against = "speed"}}},
     {.name = "elastic_load",
      .words = "a load that swings on a soft coupling",
      .element = "motion",

@@ -62,8 +62,8 @@ double speed_per_volt(const Rig& rig) {
 /// Command that moves the slider at a share of the start's speed, beyond what the valve's overlap takes.
 double start_command_V(const Rig& rig) {
   const auto& valve = rig.axis.effects.valve;
-  const double idle_V =
-      std::max(valve.valve_dead_band.width_V, 0.0) + std::fabs(valve.valve_offset.offset_V) + std::fabs(rig.safe_output.command_V);
+  const double idle_V = std::max(valve.valve_dead_band.width_V, 0.0) + std::fabs(valve.valve_offset.offset_V) +
+                        std::fabs(rig.safe_output.command_V);
   return start_speed_share * largest_start_mps / speed_per_volt(rig) + idle_V;
 }
 

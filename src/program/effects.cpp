@@ -25,17 +25,35 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array role_names{"law", "description", "granted", "disturbance"};
+constexpr std::array role_names{"law", "description", "granted", "disturbance", "played"};
 constexpr std::array variation_names{"linear", "logarithmic", "inverse_square"};
 constexpr std::array growth_names{"held", "twice", "narrower"};
 constexpr std::array excitation_names{"many_speeds", "both_ways", "places_again", "a_radian"};
 /// In the order of EffectScale.
-constexpr std::array scale_names{
-    "one",          "force",       "force_per_pressure", "force_per_speed",     "drag",
-    "stiffness",    "valve_area",  "inverse_valve_area", "moving_mass",         "top_speed",
-    "half_stroke",  "line_volume", "wall_heat",          "laminar_conductance", "channel_offset",
-    "channel_gain", "viscosity",   "adiabatic_change",   "supply_resistance"};
-static_assert(scale_names.size() == static_cast<std::size_t>(EffectScale::supply_resistance) + 1);
+constexpr std::array scale_names{"one",
+                                 "force",
+                                 "force_per_pressure",
+                                 "force_per_speed",
+                                 "drag",
+                                 "stiffness",
+                                 "valve_area",
+                                 "valve_area_per_pressure",
+                                 "inverse_valve_area",
+                                 "moving_mass",
+                                 "top_speed",
+                                 "half_stroke",
+                                 "line_volume",
+                                 "wall_heat",
+                                 "laminar_conductance",
+                                 "channel_offset",
+                                 "channel_gain",
+                                 "viscosity",
+                                 "adiabatic_change",
+                                 "supply_resistance",
+                                 "supply_pressure",
+                                 "stroke",
+                                 "duration"};
+static_assert(scale_names.size() == static_cast<std::size_t>(EffectScale::duration) + 1);
 
 template <class E> const char* name_of(const auto& names, E value) { return names[static_cast<std::size_t>(value)]; }
 

@@ -120,12 +120,12 @@ TEST_CASE("a handle is its path, resolved once, in every rig of the kind") {
     const ParameterHandle handle(rig, parameter.path);
     Rig other = rig;
     CHECK(handle.value(other) == parameter.value);
-    const double middle = 0.5 * (parameter.value + std::clamp(0.625, parameter.field.minimum, parameter.field.maximum));
-    handle.set(other, middle);
-    CHECK(get_parameter(other, parameter.path) == middle);
+    const double within = std::clamp(0.625, parameter.field.minimum, parameter.field.maximum);
+    handle.set(other, within);
+    CHECK(get_parameter(other, parameter.path) == within);
     CHECK(get_parameter(rig, parameter.path) == parameter.value);
-    handle.set(other, parameter.value);
-    for (const ParameterPath& same : parameter_paths(other)) CHECK(same.value == get_parameter(rig, same.path));
+    for (const ParameterPath& same : parameter_paths(other))
+      if (same.path != parameter.path) CHECK(same.value == get_parameter(rig, same.path));
   }
   CHECK_THROWS_AS(ParameterHandle(rig, "slider.mas_kg"), InputError);
   Rig other = rig;

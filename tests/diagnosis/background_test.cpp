@@ -53,8 +53,7 @@ Judged judge(const Rig& machine, const Rig& owner = owners_rig(), const SearchSe
   SearchSettings settings = wanted;
   settings.grow_floor = true;
   settings.small_physics = small_physics(owner, model.channels());
-  Search search(rows, owner, all_candidates(owner, model.channels(), motion_range(model.rows())), settings, rules,
-                {});
+  Search search(rows, owner, all_candidates(owner, model.channels(), motion_range(model.rows())), settings, rules, {});
   search.run();
   model.drop_slow_error();
   const Decision decision = decide_beside_remainder(model, search, rules);

@@ -123,6 +123,8 @@ TEST_CASE("search: fittings and branches have such sizes, a branch at every plac
   const ResidualChannel port{"p1_port", "Pa", 300, 50};
   for (const Candidate& candidate : all_candidates(cylinder_rig(), {port}, {-0.1, 0.1, 0.5})) {
     if (candidate.name.starts_with("line_restriction")) CHECK(candidate.whole_starts.size() == 3);
+    else if (candidate.name.starts_with("flow_control")) CHECK(candidate.whole_starts.size() == 1);
+    else if (candidate.name.starts_with("end_cushion")) CHECK(candidate.whole_starts.size() == 2);
     else if (candidate.name.starts_with("line_branch"))
       CHECK(candidate.whole_starts.size() == 2 * candidate.starts.size());
     else CHECK(candidate.whole_starts.empty());

@@ -101,6 +101,21 @@ TEST_CASE("slider: friction that the way builds up is a spring for small ways, d
   CHECK(slider.position() == Approx(0.05 + 1e-3).epsilon(2e-3));
 }
 
+TEST_CASE("slider: a payload that is taken up is mass and weight from its instant on, and none before") {
+  MotionEffects<double> e;
+  e.payload_change = {0.5, 3.0, 0.25};
+  Slider<double> slider = make_slider(e);
+  slider.reset(0.0, 0.0);
+  for (int k = 0; k < 250; ++k) slider.step(1e-3, 0.0, {});
+  CHECK((slider.position() == 0.0 && slider.velocity() == 0.0));
+  CHECK(slider.mass() == Approx(2.5));
+  for (int k = 0; k < 100; ++k) slider.step(1e-3, 0.0, {});
+  CHECK(slider.velocity() == Approx(-3.0 / 2.5 * 0.1));
+  slider.reset(0.0, 0.0);  // a run's start: it is not there yet
+  slider.step(1e-3, 1.0, {});
+  CHECK(slider.velocity() == Approx(1e-3 / 2.0));
+}
+
 TEST_CASE("slider: friction never turns the motion round") {
   MotionEffects<double> e;
   e.coulomb_friction.force_N = 50.0;

@@ -84,6 +84,16 @@ TEST_CASE("valve: a curve changes the slope about the middle and wide open, of b
   CHECK(make_valve(effects).areas(4.9).supply >= 0.0);  // a slope may vanish, an area not turn its sign
 }
 
+TEST_CASE("valve: a spool that sticks stays until the command is far enough away, and then is where it is") {
+  ValveEffects<double> effects;
+  effects.valve_stiction.threshold_V = 0.05;
+  Valve<double> valve = make_valve(effects);
+  CHECK(spool_after(valve, 0.049) == 0.0);
+  CHECK(spool_after(valve, 0.051) == 0.051);
+  CHECK(spool_after(valve, 0.010) == 0.051);
+  CHECK(spool_after(valve, 0.0) == 0.0);
+}
+
 TEST_CASE("valve: an underlap opens both edges about the centre") {
   ValveEffects<double> effects;
   effects.valve_dead_band.width_V = -0.02;

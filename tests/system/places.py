@@ -79,7 +79,7 @@ template <class S> struct ToyDrag {
                      .words = "A straight line through zero.",
                      .channels = {F},
                      .against = "speed"}}},''', "constexpr EffectEntry motion_entries[] = {"),
-    ), beside=(EFFECT + "effects.hpp", "src/elements/effects.cpp")),
+    ), beside=(EFFECT + "effects.hpp", EFFECT + "line_ends.hpp", "src/elements/effects.cpp")),
     Addition("column of a recording", "toy_mps", (
         Edit("include/pneuservo/record/row.hpp", " COLUMN(double, toy_mps, none, 2.0 * velocity_mps_)", V_COLUMN),
     ), beside=("include/pneuservo/core/signal.hpp",)),

@@ -11,7 +11,8 @@ namespace pneuservo {
 template <class S> struct ValveDeadBand {
   S width_V = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
-    v(Field{"width_V", "V", -1000, 1000, "w: each edge opens where |s| is past it; negative: an underlap"}, p.width_V...);
+    v(Field{"width_V", "V", -1000, 1000, "w: each edge opens where |s| is past it; negative: an underlap"},
+      p.width_V...);
   }
 };
 template <class S> struct ValveOffset {
@@ -24,6 +25,13 @@ template <class S> struct ValveHysteresis {
   S width_V = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"width_V", "V", 0, 1000, "total width of the play between command and spool"}, p.width_V...);
+  }
+};
+/// A spool that sticks where it stands until the command is far enough away, and then jumps to it.
+template <class S> struct ValveStiction {
+  S threshold_V = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"threshold_V", "V", 0, 1000, "distance of command and spool that breaks it loose"}, p.threshold_V...);
   }
 };
 template <class S> struct ValveLag {
@@ -68,10 +76,11 @@ template <class S> struct CommandDelay {
   }
 };
 
-/// The command path: delay, play, lag, (spool dynamics), offset, dead band, area.
+/// The command path: delay, play, stiction, lag, (spool dynamics), offset, dead band, area.
 template <class S> struct ValveEffects {
   CommandDelay<S> command_delay;
   ValveHysteresis<S> valve_hysteresis;
+  ValveStiction<S> valve_stiction;
   ValveLag<S> valve_lag;
   ValveOffset<S> valve_offset;
   ValveDeadBand<S> valve_dead_band;
@@ -82,6 +91,7 @@ template <class S> struct ValveEffects {
     constexpr auto optional = Presence::optional;
     v(Field{"command_delay", "", 0, 0, "dead time of the command", optional}, p.command_delay...);
     v(Field{"valve_hysteresis", "", 0, 0, "play between command and spool", optional}, p.valve_hysteresis...);
+    v(Field{"valve_stiction", "", 0, 0, "spool that sticks and jumps", optional}, p.valve_stiction...);
     v(Field{"valve_lag", "", 0, 0, "first-order lag of the spool", optional}, p.valve_lag...);
     v(Field{"valve_offset", "", 0, 0, "zero shift of the spool", optional}, p.valve_offset...);
     v(Field{"valve_dead_band", "", 0, 0, "overlap of the spool", optional}, p.valve_dead_band...);
@@ -148,8 +158,8 @@ template <class S> struct LineBranch {
     v(Field{"position", "-", 0, 1, "0 valve end, 1 chamber end"}, p.position...);
   }
 };
-/// Volume at the valve's port, where its fittings and its sensor sit: a branch at the line's end behind the port's bore;
-/// volume 0: none.
+/// Volume at the valve's port, where its fittings and its sensor sit: a branch at the line's end behind the port's
+/// bore; volume 0: none.
 template <class S> struct PortVolume {
   static constexpr bool is_inside_line = true;
   S volume_m3 = S(0);
@@ -157,6 +167,15 @@ template <class S> struct PortVolume {
   LineBranch<S> as_branch() const noexcept { return {volume_m3, S(0.01), S(0.006), S(0)}; }
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"volume_m3", "m3", 0, 1, "of fittings and bores between valve and line"}, p.volume_m3...);
+  }
+};
+/// A hose that swells: its section grows with the pressure.
+template <class S> struct LineCompliance {
+  static constexpr bool is_inside_line = true;
+  S section_growth_per_Pa = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"section_growth_per_Pa", "1/Pa", 0, 1e-4, "C of the section A (1 + C (p - p_0)), p_0 at the start"},
+      p.section_growth_per_Pa...);
   }
 };
 /// Friction and wall heat of both lines beside the quasi-steady ones (wall_memory.hpp); share 0: none, 1: the theory of
@@ -172,6 +191,37 @@ template <class S> struct ChamberLeak {
   S area_m2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"area_m2", "m2", 0, 1e-2, "orifice from chamber to atmosphere"}, p.area_m2...);
+  }
+};
+/// A relief valve, or a seal that lifts: from a pressure on, its area grows with what is beyond.
+template <class S> struct ChamberRelief {
+  S area_per_pressure_m2_per_Pa = S(0);
+  S opening_Pa = S(1e6);
+  S area_at(const S& pressure_Pa) const noexcept {
+    return area_per_pressure_m2_per_Pa * maximum(pressure_Pa - opening_Pa, S(0));
+  }
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"area_per_pressure_m2_per_Pa", "m2/Pa", 0, 1e-6, "k of an orifice k (p - p_0) from chamber to atmosphere"},
+      p.area_per_pressure_m2_per_Pa...);
+    v(Field{"opening_Pa", "Pa", 1e3, 1e8, "p_0, absolute: closed below"}, p.opening_Pa...);
+  }
+};
+/// A throttle with a check valve at the cylinder's port, or the cushion of an end: what leaves the chamber passes its
+/// area, what enters passes freely. Area 0: none.
+template <class S> struct FlowControl {
+  static constexpr bool is_inside_line = true;
+  S area_m2 = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"area_m2", "m2", 0, 1e-2, "effective area for what leaves the chamber"}, p.area_m2...);
+  }
+};
+template <class S> struct EndCushion {
+  static constexpr bool is_inside_line = true;
+  S area_m2 = S(0);
+  S length_m = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"area_m2", "m2", 0, 1e-2, "effective area for what leaves the chamber near its end stop"}, p.area_m2...);
+    v(Field{"length_m", "m", 0, 10, "distance of the piston from that end stop within which it acts"}, p.length_m...);
   }
 };
 template <class S> struct PistonLeak {
@@ -238,8 +288,12 @@ template <class S> struct AxisEffects {
   LineLeak<S> line_leak_1, line_leak_2;
   LineBranch<S> line_branch_1, line_branch_2;
   PortVolume<S> port_volume_1, port_volume_2;
+  LineCompliance<S> line_compliance_1, line_compliance_2;
   FrequencyDependentLosses<S> frequency_dependent_losses;
+  FlowControl<S> flow_control_1, flow_control_2;
+  EndCushion<S> end_cushion_1, end_cushion_2;
   ChamberLeak<S> chamber_leak_1, chamber_leak_2;
+  ChamberRelief<S> chamber_relief_1, chamber_relief_2;
   PistonLeak<S> piston_leak;
   PistonLeakZone<S> piston_leak_zone;
   /// Those of an axis without pneumatics.
@@ -284,12 +338,22 @@ template <class S> struct AxisEffects {
     v(Field{"line_branch_2", "", 0, 0, "dead-end branch of line 2", optional}, p.line_branch_2...);
     v(Field{"port_volume_1", "", 0, 0, "volume at the valve's port 1", optional}, p.port_volume_1...);
     v(Field{"port_volume_2", "", 0, 0, "volume at the valve's port 2", optional}, p.port_volume_2...);
+    v(Field{"line_compliance_1", "", 0, 0, "hose 1 that swells", optional}, p.line_compliance_1...);
+    v(Field{"line_compliance_2", "", 0, 0, "hose 2 that swells", optional}, p.line_compliance_2...);
     v(Field{"frequency_dependent_losses", "", 0, 0, "friction and wall heat of both lines that depend on frequency",
             optional},
       p.frequency_dependent_losses...);
     v(Field{"chamber_leak_1", "", 0, 0, "leak of chamber 1 to atmosphere", optional}, p.chamber_leak_1...);
     v(Field{"chamber_leak_2", "", 0, 0, "leak of chamber 2 to atmosphere", optional}, p.chamber_leak_2...);
     v(Field{"piston_leak", "", 0, 0, "leak between the chambers", optional}, p.piston_leak...);
+    v(Field{"flow_control_1", "", 0, 0, "throttle with check valve at port 1 of the cylinder", optional},
+      p.flow_control_1...);
+    v(Field{"flow_control_2", "", 0, 0, "throttle with check valve at port 2 of the cylinder", optional},
+      p.flow_control_2...);
+    v(Field{"end_cushion_1", "", 0, 0, "cushion of the end at chamber 1", optional}, p.end_cushion_1...);
+    v(Field{"end_cushion_2", "", 0, 0, "cushion of the end at chamber 2", optional}, p.end_cushion_2...);
+    v(Field{"chamber_relief_1", "", 0, 0, "relief valve of chamber 1", optional}, p.chamber_relief_1...);
+    v(Field{"chamber_relief_2", "", 0, 0, "relief valve of chamber 2", optional}, p.chamber_relief_2...);
     v(Field{"piston_leak_zone", "", 0, 0, "leak between the chambers about one place", optional},
       p.piston_leak_zone...);
   }

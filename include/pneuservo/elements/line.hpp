@@ -42,13 +42,16 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
   /// Switches physics beside the nominal model on or off.
   void set_effects(const LineEffects<S>& effects) noexcept {
     effects_ = effects;
-    restricted_ = any(effects.restriction.area_m2 > S(0));
+    fittings_.set_effects(effects);
     losses_.set_effects(effects);
     const S share = effects.frequency_dependent_losses.share;
     memory_.set_share(share, air_.R);
     friction_.nusselt_laminar = S(3.66) + minimum(share, S(1)) * S(8 - 3.66);
     set_time_step(step_s_);
   }
+  bool is_cushioned() const noexcept { return fittings_.are_cushioned(); }
+  /// Distance [m] of the piston from the end stop of the line's chamber from here on, which a cushion looks at.
+  void set_piston_distance(const S& distance_m) noexcept { fittings_.set_piston_distance(distance_m); }
   /// Gas that comes into the middle from here on [kg/s], for the diagnosis.
   void set_inflow(const S& inflow_kgps) noexcept { losses_.set_inflow(inflow_kgps); }
   /// Wall heat off: an adiabatic line, for tests against closed forms.
@@ -177,6 +180,8 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
   S leak_mass_flow() const noexcept { return losses_.leak_mass_flow(); }
   /// Gas behind the necks of a branch and of the valve's port [kg].
   S branch_mass() const noexcept { return losses_.branch_mass(effects_); }
+  /// Gas that a hose which swells holds beyond its bore at the start [kg].
+  S swollen_mass() const noexcept { return losses_.swollen_mass(*this); }
 
  private:
   using G = Group<S>;
@@ -456,11 +461,13 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
   template <bool remembering>
   [[gnu::always_inline]] Face chamber_face(const Cell& last, const S& u_before, const S& u,
                                            const ChamberEnd<S>& chamber) noexcept {
-    const S rho =
-        select(u < S(0), face_pressure_at_chamber(last, chamber) / (air_.R * chamber.temperature_K), last.density);
+    const S rho = select(u < S(0),
+                         fittings_.face_pressure(u >= S(0), last.pressure, chamber.pressure_Pa) /
+                             (air_.R * chamber.temperature_K),
+                         last.density);
     Face made = end_face<remembering>(rho, u, select(u > S(0), u - u_before, S(0)),
                                       S(2) * (chamber.pressure_Pa - last.pressure), End::chamber);
-    if (restricted_) apply_restriction(made, last, u, rho, chamber);
+    if (fittings_.are_present()) apply_restriction(made, last, u, rho, chamber);
     limit_speed(made, temperature(last), chamber.temperature_K);
     if constexpr (remembering) memory_.advance_end(End::chamber, made.velocity - u);
     return made;
@@ -514,8 +521,9 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
   // orifice, P = p_up (1 - b), c the velocity of its sonic flow. Squared it is a quadratic in u/c.
   void apply_restriction(Face& face, const Cell& last, const S& u_old, const S& rho,
                          const ChamberEnd<S>& chamber) noexcept {
-    const S area = effects_.restriction.area_m2;
-    const auto fitted = area > S(0), outward = face.velocity > S(0);
+    const auto outward = face.velocity > S(0);
+    const S area = fittings_.area_m2(outward);
+    const auto fitted = area > S(0);
     const S p_up = select(outward, maximum(last.pressure, chamber.pressure_Pa), chamber.pressure_Pa);
     const S T_up = select(outward, temperature(last) + u_old * u_old * k_.half_inverse_cp, chamber.temperature_K);
     const S sonic =
@@ -526,12 +534,6 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
     const S share = (drop * square_root(square - d * d) - sonic * d) / square;
     face.velocity = select(fitted, select(outward, sonic * share, -sonic * share), face.velocity);
   }
-  // Behind a fitting the gas at the face has the line's pressure: it is throttled before it enters.
-  S face_pressure_at_chamber(const Cell& last, const ChamberEnd<S>& chamber) const noexcept {
-    return restricted_ ? select(effects_.restriction.area_m2 > S(0), last.pressure, chamber.pressure_Pa)
-                       : chamber.pressure_Pa;
-  }
-
   // Flux at the chamber; returns the stagnation enthalpy flux into the chamber [W/m2]. What leaves is what the last
   // cell gives away: internal energy, the work p u of its own pressure and the kinetic energy that came to it, less
   // what it keeps as heat of the end face: whatever chokes or bends the end, no energy is made or lost there in steady
@@ -540,7 +542,7 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
                                             const ChamberEnd<S>& chamber) const noexcept {
     const S u = end.velocity;
     const auto enters = u < S(0);  // from the chamber into the line
-    const S p = face_pressure_at_chamber(last, chamber);
+    const S p = fittings_.face_pressure(u >= S(0), last.pressure, chamber.pressure_Pa);
     end.pressure_flux = select(enters, p, line_scheme::limited_face_pressure(p, last.pressure)) * u;
     end.mass_flux = end.pressure_flux *
                     select(enters, inflow_density_per_pressure(chamber.temperature_K, u), last.density_per_pressure);
@@ -574,7 +576,8 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
   PipeFriction<S> friction_;
   Constants k_;
   LineEffects<S> effects_;
-  bool restricted_ = false, adiabatic_ = false, isothermal_ = false, frictionless_ = false;
+  EndFittings<S> fittings_;
+  bool adiabatic_ = false, isothermal_ = false, frictionless_ = false;
   line_scheme::Constants<G> group_k_;
   int cells_ = 1;
   line_scheme::Cells<S> cell_;

@@ -69,6 +69,7 @@ template <class S> class LineWithChamber {
 
   /// One sub-step with the port pressure of its middle; returns the flows of the line's ends.
   LineFlow<S> step_prescribed(const S& port_pressure_Pa, const S& s_new, const ChamberInflow<S>& extra = {}) noexcept {
+    if (line_.is_cushioned()) line_.set_piston_distance(s_new);
     const LineFlow<S> flow = line_.advance_ends_prescribed(port_pressure_Pa, end());
     step_chamber(flow, s_new, extra);
     line_.advance_inside();
@@ -76,6 +77,7 @@ template <class S> class LineWithChamber {
   }
   /// One sub-step with a valve at the port.
   LineFlow<S> step_valve(const ValvePort<S>& valve, const S& s_new, const ChamberInflow<S>& extra = {}) noexcept {
+    if (line_.is_cushioned()) line_.set_piston_distance(s_new);
     const LineFlow<S> flow = lags_ ? lagged_.step_valve(valve, end()) : line_.advance_ends_valve(valve, end());
     step_chamber(flow, s_new, extra);
     if (!lags_) line_.advance_inside();

@@ -112,6 +112,21 @@ template <class S> struct SpringLoad {
   }
 };
 
+/// A part that the slider takes up at rest or at its own speed, or puts down.
+template <class S> struct PayloadChange {
+  S mass_kg = S(0);
+  S weight_N = S(0);
+  S time_s = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"mass_kg", "kg", -1e4, 1e4, "beside mass_kg + payload_kg of the slider from then on; negative: put down"},
+      p.mass_kg...);
+    v(Field{"weight_N", "N", -1e5, 1e5, "its weight along the axis, subtracted from the driving force",
+            Presence::optional},
+      p.weight_N...);
+    v(Field{"time_s", "s", 0, 1e6, "from the run's start"}, p.time_s...);
+  }
+};
+
 /// A part of slider.mass_kg + slider.payload_kg that is carried on a soft coupling: a load on a long arm, a belt, a
 /// bellows.
 template <class S> struct ElasticLoad {
@@ -167,12 +182,15 @@ template <class S> struct MotionEffects {
   GravityLoad<S> gravity_load;
   ConstantForce<S> constant_force;
   SpringLoad<S> spring_load;
+  PayloadChange<S> payload_change;
   ElasticLoad<S> elastic_load;
   LoadBacklash<S> load_backlash;
   PeriodicForce<S> periodic_force;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     visit_without_air(v, p...);
     visit_seals(v, p...);
+    v(Field{"payload_change", "", 0, 0, "payload that is taken up or put down", Presence::optional},
+      p.payload_change...);
     v(Field{"periodic_force", "", 0, 0, "force of one frequency", Presence::optional}, p.periodic_force...);
   }
   /// Those of an axis that is recorded and not run, without pressures.

@@ -19,8 +19,7 @@ template <class S> class Slider {
   /// stroke: end stops at +-stroke/2 with coefficient of restitution.
   void configure(const SliderParameters<S>& slider, const MotionEffects<S>& effects, const S& stroke_m,
                  const S& restitution) noexcept {
-    mass_ = slider.mass_kg + slider.payload_kg - effects.elastic_load.mass_kg - effects.load_backlash.mass_kg;
-    inverse_mass_ = S(1) / mass_;
+    own_mass_ = slider.mass_kg + slider.payload_kg - effects.elastic_load.mass_kg - effects.load_backlash.mass_kg;
     viscous_ = slider.viscous_friction_Ns_per_m + effects.viscous_friction.coefficient_Ns_per_m;
     effects_ = effects;
     half_stroke_ = S(0.5) * stroke_m;
@@ -38,6 +37,18 @@ template <class S> class Slider {
     is_disturbed_ = disturbance_.is_there();
     has_gravity_ = any(!(effects.gravity_load.sine_N == S(0))) || any(!(effects.gravity_load.cosine_N == S(0)));
     has_bristles_ = any(!(effects.elastic_friction.force_N == S(0)));
+    const PayloadChange<S>& change = effects.payload_change;
+    is_timed_ = any(!(change.mass_kg == S(0))) || any(!(change.weight_N == S(0)));
+    set_time(time_);
+  }
+  /// Time from the run's start, which steps carry on; reset begins at 0.
+  void set_time(const S& time_s) noexcept {
+    time_ = time_s;
+    const PayloadChange<S>& change = effects_.payload_change;
+    const auto changed = time_ >= change.time_s;
+    mass_ = own_mass_ + select(changed, change.mass_kg, S(0));
+    added_weight_ = select(changed, change.weight_N, S(0));
+    inverse_mass_ = S(1) / mass_;
   }
   /// With coupled loads at rest in the middle of their couplings.
   void reset(const S& position_m, const S& velocity_mps) noexcept {
@@ -46,6 +57,7 @@ template <class S> class Slider {
     if (has_couplings_) load_.reset(position_m, velocity_mps), loose_load_.reset(position_m, velocity_mps);
     if (is_disturbed_) disturbance_.reset();
     bristles_ = S(0);
+    if (is_timed_) set_time(S(0));
   }
 
   /// Dry friction [N] (a magnitude) at speed `speed` in direction sign (+1, -1).
@@ -64,7 +76,8 @@ template <class S> class Slider {
   S less_load(const S& driving_force_N, const S& x) const noexcept {
     const S left = driving_force_N - effects_.constant_force.force_N -
                    effects_.spring_load.stiffness_N_per_m * (x - effects_.spring_load.rest_m);
-    return has_gravity_ ? left - effects_.gravity_load.at(x) : left;
+    const S beside = has_gravity_ ? left - effects_.gravity_load.at(x) : left;
+    return is_timed_ ? beside - added_weight_ : beside;
   }
   /// Force over velocity [N s/m] of all friction that vanishes with the speed, in direction sign (+1, -1; 0: without
   /// what depends on the direction).
@@ -131,12 +144,13 @@ template <class S> class Slider {
       loose_load_.step(h_s, start_position, start_velocity, position_, velocity_);
     }
     if (is_disturbed_) disturbance_.step(h_s);
+    if (is_timed_) set_time(time_ + h);
     if (has_bristles_) bristles_ = effects_.elastic_friction.carried(bristles_, position_ - start_position);
   }
 
   S position() const noexcept { return position_; }
   S velocity() const noexcept { return velocity_; }
-  /// Without coupled loads.
+  /// Without coupled loads, at the time that has come.
   S mass() const noexcept { return mass_; }
 
  private:
@@ -162,10 +176,11 @@ template <class S> class Slider {
   /// Slower rebounds than this are rest: the last bounces of a series that never ends by itself.
   static constexpr double rest_speed_mps = 1e-4;
 
-  S mass_ = S(1), inverse_mass_ = S(1), viscous_{}, half_stroke_ = S(1), restitution_{};
+  S mass_ = S(1), inverse_mass_ = S(1), own_mass_ = S(1), added_weight_{}, time_{}, viscous_{}, half_stroke_ = S(1),
+    restitution_{};
   MotionEffects<S> effects_;
   bool has_dry_friction_ = true, has_couplings_ = false, is_disturbed_ = false, has_gravity_ = false,
-       has_bristles_ = false;
+       has_bristles_ = false, is_timed_ = false;
   CoupledLoad<S> load_, loose_load_;
   Oscillation<S> disturbance_;
   S position_{}, velocity_{}, bristles_{};

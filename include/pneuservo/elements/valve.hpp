@@ -1,4 +1,4 @@
-// One spool of a proportional servo valve: command path (delay, play, lag, spool, offset, dead band) and edge areas.
+// One spool of a proportional servo valve: command path (delay, play, stiction, lag, spool, offset, dead band), areas.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -18,9 +18,9 @@ template <class S> struct PortAreas {
 };
 
 /// A spool and the port that it fills for s > 0 and empties for s < 0: a three-port valve. Area = area_per_volt
-/// |s_eff|, at most area_max (valve_curve bends the slope). Order of the command path: hold, delay, play, lag, spool
-/// dynamics, offset, dead band, area. The other port of a five-port spool sees everything with the opposite sign
-/// (elements/valves.hpp).
+/// |s_eff|, at most area_max (valve_curve bends the slope). Order of the command path: hold, delay, play, stiction,
+/// lag, spool dynamics, offset, dead band, area. The other port of a five-port spool sees everything with the opposite
+/// sign (elements/valves.hpp).
 template <class S> class Valve {
  public:
   /// Allocates the delay line; longest delay 0.5 s.
@@ -32,6 +32,7 @@ template <class S> class Valve {
     history_.assign(static_cast<std::size_t>(std::ceil(0.5 / period_s)) + 2, S(0));
     const S bent = absolute(effects.valve_curve.near_middle) + absolute(effects.valve_curve.wide_open);
     is_curved_ = any(bent > S(0));
+    sticks_ = any(effects.valve_stiction.threshold_V > S(0));
     delayed_ = any(effects.command_delay.delay_s > S(0));
     moves_within_ = delayed_ || any(effects.valve_lag.time_constant_s > S(0)) || any(valve.natural_frequency_Hz > S(0));
     reset(S(0));
@@ -39,7 +40,7 @@ template <class S> class Valve {
   void reset(const S& command) noexcept {
     for (auto& past : history_) past = command;
     newest_ = 0;
-    play_ = lag_ = command;
+    play_ = stuck_ = lag_ = command;
     spool_.reset(command);
   }
   /// The command that acts from the start of the coming period.
@@ -64,9 +65,8 @@ template <class S> class Valve {
   /// over pieces that resolve delay and lag however long the sub-step of the gas is.
   PortAreas<S> step(double in_period_s) noexcept {
     if (!moves_within_) {  // the spool is where the play leaves it, at once
-      follow_play(history_[newest_]);
-      lag_ = play_;
-      return areas(play_);
+      lag_ = held_by_spool(history_[newest_]);
+      return areas(lag_);
     }
     PortAreas<S> mean{};
     for (int i = 0; i < pieces_; ++i) {
@@ -95,16 +95,19 @@ template <class S> class Valve {
  private:
   // The path over one piece under a constant command: play, lag, spool; areas at the spool's mean.
   PortAreas<S> piece(const S& command) noexcept {
-    follow_play(command);
-    const S gap = play_ - lag_;
-    const S mean = select(lagging_, play_ - lag_mean_gain_ * gap, play_);
-    lag_ = select(lagging_, lag_ + lag_gain_ * gap, play_);
+    const S wanted = held_by_spool(command), gap = wanted - lag_;
+    const S mean = select(lagging_, wanted - lag_mean_gain_ * gap, wanted);
+    lag_ = select(lagging_, lag_ + lag_gain_ * gap, wanted);
     spool_.step(mean);
     return areas(spool_.mean());
   }
-  void follow_play(const S& command) noexcept {
+  // Where play and stiction let the spool go under a command.
+  S held_by_spool(const S& command) noexcept {
     const S half = S(0.5) * effects_.valve_hysteresis.width_V;
     play_ = clamp(play_, command - half, command + half);
+    if (!sticks_) return play_;
+    stuck_ = select(absolute(play_ - stuck_) > effects_.valve_stiction.threshold_V, play_, stuck_);
+    return stuck_;
   }
   // Mean of the command in force between two instants of the period, at most a period apart, each lane with its delay:
   // at most one change falls between them.
@@ -130,10 +133,10 @@ template <class S> class Valve {
   double period_s_ = 1e-3, step_s_ = 0.0;
   std::vector<S> history_;
   std::size_t newest_ = 0;
-  bool delayed_ = false, moves_within_ = false, is_curved_ = false;
+  bool delayed_ = false, moves_within_ = false, is_curved_ = false, sticks_ = false;
   int pieces_ = 1;
   double piece_s_ = 1e-3;
-  S play_{}, lag_{}, lag_gain_{}, lag_mean_gain_{};
+  S play_{}, stuck_{}, lag_{}, lag_gain_{}, lag_mean_gain_{};
   Mask<S> lagging_{};
   SecondOrderFilter<S> spool_;
 };

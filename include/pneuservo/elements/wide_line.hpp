@@ -28,6 +28,11 @@ class Line<Pack<T, N>> : public LineSteps<Line<Pack<T, N>>, Pack<T, N>> {
     low_.set_port_tolerance(tolerance);
     high_.set_port_tolerance(tolerance);
   }
+  bool is_cushioned() const noexcept { return low_.is_cushioned() || high_.is_cushioned(); }
+  void set_piston_distance(const S& distance_m) noexcept {
+    low_.set_piston_distance(low(distance_m));
+    high_.set_piston_distance(high(distance_m));
+  }
   void set_inflow(const S& inflow_kgps) noexcept {
     low_.set_inflow(low(inflow_kgps));
     high_.set_inflow(high(inflow_kgps));

@@ -247,16 +247,16 @@ class PipelineEstimator {
     const AxisEffects<double>& e = parameters.effects;
     LineEffects<Lanes> of_lines;
     const auto of_line_1 = LineEffects<double>::of_line_1(e), of_line_2 = LineEffects<double>::of_line_2(e);
-    LineEffects<Lanes>::visit(
-        [](auto& to, const auto& side_1, const auto& side_2) {
-          to = sides<std::remove_cvref_t<decltype(to)>>(side_1, side_2);
-        },
-        of_lines, of_line_1, of_line_2);
+    LineEffects<Lanes>::visit([](auto& to, const auto& side_1,
+                                 const auto& side_2) { to = sides<std::remove_cvref_t<decltype(to)>>(side_1, side_2); },
+                              of_lines, of_line_1, of_line_2);
     of_lines.frequency_dependent_losses = {};  // it is the sensors' noise that these would remember
     of_lines.critical_pressure_ratio = Lanes(parameters.valve.critical_pressure_ratio);
     axis_.side().line().set_effects(of_lines);
     chamber_leak_m2_ = both(e.chamber_leak_1.area_m2, e.chamber_leak_2.area_m2);
-    leaks_ = any(chamber_leak_m2_ > Lanes(0)) || e.piston_leak.area_m2 > 0.0 || e.piston_leak_zone.area_m2 > 0.0;
+    chamber_relief_ = sides<ChamberRelief<Lanes>>(e.chamber_relief_1, e.chamber_relief_2);
+    leaks_ = any(chamber_leak_m2_ + chamber_relief_.area_per_pressure_m2_per_Pa > Lanes(0)) ||
+             e.piston_leak.area_m2 > 0.0 || e.piston_leak_zone.area_m2 > 0.0;
     moves_otherwise_ = false;
     ValveEffects<double>::visit(
         [this](const Field&, const auto& effect) {
@@ -277,7 +277,8 @@ class PipelineEstimator {
     const Lanes p = axis_.chamber_pressure(), T = axis_.chamber_temperature();
     const Lanes other_p = other_side(p), other_T = other_side(T), b(parameters_.valve.critical_pressure_ratio);
     const Lanes past_piston(e.piston_leak.area_m2 + e.piston_leak_zone.area_at(input_.x_m));
-    const Lanes out = orifice_mass_flow(air_, chamber_leak_m2_, b, p, T, air_.atmosphere_Pa, air_.temperature_K);
+    const Lanes area = chamber_leak_m2_ + chamber_relief_.area_at(p);
+    const Lanes out = orifice_mass_flow(air_, area, b, p, T, air_.atmosphere_Pa, air_.temperature_K);
     const Lanes across = orifice_mass_flow(air_, past_piston, b, p, T, other_p, other_T);
     return {-out - across,
             -orifice_enthalpy_flow(air_, out, T, air_.temperature_K) - orifice_enthalpy_flow(air_, across, T, other_T)};
@@ -411,6 +412,7 @@ class PipelineEstimator {
   double start_gain_ = 0.0, start_decay_ = 1.0, open_per_m_ = 0.0;
   Valves<double> valves_;
   Lanes chamber_leak_m2_;
+  ChamberRelief<Lanes> chamber_relief_;
   bool corrects_flow_ = false, alike_ = true, leaks_ = false, moves_otherwise_ = false;
   double grid_share_of_cell_ = grid_share;
   double peak_decay_ = 0.0, rms_gain_ = 1.0, grid_decay_ = 0.0;

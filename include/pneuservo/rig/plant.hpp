@@ -75,7 +75,9 @@ template <class S> class AxisPlant {
     chambers_leak_ = any(axis.effects.chamber_leak_1.area_m2 > S(0)) ||
                      any(axis.effects.chamber_leak_2.area_m2 > S(0)) || any(axis.effects.piston_leak.area_m2 > S(0));
     leak_zone_ = any(axis.effects.piston_leak_zone.area_m2 > S(0));
-    chambers_leak_ = chambers_leak_ || leak_zone_;
+    relieves_ = any(axis.effects.chamber_relief_1.area_per_pressure_m2_per_Pa > S(0)) ||
+                any(axis.effects.chamber_relief_2.area_per_pressure_m2_per_Pa > S(0));
+    chambers_leak_ = chambers_leak_ || leak_zone_ || relieves_;
     droops_ = any(axis.effects.supply_droop.area_m2 > S(0));
     const SupplySwing<S>& swing = axis.effects.supply_swing;
     supply_swing_.configure(swing.amplitude_Pa, swing.frequency_Hz, swing.phase_rad);
@@ -220,8 +222,11 @@ template <class S> class AxisPlant {
   ChamberInflow<P> chamber_leaks() const noexcept {
     const P p = chamber_pressure(), T = sides_.chamber().temperature();
     const S b = axis_.valve.critical_pressure_ratio, p_atm = air_.atmosphere_Pa, T_amb = air_.temperature_K;
-    const S out_1 = orifice_mass_flow(air_, axis_.effects.chamber_leak_1.area_m2, b, low(p), low(T), p_atm, T_amb);
-    const S out_2 = orifice_mass_flow(air_, axis_.effects.chamber_leak_2.area_m2, b, high(p), high(T), p_atm, T_amb);
+    const auto& e = axis_.effects;
+    S area_1 = e.chamber_leak_1.area_m2, area_2 = e.chamber_leak_2.area_m2;
+    if (relieves_) area_1 += e.chamber_relief_1.area_at(low(p)), area_2 += e.chamber_relief_2.area_at(high(p));
+    const S out_1 = orifice_mass_flow(air_, area_1, b, low(p), low(T), p_atm, T_amb);
+    const S out_2 = orifice_mass_flow(air_, area_2, b, high(p), high(T), p_atm, T_amb);
     S past_piston = axis_.effects.piston_leak.area_m2;
     if (leak_zone_) past_piston += axis_.effects.piston_leak_zone.area_at(slider_.position());
     const S across = orifice_mass_flow(air_, past_piston, b, low(p), low(T), high(p), high(T));
@@ -263,7 +268,8 @@ template <class S> class AxisPlant {
   Oscillation<S> supply_swing_;
   S last_force_{};
   double last_step_s_ = 0.0;  // 0: no step yet
-  bool chambers_leak_ = false, leak_zone_ = false, droops_ = false, swings_ = false, held_ = false, disturbed_ = false;
+  bool chambers_leak_ = false, leak_zone_ = false, relieves_ = false, droops_ = false, swings_ = false, held_ = false,
+       disturbed_ = false;
 };
 
 /// What ideal sensors would show.

@@ -170,6 +170,7 @@ std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const
   double bristle_N = 0, last_x = 0;
   std::vector<double> smooth_part(samples()), abrupt_part(samples());
   for (std::size_t i = 0; i < samples(); ++i) {
+    slider.set_time(static_cast<double>(i) * period_s_);
     const double x = undo(sensor, derivative_[0][i], derivative_[1][i], true);
     const double v = undo(sensor, derivative_[1][i], derivative_[2][i], false);
     const double a = undo(sensor, derivative_[2][i], derivative_[3][i], false);

@@ -147,7 +147,7 @@ Candidate effect_candidate(const std::string& name, const EffectEntry& entry, co
 /// Whether a diagnosis of this rig looks for the effect by name.
 bool is_looked_for(const std::string& name, const EffectEntry& entry, const Rig& rig,
                    const std::vector<FreeParameter>& known) {
-  if (entry.role == EffectRole::granted || entry.role == EffectRole::disturbance) return false;
+  if (entry.role != EffectRole::law && entry.role != EffectRole::description) return false;
   if (entry.is_of_plain_axes && (rig.kind != RigKind::driven_axis || rig.has_pistons())) return false;
   // An effect that the owner knows is not missing: what may be wrong is its size, as of any other parameter.
   const std::string own = fmt::format("effects.{}.", name);
@@ -236,11 +236,12 @@ void add_sensors(const Rig& rig, const MotionRange& range, const std::vector<Res
 }  // namespace
 
 MotionRange motion_range(const std::vector<ResidualRow>& rows) {
-  MotionRange range{1e300, -1e300, 0};
+  MotionRange range{1e300, -1e300, 0, 0};
   for (const ResidualRow& row : rows) {
     range.lowest_m = std::min(range.lowest_m, row.position_m);
     range.highest_m = std::max(range.highest_m, row.position_m);
     range.top_speed_mps = std::max(range.top_speed_mps, std::abs(row.velocity_mps));
+    range.duration_s = std::max(range.duration_s, row.time_s);
   }
   if (rows.empty()) range.lowest_m = range.highest_m = 0;
   return range;
@@ -323,6 +324,17 @@ void add_small(const Rig& rig, const std::string& name, const EffectEntry& entry
 }
 
 }  // namespace
+
+bool is_granted(const Candidate& candidate) {
+  if (candidate.entry == nullptr) return false;
+  const auto& parameters = candidate.entry->parameters;
+  if (candidate.is_description && std::all_of(parameters.begin(), parameters.end(),
+                                              [](const ParameterTrait& trait) { return trait.small_spread > 0; }))
+    return true;
+  return std::any_of(all_effects().begin(), all_effects().end(), [&](const EffectEntry* other) {
+    return other->role == EffectRole::granted && other->family == candidate.entry->family;
+  });
+}
 
 std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels) {
   std::vector<FreeParameter> out;

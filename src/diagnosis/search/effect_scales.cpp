@@ -58,6 +58,7 @@ double ScaleTable::operator()(EffectScale scale) const {
     case EffectScale::drag: return force_N() / (top_speed_mps() * top_speed_mps());
     case EffectScale::stiffness: return force_N() / half_stroke_m();
     case EffectScale::valve_area: return valve_area_m2();
+    case EffectScale::valve_area_per_pressure: return valve_area_m2() / gauge_supply_Pa();
     case EffectScale::inverse_valve_area: return 1 / (valve_area_m2() * valve_area_m2());
     case EffectScale::wall_heat: return free_convection * 6 * std::cbrt(std::pow(rig.vessel.volume_m3, 2));
     case EffectScale::laminar_conductance: {
@@ -72,6 +73,9 @@ double ScaleTable::operator()(EffectScale scale) const {
     case EffectScale::viscosity: return rig.axis.slider.viscous_friction_Ns_per_m;
     case EffectScale::adiabatic_change: return adiabatic_change_K();
     case EffectScale::supply_resistance: return supply_resistance_Pa_s_per_kg();
+    case EffectScale::supply_pressure: return supply_Pa();
+    case EffectScale::stroke: return rig.axis.cylinder.stroke_m;
+    case EffectScale::duration: return std::max(range.duration_s, 1.0);  // some time, where no row is compared
     case EffectScale::channel_gain: return channel == "x" || channel == "F" ? 1 : 0.6;
   }
   return 1;

@@ -11,6 +11,7 @@ namespace pneuservo {
 /// How far the recordings reach; what sizes are measured in.
 struct MotionRange {
   double lowest_m = 0, highest_m = 0, top_speed_mps = 0;
+  double duration_s = 0;
   double first_Pa = 0;  ///< highest pressure at which the recording of a vessel begins; 0: not known
 };
 

@@ -288,6 +288,7 @@ std::vector<KnownStart> Search::best_starts(std::size_t most) const {
   std::vector<KnownStart> out;
   for (const Explanation* e : ranking(1)) {
     if (out.size() == most) break;
+    if (is_granted(candidates_[e->members.front()])) continue;
     const double* z = e->fit.z.data();
     out.push_back({candidates_[e->members.front()].name, {z, z + e->fit.own_count}});
   }

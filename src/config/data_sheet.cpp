@@ -128,6 +128,18 @@ Form scaling(std::string_view unit, std::string_view scale, double lowest_value)
           }};
 }
 
+/// For the list of keys: translate_valve_table has taken the table before.
+Form measured_valve() {
+  return {{{Field{"table", "", -infinite, infinite,
+                  "of a measurement: command_V with area_m2, or with flow_kgps, upstream_Pa, downstream_Pa; gives "
+                  "valve_offset, valve_dead_band and valve_curve under effects, too"}},
+           {"area_max_m2", "area_per_volt_m2_per_V"},
+           "the curve nearest to the measured points"},
+          {},
+          {},
+          [](const FormValues&, const Rig&) -> FormResult { return {}; }};
+}
+
 const std::vector<Form>& all_forms() {
   static const std::vector<Form> forms{
       {{{Field{"bore", "m", 1e-3, 1, "of the cylinder"}, Field{"rod", "m", 0, 1, "on the side of chamber 2; 0: none"},
@@ -156,6 +168,7 @@ const std::vector<Form>& all_forms() {
        {},
        {"command_max_V", "critical_pressure_ratio"},
        areas_of_nominal_flow},
+      measured_valve(),
       resolution("m", "quantum_m"),
       resolution("Pa", "quantum_Pa"),
       scaling("Pa", "scale_Pa_per_V", 1.0),

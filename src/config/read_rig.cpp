@@ -9,6 +9,7 @@
 #include "config/effects_reader.hpp"
 #include "config/rig_checks.hpp"
 #include "config/section_reader.hpp"
+#include "config/valve_table.hpp"
 
 namespace pneuservo {
 
@@ -57,6 +58,8 @@ void anchor_device_files(Rig& rig, const std::filesystem::path& folder) {
 /// All keys of the file; what another kind of rig or format would read is told alone.
 void read_keys(ConfigNode& root, Rig& rig, InputErrors& errors) {
   const std::string top;
+  translate_valve_table(root, errors);
+  errors.throw_if_any();
   ReadContext context{rig, errors};
   Rig::visit(RigReader{rig, {root, top, context, true}}, rig);
   errors.throw_if_any();

@@ -277,3 +277,33 @@ TEST_CASE("cylinder residuals: lost rows and columns that are missing are left o
   }
   for (const ResidualRow& row : model.rows()) CHECK_FALSE(std::abs(row.time_s - 2.002) < 0.002);
 }
+
+TEST_CASE("cylinder residuals: rows of a slow logger know of the commands that it left out") {
+  const Rig rig = cylinder_rig();
+  const Recording recording = simulated_recording(rig, 8.0, 5, all_pressures);
+  Recording slow = recording;
+  for (std::vector<double>& values : slow.values) {
+    std::vector<double> kept;
+    for (std::size_t row = 0; row < values.size(); row += 10) kept.push_back(values[row]);
+    values.swap(kept);
+  }
+  slow.line_numbers.resize(slow.values.front().size());
+  slow.period_s = 10 * recording.period_s;
+  CylinderResiduals model(rig, {slow});
+  const auto rms = by_channel(model, model.residuals(std::vector<Hypothesis>{started(model, rig)}).col(0));
+  for (const auto& [name, value] : rms) {
+    CAPTURE(name);
+    CHECK(value < 1.2);
+  }
+  // The flow of a command that nobody wrote down stays in the gas: no sensor's noise, and more at the port than in F.
+  const auto sigma_over_noise = [&](const std::string& name) {
+    double most = 0;
+    for (const ResidualRow& row : model.rows()) {
+      const ResidualChannel& channel = model.channels()[static_cast<std::size_t>(row.channel)];
+      if (channel.name == name && row.time_s > 2.0)
+        most = std::max(most, row.sigma / std::hypot(channel.noise, channel.floor));
+    }
+    return most;
+  };
+  CHECK(sigma_over_noise("p1_port") > 2.0);
+}

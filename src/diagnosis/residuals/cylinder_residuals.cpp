@@ -8,6 +8,7 @@
 #include <pneuservo/elements/sensor.hpp>
 
 #include "diagnosis/recordings/held_out.hpp"
+#include "diagnosis/residuals/command_gaps.hpp"
 
 namespace pneuservo {
 
@@ -22,6 +23,9 @@ constexpr double start_floor_Pa = 200.0, start_share = 0.1, start_fades_s = 0.5;
 // It grows with the pressures, and was measured at supplies from 6 bar on.
 constexpr double force_floor_N = 0.04, force_floor_ports_N = 0.07, floor_supply_Pa = 5e5;
 constexpr double slow_sigma_s = 0.015;
+// Of the balance's kernel: a Gaussian this wide has 1e-5 left at the rows' Nyquist frequency. Gas forces have no jumps
+// between rows that would have to be spread out.
+constexpr double least_sigma_periods = 1.5;
 // Of the port's quick answer to the command: what the grid, which lets it through a little late, may be wrong by.
 constexpr double answer_share = 0.1, slowest_answer_s = 2e-3;
 // A line of 7.65 mm at rest keeps ringing with what went before the recording, and forgets it in 1.2 s (1/e).
@@ -99,6 +103,16 @@ double start_error(const CylinderRecording& recording, std::size_t side) {
   return std::max(start_floor_Pa, start_share * std::sqrt(squares / static_cast<double>(count)));
 }
 
+void add_means(ResidualRow& row, const ImposedInputs& inputs, const std::vector<double>& command, std::size_t first,
+               std::size_t count) {
+  const auto n = static_cast<double>(count);
+  for (std::size_t k = first; k < first + count; ++k) {
+    row.position_m += inputs.position_m[k] / n;
+    row.velocity_mps += inputs.velocity_mps[k] / n;
+    row.command_V += command[k] / n;
+  }
+}
+
 double rms_drop(const GasCourse& course, std::size_t side) {
   const std::vector<double>&port = course[port_signals[side]], &chamber = course[chamber_signals[side]];
   double sum = 0;
@@ -121,7 +135,7 @@ CylinderResiduals::CylinderResiduals(const Rig& owner, const std::vector<Recordi
   }
   const double position_noise = owner.sensors.position.rms_m();
   for (const CylinderRecording& recording : recordings_)
-    balances_.emplace_back(recording.position_m, recording.period_s(), position_noise);
+    balances_.emplace_back(recording.position_m, recording.period_s(), position_noise, least_sigma_periods);
   gas_ = std::make_unique<GasRuns>(owner_, recordings_, jobs_, stop_);
   declare_channels();
   declare_rows();
@@ -180,10 +194,33 @@ std::vector<PossibleRinging> CylinderResiduals::ringing_of_all() const {
   return ringing;
 }
 
+std::vector<std::vector<double>> CylinderResiduals::gap_errors(std::size_t recording) const {
+  const CylinderRecording& data = recordings_[recording];
+  const RecordedRigs rigs(owner_, recordings_);
+  const PlantGrid grid = grid_for(rigs[recording], ringing_effort, data.inputs.step_s());
+  const GasCourse gas = command_gap_error(data.inputs, rigs[recording], grid, stop_);
+  std::vector<std::vector<double>> out(channels_.size());
+  if (gas[Signal::p1_port].empty()) return out;
+  // A measured chamber stands for itself; a simulated one errs by what its port does not correct.
+  std::vector<double> force(data.samples(), 0.0);
+  for (std::size_t side = 0; side < 2; ++side) {
+    if (!data.measured_Pa[chamber_signals[side]].empty()) continue;
+    const double area = side == 0 ? owner_.axis.cylinder.area_1_m2 : -owner_.axis.cylinder.area_2_m2;
+    const bool corrected = !data.measured_Pa[port_signals[side]].empty();
+    const std::vector<double> chamber = balances_[recording].kernel().apply(gas[chamber_signals[side]], 0),
+                              port = slow_kernels_[recording].apply(gas[port_signals[side]], 0);
+    for (std::size_t k = 0; k < force.size(); ++k) force[k] += area * (chamber[k] - (corrected ? port[k] : 0.0));
+  }
+  for (std::size_t c = 0; c < channels_.size(); ++c)
+    out[c] = size_around(signals_[c] == Signal::F ? force : gas[signals_[c]], data.period_s());
+  return out;
+}
+
 void CylinderResiduals::declare_rows() {
   const std::vector<PossibleRinging> ringing = ringing_of_all();
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
     const CylinderRecording& recording = recordings_[r];
+    const std::vector<std::vector<double>> gap = gap_errors(r);
     const auto bin = static_cast<std::size_t>(std::max(1.0, std::round(residual_bin_s / recording.period_s())));
     for (std::size_t c = 0; c < channels_.size(); ++c) {
       const Signal signal = signals_[c];
@@ -207,18 +244,16 @@ void CylinderResiduals::declare_rows() {
         if (part(known) < whole || part(stretch.usable) < (force ? whole : 1)) continue;
         const auto values = static_cast<double>(part(stretch.usable));
         stretch.bins.push_back({first, bin, values});
-        const double bin_s = recording.period_s() * static_cast<double>(bin), n = static_cast<double>(bin);
+        const double bin_s = recording.period_s() * static_cast<double>(bin);
         ResidualRow row{static_cast<int>(c), static_cast<int>(r)};
         row.time_s = recording.time_s(first) + 0.5 * (bin_s - recording.period_s());
-        for (std::size_t k = first; k < first + bin; ++k) {
-          row.position_m += recording.inputs.position_m[k] / n;
-          row.velocity_mps += recording.inputs.velocity_mps[k] / n;
-          row.command_V += command[k] / n;
-        }
+        add_means(row, recording.inputs, command, first, bin);
         const double noise = force ? force_noise(r, bin) : channels_[c].noise / std::sqrt(values);
         const double since_s = recording.period_s() * static_cast<double>(first) - first_compared_s;
         const double start = start_Pa * std::exp(-since_s / start_fades_s);
-        row.sigma = std::hypot(noise, std::hypot(channels_[c].floor, start) * std::sqrt(floor_correlation_s / bin_s));
+        const double between = gap[c].empty() ? 0.0 : gap[c][first + bin / 2];
+        row.sigma =
+            std::hypot(noise, std::hypot(channels_[c].floor, start, between) * std::sqrt(floor_correlation_s / bin_s));
         row.sigma = std::hypot(row.sigma, largest_ringing(ringing[r], r, c, first, bin));
         row.held_out = recording.held_out(recording.time_s(first));
         stretch.times_s.push_back(row.time_s);

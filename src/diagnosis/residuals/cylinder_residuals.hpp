@@ -66,6 +66,9 @@ class CylinderResiduals final : public ResidualModel {
   void declare_channels();
   void declare_rows();
   std::vector<PossibleRinging> ringing_of_all() const;
+  /// Of every channel at the recording's samples, what commands between its rows may do [unit of the channel]; empty
+  /// where they hold all of them.
+  std::vector<std::vector<double>> gap_errors(std::size_t recording) const;
   void declare_answer(Stretch& stretch, const PossibleRinging& possible);
   /// What the lines' ringing may make of the mean over `count` samples [unit of the channel].
   double largest_ringing(const PossibleRinging& ringing, std::size_t recording, std::size_t channel, std::size_t first,

@@ -15,8 +15,8 @@ constexpr double noisy_position_m = 20e-6;
 constexpr double end_stop_margin_m = 0.5e-3;
 constexpr double rounding_mps = 1e-9;  ///< of a position that stands
 
-double kernel_sigma(double noise_m, double period_s) {
-  return std::max(noise_m > noisy_position_m ? 0.008 : 0.005, 2.5 * period_s);
+double kernel_sigma(double noise_m, double shortest_s) {
+  return std::max(noise_m > noisy_position_m ? 0.008 : 0.005, shortest_s);
 }
 
 /// Samples that are missing filled by the last one before them (the first one after, at the start).
@@ -125,9 +125,9 @@ double undo(const SensorEffects<double>& sensor, double value, double next_deriv
 
 }  // namespace
 
-ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, double noise_m)
-    : period_s_(period_s), noise_m_(noise_m), kernel_(kernel_sigma(noise_m, period_s), period_s),
-      fast_kernel_(std::max(0.6 * kernel_sigma(noise_m, period_s), 1.5 * period_s), period_s) {
+ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, double noise_m, double least_periods)
+    : period_s_(period_s), noise_m_(noise_m), kernel_(kernel_sigma(noise_m, least_periods * period_s), period_s),
+      fast_kernel_(std::max(0.6 * kernel_sigma(noise_m, least_periods * period_s), 1.5 * period_s), period_s) {
   const std::vector<double> position = filled(position_m);
   for (int order = 0; order < 4; ++order) derivative_[order] = kernel_.apply(position, order);
   for (int order = 0; order < 3; ++order) fast_[order] = fast_kernel_.apply(position, order);

@@ -1,0 +1,16 @@
+// What commands that a slow logger did not keep may do to the gas: an error of the model where rows are sparse.
+#pragma once
+#include "diagnosis/residuals/imposed_run.hpp"
+
+namespace pneuservo {
+
+/// True pressures [Pa] under the recorded commands less those under every second of them, the gaps drawn straight
+/// alike: commands that were never recorded leave about as much open as those left out here (of a noisy loop as much,
+/// of smooth commands a third). Empty where the rows hold every command of the loop.
+GasCourse command_gap_error(const ImposedInputs& inputs, const Rig& rig, const PlantGrid& grid,
+                            const StopQuestion& stop = {});
+
+/// Root mean square over the time that the model's error stays alike, around every sample.
+std::vector<double> size_around(const std::vector<double>& error, double period_s);
+
+}  // namespace pneuservo

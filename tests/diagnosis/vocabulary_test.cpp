@@ -13,12 +13,12 @@ using namespace pneuservo::test;
 
 namespace {
 
-Rig owners_rig() { return toleranced_cylinder_rig(2.0, 6.1e-3); }
+Rig vocabulary_rig() { return toleranced_cylinder_rig(2.0, 6.1e-3); }
 
 Diagnosis diagnosed(const Rig& machine, const std::vector<std::string>& left_out = {}) {
   DiagnoseOptions options;
   options.left_out = left_out;
-  return diagnose(owners_rig(), {simulated_recording(machine, 6.5, 11, all_pressures)}, options);
+  return diagnose(vocabulary_rig(), {simulated_recording(machine, 6.5, 11, all_pressures)}, options);
 }
 
 double size_of(const DiagnosisAnswer& answer, const std::string& key) {
@@ -31,7 +31,7 @@ double size_of(const DiagnosisAnswer& answer, const std::string& key) {
 
 TEST_CASE("a payload that is taken up is named, with mass, weight and instant, and without the name motion is unknown",
           "[optimised]") {
-  Rig machine = owners_rig();
+  Rig machine = vocabulary_rig();
   machine.axis.effects.motion.payload_change = {1.0, 9.81, 6.0 + 2.6};  // the axis has been held for 6 s before
   const Diagnosis found = diagnosed(machine);
   CAPTURE(found.sentence);
@@ -48,7 +48,7 @@ TEST_CASE("a payload that is taken up is named, with mass, weight and instant, a
 }
 
 TEST_CASE("an underlap is named as edges that overlap by less than nothing", "[optimised]") {
-  Rig machine = owners_rig();
+  Rig machine = vocabulary_rig();
   machine.axis.effects.valve.valve_dead_band.width_V = -0.05;
   const Diagnosis found = diagnosed(machine);
   CAPTURE(found.sentence);
@@ -59,7 +59,7 @@ TEST_CASE("an underlap is named as edges that overlap by less than nothing", "[o
 }
 
 TEST_CASE("a leak of a chamber has its own name", "[optimised]") {
-  Rig machine = owners_rig();
+  Rig machine = vocabulary_rig();
   machine.axis.effects.chamber_leak_1.area_m2 = 3e-8;
   const Diagnosis of_chamber = diagnosed(machine);
   CAPTURE(of_chamber.sentence);
@@ -68,7 +68,7 @@ TEST_CASE("a leak of a chamber has its own name", "[optimised]") {
 }
 
 TEST_CASE("a throttle with a check valve is named, and is no restriction both ways", "[optimised]") {
-  Rig machine = owners_rig();
+  Rig machine = vocabulary_rig();
   machine.axis.effects.flow_control_2.area_m2 = 4e-6;
   const Diagnosis found = diagnosed(machine);
   CAPTURE(found.sentence);
@@ -78,7 +78,7 @@ TEST_CASE("a throttle with a check valve is named, and is no restriction both wa
 }
 
 TEST_CASE("a relief valve is named, with its opening pressure", "[optimised]") {
-  Rig machine = owners_rig();
+  Rig machine = vocabulary_rig();
   machine.axis.effects.chamber_relief_2 = {3e-12, 560e3};
   const Diagnosis found = diagnosed(machine);
   CAPTURE(found.sentence);

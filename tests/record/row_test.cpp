@@ -17,6 +17,7 @@ TEST_CASE("the columns of a row are those of the format, in its order") {
   const std::vector<std::string> format{"t_s",
                                         "x_ref_m",
                                         "v_ref_mps",
+                                        "p_ref_Pa",
                                         "x_predicted_m",
                                         "x_m",
                                         "v_mps",

@@ -102,7 +102,7 @@ void add_toy(CommandLine& app, int& status) {
     )),
     # law_place_test.py compiles its dispatch and what it lacks.
     Addition("control law", "toy_law", (
-        Edit(str(toy_law.HEADER), toy_law.header(2)),
-        Edit(str(toy_law.LIST), "\n" + toy_law.LINE.strip(), "#include <pneuservo/control/ppd2.hpp>"),
+        Edit(str(toy_law.HEADER), toy_law.header(3)),
+        Edit(str(toy_law.LIST), "\n" + toy_law.LINE.strip(), "#include <pneuservo/control/pressure_pi.hpp>"),
     ), beside=("include/pneuservo/control/law.hpp", "docs/physics", "src/design/sampled_laws.hpp", "src/config/rig_checks.cpp")),
 )

@@ -352,7 +352,7 @@ TEST_CASE("habits of devices, drawn as combinations, work or are refused with a 
   INFO("PNEUSERVO_TEST_SEED=" << seed);
   std::mt19937 draws(seed);
   const std::vector<Known> good = working(), bad = refused();
-  for (int combination = 0; combination < 60; ++combination) {
+  for (int combination = 0; combination < 40; ++combination) {
     std::vector<const Known*> pool, chosen;
     for (const Known& habit : good) pool.push_back(&habit);
     std::ranges::shuffle(pool, draws);

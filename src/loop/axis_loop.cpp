@@ -15,7 +15,6 @@ double tolerance_of(const Rig& rig, const char* path) {
   return found == rig.tolerances.end() ? 0.0 : found->second;
 }
 
-constexpr std::int64_t most_caught_up_steps = 10;  // a late tick must not grow long itself
 constexpr std::int64_t most_held_periods = 100;    // of the prediction, some 10 us
 
 /// Every law's terms fit into a row and have names that no column of every run has.
@@ -107,15 +106,6 @@ ReferencePoint AxisLoop::reference_at(double t_s) const noexcept {
   return t_s >= reference_start_s_ ? reference_.at(t_s - reference_start_s_) : approach_.at(t_s);
 }
 
-std::array<double, 2> AxisLoop::pressures(const JudgedInputs& inputs, const EstimatorOutput& estimate) const noexcept {
-  switch (source_) {
-    case PressureSource::valve: return inputs.port_Pa;
-    case PressureSource::chamber: return inputs.chamber_Pa;
-    case PressureSource::estimated: break;
-  }
-  return {estimate.chamber_pressure_Pa[0], estimate.chamber_pressure_Pa[1]};
-}
-
 // Where the slider shall be in this tick, and for the law at its lead.
 void AxisLoop::set_points(double t_s, std::int64_t tick, const JudgedInputs& inputs) noexcept {
   const double lead_s = controller_.lead_s();
@@ -194,47 +184,8 @@ EstimatorOutput AxisLoop::estimate(const JudgedInputs& inputs, std::int64_t skip
   const EstimatorInput in{inputs.port_Pa[0], inputs.port_Pa[1], inputs.position_m, velocity_mps_,
                           supervisor_.command_V()[0]};
   // Skipped slots passed without a sample: the model goes through them with the newest one.
-  for (std::int64_t i = 0; i < std::min<std::int64_t>(skipped, most_caught_up_steps); ++i) estimator_.step(in);
+  for (std::int64_t i = 0; i < std::min(skipped, most_caught_up_periods); ++i) estimator_.step(in);
   return estimator_.step(in);
-}
-
-bool AxisLoop::pass(Backend& backend, std::int64_t tick, std::int64_t skipped, StageTimes* times,
-                    std::int64_t (*now)() noexcept) noexcept {
-  const auto stamp = [&](std::int64_t StageTimes::* stage) {
-    if (times != nullptr) times->*stage = now();
-  };
-  const double t_s = static_cast<double>(tick) * period_s_;
-  stamp(&StageTimes::start);
-  Measurement measured;
-  if (!backend.read(tick, measured)) return false;
-  const Truth truth = backend.truth();  // for the row alone, taken at the sampling instant
-  stamp(&StageTimes::read);
-  if (link_ != nullptr) take_command(tick);
-  const JudgedInputs inputs = supervisor_.judge(measured, skipped);
-  if (!supervisor_.is_active()) note_rest(inputs, skipped);
-  controller_.skip(skipped);
-  const EstimatorOutput estimated = estimate(inputs, skipped);
-  supervisor_.cross_check(inputs, estimated, skipped);
-  stamp(&StageTimes::estimated);
-  std::array<double, 2> command_V = supervisor_.safe_V();
-  limited_ = false;
-  const bool stepped = supervisor_.is_active();
-  if (stepped) command_V = control(tick, inputs, estimated, skipped);
-  if (!supervisor_.is_active()) command_V = supervisor_.safe_V();
-  stamp(&StageTimes::controlled);
-  const bool ended = supervisor_.faults() != 0;
-  if (!backend.write(tick, {command_V[0], command_V[1], supervisor_.is_active(), ended})) {
-    supervisor_.latch(fault_output_missed);
-    command_V = supervisor_.safe_V();
-    backend.write(tick, {command_V[0], command_V[1], false, true});
-  }
-  supervisor_.note_commands(command_V);
-  if (!supervisor_.is_active()) limited_ = false;
-  stamp(&StageTimes::written);
-  fill_row(t_s, skipped, stepped, measured, truth, estimated);
-  if (supervisor_.is_active()) twin_.step(control_in_, inputs.supply_Pa, supervisor_.motion().most_command_V());
-  if (link_ != nullptr) tell_status(tick);
-  return true;
 }
 
 void AxisLoop::answer(CommandResult result, std::int64_t tick) noexcept {
@@ -306,13 +257,6 @@ void AxisLoop::tell_status(std::int64_t tick) noexcept {
                       .u_V = supervisor_.command_V()[0]});
 }
 
-void AxisLoop::stop(Backend& backend, std::int64_t tick) noexcept {
-  supervisor_.stop();
-  const std::array<double, 2>& safe_V = supervisor_.safe_V();
-  supervisor_.note_commands(safe_V);
-  backend.write(tick, {safe_V[0], safe_V[1], false, true});
-}
-
 void AxisLoop::fill_row(double t_s, std::int64_t skipped, bool stepped, const Measurement& measured, const Truth& truth,
                         const EstimatorOutput& estimate) noexcept {
   const bool estimated = (estimate.health & estimator_not_started) == 0;
@@ -324,9 +268,6 @@ void AxisLoop::fill_row(double t_s, std::int64_t skipped, bool stepped, const Me
     row_.measured[signal] = channel.valid ? channel.value : Row::none;
   }
   controller_.write_terms(stepped, row_.terms);
-  const std::uint32_t flags = (skipped > 0 ? row_overrun : 0u) | (limited_ ? row_command_limited : 0u) |
-                              (supervisor_.faults() != 0 ? row_fault : 0u) |
-                              (supervisor_.bridged() ? row_input_bridged : 0u);
 #define PNEUSERVO_SET(type, name, initial, value) row_.name = value;
 #define PNEUSERVO_SET_MEASURED(first, last)
   PNEUSERVO_ROW_COLUMNS(PNEUSERVO_SET, PNEUSERVO_SET_MEASURED)

@@ -313,21 +313,25 @@ template <class S> struct AxisEffects {
   }
   /// Those of a valve, a hose and a volume: side 1 alone. Its supply does not droop: side 2 would draw from it, too.
   template <class V, class... P> static void visit_of_one_side(V&& v, P&... p) {
-    constexpr auto optional = Presence::optional;
     ValveEffects<S>::visit(v, p.valve...);
-    v(Field{"supply_swing", "", 0, 0, "supply pressure that swings", optional}, p.supply_swing...);
-    v(Field{"line_restriction_1", "", 0, 0, "fitting between line 1 and chamber 1", optional}, p.line_restriction_1...);
-    v(Field{"line_leak_1", "", 0, 0, "leak of line 1 to atmosphere", optional}, p.line_leak_1...);
-    v(Field{"line_branch_1", "", 0, 0, "dead-end branch of line 1", optional}, p.line_branch_1...);
-    v(Field{"frequency_dependent_losses", "", 0, 0, "friction and wall heat of both lines that depend on frequency",
-            optional},
-      p.frequency_dependent_losses...);
-    v(Field{"chamber_leak_1", "", 0, 0, "leak of chamber 1 to atmosphere", optional}, p.chamber_leak_1...);
+    visit_pneumatics(
+        [&](const Field& field, auto&... effect) {
+          for (const std::string_view name : {"supply_swing", "line_restriction_1", "line_leak_1", "line_branch_1",
+                                              "frequency_dependent_losses", "chamber_leak_1"})
+            if (field.key == name) v(field, effect...);
+        },
+        p...);
   }
   template <class V, class... P> static void visit(V&& v, P&... p) {
-    constexpr auto optional = Presence::optional;
     MotionEffects<S>::visit(v, p.motion...);
     ValveEffects<S>::visit(v, p.valve...);
+    visit_pneumatics(v, p...);
+  }
+
+ private:
+  /// Of supply, lines, chambers and piston.
+  template <class V, class... P> static void visit_pneumatics(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
     v(Field{"supply_droop", "", 0, 0, "supply pressure that falls with flow", optional}, p.supply_droop...);
     v(Field{"supply_swing", "", 0, 0, "supply pressure that swings", optional}, p.supply_swing...);
     v(Field{"line_restriction_1", "", 0, 0, "fitting between line 1 and chamber 1", optional}, p.line_restriction_1...);

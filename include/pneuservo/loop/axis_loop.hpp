@@ -4,19 +4,13 @@
 #include <atomic>
 #include <cstdint>
 
-#include <pneuservo/control/axis_controller.hpp>
 #include <pneuservo/control/reference.hpp>
-#include <pneuservo/core/rt.hpp>
-#include <pneuservo/estimator/pipeline_estimator.hpp>
-#include <pneuservo/hal/backend.hpp>
 #include <pneuservo/loop/approach.hpp>
 #include <pneuservo/loop/axis_command.hpp>
 #include <pneuservo/loop/commanded_motion.hpp>
-#include <pneuservo/loop/control_loop.hpp>
 #include <pneuservo/loop/gain_mailbox.hpp>
+#include <pneuservo/loop/loop_pass.hpp>
 #include <pneuservo/loop/motion_twin.hpp>
-#include <pneuservo/loop/supervisor.hpp>
-#include <pneuservo/record/row.hpp>
 #include <pneuservo/rig/rig.hpp>
 
 namespace pneuservo {
@@ -24,15 +18,14 @@ namespace pneuservo {
 /// What the estimator must know, from the rig; its uncertainty from sensors and tolerances.
 EstimatorParameters estimator_parameters(const Rig& rig);
 
-/// read -> supervisor -> estimator -> reference -> controller -> write -> row. The pass allocates nothing, locks
-/// nothing, throws nothing, and reads no clock of its own: t = tick * period.
+/// read -> supervisor -> estimator -> reference -> controller -> write -> row (loop_pass.hpp).
 ///
 /// The first motion approaches the reference's first value from the measured position with a smooth move (degree 9: as
 /// many derivatives are continuous as any law feeds forward) and rests there as long as the law asks for; where the
 /// axis is already there (within approach_tolerance_m, and within 100 quanta of its encoder) it starts at once. A fault
 /// is latched: from its tick on the valve gets the safe output, until rearm() starts anew from the measured position
 /// with estimator and integral reset.
-class AxisLoop final : public ControlLoop {
+class AxisLoop final : public LoopPass<AxisLoop> {
  public:
   static constexpr double approach_tolerance_m = 5e-4;
   static constexpr double approach_quanta = 100.0;
@@ -75,30 +68,22 @@ class AxisLoop final : public ControlLoop {
   /// Inputs that are not ready for so long after `enable` take it back.
   static constexpr double enabled_within_s = 2.0;
 
-  /// Time that the machine has been suspended so far [ns]; before the pass of a tick. HOT.
-  void note_slept(std::int64_t slept_ns) noexcept override { supervisor_.note_slept(slept_ns); }
-
-  /// One tick on the backend. False: the backend has ended. `now` reads a clock for the stage times (null: none read).
-  bool pass(Backend& backend, std::int64_t tick, std::int64_t skipped, StageTimes* times,
-            std::int64_t (*now)() noexcept) noexcept PNEUSERVO_NONBLOCKING override;
-  /// Safe output now and from now on (end of the run, stop request); the backend's write is tried at once.
-  void stop(Backend& backend, std::int64_t tick) noexcept override;
-
-  /// The row of the last pass; `lateness_us` and `work_us` are the caller's to fill.
-  const Row& row() const noexcept override { return row_; }
-  Row& row() noexcept override { return row_; }
-  std::uint64_t faults() const noexcept override { return supervisor_.faults(); }
-  /// Bits of the tick in which the first fault came: the reason.
-  std::uint64_t first_faults() const noexcept override { return supervisor_.first_faults(); }
-  const Supervisor& supervisor() const noexcept override { return supervisor_; }
-  /// Time at which the reference's own time 0 stands [s from tick 0]; meaningful once the approach was planned.
-  double reference_start_s() const noexcept override { return reference_start_s_; }
   const Reference& reference() const noexcept { return reference_; }
-  const AxisController& controller() const noexcept override { return controller_; }
-  double period_s() const noexcept { return period_s_; }
-  std::size_t size() const noexcept override { return sizeof(AxisLoop); }
 
  private:
+  friend class LoopPass<AxisLoop>;
+
+  void begin_tick(std::int64_t tick) noexcept {
+    if (link_ != nullptr) take_command(tick);
+  }
+  void note_inputs(const JudgedInputs& inputs, std::int64_t skipped) noexcept {
+    if (!supervisor_.is_active()) note_rest(inputs, skipped);
+  }
+  void watch(const JudgedInputs&, const EstimatorOutput&) noexcept {}
+  void end_tick(std::int64_t tick, const JudgedInputs& inputs) noexcept {
+    if (supervisor_.is_active()) twin_.step(control_in_, inputs.supply_Pa, supervisor_.motion().most_command_V());
+    if (link_ != nullptr) tell_status(tick);
+  }
   void plan_motion(double t_s, const JudgedInputs& inputs) noexcept;
   ReferencePoint reference_at(double t_s) const noexcept;
   bool may_start() const noexcept {
@@ -110,7 +95,6 @@ class AxisLoop final : public ControlLoop {
   void answer(CommandResult result, std::int64_t tick) noexcept;
   void set_points(double t_s, std::int64_t tick, const JudgedInputs& inputs) noexcept;
   void tell_status(std::int64_t tick) noexcept;
-  std::array<double, 2> pressures(const JudgedInputs& inputs, const EstimatorOutput& estimate) const noexcept;
   std::array<double, 2> control(std::int64_t tick, const JudgedInputs& inputs, const EstimatorOutput& estimate,
                                 std::int64_t skipped) noexcept;
   void fill_row(double t_s, std::int64_t skipped, bool stepped, const Measurement& measured, const Truth& truth,
@@ -119,13 +103,7 @@ class AxisLoop final : public ControlLoop {
   void note_rest(const JudgedInputs& inputs, std::int64_t skipped) noexcept;
   MotionSample motion_sample(const ControlInput& in, std::int64_t skipped) const noexcept;
 
-  double period_s_ = 0.001;
   std::size_t valves_ = 1;
-  PressureSource source_ = PressureSource::estimated;
-  double command_max_V_ = 5.0;
-  Supervisor supervisor_;
-  PipelineEstimator estimator_;
-  AxisController controller_;
   MotionTwin twin_;
   Reference reference_;
 
@@ -137,18 +115,15 @@ class AxisLoop final : public ControlLoop {
   CommandKind obeyed_ = CommandKind::none;  ///< in this tick
   bool enabled_ = false, waits_ = false;
   std::int64_t enabled_tick_ = 0;
-  bool begins_ = true, moved_ = false, twin_waits_ = true;
+  bool moved_ = false, twin_waits_ = true;
   ControlInput control_in_;
   double stood_at_m_ = std::numeric_limits<double>::quiet_NaN(), stood_s_ = 0.0;
   bool may_move_still_ = false;
   double area_1_m2_ = 0.0, area_2_m2_ = 0.0, atmosphere_force_N_ = 0.0;
   double tolerance_m_ = approach_tolerance_m;
   Approach approach_;
-  double reference_start_s_ = 0.0;
   double velocity_mps_ = 0.0;
-  bool limited_ = false;
   ReferencePoint now_{};
-  Row row_;
 };
 
 }  // namespace pneuservo

@@ -16,7 +16,7 @@ struct StageTimes {
   std::int64_t start = 0, read = 0, estimated = 0, controlled = 0, written = 0, end = 0;
 };
 
-/// A loop on one backend; AxisLoop has the meaning of each. The passes are HOT.
+/// A loop on one backend; LoopPass has the meaning of each. The passes are HOT.
 class ControlLoop {
  public:
   virtual ~ControlLoop() = default;

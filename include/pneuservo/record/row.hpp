@@ -56,7 +56,7 @@ enum RowFlag : std::uint32_t {
   /* SupervisorState (loop/supervisor.hpp) */                                                                          \
   COLUMN(std::uint32_t, state, 0, static_cast<std::uint32_t>(supervisor_.state()))                                     \
   /* bits of RowFlag */                                                                                                \
-  COLUMN(std::uint32_t, flags, 0, flags)                                                                               \
+  COLUMN(std::uint32_t, flags, 0, row_flags(skipped))                                                                  \
   /* bits of Fault (loop/fault.hpp), 0 while healthy */                                                                \
   COLUMN(std::uint64_t, fault, 0, supervisor_.faults())                                                                \
   /* CommandKind (loop/axis_command.hpp) that was obeyed in this tick, its target or way, its speed */                 \

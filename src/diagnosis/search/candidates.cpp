@@ -236,7 +236,7 @@ void add_sensors(const Rig& rig, const MotionRange& range, const std::vector<Res
 }  // namespace
 
 MotionRange motion_range(const std::vector<ResidualRow>& rows) {
-  MotionRange range{1e300, -1e300, 0, 0};
+  MotionRange range{.lowest_m = 1e300, .highest_m = -1e300};
   for (const ResidualRow& row : rows) {
     range.lowest_m = std::min(range.lowest_m, row.position_m);
     range.highest_m = std::max(range.highest_m, row.position_m);

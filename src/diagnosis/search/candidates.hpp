@@ -50,9 +50,10 @@ std::vector<FreeParameter> nuisances(const Rig& rig, std::size_t start_factor_co
 
 /// Small physics that every real machine has a little of, as nuisances with narrow priors about neutral: they take up
 /// the small and leave the large, which has a name.
-/// Whether that stands for the candidate: it grants another effect of its family, or all numbers of a description.
-bool is_granted(const Candidate& candidate);
 std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels);
+/// Whether small physics stands for the candidate: it grants another effect of its family, or all numbers of a
+/// description.
+bool is_granted(const Candidate& candidate);
 
 /// Element at which a config path sits: slider.mass_kg is at motion.
 std::string element_of_path(const std::string& path);

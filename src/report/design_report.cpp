@@ -35,18 +35,6 @@ std::vector<double> phase_of(const std::vector<Complex>& values) {
   return out;
 }
 
-Plot frequency_plot(std::string title, std::string unit) {
-  Plot plot;
-  plot.title = std::move(title);
-  plot.unit = std::move(unit);
-  plot.x_title = "frequency";
-  plot.x_unit = "Hz";
-  plot.group = "frequency";
-  plot.log_x = true;
-  plot.height_px = 280;
-  return plot;
-}
-
 /// One transfer over frequency, in the magnitude and the phase plot alike.
 struct Bode {
   Plot magnitude, phase;

@@ -14,6 +14,18 @@
 #include <report/pole_plot.hpp>
 
 namespace pneuservo {
+
+Plot frequency_plot(std::string title, std::string unit) {
+  Plot plot;
+  plot.title = std::move(title);
+  plot.unit = std::move(unit);
+  plot.x_title = "frequency";
+  plot.x_unit = "Hz";
+  plot.group = "frequency";
+  plot.log_x = true;
+  plot.height_px = 280;
+  return plot;
+}
 namespace {
 
 std::string with_unit(std::string_view title, std::string_view unit) {

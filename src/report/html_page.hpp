@@ -59,6 +59,9 @@ struct Plot {
   std::size_t points_max = 4000;
 };
 
+/// A plot over frequency on a logarithmic axis; all such plots of a page zoom together.
+Plot frequency_plot(std::string title, std::string unit);
+
 /// One figure as bars, one a name.
 struct BarChart {
   std::string title, unit;

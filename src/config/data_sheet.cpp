@@ -128,7 +128,7 @@ Form scaling(std::string_view unit, std::string_view scale, double lowest_value)
           }};
 }
 
-/// For the list of keys: translate_valve_table has taken the table before.
+/// For the list of keys alone: the table is no number and is read by valve_table.hpp.
 Form measured_valve() {
   return {{{Field{"table", "", -infinite, infinite,
                   "of a measurement: command_V with area_m2, or with flow_kgps, upstream_Pa, downstream_Pa; gives "

@@ -143,6 +143,16 @@ void check_coupled_loads(const Rig& rig, std::string_view section, const Check& 
   }
 }
 
+/// What is put down was there.
+void check_payload_change(const Rig& rig, std::string_view section, const Check& check) {
+  const double moves_kg = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg,
+               change_kg = rig.axis.effects.motion.payload_change.mass_kg;
+  if (change_kg < 0.0 && moves_kg + change_kg <= 0.0)
+    check.refuse(fmt::format("{}.payload_change.mass_kg", section), {"slider.mass_kg", "slider.payload_kg"},
+                 number_text(change_kg),
+                 fmt::format("more than -(slider.mass_kg + slider.payload_kg) ({})", number_text(-moves_kg)));
+}
+
 /// A supply that swings stays one.
 void check_supply_swing(const Rig& rig, std::string_view section, const Check& check) {
   const double swing_Pa = rig.axis.effects.supply_swing.amplitude_Pa,
@@ -503,6 +513,7 @@ void check_pneumatic(const Rig& rig, const Check& check) {
 /// Effects that contradict the axis which has them.
 void check_effects(const Rig& rig, std::string_view section, const Check& check) {
   check.of({"slider", section}, [&] { check_coupled_loads(rig, section, check); });
+  check.of({"slider", section}, [&] { check_payload_change(rig, section, check); });
   if (!rig.is_pneumatic()) return;
   check.of({"line_1", "line_2", section}, [&] { check_line_effects(rig, section, check); });
   check.of({"air", "supply", section}, [&] { check_supply_swing(rig, section, check); });

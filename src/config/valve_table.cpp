@@ -12,7 +12,9 @@
 #include <pneuservo/elements/orifice.hpp>
 #include <pneuservo/elements/valve.hpp>
 
+#include "config/data_sheet.hpp"
 #include "config/number_text.hpp"
+#include "config/section_reader.hpp"
 
 namespace pneuservo {
 
@@ -74,13 +76,13 @@ const ConfigNode* value_at(const ConfigNode& map, const std::string& key) {
   return entry == nullptr ? nullptr : &entry->value;
 }
 
-std::optional<double> number_at(const ConfigNode* map, const std::string& key) {
-  const ConfigNode* node = map == nullptr ? nullptr : value_at(*map, key);
+std::optional<double> number_at(const ConfigNode& map, const std::string& key) {
+  const ConfigNode* node = value_at(map, key);
   return node == nullptr ? std::nullopt : number_from_text(node->text);
 }
 
 double positive_at(const ConfigNode& map, const std::string& path, const std::string& key) {
-  const std::optional<double> number = number_at(&map, key);
+  const std::optional<double> number = number_at(map, key);
   if (!number || !(*number > 0.0))
     refuse(map.origin, join_path(path, key), number ? number_text(*number) : "nothing", "a number above 0");
   return *number;
@@ -101,12 +103,23 @@ std::vector<double> numbers_at(const ConfigNode& table, const std::string& key) 
   return out;
 }
 
+/// A section with units and data-sheet keys as SI numbers. What is wrong in it is told where it is read.
+template <class Section> ConfigNode as_numbers(ConfigNode section, const std::string& path) {
+  InputErrors told_elsewhere;
+  const Rig no_rig;
+  ReadContext context{no_rig, told_elsewhere};
+  translate_data_sheet(section, path, fields_of(Section{}), context);
+  return section;
+}
+
 /// Area of a hole that passes 1 kg/s as the measurement was made.
 double area_per_flow(const ConfigNode& root, const ConfigNode& valve, const ConfigNode& table) {
   AirParameters<double> parameters;
-  const ConfigNode* stated = value_at(root, "air");
-  if (const auto R = number_at(stated, "gas_constant_J_per_kgK")) parameters.gas_constant_J_per_kgK = *R;
-  if (const auto T = number_at(stated, "temperature_K")) parameters.temperature_K = *T;
+  if (const ConfigNode* stated = value_at(root, "air")) {
+    const ConfigNode air = as_numbers<AirParameters<double>>(*stated, "air");
+    if (const auto R = number_at(air, "gas_constant_J_per_kgK")) parameters.gas_constant_J_per_kgK = *R;
+    if (const auto T = number_at(air, "temperature_K")) parameters.temperature_K = *T;
+  }
   const double from_Pa = positive_at(table, "valve.table", "upstream_Pa"),
                to_Pa = positive_at(table, "valve.table", "downstream_Pa");
   if (from_Pa <= to_Pa)
@@ -173,8 +186,9 @@ void translate(ConfigNode& root, ConfigNode& valve) {
   for (const char* key : {"area_per_volt_m2_per_V", "area_max_m2"})
     if (const ConfigNode::Entry* stated = valve.find(key))
       refuse(table.origin, "valve.table", fmt::format("it beside {} (at {})", key, stated->origin), "one of the two");
-  const double command_max_V = positive_at(valve, "valve", "command_max_V");
-  const ValveTableFit fit = fit_valve_table(points_of(root, valve, table, command_max_V), command_max_V);
+  const ConfigNode numbers = as_numbers<ValveParameters<double>>(valve, "valve");
+  const double command_max_V = positive_at(numbers, "valve", "command_max_V");
+  const ValveTableFit fit = fit_valve_table(points_of(root, numbers, table, command_max_V), command_max_V);
   const Sizes areas{{"area_per_volt_m2_per_V", fit.area_per_volt_m2_per_V}, {"area_max_m2", fit.area_max_m2}};
   for (ConfigNode::Entry& entry : map_of(table.origin, areas).entries) valve.entries.push_back(entry);
   put_effects(root, table.origin, fit);

@@ -181,8 +181,8 @@ MotionSample AxisLoop::motion_sample(const ControlInput& in, std::int64_t skippe
 }
 
 EstimatorOutput AxisLoop::estimate(const JudgedInputs& inputs, std::int64_t skipped) noexcept {
-  const EstimatorInput in{inputs.port_Pa[0], inputs.port_Pa[1], inputs.position_m, velocity_mps_,
-                          supervisor_.command_V()[0]};
+  EstimatorInput in{inputs.port_Pa[0], inputs.port_Pa[1], inputs.position_m, velocity_mps_, supervisor_.command_V()[0]};
+  if (valves_ == 2) in.valve_command_2_V = supervisor_.command_V()[1];
   // Skipped slots passed without a sample: the model goes through them with the newest one.
   for (std::int64_t i = 0; i < std::min(skipped, most_caught_up_periods); ++i) estimator_.step(in);
   return estimator_.step(in);

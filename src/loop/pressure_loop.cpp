@@ -25,11 +25,11 @@ void PressureLoop::configure(const Rig& rig) {
 
 // The volume grows with the estimate of the period before.
 EstimatorOutput PressureLoop::estimate(const JudgedInputs& inputs, std::int64_t skipped) noexcept {
-  const double port_Pa = inputs.port_Pa[0];
+  const double port_Pa = inputs.port_Pa[0], command_V = supervisor_.command_V()[0];
   EstimatorOutput out;
   for (std::int64_t i = std::min(skipped, most_caught_up_periods); i >= 0; --i) {
     if (!estimated_ && std::isfinite(port_Pa)) growth_.reset(port_Pa);
-    out = estimator_.step({port_Pa, port_Pa, growth_.position_m(), 0.0, supervisor_.command_V()[0]});
+    out = estimator_.step({port_Pa, port_Pa, growth_.position_m(), 0.0, command_V, command_V});
     estimated_ = (out.health & estimator_not_started) == 0;
     if (grows_ && estimated_)
       growth_.step(out.chamber_pressure_Pa[0], out.chamber_temperature_K[0], out.mass_flow_kgps[0]);

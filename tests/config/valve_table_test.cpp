@@ -86,6 +86,19 @@ TEST_CASE("a table of areas or of flows gives the valve that was measured") {
   }
 }
 
+TEST_CASE("a table reads the data sheet beside it: air with its unit, the valve's signal") {
+  const Measured table = measured(parameters, bent_effects());
+  const std::string flows =
+      fmt::format("    flow_kgps: [{}]\n    upstream_Pa: 7e5\n    downstream_Pa: 1e5\n", table.flows);
+  const std::string with_signal = with(table_of(table.commands, flows), "command_max_V: 5.0", "signal: 0 to 10 V");
+  const Rig rig = parse_rig(with_signal, "rig.yaml");
+  CHECK(rig.axis.valve.command_max_V == 5.0);
+  CHECK(rig.axis.valve.area_max_m2 == Approx(9e-6).epsilon(1e-3));
+  // The same flow of warmer gas needs an area that is larger by the root of the temperatures.
+  const Rig warm = parse_rig(with_signal + "air: {temperature: 353 K}\n", "rig.yaml");
+  CHECK(warm.axis.valve.area_max_m2 == Approx(9e-6 * std::sqrt(353.0 / 293.0)).epsilon(1e-3));
+}
+
 TEST_CASE("the table of an ideal valve gives no effect worth a name") {
   const Measured table = measured(parameters, {});
   const Rig rig = parse_rig(table_of(table.commands, fmt::format("    area_m2: [{}]\n", table.areas)), "rig.yaml");

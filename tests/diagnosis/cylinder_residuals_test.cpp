@@ -306,4 +306,5 @@ TEST_CASE("cylinder residuals: rows of a slow logger know of the commands that i
     return most;
   };
   CHECK(sigma_over_noise("p1_port") > 2.0);
+  CHECK(sigma_over_noise("F") < 0.5 * sigma_over_noise("p1_port"));
 }

@@ -163,7 +163,7 @@ template <class S> struct LineBranch {
 template <class S> struct PortVolume {
   static constexpr bool is_inside_line = true;
   S volume_m3 = S(0);
-  /// Behind 10 mm of 6 mm bore, which is no hindrance to the flows of a valve this size.
+  /// Behind 10 mm of 6 mm bore: a port of G1/8, wide beside the 13 mm2 of the valves in config.
   LineBranch<S> as_branch() const noexcept { return {volume_m3, S(0.01), S(0.006), S(0)}; }
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"volume_m3", "m3", 0, 1, "of fittings and bores between valve and line"}, p.volume_m3...);

@@ -51,7 +51,7 @@ struct EstimatorParameters {
   CylinderParameters<double> cylinder;
   double period_s = 0.001;
   ValveParameters<double> valve;  ///< for the flow correction; the orifices of effects have its critical ratio
-  ValveArrangement arrangement = ValveArrangement::five_port;  ///< three_port_pair: both valves have one command
+  ValveArrangement arrangement = ValveArrangement::five_port;
   double flow_correction = 0.0;   ///< share of the flow innovation that corrects the port pressure, 0 (off) to 0.5
   double cells_per_m = 1.0;  ///< at least one cell a line; 1 is enough for the accuracy stated in docs/estimator.md
   EstimatorUncertainty uncertainty;
@@ -69,6 +69,8 @@ struct EstimatorInput {
   double v_mps;
   /// What the valve was given over the period that ends now; NaN: unknown, and the flow correction rests.
   double valve_command_V = std::numeric_limits<double>::quiet_NaN();
+  /// The same of the valve at side 2; NaN: one valve serves both sides, and side 2 has the opposite.
+  double valve_command_2_V = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Health bits of one tick.
@@ -170,7 +172,7 @@ class PipelineEstimator {
       const Lanes port = lanes(p_1, p_2, p_1 + noise_1, p_2 + noise_2);
       axis_.step(port + correction_, input_.x_m, -start_shares() * surplus_,
                  leaks_ ? chamber_leaks() : ChamberInflow<Lanes>{});
-      if (corrects_flow_) correct(measured.valve_command_V, port);
+      if (corrects_flow_) correct(measured, port);
     }
     return output(health);
   }
@@ -301,13 +303,14 @@ class PipelineEstimator {
   // leaves by the valve: it damps the ringing that sensor noise feeds. While the start is not yet forgotten it also
   // goes into the chamber: the line's resistance R holds an error of the chamber's capacity C for the time R C; with a
   // share k of the surplus it takes R C / (1 + k).
-  void correct(double command_V, const Lanes& port) noexcept {
+  void correct(const EstimatorInput& measured, const Lanes& port) noexcept {
     const Lanes middle = Lanes(0.5) * (port + port_);
     port_ = port;
     start_gain_ *= start_decay_;
     correction_ = surplus_ = Lanes(0);
+    const double command_V = measured.valve_command_V, second_V = measured.valve_command_2_V;
     if (!std::isfinite(command_V)) return;
-    const Pair<double> edges = edge_areas(command_V);
+    const Pair<double> edges = edge_areas(command_V, std::isfinite(second_V) ? second_V : -command_V);
     const Lanes area = join(edges, Pair<double>(1.0 + parameters_.uncertainty.relative_valve_area) * edges);
     const auto feeds = area >= Lanes(0);
     const Lanes outside = select(feeds, Lanes(parameters_.supply_pressure_Pa), Lanes(parameters_.air.atmosphere_Pa));
@@ -319,14 +322,11 @@ class PipelineEstimator {
   }
 
   // Of the edge that is open at each port: positive to the supply, negative to the exhaust.
-  Pair<double> edge_areas(double command_V) noexcept {
-    const auto& valve = parameters_.valve;
-    const bool alike = parameters_.arrangement == ValveArrangement::three_port_pair;
-    const double second_V = alike ? command_V : -command_V;
-    if (!moves_otherwise_) {
-      const double area = std::min(std::fabs(command_V) * valve.area_per_volt_m2_per_V, valve.area_max_m2);
-      return join(std::copysign(area, command_V), std::copysign(area, second_V));
-    }
+  Pair<double> edge_areas(double command_V, double second_V) noexcept {
+    const auto area = [&valve = parameters_.valve](double of_V) {
+      return std::copysign(std::min(std::fabs(of_V) * valve.area_per_volt_m2_per_V, valve.area_max_m2), of_V);
+    };
+    if (!moves_otherwise_) return join(area(command_V), area(second_V));
     valves_.set_commands(command_V, second_V);
     const PortAreas<Pair<double>> areas = valves_.step(0.0);
     return areas.supply - areas.exhaust;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <span>
 #include <string_view>
 
@@ -237,11 +238,16 @@ void add_sensors(const Rig& rig, const MotionRange& range, const std::vector<Res
 
 MotionRange motion_range(const std::vector<ResidualRow>& rows) {
   MotionRange range{.lowest_m = 1e300, .highest_m = -1e300};
+  std::map<int, double> begins_s;  // by recording: each has a clock of its own
+  for (const ResidualRow& row : rows) {
+    double& begin_s = begins_s.try_emplace(row.recording, row.time_s).first->second;
+    begin_s = std::min(begin_s, row.time_s);
+  }
   for (const ResidualRow& row : rows) {
     range.lowest_m = std::min(range.lowest_m, row.position_m);
     range.highest_m = std::max(range.highest_m, row.position_m);
     range.top_speed_mps = std::max(range.top_speed_mps, std::abs(row.velocity_mps));
-    range.duration_s = std::max(range.duration_s, row.time_s);
+    range.duration_s = std::max(range.duration_s, row.time_s - begins_s[row.recording]);
   }
   if (rows.empty()) range.lowest_m = range.highest_m = 0;
   return range;

@@ -19,8 +19,10 @@
 namespace pneuservo::fmu {
 namespace {
 
-// A time of a foreign clock is a sum of steps; this share of a period is more than it rounds by in a year.
+// A step may be the difference of two times; this share of a period is more than they round by in a year.
 constexpr double most_rounding = 1e-3;
+// A time belongs to the step that ends nearest to it.
+constexpr double same_time = 0.25;
 
 nlohmann::json about(const std::filesystem::path& resources) {
   const std::filesystem::path path = resources / "fmu.json";
@@ -81,8 +83,6 @@ void Instance::set(unsigned reference, double value) {
 
 void Instance::start(double time_s) {
   rig_ = parse_rig(dump_rig(rig_), source_);  // relations between values
-  start_s_ = time_s;
-  periods_ = 0;
   variables_[time_].start = time_s;
   if (model_ == Model::plant) {
     plant_.configure(rig_.axis, rig_.period_s, rig_.simulation.cells_per_m, valve_arrangement(rig_));
@@ -129,15 +129,16 @@ void Instance::show(double inner_step_s, double health) {
 
 bool Instance::step(double time_s, double step_s) {
   if (!is_started_) throw InputError("FMU: found a step before the end of the initialisation");
-  const double due = (time_s + step_s - start_s_) / rig_.period_s;
-  const double whole = std::round(due);
-  if (!(step_s > 0.0) || !(std::fabs(due - whole) <= most_rounding) || whole <= static_cast<double>(periods_))
+  // Against the foreign clock's own last time: what a sum of steps has rounded by since the start does not count.
+  double& now_s = variables_[time_].start;
+  const double periods = step_s / rig_.period_s, whole = std::round(periods);
+  if (!(whole >= 1.0) || !(std::fabs(periods - whole) <= most_rounding) ||
+      !(std::fabs(time_s - now_s) <= same_time * rig_.period_s))
     throw InputError(fmt::format("FMU: found a communication step from {} s over {} s, expected whole periods of {} s "
-                                 "since the start, each once",
-                                 time_s, step_s, rig_.period_s));
-  const auto until = static_cast<std::int64_t>(whole);
-  for (; periods_ < until; ++periods_) model_ == Model::plant ? step_plant() : step_estimator();
-  variables_[time_].start = time_s + step_s;
+                                 "from {} s, where the last one ended",
+                                 time_s, step_s, rig_.period_s, now_s));
+  for (double k = 0.0; k < whole; ++k) model_ == Model::plant ? step_plant() : step_estimator();
+  now_s = time_s + step_s;
   if (model_ == Model::estimator) return true;
   const bool is_finite =
       std::ranges::all_of(outputs().first(7), [](const Variable& v) { return std::isfinite(v.start); });

@@ -1,6 +1,5 @@
 // One FMU at work: a plant or an estimator that a foreign program steps by value references.
 #pragma once
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -27,8 +26,8 @@ class Instance {
   void start(double time_s);
   /// Back to the config's own values, before the initialisation.
   void reset();
-  /// From time_s over step_s, a whole number of the config's periods, with the inputs held. False: the state is not
-  /// finite.
+  /// From time_s, where the last step ended, over step_s, a whole number of the config's periods, with the inputs held.
+  /// False: the state is not finite.
   bool step(double time_s, double step_s);
 
  private:
@@ -46,8 +45,6 @@ class Instance {
   std::size_t inputs_ = 0, time_ = 0;
   AxisPlant<double> plant_;
   PipelineEstimator estimator_;
-  double start_s_ = 0.0;
-  std::int64_t periods_ = 0;
   bool is_started_ = false;
 };
 

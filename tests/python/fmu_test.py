@@ -134,6 +134,22 @@ def test_a_state_comes_back(folder, fmi):
     slave.end()
 
 
+@pytest.mark.parametrize("fmi", (2, 3))
+def test_a_clock_that_adds_up_its_steps(folder, config, fmi):
+    """What such a clock rounds by in two days, a quarter of a period, in 200 steps here: no step is refused or lost."""
+    slave, own = Slave(folder / f"plant{fmi}.fmu"), pneuservo.Plant(config)
+    time_s = 0.0
+    for k in range(200):
+        assert slave.step({"u_V": 1.0}, time_s, 1e-3)["x_m"] == own.step(1.0).x_m, k
+        time_s += 1e-3 + 2e-6
+    assert abs(time_s - 0.2) > 0.25e-3
+    with pytest.raises(Exception):  # a period left out, and one done twice
+        slave.fmu.doStep(time_s + 1e-3, 1e-3)
+    with pytest.raises(Exception):
+        slave.fmu.doStep(time_s - 1e-3, 1e-3)
+    slave.end()
+
+
 def test_two_valves():
     config = pneuservo.Config(TABLE)
     names = [v["name"] for v in pneuservo._core._fmu_variables(config, "plant") if v["causality"] == "input"]

@@ -55,7 +55,7 @@ void Instance::reset() {
   time_ = static_cast<std::size_t>(
       std::ranges::find(variables_, Causality::independent, [](const Variable& v) { return v.causality; }) -
       variables_.begin());
-  is_started_ = false;
+  is_prepared_ = is_started_ = false;
 }
 
 const Variable& Instance::variable(unsigned reference) const {
@@ -66,7 +66,11 @@ const Variable& Instance::variable(unsigned reference) const {
   return *found;
 }
 
-double Instance::value(unsigned reference) const { return variable(reference).start; }
+double Instance::value(unsigned reference) {
+  const Variable& found = variable(reference);
+  if (found.causality == Causality::output && !is_started_) prepare();
+  return found.start;
+}
 
 void Instance::set(unsigned reference, double value) {
   const Variable& found = variable(reference);
@@ -79,19 +83,33 @@ void Instance::set(unsigned reference, double value) {
     set_parameter(rig_, found.name, value);
   }
   variables_[static_cast<std::size_t>(&found - variables_.data())].start = value;
+  is_prepared_ = false;
 }
 
-void Instance::start(double time_s) {
-  rig_ = parse_rig(dump_rig(rig_), source_);  // relations between values
-  variables_[time_].start = time_s;
-  if (model_ == Model::plant) {
-    plant_.configure(rig_.axis, rig_.period_s, rig_.simulation.cells_per_m, valve_arrangement(rig_));
-    plant_.reset(plant_start(rig_));
-    take_outputs(true_values(plant_), plant_.velocity());
-  } else {
-    estimator_.configure(estimator_parameters(rig_));
-  }
+void Instance::set_time(double time_s) { variables_[time_].start = time_s; }
+
+void Instance::start() {
+  prepare();
   is_started_ = true;
+}
+
+// The model at its start, and what it shows there with the parameters and inputs of now.
+void Instance::prepare() {
+  if (is_prepared_) return;
+  const Rig rig = parse_rig(dump_rig(rig_), source_);  // relations between values
+  if (model_ == Model::plant) {
+    plant_.configure(rig.axis, rig.period_s, rig.simulation.cells_per_m, valve_arrangement(rig));
+    plant_.reset(plant_start(rig));
+    take_outputs(true_values(plant_), plant_.velocity());
+    show(0.0, 0.0);
+  } else {
+    estimator_.configure(estimator_parameters(rig));
+    PipelineEstimator first = estimator_;  // whose first tick only starts it, at the pressures of its inputs
+    const EstimatorOutput e = estimate(first);
+    take_outputs(e);
+    show(0.0, static_cast<double>(e.health));
+  }
+  is_prepared_ = true;
 }
 
 // The first ones behind the inputs, whatever follows.
@@ -111,12 +129,20 @@ void Instance::step_plant() {
   take_outputs(true_values(plant_), plant_.velocity());
 }
 
-void Instance::step_estimator() {
-  const EstimatorOutput e = estimator_.step(
+EstimatorOutput Instance::estimate(PipelineEstimator& estimator) const {
+  return estimator.step(
       {variables_[0].start, variables_[1].start, variables_[2].start, variables_[3].start, variables_[4].start});
+}
+
+void Instance::take_outputs(const EstimatorOutput& e) {
   const std::array shown{e.chamber_pressure_Pa[0], e.chamber_pressure_Pa[1], e.error_bound_Pa[0],
                          e.error_bound_Pa[1],      e.mass_flow_kgps[0],      e.mass_flow_kgps[1]};
   for (std::size_t i = 0; i < shown.size(); ++i) outputs()[i].start = shown[i];
+}
+
+void Instance::step_estimator() {
+  const EstimatorOutput e = estimate(estimator_);
+  take_outputs(e);
   show(estimator_.axis().side().step_s(), static_cast<double>(e.health));
 }
 

@@ -48,16 +48,17 @@ class Slave:
                         instanceName="axis")
         self.fmu.instantiate()
         two = description.fmiVersion.startswith("2")
+        self._get = self.fmu.getReal if two else self.fmu.getFloat64
+        self.outputs = [self.references[name] for name in self.names["output"]]
+        self.instantiated = self.get()
         if two:
             self.fmu.setupExperiment(startTime=0.0)
-        self.set(dict(start))
-        if two:
             self.fmu.enterInitializationMode()
         else:
             self.fmu.enterInitializationMode(startTime=0.0)
+        self.set(dict(start))
+        self.initial = self.get()
         self.fmu.exitInitializationMode()
-        self._get = self.fmu.getReal if two else self.fmu.getFloat64
-        self.outputs = [self.references[name] for name in self.names["output"]]
 
     def set(self, values):
         put = self.fmu.setReal if hasattr(self.fmu, "setReal") else self.fmu.setFloat64
@@ -147,6 +148,29 @@ def test_a_clock_that_adds_up_its_steps(folder, config, fmi):
         slave.fmu.doStep(time_s + 1e-3, 1e-3)
     with pytest.raises(Exception):
         slave.fmu.doStep(time_s - 1e-3, 1e-3)
+    slave.end()
+
+
+@pytest.mark.parametrize("fmi", (2, 3))
+def test_outputs_before_the_first_step_are_those_of_the_start(folder, config, fmi):
+    """With the parameters and inputs of that moment: once instantiated, in the initialisation, after it."""
+    start = {"initial.position_m": 0.05, "initial.pressure_1_Pa": 3e5}
+    slave = Slave(folder / f"plant{fmi}.fmu", start)
+    for seen, own in ((slave.instantiated, pneuservo.Plant(config).now), (slave.initial, pneuservo.Plant(config.replace(start)).now)):
+        assert all(seen[name] == getattr(own, name) for name in ("x_m", "v_mps", "p1_port_Pa", "p1_chamber_Pa", "p_supply_Pa"))
+        assert (seen["inner_step_s"], seen["health"]) == (0.0, 0.0)
+    assert slave.initial["x_m"] == 0.05 and slave.initial != slave.instantiated
+    assert slave.get() == slave.initial
+    slave.end()
+    # Of the estimator: what its first step says, at rest at the pressures of its inputs, with the bound of its start.
+    inputs = {"p1_port_Pa": 4e5, "p2_port_Pa": 5e5, "x_m": 0.02, "v_mps": 0.0, "u_V": 0.0}
+    slave = Slave(folder / f"estimator{fmi}.fmu", inputs)
+    own = pneuservo.Estimator(config).step(*inputs.values())
+    for seen in (slave.initial, slave.get(), slave.step({}, 0.0, 1e-3)):
+        assert (seen["p1_estimated_Pa"], seen["p2_estimated_Pa"]) == (4e5, 5e5) == (own.p1_estimated_Pa, own.p2_estimated_Pa)
+        assert (seen["p1_bound_Pa"], seen["health"]) == (own.p1_bound_Pa, own.health) and seen["p1_bound_Pa"] > 100.0
+        assert (seen["mass_flow_1_kgps"], seen["mass_flow_2_kgps"]) == (0.0, 0.0)
+    assert slave.instantiated["p1_estimated_Pa"] > 0.0
     slave.end()
 
 

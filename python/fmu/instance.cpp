@@ -112,15 +112,12 @@ void Instance::prepare() {
   is_prepared_ = true;
 }
 
-// The first ones behind the inputs, whatever follows.
-std::span<Variable> Instance::outputs() { return std::span(variables_).subspan(inputs_); }
+// Between the inputs and the time.
+std::span<Variable> Instance::outputs() { return std::span(variables_).subspan(inputs_, time_ - inputs_); }
 
 void Instance::take_outputs(const PerSignal<double>& measured, double v_mps) {
-  std::size_t i = 0;
-  for (const Signal signal :
-       {Signal::x, Signal::p1_port, Signal::p2_port, Signal::p1_chamber, Signal::p2_chamber, Signal::p_supply})
-    outputs()[i++].start = measured[signal];
-  outputs()[i].start = v_mps;
+  for (std::size_t i = 0; i < plant_signals.size(); ++i) outputs()[i].start = measured[plant_signals[i]];
+  outputs()[plant_signals.size()].start = v_mps;
 }
 
 void Instance::step_plant() {
@@ -135,9 +132,7 @@ EstimatorOutput Instance::estimate(PipelineEstimator& estimator) const {
 }
 
 void Instance::take_outputs(const EstimatorOutput& e) {
-  const std::array shown{e.chamber_pressure_Pa[0], e.chamber_pressure_Pa[1], e.error_bound_Pa[0],
-                         e.error_bound_Pa[1],      e.mass_flow_kgps[0],      e.mass_flow_kgps[1]};
-  for (std::size_t i = 0; i < shown.size(); ++i) outputs()[i].start = shown[i];
+  for (std::size_t i = 0; i < estimated_outputs.size(); ++i) outputs()[i].start = estimated_outputs[i].of(e);
 }
 
 void Instance::step_estimator() {
@@ -148,9 +143,9 @@ void Instance::step_estimator() {
 
 // The last two outputs of every model.
 void Instance::show(double inner_step_s, double health) {
-  const std::size_t at = model_ == Model::plant ? 7 : 6;
-  outputs()[at].start = inner_step_s;
-  outputs()[at + 1].start = health;
+  const std::span<Variable> last = outputs().last(2);
+  last[0].start = inner_step_s;
+  last[1].start = health;
 }
 
 bool Instance::step(double time_s, double step_s) {
@@ -166,8 +161,7 @@ bool Instance::step(double time_s, double step_s) {
   for (double k = 0.0; k < whole; ++k) model_ == Model::plant ? step_plant() : step_estimator();
   now_s = time_s + step_s;
   if (model_ == Model::estimator) return true;
-  const bool is_finite =
-      std::ranges::all_of(outputs().first(7), [](const Variable& v) { return std::isfinite(v.start); });
+  const bool is_finite = std::ranges::all_of(outputs(), [](const Variable& v) { return std::isfinite(v.start); });
   show(plant_.sides().step_s(), is_finite ? 0.0 : 1.0);
   return is_finite;
 }

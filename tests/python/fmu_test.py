@@ -201,6 +201,12 @@ def test_what_is_refused(folder, config, tmp_path):
         fmu.write(config, tmp_path / "a.fmu", fmi=1)
     with pytest.raises(pneuservo.InputError, match="only cylinders and servo tables have an FMU"):
         fmu.write(pneuservo.Config("config/machines/tank-discharge.yaml"), tmp_path / "a.fmu")
+    assert not (tmp_path / "a.fmu").exists()
+    fmu.write(config, tmp_path / "a.fmu")
+    with pytest.raises(pneuservo.InputError, match="found a file there"):
+        fmu.write(config, tmp_path / "a.fmu", "estimator")
+    fmu.write(config, tmp_path / "a.fmu", "estimator", replace=True)
+    assert "estimator" in fmpy.read_model_description(tmp_path / "a.fmu").modelName
     # Description and resources of two exports do not go together.
     other = tmp_path / "mixed.fmu"
     with zipfile.ZipFile(folder / "plant2.fmu") as source, zipfile.ZipFile(other, "w") as target:
@@ -237,5 +243,31 @@ def test_the_verb_export(tmp_path):
                              ([CONFIG, "--fmu", tmp_path / "x", "--set", "line_1.length_m=-3"], "line_1.length_m")):
         done = verb("export", *arguments)
         assert done.returncode == 2 and words in done.stderr, done.stderr
+    for option in (["--parquet"], ["--mat"], ["--mcap"], ["--out", tmp_path], ["--force"]):
+        done = verb("export", CONFIG, "--fmu", tmp_path / "never.fmu", *option)
+        assert done.returncode == 2 and f"{option[0]}: found with --fmu" in done.stderr, done.stderr
+    for option in (["--model", "plant"], ["--fmi", "2"], ["--set", "period_s=0.001"]):
+        done = verb("export", record, "--mat", "--out", tmp_path, "--force", *option)
+        assert done.returncode == 2 and f"{option[0]}: found without --fmu" in done.stderr, done.stderr
+    assert not (tmp_path / "never.fmu").exists()
     done = verb("export", record, "--mat", python=False)
     assert done.returncode != 0 and "python3 cannot be run" in done.stderr
+
+
+def test_the_verb_replaces_its_own_fmu_alone(tmp_path):
+    target, own = tmp_path / "axis.fmu", tmp_path / "own.yaml"
+    for model in ("plant", "estimator"):
+        done = verb("export", CONFIG, "--fmu", target, "--model", model)
+        assert done.returncode == 0, done.stderr
+        assert model in fmpy.read_model_description(target).modelName
+    own.write_text(pathlib.Path(CONFIG).read_text())
+    foreign = tmp_path / "foreign.fmu"
+    with zipfile.ZipFile(foreign, "w") as archive:
+        archive.writestr("modelDescription.xml", "<fmiModelDescription/>")
+        archive.writestr("resources/fmu.json", "{}")
+    for config, path, words in ((own, own, "which CONFIG reads"), (CONFIG, own, "which holds something else"),
+                                (CONFIG, foreign, "which holds something else")):
+        before = path.read_bytes()
+        done = verb("export", config, "--fmu", path)
+        assert done.returncode == 2 and words in done.stderr, done.stderr
+        assert path.read_bytes() == before

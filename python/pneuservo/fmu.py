@@ -1,9 +1,10 @@
 # Plant or estimator of a config as an FMU for co-simulation, FMI 2.0 or 3.0.
-"""python -m pneuservo.fmu CONFIG FMU [--model plant | estimator] [--fmi 2 | 3]
+"""python -m pneuservo.fmu CONFIG FMU [--model plant | estimator] [--fmi 2 | 3] [--force]
 
 The FMU holds the config and the program's own code: it computes what `simulate` and `run` compute, bit for bit. A
 communication step is a whole number of the config's periods. Parameters are the numbers of the config by their paths;
-they are set before the initialisation ends. It runs on x86-64 with the libraries of Debian 12 (fmt, yaml-cpp).
+they are set before the initialisation ends. It runs on the kind of processor that wrote it (x86-64, with FMI 3.0
+also aarch64), with the libraries of Debian 12 (fmt, yaml-cpp).
 """
 import argparse
 import json

@@ -20,7 +20,6 @@ struct Component {
   using Log = std::function<void(Status, const char* message)>;
   Log log;
   std::unique_ptr<Instance> instance;
-  double start_s = 0.0;  ///< of the experiment; told before the initialisation ends
 };
 
 /// Runs `work` and turns what it throws into a message and a status.
@@ -100,7 +99,14 @@ inline Status free_state(void** state) noexcept {
 
 inline Status start(void* c) noexcept {
   return guarded(c, [&](Instance& i) {
-    i.start(static_cast<const Component*>(c)->start_s);
+    i.start();
+    return Status::ok;
+  });
+}
+
+inline Status set_time(void* c, double time_s) noexcept {
+  return guarded(c, [&](Instance& i) {
+    i.set_time(time_s);
     return Status::ok;
   });
 }

@@ -60,8 +60,7 @@ PNEUSERVO_FMI void* fmi2Instantiate(const char* name, int type, const char* toke
 }
 PNEUSERVO_FMI void fmi2FreeInstance(void* c) { delete static_cast<Component*>(c); }
 PNEUSERVO_FMI Status fmi2SetupExperiment(void* c, int, double, double start_s, int, double) {
-  static_cast<Component*>(c)->start_s = start_s;
-  return Status::ok;
+  return pneuservo::fmu::set_time(c, start_s);
 }
 PNEUSERVO_FMI Status fmi2EnterInitializationMode(void*) { return Status::ok; }
 PNEUSERVO_FMI Status fmi2ExitInitializationMode(void* c) { return pneuservo::fmu::start(c); }

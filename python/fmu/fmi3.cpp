@@ -27,8 +27,7 @@ PNEUSERVO_FMI void* fmi3InstantiateModelExchange() { return nullptr; }
 PNEUSERVO_FMI void* fmi3InstantiateScheduledExecution() { return nullptr; }
 PNEUSERVO_FMI void fmi3FreeInstance(void* c) { delete static_cast<Component*>(c); }
 PNEUSERVO_FMI Status fmi3EnterInitializationMode(void* c, bool, double, double start_s, bool, double) {
-  static_cast<Component*>(c)->start_s = start_s;
-  return Status::ok;
+  return pneuservo::fmu::set_time(c, start_s);
 }
 PNEUSERVO_FMI Status fmi3ExitInitializationMode(void* c) { return pneuservo::fmu::start(c); }
 PNEUSERVO_FMI Status fmi3EnterConfigurationMode(void*) { return Status::ok; }

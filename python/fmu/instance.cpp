@@ -19,8 +19,10 @@
 namespace pneuservo::fmu {
 namespace {
 
-// A time of a foreign clock is a sum of steps; this share of a period is more than it rounds by in a year.
+// A step may be the difference of two times; this share of a period is more than they round by in a year.
 constexpr double most_rounding = 1e-3;
+// A time belongs to the step that ends nearest to it.
+constexpr double same_time = 0.25;
 
 nlohmann::json about(const std::filesystem::path& resources) {
   const std::filesystem::path path = resources / "fmu.json";
@@ -53,7 +55,7 @@ void Instance::reset() {
   time_ = static_cast<std::size_t>(
       std::ranges::find(variables_, Causality::independent, [](const Variable& v) { return v.causality; }) -
       variables_.begin());
-  is_started_ = false;
+  is_prepared_ = is_started_ = false;
 }
 
 const Variable& Instance::variable(unsigned reference) const {
@@ -64,7 +66,11 @@ const Variable& Instance::variable(unsigned reference) const {
   return *found;
 }
 
-double Instance::value(unsigned reference) const { return variable(reference).start; }
+double Instance::value(unsigned reference) {
+  const Variable& found = variable(reference);
+  if (found.causality == Causality::output && !is_started_) prepare();
+  return found.start;
+}
 
 void Instance::set(unsigned reference, double value) {
   const Variable& found = variable(reference);
@@ -77,32 +83,41 @@ void Instance::set(unsigned reference, double value) {
     set_parameter(rig_, found.name, value);
   }
   variables_[static_cast<std::size_t>(&found - variables_.data())].start = value;
+  is_prepared_ = false;
 }
 
-void Instance::start(double time_s) {
-  rig_ = parse_rig(dump_rig(rig_), source_);  // relations between values
-  start_s_ = time_s;
-  periods_ = 0;
-  variables_[time_].start = time_s;
-  if (model_ == Model::plant) {
-    plant_.configure(rig_.axis, rig_.period_s, rig_.simulation.cells_per_m, valve_arrangement(rig_));
-    plant_.reset(plant_start(rig_));
-    take_outputs(true_values(plant_), plant_.velocity());
-  } else {
-    estimator_.configure(estimator_parameters(rig_));
-  }
+void Instance::set_time(double time_s) { variables_[time_].start = time_s; }
+
+void Instance::start() {
+  prepare();
   is_started_ = true;
 }
 
-// The first ones behind the inputs, whatever follows.
-std::span<Variable> Instance::outputs() { return std::span(variables_).subspan(inputs_); }
+// The model at its start, and what it shows there with the parameters and inputs of now.
+void Instance::prepare() {
+  if (is_prepared_) return;
+  const Rig rig = parse_rig(dump_rig(rig_), source_);  // relations between values
+  if (model_ == Model::plant) {
+    plant_.configure(rig.axis, rig.period_s, rig.simulation.cells_per_m, valve_arrangement(rig));
+    plant_.reset(plant_start(rig));
+    take_outputs(true_values(plant_), plant_.velocity());
+    show(0.0, 0.0);
+  } else {
+    estimator_.configure(estimator_parameters(rig));
+    PipelineEstimator first = estimator_;  // whose first tick only starts it, at the pressures of its inputs
+    const EstimatorOutput e = estimate(first);
+    take_outputs(e);
+    show(0.0, static_cast<double>(e.health));
+  }
+  is_prepared_ = true;
+}
+
+// Between the inputs and the time.
+std::span<Variable> Instance::outputs() { return std::span(variables_).subspan(inputs_, time_ - inputs_); }
 
 void Instance::take_outputs(const PerSignal<double>& measured, double v_mps) {
-  std::size_t i = 0;
-  for (const Signal signal :
-       {Signal::x, Signal::p1_port, Signal::p2_port, Signal::p1_chamber, Signal::p2_chamber, Signal::p_supply})
-    outputs()[i++].start = measured[signal];
-  outputs()[i].start = v_mps;
+  for (std::size_t i = 0; i < plant_signals.size(); ++i) outputs()[i].start = measured[plant_signals[i]];
+  outputs()[plant_signals.size()].start = v_mps;
 }
 
 void Instance::step_plant() {
@@ -111,36 +126,42 @@ void Instance::step_plant() {
   take_outputs(true_values(plant_), plant_.velocity());
 }
 
-void Instance::step_estimator() {
-  const EstimatorOutput e = estimator_.step(
+EstimatorOutput Instance::estimate(PipelineEstimator& estimator) const {
+  return estimator.step(
       {variables_[0].start, variables_[1].start, variables_[2].start, variables_[3].start, variables_[4].start});
-  const std::array shown{e.chamber_pressure_Pa[0], e.chamber_pressure_Pa[1], e.error_bound_Pa[0],
-                         e.error_bound_Pa[1],      e.mass_flow_kgps[0],      e.mass_flow_kgps[1]};
-  for (std::size_t i = 0; i < shown.size(); ++i) outputs()[i].start = shown[i];
+}
+
+void Instance::take_outputs(const EstimatorOutput& e) {
+  for (std::size_t i = 0; i < estimated_outputs.size(); ++i) outputs()[i].start = estimated_outputs[i].of(e);
+}
+
+void Instance::step_estimator() {
+  const EstimatorOutput e = estimate(estimator_);
+  take_outputs(e);
   show(estimator_.axis().side().step_s(), static_cast<double>(e.health));
 }
 
 // The last two outputs of every model.
 void Instance::show(double inner_step_s, double health) {
-  const std::size_t at = model_ == Model::plant ? 7 : 6;
-  outputs()[at].start = inner_step_s;
-  outputs()[at + 1].start = health;
+  const std::span<Variable> last = outputs().last(2);
+  last[0].start = inner_step_s;
+  last[1].start = health;
 }
 
 bool Instance::step(double time_s, double step_s) {
   if (!is_started_) throw InputError("FMU: found a step before the end of the initialisation");
-  const double due = (time_s + step_s - start_s_) / rig_.period_s;
-  const double whole = std::round(due);
-  if (!(step_s > 0.0) || !(std::fabs(due - whole) <= most_rounding) || whole <= static_cast<double>(periods_))
+  // Against the foreign clock's own last time: what a sum of steps has rounded by since the start does not count.
+  double& now_s = variables_[time_].start;
+  const double periods = step_s / rig_.period_s, whole = std::round(periods);
+  if (!(whole >= 1.0) || !(std::fabs(periods - whole) <= most_rounding) ||
+      !(std::fabs(time_s - now_s) <= same_time * rig_.period_s))
     throw InputError(fmt::format("FMU: found a communication step from {} s over {} s, expected whole periods of {} s "
-                                 "since the start, each once",
-                                 time_s, step_s, rig_.period_s));
-  const auto until = static_cast<std::int64_t>(whole);
-  for (; periods_ < until; ++periods_) model_ == Model::plant ? step_plant() : step_estimator();
-  variables_[time_].start = time_s + step_s;
+                                 "from {} s, where the last one ended",
+                                 time_s, step_s, rig_.period_s, now_s));
+  for (double k = 0.0; k < whole; ++k) model_ == Model::plant ? step_plant() : step_estimator();
+  now_s = time_s + step_s;
   if (model_ == Model::estimator) return true;
-  const bool is_finite =
-      std::ranges::all_of(outputs().first(7), [](const Variable& v) { return std::isfinite(v.start); });
+  const bool is_finite = std::ranges::all_of(outputs(), [](const Variable& v) { return std::isfinite(v.start); });
   show(plant_.sides().step_s(), is_finite ? 0.0 : 1.0);
   return is_finite;
 }

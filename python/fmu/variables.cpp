@@ -56,19 +56,13 @@ std::vector<Variable> outputs_of(Model model) {
     out.push_back(quantity(Causality::output, name, unit, help, 0.0));
   };
   if (model == Model::plant) {
-    for (const Signal signal :
-         {Signal::x, Signal::p1_port, Signal::p2_port, Signal::p1_chamber, Signal::p2_chamber, Signal::p_supply})
+    for (const Signal signal : plant_signals)
       add(info(signal).column, info(signal).unit, "as an ideal sensor shows it");
     add("v_mps", "m/s", "velocity");
   } else {
-    add("p1_estimated_Pa", "Pa", "pressure of chamber 1, absolute");
-    add("p2_estimated_Pa", "Pa", "pressure of chamber 2, absolute");
-    add("p1_bound_Pa", "Pa", "what the estimate of chamber 1 may be wrong by");
-    add("p2_bound_Pa", "Pa", "what the estimate of chamber 2 may be wrong by");
-    add("mass_flow_1_kgps", "kg/s", "into line 1 at the valve");
-    add("mass_flow_2_kgps", "kg/s", "into line 2 at the valve");
+    for (const EstimatedOutput& output : estimated_outputs) add(output.name, output.unit, output.help);
   }
-  add("inner_step_s", "s", "sub-step of the lines in the last period");
+  add("inner_step_s", "s", "sub-step of the lines in the last period, 0 before the first");
   add("health", "1", model == Model::plant ? "0: good, 1: the state is not finite" : "bits of the estimator, 0: good");
   return out;
 }
@@ -91,7 +85,7 @@ Model model_named(std::string_view name) {
 std::vector<Variable> variables_of(const Rig& rig, Model model) {
   if (!rig.is_pneumatic())
     throw InputError("rig: found " + std::string(info(rig.kind).name) +
-                     ", expected a rig with proportional valves: an FMU has no other");
+                     ", expected cylinder or servo_table: only cylinders and servo tables have an FMU");
   std::vector<Variable> out = inputs_of(rig, model);
   for (unsigned i = 0; i < out.size(); ++i) out[i].reference = i;
   unsigned next = first_output;

@@ -1,9 +1,10 @@
 # Plant or estimator of a config as an FMU for co-simulation, FMI 2.0 or 3.0.
-"""python -m pneuservo.fmu CONFIG FMU [--model plant | estimator] [--fmi 2 | 3]
+"""python -m pneuservo.fmu CONFIG FMU [--model plant | estimator] [--fmi 2 | 3] [--force]
 
 The FMU holds the config and the program's own code: it computes what `simulate` and `run` compute, bit for bit. A
 communication step is a whole number of the config's periods. Parameters are the numbers of the config by their paths;
-they are set before the initialisation ends. It runs on x86-64 with the libraries of Debian 12 (fmt, yaml-cpp).
+they are set before the initialisation ends. It runs on the kind of processor that wrote it (x86-64, with FMI 3.0
+also aarch64), with the libraries of Debian 12 (fmt, yaml-cpp).
 """
 import argparse
 import json
@@ -104,11 +105,13 @@ def _description_3(root: ElementTree.Element, variables: Variables) -> None:
                 ElementTree.SubElement(structure, part, {"valueReference": str(v["reference"])})
 
 
-def write(config: Config, path: Union[str, os.PathLike], model: str = "plant", fmi: Union[int, str] = 2) -> None:
+def write(config: Config, path: Union[str, os.PathLike], model: str = "plant", fmi: Union[int, str] = 2,
+          replace: bool = False) -> None:
     """Writes the FMU. model: "plant" (commands [V] in, what ideal sensors show out) or "estimator" (port pressures,
     position, velocity, command in, chamber pressures out). fmi: 2 or 3, the version of the interface.
 
-    Raises InputError for a rig without proportional valves, another model or version, or another processor.
+    Raises InputError for a rig that is no cylinder or servo table, another model or version, another processor, or a
+    file that is there, unless replace.
     """
     version = str(fmi).split(".")[0]
     if version not in _FOLDERS:
@@ -123,10 +126,14 @@ def write(config: Config, path: Union[str, os.PathLike], model: str = "plant", f
     root = _frame(config, model, version, token, variables)
     (_description_2 if version == "2" else _description_3)(root, variables)
     ElementTree.indent(root)
+    if not replace and os.path.exists(path):
+        raise InputError(f"{path}: found a file there, expected none: give another name or replace it on purpose")
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        # First and as it is: the program knows its own FMUs by how they begin (src/program/output_files.cpp).
+        archive.writestr("resources/fmu.json", json.dumps({"pneuservo": __version__, "model": model, "token": token}),
+                         zipfile.ZIP_STORED)
         archive.writestr("modelDescription.xml", ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
         archive.writestr("resources/config.yaml", text)
-        archive.writestr("resources/fmu.json", json.dumps({"model": model, "token": token}))
         archive.write(_LIBRARY, f"binaries/{folder}/{_LIBRARY.name}")
 
 
@@ -138,9 +145,10 @@ def main() -> int:
     parser.add_argument("--model", choices=("plant", "estimator"), default="plant", help="what it computes (plant)")
     parser.add_argument("--fmi", choices=("2", "3"), default="2", help="version of the interface (2)")
     parser.add_argument("--set", metavar="PATH=VALUE", action="append", default=[], help="overrides a key of the config")
+    parser.add_argument("--force", action="store_true", help="replaces a file that is there")
     given = parser.parse_args()
     try:
-        write(Config(given.config, given.set), given.fmu, given.model, given.fmi)
+        write(Config(given.config, given.set), given.fmu, given.model, given.fmi, given.force)
     except (InputError, OSError) as error:
         print(f"pneuservo.fmu: {error}", file=sys.stderr)
         return 2

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "config/input_error.hpp"
+#include "program/output_files.hpp"
 #include "program/verbs.hpp"
 
 namespace pneuservo {
@@ -27,7 +28,29 @@ struct ExportOptions {
   bool parquet = false, mat = false, mcap = false, force = false;
 };
 
+// An option that has no effect would be a wish that nobody grants.
+void refuse_without_effect(const ExportOptions& options) {
+  const bool is_fmu = !options.fmu.empty();
+  const auto refuse = [&](const char* name, bool given) {
+    if (given)
+      throw InputError(std::string(name) + (is_fmu ? ": found with --fmu, expected for recordings alone: leave it out"
+                                                   : ": found without --fmu, expected --fmu FILE beside it"));
+  };
+  if (is_fmu) {
+    refuse("--parquet", options.parquet);
+    refuse("--mat", options.mat);
+    refuse("--mcap", options.mcap);
+    refuse("--out", !options.out.empty());
+    refuse("--force", options.force);
+  } else {
+    refuse("--model", !options.model.empty());
+    refuse("--fmi", !options.fmi.empty());
+    refuse("--set", !options.set.empty());
+  }
+}
+
 std::vector<std::string> arguments_of(const ExportOptions& options) {
+  refuse_without_effect(options);
   std::vector<std::string> out{"python3", "-c", in_python};
   const auto with_value = [&](const char* name, const std::string& value) {
     if (!value.empty()) out.insert(out.end(), {name, value});
@@ -35,7 +58,8 @@ std::vector<std::string> arguments_of(const ExportOptions& options) {
   if (!options.fmu.empty()) {
     if (options.sources.size() != 1)
       throw InputError("--fmu: found several files, expected one CONFIG whose plant or estimator it is");
-    out.insert(out.end(), {"pneuservo.fmu", options.sources.front(), options.fmu});
+    OutputFiles().reads("CONFIG", options.sources.front()).writes("--fmu", options.fmu, ResultKind::fmu);
+    out.insert(out.end(), {"pneuservo.fmu", options.sources.front(), options.fmu, "--force"});
     with_value("--model", options.model);
     with_value("--fmi", options.fmi);
     for (const std::string& one : options.set) with_value("--set", one);
@@ -72,8 +96,8 @@ void add_export(CommandLine& app, int&) {
   verb.add_flag("--mat", options->mat, "each as NAME.mat (MATLAB, Octave)");
   verb.add_flag("--mcap", options->mcap, "each as NAME.mcap (Foxglove, PlotJuggler)");
   verb.add_option("--out", options->out, "folder of these files; default: here");
-  verb.add_flag("--force", options->force, "replaces files that are there");
-  verb.add_option("--fmu", options->fmu, "FMU for co-simulation to write");
+  verb.add_flag("--force", options->force, "replaces these files where they are there");
+  verb.add_option("--fmu", options->fmu, "FMU for co-simulation to write; replaces an older one");
   verb.add_option("--model", options->model, "what the FMU computes (plant)").among({"plant", "estimator"});
   verb.add_option("--fmi", options->fmi, "version of the FMU's interface (2)").among({"2", "3"});
   verb.add_option("--set", options->set, "PATH=VALUE: overrides a key of the FMU's config; may stand several times");

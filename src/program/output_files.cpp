@@ -59,6 +59,7 @@ std::string_view name_of(ResultKind kind) {
     case ResultKind::eds: return "EDS file";
     case ResultKind::picture: return "picture of an unknown";
     case ResultKind::pass: return "command pass";
+    case ResultKind::fmu: return "FMU that this program wrote";
     case ResultKind::commission: break;
   }
   return "commissioning";
@@ -75,6 +76,14 @@ std::string head_of(const std::string& path) {
   return head;
 }
 
+/// The first entry of an FMU's archive, not compressed, which python/pneuservo/fmu.py writes: 30 bytes, then its name.
+bool begins_as_fmu(const std::string& path) {
+  constexpr std::string_view archive = "PK\x03\x04", entry = "resources/fmu.json{\"pneuservo\":";
+  std::string head(30 + entry.size(), '\0');
+  std::ifstream(path, std::ios::binary).read(head.data(), static_cast<std::streamsize>(head.size()));
+  return head.starts_with(archive) && head.ends_with(entry);
+}
+
 /// By what this program writes at its beginning. A config that a person wrote is none.
 bool is_older_result(const std::string& path, ResultKind kind) {
   const std::string head = head_of(path);
@@ -88,6 +97,7 @@ bool is_older_result(const std::string& path, ResultKind kind) {
     case ResultKind::eds: return head.starts_with("[FileInfo]");
     case ResultKind::picture: return head.starts_with("# Missing: ");
     case ResultKind::pass: return head.starts_with("# Command pass ");
+    case ResultKind::fmu: return begins_as_fmu(path);
     case ResultKind::commission: break;
   }
   return head.starts_with("# Commissioning of ");

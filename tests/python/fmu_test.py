@@ -48,16 +48,17 @@ class Slave:
                         instanceName="axis")
         self.fmu.instantiate()
         two = description.fmiVersion.startswith("2")
+        self._get = self.fmu.getReal if two else self.fmu.getFloat64
+        self.outputs = [self.references[name] for name in self.names["output"]]
+        self.instantiated = self.get()
         if two:
             self.fmu.setupExperiment(startTime=0.0)
-        self.set(dict(start))
-        if two:
             self.fmu.enterInitializationMode()
         else:
             self.fmu.enterInitializationMode(startTime=0.0)
+        self.set(dict(start))
+        self.initial = self.get()
         self.fmu.exitInitializationMode()
-        self._get = self.fmu.getReal if two else self.fmu.getFloat64
-        self.outputs = [self.references[name] for name in self.names["output"]]
 
     def set(self, values):
         put = self.fmu.setReal if hasattr(self.fmu, "setReal") else self.fmu.setFloat64
@@ -99,10 +100,15 @@ def test_closed_loop_is_that_of_the_program(folder, config, fmi):
                             "v_mps": laws[1].v_mps, "u_V": u_V}, k * 1e-3, 1e-3)
         u_V = laws[1].step(seen["x_m"], e["p1_estimated_Pa"], e["p2_estimated_Pa"], seen["p1_port_Pa"], seen["p2_port_Pa"])
         seen = plant.step({"u_V": u_V}, k * 1e-3, 1e-3)
-        assert (seen["x_m"], seen["p1_chamber_Pa"], u_V) == (own.x_m, own.p1_chamber_Pa, own_u_V), k
-        assert (e["p2_estimated_Pa"], e["health"]) == (own_e.p2_estimated_Pa, own_e.health), k
+        assert u_V == own_u_V, k
+        for shown, expected in ((seen, own), (e, own_e)):  # every output, each under its own name
+            for name in set(shown) - {"inner_step_s", "health"}:
+                assert shown[name] == getattr(expected, name), (k, name)
+        assert (seen["health"], e["health"]) == (0.0, own_e.health), k
+        assert 0.0 < e["inner_step_s"] <= 1e-3
         moved = max(moved, abs(seen["x_m"]))
     assert moved > 0.01
+    assert e["mass_flow_1_kgps"] != 0.0
     assert 0.0 < seen["inner_step_s"] <= 1e-3
     plant.end(), estimator.end()
 
@@ -134,6 +140,45 @@ def test_a_state_comes_back(folder, fmi):
     slave.end()
 
 
+@pytest.mark.parametrize("fmi", (2, 3))
+def test_a_clock_that_adds_up_its_steps(folder, config, fmi):
+    """What such a clock rounds by in two days, a quarter of a period, in 200 steps here: no step is refused or lost."""
+    slave, own = Slave(folder / f"plant{fmi}.fmu"), pneuservo.Plant(config)
+    time_s = 0.0
+    for k in range(200):
+        assert slave.step({"u_V": 1.0}, time_s, 1e-3)["x_m"] == own.step(1.0).x_m, k
+        time_s += 1e-3 + 2e-6
+    assert abs(time_s - 0.2) > 0.25e-3
+    with pytest.raises(Exception):  # a period left out, and one done twice
+        slave.fmu.doStep(time_s + 1e-3, 1e-3)
+    with pytest.raises(Exception):
+        slave.fmu.doStep(time_s - 1e-3, 1e-3)
+    slave.end()
+
+
+@pytest.mark.parametrize("fmi", (2, 3))
+def test_outputs_before_the_first_step_are_those_of_the_start(folder, config, fmi):
+    """With the parameters and inputs of that moment: once instantiated, in the initialisation, after it."""
+    start = {"initial.position_m": 0.05, "initial.pressure_1_Pa": 3e5}
+    slave = Slave(folder / f"plant{fmi}.fmu", start)
+    for seen, own in ((slave.instantiated, pneuservo.Plant(config).now), (slave.initial, pneuservo.Plant(config.replace(start)).now)):
+        assert all(seen[name] == getattr(own, name) for name in ("x_m", "v_mps", "p1_port_Pa", "p1_chamber_Pa", "p_supply_Pa"))
+        assert (seen["inner_step_s"], seen["health"]) == (0.0, 0.0)
+    assert slave.initial["x_m"] == 0.05 and slave.initial != slave.instantiated
+    assert slave.get() == slave.initial
+    slave.end()
+    # Of the estimator: what its first step says, at rest at the pressures of its inputs, with the bound of its start.
+    inputs = {"p1_port_Pa": 4e5, "p2_port_Pa": 5e5, "x_m": 0.02, "v_mps": 0.0, "u_V": 0.0}
+    slave = Slave(folder / f"estimator{fmi}.fmu", inputs)
+    own = pneuservo.Estimator(config).step(*inputs.values())
+    for seen in (slave.initial, slave.get(), slave.step({}, 0.0, 1e-3)):
+        assert (seen["p1_estimated_Pa"], seen["p2_estimated_Pa"]) == (4e5, 5e5) == (own.p1_estimated_Pa, own.p2_estimated_Pa)
+        assert (seen["p1_bound_Pa"], seen["health"]) == (own.p1_bound_Pa, own.health) and seen["p1_bound_Pa"] > 100.0
+        assert (seen["mass_flow_1_kgps"], seen["mass_flow_2_kgps"]) == (0.0, 0.0)
+    assert slave.instantiated["p1_estimated_Pa"] > 0.0
+    slave.end()
+
+
 def test_two_valves():
     config = pneuservo.Config(TABLE)
     names = [v["name"] for v in pneuservo._core._fmu_variables(config, "plant") if v["causality"] == "input"]
@@ -154,8 +199,14 @@ def test_what_is_refused(folder, config, tmp_path):
         fmu.write(config, tmp_path / "a.fmu", "valve")
     with pytest.raises(pneuservo.InputError, match="expected 2 or 3"):
         fmu.write(config, tmp_path / "a.fmu", fmi=1)
-    with pytest.raises(pneuservo.InputError, match="proportional valves"):
+    with pytest.raises(pneuservo.InputError, match="only cylinders and servo tables have an FMU"):
         fmu.write(pneuservo.Config("config/machines/tank-discharge.yaml"), tmp_path / "a.fmu")
+    assert not (tmp_path / "a.fmu").exists()
+    fmu.write(config, tmp_path / "a.fmu")
+    with pytest.raises(pneuservo.InputError, match="found a file there"):
+        fmu.write(config, tmp_path / "a.fmu", "estimator")
+    fmu.write(config, tmp_path / "a.fmu", "estimator", replace=True)
+    assert "estimator" in fmpy.read_model_description(tmp_path / "a.fmu").modelName
     # Description and resources of two exports do not go together.
     other = tmp_path / "mixed.fmu"
     with zipfile.ZipFile(folder / "plant2.fmu") as source, zipfile.ZipFile(other, "w") as target:
@@ -192,5 +243,31 @@ def test_the_verb_export(tmp_path):
                              ([CONFIG, "--fmu", tmp_path / "x", "--set", "line_1.length_m=-3"], "line_1.length_m")):
         done = verb("export", *arguments)
         assert done.returncode == 2 and words in done.stderr, done.stderr
+    for option in (["--parquet"], ["--mat"], ["--mcap"], ["--out", tmp_path], ["--force"]):
+        done = verb("export", CONFIG, "--fmu", tmp_path / "never.fmu", *option)
+        assert done.returncode == 2 and f"{option[0]}: found with --fmu" in done.stderr, done.stderr
+    for option in (["--model", "plant"], ["--fmi", "2"], ["--set", "period_s=0.001"]):
+        done = verb("export", record, "--mat", "--out", tmp_path, "--force", *option)
+        assert done.returncode == 2 and f"{option[0]}: found without --fmu" in done.stderr, done.stderr
+    assert not (tmp_path / "never.fmu").exists()
     done = verb("export", record, "--mat", python=False)
     assert done.returncode != 0 and "python3 cannot be run" in done.stderr
+
+
+def test_the_verb_replaces_its_own_fmu_alone(tmp_path):
+    target, own = tmp_path / "axis.fmu", tmp_path / "own.yaml"
+    for model in ("plant", "estimator"):
+        done = verb("export", CONFIG, "--fmu", target, "--model", model)
+        assert done.returncode == 0, done.stderr
+        assert model in fmpy.read_model_description(target).modelName
+    own.write_text(pathlib.Path(CONFIG).read_text())
+    foreign = tmp_path / "foreign.fmu"
+    with zipfile.ZipFile(foreign, "w") as archive:
+        archive.writestr("modelDescription.xml", "<fmiModelDescription/>")
+        archive.writestr("resources/fmu.json", "{}")
+    for config, path, words in ((own, own, "which CONFIG reads"), (CONFIG, own, "which holds something else"),
+                                (CONFIG, foreign, "which holds something else")):
+        before = path.read_bytes()
+        done = verb("export", config, "--fmu", path)
+        assert done.returncode == 2 and words in done.stderr, done.stderr
+        assert path.read_bytes() == before

@@ -181,12 +181,10 @@ void CanBackend::set_up_node(CanWatchedNode& watched, std::vector<CanInputPdo>& 
     if (pdo.node != name) continue;
     const SetUpPdo done = configurator.set_up_pdo(pdo);
     std::vector<CanSignal> signals;
-    CountWrap wrap;
     for (const std::size_t i : pdo.signals) {
       const CanChannel& c = channels_[i];
-      const CountScale counts{c.scale, c.zero, c.is_signed, c.object.bits()};
-      if (const double all = configurator.wrap_counts(c); all > 0.0)
-        wrap = CountWrap::around(counts, all, c.lowest, c.highest);
+      const CountScale counts = CountScale{c.scale, c.zero, c.is_signed, c.object.bits()}.wrapped(
+          configurator.wrap_counts(c), c.lowest, c.highest);
       signals.push_back({c.signal,
                          c.command,
                          {*done.place_of(c.object), c.object.bits()},
@@ -201,7 +199,7 @@ void CanBackend::set_up_node(CanWatchedNode& watched, std::vector<CanInputPdo>& 
     else
       inputs.push_back({done.id, static_cast<std::uint8_t>(node.node_id), length,
                         node.transmission == CanTransmission::sync, nanoseconds(oldest_periods * rig_.period_s),
-                        std::llround(lost_after_heartbeats * node.heartbeat_s / rig_.period_s) + 1, signals, wrap});
+                        std::llround(lost_after_heartbeats * node.heartbeat_s / rig_.period_s) + 1, signals});
   }
   configurator.refuse_errors();
   if (configurator.is_valve()) valves_.push_back(watched.node);

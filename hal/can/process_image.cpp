@@ -226,9 +226,7 @@ void CanProcessImage::take(std::int64_t now_ns, Measurement& measurement) noexce
     else ++counts_.missed;
     const double age_s = static_cast<double>(now_ns - sampled_ns) * 1e-9;
     for (const CanSignal& signal : pdo.signals) {
-      const std::uint64_t raw = extract(sample.image, signal.place);
-      const bool wraps = pdo.wrap.counts > 0.0 && signal.signal == Signal::x && !signal.is_readback;
-      const double value = wraps ? pdo.wrap.value_of(signal.counts, raw) : signal.counts.value_of(raw);
+      const double value = signal.counts.value_of(extract(sample.image, signal.place));
       if (signal.is_readback) {
         if (bus_works) check_output(signal, value, fresh, pdo.node, now_ns);
         continue;

@@ -416,7 +416,8 @@ bool CanBackend::take_waiting_frames() noexcept {
   return false;
 }
 
-// Its SYNC may be lost on the way to us alone; the devices then see two, which a fault may cost.
+// From here on we send SYNC, so that the safe output acts. Where the other master's SYNC is lost on its way to us
+// alone, the devices get two a period: they sample and act twice as often, which does no harm with the valve closed.
 void CanBackend::give_up_sync(std::int64_t now_ns) noexcept {
   sends_sync_ = true;
   process_.on_sync_missing(now_ns);

@@ -181,12 +181,10 @@ void CanBackend::set_up_node(CanWatchedNode& watched, std::vector<CanInputPdo>& 
     if (pdo.node != name) continue;
     const SetUpPdo done = configurator.set_up_pdo(pdo);
     std::vector<CanSignal> signals;
-    CountWrap wrap;
     for (const std::size_t i : pdo.signals) {
       const CanChannel& c = channels_[i];
-      const CountScale counts{c.scale, c.zero, c.is_signed, c.object.bits()};
-      if (const double all = configurator.wrap_counts(c); all > 0.0)
-        wrap = CountWrap::around(counts, all, c.lowest, c.highest);
+      const CountScale counts = CountScale{c.scale, c.zero, c.is_signed, c.object.bits()}.wrapped(
+          configurator.wrap_counts(c), c.lowest, c.highest);
       signals.push_back({c.signal,
                          c.command,
                          {*done.place_of(c.object), c.object.bits()},
@@ -201,7 +199,7 @@ void CanBackend::set_up_node(CanWatchedNode& watched, std::vector<CanInputPdo>& 
     else
       inputs.push_back({done.id, static_cast<std::uint8_t>(node.node_id), length,
                         node.transmission == CanTransmission::sync, nanoseconds(oldest_periods * rig_.period_s),
-                        std::llround(lost_after_heartbeats * node.heartbeat_s / rig_.period_s) + 1, signals, wrap});
+                        std::llround(lost_after_heartbeats * node.heartbeat_s / rig_.period_s) + 1, signals});
   }
   configurator.refuse_errors();
   if (configurator.is_valve()) valves_.push_back(watched.node);
@@ -418,7 +416,8 @@ bool CanBackend::take_waiting_frames() noexcept {
   return false;
 }
 
-// Its SYNC may be lost on the way to us alone; the devices then see two, which a fault may cost.
+// From here on we send SYNC, so that the safe output acts. Where the other master's SYNC is lost on its way to us
+// alone, the devices get two a period: they sample and act twice as often, which does no harm with the valve closed.
 void CanBackend::give_up_sync(std::int64_t now_ns) noexcept {
   sends_sync_ = true;
   process_.on_sync_missing(now_ns);

@@ -81,7 +81,8 @@ void PlantDevice::build_nodes() {
       if (c.wrap_counts > 0.0 && c.wrap_counts < 4294967296.0)
         node->dictionary().add_number(0x6002, 0, 32, static_cast<std::uint32_t>(c.wrap_counts), false,
                                       "Total measuring range");
-      signals_.push_back({c, node.get(), {c.scale, c.zero, c.is_signed, c.object.bits()}, valve});
+      const CountScale counts{c.scale, c.zero, c.is_signed, c.object.bits()};
+      signals_.push_back({c, node.get(), counts.wrapped(c.wrap_counts, c.lowest, c.highest), valve});
     }
     nodes_.push_back(std::move(node));
   }
@@ -194,10 +195,8 @@ void PlantDevice::sample_inputs() {
   for (const DeviceChannel& signal : signals_) {
     if (signal.channel.is_output || signal.channel.is_readback) continue;
     const double value = measured_.channel[signal.channel.signal].value;
-    const CountWrap wrap{signal.channel.wrap_counts, 0.0};
-    const auto raw =
-        static_cast<std::uint32_t>(wrap.counts > 0.0 ? wrap.raw_of(signal.counts, value) : signal.counts.raw_of(value));
-    signal.node->dictionary().set_number(signal.channel.object.index(), signal.channel.object.sub(), raw);
+    signal.node->dictionary().set_number(signal.channel.object.index(), signal.channel.object.sub(),
+                                         static_cast<std::uint32_t>(signal.counts.raw_of(value)));
   }
 }
 

@@ -47,38 +47,38 @@ struct CountScale {
   double zero = 0.0;   ///< value at 0 counts
   bool is_signed = true;
   unsigned bits = 16;  ///< 1 to 32
+  double wrap_counts = 0.0;    ///< the device begins at 0 again after so many, at most 2^32; 0: it never does
+  double middle_counts = 0.0;  ///< where it does, the values lie within half of wrap_counts around these
 
+  /// The same of a device that begins at 0 again after `counts`, its values from `lowest` to `highest`.
+  CountScale wrapped(double counts, double lowest, double highest) const noexcept {
+    CountScale out = *this;
+    out.wrap_counts = counts;
+    out.middle_counts = (0.5 * (lowest + highest) - zero) / scale;
+    return out;
+  }
   double counts_of(std::uint64_t raw) const noexcept {
     return is_signed ? static_cast<double>(sign_extended(raw, bits)) : static_cast<double>(raw);
   }
-  /// Without regard to a wrap.
-  double value_of(std::uint64_t raw) const noexcept { return zero + scale * counts_of(raw); }
+  /// Each reading has one place around the middle.
+  double value_of(std::uint64_t raw) const noexcept {
+    double counts = counts_of(raw);
+    if (wrap_counts > 0.0) counts -= wrap_counts * std::nearbyint((counts - middle_counts) / wrap_counts);
+    return zero + scale * counts;
+  }
   double lowest_counts() const noexcept { return is_signed ? -std::ldexp(1.0, static_cast<int>(bits) - 1) : 0.0; }
   double highest_counts() const noexcept { return std::ldexp(1.0, static_cast<int>(bits - (is_signed ? 1 : 0))) - 1.0; }
-  /// Nearest counts, held at the ends of their range; not-a-number gives the counts of the value 0.
+  /// Nearest counts as the device shows them, begun again or held at the ends of their range; not-a-number gives the
+  /// counts of the value 0, infinity always an end.
   std::uint64_t raw_of(double value) const noexcept {
     double counts = std::nearbyint(((value == value ? value : 0.0) - zero) / scale);
-    counts = counts < lowest_counts() ? lowest_counts() : counts > highest_counts() ? highest_counts() : counts;
+    if (wrap_counts > 0.0 && std::isfinite(counts)) {
+      counts = std::fmod(counts, wrap_counts);
+      if (counts < 0.0) counts += wrap_counts;
+    } else {
+      counts = counts < lowest_counts() ? lowest_counts() : counts > highest_counts() ? highest_counts() : counts;
+    }
     return static_cast<std::uint64_t>(static_cast<std::int64_t>(counts)) & low_bits(bits);
-  }
-};
-
-/// A device whose counts begin at 0 again after so many: each reading has one place around the middle of its limits.
-struct CountWrap {
-  double counts = 0.0;         ///< 0: they never do
-  double middle_counts = 0.0;  ///< the values lie within half of the counts around these
-
-  static CountWrap around(const CountScale& scale, double counts, double lowest, double highest) noexcept {
-    return {counts, (0.5 * (lowest + highest) - scale.zero) / scale.scale};
-  }
-  double value_of(const CountScale& scale, std::uint64_t raw) const noexcept {
-    const double read = scale.counts_of(raw);
-    return scale.zero + scale.scale * (read - counts * std::nearbyint((read - middle_counts) / counts));
-  }
-  /// What the device shows of a value.
-  std::uint64_t raw_of(const CountScale& scale, double value) const noexcept {
-    const double all = std::nearbyint((value - scale.zero) / scale.scale);
-    return static_cast<std::uint64_t>(all - counts * std::floor(all / counts)) & low_bits(scale.bits);
   }
 };
 

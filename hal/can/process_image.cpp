@@ -133,8 +133,8 @@ void CanProcessImage::on_guard_request(std::uint8_t node) noexcept {
   if (const int i = watched(node); i >= 0) ++watches_[static_cast<std::size_t>(i)].guard_requests;
 }
 
-// CiA 301: an answer whose toggle bit is not the awaited one is none; after a request without any answer nobody knows
-// which one it is. A boot-up message has none, and begins anew; nor has a heartbeat: with it, it is no state.
+// CiA 301: the toggle bit changes with each answer; one that repeats it is dropped, unless an answer was lost before it
+// or the node booted. In a heartbeat the bit is 0: a frame of a node that is not guarded, with the bit, tells no state.
 void CanProcessImage::on_guard_answer(const GuardAnswer& answer, std::int64_t at_ns) noexcept {
   const int i = watched(answer.node);
   const bool is_guarded = i >= 0 && nodes_[static_cast<std::size_t>(i)].is_guarded;
@@ -226,9 +226,7 @@ void CanProcessImage::take(std::int64_t now_ns, Measurement& measurement) noexce
     else ++counts_.missed;
     const double age_s = static_cast<double>(now_ns - sampled_ns) * 1e-9;
     for (const CanSignal& signal : pdo.signals) {
-      const std::uint64_t raw = extract(sample.image, signal.place);
-      const bool wraps = pdo.wrap.counts > 0.0 && signal.signal == Signal::x && !signal.is_readback;
-      const double value = wraps ? pdo.wrap.value_of(signal.counts, raw) : signal.counts.value_of(raw);
+      const double value = signal.counts.value_of(extract(sample.image, signal.place));
       if (signal.is_readback) {
         if (bus_works) check_output(signal, value, fresh, pdo.node, now_ns);
         continue;

@@ -33,7 +33,6 @@ struct CanInputPdo {
   std::int64_t oldest_ns = 0;   ///< an older sample is none
   std::int64_t most_owed = 1;   ///< so many SYNC may wait for their answer; a node that owes more is lost
   std::vector<CanSignal> signals;
-  CountWrap wrap{};  ///< of its position
 };
 
 /// A PDO that we send.

@@ -8,7 +8,7 @@ namespace pneuservo {
 
 std::unique_ptr<GpioLine> request_gpio_line(const std::string& key, const GpioLineParameters& parameters, bool) {
   throw std::runtime_error("hal.gpio." + key + ": line '" + parameters.line +
-                           "': this program was built without libgpiod 1.x: install libgpiod-dev and build it again");
+                           "': this program was built without libgpiod: install libgpiod-dev and build it again");
 }
 
 }  // namespace pneuservo

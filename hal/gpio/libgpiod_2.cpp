@@ -13,6 +13,7 @@
 
 #include <pneuservo/core/rt.hpp>
 
+#include "gpio/chip_name.hpp"
 #include "gpio/gpio_lines.hpp"
 #include "gpio/line_refusal.hpp"
 
@@ -79,7 +80,8 @@ class Libgpiod2Line final : public GpioLine {
   unsigned offset_;
 };
 
-std::vector<std::filesystem::path> chip_paths() {
+std::vector<std::filesystem::path> chip_paths(const std::string& chip) {
+  if (is_chip_path(chip)) return {chip};
   std::vector<std::filesystem::path> paths;
   for (const auto& entry : std::filesystem::directory_iterator("/dev"))
     if (gpiod_is_gpiochip_device(entry.path().c_str())) paths.push_back(entry.path());
@@ -87,19 +89,20 @@ std::vector<std::filesystem::path> chip_paths() {
   return paths;
 }
 
-/// The chip of this path, name or label; without one the chip that has a line of this name.
+/// The chip of this path, name, number or label; without one the chip that has a line of this name.
 Chip open_chip(const std::string& key, const GpioLineParameters& p) {
   int reason = ENOENT;
-  for (const std::filesystem::path& path : chip_paths()) {
+  for (const std::filesystem::path& path : chip_paths(p.chip)) {
     Chip chip(gpiod_chip_open(path.c_str()));
     const ChipInfo info(chip ? gpiod_chip_get_info(chip.get()) : nullptr);
     if (!info) {
       reason = errno;
       continue;
     }
-    const bool is_meant = p.chip.empty() ? gpiod_chip_get_line_offset_from_name(chip.get(), p.line.c_str()) >= 0
-                                         : p.chip == path || p.chip == gpiod_chip_info_get_name(info.get()) ||
-                                               p.chip == gpiod_chip_info_get_label(info.get());
+    const bool is_meant = p.chip.empty()
+                              ? gpiod_chip_get_line_offset_from_name(chip.get(), p.line.c_str()) >= 0
+                              : is_chip_path(p.chip) || is_chip_named(p.chip, gpiod_chip_info_get_name(info.get()),
+                                                                      gpiod_chip_info_get_label(info.get()));
     if (is_meant) return chip;
   }
   refuse_chip(key, p, reason);

@@ -6,8 +6,9 @@
 
 namespace pneuservo {
 double longest_start_s(const Rig& rig) noexcept {
-  // A pressure rig has no approach; its inputs are there within this time, or a fault is.
-  return rig.controls_pressure() ? 1.0 : AxisLoop::longest_approach_s(rig.axis.cylinder.stroke_m);
+  // A pressure rig has no approach: its reference begins with the first values of its inputs, or a fault comes.
+  return rig.controls_pressure() ? Supervisor::first_value_ticks(rig.period_s) * rig.period_s
+                                 : AxisLoop::longest_approach_s(rig.axis.cylinder.stroke_m);
 }
 
 Course::Course(const Rig& rig, int moves, std::size_t rows_kept)

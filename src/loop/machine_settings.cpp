@@ -27,6 +27,14 @@ std::optional<std::string> first_line(const fs::path& path) {
   return line;
 }
 
+/// The number that a file begins with; none if it cannot be read or begins with something else.
+std::optional<double> first_number(const fs::path& path) {
+  std::ifstream file(path);
+  double number = 0.0;
+  if (!(file >> number)) return std::nullopt;
+  return number;
+}
+
 /// Folders cpu0, cpu1, ... below `root`.
 std::vector<fs::path> processor_folders(const std::string& root) {
   std::vector<fs::path> folders;
@@ -73,12 +81,12 @@ OptionalFinding check_isolation(const std::string& root) {
 }
 
 OptionalFinding check_throttling(const std::string& root) {
-  const auto runtime = first_line(root + "/proc/sys/kernel/sched_rt_runtime_us");
+  const auto runtime = first_number(root + "/proc/sys/kernel/sched_rt_runtime_us");
   if (!runtime) return std::nullopt;
   constexpr const char* remedy =
       "echo -1 > /proc/sys/kernel/sched_rt_runtime_us (sysctl kernel.sched_rt_runtime_us=-1)";
-  const auto period = first_line(root + "/proc/sys/kernel/sched_rt_period_us").value_or("1000000");
-  const double share = std::stod(*runtime) / std::stod(period);
+  const double period_us = first_number(root + "/proc/sys/kernel/sched_rt_period_us").value_or(1e6);
+  const double share = *runtime / period_us;
   if (share < 0) return Finding{Level::good, "real-time throttling", "off", ""};
   return Finding{share < 0.5 ? Level::bad : Level::acceptable, "real-time throttling",
                  fmt::format("a real-time thread that uses more than {:.0f} % of a processor is stopped", 100 * share),
@@ -101,8 +109,7 @@ OptionalFinding check_fair_server(const std::string& root, const std::string& ve
   double longest_ns = -1;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(servers, ignored))
-    if (const auto runtime = first_line(entry.path() / "runtime"))
-      longest_ns = std::max(longest_ns, std::stod(*runtime));
+    if (const auto runtime = first_number(entry.path() / "runtime")) longest_ns = std::max(longest_ns, *runtime);
   if (longest_ns == 0) return Finding{Level::good, "fair server", "off", ""};
   if (longest_ns > 0)
     return Finding{Level::acceptable, "fair server",
@@ -155,10 +162,10 @@ OptionalFinding check_sleep_states(const std::string& root) {
   std::error_code ignored;
   for (const fs::path& folder : processor_folders(root))
     for (const auto& state : fs::directory_iterator(folder / "cpuidle", ignored)) {
-      const auto latency = first_line(state.path() / "latency");
-      if (!latency || first_line(state.path() / "disable").value_or("0") != "0") continue;
-      if (std::stod(*latency) <= longest_us) continue;
-      longest_us = std::stod(*latency);
+      const auto latency_us = first_number(state.path() / "latency");
+      if (!latency_us || first_line(state.path() / "disable").value_or("0") != "0") continue;
+      if (*latency_us <= longest_us) continue;
+      longest_us = *latency_us;
       name = first_line(state.path() / "name").value_or(state.path().filename());
     }
   if (longest_us < 0) return Finding{Level::good, "deepest sleep state", "none that the kernel manages", ""};

@@ -200,6 +200,7 @@ void run_real(const Rig& rig, ControlLoop& loop, Backend& backend, const RunSett
     }
     if (backend.is_paced()) skipped += wait_for_sample(backend, grid, loop, settings.ring, course);
     else wait_for_slot(grid.slot_ns(), early_ns, loop, settings.ring, course);
+    if (out.ticks > warm_up_ticks) timing.overruns += skipped;
     const std::int64_t woken_ns = MonotonicClock::now_ns();
     const std::int64_t tick = grid.slot(), lateness_ns = grid.lateness_ns(woken_ns);
     loop.note_slept(suspends.slept_ns(woken_ns) + injected_sleep_ns(settings, tick));
@@ -213,7 +214,6 @@ void run_real(const Rig& rig, ControlLoop& loop, Backend& backend, const RunSett
     if (out.ticks == warm_up_ticks) before = ThreadCounters::now();
     if (!goes_on) break;
     skipped = next_slot(settings, backend, loop, grid);
-    if (out.ticks > warm_up_ticks) timing.overruns += skipped;
   }
   const ThreadCounters counted = ThreadCounters::now() - before;
   loop.stop(backend, grid.slot() + 1);

@@ -11,7 +11,6 @@ namespace {
 
 constexpr double margin = 2.0;            // over both estimates of steps: waves add up
 constexpr double activity_time_s = 0.2;   // echoes of a change of command die out
-constexpr double first_value_within_s = 0.1;
 constexpr double at_end_stop_m = 1e-3;
 constexpr std::uint64_t missing_faults = [] {
   std::uint64_t all = 0;
@@ -27,7 +26,7 @@ constexpr auto no_extra = []() noexcept { return 0.0; };
 
 /// What all channels share.
 PlausibleChannel plausible(const Rig& rig) {
-  return {.start_ticks = std::max(3, static_cast<int>(std::lround(first_value_within_s / rig.period_s))),
+  return {.start_ticks = Supervisor::first_value_ticks(rig.period_s),
           .missing_ticks = static_cast<int>(rig.limits.missing_ticks),
           .oldest_s = rig.limits.age_periods * rig.period_s,
           .period_s = rig.period_s};

@@ -87,6 +87,27 @@ TEST_CASE("counts: every value of 16 bits comes back, ends hold, not-a-number is
   REQUIRE(turned.value_of(turned.raw_of(0.123456)) == Approx(0.123456).epsilon(1e-12));
 }
 
+TEST_CASE("counts that begin again: each value of the limits comes back, and no value is undefined") {
+  const double lowest_m = -0.2, highest_m = 0.2;
+  // No power of two; as many as the field's bits; a direction turned round.
+  for (const CountScale& counts : {CountScale{5e-6, 0.0, true, 32}.wrapped(100000, lowest_m, highest_m),
+                                   CountScale{5e-6, 0.1, true, 19}.wrapped(524288, lowest_m, highest_m),
+                                   CountScale{-5e-6, 0.0, false, 32}.wrapped(33554432, lowest_m, highest_m)}) {
+    CAPTURE(counts.wrap_counts);
+    for (double value_m = lowest_m; value_m <= highest_m; value_m += 1e-3) {
+      const std::uint64_t raw = counts.raw_of(value_m);
+      REQUIRE(static_cast<double>(raw) < counts.wrap_counts);
+      REQUIRE(counts.value_of(raw) == Approx(value_m).margin(2.6e-6));  // half a count
+    }
+    CHECK(counts.raw_of(NAN) == counts.raw_of(0.0));
+    const CountScale without{counts.scale, counts.zero, counts.is_signed, counts.bits};
+    for (const double value : {1.0, -1.0}) {
+      CHECK(counts.raw_of(value * INFINITY) == without.raw_of(value * INFINITY));
+      CHECK(static_cast<double>(counts.raw_of(value * 1e300)) < counts.wrap_counts);
+    }
+  }
+}
+
 TEST_CASE("SDO: the bytes of expedited transfers and aborts") {
   // Upload of 0x1000:0, and its answer with 4 bytes: CiA 301's own example form.
   REQUIRE(same(sdo_frame(0x605, sdo_upload << 5, 0x1000, 0, 0), bytes(0x605, {0x40, 0x00, 0x10, 0, 0, 0, 0, 0})));

@@ -136,7 +136,7 @@ void be_noisy(Habit& h) {
   });
 }
 
-/// What works, by the number of the table or its kind.
+/// Habits that the program copes with.
 std::vector<Known> working() {
   const Words by_event{"hal.can.nodes.encoder.transmission=event"};
   const auto wraps = [](const char* counts) { return Words{std::string("hal.channels.x.can.wrap_counts=") + counts}; };

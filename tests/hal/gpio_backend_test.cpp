@@ -9,6 +9,7 @@
 #include "comedi/running_count.hpp"
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
+#include "gpio/chip_name.hpp"
 #include "gpio/gpio_backend.hpp"
 
 using namespace pneuservo;
@@ -105,6 +106,15 @@ TEST_CASE("gpio: enable follows the command, is off at the end, and a refusal is
   panel.backend.deactivate();
   REQUIRE(enable.level == false);
   for (const auto& [key, wire] : panel.wires) REQUIRE_FALSE(wire.is_requested);
+}
+
+TEST_CASE("gpio: a chip is named by path, in any folder, by name, number or label") {
+  CHECK(is_chip_path("/dev/gpiochip1"));
+  CHECK(is_chip_path("/dev/gpio/panel"));
+  for (const char* chip : {"gpiochip1", "1", "panel", ""}) CHECK_FALSE(is_chip_path(chip));
+  const auto is_first = [](const std::string& chip) { return is_chip_named(chip, "gpiochip1", "pinctrl-panel"); };
+  for (const char* chip : {"gpiochip1", "1", "pinctrl-panel"}) CHECK(is_first(chip));
+  for (const char* chip : {"gpiochip11", "11", "", "chip1", "panel"}) CHECK_FALSE(is_first(chip));
 }
 
 TEST_CASE("a counter runs past its end in both directions") {

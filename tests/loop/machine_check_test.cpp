@@ -122,6 +122,23 @@ TEST_CASE("a fair server that cannot be read is told on kernels that have one") 
   }
 }
 
+TEST_CASE("a number of the kernel that is missing or odd is not known, and the check goes on") {
+  const PlantedRoot root;
+  const std::string text = GENERATE(as<std::string>{}, "", "<unsupported>", "1e999999");
+  const std::string processor = "sys/devices/system/cpu/cpu0";
+  for (const std::string& path :
+       {std::string("sys/kernel/debug/sched/fair_server/cpu0/runtime"),
+        std::string("proc/sys/kernel/sched_rt_runtime_us"), processor + "/cpuidle/state1/latency"})
+    root.plant(path, text);
+  const auto findings = check_settings(root.folder, "6.12.0 #1 SMP");
+  CAPTURE(text, finding_table(findings));
+  CHECK(find(findings, "real-time throttling") == nullptr);
+  REQUIRE(find(findings, "fair server") != nullptr);
+  CHECK_THAT(find(findings, "fair server")->what, Catch::Contains("cannot be read"));
+  CHECK(find(findings, "deepest sleep state")->level == FindingLevel::good);
+  require_remedies(findings);
+}
+
 TEST_CASE("rights are tried, not read: every right has exactly one finding") {
   RealTimeSettings settings;
   settings.cpu = 100'000;

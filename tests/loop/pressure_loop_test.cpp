@@ -9,6 +9,7 @@
 #include <pneuservo/loop/pressure_loop.hpp>
 
 #include "config/read_rig.hpp"
+#include "loop/course.hpp"
 #include "sim/sim_backend.hpp"
 
 using namespace pneuservo;
@@ -199,6 +200,21 @@ TEST_CASE("what goes wrong with a pressure rig ends in the safe output with its 
         m.channel[Signal::p1_chamber].value += 400e3 * std::min(1.0, static_cast<double>(tick - from) / 500.0);
     });
     CHECK(faults_of(rows) == fault_pressure_limit);
+  }
+}
+
+TEST_CASE("the reference begins with the first values, at the longest start of a run at the latest") {
+  const Rig rig = shipped();
+  const auto latest = std::llround(longest_start_s(rig) / rig.period_s);
+  for (const std::int64_t first : {latest, latest + 1}) {
+    const auto rows =
+        run(rig, longest_start_s(rig) + 0.01, [&](std::int64_t tick, Measurement& m, SimBackend&) noexcept {
+          if (tick < first) m.channel[Signal::p1_port].valid = false;
+        });
+    CAPTURE(first, latest);
+    CHECK(faults_of(rows) == (first > latest ? fault_port_pressure_1_missing : 0));
+    CHECK(std::isfinite(rows[static_cast<std::size_t>(latest)].p_ref_Pa) == (first == latest));
+    CHECK(!std::isfinite(rows[static_cast<std::size_t>(latest) - 1].p_ref_Pa));
   }
 }
 

@@ -9,6 +9,7 @@
 #include "loop/fault_watch.hpp"
 #include "loop/faulty_backend.hpp"
 #include "loop/loop_rigs.hpp"
+#include "loop/realtime_clock.hpp"
 #include "loop/realtime_stop.hpp"
 #include "loop/runner.hpp"
 #include "record/files.hpp"
@@ -49,6 +50,30 @@ class EventfulBackend final : public Backend {
 
  private:
   SimBackend plant_;
+};
+
+/// The simulated plant under a clock of its own, which has gone on by more than a period at some ticks.
+class PacedBackend final : public Backend {
+ public:
+  explicit PacedBackend(const Rig& rig) : plant_(rig) { plant_.configure(); }
+  std::int64_t skips_late_at = -1, skips_early_at = -1;  ///< by calls
+
+  void configure() override {}
+  void activate() override {}
+  bool is_paced() const noexcept override { return true; }
+  Pace await_sample() noexcept override {
+    const std::int64_t call = calls_++;
+    return {call == skips_early_at ? 3 : call == skips_late_at ? 6 : 1, MonotonicClock::now_ns()};
+  }
+  bool read(std::int64_t tick, Measurement& measurement) noexcept override { return plant_.read(tick, measurement); }
+  bool write(std::int64_t tick, const Command& command) noexcept override { return plant_.write(tick, command); }
+  void deactivate() noexcept override {}
+  Origins origins() const override { return plant_.origins(); }
+  std::string name() const override { return "sim"; }
+
+ private:
+  SimBackend plant_;
+  std::int64_t calls_ = 0;
 };
 
 RunOutcome run(const Rig& rig, Backend& backend, int moves = 1, bool real_time = false) {
@@ -155,6 +180,21 @@ TEST_CASE("a late tick keeps the phase, is counted and marked, and the axis goes
     REQUIRE(overrun == (tick != before + 1));
     before = tick;
   }
+}
+
+TEST_CASE("samples of a paced backend that were slept through are overruns, after the warm-up in the timing, too") {
+  const Rig rig = config_rig("cylinder-10m-7.65mm", {"duration_s=0.6", "limits.missed_share=1"});
+  PacedBackend backend(rig);
+  backend.skips_early_at = 50;  // two slots
+  backend.skips_late_at = 400;  // five
+  const RunOutcome outcome = run(rig, backend, 1, true);
+  CAPTURE(outcome.faults);
+  REQUIRE(outcome.faults.empty());
+  CHECK(outcome.overruns == 7);
+  CHECK(outcome.moves.at(0).overruns == 7);
+  REQUIRE(outcome.timing != nullptr);
+  CHECK(outcome.timing->overruns == 5);
+  CHECK(outcome.ticks + outcome.overruns == 600);
 }
 
 TEST_CASE("a late tick on a fast axis is neither a jump nor a speed") {

@@ -1,7 +1,9 @@
 // The supervisor: judges every input, the devices, the loop's own lateness and the motion; latches the reason, keeps
 // the state, and says whether the law may command the valves. The only layer that does so.
 #pragma once
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include <pneuservo/core/rt.hpp>
@@ -38,6 +40,11 @@ class Supervisor {
   /// An encoder that did not change for so long while the prediction went this share of the stroke is frozen.
   static constexpr double standstill_s = 0.5;
   static constexpr double standstill_share = 0.2;
+  /// A channel without any value yet is waited for so long, and for three periods at least.
+  static constexpr double first_value_within_s = 0.1;
+  static int first_value_ticks(double period_s) noexcept {
+    return std::max(3, static_cast<int>(std::lround(first_value_within_s / period_s)));
+  }
 
   /// Cold. `needs_chambers`: the law cannot do without measured chamber pressures.
   void configure(const Rig& rig, bool needs_chambers, const MotionLimits& motion = {});

@@ -22,7 +22,8 @@ PAGES = ("README.md", "docs/first-hour.md", "docs/your-axis.md", "docs/estimator
 PICTURE = SOURCE / "docs/images/cylinder-10m-6.10mm.svg"  # README.md draws it as run.svg
 KEYS = SOURCE / "docs/config-keys.md"
 BLOCK = re.compile(r"^```sh\n(?P<code>.*?)^```\n(?:\n```text\n(?P<output>.*?)^```$)?", re.MULTILINE | re.DOTALL)
-LINK = re.compile(r"!?\[[^\]]*\]\(([^)#\s]+)[^)]*\)")
+LINK = re.compile(r"!?\[[^\]]*\]\(([^)#\s]*)(?:#([^)\s]+))?[^)]*\)")
+HEADING = re.compile(r"^#+ +(.+?) *$", re.MULTILINE)
 
 
 def blocks(text):
@@ -88,11 +89,27 @@ def run_page(page):
     return failures
 
 
+def anchors(page):
+    """As GitHub makes them of headings: small letters, blanks to hyphens, links and punctuation dropped."""
+    out = set(re.findall(r'<a (?:id|name)="([^"]+)"', page.read_text(encoding="utf-8")))
+    for heading in HEADING.findall(page.read_text(encoding="utf-8")):
+        words = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).lower()
+        out.add(re.sub(r"[^\w\- ]", "", words).replace(" ", "-"))
+    return out
+
+
 def broken_links():
-    pages = [*SOURCE.glob("*.md"), *(SOURCE / "docs").rglob("*.md")]
-    return [f"{page.relative_to(SOURCE)}: links to {target}, which is not there" for page in pages
-            for target in LINK.findall(page.read_text(encoding="utf-8"))
-            if "://" not in target and not (page.parent / target).exists()]
+    broken = []
+    for page in [*SOURCE.glob("*.md"), *(SOURCE / "docs").rglob("*.md")]:
+        for target, anchor in LINK.findall(page.read_text(encoding="utf-8")):
+            aim = page.parent / target if target else page
+            if "://" in target:
+                continue
+            if not aim.exists():
+                broken.append(f"{page.relative_to(SOURCE)}: links to {target}, which is not there")
+            elif anchor and aim.suffix == ".md" and anchor not in anchors(aim):
+                broken.append(f"{page.relative_to(SOURCE)}: links to {target}#{anchor}, a heading that is not there")
+    return broken
 
 
 def missing_paths():

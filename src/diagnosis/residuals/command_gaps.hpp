@@ -5,8 +5,8 @@
 namespace pneuservo {
 
 /// True pressures [Pa] under the recorded commands less those under every second of them, the gaps drawn straight
-/// alike: commands that were never recorded leave about as much open as those left out here (of a noisy loop as much,
-/// of smooth commands a third). Empty where the rows hold every command of the loop.
+/// alike. Of a noisy loop the commands that were never recorded leave as much open as those left out here; of smooth
+/// ones a third, for the error of a straight gap grows with the square of its width. Empty where the rows hold every command of the loop.
 GasCourse command_gap_error(const ImposedInputs& inputs, const Rig& rig, const PlantGrid& grid,
                             const StopQuestion& stop = {});
 

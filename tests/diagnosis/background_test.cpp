@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include <pneuservo/core/random.hpp>
@@ -45,29 +46,48 @@ struct Judged {
   std::vector<KnownStart> starts;
 };
 
-Judged judge(const Rig& machine, const Rig& owner = owners_rig(), const SearchSettings& wanted = {},
-             DecisionRules rules = {}) {
-  rules.most_names = 1;
-  CylinderResiduals model(owner, {simulated_recording(machine, 6.5, 5, all_pressures)});
-  FittedRows rows(model, {});
-  SearchSettings settings = wanted;
-  settings.grow_floor = true;
-  settings.small_physics = small_physics(owner, model.channels());
-  Search search(rows, owner, all_candidates(owner, model.channels(), motion_range(model.rows())), settings, rules, {});
-  search.run();
-  model.drop_slow_error();
-  const Decision decision = decide_beside_remainder(model, search, rules);
-  Judged out;
-  out.verdict = decision.verdict;
-  out.rig = decision.chosen->fit.hypothesis().rig;
-  const auto fitted = static_cast<double>(rows.count());
-  out.owner_level = search.owner().fit.chi2() / fitted;
-  out.level = decision.chosen->fit.chi2() / fitted;
-  out.starts = search.best_starts(3);
-  if (decision.chosen->members.empty()) return out;
-  out.name = search.candidates()[decision.chosen->members.front()].name;
-  out.size = decision.chosen->fit.parameters.front().value(decision.chosen->fit.z(0));
-  return out;
+/// A search on a recording of the machine with small physics free, for as many verdicts as are wanted.
+class Judging {
+ public:
+  explicit Judging(const Rig& machine, const Rig& owner = owners_rig(), const SearchSettings& wanted = {})
+      : model_(owner, {simulated_recording(machine, 6.5, 5, all_pressures)}), rows_(model_, {}) {
+    SearchSettings settings = wanted;
+    settings.grow_floor = true;
+    settings.small_physics = small_physics(owner, model_.channels());
+    search_.emplace(rows_, owner, all_candidates(owner, model_.channels(), motion_range(model_.rows())), settings,
+                    of_one_name({}), Search::Progress{});
+    search_->run();
+    model_.drop_slow_error();
+  }
+
+  Judged judged(const DecisionRules& rules = {}) {
+    const Decision decision = decide_beside_remainder(model_, *search_, of_one_name(rules));
+    Judged out;
+    out.verdict = decision.verdict;
+    out.rig = decision.chosen->fit.hypothesis().rig;
+    const auto fitted = static_cast<double>(rows_.count());
+    out.owner_level = search_->owner().fit.chi2() / fitted;
+    out.level = decision.chosen->fit.chi2() / fitted;
+    out.starts = search_->best_starts(3);
+    if (decision.chosen->members.empty()) return out;
+    out.name = search_->candidates()[decision.chosen->members.front()].name;
+    out.size = decision.chosen->fit.parameters.front().value(decision.chosen->fit.z(0));
+    return out;
+  }
+
+ private:
+  static DecisionRules of_one_name(DecisionRules rules) {
+    rules.most_names = 1;
+    return rules;
+  }
+
+  CylinderResiduals model_;
+  FittedRows rows_;
+  std::optional<Search> search_;
+};
+
+Judged judge(const Rig& machine, const Rig& owner = owners_rig(), const SearchSettings& wanted = {}) {
+  return Judging(machine, owner, wanted).judged();
 }
 
 }  // namespace
@@ -137,15 +157,16 @@ TEST_CASE("background: a load that an owner has guessed may be off by any factor
 TEST_CASE("background: a name is withheld where the owner's model fits nearly as well in the floor that it leaves") {
   Rig machine = with_background(owners_rig());
   machine.axis.effects.chamber_leak_1.area_m2 = 3e-8;
-  const Judged named = judge(machine);
+  Judging judging(machine);
+  const Judged named = judging.judged();
   CHECK(named.verdict == Verdict::missing_physics);
   REQUIRE(named.level < 0.95);  // the floor has grown too large: then the ratio counts
   const double ratio = named.owner_level / named.level;
   DecisionRules rules;
   rules.refuted_level = std::sqrt(named.owner_level * ratio);  // between the owner's mean square and the ratio
-  CHECK(judge(machine, owners_rig(), {}, rules).verdict == Verdict::missing_physics);
+  CHECK(judging.judged(rules).verdict == Verdict::missing_physics);
   rules.refuted_level = 1.01 * ratio;
-  CHECK(judge(machine, owners_rig(), {}, rules).verdict == Verdict::unknown);
+  CHECK(judging.judged(rules).verdict == Verdict::unknown);
 }
 
 TEST_CASE("an effect that the owner knows is not missing: its size may be wrong") {

@@ -4,27 +4,7 @@
 # tags: long
 import atexit, glob, gzip, json, math, os, random, re, signal, subprocess, sys, tempfile, time
 
-CANOPEN = ["canopen==2.4.1", "python-can==4.6.1"]
-
-
-def with_canopen():
-    """Starts again in an environment that has it, made in the build folder once."""
-    try:
-        import canopen, can  # noqa: F401
-        return
-    except ImportError:
-        pass
-    folder = os.path.join(os.path.abspath(sys.argv[1]), "tools", "canopen-2.4.1")
-    python = os.path.join(folder, "bin", "python")
-    if "PNEUSERVO_CANOPEN_TRIED" not in os.environ:
-        if not os.path.exists(python):
-            subprocess.run([sys.executable, "-m", "venv", folder], check=False)
-            subprocess.run([python, "-m", "pip", "install", "-q", *CANOPEN], check=False)
-        if os.path.exists(python):
-            os.execve(python, [python, *sys.argv], {**os.environ, "PNEUSERVO_CANOPEN_TRIED": "1"})
-    print("SKIPPED: python-canopen is not here and cannot be installed from PyPI")
-    sys.exit(77)
-
+from canopen_env import with_canopen
 
 with_canopen()
 import canopen  # noqa: E402

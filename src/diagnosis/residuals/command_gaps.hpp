@@ -6,7 +6,8 @@ namespace pneuservo {
 
 /// True pressures [Pa] under the recorded commands less those under every second of them, the gaps drawn straight
 /// alike. Of a noisy loop the commands that were never recorded leave as much open as those left out here; of smooth
-/// ones a third, for the error of a straight gap grows with the square of its width. Empty where the rows hold every command of the loop.
+/// ones a third, for the error of a straight gap grows with the square of its width. Empty where the rows hold every
+/// command of the loop.
 GasCourse command_gap_error(const ImposedInputs& inputs, const Rig& rig, const PlantGrid& grid,
                             const StopQuestion& stop = {});
 

@@ -8,6 +8,7 @@
 
 #include "can/canopen_node.hpp"
 #include "can/eds.hpp"
+#include "can/fluid_valve.hpp"
 #include "can/process_image.hpp"
 #include "can/slcan_codec.hpp"
 #include "config/input_error.hpp"
@@ -41,15 +42,18 @@ class Bytes {
   std::size_t size_, at_ = 0;
 };
 
-/// A device of the kind that `device` shows, with analog inputs, an output and the objects behind it.
+/// A device of the kind that `device` shows, with analog inputs, an output and the objects behind it, and a valve's
+/// states.
 void frames_at_a_node(Bytes& bytes) {
   CanopenNode node({.node = 2, .device_type = 401, .name = "fuzzed"});
+  ValveStates valve(node);
   for (std::uint8_t sub = 1; sub <= 4; ++sub)
     node.dictionary().add(0x6401, sub, {.bits = 16, .can_write = false, .can_map = true});
   node.dictionary().add(0x6411, 1, {.bits = 16, .can_map = true});
   std::vector<CanFrame> out;
   std::int64_t now_ns = 0;
   node.power_on(now_ns, out);
+  valve.power_on();
   while (!bytes.empty()) {
     out.clear();
     const CanFrame frame = bytes.frame();
@@ -61,6 +65,8 @@ void frames_at_a_node(Bytes& bytes) {
       node.on_frame(frame, now_ns, out);
     }
     node.on_time(now_ns, out);
+    const bool is_active = node.state() == NmtState::operational && (valve.status() & valve_active) != 0;
+    if (valve.follows_set_point() && !is_active) std::abort();
     for (const CanFrame& sent : out)
       if (sent.length > 8 || sent.id > 0x7FF) std::abort();
   }

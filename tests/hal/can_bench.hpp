@@ -17,6 +17,30 @@ inline Rig can_rig(const std::vector<std::string>& sets = {}) {
   return read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/can/cylinder-10m-7.65mm.yaml", sets);
 }
 
+/// Transmitters of CiA 404 and a valve of CiA 408 in place of the analog module.
+inline std::vector<std::string> profile_sets(const std::vector<std::string>& more = {}) {
+  const std::string eds = std::string(PNEUSERVO_SOURCE_DIR) + "/config/can/";
+  std::vector<std::string> sets{
+      "hal.can.nodes={pressures: {node_id: 2, profile: 404, eds: " + eds +
+          "pressure-transmitter-404.eds}, encoder: {node_id: 3, profile: 406, mapping: read}, valve: {node_id: 4, "
+          "profile: 408, eds: " +
+          eds + "proportional-valve-408.eds}}",
+      "hal.channels.p1_port={can: {node: pressures, pdo: 1, object: 0x91300120, scale_Pa_per_count: 10, lowest_Pa: "
+      "50000, highest_Pa: "
+      "810000}}",
+      "hal.channels.p2_port={can: {node: pressures, pdo: 1, object: 0x91300220, scale_Pa_per_count: 10, lowest_Pa: "
+      "50000, highest_Pa: "
+      "810000}}",
+      "hal.channels.p_supply={can: {node: pressures, pdo: 2, object: 0x91300320, scale_Pa_per_count: 10, lowest_Pa: "
+      "50000, "
+      "highest_Pa: 810000}}",
+      "hal.channels.u={can: {node: valve, pdo: 1, object: 0x63000110, scale_V_per_count: 6.103515625e-4, lowest_V: -5, "
+      "highest_V: 5, "
+      "readback: {pdo: 1, object: 0x63010110, tolerance_V: 0.002}}}"};
+  sets.insert(sets.end(), more.begin(), more.end());
+  return sets;
+}
+
 /// A device, the bus, the backend and a loop on it; a period a tick.
 struct Bench {
   Rig rig;

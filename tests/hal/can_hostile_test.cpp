@@ -10,9 +10,8 @@
 #include "can/eds.hpp"
 #include "can/slcan_codec.hpp"
 #include "config/input_error.hpp"
-#include "config/read_rig.hpp"
 #include "core/test_seed.hpp"
-#include "hal/device_bus.hpp"
+#include "hal/can_bench.hpp"
 
 using namespace pneuservo;
 
@@ -30,8 +29,9 @@ class FrameMaker {
 
   /// Anything, mostly with an identifier that somebody listens to.
   CanFrame any() {
-    static constexpr std::uint32_t listened[]{0x000, 0x080, 0x082, 0x083, 0x183, 0x282, 0x302, 0x582,
-                                              0x583, 0x602, 0x603, 0x702, 0x703, 0x77E, 0x7E5};
+    static constexpr std::uint32_t listened[]{0x000, 0x080, 0x082, 0x083, 0x084, 0x182, 0x183, 0x184,
+                                              0x204, 0x282, 0x302, 0x582, 0x583, 0x584, 0x602, 0x603,
+                                              0x604, 0x702, 0x703, 0x704, 0x77E, 0x7E5};
     CanFrame frame;
     frame.id = below(8) == 0 ? below(0x20000000) : listened[below(std::size(listened))];
     frame.extended = frame.id > 0x7FF || below(50) == 0;
@@ -45,8 +45,9 @@ class FrameMaker {
   /// An SDO request that means something, to an object that is there.
   void request(CanFrame& frame) {
     static constexpr std::uint8_t first[]{0x40, 0x22, 0x23, 0x2B, 0x2F, 0x21, 0x20, 0x60, 0x70, 0x00, 0x10, 0x01, 0x80};
-    static constexpr std::uint16_t index[]{0x1000, 0x1008, 0x1016, 0x1017, 0x1029, 0x1401, 0x1601, 0x1800,
-                                           0x1801, 0x1A00, 0x1A01, 0x6401, 0x6411, 0x6443, 0x6444, 0x6020};
+    static constexpr std::uint16_t index[]{0x1000, 0x1008, 0x1016, 0x1017, 0x1029, 0x1401, 0x1601, 0x1800, 0x1801,
+                                           0x1A00, 0x1A01, 0x6401, 0x6411, 0x6443, 0x6444, 0x6020, 0x6040, 0x6041,
+                                           0x6042, 0x604F, 0x6131, 0x6132, 0x6300, 0x6314, 0x9130};
     frame.length = 8;
     frame.data[0] = first[below(std::size(first))];
     put_u16(&frame.data[1], index[below(std::size(index))]);
@@ -67,7 +68,12 @@ class FrameMaker {
   std::mt19937_64 random_;
 };
 
-Rig can_rig() { return read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/can/cylinder-10m-7.65mm.yaml"); }
+/// The analog module of CiA 401, or transmitters of CiA 404 and a valve of CiA 408.
+Rig drawn_rig() {
+  const bool has_profiles = GENERATE(false, true);
+  CAPTURE(has_profiles);
+  return can_rig(has_profiles ? profile_sets() : std::vector<std::string>{});
+}
 
 }  // namespace
 
@@ -75,7 +81,7 @@ TEST_CASE("hostile frames at the controller: no valid channel outside its limits
   const unsigned seed = stated_seed();
   INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   FrameMaker make(seed);
-  const Rig rig = can_rig();
+  const Rig rig = drawn_rig();
   PlantDevice device(rig);
   auto owned = std::make_unique<DeviceBus>(device);
   DeviceBus& bus = *owned;
@@ -93,7 +99,12 @@ TEST_CASE("hostile frames at the controller: no valid channel outside its limits
     bus.spoil = spoil;
   };
   start_anew();
-  const PerSignal<double> lowest{-0.16, 5e4, 5e4, 0, 0, 5e4}, highest{0.16, 8.1e5, 8.1e5, 0, 0, 8.1e5};
+  PerSignal<double> lowest{}, highest{};
+  rig.hal->channels.for_each_input([&](Signal signal, const auto& channel) {
+    if (!channel.can) return;
+    lowest[signal] = channel.can->lowest;
+    highest[signal] = channel.can->highest;
+  });
   std::int64_t valid = 0, invalid = 0;
   const int frames = frames_to_try();
   for (int given = 0, tick = 0; given < frames; ++tick) {
@@ -124,11 +135,12 @@ TEST_CASE("hostile frames at the device: it answers or is silent, and what it se
   const unsigned seed = stated_seed() + 1;
   INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   FrameMaker make(seed);
-  PlantDevice device(can_rig());
+  PlantDevice device(drawn_rig());
   std::vector<CanFrame> out;
   device.power_on(0, out);
   std::int64_t now = 0, answers = 0;
-  for (int i = 0, n = frames_to_try() / 10; i < n; ++i) {
+  const int frames = frames_to_try() / 10;
+  for (int i = 0; i < frames; ++i) {
     now += make.below(100'000);
     out.clear();
     device.on_frame({make.any(), now}, out);
@@ -138,7 +150,7 @@ TEST_CASE("hostile frames at the device: it answers or is silent, and what it se
       if (!is_plain(frame)) FAIL("no frame: id " << frame.id << " length " << int(frame.length));
     REQUIRE(std::isfinite(device.truth().x_m));
   }
-  REQUIRE(answers > 1000);
+  REQUIRE(answers > frames / 50);  // most frames are for nobody
 }
 
 TEST_CASE("random text on a serial line gives frames or nothing") {

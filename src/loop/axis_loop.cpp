@@ -270,7 +270,7 @@ void AxisLoop::fill_row(double t_s, std::int64_t skipped, bool stepped, const Me
   controller_.write_terms(stepped, row_.terms);
 #define PNEUSERVO_SET(type, name, initial, value) row_.name = value;
 #define PNEUSERVO_SET_MEASURED(first, last)
-  PNEUSERVO_ROW_COLUMNS(PNEUSERVO_SET, PNEUSERVO_SET_MEASURED)
+  PNEUSERVO_ROW_COLUMNS(PNEUSERVO_SET, PNEUSERVO_SET, PNEUSERVO_SET, PNEUSERVO_SET_MEASURED)
 #undef PNEUSERVO_SET
 #undef PNEUSERVO_SET_MEASURED
 }

@@ -1,8 +1,6 @@
 // What verbs that take a CONFIG share.
 #include "program/rig_options.hpp"
 
-#include <algorithm>
-#include <array>
 #include <iostream>
 
 #include <fmt/format.h>
@@ -98,18 +96,6 @@ Facts channel_facts(const Backend& backend) {
   return facts;
 }
 
-namespace {
-
-/// Columns that a pressure rig has nothing for: of position, of the second side.
-bool is_of_motion(std::string_view column) {
-  constexpr std::array<std::string_view, 9> names{"x_ref_m",           "v_ref_mps",   "x_predicted_m",    "v_mps",
-                                                  "p2_estimated_Pa",   "p2_bound_Pa", "mass_flow_2_kgps", "x_true_m",
-                                                  "p2_chamber_true_Pa"};
-  return std::ranges::find(names, column) != names.end();
-}
-
-}  // namespace
-
 std::vector<std::string> recorded_columns(const Rig& rig, const Backend& backend, RecordedTime time) {
   std::vector<std::string> columns;
   const auto origins = backend.origins().channels;
@@ -119,7 +105,7 @@ std::vector<std::string> recorded_columns(const Rig& rig, const Backend& backend
       [&](std::string_view name, auto&) {
         if (const auto signal = signal_of_column(name); signal && origins[*signal] == Origin::absent) return;
         if (name.find("_true_") != std::string_view::npos && !truth) return;
-        if (rig.controls_pressure() ? is_of_motion(name) : name == "p_ref_Pa") return;
+        if (!is_column_of(name, rig.controls_pressure())) return;
         if (name == (rig.valves() == 2 ? "u_V" : "u1_V")) return;
         if (name == "u2_V" && rig.valves() != 2) return;
         if ((name == "lateness_us" || name == "work_us") && !time.real_time) return;

@@ -49,7 +49,7 @@ class Addition:
 
 
 EFFECT = "include/pneuservo/elements/"
-V_COLUMN = "COLUMN(double, v_mps, none, velocity_mps_)"
+V_COLUMN = "OF_AXIS(double, v_mps, none, velocity_mps_)"
 ADDITIONS = (
     Addition("effect", "toy_drag", (
         Edit(EFFECT + "motion_effects.hpp", '''

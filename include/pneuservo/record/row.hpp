@@ -21,35 +21,35 @@ enum RowFlag : std::uint32_t {
 };
 
 // All columns in file order, each declared by its line alone: type, name, value where there is none, and what the loop
-// puts there, in the names of AxisLoop::fill_row, which alone expands it (PressureLoop sets its few). MEASURED stands
-// for the columns of signal_table from the first signal to the last.
-#define PNEUSERVO_ROW_COLUMNS(COLUMN, MEASURED)                                                                        \
+// puts there, in the names of AxisLoop::fill_row, which alone expands it (PressureLoop sets its few). OF_AXIS: of
+// position or side 2, which a pressure rig does not have; OF_VOLUME: of a pressure rig alone. MEASURED stands for the
+// columns of signal_table from the first signal to the last.
+#define PNEUSERVO_ROW_COLUMNS(COLUMN, OF_AXIS, OF_VOLUME, MEASURED)                                                    \
   COLUMN(double, t_s, 0.0, t_s)                                                                                        \
-  COLUMN(double, x_ref_m, none, known(!begins_, now_.d[0]))                                                            \
-  COLUMN(double, v_ref_mps, none, known(!begins_, now_.d[1]))                                                          \
-  /* of a pressure rig, which has no position */                                                                       \
-  COLUMN(double, p_ref_Pa, none, Row::none)                                                                            \
+  OF_AXIS(double, x_ref_m, none, known(!begins_, now_.d[0]))                                                           \
+  OF_AXIS(double, v_ref_mps, none, known(!begins_, now_.d[1]))                                                         \
+  OF_VOLUME(double, p_ref_Pa, none, Row::none)                                                                         \
   /* of the simulated closed loop */                                                                                   \
-  COLUMN(double, x_predicted_m, none, known(!twin_waits_, twin_.position_m()))                                         \
+  OF_AXIS(double, x_predicted_m, none, known(!twin_waits_, twin_.position_m()))                                        \
   MEASURED(x, x)                                                                                                       \
-  COLUMN(double, v_mps, none, velocity_mps_)                                                                           \
+  OF_AXIS(double, v_mps, none, velocity_mps_)                                                                          \
   COLUMN(double, u_V, none, known(!two_valves, supervisor_.command_V()[0]))                                            \
   /* of a servo table's two valves, instead of u_V */                                                                  \
   COLUMN(double, u1_V, none, known(two_valves, supervisor_.command_V()[0]))                                            \
   COLUMN(double, u2_V, none, known(two_valves, supervisor_.command_V()[1]))                                            \
   MEASURED(p1_port, p2_chamber)                                                                                        \
   COLUMN(double, p1_estimated_Pa, none, known(estimated, estimate.chamber_pressure_Pa[0]))                             \
-  COLUMN(double, p2_estimated_Pa, none, known(estimated, estimate.chamber_pressure_Pa[1]))                             \
+  OF_AXIS(double, p2_estimated_Pa, none, known(estimated, estimate.chamber_pressure_Pa[1]))                            \
   /* the estimator's stated error bounds */                                                                            \
   COLUMN(double, p1_bound_Pa, none, known(estimated, estimate.error_bound_Pa[0]))                                      \
-  COLUMN(double, p2_bound_Pa, none, known(estimated, estimate.error_bound_Pa[1]))                                      \
+  OF_AXIS(double, p2_bound_Pa, none, known(estimated, estimate.error_bound_Pa[1]))                                     \
   /* estimated, into the chambers */                                                                                   \
   COLUMN(double, mass_flow_1_kgps, none, known(estimated, estimate.mass_flow_kgps[0]))                                 \
-  COLUMN(double, mass_flow_2_kgps, none, known(estimated, estimate.mass_flow_kgps[1]))                                 \
+  OF_AXIS(double, mass_flow_2_kgps, none, known(estimated, estimate.mass_flow_kgps[1]))                                \
   MEASURED(p_supply, p_supply)                                                                                         \
-  COLUMN(double, x_true_m, none, truth.x_m)                                                                            \
+  OF_AXIS(double, x_true_m, none, truth.x_m)                                                                           \
   COLUMN(double, p1_chamber_true_Pa, none, truth.p1_chamber_Pa)                                                        \
-  COLUMN(double, p2_chamber_true_Pa, none, truth.p2_chamber_Pa)                                                        \
+  OF_AXIS(double, p2_chamber_true_Pa, none, truth.p2_chamber_Pa)                                                       \
   /* real time only, set after the pass by what drives it */                                                           \
   COLUMN(double, lateness_us, none, Row::none)                                                                         \
   COLUMN(double, work_us, none, Row::none)                                                                             \
@@ -72,9 +72,8 @@ struct Row {
 
 #define PNEUSERVO_MEMBER(type, name, initial, value) type name = initial;
 #define PNEUSERVO_NO_MEMBER(first, last)
-  PNEUSERVO_ROW_COLUMNS(PNEUSERVO_MEMBER, PNEUSERVO_NO_MEMBER)
+  PNEUSERVO_ROW_COLUMNS(PNEUSERVO_MEMBER, PNEUSERVO_MEMBER, PNEUSERVO_MEMBER, PNEUSERVO_NO_MEMBER)
 #undef PNEUSERVO_MEMBER
-#undef PNEUSERVO_NO_MEMBER
   PerSignal<double> measured = [] {
     PerSignal<double> values;
     values.all.fill(none);
@@ -101,7 +100,7 @@ struct Row {
     };
 #define PNEUSERVO_VISIT(type, name, initial, value) v(std::string_view(#name), r.name...);
 #define PNEUSERVO_VISIT_MEASURED(first, last) visit_measured(Signal::first, Signal::last);
-    PNEUSERVO_ROW_COLUMNS(PNEUSERVO_VISIT, PNEUSERVO_VISIT_MEASURED)
+    PNEUSERVO_ROW_COLUMNS(PNEUSERVO_VISIT, PNEUSERVO_VISIT, PNEUSERVO_VISIT, PNEUSERVO_VISIT_MEASURED)
 #undef PNEUSERVO_VISIT
 #undef PNEUSERVO_VISIT_MEASURED
   }
@@ -112,6 +111,21 @@ inline constexpr std::size_t row_column_count = [] {
   Row::visit([&](std::string_view) { ++count; });
   return count;
 }();
+
+/// Whether a rig that controls a pressure, or one that does not, records this column.
+constexpr bool is_column_of(std::string_view column, bool controls_pressure) {
+#define PNEUSERVO_OF_BOTH(type, name, initial, value)
+#define PNEUSERVO_OF_AXIS(type, name, initial, value)                                                                  \
+  if (column == #name) return !controls_pressure;
+#define PNEUSERVO_OF_VOLUME(type, name, initial, value)                                                                \
+  if (column == #name) return controls_pressure;
+  PNEUSERVO_ROW_COLUMNS(PNEUSERVO_OF_BOTH, PNEUSERVO_OF_AXIS, PNEUSERVO_OF_VOLUME, PNEUSERVO_NO_MEMBER)
+#undef PNEUSERVO_OF_BOTH
+#undef PNEUSERVO_OF_AXIS
+#undef PNEUSERVO_OF_VOLUME
+#undef PNEUSERVO_NO_MEMBER
+  return true;
+}
 
 /// One column of numbers of a row: a member or a measured signal.
 class RowColumn {

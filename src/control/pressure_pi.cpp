@@ -38,11 +38,6 @@ Complex valve_path(const LawSetup& setup, Complex s) {
   return path;
 }
 
-/// Where the hose's first wave lies, a quarter of it long [rad/s].
-double quarter_wave_rad_per_s(const LawSetup& setup) {
-  return 0.5 * std::numbers::pi * Air<double>(setup.axis.air).sound_speed() / setup.axis.line_1.length_m;
-}
-
 double valve_delay_s(const LawSetup& setup) {
   const auto& valve = setup.axis.valve;
   const auto& effects = setup.axis.effects.valve;
@@ -59,14 +54,14 @@ struct OpenLoop {
 
 /// `at_port`: of the pressure at the valve, else of the one in the volume.
 OpenLoop open_loop(const LawSetup& setup, bool at_port, double p_Pa) {
-  constexpr int points = 1500;  // finer than the resonances of a hose with laminar friction alone
+  constexpr int points = 2000;  // finer than the resonances of a hose with laminar friction alone
   const auto& line = setup.axis.line_1;
   const LineAcoustics acoustics(line.length_m, line.diameter_m, p_Pa, setup.axis.air, LineLoss::quasi_steady);
   const double volume_m3 = volume_that_grows_m3(*setup.volume, acoustics.air(), p_Pa);
   const LineEnds ends{.volume_in_m3 = 0.0, .volume_out_m3 = volume_m3};
   const double at_rest = volume_m3 / (volume_m3 + line.volume_m3());
   const double energy = acoustics.air().R * acoustics.air().temperature_K;
-  const double lowest = 0.005, highest = std::numbers::pi / setup.period_s;
+  const double lowest = 0.1 * PressurePiParameters::least_gain_per_s, highest = std::numbers::pi / setup.period_s;
   OpenLoop out;
   for (int i = 0; i < points; ++i) {
     const double w = lowest * std::pow(highest / lowest, (i + 0.5) / points);
@@ -95,7 +90,8 @@ double sensitivity(const OpenLoop& loop, const PressureGains& gains) {
   return turned_rad > -0.5 * std::numbers::pi ? most : infinite;
 }
 
-std::array<OpenLoop, 2> open_loops(const LawSetup& setup, bool at_port) {
+std::array<OpenLoop, 2> open_loops(const LawSetup& setup, PressureSource source) {
+  const bool at_port = source == PressureSource::valve;
   return {open_loop(setup, at_port, setup.axis.air.atmosphere_Pa),
           open_loop(setup, at_port, setup.axis.supply.pressure_Pa)};
 }
@@ -104,28 +100,25 @@ double sensitivity(const std::array<OpenLoop, 2>& loops, const PressureGains& ga
   return std::max(sensitivity(loops[0], gains), sensitivity(loops[1], gains));
 }
 
-PressureGains highest_gains(const LawSetup& setup, bool at_port) {
-  constexpr double step = 1.02;              // finer than any margin is known
-  constexpr double least_gain_per_s = 0.05;  // lower than that of any hose that a config may have
-  constexpr int half_octaves = 6;
-  const std::array<OpenLoop, 2> loops = open_loops(setup, at_port);
-  PressureGains best{least_gain_per_s, 4.0 * quarter_wave_rad_per_s(setup)};
-  for (int half_octave = -2; half_octave < half_octaves; ++half_octave) {
-    PressureGains now{least_gain_per_s, quarter_wave_rad_per_s(setup) * std::exp2(-0.5 * half_octave)};
-    while (now.gain_per_s * step < 0.5 / setup.period_s &&
-           sensitivity(loops, {now.gain_per_s * step, now.filter_rad_per_s}) <= PressurePi::most_sensitivity)
-      now.gain_per_s *= step;
-    if (now.gain_per_s > best.gain_per_s) best = now;
-  }
+}  // namespace
+
+// The filter's corner goes from a decade above the sampling's end, where it does nothing, down in quarter octaves while
+// it lies above the best gain: below it its own lag leaves no margin. The gain climbs by factors that end at 1 %.
+PressureGains pressure_gains(const LawSetup& setup, PressureSource source) {
+  const std::array<OpenLoop, 2> loops = open_loops(setup, source);
+  const double most_per_s = 0.5 / setup.period_s, corner_step = std::exp2(-0.25);
+  PressureGains best{PressurePiParameters::least_gain_per_s, 10.0 * std::numbers::pi / setup.period_s};
+  for (double corner = best.filter_rad_per_s; corner > best.gain_per_s; corner *= corner_step)
+    for (double factor = 2.0; factor > 1.01; factor = std::sqrt(factor))
+      for (PressureGains next{factor * best.gain_per_s, corner};
+           next.gain_per_s < most_per_s && sensitivity(loops, next) <= PressurePi::most_sensitivity;
+           next.gain_per_s *= factor)
+        best = next;
   return best;
 }
 
-}  // namespace
-
-PressureGains pressure_gains(const LawSetup& setup) { return highest_gains(setup, false); }
-
-double pressure_sensitivity(const LawSetup& setup, const PressureGains& gains) {
-  return sensitivity(open_loops(setup, false), gains);
+double pressure_sensitivity(const LawSetup& setup, PressureSource source, const PressureGains& gains) {
+  return sensitivity(open_loops(setup, source), gains);
 }
 
 void PressurePi::configure(const PressurePiParameters& parameters, const LawSetup& setup) {
@@ -137,11 +130,17 @@ void PressurePi::configure(const PressurePiParameters& parameters, const LawSetu
   supply_Pa_ = setup.axis.supply.pressure_Pa;
   critical_ratio_ = valve.critical_pressure_ratio;
   area_per_volt_ = valve.area_per_volt_m2_per_V;
-  offset_V_ = setup.axis.effects.valve.valve_offset.offset_V;
-  command_max_V_ = valve.command_max_V;
-  range_V_ = std::min(command_max_V_, valve.area_max_m2 / area_per_volt_);
+  const auto& effects = setup.axis.effects.valve;
+  valve_.configure(valve, effects, setup.period_s);
+  const auto within = [most_V = valve.command_max_V](double u_V) { return std::clamp(u_V, -most_V, most_V); };
+  const double overlap_V = std::max(effects.valve_dead_band.width_V, 0.0);
+  closed_V_ = within(-effects.valve_offset.offset_V);
+  fills_.begins_V = within(overlap_V - effects.valve_offset.offset_V);
+  fills_.widest_V = widest_V(fills_.begins_V, valve.command_max_V);
+  empties_.begins_V = within(-overlap_V - effects.valve_offset.offset_V);
+  empties_.widest_V = widest_V(empties_.begins_V, -valve.command_max_V);
   period_s_ = setup.period_s;
-  gains_ = highest_gains(setup, parameters.pressure_source == PressureSource::valve);
+  gains_ = pressure_gains(setup, parameters.pressure_source);
   gains_.gain_per_s = parameters.gain_per_s.value_or(gains_.gain_per_s);
   smoothing_ = -std::expm1(-period_s_ * gains_.gain_per_s / pull_time_share);
   filter_gain_ = -std::expm1(-period_s_ * gains_.filter_rad_per_s);
@@ -179,10 +178,56 @@ double PressurePi::capacity_kg_per_Pa(double p_Pa) const noexcept {
   return (gas_m3 / air_.kappa + volume_.compliance_m3_per_Pa * p_Pa) / (air_.R * air_.temperature_K);
 }
 
-double PressurePi::flux_kgps_per_V(bool fills, double port_Pa, double supply_Pa) const noexcept {
-  const double up_Pa = fills ? supply_Pa : port_Pa, down_Pa = fills ? port_Pa : air_.atmosphere_Pa;
-  if (!(up_Pa > down_Pa)) return 0.0;
-  return area_per_volt_ * orifice_flux(air_, up_Pa, air_.temperature_K, down_Pa, critical_ratio_);
+// A thousandth of the range is far below what a spool resolves; an area that grows no more has its end there.
+double PressurePi::widest_V(double from_V, double end_V) const noexcept {
+  constexpr int places = 1000;
+  const auto area_m2 = [&](double u_V) {
+    const PortAreas<double> areas = valve_.areas(u_V);
+    return end_V > 0.0 ? areas.supply : areas.exhaust;
+  };
+  double reached_V = from_V;
+  for (int i = 1; i <= places; ++i) {
+    const double u_V = from_V + (end_V - from_V) * i / places;
+    if (!(area_m2(u_V) > area_m2(reached_V))) break;
+    reached_V = u_V;
+  }
+  return reached_V;
+}
+
+// Without a pressure behind it an edge can only be opened.
+PortAreas<double> PressurePi::fluxes(double port_Pa, double supply_Pa) const noexcept {
+  const auto flux = [&](double up_Pa, double down_Pa) {
+    return up_Pa > down_Pa ? orifice_flux(air_, up_Pa, air_.temperature_K, down_Pa, critical_ratio_) : 0.0;
+  };
+  return {flux(supply_Pa, port_Pa), flux(port_Pa, air_.atmosphere_Pa)};
+}
+
+double PressurePi::valve_flow_kgps(double command_V, const PortAreas<double>& flux) const noexcept {
+  const PortAreas<double> areas = valve_.areas(command_V);
+  return areas.supply * flux.supply - areas.exhaust * flux.exhaust;
+}
+
+// False position between the edge's beginning and its widest place, the end that stays halved (Illinois): exact at once
+// for straight edges, and always within both ends.
+double PressurePi::command_for_V(double flow_kgps, const PortAreas<double>& flux) const noexcept {
+  constexpr int most_steps = 30;
+  constexpr double close_share = 1e-9;
+  if (!std::isfinite(flow_kgps)) return flow_kgps;
+  const double at_rest = valve_flow_kgps(closed_V_, flux);
+  if (flow_kgps == at_rest) return closed_V_;
+  const Edge& edge = flow_kgps > at_rest ? fills_ : empties_;
+  double near_V = edge.begins_V, far_V = edge.widest_V;
+  double near = valve_flow_kgps(near_V, flux) - flow_kgps, far = valve_flow_kgps(far_V, flux) - flow_kgps;
+  const double close = close_share * std::fabs(flow_kgps - at_rest);
+  if (!(near * far < 0.0)) return far_V;
+  for (int i = 0; i < most_steps; ++i) {
+    const double u_V = (near * far_V - far * near_V) / (near - far), off = valve_flow_kgps(u_V, flux) - flow_kgps;
+    if (std::fabs(off) <= close) return u_V;
+    if (off * far < 0.0) near_V = far_V, near = far;
+    else near *= 0.5;
+    far_V = u_V, far = off;
+  }
+  return far_V;
 }
 
 ControlOutput PressurePi::step(const ControlInput& in) noexcept {
@@ -195,13 +240,12 @@ ControlOutput PressurePi::step(const ControlInput& in) noexcept {
   const double feedback = k * error_Pa + integral_share * k * k * integral_Pas_;
   const double capacity = capacity_kg_per_Pa(p_Pa), flow = capacity * (rate + feedback);
   const double supply_Pa = std::isfinite(in.supply_Pa) ? in.supply_Pa : supply_Pa_;
-  const double per_volt = flux_kgps_per_V(flow > 0.0, in.port_Pa[0], supply_Pa);
-  // Without a pressure behind the edge it can only be opened.
-  const double opened_V = flow == 0.0 ? 0.0 : flow / std::max(per_volt, 1e-300);
-  const double held_V = std::clamp(opened_V, -range_V_, range_V_);
-  const bool limited = held_V != opened_V;
+  const PortAreas<double> flux = fluxes(in.port_Pa[0], supply_Pa);
+  const double command_V = command_for_V(flow, flux), passes = valve_flow_kgps(command_V, flux);
+  const bool fills = flow > passes;
+  const bool limited = command_V == (fills ? fills_ : empties_).widest_V && flow != passes;
   if (limited) {
-    const double passing = held_V * per_volt / capacity - feedback;
+    const double passing = passes / capacity - feedback;
     rate = rate > 0.0 ? std::clamp(passing, 0.0, rate) : std::clamp(passing, rate, 0.0);
   } else integral_Pas_ += error_Pa * period_s_;
   pull_Pa_per_s_ = std::clamp(pull_Pa_per_s_, -most, most);
@@ -212,9 +256,10 @@ ControlOutput PressurePi::step(const ControlInput& in) noexcept {
             rate,
             integral_Pas_,
             flow,
-            opened_V - offset_V_,
-            limited ? (opened_V > 0.0 ? limit_upper : limit_lower) : limit_none};
-  const double command_V = std::clamp(held_V - offset_V_, -command_max_V_, command_max_V_);
+            limited
+                ? command_V + (flow - passes) / std::max(area_per_volt_ * (fills ? flux.supply : flux.exhaust), 1e-300)
+                : command_V,
+            limited ? (fills ? limit_upper : limit_lower) : limit_none};
   const bool finite = std::isfinite(command_V);
   if (finite) last_V_ = command_V;
   return {{last_V_, last_V_}, 0.0, limited, finite};

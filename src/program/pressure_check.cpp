@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -32,18 +33,16 @@ struct Margins {
 Margins margins_of(const Rig& rig) {
   const Reference none;
   const LawSetup setup{rig.axis, rig.period_s, none, rig.duration_s, {}, &rig.volume};
-  const auto& stated = rig.controller.of<PressurePi>().gain_per_s;
+  const std::optional<double> stated = rig.controller.of<PressurePi>().gain_per_s;
   Margins out;
-  PressureGains gains = pressure_gains(setup);
+  const PressureSource source = rig.controller.of<PressurePi>().pressure_source;
+  PressureGains gains = pressure_gains(setup, source);
   out.highest_per_s = gains.gain_per_s;
   out.is_stated = stated.has_value();
   out.gain_per_s = gains.gain_per_s = stated.value_or(out.highest_per_s);
-  out.sensitivity = pressure_sensitivity(setup, gains);
+  out.sensitivity = pressure_sensitivity(setup, source, gains);
   return out;
 }
-
-/// The pressure at the port has a loop of its own, whose margins are not told.
-bool has_margins(const Rig& rig) { return rig.controller.pressures() != PressureSource::valve; }
 
 Finding margins_finding(const Rig& rig) {
   const Margins found = margins_of(rig);
@@ -111,13 +110,10 @@ Finding simulation_finding(Rig rig) {
 }  // namespace
 
 std::vector<Finding> grade_pressure_loop(const Rig& rig) {
-  std::vector<Finding> findings{flow_finding(rig), simulation_finding(rig)};
-  if (has_margins(rig)) findings.insert(findings.begin(), margins_finding(rig));
-  return findings;
+  return {margins_finding(rig), flow_finding(rig), simulation_finding(rig)};
 }
 
 std::string unstable_pressure_words(const Rig& rig) {
-  if (!has_margins(rig)) return "";
   const Margins found = margins_of(rig);
   if (std::isfinite(found.sensitivity)) return "";
   return fmt::format("the loop is unstable with controller.gain_per_s of {} (highest with margin: {})",

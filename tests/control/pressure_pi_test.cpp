@@ -1,6 +1,7 @@
 // The law of a pressure behind a hose: its reference, the valve's inverse, the gain with its margin, no wind-up.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 #include <pneuservo/control/pressure_pi.hpp>
@@ -105,19 +106,105 @@ TEST_CASE("what the config knows of the volume's growth and the valve's offset i
   CHECK(law.step(resting_input(4e5)).command_V[0] == Approx(-0.1));  // closed is where the offset puts it
 }
 
+TEST_CASE("the command opens the edges as far as the valve that the config knows needs") {
+  HoseAxis rig;
+  auto& effects = rig.axis.effects.valve;
+  SECTION("overlapped") { effects.valve_dead_band.width_V = 0.3; }
+  SECTION("underlapped, with an offset") {
+    effects.valve_dead_band.width_V = -0.2;
+    effects.valve_offset.offset_V = 0.1;
+  }
+  SECTION("curved") { effects.valve_curve = {.near_middle = -0.8, .wide_open = 0.7}; }
+  SECTION("a peak within its range") { effects.valve_curve.wide_open = -0.9; }
+  SECTION("its exhaust edge smaller") { effects.valve_asymmetry.exhaust_ratio = 0.4; }
+  SECTION("leaking, too") {
+    effects.valve_neutral_leak.area_m2 = 1e-8;
+    effects.valve_dead_band.width_V = 0.2;
+    effects.valve_asymmetry.exhaust_ratio = 1.5;
+  }
+  Valve<double> valve;
+  valve.configure(rig.axis.valve, effects, 1e-3);
+  const Air<double> air(rig.axis.air);
+  const auto flow_kgps = [&](double command_V) {
+    const PortAreas<double> areas = valve.areas(command_V);
+    const auto into_port = [&](double area_m2, double p_Pa) {
+      return orifice_mass_flow(air, area_m2, rig.axis.valve.critical_pressure_ratio, p_Pa, air.temperature_K, 4e5,
+                               air.temperature_K);
+    };
+    return into_port(areas.supply, rig.axis.supply.pressure_Pa) + into_port(areas.exhaust, air.atmosphere_Pa);
+  };
+  PressurePi law;
+  law.configure({}, rig.setup());
+  for (const double rate : {4e5, 1e5, 1e3, -1e3, -1e5, -2e5}) {
+    law.reset({});
+    ControlInput in = resting_input(4e5);
+    in.now.d[1] = rate;
+    const ControlOutput out = law.step(in);
+    INFO("rate of " << rate << " Pa/s, command of " << out.command_V[0] << " V");
+    CHECK_FALSE(out.limited);
+    CHECK(flow_kgps(out.command_V[0]) == Approx(law.terms().flow_wanted_kgps).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("a command at its range gives the largest flow that the valve has, and the target goes as fast") {
+  HoseAxis rig;
+  rig.axis.effects.valve.valve_curve.wide_open = -0.9;
+  Valve<double> valve;
+  valve.configure(rig.axis.valve, rig.axis.effects.valve, 1e-3);
+  double widest_m2 = 0.0;
+  for (double u_V = 0.0; u_V <= 5.0; u_V += 1e-3) widest_m2 = std::max(widest_m2, valve.areas(u_V).supply);
+  PressurePi law;
+  law.configure({}, rig.setup());
+  ControlInput in = resting_input(4e5);
+  in.now.d[1] = 1e8;
+  const ControlOutput out = law.step(in);
+  CHECK(out.limited);
+  CHECK(law.terms().limit == limit_upper);
+  CHECK(valve.areas(out.command_V[0]).supply == Approx(widest_m2));
+  CHECK(law.terms().u_unlimited_V > out.command_V[0]);
+  CHECK(law.terms().target_rate_Pa_per_s < 1e7);
+}
+
+TEST_CASE("the loop of the pressure at the port has a margin of its own, and a limit to its gain") {
+  const HoseAxis rig;
+  const PressureGains gains = pressure_gains(rig.setup(), PressureSource::valve);
+  CHECK(pressure_sensitivity(rig.setup(), PressureSource::valve, gains) <= PressurePi::most_sensitivity);
+  const PressureGains far = pressure_gains(rig.setup(), PressureSource::chamber);
+  CHECK(gains.gain_per_s != far.gain_per_s);
+  CHECK(std::isinf(pressure_sensitivity(rig.setup(), PressureSource::valve, {1000.0, gains.filter_rad_per_s})));
+  PressurePiParameters parameters;
+  parameters.pressure_source = PressureSource::valve;
+  PressurePi law;
+  law.configure(parameters, rig.setup());
+  CHECK(law.gains().gain_per_s == gains.gain_per_s);
+}
+
+TEST_CASE("the least gain that a config can state has its margin behind the longest and narrowest hose of a config") {
+  HoseAxis rig;
+  rig.axis.line_1 = {.length_m = 100.0, .diameter_m = 5e-4};
+  rig.axis.effects.valve.command_delay.delay_s = 0.5;
+  for (const double volume_m3 : {1e-7, 10.0}) {
+    rig.volume.volume_m3 = volume_m3;
+    const PressureGains gains = pressure_gains(rig.setup(), PressureSource::estimated);
+    CHECK(gains.gain_per_s >= PressurePiParameters::least_gain_per_s);
+    CHECK(pressure_sensitivity(rig.setup(), PressureSource::estimated, gains) <= PressurePi::most_sensitivity);
+  }
+}
+
 TEST_CASE("the derived gain is the highest with a sensitivity of 2, and falls with the hose's length") {
   HoseAxis rig;
-  const PressureGains gains = pressure_gains(rig.setup());
+  const PressureGains gains = pressure_gains(rig.setup(), PressureSource::estimated);
   const auto times = [&](double factor) { return PressureGains{factor * gains.gain_per_s, gains.filter_rad_per_s}; };
-  CHECK(pressure_sensitivity(rig.setup(), gains) <= PressurePi::most_sensitivity);
-  CHECK(pressure_sensitivity(rig.setup(), times(1.03)) > PressurePi::most_sensitivity);
-  CHECK(std::isinf(pressure_sensitivity(rig.setup(), times(4.0))));
+  CHECK(pressure_sensitivity(rig.setup(), PressureSource::estimated, gains) <= PressurePi::most_sensitivity);
+  CHECK(pressure_sensitivity(rig.setup(), PressureSource::estimated, times(1.03)) > PressurePi::most_sensitivity);
+  CHECK(std::isinf(pressure_sensitivity(rig.setup(), PressureSource::estimated, times(4.0))));
   // Without the filter the hose's resonance sets the gain.
-  CHECK(pressure_sensitivity(rig.setup(), {gains.gain_per_s, 1e6}) > PressurePi::most_sensitivity);
+  CHECK(pressure_sensitivity(rig.setup(), PressureSource::estimated, {gains.gain_per_s, 1e6}) >
+        PressurePi::most_sensitivity);
   double last = infinite;
   for (const double length_m : {1.0, 3.0, 10.0}) {
     rig.axis.line_1.length_m = length_m;
-    const double here = pressure_gains(rig.setup()).gain_per_s;
+    const double here = pressure_gains(rig.setup(), PressureSource::estimated).gain_per_s;
     CHECK(here < last);
     last = here;
   }

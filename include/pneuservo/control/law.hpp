@@ -48,7 +48,7 @@ struct LawSetup {
   const Reference& reference;
   double duration_s;
   std::shared_ptr<const PassTable> pass{};
-  const ElasticVolumeParameters<double>* volume = nullptr;  ///< at the end of line_1, for a law that controls pressure
+  const ElasticVolumeParameters<double>* volume = nullptr;
 };
 
 /// One recorded term of a law. The name is the recording's column and ends in the unit.

@@ -9,10 +9,12 @@
 #include <pneuservo/control/limits.hpp>
 #include <pneuservo/elements/air.hpp>
 #include <pneuservo/elements/elastic_volume.hpp>
+#include <pneuservo/elements/valve.hpp>
 
 namespace pneuservo {
 
 struct PressurePiParameters {
+  static constexpr double least_gain_per_s = 1e-3;
   PressureSource pressure_source = PressureSource::estimated;
   std::optional<double> gain_per_s;
   double rate_max_Pa_per_s = infinite;
@@ -23,7 +25,7 @@ struct PressurePiParameters {
             "pressure that is controlled: estimated or measured (chamber) at the far end, or at the valve's port",
             optional, pressure_source_names},
       p.pressure_source...);
-    v(Field{"gain_per_s", "1/s", 1e-3, 1e4,
+    v(Field{"gain_per_s", "1/s", least_gain_per_s, 1e4,
             "rate that a pressure error asks for, over the error; default: the highest whose sensitivity stays below 2",
             optional},
       p.gain_per_s...);
@@ -62,9 +64,9 @@ struct PressurePiTerms {
   }
 };
 
-/// G = C (p_target' + k e + k^2/4 integral e), C what hose and volume take per pressure, and the command whose edge
-/// lets G pass at the measured port pressure. e has passed the filter. The target follows the reference critically
-/// damped with k; a command at its range slows the target down to what passes, so that nothing winds up.
+/// G = C (p_target' + k e + k^2/4 integral e), C what hose and volume take per pressure, and the command whose edges
+/// let G pass at the measured port pressure. e has passed the filter. The target follows the reference with both poles
+/// at -2 k; a command at its range slows the target down to what passes, so that nothing winds up.
 class PressurePi {
  public:
   using Parameters = PressurePiParameters;
@@ -93,13 +95,25 @@ class PressurePi {
   double late_target(double target_Pa) noexcept;
   double filtered(double error_Pa) noexcept;
   double capacity_kg_per_Pa(double p_Pa) const noexcept;
-  double flux_kgps_per_V(bool fills, double port_Pa, double supply_Pa) const noexcept;
+  /// Flow per area of both edges [kg/(s m2)].
+  PortAreas<double> fluxes(double port_Pa, double supply_Pa) const noexcept;
+  /// Into the port at rest of the spool under this command.
+  double valve_flow_kgps(double command_V, const PortAreas<double>& flux) const noexcept;
+  /// Command at which the valve lets this flow pass, or the end of its range.
+  double command_for_V(double flow_kgps, const PortAreas<double>& flux) const noexcept;
+  double widest_V(double from_V, double end_V) const noexcept;
 
   PressurePiParameters parameters_;
   ElasticVolumeParameters<double> volume_;
   Air<double> air_;
-  double line_volume_m3_ = 0.0, supply_Pa_ = 0.0, critical_ratio_ = 0.35, area_per_volt_ = 0.0, offset_V_ = 0.0,
-         range_V_ = 5.0, command_max_V_ = 5.0, last_V_ = 0.0;
+  Valve<double> valve_;
+  /// Commands at which an edge begins to open and has opened as far as it does.
+  struct Edge {
+    double begins_V = 0.0, widest_V = 0.0;
+  };
+  Edge fills_, empties_;
+  double line_volume_m3_ = 0.0, supply_Pa_ = 0.0, critical_ratio_ = 0.35, area_per_volt_ = 0.0, closed_V_ = 0.0,
+         last_V_ = 0.0;
   PressureGains gains_;
   double period_s_ = 1e-3, smoothing_ = 1.0, delay_s_ = 0.0;
   std::vector<double> late_;  ///< ring of past targets
@@ -113,9 +127,9 @@ class PressurePi {
 
 /// The highest gain, over the filter's corner, with a sensitivity below most_sensitivity at atmosphere and at supply:
 /// from the hose's acoustics, the volume and its growth, the valve's spool and delay and the sampling. Cold.
-PressureGains pressure_gains(const LawSetup& setup);
+PressureGains pressure_gains(const LawSetup& setup, PressureSource source);
 /// Largest size of 1/(1 + L) with these gains; infinite: unstable. Cold.
-double pressure_sensitivity(const LawSetup& setup, const PressureGains& gains);
+double pressure_sensitivity(const LawSetup& setup, PressureSource source, const PressureGains& gains);
 
 template <> struct LawAt<2> {
   using Law = PressurePi;

@@ -51,7 +51,7 @@ class PressureReference {
   ReferencePoint at(double t_s) const noexcept;
   /// Time of the last point; infinity for a sine.
   double end_s() const noexcept { return end_s_; }
-  /// Smallest and largest pressure over [0, duration_s]; cold.
+  /// Smallest and largest pressure: of steps of all, else over [0, duration_s]; cold.
   ReferenceExtremes range_Pa(double duration_s) const;
   /// The smooth part; of steps nothing.
   const Reference& smooth() const noexcept { return smooth_; }

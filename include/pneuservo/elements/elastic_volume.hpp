@@ -1,4 +1,4 @@
-// A volume behind a line that grows with its pressure: a vessel, a soft actuator (docs/physics/pressure.md).
+// A volume behind a line that grows with its pressure: a vessel, a soft actuator (docs/physics/pressure_pi.md).
 #pragma once
 #include <pneuservo/elements/air.hpp>
 

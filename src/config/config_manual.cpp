@@ -143,6 +143,7 @@ std::vector<Table> tables_of(RigKind kind, ControllerKind law) {
   Rig rig;
   rig.kind = kind;
   rig.controller.kind = law;
+  if (rig.controls_pressure()) rig.initial.pressure_1_Pa = 0.0;  // not stated: that of the atmosphere
   Rig::visit(TableCollector{tables}, std::as_const(rig));
   return tables;
 }

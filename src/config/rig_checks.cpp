@@ -217,7 +217,7 @@ void check_safe_output(const Rig& rig, const Check& check) {
   if (safe.action == SafeAction::vent && valve_arrangement(rig) == ValveArrangement::five_port)
     check.refuse("safe_output.action", {"rig"},
                  "vent with a five-port valve, which feeds one side when it vents the other",
-                 "hold or centre; vent takes the two three-port valves of a servo_table");
+                 "hold or centre; vent takes three-port valves, as a servo_table or a pressure has them");
   if (safe.action != SafeAction::hold && safe.command_V != 0.0)
     check.refuse("safe_output.command_V", {"safe_output.action"}, number_text(safe.command_V),
                  "none: only the action hold has a command of its own");
@@ -514,7 +514,7 @@ void check_pneumatic(const Rig& rig, const Check& check) {
 void check_effects(const Rig& rig, std::string_view section, const Check& check) {
   check.of({"slider", section}, [&] { check_coupled_loads(rig, section, check); });
   check.of({"slider", section}, [&] { check_payload_change(rig, section, check); });
-  if (!rig.is_pneumatic()) return;
+  if (!rig.is_pneumatic() && !rig.controls_pressure()) return;
   check.of({"line_1", "line_2", section}, [&] { check_line_effects(rig, section, check); });
   check.of({"air", "supply", section}, [&] { check_supply_swing(rig, section, check); });
 }
@@ -538,9 +538,9 @@ void check_pressure_rig(const Rig& rig, const Check& check) {
 
 void check_rig(const Rig& rig, const ConfigNode& root, InputErrors& errors) {
   const Check check{root, errors};
-  if (rig.controls_pressure()) return check_pressure_rig(rig, check);
   check_effects(rig, "effects", check);
   if (!rig.concealed.empty()) check_effects(simulated_rig(rig), "concealed", check);
+  if (rig.controls_pressure()) return check_pressure_rig(rig, check);
   if (!rig.has_controller()) {
     check.of({"program"}, [&] { check_program(rig, check); });
     check.of({"tolerances"}, [&] { check_paths(rig, check, "tolerances", rig.tolerances); });

@@ -10,7 +10,7 @@ namespace pneuservo {
 void PressureLoop::configure(const Rig& rig) {
   period_s_ = rig.period_s;
   command_max_V_ = rig.axis.valve.command_max_V;
-  pressure_limit_Pa_ = rig.limits.pressure_Pa.value_or(pressure_limit_Pa(rig));
+  pressure_limit_Pa_ = chamber_pressure_limit_Pa(rig);
   estimator_.configure(estimator_parameters(rig));
   growth_.configure(rig);
   grows_ = rig.volume.compliance_m3_per_Pa > 0.0;

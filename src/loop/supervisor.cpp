@@ -73,7 +73,7 @@ void Supervisor::configure(const Rig& rig, bool needs_chambers, const MotionLimi
   cylinder_ = rig.axis.cylinder;
   half_stroke_m_ = 0.5 * rig.axis.cylinder.stroke_m;
   position_limit_m_ = half_stroke_m_ + rig.limits.position_margin_m;
-  pressure_limit_Pa_ = pressure_limit_Pa(rig);
+  pressure_limit_Pa_ = port_pressure_limit_Pa(rig);
   supply_Pa_ = rig.axis.supply.pressure_Pa;
   supply_limit_Pa_ = rig.limits.supply_share * supply_Pa_;
   lateness_limit_s_ = rig.limits.lateness_s;

@@ -56,7 +56,6 @@ PressureStep step_of(const std::vector<Row>& rows, RowColumn pressure, const Res
   const double from_Pa = rows[before.begin].p_ref_Pa, to_Pa = rows[after.begin].p_ref_Pa;
   const double height_Pa = to_Pa - from_Pa, sign = height_Pa > 0.0 ? 1.0 : -1.0;
   step.start_s = rows[before.end - 1].t_s - start_s;
-  step.rest_s = rows[after.begin].t_s - start_s;
   step.end_s = rows[after.end - 1].t_s - start_s;
   step.from_Pa = from_Pa;
   step.to_Pa = to_Pa;

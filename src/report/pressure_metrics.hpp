@@ -12,7 +12,6 @@ namespace pneuservo {
 /// One change of the reference and the rest after it.
 struct PressureStep {
   double start_s = 0.0;         ///< where the reference begins to change
-  double rest_s = 0.0;          ///< where it stands again
   double end_s = 0.0;           ///< where it changes anew, or the run ends
   double from_Pa = 0.0, to_Pa = 0.0;
   double overshoot_share = 0.0; ///< farthest beyond the end value, over the step's height

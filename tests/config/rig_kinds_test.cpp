@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "config/config_manual.hpp"
 #include "config/dump_rig.hpp"
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
@@ -103,4 +104,22 @@ TEST_CASE("a servo table has the keys of its law and starts at the pressure that
   CHECK(parse_rig(servo_table, "rig.yaml", {"controller.feedforward=flatness"}).initial.pressure_1_Pa == 135000.0);
   CHECK(same_rig(rig, parse_rig(dump_rig(rig), "dump")));
   CHECK(get_parameter(rig, "controller.mean_pressure_Pa") == 135000.0);
+}
+
+TEST_CASE("effects that contradict a pressure rig are refused, known or concealed", "[config]") {
+  const auto found = [](const std::string& set) -> std::string {
+    try {
+      read_rig(PNEUSERVO_SOURCE_DIR "/config/pressure-3m-4mm.yaml", {set});
+    } catch (const InputError& error) { return error.what(); }
+    return "accepted";
+  };
+  CHECK(found("effects={supply_swing: {amplitude_Pa: 50000, frequency_Hz: 1}}") == "accepted");
+  for (const std::string section : {"effects", "concealed"})
+    CHECK_THAT(found(section + "={supply_swing: {amplitude_Pa: 650000, frequency_Hz: 1}}"),
+               Catch::Contains(section + ".supply_swing.amplitude_Pa: found 650000, expected at most what the supply"));
+}
+
+TEST_CASE("the manual gives no number for the initial pressure of a pressure rig, which its atmosphere sets",
+          "[config]") {
+  CHECK_THAT(config_manual(), Catch::Contains("| see help | hose and volume, absolute; default: atmosphere |"));
 }

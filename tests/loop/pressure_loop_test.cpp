@@ -7,6 +7,7 @@
 
 #include <pneuservo/loop/fault.hpp>
 #include <pneuservo/loop/pressure_loop.hpp>
+#include <pneuservo/rig/possible_values.hpp>
 
 #include "config/read_rig.hpp"
 #include "loop/course.hpp"
@@ -16,8 +17,8 @@ using namespace pneuservo;
 
 namespace {
 
-Rig shipped(const std::vector<std::string>& sets = {}) {
-  return read_rig(PNEUSERVO_SOURCE_DIR "/config/pressure-3m-4mm.yaml", sets);
+Rig shipped(const std::vector<std::string>& sets = {}, const std::string& name = "pressure-3m-4mm") {
+  return read_rig(PNEUSERVO_SOURCE_DIR "/config/" + name + ".yaml", sets);
 }
 
 /// Rows of a run of so many seconds on the simulated plant; spoil(tick, measurement) comes between plant and loop.
@@ -227,4 +228,43 @@ TEST_CASE("the vent empties the volume after a fault, and the row tells its stat
   CHECK(rows.back().u_V == -5.0);
   CHECK(rows.back().p1_chamber_true_Pa < 1.1e5);
   CHECK(std::isnan(rows.back().p_ref_Pa));
+}
+
+TEST_CASE("a valve whose overlap, curve and exhaust edge the config knows is held as one without") {
+  const Rig rig = shipped({"effects={valve_dead_band: {width_V: 0.2}, valve_asymmetry: {exhaust_ratio: 0.6}, "
+                           "valve_curve: {near_middle: -0.5, wide_open: 0.3}}",
+                           "simulation.cells_per_m=8", "duration_s=4.9"});
+  const std::vector<Row> rows = run(rig, rig.duration_s);
+  CHECK(faults_of(rows) == 0);
+  const Figures found = figures_of(rows);
+  CHECK(found.steps == 2);
+  CHECK(found.overshoot_share <= 0.03);
+  CHECK(found.settled_error_Pa <= 5e3);
+}
+
+TEST_CASE("the limit of the volume is none of the port, and an axis has one for both") {
+  const Rig rig = shipped({"limits.pressure_Pa=601000"});
+  CHECK(chamber_pressure_limit_Pa(rig) == 601e3);
+  CHECK(port_pressure_limit_Pa(rig) == Approx(1.4 * rig.axis.supply.pressure_Pa));
+  CHECK(chamber_pressure_limit_Pa(shipped()) == port_pressure_limit_Pa(shipped()));
+  const Rig axis = read_rig(PNEUSERVO_SOURCE_DIR "/config/cylinder-2m-4.15mm.yaml", {"limits.pressure_Pa=900000"});
+  CHECK(port_pressure_limit_Pa(axis) == 9e5);
+  CHECK(chamber_pressure_limit_Pa(axis) == 9e5);
+}
+
+TEST_CASE("a pressure rig fills no column that its recording leaves out") {
+  const Row row = run(shipped(), 0.5).back();
+  Row::visit(
+      [](std::string_view name, const auto& value) {
+        CAPTURE(name);
+        if (signal_of_column(name)) return;  // recorded where there is a sensor
+        if constexpr (std::is_same_v<decltype(value), const double&>)
+          if (std::isfinite(value)) CHECK(is_column_of(name, true));
+      },
+      row);
+  CHECK(is_column_of("p_ref_Pa", true));
+  CHECK_FALSE(is_column_of("p_ref_Pa", false));
+  CHECK_FALSE(is_column_of("x_ref_m", true));
+  CHECK(is_column_of("x_ref_m", false));
+  CHECK(is_column_of("t_s", true));
 }

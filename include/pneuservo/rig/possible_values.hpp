@@ -29,17 +29,21 @@ inline int frozen_after_ticks(double noise, double quantum) {
   return ticks <= most ? std::max(fewest, static_cast<int>(std::ceil(ticks))) : 0;
 }
 
-/// Above it the loop stops: a stop at the end of the stroke compresses above the supply.
-inline double pressure_limit_Pa(const Rig& rig) {
-  constexpr double usual_share_of_supply = 1.4;
-  const double usual_Pa = usual_share_of_supply * rig.axis.supply.pressure_Pa;
-  // A hose is filled from the supply however little its volume may have.
-  return rig.controls_pressure() ? usual_Pa : rig.limits.pressure_Pa.value_or(usual_Pa);
+/// Limit of pressures that no config states: a stop at the end of the stroke compresses above the supply.
+inline double usual_pressure_limit_Pa(const Rig& rig) { return 1.4 * rig.axis.supply.pressure_Pa; }
+/// Above it in a chamber, or in the volume of a pressure rig, the loop stops.
+inline double chamber_pressure_limit_Pa(const Rig& rig) {
+  return rig.limits.pressure_Pa.value_or(usual_pressure_limit_Pa(rig));
+}
+/// Above it at a port the loop stops. A hose is filled from the supply however little its volume may have.
+inline double port_pressure_limit_Pa(const Rig& rig) {
+  return rig.controls_pressure() ? usual_pressure_limit_Pa(rig) : chamber_pressure_limit_Pa(rig);
 }
 
 /// A chamber that is drawn out falls below the atmosphere, never near a vacuum; above the limit a fault must show.
 inline PossibleRange possible_pressure_Pa(const Rig& rig) {
-  return {0.3 * rig.axis.air.atmosphere_Pa, std::max(1.5 * rig.axis.supply.pressure_Pa, 1.1 * pressure_limit_Pa(rig))};
+  return {0.3 * rig.axis.air.atmosphere_Pa,
+          std::max(1.5 * rig.axis.supply.pressure_Pa, 1.1 * port_pressure_limit_Pa(rig))};
 }
 
 /// What lines and chambers do from one sample to the next with a calm valve stays below.

@@ -15,8 +15,8 @@ namespace pneuservo {
 inline void lay_out_pressure_axis(Rig& rig) {
   if (!rig.controls_pressure()) return;
   constexpr double wall_m2 = 0.5;
-  constexpr double least_way_m =
-      1e-6;  // a stroke is above 0; it changes no rigid volume, whose piston stays at its end
+  // A stroke is above 0; it changes no rigid volume, whose piston stays at its end.
+  constexpr double least_way_m = 1e-6;
   AxisParameters<double>& axis = rig.axis;
   axis.line_2 = axis.line_1;
   auto& chamber = axis.cylinder;
@@ -50,7 +50,6 @@ class VolumeGrowth {
     grown_m3_ = std::min(grown_m3_, 2.0 * half_way_m_ * wall_m2_);
   }
   double position_m() const noexcept { return grown_m3_ / wall_m2_ - half_way_m_; }
-  double grown_m3() const noexcept { return grown_m3_; }
 
  private:
   ElasticVolumeParameters<double> volume_;

@@ -83,7 +83,7 @@ struct EstimatorSettings {
 /// What the valves do when the loop ends or faults.
 enum class SafeAction {
   hold,    ///< command_V, the command that closes the valve: the air stays in the chambers
-  vent,    ///< both sides to the exhaust; only a pair of three-port valves can
+  vent,    ///< to the exhaust; only three-port valves can
   centre,  ///< 0 V: the spool's own centre, whatever the valve does there
 };
 inline constexpr std::array<std::string_view, 3> safe_action_names{"hold", "vent", "centre"};
@@ -92,7 +92,7 @@ struct SafeOutputParameters {
   SafeAction action = SafeAction::hold;
   double command_V = 0.0;
   template <class V, class... P> static void visit(V&& v, P&... p) {
-    v(Field{"action", "", 0, 0, "hold: command_V; vent: exhaust both sides (servo_table); centre: 0 V",
+    v(Field{"action", "", 0, 0, "hold: command_V; vent: to the exhaust, by three-port valves; centre: 0 V",
             Presence::optional, safe_action_names},
       p.action...);
     v(Field{"command_V", "V", -1000, 1000, "command of hold; 0 closes a closed-centre valve", Presence::optional},

@@ -1,13 +1,18 @@
 // What the keys of a pressure rig leave open, and what no single one of them can say.
 #include "config/pressure_checks.hpp"
 
+#include <cmath>
 #include <stdexcept>
+#include <string_view>
+#include <type_traits>
 
 #include <fmt/format.h>
 
+#include <pneuservo/control/pulse_width.hpp>
 #include <pneuservo/rig/pressure_axis.hpp>
 
 #include "config/number_text.hpp"
+#include "config/rig_parameters.hpp"
 
 namespace pneuservo {
 namespace {
@@ -36,6 +41,39 @@ void check_pressure_reference(const Rig& rig, const Check& check) {
                  fmt::format("more than the reference asks for ({})", number_text(range.maximum)));
 }
 
+/// A spool's physics has no place in a valve that is open or shut.
+void check_effects_of_on_off(const Rig& rig, std::string_view section, const Check& check) {
+  ValveEffects<double>::visit(
+      [&](const Field& field, const auto& effect) {
+        if (field.key == "valve_neutral_leak" || field.key == "valve_asymmetry") return;
+        using Effect = std::remove_cvref_t<decltype(effect)>;
+        bool acts = false;
+        Effect::visit([&](const Field&, double value, double neutral) { acts |= value != neutral; }, effect,
+                      static_cast<const Effect&>(Effect{}));
+        if (acts)
+          check.refuse(fmt::format("{}.{}", section, field.key), {"on_off_valves"}, "an effect of a spool",
+                       "valve_neutral_leak or valve_asymmetry: on/off valves are open or shut, after their switching "
+                       "times");
+      },
+      rig.axis.effects.valve);
+}
+
+void check_on_off_valves(const Rig& rig, const Check& check) {
+  const auto& valve = *rig.axis.valve.on_off;
+  const double periods = valve.carrier_period_s / rig.period_s;
+  if (std::fabs(periods - std::round(periods)) > 1e-6 * periods)
+    check.refuse("on_off_valves.carrier_period_s", {"period_s"}, number_text(valve.carrier_period_s),
+                 fmt::format("a whole number of period_s ({})", number_text(rig.period_s)));
+  const double least_s = PulseWidth::shortest_carrier_s(valve, rig.period_s);
+  if (valve.carrier_period_s < least_s - 0.5 * rig.period_s)
+    check.refuse("on_off_valves.carrier_period_s", {}, number_text(valve.carrier_period_s),
+                 fmt::format("at least {}: a pulse longer than switching_time_on_s and a gap of switching_time_off_s",
+                             number_text(least_s)));
+  if (rig.axis.valve.natural_frequency_Hz > 0.0)
+    check.refuse("valve.natural_frequency_Hz", {"on_off_valves"}, number_text(rig.axis.valve.natural_frequency_Hz),
+                 "0 or nothing: on/off valves have switching times instead of a spool");
+}
+
 }  // namespace
 
 void complete_pressure_rig(Rig& rig, const ConfigNode& root) {
@@ -61,6 +99,11 @@ void check_pressure_numbers(const Rig& rig, const Check& check) {
       check.refuse("initial.pressure_1_Pa", {"supply.pressure_Pa"}, number_text(rig.initial.pressure_1_Pa),
                    fmt::format("at most supply.pressure_Pa ({})", number_text(rig.axis.supply.pressure_Pa)));
   });
+  if (rig.axis.valve.on_off) {
+    check.of({"on_off_valves", "period_s", "valve"}, [&] { check_on_off_valves(rig, check); });
+    check.of({"on_off_valves", "effects"}, [&] { check_effects_of_on_off(rig, "effects", check); });
+    check.of({"on_off_valves", "concealed"}, [&] { check_effects_of_on_off(simulated_rig(rig), "concealed", check); });
+  }
   check.of({"reference", "air", "supply", "duration_s", "limits"}, [&] { check_pressure_reference(rig, check); });
 }
 

@@ -25,11 +25,23 @@ double volume_that_grows_m3(const ElasticVolumeParameters<double>& volume, const
   return volume.volume_m3 + volume.growth_m3(p_Pa, air.atmosphere_Pa) + volume.compliance_m3_per_Pa * p_Pa;
 }
 
-/// From the wanted flow to the flow into the hose: half a period of hold, delay, lag, spool.
+/// For which a command is held: pulses begin once a carrier period.
+double hold_s(const LawSetup& setup) {
+  const auto& on_off = setup.axis.valve.on_off;
+  return on_off ? on_off->carrier_period_s : setup.period_s;
+}
+
+double dead_time_s(const LawSetup& setup) {
+  const auto& valve = setup.axis.valve;
+  return 0.5 * hold_s(setup) + setup.axis.effects.valve.command_delay.delay_s +
+         (valve.on_off ? valve.on_off->switching_time_on_s : 0.0);
+}
+
+/// From the wanted flow to the mean flow into the hose: half of the hold, delay or switching time, lag, spool.
 Complex valve_path(const LawSetup& setup, Complex s) {
   const auto& valve = setup.axis.valve;
   const auto& effects = setup.axis.effects.valve;
-  Complex path = std::exp(-s * (0.5 * setup.period_s + effects.command_delay.delay_s));
+  Complex path = std::exp(-s * dead_time_s(setup));
   path /= 1.0 + s * effects.valve_lag.time_constant_s;
   if (valve.natural_frequency_Hz > 0.0) {
     const double w = 2.0 * std::numbers::pi * valve.natural_frequency_Hz;
@@ -43,7 +55,7 @@ double valve_delay_s(const LawSetup& setup) {
   const auto& effects = setup.axis.effects.valve;
   const double spool_s =
       valve.natural_frequency_Hz > 0.0 ? valve.damping_ratio / (std::numbers::pi * valve.natural_frequency_Hz) : 0.0;
-  return 0.5 * setup.period_s + effects.command_delay.delay_s + effects.valve_lag.time_constant_s + spool_s;
+  return dead_time_s(setup) + effects.valve_lag.time_constant_s + spool_s;
 }
 
 /// The loop at one operating point without its controller, over frequencies up to the sampling's.
@@ -106,7 +118,7 @@ double sensitivity(const std::array<OpenLoop, 2>& loops, const PressureGains& ga
 // it lies above the best gain: below it its own lag leaves no margin. The gain climbs by factors that end at 1 %.
 PressureGains pressure_gains(const LawSetup& setup, PressureSource source) {
   const std::array<OpenLoop, 2> loops = open_loops(setup, source);
-  const double most_per_s = 0.5 / setup.period_s, corner_step = std::exp2(-0.25);
+  const double most_per_s = 0.5 / hold_s(setup), corner_step = std::exp2(-0.25);
   PressureGains best{PressurePiParameters::least_gain_per_s, 10.0 * std::numbers::pi / setup.period_s};
   for (double corner = best.filter_rad_per_s; corner > best.gain_per_s; corner *= corner_step)
     for (double factor = 2.0; factor > 1.01; factor = std::sqrt(factor))
@@ -140,6 +152,8 @@ void PressurePi::configure(const PressurePiParameters& parameters, const LawSetu
   empties_.begins_V = within(-overlap_V - effects.valve_offset.offset_V);
   empties_.widest_V = widest_V(empties_.begins_V, -valve.command_max_V);
   period_s_ = setup.period_s;
+  pulses_.reset();
+  if (valve.on_off) pulses_.emplace().configure(valve, period_s_);
   gains_ = pressure_gains(setup, parameters.pressure_source);
   gains_.gain_per_s = parameters.gain_per_s.value_or(gains_.gain_per_s);
   smoothing_ = -std::expm1(-period_s_ * gains_.gain_per_s / pull_time_share);
@@ -155,6 +169,7 @@ void PressurePi::start(double p_Pa) noexcept {
   pull_Pa_per_s_ = integral_Pas_ = 0.0;
   filtered_Pa_ = {};
   std::ranges::fill(late_, p_Pa);
+  if (pulses_) pulses_->reset();
 }
 
 double PressurePi::late_target(double target_Pa) noexcept {
@@ -261,7 +276,7 @@ ControlOutput PressurePi::step(const ControlInput& in) noexcept {
                 : command_V,
             limited ? (fills ? limit_upper : limit_lower) : limit_none};
   const bool finite = std::isfinite(command_V);
-  if (finite) last_V_ = command_V;
+  if (finite) last_V_ = pulses_ ? pulses_->step(command_V) : command_V;
   return {{last_V_, last_V_}, 0.0, limited, finite};
 }
 

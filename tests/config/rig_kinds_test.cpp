@@ -123,3 +123,25 @@ TEST_CASE("the manual gives no number for the initial pressure of a pressure rig
           "[config]") {
   CHECK_THAT(config_manual(), Catch::Contains("| see help | hose and volume, absolute; default: atmosphere |"));
 }
+
+TEST_CASE("two on/off valves have switching times, pulses of whole periods, and nothing of a spool", "[config]") {
+  const auto found = [](const std::vector<std::string>& sets) -> std::string {
+    try {
+      read_rig(PNEUSERVO_SOURCE_DIR "/config/pressure-on-off-3m-4mm.yaml", sets);
+    } catch (const InputError& error) { return error.what(); }
+    return "accepted";
+  };
+  CHECK(found({}) == "accepted");
+  CHECK(found({"effects={valve_neutral_leak: {area_m2: 1e-9}, valve_asymmetry: {exhaust_ratio: 0.5}}"}) == "accepted");
+  CHECK_THAT(found({"on_off_valves.carrier_period_s=0.0205"}),
+             Catch::Contains("on_off_valves.carrier_period_s: found 0.0205, expected a whole number of period_s"));
+  CHECK_THAT(found({"on_off_valves.carrier_period_s=0.005"}), Catch::Contains("found 0.005, expected at least 0.006"));
+  CHECK_THAT(found({"valve.natural_frequency_Hz=100"}), Catch::Contains("expected 0 or nothing"));
+  for (const std::string section : {"effects", "concealed"})
+    CHECK_THAT(found({section + "={valve_dead_band: {width_V: 0.2}}"}),
+               Catch::Contains(section + ".valve_dead_band: found an effect of a spool"));
+  const Rig rig = read_rig(PNEUSERVO_SOURCE_DIR "/config/pressure-on-off-3m-4mm.yaml");
+  REQUIRE(rig.axis.valve.on_off);
+  CHECK(rig.axis.valve.on_off->switching_time_on_s == 3e-3);
+  CHECK(same_rig(rig, parse_rig(dump_rig(rig), "dump")));
+}

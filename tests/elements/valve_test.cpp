@@ -1,4 +1,6 @@
 // Valve: edge areas, dead band, offset, hysteresis loop, lag, dead time, spool dynamics against closed forms.
+#include <vector>
+
 #include <catch2/catch.hpp>
 
 #include <pneuservo/elements/valves.hpp>
@@ -203,4 +205,56 @@ TEST_CASE("second-order filter: the mean over a step is the mean of the output")
     CHECK(coarse.mean() == Approx(sum / 1000).margin(1e-6));
     CHECK(at_once.mean() == input);
   }
+}
+
+namespace {
+ValveParameters<double> on_off_parameters(double on_s, double off_s) {
+  ValveParameters<double> p{24.0, 1e-6 / 24.0, 1e-6, 0.35};
+  p.on_off = {.carrier_period_s = 0.02, .switching_time_on_s = on_s, .switching_time_off_s = off_s};
+  return p;
+}
+/// For how long the edges are open under coil commands of one period each, in sub-steps of a quarter of it [s].
+PortAreas<double> open_s(const ValveParameters<double>& p, const std::vector<double>& commands_V) {
+  Valve<double> valve = make_valve({}, 0.25e-3, p);
+  PortAreas<double> sum{};
+  for (const double command_V : commands_V) {
+    valve.set_command(command_V);
+    for (int i = 0; i < 4; ++i) {
+      const PortAreas<double> areas = valve.step(0.25e-3 * i);
+      sum.supply += 0.25e-3 * areas.supply / p.area_max_m2;
+      sum.exhaust += 0.25e-3 * areas.exhaust / p.area_max_m2;
+    }
+  }
+  return sum;
+}
+}  // namespace
+
+TEST_CASE("on/off valves open and close their switching times after their coil, one for each sign of the command") {
+  const auto p = on_off_parameters(3.1e-3, 2.3e-3);
+  const PortAreas<double> filling = open_s(p, {24, 24, 24, 24, 24, 0, 0, 0, 0, 0});
+  CHECK(filling.supply == Approx(5e-3 + 2.3e-3 - 3.1e-3));
+  CHECK(filling.exhaust == 0.0);
+  const PortAreas<double> emptying = open_s(p, {-24, -24, -24, -24, 0, 0, 0});
+  CHECK(emptying.supply == 0.0);
+  CHECK(emptying.exhaust == Approx(4e-3 + 2.3e-3 - 3.1e-3));
+  CHECK(open_s(p, {24, 24, 24, 0, 0, 0, 0}).supply == 0.0);  // shorter than the time to open
+  CHECK(open_s(p, {24, 24, 24, 24, 24, 0, 0, 24, 24}).supply == Approx(9e-3 - 3.1e-3));  // a gap too short to close
+  const PortAreas<double> both = open_s(p, {24, 24, 24, 24, 24, -24, -24, -24, -24, -24, 0, 0, 0});
+  CHECK(both.supply == Approx(4.2e-3));
+  CHECK(both.exhaust == Approx(4.2e-3));
+}
+
+TEST_CASE("on/off valves leak where they are shut, and the one that empties has the area that the ratio says") {
+  ValveEffects<double> effects;
+  effects.valve_neutral_leak.area_m2 = 1e-8;
+  effects.valve_asymmetry.exhaust_ratio = 0.5;
+  Valve<double> valve = make_valve(effects, 1e-3, on_off_parameters(0.0, 0.0));
+  const auto areas = [&](double command_V) {
+    valve.set_command(command_V);
+    return valve.step(0.0);
+  };
+  CHECK(areas(11.0).supply == Approx(1e-8));  // less than half: the coil is off
+  CHECK(areas(24.0).supply == Approx(1e-6 + 1e-8));
+  CHECK(areas(-24.0).exhaust == Approx(0.5e-6 + 1e-8));
+  CHECK(areas(-24.0).supply == Approx(1e-8));
 }

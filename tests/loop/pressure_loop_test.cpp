@@ -116,6 +116,26 @@ TEST_CASE("steps of 1 bar behind 3 m of 4 mm to 0.5 l without a far sensor, on o
   }
 }
 
+TEST_CASE("two on/off valves reach the same, on other machines than the model") {
+  const std::vector<std::string> machines{
+      "{line_1.diameter_m: -0.01, volume.volume_m3: 0.04, valve.area_max_m2: -0.1, line_1.length_m: 0.01}",
+      "{line_1.diameter_m: 0.01, volume.volume_m3: -0.04, valve.area_max_m2: 0.1, supply.pressure_Pa: -0.01}"};
+  int seed = 21;
+  for (const std::string& machine : machines) {
+    const Rig rig = shipped({"deviations=" + machine, "simulation.cells_per_m=8", "seed=" + std::to_string(seed++)},
+                            "pressure-on-off-3m-4mm");
+    INFO(machine);
+    const std::vector<Row> rows = run(rig, rig.duration_s);
+    const Figures found = figures_of(rows);
+    CHECK(faults_of(rows) == 0);
+    CHECK(found.steps == 5);
+    CHECK(found.overshoot_share <= 0.03);
+    CHECK(found.settled_error_Pa <= 5e3);
+    CHECK(found.estimation_error_Pa <= 1e3);
+    for (const Row& row : rows) REQUIRE((row.u_V == 0.0 || std::fabs(row.u_V) == 24.0));
+  }
+}
+
 TEST_CASE("a volume that grows with its pressure is estimated and held, too") {
   // 0.1 l a bar: at 6 bar the volume has doubled.
   const Rig rig = shipped({"volume.compliance_m3_per_Pa=1e-9", "simulation.cells_per_m=8", "duration_s=10.9"});

@@ -7,6 +7,7 @@
 
 #include <pneuservo/control/law.hpp>
 #include <pneuservo/control/limits.hpp>
+#include <pneuservo/control/pulse_width.hpp>
 #include <pneuservo/elements/air.hpp>
 #include <pneuservo/elements/elastic_volume.hpp>
 #include <pneuservo/elements/valve.hpp>
@@ -112,6 +113,7 @@ class PressurePi {
     double begins_V = 0.0, widest_V = 0.0;
   };
   Edge fills_, empties_;
+  std::optional<PulseWidth> pulses_;  ///< of two on/off valves
   double line_volume_m3_ = 0.0, supply_Pa_ = 0.0, critical_ratio_ = 0.35, area_per_volt_ = 0.0, closed_V_ = 0.0,
          last_V_ = 0.0;
   PressureGains gains_;

@@ -3,9 +3,11 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string_view>
 
 #include <pneuservo/core/field.hpp>
+#include <pneuservo/elements/on_off_valve.hpp>
 
 namespace pneuservo {
 
@@ -16,7 +18,8 @@ template <class S> struct SupplyParameters {
   }
 };
 
-/// Proportional valve; the effective area is area_per_volt |spool|, at most area_max.
+/// Proportional valve; the effective area is area_per_volt |spool|, at most area_max. With `on_off`, a section of its
+/// own: two on/off valves of that area at command_max.
 template <class S> struct ValveParameters {
   S command_max_V{};
   S area_per_volt_m2_per_V{};
@@ -24,6 +27,7 @@ template <class S> struct ValveParameters {
   S critical_pressure_ratio{};
   S natural_frequency_Hz = S(0);
   S damping_ratio = S(0.7);
+  std::optional<OnOffParameters> on_off{};
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"command_max_V", "V", 1e-3, 1000, "command range is +- this"}, p.command_max_V...);
     v(Field{"area_per_volt_m2_per_V", "m2/V", 1e-12, 1e-2, "effective area per volt of spool signal"},

@@ -1,6 +1,7 @@
-// One spool of a proportional servo valve: command path (delay, play, stiction, lag, spool, offset, dead band), areas.
+// One valve of a port: the spool of a proportional servo valve with its command path, or two on/off valves; areas.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -19,7 +20,8 @@ template <class S> struct PortAreas {
 
 /// A spool and the port that it fills for s > 0 and empties for s < 0: a three-port valve. Area = area_per_volt
 /// |s_eff|, at most area_max (valve_curve bends the slope). Order of the command path: hold, delay, play, stiction,
-/// lag, spool dynamics, offset, dead band, area. The other port of a five-port spool sees everything with the opposite
+/// lag, spool dynamics, offset, dead band, area. Two on/off valves have their coils in its place: one on above half of
+/// command_max, one below minus half. The other port of a five-port spool sees everything with the opposite
 /// sign (elements/valves.hpp).
 template <class S> class Valve {
  public:
@@ -35,9 +37,15 @@ template <class S> class Valve {
     sticks_ = any(effects.valve_stiction.threshold_V > S(0));
     delayed_ = any(effects.command_delay.delay_s > S(0));
     moves_within_ = delayed_ || any(effects.valve_lag.time_constant_s > S(0)) || any(valve.natural_frequency_Hz > S(0));
+    is_on_off_ = valve.on_off.has_value();
+    if (is_on_off_)
+      for (auto& pair : on_off_)
+        for (OnOffValve& one : pair) one.configure(*valve.on_off);
     reset(S(0));
   }
   void reset(const S& command) noexcept {
+    for (std::size_t i = 0; i < on_off_.size(); ++i)
+      for (std::size_t edge = 0; edge < 2; ++edge) on_off_[i][edge].reset(coil_is_on(command, i, edge));
     for (auto& past : history_) past = command;
     newest_ = 0;
     play_ = stuck_ = lag_ = command;
@@ -64,6 +72,7 @@ template <class S> class Valve {
   /// One sub-step that begins `in_period_s` after the start of the period; areas at the spool's exact mean over it, or
   /// over pieces that resolve delay and lag however long the sub-step of the gas is.
   PortAreas<S> step(double in_period_s) noexcept {
+    if (is_on_off_) return pulsed();
     if (!moves_within_) {  // the spool is where the play leaves it, at once
       lag_ = held_by_spool(history_[newest_]);
       return areas(lag_);
@@ -93,6 +102,26 @@ template <class S> class Valve {
   S spool() const noexcept { return select(parameters_.natural_frequency_Hz > S(0), spool_.value(), lag_); }
 
  private:
+  bool coil_is_on(const S& command, std::size_t i, std::size_t edge) const noexcept {
+    const int at = static_cast<int>(i);
+    const double half_V = 0.5 * lane(parameters_.command_max_V, at), command_V = lane(command, at);
+    return edge == 0 ? command_V > half_V : command_V < -half_V;
+  }
+  // Mean areas over the sub-step.
+  PortAreas<S> pulsed() noexcept {
+    S fills(0), empties(0);
+    for (std::size_t i = 0; i < on_off_.size(); ++i) {
+      const auto share = [&](std::size_t edge) noexcept {
+        return on_off_[i][edge].step(coil_is_on(history_[newest_], i, edge), step_s_) / step_s_;
+      };
+      set_lane(fills, static_cast<int>(i), share(0));
+      set_lane(empties, static_cast<int>(i), share(1));
+    }
+    const PortAreas<S> shut = areas(S(0)), filling = areas(parameters_.command_max_V),
+                       emptying = areas(-parameters_.command_max_V);
+    return {shut.supply + fills * (filling.supply - shut.supply),
+            shut.exhaust + empties * (emptying.exhaust - shut.exhaust)};
+  }
   // The path over one piece under a constant command: play, lag, spool; areas at the spool's mean.
   PortAreas<S> piece(const S& command) noexcept {
     const S wanted = held_by_spool(command), gap = wanted - lag_;
@@ -133,7 +162,8 @@ template <class S> class Valve {
   double period_s_ = 1e-3, step_s_ = 0.0;
   std::vector<S> history_;
   std::size_t newest_ = 0;
-  bool delayed_ = false, moves_within_ = false, is_curved_ = false, sticks_ = false;
+  bool delayed_ = false, moves_within_ = false, is_curved_ = false, sticks_ = false, is_on_off_ = false;
+  std::array<std::array<OnOffValve, 2>, ScalarTraits<S>::lanes> on_off_;  // that fills, that empties
   int pieces_ = 1;
   double piece_s_ = 1e-3;
   S play_{}, stuck_{}, lag_{}, lag_gain_{}, lag_mean_gain_{};

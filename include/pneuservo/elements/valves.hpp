@@ -22,6 +22,7 @@ template <class S> class Valves {
     arrangement_ = arrangement;
     ValveParameters<P> both{};
     ValveParameters<P>::visit([](const Field&, auto& to, const auto& from) { to = join(from, from); }, both, valve);
+    both.on_off = valve.on_off;
     ValveEffects<P> of_both{};
     copy_groups(of_both, effects);
     if (arrangement == ValveArrangement::five_port)

@@ -259,7 +259,7 @@ class PipelineEstimator {
     chamber_relief_ = sides<ChamberRelief<Lanes>>(e.chamber_relief_1, e.chamber_relief_2);
     leaks_ = any(chamber_leak_m2_ + chamber_relief_.area_per_pressure_m2_per_Pa > Lanes(0)) ||
              e.piston_leak.area_m2 > 0.0 || e.piston_leak_zone.area_m2 > 0.0;
-    moves_otherwise_ = false;
+    moves_otherwise_ = parameters.valve.on_off.has_value();
     ValveEffects<double>::visit(
         [this](const Field&, const auto& effect) {
           using Effect = std::remove_cvref_t<decltype(effect)>;

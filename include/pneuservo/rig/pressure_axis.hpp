@@ -19,6 +19,7 @@ inline void lay_out_pressure_axis(Rig& rig) {
   constexpr double least_way_m = 1e-6;
   AxisParameters<double>& axis = rig.axis;
   axis.line_2 = axis.line_1;
+  if (axis.valve.on_off) axis.valve.area_per_volt_m2_per_V = axis.valve.area_max_m2 / axis.valve.command_max_V;
   auto& chamber = axis.cylinder;
   chamber.area_1_m2 = chamber.area_2_m2 = wall_m2;
   chamber.dead_volume_1_m3 = chamber.dead_volume_2_m3 = rig.volume.volume_m3;

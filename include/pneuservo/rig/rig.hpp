@@ -371,8 +371,10 @@ struct Rig {
     constexpr auto optional = Presence::optional;
     v(Field{"air", "", 0, 0, "gas and surroundings", optional}, p.axis.air...);
     v(Field{"supply", "", 0, 0, "pressure supply"}, p.axis.supply...);
-    v(Field{"valve", "", 0, 0, "three-port proportional valve: a command above 0 fills, below 0 empties"},
-      p.axis.valve...);
+    v(Field{"valve", "", 0, 0, "three-port valve: a command above 0 fills, below 0 empties"}, p.axis.valve...);
+    v(Field{"on_off_valves", "", 0, 0, "valve is two on/off valves: one fills, one empties, pulsed; else proportional",
+            optional},
+      p.axis.valve.on_off...);
     v(Field{"line_1", "", 0, 0, "hose from the valve's port to the volume"}, p.axis.line_1...);
     v(Field{"volume", "", 0, 0, "at the far end of the hose"}, p.volume...);
     v(Field{"effects", "", 0, 0, "known physics beside the nominal model, by name", optional}, p.axis.effects...);

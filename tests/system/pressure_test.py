@@ -4,12 +4,12 @@ import gzip, json, os, tempfile
 
 from program import expect, expect_refusal, run
 
-RIG = "config/pressure-3m-4mm.yaml"
+RIG, PULSED = "config/pressure-3m-4mm.yaml", "config/pressure-on-off-3m-4mm.yaml"
 folder = tempfile.mkdtemp()
 
 
-def figures(*arguments, status=0):
-    done = run("run", RIG, *arguments, "--json", "-")
+def figures(*arguments, rig=RIG, status=0):
+    done = run("run", rig, *arguments, "--json", "-")
     expect(done.returncode == status, f"run {' '.join(arguments)}: status {done.returncode}: {done.stderr}")
     return json.loads(done.stdout)["runs"]
 
@@ -44,6 +44,20 @@ with open(os.path.join(folder, "check.json")) as file:
 expect(found["loop margins"]["level"] == found["loop in simulation"]["level"] == "good", f"check: {found}")
 fast = run("check", RIG, "--set", "controller.gain_per_s=200")
 expect("unstable" in fast.stdout and fast.returncode == 1, f"check of a gain that is too high: {fast.stdout}")
+port = run("check", RIG, "--set", "controller.pressure_source=valve", "--set", "controller.gain_per_s=2000")
+expect("unstable" in port.stdout and port.returncode == 1, f"check of a gain that is too high at the port: {port.stdout}")
+
+# Two on/off valves.
+pulses = os.path.join(folder, "pulses.csv.gz")
+volume = figures("--record", pulses, rig=PULSED)[0]["volume"]
+expect(volume["max_overshoot_share"] <= 0.03 and volume["max_settled_error_Pa"] <= 5e3, f"steps by pulses: {volume}")
+expect(volume["max_estimation_error_Pa"] <= 1e3, f"estimate by pulses: {volume}")
+replayed = json.loads(run("replay", PULSED, pulses, "--json", "-").stdout)
+expect(replayed["identical"] and replayed["compared_rows"] == 11000, f"replay of pulses: {replayed}")
+checked = run("check", PULSED)
+expect("the shortest pulse opens for 3 ms" in checked.stdout and checked.returncode == 0, f"check of pulses: {checked.stdout}")
+done = run("run", PULSED, "--fault", "leak:1:1e-6@2+5")
+expect(done.returncode == 1 and "flow_mismatch_1: " in done.stderr, f"a leak beside pulses: {done.stderr}")
 
 moves = figures("--moves", "2")
 expect([move["move"] for move in moves] == [1, 2] and all(move["faults"] == [] for move in moves), f"two moves: {moves}")
@@ -65,10 +79,12 @@ for arguments, words in (
     (["run", RIG, "--set", "controller.pressure_source=chamber"], ["sensors.chamber_pressure"]),
     (["run", RIG, "--set", "line_1.model=second_order_lag"], ["line_1.model", "expected distributed"]),
     (["run", RIG, "--set", "limits.pressure_Pa=5e5"], ["limits.pressure_Pa", "more than the reference asks for"]),
-    (["design", RIG], ["rig: found pressure", "design works on no other rig"]),
-    (["serve", RIG], ["rig: found pressure", "serve works on no other rig"]),
     (["improve", RIG, recording], ["rig: found pressure", "improve works on no other rig"]),
-    (["stopping", RIG], ["rig: found pressure", "stopping works on no other rig"]),
+    *(([verb, RIG], ["rig: found pressure", verb + " works on no other rig"])
+      for verb in ("serve", "design", "stopping", "pass", "index", "latency", "commission", "home", "zero")),
+    (["identify", RIG, recording], ["rig: found pressure", "identify needs pressures at both ends"]),
+    (["device", RIG, "--can", "vcan0"], ["hal.can: found nothing"]),
+    (["guard", RIG], ["hal.guard: found nothing"]),
     (["diagnose", RIG, recording], ["rig: found pressure", "no residuals of it"]),
 ):
     expect_refusal(run(*arguments), words, " ".join(arguments[:2]))

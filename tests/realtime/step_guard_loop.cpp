@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <pneuservo/loop/pressure_loop.hpp>
 
@@ -17,12 +18,11 @@ using namespace pneuservo;
 
 namespace {
 
-/// The loop of a pressure rig whose valve has edges that false position inverts.
+/// The loop of a pressure rig.
 class PressurePasses {
  public:
-  PressurePasses()
-      : rig_(read_rig(PNEUSERVO_SOURCE_DIR "/config/pressure-3m-4mm.yaml",
-                      {"effects={valve_dead_band: {width_V: 0.2}, valve_curve: {near_middle: -0.5, wide_open: 0.3}}"})),
+  explicit PressurePasses(const LoopCase& one)
+      : rig_(read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/" + one.config + ".yaml", one.sets)),
         backend_(rig_) {
     loop_.configure(rig_);
     backend_.configure();
@@ -40,6 +40,14 @@ class PressurePasses {
   PressureLoop loop_;
   std::int64_t tick_ = 0;
 };
+
+/// A valve whose edges false position inverts, and two on/off valves.
+std::vector<LoopCase> pressure_cases() {
+  return {{"pressure",
+           "pressure-3m-4mm",
+           {"effects={valve_dead_band: {width_V: 0.2}, valve_curve: {near_middle: -0.5, wide_open: 0.3}}"}},
+          {"pressure by pulses", "pressure-on-off-3m-4mm", {}}};
+}
 
 /// Says what was caught; 1 if anything was.
 int judge(const std::string& name, const StepGuardReport& report, std::uint64_t faults) {
@@ -67,8 +75,11 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): a progr
     const StepGuardReport report = guard_steps(tick, 200, 7500);
     caught += judge(one.name, report, loop->loop().faults());
   }
-  const auto pressure = std::make_unique<PressurePasses>();
-  const RealTimeSession session;
-  caught += judge("pressure", guard_steps([&] { pressure->tick(); }, 200, 7500), pressure->faults());
+  for (const LoopCase& one : pressure_cases()) {
+    const auto loop = std::make_unique<PressurePasses>(one);
+    const RealTimeSession session;
+    const StepGuardReport report = guard_steps([&] { loop->tick(); }, 200, 7500);
+    caught += judge(one.name, report, loop->faults());
+  }
   return caught == 0 ? 0 : 1;
 }

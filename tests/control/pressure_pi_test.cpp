@@ -243,3 +243,54 @@ TEST_CASE("an input that is not finite keeps the last command and says so") {
   CHECK_FALSE(out.finite);
   CHECK(out.command_V[0] == last_V);
 }
+
+TEST_CASE("pulses have their margin too, and the gain falls with their carrier period") {
+  HoseAxis rig;
+  const double proportional = pressure_gains(rig.setup(), PressureSource::estimated).gain_per_s;
+  rig.axis.valve.natural_frequency_Hz = 0.0;
+  double last = proportional;
+  for (const double carrier_s : {0.02, 0.04, 0.1}) {
+    rig.axis.valve.on_off = {.carrier_period_s = carrier_s, .switching_time_on_s = 3e-3, .switching_time_off_s = 2e-3};
+    const PressureGains gains = pressure_gains(rig.setup(), PressureSource::estimated);
+    CHECK(pressure_sensitivity(rig.setup(), PressureSource::estimated, gains) <= PressurePi::most_sensitivity);
+    CHECK(gains.gain_per_s < last);
+    last = gains.gain_per_s;
+  }
+}
+
+TEST_CASE("the law of two on/off valves switches them on and off, and their mean flow is the one it wants") {
+  HoseAxis rig;
+  auto& parameters = rig.axis.valve;
+  parameters.natural_frequency_Hz = 0.0;
+  parameters.on_off = {.carrier_period_s = 0.02, .switching_time_on_s = 3e-3, .switching_time_off_s = 2e-3};
+  constexpr int ticks = 4000;
+  PressurePi law;
+  law.configure({}, rig.setup());
+  Valve<double> valve;
+  valve.configure(parameters, {}, 1e-3);
+  valve.set_time_step(1e-3);
+  for (const double rate : {4e5, 3e4, -5e4}) {
+    law.reset({});
+    valve.reset(0.0);
+    double passed_kg = 0.0, wanted_kg = 0.0;
+    ControlInput in = resting_input(4e5);
+    for (int i = 0; i < ticks; ++i) {  // the pressure follows as late as the hose is, the port stays at 4 bar
+      in.now.d[0] = 4e5 + rate * 1e-3 * i;
+      in.now.d[1] = rate;
+      in.pressure_Pa.fill(in.now.d[0] - rate * law.delay_s());
+      const double command_V = law.step(in).command_V[0];
+      CHECK((command_V == 0.0 || std::fabs(command_V) == parameters.command_max_V));
+      valve.set_command(command_V);
+      const PortAreas<double> areas = valve.step(0.0);
+      const double unit = parameters.area_per_volt_m2_per_V;
+      passed_kg +=
+          1e-3 * (flow_of_valve(rig, areas.supply / unit, 4e5) + flow_of_valve(rig, -areas.exhaust / unit, 4e5));
+      wanted_kg += 1e-3 * law.terms().flow_wanted_kgps;
+    }
+    CAPTURE(rate);
+    // No more is owed than a shortest pulse, which opens for 3 ms, and one period.
+    const double full_kgps = std::fabs(flow_of_valve(rig, std::copysign(parameters.command_max_V, rate), 4e5));
+    CHECK(std::fabs(passed_kg - wanted_kg) <= full_kgps * 4e-3);
+    CHECK(std::fabs(wanted_kg) > full_kgps * 20e-3);
+  }
+}

@@ -55,7 +55,7 @@ expect(volume["max_estimation_error_Pa"] <= 1e3, f"estimate by pulses: {volume}"
 replayed = json.loads(run("replay", PULSED, pulses, "--json", "-").stdout)
 expect(replayed["identical"] and replayed["compared_rows"] == 11000, f"replay of pulses: {replayed}")
 checked = run("check", PULSED)
-expect("the shortest pulse opens for 3 ms" in checked.stdout and checked.returncode == 0, f"check of pulses: {checked.stdout}")
+expect("the shortest pulse opens for 3.00 ms" in checked.stdout and "unstable" not in checked.stdout, f"check of pulses: {checked.stdout}")
 done = run("run", PULSED, "--fault", "leak:1:1e-6@2+5")
 expect(done.returncode == 1 and "flow_mismatch_1: " in done.stderr, f"a leak beside pulses: {done.stderr}")
 

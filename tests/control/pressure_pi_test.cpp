@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <pneuservo/control/pressure_pi.hpp>
 #include <pneuservo/control/pressure_reference.hpp>
@@ -202,9 +203,11 @@ TEST_CASE("the derived gain is the highest with a sensitivity of 2, and falls wi
   CHECK(pressure_sensitivity(rig.setup(), PressureSource::estimated, {gains.gain_per_s, 1e6}) >
         PressurePi::most_sensitivity);
   double last = infinite;
-  for (const double length_m : {1.0, 3.0, 10.0}) {
+  // The table of docs/physics/pressure_pi.md.
+  for (const auto& [length_m, told_per_s] : {std::pair{1.0, 104.0}, {3.0, 39.0}, {10.0, 11.0}}) {
     rig.axis.line_1.length_m = length_m;
     const double here = pressure_gains(rig.setup(), PressureSource::estimated).gain_per_s;
+    CHECK(here == Approx(told_per_s).epsilon(0.03));
     CHECK(here < last);
     last = here;
   }

@@ -392,7 +392,8 @@ void check_deviations(const Rig& rig, const Check& check) {
     bool physical = false;
     AxisParameters<double>::visit([&](const Field& field, const auto&) { physical = physical || field.key == section; },
                                   rig.axis);
-    physical = physical || (rig.controls_pressure() && section == "volume");
+    physical =
+        physical || (rig.controls_pressure() && section == "volume") || path.starts_with("on_off_valves.switching_");
     if (physical && get_parameter(rig, path) != 0.0) continue;
     check.errors.collect([&] {
       refuse(check.root.find("deviations")->value.find(path)->origin, join_path("deviations", path),

@@ -119,7 +119,8 @@ TEST_CASE("steps of 1 bar behind 3 m of 4 mm to 0.5 l without a far sensor, on o
 TEST_CASE("two on/off valves reach the same, on other machines than the model") {
   const std::vector<std::string> machines{
       "{line_1.diameter_m: -0.01, volume.volume_m3: 0.04, valve.area_max_m2: -0.1, line_1.length_m: 0.01}",
-      "{line_1.diameter_m: 0.01, volume.volume_m3: -0.04, valve.area_max_m2: 0.1, supply.pressure_Pa: -0.01}"};
+      "{line_1.diameter_m: 0.01, volume.volume_m3: -0.04, valve.area_max_m2: 0.1, supply.pressure_Pa: -0.01}",
+      "{on_off_valves.switching_time_on_s: 0.1, on_off_valves.switching_time_off_s: -0.1, line_1.diameter_m: -0.01}"};
   int seed = 21;
   for (const std::string& machine : machines) {
     const Rig rig = shipped({"deviations=" + machine, "simulation.cells_per_m=8", "seed=" + std::to_string(seed++)},

@@ -18,7 +18,7 @@ namespace pneuservo {
 namespace {
 
 // What the kernel keeps while the loop is late; when it is full, the newest scans are lost.
-constexpr std::size_t kept_scans = 64;
+constexpr unsigned kept_scans = 64;
 
 std::int64_t value_of(const iio_channel* channel, const void* place) noexcept {
   const iio_data_format* format = iio_channel_get_data_format(channel);
@@ -56,8 +56,10 @@ void IioScan::switch_on(const iio_device* trigger) {
   const std::string other = "end the program that has its buffer, or leave hal.iio.trigger out";
   if (const int error = iio_device_set_trigger(device_, trigger); error < 0)
     refuse("a device that refuses the trigger", error, other);
-  iio_device_buffer_attr_write(device_, "watermark", "1");  // older kernels have none: every scan wakes
-  buffer_ = iio_device_create_buffer(device_, kept_scans, false);
+  // One scan a reading, since libiio wakes by whole readings; the kernel keeps so many of them.
+  if (const int error = iio_device_set_kernel_buffers_count(device_, kept_scans); error < 0)
+    refuse("a buffer whose length cannot be set", error, other);
+  buffer_ = iio_device_create_buffer(device_, 1, false);
   if (buffer_ == nullptr) refuse("a buffer that cannot be switched on", -errno, other);
   if (const int error = iio_buffer_set_blocking_mode(buffer_, false); error < 0) {
     iio_buffer_destroy(buffer_);
@@ -67,28 +69,17 @@ void IioScan::switch_on(const iio_device* trigger) {
 
 IioScan::~IioScan() { iio_buffer_destroy(buffer_); }
 
-void IioScan::keep_newest(std::size_t scans) noexcept {
-  const std::ptrdiff_t step = iio_buffer_step(buffer_) * static_cast<std::ptrdiff_t>(scans - 1);
-  const auto place = [&](const iio_channel* channel) {
-    return static_cast<const char*>(iio_buffer_first(buffer_, channel)) + step;
-  };
+void IioScan::keep() noexcept {
   for (std::size_t i = 0; i < inputs_.size(); ++i)
-    codes_[i] = static_cast<double>(value_of(inputs_[i], place(inputs_[i])));
-  at_ns_ = stamp_ != nullptr ? value_of(stamp_, place(stamp_)) : monotonic_ns();
+    codes_[i] = static_cast<double>(value_of(inputs_[i], iio_buffer_first(buffer_, inputs_[i])));
+  at_ns_ = stamp_ != nullptr ? value_of(stamp_, iio_buffer_first(buffer_, stamp_)) : monotonic_ns();
 }
 
 std::int64_t IioScan::take() noexcept {
   const RtAllow reviewed;  // non-blocking reads of the buffer's file
-  std::int64_t all = 0;
-  for (std::size_t scans = kept_scans; scans == kept_scans;) {
-    const ssize_t bytes = iio_buffer_refill(buffer_);
-    if (bytes <= 0) break;
-    scans = static_cast<std::size_t>(bytes / iio_buffer_step(buffer_));
-    if (scans == 0) break;
-    keep_newest(scans);
-    all += static_cast<std::int64_t>(scans);
-  }
-  return all;
+  std::int64_t scans = 0;
+  for (; scans < kept_scans && iio_buffer_refill(buffer_) > 0; ++scans) keep();
+  return scans;
 }
 
 void IioScan::wait(std::int64_t end_ns) const noexcept {

@@ -34,7 +34,7 @@ class IioScan {
 
  private:
   void switch_on(const iio_device* trigger);
-  void keep_newest(std::size_t scans) noexcept;
+  void keep() noexcept;
 
   iio_device* device_;
   std::string name_;

@@ -167,10 +167,11 @@ class Industrial(unittest.TestCase):
     def test_program_killed(self):
         guarded = settings({"hal.iio.watchdog": "guard", "hal.guard": "{}"})
         guard = Program("guard", IIO, *WIRED, *guarded).wait_for("acts after")
+        self.slider.fixed["x"] = 250  # the valve does not move it: its command stands
         run = self.control(30, *guarded)
-        self.slider.fixed["x"] = 500  # a position that the valve does not reach: its command stands
-        time.sleep(2.0)
+        time.sleep(2.5)
         self.assertIsNone(run.process.poll(), run.said())
+        self.assertNotEqual(self.slider.valve.read(), NEUTRAL)
         run.kill()
         time.sleep(0.5)
         self.assertEqual(self.slider.valve.read(), NEUTRAL, guard.said())

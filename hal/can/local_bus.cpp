@@ -12,6 +12,7 @@
 
 #include "can/socket_frames.hpp"
 #include "device_lock.hpp"
+#include "input_wait.hpp"
 
 namespace pneuservo {
 namespace {

@@ -17,6 +17,7 @@
 #include "can/canopen.hpp"
 #include "can/socket_frames.hpp"
 #include "device_lock.hpp"
+#include "input_wait.hpp"
 
 namespace pneuservo {
 namespace {

@@ -8,10 +8,11 @@
 #include <stdexcept>
 
 #include <linux/can.h>
-#include <poll.h>
 #include <sys/socket.h>
 
 #include <pneuservo/core/rt.hpp>
+
+#include "input_wait.hpp"
 
 namespace pneuservo {
 namespace {
@@ -75,8 +76,6 @@ CanFrame from_kernel(const can_frame& in) noexcept {
   std::copy(std::begin(in.data), std::end(in.data), frame.data.begin());
   return frame;
 }
-
-std::int64_t monotonic_ns() noexcept { return clock_ns(CLOCK_MONOTONIC); }
 
 void ask_for_stamps(int socket, const std::string& name) {
   const int on = 1;
@@ -162,12 +161,6 @@ Sent send_message(int socket, const CanFrame& frame) noexcept {
   const ssize_t put = send(socket, &out, sizeof out, MSG_DONTWAIT | MSG_NOSIGNAL);
   if (put == static_cast<ssize_t>(sizeof out)) return Sent::sent;
   return put < 0 && (errno == ENOBUFS || errno == EAGAIN || errno == EWOULDBLOCK) ? Sent::queue_full : Sent::down;
-}
-
-void wait_for_input(int file, std::int64_t timeout_ns) {
-  pollfd waited{file, POLLIN, 0};
-  const timespec time{timeout_ns / 1'000'000'000, timeout_ns % 1'000'000'000};
-  ppoll(&waited, 1, &time, nullptr);
 }
 
 void fail_with_errno(const std::string& name, const std::string& what) {

@@ -59,9 +59,6 @@ class MessageBatch {
 void ask_for_stamps(int socket, const std::string& name);
 /// Never blocks.
 Sent send_message(int socket, const CanFrame& frame) noexcept;
-std::int64_t monotonic_ns() noexcept;
-/// Waits for input at most so long.
-void wait_for_input(int file, std::int64_t timeout_ns);
 /// "NAME: WHAT: reason of errno".
 [[noreturn]] void fail_with_errno(const std::string& name, const std::string& what);
 

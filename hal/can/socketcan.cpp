@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "can/socket_frames.hpp"
+#include "input_wait.hpp"
 
 namespace pneuservo {
 

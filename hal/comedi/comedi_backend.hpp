@@ -1,73 +1,24 @@
 // Backend `comedi`: the channels of a rig that stand on a DA/AD board of the PC.
 #pragma once
 #include <memory>
-#include <string>
-#include <vector>
 
-#include <pneuservo/hal/backend.hpp>
-#include <pneuservo/rig/rig.hpp>
-
+#include "analog/analog_backend.hpp"
 #include "comedi/comedi_board.hpp"
-#include "comedi/running_count.hpp"
 
 namespace pneuservo {
 
-/// Inputs are sampled at the start of the tick, by one call for all; outputs are set at its end, by another. A sample
-/// at the end of the converter's range or outside the channel's limits is invalid. An output that is read back and
-/// deviates for three ticks is a fault.
-class ComediBackend final : public Backend {
+/// All inputs by one call to the driver, all outputs by another.
+class ComediBackend final : public AnalogBackend {
  public:
   /// The rig must have hal.comedi.
   explicit ComediBackend(const Rig& rig);
-  ~ComediBackend() override { deactivate(); }
 
-  /// Opens the board, checks channels and ranges, reads its calibration. Throws std::runtime_error.
-  void configure() override;
-  /// Sets the safe output.
-  void activate() override;
-  bool read(std::int64_t tick, Measurement& measurement) noexcept override;
-  bool write(std::int64_t tick, const Command& command) noexcept override;
-  void deactivate() noexcept override;
-  bool emergency_write() noexcept override { return !board_ || !active_ || set_outputs(safe_commands()); }
-  Origins origins() const override;
-  SafeOutput safe_output() const override { return safe_output_; }
-  std::vector<std::string> notes() const override;
-  std::string name() const override { return "comedi"; }
+ protected:
+  std::unique_ptr<AnalogBoard> open() override;
 
  private:
-  /// An input or counter.
-  struct Input {
-    Signal signal = Signal::x;
-    std::size_t number = 0;
-    double scale = 1.0, zero = 0.0, lowest = 0.0, highest = 0.0;
-    bool is_counter = false;
-    RunningCount count{};
-  };
-  /// An output. `command` counts as in Command.
-  struct Output {
-    std::size_t command = 0, number = 0, readback = 0;
-    double scale = 1.0, zero = 0.0, lowest = 0.0, highest = 0.0, tolerance_V = 0.0;
-    bool is_read_back = false;
-    int deviates = 0;  ///< ticks in a row
-    double worst_V = 0.0;
-  };
-
-  void add_inputs();
-  void add_outputs();
-  double value_of(Input& input) noexcept;
-  /// True: every output was read back as it was set.
-  bool check_outputs() noexcept;
-  Command safe_commands() const noexcept;
-  bool set_outputs(const Command& command) noexcept;
-
-  Rig rig_;
-  std::unique_ptr<ComediBoard> board_;
-  std::vector<Input> inputs_;
-  std::vector<Output> outputs_;
-  std::vector<std::string> description_;
-  std::uint64_t saturated_ = 0, out_of_limits_ = 0, refused_ = 0;
-  SafeOutput safe_output_;
-  bool active_ = false, written_ = false, output_fails_ = false, ended_ = false;
+  void add_inputs(ComediBoard& board);
+  void add_outputs(ComediBoard& board);
 };
 
 }  // namespace pneuservo

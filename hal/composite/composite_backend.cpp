@@ -8,6 +8,7 @@
 #include "config/input_error.hpp"
 #include "gpio/gpio_backend.hpp"
 #include "guard/guard_link.hpp"
+#include "iio/iio_backend.hpp"
 #include "sim/sim_backend.hpp"
 
 namespace pneuservo {
@@ -20,25 +21,28 @@ CompositeBackend::CompositeBackend(const Rig& rig) {
     throw InputError(rig.name + ": hal: found nothing, expected the section with the rig's devices (docs/can.md); "
                                 "'--hal sim' runs on the simulated plant");
   const HalChannels& c = rig.hal->channels;
-  Gives simulated{}, on_can{}, on_board{};
+  Gives simulated{}, on_can{}, on_board{}, on_iio{};
   c.for_each_input([&](Signal signal, const auto& channel) {
     simulated[signal] = channel.simulated;
     on_can[signal] = channel.can.has_value();
     on_board[signal] = channel.is_on_board();
+    on_iio[signal] = channel.iio.has_value();
     origins_.channels[signal] = channel.is_absent() ? Origin::absent
                                 : channel.simulated ? Origin::simulated
                                                     : Origin::real;
   });
-  bool commands_sim = false, commands_can = false, commands_board = false;
+  bool commands_sim = false, commands_can = false, commands_board = false, commands_iio = false;
   c.for_each_command([&](std::string_view, std::size_t, const auto& valve) {
     commands_sim = commands_sim || valve.simulated;
     commands_can = commands_can || valve.can;
     commands_board = commands_board || valve.is_on_board();
+    commands_iio = commands_iio || valve.iio;
   });
-  origins_.command = commands_can || commands_board ? Origin::real : Origin::simulated;
+  origins_.command = commands_can || commands_board || commands_iio ? Origin::real : Origin::simulated;
   const auto any = [](const Gives& gives) { return std::ranges::find(gives.all, true) != gives.all.end(); };
   if (commands_sim || any(simulated)) sources_.push_back({std::make_unique<SimBackend>(rig), simulated});
   if (commands_board || any(on_board)) sources_.push_back({std::make_unique<ComediBackend>(rig), on_board});
+  if (commands_iio || any(on_iio)) sources_.push_back({std::make_unique<IioBackend>(rig), on_iio});
   if (commands_can || any(on_can)) sources_.push_back({std::make_unique<CanBackend>(rig), on_can});
   // Last: the newest state of the lines in a tick, and enabled after the command is out.
   if (rig.hal->gpio) sources_.push_back({std::make_unique<GpioBackend>(rig), {}});

@@ -21,14 +21,15 @@ constexpr int most_frames_a_look = 1024;
 
 GuardOutputs::GuardOutputs(const Rig& rig) : rig_(rig) {
   open_board();
+  open_iio();
   prepare_frames();
   if (rig.hal->guard->enable) {
     line_ = request_gpio_line("guard.enable", *rig.hal->guard->enable, true);
     description_.push_back("drops its enable line");
   }
   if (description_.empty())
-    throw InputError(rig.name + ": hal.guard: found no output that a guard could close, expected a valve on a board or "
-                                "on CAN (not slcan), or hal.guard.enable");
+    throw InputError(rig.name + ": hal.guard: found no output that a guard could close, expected a valve on a board, "
+                                "on Industrial I/O or on CAN (not slcan), or hal.guard.enable");
 }
 
 void GuardOutputs::open_board() {
@@ -42,6 +43,19 @@ void GuardOutputs::open_board() {
     board_->set_volts(number, (volts - out.zero) / out.scale);
     description_.push_back(fmt::format("sets output {} of {} to {:g} V", out.channel, rig_.hal->comedi->device,
                                        board_->set_volts_of(number)));
+  });
+}
+
+void GuardOutputs::open_iio() {
+  const auto safe_V = safe_commands_V(rig_);
+  rig_.hal->channels.for_each_command([&](std::string_view name, std::size_t valve, const auto& channel) {
+    if (!channel.iio) return;
+    if (!iio_) iio_ = std::make_unique<IioBoard>(true);
+    const auto& out = *channel.iio;
+    const std::size_t number = iio_->add_output(std::string(name) + ".iio", {out.device, out.channel, out.V_per_count});
+    const double volts = std::clamp(safe_V[valve], out.lowest, out.highest);
+    iio_->set_volts(number, (volts - out.zero) / out.scale);
+    description_.push_back(fmt::format("sets {} of {} to {:g} V", out.channel, out.device, iio_->set_volts_of(number)));
   });
 }
 
@@ -92,7 +106,10 @@ void GuardOutputs::drain() noexcept {
   for (int i = 0; i < most_frames_a_look && bus_->receive(received); ++i) {}
 }
 
-bool GuardOutputs::make_board_safe() noexcept { return !board_ || board_->write(); }
+bool GuardOutputs::make_board_safe() noexcept {
+  const bool board_is_safe = !board_ || board_->write();
+  return (!iio_ || iio_->write()) && board_is_safe;
+}
 
 bool GuardOutputs::make_safe() noexcept {
   bool all = make_board_safe();

@@ -11,6 +11,7 @@
 #include "can/frame.hpp"
 #include "comedi/comedi_board.hpp"
 #include "gpio/gpio_lines.hpp"
+#include "iio/iio_board.hpp"
 
 namespace pneuservo {
 
@@ -24,7 +25,7 @@ class GuardOutputs {
   bool open_bus();
   /// Takes frames that wait, so that a local bus has room. Hot.
   void drain() noexcept;
-  /// The safe output on the board alone. False: it refused. Hot.
+  /// The safe output on boards and devices of Industrial I/O alone. False: it refused. Hot.
   bool make_board_safe() noexcept;
   /// The safe output on every way there is: board, then PDO and SYNC, then NMT stop, which makes a node of CiA 401 give
   /// its substitute. False: a way failed. Hot.
@@ -36,10 +37,12 @@ class GuardOutputs {
 
  private:
   void open_board();
+  void open_iio();
   void prepare_frames();
 
   Rig rig_;
   std::unique_ptr<ComediBoard> board_;
+  std::unique_ptr<IioBoard> iio_;
   std::unique_ptr<CanCarrier> bus_;
   std::unique_ptr<GpioLine> line_;
   std::vector<CanFrame> frames_;  // in the order in which they are sent

@@ -5,6 +5,8 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -43,6 +45,21 @@ struct Wiring {
   template <class Keys> void add(const std::string& path, const ComediCounterParameters<Keys>& counter) {
     take_board(path, fmt::format("counter {} of subdevice {}", counter.channel, counter.subdevice));
     scale_and_limits<Keys>(path, counter, std::string(Keys::scale), "the value of one count, not 0");
+  }
+  template <class Keys>
+  void add(const std::string& path, const IioChannelParameters<Keys>& iio, bool is_output) {
+    if (!hal.iio) refuse(path, "a channel of Industrial I/O without hal.iio", "the section hal.iio (it may be {})");
+    take_iio(path, iio.device, iio.channel, is_output);
+    scale_and_limits<Keys>(path, iio, std::string(Keys::scale_V), "the value of one volt, not 0");
+    if (!iio.readback) return;
+    const std::string& device = iio.readback->device.empty() ? iio.device : iio.readback->device;
+    take_iio(path + ".readback", device, iio.readback->channel, false);
+  }
+  void take_iio(const std::string& path, const std::string& device, const std::string& channel, bool is_output) {
+    if (device.empty()) refuse(path + ".device", "nothing", "the device's name (iio_info lists them)");
+    if (channel.empty()) refuse(path + ".channel", "nothing", "the name of a channel, e.g. voltage0");
+    const std::string what = fmt::format("{} {} of {}", is_output ? "output" : "input", channel, device);
+    if (!taken.insert("iio " + what).second) refuse(path, what + " a second time", "a channel of its own");
   }
   template <class Keys>
   void add(const std::string& path, const CanChannelParameters<Keys>& can, bool is_output) {
@@ -86,6 +103,7 @@ struct Wiring {
     if (c.can) add(path + ".can", *c.can, is_output);
     if (c.comedi) add(path + ".comedi", *c.comedi, is_output);
     if (c.comedi_counter) add(path + ".comedi_counter", *c.comedi_counter);
+    if (c.iio) add(path + ".iio", *c.iio, is_output);
   }
 };
 
@@ -118,6 +136,7 @@ void check_valves(const Rig& rig, const RefusePath& refuse) {
     const double safe_V = safe_commands_V(rig)[valve];
     check(fmt::format("hal.channels.{}.can", name), channel.can, safe_V);
     check(fmt::format("hal.channels.{}.comedi", name), channel.comedi, safe_V);
+    check(fmt::format("hal.channels.{}.iio", name), channel.iio, safe_V);
   });
 }
 
@@ -157,27 +176,42 @@ void check_bench(const Rig& rig, const RefusePath& refuse) {
   });
 }
 
-void check_board_watchdog(const HalParameters& hal, const RefusePath& refuse) {
-  const ComediParameters& board = *hal.comedi;
-  const std::string key = "hal.comedi.watchdog";
-  if (!board.watchdog)
-    refuse(key, "nothing with an output on the board",
+/// `section`: comedi or iio, whose devices keep their outputs.
+void check_watchdog(const HalParameters& hal, const std::string& section, std::optional<BoardWatchdog> watchdog,
+                    std::span<const std::string_view> names, const RefusePath& refuse) {
+  const std::string key = "hal." + section + ".watchdog";
+  if (!watchdog)
+    refuse(key, "nothing with an output on such a device",
            fmt::format("what closes the valve when this program is gone, since a board keeps its outputs: one of {}",
-                       fmt::join(board_watchdog_names, ", ")));
-  if (board.watchdog == BoardWatchdog::enable_line && !(hal.gpio && hal.gpio->enable))
+                       fmt::join(names, ", ")));
+  if (watchdog == BoardWatchdog::enable_line && !(hal.gpio && hal.gpio->enable))
     refuse(key, "enable_line without hal.gpio.enable", "that line, or another watchdog");
-  if (board.watchdog == BoardWatchdog::guard && !hal.guard)
+  if (watchdog == BoardWatchdog::guard && !hal.guard)
     refuse(key, "guard without hal.guard", "the section hal.guard (it may be {}), or another watchdog");
+}
+
+/// One clock alone can pace the loop, and a wait for it is longer than a period.
+void check_trigger(const HalParameters& hal, double period_s, const RefusePath& refuse) {
+  if (hal.iio->sample_timeout_s != 0.0 && hal.iio->sample_timeout_s <= period_s)
+    refuse("hal.iio.sample_timeout_s", number_text(hal.iio->sample_timeout_s),
+           fmt::format("more than period_s ({}), or 0", number_text(period_s)));
+  if (hal.iio->trigger.empty()) return;
+  if (hal.can && hal.can->sync == CanSync::foreign)
+    refuse("hal.iio.trigger", "a trigger beside hal.can.sync: foreign", "one clock: leave one of both out");
+  bool has_input = false;
+  hal.channels.for_each_input([&](Signal, const auto& channel) { has_input = has_input || channel.iio; });
+  if (!has_input) refuse("hal.iio.trigger", "a trigger without an input", "an input of such a device, or no trigger");
 }
 
 }  // namespace
 
 void check_outputs_without_us(const Rig& rig, const RefusePath& refuse) {
   if (!rig.hal) return;
-  bool is_real = false, on_board = false;
+  bool is_real = false, on_board = false, on_iio = false;
   rig.hal->channels.for_each_command([&](std::string_view name, std::size_t, const auto& valve) {
     on_board = on_board || valve.comedi;
-    is_real = is_real || valve.comedi || valve.can;
+    on_iio = on_iio || valve.iio;
+    is_real = is_real || valve.comedi || valve.iio || valve.can;
     if (valve.can && !substitute_of(valve.can->object, valve.can->substitute))
       refuse(fmt::format("hal.channels.{}.can.substitute", name),
              fmt::format("nothing for object 0x{:08x}", valve.can->object.word),
@@ -185,7 +219,9 @@ void check_outputs_without_us(const Rig& rig, const RefusePath& refuse) {
              "last command when this program dies");
   });
   if (is_real) check_bench(rig, refuse);
-  if (on_board) check_board_watchdog(*rig.hal, refuse);
+  const HalParameters& hal = *rig.hal;
+  if (on_board) check_watchdog(hal, "comedi", hal.comedi->watchdog, board_watchdog_names, refuse);
+  if (on_iio) check_watchdog(hal, "iio", hal.iio->watchdog, outer_watchdog_names, refuse);
 }
 
 void check_hal(const Rig& rig, InputErrors& errors, const RefusePath& refuse) {
@@ -217,6 +253,7 @@ void check_hal(const Rig& rig, InputErrors& errors, const RefusePath& refuse) {
   });
   if (is_table) command_of("u1", hal.channels.u1), command_of("u2", hal.channels.u2);
   else command_of("u", hal.channels.u);
+  if (hal.iio) errors.collect([&] { check_trigger(hal, rig.period_s, refuse); });
   if (hal.can) errors.collect([&] { check_bus(*hal.can, rig.period_s, refuse); });
   errors.collect([&] { check_valves(rig, refuse); });
   if (hal.gpio) errors.collect([&] { check_lines(*hal.gpio, refuse); });

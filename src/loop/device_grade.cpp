@@ -8,12 +8,11 @@ namespace {
 
 using Level = FindingLevel;
 
-Finding board_finding(const Rig& rig) {
-  const ComediParameters& board = *rig.hal->comedi;
-  const std::string topic = "board without program";
-  switch (board.watchdog.value_or(BoardWatchdog::none)) {
+/// `section`: comedi or iio, whose devices keep their outputs.
+Finding board_finding(const Rig& rig, const std::string& topic, const std::string& section, BoardWatchdog watchdog) {
+  switch (watchdog) {
     case BoardWatchdog::board:
-      return {Level::good, topic, fmt::format("its own watchdog acts after {:g} s", board.watchdog_s), ""};
+      return {Level::good, topic, fmt::format("its own watchdog acts after {:g} s", rig.hal->comedi->watchdog_s), ""};
     case BoardWatchdog::guard:
       return {Level::good, topic, fmt::format("pneuservo guard acts after {:g} s", rig.hal->guard->timeout_s), ""};
     case BoardWatchdog::enable_line:
@@ -27,7 +26,8 @@ Finding board_finding(const Rig& rig) {
     case BoardWatchdog::none: break;
   }
   return {Level::bad, topic, "keeps its outputs: NOTHING closes the valve when this program dies or stops",
-          "wire a relay with a watchdog or an enable line, or run pneuservo guard; then state hal.comedi.watchdog"};
+          "wire a relay with a watchdog or an enable line, or run pneuservo guard; then state hal." + section +
+              ".watchdog"};
 }
 
 }  // namespace
@@ -35,17 +35,22 @@ Finding board_finding(const Rig& rig) {
 std::vector<Finding> grade_devices(const Rig& rig) {
   std::vector<Finding> findings;
   if (!rig.hal) return findings;
-  bool on_board = false, on_bus = false;
+  bool on_board = false, on_iio = false, on_bus = false;
   rig.hal->channels.for_each_command([&](std::string_view, std::size_t, const auto& valve) {
     on_board = on_board || valve.comedi;
+    on_iio = on_iio || valve.iio;
     on_bus = on_bus || valve.can;
   });
-  if (on_board) findings.push_back(board_finding(rig));
+  const auto none = BoardWatchdog::none;
+  if (on_board)
+    findings.push_back(board_finding(rig, "board without program", "comedi", rig.hal->comedi->watchdog.value_or(none)));
+  if (on_iio)
+    findings.push_back(board_finding(rig, "I/O device without program", "iio", rig.hal->iio->watchdog.value_or(none)));
   if (on_bus)
     findings.push_back({Level::good, "bus without program",
                         fmt::format("its devices give their substitute output after {:g} s", rig.hal->can->watchdog_s),
                         ""});
-  if (rig.hal->bench && (on_board || on_bus))
+  if (rig.hal->bench && (on_board || on_iio || on_bus))
     findings.push_back({Level::acceptable, "hal.bench", "a real valve may follow simulated sensors",
                         "leave it out on a machine that moves"});
   if (!rig.concealed.empty())

@@ -173,7 +173,7 @@ class SafetyGrades {
       else return false;
     };
     const auto reads_back = [&](const ChannelParameters<VoltageKeys>& u) {
-      return of_source(u.comedi) || of_source(u.can);
+      return of_source(u.comedi) || of_source(u.iio) || of_source(u.can);
     };
     return rig_.valves() == 2 ? reads_back(channels.u1) && reads_back(channels.u2) : reads_back(channels.u);
   }

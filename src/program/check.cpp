@@ -9,6 +9,7 @@
 #include "can/bus_interface.hpp"
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
+#include "iio/iio_backend.hpp"
 #include "loop/bus_check.hpp"
 #include "loop/device_grade.hpp"
 #include "loop/machine_check.hpp"
@@ -42,13 +43,24 @@ std::vector<Finding> grade_pass(const std::string& path, Rig& rig) {
   return {};
 }
 
+/// What the kernel's Industrial I/O has on this machine, and what of the config it has not.
+std::vector<Finding> grade_iio(const Rig& rig) {
+  std::vector<Finding> findings;
+  if (!rig.hal || !rig.hal->iio) return findings;
+  for (const std::string& line : iio_devices()) findings.push_back({FindingLevel::good, "I/O device", line, ""});
+  for (const std::string& why : iio_refusals(rig))
+    findings.push_back({FindingLevel::bad, "I/O channel", why, "check on the machine that has the device"});
+  return findings;
+}
+
 /// The config itself, and the kernel's interface where its devices are on one.
 std::vector<Finding> check_config(const std::string& path, const std::vector<std::string>& sets) {
   Rig rig = read_rig(path, sets);
   if (rig.is_pneumatic()) require_reference_in_stroke(path, rig);
   const std::vector<Finding> pass = grade_pass(path, rig);
   std::vector<Finding> findings = grade_rig(rig);
-  for (const auto& more : {pass, grade_devices(rig), grade_safety(rig, load_reference_positions), grade_loop(rig)})
+  for (const auto& more :
+       {pass, grade_devices(rig), grade_safety(rig, load_reference_positions), grade_loop(rig), grade_iio(rig)})
     findings.insert(findings.end(), more.begin(), more.end());
   if (!rig.hal || !rig.hal->can || rig.hal->can->interface.find(':') != std::string::npos) return findings;
   const CanBusParameters& bus = *rig.hal->can;

@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "comedi/running_count.hpp"
+#include "analog/running_count.hpp"
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "gpio/chip_name.hpp"

@@ -6,11 +6,7 @@ from guest_tools import *
 
 COMEDI = "/tmp/config/comedi/cylinder-10m-7.65mm.yaml"
 PERIOD_S = 0.01
-SLOW = settings({"period_s": PERIOD_S, "estimator.cells_per_m": 0.5, "controller.velocity_filter_s": 0.05,
-                 "controller.position_gain_N_per_m": 1500, "controller.force_gain_V_per_N": 0.0008,
-                 "controller.pressure_source": "valve", "reference.amplitude_m": 0.02, "reference.frequency_Hz": 0.2,
-                 "hal.bench": "true", "limits.flow_mismatch_share": 0, "limits.deviation_m": 0, "limits.speed_deviation_mps": 0,
-                         "limits.stall_force_N": 0, "limits.speed_mps": 1})  # this slider's pressures know nothing of its valve
+SLOW = slow_axis(PERIOD_S)
 
 
 class Slider(threading.Thread):

@@ -23,6 +23,15 @@ def settings(values):
 STATED = settings({"limits.deviation_m": 0.02, "limits.speed_deviation_mps": 0.4, "limits.stall_force_N": 150, "limits.speed_mps": 1})
 
 
+def slow_axis(period_s):
+    """An axis whose pressures know nothing of its valve: its slider is moved by a scenario at the terminals of a device."""
+    return settings({"period_s": period_s, "estimator.cells_per_m": 0.5, "controller.velocity_filter_s": 0.05,
+                     "controller.position_gain_N_per_m": 1500, "controller.force_gain_V_per_N": 0.0008,
+                     "controller.pressure_source": "valve", "reference.amplitude_m": 0.02, "reference.frequency_Hz": 0.2,
+                     "hal.bench": "true", "limits.flow_mismatch_share": 0, "limits.deviation_m": 0, "limits.speed_deviation_mps": 0,
+                     "limits.stall_force_N": 0, "limits.speed_mps": 1})
+
+
 class Program:
     """The program as a process whose standard error goes to a file, so that it never blocks."""
 
@@ -80,6 +89,15 @@ def finished(run, status=0):
     if run.status != status:
         raise AssertionError(f"{run.arguments}: status {run.status}, expected {status}: {said}")
     return json.loads(out)["runs"][0], said
+
+
+def replayed(config, record, *more):
+    """What a replay of a recording found."""
+    replay = Program("replay", config, record, *more, "--json", "-")
+    out = replay.end()
+    if replay.status not in (0, 1):
+        raise AssertionError(f"replay: status {replay.status}: {replay.said()}")
+    return json.loads(out)
 
 
 def rows_of(path):

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -242,9 +243,11 @@ template <class Keys> struct ComediCounterParameters {
 };
 
 /// What closes the valve of a board when this program is gone: a board keeps its outputs.
-enum class BoardWatchdog { board, enable_line, guard, external, none };
-inline constexpr std::array<std::string_view, 5> board_watchdog_names{"board", "enable_line", "guard", "external",
-                                                                      "none"};
+enum class BoardWatchdog { enable_line, guard, external, none, board };
+inline constexpr std::array<std::string_view, 5> board_watchdog_names{"enable_line", "guard", "external", "none",
+                                                                      "board"};
+/// Of a board whose driver knows none of its own.
+inline constexpr std::span<const std::string_view> outer_watchdog_names = std::span(board_watchdog_names).first(4);
 
 /// A DA/AD board of the PC.
 struct ComediParameters {
@@ -266,6 +269,66 @@ struct ComediParameters {
     v(Field{"watchdog_subdevice", "-", 0, 255, "of the board's own watchdog", optional}, p.watchdog_subdevice...);
     v(Field{"watchdog_s", "s", 0.02, 5.12, "the board's own acts after so long, in steps of 20 ms", optional},
       p.watchdog_s...);
+  }
+};
+
+/// Reading an output back: an input channel that is wired to it.
+struct IioReadback {
+  std::string device, channel;
+  double V_per_count = 0.0, tolerance_V = 0.05;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    v(Field{"device", "", 0, 0, "name of its device; default: the output's own", optional}, p.device...);
+    v(Field{"channel", "", 0, 0, "input that the output is wired to, e.g. voltage3"}, p.channel...);
+    v(Field{"V_per_count", "V", -1e6, 1e6, "for a driver that states no scale; 0: as the driver states", optional},
+      p.V_per_count...);
+    v(Field{"tolerance_V", "V", 1e-6, 100, "at the device's terminal; a longer deviation is a fault", optional},
+      p.tolerance_V...);
+  }
+};
+
+/// A channel of a device of the kernel's Industrial I/O: value = zero + scale * volts at its terminal, which are
+/// (count + offset) * scale as its driver states both.
+template <class Keys> struct IioChannelParameters {
+  std::string device, channel;
+  double V_per_count = 0.0, scale = 1.0, zero = 0.0, lowest = 0.0, highest = 0.0;
+  std::optional<IioReadback> readback;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    v(Field{"device", "", 0, 0, "name, label or number of the device: ad7606-8, iio:device0"}, p.device...);
+    v(Field{"channel", "", 0, 0, "its channel: voltage0, voltage1-voltage2; an output for a command"}, p.channel...);
+    v(Field{"V_per_count", "V", -1e6, 1e6, "for a driver that states no scale; 0: as the driver states", optional},
+      p.V_per_count...);
+    v(Field{Keys::scale_V, Keys::unit, -1e12, 1e12, "of one volt; negative turns the direction round"}, p.scale...);
+    v(Field{Keys::zero, Keys::unit, -1e12, 1e12, "value at 0 V (gauge sensors: the atmosphere)", optional}, p.zero...);
+    v(Field{Keys::lowest, Keys::unit, -1e12, 1e12, "below it is no measurement; an output is held at it"}, p.lowest...);
+    v(Field{Keys::highest, Keys::unit, -1e12, 1e12, "above it is no measurement; an output is held at it"},
+      p.highest...);
+    if constexpr (std::is_same_v<Keys, VoltageKeys>)
+      v(Field{"readback", "", 0, 0, "checks the output by an input that is wired to it", optional}, p.readback...);
+  }
+};
+
+/// Devices of the kernel's Industrial I/O.
+struct IioParameters {
+  std::optional<BoardWatchdog> watchdog;
+  std::string trigger;
+  double sample_timeout_s = 0.0;
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    constexpr auto optional = Presence::optional;
+    v(Field{"watchdog", "", 0, 0,
+            "what closes the valve when this program is gone: hal.gpio.enable, pneuservo guard, something outside, or "
+            "nothing; must be stated where an output is on such a device",
+            optional, outer_watchdog_names},
+      p.watchdog...);
+    v(Field{"trigger", "", 0, 0,
+            "name of the trigger that samples all inputs, whose scans each tick waits for; default: each tick reads "
+            "the "
+            "inputs itself",
+            optional},
+      p.trigger...);
+    v(Field{"sample_timeout_s", "s", 0, 10, "a scan that is missing for so long is a fault; 0: 2.5 periods", optional},
+      p.sample_timeout_s...);
   }
 };
 
@@ -328,6 +391,7 @@ template <class Keys> struct ChannelParameters {
   std::optional<CanChannelParameters<Keys>> can;
   std::optional<ComediChannelParameters<Keys>> comedi;
   std::optional<ComediCounterParameters<Keys>> comedi_counter;
+  std::optional<IioChannelParameters<Keys>> iio;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"simulated", "", 0, 0, "the simulated plant stands behind it", optional}, p.simulated...);
@@ -336,8 +400,11 @@ template <class Keys> struct ChannelParameters {
     if constexpr (std::is_same_v<Keys, PositionKeys>)
       v(Field{"comedi_counter", "", 0, 0, "a counter of a DA/AD board, for incremental encoders", optional},
         p.comedi_counter...);
+    v(Field{"iio", "", 0, 0, "a channel of a device of the kernel's Industrial I/O", optional}, p.iio...);
   }
-  int sources() const noexcept { return simulated + can.has_value() + comedi.has_value() + comedi_counter.has_value(); }
+  int sources() const noexcept {
+    return simulated + can.has_value() + comedi.has_value() + comedi_counter.has_value() + iio.has_value();
+  }
   bool is_absent() const noexcept { return sources() == 0; }
   bool is_on_board() const noexcept { return comedi || comedi_counter; }
 };
@@ -379,15 +446,17 @@ struct HalChannels {
 struct HalParameters {
   std::optional<CanBusParameters> can;
   std::optional<ComediParameters> comedi;
+  std::optional<IioParameters> iio;
   std::optional<GpioParameters> gpio;
   std::optional<GuardParameters> guard;
   bool bench = false;
   HalChannels channels;
   /// Anything beside the simulated plant, which alone can be run in simulated time.
-  bool has_devices() const noexcept { return can || comedi || gpio; }
+  bool has_devices() const noexcept { return can || comedi || iio || gpio; }
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"can", "", 0, 0, "CANopen bus", Presence::optional}, p.can...);
     v(Field{"comedi", "", 0, 0, "DA/AD board", Presence::optional}, p.comedi...);
+    v(Field{"iio", "", 0, 0, "devices of the kernel's Industrial I/O", Presence::optional}, p.iio...);
     v(Field{"gpio", "", 0, 0, "digital lines", Presence::optional}, p.gpio...);
     v(Field{"guard", "", 0, 0, "a second process that closes the valve when the loop dies", Presence::optional},
       p.guard...);

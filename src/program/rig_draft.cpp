@@ -16,6 +16,7 @@
 #include "config/units.hpp"
 #include "design/margin_gains.hpp"
 #include "improve/simulated_run.hpp"
+#include "program/loop_check.hpp"
 
 namespace pneuservo {
 

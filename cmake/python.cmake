@@ -11,7 +11,7 @@ if(PNEUSERVO_PYTHON_MODULE)
   cmake_path(GET PNEUSERVO_PYTHON_MODULE PARENT_PATH folder)
   add_custom_target(pneuservo_python)  # what pyproject.toml asks for is there
   add_custom_target(pneuservo_python_stub)
-  install(FILES ${PNEUSERVO_PYTHON_MODULE} ${folder}/_core.pyi ${folder}/pneuservo_fmu.so DESTINATION pneuservo COMPONENT python)
+  install(FILES ${PNEUSERVO_PYTHON_MODULE} ${folder}/_core.pyi ${folder}/pneuservo_fmu.so.xz DESTINATION pneuservo COMPONENT python)
   set(PNEUSERVO_PYTHON_BUILT ON)
   return()
 endif()

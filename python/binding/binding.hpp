@@ -87,6 +87,7 @@ void bind_config(nb::module_& m);
 void bind_axis(nb::module_& m);
 void bind_law(nb::module_& m);
 void bind_recording(nb::module_& m);
+void bind_work(nb::module_& m);
 void bind_diagnosis(nb::module_& m);
 void bind_design(nb::module_& m);
 

@@ -29,6 +29,7 @@ NB_MODULE(_core, m) {
   pneuservo::python::bind_axis(m);
   pneuservo::python::bind_law(m);
   pneuservo::python::bind_recording(m);
+  pneuservo::python::bind_work(m);
   pneuservo::python::bind_diagnosis(m);
   pneuservo::python::bind_design(m);
 }

@@ -16,10 +16,6 @@ from . import InputError, Recording, __version__, read_recordings
 from .units import unit_of
 
 Path = Union[str, os.PathLike]
-TOPIC = "/recording"
-# A message is a row; Foxglove and PlotJuggler read this encoding as they do a ROS 2 bag. CDR begins with four bytes
-# that say little endian, and aligns what follows from there on.
-_CDR_HEADER = b"\x00\x01\x00\x00"
 
 
 def _about(recording: Recording) -> Dict[str, Any]:
@@ -69,51 +65,17 @@ def _from_mat(path: Path) -> Recording:
 
 
 def _to_mcap(recording: Recording, path: Path) -> None:
-    from mcap.writer import CompressionType, Writer
+    from . import mcap_file
 
-    names = list(recording.keys())
-    schema = "".join(f"float64 {name}  # {unit_of(name) or '-'}\n" for name in names)
-    rows = numpy.column_stack([recording[name] for name in names])
-    stamps = numpy.round(recording["t_s"] * 1e9).astype(numpy.int64)
-    stamps -= min(int(stamps[0]), 0)  # of MCAP they count from 0; the times themselves are a column
-    with open(path, "wb") as file:
-        writer = Writer(file, chunk_size=4 << 20, compression=CompressionType.ZSTD)
-        writer.start(profile="ros2", library=f"pneuservo {__version__}")
-        schema_id = writer.register_schema(name="pneuservo/msg/Row", encoding="ros2msg", data=schema.encode())
-        channel = writer.register_channel(topic=TOPIC, message_encoding="cdr", schema_id=schema_id)
-        writer.add_metadata("pneuservo", {"about": json.dumps(_about(recording))})
-        for stamp, row in zip(stamps.tolist(), rows):
-            writer.add_message(channel, log_time=stamp, publish_time=stamp, data=_CDR_HEADER + row.tobytes())
-        writer.finish()
-
-
-def _names_of(schema: bytes, path: Path) -> List[str]:
-    names = []
-    for line in schema.decode().splitlines():
-        words = line.split("#")[0].split()
-        if len(words) == 2 and words[0] == "float64":
-            names.append(words[1])
-        elif words:
-            raise InputError(f"{path}: found '{line.strip()}' in the schema of {TOPIC}, expected float64 fields alone")
-    return names
+    columns = {name: recording[name] for name in recording.keys()}
+    mcap_file.write(columns, json.dumps(_about(recording)), f"pneuservo {__version__}", path)
 
 
 def _from_mcap(path: Path) -> Recording:
-    from mcap.reader import make_reader
+    from . import mcap_file
 
-    with open(path, "rb") as file:
-        reader = make_reader(file)
-        about = next((json.loads(m.metadata.get("about", "{}")) for m in reader.iter_metadata() if m.name == "pneuservo"), {})
-        parts: List[bytes] = []
-        names: List[str] = []
-        for schema, _, message in reader.iter_messages(topics=[TOPIC], log_time_order=False):
-            if not names:
-                names = _names_of(schema.data, path)
-            parts.append(message.data[len(_CDR_HEADER):])
-    if not parts:
-        raise InputError(f"{path}: found no messages of {TOPIC}, expected a recording that was exported as MCAP")
-    rows = numpy.frombuffer(b"".join(parts), dtype="<f8").reshape(len(parts), len(names))
-    return _made({name: numpy.ascontiguousarray(rows[:, i]) for i, name in enumerate(names)}, about, path)
+    columns, about = mcap_file.read(path)
+    return _made(columns, json.loads(about), path)
 
 
 _FORMATS = {".parquet": (_to_parquet, _from_parquet), ".mat": (_to_mat, _from_mat), ".mcap": (_to_mcap, _from_mcap)}

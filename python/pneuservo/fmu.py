@@ -8,6 +8,7 @@ also aarch64), with the libraries of Debian 12 (fmt, yaml-cpp).
 """
 import argparse
 import json
+import lzma
 import math
 import os
 import pathlib
@@ -21,8 +22,8 @@ from xml.etree import ElementTree
 from . import Config, InputError, __version__
 from ._core import _fmu_variables
 
-_LIBRARY = pathlib.Path(__file__).with_name("pneuservo_fmu.so")
-_IDENTIFIER = _LIBRARY.stem
+_IDENTIFIER = "pneuservo_fmu"
+_LIBRARY = pathlib.Path(__file__).with_name(f"{_IDENTIFIER}.so.xz")
 _FOLDERS = {"2": {"x86_64": "linux64"}, "3": {"x86_64": "x86_64-linux", "aarch64": "aarch64-linux"}}
 _UNITS = {"-": "1"}
 Variables = List[Dict[str, Any]]
@@ -134,7 +135,9 @@ def write(config: Config, path: Union[str, os.PathLike], model: str = "plant", f
                          zipfile.ZIP_STORED)
         archive.writestr("modelDescription.xml", ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
         archive.writestr("resources/config.yaml", text)
-        archive.write(_LIBRARY, f"binaries/{folder}/{_LIBRARY.name}")
+        library = zipfile.ZipInfo(f"binaries/{folder}/{_IDENTIFIER}.so")
+        library.external_attr = 0o755 << 16
+        archive.writestr(library, lzma.decompress(_LIBRARY.read_bytes()), zipfile.ZIP_DEFLATED)
 
 
 def main() -> int:

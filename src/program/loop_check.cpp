@@ -14,19 +14,17 @@
 
 #include <pneuservo/loop/axis_loop.hpp>
 
-#include "backends.hpp"
 #include "config/input_error.hpp"
 #include "design/axis_design.hpp"
 #include "design/sampled_laws.hpp"
+#include "improve/simulated_run.hpp"
 #include "loop/motion_limits.hpp"
-#include "loop/runner.hpp"
 #include "loop/safety_grade.hpp"
 #include "loop/told_payload.hpp"
 #include "pass/command_pass.hpp"
 #include "program/pressure_check.hpp"
 #include "program/rig_options.hpp"
 #include "record/import.hpp"
-#include "report/evaluation.hpp"
 #include "report/motion_verdict.hpp"
 
 namespace pneuservo {
@@ -135,14 +133,6 @@ void grade_margins(const Rig& rig, std::vector<Finding>& findings) {
            margins.gain_down > 1.0 / least_gain_margin)
     findings.push_back({Level::acceptable, "loop margins", what, gain_remedy});
   else findings.push_back({Level::good, "loop margins", what, ""});
-}
-
-/// The motion is judged afterwards, so what would end it beforehand is off.
-Rig unsupervised(Rig rig) {
-  rig.limits.deviation_m = rig.limits.speed_deviation_mps = rig.limits.stall_force_N = 0.0;
-  rig.limits.speed_mps = 100.0;
-  rig.limits.end_stop_contact = EndStopContact::allowed;
-  return rig;
 }
 
 Rig resting(Rig rig, double position_m) {
@@ -279,30 +269,6 @@ void tell_supervised_motion(const Rig& rig, std::vector<Finding>& findings) {
 }
 
 }  // namespace
-
-RunResult simulated_run(const Rig& config, double payload_kg) {
-  Rig machine = config;
-  machine.axis.slider.payload_kg = payload_kg;
-  return simulated_run(config, machine);
-}
-
-RunResult simulated_run(const Rig& config, const Rig& machine) {
-  const Rig rig = unsupervised(config);
-  const auto backend = make_backend("sim", machine);
-  backend->configure();
-  RunSettings settings;
-  settings.load = load_reference_positions;
-  RunOutcome outcome = run_loop(rig, *backend, settings);
-  RunResult run;
-  run.feedforward = rig.controller.feedforward_name();
-  if (outcome.moves.empty()) return run;
-  run.start_s = outcome.moves[0].start_s;
-  run.rows = std::move(outcome.rows);
-  run.faults = std::move(outcome.faults);
-  run.metrics = evaluate(rig, run.rows, run.start_s);
-  run.verdict = judge_motion(rig, run);
-  return run;
-}
 
 std::vector<Finding> grade_simulated_loop(const Rig& rig) {
   std::vector<Finding> findings;

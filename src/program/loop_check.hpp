@@ -6,7 +6,6 @@
 #include <pneuservo/rig/rig.hpp>
 
 #include "loop/finding.hpp"
-#include "report/run_result.hpp"
 
 namespace pneuservo {
 
@@ -19,12 +18,6 @@ std::vector<Finding> grade_loop(const Rig& rig);
 /// The part of it that simulates: at rest and along the reference. Throws std::invalid_argument where the law cannot
 /// follow the reference.
 std::vector<Finding> grade_simulated_loop(const Rig& rig);
-
-/// One run in simulation without supervision of the motion, which is judged afterwards; the payload is the machine's,
-/// the law believes the config's.
-RunResult simulated_run(const Rig& rig, double payload_kg);
-/// The same on another machine.
-RunResult simulated_run(const Rig& rig, const Rig& machine);
 
 /// Where the linear loop is unstable within the reference's reach, in one sentence; empty: nowhere, or the law feeds
 /// back port pressures, which the linear model does not know.

@@ -15,6 +15,7 @@
 #include "config/read_rig.hpp"
 #include "config/units.hpp"
 #include "design/margin_gains.hpp"
+#include "improve/simulated_run.hpp"
 #include "program/loop_check.hpp"
 
 namespace pneuservo {

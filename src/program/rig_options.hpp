@@ -11,6 +11,7 @@
 #include <pneuservo/hal/backend.hpp>
 #include <pneuservo/rig/rig.hpp>
 
+#include "config/rig_kinds.hpp"
 #include "loop/realtime.hpp"
 #include "program/command_line.hpp"
 #include "record/header.hpp"
@@ -20,11 +21,6 @@ namespace pneuservo {
 
 /// The option --set PATH=VALUE of every verb that reads a config; it may stand several times.
 void add_set_option(Verb& verb, std::vector<std::string>& sets);
-
-/// Throws InputError where commands drive no valve of this rig, or more than the verb works on.
-void require_valves(std::string_view verb, const std::string& config, const Rig& rig, std::size_t most = 2);
-/// The same for a rig that the loop runs, a pressure rig among them.
-void require_loop(std::string_view verb, const std::string& config, const Rig& rig);
 
 /// Writes JSON to a file, or to standard output for "-"; nothing for an empty path. Throws InputError.
 void write_json(const std::string& path, const nlohmann::ordered_json& json);

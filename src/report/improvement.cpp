@@ -56,10 +56,11 @@ Table errors_table(const Improvement& improvement) {
 /// How it is tried, on the simulated machine and on the real one.
 std::string trial_words(const Improvement& improvement) {
   const Rig& rig = improvement.improved;
-  if (!rig.hal) return fmt::format("pneuservo run {}", improvement.written);
+  const std::string config = improvement.written.empty() ? "IMPROVED.yaml" : improvement.written;
+  if (!rig.hal) return "pneuservo run " + config;
   return fmt::format("pneuservo check {0}, then pneuservo run {0} --hal configured --time real --record "
                      "after.csv.gz",
-                     improvement.written);
+                     config);
 }
 
 Curve curve_of(const RunResult& run, const char* name, Tone tone, const std::function<double(const Row&)>& value) {
@@ -125,6 +126,7 @@ std::vector<ChangedNumber> changed_numbers(const Rig& before, const Rig& after) 
 
 std::string improvement_headline(const Improvement& improvement) {
   if (improvement.is_refused) return "The improved config is refused: " + improvement.warnings.back() + ".";
+  if (improvement.stopped) return "Stopped: this is what was found by then, and nothing is predicted.";
   const RunResult &before = improvement.before, &after = improvement.after;
   if (!improvement.without_pass.empty()) return "No command pass: " + improvement.without_pass + ".";
   if (!is_predicted(before))
@@ -143,8 +145,9 @@ std::string improvement_text(const Improvement& improvement) {
   else text += "\nwhat changes in the config:\n" + text_table(changes_table(improvement));
   if (is_predicted(improvement.before) || is_predicted(improvement.after))
     text += "\npredicted on the improved model:\n" + text_table(errors_table(improvement));
-  return text + fmt::format("\n{}\nwritten: {}\ntry it: {}\n", improvement_headline(improvement), improvement.written,
-                            trial_words(improvement));
+  text += "\n" + improvement_headline(improvement) + "\n";
+  if (!improvement.written.empty()) text += "written: " + improvement.written + "\n";
+  return text + "try it: " + trial_words(improvement) + "\n";
 }
 
 nlohmann::ordered_json improvement_json(const Improvement& improvement) {

@@ -34,8 +34,9 @@ struct Improvement {
   RunResult before, after;
   std::string without_pass;  ///< why the improved config asks for no pass; empty: it does
   bool is_refused = false;  ///< the improved config does not read: a number is beyond what a config may say
+  bool stopped = false;  ///< ended early: the calls that were done by then, without what was not come to
   std::vector<std::string> warnings;
-  std::string written;  ///< path of the improved config
+  std::string written;  ///< path of the improved config; empty: no file was written
 
   /// By what the largest error changes; NaN where one of them is not known.
   double error_ratio() const { return after.metrics.max_position_error_m / before.metrics.max_position_error_m; }

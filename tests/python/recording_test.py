@@ -1,4 +1,7 @@
 # Recordings: files, arrays, pandas, foreign loggers, and the formats of other programs, equal to the last bit.
+import struct
+import zlib
+
 import numpy
 import pytest
 
@@ -95,6 +98,51 @@ def test_mcap_says_its_schema_and_units(swept, tmp_path):
     assert "float64 p1_port_Pa  # Pa" in schema.data.decode()
     assert (channel.topic, channel.message_encoding, schema.encoding) == ("/recording", "cdr", "ros2msg")
     assert len(message.data) == 4 + 8 * len(swept.keys())
+
+
+def test_an_mcap_of_ours_has_the_index_and_check_sums_that_others_read_by(config, tmp_path):
+    """Several chunks, each found by its index, with the check sums of chunks and summary right."""
+    reader = pytest.importorskip("mcap.reader")
+    from pneuservo import export, mcap_file
+
+    t_s = numpy.arange(100_000) * config.period_s - 0.5
+    export.write(pneuservo.Recording({"t_s": t_s, "u_V": numpy.sin(t_s)}, period_s=config.period_s), tmp_path / "run.mcap")
+    with open(tmp_path / "run.mcap", "rb") as file:
+        seeking = reader.make_reader(file, validate_crcs=True)
+        summary = seeking.get_summary()
+        assert summary.statistics.message_count == len(t_s) and len(summary.chunk_indexes) > 1
+        file.seek(0)
+        content = file.read()
+        footer = len(content) - 8 - 20  # behind its header of 9 bytes, before the magic
+        begin, _, check_sum = struct.unpack_from("<QQI", content, footer)
+        assert check_sum == zlib.crc32(content[begin:footer + 16])
+        # By the index: from the middle on, and only that.
+        half_ns = 50_000_000_000
+        found = [numpy.frombuffer(message.data[4:])[1] for _, _, message in seeking.iter_messages(starting_at=half_ns)]
+    assert numpy.array_equal(found, numpy.sin(t_s[50_000:]))
+    assert mcap_file.read(tmp_path / "run.mcap")[0]["u_V"].tolist() == numpy.sin(t_s).tolist()
+
+
+@pytest.mark.parametrize("indexes", ["ALL", "NONE"])
+def test_an_mcap_of_another_program_gives_the_rows_of_its_topic(indexes, tmp_path):
+    writer = pytest.importorskip("mcap.writer")
+    from pneuservo import export
+
+    rows = numpy.random.default_rng(3).normal(size=(400, 2))
+    rows[:, 0] = numpy.arange(400) * 1e-3
+    with open(tmp_path / "other.mcap", "wb") as file:
+        out = writer.Writer(file, chunk_size=1 << 12, index_types=writer.IndexType[indexes])
+        out.start()
+        schema = out.register_schema(name="other/msg/Row", encoding="ros2msg", data=b"float64 t_s\nfloat64 u_V\n")
+        text = out.register_channel(topic="/log", message_encoding="json", schema_id=0)
+        row = out.register_channel(topic="/recording", message_encoding="cdr", schema_id=schema)
+        for number, values in enumerate(rows):
+            if number % 7 == 3:
+                out.add_message(text, log_time=number, publish_time=number, data=b"x" * (number % 50))
+            out.add_message(row, log_time=number, publish_time=number, data=b"\x00\x01\x00\x00" + values.tobytes())
+        out.finish()
+    again = export.read(tmp_path / "other.mcap")
+    assert same(again["t_s"], rows[:, 0]) and same(again["u_V"], rows[:, 1])
 
 
 def test_rows_that_are_left_out_are_warned_of():

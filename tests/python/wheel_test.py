@@ -22,3 +22,15 @@ def test_an_installed_wheel_is_the_package(tmp_path):
                          env={**os.environ, "PYTHONPATH": str(installed)}).stdout.split()
     assert out == [str(installed / "pneuservo/__init__.py"), "0.001"]
     assert (installed / "pneuservo/_core.pyi").exists()
+
+
+def test_the_module_for_newer_processors_is_taken_where_it_is_there_and_runs(tmp_path, monkeypatch):
+    from pneuservo import _processor
+
+    assert _processor.folders(str(tmp_path)) == [str(tmp_path)]
+    newer = tmp_path / "x86-64-v3"
+    newer.mkdir()
+    monkeypatch.setattr(_processor, "_flags", lambda: _processor._V3 | {"sse2"})
+    assert _processor.folders(str(tmp_path)) == [str(newer), str(tmp_path)]
+    monkeypatch.setattr(_processor, "_flags", lambda: _processor._V3 - {"avx2"})
+    assert _processor.folders(str(tmp_path)) == [str(tmp_path)]

@@ -1,0 +1,186 @@
+// From recordings of a machine to a config that controls it better.
+#include "improve/improve.hpp"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "config/dump_rig.hpp"
+#include "config/input_error.hpp"
+#include "config/read_rig.hpp"
+#include "config/rig_kinds.hpp"
+#include "diagnosis/diagnose.hpp"
+#include "improve/simulated_run.hpp"
+
+namespace pneuservo {
+namespace {
+
+/// A call takes up to a minute and names one or two effects; machines with three are done after two.
+constexpr std::size_t most_calls = 4;
+
+/// Numbers of another machine are worse than none.
+void require_own_recordings(const std::string& config, const Rig& rig, const std::vector<Recording>& recordings) {
+  for (const Recording& recording : recordings)
+    if (!recording.rig.empty() && recording.rig != rig.name)
+      throw InputError(fmt::format("{}: found a recording of the rig '{}', expected one of '{}', the name in {}",
+                                   recording.path, recording.rig, rig.name, config));
+}
+
+ImprovementCall call_of(const Diagnosis& diagnosis) {
+  return {diagnosis.verdict, diagnosis.sentence, diagnosis.answers, diagnosis.unsaid, diagnosis.floors_left};
+}
+
+/// Keys in which a rig differs from the owner's.
+std::set<std::string> changed_keys(const Rig& owner, const Rig& rig) {
+  std::set<std::string> out;
+  for (const ChangedNumber& change : changed_numbers(owner, rig)) out.insert(change.path);
+  return out;
+}
+
+/// Diagnoses again from what was found, until nothing is missing, a call gains nothing, or none names anything new.
+void diagnose_while_it_gains(const std::vector<Recording>& recordings, const ImproveOptions& options,
+                             Improvement& out) {
+  while (out.calls.size() < most_calls) {
+    DiagnoseOptions settings;
+    settings.jobs = options.jobs;
+    settings.stop = options.stop;
+    if (options.progress)
+      settings.progress = [&](double share, const std::string& what) {
+        options.progress(share, fmt::format("call {}: {}", out.calls.size() + 1, what));
+      };
+    const Diagnosis found = diagnose(out.improved, recordings, settings);
+    if (found.stopped) throw DiagnosisStopped();
+    const ImprovementCall call = call_of(found);
+    const bool gains = out.calls.empty() || call.floors_left < out.calls.back().floors_left;
+    const bool repeats = !out.calls.empty() && std::ranges::includes(changed_keys(out.configured, out.improved),
+                                                                     changed_keys(out.configured, found.improved));
+    out.calls.push_back(call);
+    if (!gains) return;
+    out.improved = found.improved;
+    if (call.verdict == Verdict::consistent || repeats) return;
+  }
+}
+
+/// A fit that ends at a bound says that something else is there.
+std::string bound_words(const Improvement& improvement) {
+  for (const ImprovementCall& call : improvement.calls)
+    for (const auto* answers : {&call.answers, &call.unsaid})
+      for (const DiagnosisAnswer& answer : *answers)
+        for (const EstimatedParameter& parameter : answer.parameters)
+          if (parameter.is_at_bound)
+            return fmt::format(
+                "{} of {} is at the bound of what is looked for ({:.4g}), so something else may be there",
+                parameter.name, answer.effect, parameter.value);
+  return "";
+}
+
+/// The run as it comes out on the improved model.
+RunResult predicted(const Rig& law, const Rig& improved) {
+  Rig machine = improved;
+  machine.deviations.clear();
+  machine.concealed.clear();
+  return simulated_run(law, machine);
+}
+
+/// What the config does today, without its pass where it has none. It does not know the machine: its cross-checks
+/// would end the motion.
+RunResult predicted_before(const Improvement& improvement) {
+  Rig law = improvement.configured;
+  law.limits.flow_mismatch_share = law.limits.chamber_mismatch_Pa = 0.0;
+  for (;;) try {
+      return predicted(law, improvement.improved);
+    } catch (const std::invalid_argument&) {
+      if (!law.controller.wants_pass()) return {};
+      law.controller.of<PdForce>().flow_feedforward = FeedforwardSource::formula;
+    }
+}
+
+/// With the pass, or why there is none.
+void predict_after(Improvement& out, const StopQuestion& stop) {
+  PdForceParameters& law = out.improved.controller.of<PdForce>();
+  const FeedforwardSource configured = law.flow_feedforward;
+  law.flow_feedforward = FeedforwardSource::pass;
+  out.without_pass = bound_words(out);
+  if (out.without_pass.empty()) try {
+      out.after = predicted(out.improved, out.improved);
+      const double ratio = out.error_ratio();
+      if (!out.after.faults.empty())
+        out.without_pass = "the simulated run with it ended by " + out.after.faults.front();
+      else if (ratio > 1.0) out.without_pass = fmt::format("on the model it errs {:.3g} times as much", ratio);
+    } catch (const std::invalid_argument& error) { out.without_pass = error.what(); }
+  if (out.without_pass.empty()) return;
+  look_for_stop(stop);
+  const bool asks_for_pass = configured == FeedforwardSource::pass;
+  law.flow_feedforward =
+      asks_for_pass || law.without_pass == WithoutPass::formula ? FeedforwardSource::formula : configured;
+  if (asks_for_pass)
+    out.warnings.emplace_back("controller.flow_feedforward was pass and is formula now, for there is no pass");
+  try {
+    out.after = predicted(out.improved, out.improved);
+  } catch (const std::invalid_argument&) { out.after = {}; }
+}
+
+void predict(Improvement& out, const StopQuestion& stop) {
+  if (out.configured.reference.kind == ReferenceKind::live) {
+    out.without_pass = "reference.kind is live, and a pass needs a reference that is known beforehand";
+    return;
+  }
+  if (out.calls.back().verdict == Verdict::unknown)
+    out.warnings.emplace_back(
+        "the last call leaves something that no name explains; the prediction knows nothing of it");
+  out.before = predicted_before(out);
+  look_for_stop(stop);
+  predict_after(out, stop);
+  if (out.after.verdict.oscillates)
+    out.warnings.push_back(fmt::format("the loop swings at {:.3g} Hz with what was found: lower "
+                                       "controller.force_gain_V_per_N, or design the gains (pneuservo design)",
+                                       out.after.verdict.oscillation_Hz));
+}
+
+}  // namespace
+
+void require_improvable(const std::string& config, const Rig& rig) {
+  require_valves("improve", config, rig, 1);
+  if (!rig.controller.is<PdForce>())
+    throw InputError(fmt::format("{}: controller.kind: found {}, expected {}, the law that follows a command pass",
+                                 config, rig.controller.name(), PdForce::name));
+}
+
+Improvement improve(const std::string& config, const Rig& rig, const std::vector<Recording>& recordings,
+                    const ImproveOptions& options) {
+  require_improvable(config, rig);
+  require_own_recordings(config, rig, recordings);
+  Improvement out;
+  out.configured = out.improved = rig;
+  try {
+    diagnose_while_it_gains(recordings, options, out);
+    look_for_stop(options.stop);
+    if (options.progress) options.progress(1.0, "command pass and prediction");
+    predict(out, options.stop);
+  } catch (const DiagnosisStopped&) {
+    if (out.calls.empty()) throw;
+    out.stopped = true;
+  }
+  out.changes = changed_numbers(rig, out.improved);
+  return out;
+}
+
+std::string improved_config_text(const Improvement& improvement) {
+  std::string text;
+  for (const ImprovementCall& call : improvement.calls) text += "# " + call.sentence + "\n";
+  return text + dump_rig(improvement.improved);
+}
+
+void judge_improved_config(Improvement& improvement, const std::string& text, const std::string& source) {
+  try {
+    parse_rig(text, source);
+  } catch (const InputError& error) {
+    improvement.is_refused = true;
+    improvement.warnings.emplace_back(error.what());
+  }
+}
+
+}  // namespace pneuservo

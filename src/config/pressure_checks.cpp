@@ -72,6 +72,9 @@ void check_on_off_valves(const Rig& rig, const Check& check) {
   if (rig.axis.valve.natural_frequency_Hz > 0.0)
     check.refuse("valve.natural_frequency_Hz", {"on_off_valves"}, number_text(rig.axis.valve.natural_frequency_Hz),
                  "0 or nothing: on/off valves have switching times instead of a spool");
+  if (rig.safe_output.command_V != 0.0)
+    check.refuse("safe_output.command_V", {"on_off_valves"}, number_text(rig.safe_output.command_V),
+                 "0 or nothing: both valves are shut without power");
 }
 
 }  // namespace
@@ -100,7 +103,7 @@ void check_pressure_numbers(const Rig& rig, const Check& check) {
                    fmt::format("at most supply.pressure_Pa ({})", number_text(rig.axis.supply.pressure_Pa)));
   });
   if (rig.axis.valve.on_off) {
-    check.of({"on_off_valves", "period_s", "valve"}, [&] { check_on_off_valves(rig, check); });
+    check.of({"on_off_valves", "period_s", "valve", "safe_output"}, [&] { check_on_off_valves(rig, check); });
     check.of({"on_off_valves", "effects"}, [&] { check_effects_of_on_off(rig, "effects", check); });
     check.of({"on_off_valves", "concealed"}, [&] { check_effects_of_on_off(simulated_rig(rig), "concealed", check); });
   }

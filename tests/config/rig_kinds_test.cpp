@@ -136,6 +136,7 @@ TEST_CASE("two on/off valves have switching times, pulses of whole periods, and 
   CHECK_THAT(found({"on_off_valves.carrier_period_s=0.0205"}),
              Catch::Contains("on_off_valves.carrier_period_s: found 0.0205, expected a whole number of period_s"));
   CHECK_THAT(found({"on_off_valves.carrier_period_s=0.005"}), Catch::Contains("found 0.005, expected at least 0.006"));
+  CHECK_THAT(found({"safe_output.command_V=0.1"}), Catch::Contains("safe_output.command_V: found 0.1, expected 0 or"));
   CHECK_THAT(found({"valve.natural_frequency_Hz=100"}), Catch::Contains("expected 0 or nothing"));
   for (const std::string section : {"effects", "concealed"})
     CHECK_THAT(found({section + "={valve_dead_band: {width_V: 0.2}}"}),

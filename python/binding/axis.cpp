@@ -30,16 +30,16 @@ class Estimator {
     require_pneumatic(config, "Estimator");
     estimator_.configure(estimator_parameters(config.rig));
   }
-  EstimatorOutput step(double p1_port_Pa, double p2_port_Pa, double x_m, double v_mps, double u_V) {
+  EstimatorOutput step(double p1_port_Pa, double p2_port_Pa, double x_m, double v_mps, double u_V, double u2_V) {
     const InUse hold(in_use_, "Estimator");
-    return estimator_.step({p1_port_Pa, p2_port_Pa, x_m, v_mps, u_V});
+    return estimator_.step({p1_port_Pa, p2_port_Pa, x_m, v_mps, u_V, u2_V});
   }
   void reset() {
     const InUse hold(in_use_, "Estimator");
     estimator_.reset();
   }
   nb::dict run(const nb::object& p1, const nb::object& p2, const nb::object& x, const nb::object& v,
-               const nb::object& u);
+               const nb::object& u, const nb::object& u2);
 
  private:
   PipelineEstimator estimator_;
@@ -47,11 +47,11 @@ class Estimator {
 };
 
 nb::dict Estimator::run(const nb::object& p1, const nb::object& p2, const nb::object& x, const nb::object& v,
-                        const nb::object& u) {
+                        const nb::object& u, const nb::object& u2) {
   const char* const call = "Estimator.run";
   const Column port_1(p1, call, "p1_port_Pa"), port_2(p2, call, "p2_port_Pa"), position(x, call, "x_m"),
-      velocity(v, call, "v_mps"), command(u, call, "u_V");
-  const std::size_t rows = common_rows(call, {&port_1, &port_2, &position, &velocity, &command});
+      velocity(v, call, "v_mps"), command(u, call, "u_V"), command_2(u2, call, "u2_V");
+  const std::size_t rows = common_rows(call, {&port_1, &port_2, &position, &velocity, &command, &command_2});
   std::array<std::vector<double>, 6> out;
   std::vector<std::uint32_t> health;
   {
@@ -60,7 +60,8 @@ nb::dict Estimator::run(const nb::object& p1, const nb::object& p2, const nb::ob
     for (auto& column : out) column.resize(rows);
     health.resize(rows);
     for (std::size_t i = 0; i < rows; ++i) {
-      const EstimatorOutput e = estimator_.step({port_1[i], port_2[i], position[i], velocity[i], command[i]});
+      const EstimatorOutput e =
+          estimator_.step({port_1[i], port_2[i], position[i], velocity[i], command[i], command_2[i]});
       for (std::size_t side = 0; side < 2; ++side) {
         const auto at = static_cast<Eigen::Index>(side);
         out[side][i] = e.chamber_pressure_Pa[at];
@@ -253,11 +254,11 @@ void bind_estimator(nb::module_& m) {
   nb::class_<Estimator>(m, "Estimator", "Chamber pressures from those at the valve ports and the position.")
       .def(nb::init<const Config&>(), nb::arg("config"))
       .def("step", &Estimator::step, nb::arg("p1_port_Pa"), nb::arg("p2_port_Pa"), nb::arg("x_m"), nb::arg("v_mps"),
-           nb::arg("u_V") = none,
+           nb::arg("u_V") = none, nb::arg("u2_V") = none,
            "One period. Absolute pressures [Pa], position [m] from mid-stroke, velocity [m/s], command that was held "
-           "[V].")
+           "[V], for a servo table one a valve.")
       .def("run", &Estimator::run, nb::arg("p1_port_Pa"), nb::arg("p2_port_Pa"), nb::arg("x_m"), nb::arg("v_mps"),
-           nb::arg("u_V") = none,
+           nb::arg("u_V") = none, nb::arg("u2_V") = none,
            "A period a row. Arrays of float64 of shape (rows,), read without a copy, or numbers for all rows.\n\n"
            "Gives columns of a recording, each of shape (rows,): p1_estimated_Pa, p2_estimated_Pa, p1_bound_Pa,\n"
            "p2_bound_Pa, mass_flow_1_kgps, mass_flow_2_kgps, health. Goes on where the last call ended.")

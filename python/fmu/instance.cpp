@@ -127,8 +127,10 @@ void Instance::step_plant() {
 }
 
 EstimatorOutput Instance::estimate(PipelineEstimator& estimator) const {
-  return estimator.step(
-      {variables_[0].start, variables_[1].start, variables_[2].start, variables_[3].start, variables_[4].start});
+  EstimatorInput in{variables_[0].start, variables_[1].start, variables_[2].start, variables_[3].start,
+                    variables_[4].start};
+  if (inputs_ == 6) in.valve_command_2_V = variables_[5].start;
+  return estimator.step(in);
 }
 
 void Instance::take_outputs(const EstimatorOutput& e) {

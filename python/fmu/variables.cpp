@@ -46,7 +46,7 @@ std::vector<Variable> inputs_of(const Rig& rig, Model model) {
     add(info(signal).column, "Pa", "pressure at the valve's port, absolute", pressure_Pa);
   add(info(Signal::x).column, "m", "position, 0 at mid-stroke", rig.initial.position_m);
   add("v_mps", "m/s", "velocity", 0.0);
-  add("u_V", "V", "command that was held", 0.0);
+  for (const std::string& name : command_columns(rig)) add(name, "V", "command that was held", 0.0);
   return out;
 }
 

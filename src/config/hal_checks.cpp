@@ -220,8 +220,9 @@ void check_outputs_without_us(const Rig& rig, const RefusePath& refuse) {
   });
   if (is_real) check_bench(rig, refuse);
   const HalParameters& hal = *rig.hal;
-  if (on_board) check_watchdog(hal, "comedi", hal.comedi->watchdog, board_watchdog_names, refuse);
-  if (on_iio) check_watchdog(hal, "iio", hal.iio->watchdog, outer_watchdog_names, refuse);
+  // A section that is missing is told by check_hal.
+  if (on_board && hal.comedi) check_watchdog(hal, "comedi", hal.comedi->watchdog, board_watchdog_names, refuse);
+  if (on_iio && hal.iio) check_watchdog(hal, "iio", hal.iio->watchdog, outer_watchdog_names, refuse);
 }
 
 void check_hal(const Rig& rig, InputErrors& errors, const RefusePath& refuse) {

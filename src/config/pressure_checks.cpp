@@ -72,9 +72,22 @@ void check_on_off_valves(const Rig& rig, const Check& check) {
   if (rig.axis.valve.natural_frequency_Hz > 0.0)
     check.refuse("valve.natural_frequency_Hz", {"on_off_valves"}, number_text(rig.axis.valve.natural_frequency_Hz),
                  "0 or nothing: on/off valves have switching times instead of a spool");
+  if (rig.deviations.contains("valve.area_per_volt_m2_per_V"))
+    check.refuse("deviations.valve.area_per_volt_m2_per_V", {"on_off_valves"}, "an area per volt",
+                 "valve.area_max_m2: on/off valves are open or shut");
   if (rig.safe_output.command_V != 0.0)
     check.refuse("safe_output.command_V", {"on_off_valves"}, number_text(rig.safe_output.command_V),
                  "0 or nothing: both valves are shut without power");
+}
+
+/// The area per volt of valves that are open or shut follows from their area.
+void check_area_of_on_off(const Rig& rig, const ConfigNode& root) {
+  const auto& valve = rig.axis.valve;
+  if (!valve.on_off || !(valve.command_max_V > 0.0)) return;
+  const double follows = valve.area_max_m2 / valve.command_max_V;
+  if (std::fabs(valve.area_per_volt_m2_per_V - follows) > 1e-6 * follows)
+    refuse(origin_of(root, "valve"), "valve.area_per_volt_m2_per_V", number_text(valve.area_per_volt_m2_per_V),
+           fmt::format("area_max_m2 over command_max_V ({}): on/off valves are open or shut", number_text(follows)));
 }
 
 }  // namespace
@@ -82,6 +95,7 @@ void check_on_off_valves(const Rig& rig, const Check& check) {
 void complete_pressure_rig(Rig& rig, const ConfigNode& root) {
   constexpr double settled_after_s = 2.0;
   const PressureReferenceParameters& reference = rig.pressure_reference;
+  check_area_of_on_off(rig, root);
   if (!is_stated(root, "initial", "pressure_1_Pa")) rig.initial.pressure_1_Pa = rig.axis.air.atmosphere_Pa;
   if (root.find("duration_s") == nullptr) {
     const bool oscillates = reference.kind == PressureReferenceKind::sine;
@@ -105,7 +119,9 @@ void check_pressure_numbers(const Rig& rig, const Check& check) {
   if (rig.axis.valve.on_off) {
     check.of({"on_off_valves", "period_s", "valve", "safe_output"}, [&] { check_on_off_valves(rig, check); });
     check.of({"on_off_valves", "effects"}, [&] { check_effects_of_on_off(rig, "effects", check); });
-    check.of({"on_off_valves", "concealed"}, [&] { check_effects_of_on_off(simulated_rig(rig), "concealed", check); });
+    if (!rig.concealed.empty())
+      check.of({"on_off_valves", "effects", "concealed"},
+               [&] { check_effects_of_on_off(simulated_rig(rig), "concealed", check); });
   }
   check.of({"reference", "air", "supply", "duration_s", "limits"}, [&] { check_pressure_reference(rig, check); });
 }

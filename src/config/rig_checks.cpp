@@ -217,7 +217,7 @@ void check_safe_output(const Rig& rig, const Check& check) {
   if (safe.action == SafeAction::vent && valve_arrangement(rig) == ValveArrangement::five_port)
     check.refuse("safe_output.action", {"rig"},
                  "vent with a five-port valve, which feeds one side when it vents the other",
-                 "hold or centre; vent takes three-port valves, as a servo_table or a pressure has them");
+                 "hold or centre; vent takes three-port valves, as rigs of kind servo_table and pressure have them");
   if (safe.action != SafeAction::hold && safe.command_V != 0.0)
     check.refuse("safe_output.command_V", {"safe_output.action"}, number_text(safe.command_V),
                  "none: only the action hold has a command of its own");
@@ -392,8 +392,8 @@ void check_deviations(const Rig& rig, const Check& check) {
     bool physical = false;
     AxisParameters<double>::visit([&](const Field& field, const auto&) { physical = physical || field.key == section; },
                                   rig.axis);
-    physical =
-        physical || (rig.controls_pressure() && section == "volume") || path.starts_with("on_off_valves.switching_");
+    physical = physical || (rig.controls_pressure() && section == "volume") ||
+               (section == "on_off_valves" && !path.ends_with(PulsedValveParameters::of_the_loop));
     if (physical && get_parameter(rig, path) != 0.0) continue;
     check.errors.collect([&] {
       refuse(check.root.find("deviations")->value.find(path)->origin, join_path("deviations", path),

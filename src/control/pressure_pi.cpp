@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 
 #include <pneuservo/control/pressure_pi.hpp>
@@ -212,7 +213,7 @@ double PressurePi::widest_V(double from_V, double end_V) const noexcept {
 // Without a pressure behind it an edge can only be opened.
 PortAreas<double> PressurePi::fluxes(double port_Pa, double supply_Pa) const noexcept {
   const auto flux = [&](double up_Pa, double down_Pa) {
-    return up_Pa > down_Pa ? orifice_flux(air_, up_Pa, air_.temperature_K, down_Pa, critical_ratio_) : 0.0;
+    return up_Pa <= down_Pa ? 0.0 : orifice_flux(air_, up_Pa, air_.temperature_K, down_Pa, critical_ratio_);
   };
   return {flux(supply_Pa, port_Pa), flux(port_Pa, air_.atmosphere_Pa)};
 }
@@ -227,13 +228,14 @@ double PressurePi::valve_flow_kgps(double command_V, const PortAreas<double>& fl
 double PressurePi::command_for_V(double flow_kgps, const PortAreas<double>& flux) const noexcept {
   constexpr int most_steps = 30;
   constexpr double close_share = 1e-9;
-  if (!std::isfinite(flow_kgps)) return flow_kgps;
   const double at_rest = valve_flow_kgps(closed_V_, flux);
+  if (!std::isfinite(flow_kgps - at_rest)) return std::numeric_limits<double>::quiet_NaN();
   if (flow_kgps == at_rest) return closed_V_;
   const Edge& edge = flow_kgps > at_rest ? fills_ : empties_;
   double near_V = edge.begins_V, far_V = edge.widest_V;
   double near = valve_flow_kgps(near_V, flux) - flow_kgps, far = valve_flow_kgps(far_V, flux) - flow_kgps;
   const double close = close_share * std::fabs(flow_kgps - at_rest);
+  if (near * (flow_kgps - at_rest) >= 0.0) return near_V;  // as much passes already where the edge begins
   if (!(near * far < 0.0)) return far_V;
   for (int i = 0; i < most_steps; ++i) {
     const double u_V = (near * far_V - far * near_V) / (near - far), off = valve_flow_kgps(u_V, flux) - flow_kgps;

@@ -10,16 +10,16 @@ namespace {
 constexpr double rounding = 1e-6;  // of a quotient of times
 
 // A pulse as long as the switching time would hang on a rounding: the shortest one is longer.
-long least_ticks(const OnOffParameters& valve, double period_s) noexcept {
+long least_ticks(const PulsedValveParameters& valve, double period_s) noexcept {
   return static_cast<long>(std::floor(valve.switching_time_on_s / period_s + rounding)) + 1;
 }
-long gap_ticks(const OnOffParameters& valve, double period_s) noexcept {
+long gap_ticks(const PulsedValveParameters& valve, double period_s) noexcept {
   return static_cast<long>(std::ceil(valve.switching_time_off_s / period_s - rounding));
 }
 
 }  // namespace
 
-double PulseWidth::shortest_carrier_s(const OnOffParameters& valve, double period_s) noexcept {
+double PulseWidth::shortest_carrier_s(const PulsedValveParameters& valve, double period_s) noexcept {
   return static_cast<double>(least_ticks(valve, period_s) + gap_ticks(valve, period_s)) * period_s;
 }
 
@@ -44,6 +44,16 @@ double PulseWidth::step(double mean_V) noexcept {
   const bool on = tick_ < on_ticks_;
   tick_ = tick_ + 1 == carrier_ticks_ ? 0 : tick_ + 1;
   return on ? sign_ * command_max_V_ : 0.0;
+}
+
+// What the coil was on beyond its pulse, or off within it, is owed to the next pulses.
+void PulseWidth::skip(long periods) noexcept {
+  const bool is_on = on_ticks_ > 0 && (tick_ == 0 ? on_ticks_ == carrier_ticks_ : tick_ <= on_ticks_);
+  const long within = tick_ == 0 ? 0 : std::min(periods, carrier_ticks_ - tick_);
+  const long wanted = std::clamp(on_ticks_ - tick_, 0L, within);
+  rest_s_ -= sign_ * static_cast<double>((is_on ? periods : 0L) - wanted) * period_s_;
+  tick_ = periods > within ? 0 : (tick_ + within) % carrier_ticks_;
+  if (tick_ == 0 && is_on) on_ticks_ = carrier_ticks_;  // the coil is on as the next carrier period begins
 }
 
 // By which the pulse lengthens the opening, its end after the coil is off included. A coil that was on to the end of

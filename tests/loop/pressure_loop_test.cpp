@@ -137,6 +137,12 @@ TEST_CASE("two on/off valves reach the same, on other machines than the model") 
   }
 }
 
+TEST_CASE("the waves of pulses need more cells than the default has") {
+  const Rig rig =
+      shipped({"estimator.cells_per_m=2", "simulation.cells_per_m=8", "duration_s=3"}, "pressure-on-off-3m-4mm");
+  CHECK(figures_of(run(rig, rig.duration_s)).estimation_error_Pa > 1e3);
+}
+
 TEST_CASE("a volume that grows with its pressure is estimated and held, too") {
   // 0.1 l a bar: at 6 bar the volume has doubled.
   const Rig rig = shipped({"volume.compliance_m3_per_Pa=1e-9", "simulation.cells_per_m=8", "duration_s=10.9"});

@@ -37,6 +37,20 @@ def test_an_estimate_goes_on_where_it_ended(config, swept):
     assert numpy.array_equal(numpy.concatenate([p["p1_estimated_Pa"] for p in parts]), whole["p1_estimated_Pa"])
 
 
+def test_the_estimator_of_a_servo_table_takes_both_commands():
+    config = TABLE.replace({"estimator.flow_correction": 0.2})
+    start = config["initial.pressure_1_Pa"]
+    ports = [start + 1e3 * numpy.sin(0.1 * numpy.arange(400.0)), start, 0.0, 0.0]
+    estimate = {second: pneuservo.Estimator(config).run(*ports, 1.0, *second) for second in ((), (-1.0,), (1.0,))}
+    stepped = pneuservo.Estimator(config)
+    for row in range(400):
+        one = stepped.step(ports[0][row], start, 0.0, 0.0, 1.0, 1.0)
+    assert one.p2_estimated_Pa == estimate[1.0,]["p2_estimated_Pa"][-1]
+    assert numpy.array_equal(estimate[()]["p2_estimated_Pa"], estimate[-1.0,]["p2_estimated_Pa"])
+    assert estimate[1.0,]["p2_estimated_Pa"][-1] > estimate[-1.0,]["p2_estimated_Pa"][-1] + 1.0
+    assert numpy.array_equal(estimate[1.0,]["p1_estimated_Pa"], estimate[-1.0,]["p1_estimated_Pa"])
+
+
 def test_arrays_are_read_where_they_lie(config, swept):
     names = ("p1_port_Pa", "p2_port_Pa", "x_m", "v_mps")
     apart = numpy.column_stack([swept[name] for name in names])  # a column is every fourth number

@@ -1,5 +1,5 @@
 # An environment that has python-canopen, made in the build folder once; a script that needs it starts again there.
-import fcntl, os, subprocess, sys
+import fcntl, os, shutil, subprocess, sys
 
 CANOPEN = ["canopen==2.4.1", "python-can==4.6.1"]
 
@@ -17,8 +17,9 @@ def with_canopen():
         with open(folder + ".lock", "w", encoding="ascii") as lock:  # two tests may come at once
             fcntl.flock(lock, fcntl.LOCK_EX)
             if not os.path.exists(python):
-                subprocess.run([sys.executable, "-m", "venv", folder], check=False)
-                subprocess.run([python, "-m", "pip", "install", "-q", *CANOPEN], check=False)
+                made = subprocess.run([sys.executable, "-m", "venv", folder], check=False).returncode == 0
+                if not made or subprocess.run([python, "-m", "pip", "install", "-q", *CANOPEN], check=False).returncode != 0:
+                    shutil.rmtree(folder, ignore_errors=True)  # the next run tries again
         if os.path.exists(python):
             os.execve(python, [python, *sys.argv], {**os.environ, "PNEUSERVO_CANOPEN_TRIED": "1"})
     print("SKIPPED: python-canopen is not here and cannot be installed from PyPI")

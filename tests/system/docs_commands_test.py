@@ -91,8 +91,9 @@ def run_page(page):
 
 def anchors(page):
     """As GitHub makes them of headings: small letters, blanks to hyphens, links and punctuation dropped."""
-    out = set(re.findall(r'<a (?:id|name)="([^"]+)"', page.read_text(encoding="utf-8")))
-    for heading in HEADING.findall(page.read_text(encoding="utf-8")):
+    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+    out = set(re.findall(r'<a (?:id|name)="([^"]+)"', text))
+    for heading in HEADING.findall(text):
         words = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).lower()
         out.add(re.sub(r"[^\w\- ]", "", words).replace(" ", "-"))
     return out

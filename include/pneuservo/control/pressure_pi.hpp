@@ -84,8 +84,10 @@ class PressurePi {
   void reset(const std::array<double, 2>&) noexcept { first_ = true; }
   /// HOT.
   ControlOutput step(const ControlInput& in) noexcept;
-  /// Periods passed without a step: the target stands still in them. HOT.
-  void skip(std::int64_t) noexcept {}
+  /// Periods passed without a step: the target stands still in them, the coils too. HOT.
+  void skip(std::int64_t periods) noexcept {
+    if (pulses_) pulses_->skip(static_cast<long>(periods));
+  }
   const PressurePiTerms& terms() const noexcept { return terms_; }
   const PressureGains& gains() const noexcept { return gains_; }
   /// By which the far pressure comes after the flow at the valve [s].

@@ -27,7 +27,7 @@ template <class S> struct ValveParameters {
   S critical_pressure_ratio{};
   S natural_frequency_Hz = S(0);
   S damping_ratio = S(0.7);
-  std::optional<OnOffParameters> on_off{};
+  std::optional<PulsedValveParameters> on_off{};
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"command_max_V", "V", 1e-3, 1000, "command range is +- this"}, p.command_max_V...);
     v(Field{"area_per_volt_m2_per_V", "m2/V", 1e-12, 1e-2, "effective area per volt of spool signal"},

@@ -18,6 +18,11 @@ def first_row_with(rows, bit):
     return next((k for k, row in enumerate(rows) if int(row["fault"]) & bit), None)
 
 
+def half_a_second_of_sync(interface):
+    """The axis is active then, however long the start took."""
+    subprocess.run(["candump", "-n", "500", interface + ",080:7FF"], stdout=subprocess.DEVNULL, timeout=60, check=True)
+
+
 class Faults(unittest.TestCase):
     """tests/kernel: faults on a real CAN stack."""
 
@@ -26,8 +31,7 @@ class Faults(unittest.TestCase):
         interface = make_vcan("vcan0")
         plant = device(interface, "--priority", "60")
         run = controller(interface, 6, *more)
-        # Half a second of SYNC: the axis is active, however long the start took.
-        subprocess.run(["candump", "-n", "500", interface + ",080:7FF"], stdout=subprocess.DEVNULL, timeout=60, check=True)
+        half_a_second_of_sync(interface)
         return interface, plant, run
 
     def expect_safe(self, record, bit):
@@ -74,7 +78,7 @@ class Faults(unittest.TestCase):
         witness = subprocess.Popen(["candump", "-L", interface + ",082:7FF,080:7FF"], stdout=open("/tmp/watchdog.log", "w"))
         plant = device(interface, "--priority", "60")
         run = controller(interface, 6)
-        time.sleep(2.0)
+        half_a_second_of_sync(interface)
         run.kill()
         time.sleep(0.5)
         witness.terminate()

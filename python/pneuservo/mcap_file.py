@@ -3,13 +3,14 @@
 import os
 import struct
 import zlib
-from typing import Any, Dict, Iterator, List, Tuple, Union
+from typing import Any, Dict, Iterator, List, Optional, Tuple, Union
 
 import numpy
 import zstandard
 from mcap.data_stream import ReadDataStream, RecordBuilder
+from mcap.exceptions import EndOfFile, McapError
 from mcap.opcode import Opcode
-from mcap.reader import make_reader
+from mcap.reader import NonSeekingReader, make_reader
 from mcap.records import (Channel, Chunk, ChunkIndex, DataEnd, Footer, Header, McapRecord, Metadata, MetadataIndex, Schema,
                           Statistics)
 from mcap.stream_reader import get_chunk_data_stream
@@ -25,12 +26,19 @@ CHUNK_BYTES = 4 << 20
 # that say little endian, and aligns what follows from there on.
 _CDR_HEADER = b"\x00\x01\x00\x00"
 _RECORD_HEADER = struct.Struct("<BQ")  # opcode, length of what follows
+# What the packages throw where bytes are wrong: of sizes, places, names and check sums. RuntimeError is lz4's.
+_DAMAGE = (McapError, zstandard.ZstdError, struct.error, ValueError, KeyError, OSError, OverflowError, MemoryError, RuntimeError)
 
 
 def _message(columns: int) -> numpy.dtype:
     """A record of kind message that holds so many float64."""
     return numpy.dtype([("opcode", "u1"), ("length", "<u8"), ("channel", "<u2"), ("sequence", "<u4"), ("log_time", "<u8"),
                         ("publish_time", "<u8"), ("cdr", "u1", (len(_CDR_HEADER),)), ("row", "<f8", (columns,))])
+
+
+def _data_place(kind: numpy.dtype) -> int:
+    """Where in such a record the message's data begin."""
+    return kind.fields["cdr"][1]
 
 
 def _bytes_of(*records: McapRecord) -> bytes:
@@ -106,9 +114,12 @@ def write(columns: Dict[str, numpy.ndarray], about: str, library: str, path: Pat
         file.write(summary + _bytes_of(footer) + MCAP0_MAGIC)
 
 
-def _names_of(schema: bytes, path: Path) -> List[str]:
+def _names_of(schema: Optional[Schema], path: Path) -> List[str]:
+    """The columns that a schema has; without one none are known."""
+    if schema is None:
+        raise InputError(f"{path}: found no schema of {TOPIC}, expected one with float64 fields")
     names = []
-    for line in schema.decode().splitlines():
+    for line in schema.data.decode(errors="replace").splitlines():
         words = line.split("#")[0].split()
         if len(words) == 2 and words[0] == "float64":
             names.append(words[1])
@@ -117,16 +128,24 @@ def _names_of(schema: bytes, path: Path) -> List[str]:
     return names
 
 
+def _require_length(found: int, kind: numpy.dtype, path: Path) -> None:
+    """Of a message's data: a row and what begins it."""
+    expected = kind.itemsize - _data_place(kind)
+    if found != expected:
+        raise InputError(f"{path}: found a message of {found} bytes in {TOPIC}, expected {expected}, those of its schema")
+
+
 def _rows_in(data: bytes, channels: List[int], kind: numpy.dtype, path: Path) -> Iterator[numpy.ndarray]:
     """The rows of these channels among the records of a chunk; equal neighbours are taken together."""
     at, ahead = 0, 1
     while at < len(data):
         opcode, length = _RECORD_HEADER.unpack_from(data, at)
+        if at + _RECORD_HEADER.size + length > len(data):
+            raise EndOfFile
         if opcode != Opcode.MESSAGE or struct.unpack_from("<H", data, at + _RECORD_HEADER.size)[0] not in channels:
             at, ahead = at + _RECORD_HEADER.size + length, 1
             continue
-        if length != kind.itemsize - _RECORD_HEADER.size:
-            raise InputError(f"{path}: found a message of {length} bytes in {TOPIC}, expected {kind.itemsize - _RECORD_HEADER.size}")
+        _require_length(_RECORD_HEADER.size + length - _data_place(kind), kind, path)
         some = numpy.frombuffer(data, kind, min(ahead, (len(data) - at) // kind.itemsize), at)
         alike = (some["opcode"] == opcode) & (some["length"] == length) & numpy.isin(some["channel"], channels)
         count = len(some) if alike.all() else int(alike.argmin())
@@ -134,30 +153,43 @@ def _rows_in(data: bytes, channels: List[int], kind: numpy.dtype, path: Path) ->
         at, ahead = at + count * kind.itemsize, 2 * ahead if count == len(some) else 1
 
 
-def _parts_of(file: Any, summary: Any, channels: List[int], kind: numpy.dtype, path: Path) -> Iterator[numpy.ndarray]:
+def _parts_by_index(file: Any, summary: Any, channels: List[int], kind: numpy.dtype, path: Path) -> Iterator[numpy.ndarray]:
     for index in sorted(summary.chunk_indexes, key=lambda one: one.chunk_start_offset):
         file.seek(index.chunk_start_offset + _RECORD_HEADER.size)
         stream, size = get_chunk_data_stream(Chunk.read(ReadDataStream(file)), validate_crc=True)
         yield from _rows_in(stream.read(size), channels, kind, path)
 
 
+def _content(file: Any, path: Path) -> Tuple[List[str], List[numpy.ndarray], str]:
+    """Names and rows of the columns, and the text beside them."""
+    reader = make_reader(file)
+    about = next((m.metadata.get("about", "{}") for m in reader.iter_metadata() if m.name == "pneuservo"), "{}")
+    summary = reader.get_summary()
+    channels = [one for one in summary.channels.values() if one.topic == TOPIC] if summary and summary.chunk_indexes else []
+    schema = summary.schemas.get(channels[0].schema_id) if channels else None
+    if schema is not None:
+        names = _names_of(schema, path)
+        ids = [one.id for one in channels]
+        return names, list(_parts_by_index(file, summary, ids, _message(len(names)), path)), about
+    names, parts = [], []  # without an index, a message at a time
+    file.seek(0)
+    for schema, _, message in NonSeekingReader(file, validate_crcs=True).iter_messages([TOPIC], log_time_order=False):
+        names = names or _names_of(schema, path)
+        _require_length(len(message.data), _message(len(names)), path)
+        parts.append(numpy.frombuffer(message.data, "<f8", offset=len(_CDR_HEADER)).reshape(1, -1))
+    return names, parts, about
+
+
 def read(path: Path) -> Tuple[Dict[str, numpy.ndarray], str]:
     """Columns and the text beside them, as write() took them; of other programs' files the topic /recording."""
     with open(path, "rb") as file:
-        reader = make_reader(file)
-        about = next((m.metadata.get("about", "{}") for m in reader.iter_metadata() if m.name == "pneuservo"), "{}")
-        summary = reader.get_summary()
-        names: List[str] = []
-        parts: List[numpy.ndarray] = []
-        if summary is not None and summary.chunk_indexes:
-            channels = [one for one in summary.channels.values() if one.topic == TOPIC]
-            if channels:
-                names = _names_of(summary.schemas[channels[0].schema_id].data, path)
-                parts = list(_parts_of(file, summary, [one.id for one in channels], _message(len(names)), path))
-        else:  # without an index, a message at a time
-            for schema, _, message in reader.iter_messages(topics=[TOPIC], log_time_order=False):
-                names = names or _names_of(schema.data if schema is not None else b"", path)
-                parts.append(numpy.frombuffer(message.data, "<f8", len(names), len(_CDR_HEADER)).reshape(1, -1))
+        try:
+            names, parts, about = _content(file, path)
+        except InputError:
+            raise
+        except _DAMAGE as error:
+            raise InputError(f"{path}: found a file that is damaged or no MCAP ({str(error) or type(error).__name__}), "
+                             "expected one with whole records and right check sums") from error
     if not parts:
         raise InputError(f"{path}: found no messages of {TOPIC}, expected a recording that was exported as MCAP")
     return {name: numpy.concatenate([part[:, i] for part in parts]) for i, name in enumerate(names)}, about

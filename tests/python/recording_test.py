@@ -1,4 +1,5 @@
 # Recordings: files, arrays, pandas, foreign loggers, and the formats of other programs, equal to the last bit.
+import io
 import struct
 import zlib
 
@@ -100,6 +101,25 @@ def test_mcap_says_its_schema_and_units(swept, tmp_path):
     assert len(message.data) == 4 + 8 * len(swept.keys())
 
 
+def message_times(content, one):
+    """Of a chunk, by the index of its messages: each entry leads to a record that says the same time."""
+    zstandard = pytest.importorskip("zstandard")
+    from mcap.data_stream import ReadDataStream
+    from mcap.records import Chunk, MessageIndex
+
+    place = one.message_index_offsets[1]
+    assert one.chunk_start_offset + one.chunk_length == place
+    assert (content[one.chunk_start_offset], content[place]) == (0x06, 0x07)  # chunk, message index
+    chunk = Chunk.read(ReadDataStream(io.BytesIO(content[one.chunk_start_offset + 9:place])))
+    index = MessageIndex.read(ReadDataStream(io.BytesIO(content[place + 9:place + one.message_index_length])))
+    data = zstandard.decompress(chunk.data)
+    for time_ns, at in index.records:
+        opcode, _, channel, _, log_time_ns = struct.unpack_from("<BQHIQ", data, at)
+        assert (opcode, channel, log_time_ns) == (0x05, index.channel_id, time_ns)
+    assert len({at for _, at in index.records}) == len(index.records)
+    return [time_ns for time_ns, _ in index.records]
+
+
 def test_an_mcap_of_ours_has_the_index_and_check_sums_that_others_read_by(config, tmp_path):
     """Several chunks, each found by its index, with the check sums of chunks and summary right."""
     reader = pytest.importorskip("mcap.reader")
@@ -116,6 +136,8 @@ def test_an_mcap_of_ours_has_the_index_and_check_sums_that_others_read_by(config
         footer = len(content) - 8 - 20  # behind its header of 9 bytes, before the magic
         begin, _, check_sum = struct.unpack_from("<QQI", content, footer)
         assert check_sum == zlib.crc32(content[begin:footer + 16])
+        times_ns = [time_ns for one in summary.chunk_indexes for time_ns in message_times(content, one)]
+        assert times_ns == numpy.round((t_s - t_s[0]) * 1e9).astype(int).tolist()
         # By the index: from the middle on, and only that.
         half_ns = 50_000_000_000
         found = [numpy.frombuffer(message.data[4:])[1] for _, _, message in seeking.iter_messages(starting_at=half_ns)]
@@ -123,15 +145,16 @@ def test_an_mcap_of_ours_has_the_index_and_check_sums_that_others_read_by(config
     assert mcap_file.read(tmp_path / "run.mcap")[0]["u_V"].tolist() == numpy.sin(t_s).tolist()
 
 
-@pytest.mark.parametrize("indexes", ["ALL", "NONE"])
-def test_an_mcap_of_another_program_gives_the_rows_of_its_topic(indexes, tmp_path):
+@pytest.mark.parametrize("indexes, repeats", [("ALL", True), ("ALL", False), ("NONE", True)])
+def test_an_mcap_of_another_program_gives_the_rows_of_its_topic(indexes, repeats, tmp_path):
     writer = pytest.importorskip("mcap.writer")
     from pneuservo import export
 
     rows = numpy.random.default_rng(3).normal(size=(400, 2))
     rows[:, 0] = numpy.arange(400) * 1e-3
     with open(tmp_path / "other.mcap", "wb") as file:
-        out = writer.Writer(file, chunk_size=1 << 12, index_types=writer.IndexType[indexes])
+        out = writer.Writer(file, chunk_size=1 << 12, index_types=writer.IndexType[indexes],
+                            repeat_channels=repeats, repeat_schemas=repeats)
         out.start()
         schema = out.register_schema(name="other/msg/Row", encoding="ros2msg", data=b"float64 t_s\nfloat64 u_V\n")
         text = out.register_channel(topic="/log", message_encoding="json", schema_id=0)
@@ -143,6 +166,61 @@ def test_an_mcap_of_another_program_gives_the_rows_of_its_topic(indexes, tmp_pat
         out.finish()
     again = export.read(tmp_path / "other.mcap")
     assert same(again["t_s"], rows[:, 0]) and same(again["u_V"], rows[:, 1])
+
+
+def write_foreign(path, indexed, schema_id=1, crc=0, cut=0, row=16):
+    """Two messages of so many bytes in a chunk of another program, whose last bytes are cut off."""
+    from mcap.data_stream import RecordBuilder
+    from mcap.records import Channel, Chunk, ChunkIndex, DataEnd, Footer, Header, Message, Schema
+    from mcap.writer import MCAP0_MAGIC
+
+    def written(*records):
+        builder = RecordBuilder()
+        for record in records:
+            record.write(builder)
+        return bytes(builder.end())
+
+    described = [Schema(id=1, name="other/msg/Row", encoding="ros2msg", data=b"float64 t_s\nfloat64 u_V\n"),
+                 Channel(id=1, topic="/recording", message_encoding="cdr", schema_id=schema_id, metadata={})]
+    messages = [Message(channel_id=1, sequence=0, log_time=time, publish_time=time, data=bytes([0, 1, 0, 0]) + bytes([time] * row))
+                for time in (1, 2)]
+    data = written(*described, *messages)
+    data = data[:len(data) - cut]
+    chunk = Chunk(compression="", data=data, message_start_time=1, message_end_time=2, uncompressed_crc=crc, uncompressed_size=len(data))
+    begin = MCAP0_MAGIC + written(Header("ros2", "other"))
+    body = begin + written(chunk)
+    index = ChunkIndex(message_start_time=1, message_end_time=2, chunk_start_offset=len(begin), chunk_length=len(body) - len(begin),
+                       message_index_offsets={}, message_index_length=0, compression="", compressed_size=len(data),
+                       uncompressed_size=len(data))
+    body += written(DataEnd(0))
+    summary = written(*described, index) if indexed else b""
+    footer = written(Footer(summary_start=len(body) if indexed else 0, summary_offset_start=0, summary_crc=0))
+    path.write_bytes(body + summary + footer + MCAP0_MAGIC)
+
+
+@pytest.mark.parametrize("indexed", [True, False])
+def test_a_foreign_or_damaged_mcap_is_refused_in_a_sentence(indexed, tmp_path):
+    pytest.importorskip("mcap")
+    from pneuservo import export
+
+    path = tmp_path / "other.mcap"
+    write_foreign(path, indexed)
+    assert len(export.read(path)) == 2
+    for wrong, words in (({"schema_id": 0}, "found no schema of /recording"), ({"crc": 1}, "crc validation failed in Chunk"),
+                         ({"cut": 3}, "damaged" if indexed else "found a message of 17 bytes"),
+                         ({"cut": 3, "schema_id": 0}, "found no schema of /recording"), ({"cut": 44}, "damaged"),
+                         ({"row": 8}, "found a message of 12 bytes in /recording, expected 20"),
+                         ({"row": 24}, "found a message of 28 bytes in /recording, expected 20")):
+        write_foreign(path, indexed, **wrong)
+        with pytest.raises(pneuservo.InputError, match=words) as refused:
+            export.read(path)
+        assert str(refused.value).startswith(f"{path}: ") and len(refused.value.sentences) == 1, wrong
+    write_foreign(path, indexed)
+    whole = path.read_bytes()
+    for length in (0, 5, 8, 20, len(whole) // 2, len(whole) - 1):
+        path.write_bytes(whole[:length])
+        with pytest.raises(pneuservo.InputError, match="damaged or no MCAP"):
+            export.read(path)
 
 
 def test_rows_that_are_left_out_are_warned_of():

@@ -106,6 +106,14 @@ def _description_3(root: ElementTree.Element, variables: Variables) -> None:
                 ElementTree.SubElement(structure, part, {"valueReference": str(v["reference"])})
 
 
+def _library() -> bytes:
+    try:
+        return lzma.decompress(_LIBRARY.read_bytes())
+    except (OSError, lzma.LZMAError) as error:
+        raise InputError(f"{_LIBRARY}: found no whole library of the FMU ({error}), expected it as it was installed: "
+                         "install the package again") from error
+
+
 def write(config: Config, path: Union[str, os.PathLike], model: str = "plant", fmi: Union[int, str] = 2,
           replace: bool = False) -> None:
     """Writes the FMU. model: "plant" (commands [V] in, what ideal sensors show out) or "estimator" (port pressures,
@@ -127,17 +135,20 @@ def write(config: Config, path: Union[str, os.PathLike], model: str = "plant", f
     root = _frame(config, model, version, token, variables)
     (_description_2 if version == "2" else _description_3)(root, variables)
     ElementTree.indent(root)
-    if not replace and os.path.exists(path):
-        raise InputError(f"{path}: found a file there, expected none: give another name or replace it on purpose")
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+    library = _library()
+    try:
+        archive = zipfile.ZipFile(path, "w" if replace else "x", zipfile.ZIP_DEFLATED)
+    except FileExistsError:
+        raise InputError(f"{path}: found a file there, expected none: give another name or replace it on purpose") from None
+    with archive:
         # First and as it is: the program knows its own FMUs by how they begin (src/program/output_files.cpp).
         archive.writestr("resources/fmu.json", json.dumps({"pneuservo": __version__, "model": model, "token": token}),
                          zipfile.ZIP_STORED)
         archive.writestr("modelDescription.xml", ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
         archive.writestr("resources/config.yaml", text)
-        library = zipfile.ZipInfo(f"binaries/{folder}/{_IDENTIFIER}.so")
-        library.external_attr = 0o755 << 16
-        archive.writestr(library, lzma.decompress(_LIBRARY.read_bytes()), zipfile.ZIP_DEFLATED)
+        binary = zipfile.ZipInfo(f"binaries/{folder}/{_IDENTIFIER}.so")
+        binary.external_attr = 0o755 << 16
+        archive.writestr(binary, library, zipfile.ZIP_DEFLATED)
 
 
 def main() -> int:

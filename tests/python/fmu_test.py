@@ -221,6 +221,22 @@ def test_what_is_refused(folder, config, tmp_path):
         Slave(other)
 
 
+def test_an_old_fmu_outlives_a_library_that_cannot_be_read(config, tmp_path, monkeypatch):
+    old, broken = tmp_path / "old.fmu", tmp_path / "library.so.xz"
+    fmu.write(config, old)
+    before = old.read_bytes()
+    monkeypatch.setattr(fmu, "_LIBRARY", broken)
+    for content in (None, b"", fmu.lzma.compress(b"x" * 1000)[:-20], b"no xz at all"):
+        if content is not None:
+            broken.write_bytes(content)
+        with pytest.raises(pneuservo.InputError, match="library.so.xz: found no whole library"):
+            fmu.write(config, old, replace=True)
+        assert old.read_bytes() == before
+        with pytest.raises(pneuservo.InputError):
+            fmu.write(config, tmp_path / "new.fmu")
+        assert not (tmp_path / "new.fmu").exists()
+
+
 def verb(*arguments, python=True):
     folder = pathlib.Path(sys.executable).parent
     path = os.pathsep.join([str(folder), os.environ["PATH"]]) if python else "/nonexistent"

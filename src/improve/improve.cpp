@@ -112,12 +112,12 @@ void predict_after(Improvement& out, const StopQuestion& stop) {
       else if (ratio > 1.0) out.without_pass = fmt::format("on the model it errs {:.3g} times as much", ratio);
     } catch (const std::invalid_argument& error) { out.without_pass = error.what(); }
   if (out.without_pass.empty()) return;
-  look_for_stop(stop);
   const bool asks_for_pass = configured == FeedforwardSource::pass;
   law.flow_feedforward =
       asks_for_pass || law.without_pass == WithoutPass::formula ? FeedforwardSource::formula : configured;
   if (asks_for_pass)
     out.warnings.emplace_back("controller.flow_feedforward was pass and is formula now, for there is no pass");
+  look_for_stop(stop);
   try {
     out.after = predicted(out.improved, out.improved);
   } catch (const std::invalid_argument&) { out.after = {}; }
@@ -163,6 +163,7 @@ Improvement improve(const std::string& config, const Rig& rig, const std::vector
   } catch (const DiagnosisStopped&) {
     if (out.calls.empty()) throw;
     out.stopped = true;
+    out.before = out.after = {};
   }
   out.changes = changed_numbers(rig, out.improved);
   return out;

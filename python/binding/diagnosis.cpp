@@ -14,6 +14,9 @@
 namespace pneuservo::python {
 namespace {
 
+/// What errors state of a config that a result holds.
+std::string improved_name(const std::string& rig) { return rig + ", improved"; }
+
 /// Copies of all, the second ones held out of fits.
 std::vector<Recording> taken(const nb::list& recordings, const nb::list& held_out) {
   std::vector<Recording> out;
@@ -29,7 +32,7 @@ std::unique_ptr<Diagnosis> run_diagnosis(const Config& config, const nb::list& r
                                          int jobs, bool latent, const nb::object& progress, const nb::object& cancel) {
   std::vector<Recording> all = taken(recordings, held_out);
   std::unique_ptr<Diagnosis> result;
-  watched("diagnose", {progress, cancel}, [&](const StopQuestion& stop, const Progress& tell) {
+  const bool interrupted = watched("diagnose", {progress, cancel}, [&](const StopQuestion& stop, const Progress& tell) {
     DiagnoseOptions options;
     options.jobs = jobs;
     options.with_free_functions = latent;
@@ -37,6 +40,7 @@ std::unique_ptr<Diagnosis> run_diagnosis(const Config& config, const nb::list& r
     options.progress = tell;
     result = std::make_unique<Diagnosis>(diagnose(config.rig, std::move(all), options));
   });
+  if (interrupted && !result->stopped) raise_interrupt("diagnose");
   return result;
 }
 
@@ -44,10 +48,11 @@ std::unique_ptr<Improvement> run_improvement(const Config& config, const nb::lis
                                              int jobs, const nb::object& progress, const nb::object& cancel) {
   const std::vector<Recording> all = taken(recordings, held_out);
   std::unique_ptr<Improvement> result;
-  watched("improve", {progress, cancel}, [&](const StopQuestion& stop, const Progress& tell) {
+  const bool interrupted = watched("improve", {progress, cancel}, [&](const StopQuestion& stop, const Progress& tell) {
     result = std::make_unique<Improvement>(improve(config.source, config.rig, all, {jobs, tell, stop}));
-    judge_improved_config(*result, improved_config_text(*result), config.source + ", improved");
+    judge_improved_config(*result, improved_config_text(*result), improved_name(config.rig.name));
   });
+  if (interrupted && !result->stopped) raise_interrupt("improve");
   return result;
 }
 
@@ -63,7 +68,7 @@ void bind_improvement(nb::module_& m) {
       .def("to_yaml", &improved_config_text, "The improved config as the verb writes it, with what was found on top.")
       .def_prop_ro("sentence", &improvement_headline, "What came of it, for a reader.")
       .def_prop_ro(
-          "improved", [](const Improvement& i) { return Config{i.improved, i.configured.name + ", improved"}; },
+          "improved", [](const Improvement& i) { return Config{i.improved, improved_name(i.configured.name)}; },
           "The config with what was found and, where there is one, its command pass.")
       .def_prop_ro(
           "error_before_m", [](const Improvement& i) { return i.before.metrics.max_position_error_m; },
@@ -99,7 +104,7 @@ void bind_diagnosis(nb::module_& m) {
       .def_ro("stopped", &Diagnosis::stopped, "Ended early: this is what was known by then.")
       .def_ro("warnings", &Diagnosis::warnings)
       .def_prop_ro(
-          "improved", [](const Diagnosis& d) { return Config{d.improved, d.rig + ", improved"}; },
+          "improved", [](const Diagnosis& d) { return Config{d.improved, improved_name(d.rig)}; },
           "The config with what was found.")
       .def("__repr__", [](const Diagnosis& d) { return "<pneuservo.Diagnosis: " + d.sentence + ">"; });
   m.def("diagnose", &run_diagnosis, nb::arg("config"), nb::arg("recordings"), nb::arg("held_out"), nb::arg("jobs"),

@@ -124,7 +124,7 @@ bool look_after(Work& work, const Watchers& by) {
 
 }  // namespace
 
-void watched(const char* call, const Watchers& by, const Job& job) {
+bool watched(const char* call, const Watchers& by, const Job& job) {
   Work work(job);
   const bool interrupted = look_after(work, by);
   try {
@@ -135,6 +135,12 @@ void watched(const char* call, const Watchers& by, const Job& job) {
                     fmt::format("{}: stopped before anything was known", call).c_str());
     throw nb::python_error();
   }
+  return interrupted;
+}
+
+void raise_interrupt(const char* call) {
+  PyErr_SetString(PyExc_KeyboardInterrupt, fmt::format("{}: interrupted when all was done", call).c_str());
+  throw nb::python_error();
 }
 
 void bind_work(nb::module_&) { nb::module_::import_("atexit").attr("register")(nb::cpp_function(&stop_all_work)); }

@@ -17,7 +17,10 @@ using Progress = std::function<void(double share, const std::string& what)>;
 using Job = std::function<void(const StopQuestion& stop, const Progress& progress)>;
 
 /// Does the job without the interpreter's lock and throws what it throws. DiagnosisStopped becomes KeyboardInterrupt
-/// after Ctrl-C and pneuservo.DiagnosisStopped else; `call` begins their sentence.
-void watched(const char* call, const Watchers& by, const Job& job);
+/// after Ctrl-C and pneuservo.DiagnosisStopped else; `call` begins their sentence. Gives whether Ctrl-C came: after the
+/// last look for a stop the job does not know of it.
+[[nodiscard]] bool watched(const char* call, const Watchers& by, const Job& job);
+/// Ctrl-C that ended nothing goes on to the caller.
+void raise_interrupt(const char* call);
 
 }  // namespace pneuservo::python

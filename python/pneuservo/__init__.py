@@ -75,8 +75,8 @@ def diagnose(config: Config, recordings: Sequence[Source], held_out: Sequence[So
 
     held_out: recordings that no fit sees. jobs: threads, 0: all of the machine. latent: a free function of time at each
     element, too. progress(share, what) is called as it goes on; False from it cancels, as does a set threading.Event
-    in cancel. Ctrl-C or cancelling gives what is known by then, with `stopped` true. Where nothing is known yet, Ctrl-C
-    raises KeyboardInterrupt and cancelling raises DiagnosisStopped.
+    in cancel. Ctrl-C or cancelling gives what is known by then, with `stopped` true. Where nothing is known yet, or all
+    was done already, Ctrl-C raises KeyboardInterrupt; cancelling raises DiagnosisStopped in the first case.
     """
     return _diagnose(config, _recordings(recordings, config), _recordings(held_out, config), jobs, latent, progress,
                      cancel)
@@ -87,9 +87,9 @@ def improve(config: Config, recordings: Sequence[Source], held_out: Sequence[Sou
     """A config that controls the machine of these recordings better, and what it reaches on the improved model.
 
     Diagnoses again from what was found while that gains, makes the command pass and predicts the largest position error
-    before and after [m]. `improved` is the config, to_yaml() its text. Arguments, Ctrl-C and cancelling are those of
-    diagnose(); a result with `stopped` true has the diagnoses that were done, and predicts nothing. Raises InputError
-    for a rig or law without a command pass, and for recordings of another rig.
+    before and after [m]. `improved` is the config, to_yaml() its text. held_out, jobs, progress, cancel and Ctrl-C are
+    as in diagnose(); a result with `stopped` true has the diagnoses that were done, and predicts nothing. Raises
+    InputError for a rig or law without a command pass, and for recordings of another rig.
     """
     return _improve(config, _recordings(recordings, config), _recordings(held_out, config), jobs, progress, cancel)
 

@@ -2,6 +2,7 @@
 // kernel's own devices are tried in tests/kernel.
 #include <catch2/catch.hpp>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -18,6 +19,7 @@
 #include "loop/device_grade.hpp"
 
 using namespace pneuservo;
+#include "input_wait.hpp"
 using Catch::Contains;
 
 namespace {
@@ -206,3 +208,10 @@ TEST_CASE("iio: a device that the machine has not is named, with those that it h
   REQUIRE_THAT(refusals.front(), Contains("no-such-device: hal.channels.x.iio.device: found the devices") ||
                                      Contains("built without libiio: install libiio-dev"));
 }
+TEST_CASE("a foreign clock keeps our period where ten of its periods span ours to within half of one") {
+  REQUIRE(keeps_period(10'499'000, timed_periods, 1e-3));
+  REQUIRE(keeps_period(9'501'000, timed_periods, 1e-3));
+  REQUIRE_FALSE(keeps_period(10'501'000, timed_periods, 1e-3));
+  REQUIRE_FALSE(keeps_period(9'499'000, timed_periods, 1e-3));
+}
+

@@ -32,13 +32,13 @@ Rig iio_rig(const std::vector<std::string>& sets = {}) { return read_rig(iio_con
 struct Terminals {
   std::array<double, 2> volts{};
   double output_V = std::numeric_limits<double>::quiet_NaN(), age_s = 0.0;
-  bool is_saturated = false, refuses = false;
+  bool is_saturated = false, refuses = false, refuses_readings = false;
 };
 
 class TerminalBoard final : public AnalogBoard {
  public:
   explicit TerminalBoard(Terminals& terminals) : terminals_(terminals) {}
-  bool read() noexcept override { return !terminals_.refuses; }
+  bool read() noexcept override { return !terminals_.refuses && !terminals_.refuses_readings; }
   bool write() noexcept override {
     if (!terminals_.refuses) terminals_.output_V = wanted_V_;
     return !terminals_.refuses;
@@ -149,6 +149,28 @@ TEST_CASE("analog backend: an output that deviates for three ticks is a fault, t
 TEST_CASE("iio: numbers as the kernel prints them") {
   REQUIRE(iio_number("73\n") == 73.0);
   REQUIRE(iio_number("-34\n") == -34.0);
+TEST_CASE("analog backend: a readback that cannot be read for three ticks is a fault until the next start") {
+  Terminals terminals;
+  TerminalBackend backend(iio_rig(), terminals);
+  backend.configure();
+  backend.activate();
+  std::int64_t k = 0;
+  const auto tick = [&](bool is_read) {
+    terminals.refuses_readings = !is_read;
+    Measurement measured;
+    backend.read(k, measured);
+    backend.write(k++, {0.0, 0.0});
+    return (measured.device_faults & device_output_unconfirmed) != 0;
+  };
+  for (const bool is_read : {true, false, false, true, false, false}) REQUIRE_FALSE(tick(is_read));
+  REQUIRE(tick(false));
+  REQUIRE(tick(true));  // it stays
+  REQUIRE_THAT(backend.notes().at(1), Contains("could not be read: check its wire"));
+  backend.deactivate();
+  backend.activate();
+  for (const bool is_read : {false, false, true}) REQUIRE_FALSE(tick(is_read));
+}
+
   REQUIRE(iio_number("0.001333\n") == 0.001333);
   REQUIRE(iio_number("-1234.500000000\n") == -1234.5);
   REQUIRE(iio_number("2147483647") == 2147483647.0);

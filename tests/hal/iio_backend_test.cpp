@@ -207,6 +207,8 @@ TEST_CASE("iio: keys that do not fit are refused in one sentence") {
   REQUIRE_THAT(refused("hal.iio.watchdog=board"), Contains("enable_line, guard, external, none"));
   REQUIRE_THAT(refused("hal.iio.watchdog=guard"), Contains("guard without hal.guard"));
   REQUIRE_THAT(refused("hal.iio={}"), Contains("hal.iio.watchdog") && Contains("keeps its outputs"));
+  REQUIRE_THAT(refused("hal.iio.sample_timeout_s=0.01"),
+               Contains("hal.iio.sample_timeout_s: found 0.01 without hal.iio.trigger"));
 }
 
 TEST_CASE("iio: one clock alone paces the loop") {

@@ -22,14 +22,15 @@ void AnalogBackend::configure() {
   if (!board_->read()) throw std::runtime_error(device_ + ": the driver refuses to read all channels at once");
   description_ = board_->description();
   saturated_ = out_of_limits_ = refused_ = 0;
-  written_ = output_fails_ = false;
+  written_ = false;
 }
 
 void AnalogBackend::activate() {
   active_ = true;
   if (!set_outputs(safe_commands())) throw std::runtime_error(device_ + ": the driver refuses to set the outputs");
   board_->arm_watchdog();
-  ended_ = false;
+  ended_ = output_fails_ = false;
+  for (Output& output : outputs_) output.deviates = 0;
   const bool all_read_back =
       std::all_of(outputs_.begin(), outputs_.end(), [](const Output& output) { return output.is_read_back; });
   safe_output_ = {.has_outputs = !outputs_.empty(), .is_read_back = all_read_back};
@@ -54,20 +55,20 @@ bool AnalogBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
     else if (sampled && !within) ++out_of_limits_;
     measurement.channel[input.signal] = {value, age_s, sampled && !saturated && within, Origin::real};
   }
-  const bool confirmed = sampled && written_ && check_outputs();
+  const bool confirmed = written_ && check_outputs(sampled);
   if (output_fails_) measurement.device_faults |= device_output_unconfirmed;
   if (ended_ && confirmed && safe_output_.is_read_back && safe_output_.confirmed_tick < 0)
     safe_output_.confirmed_tick = tick;
   return true;
 }
 
-bool AnalogBackend::check_outputs() noexcept {
+bool AnalogBackend::check_outputs(bool sampled) noexcept {
   bool all = true;
   for (Output& output : outputs_) {
     if (!output.is_read_back) continue;
     const double deviation_V = std::fabs(board_->volts(output.readback) - board_->set_volts_of(output.number));
-    output.worst_V = std::max(output.worst_V, deviation_V);
-    output.deviates = deviation_V > output.tolerance_V ? output.deviates + 1 : 0;
+    if (sampled) output.worst_V = std::max(output.worst_V, deviation_V);
+    output.deviates = !sampled || deviation_V > output.tolerance_V ? output.deviates + 1 : 0;
     if (output.deviates > most_deviating_ticks) output_fails_ = true;
     all = all && output.deviates == 0;
   }
@@ -120,9 +121,10 @@ std::vector<std::string> AnalogBackend::notes() const {
   for (const std::string& line : description_) lines.push_back(name_ + ": " + line);
   for (const Output& output : outputs_)
     if (output.is_read_back)
-      lines.push_back(
-          fmt::format("{}: output {} was read back within {:.4f} V{}", name_, output.command, output.worst_V,
-                      output_fails_ ? ", which is more than its tolerance for three ticks: check its wire" : ""));
+      lines.push_back(fmt::format(
+          "{}: output {} was read back within {:.4f} V{}", name_, output.command, output.worst_V,
+          output_fails_ ? ", which is more than its tolerance for three ticks, or it could not be read: check its wire"
+                        : ""));
   lines.push_back(fmt::format("{}: {} samples at the converter's end, {} out of limits, {} calls refused", name_,
                               saturated_, out_of_limits_, refused_));
   return lines;

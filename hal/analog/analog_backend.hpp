@@ -14,8 +14,8 @@
 namespace pneuservo {
 
 /// Inputs are sampled at the start of the tick, outputs are set at its end. A sample at the end of the converter's
-/// range or outside the channel's limits is invalid. An output that is read back and deviates for three ticks is a
-/// fault.
+/// range or outside the channel's limits is invalid. An output whose readback deviates, or cannot be read, for three
+/// ticks is a fault.
 class AnalogBackend : public Backend {
  public:
   ~AnalogBackend() override { AnalogBackend::deactivate(); }
@@ -72,8 +72,8 @@ class AnalogBackend : public Backend {
 
  private:
   double value_of(Input& input) noexcept;
-  /// True: every output was read back as it was set.
-  bool check_outputs() noexcept;
+  /// True: every output was read back as it was set. Not `sampled`: none was.
+  bool check_outputs(bool sampled) noexcept;
   Command safe_commands() const noexcept;
   bool set_outputs(const Command& command) noexcept;
 

@@ -10,6 +10,7 @@
 #include "can/fluid_valve.hpp"
 #include "can/open_carrier.hpp"
 #include "config/input_error.hpp"
+#include "input_wait.hpp"
 #include "rig/bus_load.hpp"
 
 namespace pneuservo {
@@ -272,18 +273,18 @@ void CanBackend::refuse_second_master() {
                     bus_->name(), rig_.hal->can->node_id));
 }
 
-// The loop's period is the master's: ten SYNC span ten periods to within half of one.
+// The loop's period is the master's.
 void CanBackend::check_foreign_sync() {
-  constexpr std::uint64_t spans = 10;
   const std::uint64_t before = foreign_.count;
   std::int64_t first_ns = 0;
-  receive_until(static_cast<std::int64_t>(2 * spans) * period_ns_ + probe_timeout_ns, [&](const ReceivedFrame&) {
+  receive_until(2 * timed_periods * period_ns_ + probe_timeout_ns, [&](const ReceivedFrame&) {
     if (first_ns == 0 && foreign_.count > before) first_ns = foreign_.at_ns;
-    return foreign_.count > before + spans;
+    return foreign_.count - before > std::uint64_t{timed_periods};
   });
-  const std::uint64_t count = foreign_.count - before;
-  const double span_s = static_cast<double>(foreign_.at_ns - first_ns) * 1e-9;
-  if (count > spans && std::abs(span_s / rig_.period_s - static_cast<double>(spans)) <= 0.5) return;
+  const auto count = static_cast<std::int64_t>(foreign_.count - before);
+  const std::int64_t span_ns = foreign_.at_ns - first_ns;
+  if (count > timed_periods && keeps_period(span_ns, timed_periods, rig_.period_s)) return;
+  const double span_s = static_cast<double>(span_ns) * 1e-9;
   throw std::runtime_error(
       fmt::format("{}: hal.can.sync is foreign: found {}, expected one every {:g} s (period_s): start the master that "
                   "sends SYNC, give both the same period, or hal.can.sync: own",

@@ -27,8 +27,8 @@ class GuardOutputs {
   void drain() noexcept;
   /// The safe output on boards and devices of Industrial I/O alone. False: it refused. Hot.
   bool make_board_safe() noexcept;
-  /// The safe output on every way there is: board, then PDO and SYNC, then NMT stop, which makes a node of CiA 401 give
-  /// its substitute. False: a way failed. Hot.
+  /// The safe output on every way there is: board, Industrial I/O, then PDO and SYNC, then NMT stop, which makes a node
+  /// of CiA 401 give its substitute. False: a way failed. Hot.
   bool make_safe() noexcept;
   /// The guard's own enable line, where it has one. Hot.
   bool enable(bool active) noexcept;

@@ -8,7 +8,7 @@ namespace pneuservo {
 
 struct IioBoard::Devices {};
 
-IioBoard::IioBoard(bool) {
+IioBoard::IioBoard(bool, std::string) {
   throw std::runtime_error("hal.iio: this program was built without libiio: install libiio-dev and build it again");
 }
 

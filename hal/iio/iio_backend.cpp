@@ -55,14 +55,14 @@ std::unique_ptr<AnalogBoard> IioBackend::open() {
   add_outputs(*board);
   if (is_paced()) board->start_scans(parameters_.trigger, rig_.period_s);
   else board->time_readings(rig_.period_s);
-  board_ = board.get();
+  iio_ = board.get();
   is_silent_ = false;
   return board;
 }
 
 // After a silence the loop goes on by itself, a tick a period, so that the safe output is repeated.
 Pace IioBackend::await_sample() noexcept {
-  const Pace pace = board_->await_scan(is_silent_ ? period_ns_ : timeout_ns_);
+  const Pace pace = iio_->await_scan(is_silent_ ? period_ns_ : timeout_ns_);
   is_silent_ = pace.samples == 0;
   return pace;
 }

@@ -27,7 +27,7 @@ class IioBackend final : public AnalogBackend {
   void add_outputs(IioBoard& board);
 
   IioParameters parameters_;
-  IioBoard* board_ = nullptr;  // the base has it
+  IioBoard* iio_ = nullptr;  // the base has it
   std::int64_t period_ns_ = 0, timeout_ns_ = 0;
   bool is_silent_ = false;
 };

@@ -8,7 +8,9 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <optional>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -26,9 +28,9 @@
 namespace pneuservo {
 namespace {
 
-constexpr const char* device_folder = "/sys/bus/iio/devices/";
 constexpr double mV_of_V = 1e3;  // the kernel states voltages in mV
 constexpr std::size_t timed_readings = 21;
+constexpr double largest_code = 9007199254740992.0;  // 2^53: up to here a double holds each integer
 
 struct CloseContext {
   void operator()(iio_context* context) const noexcept { iio_context_destroy(context); }
@@ -73,6 +75,7 @@ struct Line {
   double first = -std::numeric_limits<double>::infinity(), last = std::numeric_limits<double>::infinity();
   IioScan* scan = nullptr;
   std::size_t number_in_scan = 0;
+  bool is_processed = false;  ///< the driver gives millivolts: `input` in the place of `raw`
 
   double volts() const noexcept { return (code + offset) * V_per_count; }
 };
@@ -93,23 +96,34 @@ void take_range_of_output(Line& line, const iio_channel* channel) {
   if (!has_attribute(channel, "raw_available") ||
       iio_channel_attr_read(channel, "raw_available", text.data(), text.size() - 1) <= 0)
     return;
-  double step = 0.0;
-  if (std::sscanf(text.data(), "[%lf %lf %lf]", &line.first, &step, &line.last) != 3)
-    line.first = -(line.last = std::numeric_limits<double>::infinity());
+  std::string_view rest(text.data());
+  if (!rest.starts_with('[')) return;
+  std::array<double, 3> numbers{};
+  for (double& each : numbers) {
+    rest.remove_prefix(std::min(rest.find_first_of("-.0123456789"), rest.size()));
+    const std::optional<double> number = iio_number(rest);
+    if (!number) return;
+    each = *number;
+    rest.remove_prefix(std::min(rest.find(' '), rest.size()));
+  }
+  if (!(numbers.front() < numbers.back())) return;
+  line.first = numbers.front();
+  line.last = numbers.back();
 }
 
 }  // namespace
 
 struct IioBoard::Devices {
   Context context{iio_create_local_context()};
+  std::string folder;
   bool shared = false;
   std::map<std::string, int> locks;  ///< an open folder of each device
   std::vector<Line> inputs, outputs;
   std::vector<std::unique_ptr<IioScan>> scans;
-  std::vector<std::int64_t> taken;  ///< scans of each device since the last tick
-  std::int64_t at_ns = 0;
+  std::vector<std::int64_t> ahead;  ///< scans of each device beyond the last tick
+  std::int64_t at_ns = 0, tick_ns = 0, period_ns = 0;
   double reading_s = 0.0;
-  bool is_cycling = false, has_scan = false;
+  bool is_cycling = false, is_awaited = false, has_scan = false, was_full = false;
 
   ~Devices() {
     scans.clear();
@@ -147,10 +161,10 @@ struct IioBoard::Devices {
   void lock(const iio_device* device) {
     const std::string id = text_of(iio_device_get_id(device));
     if (shared || locks.contains(id)) return;
-    const int folder = open((device_folder + id).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (folder < 0) throw std::runtime_error(fmt::format("{}: {}", name_of(device), std::strerror(errno)));
-    locks[id] = folder;
-    lock_device(folder, name_of(device));
+    const int opened = open((folder + id).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (opened < 0) throw std::runtime_error(fmt::format("{}: {}", name_of(device), std::strerror(errno)));
+    locks[id] = opened;
+    lock_device(opened, name_of(device));
   }
 
   const iio_channel* channel_of(const std::string& key, const iio_device* device, const std::string& wanted,
@@ -175,14 +189,19 @@ struct IioBoard::Devices {
       fail(key + ".V_per_count", name_of(device),
            fmt::format("found a driver that states no scale of {}, expected the volts of one count from its data sheet",
                        text_of(iio_channel_get_id(channel))));
+    if (has_scale && (mV == 0.0 || !std::isfinite(mV)))
+      fail(key, name_of(device),
+           fmt::format("found a scale of {:g} that the driver states for {}, expected the volts of a count: set the "
+                       "channel's range, or take another channel",
+                       mV, text_of(iio_channel_get_id(channel))));
     return has_scale ? mV / mV_of_V : stated;
   }
 
-  static IioAttribute open_file(const std::string& key, const iio_device* device, const iio_channel* channel,
-                                const char* attribute, bool is_output) {
+  IioAttribute open_file(const std::string& key, const iio_device* device, const iio_channel* channel,
+                         const char* attribute, bool is_output) const {
     const char* file = iio_channel_attr_get_filename(channel, attribute);
     try {
-      return IioAttribute(device_folder + text_of(iio_device_get_id(device)) + "/" + text_of(file), is_output);
+      return IioAttribute(folder + text_of(iio_device_get_id(device)) + "/" + text_of(file), is_output);
     } catch (const std::system_error& error) {
       fail(key, name_of(device),
            fmt::format("found {}: {}, expected a file that this user may {}: see docs/iio.md on the udev rule",
@@ -194,14 +213,23 @@ struct IioBoard::Devices {
     iio_device* device = find(key, place.device);
     lock(device);
     const iio_channel* channel = channel_of(key, device, place.channel, is_output);
-    // A driver that gives millivolts itself has `input` in the place of `raw`.
+    auto& lines = is_output ? outputs : inputs;
+    if (const auto other = std::ranges::find(lines, channel, &Line::channel); other != lines.end())
+      fail(
+          key + ".channel", name_of(device),
+          fmt::format("found {}, which hal.channels.{} has, expected a channel of its own", place.channel, other->key));
     const bool is_processed = !has_attribute(channel, "raw");
+    if (is_processed && place.V_per_count != 0.0)
+      fail(key + ".V_per_count", name_of(device),
+           fmt::format("found {:g} beside a channel that the driver gives in millivolts, expected none: leave it out",
+                       place.V_per_count));
     const char* attribute = is_processed ? "input" : "raw";
     Line line{.key = key,
               .description = "",
               .device = device,
               .channel = channel,
-              .file = open_file(key, device, channel, attribute, is_output)};
+              .file = open_file(key, device, channel, attribute, is_output),
+              .is_processed = is_processed};
     line.V_per_count = is_processed ? 1.0 / mV_of_V : scale_of(key, device, channel, place.V_per_count);
     double offset = 0.0;
     if (!is_processed && iio_channel_attr_read_double(channel, "offset", &offset) >= 0) line.offset = offset;
@@ -210,7 +238,6 @@ struct IioBoard::Devices {
     line.description =
         fmt::format("{}: {} {} of {}, {:g} V a count, offset {:g}{}", key, is_output ? "output" : "input",
                     place.channel, name_of(device), line.V_per_count, line.offset, range_text(line));
-    auto& lines = is_output ? outputs : inputs;
     lines.push_back(std::move(line));
     return lines.size() - 1;
   }
@@ -234,14 +261,23 @@ struct IioBoard::Devices {
                                          wanted, listed(known)));
   }
 
+  static void check_sampled(const Line& line) {
+    const auto refuse = [&](const std::string& found) {
+      fail(line.key, name_of(line.device),
+           fmt::format("found an input {}, expected one that a trigger can sample: take another channel, or leave "
+                       "hal.iio.trigger out",
+                       found));
+    };
+    if (!iio_channel_is_scan_element(line.channel)) refuse("that is in no buffer");
+    if (line.is_processed) refuse("in millivolts, whose scans have no stated scale");
+    if (!is_one_number(line.channel)) refuse("of several numbers, or of more than 64 bits");
+  }
+
   /// One buffer for each device that has inputs.
   void switch_on(const iio_device* trigger) {
     std::map<iio_device*, std::vector<const iio_channel*>> by_device;
     for (Line& line : inputs) {
-      if (!iio_channel_is_scan_element(line.channel))
-        fail(line.key, name_of(line.device),
-             "found an input that is in no buffer, expected one that a trigger can sample: take another channel, or "
-             "leave hal.iio.trigger out");
+      check_sampled(line);
       auto& channels = by_device[line.device];
       line.number_in_scan = channels.size();
       channels.push_back(line.channel);
@@ -253,15 +289,62 @@ struct IioBoard::Devices {
     }
   }
 
-  /// The newest scans of all devices; 0: one has none yet.
+  /// The scans that every device has given beyond the last tick; 0: one has none that is new.
   std::int64_t take_all() noexcept {
-    std::int64_t least = std::numeric_limits<std::int64_t>::max();
-    for (std::size_t i = 0; i < scans.size(); ++i) least = std::min(least, taken[i] += scans[i]->take());
-    return least;
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      ahead[i] += scans[i]->take();
+      if (!scans[i]->was_full()) continue;
+      ahead[i] = 0;  // what was kept is old
+      was_full = true;
+    }
+    const std::int64_t samples = *std::ranges::min_element(ahead);
+    // One that is ahead by more has not lost what another one lost.
+    for (std::int64_t& each : ahead) each = std::min<std::int64_t>(each - samples, 1);
+    return samples;
+  }
+
+  /// Waits for a new scan of every device; how many it is then.
+  std::int64_t await(std::int64_t timeout_ns) noexcept {
+    if (!is_cycling) {
+      take_all();
+      std::ranges::fill(ahead, 0);  // what came before the loop began is of no tick
+    }
+    const std::int64_t end_ns = monotonic_ns() + timeout_ns;
+    std::int64_t samples = take_all();
+    while (samples == 0 && monotonic_ns() < end_ns) {
+      for (std::size_t i = 0; i < scans.size(); ++i)
+        if (ahead[i] == 0) scans[i]->wait(end_ns);
+      samples = take_all();
+    }
+    is_awaited = true;
+    keep_time(samples);
+    return samples;
+  }
+
+  void keep_time(std::int64_t samples) noexcept {
+    has_scan = samples > 0;
+    if (!has_scan) return;
+    at_ns = std::numeric_limits<std::int64_t>::max();
+    for (const auto& scan : scans) at_ns = std::min(at_ns, scan->at_ns());
+  }
+
+  /// Of the trigger, from the last tick to this one; 0: no scan. Scans that were lost show in the kernel's stamps
+  /// alone: without them the time is that of taking, which counts where a buffer was full.
+  Pace pace(std::int64_t samples) noexcept {
+    const bool is_timed = was_full || std::ranges::all_of(scans, [](const auto& scan) { return scan->is_stamped(); });
+    const Pace now{samples > 0 && !is_cycling ? 1 : samples, samples > 0 ? at_ns : monotonic_ns()};
+    const std::int64_t passed = (now.at_ns - tick_ns + period_ns / 2) / period_ns;
+    const bool counts = samples > 0 && is_cycling && is_timed;
+    tick_ns = now.at_ns;
+    if (samples > 0) is_cycling = true, was_full = false;
+    return {counts ? std::max(now.samples, passed) : now.samples, now.at_ns};
   }
 };
 
-IioBoard::IioBoard(bool shared) : devices_(std::make_unique<Devices>()) { devices_->shared = shared; }
+IioBoard::IioBoard(bool shared, std::string folder) : devices_(std::make_unique<Devices>()) {
+  devices_->shared = shared;
+  devices_->folder = std::move(folder);
+}
 IioBoard::~IioBoard() = default;
 
 std::size_t IioBoard::add_input(const std::string& key, const IioPlace& place) {
@@ -272,24 +355,25 @@ std::size_t IioBoard::add_output(const std::string& key, const IioPlace& place) 
   return devices_->add(key, place, true);
 }
 
-// The loop's period is the trigger's: ten scans span ten periods to within half of one.
+// The loop's period is the trigger's.
 void IioBoard::start_scans(const std::string& trigger, double period_s) {
-  constexpr std::int64_t spans = 10;
   Devices& all = *devices_;
   all.switch_on(all.find_trigger(trigger));
-  all.taken.assign(all.scans.size(), 0);
-  const auto period_ns = static_cast<std::int64_t>(period_s * 1e9);
+  all.ahead.assign(all.scans.size(), 0);
+  all.period_ns = std::llround(period_s * 1e9);
   std::int64_t first_ns = 0, count = -1;
-  for (const std::int64_t end_ns = monotonic_ns() + 3 * spans * period_ns + 500'000'000;
-       count < spans && monotonic_ns() < end_ns;) {
-    const Pace pace = await_scan(period_ns);
-    if (pace.samples == 0) continue;
-    if (count < 0) first_ns = pace.at_ns;
-    count += count < 0 ? 1 : pace.samples;
+  for (const std::int64_t end_ns = monotonic_ns() + 3 * timed_periods * all.period_ns + 500'000'000;
+       count < timed_periods && monotonic_ns() < end_ns;) {
+    const std::int64_t samples = all.await(all.period_ns);
+    if (samples == 0) continue;
+    if (count < 0) first_ns = all.at_ns;
+    count += count < 0 ? 1 : samples;
+    all.is_cycling = true;
   }
   all.is_cycling = false;
-  const double span_s = static_cast<double>(all.at_ns - first_ns) * 1e-9;
-  if (count >= spans && std::abs(span_s / period_s - static_cast<double>(count)) <= 0.5) return;
+  const std::int64_t span_ns = all.at_ns - first_ns;
+  if (count >= timed_periods && keeps_period(span_ns, count, period_s)) return;
+  const double span_s = static_cast<double>(span_ns) * 1e-9;
   throw std::runtime_error(fmt::format(
       "{}: hal.iio.trigger: found {} by trigger '{}', expected one every {:g} s (period_s): set the trigger's "
       "sampling_frequency to {:g} (docs/iio.md)",
@@ -320,29 +404,16 @@ void IioBoard::time_readings(double period_s) {
       name_of(devices_->inputs.front().device), devices_->reading_s, period_s));
 }
 
-Pace IioBoard::await_scan(std::int64_t timeout_ns) noexcept {
-  Devices& all = *devices_;
-  // What came before the loop began is of no tick.
-  if (!all.is_cycling) all.take_all();
-  std::ranges::fill(all.taken, 0);
-  const std::int64_t end_ns = monotonic_ns() + timeout_ns;
-  std::int64_t samples = all.take_all();
-  while (samples == 0 && monotonic_ns() < end_ns) {
-    for (std::size_t i = 0; i < all.scans.size(); ++i)
-      if (all.taken[i] == 0) all.scans[i]->wait(end_ns);
-    samples = all.take_all();
-  }
-  all.has_scan = samples > 0;
-  if (!all.has_scan) return {0, monotonic_ns()};
-  all.at_ns = std::numeric_limits<std::int64_t>::max();
-  for (const auto& scan : all.scans) all.at_ns = std::min(all.at_ns, scan->at_ns());
-  const std::int64_t counted = all.is_cycling ? samples : 1;
-  all.is_cycling = true;
-  return {counted, all.at_ns};
-}
+Pace IioBoard::await_scan(std::int64_t timeout_ns) noexcept { return devices_->pace(devices_->await(timeout_ns)); }
 
 bool IioBoard::read() noexcept {
-  bool all = devices_->scans.empty() || devices_->has_scan;
+  Devices& devices = *devices_;
+  // Without a wait since the last reading, as after the end of a run, new is what has come since then.
+  if (!devices.scans.empty() && !std::exchange(devices.is_awaited, false)) {
+    std::ranges::fill(devices.ahead, 0);
+    devices.keep_time(devices.take_all());
+  }
+  bool all = devices.scans.empty() || devices.has_scan;
   for (Line& line : devices_->inputs) {
     if (line.scan != nullptr) {
       line.code = line.scan->code(line.number_in_scan);
@@ -374,7 +445,8 @@ double IioBoard::age_s() const noexcept {
 
 void IioBoard::set_volts(std::size_t output, double volts) noexcept {
   Line& line = devices_->outputs[output];
-  line.code = std::clamp(std::nearbyint(volts / line.V_per_count - line.offset), line.first, line.last);
+  line.code = std::clamp(std::nearbyint(volts / line.V_per_count - line.offset), std::max(line.first, -largest_code),
+                         std::min(line.last, largest_code));
 }
 
 double IioBoard::set_volts_of(std::size_t output) const noexcept { return devices_->outputs[output].volts(); }

@@ -22,8 +22,8 @@ struct IioPlace {
 class IioBoard final : public AnalogBoard {
  public:
   /// Throws where the program was built without libiio or the kernel has no such device, too. `shared`: other programs
-  /// may have the devices (pneuservo guard).
-  explicit IioBoard(bool shared = false);
+  /// may have the devices (pneuservo guard). `folder`: of the devices' files.
+  explicit IioBoard(bool shared = false, std::string folder = "/sys/bus/iio/devices/");
   ~IioBoard() override;
 
   /// Each returns its number in the order of its kind. `key`: of the channel below hal.channels.
@@ -34,8 +34,10 @@ class IioBoard final : public AnalogBoard {
   /// After the last input: refuses inputs whose reading takes longer than a period.
   void time_readings(double period_s);
 
-  /// Hot. Waits for the next scan of every device, at most `timeout_ns`; 0 samples: it did not come.
+  /// Hot. Waits for the next scan of every device, at most `timeout_ns`; 0 samples: it did not come. Scans that were
+  /// lost are counted by the trigger's period.
   Pace await_scan(std::int64_t timeout_ns) noexcept;
+  /// With a trigger: of the scan that was awaited; without a wait since the last reading, of what has come since then.
   bool read() noexcept override;
   bool write() noexcept override;
   double volts(std::size_t input) const noexcept override;

@@ -19,12 +19,13 @@ namespace {
 
 // What the kernel keeps while the loop is late; when it is full, the newest scans are lost.
 constexpr unsigned kept_scans = 64;
+// Of one take: a trigger that is faster than the reading would hold the loop.
+constexpr unsigned most_taken = 2 * kept_scans;
 
 std::int64_t value_of(const iio_channel* channel, const void* place) noexcept {
   const iio_data_format* format = iio_channel_get_data_format(channel);
   const unsigned bytes = format->length / 8;
   std::int64_t value = 0;
-  if (bytes > sizeof value) return 0;
   iio_channel_convert(channel, &value, place);  // byte order, shift, and the sign within `bytes`
   if (!format->is_signed || bytes == sizeof value) return value;
   const unsigned unused = 64 - 8 * bytes;
@@ -33,6 +34,11 @@ std::int64_t value_of(const iio_channel* channel, const void* place) noexcept {
 
 }  // namespace
 
+bool is_one_number(const iio_channel* channel) {
+  const iio_data_format* format = iio_channel_get_data_format(channel);
+  return format->repeat <= 1 && format->length <= 64;
+}
+
 IioScan::IioScan(iio_device* device, std::string name, const iio_device* trigger,
                  std::vector<const iio_channel*> inputs)
     : device_(device), name_(std::move(name)), inputs_(std::move(inputs)), codes_(inputs_.size()) {
@@ -40,7 +46,8 @@ IioScan::IioScan(iio_device* device, std::string name, const iio_device* trigger
     iio_channel_disable(iio_device_get_channel(device, i));
   for (const iio_channel* input : inputs_) iio_channel_enable(const_cast<iio_channel*>(input));
   iio_channel* stamp = iio_device_find_channel(device, "timestamp", false);
-  if (stamp != nullptr && iio_device_attr_write(device, "current_timestamp_clock", "monotonic") >= 0) {
+  if (stamp != nullptr && is_one_number(stamp) &&
+      iio_device_attr_write(device, "current_timestamp_clock", "monotonic") >= 0) {
     iio_channel_enable(stamp);
     stamp_ = stamp;
   }
@@ -78,7 +85,8 @@ void IioScan::keep() noexcept {
 std::int64_t IioScan::take() noexcept {
   const RtAllow reviewed;  // non-blocking reads of the buffer's file
   std::int64_t scans = 0;
-  for (; scans < kept_scans && iio_buffer_refill(buffer_) > 0; ++scans) keep();
+  for (; scans < most_taken && iio_buffer_refill(buffer_) > 0; ++scans) keep();
+  was_full_ = scans >= kept_scans;
   return scans;
 }
 

@@ -11,10 +11,13 @@ struct iio_device;
 
 namespace pneuservo {
 
+/// Scans of it are numbers that fit one word: neither vectors nor more than 64 bits.
+bool is_one_number(const iio_channel* channel);
+
 /// The inputs of one device as its trigger samples them. Cold calls throw std::runtime_error with one sentence.
 class IioScan {
  public:
-  /// Switches the device's buffer on. `name`: of the device in errors.
+  /// Switches the device's buffer on. `name`: of the device in errors. Each input is one number.
   IioScan(iio_device* device, std::string name, const iio_device* trigger, std::vector<const iio_channel*> inputs);
   ~IioScan();
   IioScan(const IioScan&) = delete;
@@ -22,6 +25,8 @@ class IioScan {
 
   /// Hot. Takes all waiting scans, keeps the newest; their number. Does not wait.
   std::int64_t take() noexcept;
+  /// What the last take found was a full buffer: the kernel has dropped what came after it.
+  bool was_full() const noexcept { return was_full_; }
   /// Hot. Waits for a scan, or until CLOCK_MONOTONIC is `end_ns`.
   void wait(std::int64_t end_ns) const noexcept;
   /// Of the newest scan, in the order of the inputs.
@@ -43,6 +48,7 @@ class IioScan {
   const iio_channel* stamp_ = nullptr;
   iio_buffer* buffer_ = nullptr;
   std::int64_t at_ns_ = 0;
+  bool was_full_ = false;
 };
 
 }  // namespace pneuservo

@@ -195,6 +195,9 @@ void check_trigger(const HalParameters& hal, double period_s, const RefusePath& 
   if (hal.iio->sample_timeout_s != 0.0 && hal.iio->sample_timeout_s <= period_s)
     refuse("hal.iio.sample_timeout_s", number_text(hal.iio->sample_timeout_s),
            fmt::format("more than period_s ({}), or 0", number_text(period_s)));
+  if (hal.iio->trigger.empty() && hal.iio->sample_timeout_s != 0.0)
+    refuse("hal.iio.sample_timeout_s", number_text(hal.iio->sample_timeout_s) + " without hal.iio.trigger",
+           "a trigger, whose scans are waited for, or no such key");
   if (hal.iio->trigger.empty()) return;
   if (hal.can && hal.can->sync == CanSync::foreign)
     refuse("hal.iio.trigger", "a trigger beside hal.can.sync: foreign", "one clock: leave one of both out");

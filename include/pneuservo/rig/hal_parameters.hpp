@@ -323,8 +323,7 @@ struct IioParameters {
       p.watchdog...);
     v(Field{"trigger", "", 0, 0,
             "name of the trigger that samples all inputs, whose scans each tick waits for; default: each tick reads "
-            "the "
-            "inputs itself",
+            "the inputs itself",
             optional},
       p.trigger...);
     v(Field{"sample_timeout_s", "s", 0, 10, "a scan that is missing for so long is a fault; 0: 2.5 periods", optional},

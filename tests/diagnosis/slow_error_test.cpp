@@ -12,8 +12,8 @@ using namespace pneuservo;
 
 namespace {
 /// Residuals as the slow error supposes them, 10 ms apart.
-std::vector<double> residuals_of(const SlowError& error, std::size_t count, std::uint64_t seed) {
-  Random random(seed);
+std::vector<double> residuals_of(const SlowError& error, std::size_t count, std::uint64_t random_seed) {
+  Random random(random_seed);
   std::vector<double> out;
   const double kept = std::exp(-0.01 / error.memory_s);
   double drift = error.level * random.normal();

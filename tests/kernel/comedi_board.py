@@ -1,5 +1,5 @@
 # All channels of a rig on a DA/AD board: the kernel's comedi_test carries each output to the input of its number.
-import random, threading, unittest
+import unittest
 
 from comedi_library import Board
 from guest_tools import *
@@ -9,13 +9,12 @@ PERIOD_S = 0.01
 SLOW = slow_axis(PERIOD_S)
 
 
-class Slider(threading.Thread):
+class Slider(SliderThread):
     """At the board's terminals: a slider whose speed follows the valve's voltage, pressures that rest but for noise."""
 
     def __init__(self):
-        super().__init__(daemon=True)
-        self.board, self.ends, self.noise = Board(), False, random.Random(1)
-        self.x_m, self.fixed_V = 0.0, {}
+        super().__init__(PERIOD_S)
+        self.board, self.fixed_V = Board(), {}
         self.board.write(0, 0.0)
         self.step(0.0)
 
@@ -24,17 +23,8 @@ class Slider(threading.Thread):
         for channel, volts in ((1, 4.7 + self.noise.gauss(0, 0.003)), (2, 5.402 + self.noise.gauss(0, 0.003)), (3, self.x_m / 0.0175)):
             self.board.write(channel, self.fixed_V.get(channel, volts))
 
-    def run(self):
-        last = time.monotonic()
-        while not self.ends:
-            time.sleep(PERIOD_S / 4)
-            now = time.monotonic()
-            self.step(now - last)
-            last = now
-
     def stop(self):
-        self.ends = True
-        self.join()
+        super().stop()
         self.valve_V = self.board.read(0)
         self.board.close()
 

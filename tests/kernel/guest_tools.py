@@ -1,5 +1,5 @@
 # What the scenarios share: commands, the program as a process, interfaces, figures for the host.
-import gzip, json, os, signal, subprocess, time
+import gzip, json, os, random, signal, subprocess, threading, time
 
 PROGRAM = "/tmp/pneuservo"
 CONFIG = "/tmp/config/can/cylinder-10m-7.65mm.yaml"
@@ -71,6 +71,26 @@ class Program:
         out, _ = self.process.communicate(timeout=timeout_s)
         self.status = self.process.returncode
         return out
+
+
+class SliderThread(threading.Thread):
+    """A slider at the terminals of a device: step(dt_s) four times a period, until it is stopped."""
+
+    def __init__(self, period_s):
+        super().__init__(daemon=True)
+        self.period_s, self.ends, self.noise, self.x_m = period_s, False, random.Random(1), 0.0
+
+    def run(self):
+        last = time.monotonic()
+        while not self.ends:
+            time.sleep(self.period_s / 4)
+            now = time.monotonic()
+            self.step(now - last)
+            last = now
+
+    def stop(self):
+        self.ends = True
+        self.join()
 
 
 def device(interface, *more, config=CONFIG):

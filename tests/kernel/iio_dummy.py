@@ -1,5 +1,5 @@
 # All channels of a rig on the kernel's Industrial I/O: two devices of iio_dummy, whose inputs a slider writes.
-import os, random, threading, unittest
+import os, unittest
 
 from guest_tools import *
 
@@ -62,12 +62,12 @@ class Terminal:
         os.pwrite(self.file, str(code).encode(), 0)
 
 
-class Slider(threading.Thread):
+class Slider(SliderThread):
     """At the terminals: a slider whose speed follows the valve's voltage, pressures that rest but for noise, a wire back."""
 
     def __init__(self):
-        super().__init__(daemon=True)
-        self.ends, self.noise, self.x_m, self.fixed, self.wire_is_cut = False, random.Random(1), 0.0, {}, False
+        super().__init__(PERIOD_S)
+        self.fixed, self.wire_is_cut = {}, False
         self.valve, self.back = Terminal("dac", "out_voltage0_raw"), Terminal("dac", "in_voltage0_raw")
         self.inputs = {"x": Terminal("adc", "in_voltage1-voltage2_raw"), "p1_port": Terminal("adc", "in_voltage0_raw"),
                        "p2_port": Terminal("adc", "in_voltage3-voltage4_raw")}
@@ -83,18 +83,6 @@ class Slider(threading.Thread):
                  "p2_port": (540.2e3 - P2_ZERO_PA + self.noise.gauss(0, 300)) / P2_PA}
         for name, terminal in self.inputs.items():
             terminal.write(round(self.fixed.get(name, codes[name])))
-
-    def run(self):
-        last = time.monotonic()
-        while not self.ends:
-            time.sleep(PERIOD_S / 4)
-            now = time.monotonic()
-            self.step(now - last)
-            last = now
-
-    def stop(self):
-        self.ends = True
-        self.join()
 
 
 class Industrial(unittest.TestCase):

@@ -206,6 +206,17 @@ struct ComediReadback {
   }
 };
 
+/// What every analog channel has: its scale at the terminal, its limits, and the readback of an output.
+template <class Keys, class V, class... P> void visit_volts(V& v, P&... p) {
+  constexpr auto optional = Presence::optional;
+  v(Field{Keys::scale_V, Keys::unit, -1e12, 1e12, "of one volt; negative turns the direction round"}, p.scale...);
+  v(Field{Keys::zero, Keys::unit, -1e12, 1e12, "value at 0 V (gauge sensors: the atmosphere)", optional}, p.zero...);
+  v(Field{Keys::lowest, Keys::unit, -1e12, 1e12, "below it is no measurement; an output is held at it"}, p.lowest...);
+  v(Field{Keys::highest, Keys::unit, -1e12, 1e12, "above it is no measurement; an output is held at it"}, p.highest...);
+  if constexpr (std::is_same_v<Keys, VoltageKeys>)
+    v(Field{"readback", "", 0, 0, "checks the output by an input that is wired to it", optional}, p.readback...);
+}
+
 /// A channel behind an analog input or output of a DA/AD board: value = zero + scale * volts at the board's terminal.
 template <class Keys> struct ComediChannelParameters {
   std::uint32_t channel = 0, range = 0;
@@ -217,13 +228,7 @@ template <class Keys> struct ComediChannelParameters {
     v(Field{"channel", "-", 0, 65535, "number of the board's analog input, of its output for a command"}, p.channel...);
     v(Field{"range", "-", 0, 255, "number in the board's list of ranges", optional}, p.range...);
     v(Field{"reference", "", 0, 0, "what the voltage is against", optional, comedi_reference_names}, p.reference...);
-    v(Field{Keys::scale_V, Keys::unit, -1e12, 1e12, "of one volt; negative turns the direction round"}, p.scale...);
-    v(Field{Keys::zero, Keys::unit, -1e12, 1e12, "value at 0 V (gauge sensors: the atmosphere)", optional}, p.zero...);
-    v(Field{Keys::lowest, Keys::unit, -1e12, 1e12, "below it is no measurement; an output is held at it"}, p.lowest...);
-    v(Field{Keys::highest, Keys::unit, -1e12, 1e12, "above it is no measurement; an output is held at it"},
-      p.highest...);
-    if constexpr (std::is_same_v<Keys, VoltageKeys>)
-      v(Field{"readback", "", 0, 0, "checks the output by an input that is wired to it", optional}, p.readback...);
+    visit_volts<Keys>(v, p...);
   }
 };
 
@@ -299,13 +304,7 @@ template <class Keys> struct IioChannelParameters {
     v(Field{"channel", "", 0, 0, "its channel: voltage0, voltage1-voltage2; an output for a command"}, p.channel...);
     v(Field{"V_per_count", "V", -1e6, 1e6, "for a driver that states no scale; 0: as the driver states", optional},
       p.V_per_count...);
-    v(Field{Keys::scale_V, Keys::unit, -1e12, 1e12, "of one volt; negative turns the direction round"}, p.scale...);
-    v(Field{Keys::zero, Keys::unit, -1e12, 1e12, "value at 0 V (gauge sensors: the atmosphere)", optional}, p.zero...);
-    v(Field{Keys::lowest, Keys::unit, -1e12, 1e12, "below it is no measurement; an output is held at it"}, p.lowest...);
-    v(Field{Keys::highest, Keys::unit, -1e12, 1e12, "above it is no measurement; an output is held at it"},
-      p.highest...);
-    if constexpr (std::is_same_v<Keys, VoltageKeys>)
-      v(Field{"readback", "", 0, 0, "checks the output by an input that is wired to it", optional}, p.readback...);
+    visit_volts<Keys>(v, p...);
   }
 };
 

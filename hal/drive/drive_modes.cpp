@@ -85,7 +85,7 @@ void DriveNode::start_set_point(const SetPoint& set_point) {
   target_m_ = std::clamp(wanted_m, lowest_m_, highest_m_);
   is_cut_ = set_point.is_cut || target_m_ != wanted_m;
   under_way_ = true;
-  ask({.kind = CommandKind::move_to, .position_m = target_m_, .speed_mps = set_point.speed_mps});
+  ask({.kind = CommandKind::move_to, .target = target_m_, .rate = set_point.speed_mps});
 }
 
 // The encoder or its calibration knows the place: nothing has to be looked for. The zero of the bus can be set where
@@ -95,7 +95,7 @@ void DriveNode::act_in_homing() {
   if ((rising_ & control_new_set_point) == 0) return;
   homing_failed_ = !rests();
   if (homing_failed_ || static_cast<std::int8_t>(number(object::homing_method)) == 0) return;
-  shift_ = std::int64_t{to_drive_units(status_.x_ref_m)} - static_cast<std::int32_t>(number(object::home_offset));
+  shift_ = std::int64_t{to_drive_units(status_.set_point)} - static_cast<std::int32_t>(number(object::home_offset));
   set(object::position_limit, of_axis(lowest_m_), 1);
   set(object::position_limit, of_axis(highest_m_), 2);
 }
@@ -109,7 +109,7 @@ void DriveNode::act_in_cyclic() {
     is_cut_ = *newest_m_ != wanted_m;
   }
   if (!newest_m_ || followed_.size() >= most_followed) return;
-  AxisCommand follow{.kind = CommandKind::follow, .position_m = *newest_m_};
+  AxisCommand follow{.kind = CommandKind::follow, .target = *newest_m_};
   const auto exponent = static_cast<std::int8_t>(number(object::interpolation, 2));
   follow.interval_s = number(object::interpolation, 1) * std::pow(10.0, exponent);
   target_m_ = *newest_m_;
@@ -127,9 +127,9 @@ void DriveNode::judge_windows() {
   const std::uint32_t following = number(object::following_window), position = number(object::position_window);
   const bool is_on = state_ == DriveState::operation_enabled;
   const bool behind =
-      is_on && following != window_off && std::fabs(status_.x_ref_m - x_m) > from_drive_units(following);
+      is_on && following != window_off && std::fabs(status_.set_point - x_m) > from_drive_units(following);
   is_behind_ = held(behind_since_s_, behind, object::following_time);
-  const bool at_target = knows() && std::fabs(status_.target_m - target_m_) <= 0.5 / drive_units_per_m;
+  const bool at_target = knows() && std::fabs(status_.target - target_m_) <= 0.5 / drive_units_per_m;
   const bool near = is_on && at_target &&
                     (position == window_off ? rests() : std::fabs(target_m_ - x_m) <= from_drive_units(position));
   is_reached_ = held(near_since_s_, near, object::position_time);
@@ -175,10 +175,10 @@ void DriveNode::show_values() {
   if (std::isfinite(x_m)) set(object::position_actual, of_axis(x_m));
   if (std::isfinite(status_.v_mps)) set(object::speed_actual, to_drive_units(status_.v_mps));
   // An axis that nobody commands is where it shall be.
-  const bool is_commanded = status_.state == SupervisorState::active && std::isfinite(status_.x_ref_m);
-  const double demand_m = is_commanded ? status_.x_ref_m : x_m;
+  const bool is_commanded = status_.state == SupervisorState::active && std::isfinite(status_.set_point);
+  const double demand_m = is_commanded ? status_.set_point : x_m;
   if (std::isfinite(demand_m)) set(object::position_demand, of_axis(demand_m));
-  set(object::speed_demand, is_commanded ? to_drive_units(status_.v_ref_mps) : 0);
+  set(object::speed_demand, is_commanded ? to_drive_units(status_.set_point_rate) : 0);
   if (std::isfinite(x_m)) set(object::following_error, to_drive_units(demand_m - x_m));
 }
 

@@ -240,7 +240,7 @@ void DriveNode::enter_operation() {
   leaving_to_.reset();
   change_state(DriveState::operation_enabled);
   forget_motion();
-  target_m_ = status_.target_m;
+  target_m_ = status_.target;
 }
 
 // What was asked of the axis has come, or somebody else has taken it back.

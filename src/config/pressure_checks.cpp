@@ -1,6 +1,7 @@
 // What the keys of a pressure rig leave open, and what no single one of them can say.
 #include "config/pressure_checks.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string_view>
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <pneuservo/control/pulse_width.hpp>
+#include <pneuservo/elements/orifice.hpp>
 #include <pneuservo/rig/pressure_axis.hpp>
 
 #include "config/number_text.hpp"
@@ -19,14 +21,43 @@ namespace {
 
 constexpr double periods_of_a_sine = 10.0;
 
+/// What it refuses becomes a sentence about the config.
+PressureReference built_reference(const Rig& rig, const ConfigNode& root) {
+  try {
+    return PressureReference(rig.pressure_reference);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(fmt::format("{}: {}", origin_of(root, "reference"), error.what()));
+  }
+}
+
+/// Rate of the pressure p at the end of a hose without a drop, through the open valve between two pressures [Pa/s].
+double rate_Pa_per_s(const Rig& rig, double up_Pa, double down_Pa, double p_Pa) {
+  const auto& axis = rig.axis;
+  const Air<double> air(axis.air);
+  const double area_m2 = std::min(axis.valve.area_max_m2, axis.valve.area_per_volt_m2_per_V * axis.valve.command_max_V);
+  const double b = axis.valve.critical_pressure_ratio, volume_m3 = rig.volume.volume_m3 + axis.line_1.volume_m3() +
+                                                                   rig.volume.growth_m3(p_Pa, air.atmosphere_Pa);
+  const double flow = area_m2 * orifice_flux(air, up_Pa, air.temperature_K, down_Pa, b);
+  return flow * air.R * air.temperature_K / (volume_m3 + rig.volume.compliance_m3_per_Pa * p_Pa);
+}
+
+/// Commands that no machine of this config can follow must not be taken.
+void check_live_rate(const Rig& rig, const Check& check) {
+  const PressureReferenceParameters& live = rig.pressure_reference;
+  if (live.kind != PressureReferenceKind::live) return;
+  const double most = rig.controller.of<PressurePi>().rate_max_Pa_per_s;
+  if (live.rate_Pa_per_s > most)
+    check.refuse("reference.rate_Pa_per_s", {"controller.rate_max_Pa_per_s"}, number_text(live.rate_Pa_per_s),
+                 fmt::format("at most controller.rate_max_Pa_per_s ({})", number_text(most)));
+  const double fed = std::max(valve_fills_Pa_per_s(rig, live.lowest_Pa), valve_empties_Pa_per_s(rig, live.highest_Pa));
+  if (live.rate_Pa_per_s > fed)
+    check.refuse("reference.rate_Pa_per_s", {"valve", "volume"}, number_text(live.rate_Pa_per_s),
+                 fmt::format("at most {:.3g}, which the open valve feeds at the best pressure of the range", fed));
+}
+
 /// What valve and hose can never give must not be asked for.
 void check_pressure_reference(const Rig& rig, const Check& check) {
-  PressureReference reference;
-  try {
-    reference = PressureReference(rig.pressure_reference);
-  } catch (const std::invalid_argument& error) {
-    throw InputError(fmt::format("{}: {}", origin_of(check.root, "reference"), error.what()));
-  }
+  const PressureReference reference = built_reference(rig, check.root);
   const ReferenceExtremes range = reference.range_Pa(rig.duration_s);
   const double lowest = rig.axis.air.atmosphere_Pa, highest = rig.axis.supply.pressure_Pa;
   if (range.minimum < lowest)
@@ -92,6 +123,15 @@ void check_area_of_on_off(const Rig& rig, const ConfigNode& root) {
 
 }  // namespace
 
+double valve_fills_Pa_per_s(const Rig& rig, double p_Pa) {
+  return rate_Pa_per_s(rig, rig.axis.supply.pressure_Pa, p_Pa, p_Pa);
+}
+
+double valve_empties_Pa_per_s(const Rig& rig, double p_Pa) {
+  const double atmosphere_Pa = rig.axis.air.atmosphere_Pa;
+  return rate_Pa_per_s(rig, std::max(p_Pa, atmosphere_Pa), atmosphere_Pa, p_Pa);
+}
+
 void complete_pressure_rig(Rig& rig, const ConfigNode& root) {
   constexpr double settled_after_s = 2.0;
   const PressureReferenceParameters& reference = rig.pressure_reference;
@@ -100,7 +140,7 @@ void complete_pressure_rig(Rig& rig, const ConfigNode& root) {
   if (root.find("duration_s") == nullptr) {
     const bool oscillates = reference.kind == PressureReferenceKind::sine;
     rig.duration_s = oscillates ? reference.start_s + (1.0 + periods_of_a_sine) / reference.frequency_Hz
-                                : (reference.times_s.empty() ? 0.0 : reference.times_s.back()) + settled_after_s;
+                                : built_reference(rig, root).end_s() + settled_after_s;
   }
   lay_out_pressure_axis(rig);
 }
@@ -124,6 +164,13 @@ void check_pressure_numbers(const Rig& rig, const Check& check) {
                [&] { check_effects_of_on_off(simulated_rig(rig), "concealed", check); });
   }
   check.of({"reference", "air", "supply", "duration_s", "limits"}, [&] { check_pressure_reference(rig, check); });
+  check.of({"reference", "air", "supply", "valve", "on_off_valves", "line_1", "volume", "controller"},
+           [&] { check_live_rate(rig, check); });
+  check.of({"serve"}, [&] {
+    if (rig.serve && rig.serve->drive)
+      check.refuse("serve.drive", {"rig"}, "a drive of a rig that controls a pressure",
+                   "none: CiA 402 is of axes; commands come over the socket or serve.tcp_port");
+  });
 }
 
 }  // namespace pneuservo

@@ -16,12 +16,28 @@ ReferenceSpec smooth_spec(const PressureReferenceParameters& p) {
     spec.frequency_Hz = p.frequency_Hz;
     spec.center_m = p.center_Pa;
     spec.start_s = p.start_s;
+  } else if (p.kind == PressureReferenceKind::live) {
+    const LiveLimits limits = live_limits(p);
+    spec.kind = ReferenceKind::live;
+    spec.lowest_m = limits.lowest_m;
+    spec.highest_m = limits.highest_m;
+    spec.speed_mps = limits.speed_mps;
+    spec.acceleration_mps2 = limits.acceleration_mps2;
+    spec.smoothness = limits.smoothness;
   } else {
     spec.kind = ReferenceKind::waypoints;
     spec.times_s = p.times_s;
     spec.positions_m = p.pressures_Pa;
   }
   return spec;
+}
+
+void check_live(const PressureReferenceParameters& p) {
+  const double least_Pa = p.rate_Pa_per_s * p.ramp_s;
+  if (!(p.highest_Pa - p.lowest_Pa >= least_Pa))
+    throw std::invalid_argument("reference.highest_Pa: found " + std::to_string(p.highest_Pa) +
+                                ", expected at least lowest_Pa + rate_Pa_per_s ramp_s (" +
+                                std::to_string(p.lowest_Pa + least_Pa) + "), or the rate is never reached");
 }
 
 void check_points(const PressureReferenceParameters& p) {
@@ -37,9 +53,23 @@ void check_points(const PressureReferenceParameters& p) {
 
 }  // namespace
 
+// The law feeds the rate forward: degree 5 leaves it and its change continuous. 2^-20 Pa keeps sums of a stream within
+// 63 bits.
+LiveLimits live_limits(const PressureReferenceParameters& live) noexcept {
+  LiveLimits limits{.lowest_m = live.lowest_Pa,
+                    .highest_m = live.highest_Pa,
+                    .speed_mps = live.rate_Pa_per_s,
+                    .acceleration_mps2 = 1.0,
+                    .smoothness = 5,
+                    .unit_m = 0x1p-20};
+  limits.acceleration_mps2 = LivePlanner::transition_s(limits) / live.ramp_s;
+  return limits;
+}
+
 PressureReference::PressureReference(const PressureReferenceParameters& p)
     : has_steps_(p.kind == PressureReferenceKind::steps) {
-  if (p.kind != PressureReferenceKind::sine) check_points(p);
+  if (p.kind == PressureReferenceKind::live) check_live(p);
+  else if (p.kind != PressureReferenceKind::sine) check_points(p);
   if (!has_steps_) {
     smooth_ = Reference(smooth_spec(p));
     end_s_ = smooth_.end_s();

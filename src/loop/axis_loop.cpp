@@ -64,7 +64,7 @@ void AxisLoop::configure(const Rig& rig, const LoadPositions& load) {
   PassTables pass = pass_tables(rig, reference_);
   controller_.configure(rig.controller, rig.axis, rig.period_s, reference_, rig.duration_s, std::move(pass.law));
   if (rig.reference.kind == ReferenceKind::live)
-    commanded_.configure(live_limits(rig.reference), rig.period_s, controller_.lead_s());
+    desk_.configure(live_limits(rig.reference), rig.period_s, controller_.lead_s());
   source_ = controller_.pressure_source();
   tolerance_m_ =
       std::min(approach_tolerance_m, approach_quanta * (rig.sensors.position.quantum_m + rig.sensors.position.noise_m));
@@ -109,17 +109,12 @@ ReferencePoint AxisLoop::reference_at(double t_s) const noexcept {
 // Where the slider shall be in this tick, and for the law at its lead.
 void AxisLoop::set_points(double t_s, std::int64_t tick, const JudgedInputs& inputs) noexcept {
   const double lead_s = controller_.lead_s();
-  if (link_ != nullptr) {
-    if (begins_) {
-      commanded_.start(tick, inputs.position_m);
-      reference_start_s_ = t_s;
-    }
+  if (desk_.is_open()) {
+    if (begins_) reference_start_s_ = t_s;
+    desk_.move(tick, begins_, inputs.position_m, supervisor_.motion().proven());
     begins_ = false;
-    commanded_.pass(tick, supervisor_.motion().proven());
-    obey_motion(tick);
-    commanded_.advance(tick);
-    now_ = commanded_.at(tick, 0.0);
-    control_in_.ahead = lead_s > 0.0 ? commanded_.at(tick, lead_s / period_s_) : now_;
+    now_ = desk_.motion().at(tick, 0.0);
+    control_in_.ahead = lead_s > 0.0 ? desk_.motion().at(tick, lead_s / period_s_) : now_;
     return;
   }
   if (begins_) plan_motion(t_s, inputs);
@@ -188,80 +183,22 @@ EstimatorOutput AxisLoop::estimate(const JudgedInputs& inputs, std::int64_t skip
   return estimator_.step(in);
 }
 
-void AxisLoop::answer(CommandResult result, std::int64_t tick) noexcept {
-  link_->answers.push({command_.number, result, tick, commanded_.target_m(), commanded_.end_tick()});
-  if (result == CommandResult::taken) obeyed_ = command_.kind;
-}
-
-// One command a tick, before anything is judged; a motion waits for its place in the pass.
-void AxisLoop::take_command(std::int64_t tick) noexcept {
-  obeyed_ = CommandKind::none;
-  const double waited_s = static_cast<double>(tick - enabled_tick_) * period_s_;
-  if (supervisor_.faults() != 0 || (!supervisor_.is_active() && waited_s > enabled_within_s)) enabled_ = false;
-  if (!waits_ && !link_->commands.pop(command_)) return;
-  waits_ = is_motion(command_.kind) && supervisor_.is_active();
-  if (waits_) return;
-  if (is_motion(command_.kind))
-    return answer(supervisor_.faults() != 0 ? CommandResult::in_fault : CommandResult::not_enabled, tick);
-  answer(obey_state(command_.kind, tick), tick);
-}
-
-CommandResult AxisLoop::obey_state(CommandKind kind, std::int64_t tick) noexcept {
-  const bool in_fault = supervisor_.faults() != 0;
-  switch (kind) {
-    case CommandKind::enable:
-      if (in_fault) return CommandResult::in_fault;
-      if (enabled_) return CommandResult::is_enabled;
-      enabled_ = true;
-      enabled_tick_ = tick;
-      if (supervisor_.state() == SupervisorState::safe_stop) rearm();
-      break;
-    case CommandKind::disable:
-      enabled_ = false;
-      supervisor_.stop();
-      break;
-    case CommandKind::reset:
-      if (!in_fault) return CommandResult::no_fault;
-      enabled_ = false;
-      rearm();
-      break;
-    default: break;
-  }
-  supervisor_.allow_motion(may_start());
-  return CommandResult::taken;
-}
-
-void AxisLoop::obey_motion(std::int64_t tick) noexcept {
-  CommandResult result = CommandResult::taken;
-  if (!waits_ || !commanded_.obey(command_, tick, result)) return;
-  waits_ = false;
-  answer(result, tick);
-}
-
 void AxisLoop::tell_status(std::int64_t tick) noexcept {
-  link_->status.post({.tick = tick,
-                      .t_s = row_.t_s,
-                      .state = supervisor_.state(),
-                      .enabled = enabled_,
-                      .proven = supervisor_.motion().proven(),
-                      .faults = supervisor_.faults(),
-                      .first_faults = supervisor_.first_faults(),
-                      .measured = row_.measured,
-                      .v_mps = row_.v_mps,
-                      .x_ref_m = row_.x_ref_m,
-                      .v_ref_mps = row_.v_ref_mps,
-                      .target_m = commanded_.target_m(),
-                      .end_tick = commanded_.end_tick(),
-                      .is_late = commanded_.is_late(),
-                      .stream_delay_s = commanded_.stream().delay_s(),
-                      .u_V = supervisor_.command_V()[0]});
+  desk_.tell(tick, supervisor_,
+             {.t_s = row_.t_s,
+              .proven = supervisor_.motion().proven(),
+              .measured = row_.measured,
+              .v_mps = row_.v_mps,
+              .set_point = row_.x_ref_m,
+              .set_point_rate = row_.v_ref_mps});
 }
 
 void AxisLoop::fill_row(double t_s, std::int64_t skipped, bool stepped, const Measurement& measured, const Truth& truth,
                         const EstimatorOutput& estimate) noexcept {
   const bool estimated = (estimate.health & estimator_not_started) == 0;
   const auto known = [](bool is_known, double value) { return is_known ? value : Row::none; };
-  const bool commanded = obeyed_ != CommandKind::none;
+  const AxisCommand& asked = desk_.command();
+  const bool commanded = desk_.obeyed() != CommandKind::none;
   const bool two_valves = valves_ == 2;
   for (const Signal signal : channel_signals) {
     const Channel& channel = measured.channel[signal];

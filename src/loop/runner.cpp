@@ -240,6 +240,7 @@ std::unique_ptr<ControlLoop> make_control_loop(const Rig& rig, const LoadPositio
   if (rig.controls_pressure()) {
     auto loop = std::make_unique<PressureLoop>();
     loop->configure(rig);
+    loop->set_command_link(commands);
     return loop;
   }
   auto loop = std::make_unique<AxisLoop>();

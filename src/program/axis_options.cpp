@@ -49,7 +49,7 @@ Rig read_axis(std::string_view verb, const AxisOptions& options, const std::vect
   if (rig.sensors.position.incremental && backend_of(options, rig) != "sim" && !rig.zeros.contains("x"))
     throw InputError(options.config + ": sensors.position.incremental: found true without a zero of x, expected "
                                       "--zeros FILE of the verb home, run after the encoder was switched on");
-  if (verb == "run") require_loop(verb, options.config, rig);
+  if (verb == "run" || verb == "serve") require_loop(verb, options.config, rig);
   else require_valves(verb, options.config, rig);
   return rig;
 }

@@ -1,19 +1,24 @@
 // Verb command: tells a served axis what to do, and shows how it is.
 #include <array>
+#include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
 #include "config/key_suggestion.hpp"
+#include "config/units.hpp"
 #include "loop/realtime_stop.hpp"
 #include "program/verbs.hpp"
 #include "service/command_client.hpp"
+#include "service/commanded_quantity.hpp"
 #include "service/sockets.hpp"
 
 namespace pneuservo {
@@ -22,32 +27,32 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct CommandOptions {
-  std::string word, socket;
-  std::optional<double> value, speed_mps;
+  std::string word, value, speed, rate, socket;
   double interval_s = 0.5;
   std::uint16_t tcp = 0;
   bool wait = false, json = false;
 };
 
-/// A word of the command line, the protocol's command and the key of its number.
+/// A word of the command line, the protocol's command and what its number is.
 struct Word {
-  std::string_view word, command, value;
+  std::string_view word, command;
+  Field CommandedQuantity::* value = nullptr;
   bool is_motion = false;
   std::string_view done = "";  ///< told when it is
 };
 constexpr std::array command_words{
-    Word{"enable", "enable", "", false, "active: moves are obeyed"},
-    Word{"disable", "disable", "", false, "safe output: nothing moves before the next enable"},
-    Word{"reset", "reset", "", false, "the fault is acknowledged; enable leads on"},
-    Word{"move", "move_to", "position_m", true},
-    Word{"move-by", "move_by", "way_m", true},
-    Word{"jog", "jog", "speed_mps", true},
-    Word{"stop", "stop", "", true},
-    Word{"hold", "hold", "", true},
-    Word{"resume", "resume", "", true},
-    Word{"mark", "mark", "", false, "marked: the recording around now is kept"},
-    Word{"status", "status", ""},
-    Word{"watch", "watch", ""}};
+    Word{"enable", "enable", nullptr, false, "active: moves are obeyed"},
+    Word{"disable", "disable", nullptr, false, "safe output: nothing moves before the next enable"},
+    Word{"reset", "reset", nullptr, false, "the fault is acknowledged; enable leads on"},
+    Word{"move", "move_to", &CommandedQuantity::target, true},
+    Word{"move-by", "move_by", &CommandedQuantity::way, true},
+    Word{"jog", "jog", &CommandedQuantity::rate, true},
+    Word{"stop", "stop", nullptr, true},
+    Word{"hold", "hold", nullptr, true},
+    Word{"resume", "resume", nullptr, true},
+    Word{"mark", "mark", nullptr, false, "marked: the recording around now is kept"},
+    Word{"status", "status"},
+    Word{"watch", "watch"}};
 
 std::vector<std::string> names_of_words() {
   std::vector<std::string> names;
@@ -67,37 +72,69 @@ Descriptor connect_by(const CommandOptions& options) {
   return connect_to(options.socket.empty() ? only_socket() : std::filesystem::path(options.socket));
 }
 
-Json request_of(const CommandOptions& options, const Word& word) {
+/// What is commanded there, and from where gauge pressures count.
+struct Commanded {
+  const CommandedQuantity& quantity;
+  Datums datums;
+};
+
+Commanded commanded_at(CommandClient& client) {
+  const Json status = client.ask({{"command", "status"}})["status"];
+  if (!status.contains(std::string(commanded_pressure.measured))) return {commanded_position, {}};
+  return {commanded_pressure, {.atmosphere_Pa = status["atmosphere_Pa"].get<double>()}};
+}
+
+/// A number in the SI unit of its key, or with a unit: 0.1, "100 mm", "3 bar gauge".
+double number_of(const std::string& name, const std::string& text, const Field& field, const Datums& datums) {
+  double number = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error == std::errc() && end == text.data() + text.size() && std::isfinite(number)) return number;
+  const ReadQuantity read = read_quantity(field, text, datums);
+  if (read.value) return *read.value;
+  throw InputError(fmt::format("{}: found '{}', expected {} or a number in {}", name, text, read.expected, field.unit));
+}
+
+Json request_of(const CommandOptions& options, const Word& word, const Commanded& commanded) {
   Json request{{"command", word.command}};
-  if (word.value.empty() && options.value)
-    throw InputError(fmt::format("{}: found a number, expected none after it", word.word));
-  if (!word.value.empty() && !options.value)
-    throw InputError(fmt::format("{}: found nothing after it, expected a number: {}", word.word, word.value));
-  if (!word.value.empty()) request[std::string(word.value)] = *options.value;
-  if (options.speed_mps) {
-    if (word.value != "position_m" && word.value != "way_m")
-      throw InputError(fmt::format("--speed: found with {}, expected move or move-by", word.word));
-    request["speed_mps"] = *options.speed_mps;
+  if (word.value != nullptr) {
+    const Field& field = commanded.quantity.*word.value;
+    if (options.value.empty())
+      throw InputError(fmt::format("{}: found nothing after it, expected a number: {}", word.word, field.key));
+    request[std::string(field.key)] = number_of(options.word, options.value, field, commanded.datums);
+  }
+  const bool has_rate = word.value == &CommandedQuantity::target || word.value == &CommandedQuantity::way;
+  for (const auto& [option, text] : {std::pair{"--speed", &options.speed}, std::pair{"--rate", &options.rate}}) {
+    if (text->empty()) continue;
+    if (!has_rate) throw InputError(fmt::format("{}: found with {}, expected move or move-by", option, word.word));
+    if (option != commanded.quantity.rate_option)
+      throw InputError(fmt::format("{}: found where {} is commanded, expected {}", option,
+                                   commanded.quantity.target.key, commanded.quantity.rate_option));
+    const Field& field = commanded.quantity.rate;
+    request[std::string(field.key)] = number_of(option, *text, field, commanded.datums);
   }
   if (word.command == "watch") request["interval_s"] = options.interval_s;
   return request;
 }
 
-std::string status_text(const Json& s) {
-  const auto mm = [&](const char* key) {
-    return s[key].is_number() ? fmt::format("{:.3f} mm", 1e3 * s[key].get<double>()) : std::string("-");
-  };
-  std::string text = fmt::format("{:.3f} s  {}{}  x {}  set point {}  target {}", s["t_s"].get<double>(),
-                                 s["state"].get<std::string>(), s["moving"].get<bool>() ? ", moving" : "", mm("x_m"),
-                                 mm("x_ref_m"), mm("target_m"));
+std::string shown(const Json& value, const CommandedQuantity& quantity) {
+  if (!value.is_number()) return "-";
+  return fmt::format("{:.3f} {}", quantity.shown * value.get<double>(), quantity.shown_unit);
+}
+
+std::string status_text(const Json& s, const CommandedQuantity& quantity) {
+  const auto part = [&](std::string_view key) { return shown(s[std::string(key)], quantity); };
+  std::string text =
+      fmt::format("{:.3f} s  {}{}  {} {}  set point {}  target {}", s["t_s"].get<double>(),
+                  s["state"].get<std::string>(), s["moving"].get<bool>() ? ", moving" : "", quantity.shown_name,
+                  part(quantity.measured), part(quantity.set_point), part(quantity.answer_target));
   for (const auto& fault : s["faults"]) text += "  fault " + fault.get<std::string>();
   if (s["commander"].is_string()) text += "  commanded by " + s["commander"].get<std::string>();
   if (s["recording"]["trouble"].is_string()) text += "  recording: " + s["recording"]["trouble"].get<std::string>();
   return text;
 }
 
-void show_status(const Json& status, bool json) {
-  std::cout << (json ? status.dump() : status_text(status)) << std::endl;
+void show_status(const Json& status, const CommandedQuantity& quantity, bool json) {
+  std::cout << (json ? status.dump() : status_text(status, quantity)) << std::endl;
 }
 
 /// Until `done(status)`; false: a fault, or the axis is not active any more.
@@ -112,10 +149,10 @@ template <class Done> bool wait_until(CommandClient& client, const Done& done, J
   return false;
 }
 
-int watch(CommandClient& client, const CommandOptions& options) {
+int watch(CommandClient& client, const CommandedQuantity& quantity, bool json) {
   while (!StopRequest::requested()) {
     const Json line = client.next();
-    if (line.contains("status")) show_status(line["status"], options.json);
+    if (line.contains("status")) show_status(line["status"], quantity, json);
   }
   return 0;
 }
@@ -128,18 +165,22 @@ int command(const CommandOptions& options) {
     throw InputError(fmt::format("command: found {}, expected one of {}", options.word,
                                  fmt::join(near.empty() ? names : near, ", ")));
   }
-  const Json request = request_of(options, *place);
+  if (place->value == nullptr && !options.value.empty())
+    throw InputError(fmt::format("{}: found a number, expected none after it", place->word));
   StopRequest stop;
   CommandClient client(connect_by(options));
+  const Commanded commanded = commanded_at(client);
+  const CommandedQuantity& quantity = commanded.quantity;
+  const Json request = request_of(options, *place, commanded);
   const Json answer = client.ask(request);
   if (!answer.value("ok", false)) {
     client.ask({{"command", "release"}});
     std::cerr << fmt::format("{}: {}\n", options.word, answer.value("error", "no answer"));
     return 1;
   }
-  if (place->word == "watch") return watch(client, options);
+  if (place->word == "watch") return watch(client, quantity, options.json);
   if (place->word == "status") {
-    show_status(answer["status"], options.json);
+    show_status(answer["status"], quantity, options.json);
     return 0;
   }
   Json status;
@@ -153,10 +194,11 @@ int command(const CommandOptions& options) {
   client.ask({{"command", "release"}});
   if (options.json) std::cout << answer.dump() << "\n";
   else if (place->is_motion)
-    std::cout << fmt::format("to {:.3f} mm, there at {:.3f} s (now {:.3f} s)\n", 1e3 * answer["target_m"].get<double>(),
+    std::cout << fmt::format("to {}, there at {:.3f} s (now {:.3f} s)\n",
+                             shown(answer[std::string(quantity.answer_target)], quantity),
                              answer["ends_s"].get<double>(), answer["t_s"].get<double>());
   else if (good) std::cout << place->done << "\n";
-  if (!good && !status.is_null()) std::cerr << options.word << ": " << status_text(status) << "\n";
+  if (!good && !status.is_null()) std::cerr << options.word << ": " << status_text(status, quantity) << "\n";
   return good ? 0 : 1;
 }
 
@@ -166,11 +208,14 @@ void add_command(CommandLine& app, int& status) {
   auto o = std::make_shared<CommandOptions>();
   Verb verb = app.add_verb("command", "tells a served axis what to do, or shows how it is");
   verb.add_option("WORD", o->word,
-                  "enable, disable, reset (a fault), move X_M, move-by WAY_M, jog SPEED_MPS, stop, hold, resume, mark, "
+                  "enable, disable, reset (a fault), move TARGET, move-by WAY, jog RATE, stop, hold, resume, mark, "
                   "status, watch")
       .required();
-  verb.add_option("NUMBER", o->value, "of move, move-by and jog");
-  verb.add_option("--speed", o->speed_mps, "speed of the move [m/s] [default: reference.speed_mps]");
+  verb.add_option("NUMBER", o->value,
+                  "of move, move-by and jog: in m and m/s, of a pressure in Pa (absolute) and Pa/s, or with a unit: "
+                  "'20 mm', '3 bar gauge'");
+  verb.add_option("--speed", o->speed, "speed of the move [m/s] [default: reference.speed_mps]");
+  verb.add_option("--rate", o->rate, "rate of a pressure [Pa/s] [default: reference.rate_Pa_per_s]");
   verb.add_flag("--wait", o->wait, "until the set point rests; whoever waits is the commander");
   verb.add_option("--socket", o->socket, "Unix socket of the axis [default: that of the only one that is served here]");
   verb.add_option("--tcp", o->tcp, "port of the axis on this machine instead").within(1, 65535);

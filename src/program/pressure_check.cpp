@@ -10,9 +10,9 @@
 #include <pneuservo/control/pressure_pi.hpp>
 #include <pneuservo/control/pressure_reference.hpp>
 #include <pneuservo/control/pulse_width.hpp>
-#include <pneuservo/elements/orifice.hpp>
 
 #include "backends.hpp"
+#include "config/pressure_checks.hpp"
 #include "loop/runner.hpp"
 #include "report/pressure_metrics.hpp"
 #include "report/table.hpp"
@@ -58,33 +58,25 @@ Finding margins_finding(const Rig& rig) {
   return {Level::good, "loop margins", what, ""};
 }
 
-/// Rate of the pressure p at the end of a hose without a drop, through the open valve between two pressures [Pa/s].
-double rate_Pa_per_s(const Rig& rig, double up_Pa, double down_Pa, double p_Pa) {
-  const auto& axis = rig.axis;
-  const Air<double> air(axis.air);
-  const double area_m2 = std::min(axis.valve.area_max_m2, axis.valve.area_per_volt_m2_per_V * axis.valve.command_max_V);
-  const double b = axis.valve.critical_pressure_ratio, volume_m3 = rig.volume.volume_m3 + axis.line_1.volume_m3() +
-                                                                   rig.volume.growth_m3(p_Pa, air.atmosphere_Pa);
-  const double flow = area_m2 * orifice_flux(air, up_Pa, air.temperature_K, down_Pa, b);
-  return flow * air.R * air.temperature_K / (volume_m3 + rig.volume.compliance_m3_per_Pa * p_Pa);
-}
-
 Finding flow_finding(const Rig& rig) {
   const ReferenceExtremes range = PressureReference(rig.pressure_reference).range_Pa(rig.duration_s);
-  const double supply_Pa = rig.axis.supply.pressure_Pa, atmosphere_Pa = rig.axis.air.atmosphere_Pa;
-  const double fills = rate_Pa_per_s(rig, supply_Pa, range.maximum, range.maximum),
-               empties = rate_Pa_per_s(rig, std::max(range.minimum, atmosphere_Pa), atmosphere_Pa, range.minimum);
+  const double fills = valve_fills_Pa_per_s(rig, range.maximum), empties = valve_empties_Pa_per_s(rig, range.minimum);
   std::string what = fmt::format("fills at {} kPa/s at the highest pressure of the reference, empties at {} kPa/s "
                                  "at the lowest, without the hose's drop",
                                  figure(1e-3 * fills), figure(1e-3 * empties));
   if (rig.axis.valve.on_off) {
     PulseWidth pulses;
     pulses.configure(rig.axis.valve, rig.period_s);
-    const double fastest = std::max(rate_Pa_per_s(rig, supply_Pa, range.minimum, range.minimum),
-                                    rate_Pa_per_s(rig, range.maximum, atmosphere_Pa, range.maximum));
+    const double fastest =
+        std::max(valve_fills_Pa_per_s(rig, range.minimum), valve_empties_Pa_per_s(rig, range.maximum));
     what += fmt::format("; the shortest pulse opens for {} ms and moves the pressure by {} kPa at most",
                         figure(1e3 * pulses.least_open_s()), figure(1e-3 * fastest * pulses.least_open_s()));
   }
+  const PressureReferenceParameters& live = rig.pressure_reference;
+  if (live.kind == PressureReferenceKind::live && live.rate_Pa_per_s > std::min(fills, empties))
+    return {Level::acceptable, "valve flow",
+            what + ", less than reference.rate_Pa_per_s: there the pressure comes late",
+            "lower the rate, move the range away from supply and atmosphere, or take a larger valve"};
   return {Level::good, "valve flow", what, ""};
 }
 

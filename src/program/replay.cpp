@@ -63,13 +63,13 @@ std::vector<Ppd2GainSet> gains_of(const Recording& data) {
 }
 
 /// What a commanded axis obeyed in each row; nothing of a run along a reference.
-std::vector<AxisCommand> commands_of(const Recording& data, int moves) {
+std::vector<AxisCommand> commands_of(const Recording& data, int moves, bool is_pressure) {
   if (moves > 0 || !data.has("command_kind")) return {};
   std::vector<AxisCommand> commands(data.rows());
   for (std::size_t i = 0; i < commands.size(); ++i) {
     commands[i].kind = static_cast<CommandKind>(data.column("command_kind")[i]);
-    commands[i].position_m = data.column("command_m")[i];
-    commands[i].speed_mps = data.column("command_mps")[i];
+    commands[i].target = data.column(is_pressure ? "command_Pa" : "command_m")[i];
+    commands[i].rate = data.column(is_pressure ? "command_Pa_per_s" : "command_mps")[i];
     if (data.has("command_s")) commands[i].interval_s = data.column("command_s")[i];
   }
   return commands;
@@ -102,7 +102,7 @@ ReplayResult replay_rows(const Rig& rig, ReplayBackend& backend, int moves, cons
   backend.configure();
   backend.activate();
   ReplayResult result = replay_loop(rig, backend, ticks, dropped, moves, load_reference_positions, recorded,
-                                    gains_of(data), commands_of(data, moves));
+                                    gains_of(data), commands_of(data, moves, rig.controls_pressure()));
   backend.deactivate();
   return result;
 }

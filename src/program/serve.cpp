@@ -37,10 +37,14 @@ constexpr double longest_injection_s = 1e5;
 
 Rig read_with_options(const ServeOptions& options) {
   Rig rig = read_axis("serve", options);
-  if (rig.reference.kind != ReferenceKind::live)
-    throw InputError(options.config +
-                     ": reference.kind: found a reference that is fixed, expected live, with lowest_m, "
-                     "highest_m, speed_mps and acceleration_mps2 (docs/serve.md)");
+  const bool is_pressure = rig.controls_pressure();
+  if (is_pressure ? rig.pressure_reference.kind != PressureReferenceKind::live
+                  : rig.reference.kind != ReferenceKind::live)
+    throw InputError(fmt::format("{}: reference.kind: found a reference that is fixed, expected live, with {} "
+                                 "(docs/serve.md)",
+                                 options.config,
+                                 is_pressure ? "lowest_Pa, highest_Pa and rate_Pa_per_s"
+                                             : "lowest_m, highest_m, speed_mps and acceleration_mps2"));
   if (!rig.serve) rig.serve.emplace();
   return rig;
 }

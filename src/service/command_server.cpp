@@ -34,7 +34,7 @@ ServeParameters serve_parameters(const Rig& rig) { return rig.serve.value_or(Ser
 
 CommandServer::CommandServer(const Rig& rig, std::filesystem::path socket, CommandLink& link,
                              const RecordingSeries* series, std::function<void(const std::string&)> say)
-    : reader_(rig), settings_(serve_parameters(rig)), period_s_(rig.period_s), path_(std::move(socket)), link_(link),
+    : rig_(rig), reader_(rig_), settings_(serve_parameters(rig)), path_(std::move(socket)), link_(link),
       series_(series), say_(std::move(say)), local_(listen_at(path_)) {
   if (settings_.tcp_port != 0) tcp_ = listen_on_loopback(static_cast<std::uint16_t>(settings_.tcp_port));
 }
@@ -158,7 +158,7 @@ void CommandServer::handle(Client& client, const std::string& line) {
     answer["ok"] = true;
     if (request.kind == RequestKind::status) {
       take_status();
-      answer["status"] = status_json(status_, period_s_, commander_name(), series_ ? series_->state() : SeriesState{});
+      answer["status"] = status_json(rig_, status_, commander_name(), series_ ? series_->state() : SeriesState{});
     }
     put(client, answer.dump());
   } catch (const InputError& error) { put(client, error_line(id, error.what())); }
@@ -167,8 +167,8 @@ void CommandServer::handle(Client& client, const std::string& line) {
 void CommandServer::command(Client& client, const Request& request) {
   switch (pass_on(request.command, {client.number, request.id, 0, 0})) {
     case CommandResult::other_commander:
-      return put(client, error_line(request.id, fmt::format("the axis is commanded by {}, expected one commander: it "
-                                                            "has to release the axis or end first",
+      return put(client, error_line(request.id, fmt::format("commanded by {}, expected one commander: it has to "
+                                                            "release or end first",
                                                             commander_name())));
     case CommandResult::too_many:
       return put(client, error_line(request.id, fmt::format("{} commands are without an answer, expected fewer: wait "
@@ -242,7 +242,7 @@ void CommandServer::take_answers() {
     for (Client& client : clients_) {
       if (client.number != asked->second.client) continue;
       client.obeyed = client.obeyed || answer.result == CommandResult::taken;
-      put(client, answer_line(asked->second.id, answer, answer.tick - asked->second.tick, period_s_));
+      put(client, answer_line(rig_, asked->second.id, answer, answer.tick - asked->second.tick));
     }
     asked_.erase(asked);
   }
@@ -266,7 +266,7 @@ void CommandServer::watch(Client& client, Clock::time_point now) {
   const auto interval = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(client.watch_s));
   client.next_watch = std::max(client.next_watch + interval, now);
   nlohmann::ordered_json line{{"version", protocol_version}};
-  line["status"] = status_json(status_, period_s_, commander_name(), series_ ? series_->state() : SeriesState{});
+  line["status"] = status_json(rig_, status_, commander_name(), series_ ? series_->state() : SeriesState{});
   put(client, line.dump());
 }
 

@@ -78,9 +78,9 @@ class CommandServer {
   void put(Client& client, const std::string& line);
   std::string commander_name() const;
 
+  CommandedRig rig_;
   RequestReader reader_;
   ServeParameters settings_;
-  double period_s_;
   std::filesystem::path path_;
   CommandLink& link_;
   const RecordingSeries* series_;

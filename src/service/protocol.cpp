@@ -33,12 +33,12 @@ std::vector<std::string> known_requests() {
 }
 
 /// Keys that a request may have beside version, id and command.
-std::vector<std::string_view> keys_of(std::string_view command) {
-  if (command == "move_to") return {"position_m", "speed_mps"};
-  if (command == "move_by") return {"way_m", "speed_mps"};
-  if (command == "jog") return {"speed_mps"};
+std::vector<std::string_view> keys_of(const CommandedQuantity& quantity, std::string_view command) {
+  if (command == "move_to") return {quantity.target.key, quantity.rate.key};
+  if (command == "move_by") return {quantity.way.key, quantity.rate.key};
+  if (command == "jog") return {quantity.rate.key};
   if (command == "watch") return {"interval_s"};
-  if (command == "follow") return {"position_m", "interval_s"};
+  if (command == "follow") return {quantity.target.key, "interval_s"};
   return {};
 }
 
@@ -63,8 +63,13 @@ void check_head(const json& request) {
                                  fmt::join(known_requests(), ", ")));
 }
 
-void check_keys(const json& request, std::string_view command) {
-  const auto allowed = keys_of(command);
+/// NaN is no JSON number.
+json number_or_null(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
+
+}  // namespace
+
+void RequestReader::check_keys(const json& request, std::string_view command) const {
+  const auto allowed = keys_of(rig_.quantity, command);
   for (const auto& [key, value] : request.items()) {
     if (key == "version" || key == "id" || key == "command") continue;
     if (std::ranges::find(allowed, key) != allowed.end()) continue;
@@ -73,15 +78,7 @@ void check_keys(const json& request, std::string_view command) {
   }
 }
 
-/// NaN is no JSON number.
-json number_or_null(double value) { return std::isfinite(value) ? json(value) : json(nullptr); }
-
-}  // namespace
-
-RequestReader::RequestReader(const Rig& rig)
-    : lowest_m_(rig.reference.lowest_m), highest_m_(rig.reference.highest_m), speed_mps_(rig.reference.speed_mps) {}
-
-double RequestReader::number(const json& line, const char* key, double lowest, double highest,
+double RequestReader::number(const json& line, std::string_view key, double lowest, double highest,
                              std::optional<double> usual) const {
   const auto found = line.find(key);
   if (found == line.end() && usual) return *usual;
@@ -93,19 +90,21 @@ double RequestReader::number(const json& line, const char* key, double lowest, d
 
 AxisCommand RequestReader::motion(const json& line, CommandKind kind) const {
   AxisCommand command{kind};
-  const double slowest_mps = 1e-3 * speed_mps_, range_m = highest_m_ - lowest_m_;
+  const CommandedQuantity& quantity = rig_.quantity;
+  const double lowest = rig_.limits.lowest_m, highest = rig_.limits.highest_m, range = highest - lowest;
+  const double fastest = rig_.limits.speed_mps, slowest = 1e-3 * fastest;
   if (kind == CommandKind::move_to || kind == CommandKind::follow)
-    command.position_m = number(line, "position_m", lowest_m_, highest_m_);
-  if (kind == CommandKind::move_by) command.position_m = number(line, "way_m", -range_m, range_m);
+    command.target = number(line, quantity.target.key, lowest, highest);
+  if (kind == CommandKind::move_by) command.target = number(line, quantity.way.key, -range, range);
   if (kind == CommandKind::move_to || kind == CommandKind::move_by)
-    command.speed_mps = number(line, "speed_mps", slowest_mps, speed_mps_, speed_mps_);
+    command.rate = number(line, quantity.rate.key, slowest, fastest, fastest);
   if (kind == CommandKind::follow)
     command.interval_s = number(line, "interval_s", shortest_interval_s, longest_interval_s);
   if (kind != CommandKind::jog) return command;
-  command.speed_mps = number(line, "speed_mps", -speed_mps_, speed_mps_);
-  if (std::fabs(command.speed_mps) < slowest_mps)
+  command.rate = number(line, quantity.rate.key, -fastest, fastest);
+  if (std::fabs(command.rate) < slowest)
     throw InputError(
-        fmt::format("speed_mps: found {:g}, expected at least {:g} either way", command.speed_mps, slowest_mps));
+        fmt::format("{}: found {:g}, expected at least {:g} either way", quantity.rate.key, command.rate, slowest));
   return command;
 }
 
@@ -141,16 +140,16 @@ Request RequestReader::read(std::string_view line, json& id) const {
 /// A time without the last digits of its sum: 12.78 instead of 12.780000000000001.
 static double whole_nanoseconds(double time_s) { return std::round(time_s * 1e9) / 1e9; }
 
-std::string answer_line(const json& id, const AxisAnswer& answer, std::int64_t waited, double period_s) {
+std::string answer_line(const CommandedRig& rig, const json& id, const AxisAnswer& answer, std::int64_t waited) {
   if (answer.result != CommandResult::taken) return error_line(id, text_of(answer.result));
   nlohmann::ordered_json line{{"version", protocol_version}};
   if (!id.is_null()) line["id"] = id;
   line["ok"] = true;
   line["tick"] = answer.tick;
   line["waited_ticks"] = waited;
-  line["t_s"] = whole_nanoseconds(static_cast<double>(answer.tick) * period_s);
-  line["target_m"] = answer.target_m;
-  line["ends_s"] = whole_nanoseconds(static_cast<double>(answer.end_tick) * period_s);
+  line["t_s"] = whole_nanoseconds(static_cast<double>(answer.tick) * rig.period_s);
+  line[std::string(rig.quantity.answer_target)] = answer.target;
+  line["ends_s"] = whole_nanoseconds(static_cast<double>(answer.end_tick) * rig.period_s);
   return line.dump();
 }
 
@@ -162,22 +161,24 @@ std::string error_line(const json& id, std::string_view sentence) {
   return line.dump(-1, ' ', true, json::error_handler_t::replace);
 }
 
-nlohmann::ordered_json status_json(const AxisStatus& s, double period_s, std::string_view commander,
+nlohmann::ordered_json status_json(const CommandedRig& rig, const AxisStatus& s, std::string_view commander,
                                    const SeriesState& recording) {
   nlohmann::ordered_json faults = json::array();
   for (const FaultText& text : fault_texts)
     if ((s.faults & text.bit) != 0) faults.push_back(text.name);
   const bool active = s.state == SupervisorState::active;
+  const auto commanded = [active](double value) { return number_or_null(active ? value : std::nan("")); };
+  const auto key = [](std::string_view name) { return std::string(name); };
   nlohmann::ordered_json status = {
       {"t_s", whole_nanoseconds(s.t_s)},
       {"state", supervisor_state_names[static_cast<std::size_t>(s.state)]},
       {"enabled", s.enabled},
       {"start_proven", active && s.proven},
       {"moving", active && s.tick < s.end_tick},
-      {"x_ref_m", number_or_null(active ? s.x_ref_m : std::nan(""))},
-      {"v_ref_mps", number_or_null(active ? s.v_ref_mps : std::nan(""))},
-      {"target_m", number_or_null(active ? s.target_m : std::nan(""))},
-      {"ends_s", number_or_null(active ? whole_nanoseconds(static_cast<double>(s.end_tick) * period_s) : std::nan(""))},
+      {key(rig.quantity.set_point), commanded(s.set_point)},
+      {key(rig.quantity.set_point_rate), commanded(s.set_point_rate)},
+      {key(rig.quantity.answer_target), commanded(s.target)},
+      {"ends_s", commanded(whole_nanoseconds(static_cast<double>(s.end_tick) * rig.period_s))},
       {"late", s.is_late},
       {"u_V", number_or_null(s.u_V)},
       {"faults", faults},
@@ -189,7 +190,10 @@ nlohmann::ordered_json status_json(const AxisStatus& s, double period_s, std::st
         {"deleted", recording.deleted},
         {"trouble", recording.trouble.empty() ? json(nullptr) : json(recording.trouble)}}}};
   for (const Signal signal : channel_signals)
-    status[std::string(info(signal).column)] = number_or_null(s.measured[signal]);
+    if (rig.has_sensor[signal]) status[key(info(signal).column)] = number_or_null(s.measured[signal]);
+  if (!rig.is_pressure()) return status;
+  status[key(rig.quantity.measured)] = number_or_null(s.p_Pa);
+  status["atmosphere_Pa"] = rig.atmosphere_Pa;
   return status;
 }
 

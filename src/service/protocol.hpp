@@ -10,6 +10,7 @@
 #include <pneuservo/rig/rig.hpp>
 
 #include "record/series.hpp"
+#include "service/commanded_quantity.hpp"
 
 namespace pneuservo {
 
@@ -33,25 +34,28 @@ constexpr bool needs_command(CommandKind kind) noexcept {
   return kind != CommandKind::stop && kind != CommandKind::disable && kind != CommandKind::mark;
 }
 
-/// Reads requests of one axis: keys, units and its limits.
+/// Reads requests of one rig: keys, units and its limits.
 class RequestReader {
  public:
-  explicit RequestReader(const Rig& rig);
+  explicit RequestReader(const CommandedRig& rig) : rig_(rig) {}
   /// Throws InputError with one sentence; `id` has what the line had, as far as it could be read.
   Request read(std::string_view line, nlohmann::json& id) const;
 
  private:
-  double number(const nlohmann::json& line, const char* key, double lowest, double highest,
+  double number(const nlohmann::json& line, std::string_view key, double lowest, double highest,
                 std::optional<double> usual = {}) const;
   AxisCommand motion(const nlohmann::json& line, CommandKind kind) const;
 
-  double lowest_m_, highest_m_, speed_mps_;
+  void check_keys(const nlohmann::json& request, std::string_view command) const;
+
+  const CommandedRig& rig_;
 };
 
 /// One line without its end. `waited`: ticks from the last one that was over when the command came.
-std::string answer_line(const nlohmann::json& id, const AxisAnswer& answer, std::int64_t waited, double period_s);
+std::string answer_line(const CommandedRig& rig, const nlohmann::json& id, const AxisAnswer& answer,
+                        std::int64_t waited);
 std::string error_line(const nlohmann::json& id, std::string_view sentence);
-nlohmann::ordered_json status_json(const AxisStatus& status, double period_s, std::string_view commander,
+nlohmann::ordered_json status_json(const CommandedRig& rig, const AxisStatus& status, std::string_view commander,
                                    const SeriesState& recording);
 
 }  // namespace pneuservo

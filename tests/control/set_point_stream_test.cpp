@@ -71,12 +71,11 @@ TEST_CASE("random streams never leave position, speed and acceleration, and end 
     for (const ReferencePoint& point : played(stream, set_points, interval)) {
       REQUIRE(point.d[0] >= limits.lowest_m - 1e-12);
       REQUIRE(point.d[0] <= limits.highest_m + 1e-12);
-      REQUIRE(std::fabs(point.d[1]) <=
-              limits.speed_mps * (1.0 + 1e-9) + 2.0 * SetPointStream::unit_m / stream_period_s);
+      REQUIRE(std::fabs(point.d[1]) <= limits.speed_mps * (1.0 + 1e-9) + 2.0 * limits.unit_m / stream_period_s);
       REQUIRE(std::fabs(point.d[2]) <= limits.acceleration_mps2 * (1.0 + 1e-6));
     }
     const ReferencePoint end = stream.now();
-    CHECK(std::fabs(end.d[0] - std::clamp(at, limits.lowest_m, limits.highest_m)) <= 0.5 * SetPointStream::unit_m);
+    CHECK(std::fabs(end.d[0] - std::clamp(at, limits.lowest_m, limits.highest_m)) <= 0.5 * limits.unit_m);
     for (std::size_t order = 1; order < end.d.size(); ++order) CHECK(end.d[order] == 0.0);
   }
 }

@@ -64,10 +64,10 @@ class IdealAxis {
     status.enabled = enabled_;
     status.proven = true;
     status.faults = status.first_faults = faults;
-    status.x_ref_m = motion_.at(tick_).d[0];
-    status.v_ref_mps = status.v_mps = motion_.at(tick_).d[1];
-    status.measured[Signal::x] = status.x_ref_m - lag_m;
-    status.target_m = motion_.target_m();
+    status.set_point = motion_.at(tick_).d[0];
+    status.set_point_rate = status.v_mps = motion_.at(tick_).d[1];
+    status.measured[Signal::x] = status.set_point - lag_m;
+    status.target = motion_.target_m();
     status.end_tick = motion_.end_tick();
     status.is_late = motion_.is_late();
     return status;
@@ -216,7 +216,7 @@ TEST_CASE("a drive's states follow CiA 402, whatever controlwords come") {
     bench.run(static_cast<int>(random() % 12));
     const bool may = bench.drive.state() == S::operation_enabled || bench.drive.state() == S::quick_stop_active;
     if (bench.commands.empty()) REQUIRE((bench.axis.status().enabled ? may || bench.value(0x6040) % 16 == 15 : true));
-    REQUIRE(std::fabs(bench.axis.status().x_ref_m) <= 0.12 + 1e-9);
+    REQUIRE(std::fabs(bench.axis.status().set_point) <= 0.12 + 1e-9);
   }
 }
 
@@ -289,15 +289,15 @@ TEST_CASE("cyclic position: 10 000 set points on SYNC are followed in order and 
     bench.run(4);
     const int delay = static_cast<int>(std::lround(SetPointStream::peak(6) * 0.4 / 3.0 * 6.0 / period_s / 2.0 / 4.0));
     if (i > 3000)
-      worst_m = std::max(worst_m,
-                         std::fabs(bench.axis.status().x_ref_m - 1e-6 * sent[static_cast<std::size_t>(i - 1 - delay)]));
+      worst_m = std::max(
+          worst_m, std::fabs(bench.axis.status().set_point - 1e-6 * sent[static_cast<std::size_t>(i - 1 - delay)]));
     REQUIRE(bench.bit(12));
     REQUIRE_FALSE(bench.bit(11));
   }
   CHECK(worst_m < 2e-3);  // a set point's way, and what the averages round off
   REQUIRE(bench.axis.followed.size() == sent.size());
   for (std::size_t i = 0; i < sent.size(); ++i) {
-    REQUIRE(std::lround(1e6 * bench.axis.followed[i].position_m) == sent[i]);
+    REQUIRE(std::lround(1e6 * bench.axis.followed[i].target) == sent[i]);
     REQUIRE(bench.axis.followed[i].interval_s == Approx(0.004));
   }
   bench.run(1000);  // the stream has ended: at rest where it did
@@ -489,7 +489,7 @@ TEST_CASE(
   bench.control(0x1F);
   bench.run(2000);
   CHECK(bench.place(0x6064) == -1'000);
-  CHECK(bench.axis.status().x_ref_m == Approx(0.024));
+  CHECK(bench.axis.status().set_point == Approx(0.024));
 }
 
 TEST_CASE("the EDS of the drive says what its dictionary has") {

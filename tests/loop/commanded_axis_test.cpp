@@ -91,7 +91,7 @@ TEST_CASE("nothing moves before enable, and again after disable") {
   CHECK(axis.rows().back().x_ref_m == Approx(0.0).margin(1e-4));
   const AxisAnswer answer = axis.ask(move_to(0.05));
   CHECK(answer.result == CommandResult::taken);
-  CHECK(answer.target_m == 0.05);
+  CHECK(answer.target == 0.05);
   axis.run(2500);
   CHECK(axis.rows().back().x_ref_m == 0.05);
   CHECK(axis.rows().back().x_true_m == Approx(0.05).margin(1e-3));
@@ -114,9 +114,9 @@ TEST_CASE("a command is obeyed in the next tick, which has the first new set poi
   CHECK(axis.rows().back().command_kind == static_cast<std::uint32_t>(CommandKind::stop));
   axis.run(2000);
   CHECK(axis.rows().back().v_ref_mps == 0.0);
-  CHECK(axis.rows().back().x_ref_m == answer.target_m);
-  CHECK(answer.target_m > on_way_m);
-  CHECK(answer.target_m < 0.1);
+  CHECK(axis.rows().back().x_ref_m == answer.target);
+  CHECK(answer.target > on_way_m);
+  CHECK(answer.target < 0.1);
 }
 
 TEST_CASE("the first move is slow until the start is proven, and then has its speed") {
@@ -142,21 +142,21 @@ TEST_CASE("relative moves, hold and resume, what is outside moves nothing") {
   axis.enable();
   axis.ask(move_to(0.05, 0.05));
   axis.ask({CommandKind::move_by, 0.02, 0.05});
-  CHECK(axis.status().target_m == Approx(0.07));
+  CHECK(axis.status().target == Approx(0.07));
   CHECK(axis.ask({CommandKind::move_by, 0.1, 0.4}).result == CommandResult::outside);
-  CHECK(axis.status().target_m == Approx(0.07));
+  CHECK(axis.status().target == Approx(0.07));
   CHECK(axis.ask({CommandKind::resume}).result == CommandResult::nothing_held);
   axis.run(800);
-  CHECK(axis.ask({CommandKind::hold}).target_m < 0.07);
+  CHECK(axis.ask({CommandKind::hold}).target < 0.07);
   axis.run(1000);
   CHECK(axis.rows().back().v_ref_mps == 0.0);
-  CHECK(axis.ask({CommandKind::resume}).target_m == Approx(0.07));
+  CHECK(axis.ask({CommandKind::resume}).target == Approx(0.07));
   axis.run(2000);
   CHECK(axis.rows().back().x_ref_m == Approx(0.07));
   axis.ask({CommandKind::jog, 0.0, -0.1});
   axis.run(500);
   const double jogged_m = axis.rows().back().x_ref_m;
-  CHECK(axis.ask({CommandKind::move_by, 0.01, 0.4}).target_m == Approx(jogged_m + 0.01).margin(1e-3));
+  CHECK(axis.ask({CommandKind::move_by, 0.01, 0.4}).target == Approx(jogged_m + 0.01).margin(1e-3));
 }
 
 TEST_CASE("random commands: no fault, within limits, and what was obeyed replays bit for bit") {
@@ -225,7 +225,7 @@ TEST_CASE("a stream of set points moves the axis, rests when it stops, and repla
   follow.interval_s = 0.02;
   axis.ask(follow);
   axis.run(30);
-  CHECK(axis.ask(move_to(-0.05)).target_m == Approx(-0.05));
+  CHECK(axis.ask(move_to(-0.05)).target == Approx(-0.05));
   axis.run(2500);
   CHECK(axis.rows().back().x_ref_m == Approx(-0.05).margin(1e-12));
   axis.ask(move_to(0.05));

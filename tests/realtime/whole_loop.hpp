@@ -6,12 +6,13 @@
 #include <utility>
 #include <vector>
 
-#include <pneuservo/loop/axis_loop.hpp>
+#include <pneuservo/loop/control_loop.hpp>
 #include <pneuservo/record/ring.hpp>
 
 #include "config/read_rig.hpp"
 #include "loop/course.hpp"
 #include "loop/realtime_clock.hpp"
+#include "loop/runner.hpp"
 #include "sim/sim_backend.hpp"
 
 namespace pneuservo {
@@ -23,8 +24,8 @@ struct LoopCase {
 };
 
 /// Each pressure source of a cylinder without feedforward, with that of the formula and with that of a pass, the servo
-/// table with linear feedforward and with flatness, learning between its moves, and a cylinder that is commanded twenty
-/// times a second.
+/// table with linear feedforward and with flatness, learning between its moves, and a cylinder and a pressure that are
+/// commanded twenty times a second.
 inline std::vector<LoopCase> loop_cases() {
   std::vector<LoopCase> cases;
   for (const std::string source : {"valve", "chamber", "estimated"})
@@ -43,6 +44,7 @@ inline std::vector<LoopCase> loop_cases() {
                       "controller.integral_gain_V_per_m_s=1e4", "controller.learning=flow",
                       "controller.feedforward=" + feedforward}});
   cases.push_back({"commanded", "served/cylinder-10m-7.65mm", {"initial.position_m=0.02"}});
+  cases.push_back({"commanded pressure", "served/pressure-3m-4mm", {}});
   return cases;
 }
 
@@ -51,10 +53,8 @@ class WholeLoop {
  public:
   explicit WholeLoop(const LoopCase& one)
       : rig_(read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/" + one.config + ".yaml", one.sets)), backend_(rig_),
+        made_(make_control_loop(rig_, {}, &gains_, is_commanded() ? link_.get() : nullptr)),
         course_(rig_, is_commanded() ? 0 : moves) {
-    loop_.set_gain_mailbox(&gains_);
-    if (is_commanded()) loop_.set_command_link(link_.get());
-    loop_.configure(rig_);
     backend_.configure();
     backend_.activate();
   }
@@ -85,30 +85,36 @@ class WholeLoop {
     const RtScope hot;
     loop_.stop(backend_, tick_);
   }
-  const AxisLoop& loop() const noexcept { return loop_; }
+  const ControlLoop& loop() const noexcept { return loop_; }
 
  private:
   static constexpr int moves = 6;
   static constexpr std::int64_t commanded_ticks = 12000;  // 240 commands; such an axis runs until told otherwise
-  bool is_commanded() const noexcept { return rig_.reference.kind == ReferenceKind::live; }
+  bool is_commanded() const noexcept {
+    return rig_.controls_pressure() ? rig_.pressure_reference.kind == PressureReferenceKind::live
+                                    : rig_.reference.kind == ReferenceKind::live;
+  }
   /// What stands beside the loop: the edge of enable, then moves to and fro that replace each other on their way.
   void command() {
     for (AxisAnswer answer; link_->answers.pop(answer);) {}
     for (AxisStatus status; link_->status.take(status);) {}
-    const double target_m = 0.1 * static_cast<double>(asked_ * 7 % 11 - 5) / 5.0;
+    const double share = static_cast<double>(asked_ * 7 % 11 - 5) / 5.0;
+    const double target = rig_.controls_pressure() ? 4e5 + 1e5 * share : 0.1 * share;
+    const double rate = rig_.controls_pressure() ? 7e4 : 0.3;
     if (tick_ / 50 < asked_) return;
     link_->commands.push(asked_ == 0        ? AxisCommand{CommandKind::enable}
                          : asked_ % 13 == 0 ? AxisCommand{CommandKind::stop}
-                                            : AxisCommand{CommandKind::move_to, target_m, 0.3});
+                                            : AxisCommand{CommandKind::move_to, target, rate});
     ++asked_;
   }
   Rig rig_;
   SimBackend backend_;
-  AxisLoop loop_;
-  Course course_;
-  RecordingRing ring_;
   GainMailbox gains_;
   std::unique_ptr<CommandLink> link_ = std::make_unique<CommandLink>();
+  std::unique_ptr<ControlLoop> made_;
+  ControlLoop& loop_ = *made_;
+  Course course_;
+  RecordingRing ring_;
   std::int64_t tick_ = 0, asked_ = 0;
 };
 

@@ -1,79 +1,11 @@
 #!/usr/bin/env python3
 # An axis that is served: commands of good and bad clients, a commander that dies, a fault, recordings and their replay.
-import atexit, glob, gzip, json, os, signal, socket, subprocess, sys, tempfile, threading, time
+import gzip, os, socket, threading
 
-from program import expect, expect_refusal, program, run
+from program import expect, expect_refusal, run
+from served import Client, Served, at, refused
 
 CONFIG = "config/served/cylinder-10m-7.65mm.yaml"
-folder = tempfile.TemporaryDirectory()
-
-
-def at(name):
-    return os.path.join(folder.name, name)
-
-
-class Served:
-    """`serve` in simulated time, as fast as it goes."""
-
-    def __init__(self, name, *options, **environment):
-        self.socket, self.records, self.log = at(name + ".sock"), at(name), at(name + ".log")
-        self.process = subprocess.Popen([program, "serve", CONFIG, "--time", "simulated", "--socket", self.socket, "--record", self.records, *options],
-                                        stderr=open(self.log, "w"), env={**os.environ, **environment})
-        atexit.register(self.process.kill)  # of a test that fails, too
-        for _ in range(400):
-            if os.path.exists(self.socket) and self.process.poll() is None:
-                return
-            time.sleep(0.05)
-        sys.exit(f"serve_test.py: serve did not start: {open(self.log).read()}")
-
-    def command(self, *words):
-        return run("command", *words, "--socket", self.socket)
-
-    def status(self):
-        return json.loads(self.command("status", "--json").stdout)
-
-    def until(self, holds, what):
-        for _ in range(400):
-            status = self.status()
-            if holds(status):
-                return status
-            time.sleep(0.02)
-        sys.exit(f"serve_test.py: {what} did not come: {status}")
-
-    def end(self):
-        self.process.send_signal(signal.SIGTERM)
-        status = self.process.wait(timeout=30)
-        return status, open(self.log).read()
-
-    def parts(self):
-        return sorted(glob.glob(self.records + "/*.csv.gz") + glob.glob(self.records + "/kept/*.csv.gz"), key=os.path.basename)
-
-
-class Client:
-    def __init__(self, path):
-        self.socket = socket.socket(socket.AF_UNIX)
-        self.socket.settimeout(10)
-        self.socket.connect(path)
-        self.lines = self.socket.makefile("rb")
-
-    def send(self, data):
-        self.socket.sendall(data if isinstance(data, bytes) else (json.dumps({"version": 1, **data}) + "\n").encode())
-
-    def answer(self):
-        return json.loads(self.lines.readline())
-
-    def ask(self, data):
-        self.send(data)
-        return self.answer()
-
-    def close(self):
-        self.lines.close()
-        self.socket.close()
-
-
-def refused(answer, *words):
-    expect(answer["ok"] is False and all(word in answer["error"] for word in words), f"not refused with {words}: {answer}")
-
 
 # What serve does not take.
 expect_refusal(run("serve", "config/cylinder-10m-7.65mm.yaml", "--socket", at("no.sock")), ["reference.kind", "live"], "a fixed reference")
@@ -82,7 +14,7 @@ expect_refusal(run("check", CONFIG, "--set", "reference.lowest_m=0.12"), ["highe
 expect_refusal(run("check", CONFIG, "--set", "reference.speed_mps=9"), ["speed"], "a speed beyond the valve")
 expect_refusal(run("command", "status", "--socket", at("nobody.sock")), ["nobody.sock", "serve"], "no axis there")
 
-axis = Served("axis", "--set", "serve.part_s=20")
+axis = Served(CONFIG, "axis", "--set", "serve.part_s=20")
 expect_refusal(run("serve", CONFIG, "--socket", axis.socket), ["another program"], "a second axis at the same socket")
 
 # Before enable nothing moves.
@@ -192,7 +124,7 @@ free = socket.socket()
 free.bind(("127.0.0.1", 0))
 port = free.getsockname()[1]
 free.close()
-axis = Served("faulty", "--fault", "emergency_stop@300+1", "--set", f"serve.tcp_port={port}", NOTIFY_SOCKET=at("manager"), WATCHDOG_USEC="200000")
+axis = Served(CONFIG, "faulty", "--fault", "emergency_stop@300+1", "--set", f"serve.tcp_port={port}", NOTIFY_SOCKET=at("manager"), WATCHDOG_USEC="200000")
 expect(manager.recv(4096).decode().startswith("READY=1\n"), "the manager was not told that the axis is ready")
 said = []
 

@@ -12,11 +12,12 @@
 
 namespace pneuservo {
 
-/// What moves may ask for.
+/// What moves may ask for; in Pa in place of m where a pressure is commanded.
 struct LiveLimits {
   double lowest_m = 0.0, highest_m = 0.0;
   double speed_mps = 0.1, acceleration_mps2 = 1.0;
   int smoothness = 11;  ///< degree of the smoothstep of a change of speed: 2 k + 1 for k + 1 continuous derivatives
+  double unit_m = 0x1p-40;  ///< set points of a stream are whole multiples of it
 };
 
 /// Those of a reference of kind `live`.

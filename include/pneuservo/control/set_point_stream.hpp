@@ -16,14 +16,12 @@ namespace pneuservo {
 /// A line through the set points, seen through a cascade of moving averages (docs/physics/references.md).
 ///
 /// Each of the k + 1 averages over L ticks makes one more derivative continuous, and its derivative is exact:
-/// (x(t) - x(t - T))/T. Positions are whole multiples of 2^-40 m, so that sums neither round nor drift and a line at
-/// rest gives a set point at rest. The line's speeds differ by no more than the limit over the cascade's length: the
-/// acceleration is then at most limit times the peak of the cascade's kernel. Only configure allocates; all else is
-/// HOT and takes the same time in every tick.
+/// (x(t) - x(t - T))/T. Positions are whole multiples of a power of two, so that sums neither round nor drift and a
+/// line at rest gives a set point at rest. The line's speeds differ by no more than the limit over the cascade's
+/// length: the acceleration is then at most limit times the peak of the cascade's kernel. Only configure allocates; all
+/// else is HOT and takes the same time in every tick.
 class SetPointStream {
  public:
-  static constexpr double unit_m = 0x1p-40;
-
   /// `lead_s`: how far ahead of the set point the law looks; the stream is delayed by it.
   void configure(const LiveLimits& limits, double period_s, double lead_s) {
     limits_ = limits;
@@ -137,8 +135,8 @@ class SetPointStream {
     std::int64_t lowest = 0, highest = 0;
   };
 
-  static std::int64_t units(double position_m) noexcept { return std::llround(position_m / unit_m); }
-  static double metres(std::int64_t units) noexcept { return static_cast<double>(units) * unit_m; }
+  std::int64_t units(double position_m) const noexcept { return std::llround(position_m / limits_.unit_m); }
+  double metres(std::int64_t units) const noexcept { return static_cast<double>(units) * limits_.unit_m; }
   std::int64_t rest_ticks() const noexcept { return cascade() + lead_ + 2; }
 
   /// What the stage gave so many ticks ago; before the start it gave what it began with.
@@ -202,7 +200,7 @@ class SetPointStream {
   ReferencePoint newest_point() const noexcept {
     ReferencePoint point;
     const double per_length = 1.0 / (static_cast<double>(length_) * period_s_);
-    double scale = unit_m;
+    double scale = limits_.unit_m;
     for (std::size_t order = 0; order <= stages_; ++order, scale *= per_length)
       point.d[order] = scale * static_cast<double>(difference(stages_ - order, order, 0));
     point.d[stages_ + 1] =

@@ -1,4 +1,5 @@
-// What an axis can be told while it runs, what it answers, and what it says of itself.
+// What an axis can be told while it runs, what it answers, and what it says of itself. Targets and rates are in the SI
+// units of what is commanded: m and m/s of an axis, Pa and Pa/s of a pressure rig.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -36,8 +37,8 @@ constexpr bool is_motion(CommandKind kind) noexcept {
 
 struct AxisCommand {
   CommandKind kind = CommandKind::none;
-  double position_m = 0.0;  ///< target of move_to and follow, way of move_by
-  double speed_mps = 0.0;   ///< of moves and, with its sign, of jog
+  double target = 0.0;  ///< of move_to and follow; way of move_by
+  double rate = 0.0;    ///< of moves and, with its sign, of jog
   std::uint64_t number = 0; ///< comes back with the answer
   double interval_s = 0.0;  ///< of follow: until the next set point comes
 };
@@ -56,13 +57,13 @@ enum class CommandResult : std::uint8_t {
 };
 inline constexpr std::array<std::string_view, 9> command_result_texts{
     "taken",
-    "the axis is not enabled: nothing moves before the command enable",
+    "not enabled: nothing moves before the command enable",
     "a fault is latched: mend its cause, then the commands reset and enable",
     "no fault is latched: there is nothing to reset",
-    "the axis is enabled already",
-    "the target is outside of reference.lowest_m to reference.highest_m",
+    "it is enabled already",
+    "the target is outside of the range that the reference states",
     "no move was held: there is nothing to resume",
-    "another commander has the axis: it has to release the axis or end first",
+    "there is another commander: it has to release or end first",
     "too many commands are without an answer: wait for answers",
 };
 constexpr std::string_view text_of(CommandResult result) noexcept {
@@ -73,7 +74,7 @@ struct AxisAnswer {
   std::uint64_t number = 0;
   CommandResult result = CommandResult::taken;
   std::int64_t tick = 0;       ///< in which it was obeyed or refused
-  double target_m = 0.0;       ///< of the plan then
+  double target = 0.0;         ///< of the plan then
   std::int64_t end_tick = 0;   ///< from which on the set point rests
 };
 
@@ -93,10 +94,11 @@ struct AxisStatus {
   bool proven = false;   ///< the start is: until then moves are slow
   std::uint64_t faults = 0, first_faults = 0;
   PerSignal<double> measured;  ///< NaN: no valid sample
-  double v_mps = 0.0;  ///< as the law sees it
-  double x_ref_m = 0.0, v_ref_mps = 0.0, target_m = 0.0;
+  double v_mps = 0.0;  ///< as the law sees it; of an axis
+  double p_Pa = 0.0;   ///< as the law sees it; of a pressure rig
+  double set_point = 0.0, set_point_rate = 0.0, target = 0.0;
   std::int64_t end_tick = 0;
-  bool is_late = false;  ///< the set points of a stream are faster than the limits
+  bool is_late = false;  ///< the set points of a stream are faster than the limits, or the valve feeds no more
   double stream_delay_s = 0.0;  ///< from a set point of a stream to the axis' own
   double u_V = 0.0;
 };

@@ -6,8 +6,6 @@
 
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/loop/approach.hpp>
-#include <pneuservo/loop/axis_command.hpp>
-#include <pneuservo/loop/commanded_motion.hpp>
 #include <pneuservo/loop/gain_mailbox.hpp>
 #include <pneuservo/loop/loop_pass.hpp>
 #include <pneuservo/loop/motion_twin.hpp>
@@ -59,40 +57,22 @@ class AxisLoop final : public LoopPass<AxisLoop> {
   /// Where gains for the running loop come from; null: nowhere. Before the first pass.
   void set_gain_mailbox(GainMailbox* mailbox) noexcept { gain_mailbox_ = mailbox; }
 
-  /// Whoever commands the axis (reference of kind `live`); null: it runs its reference. Before the first pass. An axis
-  /// that is commanded moves after the command `enable` alone, which is lost with each fault, and rests where it is.
-  void set_command_link(CommandLink* link) noexcept {
-    link_ = link;
-    supervisor_.allow_motion(may_start());
-  }
-  /// Inputs that are not ready for so long after `enable` take it back.
-  static constexpr double enabled_within_s = 2.0;
-
   const Reference& reference() const noexcept { return reference_; }
 
  private:
   friend class LoopPass<AxisLoop>;
 
-  void begin_tick(std::int64_t tick) noexcept {
-    if (link_ != nullptr) take_command(tick);
-  }
   void note_inputs(const JudgedInputs& inputs, std::int64_t skipped) noexcept {
     if (!supervisor_.is_active()) note_rest(inputs, skipped);
   }
   void watch(const JudgedInputs&, const EstimatorOutput&) noexcept {}
   void end_tick(std::int64_t tick, const JudgedInputs& inputs) noexcept {
     if (supervisor_.is_active()) twin_.step(control_in_, inputs.supply_Pa, supervisor_.motion().most_command_V());
-    if (link_ != nullptr) tell_status(tick);
+    if (desk_.is_open()) tell_status(tick);
   }
   void plan_motion(double t_s, const JudgedInputs& inputs) noexcept;
   ReferencePoint reference_at(double t_s) const noexcept;
-  bool may_start() const noexcept {
-    return (link_ == nullptr || enabled_) && (!may_move_still_ || stood_s_ >= rest_before_motion_s);
-  }
-  void take_command(std::int64_t tick) noexcept;
-  CommandResult obey_state(CommandKind kind, std::int64_t tick) noexcept;
-  void obey_motion(std::int64_t tick) noexcept;
-  void answer(CommandResult result, std::int64_t tick) noexcept;
+  bool may_start() const noexcept { return desk_.enabled() && (!may_move_still_ || stood_s_ >= rest_before_motion_s); }
   void set_points(double t_s, std::int64_t tick, const JudgedInputs& inputs) noexcept;
   void tell_status(std::int64_t tick) noexcept;
   std::array<double, 2> control(std::int64_t tick, const JudgedInputs& inputs, const EstimatorOutput& estimate,
@@ -109,12 +89,6 @@ class AxisLoop final : public LoopPass<AxisLoop> {
 
   std::atomic<bool> learning_due_{false};
   GainMailbox* gain_mailbox_ = nullptr;
-  CommandLink* link_ = nullptr;
-  CommandedMotion commanded_;
-  AxisCommand command_;  ///< taken, and where `waits_` not obeyed yet
-  CommandKind obeyed_ = CommandKind::none;  ///< in this tick
-  bool enabled_ = false, waits_ = false;
-  std::int64_t enabled_tick_ = 0;
   bool moved_ = false, twin_waits_ = true;
   ControlInput control_in_;
   double stood_at_m_ = std::numeric_limits<double>::quiet_NaN(), stood_s_ = 0.0;

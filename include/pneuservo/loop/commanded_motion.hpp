@@ -11,9 +11,9 @@
 
 namespace pneuservo {
 
-/// Commands into plans, set points of a stream into one motion. Until the start is proven moves go as slowly as an
-/// approach. A stream takes over from the planner at rest and gives back at rest; commands in between are obeyed by the
-/// stream's own line. All of it but configure is HOT.
+/// Commands into plans, set points of a stream into one motion; in Pa in place of m where a pressure is commanded.
+/// Until the start is proven moves go as slowly as an approach. A stream takes over from the planner at rest and gives
+/// back at rest; commands in between are obeyed by the stream's own line. All of it but configure is HOT.
 class CommandedMotion {
  public:
   /// `lead_s`: how far ahead the law looks.
@@ -35,10 +35,10 @@ class CommandedMotion {
     result = CommandResult::taken;
     if (command.kind != CommandKind::follow) comes_ = false;
     switch (command.kind) {
-      case CommandKind::move_to: return move(command.position_m, command.speed_mps, tick, result);
+      case CommandKind::move_to: return move(command.target, command.rate, tick, result);
       case CommandKind::move_by:
-        return move((jogs_ ? at(tick - 1).d[0] : target_m()) + command.position_m, command.speed_mps, tick, result);
-      case CommandKind::jog: return jog(command.speed_mps, tick);
+        return move((jogs_ ? at(tick - 1).d[0] : target_m()) + command.target, command.rate, tick, result);
+      case CommandKind::jog: return jog(command.rate, tick);
       case CommandKind::hold:
         if (!stop(tick)) return false;
         held_ = moving_;
@@ -114,12 +114,12 @@ class CommandedMotion {
   }
   // An axis that still moves comes to rest first.
   bool follow(const AxisCommand& command, std::int64_t tick, CommandResult& result) noexcept {
-    if (!is_inside(command.position_m)) {
+    if (!is_inside(command.target)) {
       result = CommandResult::outside;
       return true;
     }
     if (!streams_ && !comes_ && tick <= planner_.end_tick() && !planner_.stop(tick - 1)) return false;
-    next_m_ = command.position_m;
+    next_m_ = command.target;
     interval_ = std::max<std::int64_t>(std::llround(command.interval_s / period_s_), 1);
     moving_ = held_ = jogs_ = false;
     if (streams_) stream_.go(next_m_, interval_);

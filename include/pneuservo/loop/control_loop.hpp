@@ -6,6 +6,7 @@
 #include <pneuservo/control/axis_controller.hpp>
 #include <pneuservo/core/rt.hpp>
 #include <pneuservo/hal/backend.hpp>
+#include <pneuservo/loop/axis_command.hpp>
 #include <pneuservo/loop/supervisor.hpp>
 #include <pneuservo/record/row.hpp>
 
@@ -26,6 +27,9 @@ class ControlLoop {
   virtual void stop(Backend& backend, std::int64_t tick) noexcept = 0;
   virtual void restart_reference() noexcept = 0;
   virtual void note_slept(std::int64_t slept_ns) noexcept = 0;
+  /// Whoever commands it (reference of kind `live`); null: it runs its reference. Before the first pass. What is
+  /// commanded moves after the command `enable` alone, which is lost with each fault, and rests where it is.
+  virtual void set_command_link(CommandLink* link) noexcept = 0;
   virtual bool learning_due() const noexcept { return false; }
   virtual void learn(const AxisParameters<double>&) {}
 

@@ -5,13 +5,14 @@
 
 #include <pneuservo/control/axis_controller.hpp>
 #include <pneuservo/estimator/pipeline_estimator.hpp>
+#include <pneuservo/loop/command_desk.hpp>
 #include <pneuservo/loop/control_loop.hpp>
 #include <pneuservo/loop/supervisor.hpp>
 
 namespace pneuservo {
 
 /// The pass with the parts that every loop has. Loop, which is derived from this, does what is its own in it, in this
-/// order: begin_tick, note_inputs, estimate, watch, control (while active), fill_row, end_tick. The pass allocates
+/// order: note_inputs, estimate, watch, control (while active), fill_row, end_tick. The pass allocates
 /// nothing, locks nothing, throws nothing, and reads no clock of its own: t = tick * period.
 template <class Loop> class LoopPass : public ControlLoop {
  public:
@@ -28,7 +29,10 @@ template <class Loop> class LoopPass : public ControlLoop {
     if (!backend.read(tick, measured)) return false;
     const Truth truth = backend.truth();  // for the row alone, taken at the sampling instant
     stamp(&StageTimes::read);
-    own.begin_tick(tick);
+    if (desk_.is_open()) {
+      desk_.take_command(tick, supervisor_, [&own]() noexcept { own.rearm(); });
+      supervisor_.allow_motion(own.may_start());
+    }
     const JudgedInputs inputs = supervisor_.judge(measured, skipped);
     own.note_inputs(inputs, skipped);
     controller_.skip(skipped);
@@ -67,6 +71,11 @@ template <class Loop> class LoopPass : public ControlLoop {
   /// Time that the machine has been suspended so far [ns]; before the pass of a tick. HOT.
   void note_slept(std::int64_t slept_ns) noexcept final { supervisor_.note_slept(slept_ns); }
 
+  void set_command_link(CommandLink* link) noexcept final {
+    desk_.set_link(link);
+    supervisor_.allow_motion(static_cast<Loop&>(*this).may_start());
+  }
+
   /// The row of the last pass; `lateness_us` and `work_us` are the caller's to fill.
   const Row& row() const noexcept final { return row_; }
   Row& row() noexcept final { return row_; }
@@ -102,6 +111,7 @@ template <class Loop> class LoopPass : public ControlLoop {
   PressureSource source_ = PressureSource::estimated;
   double command_max_V_ = 5.0;
   Supervisor supervisor_;
+  CommandDesk desk_;
   PipelineEstimator estimator_;
   AxisController controller_;
   bool begins_ = true, limited_ = false;

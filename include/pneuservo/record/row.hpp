@@ -60,11 +60,13 @@ enum RowFlag : std::uint32_t {
   /* bits of Fault (loop/fault.hpp), 0 while healthy */                                                                \
   COLUMN(std::uint64_t, fault, 0, supervisor_.faults())                                                                \
   /* CommandKind (loop/axis_command.hpp) that was obeyed in this tick, its target or way, its speed */                 \
-  COLUMN(std::uint32_t, command_kind, 0, static_cast<std::uint32_t>(obeyed_))                                          \
-  COLUMN(double, command_m, none, known(commanded, command_.position_m))                                               \
-  COLUMN(double, command_mps, none, known(commanded, command_.speed_mps))                                              \
+  COLUMN(std::uint32_t, command_kind, 0, static_cast<std::uint32_t>(desk_.obeyed()))                                   \
+  OF_AXIS(double, command_m, none, known(commanded, asked.target))                                                     \
+  OF_AXIS(double, command_mps, none, known(commanded, asked.rate))                                                     \
+  OF_VOLUME(double, command_Pa, none, Row::none)                                                                       \
+  OF_VOLUME(double, command_Pa_per_s, none, Row::none)                                                                 \
   /* until the next set point of a stream */                                                                           \
-  COLUMN(double, command_s, none, known(commanded, command_.interval_s))
+  COLUMN(double, command_s, none, known(commanded, asked.interval_s))
 
 /// Plain data, copied through the ring. NaN means "no value" and is written as an empty field.
 struct Row {

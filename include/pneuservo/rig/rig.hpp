@@ -1,5 +1,6 @@
 // A rig: everything a config says about one axis, as plain structs.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <map>
@@ -216,6 +217,8 @@ struct Rig {
   std::optional<ServeParameters> serve;  ///< of an axis that is commanded; not stated: its defaults
   std::optional<ImportParameters> imported;  ///< how recordings of a foreign format are read
 
+  /// Valves with an output each: two of a servo table, two that are on or off.
+  bool has_two_outputs() const noexcept { return valves() == 2 || axis.valve.on_off.has_value(); }
   /// Proportional valves that commands drive.
   std::size_t valves() const noexcept { return info(kind).valves; }
   /// Whether it is a pneumatic servo axis: proportional valves, lines and chambers.
@@ -407,7 +410,7 @@ struct Rig {
     visit_section(
         v, Field{"limits", "", 0, 0, "a breach ends the run in the safe output", optional},
         [](auto& keys, auto&... rig) { LimitParameters::visit_of_pressure(keys, rig.limits...); }, p...);
-    visit_grids(v, p...);
+    visit_plant(v, p...);
   }
   /// Of every rig, whether it is run or recorded.
   template <class V, class... P> static void visit_tolerances(V& v, P&... p) {
@@ -484,6 +487,19 @@ inline std::array<double, 2> safe_commands_V(const Rig& rig) noexcept {
   }
   return {rig.safe_output.command_V, rig.safe_output.command_V};
 }
+
+/// What each output is given for these commands: of two on/off valves each has a coil of its own, which knows no sign.
+inline std::array<double, 2> outputs_V(const Rig& rig, const std::array<double, 2>& command_V) noexcept {
+  if (!rig.axis.valve.on_off) return command_V;
+  return {std::max(0.0, command_V[0]), std::max(0.0, -command_V[0])};
+}
+/// The commands that these outputs are.
+inline std::array<double, 2> commands_of_outputs_V(const Rig& rig, const std::array<double, 2>& output_V) noexcept {
+  if (!rig.axis.valve.on_off) return output_V;
+  return {output_V[0] - output_V[1], output_V[0] - output_V[1]};
+}
+/// Outputs in the safe state.
+inline std::array<double, 2> safe_outputs_V(const Rig& rig) noexcept { return outputs_V(rig, safe_commands_V(rig)); }
 
 /// Visits the effects that this kind of rig can have, one struct each; those of the sensors stand apart.
 template <class RigType, class V> void visit_effects(RigType& rig, const V& v) {

@@ -81,7 +81,7 @@ Command AnalogBackend::safe_commands() const noexcept {
 }
 
 bool AnalogBackend::set_outputs(const Command& command) noexcept {
-  const std::array<double, 2> commands{command.valve_V, command.valve_2_V};
+  const auto commands = outputs_V(rig_, {command.valve_V, command.valve_2_V});
   for (const Output& output : outputs_) {
     const double wanted = std::isfinite(commands[output.command]) ? commands[output.command] : 0.0;
     const double held = std::clamp(wanted, output.lowest, output.highest);

@@ -325,7 +325,7 @@ void CanBackend::check_answers() {
   for (int probe = 0; probe < probes; ++probe) {
     process_.start(bus_->now_ns());
     const std::uint64_t before = foreign_.count;
-    if (!send_outputs(safe_commands_V(rig_))) throw std::runtime_error(bus_->name() + ": SYNC could not be sent");
+    if (!send_outputs(safe_outputs_V(rig_))) throw std::runtime_error(bus_->name() + ": SYNC could not be sent");
     const bool all = receive_until(probe_timeout_ns, [&](const ReceivedFrame&) {
       return (sends_sync_ || foreign_.count > before) && process_.all_answered();
     });
@@ -497,7 +497,7 @@ bool CanBackend::write(std::int64_t tick, const Command& command) noexcept {
   process_.let_go(command.ended);
   ended_ = command.ended;
   if (!guarded_.empty()) ask_guarded(bus_->now_ns(), !ended_);
-  const bool all = send_outputs({command.valve_V, command.valve_2_V});
+  const bool all = send_outputs(outputs_V(rig_, {command.valve_V, command.valve_2_V}));
   cycling_ = true;
   if (ended_) {
     if (all && safe_output_.sent_tick < 0) safe_output_.sent_tick = tick;
@@ -516,14 +516,14 @@ void CanBackend::deactivate() noexcept {
   dropped_ = bus_->dropped() - dropped_before_;
   if ((process_.faults() & (device_bus_off | device_link_down)) != 0) return;
   sends_sync_ = true;  // whatever the other master does, the last outputs act
-  send_outputs(safe_commands_V(rig_));
+  send_outputs(safe_outputs_V(rig_));
   for (const std::uint8_t node : node_numbers_) bus_->send(nmt_frame(NmtCommand::enter_pre_operational, node));
 }
 
 bool CanBackend::emergency_write() noexcept {
   if (!bus_ || !active_) return true;
   sends_sync_ = true;
-  bool all = send_outputs(safe_commands_V(rig_));
+  bool all = send_outputs(safe_outputs_V(rig_));
   for (const std::uint8_t node : node_numbers_)
     all = bus_->send(nmt_frame(NmtCommand::enter_pre_operational, node)) == Sent::sent && all;
   return all;

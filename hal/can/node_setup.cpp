@@ -262,7 +262,7 @@ void NodeConfigurator::write_substitute(const CanChannel& output) {
                                          setup_.name, node_.node_id, output.name, output.object.word));
   const CanSubstitute& substitute = *output.substitute;
   const CountScale counts{output.scale, output.zero, output.is_signed, output.object.bits()};
-  const std::uint64_t raw = counts.raw_of(safe_commands_V(setup_.rig)[output.command]);
+  const std::uint64_t raw = counts.raw_of(safe_outputs_V(setup_.rig)[output.command]);
   const std::int64_t value =
       output.is_signed ? sign_extended(raw, output.object.bits()) : static_cast<std::int64_t>(raw);
   const auto write = [&](CanObject object, std::uint32_t number) {

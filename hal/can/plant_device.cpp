@@ -161,13 +161,17 @@ void PlantDevice::take_command() {
       signal.node->dictionary().set_number(
           signal.channel.object.index(), signal.channel.object.sub(),
           static_cast<std::uint32_t>(signal.counts.raw_of(commands_V_[signal.channel.command])));
-  plant_.write(tick_, plant_faults_.command(time_s(), {commands_V_[0], commands_V_[1]}));
+  const auto command_V = commands_of_outputs_V(rig_, commands_V_);
+  plant_.write(tick_, plant_faults_.command(time_s(), {command_V[0], command_V[1]}));
   record();
 }
 
 std::vector<std::string> PlantDevice::recorded_columns(const Rig& rig) {
-  std::vector<std::string> columns{"t_s", "v_mps", "x_true_m", "p1_chamber_true_Pa", "p2_chamber_true_Pa"};
-  for (const Signal signal : recorded_signals) columns.emplace_back(info(signal).column);
+  std::vector<std::string> columns;
+  for (const char* column : {"t_s", "v_mps", "x_true_m", "p1_chamber_true_Pa", "p2_chamber_true_Pa"})
+    if (is_column_of(column, rig.controls_pressure())) columns.emplace_back(column);
+  for (const Signal signal : recorded_signals)
+    if (rig.has_sensor(signal)) columns.emplace_back(info(signal).column);
   for (const std::string& command : command_columns(rig)) columns.push_back(command);
   return columns;
 }
@@ -178,7 +182,7 @@ void PlantDevice::record() noexcept {
   Row row;
   row.t_s = time_s();
   row.v_mps = plant_.speed_mps();
-  row.u_V = row.u1_V = commands_V_[0];
+  row.u_V = row.u1_V = commands_of_outputs_V(rig_, commands_V_)[0];
   row.u2_V = commands_V_[1];
   for (const Signal signal : recorded_signals) row.measured[signal] = measured_.channel[signal].value;
   const Truth truth = plant_.truth();

@@ -2,6 +2,7 @@
 #include "gpio/gpio_backend.hpp"
 
 #include <ctime>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
@@ -21,7 +22,7 @@ std::int64_t monotonic_now_ns() noexcept {
 
 }  // namespace
 
-GpioBackend::GpioBackend(const Rig& rig, Requester request) : request_(std::move(request)) {
+GpioBackend::GpioBackend(const Rig& rig, Requester request) : rig_(rig), request_(std::move(request)) {
   if (!rig.hal || !rig.hal->gpio)
     throw InputError(rig.name + ": hal.gpio: found nothing, expected the digital lines (docs/gpio.md)");
   parameters_ = *rig.hal->gpio;
@@ -35,6 +36,14 @@ void GpioBackend::configure() {
     if (*wanted[i]) inputs_[i] = {request_(digital_line_names[i], **wanted[i], false)};
   if (parameters_.enable) enable_ = request_("enable", *parameters_.enable, true);
   enabled_ = false;
+  rig_.hal->channels.for_each_command([&](std::string_view name, std::size_t output, const auto& valve) {
+    if (valve.gpio) coils_.push_back({output, request_(std::string(name), *valve.gpio, true)});
+  });
+}
+
+void GpioBackend::activate() {
+  if (!set_coils(safe_outputs_V(rig_))) throw std::runtime_error("gpio: the chip refuses to set a valve's line");
+  safe_output_ = {.has_outputs = !coils_.empty()};
 }
 
 bool GpioBackend::read(std::int64_t, Measurement& measurement) noexcept {
@@ -64,16 +73,39 @@ bool GpioBackend::set_enable(bool active) noexcept {
   return true;
 }
 
-bool GpioBackend::write(std::int64_t, const Command& command) noexcept { return set_enable(command.enable); }
+bool GpioBackend::set_coils(const std::array<double, 2>& outputs_V) noexcept {
+  bool all = true;
+  for (Coil& coil : coils_) {
+    const bool power = outputs_V[coil.output] > 0.5 * rig_.axis.valve.command_max_V;
+    if (power == coil.has_power) continue;
+    const bool done = coil.line->write(power);
+    if (done) coil.has_power = power;
+    all = all && done;
+  }
+  return all;
+}
+
+bool GpioBackend::write(std::int64_t tick, const Command& command) noexcept {
+  const bool set = set_coils(outputs_V(rig_, {command.valve_V, command.valve_2_V}));
+  if (set && command.ended && safe_output_.has_outputs && safe_output_.sent_tick < 0) safe_output_.sent_tick = tick;
+  return set_enable(command.enable) && set;
+}
+
+bool GpioBackend::emergency_write() noexcept {
+  const bool set = set_coils(safe_outputs_V(rig_));
+  return (!enable_ || enable_->write(false)) && set;
+}
 
 void GpioBackend::deactivate() noexcept {
+  set_coils(safe_outputs_V(rig_));
+  coils_.clear();
   set_enable(false);
   enable_.reset();
   for (Input& input : inputs_) input.line.reset();
 }
 
 Origins GpioBackend::origins() const {
-  Origins all;
+  Origins all{.command = coils_.empty() ? Origin::absent : Origin::real};
   for (std::size_t i = 0; i < inputs_.size(); ++i)
     if (inputs_[i].line) all.lines[i] = Origin::real;
   return all;

@@ -33,7 +33,7 @@ GuardOutputs::GuardOutputs(const Rig& rig) : rig_(rig) {
 }
 
 void GuardOutputs::open_board() {
-  const auto safe_V = safe_commands_V(rig_);
+  const auto safe_V = safe_outputs_V(rig_);
   rig_.hal->channels.for_each_command([&](std::string_view name, std::size_t valve, const auto& channel) {
     if (!channel.comedi) return;
     if (!board_) board_ = std::make_unique<ComediBoard>(*rig_.hal->comedi, true);
@@ -47,7 +47,7 @@ void GuardOutputs::open_board() {
 }
 
 void GuardOutputs::open_iio() {
-  const auto safe_V = safe_commands_V(rig_);
+  const auto safe_V = safe_outputs_V(rig_);
   rig_.hal->channels.for_each_command([&](std::string_view name, std::size_t valve, const auto& channel) {
     if (!channel.iio) return;
     if (!iio_) iio_ = std::make_unique<IioBoard>(true);
@@ -63,7 +63,7 @@ void GuardOutputs::open_iio() {
 void GuardOutputs::prepare_frames() {
   if (!rig_.hal->can || rig_.hal->can->interface.starts_with("slcan:")) return;
   const std::vector<CanChannel> channels = can_channels(*rig_.hal);
-  const auto safe_V = safe_commands_V(rig_);
+  const auto safe_V = safe_outputs_V(rig_);
   std::vector<std::uint8_t> nodes;
   for (const CanPdo& pdo : can_pdos(channels)) {
     if (!pdo.is_output) continue;

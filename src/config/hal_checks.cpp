@@ -7,6 +7,7 @@
 #include <set>
 #include <span>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -104,6 +105,7 @@ struct Wiring {
     if (c.comedi) add(path + ".comedi", *c.comedi, is_output);
     if (c.comedi_counter) add(path + ".comedi_counter", *c.comedi_counter);
     if (c.iio) add(path + ".iio", *c.iio, is_output);
+    if (c.gpio && !hal.gpio) refuse(path, "a digital line without hal.gpio", "the section hal.gpio, with its watchdog");
   }
 };
 
@@ -133,36 +135,62 @@ void check_valves(const Rig& rig, const RefusePath& refuse) {
            fmt::format("a range that holds safe_output.command_V ({})", number_text(safe_V)));
   };
   rig.hal->channels.for_each_command([&](std::string_view name, std::size_t valve, const auto& channel) {
-    const double safe_V = safe_commands_V(rig)[valve];
+    const double safe_V = safe_outputs_V(rig)[valve];
     check(fmt::format("hal.channels.{}.can", name), channel.can, safe_V);
     check(fmt::format("hal.channels.{}.comedi", name), channel.comedi, safe_V);
     check(fmt::format("hal.channels.{}.iio", name), channel.iio, safe_V);
   });
 }
 
-void check_lines(const GpioParameters& gpio, const RefusePath& refuse) {
-  std::set<std::string> taken;
+/// Lines that are there, each once.
+class LineCheck {
+ public:
+  explicit LineCheck(const RefusePath& refuse) : refuse_(refuse) {}
+  void operator()(const std::string& path, const GpioLineParameters& line) {
+    const bool is_number = !line.line.empty() && line.line.find_first_not_of("0123456789") == std::string::npos;
+    if (line.line.empty()) refuse_(path + ".line", "nothing", "the name of a line, or its number on the chip");
+    if (is_number && line.chip.empty())
+      refuse_(path + ".line", "the number " + line.line, "a chip beside it: " + path + ".chip");
+    if (!taken_.insert(line.chip + " " + line.line).second)
+      refuse_(path + ".line", "'" + line.line + "' a second time", "a line of its own");
+  }
+
+ private:
+  const RefusePath& refuse_;
+  std::set<std::string> taken_;
+};
+
+void check_lines(const Rig& rig, const RefusePath& refuse) {
+  LineCheck check(refuse);
   GpioParameters::visit(
-      [&](const Field& field, const std::optional<GpioLineParameters>& line) {
-        if (!line) return;
-        const std::string path = fmt::format("hal.gpio.{}", field.key);
-        const bool is_number = !line->line.empty() && line->line.find_first_not_of("0123456789") == std::string::npos;
-        if (line->line.empty()) refuse(path + ".line", "nothing", "the name of a line, or its number on the chip");
-        if (is_number && line->chip.empty())
-          refuse(path + ".line", "the number " + line->line,
-                 "a chip beside it: hal.gpio." + std::string(field.key) + ".chip");
-        if (!taken.insert(line->chip + " " + line->line).second)
-          refuse(path + ".line", "'" + line->line + "' a second time", "a line of its own");
+      [&](const Field& field, const auto& line) {
+        if constexpr (std::is_same_v<decltype(line), const std::optional<GpioLineParameters>&>)
+          if (line) check(fmt::format("hal.gpio.{}", field.key), *line);
       },
-      gpio);
+      *rig.hal->gpio);
+  rig.hal->channels.for_each_command([&](std::string_view name, std::size_t, const auto& valve) {
+    const std::string path = fmt::format("hal.channels.{}.gpio", name);
+    if (valve.gpio && !rig.axis.valve.on_off)
+      refuse(path, "a digital line", "an analog output: on_off_valves alone take a line each");
+    if (valve.gpio) check(path, *valve.gpio);
+  });
 }
 
 /// What the law cannot do without: the position, and the pressures that its loop is closed over.
 std::vector<Signal> inputs_of_law(const Rig& rig) {
   std::vector<Signal> inputs{Signal::x};
   if (rig.controller.takes_chambers()) inputs.insert(inputs.end(), chamber_signals.begin(), chamber_signals.end());
-  else if (rig.controller.pressures()) inputs.insert(inputs.end(), port_signals.begin(), port_signals.end());
+  else if (rig.controls_pressure() || rig.controller.pressures())
+    inputs.insert(inputs.end(), port_signals.begin(), port_signals.end());
+  std::erase_if(inputs, [&](Signal signal) { return !rig.has_sensor(signal); });
   return inputs;
+}
+
+/// The commands that this rig has, and in words what they are.
+std::pair<std::vector<std::string_view>, std::string_view> commands_of(const Rig& rig) {
+  if (!rig.has_two_outputs()) return {{"u"}, "u, the one valve of this rig"};
+  if (rig.axis.valve.on_off) return {{"u1", "u2"}, "u1 of the on/off valve that fills and u2 of the one that empties"};
+  return {{"u1", "u2"}, "u1 and u2, the two valves of a servo table"};
 }
 
 void check_bench(const Rig& rig, const RefusePath& refuse) {
@@ -210,11 +238,12 @@ void check_trigger(const HalParameters& hal, double period_s, const RefusePath& 
 
 void check_outputs_without_us(const Rig& rig, const RefusePath& refuse) {
   if (!rig.hal) return;
-  bool is_real = false, on_board = false, on_iio = false;
+  bool is_real = false, on_board = false, on_iio = false, on_line = false;
   rig.hal->channels.for_each_command([&](std::string_view name, std::size_t, const auto& valve) {
     on_board = on_board || valve.comedi;
     on_iio = on_iio || valve.iio;
-    is_real = is_real || valve.comedi || valve.iio || valve.can;
+    on_line = on_line || valve.gpio;
+    is_real = is_real || valve.comedi || valve.iio || valve.can || valve.gpio;
     if (valve.can && !substitute_of(valve.can->object, valve.can->substitute))
       refuse(fmt::format("hal.channels.{}.can.substitute", name),
              fmt::format("nothing for object 0x{:08x}", valve.can->object.word),
@@ -225,42 +254,45 @@ void check_outputs_without_us(const Rig& rig, const RefusePath& refuse) {
   const HalParameters& hal = *rig.hal;
   // A section that is missing is told by check_hal.
   if (on_board && hal.comedi) check_watchdog(hal, "comedi", hal.comedi->watchdog, board_watchdog_names, refuse);
+  if (on_line && hal.gpio) check_watchdog(hal, "gpio", hal.gpio->watchdog, outer_watchdog_names, refuse);
+  if (on_line && hal.gpio && hal.gpio->watchdog == BoardWatchdog::guard && hal.guard && !hal.guard->enable)
+    refuse("hal.guard.enable", "nothing beside valves on digital lines",
+           "a line of the guard's own that takes the coils' power: it cannot have the lines of this program");
   if (on_iio && hal.iio) check_watchdog(hal, "iio", hal.iio->watchdog, outer_watchdog_names, refuse);
 }
 
 void check_hal(const Rig& rig, InputErrors& errors, const RefusePath& refuse) {
   if (!rig.hal) return;
   const HalParameters& hal = *rig.hal;
-  const bool is_table = rig.valves() == 2;
   const bool chambers = rig.controller.takes_chambers();
   const std::string loop = "a source: the loop needs this channel";
   const std::string command = "a source: the loop needs somewhere to send its command";
   const std::string chamber = chambers ? "a source: controller.pressure_source is chamber" : "";
   Wiring wiring{hal, refuse, {}, {}};
   hal.channels.for_each_input([&](Signal signal, const auto& channel) {
+    const std::string name(info(signal).name);
     const bool always = signal == Signal::x || is_port(signal);
     errors.collect([&] {
-      wiring.channel(std::string(info(signal).name), channel, false,
-                     always               ? loop
-                     : is_chamber(signal) ? chamber
-                                          : std::string());
+      if (rig.has_sensor(signal))
+        wiring.channel(name, channel, false, always ? loop : is_chamber(signal) ? chamber : std::string());
+      else if (!channel.is_absent())
+        refuse("hal.channels." + name, "a channel",
+               fmt::format("none: a rig of kind {} has no {}", info(rig.kind).name, info(signal).words));
     });
   });
-  const auto command_of = [&](const char* name, const auto& valve) {
-    errors.collect([&] { wiring.channel(name, valve, true, command); });
-  };
-  const auto& absent = is_table ? hal.channels.u : hal.channels.u1;
-  errors.collect([&] {
-    if (!absent.is_absent() || (!is_table && !hal.channels.u2.is_absent()))
-      refuse(is_table ? "hal.channels.u" : "hal.channels", is_table ? "a command u" : "a command u1 or u2",
-             is_table ? "u1 and u2, the two valves of a servo table" : "u, the one valve of a cylinder");
+  const auto [names, in_words] = commands_of(rig);
+  hal.channels.for_each_command([&](std::string_view name, std::size_t, const auto& valve) {
+    const bool has = std::ranges::find(names, name) != names.end();
+    errors.collect([&] {
+      if (has) wiring.channel(std::string(name), valve, true, command);
+      else if (!valve.is_absent())
+        refuse("hal.channels." + std::string(name), fmt::format("a command {}", name), std::string(in_words));
+    });
   });
-  if (is_table) command_of("u1", hal.channels.u1), command_of("u2", hal.channels.u2);
-  else command_of("u", hal.channels.u);
   if (hal.iio) errors.collect([&] { check_trigger(hal, rig.period_s, refuse); });
   if (hal.can) errors.collect([&] { check_bus(*hal.can, rig.period_s, refuse); });
   errors.collect([&] { check_valves(rig, refuse); });
-  if (hal.gpio) errors.collect([&] { check_lines(*hal.gpio, refuse); });
+  if (hal.gpio) errors.collect([&] { check_lines(rig, refuse); });
 }
 
 }  // namespace pneuservo

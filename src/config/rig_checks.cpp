@@ -224,10 +224,13 @@ void check_safe_output(const Rig& rig, const Check& check) {
 }
 
 void check_zeros(const Rig& rig, const Check& check) {
+  std::vector<std::string_view> known;
+  for (const Signal signal : channel_signals)
+    if (rig.has_sensor(signal)) known.push_back(info(signal).name);
   for (const auto& [channel, zero] : rig.zeros)
-    if (std::ranges::none_of(channel_signals, [&](Signal signal) { return info(signal).name == channel; }))
-      check.refuse(join_path("zeros", channel), {}, "no channel of a rig",
-                   fmt::format("one of {}", fmt::join(names_of(channel_signals), ", ")));
+    if (std::ranges::find(known, channel) == known.end())
+      check.refuse(join_path("zeros", channel), {}, "no channel of this rig",
+                   fmt::format("one of {}", fmt::join(known, ", ")));
 }
 
 void check_times(const Rig& rig, const Check& check) {
@@ -524,15 +527,25 @@ void check_effects(const Rig& rig, std::string_view section, const Check& check)
 
 namespace {
 
+void check_devices(const Rig& rig, const Check& check) {
+  check.of({"hal", "controller", "safe_output", "valve", "on_off_valves", "period_s"}, [&] {
+    check_hal(rig, check.errors, [&](const std::string& path, const std::string& found, const std::string& expected) {
+      refuse(origin_of(check.root, path), path, found, expected);
+    });
+  });
+}
+
 /// The valve's own edges against the volume, and what is sensed.
 void check_pressure_rig(const Rig& rig, const Check& check) {
   check.of({"controller", "sensors", "valve", "safe_output"}, [&] { check_controller(rig, check); });
   check.of({"safe_output", "valve"}, [&] { check_safe_output(rig, check); });
+  check.of({"zeros"}, [&] { check_zeros(rig, check); });
   check.of({"line_1"}, [&] { check_line(rig.axis.line_1, "line_1", check); });
   check_pressure_numbers(rig, check);
   check.of({"period_s", "duration_s", "evaluation"}, [&] { check_times(rig, check); });
   check.of({"tolerances"}, [&] { check_paths(rig, check, "tolerances", rig.tolerances); });
   check.of({"deviations"}, [&] { check_deviations(rig, check); });
+  check_devices(rig, check);
 }
 
 }  // namespace
@@ -559,11 +572,7 @@ void check_rig(const Rig& rig, const ConfigNode& root, InputErrors& errors) {
   check.of({"tolerances"}, [&] { check_paths(rig, check, "tolerances", rig.tolerances); });
   check.of({"deviations"}, [&] { check_deviations(rig, check); });
   check.of({"serve", "hal"}, [&] { check_serve(rig, check); });
-  check.of({"hal", "controller", "safe_output", "valve", "period_s"}, [&] {
-    check_hal(rig, errors, [&](const std::string& path, const std::string& found, const std::string& expected) {
-      refuse(origin_of(root, path), path, found, expected);
-    });
-  });
+  check_devices(rig, check);
 }
 
 void check_machine_rig(const Rig& rig, const ConfigNode& root) {

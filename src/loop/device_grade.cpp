@@ -35,22 +35,25 @@ Finding board_finding(const Rig& rig, const std::string& topic, const std::strin
 std::vector<Finding> grade_devices(const Rig& rig) {
   std::vector<Finding> findings;
   if (!rig.hal) return findings;
-  bool on_board = false, on_iio = false, on_bus = false;
+  bool on_board = false, on_iio = false, on_bus = false, on_line = false;
   rig.hal->channels.for_each_command([&](std::string_view, std::size_t, const auto& valve) {
     on_board = on_board || valve.comedi;
     on_iio = on_iio || valve.iio;
     on_bus = on_bus || valve.can;
+    on_line = on_line || valve.gpio;
   });
   const auto none = BoardWatchdog::none;
   if (on_board)
     findings.push_back(board_finding(rig, "board without program", "comedi", rig.hal->comedi->watchdog.value_or(none)));
   if (on_iio)
     findings.push_back(board_finding(rig, "I/O device without program", "iio", rig.hal->iio->watchdog.value_or(none)));
+  if (on_line)
+    findings.push_back(board_finding(rig, "lines without program", "gpio", rig.hal->gpio->watchdog.value_or(none)));
   if (on_bus)
     findings.push_back({Level::good, "bus without program",
                         fmt::format("its devices give their substitute output after {:g} s", rig.hal->can->watchdog_s),
                         ""});
-  if (rig.hal->bench && (on_board || on_iio || on_bus))
+  if (rig.hal->bench && (on_board || on_iio || on_bus || on_line))
     findings.push_back({Level::acceptable, "hal.bench", "a real valve may follow simulated sensors",
                         "leave it out on a machine that moves"});
   if (!rig.concealed.empty())

@@ -23,6 +23,7 @@ constexpr double whole = 1.0;
 class SafetyGrades {
  public:
   SafetyGrades(const Rig& rig, const LoadPositions& load) : rig_(rig), half_m_(0.5 * rig.axis.cylinder.stroke_m) {
+    if (!rig.is_pneumatic()) return;
     const Reference reference(rig.reference, load);
     const ReferenceExtremes way = reference.extremes(0, rig.duration_s), speed = reference.extremes(1, rig.duration_s);
     reach_m_ = std::max(std::fabs(way.minimum), std::fabs(way.maximum));
@@ -111,13 +112,14 @@ class SafetyGrades {
           "nothing beside the valve's command takes the air away on a fault");
     lacks(!has_readback(), Level::unsafe, "readback of the valve's command", "a readback of hal.channels.u",
           "a command that does not arrive is not seen");
-    lacks(!lines.limit_low || !lines.limit_high, Level::acceptable, "limit switch at each end",
+    const bool has_slider = rig_.is_pneumatic();
+    lacks(has_slider && (!lines.limit_low || !lines.limit_high), Level::acceptable, "limit switch at each end",
           "hal.gpio.limit_low and limit_high", "a wrong zero of the encoder is not seen before the end stop");
     lacks(!lines.valve_power, Level::acceptable, "signal of the valve's supply", "hal.gpio.valve_power",
           "a valve without supply is seen by its missing air alone");
     lacks(hal.channels.is_absent(Signal::p_supply), Level::acceptable, "supply sensor", "hal.channels.p_supply",
           "a lost supply is seen by its missing air alone");
-    lacks(std::ranges::any_of(chamber_signals, [&](Signal one) { return hal.channels.is_absent(one); }),
+    lacks(has_slider && std::ranges::any_of(chamber_signals, [&](Signal one) { return hal.channels.is_absent(one); }),
           Level::acceptable, "sensor in each chamber", "hal.channels.p1_chamber and p2_chamber",
           "the estimate has nothing to be compared with");
   }
@@ -175,7 +177,7 @@ class SafetyGrades {
     const auto reads_back = [&](const ChannelParameters<VoltageKeys>& u) {
       return of_source(u.comedi) || of_source(u.iio) || of_source(u.can);
     };
-    return rig_.valves() == 2 ? reads_back(channels.u1) && reads_back(channels.u2) : reads_back(channels.u);
+    return rig_.has_two_outputs() ? reads_back(channels.u1) && reads_back(channels.u2) : reads_back(channels.u);
   }
 
   const Rig& rig_;
@@ -193,13 +195,15 @@ double ballistic_speed_mps(const Rig& rig) {
 }
 
 std::vector<Finding> grade_safety(const Rig& rig, const LoadPositions& load) {
-  if (!rig.is_pneumatic()) return {};
+  if (rig.valves() == 0) return {};
   SafetyGrades grades(rig, load);
-  grades.grade_motion_limits();
-  grades.grade_times();
+  if (rig.is_pneumatic()) {
+    grades.grade_motion_limits();
+    grades.grade_times();
+  }
   grades.grade_air_limits();
   grades.grade_devices();
-  grades.grade_areas();
+  if (rig.is_pneumatic()) grades.grade_areas();
   return grades.take();
 }
 

@@ -30,7 +30,8 @@ struct CalibrateOptions {
 
 Rig read_calibrated(std::string_view verb, const CalibrateOptions& options) {
   const Rig rig = read_rig(options.config, with_zeros(options.config, options.sets, options.zeros));
-  require_valves(verb, options.config, rig);
+  if (verb == "zero") require_loop(verb, options.config, rig);
+  else require_valves(verb, options.config, rig);
   OutputFiles()
       .reads("CONFIG", options.config)
       .reads_of(rig)

@@ -125,7 +125,7 @@ int run_latency(LatencyOptions options) {
   std::optional<Rig> rig;
   if (!options.config.empty()) {
     rig = read_rig(options.config);
-    require_valves("latency", options.config, *rig);
+    require_loop("latency", options.config, *rig);
     if (!options.period_stated) options.period_us = rig->period_s * 1e6;  // the same grid for both
   }
   options.settings.period_ns = std::llround(options.period_us * 1e3);

@@ -353,6 +353,7 @@ struct GpioLineParameters {
 /// Digital lines by their meaning.
 struct GpioParameters {
   std::optional<GpioLineParameters> emergency_stop, limit_low, limit_high, valve_power, enable;
+  std::optional<BoardWatchdog> watchdog;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"emergency_stop", "", 0, 0, "input, active: pressed", optional}, p.emergency_stop...);
@@ -364,6 +365,11 @@ struct GpioParameters {
       p.limit_high...);
     v(Field{"valve_power", "", 0, 0, "input, active: the valve has its supply", optional}, p.valve_power...);
     v(Field{"enable", "", 0, 0, "output, active only while the axis is active", optional}, p.enable...);
+    v(Field{"watchdog", "", 0, 0,
+            "what closes the valves when this program is gone, as hal.comedi.watchdog; must be stated where a valve is "
+            "on a line",
+            optional, outer_watchdog_names},
+      p.watchdog...);
   }
 };
 
@@ -390,6 +396,7 @@ template <class Keys> struct ChannelParameters {
   std::optional<ComediChannelParameters<Keys>> comedi;
   std::optional<ComediCounterParameters<Keys>> comedi_counter;
   std::optional<IioChannelParameters<Keys>> iio;
+  std::optional<GpioLineParameters> gpio;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"simulated", "", 0, 0, "the simulated plant stands behind it", optional}, p.simulated...);
@@ -399,9 +406,12 @@ template <class Keys> struct ChannelParameters {
       v(Field{"comedi_counter", "", 0, 0, "a counter of a DA/AD board, for incremental encoders", optional},
         p.comedi_counter...);
     v(Field{"iio", "", 0, 0, "a channel of a device of the kernel's Industrial I/O", optional}, p.iio...);
+    if constexpr (std::is_same_v<Keys, VoltageKeys>)
+      v(Field{"gpio", "", 0, 0, "a digital line, active while the on/off valve's coil has power", optional}, p.gpio...);
   }
   int sources() const noexcept {
-    return simulated + can.has_value() + comedi.has_value() + comedi_counter.has_value() + iio.has_value();
+    return simulated + can.has_value() + comedi.has_value() + comedi_counter.has_value() + iio.has_value() +
+           gpio.has_value();
   }
   bool is_absent() const noexcept { return sources() == 0; }
   bool is_on_board() const noexcept { return comedi || comedi_counter; }
@@ -419,9 +429,11 @@ struct HalChannels {
       if (is_pressure(signal)) v(field, p.pressures[signal]...);
       else v(field, p.position...);
     }
-    v(Field{"u", "", 0, 0, "command of a cylinder's valve", optional}, p.u...);
-    v(Field{"u1", "", 0, 0, "command of a servo table's valve 1", optional}, p.u1...);
-    v(Field{"u2", "", 0, 0, "command of a servo table's valve 2", optional}, p.u2...);
+    v(Field{"u", "", 0, 0, "command of the one valve of a cylinder or pressure rig", optional}, p.u...);
+    v(Field{"u1", "", 0, 0, "command of a servo table's valve 1, or of the on/off valve that fills", optional},
+      p.u1...);
+    v(Field{"u2", "", 0, 0, "command of a servo table's valve 2, or of the on/off valve that empties", optional},
+      p.u2...);
   }
   /// f(signal, parameters) for every measured channel, in the order of signal_table.
   template <class F> void for_each_input(F&& f) const {

@@ -9,11 +9,9 @@
 
 #include <pneuservo/control/flow_feedforward.hpp>
 
-#include "config/field_text.hpp"
 #include "config/input_error.hpp"
 #include "config/number_text.hpp"
 #include "config/read_rig.hpp"
-#include "config/units.hpp"
 #include "design/margin_gains.hpp"
 #include "improve/simulated_run.hpp"
 #include "program/loop_check.hpp"
@@ -22,8 +20,6 @@ namespace pneuservo {
 
 namespace {
 
-/// Error of the hardest motion over its way up to which the axis follows.
-constexpr double permitted_share = 0.02;
 /// Steps down of gains and motion where the simulation does not bear them out.
 constexpr double gain_step_down = 0.8, motion_step_down = 0.8;
 constexpr int most_steps = 12;
@@ -34,28 +30,6 @@ constexpr double speed_share = 0.35, force_share = 0.15;
 /// Moves keep this share of the stroke away from either end.
 constexpr double end_share = 0.05;
 
-std::size_t place_of(std::string_view option) {
-  return static_cast<std::size_t>(std::ranges::find(sheet_questions, option, &SheetQuestion::option) -
-                                  sheet_questions.begin());
-}
-
-/// A line of the config with its comment; a value that is typical says why.
-std::string line(const SheetAnswers& answers, std::string_view key, std::string_view option) {
-  const SheetQuestion& question = sheet_questions[place_of(option)];
-  const std::string& answer = answers.of(option);
-  const std::string text = fmt::format("{}: {}", key, answer.empty() ? std::string(question.typical) : answer);
-  return answer.empty() ? fmt::format("{:<34}# typical: {}", text, question.why) : text;
-}
-
-std::string answer_of(const SheetAnswers& answers, std::string_view option) {
-  const std::string& answer = answers.of(option);
-  return answer.empty() ? std::string(sheet_questions[place_of(option)].typical) : answer;
-}
-
-double quantity_of(const SheetAnswers& answers, std::string_view option, std::string_view unit) {
-  return read_quantity({option, unit, 0.0, infinite, ""}, answer_of(answers, option), {}).value.value_or(0.0);
-}
-
 /// What no data sheet says, from the size of the bore.
 struct TypicalNumbers {
   double dead_volume_cm3 = 0.0, viscous_Ns_per_m = 0.0, dry_N = 0.0;
@@ -63,11 +37,6 @@ struct TypicalNumbers {
 TypicalNumbers typical_numbers(const SheetAnswers& answers) {
   const double bore_m = quantity_of(answers, "bore", "m"), area_m2 = bore_area_m2(bore_m);
   return {1e6 * area_m2 * 0.005 + 1.0, 1500.0 * bore_m, 8e3 * area_m2};
-}
-
-bool is_conductance(const std::string& flow) {
-  const Field conductance{"", "m3/(s Pa)", 0, infinite, ""};
-  return read_quantity(conductance, flow, {}).value.has_value();
 }
 
 std::string comment_lines(const std::vector<std::string>& lines) {
@@ -80,24 +49,23 @@ std::string machine_text(const SheetAnswers& a) {
   const TypicalNumbers typical = typical_numbers(a);
   const std::string hose =
       fmt::format("{{length: {}, diameter: {}}}", answer_of(a, "line-length"), answer_of(a, "line-diameter"));
-  const bool conductance = is_conductance(answer_of(a, "flow"));
   std::string out = fmt::format("supply: {{pressure: {}}}\n\nvalve:\n", answer_of(a, "supply"));
-  out += fmt::format("  {}\n  {}\n  {}\n  {}\n", line(a, "signal", "signal"),
-                     line(a, conductance ? "sonic_conductance" : "nominal_flow", "flow"),
-                     line(a, "critical_pressure_ratio", "critical-ratio"),
-                     line(a, "natural_frequency", "valve-frequency"));
+  out += fmt::format("  {}\n  {}\n  {}\n  {}\n", sheet_line(a, "signal", "signal"), sheet_line(a, flow_key(a), "flow"),
+                     sheet_line(a, "critical_pressure_ratio", "critical-ratio"),
+                     sheet_line(a, "natural_frequency", "valve-frequency"));
   out += "  damping_ratio: 0.7               # typical: between resonance and creep\n\n";
   out += "# Valve port 1 to chamber 1, port 2 to chamber 2.\n";
   out += fmt::format("line_1: {}\nline_2: {}\n\n", hose, hose);
   out +=
       "# Chamber 1 pushes to positive x, the rod is on the side of chamber 2; end 1 is where chamber 1 is smallest.\n";
-  out += fmt::format("cylinder:\n  {}\n  {}\n  {}\n", line(a, "bore", "bore"), line(a, "rod", "rod"),
-                     line(a, "stroke", "stroke"));
+  out += fmt::format("cylinder:\n  {}\n  {}\n  {}\n", sheet_line(a, "bore", "bore"), sheet_line(a, "rod", "rod"),
+                     sheet_line(a, "stroke", "stroke"));
   for (const int side : {1, 2})
     out += fmt::format("  {:<32}# typical: 5 mm of the bore and 1 cm3 of port and fitting\n",
                        fmt::format("dead_volume_{}: {:.3g} cm3", side, typical.dead_volume_cm3));
   out += "  wall_heat: 50 W/(m2 K)           # typical: 20 to 100 for moving air in small chambers\n\n";
-  out += fmt::format("slider:\n  {}\n  {:<32}# typical: seals, 1.5 N s/m per mm of bore\n\n", line(a, "mass", "mass"),
+  out += fmt::format("slider:\n  {}\n  {:<32}# typical: seals, 1.5 N s/m per mm of bore\n\n",
+                     sheet_line(a, "mass", "mass"),
                      fmt::format("viscous_friction: {:.3g} N s/m", typical.viscous_Ns_per_m));
   out += fmt::format("effects:\n  {:<50}# typical: 0.08 bar on the piston\n",
                      fmt::format("coulomb_friction: {{force: {:.3g} N}}", typical.dry_N));
@@ -105,8 +73,8 @@ std::string machine_text(const SheetAnswers& a) {
     out += fmt::format("  constant_force: {{incline: {}}}\n", answer_of(a, "incline"));
   out += fmt::format(
       "\nsensors:\n  position:\n    {}\n  port_pressure:\n    {}\n    {}\n    {:<30}# typical: 0.03 % of 10 bar\n\n",
-      line(a, "quantum", "position-step"), line(a, "range", "pressure-range"), line(a, "bits", "pressure-bits"),
-      "noise: 300 Pa");
+      sheet_line(a, "quantum", "position-step"), sheet_line(a, "range", "pressure-range"),
+      sheet_line(a, "bits", "pressure-bits"), "noise: 300 Pa");
   return out;
 }
 
@@ -274,15 +242,8 @@ class Finisher {
 
 }  // namespace
 
-const std::string& SheetAnswers::of(std::string_view option) const { return answers.at(place_of(option)); }
-std::string& SheetAnswers::of(std::string_view option) { return answers.at(place_of(option)); }
-
 std::string draft_text(const SheetAnswers& answers, const DraftNumbers& numbers) {
-  std::string out =
-      "# Written by pneuservo new-rig from data sheets. What is marked typical nobody measured: replace it by\n"
-      "# what you know, and narrow its tolerance. Keys: pneuservo keys; judged by: pneuservo check.\n";
-  out += fmt::format("format: pneuservo-rig/1\nname: {}\nrig: cylinder\nperiod: 1 ms\n\n", yaml_text(answers.name));
-  return out + machine_text(answers) + run_text(answers, numbers);
+  return draft_head(answers) + machine_text(answers) + run_text(answers, numbers);
 }
 
 FinishedDraft finish_draft(const SheetAnswers& answers) { return Finisher(answers).result(); }

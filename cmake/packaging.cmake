@@ -10,6 +10,9 @@ set(PNEUSERVO_DEBIAN ${CMAKE_CURRENT_SOURCE_DIR}/cmake/debian)
 install(DIRECTORY config DESTINATION ${PNEUSERVO_SHARE} COMPONENT program)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+# A CiA 402 master in Python, where a program of one's own begins (docs/your-axis.md).
+install(PROGRAMS tools/canopen-master DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT program)
+install(FILES tools/local_can.py DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT program)
 install(FILES ${PNEUSERVO_DEBIAN}/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 install(FILES ${PNEUSERVO_DEBIAN}/pneuservo@.service ${PNEUSERVO_DEBIAN}/pneuservo-guard@.service
   DESTINATION /usr/lib/systemd/system COMPONENT program)

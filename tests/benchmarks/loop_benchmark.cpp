@@ -2,9 +2,11 @@
 #include <benchmark/benchmark.h>
 
 #include <memory>
+#include <random>
 #include <string>
 #include <vector>
 
+#include <pneuservo/control/live_planner.hpp>
 #include <pneuservo/loop/axis_loop.hpp>
 #include <pneuservo/loop/timing.hpp>
 #include <pneuservo/record/ring.hpp>
@@ -59,6 +61,29 @@ BENCHMARK_CAPTURE(loop_tick, cylinder, "cylinder-10m-7.65mm")->Name("loop/tick w
 BENCHMARK_CAPTURE(loop_tick, table, "servo-table-0.5m-4mm")
     ->Name("loop/tick with recording, servo table")
     ->Iterations(50'000);
+
+/// A new move from a motion under way, with the set point of its tick: what a command adds to a tick at most.
+void re_plan(benchmark::State& state) {
+  const Rig rig = read_rig(PNEUSERVO_SOURCE_DIR "/config/served/cylinder-10m-7.65mm.yaml");
+  LivePlanner planner;
+  planner.configure(live_limits(rig.reference), rig.period_s);
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> target_m(rig.reference.lowest_m, rig.reference.highest_m);
+  const auto times = std::make_unique<TimeHistogram>();
+  std::int64_t tick = 0;
+  for (auto _ : state) {
+    const double to_m = target_m(random);
+    tick += 1 + static_cast<std::int64_t>(random() % 50);
+    const std::int64_t begin_ns = MonotonicClock::now_ns();
+    planner.pass(tick);
+    benchmark::DoNotOptimize(planner.move_to(tick, to_m, rig.reference.speed_mps));
+    benchmark::DoNotOptimize(planner.at(tick));
+    times->add(MonotonicClock::now_ns() - begin_ns);
+  }
+  state.counters["p50_us"] = times->percentile_us(0.5);
+  state.counters["p99.9_us"] = times->percentile_us(0.999);
+}
+BENCHMARK(re_plan)->Name("loop/re-plan of a move")->Iterations(1'000'000);
 
 /// What a run of the simulated axis hands to its supervision in a tick.
 struct SupervisedTick {

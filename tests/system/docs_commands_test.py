@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-# Runs the shell commands of README.md, docs/first-hour.md, docs/estimator.md in order, in a copy of what they use; checks links, paths and options.
+# Runs the shell commands of README.md and some pages of docs in order, in a copy of what they use; checks links, paths and options.
 """usage: tests/system/docs_commands_test.py BUILD [--write]
 
 A block ```sh whose first line contains "# not run" is left out (it installs or builds, which other tests do). A block
@@ -18,7 +18,7 @@ import tempfile
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 BUILD = pathlib.Path(sys.argv[1]).resolve()
 WRITE = "--write" in sys.argv[2:]
-PAGES = ("README.md", "docs/first-hour.md", "docs/your-axis.md", "docs/estimator.md")
+PAGES = ("README.md", "docs/first-hour.md", "docs/your-axis.md", "docs/pressure.md", "docs/estimator.md")
 PICTURE = SOURCE / "docs/images/cylinder-10m-6.10mm.svg"  # README.md draws it as run.svg
 KEYS = SOURCE / "docs/config-keys.md"
 BLOCK = re.compile(r"^```sh\n(?P<code>.*?)^```\n(?:\n```text\n(?P<output>.*?)^```$)?", re.MULTILINE | re.DOTALL)

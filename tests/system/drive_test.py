@@ -10,6 +10,7 @@ with_canopen()
 import canopen  # noqa: E402
 from canopen.profiles.p402 import BaseNode402  # noqa: E402
 
+sys.path.append("tools")
 from local_can import LocalCan  # noqa: E402
 from program import expect, expect_refusal, program, run  # noqa: E402
 
@@ -306,4 +307,11 @@ expect(plc.drive.state == "OPERATION ENABLED" and plc.drive.sdo[0x603F].raw == 0
 plc.move(10_000)
 expect(errors == [0x7305, 0], f"emergencies {errors}")
 plc.die()
+axis.end()
+
+# The master that docs/your-axis.md begins with.
+axis = Served("example")
+done = subprocess.run([sys.executable, "tools/canopen-master", "unix:" + axis.bus, "--eds", at("drive.eds"), "--speed", "200", "20", "-10"],
+                      capture_output=True, text=True, timeout=300)
+expect(done.returncode == 0 and done.stdout.count("at ") == 2 and "asked for -10 mm" in done.stdout, f"tools/canopen-master: {done.stdout}{done.stderr}")
 axis.end()

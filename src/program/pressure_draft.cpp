@@ -18,7 +18,7 @@ namespace pneuservo {
 namespace {
 
 /// The range keeps this share of the supply's gauge pressure away from atmosphere and supply, where nothing flows.
-constexpr double end_share = 0.15;
+constexpr double range_end_share = 0.15;
 /// The rate begins with half of what the open valve feeds at the worse end, and goes down where the loop is late.
 constexpr double rate_share = 0.5, rate_step_down = 0.8;
 constexpr int most_rate_steps = 10;
@@ -93,8 +93,8 @@ FinishedDraft finish_pressure_draft(const SheetAnswers& answers) {
   // What cannot be read is told with its key by the first read.
   const double atmosphere_Pa = Datums{}.atmosphere_Pa,
                gauge_Pa = std::max(quantity_of(answers, "supply", "Pa") - atmosphere_Pa, 1e4);
-  numbers.lowest_Pa = atmosphere_Pa + end_share * gauge_Pa;
-  numbers.highest_Pa = atmosphere_Pa + (1.0 - end_share) * gauge_Pa;
+  numbers.lowest_Pa = atmosphere_Pa + range_end_share * gauge_Pa;
+  numbers.highest_Pa = atmosphere_Pa + (1.0 - range_end_share) * gauge_Pa;
   const Rig first = read();
   numbers.rate_Pa_per_s = rate_share * std::min(valve_fills_Pa_per_s(first, numbers.highest_Pa),
                                                 valve_empties_Pa_per_s(first, numbers.lowest_Pa));

@@ -5,6 +5,7 @@
 
 #include "diagnosis/diagnose.hpp"
 #include "diagnosis/simulated_recording.hpp"
+#include "diagnosis/synthetic_axis.hpp"
 
 using namespace pneuservo;
 using namespace pneuservo::test;
@@ -23,6 +24,31 @@ TEST_CASE("a load on a soft coupling is named with mass, frequency and damping, 
   CHECK(load.natural_frequency_Hz == Approx(8.0).epsilon(0.02));
   CHECK(load.damping_ratio == Approx(0.05).epsilon(0.3));
   CHECK(found.over_noise < 1.3);
+}
+
+TEST_CASE("an axis whose load swings across a gap in its recording keeps its name and its size") {
+  const Rig owner = testing::driven_axis_rig();
+  Rig machine = owner;
+  machine.axis.effects.motion.elastic_load = {2.0, 7.0, 0.02};
+  Recording recording = testing::axis_recording(machine, 45, testing::no_extra);
+  const double from_s = GENERATE(20.0, 2.2, 5.0, 9.1);  // 20: whole
+  CAPTURE(from_s);
+  Recording kept = recording;
+  kept.line_numbers.clear();
+  for (auto& values : kept.values) values.clear();
+  for (std::size_t row = 0; row < recording.t_s().size(); ++row) {
+    const double t = recording.t_s()[row];
+    if (t >= from_s && t < from_s + 0.3) continue;
+    for (std::size_t c = 0; c < kept.values.size(); ++c) kept.values[c].push_back(recording.values[c][row]);
+    kept.line_numbers.push_back(recording.line_numbers[row]);
+  }
+  const Diagnosis found = diagnose(owner, {kept});
+  CAPTURE(found.sentence);
+  REQUIRE(found.answers.size() == 1);
+  CHECK(found.answers.front().effect == "elastic_load");
+  const ElasticLoad<double>& load = found.improved.axis.effects.motion.elastic_load;
+  CHECK(load.mass_kg == Approx(2.0).epsilon(0.1));
+  CHECK(load.natural_frequency_Hz == Approx(7.0).epsilon(0.02));
 }
 
 TEST_CASE("a cylinder that is shaken is no elastic load: unknown at the motion, with the frequency") {

@@ -128,6 +128,27 @@ TEST_CASE("every law on the slider balances its own motion and no other") {
   }
 }
 
+TEST_CASE("a load that swings where a recording begins is carried on from there, and no swing is found without one") {
+  Rig rig = slider_rig();
+  rig.axis.effects.motion.elastic_load = {1.5, 6, 0.02};
+  Record record = recorded(rig);
+  const auto rows = static_cast<std::ptrdiff_t>(GENERATE(300, 700, 2900));
+  INFO(rows << " rows are missing at the beginning");
+  for (std::vector<double>* column : {&record.position_m, &record.force_N, &record.gauge_Pa})
+    column->erase(column->begin(), column->begin() + rows);
+  const ForceBalance balance(record.position_m, period_s, 0.0);
+  const double own = rms_residual(balance, record, rig);
+  CHECK(own < 0.35);
+  Rig slower = rig;
+  slower.axis.effects.motion.elastic_load.natural_frequency_Hz = 5;
+  CHECK(rms_residual(balance, record, slower) > 2.5 * own);
+  // A mass too small to swing so far does not.
+  Rig small = slider_rig();
+  const double without = rms_residual(balance, record, small);
+  small.axis.effects.motion.elastic_load = {1e-3, 6, 0.02};
+  CHECK(rms_residual(balance, record, small) > 0.99 * without);
+}
+
 TEST_CASE("a slider that is held never reads as missing friction, whatever the force below breakaway") {
   Rig rig = slider_rig();
   rig.axis.effects.motion.coulomb_friction.force_N = 10;

@@ -136,6 +136,10 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
             held_out_of(has_held_out_, recording.is_held_out, time_s.back() - time_s.front()),
             machine_changes(rig, recording)};
   part.usable = part.balance.usable();
+  std::vector<char> held_out_samples;
+  for (std::size_t i = 0; i < part.usable.size(); ++i)
+    held_out_samples.push_back(part.held_out(time_s.front() + static_cast<double>(i) * interval_s));
+  part.balance.hold_out(held_out_samples);
   // The drive's mean around a row: what was held before it counts for as long as it was.
   const double held = held_share(rig, recording, interval_s), before = 0.5 * held;
   std::vector<double> middle(force.size());

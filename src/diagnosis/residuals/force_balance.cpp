@@ -3,6 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
+
+#include <Eigen/Cholesky>
 
 #include <pneuservo/elements/coupled_load.hpp>
 #include <pneuservo/elements/slider.hpp>
@@ -117,6 +121,37 @@ class CarriedLoad {
   bool is_there_ = false, is_carried_ = false;
 };
 
+/// A free swing a e^-bt cos wt + c e^-bt sin wt on `load_N` in these samples, where `error_N` is what it leaves
+/// without. Least squares over the judged samples, neighbours within `alike` counted once, with a prior: a load swings
+/// at its start as it does later.
+void add_free_swing(const ElasticLoad<double>& load, double period_s, std::span<const double> error_N,
+                    std::span<const char> is_judged, std::size_t alike, double usual_N, std::span<double> load_N) {
+  const double w = 2 * std::numbers::pi * load.natural_frequency_Hz;
+  const std::complex<double> turn = std::exp(
+      period_s * w *
+      std::complex<double>(-load.damping_ratio, std::sqrt(std::max(0.0, 1 - load.damping_ratio * load.damping_ratio))));
+  Eigen::Matrix2d h = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d g = Eigen::Vector2d::Zero();
+  double square = 0, count = 0;
+  std::complex<double> swing = 1.0;
+  for (std::size_t i = 0; i < error_N.size(); ++i, swing *= turn) {
+    if (!is_judged[i]) continue;
+    const Eigen::Vector2d way(swing.real(), swing.imag());
+    h += way * way.transpose();
+    g += way * error_N[i];
+    square += error_N[i] * error_N[i];
+    ++count;
+  }
+  if (count == 0 || usual_N == 0) return;
+  h.diagonal().array() += static_cast<double>(alike) * square / count / (usual_N * usual_N);
+  const Eigen::Vector2d start = h.ldlt().solve(g);
+  swing = 1.0;
+  for (double& force : load_N) {
+    force += start.x() * swing.real() + start.y() * swing.imag();
+    swing *= turn;
+  }
+}
+
 /// Position or one of its derivatives as the true slider had it: y = gain lag(x) + offset turned round.
 double undo(const SensorEffects<double>& sensor, double value, double next_derivative, bool is_position) {
   const double lagged = value + sensor.sensor_lag.time_constant_s * next_derivative;
@@ -145,6 +180,7 @@ ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, 
       noise_m * std::max(4 * fast_kernel_.noise_gain(1, 1), std::sqrt(12.0) * fast_kernel_.largest_weight() / period_s);
   const double rest_mps = std::max({0.005 * top, noise_speed, rounding_mps});
   forward_share_ = forward_shares(fast_[1], fast_[2], rest_mps, period_s);
+  hold_out(std::vector<char>(samples(), 0));
 }
 
 double ForceBalance::force_noise(double mass_kg, std::size_t count) const {
@@ -158,14 +194,49 @@ std::vector<char> ForceBalance::near_end_stop(double stroke_m) const {
   return widened(marks, kernel_.reach() + fast_kernel_.reach());
 }
 
+void ForceBalance::hold_out(const std::vector<char>& is_held_out) {
+  is_judged_.resize(samples());
+  for (std::size_t i = 0; i < samples(); ++i)
+    is_judged_[i] = usable_[i] && std::isfinite(forward_share_[i]) && !is_held_out[i];
+}
+
 std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const double> drive_N,
                                                  std::span<const double> gauge_pressure_sum_Pa, double held_N) const {
+  const ElasticLoad<double>& load = rig.axis.effects.motion.elastic_load;
+  std::vector<double> load_N(samples(), 0.0);
+  if (load.mass_kg == 0) return required_beside(rig, drive_N, gauge_pressure_sum_Pa, held_N, load_N);
+  // Its spring is linear: carried along the smoothed motion it pulls with its smoothed force.
+  const SensorEffects<double>& sensor = rig.sensor_effects[Signal::x];
+  CarriedLoad carried(load, period_s_);
+  std::vector<double> swings_N(samples());
+  for (std::size_t i = 0; i < samples(); ++i) {
+    load_N[i] = carried.force_at(undo(sensor, derivative_[0][i], derivative_[1][i], true),
+                                 undo(sensor, derivative_[1][i], derivative_[2][i], false), is_missing_[i]);
+    swings_N[i] = load_N[i] + load.mass_kg * undo(sensor, derivative_[2][i], derivative_[3][i], false);
+  }
+  std::vector<double> error_N = required_beside(rig, drive_N, gauge_pressure_sum_Pa, held_N, load_N);
+  for (std::size_t i = 0; i < samples(); ++i) error_N[i] -= drive_N[i];
+  double square = 0, count = 0;
+  for (std::size_t i = 0; i < samples(); ++i)
+    if (usable_[i]) square += swings_N[i] * swings_N[i], ++count;
+  const double usual_N = std::sqrt(square / std::max(count, 1.0));
+  for (std::size_t first = 0, end = 0; first < samples(); first = end + 1) {
+    for (end = first; end < samples() && !is_missing_[end];) ++end;
+    add_free_swing(load, period_s_, std::span(error_N).subspan(first, end - first),
+                   std::span(is_judged_).subspan(first, end - first), kernel_.reach(), usual_N,
+                   std::span(load_N).subspan(first, end - first));
+  }
+  return required_beside(rig, drive_N, gauge_pressure_sum_Pa, held_N, load_N);
+}
+
+std::vector<double> ForceBalance::required_beside(const Rig& rig, std::span<const double> drive_N,
+                                                  std::span<const double> gauge_pressure_sum_Pa, double held_N,
+                                                  std::span<const double> load_N) const {
   const SensorEffects<double>& sensor = rig.sensor_effects[Signal::x];
   const MotionEffects<double>& effects = rig.axis.effects.motion;
   Slider<double> slider;
   slider.configure(rig.axis.slider, effects, 1.0, 0.0);
-  // Its spring is linear: carried along the smoothed motion it pulls with its smoothed force.
-  CarriedLoad load(effects.elastic_load, period_s_), loose_load(effects.load_backlash, period_s_);
+  CarriedLoad loose_load(effects.load_backlash, period_s_);
   const ElasticFriction<double>& bristles = effects.elastic_friction;
   double bristle_N = 0, last_x = 0;
   std::vector<double> smooth_part(samples()), abrupt_part(samples());
@@ -177,8 +248,7 @@ std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const
     const double x_fast = undo(sensor, fast_[0][i], fast_[1][i], true);
     const double v_fast = undo(sensor, fast_[1][i], fast_[2][i], false);
     const SliderSurroundings<double> around{gauge_pressure_sum_Pa.empty() ? 0.0 : gauge_pressure_sum_Pa[i]};
-    smooth_part[i] = slider.mass() * a + slider.damping_coefficient(0.0, 0.0) * v -
-                     slider.less_load(load.force_at(x, v, is_missing_[i]), x);
+    smooth_part[i] = slider.mass() * a + slider.damping_coefficient(0.0, 0.0) * v - slider.less_load(load_N[i], x);
     if (bristles.force_N != 0) bristle_N = i == 0 || is_missing_[i] ? 0 : bristles.carried(bristle_N, x_fast - last_x);
     last_x = x_fast;
     const double blow_N =

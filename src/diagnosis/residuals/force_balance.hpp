@@ -33,21 +33,30 @@ class ForceBalance {
   /// Standard deviation of the mean of `count` neighbouring values of m a for the position noise alone [N].
   double force_noise(double mass_kg, std::size_t count) const;
 
+  /// Samples that no fit sees: the swing in which a load on a soft coupling begins a stretch is not found from them.
+  void hold_out(const std::vector<char>& is_held_out);
   /// Force [N] that the rig's slider with its motion effects needs at every sample, its position sensor's effects
   /// undone first. drive_N: the smoothed drive force, which friction at rest balances within its limits.
   /// gauge_pressure_sum_Pa: max(p1 - p_atm, 0) + max(p2 - p_atm, 0) at every sample; empty without air.
   /// held_N: force that rest balances beside friction, for what the drive force is not known to.
+  /// How a load on a soft coupling swings where a stretch begins no recording tells: it is found with the force.
   std::vector<double> required_force(const Rig& rig, std::span<const double> drive_N,
                                      std::span<const double> gauge_pressure_sum_Pa, double held_N = 0.0) const;
   /// Samples where this rig's slider touches an end stop within the kernel's reach; not to be judged.
   std::vector<char> near_end_stop(double stroke_m) const;
 
  private:
+  /// Beside an elastic load that pulls with load_N.
+  std::vector<double> required_beside(const Rig& rig, std::span<const double> drive_N,
+                                      std::span<const double> gauge_pressure_sum_Pa, double held_N,
+                                      std::span<const double> load_N) const;
+
   double period_s_, noise_m_;
   GaussianKernel kernel_, fast_kernel_;
   std::vector<double> derivative_[4];  ///< position and its derivatives, smoothed
   std::vector<double> fast_[3];  ///< the same with the shorter kernel of friction
   std::vector<char> usable_, is_missing_;
+  std::vector<char> is_judged_;  ///< in motion, usable, seen by fits
   /// Of a period around each sample, in which the motion goes forward; NaN at rest, which is what is slower than the
   /// position's noise makes and than 0.5 % of the top speed, and does not just turn there.
   std::vector<double> forward_share_;

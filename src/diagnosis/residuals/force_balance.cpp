@@ -219,14 +219,23 @@ std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const
   double square = 0, count = 0;
   for (std::size_t i = 0; i < samples(); ++i)
     if (usable_[i]) square += swings_N[i] * swings_N[i], ++count;
-  const double usual_N = std::sqrt(square / std::max(count, 1.0));
+  const double usual_N = std::sqrt(square / std::max(count, 1.0)), all_mps = usual_speed(0, samples());
   for (std::size_t first = 0, end = 0; first < samples(); first = end + 1) {
     for (end = first; end < samples() && !is_missing_[end];) ++end;
+    // A load swings with its carrier: where that begins slowly or at rest, so does the load.
+    const double start_mps = usual_speed(first, std::min(end, first + kernel_.reach()));
+    const double share = all_mps > 0 ? std::min(1.0, start_mps / all_mps) : 0.0;
     add_free_swing(load, period_s_, std::span(error_N).subspan(first, end - first),
-                   std::span(is_judged_).subspan(first, end - first), kernel_.reach(), usual_N,
+                   std::span(is_judged_).subspan(first, end - first), kernel_.reach(), share * usual_N,
                    std::span(load_N).subspan(first, end - first));
   }
   return required_beside(rig, drive_N, gauge_pressure_sum_Pa, held_N, load_N);
+}
+
+double ForceBalance::usual_speed(std::size_t first, std::size_t end) const {
+  double square = 0;
+  for (std::size_t i = first; i < end; ++i) square += derivative_[1][i] * derivative_[1][i];
+  return end > first ? std::sqrt(square / static_cast<double>(end - first)) : 0.0;
 }
 
 std::vector<double> ForceBalance::required_beside(const Rig& rig, std::span<const double> drive_N,

@@ -46,6 +46,8 @@ class ForceBalance {
   std::vector<char> near_end_stop(double stroke_m) const;
 
  private:
+  /// Root mean square over [first, end) [m/s].
+  double usual_speed(std::size_t first, std::size_t end) const;
   /// Beside an elastic load that pulls with load_N.
   std::vector<double> required_beside(const Rig& rig, std::span<const double> drive_N,
                                       std::span<const double> gauge_pressure_sum_Pa, double held_N,

@@ -1,5 +1,5 @@
-// Entries of the effects of a vessel behind an on/off valve: heat of its wall and of its charging, laws of leaks, late
-// switching.
+// Entries of the effects of a vessel behind an on/off valve: heat and creep of its wall, heat of its charging, laws of
+// leaks, late switching, a pump as its supply.
 #include "elements/effect_entry.hpp"
 
 namespace pneuservo {
@@ -10,6 +10,7 @@ using enum EffectScale;
 constexpr std::array<double, 4> charging_times{3, 10, 30, 100};
 constexpr std::array<double, 2> drop_out_delays{1, 2.5};
 constexpr std::array<double, 3> pump_resistances{0.3, 1, 3};
+constexpr std::array<double, 5> creep_times{3, 10, 30, 100, 300};
 constexpr std::array<double, 3> porous_orifices{0.02, 0.06, 0.2};
 
 constexpr EffectEntry vessel_entries[] = {
@@ -46,6 +47,13 @@ constexpr EffectEntry vessel_entries[] = {
      .element = "supply",
      .family = "supply_droop",
      .parameters = {amplitude("resistance_Pa_s_per_kg", supply_resistance, 0.3, 1e-3).whole_at(pump_resistances)}},
+    // Thin walls of rubber give way by 1e-7 of their volume per Pa, thick ones of hard plastic by 1e-9, metal by none.
+    {.name = "wall_creep",
+     .words = "a wall of plastic or rubber that gives way slowly (creep)",
+     .element = "chamber_1",
+     .family = "creep",
+     .parameters = {amplitude("growth_per_Pa", one, 3e-8, 1e-11),
+                    shape("time_constant_s", one, 1.2, creep_times).by(Variation::logarithmic)}},
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include <pneuservo/elements/air.hpp>
+#include <pneuservo/rig/vessel_plant.hpp>
 
 #include "config/read_rig.hpp"
 #include "config/rig_parameters.hpp"
@@ -122,6 +123,61 @@ TEST_CASE("a tank's wall heat and a wrong orifice come out of its blow-down") {
   REQUIRE(found.answers.size() == 1);
   CHECK(found.answers[0].effect == "wall_heat_exchange");
   CHECK(found.answers[0].parameters[0].value == Approx(8.0).epsilon(0.05));
+}
+
+TEST_CASE("a wall that creeps under a closed isothermal vessel takes the pressure that Boyle's law says") {
+  const Rig rig = parse_rig(R"(format: pneuservo-rig/1
+name: bottle
+rig: vessel
+period_s: 0.1
+valve: {exhaust_area_m2: 2.0e-6}
+vessel: {volume_m3: 1.0e-3, wall_heat_W_per_K: 100000}
+sensors: {pressure: {quantum_Pa: 10.0, noise_Pa: 100.0}}
+effects: {wall_creep: {growth_per_Pa: 2.0e-8, time_constant_s: 5.0}}
+)",
+                            "bottle");
+  const double start_Pa = 6e5, atmosphere_Pa = rig.axis.air.atmosphere_Pa;
+  VesselPlant charged(rig, start_Pa), settled(rig, start_Pa, true);
+  for (int i = 0; i < 10000; ++i) {
+    charged.step(0.01, 0.0, 0.0);
+    settled.step(0.01, 0.0, 0.0);
+  }
+  // p (1 + c (p - p_a)) = p_0 after twenty time constants.
+  const double p = charged.chamber_Pa();
+  CHECK(p * (1 + 2.0e-8 * (p - atmosphere_Pa)) == Approx(start_Pa).epsilon(1e-5));
+  CHECK(settled.chamber_Pa() == Approx(start_Pa).epsilon(1e-9));
+}
+
+TEST_CASE("creep of a wall is named where the pressure goes up and down") {
+  const Rig owner = parse_rig(R"(format: pneuservo-rig/1
+name: bottle
+rig: vessel
+period_s: 0.05
+air: {atmosphere_Pa: 101325}
+supply: {pressure_Pa: 400000}
+valve: {supply_area_m2: 3.0e-7, exhaust_area_m2: 3.0e-7}
+vessel: {volume_m3: 1.0e-3, wall_heat_W_per_K: 1.0}
+sensors: {pressure: {quantum_Pa: 10.0, noise_Pa: 100.0}}
+tolerances: {valve.supply_area_m2: 0.1, valve.exhaust_area_m2: 0.1, supply.pressure_Pa: 0.01, vessel.wall_heat_W_per_K: 0.05}
+)",
+                              "bottle");
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  const std::vector<double> t = times(0.05, 3600);
+  std::vector<double> command(t.size(), 0.0), still(t.size(), owner.axis.air.atmosphere_Pa);
+  for (std::size_t k = 0; k < t.size(); ++k)
+    command[k] = t[k] < 1 ? 0.0 : t[k] < 11 ? 1.0 : t[k] < 71 ? 0.0 : t[k] < 74 ? -1.0 : 0.0;
+  Rig machine = owner;
+  set_parameter(machine, "effects.wall_creep.growth_per_Pa", 6e-8);
+  set_parameter(machine, "effects.wall_creep.time_constant_s", 20);
+  const std::vector<std::string> names{"t_s", "u_V", "p1_chamber_Pa"};
+  VesselResiduals model(machine, {recording_of(names, {t, command, still})}, 1);
+  const Diagnosis found = diagnose(owner, {recording_of(names, {t, command, simulated(model, machine, 100.0, seed)})});
+  INFO(found.sentence);
+  REQUIRE(found.answers.size() == 1);
+  CHECK(found.answers[0].effect == "wall_creep");
+  CHECK(found.answers[0].parameters[0].value == Approx(6e-8).epsilon(0.2));
+  CHECK(found.answers[0].parameters[1].value == Approx(20).epsilon(0.3));
 }
 
 TEST_CASE("pump and orifice agree on the pressure between them, no pump is a constant supply") {

@@ -1,5 +1,8 @@
-// Effects of a vessel behind an on/off valve: heat of its wall and of its charging, laws of leaks, late switching.
+// Effects of a vessel behind an on/off valve: heat and creep of its wall, heat of its charging, laws of leaks, late
+// switching, a pump as its supply.
 #pragma once
+#include <cmath>
+
 #include <pneuservo/elements/effects.hpp>
 #include <pneuservo/elements/orifice.hpp>
 
@@ -57,6 +60,21 @@ template <class S> struct PumpCurve {
       p.resistance_Pa_s_per_kg...);
   }
 };
+/// A wall of plastic or rubber that goes on giving way after its pressure has changed: beside what it gives at once
+/// (part of the volume) V grows by the share g, dg/dt = (c (p - p_atm) - g)/tau.
+template <class S> struct WallCreep {
+  S growth_per_Pa = S(0);
+  S time_constant_s = S(30);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"growth_per_Pa", "1/Pa", 0, 1e-5, "share of the volume by which it has grown at last, per gauge pressure"},
+      p.growth_per_Pa...);
+    v(Field{"time_constant_s", "s", 1e-2, 1e6, "of the growth"}, p.time_constant_s...);
+  }
+  /// Share g of the volume, h [s] later at this gauge pressure [Pa].
+  S grown(const S& share, double h, const S& gauge_Pa) const noexcept {
+    return share - (growth_per_Pa * gauge_Pa - share) * S(std::expm1(-h / time_constant_s));
+  }
+};
 
 /// All effects of a vessel.
 template <class S> struct VesselEffects {
@@ -68,6 +86,7 @@ template <class S> struct VesselEffects {
   LaminarLeak<S> laminar_leak_1;
   PorousLeak<S> porous_leak_1;
   PumpCurve<S> pump_curve;
+  WallCreep<S> wall_creep;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"command_delay", "", 0, 0, "dead time of the command", optional}, p.command_delay...);
@@ -78,6 +97,7 @@ template <class S> struct VesselEffects {
     v(Field{"laminar_leak_1", "", 0, 0, "leak to atmosphere through narrow ways", optional}, p.laminar_leak_1...);
     v(Field{"porous_leak_1", "", 0, 0, "leak to atmosphere through a porous wall", optional}, p.porous_leak_1...);
     v(Field{"pump_curve", "", 0, 0, "supply pressure that falls with the flow of a pump", optional}, p.pump_curve...);
+    v(Field{"wall_creep", "", 0, 0, "wall that gives way slowly", optional}, p.wall_creep...);
   }
 };
 

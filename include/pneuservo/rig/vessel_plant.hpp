@@ -13,18 +13,20 @@ namespace pneuservo {
 /// command and effects of sensors are not in it.
 class VesselPlant {
  public:
-  /// The gas at `start_Pa` everywhere. Keeps the rig by reference. Allocates.
-  VesselPlant(const Rig& rig, double start_Pa) : rig_(rig), air_(rig.axis.air) {
+  /// The gas at `start_Pa` everywhere. A wall that creeps has had its time at that pressure (`is_settled`), or none
+  /// above the atmosphere's. Keeps the rig by reference. Allocates.
+  VesselPlant(const Rig& rig, double start_Pa, bool is_settled = false) : rig_(rig), air_(rig.axis.air) {
+    if (is_settled) grown_ = rig.vessel_effects.wall_creep.growth_per_Pa * (start_Pa - air_.atmosphere_Pa);
     const double temperature_K = rig.vessel.gas_temperature_K + rig.vessel_effects.charging_heat.excess_K;
     const double gas_kg = start_Pa * rig.vessel.volume_m3 / (air_.R * temperature_K);
     const ChamberGeometry<double> geometry = geometry_of(rig, gas_kg, air_);
     if (rig.line) {
       side_.configure(*rig.line, geometry, rig.axis.air,
                       std::max(least_cells, static_cast<int>(std::lround(cells_per_m * rig.line->length_m))));
-      side_.reset(start_Pa, temperature_K, 0.0);
+      side_.reset(start_Pa, temperature_K, growth_s());
     } else {
       chamber_.configure(geometry, air_);
-      chamber_.reset(start_Pa, temperature_K, 0.0);
+      chamber_.reset(start_Pa, temperature_K, growth_s());
     }
   }
   /// Goes on by h [s] under a command: above 0 open to the supply, below 0 to exhaust, 0 closed.
@@ -36,8 +38,9 @@ class VesselPlant {
                                                   port_Pa(), rig_.line ? air_.temperature_K : chamber_.temperature());
     if (rig_.line) {
       const int substeps = side_.begin_period(h);
+      creep(h, side_.chamber().pressure());
       for (int i = 0; i < substeps; ++i)
-        side_.step_valve({supply_area, exhaust_area, supply_Pa, b}, 0.0, leak(side_.chamber()));
+        side_.step_valve({supply_area, exhaust_area, supply_Pa, b}, growth_s(), leak(side_.chamber()));
       return;
     }
     ChamberInflow<double> flow = leak(chamber_);
@@ -47,7 +50,8 @@ class VesselPlant {
     flow.mass_flow_kgps += in - out;
     flow.enthalpy_flow_W += orifice_enthalpy_flow(air_, in, air_.temperature_K, T) -
                             orifice_enthalpy_flow(air_, out, T, air_.temperature_K);
-    chamber_.step(h, flow, 0.0);
+    creep(h, p);
+    chamber_.step(h, flow, growth_s());
   }
   double chamber_Pa() const noexcept { return rig_.line ? side_.chamber().pressure() : chamber_.pressure(); }
   /// At the valve.
@@ -57,12 +61,19 @@ class VesselPlant {
   static constexpr double cells_per_m = 4.0;
   static constexpr int least_cells = 4;
 
-  /// A chamber that does not move: its wall is twice 0.5 m2, so that the coefficient is the conductance.
+  /// Growth of a wall that creeps, as a way of the chamber's face.
+  double growth_s() const noexcept { return grown_ * rig_.vessel.volume_m3 / face_m2; }
+  void creep(double h, double p) noexcept {
+    const WallCreep<double>& law = rig_.vessel_effects.wall_creep;
+    if (law.growth_per_Pa != 0.0) grown_ = law.grown(grown_, h, p - air_.atmosphere_Pa);
+  }
+  static constexpr double face_m2 = 0.5;
+  /// A chamber that does not move: its wall is twice its face, 1 m2, so that the coefficient is the conductance.
   static ChamberGeometry<double> geometry_of(const Rig& rig, double gas_kg, const Air<double>& air) noexcept {
     const ChargingHeat<double>& charging = rig.vessel_effects.charging_heat;
     double conductance = rig.vessel.wall_heat_W_per_K + rig.vessel_effects.wall_heat_exchange.conductance_W_per_K;
     if (charging.excess_K != 0.0) conductance += gas_kg * air.cv / charging.time_constant_s;
-    return {0.5, rig.vessel.volume_m3, conductance};
+    return {face_m2, rig.vessel.volume_m3, conductance};
   }
   ChamberInflow<double> leak(const Chamber<double>& chamber) const noexcept {
     const double flow = vessel_leak_flow(rig_.vessel_effects, air_, rig_.on_off_valve.critical_pressure_ratio,
@@ -74,6 +85,7 @@ class VesselPlant {
   Air<double> air_;
   LineWithChamber<double> side_;
   Chamber<double> chamber_;
+  double grown_ = 0;  ///< share of the volume
 };
 
 }  // namespace pneuservo

@@ -102,7 +102,9 @@ std::vector<std::vector<double>> VesselResiduals::simulated(const Hypothesis& hy
   program.times_s.insert(program.times_s.begin(), std::min(now, program.times_s.front()) - 1.0);
   program.commands.insert(program.commands.begin(), 0.0);  // closed before the first
 
-  VesselPlant plant(rig, inputs.fills ? inputs.start_Pa : inputs.start_Pa * factor);
+  // What is emptied first stood under its pressure before; what was closed under it was charged just now.
+  VesselPlant plant(rig, inputs.fills ? inputs.start_Pa : inputs.start_Pa * factor,
+                    inputs.program.commands.front() < 0);
   std::vector<std::vector<double>> out(rig.line ? 2 : 1);
   for (const double t : times) {
     look();

@@ -445,7 +445,24 @@ void check_reference_keys(const ReferenceSpec& reference, const ConfigNode& node
     check_reference_keys(reference.parts[i], parts->value.items[i], fmt::format("{}.parts.{}", path, i));
 }
 
+namespace {
+
+/// Weather and height move the atmosphere by a hundredth and more. A config that does not state it leaves it open, but
+/// where the gauge pressures of a recording are read as above it.
+void leave_atmosphere_open(Rig& rig, const ConfigNode& root) {
+  constexpr double weather = 0.01;
+  if (rig.kind != RigKind::vessel || is_stated(root, "air", "atmosphere_Pa")) return;
+  const bool is_gauge =
+      rig.imported && std::any_of(rig.imported->columns.begin(), rig.imported->columns.end(), [](const auto& column) {
+        return column.first.ends_with("_Pa") && column.second.offset != 0;
+      });
+  if (!is_gauge) rig.tolerances.try_emplace("air.atmosphere_Pa", weather);
+}
+
+}  // namespace
+
 void complete_rig(Rig& rig, const ConfigNode& root) {
+  leave_atmosphere_open(rig, root);
   if (!rig.has_controller()) return;
   if (rig.controls_pressure()) return complete_pressure_rig(rig, root);
   check_reference_keys(rig.reference, root.find("reference")->value, "reference");

@@ -39,6 +39,7 @@ struct ResidualRow {
   double sigma = 1;  ///< of the row [unit of the channel], noise and floor together
   bool held_out = false;  ///< no fit may see it
   bool over_recording = false;  ///< no bin: a projection of the whole fitted part of the recording
+  double alike_rows = 1;  ///< in which the model's own error stays the same beyond what sigma counts
 };
 
 /// Measured and simulated course of one channel of one recording, for pictures.

@@ -79,6 +79,8 @@ class Search {
   const Explanation* best_of(std::size_t members) const;
   /// The best by effects that are laws; nullptr where there is none.
   const Explanation* best_named(std::size_t members) const;
+  /// What its names are before any data, in log evidence; within Explanation::log_evidence.
+  double log_prior(const Explanation& explanation) const;
   /// Whether one of its effects is a description (Candidate::is_description).
   bool is_description(const Explanation& explanation) const;
   /// Where the best single names stand that small physics does not mimic, for a search after this one.

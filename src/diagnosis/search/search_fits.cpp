@@ -157,14 +157,18 @@ void Search::move_to_best_share(std::vector<Explanation>& attempts, const std::v
   }
 }
 
-double Search::log_evidence(const Explanation& explanation) const {
+double Search::log_prior(const Explanation& explanation) const {
   double prior = 0;
   for (const std::size_t member : explanation.members) {
     if (candidates_[member].kind == CandidateKind::sensor) prior += sensor_log_prior;
     if (candidates_[member].is_guessed) prior += guessed_log_prior;
     if (candidates_[member].is_description) prior += description_log_prior;
   }
-  return explanation.fit.log_evidence() + prior;
+  return prior;
+}
+
+double Search::log_evidence(const Explanation& explanation) const {
+  return explanation.fit.log_evidence() + log_prior(explanation);
 }
 
 void Search::polish(const std::vector<Explanation*>& explanations, int iterations, bool all_columns) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -424,6 +425,21 @@ bool stands_at_its_end(const Explanation& explanation, const Search& search) {
   return false;
 }
 
+/// What no floor changes: how likely the names are before any data. A size that cannot be negative has half the values
+/// of one that can, each twice as likely: on an axis that is pulled one way friction opposes by its nature, a constant
+/// force by chance.
+double prior_of_names(const Explanation& explanation, const Search& search) {
+  double prior = search.log_prior(explanation);
+  for (const std::size_t m : explanation.members) {
+    const Candidate& candidate = search.candidates()[m];
+    for (std::size_t p = 0; p < candidate.parameters.size(); ++p)
+      if (candidate.amplitude[p] && candidate.kind == CandidateKind::effect &&
+          candidate.parameters[p].lower >= candidate.parameters[p].z(candidate.neutral[p]))
+        prior += std::numbers::ln2;
+  }
+  return prior;
+}
+
 struct Foretold {
   double score;
   const Explanation* explanation;
@@ -441,15 +457,18 @@ std::vector<Foretold> by_prediction(ResidualModel& model, const Search& search, 
     const double certainty = certainty_of_law(*e, search, growth);
     if (certainty < rules.told_errors || stands_at_its_end(*e, search)) continue;
     const double foretold = model_levels(model, e->fit, rules).chi2(true);
-    out.push_back({(e->log_evidence - 0.5 * foretold) / growth, e, certainty});
+    const double by_data = e->log_evidence - search.log_prior(*e) - 0.5 * foretold;
+    out.push_back({by_data / growth + prior_of_names(*e, search), e, certainty});
   }
   std::stable_sort(out.begin(), out.end(), [](const Foretold& a, const Foretold& b) { return a.score > b.score; });
   return out;
 }
 
-/// Rows that a remainder makes worth one: its mean square in floors, and how long neighbours stay alike.
-double floor_growth(const ModelLevels& levels) {
+/// Rows that are worth one: those over which the model's error stays the same, and what a remainder makes of them by
+/// its mean square in floors and how long neighbours stay alike.
+double floor_growth(const ModelLevels& levels, const std::vector<ResidualRow>& rows) {
   double growth = 1;
+  for (const ResidualRow& row : rows) growth = std::max(growth, row.alike_rows);
   for (const ChannelLevel& c : levels.channels) {
     const double alike = std::clamp(c.correlation, 0.0, 0.99);
     growth = std::max(growth, c.fitted * c.fitted * (1 + alike) / (1 - alike));
@@ -507,7 +526,7 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
   decision.beside_remainder = true;
   const Explanation* richest = &search.owner();
   for (std::size_t members = 1; search.best_of(members) != nullptr; ++members) richest = search.best_of(members);
-  const double growth = decision.growth = floor_growth(model_levels(model, richest->fit, rules));
+  const double growth = decision.growth = floor_growth(model_levels(model, richest->fit, rules), model.rows());
   const double all = above_floors(model, search.owner(), rules);
   std::vector<double> scores;
   double left = all, score = by_prediction(model, search, 0, growth, rules).front().score;

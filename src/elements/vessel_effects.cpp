@@ -19,12 +19,12 @@ constexpr EffectEntry vessel_entries[] = {
      .element = "chamber_1",
      .family = "heat",
      .parameters = {amplitude("conductance_W_per_K", wall_heat, 0.3, 1e-4)}},
-    // Emptying from the supply's pressure without heat from the wall changes the temperature most; filling by less.
+    // Charging warms. Emptying without heat from the wall changes the temperature most, filling by less.
     {.name = "charging_heat",
      .words = "gas that charging has warmed and that cools",
      .element = "chamber_1",
      .family = "heat",
-     .parameters = {amplitude("excess_K", one, 10, 0.02).within(-1, 1, adiabatic_change),
+     .parameters = {amplitude("excess_K", one, 10, 0.02).within(0, 1, adiabatic_change),
                     shape("time_constant_s", one, 1.2, charging_times).by(Variation::logarithmic)}},
     {.name = "laminar_leak",
      .words = "a leak of chamber # through narrow ways",

@@ -452,11 +452,9 @@ namespace {
 void leave_atmosphere_open(Rig& rig, const ConfigNode& root) {
   constexpr double weather = 0.01;
   if (rig.kind != RigKind::vessel || is_stated(root, "air", "atmosphere_Pa")) return;
-  const bool is_gauge =
-      rig.imported && std::any_of(rig.imported->columns.begin(), rig.imported->columns.end(), [](const auto& column) {
-        return column.first.ends_with("_Pa") && column.second.offset != 0;
-      });
-  if (!is_gauge) rig.tolerances.try_emplace("air.atmosphere_Pa", weather);
+  const auto is_gauge = [](const auto& column) { return column.first.ends_with("_Pa") && column.second.offset != 0; };
+  if (rig.imported && std::any_of(rig.imported->columns.begin(), rig.imported->columns.end(), is_gauge)) return;
+  rig.tolerances.try_emplace("air.atmosphere_Pa", weather);
 }
 
 }  // namespace

@@ -136,10 +136,7 @@ CylinderResiduals::CylinderResiduals(const Rig& owner, const std::vector<Recordi
   const double position_noise = owner.sensors.position.rms_m();
   for (const CylinderRecording& recording : recordings_) {
     balances_.emplace_back(recording.position_m, recording.period_s(), position_noise, least_sigma_periods);
-    std::vector<char> held_out;
-    for (std::size_t k = 0; k < recording.position_m.size(); ++k)
-      held_out.push_back(recording.held_out(recording.time_s(k)));
-    balances_.back().hold_out(held_out);
+    balances_.back().hold_out([&](std::size_t k) { return recording.held_out(recording.time_s(k)); });
   }
   gas_ = std::make_unique<GasRuns>(owner_, recordings_, jobs_, stop_);
   declare_channels();

@@ -80,6 +80,13 @@ std::vector<double> drive_force(const Rig& rig, const Recording& recording) {
   return force;
 }
 
+/// The drive's mean around each row: what was held before it counts for `before` of a row.
+std::vector<double> mean_around(const std::vector<double>& force_N, double before) {
+  std::vector<double> out(force_N);
+  for (std::size_t i = 1; i < out.size(); ++i) out[i] -= before * (force_N[i] - force_N[i - 1]);
+  return out;
+}
+
 }  // namespace
 
 DrivenAxisResiduals::DrivenAxisResiduals(const Rig& rig, const std::vector<Recording>& recordings) {
@@ -136,20 +143,15 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
             held_out_of(has_held_out_, recording.is_held_out, time_s.back() - time_s.front()),
             machine_changes(rig, recording)};
   part.usable = part.balance.usable();
-  std::vector<char> held_out_samples;
-  for (std::size_t i = 0; i < part.usable.size(); ++i)
-    held_out_samples.push_back(part.held_out(time_s.front() + static_cast<double>(i) * interval_s));
-  part.balance.hold_out(held_out_samples);
-  // The drive's mean around a row: what was held before it counts for as long as it was.
-  const double held = held_share(rig, recording, interval_s), before = 0.5 * held;
-  std::vector<double> middle(force.size());
+  part.balance.hold_out(
+      [&](std::size_t i) { return part.held_out(time_s.front() + static_cast<double>(i) * interval_s); });
   for (std::size_t i = 0; i < force.size(); ++i) {
-    if (!std::isfinite(force[i])) {
-      part.usable[i] = 0;
-      force[i] = i > 0 ? force[i - 1] : 0.0;
-    }
-    middle[i] = force[i] - before * (force[i] - force[i > 0 ? i - 1 : 0]);
+    if (std::isfinite(force[i])) continue;
+    part.usable[i] = 0;
+    force[i] = i > 0 ? force[i - 1] : 0.0;
   }
+  const double held = held_share(rig, recording, interval_s);
+  const std::vector<double> middle = mean_around(force, 0.5 * held);
   part.jump_N = jumps_of(force, 1.0 - held);
   part.drive_N = part.balance.kernel().apply(middle, 0);
   part.drive_rate_Nps = part.balance.kernel().apply(middle, 1);

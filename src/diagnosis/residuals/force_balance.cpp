@@ -180,7 +180,7 @@ ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, 
       noise_m * std::max(4 * fast_kernel_.noise_gain(1, 1), std::sqrt(12.0) * fast_kernel_.largest_weight() / period_s);
   const double rest_mps = std::max({0.005 * top, noise_speed, rounding_mps});
   forward_share_ = forward_shares(fast_[1], fast_[2], rest_mps, period_s);
-  hold_out(std::vector<char>(samples(), 0));
+  hold_out([](std::size_t) { return false; });
 }
 
 double ForceBalance::force_noise(double mass_kg, std::size_t count) const {
@@ -194,10 +194,10 @@ std::vector<char> ForceBalance::near_end_stop(double stroke_m) const {
   return widened(marks, kernel_.reach() + fast_kernel_.reach());
 }
 
-void ForceBalance::hold_out(const std::vector<char>& is_held_out) {
+void ForceBalance::hold_out(const std::function<bool(std::size_t)>& is_held_out) {
   is_judged_.resize(samples());
   for (std::size_t i = 0; i < samples(); ++i)
-    is_judged_[i] = usable_[i] && std::isfinite(forward_share_[i]) && !is_held_out[i];
+    is_judged_[i] = usable_[i] && std::isfinite(forward_share_[i]) && !is_held_out(i);
 }
 
 std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const double> drive_N,

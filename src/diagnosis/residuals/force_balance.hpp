@@ -1,5 +1,6 @@
 // Force that a supposed slider needs for a recorded motion: m a + B v + friction + load, all smoothed alike.
 #pragma once
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -34,7 +35,7 @@ class ForceBalance {
   double force_noise(double mass_kg, std::size_t count) const;
 
   /// Samples that no fit sees: the swing in which a load on a soft coupling begins a stretch is not found from them.
-  void hold_out(const std::vector<char>& is_held_out);
+  void hold_out(const std::function<bool(std::size_t)>& is_held_out);
   /// Force [N] that the rig's slider with its motion effects needs at every sample, its position sensor's effects
   /// undone first. drive_N: the smoothed drive force, which friction at rest balances within its limits.
   /// gauge_pressure_sum_Pa: max(p1 - p_atm, 0) + max(p2 - p_atm, 0) at every sample; empty without air.

@@ -59,6 +59,9 @@ struct Bench {
     backend.activate();
     bus->sent.clear();
   }
+  ~Bench() { bus->let_all_pass(); }
+  Bench(const Bench&) = delete;
+  Bench& operator=(const Bench&) = delete;
   std::unique_ptr<CanCarrier> make_bus() {
     auto made = std::make_unique<DeviceBus>(device);
     bus = made.get();

@@ -30,6 +30,9 @@ class DeviceBus final : public CanCarrier {
   std::function<bool(const CanFrame&)> lose{};     ///< a frame of the controller does not reach the device
   std::function<void(CanFrame&)> rewrite{};        ///< changes a frame of the controller on its way
 
+  /// For the end of a test: last frames meet no function whose variables are gone.
+  void let_all_pass() { spoil = nullptr, lose = nullptr, rewrite = nullptr; }
+
   /// Time goes on; the device's heartbeats fall due.
   void advance(std::int64_t ns) {
     for (const std::int64_t end = now + ns; now < end;) {

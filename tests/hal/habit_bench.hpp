@@ -23,11 +23,7 @@ struct Habit {
 
   explicit Habit(const std::vector<std::string>& sets = {})
       : rig(can_rig(sets)), device(rig), backend(rig, make_bus()) {}
-  /// The backend's last frames meet no function of a test whose variables are gone.
-  ~Habit() {
-    bus->spoil = nullptr;
-    bus->lose = nullptr;
-  }
+  ~Habit() { bus->let_all_pass(); }
   Habit(const Habit&) = delete;
   Habit& operator=(const Habit&) = delete;
   std::unique_ptr<CanCarrier> make_bus() {

@@ -2,17 +2,15 @@
 // nothing, and a replay of what was obeyed gives the same rows.
 #include <catch2/catch.hpp>
 
-#include <bit>
 #include <cmath>
-#include <memory>
 #include <random>
 #include <vector>
 
 #include <pneuservo/loop/axis_loop.hpp>
 
 #include "core/test_seed.hpp"
+#include "loop/commanded_loop.hpp"
 #include "loop/loop_rigs.hpp"
-#include "sim/sim_backend.hpp"
 
 using namespace pneuservo;
 
@@ -20,56 +18,7 @@ namespace {
 
 Rig served_rig() { return config_rig("served/cylinder-10m-7.65mm"); }
 
-/// The loop on the simulated plant, tick by tick.
-class Axis {
- public:
-  explicit Axis(const Rig& rig) : backend_(rig) {
-    backend_.configure();
-    loop_.configure(rig);
-    loop_.set_command_link(link_.get());
-    backend_.activate();
-  }
-  void run(int ticks) {
-    for (int i = 0; i < ticks; ++i) {
-      REQUIRE(loop_.pass(backend_, tick_++, 0, nullptr, nullptr));
-      rows_.push_back(loop_.row());
-    }
-  }
-  /// Asks, and runs until the answer is there.
-  AxisAnswer ask(AxisCommand command) {
-    command.number = ++numbers_;
-    REQUIRE(link_->commands.push(command));
-    for (int i = 0; i < 200; ++i) {
-      run(1);
-      if (AxisAnswer answer; link_->answers.pop(answer)) {
-        CHECK(answer.number == command.number);
-        return answer;
-      }
-    }
-    FAIL("no answer");
-    return {};
-  }
-  AxisStatus status() {
-    AxisStatus status;
-    link_->status.take(status);
-    return status;
-  }
-  void enable() {
-    CHECK(ask({CommandKind::enable}).result == CommandResult::taken);
-    for (int i = 0; i < 500 && !loop_.supervisor().is_active(); ++i) run(1);
-    REQUIRE(loop_.supervisor().is_active());
-  }
-  AxisLoop& loop() { return loop_; }
-  const std::vector<Row>& rows() const { return rows_; }
-
- private:
-  SimBackend backend_;
-  AxisLoop loop_;
-  std::unique_ptr<CommandLink> link_ = std::make_unique<CommandLink>();
-  std::int64_t tick_ = 0;
-  std::uint64_t numbers_ = 0;
-  std::vector<Row> rows_;
-};
+using Axis = test::CommandedLoop<AxisLoop>;
 
 AxisCommand move_to(double position_m, double speed_mps = 0.4) { return {CommandKind::move_to, position_m, speed_mps}; }
 
@@ -180,20 +129,8 @@ TEST_CASE("random commands: no fault, within limits, and what was obeyed replays
     axis.run(1 + static_cast<int>(random() % 600));
     REQUIRE(axis.loop().faults() == 0);
   }
-  Axis again(rig);
-  for (const Row& row : axis.rows()) {
-    CHECK(std::fabs(row.measured[Signal::x]) < 0.15);
-    if (row.command_kind != 0)
-      REQUIRE(again.ask({static_cast<CommandKind>(row.command_kind), row.command_m, row.command_mps}).result ==
-              CommandResult::taken);
-    else again.run(1);
-  }
-  REQUIRE(again.rows().size() == axis.rows().size());
-  for (std::size_t i = 0; i < axis.rows().size(); ++i) {
-    REQUIRE(std::bit_cast<std::uint64_t>(axis.rows()[i].x_ref_m) ==
-            std::bit_cast<std::uint64_t>(again.rows()[i].x_ref_m));
-    REQUIRE(axis.rows()[i].u_V == again.rows()[i].u_V);
-  }
+  for (const Row& row : axis.rows()) CHECK(std::fabs(row.measured[Signal::x]) < 0.15);
+  test::require_replay<AxisLoop>(rig, axis.rows(), &Row::x_ref_m, &Row::command_m, &Row::command_mps);
 }
 
 TEST_CASE("a stream of set points moves the axis, rests when it stops, and replays bit for bit") {
@@ -239,20 +176,5 @@ TEST_CASE("a stream of set points moves the axis, rests when it stops, and repla
     REQUIRE(std::fabs(row.v_ref_mps - last_mps) <= rig.reference.acceleration_mps2 * rig.period_s * (1.0 + 1e-6));
     last_mps = row.v_ref_mps;
   }
-  Axis again(rig);
-  for (const Row& row : axis.rows()) {
-    if (row.command_kind == 0) {
-      again.run(1);
-      continue;
-    }
-    AxisCommand command{static_cast<CommandKind>(row.command_kind), row.command_m, row.command_mps};
-    command.interval_s = row.command_s;
-    REQUIRE(again.ask(command).result == CommandResult::taken);
-  }
-  REQUIRE(again.rows().size() == axis.rows().size());
-  for (std::size_t i = 0; i < axis.rows().size(); ++i) {
-    REQUIRE(std::bit_cast<std::uint64_t>(axis.rows()[i].x_ref_m) ==
-            std::bit_cast<std::uint64_t>(again.rows()[i].x_ref_m));
-    REQUIRE(axis.rows()[i].u_V == again.rows()[i].u_V);
-  }
+  test::require_replay<AxisLoop>(rig, axis.rows(), &Row::x_ref_m, &Row::command_m, &Row::command_mps);
 }

@@ -73,10 +73,12 @@ bool GpioBackend::set_enable(bool active) noexcept {
   return true;
 }
 
+bool GpioBackend::gives_power(double output_V) const noexcept { return output_V > 0.5 * rig_.axis.valve.command_max_V; }
+
 bool GpioBackend::set_coils(const std::array<double, 2>& outputs_V) noexcept {
   bool all = true;
   for (Coil& coil : coils_) {
-    const bool power = outputs_V[coil.output] > 0.5 * rig_.axis.valve.command_max_V;
+    const bool power = gives_power(outputs_V[coil.output]);
     if (power == coil.has_power) continue;
     const bool done = coil.line->write(power);
     if (done) coil.has_power = power;
@@ -91,9 +93,12 @@ bool GpioBackend::write(std::int64_t tick, const Command& command) noexcept {
   return set_enable(command.enable) && set;
 }
 
+// Every line, whatever it is believed to be: the loop may have died between a line and the note of it.
 bool GpioBackend::emergency_write() noexcept {
-  const bool set = set_coils(safe_outputs_V(rig_));
-  return (!enable_ || enable_->write(false)) && set;
+  const std::array<double, 2> safe_V = safe_outputs_V(rig_);
+  bool all = !enable_ || enable_->write(false);
+  for (Coil& coil : coils_) all = coil.line->write(gives_power(safe_V[coil.output])) && all;
+  return all;
 }
 
 void GpioBackend::deactivate() noexcept {

@@ -54,6 +54,7 @@ class GpioBackend final : public Backend {
   };
 
   bool set_enable(bool active) noexcept;
+  bool gives_power(double output_V) const noexcept;
   bool set_coils(const std::array<double, 2>& outputs_V) noexcept;
 
   Rig rig_;

@@ -134,6 +134,10 @@ TEST_CASE("coils on digital lines: one at a time, none at rest and at the end, t
     backend.write(4, {24.0, 24.0, true});
     CHECK(backend.emergency_write());
     CHECK(powers() == safe);
+    level["u1"] = true;  // a line that was set when the loop died, before it was noted
+    level["u2"] = !safe.second;
+    CHECK(backend.emergency_write());
+    CHECK(powers() == safe);
     CHECK(backend.origins().command == Origin::real);
     CHECK(backend.safe_output().has_outputs);
     backend.deactivate();

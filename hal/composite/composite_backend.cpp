@@ -31,15 +31,15 @@ CompositeBackend::CompositeBackend(const Rig& rig) {
                                 : channel.simulated ? Origin::simulated
                                                     : Origin::real;
   });
-  bool commands_sim = false, commands_can = false, commands_board = false, commands_iio = false, commands_line = false;
+  bool commands_sim = false, commands_can = false, commands_board = false, commands_iio = false, is_real = false;
   c.for_each_command([&](std::string_view, std::size_t, const auto& valve) {
     commands_sim = commands_sim || valve.simulated;
     commands_can = commands_can || valve.can;
     commands_board = commands_board || valve.is_on_board();
     commands_iio = commands_iio || valve.iio;
-    commands_line = commands_line || valve.gpio;
+    is_real = is_real || valve.is_real();
   });
-  origins_.command = commands_can || commands_board || commands_iio || commands_line ? Origin::real : Origin::simulated;
+  origins_.command = is_real ? Origin::real : Origin::simulated;
   const auto any = [](const Gives& gives) { return std::ranges::find(gives.all, true) != gives.all.end(); };
   if (commands_sim || any(simulated)) sources_.push_back({std::make_unique<SimBackend>(rig), simulated});
   if (commands_board || any(on_board)) sources_.push_back({std::make_unique<ComediBackend>(rig), on_board});

@@ -243,7 +243,7 @@ void check_outputs_without_us(const Rig& rig, const RefusePath& refuse) {
     on_board = on_board || valve.comedi;
     on_iio = on_iio || valve.iio;
     on_line = on_line || valve.gpio;
-    is_real = is_real || valve.comedi || valve.iio || valve.can || valve.gpio;
+    is_real = is_real || valve.is_real();
     if (valve.can && !substitute_of(valve.can->object, valve.can->substitute))
       refuse(fmt::format("hal.channels.{}.can.substitute", name),
              fmt::format("nothing for object 0x{:08x}", valve.can->object.word),

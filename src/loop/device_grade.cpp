@@ -35,12 +35,13 @@ Finding board_finding(const Rig& rig, const std::string& topic, const std::strin
 std::vector<Finding> grade_devices(const Rig& rig) {
   std::vector<Finding> findings;
   if (!rig.hal) return findings;
-  bool on_board = false, on_iio = false, on_bus = false, on_line = false;
+  bool on_board = false, on_iio = false, on_bus = false, on_line = false, is_real = false;
   rig.hal->channels.for_each_command([&](std::string_view, std::size_t, const auto& valve) {
     on_board = on_board || valve.comedi;
     on_iio = on_iio || valve.iio;
     on_bus = on_bus || valve.can;
     on_line = on_line || valve.gpio;
+    is_real = is_real || valve.is_real();
   });
   const auto none = BoardWatchdog::none;
   if (on_board)
@@ -53,7 +54,7 @@ std::vector<Finding> grade_devices(const Rig& rig) {
     findings.push_back({Level::good, "bus without program",
                         fmt::format("its devices give their substitute output after {:g} s", rig.hal->can->watchdog_s),
                         ""});
-  if (rig.hal->bench && (on_board || on_iio || on_bus || on_line))
+  if (rig.hal->bench && is_real)
     findings.push_back({Level::acceptable, "hal.bench", "a real valve may follow simulated sensors",
                         "leave it out on a machine that moves"});
   if (!rig.concealed.empty())

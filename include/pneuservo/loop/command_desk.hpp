@@ -107,7 +107,7 @@ class CommandDesk {
   CommandKind obeyed_ = CommandKind::none;
   bool enabled_ = false, waits_ = false;
   std::int64_t enabled_tick_ = 0;
-  double period_s_ = 1e-3;
+  double period_s_ = 0.0;
 };
 
 }  // namespace pneuservo

@@ -414,6 +414,7 @@ template <class Keys> struct ChannelParameters {
            gpio.has_value();
   }
   bool is_absent() const noexcept { return sources() == 0; }
+  bool is_real() const noexcept { return sources() > (simulated ? 1 : 0); }
   bool is_on_board() const noexcept { return comedi || comedi_counter; }
 };
 

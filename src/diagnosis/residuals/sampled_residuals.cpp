@@ -37,9 +37,8 @@ double covered_s(const std::vector<double>& time_s) {
 }
 
 /// For how long the model's own error stays alike: what is simulated freely adds up its error, which changes with what
-/// is recorded, not with the rows. A fiftieth of one way from low to high or back, a way being half of the range at
-/// least: counted ten times a second, 30 against 90 Pa of a tank's emptying chose a law that its other emptyings
-/// refute.
+/// is recorded, not with the rows. `share` of one way from low to high or back, a way being half of the range at least:
+/// less than any of twelve real recordings showed (docs/physics/diagnosis-method.md).
 double error_alike_s(const std::vector<double>& values, double span_s) {
   constexpr double share = 0.02;
   double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;

@@ -30,11 +30,11 @@ def drive_keys(bus):
 
 
 class Served:
-    """The axis in simulated time, with its drive on a local bus."""
+    """The axis with its drive on a local bus."""
 
-    def __init__(self, name, *options):
+    def __init__(self, name, *options, time_kind="simulated"):
         self.bus, self.socket, self.records, self.log = at(name + ".bus"), at(name + ".sock"), at(name), at(name + ".log")
-        self.process = subprocess.Popen([program, "serve", CONFIG, "--time", "simulated", "--socket", self.socket, "--record", self.records,
+        self.process = subprocess.Popen([program, "serve", CONFIG, "--time", time_kind, "--socket", self.socket, "--record", self.records,
                                          *drive_keys(self.bus), *options], stderr=open(self.log, "w"))
         atexit.register(self.process.kill)
 
@@ -57,6 +57,11 @@ class Served:
                     names = {name: i for i, name in enumerate(fields)}
                     continue
                 yield [fields[names[column]] for column in columns]
+
+
+    def set_points_um(self):
+        """The set points that were taken, in the order of the record."""
+        return [round(float(place_m) * 1e6) for kind, place_m in self.rows("command_kind", "command_m") if kind == "11"]
 
 
 class Master:
@@ -108,6 +113,40 @@ class Master:
         self.drive.sdo[0x1016][1].raw = 127 << 16 | milliseconds
         self.heartbeat = self.network.send_periodic(0x77F, [5], milliseconds / 5e3)
         time.sleep(milliseconds / 1e3)
+
+    def stream(self, count, cycle_s=0.0):
+        """Drives so many set points in cyclic synchronous position mode, one a cycle and SYNC; the plan in um."""
+        drive, rpdo, tpdo = self.drive, self.drive.rpdo[2], self.drive.tpdo[2]
+        drive.sdo[0x6098].raw = 0
+        drive.nmt.state = "PRE-OPERATIONAL"
+        rpdo.clear()
+        rpdo.add_variable(0x607A)
+        rpdo.trans_type = 1
+        rpdo.enabled = True
+        rpdo.save()
+        tpdo.trans_type = 1
+        tpdo.save()
+        drive.sdo[0x60C2][1].raw = 10
+        drive.nmt.state = "OPERATIONAL"
+        self.enable("CYCLIC SYNCHRONOUS POSITION")
+        expect(drive.state == "OPERATION ENABLED" and drive.op_mode == "CYCLIC SYNCHRONOUS POSITION", "cyclic mode")
+        begin_um = drive.sdo[0x6062].raw
+        plan = [round(begin_um * (1 - i / count) + 60_000 * math.sin(0.02 * i)) for i in range(1, count + 1)]
+        due = time.monotonic()
+        for place in plan:
+            rpdo[0].raw = place
+            rpdo.transmit()
+            tpdo.is_received = False
+            self.network.sync.transmit()
+            end = time.monotonic() + 5.0
+            while not tpdo.is_received:  # a PLC's cycle: SYNC out, actual values in
+                expect(time.monotonic() < end, "no actual values after SYNC")
+                time.sleep(0.0005)
+            due += cycle_s
+            time.sleep(max(0.0, due - time.monotonic()))
+        self.until(lambda: drive.sdo[0x6062].raw == plan[-1], "the last set point")
+        expect(drive.state == "OPERATION ENABLED", f"after the stream: {drive.state}")
+        return plan
 
     def die(self):
         self.network.disconnect()
@@ -209,34 +248,7 @@ expect(served.command("disable").returncode == 0, "disable of another client")
 master.until(lambda: drive.state == "SWITCH ON DISABLED", "the state after another's disable")
 
 # Cyclic synchronous position: target and controlword by PDO on SYNC, a set point every 10 ms of the master's plan.
-set_points = 10_000 if LONG else 1_000
-drive.sdo[0x6098].raw = 0
-drive.nmt.state = "PRE-OPERATIONAL"
-rpdo, tpdo = drive.rpdo[2], drive.tpdo[2]
-rpdo.clear()
-rpdo.add_variable(0x607A)
-rpdo.trans_type = 1
-rpdo.enabled = True
-rpdo.save()
-tpdo.trans_type = 1
-tpdo.save()
-drive.sdo[0x60C2][1].raw = 10
-drive.nmt.state = "OPERATIONAL"
-master.enable("CYCLIC SYNCHRONOUS POSITION")
-expect(drive.state == "OPERATION ENABLED" and drive.op_mode == "CYCLIC SYNCHRONOUS POSITION", "cyclic mode")
-begin_um = drive.sdo[0x6062].raw
-plan = [round(begin_um * (1 - i / set_points) + 60_000 * math.sin(0.02 * i)) for i in range(1, set_points + 1)]
-for place in plan:
-    rpdo[0].raw = place
-    rpdo.transmit()
-    drive.tpdo[2].is_received = False
-    master.network.sync.transmit()
-    end = time.monotonic() + 5.0
-    while not drive.tpdo[2].is_received:  # a PLC's cycle: SYNC out, actual values in
-        expect(time.monotonic() < end, "no actual values after SYNC")
-        time.sleep(0.0005)
-master.until(lambda: drive.sdo[0x6062].raw == plan[-1], "the last set point")
-expect(drive.state == "OPERATION ENABLED", f"after the stream: {drive.state}")
+plan = master.stream(1_000)
 master.until(lambda: abs(master.actual_um() - plan[-1]) < 2000, "the axis at the last set point")
 expect(master.bit(12) and not master.bit(13), "bits of the cyclic mode")
 
@@ -244,20 +256,32 @@ expect(master.bit(12) and not master.bit(13), "bits of the cyclic mode")
 drive.sdo[0x6007].raw = 3
 drive.sdo[0x605A].raw = 2
 master.watch(200)
-rpdo[0].raw = plan[-1] + 5_000
-rpdo.transmit()
+drive.rpdo[2][0].raw = plan[-1] + 5_000
+drive.rpdo[2].transmit()
 master.network.sync.transmit()
 master.heartbeat.stop()
 master.until(lambda: drive.sdo[0x6041].raw & 0x6F in (0x40, 0x60), "the safe output after the heartbeat's end")
 master.die()
 log = served.end()
 expect("fault" not in log, f"a fault: {log}")
-taken = [round(float(m) * 1e6) for kind, m in served.rows("command_kind", "command_m") if kind == "11"]
+taken = served.set_points_um()
 rest = iter(plan + [plan[-1] + 5_000])
 expect(all(place in rest for place in taken), "set points were taken out of order, or others than were sent")
 # In simulated time the axis is not clocked with the master: a newer set point may replace one that waits.
-expect(len(taken) > 2, f"{len(taken)} set points were taken of {set_points}")
-print(f"{len(taken)} of {set_points + 1} set points taken, in order")
+expect(len(taken) > 2, f"{len(taken)} set points were taken of {len(plan)}")
+print(f"{len(taken)} of {len(plan) + 1} set points taken in simulated time, in order")
+
+# In real time the axis takes every one of them.
+if LONG:
+    axis = Served("stream", "--set", "serve.part_s=600", time_kind="real")
+    plc = Master(axis, at("drive.eds"))
+    plan = plc.stream(10_000, cycle_s=0.01)
+    plc.drive.state = "SWITCH ON DISABLED"
+    plc.die()
+    log = axis.end()
+    taken = axis.set_points_um()
+    expect("fault" not in log and taken == plan, f"of {len(plan)} set points {len(taken)} were taken in real time: {log}")
+    print(f"{len(taken)} of {len(plan)} set points taken in real time")
 
 # A master that dies in motion, its socket and all: as serve.commander_lost says.
 for lost, end_state in (("stop", "active"), ("finish", "active"), ("safe", "safe_stop")):

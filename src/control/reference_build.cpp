@@ -52,10 +52,11 @@ ReferenceSpec live_trial(const ReferenceSpec& live) {
                       live.acceleration_mps2));
   const double ramp_s = LivePlanner::transition_s(live_limits(live)), range_m = live.highest_m - live.lowest_m;
   const double reached_m = ramp_s * live.speed_mps;
-  require(range_m >= reached_m,
-          fmt::format("between lowest_m {} and highest_m {} speed_mps {} is not reached with acceleration_mps2 {}, "
-                      "expected at least {:.4g} m between them, more acceleration or less speed",
-                      live.lowest_m, live.highest_m, live.speed_mps, live.acceleration_mps2, reached_m));
+  require(
+      range_m >= reached_m,
+      fmt::format("between lowest_m {:.6g} and highest_m {:.6g} speed_mps {} is not reached with acceleration_mps2 {}, "
+                  "expected at least {:.4g} m between them, more acceleration or less speed",
+                  live.lowest_m, live.highest_m, live.speed_mps, live.acceleration_mps2, reached_m));
   ReferenceSpec trial;
   trial.kind = ReferenceKind::sum;
   const double widest_s = range_m / live.speed_mps + ramp_s, shortest_s = 2.0 * ramp_s;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 #include "config/input_error.hpp"
 #include "config/number_text.hpp"
 #include "config/read_rig.hpp"
+#include "config/units.hpp"
 #include "design/margin_gains.hpp"
 #include "improve/simulated_run.hpp"
 #include "program/loop_check.hpp"
@@ -29,6 +31,8 @@ constexpr int most_motion_steps = 6;
 constexpr double speed_share = 0.35, force_share = 0.15;
 /// Moves keep this share of the stroke away from either end.
 constexpr double end_share = 0.05;
+/// Part of the way in which a move reaches its speed: three digits of both numbers are off by 1.5 % at most.
+constexpr double reached_share = 0.98;
 
 /// What no data sheet says, from the size of the bore.
 struct TypicalNumbers {
@@ -43,6 +47,11 @@ std::string comment_lines(const std::vector<std::string>& lines) {
   std::string out;
   for (const std::string& text : lines) out += fmt::format("# {}\n", text);
   return out;
+}
+
+/// The number of an answer; empty: not stated.
+std::optional<double> stated(const std::string& answer, const char* unit) {
+  return read_quantity({"", unit, 0.0, infinite, ""}, answer, {}).value;
 }
 
 std::string machine_text(const SheetAnswers& a) {
@@ -149,7 +158,7 @@ bool settles(const Rig& rig) {
 class Finisher {
  public:
   explicit Finisher(const SheetAnswers& answers) : answers_(answers) {
-    choose_motion(read());
+    choose_motion();
     choose_gains(read());
     slow_down();
   }
@@ -158,8 +167,12 @@ class Finisher {
  private:
   Rig read() const { return parse_rig(draft_text(answers_, numbers_), "new-rig"); }
 
-  /// Choked flow out of the smaller chamber, and the full supply on the mass.
-  void choose_motion(const Rig& rig) {
+  /// Choked flow out of the smaller chamber, and the full supply on the mass; what the owner stated stays. Where the
+  /// way is too short for both numbers the one that nobody stated gives way.
+  void choose_motion() {
+    SheetAnswers machine = answers_;
+    machine.speed.clear(), machine.acceleration.clear();
+    const Rig rig = parse_rig(draft_text(machine, numbers_), "new-rig");
     const auto& axis = rig.axis;
     const Air<double> air(axis.air);
     const double smaller_m2 = std::min(axis.cylinder.area_1_m2, axis.cylinder.area_2_m2);
@@ -167,11 +180,18 @@ class Finisher {
         air.flow_constant * std::sqrt(air.R * air.temperature_K) * axis.valve.area_max_m2 / smaller_m2;
     const double mass_kg = axis.slider.mass_kg + rig.limits.payload_max_kg.value_or(0.0);
     const double force_N = (axis.supply.pressure_Pa - axis.air.atmosphere_Pa) * smaller_m2;
-    const double way_m = (1.0 - 2.0 * end_share) * axis.cylinder.stroke_m;
+    const double way_m = rig.reference.highest_m - rig.reference.lowest_m;
+    const auto speed_mps = stated(answers_.speed, "m/s"), acceleration_mps2 = stated(answers_.acceleration, "m/s2");
     // Faster than half the way in 0.2 s no hose of some metres answers; beyond it the steps below go down anyhow.
-    numbers_.speed_mps = std::min(speed_share * fastest, way_m / 0.4);
-    numbers_.acceleration_mps2 = std::min(force_share * force_N / mass_kg, numbers_.speed_mps / 0.1);
-    lead(rig);
+    numbers_.speed_mps = speed_mps.value_or(std::min(speed_share * fastest, way_m / 0.4));
+    numbers_.acceleration_mps2 =
+        acceleration_mps2.value_or(std::min(force_share * force_N / mass_kg, numbers_.speed_mps / 0.1));
+    LiveLimits limits = live_limits(rig.reference);
+    limits.speed_mps = numbers_.speed_mps, limits.acceleration_mps2 = numbers_.acceleration_mps2;
+    const double too_long = LivePlanner::transition_s(limits) * limits.speed_mps / (reached_share * way_m);
+    if (too_long > 1.0 && !speed_mps) numbers_.speed_mps /= std::sqrt(too_long);
+    else if (too_long > 1.0 && !acceleration_mps2) numbers_.acceleration_mps2 *= too_long;
+    lead(read());
   }
   void lead(const Rig& rig) {
     numbers_.feedforward_lead_s = feedforward_lead_s(rig.axis, numbers_.speed_mps, rig.initial.pressure_1_Pa);

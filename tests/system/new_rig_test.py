@@ -32,6 +32,16 @@ def by_options():
     expect(first["motion"]["word"] == "follows" and share <= 0.02, f"the axis is off by {share} of its way")
 
 
+def short_ways():
+    """A way that is too short for the speed: the number that nobody stated gives way."""
+    for name, stated in (("heavy", options(bore="20 mm", rod="8 mm", stroke="500 mm", mass="14 kg")),
+                         ("slow", [*options(), "--acceleration", "0.3 m/s2"]), ("fast", [*options(), "--speed", "0.5 m/s"])):
+        made = run("new-rig", at(name + ".yaml"), *stated)
+        expect(made.returncode in (0, 1) and "moves of up to" in made.stdout, f"{name}: {made.stdout}{made.stderr}")
+    expect("speed: 0.5 m/s" in open(at("fast.yaml")).read(), "a stated speed was changed")
+    expect_words(run("new-rig", at("none.yaml"), *options(), "--speed", "1 m/s", "--acceleration", "1 m/s2"), "is not reached with")
+
+
 def expect_words(done, *words):
     expect(done.returncode == 2 and done.stdout == "", f"status {done.returncode}: {done.stdout}{done.stderr}")
     expect(all(word in done.stderr for word in words), f"{words} are not all in: {done.stderr}")
@@ -61,6 +71,7 @@ def by_questions():
 
 
 by_options()
+short_ways()
 refusals()
 by_questions()
 sys.exit(0)

@@ -87,6 +87,10 @@ void check_parameters(const PdForceParameters& p, const Rig& rig, const Check& c
   if (p.wants_pass() && rig.reference.kind == ReferenceKind::live)
     check.refuse("controller.flow_feedforward", {"reference.kind"}, "pass",
                  "off or formula with reference.kind live: a pass runs the whole reference before it moves");
+  if (p.learning != MoveLearning::none && !p.wants_pass())
+    check.refuse("controller.learning", {"controller.flow_feedforward"},
+                 std::string(move_learning_names[static_cast<std::size_t>(p.learning)]),
+                 "none, or controller.flow_feedforward: pass, beside whose command it learns");
 }
 void check_parameters(const Ppd2Parameters& p, const Rig& rig, const Check& check) {
   if (p.observer_gains && p.observer_gains->size() != 3)

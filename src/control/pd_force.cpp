@@ -1,5 +1,6 @@
 // PD with force feedback: configuration, start, and the step of one period.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -8,11 +9,28 @@
 #include <pneuservo/rig/axis.hpp>
 
 namespace pneuservo {
+namespace {
+
+/// FNV-1a over the reference and the pass' command.
+std::uint64_t move_identity(const LawSetup& setup) noexcept {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  const auto take = [&](double value) {
+    const auto bits = std::bit_cast<std::uint64_t>(value);
+    for (int shift = 0; shift < 64; shift += 8) hash = (hash ^ (bits >> shift & 0xff)) * 0x100000001b3;
+  };
+  take(setup.period_s);
+  for (std::size_t k = 0; k < setup.pass->rows.size(); ++k)
+    take(setup.reference.at(static_cast<double>(k) * setup.period_s).d[0]), take(setup.pass->rows[k].u_V);
+  return hash;
+}
+
+}  // namespace
 
 void PdForce::configure(const PdForceParameters& parameters, const AxisParameters<double>& axis,
                         double period_s) noexcept {
   parameters_ = parameters;
   pass_.reset();
+  move_ = {};
   feedforward_ = FlowFeedforward(axis);
   limiter_ = CommandLimiter(axis.valve.command_max_V, parameters.command_rate_V_per_s, period_s);
   period_s_ = period_s;
@@ -31,6 +49,25 @@ void PdForce::configure(const PdForceParameters& parameters, const LawSetup& set
     throw std::invalid_argument(
         "controller.flow_feedforward: found pass, but no command pass was made of the reference");
   pass_ = std::make_shared<const std::vector<PassTick>>(pass_ticks(setup));
+  if (!parameters.learns() || setup.pass->response_m_per_V.empty()) return;
+  move_ = RepeatedMove(setup.pass->response_m_per_V, learning_window(setup, pass_->size()), setup.period_s,
+                       parameters.learned_command_max_V, move_identity(setup));
+}
+
+// Nothing is learned where the reference rests: there an error of friction would be learned again and again.
+std::vector<double> PdForce::learning_window(const LawSetup& setup, std::size_t ticks) const {
+  constexpr double settling_s = 0.25, fade_s = 0.1;
+  const auto far = static_cast<std::ptrdiff_t>(std::ceil((settling_s + fade_s) / period_s_));
+  std::vector<double> window(ticks, 0.0);
+  std::ptrdiff_t last = -1;  // tick of the last motion
+  for (std::size_t k = 0; k < ticks; ++k) {
+    if (setup.reference.at(static_cast<double>(k) * period_s_).d[1] != 0.0) last = static_cast<std::ptrdiff_t>(k);
+    const std::ptrdiff_t since = static_cast<std::ptrdiff_t>(k) - last;
+    if (last < 0 || since > far) continue;
+    const double faded = std::clamp((static_cast<double>(since) * period_s_ - settling_s) / fade_s, 0.0, 1.0);
+    window[k] = 0.5 * (1.0 + std::cos(M_PI * faded));
+  }
+  return window;
 }
 
 // On the reference the position loop asks for what its filter and the sensors make of it; the force that shows there
@@ -95,8 +132,9 @@ void PdForce::feed_forward(const ControlInput& in, PdForceState& s) const noexce
   const PassTick& tick = (*pass_)[static_cast<std::size_t>(std::clamp<std::int64_t>(in.tick, 0, last))];
   s.u_pass_V = tick.u_V;
   s.F_pass_N = tick.F_N;
+  s.u_learned_V = move_.command_V(in.tick);
   s.F_ref_N += tick.F_N - tick.motion_N;
-  s.u_feedforward_V += tick.u_V - tick.formula_V;
+  s.u_feedforward_V += tick.u_V - tick.formula_V + s.u_learned_V;
 }
 
 double PdForce::update(const ControlInput& in) noexcept {
@@ -120,6 +158,7 @@ double PdForce::update(const ControlInput& in) noexcept {
   s.u_V = result.command_V;
   s.limit = result.limit;
   state_ = s;
+  move_.note(in.tick, s.e_m);
   previous_x_m_ = in.x_m;
   periods_ = 1.0;
   first_ = false;

@@ -254,6 +254,8 @@ RunOutcome run_loop(const Rig& rig, Backend& backend, const RunSettings& setting
   RunOutcome out;
   const std::unique_ptr<ControlLoop> made = make_control_loop(rig, settings.load, settings.gains, settings.commands);
   ControlLoop& loop = *made;
+  if (const RepeatedMove* move = loop.controller().repeated_move(); move != nullptr && settings.learned)
+    loop.begin_with_learned(settings.learned(*move));
   Course course(rig, settings.moves);
   const LastResort last_resort(backend, settings.recording, rig.period_s);
   backend.activate();
@@ -274,6 +276,11 @@ RunOutcome run_loop(const Rig& rig, Backend& backend, const RunSettings& setting
   if (course.fault_tick() >= 0) out.fault_s = static_cast<double>(course.fault_tick()) * rig.period_s;
   out.moves = course.moves();
   out.moves_begun = course.moves_begun();
+  // The last move teaches, too, where it came to its end.
+  if (const RepeatedMove* move = loop.controller().repeated_move()) {
+    if (out.faults.empty() && !out.stopped_by_signal && !out.ended_by_backend) loop.learn(rig.axis);
+    out.repeated_move = *move;
+  }
   out.moves_not_learned = loop.controller().moves_not_learned();
   out.rows = course.take_rows();
   out.motion_limits = loop.supervisor().motion().limits();

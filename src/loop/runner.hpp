@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <pneuservo/control/reference.hpp>
+#include <pneuservo/control/repeated_move.hpp>
 #include <pneuservo/hal/backend.hpp>
 #include <pneuservo/loop/timing.hpp>
 #include <pneuservo/record/row.hpp>
@@ -50,6 +52,8 @@ struct RunSettings {
   RecordingWriter* writer = nullptr;  ///< simulated time: rows go here
   FaultWatch* fault_watch = nullptr;  ///< the first fault is noted here
   std::string recording{};  ///< its path, for the last record of a crash
+  /// What earlier runs of this move learned; called once with the law's move, where the law learns one.
+  std::function<std::vector<double>(const RepeatedMove& move)> learned{};
   GainMailbox* gains = nullptr;  ///< gains for the running loop come from here
   CommandLink* commands = nullptr;  ///< whoever commands the axis; its reference is not run then
   std::vector<LateTick> late{};  ///< injected: the loop comes so late, in order of their ticks
@@ -70,6 +74,7 @@ struct RunOutcome {
   bool ended_by_backend = false;
   std::int64_t ticks = 0;  ///< served
   std::int64_t overruns = 0;  ///< slots skipped
+  std::optional<RepeatedMove> repeated_move;  ///< what a law learned that learns a command
   int moves_not_learned = 0;  ///< too many of their slots were skipped to learn from them
   double wall_s = 0.0;
   std::unique_ptr<LoopTiming> timing;  ///< real time only

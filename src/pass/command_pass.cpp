@@ -206,6 +206,42 @@ double predicted_error_m(const Rig& rig, const Reference& reference, const Comma
   return most_m;
 }
 
+std::vector<double> closed_loop_response_m_per_V(const Rig& rig, const Reference& reference, const CommandPass& pass) {
+  AxisParameters<double> smooth = rig.axis;
+  smooth.effects.valve.valve_dead_band = {};
+  smooth.effects.valve.valve_hysteresis = {};
+  smooth.effects.valve.valve_stiction = {};
+  auto& motion = smooth.effects.motion;
+  motion.coulomb_friction = {}, motion.stribeck_friction = {}, motion.direction_dependent_friction = {};
+  motion.pressure_dependent_friction = {}, motion.friction_zone = {}, motion.elastic_friction = {};
+  const double x_m = reference.at(0.0).d[0], volt = pulse_V(rig);
+  ReferenceSpec rest_spec;
+  rest_spec.kind = ReferenceKind::waypoints;
+  rest_spec.times_s = {0.0, rig.duration_s}, rest_spec.positions_m = {x_m, x_m};
+  const Reference resting(rest_spec);
+  const PassRow rest = pass.table(rig, false)->rows.front();
+  std::vector<double> response(static_cast<std::size_t>(std::llround(response_s / rig.period_s)));
+  for (const double added_V : {0.0, volt}) {
+    auto table = std::make_shared<PassTable>();
+    table->rows = {rest, rest};
+    table->rows.front().u_V += added_V;
+    MotionTwin twin;
+    twin.configure(rig, resting, 0.0, table);
+    twin.set_machine(rig, smooth, MotionTwin::simulated_cells(rig));
+    const PerSignal<double>& first = pass.before.front().values;
+    twin.start(x_m, {first[Signal::p1_chamber], first[Signal::p2_chamber]}, {rest.u_V, 0.0});
+    for (std::size_t i = 0; i < response.size(); ++i) {
+      ControlInput in;
+      in.now = in.ahead = resting.at(0.0);
+      in.tick = static_cast<std::int64_t>(i);
+      response[i] = twin.position_m() - (added_V > 0.0 ? response[i] : 0.0);
+      twin.step(in, rig.axis.supply.pressure_Pa, MotionLimits::unlimited);
+    }
+  }
+  for (double& value : response) value /= volt;
+  return response;
+}
+
 std::string unfollowed_words(const Rig& rig, const Reference& reference, const CommandPass& pass) {
   const double by_pass_m = predicted_error_m(rig, reference, pass, FeedforwardSource::pass),
                by_formula_m = predicted_error_m(rig, reference, pass, FeedforwardSource::formula),
@@ -240,7 +276,10 @@ PassTables pass_tables(const Rig& rig, const Reference& reference) {
   if (const std::string words = unfollowed_words(rig, reference, pass); !words.empty())
     throw std::invalid_argument(fmt::format(
         "controller.flow_feedforward: found pass, but {}; expected formula, or a reference that begins slower", words));
-  return {pass.table(rig, true), pass.table(rig, false)};
+  auto law = std::make_shared<PassTable>(*pass.table(rig, true));
+  if (rig.controller.of<PdForce>().learns())
+    law->response_m_per_V = closed_loop_response_m_per_V(rig, reference, pass);
+  return {std::move(law), pass.table(rig, false)};
 }
 
 std::string heed_missing_pass(const std::string& config, Rig& rig, const LoadPositions& load) {

@@ -45,6 +45,11 @@ CommandPass make_command_pass(const Rig& rig, const Reference& reference, const 
 /// eight passes.
 std::string refusal_words(const Rig& rig, const Reference& reference, const CommandPass& pass);
 
+/// Position [m/V] in the ticks after one more volt for a period, in the closed loop of the config at rest at the
+/// reference's start: linear, without dry friction and what the valve's path does to small commands. Cold: four seconds
+/// of the model.
+std::vector<double> closed_loop_response_m_per_V(const Rig& rig, const Reference& reference, const CommandPass& pass);
+
 /// The tables for a loop and for its prediction; null where the law asks for none.
 struct PassTables {
   std::shared_ptr<const PassTable> law, prediction;

@@ -13,6 +13,7 @@
 
 #include "config/dump_rig.hpp"
 #include "config/input_error.hpp"
+#include "pass/learned_move.hpp"
 
 namespace pneuservo {
 namespace {
@@ -59,6 +60,7 @@ std::string_view name_of(ResultKind kind) {
     case ResultKind::eds: return "EDS file";
     case ResultKind::picture: return "picture of an unknown";
     case ResultKind::pass: return "command pass";
+    case ResultKind::learned_move: return "learned move";
     case ResultKind::fmu: return "FMU that this program wrote";
     case ResultKind::commission: break;
   }
@@ -97,6 +99,7 @@ bool is_older_result(const std::string& path, ResultKind kind) {
     case ResultKind::eds: return head.starts_with("[FileInfo]");
     case ResultKind::picture: return head.starts_with("# Missing: ");
     case ResultKind::pass: return head.starts_with("# Command pass ");
+    case ResultKind::learned_move: return head.starts_with(learned_move_mark);
     case ResultKind::fmu: return begins_as_fmu(path);
     case ResultKind::commission: break;
   }

@@ -11,7 +11,7 @@
 namespace pneuservo {
 
 /// What an older result looks like that a new one may replace.
-enum class ResultKind { json, page, config, import_section, zeros, picture, commission, eds, pass, fmu };
+enum class ResultKind { json, page, config, import_section, zeros, picture, commission, eds, pass, fmu, learned_move };
 
 /// First line of what the verb import writes.
 inline constexpr std::string_view import_mark = "# Columns of a recording as pneuservo import understood them.";

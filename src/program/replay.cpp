@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <iostream>
 #include <memory>
 
@@ -12,6 +13,7 @@
 #include "config/same_rig.hpp"
 #include "config/version.hpp"
 #include "loop/replay.hpp"
+#include "pass/learned_move.hpp"
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
@@ -23,7 +25,7 @@ namespace pneuservo {
 namespace {
 
 struct ReplayOptions {
-  std::string config, recording, record, json;
+  std::string config, recording, record, json, learned;
   std::vector<std::string> sets, further;
   bool force = false;
   ExistingFile existing() const { return force ? ExistingFile::replace : ExistingFile::refuse; }
@@ -90,7 +92,8 @@ RecordedColumns compared_columns(const ReplayOptions& options, const Rig& rig, c
 }
 
 /// Replays all rows with the gains that were in force.
-ReplayResult replay_rows(const Rig& rig, ReplayBackend& backend, int moves, const RecordedColumns& recorded) {
+ReplayResult replay_rows(const Rig& rig, ReplayBackend& backend, int moves, const RecordedColumns& recorded,
+                         const std::string& learned_path) {
   const Recording& data = backend.recording();
   std::vector<std::int64_t> ticks;
   std::vector<bool> dropped;
@@ -101,8 +104,11 @@ ReplayResult replay_rows(const Rig& rig, ReplayBackend& backend, int moves, cons
   }
   backend.configure();
   backend.activate();
+  std::function<std::vector<double>(const RepeatedMove&)> learned;
+  if (!learned_path.empty())
+    learned = [&](const RepeatedMove& move) { return read_learned_move(learned_path, move); };
   ReplayResult result = replay_loop(rig, backend, ticks, dropped, moves, load_reference_positions, recorded,
-                                    gains_of(data), commands_of(data, moves, rig.controls_pressure()));
+                                    gains_of(data), commands_of(data, moves, rig.controls_pressure()), learned);
   backend.deactivate();
   return result;
 }
@@ -210,6 +216,7 @@ int run_replay(const ReplayOptions& options) {
       .reads_of(rig)
       .reads("RECORDING", options.recording)
       .reads("FURTHER", options.further)
+      .reads("--learned", options.learned)
       .records("--record", options.record, options.existing())
       .writes("--json", options.json, ResultKind::json);
   Recording recording = read_parts(options, rig);
@@ -218,7 +225,7 @@ int run_replay(const ReplayOptions& options) {
   auto backend = rig.controls_pressure() ? ReplayBackend(std::move(recording), rig.period_s, {Signal::p1_port})
                                          : ReplayBackend(std::move(recording), rig.period_s);
   const bool is_foreign = !is_own_format(backend.recording());
-  const ReplayResult result = replay_rows(rig, backend, moves, compared_columns(options, rig, backend.recording()));
+  const ReplayResult result = replay_rows(rig, backend, moves, compared_columns(options, rig, backend.recording()), options.learned);
 
   if (options.json != "-") std::cout << result_text(result, backend);
   write_json(options.json, result_json(rig, options, result, backend.rows()));
@@ -243,6 +250,7 @@ void add_replay(CommandLine& app, int& status) {
   add_set_option(verb, o->sets);
   verb.add_option("--record", o->record, "write what was replayed, FILE.csv.gz");
   verb.add_flag("--force", o->force, "--record may replace a recording that is there");
+  verb.add_option("--learned", o->learned, "what a run that learns moves began with, FILE.before of its --learned");
   verb.add_option("--json", o->json, "result as JSON, - for standard output");
   verb.footer("Exit status: 0 identical, 1 something differs, 2 unusable input.");
   verb.callback([o, &status] { status = run_replay(*o); });

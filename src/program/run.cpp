@@ -1,5 +1,6 @@
 // Verb run: the controller on a backend, in simulated or real time, with figures, recording and report.
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -18,6 +19,7 @@
 #include "loop/realtime_stop.hpp"
 #include "loop/runner.hpp"
 #include "loop/safe_output_text.hpp"
+#include "pass/learned_move.hpp"
 #include "program/axis_options.hpp"
 #include "program/gain_file.hpp"
 #include "program/injection.hpp"
@@ -32,12 +34,14 @@
 #include "report/run_report.hpp"
 #include "report/run_summary.hpp"
 
+namespace fs = std::filesystem;
+
 namespace pneuservo {
 namespace {
 
 struct RunOptions : AxisOptions {
   RunOptions() { time = "simulated"; }
-  std::string pressure_source, record, report, json, gains, live;
+  std::string pressure_source, record, report, json, gains, live, learned;
   double duration_s = 0.0;
   double early_wake_us = -1.0;
   int moves = 1;
@@ -61,6 +65,10 @@ std::vector<PressureSource> sources_of(const RunOptions& options, const Rig& rig
   if (options.pressure_source == "all")
     return {PressureSource::valve, PressureSource::chamber, PressureSource::estimated};
   return {rig.controller.pressures().value_or(PressureSource::valve)};
+}
+
+bool learns_moves(const Rig& rig) {
+  return rig.controller.is<PdForce>() && rig.controller.of<PdForce>().learns();
 }
 
 std::string_view source_word(PressureSource source) { return pressure_source_names[static_cast<std::size_t>(source)]; }
@@ -141,6 +149,7 @@ void tell_end(const RunOptions& options, const Rig& rig, const Backend& backend,
         "{} of {} moves taught nothing: more than 1 % of their ticks were skipped because the loop "
         "was late; `pneuservo check` names what to mend on this machine\n",
         outcome.moves_not_learned, outcome.moves_begun);
+  if (outcome.repeated_move) std::cerr << learning_words(outcome.repeated_move->progress());
   const std::string safe = safe_output_text(backend.safe_output(), rig);
   if (outcome.stopped_by_signal) {
     const std::string name = StopRequest::signal_name();
@@ -195,6 +204,12 @@ void note_what_is_shown(const RunOutcome& outcome, RunReport& report) {
 /// All moves with the longest approach before each.
 double longest_run_s(const Rig& rig, int moves) { return moves * (rig.duration_s + longest_start_s(rig)); }
 
+/// Writes what was learned; what the run began with stays as FILE.before, which a replay needs.
+void keep_learned(const std::string& path, const Rig& rig, const RepeatedMove& move) {
+  if (fs::exists(path)) fs::rename(path, path + ".before");
+  write_result(path, learned_move_text(rig.name, move));
+}
+
 /// One pressure source from start to safe end; its moves are added to the report. True: no fault, recording whole.
 bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool several, RunReport& report,
                 Effort& effort) {
@@ -222,6 +237,8 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
                        .recording = path,
                        .late = late_ticks(faults, rig.period_s, longest_run_s(rig, options.moves)),
                        .suspends = suspends(faults, rig.period_s)};
+  if (!options.learned.empty() && fs::exists(options.learned))
+    settings.learned = [&](const RepeatedMove& move) { return read_learned_move(options.learned, move); };
   if (shows_progress) settings.progress = [&](double fraction) { show_progress(fraction, source_word(source)); };
   GainMailbox mailbox;
   std::unique_ptr<GainFileWatcher> watcher;
@@ -237,6 +254,7 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   watcher.reset();
   watch.reset();
   tell_end(options, rig, *backend, outcome, whole);
+  if (!options.learned.empty() && outcome.repeated_move) keep_learned(options.learned, rig, *outcome.repeated_move);
   note_what_is_shown(outcome, report);
   for (const MoveSpan& span : outcome.moves) report.runs.push_back(result_of(rig, outcome, span));
   return outcome.faults.empty() && whole;
@@ -257,6 +275,7 @@ void check_outputs(const RunOptions& options, const Rig& rig, const std::vector<
       .reads("--gains", options.gains);
   for (const PressureSource source : sources)
     files.records("--record", record_path(options, source, sources.size() > 1), options.existing());
+  files.writes("--learned", options.learned, ResultKind::learned_move);
   files.writes("--report", options.report, ResultKind::page).writes("--json", options.json, ResultKind::json);
 }
 
@@ -271,6 +290,9 @@ int run(const RunOptions& options) {
     return 0;
   }
   const auto sources = sources_of(options, rig);
+  if (!options.learned.empty() && (!learns_moves(rig) || sources.size() > 1))
+    throw InputError("--learned: found without controller.learning: command and flow_feedforward: pass, or with more than "
+                     "one pressure source; expected a law that learns a move");
   check_outputs(options, rig, sources);
   heed_axis(options, rig);
   heed_pass(options.config, rig);  // before a device is touched or a recording begun
@@ -308,6 +330,8 @@ void add_run(CommandLine& app, int& status) {
   verb.add_option("--gains", o->gains,
                   "gains of a ppd2 law for the running loop, KEY: VALUE; looked at ten times a second");
   verb.add_option("--moves", o->moves, "times the reference is run");
+  verb.add_option("--learned", o->learned,
+                  "what the moves teach (controller.learning): begun with where FILE is there, written at the end");
   verb.add_option("--record", o->record, "recording, FILE.csv.gz; with all sources FILE-valve.csv.gz and so on");
   verb.add_flag("--force", o->force, "--record may replace recordings that are there");
   verb.add_option("--live", o->live,

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include <pneuservo/control/parameters.hpp>
 
@@ -76,6 +77,19 @@ class AxisController {
     visit_law(law_, [&](auto& law) {
       if constexpr (requires { law.learn(axis); })
         if (law.learns()) law.learn(axis);
+    });
+  }
+  /// The repeated move of a law that learns its command; null: none.
+  const RepeatedMove* repeated_move() const noexcept {
+    return visit_law(law_, [](const auto& law) -> const RepeatedMove* {
+      if constexpr (requires { law.repeated_move(); }) return law.learns() ? &law.repeated_move() : nullptr;
+      else return nullptr;
+    });
+  }
+  /// What earlier runs of that move learned. Cold.
+  void begin_with_learned(const std::vector<double>& learned_V) {
+    visit_law(law_, [&](auto& law) {
+      if constexpr (requires { law.begin_with_learned(learned_V); }) law.begin_with_learned(learned_V);
     });
   }
   /// Moves that taught nothing because the loop was late.

@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <pneuservo/control/flow_feedforward.hpp>
 #include <pneuservo/control/law.hpp>
 #include <pneuservo/control/limits.hpp>
 #include <pneuservo/control/reference.hpp>
+#include <pneuservo/control/repeated_move.hpp>
 
 namespace pneuservo {
 
@@ -23,6 +25,10 @@ inline constexpr std::array<std::string_view, 2> feedforward_source_older_words{
 enum class WithoutPass { refuse, formula };
 inline constexpr std::array<std::string_view, 2> without_pass_names{"refuse", "formula"};
 
+/// What a finished move teaches the next one.
+enum class MoveLearning { none, command };
+inline constexpr std::array<std::string_view, 2> move_learning_names{"none", "command"};
+
 /// PD with force feedback (chapter 3; docs/physics/pd_force.md has the law).
 struct PdForceParameters {
   PressureSource pressure_source = PressureSource::estimated;
@@ -33,6 +39,8 @@ struct PdForceParameters {
   double force_integral_V_per_Ns = 0.0;
   FeedforwardSource flow_feedforward = FeedforwardSource::off;
   WithoutPass without_pass = WithoutPass::refuse;
+  MoveLearning learning = MoveLearning::none;
+  double learned_command_max_V = 0.5;
   double feedforward_lead_s = 0.0;
   double command_rate_V_per_s = infinite;
 
@@ -51,6 +59,11 @@ struct PdForceParameters {
     v(Field{"without_pass", "", 0, 0, "what a run does where no pass can be made: end, or go on with the formula",
             optional, without_pass_names},
       p.without_pass...);
+    v(Field{"learning", "", 0, 0, "what a finished move teaches the next one; needs a pass", optional,
+            move_learning_names},
+      p.learning...);
+    v(Field{"learned_command_max_V", "V", 0, 1e6, "bound of the command that moves have taught", optional},
+      p.learned_command_max_V...);
     v(Field{"feedforward_lead_s", "s", 0, 1, "the feedforward looks this far ahead", optional},
       p.feedforward_lead_s...);
     v(Field{"command_rate_V_per_s", "V/s", 1e-6, infinite, "largest rate of the command; .inf: none", optional},
@@ -63,6 +76,7 @@ struct PdForceParameters {
     constexpr std::array<std::string_view, 3> names{"none", "flow", "pass"};
     return names[static_cast<std::size_t>(flow_feedforward)];
   }
+  bool learns() const noexcept { return wants_pass() && learning != MoveLearning::none; }
   bool wants_pass() const noexcept { return flow_feedforward == FeedforwardSource::pass; }
 
   /// The loop of position and velocity alone: all there is where the drive gives its force at once.
@@ -89,6 +103,7 @@ struct PdForceState {
   double I_Ns = 0.0;  ///< integral of e_F
   double u_feedforward_V = 0.0;
   double u_pass_V = 0.0;  ///< the pass' command, a part of u_feedforward_V
+  double u_learned_V = 0.0;  ///< what earlier moves taught, a part of u_feedforward_V
   double F_pass_N = 0.0;  ///< the force that shows on the reference, a part of F_ref_N
   double u_unlimited_V = 0.0;  ///< command before range and rate
   double u_V = 0.0;  ///< command
@@ -104,6 +119,7 @@ struct PdForceState {
     v(LawTerm{"force_error_integral_Ns", "N s", "integral of the force error"}, s.I_Ns...);
     v(LawTerm{"u_feedforward_V", "V", "command that the reference's flow needs"}, s.u_feedforward_V...);
     v(LawTerm{"u_pass_V", "V", "command of the pass, a part of u_feedforward_V"}, s.u_pass_V...);
+    v(LawTerm{"u_learned_V", "V", "command that earlier moves taught, a part of u_feedforward_V"}, s.u_learned_V...);
     v(LawTerm{"force_pass_N", "N", "force that shows on the reference by the pass, a part of force_reference_N"},
       s.F_pass_N...);
     v(LawTerm{"u_unlimited_V", "V", "command before range and rate"}, s.u_unlimited_V...);
@@ -151,6 +167,16 @@ class PdForce {
 
   const PdForceState& state() const noexcept { return state_; }
   const PdForceState& terms() const noexcept { return state_; }
+  /// A finished move teaches the next one; between moves only (ticks below 0). Cold.
+  bool learns() const noexcept { return move_.is_on(); }
+  void learn(const AxisParameters<double>&) { move_.learn(); }
+  /// A move that learns begins from rest each time, as its pass does.
+  double rest_s(bool, const std::array<double, 2>&) const noexcept { return learns() ? 0.5 : 0.0; }
+  int moves_not_learned() const noexcept { return move_.progress().moves_not_learned; }
+  const RepeatedMove& repeated_move() const noexcept { return move_; }
+  /// What earlier runs of this move learned; before the run. Cold.
+  void begin_with_learned(std::vector<double> learned_V) { move_.begin_with(std::move(learned_V)); }
+
   /// How far ahead of t the second reference point of a step lies [s]; 0 without flow feedforward.
   double lead_s() const noexcept { return feeds_forward() ? parameters_.feedforward_lead_s : 0.0; }
 
@@ -160,6 +186,7 @@ class PdForce {
     double u_V = 0.0, formula_V = 0.0, F_N = 0.0, motion_N = 0.0;
   };
   std::vector<PassTick> pass_ticks(const LawSetup& setup) const;
+  std::vector<double> learning_window(const LawSetup& setup, std::size_t ticks) const;
   double update(const ControlInput& in) noexcept;
   PdForceState terms_of(const ControlInput& in) const noexcept;
   void feed_forward(const ControlInput& in, PdForceState& s) const noexcept;
@@ -174,6 +201,7 @@ class PdForce {
   PdForceParameters parameters_{};
   FlowFeedforward feedforward_{};
   std::shared_ptr<const std::vector<PassTick>> pass_;  ///< null: none; copies of the law share it
+  RepeatedMove move_{};  ///< is off without learning
   CommandLimiter limiter_{};
   PdForceState state_{};
   double period_s_ = 0.001, filter_gain_ = 1.0;

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <pneuservo/control/axis_controller.hpp>
 #include <pneuservo/core/rt.hpp>
@@ -32,6 +33,8 @@ class ControlLoop {
   virtual void set_command_link(CommandLink* link) noexcept = 0;
   virtual bool learning_due() const noexcept { return false; }
   virtual void learn(const AxisParameters<double>&) {}
+  /// What earlier runs of this move learned; before the first pass. Cold.
+  virtual void begin_with_learned(const std::vector<double>&) {}
 
   virtual const Row& row() const noexcept = 0;
   virtual Row& row() noexcept = 0;

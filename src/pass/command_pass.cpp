@@ -277,8 +277,7 @@ PassTables pass_tables(const Rig& rig, const Reference& reference) {
     throw std::invalid_argument(fmt::format(
         "controller.flow_feedforward: found pass, but {}; expected formula, or a reference that begins slower", words));
   auto law = std::make_shared<PassTable>(*pass.table(rig, true));
-  if (rig.controller.of<PdForce>().learns())
-    law->response_m_per_V = closed_loop_response_m_per_V(rig, reference, pass);
+  if (rig.controller.of<PdForce>().learns()) law->response_m_per_V = closed_loop_response_m_per_V(rig, reference, pass);
   return {std::move(law), pass.table(rig, false)};
 }
 

@@ -65,10 +65,11 @@ std::string learning_words(const LearningProgress& progress) {
   };
   if (!progress.has_stopped)
     return fmt::format("learning: {}, {} in the best so far\n", of_move(0), of_move(progress.best));
-  return fmt::format("learning ended after move {}: {}; the command of the best one stays, {}. What is left is no error of "
-                     "parameters below {:g} Hz: pneuservo improve says what the model lacks\n",
-                     errors_m.size(), errors_m.back() > errors_m.front() ? "it was worse than the first" : "it helps no more",
-                     of_move(progress.best), RepeatedMove::learned_Hz);
+  return fmt::format(
+      "learning ended after move {}: {}; the command of the best one stays, {}. What is left is no error of "
+      "parameters below {:g} Hz: pneuservo improve says what the model lacks\n",
+      errors_m.size(), errors_m.back() > errors_m.front() ? "it was worse than the first" : "it helps no more",
+      of_move(progress.best), RepeatedMove::learned_Hz);
 }
 
 }  // namespace pneuservo

@@ -10,8 +10,8 @@ namespace pneuservo {
 /// First line of such a file.
 inline constexpr std::string_view learned_move_mark = "# pneuservo-learned-move/1";
 
-/// The learned command [V] of a file, a tick each. Throws InputError where it cannot be read, or was learned with another
-/// period or beside another pass (`identity` of RepeatedMove).
+/// The learned command [V] of a file, a tick each. Throws InputError where it cannot be read, or was learned with
+/// another period or beside another pass (`identity` of RepeatedMove).
 std::vector<double> read_learned_move(const std::string& path, const RepeatedMove& move);
 
 /// Its text: the command, with the errors of the moves that taught it.

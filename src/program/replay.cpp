@@ -105,8 +105,7 @@ ReplayResult replay_rows(const Rig& rig, ReplayBackend& backend, int moves, cons
   backend.configure();
   backend.activate();
   std::function<std::vector<double>(const RepeatedMove&)> learned;
-  if (!learned_path.empty())
-    learned = [&](const RepeatedMove& move) { return read_learned_move(learned_path, move); };
+  if (!learned_path.empty()) learned = [&](const RepeatedMove& move) { return read_learned_move(learned_path, move); };
   ReplayResult result = replay_loop(rig, backend, ticks, dropped, moves, load_reference_positions, recorded,
                                     gains_of(data), commands_of(data, moves, rig.controls_pressure()), learned);
   backend.deactivate();
@@ -225,7 +224,8 @@ int run_replay(const ReplayOptions& options) {
   auto backend = rig.controls_pressure() ? ReplayBackend(std::move(recording), rig.period_s, {Signal::p1_port})
                                          : ReplayBackend(std::move(recording), rig.period_s);
   const bool is_foreign = !is_own_format(backend.recording());
-  const ReplayResult result = replay_rows(rig, backend, moves, compared_columns(options, rig, backend.recording()), options.learned);
+  const ReplayResult result =
+      replay_rows(rig, backend, moves, compared_columns(options, rig, backend.recording()), options.learned);
 
   if (options.json != "-") std::cout << result_text(result, backend);
   write_json(options.json, result_json(rig, options, result, backend.rows()));

@@ -67,9 +67,7 @@ std::vector<PressureSource> sources_of(const RunOptions& options, const Rig& rig
   return {rig.controller.pressures().value_or(PressureSource::valve)};
 }
 
-bool learns_moves(const Rig& rig) {
-  return rig.controller.is<PdForce>() && rig.controller.of<PdForce>().learns();
-}
+bool learns_moves(const Rig& rig) { return rig.controller.is<PdForce>() && rig.controller.of<PdForce>().learns(); }
 
 std::string_view source_word(PressureSource source) { return pressure_source_names[static_cast<std::size_t>(source)]; }
 
@@ -291,8 +289,9 @@ int run(const RunOptions& options) {
   }
   const auto sources = sources_of(options, rig);
   if (!options.learned.empty() && (!learns_moves(rig) || sources.size() > 1))
-    throw InputError("--learned: found without controller.learning: command and flow_feedforward: pass, or with more than "
-                     "one pressure source; expected a law that learns a move");
+    throw InputError(
+        "--learned: found without controller.learning: command and flow_feedforward: pass, or with more than "
+        "one pressure source; expected a law that learns a move");
   check_outputs(options, rig, sources);
   heed_axis(options, rig);
   heed_pass(options.config, rig);  // before a device is touched or a recording begun

@@ -1,4 +1,5 @@
-// The prediction of improve: a stop in it leaves a config that can be run; gains that swing with what was found go down.
+// The prediction of improve: a stop in it leaves a config that can be run; gains that swing with what was found go
+// down.
 #include <algorithm>
 #include <atomic>
 #include <string>
@@ -48,9 +49,9 @@ TEST_CASE("where there is no pass, a stop leaves a config that asks for none") {
 
 /// The configs' gains suit their valve: with a known lag of 10 ms the loop on 2 m swings by itself.
 TEST_CASE("gains that swing with what is known are halved until the axis rests") {
-  const Rig rig = read_rig(PNEUSERVO_SOURCE_DIR "/config/cylinder-2m-7.65mm.yaml",
-                           {"controller.flow_feedforward=formula", "duration_s=2",
-                            "effects={valve_lag: {time_constant_s: 0.01}}"});
+  const Rig rig =
+      read_rig(PNEUSERVO_SOURCE_DIR "/config/cylinder-2m-7.65mm.yaml",
+               {"controller.flow_feedforward=formula", "duration_s=2", "effects={valve_lag: {time_constant_s: 0.01}}"});
   Rig calm = rig;
   calm.controller.of<PdForce>().force_gain_V_per_N *= 0.25;
   const Recording recording = test::simulated_recording(calm, 2.0, 5, {"p1_port_Pa", "p2_port_Pa"});

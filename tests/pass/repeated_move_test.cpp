@@ -56,10 +56,11 @@ RepeatedMove slow_move(double most_V, double gain = 1.0) {
 
 /// A move forth and back on a machine that is not its config.
 Rig repeated_rig(const std::string& config) {
-  return config_rig(config, {"controller.flow_feedforward=pass", "controller.learning=command", "duration_s=1.9",
-                             "reference={kind: waypoints, times_s: [0.1, 0.8, 1.0, 1.7], positions_m: [0.0, 0.08, 0.08, 0.0], "
-                             "smoothness: 7}",
-                             "deviations={valve.area_per_volt_m2_per_V: 0.04, slider.viscous_friction_Ns_per_m: 0.15}"});
+  return config_rig(config,
+                    {"controller.flow_feedforward=pass", "controller.learning=command", "duration_s=1.9",
+                     "reference={kind: waypoints, times_s: [0.1, 0.8, 1.0, 1.7], positions_m: [0.0, 0.08, 0.08, 0.0], "
+                     "smoothness: 7}",
+                     "deviations={valve.area_per_volt_m2_per_V: 0.04, slider.viscous_friction_Ns_per_m: 0.15}"});
 }
 
 std::string text_of(const std::string& path) {
@@ -155,7 +156,8 @@ TEST_CASE("a run that learns is replayed bit for bit, and its moves begin a late
   SimBackend third(rig);
   third.configure();
   const RunOutcome out = run_loop(rig, third, later);
-  CHECK(out.repeated_move->progress().error_rms_m.front() < 0.5 * learned.repeated_move->progress().error_rms_m.front());
+  CHECK(out.repeated_move->progress().error_rms_m.front() <
+        0.5 * learned.repeated_move->progress().error_rms_m.front());
 }
 
 TEST_CASE("a learned move is kept as it is, and refused beside another pass") {

@@ -44,4 +44,23 @@ with tempfile.TemporaryDirectory() as folder:
     expect(followed["feedforward"] == "pass", f"feedforward: {followed['feedforward']}")
     expect(followed["max_position_error_m"] < 1e-4, f"largest error {followed['max_position_error_m']} m")
 
+    # Moves that teach each other, kept from run to run, and replayed from what a run began with.
+    learns = ("--set", "controller.flow_feedforward=pass", "--set", "controller.learning=command", *SHORT, "--set",
+              "reference={kind: waypoints, times_s: [0.2, 1.0, 1.1, 1.9], positions_m: [0, 0.08, 0.08, 0], smoothness: 7}")
+    machine = ("--set", "deviations={valve.area_per_volt_m2_per_V: 0.05}")
+    errors = []
+    for number in (1, 2):
+        done = run("run", CONFIG, *learns, *machine, "--moves", "3", "--learned", path("mine.learned"),
+                   "--record", path(f"{number}.csv.gz"), "--json", "-")
+        expect(done.returncode == 0 and "learning" in done.stderr, f"learning: status {done.returncode}: {done.stderr}")
+        errors += [one["rms_position_error_m"] for one in json.loads(done.stdout)["runs"]]
+    expect(errors[2] < 0.6 * errors[0] and errors[3] < 0.6 * errors[0], f"moves did not teach: {errors}")
+    replay = ("replay", CONFIG, path("2.csv.gz"), *learns, *machine)
+    expect(run(*replay, "--learned", path("mine.learned.before")).returncode == 0, "a run that began with a learned move is not replayed")
+    expect(run(*replay).returncode == 1, "a replay without what was learned says that nothing differs")
+    expect_refusal(run("run", CONFIG, *learns, "--set", "reference.positions_m=[0, 0.07, 0.07, 0]", "--learned", path("mine.learned")),
+                   ["mine.learned", "another reference"], "what another move taught")
+    expect_refusal(run("run", CONFIG, "--learned", path("new.learned")), ["--learned", "controller.learning"], "learning without a law that learns")
+    expect_refusal(run("check", CONFIG, "--set", "controller.learning=command"), ["controller.learning", "pass"], "learning without a pass")
+
 expect_refusal(run("pass", "config/servo-table-1m-8mm.yaml"), ["pass"], "a servo table")

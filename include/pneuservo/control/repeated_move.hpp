@@ -42,7 +42,8 @@ class RepeatedMove {
   }
   /// Remembers the error of a tick of the move. HOT.
   void note(std::int64_t tick, double error_m) noexcept {
-    if (tick >= 0 && static_cast<std::size_t>(tick) < error_m_.size()) error_m_[static_cast<std::size_t>(tick)] = error_m;
+    if (tick >= 0 && static_cast<std::size_t>(tick) < error_m_.size())
+      error_m_[static_cast<std::size_t>(tick)] = error_m;
   }
   /// After a move; not while a move goes on. Cold.
   void learn();

@@ -22,7 +22,6 @@
 #include "config/rig_parameters.hpp"
 
 namespace pneuservo {
-
 namespace {
 
 /// A reference that goes on for ever is run this many of its (slowest) periods after its ramp.
@@ -76,8 +75,7 @@ void check_line(const LineParameters<double>& line, const std::string& name, con
 }
 
 void check_lines(const Rig& rig, const Check& check) {
-  check_line(rig.axis.line_1, "line_1", check);
-  check_line(rig.axis.line_2, "line_2", check);
+  check_line(rig.axis.line_1, "line_1", check), check_line(rig.axis.line_2, "line_2", check);
   check_line_models(rig, check);
 }
 
@@ -88,8 +86,7 @@ void check_parameters(const PdForceParameters& p, const Rig& rig, const Check& c
     check.refuse("controller.flow_feedforward", {"reference.kind"}, "pass",
                  "off or formula with reference.kind live: a pass runs the whole reference before it moves");
   if (p.learning != MoveLearning::none && !p.wants_pass())
-    check.refuse("controller.learning", {"controller.flow_feedforward"},
-                 std::string(move_learning_names[static_cast<std::size_t>(p.learning)]),
+    check.refuse("controller.learning", {"controller.flow_feedforward"}, "command",
                  "none, or controller.flow_feedforward: pass, beside whose command it learns");
 }
 void check_parameters(const Ppd2Parameters& p, const Rig& rig, const Check& check) {

@@ -13,7 +13,7 @@ RepeatedMove::RepeatedMove(std::vector<double> response_m_per_V, std::vector<dou
                            double most_V, std::uint64_t identity)
     : response_m_per_V_(std::move(response_m_per_V)), window_(std::move(window)), learned_V_(window_.size(), 0.0),
       best_V_(learned_V_), error_m_(window_.size(), not_recorded), period_s_(period_s), most_V_(most_V),
-      identity_(identity) {}
+      identity_(identity), is_on_(!learned_V_.empty()) {}
 
 void RepeatedMove::begin_with(std::vector<double> learned_V) {
   learned_V.resize(learned_V_.size(), 0.0);

@@ -31,7 +31,7 @@ class RepeatedMove {
   /// allocates.
   RepeatedMove(std::vector<double> response_m_per_V, std::vector<double> window, double period_s, double most_V,
                std::uint64_t identity = 0);
-  bool is_on() const noexcept { return !learned_V_.empty(); }
+  bool is_on() const noexcept { return is_on_; }
   /// What is learned holds for the same reference, beside the same pass.
   std::uint64_t identity() const noexcept { return identity_; }
 
@@ -63,6 +63,7 @@ class RepeatedMove {
   std::vector<double> learned_V_, best_V_, error_m_;
   double period_s_ = 1e-3, most_V_ = 0.0;
   std::uint64_t identity_ = 0;
+  bool is_on_ = false;  ///< asked by the loop while another thread learns
   LearningProgress progress_;
 };
 

@@ -128,6 +128,28 @@ TEST_CASE("every law on the slider balances its own motion and no other") {
   }
 }
 
+TEST_CASE("what follows a gap asks for the same force of a swinging load as the whole recording does") {
+  Rig rig = slider_rig();
+  rig.axis.effects.motion.elastic_load = {1.0, 11, 0.05};
+  const Record whole = recorded(rig);
+  const auto first = static_cast<std::size_t>(GENERATE(200, 450, 2300));  // the carrier is moving there
+  CAPTURE(first);
+  const auto behind = [&](const std::vector<double>& column) {
+    return std::vector<double>(column.begin() + static_cast<std::ptrdiff_t>(first), column.end());
+  };
+  const std::vector<double> position_m = behind(whole.position_m), gauge_Pa = behind(whole.gauge_Pa);
+  const ForceBalance all(whole.position_m, period_s, 0.0), part(position_m, period_s, 0.0);
+  const std::vector<double> drive = all.kernel().apply(whole.force_N, 0),
+                            drive_behind = part.kernel().apply(behind(whole.force_N), 0);
+  const std::vector<double> needed = all.required_force(rig, drive, whole.gauge_Pa),
+                            needed_behind = part.required_force(rig, drive_behind, gauge_Pa);
+  double apart_N = 0;
+  for (std::size_t i = 0; i < position_m.size(); ++i)
+    if (part.usable()[i] && all.usable()[i + first])
+      apart_N = std::max(apart_N, std::abs(needed_behind[i] - needed[i + first]));
+  CHECK(apart_N < 0.3);  // carried from the very edge: 1.4 to 1.9 N
+}
+
 TEST_CASE("a load that swings where a recording begins is carried on from there, and no swing is found without one") {
   Rig rig = slider_rig();
   rig.axis.effects.motion.elastic_load = {1.5, 6, 0.02};

@@ -88,10 +88,10 @@ class CarriedLoad {
     is_there_ = load_.is_there();
   }
   /// On its carrier, which is at x with speed v one period after the last call. It starts, and starts again where the
-  /// motion is missing, at rest in its coupling.
-  double force_at(double x, double v, bool is_missing) {
+  /// motion is astray, at rest in its coupling.
+  double force_at(double x, double v, bool is_astray) {
     if (!is_there_) return 0.0;
-    if (!is_carried_ || is_missing) load_.reset(x, v);
+    if (!is_carried_ || is_astray) load_.reset(x, v);
     else carry(x, v);
     is_carried_ = true;
     x_ = x;
@@ -166,11 +166,15 @@ ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, 
   const std::vector<double> position = filled(position_m);
   for (int order = 0; order < 4; ++order) derivative_[order] = kernel_.apply(position, order);
   for (int order = 0; order < 3; ++order) fast_[order] = fast_kernel_.apply(position, order);
-  is_missing_.assign(position.size(), 0);
-  for (std::size_t i = 0; i < position.size(); ++i) is_missing_[i] = !std::isfinite(position_m[i]);
+  std::vector<char> is_missing(position.size(), 0);
+  for (std::size_t i = 0; i < position.size(); ++i) is_missing[i] = !std::isfinite(position_m[i]);
+  is_astray_ = widened(is_missing, kernel_.reach());
+  const auto edge = static_cast<std::ptrdiff_t>(std::min(kernel_.reach(), is_astray_.size()));
+  std::fill_n(is_astray_.begin(), edge, 1);
+  std::fill_n(is_astray_.rbegin(), edge, 1);
   // Friction is smoothed once more after the fast kernel has made its velocity: reach of both at the ends.
   const std::size_t reach = kernel_.reach() + fast_kernel_.reach();
-  usable_ = widened(is_missing_, reach);
+  usable_ = widened(is_missing, reach);
   for (std::size_t i = 0; i < usable_.size(); ++i) usable_[i] = !usable_[i] && i >= reach && i + reach < usable_.size();
   double top = 0;
   for (std::size_t i = 0; i < usable_.size(); ++i)
@@ -211,7 +215,7 @@ std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const
   std::vector<double> swings_N(samples());
   for (std::size_t i = 0; i < samples(); ++i) {
     load_N[i] = carried.force_at(undo(sensor, derivative_[0][i], derivative_[1][i], true),
-                                 undo(sensor, derivative_[1][i], derivative_[2][i], false), is_missing_[i]);
+                                 undo(sensor, derivative_[1][i], derivative_[2][i], false), is_astray_[i]);
     swings_N[i] = load_N[i] + load.mass_kg * undo(sensor, derivative_[2][i], derivative_[3][i], false);
   }
   std::vector<double> error_N = required_beside(rig, drive_N, gauge_pressure_sum_Pa, held_N, load_N);
@@ -221,7 +225,7 @@ std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const
     if (usable_[i]) square += swings_N[i] * swings_N[i], ++count;
   const double usual_N = std::sqrt(square / std::max(count, 1.0)), all_mps = usual_speed(0, samples());
   for (std::size_t first = 0, end = 0; first < samples(); first = end + 1) {
-    for (end = first; end < samples() && !is_missing_[end];) ++end;
+    for (end = first; end < samples() && !is_astray_[end];) ++end;
     // A load swings with its carrier: where that begins slowly or at rest, so does the load.
     const double start_mps = usual_speed(first, std::min(end, first + kernel_.reach()));
     const double share = all_mps > 0 ? std::min(1.0, start_mps / all_mps) : 0.0;
@@ -258,10 +262,10 @@ std::vector<double> ForceBalance::required_beside(const Rig& rig, std::span<cons
     const double v_fast = undo(sensor, fast_[1][i], fast_[2][i], false);
     const SliderSurroundings<double> around{gauge_pressure_sum_Pa.empty() ? 0.0 : gauge_pressure_sum_Pa[i]};
     smooth_part[i] = slider.mass() * a + slider.damping_coefficient(0.0, 0.0) * v - slider.less_load(load_N[i], x);
-    if (bristles.force_N != 0) bristle_N = i == 0 || is_missing_[i] ? 0 : bristles.carried(bristle_N, x_fast - last_x);
+    if (bristles.force_N != 0) bristle_N = i == 0 || is_astray_[i] ? 0 : bristles.carried(bristle_N, x_fast - last_x);
     last_x = x_fast;
     const double blow_N =
-        loose_load.force_at(x_fast, v_fast, is_missing_[i]) - bristle_N;  // as short as friction's steps
+        loose_load.force_at(x_fast, v_fast, is_astray_[i]) - bristle_N;  // as short as friction's steps
     if (const double forward = forward_share_[i]; std::isfinite(forward)) {
       const double direction = v_fast > 0 ? 1.0 : -1.0, speed = std::abs(v_fast);
       const double friction_N = forward * slider.dry_friction(speed, 1.0, x_fast, around) -

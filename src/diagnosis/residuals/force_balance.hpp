@@ -58,7 +58,10 @@ class ForceBalance {
   GaussianKernel kernel_, fast_kernel_;
   std::vector<double> derivative_[4];  ///< position and its derivatives, smoothed
   std::vector<double> fast_[3];  ///< the same with the shorter kernel of friction
-  std::vector<char> usable_, is_missing_;
+  std::vector<char> usable_;
+  /// Within the kernel's reach of an end or a missing position, where its derivatives are not those of the motion: half
+  /// the speed at an end would be a blow on a load that is carried from there.
+  std::vector<char> is_astray_;
   std::vector<char> is_judged_;  ///< in motion, usable, seen by fits
   /// Of a period around each sample, in which the motion goes forward; NaN at rest, which is what is slower than the
   /// position's noise makes and than 0.5 % of the top speed, and does not just turn there.

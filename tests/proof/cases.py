@@ -131,7 +131,7 @@ def conceal(rng, kind, rig, true_rig, gains, vocabulary, options):
     elif kind == "mounting":
         truth = concealed.mounting(rng)
     elif kind == "outside":
-        truth = concealed.outside(rng, rig, lines, options.length_s)
+        truth = concealed.outside(rng, rig, lines, options.length_s, known)
     # The loop goes by what its owner believes, not by what is true.
     believed = rigs.machine_lines(rig, gains)
     for changed in (plain, lines):

@@ -48,6 +48,7 @@ def canonical(name, parameters=None):
 
 def hidden_names(truth):
     out = {canonical(name, parameters): parameters for name, parameters in truth.get("effects", {}).items()}
+    out |= {name: None for name in truth.get("law", [])}  # an outside kind that the vocabulary knows by now
     return out | {canonical(f"parameter:{path}"): {"value": number} for path, number in truth.get("parameters", {}).items()}
 
 
@@ -67,6 +68,11 @@ def same_element(element, truth):
         if name.startswith(("chamber_leak_", "line_leak_")) and value(parameters, "position", 1.0) >= 0.5:
             wanted |= {f"line_{name[-1]}", f"chamber_{name[-1]}"}
     return element in wanted
+
+
+def named_first(names, hidden, fair):
+    beside = [name for name in names if name in hidden or name not in fair]  # what the background holds stands aside
+    return bool(beside) and beside[0] in hidden
 
 
 def outcome(truth, answer):
@@ -91,13 +97,12 @@ def outcome(truth, answer):
         near = {canonical(name) for name in truth["near"]}
         row["near"] = bool(near & set(names))
         row["false_sure"] = [name for name in row["false_sure"] if name not in near]
-        row["right"] = answer["verdict"] == "unknown" and element
+        row["right"] = named_first(names, hidden, fair) if truth.get("law") else answer["verdict"] == "unknown" and element
     elif kind == "pair":
         row["right"] = set(hidden) <= set(names) and not false
         row["one"] = bool(set(hidden) & set(names))
     else:
-        beside = [name for name in names if name in hidden or name not in fair]  # what the background holds stands aside
-        row["right"] = bool(beside) and beside[0] in hidden
+        row["right"] = named_first(names, hidden, fair)
     row["word"] = word_of(kind, row, answer)
     return row
 
@@ -110,7 +115,8 @@ def word_of(kind, row, answer):
     if answer["verdict"] == "consistent":
         return "not seen"
     if kind == "outside":
-        return "near law" if row["near"] else "unknown, other element" if answer["verdict"] == "unknown" else "wrong name"
+        unknown = "unknown" if row["element"] else "unknown, other element"
+        return "near law" if row["near"] else unknown if answer["verdict"] == "unknown" else "wrong name"
     if row["false"]:
         return "true one a rival" if row["in_set"] else "wrong name"
     return "one of two" if row.get("one") else "true one a rival" if row["in_set"] else "unknown" if answer["verdict"] == "unknown" else "background named"
@@ -123,7 +129,7 @@ def said_and_right(truth, answer, row):
     for a in answer["answers"]:
         name = canonical(a["effect"], a.get("parameters"))
         if name == "unknown":
-            out.append((a["probability"], truth["background"] or (truth["kind"] == "outside" and same_element(a["element"], truth))))
+            out.append((a["probability"], truth["background"] or (truth["kind"] == "outside" and not truth.get("law") and same_element(a["element"], truth))))
         else:
             out.append((a["probability"], name in hidden or name in fair))
     return out
@@ -161,6 +167,7 @@ def table(cases):
     """All figures of a run; a case is {"name", "truth", "answer"}."""
     rows = [outcome(c["truth"], c["answer"]) | {"name": c["name"], "truth": c["truth"], "answer": c["answer"]} for c in cases]
     of = lambda *kinds: [r for r in rows if r["truth"]["kind"] in kinds]
+    beyond = [r for r in of("outside") if not r["truth"].get("law")]
     named = of("single", "pair", "parameter", "sensor")
     figures = {
         "clean: without a false name": rate(of("clean"), lambda r: not r["false"]),
@@ -174,9 +181,10 @@ def table(cases):
         "parameter off: named first": rate(of("parameter"), lambda r: r["right"]),
         "sensor at fault: named first": rate(of("sensor"), lambda r: r["right"]),
         "mounting fault: told, no false name": rate(of("mounting"), lambda r: r["right"]),
-        "outside: unknown at the right element": rate(of("outside"), lambda r: r["right"]),
-        "outside: not called consistent": rate(of("outside"), lambda r: r["verdict"] != "consistent"),
-        "outside: a wrong law said with 0.5 or more": rate(of("outside"), lambda r: r["false_sure"]),
+        "outside, with a law by now: named first": rate([r for r in of("outside") if r["truth"].get("law")], lambda r: r["right"]),
+        "outside: unknown at the right element": rate(beyond, lambda r: r["right"]),
+        "outside: not called consistent": rate(beyond, lambda r: r["verdict"] != "consistent"),
+        "outside: a wrong law said with 0.5 or more": rate(beyond, lambda r: r["false_sure"]),
         "right element first (effects, parameters, sensors)": rate(named, lambda r: r["element"]),
     }
     pairs = [one for r in rows for one in said_and_right(r["truth"], r["answer"], r)]

@@ -41,8 +41,10 @@ for effect, keys in concealed.EFFECT_LINES.items():
 seen = {}
 for _ in range(2000):
     lines = dict(plain)
-    truth = concealed.outside(rng, rig, lines, 1.3)
+    truth = concealed.outside(rng, rig, lines, 1.3, {"chamber_relief_1", "valve_stiction"})
     seen.setdefault(truth["outside"], []).append(lines)
+    known_law = {"relief valve": ["chamber_relief_1"], "sticking spool": ["valve_stiction"]}.get(truth["outside"], [])
+    expect(truth["law"] in ([], known_law) and (truth["law"] != []) == (truth["verdict"] == "missing_physics"), f"law of {truth}")
 expect(len(seen) >= 12, f"kinds outside the vocabulary: {sorted(seen)}")
 for kind, drawn in sorted(seen.items()):
     if kind == "payload taken up":

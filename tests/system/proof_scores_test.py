@@ -29,6 +29,7 @@ LEAK = {"chamber_leak_1": {"area_m2": 1e-8}}
 QUIET = answer(verdict="consistent")
 UNKNOWN = answer(("unknown", 0.7), verdict="unknown")
 relief = truth("outside", near=["chamber_leak_1"])
+known_relief = truth("outside", near=["chamber_leak_1"], law=["chamber_relief_1"])
 for what, t, a, word in (
         ("named", truth("single", LEAK), answer(("chamber_leak_1", 0.9)), "right"),
         ("leak at the line's end", truth("single", LEAK), answer(("line_leak_1", 0.9)), "wrong name"),
@@ -45,6 +46,10 @@ for what, t, a, word in (
         ("outside, elsewhere", relief, answer(("unknown", 0.7), verdict="unknown", element="motion"), "unknown, other element"),
         ("outside, near", relief, answer(("chamber_leak_1", 0.9)), "near law"),
         ("outside, wrong", relief, answer(("valve_lag", 0.9)), "wrong name"),
+        ("outside, with a law by now", known_relief, answer(("chamber_relief_1", 0.9)), "right"),
+        ("outside, its law not named", known_relief, UNKNOWN, "unknown"),
+        ("outside, near its law", known_relief, answer(("chamber_leak_1", 0.9)), "near law"),
+        ("outside, that law wrong", relief, answer(("chamber_relief_1", 0.9)), "wrong name"),
         ("mounting", truth("mounting", mounting="ports exchanged"), answer(verdict="consistent", warnings=["p1 and p2 are exchanged"]), "right"),
         ("mounting, not told", truth("mounting", mounting="ports exchanged"), QUIET, "not told")):
     got = scores.outcome(t, a)["word"]

@@ -226,8 +226,8 @@ std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const
   const double usual_N = std::sqrt(square / std::max(count, 1.0)), all_mps = usual_speed(0, samples());
   for (std::size_t first = 0, end = 0; first < samples(); first = end + 1) {
     for (end = first; end < samples() && !is_astray_[end];) ++end;
-    // A load swings with its carrier: where that came to here slowly or from rest, so did the load.
-    const double start_mps = usual_speed(first - std::min(first, kernel_.reach()), first);
+    // A load swings with its carrier: where that begins slowly or at rest, so does the load.
+    const double start_mps = usual_speed(first, std::min(end, first + kernel_.reach()));
     const double share = all_mps > 0 ? std::min(1.0, start_mps / all_mps) : 0.0;
     add_free_swing(load, period_s_, std::span(error_N).subspan(first, end - first),
                    std::span(is_judged_).subspan(first, end - first), kernel_.reach(), share * usual_N,

@@ -243,16 +243,6 @@ bool is_doubtful(const Rig& rig, const Decision& decision, const DecisionRules& 
   return at_end >= rules.stretched_count;
 }
 
-/// Whether small physics beside the names brings what a first name has to bring: then the machine has a background, and
-/// names may stand for it. The linear fit of both has the standard errors that the background leaves.
-std::optional<Fit> fit_beside_background(FittedRows& rows, const Decision& decision, const DecisionRules& rules) {
-  const bool is_named = decision.verdict != Verdict::consistent && decision.verdict != Verdict::unknown;
-  if (!is_named) return std::nullopt;
-  BackgroundEvidence evidence = background_evidence(rows, *decision.chosen);
-  if (evidence.beside - evidence.alone < rules.alarm_gain) return std::nullopt;
-  return std::move(evidence.fit);
-}
-
 /// Whether a decision leaves about as little as another, fitted and held-out rows together.
 bool fits_as_well(const Decision& decision, const Decision& other, const DecisionRules& rules) {
   const double left = decision.levels.chi2(false) + decision.levels.chi2(true),
@@ -341,9 +331,7 @@ Decision decided_twice(const Rig& rig, FittedRows& rows, Search& search, const D
   Decision decision = decided(rig, model, search, options.rules);
   const bool left_everywhere = decision.verdict == Verdict::unknown && !decision.is_described &&
                                is_everywhere(model.channels(), decision.levels.channels, options.rules.floor_level);
-  if (!decision.is_shaken && rig.is_pneumatic())
-    decision.background = fit_beside_background(rows, decision, options.rules);
-  if (!left_everywhere && !decision.background && !is_doubtful(rig, decision, options.rules)) return decision;
+  if (!left_everywhere && !is_doubtful(rig, decision, options.rules)) return decision;
   Decision granted = with_small_physics(rig, rows, search.candidates(), search, options, beside, out);
   if (left_everywhere || fits_as_well(granted, decision, options.rules)) return granted;
   beside.reset();  // what was doubted explains what small physics and one name do not

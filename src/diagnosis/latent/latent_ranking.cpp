@@ -29,6 +29,10 @@ Fit with_small_physics(FittedRows& rows, const Fit& fit) {
   return out;
 }
 
+}  // namespace
+
+namespace {
+
 void add_inputs(FittedRows& rows, LatentRanking& ranking) {
   const LatentEvidence evidence(rows.model().rows(), ranking.fit);
   for (LatentInput& input : rows.model().latent_inputs(ranking.fit.hypothesis())) {
@@ -40,20 +44,6 @@ void add_inputs(FittedRows& rows, LatentRanking& ranking) {
 }
 
 }  // namespace
-
-BackgroundEvidence background_evidence(FittedRows& rows, const Explanation& explanation) {
-  BackgroundEvidence out;
-  out.fit = with_small_physics(rows, explanation.fit);
-  out.alone = out.beside = -1e300;
-  if (out.fit.failed) return out;
-  out.beside = LatentEvidence(rows.model().rows(), out.fit).without();
-  Fit alone = out.fit;
-  const auto count = static_cast<Eigen::Index>(explanation.fit.parameters.size());
-  alone.z.conservativeResize(count);
-  alone.jacobian.conservativeResize(Eigen::NoChange, count);
-  out.alone = LatentEvidence(rows.model().rows(), alone).without();
-  return out;
-}
 
 LatentRanking rank_latents(FittedRows& rows, const Explanation& explanation, double enough) {
   LatentRanking out;

@@ -22,14 +22,6 @@ struct LatentRanking {
   std::vector<RankedLatent> inputs;  ///< best first
 };
 
-/// Log evidence of an explanation as it is, and with small physics free beside it, on the rows that functions are
-/// compared on; linear about its fit. The model's residuals have to be plain (no slow error taken).
-struct BackgroundEvidence {
-  double alone = 0, beside = 0;
-  Fit fit;  ///< with small physics
-};
-BackgroundEvidence background_evidence(FittedRows& rows, const Explanation& explanation);
-
 /// The model's residuals have to be plain (no slow error taken). No inputs where the model knows none, or where the
 /// explanation alone has `enough` evidence.
 LatentRanking rank_latents(FittedRows& rows, const Explanation& explanation, double enough);

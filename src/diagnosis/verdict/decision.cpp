@@ -351,12 +351,10 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
     const double was = std::pow(before.channels[c].fitted, 2), is = std::pow(decision.levels.channels[c].fitted, 2);
     if (was > 1) most = std::max(most, 1 - is / was);
   }
-  const bool is_near_floor = !decision.levels.line && decision.levels.highest() < rules.small_remainder &&
-                             decision.levels.held_out_excess() < rules.small_held_out_excess;
-  const bool stands_out = is_owner_refuted(search, decision, rules) && most >= rules.named_share &&
-                          decision.levels.highest() <= rules.largest_remainder;
   const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
-                        (is_near_floor || stands_out) && !has_absurd_parameter(*decision.chosen, search, rules);
+                        is_owner_refuted(search, decision, rules) && most >= rules.named_share &&
+                        decision.levels.highest() <= rules.largest_remainder &&
+                        !has_absurd_parameter(*decision.chosen, search, rules);
   const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;
   if (find_supply_swing(model, search, rules, taken, decision)) return decision;
   if (!is_named && find_shaking(model, search, rules, decision)) return decision;

@@ -38,7 +38,6 @@ struct Decision {
   bool is_shaken = false;  ///< `unknown`, but for the frequency of the force that shakes the slider
   bool is_described = false;  ///< `unknown`, but for a shape that its element takes
   bool beside_remainder = false;  ///< the floors have grown with what is left
-  std::optional<Fit> background;  ///< the chosen with small physics free, where that brings enough; linear
   double growth = 1;  ///< of squared floors: what evidence and variances are to be divided by
 };
 
@@ -52,9 +51,8 @@ Decision decide(ResidualModel& model, const Search& search, const DecisionRules&
 void judge_what_is_left(ResidualModel& model, const Search& search, const DecisionRules& rules, Decision& decision);
 /// The same for a search whose residuals were freed from the slow error that is left everywhere: names what takes most
 /// of it, or says unknown. A name needs three things: it brings enough on the floor that the owner's model leaves; on
-/// the floor that it leaves itself, the owner's model is refuted; and it takes most of some channel. Near the floors
-/// the first is enough: what a small effect takes of a mean square says little there. A force that is periodic while
-/// the slider moves has no name. Levels are taken of plain residuals.
+/// the floor that it leaves itself, the owner's model is refuted; and it takes most of some channel. A force that is
+/// periodic while the slider moves has no name. Levels are taken of plain residuals.
 Decision decide_beside_remainder(ResidualModel& model, const Search& search, const DecisionRules& rules);
 /// The same for a rig that is compared in one quantity and leaves something there: floors grow to what the richest
 /// explanation leaves, and a name stays while it takes enough of what the names before it leave. Unknown where the

@@ -30,9 +30,7 @@ bool is_at_bound(const FreeParameter& fitted, double z, double neutral) {
 
 void add_parameters(const Decision& decision, const Candidate& candidate, DiagnosisAnswer& answer) {
   const Explanation& chosen = *decision.chosen;
-  // Of the names' own parameters, which stand first in both.
-  const Fit& free = decision.background ? *decision.background : chosen.fit;
-  const Eigen::MatrixXd covariance = variance_growth(decision) * free.covariance();
+  const Eigen::MatrixXd covariance = variance_growth(decision) * chosen.fit.covariance();
   for (const FreeParameter& own : candidate.parameters)
     for (std::size_t i = 0; i < chosen.fit.own_count; ++i) {
       const FreeParameter& fitted = chosen.fit.parameters[i];

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include <pneuservo/control/flatness_law.hpp>
@@ -10,11 +9,12 @@
 #include <pneuservo/elements/air.hpp>
 #include <pneuservo/rig/axis.hpp>
 
+#include "control/move_record.hpp"
+
 namespace pneuservo {
 namespace {
 /// What is learned is smoothed by a Gaussian: beyond it, near the lines' resonances, the model knows too little.
 constexpr double learning_smoothing_s = FlatnessPlan::deviation_smoothing_s;
-constexpr double not_recorded = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<double> smoothed(const std::vector<double>& values, double period_s) {
   const auto n = static_cast<std::ptrdiff_t>(values.size());
@@ -57,7 +57,7 @@ FlatnessLaw::FlatnessLaw(FlatnessPlan plan, const FlatnessGains& gains, double p
 void FlatnessLaw::set_plan(FlatnessPlan plan) {
   plan_ = std::move(plan);
   error_m_.assign(plan_.ticks(), not_recorded);
-  feedback_kgps_.assign(plan_.ticks(), 0.0);
+  feedback_kgps_.assign(plan_.ticks(), not_recorded);
   learned_kgps_.assign(plan_.ticks(), 0.0);
 }
 
@@ -82,22 +82,11 @@ FlatnessCommand FlatnessLaw::step(std::int64_t tick, double error_m, double feed
           per_area * now.valve_2.command_V(-across_kgps + now.valve_2.volume_share * hold_kgps)};
 }
 
-// Slots that a late loop skipped keep the values of the one before.
-bool FlatnessLaw::fill_record() noexcept {
-  std::size_t missing = 0;
-  for (std::size_t k = 0; k < error_m_.size(); ++k) {
-    if (error_m_[k] == error_m_[k]) continue;
-    ++missing;
-    error_m_[k] = k > 0 ? error_m_[k - 1] : 0.0;
-    feedback_kgps_[k] = k > 0 ? feedback_kgps_[k - 1] : 0.0;
-  }
-  return missing <= error_m_.size() / 100;
-}
-
 // Feedforward and feedback together gave x_ref + e; for x_ref alone the flow of e is too much.
 std::optional<std::vector<double>> FlatnessLaw::take_missing_flow(const AxisParameters<double>& axis) {
   std::optional<std::vector<double>> missing;
-  if (fill_record()) {
+  const bool is_known = fill_skipped(error_m_) && fill_skipped(feedback_kgps_);
+  if (is_known) {
     missing = smoothed(feedback_kgps_, period_s_);
     const std::vector<double> of_error = plan_.flow_of_deviation(axis, error_m_);
     for (std::size_t k = 0; k < of_error.size(); ++k) (*missing)[k] -= of_error[k];
@@ -105,6 +94,7 @@ std::optional<std::vector<double>> FlatnessLaw::take_missing_flow(const AxisPara
     ++moves_not_learned_;
   }
   error_m_.assign(error_m_.size(), not_recorded);
+  feedback_kgps_.assign(feedback_kgps_.size(), not_recorded);
   return missing;
 }
 

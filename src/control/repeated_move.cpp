@@ -6,6 +6,7 @@
 #include <pneuservo/control/repeated_move.hpp>
 
 #include "control/inverse_response.hpp"
+#include "control/move_record.hpp"
 
 namespace pneuservo {
 
@@ -21,17 +22,6 @@ void RepeatedMove::begin_with(std::vector<double> learned_V) {
   learned_V_ = best_V_ = std::move(learned_V);
 }
 
-// Slots that a late loop skipped keep the error of the one before.
-bool RepeatedMove::fill_record() noexcept {
-  std::size_t missing = 0;
-  for (std::size_t k = 0; k < error_m_.size(); ++k) {
-    if (std::isfinite(error_m_[k])) continue;
-    ++missing;
-    error_m_[k] = k > 0 ? error_m_[k - 1] : 0.0;
-  }
-  return missing <= error_m_.size() / 100;
-}
-
 double RepeatedMove::error_rms_m() const noexcept {
   double sum = 0.0, weight = 0.0;
   for (std::size_t k = 0; k < error_m_.size(); ++k) {
@@ -43,7 +33,7 @@ double RepeatedMove::error_rms_m() const noexcept {
 
 void RepeatedMove::learn() {
   if (progress_.has_stopped) return;
-  if (!fill_record()) {
+  if (!fill_skipped(error_m_)) {
     ++progress_.moves_not_learned;
     error_m_.assign(error_m_.size(), not_recorded);
     return;

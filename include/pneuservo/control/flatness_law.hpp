@@ -63,7 +63,6 @@ class FlatnessLaw {
   double mean_pressure_Pa_ = 0.0;
   bool filter_started_ = false;
   int moves_not_learned_ = 0;
-  bool fill_record() noexcept;
   std::optional<std::vector<double>> take_missing_flow(const AxisParameters<double>& axis);
 
   std::vector<double> error_m_, feedback_kgps_, learned_kgps_;  // a tick each; NaN: not recorded

@@ -2,7 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <limits>
+#include <functional>
 #include <vector>
 
 namespace pneuservo {
@@ -50,13 +50,11 @@ class RepeatedMove {
 
   /// What earlier runs of the same move learned; not while a move goes on. Cold.
   void begin_with(std::vector<double> learned_V);
-  /// The command of the best move so far, or what the last move asks for where none was worse.
+  /// The command of the next move; of the best one where the learning has stopped.
   const std::vector<double>& learned_V() const noexcept { return learned_V_; }
   const LearningProgress& progress() const noexcept { return progress_; }
 
  private:
-  static constexpr double not_recorded = std::numeric_limits<double>::quiet_NaN();
-  bool fill_record() noexcept;
   double error_rms_m() const noexcept;
 
   std::vector<double> response_m_per_V_, window_;
@@ -66,5 +64,8 @@ class RepeatedMove {
   bool is_on_ = false;  ///< asked by the loop while another thread learns
   LearningProgress progress_;
 };
+
+/// What earlier runs learned of that move, a command a tick.
+using LoadLearned = std::function<std::vector<double>(const RepeatedMove& move)>;
 
 }  // namespace pneuservo

@@ -139,7 +139,7 @@ class Shown {
 
 }  // namespace
 
-std::shared_ptr<const PassTable> CommandPass::table(const Rig& rig, bool by_estimator) const {
+std::shared_ptr<PassTable> CommandPass::table(const Rig& rig, bool by_estimator) const {
   auto table = std::make_shared<PassTable>();
   table->rows.reserve(ticks.size());
   Shown shown(rig, before.front().values, by_estimator);
@@ -207,13 +207,7 @@ double predicted_error_m(const Rig& rig, const Reference& reference, const Comma
 }
 
 std::vector<double> closed_loop_response_m_per_V(const Rig& rig, const Reference& reference, const CommandPass& pass) {
-  AxisParameters<double> smooth = rig.axis;
-  smooth.effects.valve.valve_dead_band = {};
-  smooth.effects.valve.valve_hysteresis = {};
-  smooth.effects.valve.valve_stiction = {};
-  auto& motion = smooth.effects.motion;
-  motion.coulomb_friction = {}, motion.stribeck_friction = {}, motion.direction_dependent_friction = {};
-  motion.pressure_dependent_friction = {}, motion.friction_zone = {}, motion.elastic_friction = {};
+  const AxisParameters<double> smooth = smooth_axis(rig.axis);
   const double x_m = reference.at(0.0).d[0], volt = pulse_V(rig);
   ReferenceSpec rest_spec;
   rest_spec.kind = ReferenceKind::waypoints;
@@ -276,9 +270,9 @@ PassTables pass_tables(const Rig& rig, const Reference& reference) {
   if (const std::string words = unfollowed_words(rig, reference, pass); !words.empty())
     throw std::invalid_argument(fmt::format(
         "controller.flow_feedforward: found pass, but {}; expected formula, or a reference that begins slower", words));
-  auto law = std::make_shared<PassTable>(*pass.table(rig, true));
+  const std::shared_ptr<PassTable> law = pass.table(rig, true);
   if (rig.controller.of<PdForce>().learns()) law->response_m_per_V = closed_loop_response_m_per_V(rig, reference, pass);
-  return {std::move(law), pass.table(rig, false)};
+  return {law, pass.table(rig, false)};
 }
 
 std::string heed_missing_pass(const std::string& config, Rig& rig, const LoadPositions& load) {

@@ -25,7 +25,7 @@ struct CommandPass {
 
   /// As the law's pressures show them: by the estimator where the law has it (else the chambers themselves). The first
   /// row is the rest before the motion, for the law takes it on its way to the reference's start, too.
-  std::shared_ptr<const PassTable> table(const Rig& rig, bool by_estimator) const;
+  std::shared_ptr<PassTable> table(const Rig& rig, bool by_estimator) const;
 };
 
 /// Four times what sensors with 300 Pa of noise make of the force (0.5 N rms); over the nine lines' position gains

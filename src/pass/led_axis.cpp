@@ -10,7 +10,7 @@ namespace pneuservo {
 namespace {
 
 /// Rest before, motion after what is used: the longest cut-off period of the learning some six times.
-constexpr double before_s = 0.5, after_s = 0.5;
+constexpr double after_s = 0.5;
 
 std::size_t periods_in(double time_s, double period_s) {
   return static_cast<std::size_t>(std::llround(time_s / period_s));
@@ -19,7 +19,8 @@ std::size_t periods_in(double time_s, double period_s) {
 }  // namespace
 
 PassMotion::PassMotion(const Rig& rig, const Reference& reference, const MotionScale& scale)
-    : reference_(reference), scale_(scale), period_s_(rig.period_s), first_(periods_in(before_s, rig.period_s)),
+    : reference_(reference), scale_(scale), period_s_(rig.period_s),
+      first_(periods_in(PassTable::rest_s, rig.period_s)),
       used_(periods_in(rig.duration_s / scale.speed, rig.period_s) + 1), after_(periods_in(after_s, rig.period_s)) {}
 
 ReferencePoint PassMotion::at(std::size_t tick) const noexcept {
@@ -81,11 +82,18 @@ const std::vector<LedTick>& LedAxis::run(const PassMotion& motion, const std::ve
   return ticks_;
 }
 
+AxisParameters<double> smooth_axis(AxisParameters<double> axis) {
+  auto& valve = axis.effects.valve;
+  valve.valve_dead_band = {}, valve.valve_hysteresis = {}, valve.valve_stiction = {};
+  auto& motion = axis.effects.motion;
+  motion.coulomb_friction = {}, motion.stribeck_friction = {}, motion.direction_dependent_friction = {};
+  motion.pressure_dependent_friction = {}, motion.friction_zone = {}, motion.elastic_friction = {};
+  return axis;
+}
+
 std::vector<double> LedAxis::pulse_response(double pulse_V, std::size_t ticks) {
-  AxisParameters<double> smooth = rig_.axis;
-  smooth.effects.valve.valve_dead_band = {};
-  smooth.effects.valve.valve_hysteresis = {};
-  smooth.effects.valve.valve_offset = {};
+  AxisParameters<double> smooth = smooth_axis(rig_.axis);
+  smooth.effects.valve.valve_offset = {};  // it starts with a command of 0
   AxisPlant<double> plant;
   plant.configure(smooth, rig_.period_s, cells_per_m, valve_arrangement(rig_));
   std::vector<double> response(ticks);

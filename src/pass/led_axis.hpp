@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include <pneuservo/control/pass_table.hpp>
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/rig/plant.hpp>
 #include <pneuservo/rig/rig.hpp>
@@ -36,6 +37,9 @@ struct LedTick {
   double u_V = 0.0, force_N = 0.0, wanted_N = 0.0;
   PerSignal<double> values;  ///< as exact sensors would show them
 };
+
+/// The axis without what swallows a small pulse: dry friction, and dead band, play and stiction of the valve.
+AxisParameters<double> smooth_axis(AxisParameters<double> axis);
 
 /// Valve, lines, chambers, supply and all effects of the config; the slider goes where it is led. Cold.
 class LedAxis {

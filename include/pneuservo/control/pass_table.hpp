@@ -14,6 +14,7 @@ struct PassRow {
 
 /// Ticks from the reference's time 0 on. It rests before the first row as there, after the last as there.
 struct PassTable {
+  static constexpr double rest_s = 0.5;  ///< the rest before time 0 from which it begins
   std::vector<PassRow> rows;  ///< at least one
   /// Position in the ticks after one more volt for a period, in the closed loop; empty: not asked for.
   std::vector<double> response_m_per_V{};

@@ -167,11 +167,12 @@ class PdForce {
 
   const PdForceState& state() const noexcept { return state_; }
   const PdForceState& terms() const noexcept { return state_; }
-  /// A finished move teaches the next one; between moves only (ticks below 0). Cold.
+  /// A finished move teaches the next one.
   bool learns() const noexcept { return move_.is_on(); }
+  /// Between moves only (ticks below 0). Cold.
   void learn(const AxisParameters<double>&) { move_.learn(); }
   /// A move that learns begins from rest each time, as its pass does.
-  double rest_s(bool, const std::array<double, 2>&) const noexcept { return learns() ? 0.5 : 0.0; }
+  double rest_s(bool, const std::array<double, 2>&) const noexcept { return learns() ? PassTable::rest_s : 0.0; }
   int moves_not_learned() const noexcept { return move_.progress().moves_not_learned; }
   const RepeatedMove& repeated_move() const noexcept { return move_; }
   /// What earlier runs of this move learned; before the run. Cold.

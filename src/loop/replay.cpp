@@ -53,7 +53,7 @@ ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std
                          const std::vector<bool>& dropped_before, int moves, const LoadPositions& load,
                          const std::vector<std::pair<std::string, const std::vector<double>*>>& recorded,
                          const std::vector<Ppd2GainSet>& gains, const std::vector<AxisCommand>& commands,
-                         const std::function<std::vector<double>(const RepeatedMove&)>& learned) {
+                         const LoadLearned& learned) {
   ReplayResult result;
   const std::span<const std::string_view> terms = law_columns(rig.controller.kind);
   for (const auto& [name, values] : recorded) result.compared.push_back(name);
@@ -63,8 +63,7 @@ ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std
   const auto link = std::make_unique<CommandLink>();
   const auto made = make_control_loop(rig, load, &mailbox, commands.empty() ? nullptr : link.get());
   ControlLoop& loop = *made;
-  if (const RepeatedMove* move = loop.controller().repeated_move(); move != nullptr && learned)
-    loop.begin_with_learned(learned(*move));
+  if (learned) loop.begin_with_learned(learned);
   Course course(rig, moves, 0);
   result.rows.reserve(ticks.size());
   for (std::size_t i = 0; i < ticks.size(); ++i) {

@@ -43,6 +43,6 @@ ReplayResult replay_loop(const Rig& rig, Backend& backend, const std::vector<std
                          const std::vector<bool>& dropped_before, int moves, const LoadPositions& load,
                          const std::vector<std::pair<std::string, const std::vector<double>*>>& recorded,
                          const std::vector<Ppd2GainSet>& gains = {}, const std::vector<AxisCommand>& commands = {},
-                         const std::function<std::vector<double>(const RepeatedMove&)>& learned = {});
+                         const LoadLearned& learned = {});
 
 }  // namespace pneuservo

@@ -254,8 +254,7 @@ RunOutcome run_loop(const Rig& rig, Backend& backend, const RunSettings& setting
   RunOutcome out;
   const std::unique_ptr<ControlLoop> made = make_control_loop(rig, settings.load, settings.gains, settings.commands);
   ControlLoop& loop = *made;
-  if (const RepeatedMove* move = loop.controller().repeated_move(); move != nullptr && settings.learned)
-    loop.begin_with_learned(settings.learned(*move));
+  if (settings.learned) loop.begin_with_learned(settings.learned);
   Course course(rig, settings.moves);
   const LastResort last_resort(backend, settings.recording, rig.period_s);
   backend.activate();

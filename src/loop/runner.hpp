@@ -53,7 +53,7 @@ struct RunSettings {
   FaultWatch* fault_watch = nullptr;  ///< the first fault is noted here
   std::string recording{};  ///< its path, for the last record of a crash
   /// What earlier runs of this move learned; called once with the law's move, where the law learns one.
-  std::function<std::vector<double>(const RepeatedMove& move)> learned{};
+  LoadLearned learned{};
   GainMailbox* gains = nullptr;  ///< gains for the running loop come from here
   CommandLink* commands = nullptr;  ///< whoever commands the axis; its reference is not run then
   std::vector<LateTick> late{};  ///< injected: the loop comes so late, in order of their ticks

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <iostream>
 #include <memory>
 
@@ -104,7 +103,7 @@ ReplayResult replay_rows(const Rig& rig, ReplayBackend& backend, int moves, cons
   }
   backend.configure();
   backend.activate();
-  std::function<std::vector<double>(const RepeatedMove&)> learned;
+  LoadLearned learned;
   if (!learned_path.empty()) learned = [&](const RepeatedMove& move) { return read_learned_move(learned_path, move); };
   ReplayResult result = replay_loop(rig, backend, ticks, dropped, moves, load_reference_positions, recorded,
                                     gains_of(data), commands_of(data, moves, rig.controls_pressure()), learned);

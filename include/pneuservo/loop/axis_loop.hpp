@@ -54,7 +54,9 @@ class AxisLoop final : public LoopPass<AxisLoop> {
     learning_due_.store(false, std::memory_order_release);
   }
 
-  void begin_with_learned(const std::vector<double>& learned_V) override { controller_.begin_with_learned(learned_V); }
+  void begin_with_learned(const LoadLearned& learned) override {
+    if (const RepeatedMove* move = controller_.repeated_move()) controller_.begin_with_learned(learned(*move));
+  }
 
   /// Where gains for the running loop come from; null: nowhere. Before the first pass.
   void set_gain_mailbox(GainMailbox* mailbox) noexcept { gain_mailbox_ = mailbox; }

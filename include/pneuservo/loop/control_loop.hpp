@@ -2,7 +2,6 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include <pneuservo/control/axis_controller.hpp>
 #include <pneuservo/core/rt.hpp>
@@ -33,8 +32,8 @@ class ControlLoop {
   virtual void set_command_link(CommandLink* link) noexcept = 0;
   virtual bool learning_due() const noexcept { return false; }
   virtual void learn(const AxisParameters<double>&) {}
-  /// What earlier runs of this move learned; before the first pass. Cold.
-  virtual void begin_with_learned(const std::vector<double>&) {}
+  /// Begins with what earlier runs of the law's move learned, where it learns one; before the first pass. Cold.
+  virtual void begin_with_learned(const LoadLearned&) {}
 
   virtual const Row& row() const noexcept = 0;
   virtual Row& row() noexcept = 0;

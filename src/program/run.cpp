@@ -202,9 +202,12 @@ void note_what_is_shown(const RunOutcome& outcome, RunReport& report) {
 /// All moves with the longest approach before each.
 double longest_run_s(const Rig& rig, int moves) { return moves * (rig.duration_s + longest_start_s(rig)); }
 
+/// Where what a run began with stays.
+std::string before_learned(const std::string& path) { return path + ".before"; }
+
 /// Writes what was learned; what the run began with stays as FILE.before, which a replay needs.
 void keep_learned(const std::string& path, const Rig& rig, const RepeatedMove& move) {
-  if (fs::exists(path)) fs::rename(path, path + ".before");
+  if (fs::exists(path)) fs::rename(path, before_learned(path));
   write_result(path, learned_move_text(rig.name, move));
 }
 
@@ -274,6 +277,7 @@ void check_outputs(const RunOptions& options, const Rig& rig, const std::vector<
   for (const PressureSource source : sources)
     files.records("--record", record_path(options, source, sources.size() > 1), options.existing());
   files.writes("--learned", options.learned, ResultKind::learned_move);
+  if (!options.learned.empty()) files.writes("--learned", before_learned(options.learned), ResultKind::learned_move);
   files.writes("--report", options.report, ResultKind::page).writes("--json", options.json, ResultKind::json);
 }
 

@@ -19,10 +19,13 @@ struct LearningProgress {
 /// loop's pulse response; a move that is worse than the first ends the learning, and so do three without a new best.
 class RepeatedMove {
  public:
-  /// Above it the model's phase is not to be trusted, and 10 Hz creep up at rest on 5 and 10 m of thin line.
+  /// The first resonance of 10 m of 7.65 mm, beyond which the model's phase is not sure. 4 to 10 Hz leave the same
+  /// error within 0.03 mm, on eighty drawn machines.
   static constexpr double learned_Hz = 6.0;
-  /// Part of the missing command that one move adds: it averages the noise of some moves.
+  /// Part of the missing command that one move adds. It converges while the loop answers with less than 2/share of what
+  /// the model says; 0.3 is too slow for five moves, 1.0 leaves as little as 0.6.
   static constexpr double share = 0.6;
+  /// A convention: what it costs is three moves, for the best command is kept.
   static constexpr std::size_t patience_moves = 3;
 
   RepeatedMove() noexcept = default;

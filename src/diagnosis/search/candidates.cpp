@@ -72,6 +72,7 @@ GridParameter grid_parameter(const ParameterTrait& trait, const Field& field, co
     if (trait.scale == EffectScale::moving_mass) free.upper = std::min(free.upper, free.z(largest_load * scale));
   } else if (trait.variation == Variation::inverse_square) {
     free.lower = 0;
+    free.least_varied = free.varied(maximum);
   } else {
     // Not far beyond the grid: there the effect is another one, or nothing that these data show.
     const auto [least, most] = std::minmax_element(out.starts.begin(), out.starts.end());

@@ -1,0 +1,36 @@
+// Whatever a fit may try of a candidate is a number that the config takes.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "config/read_rig.hpp"
+#include "diagnosis/search/candidates.hpp"
+
+using namespace pneuservo;
+
+TEST_CASE("every number between the bounds of a candidate is one that its key can have, whatever the rig") {
+  const std::vector<ResidualChannel> channels{
+      {"p1_port", "Pa", 0, 1}, {"p2_port", "Pa", 0, 1}, {"p1_chamber", "Pa", 0, 1}, {"x", "m", 0, 1}};
+  const MotionRange range{.lowest_m = -0.1, .highest_m = 0.1, .top_speed_mps = 0.5, .duration_s = 8, .first_Pa = 4e5};
+  int tried = 0;
+  for (const char* name : {"cylinder-2m-4.15mm", "cylinder-10m-7.65mm", "servo-table-0.5m-4mm"}) {
+    const Rig rig = read_rig(std::string(PNEUSERVO_SOURCE_DIR "/config/") + name + ".yaml");
+    for (const Candidate& candidate : all_candidates(rig, channels, range))
+      for (std::size_t p = 0; p < candidate.parameters.size(); ++p) {
+        FreeParameter parameter = candidate.parameters[p];
+        if (parameter.start_factor >= 0 || !(parameter.lower < parameter.upper)) continue;
+        const double width = parameter.upper - parameter.lower;
+        std::vector<double> places{parameter.lower, parameter.upper};
+        for (double share = 1e-16; share < 1; share *= 3) places.push_back(parameter.lower + share * width);
+        for (const double z : places) {
+          INFO(name << ": " << parameter.path << " at z = " << z << ": " << parameter.value(z));
+          Rig changed = rig;
+          CHECK_NOTHROW(parameter.number.value().set(changed, parameter.value(z)));
+          ++tried;
+        }
+      }
+  }
+  CHECK(tried > 5000);
+}

@@ -77,11 +77,18 @@ TEST_CASE("gas bumps: what comes into a closed side at rest is there as pressure
   const PlantGrid grid = grid_for(rig, 30, 1e-3);
   const auto gas = bump_responses(inputs, {&rig, {}}, grid, bumps_of(inputs, 0.1), bump_bin, 2);
   const AxisParameters<double>& axis = rig.axis;
-  const double volume_m3 = axis.cylinder.dead_volume_1_m3 + 0.5 * axis.cylinder.stroke_m * axis.cylinder.area_1_m2 +
-                           axis.line_1.section_m2() * axis.line_1.length_m;
+  const double line_m3 = axis.line_1.section_m2() * axis.line_1.length_m,
+               chamber_m3 = axis.cylinder.dead_volume_1_m3 + 0.5 * axis.cylinder.stroke_m * axis.cylinder.area_1_m2,
+               volume_m3 = line_m3 + chamber_m3;
   const double expected = 0.1 * axis.air.gas_constant_J_per_kgK * axis.air.temperature_K / volume_m3;  // a unit, 0.1 s
   for (const GasInput input : {GasInput::line_flow, GasInput::chamber_flow})
     for (const Signal signal : {Signal::p1_port, Signal::p1_chamber})
       CHECK(gas[static_cast<std::size_t>(input)][signal](399, 0) == Approx(expected).epsilon(0.02));
   CHECK(gas[0][Signal::p1_port].topLeftCorner(30, 5).cwiseAbs().maxCoeff() == 0);  // nothing before it acts
+
+  // A lost pressure that stays parts the gas anew, and makes none.
+  const BumpResponse& lost = gas[static_cast<std::size_t>(GasInput::end_loss)];
+  const double line = lost[Signal::p1_port].row(399).sum(), chamber = lost[Signal::p1_chamber].row(399).sum();
+  CHECK(line - chamber == Approx(1.0).epsilon(0.02));
+  CHECK(line * line_m3 == Approx(-chamber * chamber_m3).epsilon(0.02));
 }

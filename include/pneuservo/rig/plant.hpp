@@ -36,6 +36,7 @@ template <class S> struct GasDisturbance {
   Pair<S> valve_area_m2{};      ///< more of the edge that fills; negative: of the one that empties
   Pair<S> line_flow_kgps{};     ///< into the middle of each line
   Pair<S> chamber_flow_kgps{};  ///< into each chamber, at its gas's temperature
+  Pair<S> end_loss_Pa{};        ///< of pressure from each line's end to its chamber
 };
 
 /// Both sides are computed side by side in the lanes of Pair<S>; S itself may carry several rigs.
@@ -127,6 +128,7 @@ template <class S> class AxisPlant {
     disturbance_ = disturbance;
     disturbed_ = true;
     sides_.line().set_inflow(disturbance.line_flow_kgps);
+    sides_.set_end_loss(disturbance.end_loss_Pa);
   }
   /// Holds the piston where it is (tests, held-piston experiments) or lets it go.
   void hold_piston(bool held) noexcept { held_ = held; }

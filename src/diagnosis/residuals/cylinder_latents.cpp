@@ -149,6 +149,8 @@ std::vector<LatentInput> CylinderResiduals::latent_inputs(const Hypothesis& hypo
       Place{"supply", "supply pressure", "Pa", GasInput::supply_pressure, {1, 1}},
       Place{"line_1", "flow into the line at its middle", "kg/s", GasInput::line_flow, {1, 0}},
       Place{"line_2", "flow into the line at its middle", "kg/s", GasInput::line_flow, {0, 1}},
+      Place{"line_1", "pressure lost from the line to the chamber", "Pa", GasInput::end_loss, {1, 0}},
+      Place{"line_2", "pressure lost from the line to the chamber", "Pa", GasInput::end_loss, {0, 1}},
       Place{"chamber_1", "flow into the chamber", "kg/s", GasInput::chamber_flow, {1, 0}},
       Place{"chamber_2", "flow into the chamber", "kg/s", GasInput::chamber_flow, {0, 1}},
       Place{"piston", "flow past the piston from chamber 2 to 1", "kg/s", GasInput::chamber_flow, {1, -1}},

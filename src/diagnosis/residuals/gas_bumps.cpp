@@ -83,6 +83,7 @@ class BumpRuns {
       case GasInput::valve_area: disturbance.valve_area_m2 = both; break;
       case GasInput::line_flow: disturbance.line_flow_kgps = both; break;
       case GasInput::chamber_flow: disturbance.chamber_flow_kgps = both; break;
+      case GasInput::end_loss: disturbance.end_loss_Pa = both; break;
       case GasInput::supply_pressure:
         plant.set_supply_pressure(Lanes(run_.rig->axis.supply.pressure_Pa) + size);
         return Sides(0);

@@ -10,11 +10,11 @@
 namespace pneuservo {
 
 /// What a bump changes, of both sides at once where sides have their own: they hardly see each other.
-enum class GasInput { valve_area, line_flow, chamber_flow, supply_pressure, command_time };
-inline constexpr std::array gas_inputs{GasInput::valve_area, GasInput::line_flow, GasInput::chamber_flow,
-                                       GasInput::supply_pressure, GasInput::command_time};
-/// Size of a bump for a derivative: small beside what acts, large beside rounding [m2, kg/s, kg/s, Pa, s].
-inline constexpr std::array<double, gas_inputs.size()> bump_sizes{1e-8, 1e-6, 1e-6, 500.0, 1e-4};
+enum class GasInput { valve_area, line_flow, chamber_flow, end_loss, supply_pressure, command_time };
+inline constexpr std::array gas_inputs{GasInput::valve_area, GasInput::line_flow,       GasInput::chamber_flow,
+                                       GasInput::end_loss,   GasInput::supply_pressure, GasInput::command_time};
+/// Size of a bump for a derivative: small beside what acts, large beside rounding [m2, kg/s, kg/s, Pa, Pa, s].
+inline constexpr std::array<double, gas_inputs.size()> bump_sizes{1e-8, 1e-6, 1e-6, 100.0, 500.0, 1e-4};
 
 /// Bumps one after the other from the gas's release on, each `count` samples long.
 struct BumpTimes {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include <pneuservo/elements/sensor.hpp>
 
@@ -465,12 +466,11 @@ void CylinderResiduals::set_working_point(const Hypothesis& hypothesis) {
   known_columns_.clear();
 }
 
-std::vector<double> CylinderResiduals::take_slow_error(const Hypothesis& hypothesis) {
-  slow_errors_.assign(channels_.size(), {});
-  const Eigen::VectorXd column = residuals(std::span(&hypothesis, 1)).col(0);
-  if (!column.allFinite()) return std::vector<double>(channels_.size(), 0.0);
+CylinderResiduals::LikeliestErrors CylinderResiduals::likeliest_slow_errors(const Hypothesis& hypothesis) {
+  LikeliestErrors out{std::vector<SlowError>(channels_.size()), -std::numeric_limits<double>::infinity()};
+  const Eigen::VectorXd column = *plain_columns(std::span(&hypothesis, 1)).front();
+  if (!column.allFinite()) return out;
   std::vector<double> best(channels_.size(), -std::numeric_limits<double>::infinity());
-  std::vector<SlowError> chosen(channels_.size());
   // The likeliest of a grid.
   for (const double memory_s : slow_memories_s)
     for (const double level : slow_levels()) {
@@ -484,15 +484,20 @@ std::vector<double> CylinderResiduals::take_slow_error(const Hypothesis& hypothe
       for (std::size_t c = 0; c < channels_.size(); ++c)
         if (likelihood[c] > best[c] && (signals_[c] != Signal::F || memory_s <= force_memory_s)) {
           best[c] = likelihood[c];
-          chosen[c] = {memory_s, level};
+          out.errors[c] = {memory_s, level};
         }
     }
-  slow_errors_ = chosen;
+  out.log_likelihood = std::accumulate(best.begin(), best.end(), 0.0);
+  return out;
+}
+
+std::vector<double> CylinderResiduals::take_slow_error(const Hypothesis& hypothesis) {
+  slow_errors_ = likeliest_slow_errors(hypothesis).errors;
   std::vector<double> levels(channels_.size(), 0.0);
   for (const Stretch& stretch : stretches_)
     if (!stretch.bins.empty())
       levels[stretch.channel] =
-          chosen[stretch.channel].level * rows_[stretch.first_row + stretch.bins.size() - 1].sigma;
+          slow_errors_[stretch.channel].level * rows_[stretch.first_row + stretch.bins.size() - 1].sigma;
   return levels;
 }
 

@@ -41,12 +41,20 @@ class CylinderResiduals final : public ResidualModel {
   }
   void set_working_point(const Hypothesis& hypothesis) override;
   std::vector<double> take_slow_error(const Hypothesis& hypothesis) override;
+  double log_likelihood_beside_own_error(const Hypothesis& hypothesis) override {
+    return likeliest_slow_errors(hypothesis).log_likelihood;
+  }
   void drop_slow_error() override { slow_errors_.assign(channels_.size(), {}); }
   std::vector<LatentInput> latent_inputs(const Hypothesis& hypothesis) override;
   std::vector<ChannelMisfit> sample_misfit(const Hypothesis& hypothesis) override;
   std::vector<ResidualCourse> courses(const Hypothesis& hypothesis) override;
 
  private:
+  struct LikeliestErrors {
+    std::vector<SlowError> errors;  ///< of each channel
+    double log_likelihood;
+  };
+  LikeliestErrors likeliest_slow_errors(const Hypothesis& hypothesis);
   struct Bin {
     std::size_t first = 0, count = 0;
     double values = 0;  ///< samples of it that were measured

@@ -102,6 +102,10 @@ class ResidualModel {
   virtual std::vector<double> take_slow_error(const Hypothesis&) { return std::vector<double>(channels().size(), 0.0); }
   /// Columns are again as if there were no slow error.
   virtual void drop_slow_error() {}
+  /// Of all rows, white noise of standard deviation 1 and the slow error that is likeliest for this very hypothesis.
+  virtual double log_likelihood_beside_own_error(const Hypothesis& hypothesis) {
+    return -0.5 * residuals(std::span(&hypothesis, 1)).squaredNorm();
+  }
 
   /// Free functions at every element, with their answers about this hypothesis: derivatives, in sigmas of the rows.
   /// Rows over a whole recording have none. Empty: the model knows none.

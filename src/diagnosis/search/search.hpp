@@ -50,7 +50,8 @@ struct SearchSettings {
   double settled_gain = 0.1;    ///< in chi2: a fit that a step improves by less is at its end
   std::vector<FreeParameter> small_physics;  ///< nuisances beside the tolerances
   std::vector<KnownStart> known_starts;      ///< names refitted from there where the screening leaves them out
-  /// Whether the model's slow error follows what is left: first by the owner's model, then by the best single name.
+  /// Whether the model's slow error follows what is left: first by the owner's model, then by the best single name,
+  /// each compared beside its own.
   bool grow_floor = false;
 };
 
@@ -85,8 +86,7 @@ class Search {
   bool is_description(const Explanation& explanation) const;
   /// Where the best single names stand that small physics does not mimic, for a search after this one.
   std::vector<KnownStart> best_starts(std::size_t most) const;
-  /// Gain of the best single name in log evidence on the floor that the owner's model leaves: the smaller of two, where
-  /// the floor has been taken anew since.
+  /// Gain of the best single name in log evidence; where the floor grows, of names and owner each beside its own.
   double first_gain() const { return first_gain_; }
   /// What each candidate would gain alone on the owner's fit.
   const std::vector<Screened>& first_screening() const { return first_screening_; }

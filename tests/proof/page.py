@@ -38,6 +38,18 @@ def rates_table(rates):
     return out + "</table>"
 
 
+# What answers without probabilities can be compared by.
+COMPARED = ("clean: without a false name", "one effect: named first", "one effect: a wrong name beside or instead", "two effects: both named, nothing else",
+            "parameter off: named first", "sensor at fault: named first", "outside, with a law by now: named first", "outside: a wrong law said with 0.5 or more")
+
+
+def compared(figures):
+    """Rates of the diagnosis and of each baseline on the same cases: lines and heads."""
+    beside = figures.get("baselines", {})
+    lines = [(what, *(percent(one["rates"][what])[0] for one in (figures, *beside.values()))) for what in COMPARED if figures["rates"][what]["of"]]
+    return lines, ("what", "diagnosis", *beside)
+
+
 def reliability(bins):
     """Share that was right against the probability said, with intervals."""
     x, y = (lambda p: 45 + 240 * p), (lambda p: 260 - 240 * p)
@@ -119,6 +131,25 @@ def write_picture(path, figures):
     path.write_text(out + "</svg>\n", encoding="utf-8")
 
 
+def markdown_table(heads, lines):
+    return "\n".join(["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads), *("| " + " | ".join(str(c) for c in line) + " |" for line in lines)]) + "\n"
+
+
+def write_markdown(path, told_of_run, rows, figures):
+    """The tables of the page as Markdown, for a page in docs."""
+    calibration = figures["calibration"]
+    found = [(name, *percent(rate)) for name, rate in figures["rates"].items() if rate["of"]]
+    found += [(f"sizes inside their {name} interval", *percent(rate)) for name, rate in figures["coverage"].items() if rate["of"]]
+    found += [(f'said with {b["from"]:g} to {b["to"]:g}, right', *percent(b)) for b in calibration["bins"]]
+    out = told_of_run + "\n\n" + markdown_table(("what", "cases", "95 % interval"), found)
+    out += f'\nExpected calibration error {calibration["expected_calibration_error"]:.2f}, Brier score {calibration["brier"]:.2f}, {calibration["answers"]} answers.\n'
+    if "baselines" in figures:
+        lines, heads = compared(figures)
+        out += "\n" + markdown_table(heads, lines)
+    out += "\n" + markdown_table(("case", "kind", "hidden", "times smallest", "floors", "background", "answer", "result"), case_lines(rows))
+    path.write_text(out, encoding="utf-8")
+
+
 def wrong_cases(folder, rows, heads):
     """Each with its first recording."""
     out = ""
@@ -141,6 +172,8 @@ def write_page(path, told_of_run, rows, figures):
     body += "<h2>By size</h2>" + rows_of(by_size(rows), ("one effect", "named first", "of"))
     body += f'<h2>Are the probabilities honest?</h2>{reliability(calibration["bins"])}<p>Expected calibration error {calibration["expected_calibration_error"]:.3f}, Brier score {calibration["brier"]:.3f}, {calibration["answers"]} answers.</p>'
     body += "<h2>Do the intervals of sizes hold the truth?</h2>" + rates_table(figures["coverage"])
+    if "baselines" in figures:
+        body += "<h2>Simpler ways on the same data</h2>" + rows_of(*compared(figures))
     body += "<h2>What went wrong</h2>" + wrong_cases(path.parent, [r for r in rows if not r["right"]], heads)
     body += "<h2>All cases</h2>" + rows_of(case_lines(rows), heads)
     path.write_text(f'<!doctype html><meta charset="utf-8"><title>Proof</title><style>{STYLE}</style>{body}\n', encoding="utf-8")

@@ -106,7 +106,9 @@ def curve(rows, column, left, top, width, height, colour):
 
 
 def course(folder):
-    """Position, command and ports of a case's first recording."""
+    """Position, command and ports of a case's first recording, where it is there."""
+    if not (folder / "recording-1.csv.gz").is_file():
+        return ""
     with gzip.open(folder / "recording-1.csv.gz", "rt", encoding="utf-8") as file:
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     out = '<svg width="820" height="110" font-size="11">'

@@ -1,7 +1,6 @@
 // Whatever a fit may try of a candidate is a number that the config takes.
 #include <catch2/catch.hpp>
 
-#include <cmath>
 #include <string>
 #include <vector>
 
@@ -11,11 +10,19 @@
 using namespace pneuservo;
 
 TEST_CASE("every number between the bounds of a candidate is one that its key can have, whatever the rig") {
-  const std::vector<ResidualChannel> channels{
-      {"p1_port", "Pa", 0, 1}, {"p2_port", "Pa", 0, 1}, {"p1_chamber", "Pa", 0, 1}, {"x", "m", 0, 1}};
+  using Channels = std::vector<ResidualChannel>;
+  const Channels pressures{
+      {"p1_port", "Pa", 0, 1}, {"p2_port", "Pa", 0, 1}, {"p1_chamber", "Pa", 0, 1}, {"x", "m", 0, 1}},
+      force{{"F", "N", 0, 1}}, vessel{{"p1_chamber", "Pa", 0, 1}};
   const MotionRange range{.lowest_m = -0.1, .highest_m = 0.1, .top_speed_mps = 0.5, .duration_s = 8, .first_Pa = 4e5};
   int tried = 0;
-  for (const char* name : {"cylinder-2m-4.15mm", "cylinder-10m-7.65mm", "servo-table-0.5m-4mm"}) {
+  for (const auto& [name, channels] : {std::pair("cylinder-2m-4.15mm", pressures),
+                                       {"cylinder-10m-7.65mm", pressures},
+                                       {"servo-table-0.5m-4mm", pressures},
+                                       {"machines/emps", force},
+                                       {"machines/arm-joint", force},
+                                       {"machines/tank-discharge", vessel},
+                                       {"machines/pump-tank", vessel}}) {
     const Rig rig = read_rig(std::string(PNEUSERVO_SOURCE_DIR "/config/") + name + ".yaml");
     for (const Candidate& candidate : all_candidates(rig, channels, range))
       for (std::size_t p = 0; p < candidate.parameters.size(); ++p) {

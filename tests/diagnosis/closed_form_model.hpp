@@ -10,7 +10,7 @@ namespace pneuservo::test {
 
 /// One channel, no grid and no recording: the rows of a hypothesis are `residual` of its rig, which has always as many
 /// entries.
-class ClosedFormModel final : public ResidualModel {
+class ClosedFormModel : public ResidualModel {
  public:
   using Residual = std::function<std::vector<double>(const Rig&)>;
   explicit ClosedFormModel(Residual residual)

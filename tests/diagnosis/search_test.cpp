@@ -6,6 +6,7 @@
 
 #include "diagnosis/closed_form_model.hpp"
 #include "diagnosis/diagnose.hpp"
+#include "diagnosis/residuals/slow_error.hpp"
 #include "diagnosis/search/search.hpp"
 #include "diagnosis/simulated_recording.hpp"
 
@@ -82,7 +83,67 @@ struct SpringSearch {
   Search search;
 };
 
+/// A load takes a steady mismatch from the first rows, a spring an alternating one from the last.
+constexpr std::size_t drifting = 800, quick = 40;
+std::vector<double> steady_and_quick(const Rig& rig) {
+  const MotionEffects<double>& motion = rig.axis.effects.motion;
+  std::vector<double> rows(drifting, 3 * (1 - motion.constant_force.force_N));
+  for (std::size_t k = 0; k < quick; ++k)
+    rows.push_back((k % 2 == 0 ? 1.2 : -1.2) * (1 - motion.spring_load.stiffness_N_per_m));
+  return rows;
+}
+
+/// The first rows have a slow error, the likeliest one for a hypothesis.
+class DriftingModel final : public ClosedFormModel {
+ public:
+  DriftingModel() : ClosedFormModel(steady_and_quick) {
+    for (std::size_t k = 0; k < drifting; ++k) times_s_.push_back(0.01 * static_cast<double>(k));
+  }
+  Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) override {
+    Eigen::MatrixXd out = ClosedFormModel::residuals(hypotheses);
+    for (Eigen::Index i = 0; i < out.cols(); ++i) error_.whiten(times_s_, std::span(out.col(i).data(), drifting));
+    return out;
+  }
+  std::vector<double> take_slow_error(const Hypothesis& hypothesis) override {
+    error_ = likeliest(hypothesis).second;
+    return {error_.level};
+  }
+  double log_likelihood_beside_own_error(const Hypothesis& hypothesis) override { return likeliest(hypothesis).first; }
+
+ private:
+  std::pair<double, SlowError> likeliest(const Hypothesis& hypothesis) {
+    const Eigen::VectorXd column = ClosedFormModel::residuals(std::span(&hypothesis, 1)).col(0);
+    std::pair<double, SlowError> best{-1e300, {}};
+    for (const double level : {0.0, 1.0, 3.0}) {
+      Eigen::VectorXd rows = column;
+      const SlowError error{1.0, level};
+      const double logarithms = error.whiten(times_s_, std::span(rows.data(), drifting)),
+                   likelihood = -logarithms - 0.5 * rows.squaredNorm();
+      if (likelihood > best.first) best = {likelihood, error};
+    }
+    return best;
+  }
+  std::vector<double> times_s_;
+  SlowError error_;
+};
+
 }  // namespace
+
+TEST_CASE("search: what the owner's slow error takes in has its name beside an error of its own") {
+  DriftingModel model;
+  FittedRows rows(model, {});
+  SearchSettings settings;
+  settings.grow_floor = true;
+  Search search(rows, cylinder_rig(),
+                {found_by_size("constant_force", "effects.constant_force.force_N"),
+                 found_by_size("spring_load", "effects.spring_load.stiffness_N_per_m")},
+                settings, one_name(), {});
+  search.run();
+  REQUIRE(search.best_of(1) != nullptr);
+  CHECK(search.best_of(1)->members.front() == 0);
+  CHECK(search.best_of(1)->fit.z(0) == Approx(1).epsilon(0.01));
+  CHECK(search.first_gain() > DecisionRules{}.next_gain);
+}
 
 TEST_CASE("search: a rival that ended in another valley of the tolerances is fitted from where the best one stands") {
   Rig rig = cylinder_rig();

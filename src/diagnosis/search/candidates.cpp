@@ -34,37 +34,6 @@ struct GridParameter {
   bool amplitude;
 };
 
-/// Bounds of z: the field's range, the physical one, and not beyond what a prior of this width can mean.
-void set_bounds(GridParameter& out, const ParameterTrait& trait, const Field& field, const ScaleTable& scales) {
-  FreeParameter& free = out.free;
-  free.lower = -widest_z;
-  free.upper = widest_z;
-  const double over = scales(trait.range_scale);
-  const double minimum = std::isfinite(trait.least) ? std::max(field.minimum, trait.least * over) : field.minimum,
-               maximum = std::isfinite(trait.most) ? std::min(field.maximum, trait.most * over) : field.maximum;
-  if (trait.variation == Variation::linear) {
-    // A rounding inside the range, but for a neutral value that stands at its end.
-    const double inside = minimum < out.neutral ? 1e-9 : 0.0;
-    free.lower = std::max(free.lower, free.z(minimum) + inside);
-    free.upper = std::min(free.upper, free.z(maximum) - 1e-9);
-    // Something of the moving mass stays on the slider.
-    if (trait.scale == EffectScale::moving_mass)
-      free.upper = std::min(free.upper, free.z(largest_load * scales(trait.scale)));
-  } else if (trait.variation == Variation::inverse_square) {
-    free.lower = 0;
-    free.least_varied = free.varied(maximum);
-  } else {
-    // Not far beyond the grid: there the effect is another one, or nothing that these data show.
-    const auto [least, most] = std::minmax_element(out.starts.begin(), out.starts.end());
-    free.lower = *least - std::log(2.0) / free.spread;
-    free.upper = *most + std::log(4.0) / free.spread;
-    if (field.minimum > 0) free.lower = std::max(free.lower, free.z(field.minimum) + 1e-9);
-    if (field.maximum < infinite) free.upper = std::min(free.upper, free.z(field.maximum) - 1e-9);
-    // A motion that is too slow or too fast for the field starts at its end.
-    for (double& start : out.starts) start = std::max(std::min(start, free.upper), free.lower);
-  }
-}
-
 GridParameter grid_parameter(const ParameterTrait& trait, const Field& field, const std::string& path,
                              const ScaleTable& scales) {
   GridParameter out{free_number(scales.rig, path), {}, 0, 0, trait.grid.empty()};
@@ -88,7 +57,31 @@ GridParameter grid_parameter(const ParameterTrait& trait, const Field& field, co
     for (const double value : trait.grid) out.starts.push_back(free.z(middle + reach * value));
     free.step = difference_step;
   }
-  set_bounds(out, trait, field, scales);
+  // Bounds: the field's range, the physical one, and not beyond what a prior of this width can mean.
+  free.lower = -widest_z;
+  free.upper = widest_z;
+  const double over = scales(trait.range_scale);
+  const double minimum = std::isfinite(trait.least) ? std::max(field.minimum, trait.least * over) : field.minimum,
+               maximum = std::isfinite(trait.most) ? std::min(field.maximum, trait.most * over) : field.maximum;
+  if (trait.variation == Variation::linear) {
+    // A rounding inside the range, but for a neutral value that stands at its end.
+    const double inside = minimum < out.neutral ? 1e-9 : 0.0;
+    free.lower = std::max(free.lower, free.z(minimum) + inside);
+    free.upper = std::min(free.upper, free.z(maximum) - 1e-9);
+    // Something of the moving mass stays on the slider.
+    if (trait.scale == EffectScale::moving_mass) free.upper = std::min(free.upper, free.z(largest_load * scale));
+  } else if (trait.variation == Variation::inverse_square) {
+    free.lower = 0;
+  } else {
+    // Not far beyond the grid: there the effect is another one, or nothing that these data show.
+    const auto [least, most] = std::minmax_element(out.starts.begin(), out.starts.end());
+    free.lower = *least - std::log(2.0) / free.spread;
+    free.upper = *most + std::log(4.0) / free.spread;
+    if (field.minimum > 0) free.lower = std::max(free.lower, free.z(field.minimum) + 1e-9);
+    if (field.maximum < infinite) free.upper = std::min(free.upper, free.z(field.maximum) - 1e-9);
+    // A motion that is too slow or too fast for the field starts at its end.
+    for (double& start : out.starts) start = std::max(std::min(start, free.upper), free.lower);
+  }
   return out;
 }
 

@@ -20,7 +20,6 @@ struct FreeParameter {
   double center = 0;  ///< in what is varied (the value, its logarithm, 1/value^2)
   double spread = 1;
   double lower = -3, upper = 3;  ///< of z
-  double least_varied = 0;  ///< of an opening: one that is wider than its key can be is none
   /// Of z, for differences. Short: where two numbers nearly stand for each other, a fit follows the difference of their
   /// columns, and with steps five times as long it crept on 8 in chi2 above its minimum.
   double step = 0.005;
@@ -40,11 +39,13 @@ struct FreeParameter {
   double value_of(double varied) const {
     switch (variation) {
       case Variation::logarithmic: return std::exp(varied);
-      case Variation::inverse_square: return varied > least_varied ? 1 / std::sqrt(varied) : 0;
+      case Variation::inverse_square: return varied > least_varied() ? 1 / std::sqrt(varied) : 0;
       case Variation::linear: break;
     }
     return varied;
   }
+  /// Of an opening: that of the widest which its key can have. What is wider is none.
+  double least_varied() const { return std::pow(number.value().field().maximum, -2); }
   double value(double z) const { return value_of(center + spread * z); }
   double z(double value) const { return (varied(value) - center) / spread; }
   /// |d value / d z|, for standard errors.
@@ -52,7 +53,7 @@ struct FreeParameter {
     const double at = center + spread * z;
     switch (variation) {
       case Variation::logarithmic: return spread * std::exp(at);
-      case Variation::inverse_square: return at > least_varied ? 0.5 * spread * std::pow(at, -1.5) : 0;
+      case Variation::inverse_square: return at > least_varied() ? 0.5 * spread * std::pow(at, -1.5) : 0;
       case Variation::linear: break;
     }
     return spread;

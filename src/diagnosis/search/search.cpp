@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -19,8 +20,6 @@ namespace {
 constexpr double bent_chi2_per_row = 3;
 /// How often the floor and the owner's fit follow each other: then neither moves any more.
 constexpr int floor_rounds = 2;
-/// Names that are fitted each beside its own slow error.
-constexpr std::size_t fitted_beside_own = 3;
 
 }  // namespace
 
@@ -169,26 +168,18 @@ void Search::take_floor_at_best() {
   const auto beside_own = [this](const Explanation& e) {
     return e.log_evidence + 0.5 * e.fit.chi2() + rows_.model().log_likelihood_beside_own_error(e.fit.hypothesis());
   };
-  std::vector<std::pair<double, Explanation*>> ranked;
-  for (Explanation* e : rivals(1, 1e300, tried_.size())) ranked.emplace_back(beside_own(*e), e);
-  if (ranked.empty()) return;
-  std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  ranked.resize(std::min(ranked.size(), fitted_beside_own));
-  const double owner = beside_own(owner_);
-  for (auto& [evidence, explanation] : ranked) {
-    rows_.model().take_slow_error(explanation->fit.hypothesis());
-    polish({explanation}, 4, true);
-    evidence = beside_own(*explanation);
-  }
-  const auto [most, best] =
-      *std::max_element(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  first_gain_ = most - owner;
-  const bool is_there = first_gain_ >= rules_.next_gain;
-  rows_.model().take_slow_error((is_there ? *best : owner_).fit.hypothesis());
-  std::vector<Explanation*> again;
-  if (is_there) again = rivals(1, 1e300, tried_.size());
-  else
-    for (const auto& [evidence, explanation] : ranked) again.push_back(explanation);
+  const Explanation* best = nullptr;
+  double most = -std::numeric_limits<double>::infinity();
+  for (const Explanation* e : ranking(1))
+    if (const double evidence = beside_own(*e); evidence > most) {
+      best = e;
+      most = evidence;
+    }
+  if (best == nullptr) return;
+  first_gain_ = most - beside_own(owner_);
+  if (first_gain_ < rules_.next_gain) return;
+  rows_.model().take_slow_error(best->fit.hypothesis());
+  std::vector<Explanation*> again = rivals(1, 1e300, tried_.size());
   again.push_back(&owner_);
   polish(again, 2, true);
   linearise(rows_, {&as_configured_});

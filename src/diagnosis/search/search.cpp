@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -168,17 +167,21 @@ void Search::take_floor_at_best() {
   const auto beside_own = [this](const Explanation& e) {
     return e.log_evidence + 0.5 * e.fit.chi2() + rows_.model().log_likelihood_beside_own_error(e.fit.hypothesis());
   };
-  const Explanation* best = nullptr;
-  double most = -std::numeric_limits<double>::infinity();
-  for (const Explanation* e : ranking(1))
-    if (const double evidence = beside_own(*e); evidence > most) {
-      best = e;
-      most = evidence;
-    }
-  if (best == nullptr) return;
-  first_gain_ = most - beside_own(owner_);
-  if (first_gain_ < rules_.next_gain) return;
-  rows_.model().take_slow_error(best->fit.hypothesis());
+  std::vector<std::pair<double, Explanation*>> ranked;
+  for (Explanation* e : rivals(1, 1e300, tried_.size())) ranked.emplace_back(beside_own(*e), e);
+  if (ranked.empty()) return;
+  const auto is_behind = [](const auto& a, const auto& b) { return a.first < b.first; };
+  std::stable_sort(ranked.rbegin(), ranked.rend(), is_behind);
+  ranked.resize(std::min(ranked.size(), settings_.polished));
+  const double owner = beside_own(owner_);
+  for (auto& [evidence, explanation] : ranked) {
+    rows_.model().take_slow_error(explanation->fit.hypothesis());
+    polish({explanation}, 4, true);
+    evidence = beside_own(*explanation);
+  }
+  const auto [most, best] = *std::max_element(ranked.begin(), ranked.end(), is_behind);
+  first_gain_ = most - owner;
+  rows_.model().take_slow_error((first_gain_ < rules_.next_gain ? owner_ : *best).fit.hypothesis());
   std::vector<Explanation*> again = rivals(1, 1e300, tried_.size());
   again.push_back(&owner_);
   polish(again, 2, true);

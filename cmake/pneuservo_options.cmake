@@ -67,7 +67,7 @@ endif()
 option(PNEUSERVO_UNITE_FOLDERS "Compile all sources of a folder as one unit; on in the preset release" OFF)
 # Where neither a loop nor a diagnosis spends its time, -O2 takes 0.8 of the compiler's time and of the room.
 # Without the precompiled header: from one g++ takes over the level of optimisation that the header was compiled with.
-set(PNEUSERVO_COLD_FOLDERS "^src_(config|report|index|improve|program|diagnosis_verdict)$")
+set(PNEUSERVO_COLD_FOLDERS "^src_(config|design|service|report|index|improve|program|diagnosis_verdict|diagnosis_doubts)$")
 # unite_folders(TARGET...): what the sources of a folder share is parsed and instantiated once, in some 0.6 of the time.
 # Names in unnamed namespaces are therefore unique within a folder.
 function(unite_folders)

@@ -3,11 +3,11 @@
 
 #include <utility>
 
-#include "backends.hpp"
 #include "loop/runner.hpp"
 #include "record/import.hpp"
 #include "report/evaluation.hpp"
 #include "report/motion_verdict.hpp"
+#include "sim/sim_backend.hpp"
 
 namespace pneuservo {
 namespace {
@@ -30,11 +30,11 @@ RunResult simulated_run(const Rig& config, double payload_kg) {
 
 RunResult simulated_run(const Rig& config, const Rig& machine) {
   const Rig rig = unsupervised(config);
-  const auto backend = make_backend("sim", machine);
-  backend->configure();
+  SimBackend backend(machine, SimBackend::Has::sensors_of_the_config);
+  backend.configure();
   RunSettings settings;
   settings.load = load_reference_positions;
-  RunOutcome outcome = run_loop(rig, *backend, settings);
+  RunOutcome outcome = run_loop(rig, backend, settings);
   RunResult run;
   run.feedforward = rig.controller.feedforward_name();
   if (outcome.moves.empty()) return run;

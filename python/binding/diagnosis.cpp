@@ -5,6 +5,7 @@
 
 #include "binding.hpp"
 #include "diagnosis/diagnose.hpp"
+#include "diagnosis/refit.hpp"
 #include "diagnosis/result_json.hpp"
 #include "diagnosis/result_text.hpp"
 #include "improve/improve.hpp"
@@ -54,6 +55,44 @@ std::unique_ptr<Improvement> run_improvement(const Config& config, const nb::lis
   });
   if (interrupted && !result->stopped) raise_interrupt("improve");
   return result;
+}
+
+std::unique_ptr<Refit> run_refit(const Config& config, const nb::list& recordings,
+                                 const std::vector<std::string>& effects, int jobs, const nb::object& progress,
+                                 const nb::object& cancel) {
+  const std::vector<Recording> all = taken(recordings, nb::list());
+  std::unique_ptr<Refit> result;
+  const bool interrupted = watched("refit", {progress, cancel}, [&](const StopQuestion& stop, const Progress& tell) {
+    DiagnoseOptions options;
+    options.jobs = jobs;
+    options.stop = stop;
+    options.progress = tell;
+    result = std::make_unique<Refit>(refit(config.rig, all, effects, options));
+  });
+  if (interrupted) raise_interrupt("refit");
+  return result;
+}
+
+nb::object plain_array(const Eigen::MatrixXd& values) {
+  return array_of(std::vector<double>(values.data(), values.data() + values.size()));
+}
+
+void bind_refit(nb::module_& m) {
+  nb::class_<Refit>(m, "Refit", "Sizes of stated effects, fitted together.")
+      .def_ro("paths", &Refit::paths, "Of the sizes, by the config: effects.coulomb_friction.force_N.")
+      .def_prop_ro(
+          "values", [](const Refit& r) { return plain_array(r.values); }, "Shape (sizes,), in SI units.")
+      .def_prop_ro(
+          "covariance",
+          [](const Refit& r) { return plain_array(r.covariance).attr("reshape")(r.values.size(), r.values.size()); },
+          "Shape (sizes, sizes): what noise, tolerances and starts leave open.")
+      .def_ro("misfit", &Refit::misfit, "Squared, a row, in its floor: 1 where the model lacks nothing.")
+      .def_ro("warnings", &Refit::warnings)
+      .def_prop_ro(
+          "refitted", [](const Refit& r) { return Config{r.refitted, improved_name(r.refitted.name)}; },
+          "The config with these sizes.");
+  m.def("refit", &run_refit, nb::arg("config"), nb::arg("recordings"), nb::arg("effects"), nb::arg("jobs"),
+        nb::arg("progress").none(), nb::arg("cancel").none(), "See pneuservo.refit.");
 }
 
 void bind_improvement(nb::module_& m) {
@@ -110,6 +149,7 @@ void bind_diagnosis(nb::module_& m) {
   m.def("diagnose", &run_diagnosis, nb::arg("config"), nb::arg("recordings"), nb::arg("held_out"), nb::arg("jobs"),
         nb::arg("latent"), nb::arg("progress").none(), nb::arg("cancel").none(), "See pneuservo.diagnose.");
   bind_improvement(m);
+  bind_refit(m);
 }
 
 }  // namespace pneuservo::python

@@ -14,18 +14,19 @@ from ._processor import folders as _folders
 __path__ = _folders(os.path.dirname(os.path.abspath(__file__)))  # before the module is looked for
 
 from ._core import (AxisValues, Config, Design, Estimate, Estimator, ImportResult, Improvement, Law, Machine, Plant,
-                    Recording, Run, __version__, design, import_recording, run)
+                    Recording, Refit, Run, __version__, design, import_recording, run)
 from ._core import Diagnosis as _Diagnosis
 from ._core import diagnose as _diagnose
 from ._core import improve as _improve
 from ._core import read_recordings as _read_recordings
+from ._core import refit as _refit
 from ._core import simulate as _simulate
 from .errors import AxisRefused, DiagnosisStopped, InputError
 
 __all__ = ["AxisRefused", "AxisValues", "Config", "Design", "Diagnosis", "DiagnosisStopped", "Estimate", "Estimator",
-           "ImportResult", "Improvement", "InputError", "Law", "Machine", "Plant", "Recording", "Run", "__version__",
-           "design", "diagnose", "import_recording", "improve", "read_recordings", "recording_of", "run", "simulate",
-           "state_space", "to_dict", "to_pandas"]
+           "ImportResult", "Improvement", "InputError", "Law", "Machine", "Plant", "Recording", "Refit", "Run",
+           "__version__", "design", "diagnose", "import_recording", "improve", "read_recordings", "recording_of", "refit",
+           "run", "simulate", "state_space", "to_dict", "to_pandas"]
 
 Diagnosis = _Diagnosis
 Source = Union[str, os.PathLike, Recording, Mapping[str, Any]]
@@ -80,6 +81,18 @@ def diagnose(config: Config, recordings: Sequence[Source], held_out: Sequence[So
     """
     return _diagnose(config, _recordings(recordings, config), _recordings(held_out, config), jobs, latent, progress,
                      cancel)
+
+
+def refit(config: Config, recordings: Sequence[Source], effects: Sequence[str], *, jobs: int = 0,
+          progress: Optional[Progress] = None, cancel: Any = None) -> Refit:
+    """The sizes of these effects by recordings of a machine that is known: coulomb_friction, chamber_leak_1, valve_lag.
+
+    All are fitted together, with the config's tolerances and the starts free beside them; nothing is sought or judged, so
+    that it takes a tenth of a diagnosis. Effects that the config has begin at its sizes. jobs, progress and cancel are as
+    in diagnose(); a refit that is ended raises DiagnosisStopped or KeyboardInterrupt. Raises InputError for effects
+    without a size that a derivative finds.
+    """
+    return _refit(config, _recordings(recordings, config), list(effects), jobs, progress, cancel)
 
 
 def improve(config: Config, recordings: Sequence[Source], held_out: Sequence[Source] = (), *, jobs: int = 0,

@@ -74,7 +74,7 @@ void add_fit(ResidualModel& model, const Search& search, const Decision& decisio
     if (!row.over_recording) ++(row.held_out ? held_out_rows : fitted_rows)[static_cast<std::size_t>(row.channel)];
   for (std::size_t c = 0; c < channels.size(); ++c) {
     ChannelFit fit;
-    fit.column = channels[c].name + "_" + channels[c].unit;
+    fit.column = channels[c].column();
     fit.noise = floors[c];
     fit.before = misfit_before[c].fitted;
     fit.after = misfit_after[c].fitted;
@@ -180,28 +180,12 @@ Decision decided(const Rig& rig, ResidualModel& model, Search& search, const Dec
   return decision;
 }
 
-/// Throws InputError where there is nothing to compare: no row, or no finite course of the rig as configured.
-void require_comparison(const Rig& rig, FittedRows& rows) {
-  ResidualModel& model = rows.model();
-  if (model.rows().empty())
-    throw InputError(fmt::format("{}: no row of the recordings can be compared: position or drive are missing, or the "
-                                 "slider stands at an end stop throughout; expected motion with both recorded",
-                                 rig.name));
-  if (rows.count() == 0)
-    throw InputError(fmt::format("{}: every row that can be compared is held out, expected some to fit", rig.name));
-  if (!rows({Hypothesis{rig, {}}}).allFinite())
-    throw InputError(
-        fmt::format("{}: the rig as configured has no finite course on these recordings; expected position, "
-                    "pressures and command in SI units (m, Pa absolute, V)",
-                    rig.name));
-}
-
 /// Only the columns that are compared here: a virtual machine may record more than the real one has.
 Recording with_compared_columns(Recording recording, const std::vector<ResidualChannel>& channels) {
   recording.keep_columns([&](const std::string& name) {
     const bool is_input = name == "t_s" || name == "x_m" || name == "F_N" || name.starts_with("u");
-    return is_input || std::any_of(channels.begin(), channels.end(),
-                                   [&](const ResidualChannel& r) { return name == r.name + "_" + r.unit; });
+    return is_input ||
+           std::any_of(channels.begin(), channels.end(), [&](const ResidualChannel& r) { return name == r.column(); });
   });
   return recording;
 }
@@ -435,6 +419,21 @@ std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::ve
   return std::make_unique<CylinderResiduals>(rig, recordings, settings);
 }
 
+void require_comparison(const Rig& rig, FittedRows& rows) {
+  ResidualModel& model = rows.model();
+  if (model.rows().empty())
+    throw InputError(fmt::format("{}: no row of the recordings can be compared: position or drive are missing, or the "
+                                 "slider stands at an end stop throughout; expected motion with both recorded",
+                                 rig.name));
+  if (rows.count() == 0)
+    throw InputError(fmt::format("{}: every row that can be compared is held out, expected some to fit", rig.name));
+  if (!rows({Hypothesis{rig, {}}}).allFinite())
+    throw InputError(
+        fmt::format("{}: the rig as configured has no finite course on these recordings; expected position, "
+                    "pressures and command in SI units (m, Pa absolute, V)",
+                    rig.name));
+}
+
 Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& options) {
   const StopWhileAlive stoppable(model, options.stop);
   FittedRows rows(model, options.stop);
@@ -468,29 +467,34 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   return out;
 }
 
-Diagnosis diagnose(const Rig& configured, std::vector<Recording> recordings, const DiagnoseOptions& options) {
-  if (recordings.empty()) throw InputError("diagnose: no recording, expected at least one");
+PreparedDiagnosis prepare_diagnosis(const Rig& configured, std::vector<Recording> recordings, std::string_view verb,
+                                    const DiagnoseOptions& options) {
+  if (recordings.empty()) throw InputError(fmt::format("{}: no recording, expected at least one", verb));
   if (configured.controls_pressure())
-    throw InputError(fmt::format("{}: rig: found pressure, expected another kind: diagnose has no residuals of it",
-                                 recordings.front().path));
-  std::vector<std::string> left_out;
-  Rig rig = without_disturbances(configured, left_out);
+    throw InputError(fmt::format("{}: rig: found pressure, expected another kind: {} has no residuals of it",
+                                 recordings.front().path, verb));
+  PreparedDiagnosis out;
+  out.rig = without_disturbances(configured, out.warnings);
   if (options.progress) options.progress(0.01, "recordings");
-  const std::vector<std::string> told = told_of(rig, recordings);
+  const std::vector<std::string> told = told_of(out.rig, recordings);
   look_for_stop(options.stop);
-  doubt_recordings(rig, recordings, left_out);
+  doubt_recordings(out.rig, recordings, out.warnings);
   look_for_stop(options.stop);
-  TellingPieces pieces = telling_pieces(rig, compared_stretches(rig, std::move(recordings), left_out));
+  TellingPieces pieces = telling_pieces(out.rig, compared_stretches(out.rig, std::move(recordings), out.warnings));
   if (options.progress) options.progress(0.02, "model of the recordings");
-  const std::unique_ptr<ResidualModel> model = make_residual_model(rig, pieces.recordings, options.jobs, options.stop);
-  std::vector<std::string> paths;
-  for (const Recording& piece : pieces.recordings) paths.push_back(piece.path);
-  pieces.recordings.clear();
-  Diagnosis out = diagnose(rig, *model, options);
+  out.model = make_residual_model(out.rig, pieces.recordings, options.jobs, options.stop);
+  for (const Recording& piece : pieces.recordings) out.recordings.push_back(piece.path);
   out.coverage = std::move(pieces.coverage);
-  out.recordings = std::move(paths);
-  out.warnings.insert(out.warnings.end(), left_out.begin(), left_out.end());
   out.warnings.insert(out.warnings.end(), told.begin(), told.end());
+  return out;
+}
+
+Diagnosis diagnose(const Rig& configured, std::vector<Recording> recordings, const DiagnoseOptions& options) {
+  PreparedDiagnosis prepared = prepare_diagnosis(configured, std::move(recordings), "diagnose", options);
+  Diagnosis out = diagnose(prepared.rig, *prepared.model, options);
+  out.coverage = std::move(prepared.coverage);
+  out.recordings = std::move(prepared.recordings);
+  out.warnings.insert(out.warnings.end(), prepared.warnings.begin(), prepared.warnings.end());
   return out;
 }
 

@@ -3,9 +3,11 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "diagnosis/diagnosis.hpp"
+#include "diagnosis/search/fit.hpp"
 #include "diagnosis/verdict/decision.hpp"
 #include "diagnosis/verdict/next_experiment.hpp"
 #include "record/reader.hpp"
@@ -26,6 +28,19 @@ struct DiagnoseOptions {
 /// The comparison of a rig's recordings with its model. Throws InputError: columns missing, another rig's recording.
 std::unique_ptr<ResidualModel> make_residual_model(const Rig& rig, const std::vector<Recording>& recordings, int jobs,
                                                    const StopQuestion& stop = {});
+
+/// Recordings that were doubted and cut, and their comparison with the rig.
+struct PreparedDiagnosis {
+  Rig rig;
+  std::unique_ptr<ResidualModel> model;
+  std::vector<std::string> recordings, warnings;
+  Coverage coverage;
+};
+/// The recordings are let go once their pieces are taken. Throws InputError for recordings that cannot be used.
+PreparedDiagnosis prepare_diagnosis(const Rig& configured, std::vector<Recording> recordings, std::string_view verb,
+                                    const DiagnoseOptions& options);
+/// Throws InputError where there is nothing to compare: no row, or no finite course of the rig as configured.
+void require_comparison(const Rig& rig, FittedRows& rows);
 
 /// The recordings are let go once their pieces are taken. Throws InputError for recordings that cannot be used, and
 /// DiagnosisStopped where nothing is known yet.

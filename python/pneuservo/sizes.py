@@ -5,13 +5,14 @@ from typing import Any, Dict, Mapping, Sequence
 
 import numpy
 
-from . import Config, Diagnosis, Recording, to_dict
+from . import Config, Diagnosis, Recording, Refit, to_dict
 
 # The effects whose keys add up to a size; then each size's unit.
 FRICTION = {"coulomb_friction": ("force_N",), "direction_dependent_friction": ("forward_N", "backward_N")}
 LEAKS = {"chamber_leak_1": ("area_m2",), "chamber_leak_2": ("area_m2",), "line_leak_1": ("area_m2",),
          "line_leak_2": ("area_m2",), "piston_leak": ("area_m2",)}
 VALVE = {"valve_lag": ("time_constant_s",), "command_delay": ("delay_s",)}
+REFITTED = ("coulomb_friction", "chamber_leak_1", "chamber_leak_2", "valve_lag")  # by a refit
 SIZES = {"friction_N": "N", "leak_nlpm": "Nl/min", "valve_delay_s": "s", "supply_Pa": "Pa"}
 NORMAL_DENSITY = 101325.0 / 273.15  # of DIN 1343, times the gas constant [kg/m3 J/kgK]
 
@@ -52,16 +53,35 @@ def _supply(recordings: Sequence[Recording], config: Config, improved: Config) -
     return {"value": stated, "standard_error": float(tolerance) * stated, "named": False, "smallest_visible": math.nan}
 
 
-def sizes(result: Diagnosis, recordings: Sequence[Recording], config: Config) -> Dict[str, Any]:
-    """Columns SIZE, SIZE_standard_error, SIZE_smallest_visible and SIZE_named of each of SIZES."""
-    answer = to_dict(result)
-    leak = _size(answer, result.improved, LEAKS)
-    for key in ("value", "standard_error", "smallest_visible"):
-        leak[key] = leak_nlpm_of(leak[key], config)
-    found = {"friction_N": _size(answer, result.improved, FRICTION), "leak_nlpm": leak,
-             "valve_delay_s": _size(answer, result.improved, VALVE), "supply_Pa": _supply(recordings, config, result.improved)}
+def refitted_sizes(result: Refit, recordings: Sequence[Recording], config: Config) -> Dict[str, Any]:
+    """The columns of sizes() from a refit: every size is named, and the errors of a sum go with their covariance."""
+    def size(effects: Mapping[str, Sequence[str]]) -> Dict[str, Any]:
+        share = {f"effects.{name}.{key}": 1.0 / len(keys) for name, keys in effects.items() for key in keys}
+        weights = numpy.array([share.get(path, 0.0) for path in result.paths])
+        return {"value": float(weights @ result.values), "standard_error": math.sqrt(weights @ result.covariance @ weights),
+                "smallest_visible": math.nan, "named": True}
+
+    return _columns({"friction_N": size(FRICTION), "leak_nlpm": _in_nlpm(size(LEAKS), config), "valve_delay_s": size(VALVE),
+                     "supply_Pa": _supply(recordings, config, result.refitted)})
+
+
+def _in_nlpm(leak: Dict[str, Any], config: Config) -> Dict[str, Any]:
+    """Areas of holes as their flow."""
+    return {**leak, **{key: leak_nlpm_of(leak[key], config) for key in ("value", "standard_error", "smallest_visible")}}
+
+
+def _columns(found: Mapping[str, Mapping[str, Any]]) -> Dict[str, Any]:
     row: Dict[str, Any] = {}
     for name, one in found.items():
         row[name] = one["value"]
         row.update({f"{name}_{key}": one[key] for key in ("standard_error", "smallest_visible", "named")})
     return row
+
+
+def sizes(result: Diagnosis, recordings: Sequence[Recording], config: Config) -> Dict[str, Any]:
+    """Columns SIZE, SIZE_standard_error, SIZE_smallest_visible and SIZE_named of each of SIZES."""
+    answer = to_dict(result)
+    return _columns({"friction_N": _size(answer, result.improved, FRICTION),
+                     "leak_nlpm": _in_nlpm(_size(answer, result.improved, LEAKS), config),
+                     "valve_delay_s": _size(answer, result.improved, VALVE),
+                     "supply_Pa": _supply(recordings, config, result.improved)})

@@ -30,6 +30,8 @@ def counted(path, config_text):
         file.write("called\n")
     if text.startswith("kill the worker once") and len(calls.read_text().splitlines()) == 1:
         os.kill(os.getpid(), signal.SIGKILL)
+    if text.startswith("kill the worker always"):
+        os.kill(os.getpid(), signal.SIGKILL)
     if text.startswith("too large"):
         raise MemoryError
     if text.startswith("bad"):
@@ -71,6 +73,16 @@ def test_killed_workers_lose_nothing_and_bad_recordings_are_rows(tmp_path):
     before = [calls_of(path) for path in paths]
     fleet.run_fleet(paths, None, tmp_path / "out", workers=1, work=counted)
     assert [calls_of(path) for path in paths] == [*before[:8], before[8] + 1]  # what a worker was lost with is tried again
+
+
+@LONG
+def test_a_recording_that_kills_every_worker_is_a_row_and_the_others_are_done(tmp_path):
+    # As the system does where memory ends: no Python says anything any more.
+    paths = recordings(tmp_path, ["fine", "kill the worker always", "fine"])
+    frame = pandas.read_parquet(fleet.run_fleet(paths, None, tmp_path / "out", workers=2, work=counted)).set_index("recording")
+    lost = frame.loc[str(paths[1])]
+    assert lost["status"] == "lost" and "its worker died each time it was tried, expected enough memory" in lost["sentence"]
+    assert [frame.loc[str(path), "status"] for path in (paths[0], paths[2])] == ["done", "done"]
 
 
 @LONG

@@ -15,7 +15,8 @@ namespace {
 constexpr std::uint32_t profile_analog = 401, profile_transmitter = 404, profile_encoder = 406;
 constexpr double usual_emergency = 0x5000;  // device hardware
 /// Chambers are recorded as the plant has them, not as a sensor shows them.
-constexpr std::array recorded_signals{Signal::x, Signal::p1_port, Signal::p2_port, Signal::p_supply};
+constexpr std::array recorded_signals{Signal::x, Signal::p1_port, Signal::p2_port, Signal::p_supply,
+                                      Signal::supply_flow};
 
 std::uint32_t device_type_of(const CanNodeParameters& node, const std::vector<CanChannel>& channels,
                              const std::string& name) {

@@ -16,7 +16,8 @@ SimBackend::SimBackend(const Rig& rig, Has sensors) : rig_(simulated_rig(rig)) {
   for (const Signal chamber : chamber_signals)
     is_there_[chamber] =
         is_there_[chamber] && (rig.controller.takes_chambers() || rig.sensors.chamber_pressure.rms_Pa() > 0.0);
-  is_there_[Signal::p_supply] = rig.sensors.supply_pressure.rms_Pa() > 0.0;
+  for (const Signal signal : {Signal::p_supply, Signal::supply_flow})
+    is_there_[signal] = is_there_[signal] && rig.sensors.resolution(signal).rms() > 0.0;
 }
 
 void SimBackend::configure() {

@@ -17,7 +17,8 @@ namespace pneuservo {
 class SimBackend final : public Backend {
  public:
   enum class Has { every_sensor, sensors_of_the_config };
-  /// sensors_of_the_config: chambers and supply without a section of their own (noise and quantum 0) have no sensor.
+  /// sensors_of_the_config: chambers, supply and flow without a section of their own (noise and quantum 0) have no
+  /// sensor.
   explicit SimBackend(const Rig& rig, Has sensors = Has::every_sensor);
   void configure() override;
   void activate() override;

@@ -31,8 +31,8 @@ struct Variable {
 };
 
 /// First outputs of the plant; v_mps follows.
-inline constexpr std::array plant_signals{Signal::x,          Signal::p1_port,    Signal::p2_port,
-                                          Signal::p1_chamber, Signal::p2_chamber, Signal::p_supply};
+inline constexpr std::array plant_signals{Signal::x,          Signal::p1_port,  Signal::p2_port,    Signal::p1_chamber,
+                                          Signal::p2_chamber, Signal::p_supply, Signal::supply_flow};
 
 /// First outputs of the estimator.
 struct EstimatedOutput {

@@ -70,15 +70,15 @@ FormResult command_of_signal(const FormValues& v, const Rig&) {
 }
 
 /// Signal and what it measures, both with two ends.
-FormResult line_through_ends(const std::array<double, 2>& signal, const std::array<double, 2>& measures,
-                             std::string_view scale, std::string_view unit) {
+template <class Keys>
+FormResult line_through_ends(const std::array<double, 2>& signal, const std::array<double, 2>& measures) {
   const double slope = (measures[1] - measures[0]) / (signal[1] - signal[0]);
   const double span = measures[1] - measures[0];
   const std::array<double, 2> ends{measures[0] - below_share * span, measures[1] + above_share * span};
-  return {{std::string(scale), slope},
-          {fmt::format("zero_{}", unit), measures[0] - slope * signal[0]},
-          {fmt::format("lowest_{}", unit), std::min(ends[0], ends[1])},
-          {fmt::format("highest_{}", unit), std::max(ends[0], ends[1])}};
+  return {{std::string(Keys::scale_V), slope},
+          {std::string(Keys::zero), measures[0] - slope * signal[0]},
+          {std::string(Keys::lowest), std::min(ends[0], ends[1])},
+          {std::string(Keys::highest), std::max(ends[0], ends[1])}};
 }
 
 /// The command counts from the neutral voltage; both ends of the signal are as far from it as they are.
@@ -113,19 +113,15 @@ Form resolution(std::string_view unit, std::string_view quantum) {
 }
 
 /// A channel of a board by the signal of its sensor.
-Form scaling(std::string_view unit, std::string_view scale, double lowest_value) {
-  const std::string_view zero = unit == "Pa" ? "zero_Pa" : "zero_m", lowest = unit == "Pa" ? "lowest_Pa" : "lowest_m",
-                         highest = unit == "Pa" ? "highest_Pa" : "highest_m";
+template <class Keys> Form scaling(double lowest_value) {
   return {{{Field{"signal", "V", -infinite, infinite, "of the sensor (0 to 10 V; 4 to 20 mA with a shunt)"},
-            Field{"measures", unit, lowest_value, infinite, "at the ends of the signal (0 to 10 bar gauge)"},
+            Field{"measures", Keys::unit, lowest_value, infinite, "at the ends of the signal (0 to 10 bar gauge)"},
             Field{"shunt", "V/A", 1e-3, 1e6, "resistor that turns a current into a voltage (250 ohm)", optional}},
-           {scale, zero, lowest, highest},
+           {Keys::scale_V, Keys::zero, Keys::lowest, Keys::highest},
            "straight through both ends; no measurement beyond the signal by more than NE 43 allows"},
           {"signal", "measures"},
           {},
-          [scale, unit](const FormValues& v, const Rig&) {
-            return line_through_ends(v.at("signal"), v.at("measures"), scale, unit);
-          }};
+          [](const FormValues& v, const Rig&) { return line_through_ends<Keys>(v.at("signal"), v.at("measures")); }};
 }
 
 /// For the list of keys alone: the table is no number and is read by valve_table.hpp.
@@ -171,8 +167,10 @@ const std::vector<Form>& all_forms() {
       measured_valve(),
       resolution("m", "quantum_m"),
       resolution("Pa", "quantum_Pa"),
-      scaling("Pa", "scale_Pa_per_V", 1.0),
-      scaling("m", "scale_m_per_V", -infinite),
+      resolution("kg/s", "quantum_kgps"),
+      scaling<PressureKeys>(1.0),
+      scaling<PositionKeys>(-infinite),
+      scaling<FlowKeys>(-infinite),
       {{{Field{"signal", "V", -1000, 1000, "that the valve takes (0 to 10 V)"},
          Field{"neutral", "V", -1000, 1000, "at which the valve is closed (5 V)"}},
         {"scale_V_per_V", "zero_V", "lowest_V", "highest_V"},
@@ -215,7 +213,10 @@ class Translation {
   }
 
  private:
-  Datums datums() const { return {context_.rig.axis.air.atmosphere_Pa, context_.rig.axis.cylinder.stroke_m}; }
+  Datums datums() const {
+    const AxisParameters<double>& axis = context_.rig.axis;
+    return {axis.air.atmosphere_Pa, axis.cylinder.stroke_m, free_air_density_kgpm3(Air<double>(axis.air))};
+  }
 
   /// A key with its unit in the value becomes the SI key.
   void take_unit(const Field& field) {

@@ -251,6 +251,7 @@ double from_datum(double value, std::string_view words, const Datums& datums) {
 }
 
 constexpr double ice_K = 273.15;
+constexpr Dimension volume_flow{3, 0, -1, 0, 0, 0, 0}, mass_flow{0, 1, -1, 0, 0, 0, 0};
 
 }  // namespace
 
@@ -284,6 +285,7 @@ std::string example_quantity(const Field& field) {
   if (field.unit == "m3") like = "cm3";
   if (field.unit == "m2") like = "mm2";
   if (field.unit == "s") like = "ms";
+  if (field.unit == "kg/s") like = "Nl/min";
   const bool has_own = key_without_unit(field).empty();
   return fmt::format("a number with its unit ({}){}", like, has_own ? "" : fmt::format(", or the key {}", field.key));
 }
@@ -296,6 +298,10 @@ ReadQuantity read_quantity(const Field& field, std::string_view text, const Datu
     return {celsius ? std::optional(*celsius + ice_K) : std::nullopt, expected};
   }
   const auto unit = parse_unit(written.unit), own = parse_unit(field.unit);
+  if (unit && own && unit->dimension == volume_flow && own->dimension == mass_flow && fits_datum(field, written)) {
+    const auto value = value_of(written.number, *unit);
+    return {value ? std::optional(*value * datums.free_air_kgpm3) : std::nullopt, expected};
+  }
   if (!unit || !own || unit->dimension != own->dimension || !fits_datum(field, written)) return {{}, expected};
   if (is_one_of(written.words, end_words) && !(datums.stroke_m > 0.0))
     return {{}, "a position from mid-stroke: the stroke is not known"};
@@ -304,9 +310,11 @@ ReadQuantity read_quantity(const Field& field, std::string_view text, const Datu
 }
 
 ReadRange read_range(const Field& field, std::string_view text, const Datums& datums) {
-  const std::string expected = fmt::format("two ends with their unit (0 to 10 {})", field.unit == "Pa"  ? "bar gauge"
-                                                                                    : field.unit == "m" ? "mm"
-                                                                                                        : field.unit);
+  const std::string expected =
+      fmt::format("two ends with their unit (0 to 10 {})", field.unit == "Pa"     ? "bar gauge"
+                                                           : field.unit == "m"    ? "mm"
+                                                           : field.unit == "kg/s" ? "Nl/min"
+                                                                                  : field.unit);
   const std::size_t to = text.find(" to ");
   if (to == std::string_view::npos) return {{}, expected};
   const std::string_view high_text = text.substr(to + 4);

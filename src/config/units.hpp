@@ -35,6 +35,8 @@ Datum datum_of(const Field& field);
 struct Datums {
   double atmosphere_Pa = 101325.0;
   double stroke_m = 0.0;  ///< 0: not known
+  /// Of free air (ISO 8778: 20 degC, 1 bar): flow meters state a mass flow by its volume (20 l/min, 20 Nl/min).
+  double free_air_kgpm3 = 1e5 / (287.0 * 293.15);
 };
 
 /// The SI value of a text with its unit, or what was expected instead.

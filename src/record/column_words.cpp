@@ -22,6 +22,7 @@ enum class Role : std::uint8_t {
   position,
   pressure,
   force,
+  flow,
   valve,
   command,
   actuation,
@@ -59,6 +60,7 @@ constexpr std::array roots_of_roles{
     Roots{Role::pressure, "p press pres pressure pressures druck pression presion pressione pressao druk tryck trykk "
           "cisnienie tlak paine"},
     Roots{Role::force, "f force kraft fuerza forza forca kracht sila voima loadcell kraftmessdose kraftaufnehmer lastzelle"},
+    Roots{Role::flow, "flow durchfluss volumenstrom massenstrom debit caudal portata consumption luftverbrauch verbrauch"},
     Roots{Role::valve, "valve ventil vanne distributeur valvola valvula klep ventiel zawor venttiili servovalve"},
     Roots{Role::command, "cmd command commanded commande comando mando kommando befehl comanda"},
     Roots{Role::actuation, "u control stell stellgrosse stellgrose stellgroesse stellgrad steuer steuerung ansteuerung stuur styr "
@@ -89,8 +91,8 @@ constexpr std::array roots_of_roles{
           "differenziale diferencial delta vel velocity speed geschwindigkeit vitesse velocidad velocita snelheid dot "
           "acceleration accel acc beschleunigung jerk ruck rate temp temperature temperatur temperatura current strom "
           "courant corriente corrente stroom power leistung puissance state status mode flag valid validity quality "
-          "limit grenze endlage endschalter lager bearing min max mean average mittelwert std rms alarm enable enabled timeout flow durchfluss volumenstrom "
-          "massenstrom debit caudal portata torque moment drehmoment humidity feuchte regelabweichung lag schleppfehler "
+          "limit grenze endlage endschalter lager bearing min max mean average mittelwert std rms alarm enable enabled timeout "
+          "torque moment drehmoment humidity feuchte regelabweichung lag schleppfehler "
           "count counter zahler zaehler id spool estimated estimate est geschatzt geschaetzt estime calculated calc "
           "berechnet calcule simulated simuliert sim model modell theoretical true friction reibung reib frottement "
           "friccion rozamiento attrito wrijving volume volumen area flache flaeche"},
@@ -294,6 +296,15 @@ std::optional<ColumnWord> force_in(const RootsOfName& name) {
   return ColumnWord{std::string(name.first_of(Role::force)->first), column_of(Signal::F), Quantity::force};
 }
 
+/// Of the supply: a meter in a line or at a valve shows another flow.
+std::optional<ColumnWord> flow_in(const RootsOfName& name) {
+  for (const Role role : {Role::valve, Role::chamber, Role::port, Role::cylinder, Role::reference, Role::command})
+    if (const Found* another = name.first_of(role)) return other_than(*another);
+  const Found& noun = *name.first_of(Role::flow);
+  if (side_in(name) != 0 || !(name.is_whole || name.has(Role::supply))) return other_than(noun);
+  return ColumnWord{std::string(noun.first), column_of(Signal::supply_flow), Quantity::mass_flow, false};
+}
+
 /// Of a valve, or of what controls it.
 std::optional<ColumnWord> command_in(const RootsOfName& name) {
   const Found* noun = nullptr;
@@ -318,6 +329,7 @@ std::optional<ColumnWord> word_of(const std::vector<std::string>& parts) {
   }
   if (name.has(Role::lasting) && name.has(Role::time)) return other_than(*name.first_of(Role::lasting));
   if (name.has(Role::force)) return force_in(name);
+  if (name.has(Role::flow)) return flow_in(name);
   if (name.has(Role::pressure)) return pressure_in(name, parts);
   if (name.has(Role::position)) return position_in(name);
   if (const std::optional<ColumnWord> command = command_in(name)) return command;

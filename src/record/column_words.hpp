@@ -12,7 +12,8 @@ struct ColumnWord {
   std::string word;       ///< of the name, by which it is known
   std::string_view ours;  ///< a column of the recording format; empty: a quantity that has none, such as an error
   Quantity quantity;
-  bool is_sure = true;  ///< false: a port, a chamber or a supply without a word for pressure, which its unit must show
+  bool is_sure =
+      true;  ///< false: a port, a chamber or a supply without a word for pressure, or a flow: its unit must show it
 };
 
 /// Of a name without its unit: "Actual Position", "Drucksensor 1", "/axis/position", "MAIN.fbAxis.lrPos"; none where

@@ -14,8 +14,10 @@ namespace pneuservo {
 namespace {
 
 constexpr double psi_Pa = 6894.757, torr_Pa = 133.322, pound_N = 4.4482216;
+/// Of air: normal (DIN 1343: 0 degC, 101325 Pa) and free (ISO 8778: 20 degC, 1 bar), which flow meters count in.
+constexpr double normal_kgpm3 = 101325 / (287 * 273.15), free_kgpm3 = 1e5 / (287 * 293.15);
 /// Where letters' size decides, the first one that fits counts.
-constexpr std::array<Unit, 108> units{{{"s", Quantity::time, 1},
+constexpr std::array<Unit, 114> units{{{"s", Quantity::time, 1},
                                        {"sec", Quantity::time, 1},
                                        {"secs", Quantity::time, 1},
                                        {"second", Quantity::time, 1},
@@ -103,6 +105,14 @@ constexpr std::array<Unit, 108> units{{{"s", Quantity::time, 1},
                                        {"kN", Quantity::force, 1e3},
                                        {"lbf", Quantity::force, pound_N},
                                        {"kgf", Quantity::force, 9.80665},
+                                       {"kg/s", Quantity::mass_flow, 1},
+                                       {"g/s", Quantity::mass_flow, 1e-3},
+                                       {"kg/h", Quantity::mass_flow, 1.0 / 3600},
+                                       {"Nl/min", Quantity::mass_flow, normal_kgpm3 / 60e3},
+                                       {"Nm3/h", Quantity::mass_flow, normal_kgpm3 / 3600},
+                                       {"l/min", Quantity::mass_flow, free_kgpm3 / 60e3},
+                                       {"l/s", Quantity::mass_flow, free_kgpm3 / 1e3},
+                                       {"m3/h", Quantity::mass_flow, free_kgpm3 / 3600},
                                        {"-", Quantity::raw, 1},
                                        {"1", Quantity::raw, 1},
                                        {"%", Quantity::raw, 1},
@@ -119,8 +129,6 @@ constexpr std::array<Unit, 108> units{{{"s", Quantity::time, 1},
                                        {"\u00b0", Quantity::other, 1},
                                        {"m/s", Quantity::other, 1},
                                        {"mm/s", Quantity::other, 1},
-                                       {"kg/s", Quantity::other, 1},
-                                       {"l/min", Quantity::other, 1},
                                        {"Hz", Quantity::other, 1},
                                        {"kg", Quantity::other, 1}}};
 

@@ -7,7 +7,7 @@
 namespace pneuservo {
 
 /// raw: of a signal before it was scaled, such as counts, per cent, mA.
-enum class Quantity { time, length, pressure, voltage, force, raw, other };
+enum class Quantity { time, length, pressure, voltage, force, mass_flow, raw, other };
 
 struct Unit {
   std::string_view name;

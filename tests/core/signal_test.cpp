@@ -15,8 +15,9 @@ TEST_CASE("each row of the table stands at its own signal") {
   CHECK(info(Signal::p1_chamber).column == "p1_chamber_Pa");
   CHECK(info(Signal::p2_chamber).column == "p2_chamber_Pa");
   CHECK(info(Signal::p_supply).column == "p_supply_Pa");
+  CHECK(info(Signal::supply_flow).column == "supply_flow_kgps");
   CHECK(info(Signal::F).column == "F_N");
-  CHECK(signal_count == 7);
+  CHECK(signal_count == 8);
 }
 
 TEST_CASE("a signal is found by its name and by its column alone") {
@@ -38,5 +39,6 @@ TEST_CASE("pairs of signals follow the sides of the cylinder") {
     CHECK(side_of(chamber_signals[side]) == side);
     CHECK(info(port_signals[side]).name == "p" + std::to_string(side + 1) + "_port");
   }
-  CHECK(channel_signals.size() == pressure_signals.size() + 1);
+  CHECK(channel_signals.size() == gas_signals.size() + 1);
+  CHECK(gas_signals.size() == pressure_signals.size() + 1);
 }

@@ -59,9 +59,9 @@ TEST_CASE("cylinder residuals: at the truth every channel is at its noise") {
   Rig rig = cylinder_rig();
   rig.axis.effects.motion.coulomb_friction.force_N = 3.0;
   rig.axis.effects.chamber_leak_1.area_m2 = 1e-8;
-  const Recording recording = simulated_recording(rig, 6.0, 1, all_pressures);
+  const Recording recording = simulated_recording(rig, 6.0, 1, all_of_the_gas);
   CylinderResiduals model(rig, {recording});
-  REQUIRE(model.channels().size() == 6);
+  REQUIRE(model.channels().size() == 7);
   REQUIRE(model.start_factor_count() == 2);
   const auto rms = by_channel(model, model.residuals(std::vector<Hypothesis>{started(model, rig)}).col(0));
   for (const auto& [name, value] : rms) {
@@ -97,7 +97,7 @@ TEST_CASE("cylinder residuals: with ports alone the force is balanced through th
 
 TEST_CASE("cylinder residuals: every effect shows in the channels that it moves and in none that are blind to it") {
   const Rig rig = cylinder_rig();
-  CylinderResiduals model(rig, {simulated_recording(rig, 5.0, 3, all_pressures)});
+  CylinderResiduals model(rig, {simulated_recording(rig, 5.0, 3, all_of_the_gas)});
   struct Case {
     std::vector<std::pair<std::string, double>> values;
     std::set<std::string> moved, blind;
@@ -106,7 +106,8 @@ TEST_CASE("cylinder residuals: every effect shows in the channels that it moves 
   std::set<std::string> all = gas;
   all.insert({"F", "p_supply"});
   const auto motion = [&](std::vector<std::pair<std::string, double>> values) {
-    return Case{std::move(values), force, {"p1_port", "p2_port", "p1_chamber", "p2_chamber", "p_supply"}};
+    return Case{
+        std::move(values), force, {"p1_port", "p2_port", "p1_chamber", "p2_chamber", "p_supply", "supply_flow"}};
   };
   const auto valve = [&](std::vector<std::pair<std::string, double>> values) {
     return Case{std::move(values), gas, {"F", "p_supply"}};
@@ -137,8 +138,12 @@ TEST_CASE("cylinder residuals: every effect shows in the channels that it moves 
       valve({{"effects.line_restriction_1.area_m2", 4e-6}, {"effects.line_restriction_2.area_m2", 4e-6}}),
       valve({{"effects.piston_leak.area_m2", 2e-8}}),
       {{{"effects.supply_droop.area_m2", 3e-6}}, {"p1_port", "p2_port", "p_supply"}, force},
-      {{{"effects.chamber_leak_1.area_m2", 2e-8}}, {"p1_port", "p1_chamber"}, {"p2_port", "p2_chamber", "F"}},
-      {{{"effects.chamber_leak_2.area_m2", 2e-8}}, {"p2_port", "p2_chamber"}, {"p1_port", "p1_chamber", "F"}},
+      {{{"effects.chamber_leak_1.area_m2", 2e-8}},
+       {"p1_port", "p1_chamber", "supply_flow"},
+       {"p2_port", "p2_chamber", "F"}},
+      {{{"effects.chamber_leak_2.area_m2", 2e-8}},
+       {"p2_port", "p2_chamber", "supply_flow"},
+       {"p1_port", "p1_chamber", "F"}},
       {{{"effects.line_leak_1.area_m2", 2e-8}}, {"p1_port", "p1_chamber"}, {"p2_port", "p2_chamber", "F"}},
       {{{"effects.line_leak_2.area_m2", 2e-8}}, {"p2_port", "p2_chamber"}, {"p1_port", "p1_chamber", "F"}},
       {{{"effects.sensor_gain:x.gain", 1.1}}, all, {"p_supply"}}};
@@ -149,6 +154,7 @@ TEST_CASE("cylinder residuals: every effect shows in the channels that it moves 
   add(sensor("p1_port", {"p1_port"}, {"p2_port", "p2_chamber", "F"}));
   add(sensor("p2_port", {"p2_port"}, {"p1_port", "p1_chamber", "F"}));
   add({{{{"effects.sensor_offset:p_supply.offset", 3000.0}}, {"p_supply"}, {"p1_port", "p2_port", "F"}}});
+  add({{{{"effects.sensor_offset:supply_flow.offset", 1e-5}}, {"supply_flow"}, {"p1_port", "p_supply", "F"}}});
 
   std::vector<Hypothesis> hypotheses{{rig, {}}};
   for (const Case& one : cases) {

@@ -56,6 +56,21 @@ TEST_CASE("gas bumps: all together are a change of the rig") {
     CHECK(off(sum(GasInput::valve_area, Signal::p2_port, -area_m2), change(inputs, rig, other, grid, Signal::p2_port)) <
           0.1);
   }
+  SECTION("flow from the supply, of both sides together and of one") {
+    Rig other = rig;
+    other.axis.supply.pressure_Pa += 500;
+    const BumpResponse& fed = gas[static_cast<std::size_t>(GasInput::supply_pressure)];
+    const auto flow = [](const BumpResponse& response, std::size_t side, double size) {
+      return Eigen::VectorXd(size * response.supply_flow_of_side[side].rowwise().sum());
+    };
+    CHECK(off(flow(fed, 0, 500) + flow(fed, 1, 500), change(inputs, rig, other, grid, Signal::supply_flow)) < 0.1);
+    Rig leaking = rig;
+    leaking.axis.effects.chamber_leak_1.area_m2 = 1e-9;
+    const double leak_kgps = 1e-9 * 0.0404 * 4.7e5 / std::sqrt(293.0);  // sonic from 4.7 bar
+    const BumpResponse& lost = gas[static_cast<std::size_t>(GasInput::chamber_flow)];
+    CHECK(off(flow(lost, 0, -leak_kgps), change(inputs, rig, leaking, grid, Signal::supply_flow)) < 0.3);
+    CHECK(flow(lost, 1, -leak_kgps).norm() > 0.0);
+  }
   SECTION("late command") {
     Rig other = rig;
     other.axis.effects.valve.command_delay.delay_s = 1e-4;

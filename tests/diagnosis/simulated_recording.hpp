@@ -25,6 +25,7 @@ inline Rig cylinder_rig(double length_m = 5.0, double diameter_m = 6.1e-3) {
   axis.slider.mass_kg = 2.0;
   axis.slider.viscous_friction_Ns_per_m = 60.0;
   rig.sensors.position.quantum_m = 5e-6;
+  rig.sensors.supply_flow = {1e-6, 5e-6};  // a range of 200 Nl/min in 4000 steps
   rig.sensors.port_pressure = rig.sensors.chamber_pressure = rig.sensors.supply_pressure = {100.0, 300.0};
   return rig;
 }
@@ -91,5 +92,7 @@ inline Recording simulated_recording(Rig rig, double seconds, std::uint64_t seed
 
 inline const std::vector<std::string> all_pressures{"p1_port_Pa", "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa",
                                                     "p_supply_Pa"};
+inline const std::vector<std::string> all_of_the_gas{"p1_port_Pa",    "p2_port_Pa",  "p1_chamber_Pa",
+                                                     "p2_chamber_Pa", "p_supply_Pa", "supply_flow_kgps"};
 
 }  // namespace pneuservo::test

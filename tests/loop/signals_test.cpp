@@ -25,17 +25,17 @@ TEST_CASE("hal.channels has a key for every channel, in the table's order, besid
 TEST_CASE("the signals of a kind share their sensor") {
   SensorsParameters sensors;
   sensors.position.quantum_m = 1.0, sensors.port_pressure.quantum_Pa = 2.0, sensors.chamber_pressure.quantum_Pa = 3.0;
-  sensors.supply_pressure.quantum_Pa = 4.0, sensors.force.quantum_N = 5.0;
+  sensors.supply_pressure.quantum_Pa = 4.0, sensors.supply_flow.quantum_kgps = 5.0, sensors.force.quantum_N = 6.0;
   sensors.position.noise_m = 10.0, sensors.port_pressure.noise_Pa = 20.0, sensors.chamber_pressure.noise_Pa = 30.0;
-  sensors.supply_pressure.noise_Pa = 40.0, sensors.force.noise_N = 50.0;
-  const PerSignal<double> quanta{1, 2, 2, 3, 3, 4, 5};
+  sensors.supply_pressure.noise_Pa = 40.0, sensors.supply_flow.noise_kgps = 50.0, sensors.force.noise_N = 60.0;
+  const PerSignal<double> quanta{1, 2, 2, 3, 3, 4, 5, 6};
   for (const Signal signal : all_signals) {
     CHECK(sensors.resolution(signal).quantum == quanta[signal]);
     CHECK(sensors.resolution(signal).noise == 10.0 * quanta[signal]);
   }
 }
 
-TEST_CASE("every channel has fault bits of its own, with texts that name its kind and side") {
+TEST_CASE("every channel that a motion rests on has fault bits of its own, with texts that name its kind and side") {
   std::uint64_t seen = 0;
   for (const Signal signal : channel_signals) {
     const SignalFaults faults = faults_of(signal);
@@ -60,4 +60,5 @@ TEST_CASE("every channel has fault bits of its own, with texts that name its kin
   }
   CHECK(std::popcount(seen) == 17);
   CHECK(faults_of(Signal::F).missing == 0);
+  CHECK(faults_of(Signal::supply_flow).missing == 0);
 }

@@ -35,6 +35,7 @@ TEST_CASE("the columns of a row are those of the format, in its order") {
                                         "mass_flow_1_kgps",
                                         "mass_flow_2_kgps",
                                         "p_supply_Pa",
+                                        "supply_flow_kgps",
                                         "x_true_m",
                                         "p1_chamber_true_Pa",
                                         "p2_chamber_true_Pa",

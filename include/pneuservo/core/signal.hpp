@@ -9,12 +9,13 @@
 
 namespace pneuservo {
 
-enum class Signal : std::uint8_t { x, p1_port, p2_port, p1_chamber, p2_chamber, p_supply, F };
+enum class Signal : std::uint8_t { x, p1_port, p2_port, p1_chamber, p2_chamber, p_supply, supply_flow, F };
 
 /// Signals of one kind share the section of `sensors` that describes their sensor.
-enum class SensorKind : std::uint8_t { position, port_pressure, chamber_pressure, supply_pressure, force };
+enum class SensorKind : std::uint8_t { position, port_pressure, chamber_pressure, supply_pressure, supply_flow, force };
 
-/// `name` is the key in hal.channels, zeros and effects; `column` is name and unit. Side 0: no side of the cylinder.
+/// `name` is the key in hal.channels, zeros and effects; `column` is name and unit, "/" as "p". Side 0: no side of the
+/// cylinder.
 struct SignalInfo {
   std::string_view name, unit, column;
   SensorKind sensor;
@@ -30,6 +31,8 @@ inline constexpr std::array signal_table{
     SignalInfo{"p1_chamber", "Pa", "p1_chamber_Pa", SensorKind::chamber_pressure, 1, "pressure in chamber 1, absolute"},
     SignalInfo{"p2_chamber", "Pa", "p2_chamber_Pa", SensorKind::chamber_pressure, 2, "pressure in chamber 2, absolute"},
     SignalInfo{"p_supply", "Pa", "p_supply_Pa", SensorKind::supply_pressure, 0, "supply pressure, absolute"},
+    SignalInfo{"supply_flow", "kg/s", "supply_flow_kgps", SensorKind::supply_flow, 0,
+               "flow from the supply into the valves"},
     SignalInfo{"F", "N", "F_N", SensorKind::force, 0, "drive force"},
 };
 inline constexpr std::size_t signal_count = signal_table.size();
@@ -37,6 +40,8 @@ inline constexpr std::size_t signal_count = signal_table.size();
 constexpr std::size_t index_of(Signal signal) noexcept { return static_cast<std::size_t>(signal); }
 constexpr const SignalInfo& info(Signal signal) noexcept { return signal_table[index_of(signal)]; }
 constexpr bool is_pressure(Signal signal) noexcept { return info(signal).unit == "Pa"; }
+/// What sensors show of the gas.
+constexpr bool is_gas(Signal signal) noexcept { return is_pressure(signal) || info(signal).unit == "kg/s"; }
 constexpr bool is_port(Signal signal) noexcept { return info(signal).sensor == SensorKind::port_pressure; }
 constexpr bool is_chamber(Signal signal) noexcept { return info(signal).sensor == SensorKind::chamber_pressure; }
 /// Whether a running axis has a channel for it: a drive force is only recorded.
@@ -60,6 +65,7 @@ template <bool (*is)(Signal) noexcept> constexpr auto signals_that() noexcept {
 }
 inline constexpr auto channel_signals = signals_that<is_channel>();
 inline constexpr auto pressure_signals = signals_that<is_pressure>();
+inline constexpr auto gas_signals = signals_that<is_gas>();
 inline constexpr auto port_signals = signals_that<is_port>();        ///< by side
 inline constexpr auto chamber_signals = signals_that<is_chamber>();  ///< by side
 
@@ -93,11 +99,11 @@ constexpr std::array<std::string_view, N> names_of(const std::array<Signal, N>& 
 }
 
 constexpr bool columns_are_names_with_units() noexcept {
-  for (const SignalInfo& s : signal_table)
-    if (s.column.size() != s.name.size() + 1 + s.unit.size() || !s.column.starts_with(s.name) ||
-        s.column[s.name.size()] != '_' || !s.column.ends_with(s.unit))
-      return false;
-  return true;
+  return std::ranges::all_of(signal_table, [](const SignalInfo& s) {
+    const auto is_same = [](char ours, char unit) { return ours == (unit == '/' ? 'p' : unit); };
+    return s.column.starts_with(s.name) && s.column.substr(s.name.size()).starts_with('_') &&
+           std::ranges::equal(s.column.substr(s.name.size() + 1), s.unit, is_same);
+  });
 }
 static_assert(columns_are_names_with_units());
 

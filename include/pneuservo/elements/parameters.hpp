@@ -147,4 +147,14 @@ struct PressureSensorParameters {
   }
 };
 
+struct FlowSensorParameters {
+  double quantum_kgps = 0.0;
+  double noise_kgps = 0.0;
+  double rms_kgps() const noexcept { return rms_with_quantum(noise_kgps, quantum_kgps); }
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"quantum_kgps", "kg/s", 0, 1, "resolution; 0: none"}, p.quantum_kgps...);
+    v(Field{"noise_kgps", "kg/s", 0, 1, "white noise, rms", Presence::optional}, p.noise_kgps...);
+  }
+};
+
 }  // namespace pneuservo

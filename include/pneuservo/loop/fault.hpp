@@ -75,6 +75,7 @@ constexpr SignalFaults faults_of(Signal signal) noexcept {
       return {fault_chamber_pressure_1_missing << second, fault_chamber_pressure_1_frozen << second,
               fault_chamber_pressure_1_jump << second};
     case SensorKind::supply_pressure: return {fault_supply_missing, fault_supply_frozen, fault_supply_missing};
+    case SensorKind::supply_flow:  // no motion rests on it
     case SensorKind::force: break;
   }
   return {};

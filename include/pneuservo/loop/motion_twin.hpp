@@ -136,7 +136,7 @@ class MotionTwin {
     const bool estimated = law_.pressure_source() == PressureSource::estimated;
     has_sensor_effects_ = false;
     for (const Signal signal : channel_signals) {
-      if (signal == Signal::p_supply) continue;
+      if (signal == Signal::p_supply || signal == Signal::supply_flow) continue;
       const bool of_port = estimated && is_chamber(signal);
       const SensorEffects<double>& e = rig.sensor_effects[of_port ? port_signals[side_of(signal)] : signal];
       sensor_effects_[signal] = e;

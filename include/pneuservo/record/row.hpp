@@ -46,7 +46,7 @@ enum RowFlag : std::uint32_t {
   /* estimated, into the chambers */                                                                                   \
   COLUMN(double, mass_flow_1_kgps, none, known(estimated, estimate.mass_flow_kgps[0]))                                 \
   OF_AXIS(double, mass_flow_2_kgps, none, known(estimated, estimate.mass_flow_kgps[1]))                                \
-  MEASURED(p_supply, p_supply)                                                                                         \
+  MEASURED(p_supply, supply_flow)                                                                                      \
   OF_AXIS(double, x_true_m, none, truth.x_m)                                                                           \
   COLUMN(double, p1_chamber_true_Pa, none, truth.p1_chamber_Pa)                                                        \
   OF_AXIS(double, p2_chamber_true_Pa, none, truth.p2_chamber_Pa)                                                       \

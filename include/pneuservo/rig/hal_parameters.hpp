@@ -110,6 +110,10 @@ struct PressureKeys {
   static constexpr std::string_view unit = "Pa", scale = "scale_Pa_per_count", scale_V = "scale_Pa_per_V",
                                     zero = "zero_Pa", lowest = "lowest_Pa", highest = "highest_Pa";
 };
+struct FlowKeys {
+  static constexpr std::string_view unit = "kg/s", scale = "scale_kgps_per_count", scale_V = "scale_kgps_per_V",
+                                    zero = "zero_kgps", lowest = "lowest_kgps", highest = "highest_kgps";
+};
 struct VoltageKeys {
   static constexpr std::string_view unit = "V", scale = "scale_V_per_count", scale_V = "scale_V_per_V", zero = "zero_V",
                                     lowest = "lowest_V", highest = "highest_V";
@@ -422,13 +426,15 @@ template <class Keys> struct ChannelParameters {
 struct HalChannels {
   ChannelParameters<PositionKeys> position;
   PerSignal<ChannelParameters<PressureKeys>> pressures;  ///< of the signals that are pressures
+  ChannelParameters<FlowKeys> supply_flow;
   ChannelParameters<VoltageKeys> u, u1, u2;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     for (const Signal signal : channel_signals) {
       const Field field{info(signal).name, "", 0, 0, info(signal).words, optional};
       if (is_pressure(signal)) v(field, p.pressures[signal]...);
-      else v(field, p.position...);
+      else if (signal == Signal::x) v(field, p.position...);
+      else v(field, p.supply_flow...);
     }
     v(Field{"u", "", 0, 0, "command of the one valve of a cylinder or pressure rig", optional}, p.u...);
     v(Field{"u1", "", 0, 0, "command of a servo table's valve 1, or of the on/off valve that fills", optional},
@@ -440,10 +446,15 @@ struct HalChannels {
   template <class F> void for_each_input(F&& f) const {
     for (const Signal signal : channel_signals)
       if (is_pressure(signal)) f(signal, pressures[signal]);
-      else f(signal, position);
+      else if (signal == Signal::x) f(signal, position);
+      else f(signal, supply_flow);
   }
   bool is_absent(Signal signal) const {
-    return is_pressure(signal) ? pressures[signal].is_absent() : position.is_absent();
+    bool is_absent = true;
+    for_each_input([&](Signal other, const auto& source) {
+      if (other == signal) is_absent = source.is_absent();
+    });
+    return is_absent;
   }
   /// f(key, valve, parameters) for every command; valve counts as in Command.
   template <class F> void for_each_command(F&& f) const {

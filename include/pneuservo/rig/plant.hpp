@@ -93,6 +93,7 @@ template <class S> class AxisPlant {
     valves_.reset(S(0));
     supply_swing_.reset();
     supply_pressure_ = fed_pressure();
+    supply_area_m2_ = P(0);
     last_step_s_ = 0.0;
   }
 
@@ -138,6 +139,8 @@ template <class S> class AxisPlant {
   P port_pressure() const noexcept { return sides_.port_pressure(); }
   P chamber_pressure() const noexcept { return sides_.chamber().pressure(); }
   S supply_pressure() const noexcept { return supply_pressure_; }
+  /// What the valve of each side takes from the supply [kg/s], at the areas of the last sub-step.
+  P supply_flow() const noexcept { return supply_flow(supply_area_m2_); }
   /// Flows of the last sub-step at both lines' ends.
   const LineFlow<P>& flow() const noexcept { return flow_; }
   /// Force of both chambers and the atmosphere on piston and rod [N].
@@ -192,6 +195,7 @@ template <class S> class AxisPlant {
       const ValvePort<P> port{areas.supply, areas.exhaust, join(supply_pressure_, supply_pressure_),
                               join(axis_.valve.critical_pressure_ratio, axis_.valve.critical_pressure_ratio)};
       flow_ = sides_.step_valve(port, distances(), leaks);
+      supply_area_m2_ = areas.supply;
       if (swings_) supply_swing_.step(h);
       if (droops_) step_supply(h, areas);
       else if (swings_) supply_pressure_ = fed_pressure();
@@ -246,15 +250,19 @@ template <class S> class AxisPlant {
     leaks.mass_flow_kgps += flow;
     leaks.enthalpy_flow_W += flow * join(air_.cp, air_.cp) * sides_.chamber().temperature();
   }
+  P supply_flow(const P& supply_area_m2) const noexcept {
+    const S b = axis_.valve.critical_pressure_ratio, T = air_.temperature_K;
+    const P p = port_pressure();
+    return join(orifice_mass_flow(air_, low(supply_area_m2), b, supply_pressure_, T, low(p), T),
+                orifice_mass_flow(air_, high(supply_area_m2), b, supply_pressure_, T, high(p), T));
+  }
   // V dp/dt = R T (G_in - G_out), isothermal at supply temperature, fed from the configured pressure.
   void step_supply(double h, const PortAreas<P>& areas) noexcept {
     const SupplyDroop<S>& droop = axis_.effects.supply_droop;
     const S b = axis_.valve.critical_pressure_ratio, T = air_.temperature_K;
-    const P p = port_pressure();
     const S fed = orifice_mass_flow(air_, droop.area_m2, b, fed_pressure(), T, supply_pressure_, T);
-    const S taken = orifice_mass_flow(air_, low(areas.supply), b, supply_pressure_, T, low(p), T) +
-                    orifice_mass_flow(air_, high(areas.supply), b, supply_pressure_, T, high(p), T);
-    const S next = supply_pressure_ + S(h) * air_.R * T * (fed - taken) / droop.volume_m3;
+    const P taken = supply_flow(areas.supply);
+    const S next = supply_pressure_ + S(h) * air_.R * T * (fed - (low(taken) + high(taken))) / droop.volume_m3;
     supply_pressure_ = select(droop.area_m2 > S(0), maximum(next, S(1e3)), fed_pressure());
   }
 
@@ -267,6 +275,7 @@ template <class S> class AxisPlant {
   LineFlow<P> flow_;
   GasDisturbance<S> disturbance_;
   S supply_pressure_{};
+  P supply_area_m2_{};
   Oscillation<S> supply_swing_;
   S last_force_{};
   double last_step_s_ = 0.0;  // 0: no step yet
@@ -282,6 +291,8 @@ template <class S> PerSignal<S> true_values(const AxisPlant<S>& plant) noexcept 
   values[Signal::p1_port] = low(port), values[Signal::p2_port] = high(port);
   values[Signal::p1_chamber] = low(chamber), values[Signal::p2_chamber] = high(chamber);
   values[Signal::p_supply] = plant.supply_pressure();
+  const auto taken = plant.supply_flow();
+  values[Signal::supply_flow] = low(taken) + high(taken);
   return values;
 }
 

@@ -37,6 +37,7 @@ struct SensorsParameters {
   PressureSensorParameters port_pressure;
   PressureSensorParameters chamber_pressure;
   PressureSensorParameters supply_pressure;
+  FlowSensorParameters supply_flow;
   ForceSensorParameters force;  ///< of a driven axis, which has position and force alone
   /// Of the sensor of a signal, in the signal's unit.
   SensorResolution resolution(Signal signal) const noexcept {
@@ -45,6 +46,7 @@ struct SensorsParameters {
       case SensorKind::port_pressure: return {port_pressure.quantum_Pa, port_pressure.noise_Pa};
       case SensorKind::chamber_pressure: return {chamber_pressure.quantum_Pa, chamber_pressure.noise_Pa};
       case SensorKind::supply_pressure: return {supply_pressure.quantum_Pa, supply_pressure.noise_Pa};
+      case SensorKind::supply_flow: return {supply_flow.quantum_kgps, supply_flow.noise_kgps};
       case SensorKind::force: break;
     }
     return {force.quantum_N, force.noise_N};
@@ -54,6 +56,7 @@ struct SensorsParameters {
     v(Field{"port_pressure", "", 0, 0, "at the valve ports"}, p.port_pressure...);
     v(Field{"chamber_pressure", "", 0, 0, "in the chambers", Presence::optional}, p.chamber_pressure...);
     v(Field{"supply_pressure", "", 0, 0, "at the supply", Presence::optional}, p.supply_pressure...);
+    v(Field{"supply_flow", "", 0, 0, "flow meter between supply and valves", Presence::optional}, p.supply_flow...);
   }
 };
 

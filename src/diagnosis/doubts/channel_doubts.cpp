@@ -238,6 +238,7 @@ void leave_out_absent_sensors(const Rig& rig, Recording& recording, std::vector<
   if (recording.has(info(Signal::p1_port).column) && recording.has(info(Signal::p2_port).column))
     leave_out("chamber_pressure", {Signal::p1_chamber, Signal::p2_chamber});
   leave_out("supply_pressure", {Signal::p_supply});
+  leave_out("supply_flow", {Signal::supply_flow});
 }
 
 void doubt_position_unit(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {

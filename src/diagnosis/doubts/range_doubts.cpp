@@ -111,8 +111,10 @@ struct SensorOfColumn {
 };
 
 SensorOfColumn sensor_of(SensorsParameters& sensors, const std::string& column) {
-  constexpr double most_m = 0.01, most_Pa = 1e5, most_N = 1e5;
+  constexpr double most_m = 0.01, most_Pa = 1e5, most_N = 1e5, most_kgps = 1;
   if (column == "x_m") return {&sensors.position.quantum_m, sensors.position.noise_m, most_m, "position.quantum_m"};
+  if (column == "supply_flow_kgps")
+    return {&sensors.supply_flow.quantum_kgps, sensors.supply_flow.noise_kgps, most_kgps, "supply_flow.quantum_kgps"};
   if (column == "F_N") return {&sensors.force.quantum_N, sensors.force.noise_N, most_N, "force.quantum_N"};
   PressureSensorParameters& sensor = pressure_sensor(sensors, column);
   const char* key = &sensor == &sensors.supply_pressure ? "supply_pressure"
@@ -202,7 +204,8 @@ void unwrap_position(const Rig& rig, Recording& recording, std::vector<std::stri
 void take_resolution(Rig& rig, const Recording& recording, std::vector<std::string>& notes) {
   std::vector<std::string> columns =
       rig.kind == RigKind::cylinder ? pressure_columns(recording) : std::vector<std::string>();
-  if (recording.has("x_m")) columns.emplace_back("x_m");
+  for (const Signal signal : {Signal::x, Signal::supply_flow})
+    if (const std::string column(info(signal).column); recording.has(column)) columns.push_back(column);
   for (const std::string& column : columns) {
     const double step = step_of_values(recording.column(column));
     const SensorOfColumn sensor = sensor_of(rig.sensors, column);

@@ -427,8 +427,7 @@ struct SideMisfit {
 SideMisfit side_misfit(const Simulated& of, Signal port, Signal chamber) {
   const std::vector<double>&ports = of.course[port], &chambers = of.course[chamber];
   const std::vector<double> zero(ports.size(), 0.0);
-  const std::vector<double> measured =
-      mean_differences(of, of.prepared.measured_Pa[port], of.prepared.measured_Pa[chamber]);
+  const std::vector<double> measured = mean_differences(of, of.prepared.measured[port], of.prepared.measured[chamber]);
   const std::vector<double> expected = mean_differences(of, ports, chambers), level = mean_differences(of, ports, zero);
   std::vector<std::size_t> rows;
   for (std::size_t i = 1; i + 1 < measured.size(); ++i)
@@ -475,8 +474,8 @@ double port_misfit(const Rig& rig, const Recording& recording) {
     const auto [prepared, course] = simulated(rig, recording);
     double difference = 0, swing = 0;
     for (const Signal signal : pressure_signals)
-      if (!prepared.measured_Pa[signal].empty())
-        add_misfit(prepared.measured_Pa[signal], course[signal], prepared.usable, difference, swing);
+      if (!prepared.measured[signal].empty())
+        add_misfit(prepared.measured[signal], course[signal], prepared.usable, difference, swing);
     const double misfit = std::sqrt(difference / swing);
     return std::isfinite(misfit) ? misfit : infinite_misfit;
   } catch (const std::exception&) { return infinite_misfit; }

@@ -111,12 +111,12 @@ void take_start_pressures(CylinderRecording& out, const std::string& path) {
   const GaussianKernel kernel(std::max(pressure_sigma_s, out.period_s()), out.period_s());
   for (std::size_t side = 0; side < 2; ++side) {
     const Signal port = port_signals[side], chamber = chamber_signals[side];
-    const Signal source = !out.measured_Pa[port].empty() ? port : chamber;
-    if (out.measured_Pa[source].empty())
+    const Signal source = !out.measured[port].empty() ? port : chamber;
+    if (out.measured[source].empty())
       throw InputError(fmt::format("{}: found no column {} or {}, expected a pressure of side {}", path,
                                    info(port).column, info(chamber).column, side + 1));
     std::vector<char> ignored(out.samples());
-    std::vector<double> values = filled(out.measured_Pa[source], out.period_s(), ignored);
+    std::vector<double> values = filled(out.measured[source], out.period_s(), ignored);
     values.resize(std::min(values.size(), out.inputs.release + 2 * kernel.reach()));
     out.inputs.start_sensor[side] = source;
     out.inputs.start_Pa[side] = kernel.apply(values, 0);
@@ -170,9 +170,9 @@ CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, 
         filled(even.straight(recording.column(commands[valve]),
                              read_before_middle_s(recording, commands[valve], even.is_even(), out.inputs.step_s())),
                out.period_s(), out.usable);
-  for (const Signal signal : pressure_signals) {
+  for (const Signal signal : gas_signals) {
     if (!recording.has(info(signal).column)) continue;
-    std::vector<double>& values = out.measured_Pa[signal];
+    std::vector<double>& values = out.measured[signal];
     values = even.placed(recording.column(info(signal).column));
     if (std::none_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) values.clear();
   }

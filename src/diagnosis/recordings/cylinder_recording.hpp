@@ -21,7 +21,7 @@ struct CylinderRecording {
   double start_s = 0.0;                        ///< t_s of sample 0
   ImposedInputs inputs;
   std::vector<double> position_m;              ///< as measured; NaN: no value
-  PerSignal<std::vector<double>> measured_Pa;  ///< of the pressures; empty: no such column; NaN: no value
+  PerSignal<std::vector<double>> measured;     ///< of gas_signals; empty: no such column; NaN: no value
   HeldOut held_out;
   MachineChanges changes;    ///< of the owner's rig while it was made
   std::vector<char> usable;  ///< may be compared: known inputs, and the gas has forgotten the start

@@ -17,7 +17,7 @@ GasCourse command_gap_error(const ImposedInputs& inputs, const Rig& rig, const P
   const std::array<ImposedRun, 1> run{{{&rig, {}}}};
   GasCourse error = run_imposed(inputs, run, grid, stop)[0];
   const GasCourse other = run_imposed(sparse, run, grid, stop)[0];
-  for (const Signal signal : pressure_signals) {
+  for (const Signal signal : gas_signals) {
     for (std::size_t k = 0; k < error[signal].size(); ++k) error[signal][k] -= other[signal][k];
     if (!error[signal].empty() && !std::isfinite(error[signal].back())) return {};
   }

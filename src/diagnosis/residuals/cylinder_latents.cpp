@@ -72,19 +72,23 @@ Eigen::MatrixXd CylinderResiduals::answer_of_rows(const BumpResponse& gas, std::
       force = Eigen::MatrixXd::Zero(gas[Signal::p1_port].rows(), out.cols());
       const double areas[2]{owner_.axis.cylinder.area_1_m2, -owner_.axis.cylinder.area_2_m2};
       for (std::size_t side = 0; side < 2; ++side) {  // as chamber_pressure() has it
-        if (!data.measured_Pa[chamber_signals[side]].empty()) continue;
+        if (!data.measured[chamber_signals[side]].empty()) continue;
         const double factor = sides[side] * areas[side];
         force += factor * smoothed(gas[chamber_signals[side]], balances_[recording].kernel(), bin);
-        if (!data.measured_Pa[port_signals[side]].empty())
+        if (!data.measured[port_signals[side]].empty())
           force -= factor * smoothed(gas[port_signals[side]], slow_kernels_[recording], bin);
       }
     }
     const double factor = signal == Signal::p_supply ? 0.5 * (sides[0] + sides[1]) : sides[side_of(signal)];
+    const auto flow = [&](Eigen::Index at) {
+      return sides[0] * gas.supply_flow_of_side[0].row(at) + sides[1] * gas.supply_flow_of_side[1].row(at);
+    };
     for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
       const std::size_t row = stretch.first_row + b;
       const auto at = static_cast<Eigen::Index>(stretch.bins[b].first / bin),
                  to = static_cast<Eigen::Index>(row - first);
       if (signal == Signal::F) out.row(to) = force_answer(static_cast<Eigen::Index>(row)) * force.row(at);
+      else if (signal == Signal::supply_flow) out.row(to) = flow(at) / rows_[row].sigma;
       else out.row(to) = factor / rows_[row].sigma * gas[signal].row(at);
     }
   }
@@ -106,18 +110,18 @@ void CylinderResiduals::add_sensor_latents(const Eigen::VectorXd& force_answer, 
     const std::size_t side = side_of(signals_[c]);
     for (std::size_t r = 0; r < recordings_.size(); ++r) {
       const CylinderRecording& data = recordings_[r];
-      if (data.measured_Pa[signals_[c]].empty()) continue;
+      if (data.measured[signals_[c]].empty()) continue;
       const BumpTimes bumps = bumps_of(data.inputs, sensor_piece_s);
       LatentInput::Piece piece = latent_piece(bumps, r);
       const auto [first, last] = rows_of(r);
       piece.answer.setZero(static_cast<Eigen::Index>(last - first), static_cast<Eigen::Index>(bumps.count));
       // The force rests on the sensor at the chamber, or on the port's where the chamber has none.
       const bool is_used = signals_[c] == chamber_signals[side] ||
-                           (is_port(signals_[c]) && data.measured_Pa[chamber_signals[side]].empty());
+                           (is_port(signals_[c]) && data.measured[chamber_signals[side]].empty());
       const double area = side == 0 ? owner_.axis.cylinder.area_1_m2 : -owner_.axis.cylinder.area_2_m2;
       for (const Stretch& stretch : stretches_) {
         if (stretch.recording != r) continue;
-        const bool force = signals_[stretch.channel] == Signal::F && is_used && signals_[c] != Signal::p_supply;
+        const bool force = signals_[stretch.channel] == Signal::F && is_used;
         if (stretch.channel != c && !force) continue;
         for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
           const std::size_t row = stretch.first_row + b, sample = stretch.bins[b].first + stretch.bins[b].count / 2;

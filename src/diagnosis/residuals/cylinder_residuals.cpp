@@ -18,6 +18,8 @@ namespace {
 // The model's own error where nothing is missing: of pressures, and as a share of the drop between port and chamber;
 // of the force, with and without sensors at the chambers.
 constexpr double pressure_floor_Pa = 35.0, drop_share = 0.001;
+/// Of the flow from the supply, as a share of its rms.
+constexpr double flow_share = 0.001;
 // The gas may start warmer or colder than its wall, which no pressure shows; the wall takes that out within a second.
 // A recording that starts in the midst of motion leaves more: waves in the lines, gas not at its wall's temperature.
 constexpr double start_floor_Pa = 200.0, start_share = 0.1, start_fades_s = 0.5;
@@ -86,7 +88,7 @@ std::vector<double> with_gaps_filled(const std::vector<double>& measured, const 
 double largest_noise(const std::vector<CylinderRecording>& recordings, Signal signal, double configured) {
   double noise = configured;
   for (const CylinderRecording& recording : recordings) {
-    const double seen = quiet_noise(recording.measured_Pa[signal], recording.period_s());
+    const double seen = quiet_noise(recording.measured[signal], recording.period_s());
     if (seen > noise_margin * configured) noise = std::max(noise, seen);
   }
   return noise;
@@ -121,6 +123,20 @@ double rms_drop(const GasCourse& course, std::size_t side) {
   return std::sqrt(sum / static_cast<double>(port.size()));
 }
 
+/// The model's own error of a channel of the gas, where nothing is missing.
+double floor_of(Signal signal, const std::vector<GasRuns::Course>& courses) {
+  double size = 0;
+  for (const GasRuns::Course& course : courses) {
+    if (is_pressure(signal) && info(signal).side != 0) size = std::max(size, rms_drop(*course, side_of(signal)));
+    if (is_pressure(signal)) continue;
+    const std::vector<double>& flow = (*course)[signal];
+    const double squares = std::inner_product(flow.begin(), flow.end(), flow.begin(), 0.0);
+    size = std::max(size, std::sqrt(squares / static_cast<double>(flow.size())));
+  }
+  if (!std::isfinite(size)) size = 0;
+  return is_pressure(signal) ? std::hypot(pressure_floor_Pa, drop_share * size) : flow_share * size;
+}
+
 }  // namespace
 
 CylinderResiduals::CylinderResiduals(const Rig& owner, const std::vector<Recording>& recordings,
@@ -149,23 +165,19 @@ CylinderResiduals::~CylinderResiduals() = default;
 
 void CylinderResiduals::declare_channels() {
   const auto courses = gas_->of(std::vector<Hypothesis>{{owner_, {}}});
-  for (const Signal signal : pressure_signals) {
+  for (const Signal signal : gas_signals) {
     if (std::none_of(recordings_.begin(), recordings_.end(),
-                     [&](const CylinderRecording& r) { return !r.measured_Pa[signal].empty(); }))
+                     [&](const CylinderRecording& r) { return !r.measured[signal].empty(); }))
       continue;
-    ResidualChannel out{std::string(info(signal).name), std::string(info(signal).unit), 0, pressure_floor_Pa};
-    out.noise = largest_noise(recordings_, signal, owner_.sensors.resolution(signal).rms());
-    double drop = 0;
-    if (signal != Signal::p_supply)
-      for (const auto& course : courses[0]) drop = std::max(drop, rms_drop(*course, side_of(signal)));
-    if (std::isfinite(drop)) out.floor = std::hypot(pressure_floor_Pa, drop_share * drop);
-    channels_.push_back(out);
+    const double noise = largest_noise(recordings_, signal, owner_.sensors.resolution(signal).rms());
+    channels_.push_back(
+        {std::string(info(signal).name), std::string(info(signal).unit), noise, floor_of(signal, courses[0])});
     signals_.push_back(signal);
   }
   bool chambers = true;
   for (const CylinderRecording& recording : recordings_)
-    chambers = chambers && !recording.measured_Pa[Signal::p1_chamber].empty() &&
-               !recording.measured_Pa[Signal::p2_chamber].empty();
+    chambers =
+        chambers && !recording.measured[Signal::p1_chamber].empty() && !recording.measured[Signal::p2_chamber].empty();
   const double supply_Pa = owner_.axis.supply.pressure_Pa - owner_.axis.air.atmosphere_Pa;
   const double share = supply_Pa > 0 ? std::min(1.0, supply_Pa / floor_supply_Pa) : 1.0;
   channels_.push_back({"F", "N", force_noise(0, 1), share * (chambers ? force_floor_N : force_floor_ports_N)});
@@ -179,7 +191,7 @@ double CylinderResiduals::force_noise(std::size_t recording, std::size_t count) 
   double squares = balance.force_noise(mass, count) * balance.force_noise(mass, count);
   for (std::size_t side = 0; side < 2; ++side)
     for (std::size_t i = 0; i < channels_.size(); ++i) {
-      const bool measured = !recordings_[recording].measured_Pa[chamber_signals[side]].empty();
+      const bool measured = !recordings_[recording].measured[chamber_signals[side]].empty();
       if (signals_[i] != (measured ? chamber_signals : port_signals)[side]) continue;
       const double gain = (measured ? balance.kernel() : slow_kernels_[recording]).noise_gain(0, count);
       squares += std::pow(areas[side] * channels_[i].noise * gain, 2);
@@ -207,9 +219,9 @@ std::vector<std::vector<double>> CylinderResiduals::gap_errors(std::size_t recor
   // A measured chamber stands for itself; a simulated one errs by what its port does not correct.
   std::vector<double> force(data.samples(), 0.0);
   for (std::size_t side = 0; side < 2; ++side) {
-    if (!data.measured_Pa[chamber_signals[side]].empty()) continue;
+    if (!data.measured[chamber_signals[side]].empty()) continue;
     const double area = side == 0 ? owner_.axis.cylinder.area_1_m2 : -owner_.axis.cylinder.area_2_m2;
-    const bool corrected = !data.measured_Pa[port_signals[side]].empty();
+    const bool corrected = !data.measured[port_signals[side]].empty();
     const std::vector<double> chamber = balances_[recording].kernel().apply(gas[chamber_signals[side]], 0),
                               port = slow_kernels_[recording].apply(gas[port_signals[side]], 0);
     for (std::size_t k = 0; k < force.size(); ++k) force[k] += area * (chamber[k] - (corrected ? port[k] : 0.0));
@@ -229,14 +241,14 @@ void CylinderResiduals::declare_rows() {
       const Signal signal = signals_[c];
       const bool force = signal == Signal::F;
       const std::vector<double>& command = recording.inputs.command_of(side_of(signal));
-      if (!force && recording.measured_Pa[signal].empty()) continue;
+      if (!force && recording.measured[signal].empty()) continue;
       Stretch stretch{r, c, rows_.size(), {}, recording.usable, {}, {}};
       const std::vector<char> stops = balances_[r].near_end_stop(owner_.axis.cylinder.stroke_m);
       const std::vector<char> known = recording.usable;
       for (std::size_t k = 0; k < recording.samples(); ++k)
-        stretch.usable[k] = known[k] && (force ? balances_[r].usable()[k] && !stops[k]
-                                               : std::isfinite(recording.measured_Pa[signal][k]));
-      const bool has_start = !force && signal != Signal::p_supply;
+        stretch.usable[k] =
+            known[k] && (force ? balances_[r].usable()[k] && !stops[k] : std::isfinite(recording.measured[signal][k]));
+      const bool has_start = info(signal).side != 0;
       const double start_Pa = has_start ? start_error(recording, side_of(signal)) : 0.0;
       for (std::size_t first = 0; first + bin <= recording.samples(); first += bin) {
         const auto part = [&](const std::vector<char>& marks) {
@@ -271,7 +283,7 @@ void CylinderResiduals::declare_rows() {
 double CylinderResiduals::largest_ringing(const PossibleRinging& ringing, std::size_t recording, std::size_t channel,
                                           std::size_t first, std::size_t count) const {
   const Signal signal = signals_[channel];
-  const auto& measured = recordings_[recording].measured_Pa;
+  const auto& measured = recordings_[recording].measured;
   std::array<double, 2> factor{};
   if (is_port(signal)) factor[side_of(signal)] = 1.0;
   if (signal == Signal::F)  // the force rests on a port's pressure where its chamber has no sensor
@@ -336,12 +348,12 @@ std::vector<double> CylinderResiduals::chamber_pressure(const Rig& rig, const Ga
   const CylinderRecording& data = recordings_[recording];
   const GaussianKernel& kernel = balances_[recording].kernel();
   const Signal chamber = chamber_signals[side], port = port_signals[side];
-  const bool measured = !data.measured_Pa[chamber].empty();
+  const bool measured = !data.measured[chamber].empty();
   const Signal signal = measured ? chamber : port;
-  if (data.measured_Pa[signal].empty()) return kernel.apply(gas[chamber], 0);
+  if (data.measured[signal].empty()) return kernel.apply(gas[chamber], 0);
   const SensorEffects<double>& sensor = rig.sensor_effects[signal];
   const std::vector<double> simulated = readings(sensor, gas[signal], data.period_s());
-  const std::vector<double> reading = with_gaps_filled(data.measured_Pa[signal], simulated);
+  const std::vector<double> reading = with_gaps_filled(data.measured[signal], simulated);
   std::vector<double> error(reading.size());
   for (std::size_t k = 0; k < error.size(); ++k) error[k] = reading[k] - simulated[k];
   const double tau = sensor.sensor_lag.time_constant_s, gain = sensor.sensor_gain.gain;
@@ -391,7 +403,7 @@ CylinderResiduals::SampledCourse CylinderResiduals::course_of(const RecordedRigs
   const Signal signal = signals_[stretch.channel];
   if (signal == Signal::F) return force_course(rig, gas, stretch.recording);
   const CylinderRecording& data = recordings_[stretch.recording];
-  return {data.measured_Pa[signal], readings(rig.sensor_effects[signal], gas[signal], data.period_s())};
+  return {data.measured[signal], readings(rig.sensor_effects[signal], gas[signal], data.period_s())};
 }
 
 Eigen::VectorXd CylinderResiduals::plain_column(const Rig& rig, const std::vector<GasRuns::Course>& gas) const {

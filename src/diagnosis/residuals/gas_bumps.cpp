@@ -19,7 +19,14 @@ using Sides = Pair<Lanes>;
 struct Undisturbed {
   std::vector<AxisPlant<Lanes>> at_group;
   GasCourse course;
+  std::array<std::vector<double>, 2> supply_flow_of_side;
 };
+
+/// What each side takes from the supply.
+std::array<Lanes, 2> flow_of_sides(const AxisPlant<Lanes>& plant) {
+  const Sides flow = plant.supply_flow();
+  return {low(flow), high(flow)};
+}
 
 class BumpRuns {
  public:
@@ -27,15 +34,18 @@ class BumpRuns {
            std::size_t bin, const StopQuestion& stop)
       : inputs_(inputs), run_(run), grid_(grid), bumps_(bumps), bin_(bin), bins_(inputs.samples() / bin), stop_(stop) {
     runs_.fill(run_);
-    for (BumpResponse& response : responses_)
-      for (const Signal signal : pressure_signals)
-        response[signal].setZero(static_cast<Eigen::Index>(bins_), static_cast<Eigen::Index>(bumps.count));
+    const auto rows = static_cast<Eigen::Index>(bins_), columns = static_cast<Eigen::Index>(bumps.count);
+    for (BumpResponse& response : responses_) {
+      for (const Signal signal : pressure_signals) response[signal].setZero(rows, columns);
+      for (Eigen::MatrixXd& flow : response.supply_flow_of_side) flow.setZero(rows, columns);
+    }
   }
   std::size_t groups() const { return (bumps_.count + imposed_lanes - 1) / imposed_lanes; }
 
   void run_undisturbed() {
     Simulation simulation(inputs_, runs_, grid_, stop_);
     for (const Signal signal : pressure_signals) undisturbed_.course[signal].resize(inputs_.samples());
+    for (std::vector<double>& flow : undisturbed_.supply_flow_of_side) flow.resize(inputs_.samples());
     simulation.begin();
     std::size_t group = 0;
     for (std::size_t k = 0;; ++k) {
@@ -45,6 +55,8 @@ class BumpRuns {
       }
       const PerSignal<Lanes> values = true_values(simulation.plant());
       for (const Signal signal : pressure_signals) undisturbed_.course[signal][k] = lane(values[signal], 0);
+      const std::array flows = flow_of_sides(simulation.plant());
+      for (std::size_t side = 0; side < 2; ++side) undisturbed_.supply_flow_of_side[side][k] = lane(flows[side], 0);
       if (k + 1 >= inputs_.samples()) return;
       simulation.advance(k, Sides(0));
       if (k % steps_between_looks == 0) look_for_stop(stop_);
@@ -102,12 +114,17 @@ class BumpRuns {
   void store(const AxisPlant<Lanes>& plant, std::size_t input, std::size_t first_bump, std::size_t lanes,
              std::size_t k) {
     const PerSignal<Lanes> values = true_values(plant);
+    const std::array flows = flow_of_sides(plant);
     const auto bin = static_cast<Eigen::Index>(k / bin_);
     const double weight = 1 / (bump_sizes[input] * static_cast<double>(bin_));
-    for (const Signal signal : pressure_signals)
+    const auto add = [&](Eigen::MatrixXd& to, const Lanes& value, double undisturbed) {
       for (std::size_t i = 0; i < lanes; ++i)
-        responses_[input][signal](bin, static_cast<Eigen::Index>(first_bump + i)) +=
-            weight * (lane(values[signal], static_cast<int>(i)) - undisturbed_.course[signal][k]);
+        to(bin, static_cast<Eigen::Index>(first_bump + i)) += weight * (lane(value, static_cast<int>(i)) - undisturbed);
+    };
+    BumpResponse& response = responses_[input];
+    for (const Signal signal : pressure_signals) add(response[signal], values[signal], undisturbed_.course[signal][k]);
+    for (std::size_t side = 0; side < 2; ++side)
+      add(response.supply_flow_of_side[side], flows[side], undisturbed_.supply_flow_of_side[side][k]);
   }
 
   const ImposedInputs& inputs_;

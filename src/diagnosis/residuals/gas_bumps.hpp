@@ -23,9 +23,11 @@ struct BumpTimes {
 };
 BumpTimes bumps_of(const ImposedInputs& inputs, double length_s);
 
-/// Mean change of each pressure in each bin for one unit of input: bins by bumps. Bins are `bin` samples long from
-/// sample 0 on; what is left at the end has none. A rig that cannot be simulated gives what is not finite.
-using BumpResponse = PerSignal<Eigen::MatrixXd>;
+/// Mean change of each pressure and flow in each bin for one unit of input: bins by bumps. Bins are `bin` samples long
+/// from sample 0 on; what is left at the end has none. A rig that cannot be simulated gives what is not finite.
+struct BumpResponse : PerSignal<Eigen::MatrixXd> {
+  std::array<Eigen::MatrixXd, 2> supply_flow_of_side;  ///< of the flow by each side, in place of their sum
+};
 /// In the order of gas_inputs.
 std::array<BumpResponse, gas_inputs.size()> bump_responses(const ImposedInputs& inputs, const ImposedRun& run,
                                                            const PlantGrid& grid, const BumpTimes& bumps,

@@ -30,7 +30,7 @@ std::vector<GasCourse> run_or_drop(const ImposedInputs& inputs, std::span<const 
     throw;
   } catch (const std::exception&) {
     GasCourse nothing;
-    for (const Signal signal : pressure_signals)
+    for (const Signal signal : gas_signals)
       nothing[signal].assign(inputs.samples(), std::numeric_limits<double>::quiet_NaN());
     if (runs.size() == 1) return {nothing};
     std::vector<GasCourse> out;
@@ -112,7 +112,7 @@ void GasRuns::compute(Batch& batch) const {
   const GasCourse& error = grid_error_[batch.recording];
   for (GasCourse& course :
        run_or_drop(recordings_[batch.recording].inputs, batch.runs, work_grid_[batch.recording], stop_)) {
-    for (const Signal signal : pressure_signals)
+    for (const Signal signal : gas_signals)
       for (std::size_t k = 0; k < error[signal].size(); ++k) course[signal][k] += error[signal][k];
     batch.courses.push_back(std::make_shared<const GasCourse>(std::move(course)));
   }
@@ -167,7 +167,7 @@ void GasRuns::set_working_point(const Hypothesis& hypothesis) {
   });
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
     if (!finite(fine[r]) || !finite(work[r])) continue;
-    for (const Signal signal : pressure_signals)
+    for (const Signal signal : gas_signals)
       for (std::size_t k = 0; k < fine[r][signal].size(); ++k) fine[r][signal][k] -= work[r][signal][k];
     grid_error_[r] = std::move(fine[r]);
     known_[r].clear();

@@ -36,7 +36,7 @@ struct ImposedInputs {
   double position_at(std::size_t k, int step) const;  ///< at the step's end; step = steps - 1 is sample k + 1
 };
 
-/// Simulated pressures at every sample, just before its command acts: true values, no sensor in them.
+/// Simulated gas_signals at every sample, just before its command acts: true values, no sensor in them.
 using GasCourse = PerSignal<std::vector<double>>;
 
 /// One rig to simulate with the factors on its gas when it is left to itself.

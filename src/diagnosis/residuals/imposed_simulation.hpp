@@ -33,7 +33,7 @@ template <class S> class ImposedSimulation {
   std::vector<GasCourse> run() {
     const std::size_t samples = inputs_.samples();
     for (GasCourse& course : courses_)
-      for (const Signal signal : pressure_signals) course[signal].resize(samples);
+      for (const Signal signal : gas_signals) course[signal].resize(samples);
     begin();
     store(0);
     for (std::size_t k = 0; k + 1 < samples; ++k) {
@@ -100,7 +100,7 @@ template <class S> class ImposedSimulation {
   }
   void store(std::size_t k) {
     const PerSignal<S> values = true_values(plant_);
-    for (const Signal signal : pressure_signals)
+    for (const Signal signal : gas_signals)
       for (std::size_t i = 0; i < runs_.size(); ++i) courses_[i][signal][k] = lane(values[signal], static_cast<int>(i));
   }
   /// At the latest after steps_between_looks steps of the plant, or one sample that has more.
@@ -111,12 +111,12 @@ template <class S> class ImposedSimulation {
     look_for_stop(stop_);
   }
   static void refuse_absurd(GasCourse& course) {
-    for (const auto& values : course.all)
-      for (const double value : values)
-        if (!(value > 0.0) || !(value < highest_pressure_Pa)) {  // NaN too
-          for (auto& all : course.all) std::fill(all.begin(), all.end(), std::numeric_limits<double>::quiet_NaN());
-          return;
-        }
+    const bool is_possible = std::ranges::all_of(pressure_signals, [&](Signal signal) {
+      return std::ranges::all_of(
+          course[signal], [](double value) { return value > 0.0 && value < highest_pressure_Pa; });  // not of NaN
+    });
+    if (is_possible) return;
+    for (auto& all : course.all) std::ranges::fill(all, std::numeric_limits<double>::quiet_NaN());
   }
 
   const ImposedInputs& inputs_;

@@ -1,6 +1,7 @@
 // What a diagnosis infers from: residuals of any number of explanations of the same recordings, each in its noise
 // floor.
 #pragma once
+#include <algorithm>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,11 +25,18 @@ struct Hypothesis {
 
 /// One compared quantity.
 struct ResidualChannel {
-  std::string name;  ///< p1_port, p2_port, p1_chamber, p2_chamber, p_supply, F
-  std::string unit;  ///< Pa, N
+  std::string name;  ///< p1_port, p2_port, p1_chamber, p2_chamber, p_supply, supply_flow, F
+  std::string unit;  ///< Pa, kg/s, N
   double noise = 0;  ///< of one sample [unit]
   double floor = 0;  ///< the model's own coloured error [unit]
   bool is_balance = false;  ///< no sensor reads it: what has to be zero
+
+  /// Of a recording: name and unit, "/" as "p" (p1_port_Pa, supply_flow_kgps).
+  std::string column() const {
+    std::string text = name + "_" + unit;
+    std::replace(text.begin(), text.end(), '/', 'p');
+    return text;
+  }
 };
 
 /// One row of the residual vector: a bin of samples and where it stands.

@@ -46,7 +46,13 @@ double ScaleTable::top_speed_mps() const { return std::max(range.top_speed_mps, 
 
 double ScaleTable::channel_offset() const {
   if (channel == "x") return 2 * half_stroke_m();
+  if (channel == "supply_flow") return open_flow_kgps();
   return channel == "F" ? force_N() : supply_Pa();
+}
+
+double ScaleTable::open_flow_kgps() const {
+  const Air<double> air(rig.axis.air);
+  return air.flow_constant * valve_area_m2() * supply_Pa() / std::sqrt(air.R * air.temperature_K);
 }
 
 double ScaleTable::operator()(EffectScale scale) const {
@@ -61,10 +67,7 @@ double ScaleTable::operator()(EffectScale scale) const {
     case EffectScale::valve_area_per_pressure: return valve_area_m2() / gauge_supply_Pa();
     case EffectScale::inverse_valve_area: return 1 / (valve_area_m2() * valve_area_m2());
     case EffectScale::wall_heat: return free_convection * 6 * std::cbrt(std::pow(rig.vessel.volume_m3, 2));
-    case EffectScale::laminar_conductance: {
-      const Air<double> air(rig.axis.air);
-      return air.flow_constant * valve_area_m2() / (std::sqrt(air.R * air.temperature_K) * supply_Pa());
-    }
+    case EffectScale::laminar_conductance: return open_flow_kgps() / (supply_Pa() * supply_Pa());
     case EffectScale::moving_mass: return rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
     case EffectScale::top_speed: return top_speed_mps();
     case EffectScale::half_stroke: return half_stroke_m();

@@ -28,6 +28,7 @@ struct ScaleTable {
   double gauge_supply_Pa() const;
   double force_N() const;
   double valve_area_m2() const;
+  double open_flow_kgps() const;  ///< sonic, through the open valve
   double adiabatic_change_K() const;
   double supply_resistance_Pa_s_per_kg() const;
   double half_stroke_m() const { return 0.5 * rig.axis.cylinder.stroke_m; }

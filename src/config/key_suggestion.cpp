@@ -44,6 +44,7 @@ std::string unit_suffix(std::string_view unit) {
   if (unit.empty() || unit == "-" || unit == "SI") return "";
   if (unit == "m/s") return "_mps";
   if (unit == "m/s2") return "_mps2";
+  if (unit == "kg/s") return "_kgps";
   if (unit == "V/(m s)") return "_V_per_m_s";
   std::string suffix = "_";
   for (const char c : unit) {

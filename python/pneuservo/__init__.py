@@ -87,8 +87,8 @@ def refit(config: Config, recordings: Sequence[Source], effects: Sequence[str], 
           progress: Optional[Progress] = None, cancel: Any = None) -> Refit:
     """The sizes of these effects by recordings of a machine that is known: coulomb_friction, chamber_leak_1, valve_lag.
 
-    All are fitted together, with the config's tolerances and the starts free beside them; nothing is sought or judged, so
-    that it takes a tenth of a diagnosis. Effects that the config has begin at its sizes. jobs, progress and cancel are as
+    All are fitted together, with the config's tolerances and the starts free beside them; nothing is sought or judged.
+    Effects that the config has begin at its sizes. jobs, progress and cancel are as
     in diagnose(); a refit that is ended raises DiagnosisStopped or KeyboardInterrupt. Raises InputError for effects
     without a size that a derivative finds.
     """

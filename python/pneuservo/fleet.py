@@ -40,7 +40,7 @@ def _config_of(path: str, config_text: Optional[str]) -> Config:
 
 
 def refitted(path: str, config_text: Optional[str]) -> Row:
-    """The row of one recording by a refit: sizes with their standard errors alone, in a tenth of a diagnosis' time."""
+    """The row of one recording by a refit: sizes with their standard errors, and no verdict."""
     config = _config_of(path, config_text)
     runs = read_recordings(path, config)
     result = refit(config, runs, REFITTED, jobs=1)

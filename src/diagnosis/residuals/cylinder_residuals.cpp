@@ -169,7 +169,9 @@ void CylinderResiduals::declare_channels() {
     if (std::none_of(recordings_.begin(), recordings_.end(),
                      [&](const CylinderRecording& r) { return !r.measured[signal].empty(); }))
       continue;
-    const double noise = largest_noise(recordings_, signal, owner_.sensors.resolution(signal).rms());
+    // The flow follows a noisy command at once: its quick changes are no noise of the meter.
+    const double stated = owner_.sensors.resolution(signal).rms();
+    const double noise = is_pressure(signal) ? largest_noise(recordings_, signal, stated) : stated;
     channels_.push_back(
         {std::string(info(signal).name), std::string(info(signal).unit), noise, floor_of(signal, courses[0])});
     signals_.push_back(signal);

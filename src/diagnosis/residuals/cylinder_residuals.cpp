@@ -18,7 +18,7 @@ namespace {
 // The model's own error where nothing is missing: of pressures, and as a share of the drop between port and chamber;
 // of the force, with and without sensors at the chambers.
 constexpr double pressure_floor_Pa = 35.0, drop_share = 0.001;
-/// Of the flow from the supply, as a share of its rms.
+/// Of the flow from the supply, as a share of its rms: half of it was measured on lines of 2 m, less on longer ones.
 constexpr double flow_share = 0.001;
 // The gas may start warmer or colder than its wall, which no pressure shows; the wall takes that out within a second.
 // A recording that starts in the midst of motion leaves more: waves in the lines, gas not at its wall's temperature.

@@ -85,6 +85,20 @@ template <class S> struct ElasticFriction {
     v(Field{"way_m", "m", 1e-7, 10, "w of dF/dx = (F_c - F sign(v))/w"}, p.way_m...);
   }
 };
+/// The way over which dry friction builds up where the motion turns: a seal is sheared before it slides.
+template <class S> struct Presliding {
+  S way_m = S(0);
+  /// Share of the dry friction that acts after the way dx: ds/dx = (1 - s sign(dx))/w.
+  S carried(const S& share, const S& dx) const noexcept {
+    const S end = select(dx < S(0), S(-1), S(1));
+    const S at_once = select(dx == S(0), share, end);
+    const S way = maximum(way_m, S(1e-12));
+    return select(way_m > S(0), end + (share - end) * exponential(-absolute(dx) / way), at_once);
+  }
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"way_m", "m", 0, 0.01, "w of ds/dx = (1 - s sign(v))/w: dry friction is s F"}, p.way_m...);
+  }
+};
 /// Weight on a lever that turns with the axis: x is its angle [rad], forces are torques.
 template <class S> struct GravityLoad {
   S sine_N = S(0);
@@ -179,6 +193,7 @@ template <class S> struct MotionEffects {
   DirectionDependentViscousFriction<S> direction_dependent_viscous_friction;
   ViscousFriction<S> viscous_friction;
   ElasticFriction<S> elastic_friction;
+  Presliding<S> presliding;
   GravityLoad<S> gravity_load;
   ConstantForce<S> constant_force;
   SpringLoad<S> spring_load;
@@ -198,6 +213,7 @@ template <class S> struct MotionEffects {
     constexpr auto optional = Presence::optional;
     visit_rigid(v, p...);
     v(Field{"elastic_friction", "", 0, 0, "dry friction that the way builds up", optional}, p.elastic_friction...);
+    v(Field{"presliding", "", 0, 0, "all other dry friction builds up along a way", optional}, p.presliding...);
     v(Field{"gravity_load", "", 0, 0, "weight on a lever that turns with the axis", optional}, p.gravity_load...);
     v(Field{"elastic_load", "", 0, 0, "load on a soft coupling", optional}, p.elastic_load...);
     v(Field{"load_backlash", "", 0, 0, "load coupled with play", optional}, p.load_backlash...);

@@ -29,6 +29,7 @@ struct ResidualChannel {
   double noise = 0;  ///< of one sample [unit]
   double floor = 0;  ///< the model's own coloured error [unit]
   bool is_balance = false;  ///< no sensor reads it: what has to be zero
+  double stated = 0;  ///< by which it may differ from the config, as the owner's tolerance says [unit]
 };
 
 /// One row of the residual vector: a bin of samples and where it stands.

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "config/rig_parameters.hpp"
-#include "diagnosis/residuals/known_rows.hpp"
 #include "diagnosis/verdict/disturbances.hpp"
 
 namespace pneuservo {
@@ -118,43 +117,6 @@ std::vector<double> probabilities_of(const std::vector<const Explanation*>& riva
   for (const Explanation* rival : rivals)
     evidence.push_back(rival->log_evidence - (is_owner && !rival->members.empty() ? rules.alarm_gain : 0));
   return shares_of(evidence, rules.temperature, rules.most_sure);
-}
-
-double ModelLevels::chi2(bool held_out) const {
-  double sum = 0;
-  for (const ChannelLevel& c : channels)
-    sum += held_out ? c.held_out * c.held_out * static_cast<double>(c.held_out_rows)
-                    : c.fitted * c.fitted * static_cast<double>(c.fitted_rows);
-  return sum;
-}
-
-double ModelLevels::highest() const {
-  double most = 0;
-  for (const ChannelLevel& c : channels) most = std::max(most, c.fitted);
-  return most;
-}
-
-double ModelLevels::held_out_excess() const {
-  double rows = 0, held_rows = 0;
-  for (const ChannelLevel& c : channels) {
-    rows += static_cast<double>(c.fitted_rows);
-    held_rows += static_cast<double>(c.held_out_rows);
-  }
-  const double fitted = chi2(false), held = chi2(true);
-  return held > held_rows && fitted > 0 ? (held / held_rows) / (fitted / rows) : 1;
-}
-
-ModelLevels model_levels(ResidualModel& model, const Fit& fit, const DecisionRules& rules) {
-  ModelLevels levels;
-  levels.residual = residual_at(model, fit);
-  levels.channels = channel_levels(model.rows(), model.channels().size(), levels.residual);
-  levels.line = strongest_line(model.rows(), levels.residual, levels.channels, rules.line_level);
-  if (levels.line) {
-    const ResidualChannel& channel = model.channels()[static_cast<std::size_t>(levels.line->channel)];
-    const bool is_small = levels.line->amplitude < rules.line_amplitude * std::hypot(channel.noise, channel.floor);
-    if (levels.line->ratio < rules.line_ratio || is_small) levels.line.reset();
-  }
-  return levels;
 }
 
 namespace {

@@ -243,11 +243,11 @@ bool is_doubtful(const Rig& rig, const Decision& decision, const DecisionRules& 
   return at_end >= rules.stretched_count;
 }
 
-/// Whether one of several names brings too little where small physics stands beside them: then it may stand for that.
-bool has_needless_name(const Rig& rig, FittedRows& rows, const Search& search, const Decision& decision,
-                       const DecisionRules& rules) {
+/// Of several names those that bring enough where small physics stands beside them all: others may stand for that.
+std::vector<std::size_t> needed_names(const Rig& rig, FittedRows& rows, const Search& search, const Decision& decision,
+                                      const DecisionRules& rules) {
   const std::vector<std::size_t>& members = decision.chosen->members;
-  if (!rig.is_pneumatic() || decision.verdict == Verdict::unknown || members.size() < 2) return false;
+  if (!rig.is_pneumatic() || decision.verdict == Verdict::unknown || members.size() < 2) return members;
   SearchSettings settings;
   settings.small_physics = small_physics(rig, rows.model().channels());
   settings.settled_gain = settled_gain_beside;
@@ -258,9 +258,12 @@ bool has_needless_name(const Rig& rig, FittedRows& rows, const Search& search, c
       return std::any_of(own.begin(), own.end(), [&](const FreeParameter& p) { return p.path == granted.path; });
     });
   });
-  Search beside(rows, rig, search.candidates(), settings, rules, {});
-  const std::vector<double> gains = beside.gains_of_names(*decision.chosen);
-  return std::any_of(gains.begin(), gains.end(), [&](double gain) { return gain < rules.alarm_gain; });
+  const std::vector<double> gains =
+      Search(rows, rig, search.candidates(), settings, rules, {}).gains_of_names(*decision.chosen);
+  std::vector<std::size_t> needed;
+  for (std::size_t i = 0; i < members.size(); ++i)
+    if (gains[i] >= rules.alarm_gain) needed.push_back(members[i]);
+  return needed;
 }
 
 /// Whether a decision leaves about as little as another, fitted and held-out rows together.
@@ -351,11 +354,20 @@ Decision decided_twice(const Rig& rig, FittedRows& rows, Search& search, const D
   Decision decision = decided(rig, model, search, options.rules);
   const bool left_everywhere = decision.verdict == Verdict::unknown && !decision.is_described &&
                                is_everywhere(model.channels(), decision.levels.channels, options.rules.floor_level);
-  if (!left_everywhere && !is_doubtful(rig, decision, options.rules) &&
-      !has_needless_name(rig, rows, search, decision, options.rules))
-    return decision;
+  const std::vector<std::size_t> needed = needed_names(rig, rows, search, decision, options.rules);
+  const bool is_each_needed = needed.size() == decision.chosen->members.size();
+  if (!left_everywhere && is_each_needed && !is_doubtful(rig, decision, options.rules)) return decision;
   Decision granted = with_small_physics(rig, rows, search.candidates(), search, options, beside, out);
   if (left_everywhere || fits_as_well(granted, decision, options.rules)) return granted;
+  if (!is_each_needed) {
+    const std::vector<const Explanation*> fewer = search.ranking(needed.size());
+    const auto same =
+        std::find_if(fewer.begin(), fewer.end(), [&](const Explanation* e) { return e->members == needed; });
+    if (needed.empty() || same == fewer.end()) return granted;
+    model.set_working_point((*same)->fit.hypothesis());
+    decision = decide_on(**same, model, search, options.rules);
+    if (decision.verdict == Verdict::unknown) return granted;
+  }
   beside.reset();  // what was doubted explains what small physics and one name do not
   out.warnings.clear();
   model.set_working_point(decision.chosen->fit.hypothesis());

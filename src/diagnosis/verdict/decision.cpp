@@ -267,14 +267,19 @@ Decision decide(ResidualModel& model, const Search& search, const DecisionRules&
   const Explanation* description =
       decision.chosen->members.size() > 1 ? as_good_description(search, decision, rules) : nullptr;
   if (description == nullptr) return decision;
-  Decision described = decision;
-  described.chosen = description;
-  described.rivals = search.ranking(1);
-  std::erase_if(described.rivals, [&](const Explanation* e) { return e->log_evidence >= description->log_evidence; });
-  described.rivals.insert(described.rivals.begin(), description);
-  described.gain = description->log_evidence - search.owner().log_evidence;
-  judge_what_is_left(model, search, rules, described);
+  Decision described = decide_on(*description, model, search, rules);
   return described.is_described ? described : decision;
+}
+
+Decision decide_on(const Explanation& chosen, ResidualModel& model, const Search& search, const DecisionRules& rules) {
+  Decision decision;
+  decision.chosen = &chosen;
+  decision.rivals = search.ranking(chosen.members.size());
+  std::erase_if(decision.rivals, [&](const Explanation* e) { return e->log_evidence >= chosen.log_evidence; });
+  decision.rivals.insert(decision.rivals.begin(), &chosen);
+  decision.gain = chosen.log_evidence - search.owner().log_evidence;
+  judge_what_is_left(model, search, rules, decision);
+  return decision;
 }
 
 void judge_what_is_left(ResidualModel& model, const Search& search, const DecisionRules& rules, Decision& decision) {
@@ -300,21 +305,49 @@ void judge_what_is_left(ResidualModel& model, const Search& search, const Decisi
   decision.probabilities = probabilities_of(decision.rivals, sure);
 }
 
+namespace {
+
+/// Of the squared mismatch above the floors that the owner's model leaves, what an explanation takes.
+double share_taken(const ModelLevels& before, const ModelLevels& after) {
+  double rows = 0;
+  for (const ChannelLevel& c : before.channels) rows += static_cast<double>(c.fitted_rows);
+  const double was = before.chi2(false), is = std::max(after.chi2(false), std::min(rows, was));
+  return (was - is) / std::max(was - std::min(rows, was), 1e-300);
+}
+
+/// Where the best name takes too little, the best of those that take enough: what remains beside it has no name yet.
+void choose_what_takes_most(ResidualModel& model, const Search& search, const DecisionRules& rules,
+                            const ModelLevels& before, Decision& decision) {
+  decision.levels = model_levels(model, decision.chosen->fit, rules);
+  if (decision.chosen->members.empty() || share_taken(before, decision.levels) >= rules.named_share) return;
+  for (const Explanation* e : sizeable(search, 1, rules)) {
+    if (e->log_evidence - search.owner().log_evidence < rules.alarm_gain) return;
+    const ModelLevels levels = model_levels(model, e->fit, rules);
+    if (share_taken(before, levels) < rules.named_share) continue;
+    decision.chosen = e;
+    decision.levels = levels;
+    decision.gain = e->log_evidence - search.owner().log_evidence;
+    std::erase_if(decision.rivals, [&](const Explanation* rival) { return rival->log_evidence >= e->log_evidence; });
+    decision.rivals.insert(decision.rivals.begin(), e);
+    decision.verdict = verdict_of(*e, search);
+    return;
+  }
+}
+
+}  // namespace
+
 Decision decide_beside_remainder(ResidualModel& model, const Search& search, const DecisionRules& rules) {
   DecisionRules beside = rules;
   beside.most_sure = rules.most_sure_beside;
   Decision decision = chosen_chain(model, search, beside, rules.next_share_beside);
   decision.beside_remainder = true;
-  decision.levels = model_levels(model, decision.chosen->fit, rules);
-  decision.reason = what_is_left(decision, model, rules);
   const ModelLevels before = model_levels(model, search.owner().fit, rules);
-  double most = 0;
-  for (std::size_t c = 0; c < before.channels.size(); ++c) {
-    const double was = std::pow(before.channels[c].fitted, 2), is = std::pow(decision.levels.channels[c].fitted, 2);
-    if (was > 1) most = std::max(most, 1 - is / was);
-  }
+  choose_what_takes_most(model, search, rules, before, decision);
+  decision.probabilities = probabilities_of(decision.rivals, beside);
+  decision.reason = what_is_left(decision, model, rules);
+  const double share = share_taken(before, decision.levels);
   const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
-                        is_owner_refuted(search, decision, rules) && most >= rules.named_share &&
+                        is_owner_refuted(search, decision, rules) && share >= rules.named_share &&
                         decision.levels.highest() <= rules.largest_remainder &&
                         !has_absurd_parameter(*decision.chosen, search, rules);
   const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;

@@ -92,7 +92,7 @@ OneSet cylinder_set() {
           axis_figures,
           "5 of 5",
           "0.1613",
-          3200};
+          3100};
 }
 
 }  // namespace pneuservo

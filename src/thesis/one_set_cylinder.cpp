@@ -92,7 +92,7 @@ OneSet cylinder_set() {
           axis_figures,
           "5 of 5",
           "0.1613",
-          3100};
+          2520};
 }
 
 }  // namespace pneuservo

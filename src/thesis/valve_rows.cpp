@@ -48,6 +48,27 @@ double falls_to_Hz(double set_Hz, double share) {
   return std::sqrt(low * high);
 }
 
+/// The table behind valves whose spool, coil and inner loop are simulated.
+void add_rows_with_own_loop(std::vector<ThesisRow>& rows) {
+  const std::string why = "spool, coil and inner loop in the simulated plant, as device and run have them with "
+                          "simulation.valve_drive_period_s; the loop makes up for its one tick";
+  const auto error_um = [](const ThesisCourse& course) { return 1e6 * course.max_error_m; };
+  for (const char* quantum_m : {"0", "0.125e-6"})
+    rows.push_back(
+        run_row({.place = "2.2.2",
+                 .what = fmt::format("4 mm table behind valves with their own loop, spool sensor of {} um: "
+                                     "error of the printed move",
+                                     std::string_view(quantum_m) == "0" ? "0" : "0.125"),
+                 .unit = "um",
+                 .printed = "no figure",
+                 .held = std::string_view(quantum_m) == "0" ? "0.0814" : "0.0794",
+                 .why = why},
+                {table_4mm.config,
+                 {"simulation.valve_drive_period_s=1e-4", fmt::format("simulation.spool_quantum_m={}", quantum_m),
+                  "controller.command_delay_s=1e-4"}},
+                error_um));
+}
+
 }  // namespace
 
 ThesisGroup thesis_valve_group() {
@@ -89,23 +110,7 @@ ThesisGroup thesis_valve_group() {
                         return valve.area_per_volt_m2_per_V * 0.5 * valve.command_max_V / valve.area_max_m2;
                       },
                   .held = "0.50"});
-  const std::string why = "spool, coil and inner loop in the simulated plant, as device and run have them with "
-                          "simulation.valve_drive_period_s; the loop makes up for its one tick";
-  const auto error_um = [](const ThesisCourse& course) { return 1e6 * course.max_error_m; };
-  for (const char* quantum_m : {"0", "0.125e-6"})
-    rows.push_back(
-        run_row({.place = "2.2.2",
-                 .what = fmt::format("4 mm table behind valves with their own loop, spool sensor of {} um: "
-                                     "error of the printed move",
-                                     std::string_view(quantum_m) == "0" ? "0" : "0.125"),
-                 .unit = "um",
-                 .printed = "no figure",
-                 .held = std::string_view(quantum_m) == "0" ? "0.0814" : "0.0794",
-                 .why = why},
-                {table_4mm.config,
-                 {"simulation.valve_drive_period_s=1e-4", fmt::format("simulation.spool_quantum_m={}", quantum_m),
-                  "controller.command_delay_s=1e-4"}},
-                error_um));
+  add_rows_with_own_loop(rows);
   return {"2.2.2 The servo valve", rows};
 }
 

@@ -399,10 +399,11 @@ CylinderResiduals::SampledCourse CylinderResiduals::course_of(const RecordedRigs
   return {data.measured_Pa[signal], readings(rig.sensor_effects[signal], gas[signal], data.period_s())};
 }
 
-double CylinderResiduals::more_noise(const Rig& rig, const Stretch& stretch) const {
+double CylinderResiduals::less_noise(const Rig& rig, const Stretch& stretch) const {
   if (signals_[stretch.channel] != Signal::F || stretch.bins.empty()) return 0;
   const std::size_t count = stretch.bins.front().count;
-  return std::pow(balances_[stretch.recording].force_noise(rig, count), 2) - std::pow(stretch.position_noise, 2);
+  const double noise = balances_[stretch.recording].force_noise(rig, count);
+  return std::min(0.0, noise * noise - stretch.position_noise * stretch.position_noise);
 }
 
 Eigen::VectorXd CylinderResiduals::plain_column(const Rig& rig, const std::vector<GasRuns::Course>& gas) const {
@@ -411,14 +412,14 @@ Eigen::VectorXd CylinderResiduals::plain_column(const Rig& rig, const std::vecto
   for (const Stretch& stretch : stretches_) {
     look_for_stop(stop_);
     const SampledCourse course = course_of(rigs, *gas[stretch.recording], stretch);
-    const double more = more_noise(rigs[stretch.recording], stretch);
+    const double less = less_noise(rigs[stretch.recording], stretch);
     double* row = out.data() + stretch.first_row;
     for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
       const Bin& bin = stretch.bins[b];
       double sum = 0;
       for (std::size_t k = bin.first; k < bin.first + bin.count; ++k)
         if (stretch.usable[k]) sum += course.simulated[k] - course.measured[k];
-      *row++ = sum / bin.values / std::sqrt(std::pow(rows_[stretch.first_row + b].sigma, 2) + more);
+      *row++ = sum / bin.values / std::sqrt(std::pow(rows_[stretch.first_row + b].sigma, 2) + less);
     }
     if (stretch.answer.rows() == 0) continue;
     std::vector<double> difference(course.simulated);

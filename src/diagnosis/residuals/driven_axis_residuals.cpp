@@ -265,10 +265,11 @@ Eigen::MatrixXd DrivenAxisResiduals::residuals(std::span<const Hypothesis> hypot
     const RecordedRigs rigs(hypotheses[h].rig, parts_);
     std::vector<std::pair<std::vector<double>, std::vector<double>>> sides;
     sides.reserve(parts_.size());
-    std::vector<double> more;  // squared noise of a row that the owner's slider does not make; by part
+    std::vector<double> less;  // squared noise of a row that is not there by this rig, not above 0; by part
     for (std::size_t p = 0; p < parts_.size(); ++p) {
       sides.push_back(forces(parts_[p], rigs[p]));
-      more.push_back(std::pow(position_noise_N(parts_[p], rigs[p]), 2) - std::pow(parts_[p].position_noise_N, 2));
+      less.push_back(
+          std::min(0.0, std::pow(position_noise_N(parts_[p], rigs[p]), 2) - std::pow(parts_[p].position_noise_N, 2)));
     }
     for (std::size_t b = 0; b < bins_.size(); ++b) {
       const Bin& bin = bins_[b];
@@ -276,7 +277,7 @@ Eigen::MatrixXd DrivenAxisResiduals::residuals(std::span<const Hypothesis> hypot
       for (std::size_t i = bin.first; i < bin.first + bin.count; ++i)
         sum += sides[bin.part].second[i] - sides[bin.part].first[i];
       out(static_cast<Eigen::Index>(b), static_cast<Eigen::Index>(h)) =
-          sum / static_cast<double>(bin.count) / std::sqrt(std::pow(rows_[b].sigma, 2) + more[bin.part]);
+          sum / static_cast<double>(bin.count) / std::sqrt(std::pow(rows_[b].sigma, 2) + less[bin.part]);
     }
   }
   return out;

@@ -315,7 +315,7 @@ double share_taken(const ModelLevels& before, const ModelLevels& after) {
   return (was - is) / std::max(was - std::min(rows, was), 1e-300);
 }
 
-/// Where the best name takes too little, the best of those that take enough: what remains beside it has no name yet.
+/// Where the best name takes too little, the best of those that take nearly all: what remains has no name yet.
 void choose_what_takes_most(ResidualModel& model, const Search& search, const DecisionRules& rules,
                             const ModelLevels& before, Decision& decision) {
   decision.levels = model_levels(model, decision.chosen->fit, rules);
@@ -323,7 +323,7 @@ void choose_what_takes_most(ResidualModel& model, const Search& search, const De
   for (const Explanation* e : sizeable(search, 1, rules)) {
     if (e->log_evidence - search.owner().log_evidence < rules.alarm_gain) return;
     const ModelLevels levels = model_levels(model, e->fit, rules);
-    if (share_taken(before, levels) < rules.named_share) continue;
+    if (share_taken(before, levels) < rules.nearly_all_share) continue;
     decision.chosen = e;
     decision.levels = levels;
     decision.gain = e->log_evidence - search.owner().log_evidence;

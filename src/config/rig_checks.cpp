@@ -183,6 +183,9 @@ void check_valve_drive(const Rig& rig, const Check& check) {
   if (!rig.is_pneumatic())
     check.refuse("simulation.valve_drive_period_s", {"rig"}, number_text(period_s),
                  "none: a rig of kind cylinder or servo_table has valves with a drive of their own");
+  constexpr double shortest_s = 1e-6;  // no drive has a quicker loop, and each of its ticks is simulated
+  if (period_s < shortest_s)
+    check.refuse("simulation.valve_drive_period_s", {}, number_text(period_s), "0, or 1 us at least");
   const double ticks = rig.period_s / period_s;
   if (ticks < 0.5 || std::fabs(ticks - std::round(ticks)) > 1e-6)
     check.refuse("simulation.valve_drive_period_s", {"period_s"}, number_text(period_s),

@@ -27,9 +27,11 @@ void SimBackend::configure_plant() {
   auto axis = rig_.axis;
   if (const double period_s = rig_.simulation.valve_drive_period_s; period_s > 0.0) {
     drive_ticks_ = static_cast<int>(std::lround(rig_.period_s / period_s));
-    for (ValveDrive& drive : drives_)
-      drive.configure({axis.valve.natural_frequency_Hz, axis.valve.damping_ratio, period_s, axis.valve.command_max_V,
-                       rig_.simulation.spool_quantum_m});
+    ValveDriveParameters parameters{{}, axis.valve.command_max_V, rig_.simulation.spool_quantum_m};
+    parameters.loop.natural_frequency_Hz = axis.valve.natural_frequency_Hz;
+    parameters.loop.damping_ratio = axis.valve.damping_ratio;
+    parameters.loop.period_s = period_s;
+    for (ValveDrive& drive : drives_) drive.configure(parameters);
     axis.valve.natural_frequency_Hz = 0.0;  // the spool that the drive moved is where it is
   }
   plant_.configure(axis, drive_ticks_ > 0 ? rig_.period_s / drive_ticks_ : rig_.period_s, rig_.simulation.cells_per_m,

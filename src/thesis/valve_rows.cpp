@@ -17,9 +17,9 @@ std::complex<double> spool_response(double set_Hz, double Hz) {
   constexpr double share = 0.1;
   ValveDrive drive;
   ValveDriveParameters parameters;
-  parameters.natural_frequency_Hz = set_Hz;
+  parameters.loop.natural_frequency_Hz = set_Hz;
   drive.configure(parameters);
-  const double w = 2.0 * std::numbers::pi * Hz, T = parameters.period_s;
+  const double w = 2.0 * std::numbers::pi * Hz, T = parameters.loop.period_s;
   // Whole periods, after 25 of them or 0.1 s.
   const int start = static_cast<int>(std::ceil(std::max(0.1, 25.0 / Hz) / T));
   const int ticks = static_cast<int>(std::lround(std::ceil(0.2 * Hz) / (Hz * T)));

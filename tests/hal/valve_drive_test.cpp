@@ -35,7 +35,10 @@ std::vector<double> positions_m(const std::vector<std::string>& sets) {
 
 TEST_CASE("a valve's drive follows a step as the lag of 2.17 does, one and a half ticks late") {
   ValveDrive drive;
-  drive.configure({.natural_frequency_Hz = 100.0, .damping_ratio = 0.7});
+  ValveDriveParameters parameters;
+  parameters.loop.natural_frequency_Hz = 100.0;
+  parameters.loop.damping_ratio = 0.7;
+  drive.configure(parameters);
   const double w = 2.0 * 3.141592653589793 * 100.0, zeta = 0.7, wd = w * std::sqrt(1.0 - zeta * zeta);
   double worst = 0.0;
   for (int tick = 0; tick < 400; ++tick) {

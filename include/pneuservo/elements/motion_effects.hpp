@@ -90,14 +90,18 @@ template <class S> struct Presliding {
   S way_m = S(0);
   /// Share of the dry friction that acts after the way dx: ds/dx = (1 - s sign(dx))/w.
   S carried(const S& share, const S& dx) const noexcept {
-    const S end = select(dx < S(0), S(-1), S(1));
-    const S at_once = select(dx == S(0), share, end);
-    const S way = maximum(way_m, S(1e-12));
-    return select(way_m > S(0), end + (share - end) * exponential(-absolute(dx) / way), at_once);
+    return ElasticFriction<S>{S(1), no_division_by_zero()}.carried(share, dx);
+  }
+  /// ds/dx [1/m].
+  S stiffness(const S& share, const S& direction) const noexcept {
+    return (S(1) - direction * share) / no_division_by_zero();
   }
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"way_m", "m", 0, 0.01, "w of ds/dx = (1 - s sign(v))/w: dry friction is s F"}, p.way_m...);
   }
+
+ private:
+  S no_division_by_zero() const noexcept { return maximum(way_m, S(1e-12)); }
 };
 /// Weight on a lever that turns with the axis: x is its angle [rad], forces are torques.
 template <class S> struct GravityLoad {

@@ -172,7 +172,7 @@ template <class S> class Slider {
   S built_up_stiffness(const S& direction, const S& shearing) const noexcept {
     const ElasticFriction<S>& own = effects_.elastic_friction;
     return (own.force_N - direction * bristles_) / own.way_m +
-           shearing * (S(1) - direction * sheared_) / maximum(effects_.presliding.way_m, S(1e-12));
+           shearing * effects_.presliding.stiffness(sheared_, direction);
   }
   // Inelastic end stop: the way beyond it is travelled back with the reflected speed. A rebound slower than what the
   // force gains in a step would be back before the step ends: it is rest.

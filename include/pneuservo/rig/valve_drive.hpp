@@ -9,12 +9,11 @@ namespace pneuservo {
 
 /// What a drive is asked for. The spool is the thesis' (Table 2.3).
 struct ValveDriveParameters {
-  double natural_frequency_Hz = 100.0, damping_ratio = 0.7;
-  double period_s = 100e-6;
-  double command_max_V = 1.6;      ///< moves the spool by spool_stroke_m
-  double spool_quantum_m = 0.0;    ///< of the spool's sensor
+  SpoolLoopParameters loop;
+  double command_max_V = 1.0;    ///< moves the spool by spool_stroke_m
+  double spool_quantum_m = 0.0;  ///< of the spool's sensor; 0: exact
 };
-inline constexpr double spool_stroke_m = 0.75e-3;  ///< 2.1.2: +- this
+inline constexpr double spool_stroke_m = 0.75e-3;  ///< to either side (thesis 2.1.2)
 
 /// Follows a command as the lag of 2.17 does, one tick late. Plain data.
 class ValveDrive {
@@ -23,12 +22,8 @@ class ValveDrive {
   void configure(const ValveDriveParameters& parameters) noexcept {
     m_per_V_ = spool_stroke_m / parameters.command_max_V;
     quantum_m_ = parameters.spool_quantum_m;
-    period_s_ = parameters.period_s;
-    SpoolLoopParameters loop;
-    loop.natural_frequency_Hz = parameters.natural_frequency_Hz;
-    loop.damping_ratio = parameters.damping_ratio;
-    loop.period_s = parameters.period_s;
-    loop_.configure(loop);
+    period_s_ = parameters.loop.period_s;
+    loop_.configure(parameters.loop);
     spool_.configure({});
     coil_V_ = 0.0;
   }
@@ -44,12 +39,11 @@ class ValveDrive {
     return (before_m + period_s_ * (0.5 * speed_mps + change_mps / 6.0)) / m_per_V_;
   }
   double spool_m() const noexcept { return spool_.position_m(); }
-  double period_s() const noexcept { return period_s_; }
 
  private:
   SpoolLoop loop_;
   SpoolMass<double> spool_;
-  double m_per_V_ = 1.0, quantum_m_ = 0.0, period_s_ = 100e-6, coil_V_ = 0.0;
+  double m_per_V_ = 0.0, quantum_m_ = 0.0, period_s_ = 0.0, coil_V_ = 0.0;
 };
 
 }  // namespace pneuservo

@@ -207,12 +207,16 @@ double volume_beyond(const Explanation& explanation, const Search& search, const
   return volume(explanation.fit.hypothesis().rig) - volume(search.owner().fit.hypothesis().rig);
 }
 
+/// Of the squared residual that the owner's model leaves above the floors, what an explanation takes.
+double share_taken(double before, double after, double rows) {
+  return (before - after) / std::max(before - std::min(after, rows), 1e-300);
+}
+
 /// Whether something is left that is small beside what the names take: it is told beside them and takes no name away.
 bool is_small_remainder(const Decision& decision, const Search& search, const DecisionRules& rules) {
   if (decision.reason.empty() || decision.chosen->members.empty() || decision.levels.line) return false;
-  const double before = search.owner().fit.chi2(), after = decision.chosen->fit.chi2();
-  const double floor = std::min(after, static_cast<double>(decision.chosen->fit.residual.size()));
-  const double taken = (before - after) / std::max(before - floor, 1e-300);
+  const Fit& fit = decision.chosen->fit;
+  const double taken = share_taken(search.owner().fit.chi2(), fit.chi2(), static_cast<double>(fit.residual.size()));
   const double largest = taken >= rules.nearly_all_share ? rules.nearly_all_remainder : rules.small_remainder;
   return taken >= rules.taken_share && decision.levels.highest() < largest &&
          decision.levels.held_out_excess() < rules.small_held_out_excess;
@@ -305,47 +309,16 @@ void judge_what_is_left(ResidualModel& model, const Search& search, const Decisi
   decision.probabilities = probabilities_of(decision.rivals, sure);
 }
 
-namespace {
-
-/// Of the squared mismatch above the floors that the owner's model leaves, what an explanation takes.
-double share_taken(const ModelLevels& before, const ModelLevels& after) {
-  double rows = 0;
-  for (const ChannelLevel& c : before.channels) rows += static_cast<double>(c.fitted_rows);
-  const double was = before.chi2(false), is = std::max(after.chi2(false), std::min(rows, was));
-  return (was - is) / std::max(was - std::min(rows, was), 1e-300);
-}
-
-/// Where the best name takes too little, the best of those that take nearly all: what remains has no name yet.
-void choose_what_takes_most(ResidualModel& model, const Search& search, const DecisionRules& rules,
-                            const ModelLevels& before, Decision& decision) {
-  decision.levels = model_levels(model, decision.chosen->fit, rules);
-  if (decision.chosen->members.empty() || share_taken(before, decision.levels) >= rules.named_share) return;
-  for (const Explanation* e : sizeable(search, 1, rules)) {
-    if (e->log_evidence - search.owner().log_evidence < rules.alarm_gain) return;
-    const ModelLevels levels = model_levels(model, e->fit, rules);
-    if (share_taken(before, levels) < rules.nearly_all_share) continue;
-    decision.chosen = e;
-    decision.levels = levels;
-    decision.gain = e->log_evidence - search.owner().log_evidence;
-    std::erase_if(decision.rivals, [&](const Explanation* rival) { return rival->log_evidence >= e->log_evidence; });
-    decision.rivals.insert(decision.rivals.begin(), e);
-    decision.verdict = verdict_of(*e, search);
-    return;
-  }
-}
-
-}  // namespace
-
 Decision decide_beside_remainder(ResidualModel& model, const Search& search, const DecisionRules& rules) {
   DecisionRules beside = rules;
   beside.most_sure = rules.most_sure_beside;
   Decision decision = chosen_chain(model, search, beside, rules.next_share_beside);
   decision.beside_remainder = true;
+  decision.levels = model_levels(model, decision.chosen->fit, rules);
   const ModelLevels before = model_levels(model, search.owner().fit, rules);
-  choose_what_takes_most(model, search, rules, before, decision);
-  decision.probabilities = probabilities_of(decision.rivals, beside);
   decision.reason = what_is_left(decision, model, rules);
-  const double share = share_taken(before, decision.levels);
+  const double share = share_taken(before.chi2(false), decision.levels.chi2(false),
+                                   static_cast<double>(search.owner().fit.residual.size()));
   const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
                         is_owner_refuted(search, decision, rules) && share >= rules.named_share &&
                         decision.levels.highest() <= rules.largest_remainder &&

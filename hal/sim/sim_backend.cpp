@@ -1,6 +1,9 @@
 // Backend `sim`.
 #include "sim/sim_backend.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "config/rig_parameters.hpp"
 
 namespace pneuservo {
@@ -20,8 +23,24 @@ SimBackend::SimBackend(const Rig& rig, Has sensors) : rig_(simulated_rig(rig)) {
     is_there_[signal] = is_there_[signal] && rig.sensors.resolution(signal).rms() > 0.0;
 }
 
+void SimBackend::configure_plant() {
+  drive_ticks_ = 0;
+  auto axis = rig_.axis;
+  if (const double period_s = rig_.simulation.valve_drive_period_s; period_s > 0.0) {
+    drive_ticks_ = static_cast<int>(std::lround(rig_.period_s / period_s));
+    ValveDriveParameters parameters{{}, axis.valve.command_max_V, rig_.simulation.spool_quantum_m};
+    parameters.loop.natural_frequency_Hz = axis.valve.natural_frequency_Hz;
+    parameters.loop.damping_ratio = axis.valve.damping_ratio;
+    parameters.loop.period_s = period_s;
+    for (ValveDrive& drive : drives_) drive.configure(parameters);
+    axis.valve.natural_frequency_Hz = 0.0;  // the spool that the drive moved is where it is
+  }
+  plant_.configure(axis, drive_ticks_ > 0 ? rig_.period_s / drive_ticks_ : rig_.period_s, rig_.simulation.cells_per_m,
+                   valve_arrangement(rig_));
+}
+
 void SimBackend::configure() {
-  plant_.configure(rig_.axis, rig_.period_s, rig_.simulation.cells_per_m, valve_arrangement(rig_));
+  configure_plant();
   plant_.reset(plant_start(rig_));
   growth_.configure(rig_);
   const PerSignal<double> values = true_values(plant_);
@@ -51,6 +70,13 @@ bool SimBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
 }
 
 void SimBackend::step_plant() noexcept {
+  if (drive_ticks_ > 0) {
+    const double most_V = rig_.axis.valve.command_max_V;
+    for (int i = 0; i < drive_ticks_; ++i)
+      plant_.step(drives_[0].step(std::clamp(command_.valve_V, -most_V, most_V)),
+                  drives_[1].step(std::clamp(command_.valve_2_V, -most_V, most_V)));
+    return;
+  }
   if (!rig_.controls_pressure()) return plant_.step(command_.valve_V, command_.valve_2_V);
   step_pressure_plant(plant_, growth_, command_.valve_V);
 }

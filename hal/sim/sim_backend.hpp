@@ -8,6 +8,7 @@
 #include <pneuservo/rig/plant.hpp>
 #include <pneuservo/rig/pressure_axis.hpp>
 #include <pneuservo/rig/rig.hpp>
+#include <pneuservo/rig/valve_drive.hpp>
 
 namespace pneuservo {
 
@@ -42,12 +43,15 @@ class SimBackend final : public Backend {
   std::string name() const override { return "sim"; }
 
  private:
+  void configure_plant();
   void step_plant() noexcept;
   void age_by_a_tick(std::int64_t tick, Measurement& measurement) noexcept;
 
   Rig rig_;
   PerSignal<bool> is_there_;
   AxisPlant<double> plant_;
+  std::array<ValveDrive, 2> drives_;
+  int drive_ticks_ = 0;  // a period; 0: the valve is a lag
   VolumeGrowth growth_;  // of a pressure rig
   PerSignal<Sensor> sensors_;
   std::int64_t plant_tick_ = 0;

@@ -176,6 +176,26 @@ void check_limits(const Rig& rig, const Check& check) {
                  "at least the age that simulation.input_age_periods gives every sample (1)");
 }
 
+/// The drive of the simulated valves: whole ticks a period, a lag that its loop can make.
+void check_valve_drive(const Rig& rig, const Check& check) {
+  const double period_s = rig.simulation.valve_drive_period_s;
+  if (period_s == 0.0) return;
+  if (!rig.is_pneumatic())
+    check.refuse("simulation.valve_drive_period_s", {"rig"}, number_text(period_s),
+                 "none: a rig of kind cylinder or servo_table has valves with a drive of their own");
+  constexpr double shortest_s = 1e-6;  // no drive has a quicker loop, and each of its ticks is simulated
+  if (period_s < shortest_s)
+    check.refuse("simulation.valve_drive_period_s", {}, number_text(period_s), "0, or 1 us at least");
+  const double ticks = rig.period_s / period_s;
+  if (ticks < 0.5 || std::fabs(ticks - std::round(ticks)) > 1e-6)
+    check.refuse("simulation.valve_drive_period_s", {"period_s"}, number_text(period_s),
+                 fmt::format("a whole part of period_s ({})", number_text(rig.period_s)));
+  const double Hz = rig.axis.valve.natural_frequency_Hz;
+  if (Hz < 50.0 || Hz > 300.0)
+    check.refuse("valve.natural_frequency_Hz", {"simulation.valve_drive_period_s"}, number_text(Hz),
+                 "50 to 300 Hz, which the drive's loop can make, or no valve_drive_period_s");
+}
+
 /// What the valves of this rig can do in the safe state.
 void check_safe_output(const Rig& rig, const Check& check) {
   const SafeOutputParameters& safe = rig.safe_output;
@@ -543,6 +563,7 @@ void check_rig(const Rig& rig, const ConfigNode& root, InputErrors& errors) {
   check.of({"air", "supply", "line_1", "line_2", "controller", "reference"}, [&] { check_law(rig, check); });
   check.of({"supply", "sensors", "controller", "cylinder", "effects", "limits", "simulation"},
            [&] { check_limits(rig, check); });
+  check.of({"rig", "period_s", "simulation", "valve"}, [&] { check_valve_drive(rig, check); });
   if (rig.is_pneumatic()) check_pneumatic(rig, check);
   check.of({"cylinder", "slider", "initial"}, [&] { check_initial_position(rig, check); });
   check.of({"period_s", "duration_s", "evaluation", "reference"}, [&] { check_times(rig, check); });

@@ -227,6 +227,29 @@ bool is_doubtful(const Rig& rig, const Decision& decision, const DecisionRules& 
   return at_end >= rules.stretched_count;
 }
 
+/// Of several names those that bring enough where small physics stands beside them all: others may stand for that.
+std::vector<std::size_t> needed_names(const Rig& rig, FittedRows& rows, const Search& search, const Decision& decision,
+                                      const DecisionRules& rules) {
+  const std::vector<std::size_t>& members = decision.chosen->members;
+  if (!rig.is_pneumatic() || decision.verdict == Verdict::unknown || members.size() < 2) return members;
+  SearchSettings settings;
+  settings.small_physics = small_physics(rig, rows.model().channels());
+  settings.settled_gain = settled_gain_beside;
+  // What is named is not granted as well.
+  std::erase_if(settings.small_physics, [&](const FreeParameter& granted) {
+    return std::any_of(members.begin(), members.end(), [&](std::size_t m) {
+      const std::vector<FreeParameter>& own = search.candidates()[m].parameters;
+      return std::any_of(own.begin(), own.end(), [&](const FreeParameter& p) { return p.path == granted.path; });
+    });
+  });
+  const std::vector<double> gains =
+      Search(rows, rig, search.candidates(), settings, rules, {}).gains_of_names(*decision.chosen);
+  std::vector<std::size_t> needed;
+  for (std::size_t i = 0; i < members.size(); ++i)
+    if (gains[i] >= rules.alarm_gain) needed.push_back(members[i]);
+  return needed;
+}
+
 /// Whether a decision leaves about as little as another, fitted and held-out rows together.
 bool fits_as_well(const Decision& decision, const Decision& other, const DecisionRules& rules) {
   const double left = decision.levels.chi2(false) + decision.levels.chi2(true),
@@ -315,9 +338,20 @@ Decision decided_twice(const Rig& rig, FittedRows& rows, Search& search, const D
   Decision decision = decided(rig, model, search, options.rules);
   const bool left_everywhere = decision.verdict == Verdict::unknown && !decision.is_described &&
                                is_everywhere(model.channels(), decision.levels.channels, options.rules.floor_level);
-  if (!left_everywhere && !is_doubtful(rig, decision, options.rules)) return decision;
+  const std::vector<std::size_t> needed = needed_names(rig, rows, search, decision, options.rules);
+  const bool is_each_needed = needed.size() == decision.chosen->members.size();
+  if (!left_everywhere && is_each_needed && !is_doubtful(rig, decision, options.rules)) return decision;
   Decision granted = with_small_physics(rig, rows, search.candidates(), search, options, beside, out);
   if (left_everywhere || fits_as_well(granted, decision, options.rules)) return granted;
+  if (!is_each_needed) {
+    const std::vector<const Explanation*> fewer = search.ranking(needed.size());
+    const auto same =
+        std::find_if(fewer.begin(), fewer.end(), [&](const Explanation* e) { return e->members == needed; });
+    if (needed.empty() || same == fewer.end()) return granted;
+    model.set_working_point((*same)->fit.hypothesis());
+    decision = decide_on(**same, model, search, options.rules);
+    if (decision.verdict == Verdict::unknown) return granted;
+  }
   beside.reset();  // what was doubted explains what small physics and one name do not
   out.warnings.clear();
   model.set_working_point(decision.chosen->fit.hypothesis());
@@ -350,6 +384,18 @@ void add_functions(const ResidualModel& model, const LatentJudgement& judgement,
   out.answers.front().note = out.picture->words + "; " + out.answers.front().note;
 }
 
+/// A quantity that differs from the config's, within what its owner states.
+void add_stated(const ResidualModel& model, const Decision& decision, const DecisionRules& rules, Diagnosis& out) {
+  for (std::size_t c = 0; c < decision.levels.channels.size(); ++c) {
+    const ChannelLevel& level = decision.levels.channels[c];
+    const ResidualChannel& channel = model.channels()[c];
+    if (level.fitted <= rules.floor_level || level.beyond_stated() > rules.floor_level) continue;
+    out.warnings.push_back(
+        fmt::format("{}: changes by {:.3g} {} that no name explains, within the {:.3g} {} of its tolerance",
+                    channel.name, level.fitted * level.sigma, channel.unit, channel.stated, channel.unit));
+  }
+}
+
 /// Everything that a decision and its search say.
 void tell(const Rig& rig, ResidualModel& model, const Decision& decision, const LatentJudgement& judgement,
           const Search& search, const DiagnoseOptions& options, Diagnosis& out) {
@@ -365,6 +411,7 @@ void tell(const Rig& rig, ResidualModel& model, const Decision& decision, const 
   }
   add_fit(model, search, decision, options.rules, out);
   add_functions(model, judgement, out);
+  add_stated(model, decision, options.rules, out);
   if (decision.beside_remainder && out.verdict != Verdict::unknown && !out.answers.empty())
     out.answers.front().note =
         fmt::format("takes {:.0f} % of the squared mismatch; the remainder: {}", 100 * out.explained_share,

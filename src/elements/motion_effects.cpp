@@ -120,6 +120,13 @@ constexpr EffectEntry motion_entries[] = {
                     shape("way_m", half_stroke, 1.0, friction_ways).by(Variation::logarithmic)},
      .shown_by = both_ways,
      .is_of_plain_axes = true},
+    // Seals are sheared by some 0.05 mm before they slide.
+    {.name = "presliding",
+     .words = "dry friction that builds up along a way before it slides",
+     .element = "motion",
+     .family = "presliding",
+     .role = EffectRole::granted,
+     .parameters = {amplitude("way_m", one, 1e-4, 1e-6).small(5e-5, 0.02)}},
     {.name = "gravity_load",
      .words = "a weight on a lever that turns with the axis",
      .element = "motion",

@@ -5,11 +5,14 @@
 
 #include <unistd.h>
 
+#include <fmt/format.h>
+
 #include "config/input_error.hpp"
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "thesis/groups.hpp"
+#include "thesis/one_set.hpp"
 #include "thesis/pictures.hpp"
 #include "thesis/report.hpp"
 
@@ -17,7 +20,8 @@ namespace pneuservo {
 namespace {
 
 struct ThesisOptions {
-  std::string configs = "config", only, report, json;
+  std::string configs = "config", only, report, json, search;
+  OneSetSearch trials;
 };
 
 void tell_progress(std::size_t done, std::size_t all) {
@@ -26,11 +30,41 @@ void tell_progress(std::size_t done, std::size_t all) {
   else if (done % 50 == 0) std::fprintf(stderr, "%zu of %zu rows\n", done, all);
 }
 
+const OneSet& set_of(const std::vector<OneSet>& sets, const std::string& name) {
+  std::string names;
+  for (const OneSet& set : sets) {
+    if (set.name == name) return set;
+    names += (names.empty() ? "" : ", ") + std::string(set.name);
+  }
+  throw InputError(fmt::format("--search: found '{}', expected one of {}", name, names));
+}
+
+/// Prints the best set of a search beside the one that the page holds. Status 1: the search found a nearer one.
+int search_thesis(const ThesisOptions& options) {
+  const std::vector<OneSet> sets = all_one_sets();
+  const OneSet& set = set_of(sets, options.search);
+  ThesisBench bench(options.configs);
+  const double held = total_deviation(set.compute(bench, found_numbers(set)), set.figures);
+  const OneSetFound found = search_one_set(set, options.configs, options.trials, [](const OneSetFound& now) {
+    std::fprintf(stderr, "%zu tried, total deviation %.4f\n", now.evaluations, now.deviation);
+  });
+  fmt::print("{}: {} members of the family tried, seed {}\n", set.title, found.evaluations, options.trials.seed);
+  for (std::size_t i = 0; i < set.numbers.size(); ++i)
+    fmt::print("  {:<52} {:.9g} {} ({:g} to {:g})\n", set.numbers[i].name, found.at[i], set.numbers[i].unit,
+               set.numbers[i].low, set.numbers[i].high);
+  for (std::size_t i = 0; i < set.figures.size(); ++i)
+    fmt::print("  {:<9} {:<44} printed {}, found {:.4g} {}\n", set.figures[i].place, set.figures[i].what,
+               set.figures[i].printed, found.ours[i], set.figures[i].unit);
+  fmt::print("total deviation {:.4f}, of the set on the page {:.4f}\n", found.deviation, held);
+  return found.deviation < (1.0 - searched_within) * held ? 1 : 0;
+}
+
 int run_thesis(const ThesisOptions& options) {
   if (!std::filesystem::is_directory(options.configs))
     throw InputError(options.configs +
                      ": not a folder, expected that of the shipped configs; run the verb beside it or name it by "
                      "--configs");
+  if (!options.search.empty()) return search_thesis(options);
   OutputFiles().writes("--report", options.report, ResultKind::page).writes("--json", options.json, ResultKind::json);
   const std::vector<ThesisGroup> groups = thesis_groups(options.only);
   if (groups.empty()) throw InputError("--only: no row's place holds '" + options.only + "', such as 'Table 2.5'");
@@ -52,6 +86,14 @@ void add_thesis(CommandLine& app, int& status) {
   verb.add_option("--configs", options->configs, "folder of the shipped configs").shows_default();
   verb.add_option("--report", options->report, "self-contained HTML page with the thesis' pictures");
   verb.add_option("--json", options->json, "result as JSON; - for standard output");
+  verb.add_option(
+      "--search", options->search,
+      "search one set of numbers for many figures instead: lines, table, cylinder; status 1 where it finds a "
+      "nearer one than the page has");
+  verb.add_option("--evaluations", options->trials.evaluations, "members of the family that the search tries")
+      .shows_default();
+  verb.add_option("--seed", options->trials.seed, "of the search").shows_default();
+  verb.add_flag("--from-found", options->trials.from_found, "begin the search with the set on the page among others");
   verb.callback([options, &status] { status = run_thesis(*options); });
 }
 

@@ -9,10 +9,11 @@
 namespace pneuservo {
 
 std::vector<ThesisGroup> thesis_groups(const std::string& only) {
-  std::vector<ThesisGroup> groups{thesis_table_group(),       thesis_valve_group(),      thesis_line_group(),
-                                  thesis_order_group(),       thesis_gain_group(),       thesis_model_group(),
-                                  thesis_feedforward_group(), thesis_element_group(),    thesis_cylinder_group(),
-                                  thesis_index_group(),       thesis_difference_group(), thesis_wish_group()};
+  std::vector<ThesisGroup> groups{
+      thesis_table_group(),         thesis_valve_group(),   thesis_line_group(),       thesis_identify_group(),
+      thesis_order_group(),         thesis_gain_group(),    thesis_model_group(),      thesis_feedforward_group(),
+      thesis_table_sets_group(),    thesis_element_group(), thesis_flow_group(),       thesis_cylinder_group(),
+      thesis_cylinder_sets_group(), thesis_index_group(),   thesis_difference_group(), thesis_wish_group()};
   for (ThesisGroup& group : groups)
     std::erase_if(group.rows, [&](const ThesisRow& row) { return row.place.find(only) == std::string::npos; });
   std::erase_if(groups, [](const ThesisGroup& group) { return group.rows.empty(); });

@@ -11,15 +11,22 @@ namespace pneuservo {
 ThesisGroup thesis_table_group();        // 2.1, 2.2.1: parameters and linear model of the servo table
 ThesisGroup thesis_valve_group();        // 2.2.2
 ThesisGroup thesis_line_group();         // 2.2.3
+ThesisGroup thesis_identify_group();     // 2.2.3: the experiment with a line
 ThesisGroup thesis_order_group();        // 2.3: loops of third, fifth, seventh order
 ThesisGroup thesis_gain_group();         // tables 2.7, 2.8
 ThesisGroup thesis_model_group();        // 2.4: linear models against the nonlinear table
 ThesisGroup thesis_feedforward_group();  // 2.6
+ThesisGroup thesis_table_sets_group();   // one set of numbers for all of chapter 2
 ThesisGroup thesis_element_group();      // 3.1 to 3.3
+ThesisGroup thesis_flow_group();         // 3.3.1: area over voltage
 ThesisGroup thesis_cylinder_group();     // 3.5
+ThesisGroup thesis_cylinder_sets_group();  // one axis for all of chapter 3
 ThesisGroup thesis_index_group();        // 4.1 to 4.3: the index
 ThesisGroup thesis_difference_group();   // 4.3: pressure loss, position difference, verdicts
 ThesisGroup thesis_wish_group();         // 5.2, nomenclature
+
+/// What the model of third order and its inverse allow beside each other.
+std::vector<ThesisRow> order_bound_rows();
 
 /// All of them, in the thesis' order; `only`: rows whose place holds this text.
 std::vector<ThesisGroup> thesis_groups(const std::string& only = "");

@@ -10,6 +10,7 @@
 #include "design/axis_design.hpp"
 #include "report/pole_plot.hpp"
 #include "thesis/groups.hpp"
+#include "thesis/one_set.hpp"
 #include "thesis/report.hpp"
 
 namespace pneuservo {
@@ -202,6 +203,17 @@ void feedforward_pictures(HtmlPage& page, ThesisBench& bench) {
   }
 }
 
+void flow_pictures(HtmlPage& page, ThesisBench& bench) {
+  const MeasuredValve valve = thesis_measured_valve(bench);
+  Plot area = time_plot("Fig 3.7: area over voltage, measured as in Fig 3.6", "mm2", "flow");
+  area.x_title = "voltage";
+  area.x_unit = "V";
+  area.curves = {curve("config: straight", Tone::neutral, valve.command_V, valve.straight_m2, 1e6, true),
+                 curve("simulated valve", Tone::chamber, valve.command_V, valve.true_m2, 1e6),
+                 curve("measured flows", Tone::valve, valve.command_V, valve.measured_m2, 1e6)};
+  page.plot(area);
+}
+
 // --- the cylinder ----------------------------------------------------------------------------------------------------
 
 Plot pressures(std::string title, const ThesisCourse& course, std::size_t side, std::string group) {
@@ -296,14 +308,49 @@ void all_difference_pictures(HtmlPage& page, ThesisBench& bench) {
   difference_pictures(page, bench, "thesis/rule-2m-6.10mm", "Fig 4.6", "Fig 4.7");
 }
 
+// --- one set ---------------------------------------------------------------------------------------------------------
+
+/// What the search found, beside the range that it covered.
+void add_set_table(HtmlPage& page, const OneSet& set) {
+  std::vector<std::string> names, found, low, high;
+  for (const FreeNumber& number : set.numbers) {
+    names.push_back(*number.unit == '\0' ? number.name : fmt::format("{}, {}", number.name, number.unit));
+    found.push_back(fmt::format("{:.5g}", number.found));
+    low.push_back(fmt::format("{:g}", number.low));
+    high.push_back(fmt::format("{:g}", number.high));
+  }
+  page.table({.title = fmt::format("{}: the nearest of {} members", set.title, set.tried),
+              .columns = {text_column("number", names), text_column("found", found), text_column("from", low),
+                          text_column("to", high)}});
+}
+
+void table_set_pictures(HtmlPage& page, ThesisBench&) {
+  add_set_table(page, line_set());
+  add_set_table(page, table_set());
+}
+
+void cylinder_set_pictures(HtmlPage& page, ThesisBench& bench) {
+  add_set_table(page, cylinder_set());
+  std::vector<Plot> plots;
+  for (const double payload_kg : {0.0, 1.25}) {
+    plots.push_back(time_plot(fmt::format("The axis found, payload {:g} kg: x_ref - x", payload_kg), "mm", "found"));
+    for (const auto& [source, tone] : {std::pair{"valve", Tone::valve}, std::pair{"chamber", Tone::chamber},
+                                       std::pair{"estimated", Tone::estimated}})
+      plots.back().curves.push_back(error_curve(source, tone, bench.run(found_cylinder(source, payload_kg)), mm));
+  }
+  page.plots(plots);
+}
+
 /// Pictures by the beginning of their group's title.
 struct Pictures {
   const char* title;
   void (*add)(HtmlPage&, ThesisBench&);
 };
-constexpr Pictures all_pictures[] = {
-    {"2.2.2", valve_pictures},     {"2.2.3", line_pictures},   {"2.3", pole_pictures},          {"2.4", model_pictures},
-    {"2.6", feedforward_pictures}, {"3.5", cylinder_pictures}, {"4.3", all_difference_pictures}};
+constexpr Pictures all_pictures[] = {{"2.2.2", valve_pictures},       {"2.2.3 The lines", line_pictures},
+                                     {"2.3", pole_pictures},          {"2.4", model_pictures},
+                                     {"2.6", feedforward_pictures},   {"3.3.1", flow_pictures},
+                                     {"3.5", cylinder_pictures},      {"4.3", all_difference_pictures},
+                                     {"One set", table_set_pictures}, {"One axis", cylinder_set_pictures}};
 
 }  // namespace
 

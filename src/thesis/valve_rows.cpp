@@ -5,8 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <pneuservo/control/spool_loop.hpp>
-#include <pneuservo/elements/spool_mass.hpp>
+#include <pneuservo/rig/valve_drive.hpp>
 
 #include "design/axis_design.hpp"
 #include "thesis/groups.hpp"
@@ -15,29 +14,24 @@
 namespace pneuservo {
 
 std::complex<double> spool_response(double set_Hz, double Hz) {
-  constexpr double full_stroke_m = 0.75e-3, share = 0.1;
-  SpoolLoopParameters parameters;
-  parameters.natural_frequency_Hz = set_Hz;
-  SpoolLoop loop;
-  loop.configure(parameters);
-  SpoolMass<double> spool;
-  spool.configure({});
-  const double w = 2.0 * std::numbers::pi * Hz, T = parameters.period_s;
+  constexpr double share = 0.1;
+  ValveDrive drive;
+  ValveDriveParameters parameters;
+  parameters.loop.natural_frequency_Hz = set_Hz;
+  drive.configure(parameters);
+  const double w = 2.0 * std::numbers::pi * Hz, T = parameters.loop.period_s;
   // Whole periods, after 25 of them or 0.1 s.
   const int start = static_cast<int>(std::ceil(std::max(0.1, 25.0 / Hz) / T));
   const int ticks = static_cast<int>(std::lround(std::ceil(0.2 * Hz) / (Hz * T)));
   std::complex<double> sum = 0.0, input = 0.0;
-  double acting_V = 0.0;
   for (int k = 0; k < start + ticks; ++k) {
-    const double wanted_m = share * full_stroke_m * std::sin(w * k * T);
+    const double wanted = share * std::sin(w * k * T);
     if (k >= start) {
       const std::complex<double> turn = std::exp(std::complex<double>(0.0, -w * k * T));
-      sum += turn * spool.position_m();
-      input += turn * wanted_m;
+      sum += turn * drive.spool_m();
+      input += turn * wanted * spool_stroke_m;
     }
-    const double next_V = loop.step(spool.position_m(), wanted_m);
-    spool.step(acting_V, 0.0, T);
-    acting_V = next_V;
+    drive.step(wanted * parameters.command_max_V);
   }
   return sum / input;
 }
@@ -52,6 +46,27 @@ double falls_to_Hz(double set_Hz, double share) {
     (std::abs(spool_response(set_Hz, middle)) > share ? low : high) = middle;
   }
   return std::sqrt(low * high);
+}
+
+/// The table behind valves whose spool, coil and inner loop are simulated.
+void add_rows_with_own_loop(std::vector<ThesisRow>& rows) {
+  const std::string why = "spool, coil and inner loop in the simulated plant, as device and run have them with "
+                          "simulation.valve_drive_period_s; the loop makes up for its one tick";
+  const auto error_um = [](const ThesisCourse& course) { return 1e6 * course.max_error_m; };
+  for (const char* quantum_m : {"0", "0.125e-6"})
+    rows.push_back(
+        run_row({.place = "2.2.2",
+                 .what = fmt::format("4 mm table behind valves with their own loop, spool sensor of {} um: "
+                                     "error of the printed move",
+                                     std::string_view(quantum_m) == "0" ? "0" : "0.125"),
+                 .unit = "um",
+                 .printed = "no figure",
+                 .held = std::string_view(quantum_m) == "0" ? "0.0814" : "0.0794",
+                 .why = why},
+                {table_4mm.config,
+                 {"simulation.valve_drive_period_s=1e-4", fmt::format("simulation.spool_quantum_m={}", quantum_m),
+                  "controller.command_delay_s=1e-4"}},
+                error_um));
 }
 
 }  // namespace
@@ -95,6 +110,7 @@ ThesisGroup thesis_valve_group() {
                         return valve.area_per_volt_m2_per_V * 0.5 * valve.command_max_V / valve.area_max_m2;
                       },
                   .held = "0.50"});
+  add_rows_with_own_loop(rows);
   return {"2.2.2 The servo valve", rows};
 }
 

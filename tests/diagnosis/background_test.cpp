@@ -110,15 +110,15 @@ TEST_CASE("background: tolerances at the end of their range together are no proo
   machine.axis.effects.port_volume_1 = {5e-6};
   machine.axis.effects.port_volume_2 = {3e-6};
   const std::vector<Recording> recordings{simulated_recording(machine, 6.5, 5, all_pressures)};
-  const Diagnosis believed = diagnose(owner, recordings, {});
-  CHECK(believed.verdict == Verdict::missing_physics);
   DiagnoseOptions options;
+  options.rules.doubted_left = 0;  // small physics always leaves too much then, and the doubted verdict stands
+  const Diagnosis believed = diagnose(owner, recordings, options);
+  CHECK(believed.verdict == Verdict::missing_physics);
+  options = {};
   options.rules.stretched_count = 2;  // both dead volumes, of the few numbers that are free here
   const Diagnosis doubted = diagnose(owner, recordings, options);
   INFO(doubted.sentence);
   CHECK((doubted.verdict == Verdict::unknown || doubted.verdict == Verdict::consistent));
-  options.rules.doubted_left = 0;  // small physics always leaves too much then, and the doubted verdict stands
-  CHECK(diagnose(owner, recordings, options).sentence == believed.sentence);
   options = {};
   options.rules.most_names = believed.answers.size();  // a verdict of as many names as are sought is doubted too
   CHECK(diagnose(owner, recordings, options).verdict == doubted.verdict);

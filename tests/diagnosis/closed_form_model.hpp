@@ -13,8 +13,11 @@ namespace pneuservo::test {
 class ClosedFormModel : public ResidualModel {
  public:
   using Residual = std::function<std::vector<double>(const Rig&)>;
-  explicit ClosedFormModel(Residual residual)
-      : residual_(std::move(residual)), channels_(1), rows_(residual_(Rig{}).size()) {}
+  /// stated: by which the channel may differ from the config.
+  explicit ClosedFormModel(Residual residual, double stated = 0)
+      : residual_(std::move(residual)), channels_(1), rows_(residual_(Rig{}).size()) {
+    channels_.front().stated = stated;
+  }
 
   const std::vector<ResidualChannel>& channels() const override { return channels_; }
   const std::vector<ResidualRow>& rows() const override { return rows_; }

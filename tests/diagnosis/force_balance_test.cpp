@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <functional>
+#include <random>
 
 #include <pneuservo/elements/slider.hpp>
 
@@ -128,6 +129,22 @@ TEST_CASE("every law on the slider balances its own motion and no other") {
   }
 }
 
+TEST_CASE("dry friction that builds up before it slides balances its own motion better than friction that jumps") {
+  Rig sheared = slider_rig();
+  sheared.axis.effects.motion.coulomb_friction.force_N = 8;
+  Rig jumping = sheared;
+  sheared.axis.effects.motion.presliding.way_m = 1e-3;
+  const Record record = recorded(sheared), other = recorded(jumping);
+  const ForceBalance balance(record.position_m, period_s, 0.0), others(other.position_m, period_s, 0.0);
+  const double own = rms_residual(balance, record, sheared);
+  CHECK(own < 0.35);
+  CHECK(rms_residual(balance, record, jumping) > 3 * own);
+  CHECK(rms_residual(others, other, jumping) < 0.35);
+  // A way that shrinks to nothing is friction that jumps: no step on the way there.
+  sheared.axis.effects.motion.presliding.way_m = 1e-9;
+  CHECK(rms_residual(balance, record, sheared) == Approx(rms_residual(balance, record, jumping)).epsilon(1e-3));
+}
+
 TEST_CASE("what follows a gap asks for the same force of a swinging load as the whole recording does") {
   Rig rig = slider_rig();
   rig.axis.effects.motion.elastic_load = {1.0, 11, 0.05};
@@ -222,4 +239,41 @@ TEST_CASE("ends, missing positions and end stops are left out") {
   const std::vector<char> stops = balance.near_end_stop(0.3);
   CHECK(stops[790]);
   CHECK_FALSE(stops[700]);
+}
+
+TEST_CASE("the force's noise is that of the slider that is supposed: a coupled load does not follow the encoder") {
+  Rig rigid = slider_rig();
+  rigid.axis.slider.viscous_friction_Ns_per_m = 0.0;
+  const double noise_m = 15e-6;
+  std::mt19937 generator(7);
+  std::uniform_real_distribution<double> error(-std::sqrt(3.0) * noise_m, std::sqrt(3.0) * noise_m);
+  std::vector<double> true_m, read_m;
+  for (int i = 0; i < 20000; ++i) {
+    true_m.push_back(0.05 * std::sin(2 * M_PI * 0.7 * i * period_s));
+    read_m.push_back(true_m.back() + error(generator));
+  }
+  const ForceBalance read(read_m, period_s, noise_m), exact(true_m, period_s, noise_m);
+  const std::size_t count = 10;
+  const auto seen_noise_N = [&](const Rig& rig) {
+    const std::vector<double> nothing(read_m.size(), 0.0);
+    const std::vector<double> with = read.required_force(rig, nothing, {}),
+                              without = exact.required_force(rig, nothing, {});
+    double square = 0, found = 0;
+    for (std::size_t first = 500; first + count < with.size() - 500; first += count) {
+      double mean = 0;
+      for (std::size_t i = first; i < first + count; ++i) mean += (with[i] - without[i]) / static_cast<double>(count);
+      square += mean * mean, ++found;
+    }
+    return std::sqrt(square / found);
+  };
+  Rig elastic = rigid, loose = rigid, lagging = rigid;
+  elastic.axis.effects.motion.elastic_load = {1.5, 11.0, 0.1};
+  loose.axis.effects.motion.load_backlash = {1.5, 1e-3, 60.0, 0.3};
+  lagging.sensor_effects[Signal::x].sensor_lag.time_constant_s = 0.01;
+  const double of_rigid_N = read.force_noise(rigid, count);
+  for (const Rig* rig : {&rigid, &elastic, &loose, &lagging})
+    CHECK(read.force_noise(*rig, count) == Approx(seen_noise_N(*rig)).epsilon(0.1));
+  // 1.0 of 2.5 kg is left for the noise to shake.
+  CHECK(read.force_noise(elastic, count) == Approx(0.4 * of_rigid_N).epsilon(0.15));
+  CHECK(read.force_noise(lagging, count) > 1.5 * of_rigid_N);
 }

@@ -9,6 +9,7 @@
 #include "diagnosis/residuals/slow_error.hpp"
 #include "diagnosis/search/search.hpp"
 #include "diagnosis/simulated_recording.hpp"
+#include "diagnosis/verdict/decision.hpp"
 
 using namespace pneuservo;
 using namespace pneuservo::test;
@@ -42,6 +43,13 @@ std::vector<double> bent(const Rig& rig) {
 std::vector<double> behind_a_ridge(const Rig& rig) {
   const double spring = rig.axis.effects.motion.spring_load.stiffness_N_per_m;
   return {missing * (spring + 1) * (spring - 2) / 2, 30 * (spring - 2)};
+}
+
+/// A spring that takes much, and a load that takes little; so does an offset of the valve.
+std::vector<double> much_and_little(const Rig& rig) {
+  const MotionEffects<double>& motion = rig.axis.effects.motion;
+  return {missing * (1 - motion.spring_load.stiffness_N_per_m),
+          12 * (1 - motion.constant_force.force_N - rig.axis.effects.valve.valve_offset.offset_V)};
 }
 
 DecisionRules one_name() {
@@ -143,6 +151,50 @@ TEST_CASE("search: what the owner's slow error takes in has its name beside an e
   CHECK(search.best_of(1)->members.front() == 0);
   CHECK(search.best_of(1)->fit.z(0) == Approx(1).epsilon(0.01));
   CHECK(search.first_gain() > DecisionRules{}.next_gain);
+}
+
+TEST_CASE("search: a name that small physics stands for brings nothing beside it") {
+  ClosedFormModel model(much_and_little);
+  FittedRows rows(model, {});
+  const std::vector<Candidate> candidates{found_by_size("spring_load", "effects.spring_load.stiffness_N_per_m"),
+                                          found_by_size("constant_force", "effects.constant_force.force_N")};
+  DecisionRules two_names;
+  two_names.most_names = 2;
+  Search search(rows, cylinder_rig(), candidates, {}, two_names, {});
+  search.run();
+  REQUIRE(search.best_of(2) != nullptr);
+  const double alone = search.best_of(2)->log_evidence - search.best_of(1)->log_evidence;
+  CHECK(alone > two_names.next_gain);
+  SearchSettings settings;
+  FreeParameter small = free_number(cylinder_rig(), "effects.valve_offset.offset_V");
+  small.lower = -3, small.upper = 3, small.step = 0.01;
+  settings.small_physics = {small};
+  const std::vector<double> gains =
+      Search(rows, cylinder_rig(), candidates, settings, two_names, {}).gains_of_names(*search.best_of(2));
+  REQUIRE(gains.size() == 2);
+  CHECK(gains[0] > 1000);
+  CHECK(gains[1] < 1);
+  settings.small_physics.clear();
+  CHECK(Search(rows, cylinder_rig(), candidates, settings, two_names, {}).gains_of_names(*search.best_of(2))[1] ==
+        Approx(alone).margin(0.5));
+}
+
+TEST_CASE("decision: what changes within its owner's tolerance is no remainder, what changes by more is one") {
+  const auto swings = [](const Rig&) {
+    std::vector<double> rows(200);
+    for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = 4 * std::sin(0.02 * static_cast<double>(k));
+    return rows;
+  };
+  const auto verdict_where = [&](double stated) {
+    ClosedFormModel model(swings, stated);
+    FittedRows rows(model, {});
+    Search search(rows, cylinder_rig(), {}, {}, one_name(), {});
+    search.run();
+    return decide(model, search, one_name()).verdict;
+  };
+  CHECK(verdict_where(0) == Verdict::unknown);
+  CHECK(verdict_where(1) == Verdict::unknown);
+  CHECK(verdict_where(4) == Verdict::consistent);
 }
 
 TEST_CASE("search: a rival that ended in another valley of the tolerances is fitted from where the best one stands") {

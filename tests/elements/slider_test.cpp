@@ -247,3 +247,31 @@ TEST_CASE("slider: a loose load flies at even speed across its play, strikes, an
   }
   CHECK(mean == Approx(0.012 / 2.0).epsilon(0.02));
 }
+
+TEST_CASE(
+    "slider: dry friction with presliding is a spring before it slides, holds what has built up, and loses as much") {
+  MotionEffects<double> e;
+  e.coulomb_friction.force_N = 20.0;
+  e.presliding.way_m = 1e-3;
+  CHECK(e.presliding.carried(0.0, 1e-3) == Approx(1 - std::exp(-1.0)));
+  CHECK(e.presliding.carried(1.0, -1e-3 * std::log(2.0)) == Approx(0.0).margin(1e-12));
+  MotionEffects<double> bristles;
+  bristles.elastic_friction = {20.0, 1e-3};
+  Slider<double> slider = make_slider(e), dragged = make_slider(bristles);
+  // The same motion as that of bristles: coulomb friction is all that there is.
+  slider.reset(0.0, 0.0);
+  dragged.reset(0.0, 0.0);
+  for (int k = 0; k < 20000; ++k) {
+    const double force_N = 25.0 * std::sin(4.0 * 1e-4 * k);
+    slider.step(1e-4, force_N, {});
+    dragged.step(1e-4, force_N, {});
+  }
+  CHECK(slider.position() == Approx(dragged.position()).epsilon(1e-9));
+  CHECK(std::abs(slider.position()) > 5e-3);
+  // A way of 0 is friction that slides at once.
+  e.presliding.way_m = 0.0;
+  Slider<double> plain = make_slider(e);
+  plain.reset(0.0, 0.0);
+  plain.step(1e-3, 19.9, {});
+  CHECK(plain.velocity() == 0.0);
+}

@@ -85,6 +85,24 @@ template <class S> struct ElasticFriction {
     v(Field{"way_m", "m", 1e-7, 10, "w of dF/dx = (F_c - F sign(v))/w"}, p.way_m...);
   }
 };
+/// The way over which dry friction builds up where the motion turns: a seal is sheared before it slides.
+template <class S> struct Presliding {
+  S way_m = S(0);
+  /// Share of the dry friction that acts after the way dx: ds/dx = (1 - s sign(dx))/w.
+  S carried(const S& share, const S& dx) const noexcept {
+    return ElasticFriction<S>{S(1), no_division_by_zero()}.carried(share, dx);
+  }
+  /// ds/dx [1/m].
+  S stiffness(const S& share, const S& direction) const noexcept {
+    return (S(1) - direction * share) / no_division_by_zero();
+  }
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"way_m", "m", 0, 0.01, "w of ds/dx = (1 - s sign(v))/w: dry friction is s F"}, p.way_m...);
+  }
+
+ private:
+  S no_division_by_zero() const noexcept { return maximum(way_m, S(1e-12)); }
+};
 /// Weight on a lever that turns with the axis: x is its angle [rad], forces are torques.
 template <class S> struct GravityLoad {
   S sine_N = S(0);
@@ -179,6 +197,7 @@ template <class S> struct MotionEffects {
   DirectionDependentViscousFriction<S> direction_dependent_viscous_friction;
   ViscousFriction<S> viscous_friction;
   ElasticFriction<S> elastic_friction;
+  Presliding<S> presliding;
   GravityLoad<S> gravity_load;
   ConstantForce<S> constant_force;
   SpringLoad<S> spring_load;
@@ -198,6 +217,7 @@ template <class S> struct MotionEffects {
     constexpr auto optional = Presence::optional;
     visit_rigid(v, p...);
     v(Field{"elastic_friction", "", 0, 0, "dry friction that the way builds up", optional}, p.elastic_friction...);
+    v(Field{"presliding", "", 0, 0, "all other dry friction builds up along a way", optional}, p.presliding...);
     v(Field{"gravity_load", "", 0, 0, "weight on a lever that turns with the axis", optional}, p.gravity_load...);
     v(Field{"elastic_load", "", 0, 0, "load on a soft coupling", optional}, p.elastic_load...);
     v(Field{"load_backlash", "", 0, 0, "load coupled with play", optional}, p.load_backlash...);

@@ -37,6 +37,7 @@ template <class S> class Slider {
     is_disturbed_ = disturbance_.is_there();
     has_gravity_ = any(!(effects.gravity_load.sine_N == S(0))) || any(!(effects.gravity_load.cosine_N == S(0)));
     has_bristles_ = any(!(effects.elastic_friction.force_N == S(0)));
+    has_presliding_ = has_dry_friction_ && any(effects.presliding.way_m > S(0));
     const PayloadChange<S>& change = effects.payload_change;
     is_timed_ = any(!(change.mass_kg == S(0))) || any(!(change.weight_N == S(0)));
     set_time(time_);
@@ -57,6 +58,7 @@ template <class S> class Slider {
     if (has_couplings_) load_.reset(position_m, velocity_mps), loose_load_.reset(position_m, velocity_mps);
     if (is_disturbed_) disturbance_.reset();
     bristles_ = S(0);
+    sheared_ = S(0);
     if (is_timed_) set_time(S(0));
   }
 
@@ -102,22 +104,22 @@ template <class S> class Slider {
   }
 
   /// One step of h [s] under the constant driving force [N]. Viscous friction and couplings are trapezoidal, dry
-  /// friction is taken at the start speed; the position follows the mean velocity.
+  /// friction is taken at the start speed; the position follows the mean velocity. Dry friction with presliding acts as
+  /// bristles do, and holds by what has built up.
   void step(double h_s, const S& driving_force_N, const SliderSurroundings<S>& around) noexcept {
     const S h(h_s), zero(0);
     const S alone =
         less_load(is_disturbed_ ? driving_force_N + disturbance_.value(0.5 * h_s) : driving_force_N, position_);
-    const S held_by = has_bristles_ ? alone - bristles_ : alone;
+    const S shearing = has_presliding_ ? shearing_friction(around) : zero, sheared_N = sheared_ * shearing;
+    const S held_by = has_bristles_ ? alone - bristles_ - sheared_N : alone - sheared_N;
     const S force = has_couplings_ ? held_by + load_.force() + loose_load_.force() : held_by;
     const auto resting = velocity_ == zero;
     const S direction = select(resting, select(force >= zero, S(1), S(-1)), select(velocity_ > zero, S(1), S(-1)));
     const S speed = absolute(velocity_);
-    // Without dry friction its exponentials would cost more than all else here.
-    const S dry = has_dry_friction_ ? dry_friction(speed, direction, position_, around) : zero;
-    const S holds_most = has_dry_friction_ ? dry_friction(zero, direction, position_, around) : zero;
+    const S dry = jumping_friction(speed, direction, around), holds_most = jumping_friction(zero, direction, around);
     const auto held = resting & (absolute(force) <= holds_most);
     S coefficient = damping_coefficient(speed, direction);
-    if (has_bristles_) coefficient += S(0.5) * h * bristle_stiffness(direction);
+    if (has_bristles_ || has_presliding_) coefficient += S(0.5) * h * built_up_stiffness(direction, shearing);
     const S damping = S(0.5) * h * coefficient * inverse_mass_;
     S pushed = h * (held_by - direction * dry), carried = S(1) + damping;
     if (has_couplings_) {
@@ -146,6 +148,7 @@ template <class S> class Slider {
     if (is_disturbed_) disturbance_.step(h_s);
     if (is_timed_) set_time(time_ + h);
     if (has_bristles_) bristles_ = effects_.elastic_friction.carried(bristles_, position_ - start_position);
+    if (has_presliding_) sheared_ = effects_.presliding.carried(sheared_, position_ - start_position);
   }
 
   S position() const noexcept { return position_; }
@@ -154,10 +157,22 @@ template <class S> class Slider {
   S mass() const noexcept { return mass_; }
 
  private:
+  /// Dry friction that jumps where the motion turns. Without any its exponentials would cost more than all else here.
+  S jumping_friction(const S& speed, const S& direction, const SliderSurroundings<S>& around) const noexcept {
+    if (!has_dry_friction_) return S(0);
+    const S dry = dry_friction(speed, direction, position_, around);
+    return has_presliding_ ? select(effects_.presliding.way_m > S(0), S(0), dry) : dry;
+  }
+  /// What dry friction with presliding comes to once it has built up.
+  S shearing_friction(const SliderSurroundings<S>& around) const noexcept {
+    const S dry = dry_friction(absolute(velocity_), select(sheared_ < S(0), S(-1), S(1)), position_, around);
+    return select(effects_.presliding.way_m > S(0), dry, S(0));
+  }
   /// dF/dx of the friction that the way builds up; with the trapezoidal rule it acts as a damping of half a step of it.
-  S bristle_stiffness(const S& direction) const noexcept {
+  S built_up_stiffness(const S& direction, const S& shearing) const noexcept {
     const ElasticFriction<S>& own = effects_.elastic_friction;
-    return (own.force_N - direction * bristles_) / own.way_m;
+    return (own.force_N - direction * bristles_) / own.way_m +
+           shearing * effects_.presliding.stiffness(sheared_, direction);
   }
   // Inelastic end stop: the way beyond it is travelled back with the reflected speed. A rebound slower than what the
   // force gains in a step would be back before the step ends: it is rest.
@@ -180,10 +195,11 @@ template <class S> class Slider {
     restitution_{};
   MotionEffects<S> effects_;
   bool has_dry_friction_ = true, has_couplings_ = false, is_disturbed_ = false, has_gravity_ = false,
-       has_bristles_ = false, is_timed_ = false;
+       has_bristles_ = false, has_presliding_ = false, is_timed_ = false;
   CoupledLoad<S> load_, loose_load_;
   Oscillation<S> disturbance_;
   S position_{}, velocity_{}, bristles_{};
+  S sheared_{};  ///< share of the dry friction that presliding has built up, with its sign
 };
 
 }  // namespace pneuservo

@@ -64,11 +64,18 @@ struct SensorsParameters {
 struct SimulationParameters {
   double cells_per_m = 4.0;
   std::uint32_t input_age_periods = 0;
+  double valve_drive_period_s = 0.0;
+  double spool_quantum_m = 0.0;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"cells_per_m", "1/m", 0.1, 1000, "cells of the simulated lines", Presence::optional}, p.cells_per_m...);
     v(Field{"input_age_periods", "-", 0, 1, "1: inputs are those of the tick before, as over a bus",
             Presence::optional},
       p.input_age_periods...);
+    v(Field{"valve_drive_period_s", "s", 0, 1e-3,
+            "of the simulated valves' own loop, with spool and coil (spool_loop.md), such as 1e-4; 0: a lag",
+            Presence::optional},
+      p.valve_drive_period_s...);
+    v(Field{"spool_quantum_m", "m", 0, 1e-5, "of that loop's sensor", Presence::optional}, p.spool_quantum_m...);
   }
 };
 

@@ -170,10 +170,15 @@ void CylinderResiduals::declare_channels() {
                      [&](const CylinderRecording& r) { return !r.measured[signal].empty(); }))
       continue;
     // The flow follows a noisy command at once: its quick changes are no noise of the meter.
-    const double stated = owner_.sensors.resolution(signal).rms();
-    const double noise = is_pressure(signal) ? largest_noise(recordings_, signal, stated) : stated;
-    channels_.push_back(
-        {std::string(info(signal).name), std::string(info(signal).unit), noise, floor_of(signal, courses[0])});
+    const double resolution = owner_.sensors.resolution(signal).rms();
+    ResidualChannel out{std::string(info(signal).name), std::string(info(signal).unit), resolution,
+                        floor_of(signal, courses[0])};
+    if (is_pressure(signal)) out.noise = largest_noise(recordings_, signal, resolution);
+    // A supply that swings within the tolerance of its pressure is as its owner says.
+    if (const auto stated = owner_.tolerances.find("supply.pressure_Pa");
+        signal == Signal::p_supply && stated != owner_.tolerances.end())
+      out.stated = stated->second * owner_.axis.supply.pressure_Pa;
+    channels_.push_back(out);
     signals_.push_back(signal);
   }
   bool chambers = true;
@@ -189,8 +194,8 @@ void CylinderResiduals::declare_channels() {
 double CylinderResiduals::force_noise(std::size_t recording, std::size_t count) const {
   const double areas[2]{owner_.axis.cylinder.area_1_m2, owner_.axis.cylinder.area_2_m2};
   const ForceBalance& balance = balances_[recording];
-  const double mass = owner_.axis.slider.mass_kg + owner_.axis.slider.payload_kg;
-  double squares = balance.force_noise(mass, count) * balance.force_noise(mass, count);
+  const RecordedRigs rigs(owner_, recordings_);
+  double squares = std::pow(balance.force_noise(rigs[recording], count), 2);
   for (std::size_t side = 0; side < 2; ++side)
     for (std::size_t i = 0; i < channels_.size(); ++i) {
       const bool measured = !recordings_[recording].measured[chamber_signals[side]].empty();
@@ -244,7 +249,8 @@ void CylinderResiduals::declare_rows() {
       const bool force = signal == Signal::F;
       const std::vector<double>& command = recording.inputs.command_of(side_of(signal));
       if (!force && recording.measured[signal].empty()) continue;
-      Stretch stretch{r, c, rows_.size(), {}, recording.usable, {}, {}};
+      Stretch stretch{r, c, rows_.size(), {}, recording.usable, {}, {}, 0};
+      if (force) stretch.position_noise = balances_[r].force_noise(RecordedRigs(owner_, recordings_)[r], bin);
       const std::vector<char> stops = balances_[r].near_end_stop(owner_.axis.cylinder.stroke_m);
       const std::vector<char> known = recording.usable;
       for (std::size_t k = 0; k < recording.samples(); ++k)
@@ -408,19 +414,27 @@ CylinderResiduals::SampledCourse CylinderResiduals::course_of(const RecordedRigs
   return {data.measured[signal], readings(rig.sensor_effects[signal], gas[signal], data.period_s())};
 }
 
+double CylinderResiduals::less_noise(const Rig& rig, const Stretch& stretch) const {
+  if (signals_[stretch.channel] != Signal::F || stretch.bins.empty()) return 0;
+  const std::size_t count = stretch.bins.front().count;
+  const double noise = balances_[stretch.recording].force_noise(rig, count);
+  return std::min(0.0, noise * noise - stretch.position_noise * stretch.position_noise);
+}
+
 Eigen::VectorXd CylinderResiduals::plain_column(const Rig& rig, const std::vector<GasRuns::Course>& gas) const {
   Eigen::VectorXd out(static_cast<Eigen::Index>(rows_.size()));
   const RecordedRigs rigs(rig, recordings_);
   for (const Stretch& stretch : stretches_) {
     look_for_stop(stop_);
     const SampledCourse course = course_of(rigs, *gas[stretch.recording], stretch);
+    const double less = less_noise(rigs[stretch.recording], stretch);
     double* row = out.data() + stretch.first_row;
     for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
       const Bin& bin = stretch.bins[b];
       double sum = 0;
       for (std::size_t k = bin.first; k < bin.first + bin.count; ++k)
         if (stretch.usable[k]) sum += course.simulated[k] - course.measured[k];
-      *row++ = sum / bin.values / rows_[stretch.first_row + b].sigma;
+      *row++ = sum / bin.values / std::sqrt(std::pow(rows_[stretch.first_row + b].sigma, 2) + less);
     }
     if (stretch.answer.rows() == 0) continue;
     std::vector<double> difference(course.simulated);

@@ -66,6 +66,7 @@ class CylinderResiduals final : public ResidualModel {
     std::vector<char> usable;  ///< samples that are compared
     std::vector<double> times_s;  ///< of the bins
     CommandAnswer answer;  ///< of a port; its rows follow the bins'
+    double position_noise = 0;  ///< of a force's bin on the owner's slider [N], within the sigma of its row
   };
   struct SampledCourse {
     std::vector<double> measured, simulated;
@@ -82,6 +83,10 @@ class CylinderResiduals final : public ResidualModel {
   double largest_ringing(const PossibleRinging& ringing, std::size_t recording, std::size_t channel, std::size_t first,
                          std::size_t count) const;
   double force_noise(std::size_t recording, std::size_t count) const;  ///< of the mean of `count` neighbouring values
+  /// By how much the squared noise of a row is another one than the owner's, not above 0: a load on a coupling would
+  /// gain by the noise that it does not follow. Noise that a rig enlarges does not excuse what is missing: it lies
+  /// elsewhere.
+  double less_noise(const Rig& rig, const Stretch& stretch) const;
   SampledCourse course_of(const RecordedRigs& rigs, const GasCourse& gas, const Stretch& stretch) const;
   SampledCourse force_course(const Rig& rig, const GasCourse& gas, std::size_t recording) const;
   std::vector<double> chamber_pressure(const Rig& rig, const GasCourse& gas, std::size_t recording,

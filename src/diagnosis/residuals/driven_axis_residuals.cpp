@@ -25,6 +25,9 @@ constexpr double turn_share = 0.5;            ///< of the usual speed
 constexpr double least_bin_periods = 5;       ///< rows of slowly sampled recordings are longer than residual_bin_s
 
 double row_length_s(double interval_s) { return std::max(residual_bin_s, least_bin_periods * interval_s); }
+std::size_t row_samples(double interval_s) {
+  return static_cast<std::size_t>(std::llround(row_length_s(interval_s) / interval_s));
+}
 
 /// A seal is dragged along elastically where the motion turns, which no friction of the vocabulary is: beside pistons
 /// only samples of at least half the usual speed are judged, beyond the smoothing's reach of slower ones.
@@ -113,15 +116,17 @@ DrivenAxisResiduals::DrivenAxisResiduals(const Rig& rig, const std::vector<Recor
   };
   const double force_noise =
       std::hypot(channel.is_balance ? 0.0 : rig.sensors.force.rms_N(), noise_of_pressure(0), noise_of_pressure(1));
-  const double mass = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
-  const auto noise_of = [&](const Part& part, std::size_t count) {
-    return std::hypot(part.balance.force_noise(mass, count), force_noise * part.balance.kernel().noise_gain(0, count));
+  const RecordedRigs rigs(rig, parts_);
+  const auto noise_of = [&](std::size_t part, std::size_t count) {
+    const ForceBalance& balance = parts_[part].balance;
+    return std::hypot(balance.force_noise(rigs[part], count), force_noise * balance.kernel().noise_gain(0, count));
   };
-  channel.noise = noise_of(parts_.front(), 1);
+  channel.noise = noise_of(0, 1);
+  for (std::size_t p = 0; p < parts_.size(); ++p) parts_[p].position_noise_N = position_noise_N(parts_[p], rigs[p]);
   for (std::size_t i = 0; i < bins_.size(); ++i) {
     const Part& part = parts_[bins_[i].part];
     const double bin_s = part.interval_s * static_cast<double>(bins_[i].count);
-    rows_[i].sigma = std::hypot(noise_of(part, bins_[i].count), jump_error_N(bins_[i]),
+    rows_[i].sigma = std::hypot(noise_of(bins_[i].part, bins_[i].count), jump_error_N(bins_[i]),
                                 channel.floor * std::sqrt(std::max(1.0, floor_correlation_s / bin_s)));
   }
 }
@@ -163,7 +168,7 @@ void DrivenAxisResiduals::add_recording(const Rig& rig, const Recording& recordi
   for (std::size_t i = 0; i < stops.size(); ++i) part.usable[i] = part.usable[i] && !stops[i];
   for (std::size_t i = 0; i < force.size(); ++i)
     part.time_s.push_back(time_s.front() + static_cast<double>(i) * interval_s);
-  const auto bin = static_cast<std::size_t>(std::llround(row_length_s(interval_s) / interval_s));
+  const std::size_t bin = row_samples(interval_s);
   for (std::size_t first = 0; first + bin <= force.size(); first += bin) {
     const auto from = part.usable.begin() + static_cast<std::ptrdiff_t>(first);
     if (std::any_of(from, from + static_cast<std::ptrdiff_t>(bin), [](char usable) { return !usable; })) continue;
@@ -249,20 +254,30 @@ std::pair<std::vector<double>, std::vector<double>> DrivenAxisResiduals::forces(
   return {std::move(drive), std::move(needed)};
 }
 
+/// Of a row, as the force's sensor reads it.
+double DrivenAxisResiduals::position_noise_N(const Part& part, const Rig& rig) const {
+  return rig.sensor_effects[Signal::F].sensor_gain.gain * part.balance.force_noise(rig, row_samples(part.interval_s));
+}
+
 Eigen::MatrixXd DrivenAxisResiduals::residuals(std::span<const Hypothesis> hypotheses) {
   Eigen::MatrixXd out(static_cast<Eigen::Index>(rows_.size()), static_cast<Eigen::Index>(hypotheses.size()));
   for (std::size_t h = 0; h < hypotheses.size(); ++h) {
     const RecordedRigs rigs(hypotheses[h].rig, parts_);
     std::vector<std::pair<std::vector<double>, std::vector<double>>> sides;
     sides.reserve(parts_.size());
-    for (std::size_t p = 0; p < parts_.size(); ++p) sides.push_back(forces(parts_[p], rigs[p]));
+    std::vector<double> less;  // squared noise of a row that is not there by this rig, not above 0; by part
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+      sides.push_back(forces(parts_[p], rigs[p]));
+      less.push_back(
+          std::min(0.0, std::pow(position_noise_N(parts_[p], rigs[p]), 2) - std::pow(parts_[p].position_noise_N, 2)));
+    }
     for (std::size_t b = 0; b < bins_.size(); ++b) {
       const Bin& bin = bins_[b];
       double sum = 0;
       for (std::size_t i = bin.first; i < bin.first + bin.count; ++i)
         sum += sides[bin.part].second[i] - sides[bin.part].first[i];
       out(static_cast<Eigen::Index>(b), static_cast<Eigen::Index>(h)) =
-          sum / static_cast<double>(bin.count) / rows_[b].sigma;
+          sum / static_cast<double>(bin.count) / std::sqrt(std::pow(rows_[b].sigma, 2) + less[bin.part]);
     }
   }
   return out;

@@ -37,12 +37,14 @@ class DrivenAxisResiduals : public ResidualModel {
     std::array<std::vector<double>, 2> pressure_Pa;  ///< of the chambers, smoothed; empty: no piston
     HeldOut held_out;
     MachineChanges changes;  ///< of the owner's rig while it was recorded
+    double position_noise_N = 0;  ///< of a row on the owner's slider, within its sigma
   };
   struct Bin {
     std::size_t part, first, count;
   };
   /// The drive force with its sensor's effects undone, and the force that the hypothesis needs.
   std::pair<std::vector<double>, std::vector<double>> forces(const Part& part, const Rig& rig) const;
+  double position_noise_N(const Part& part, const Rig& rig) const;
   void add_recording(const Rig& rig, const Recording& recording);
   void add_pressures(const Rig& rig, const Recording& recording, Part& part) const;
   double jump_error_N(const Bin& bin) const;

@@ -2,9 +2,11 @@
 #include "diagnosis/residuals/force_balance.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <random>
 
 #include <Eigen/Cholesky>
 
@@ -121,6 +123,28 @@ class CarriedLoad {
   bool is_there_ = false, is_carried_ = false;
 };
 
+/// As many readings of an encoder that is off by up to half a step, the same ones every time; standard deviation 1.
+std::vector<double> reading_errors(std::size_t count) {
+  std::mt19937 generator(1);
+  std::uniform_real_distribution<double> within(-std::sqrt(3.0), std::sqrt(3.0));
+  std::vector<double> out(count);
+  std::generate(out.begin(), out.end(), [&] { return within(generator); });
+  return out;
+}
+
+/// Mean square of the means over `count` neighbours where every sample of them is marked.
+double mean_square_of_means(std::span<const double> values, std::span<const char> is_marked, std::size_t count) {
+  double square = 0, sum = 0, found = 0;
+  std::size_t marked = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    sum += values[i], marked += is_marked[i] != 0;
+    if (i >= count) sum -= values[i - count], marked -= is_marked[i - count] != 0;
+    if (marked == count) square += sum * sum, ++found;
+  }
+  const auto of = static_cast<double>(count);
+  return found > 0 ? square / (found * of * of) : 0.0;
+}
+
 /// A free swing a e^-bt cos wt + c e^-bt sin wt on `load_N` in these samples, where `error_N` is what it leaves
 /// without. Least squares over the judged samples, neighbours within `alike` counted once, with a prior: a load swings
 /// at its start as it does later.
@@ -151,6 +175,32 @@ void add_free_swing(const ElasticLoad<double>& load, double period_s, std::span<
     swing *= turn;
   }
 }
+
+/// Dry friction along a sampled motion: the share of it that has built up where it is sheared before it slides.
+class BuiltUpFriction {
+ public:
+  BuiltUpFriction(const Slider<double>& slider, double way_m) : slider_(slider), way_m_(way_m) {}
+  /// The way from the sample before; where the motion is astray, and without presliding, nothing is kept of before.
+  void go(double dx_m, bool is_astray) { kept_ = is_astray || way_m_ == 0 ? 0.0 : std::exp(-std::abs(dx_m) / way_m_); }
+  /// Around a sample of which the share `forward` goes forward [N].
+  double sliding_N(double forward, double speed, double x, const SliderSurroundings<double>& around) {
+    share_ = 2.0 * forward - 1.0 + kept_ * (share_ - 2.0 * forward + 1.0);
+    return 0.5 * (1.0 + share_) * slider_.dry_friction(speed, 1.0, x, around) -
+           0.5 * (1.0 - share_) * slider_.dry_friction(speed, -1.0, x, around);
+  }
+  /// At rest it balances what is left, up to its values at v = 0 and held_N beside them; the motion goes on from there.
+  double resting_N(double left_N, double held_N, double x, const SliderSurroundings<double>& around) {
+    const double least_N = -std::abs(slider_.dry_friction(0.0, -1.0, x, around)),
+                 most_N = std::abs(slider_.dry_friction(0.0, 1.0, x, around));
+    const double balance_N = std::clamp(left_N, least_N - held_N, most_N + held_N);
+    if (most_N > least_N) share_ = std::clamp((2.0 * balance_N - least_N - most_N) / (most_N - least_N), -1.0, 1.0);
+    return balance_N;
+  }
+
+ private:
+  const Slider<double>& slider_;
+  double way_m_, kept_ = 0, share_ = 0;
+};
 
 /// Position or one of its derivatives as the true slider had it: y = gain lag(x) + offset turned round.
 double undo(const SensorEffects<double>& sensor, double value, double next_derivative, bool is_position) {
@@ -187,8 +237,48 @@ ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, 
   hold_out([](std::size_t) { return false; });
 }
 
-double ForceBalance::force_noise(double mass_kg, std::size_t count) const {
-  return mass_kg * noise_m_ * kernel_.noise_gain(2, count);
+double ForceBalance::force_noise(const Rig& rig, std::size_t count) const {
+  const SensorEffects<double>& sensor = rig.sensor_effects[Signal::x];
+  const double rigid_kg = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
+  const double rigid_N =
+      noise_m_ / sensor.sensor_gain.gain * rigid_kg *
+      std::hypot(kernel_.noise_gain(2, count), sensor.sensor_lag.time_constant_s * kernel_.noise_gain(3, count));
+  const MotionEffects<double>& effects = rig.axis.effects.motion;
+  if (noise_m_ == 0 || (effects.elastic_load.mass_kg == 0 && effects.load_backlash.mass_kg == 0)) return rigid_N;
+  return rigid_N * coupled_noise_share(rig, count);
+}
+
+double ForceBalance::coupled_noise_share(const Rig& rig, std::size_t count) const {
+  const SensorEffects<double>& sensor = rig.sensor_effects[Signal::x];
+  const MotionEffects<double>& effects = rig.axis.effects.motion;
+  std::vector<double> error = reading_errors(samples());
+  for (double& e : error) e *= noise_m_;
+  std::array<std::vector<double>, 4> off;
+  for (int order = 0; order < 4; ++order) off[static_cast<std::size_t>(order)] = kernel_.apply(error, order);
+  std::array<std::vector<double>, 3> fast_off;
+  for (int order = 0; order < 3; ++order) fast_off[static_cast<std::size_t>(order)] = fast_kernel_.apply(error, order);
+  // A load on a spring is linear; a loose one is carried along the motion with its errors and without.
+  CarriedLoad load(effects.elastic_load, period_s_), loose(effects.load_backlash, period_s_), other = loose;
+  const double coupled_kg = effects.elastic_load.mass_kg + effects.load_backlash.mass_kg,
+               rigid_kg = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
+  std::vector<double> blow_N(samples()), force_N(samples()), rigid_N(samples());
+  for (std::size_t i = 0; i < samples(); ++i) {
+    const auto at = [&](double more) {
+      return std::array{undo(sensor, fast_[0][i] + more * fast_off[0][i], fast_[1][i] + more * fast_off[1][i], true),
+                        undo(sensor, fast_[1][i] + more * fast_off[1][i], fast_[2][i] + more * fast_off[2][i], false)};
+    };
+    const auto with = at(1.0), without = at(0.0);
+    blow_N[i] = loose.force_at(with[0], with[1], is_astray_[i]) - other.force_at(without[0], without[1], is_astray_[i]);
+    const double acceleration = undo(sensor, off[2][i], off[3][i], false);
+    rigid_N[i] = rigid_kg * acceleration;
+    force_N[i] = (rigid_kg - coupled_kg) * acceleration - load.force_at(undo(sensor, off[0][i], off[1][i], false),
+                                                                        undo(sensor, off[1][i], off[2][i], false),
+                                                                        is_astray_[i]);
+  }
+  blow_N = kernel_.apply(blow_N, 0);
+  for (std::size_t i = 0; i < samples(); ++i) force_N[i] -= blow_N[i];
+  const double all = mean_square_of_means(rigid_N, usable_, count);
+  return all > 0 ? std::sqrt(mean_square_of_means(force_N, usable_, count) / all) : 1.0;
 }
 
 std::vector<char> ForceBalance::near_end_stop(double stroke_m) const {
@@ -251,6 +341,7 @@ std::vector<double> ForceBalance::required_beside(const Rig& rig, std::span<cons
   slider.configure(rig.axis.slider, effects, 1.0, 0.0);
   CarriedLoad loose_load(effects.load_backlash, period_s_);
   const ElasticFriction<double>& bristles = effects.elastic_friction;
+  BuiltUpFriction dry(slider, effects.presliding.way_m);
   double bristle_N = 0, last_x = 0;
   std::vector<double> smooth_part(samples()), abrupt_part(samples());
   for (std::size_t i = 0; i < samples(); ++i) {
@@ -263,19 +354,16 @@ std::vector<double> ForceBalance::required_beside(const Rig& rig, std::span<cons
     const SliderSurroundings<double> around{gauge_pressure_sum_Pa.empty() ? 0.0 : gauge_pressure_sum_Pa[i]};
     smooth_part[i] = slider.mass() * a + slider.damping_coefficient(0.0, 0.0) * v - slider.less_load(load_N[i], x);
     if (bristles.force_N != 0) bristle_N = i == 0 || is_astray_[i] ? 0 : bristles.carried(bristle_N, x_fast - last_x);
+    dry.go(x_fast - last_x, is_astray_[i] || i == 0);
     last_x = x_fast;
     const double blow_N =
         loose_load.force_at(x_fast, v_fast, is_astray_[i]) - bristle_N;  // as short as friction's steps
     if (const double forward = forward_share_[i]; std::isfinite(forward)) {
       const double direction = v_fast > 0 ? 1.0 : -1.0, speed = std::abs(v_fast);
-      const double friction_N = forward * slider.dry_friction(speed, 1.0, x_fast, around) -
-                                (1.0 - forward) * slider.dry_friction(speed, -1.0, x_fast, around);
-      abrupt_part[i] = -blow_N + friction_N +
+      abrupt_part[i] = -blow_N + dry.sliding_N(forward, speed, x_fast, around) +
                        (slider.damping_coefficient(speed, direction) - slider.damping_coefficient(0.0, 0.0)) * v_fast;
-    } else {  // at rest dry friction balances what is left, up to its values at v = 0
-      abrupt_part[i] = -blow_N + std::clamp(drive_N[i] - smooth_part[i] + blow_N,
-                                            -held_N - std::abs(slider.dry_friction(0.0, -1.0, x_fast, around)),
-                                            held_N + std::abs(slider.dry_friction(0.0, 1.0, x_fast, around)));
+    } else {
+      abrupt_part[i] = -blow_N + dry.resting_N(drive_N[i] - smooth_part[i] + blow_N, held_N, x_fast, around);
     }
   }
   const std::vector<double> friction = kernel_.apply(abrupt_part, 0);

@@ -31,8 +31,9 @@ class ForceBalance {
   const std::vector<double>& velocity_mps() const { return derivative_[1]; }
   /// The balance's kernel: smooth the drive force with apply(force, 0).
   const GaussianKernel& kernel() const { return kernel_; }
-  /// Standard deviation of the mean of `count` neighbouring values of m a for the position noise alone [N].
-  double force_noise(double mass_kg, std::size_t count) const;
+  /// Standard deviation that the position noise alone gives the mean of `count` neighbouring values of the force that
+  /// this rig's slider needs [N]. A load on a coupling does not follow the noise, and a lagging sensor enlarges it.
+  double force_noise(const Rig& rig, std::size_t count) const;
 
   /// Samples that no fit sees: the swing in which a load on a soft coupling begins a stretch is not found from them.
   void hold_out(const std::function<bool(std::size_t)>& is_held_out);
@@ -47,6 +48,8 @@ class ForceBalance {
   std::vector<char> near_end_stop(double stroke_m) const;
 
  private:
+  /// Of force_noise: with the rig's coupled loads over that of a rigid slider.
+  double coupled_noise_share(const Rig& rig, std::size_t count) const;
   /// Root mean square over [first, end) [m/s].
   double usual_speed(std::size_t first, std::size_t end) const;
   /// Beside an elastic load that pulls with load_N.

@@ -30,6 +30,7 @@ struct ResidualChannel {
   double noise = 0;  ///< of one sample [unit]
   double floor = 0;  ///< the model's own coloured error [unit]
   bool is_balance = false;  ///< no sensor reads it: what has to be zero
+  double stated = 0;  ///< by which it may differ from the config, as the owner's tolerance says [unit]
 
   /// Of a recording: name and unit, "/" as "p" (p1_port_Pa, supply_flow_kgps).
   std::string column() const {

@@ -274,6 +274,23 @@ bool Search::is_everywhere_beside(std::size_t members) {
                        rules_.floor_level);
 }
 
+std::vector<double> Search::gains_of_names(const Explanation& other) {
+  std::vector<Explanation> fitted{{other.members, continued_fit(other.fit, other.members, {})}};
+  for (const std::size_t leaving : other.members) {
+    std::vector<std::size_t> held = other.members;
+    std::erase(held, leaving);
+    fitted.push_back({held, continued_fit(other.fit, held, {})});
+  }
+  for (Explanation& explanation : fitted)
+    for (const auto& [i, k] : shared_parameters(explanation.fit, other.fit)) explanation.fit.z(i) = other.fit.z(k);
+  std::vector<Explanation*> moving;
+  for (Explanation& explanation : fitted) moving.push_back(&explanation);
+  polish(moving, 6, true);
+  std::vector<double> gains;
+  for (std::size_t i = 1; i < fitted.size(); ++i) gains.push_back(fitted.front().log_evidence - fitted[i].log_evidence);
+  return gains;
+}
+
 void Search::run() {
   search_singles();
   if (best_of(1) == nullptr) return;

@@ -68,6 +68,10 @@ class Search {
   /// a larger one is another. Returns whether anything was done. May throw DiagnosisStopped.
   bool settle(const Explanation& explanation);
 
+  /// What each name of another search's explanation brings in log evidence beside this search's nuisances. May throw
+  /// DiagnosisStopped.
+  std::vector<double> gains_of_names(const Explanation& other);
+
   const std::vector<Candidate>& candidates() const { return candidates_; }
   bool grants_small_physics() const { return settings_.grow_floor; }
   /// The owner's values as they stand, nothing fitted.

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "config/rig_parameters.hpp"
-#include "diagnosis/residuals/known_rows.hpp"
 #include "diagnosis/verdict/disturbances.hpp"
 
 namespace pneuservo {
@@ -120,43 +119,6 @@ std::vector<double> probabilities_of(const std::vector<const Explanation*>& riva
   return shares_of(evidence, rules.temperature, rules.most_sure);
 }
 
-double ModelLevels::chi2(bool held_out) const {
-  double sum = 0;
-  for (const ChannelLevel& c : channels)
-    sum += held_out ? c.held_out * c.held_out * static_cast<double>(c.held_out_rows)
-                    : c.fitted * c.fitted * static_cast<double>(c.fitted_rows);
-  return sum;
-}
-
-double ModelLevels::highest() const {
-  double most = 0;
-  for (const ChannelLevel& c : channels) most = std::max(most, c.fitted);
-  return most;
-}
-
-double ModelLevels::held_out_excess() const {
-  double rows = 0, held_rows = 0;
-  for (const ChannelLevel& c : channels) {
-    rows += static_cast<double>(c.fitted_rows);
-    held_rows += static_cast<double>(c.held_out_rows);
-  }
-  const double fitted = chi2(false), held = chi2(true);
-  return held > held_rows && fitted > 0 ? (held / held_rows) / (fitted / rows) : 1;
-}
-
-ModelLevels model_levels(ResidualModel& model, const Fit& fit, const DecisionRules& rules) {
-  ModelLevels levels;
-  levels.residual = residual_at(model, fit);
-  levels.channels = channel_levels(model.rows(), model.channels().size(), levels.residual);
-  levels.line = strongest_line(model.rows(), levels.residual, levels.channels, rules.line_level);
-  if (levels.line) {
-    const ResidualChannel& channel = model.channels()[static_cast<std::size_t>(levels.line->channel)];
-    const bool is_small = levels.line->amplitude < rules.line_amplitude * std::hypot(channel.noise, channel.floor);
-    if (levels.line->ratio < rules.line_ratio || is_small) levels.line.reset();
-  }
-  return levels;
-}
-
 namespace {
 
 /// An explanation by less than is ever named, where it fits better than all that is: no such name then stands for it.
@@ -245,12 +207,16 @@ double volume_beyond(const Explanation& explanation, const Search& search, const
   return volume(explanation.fit.hypothesis().rig) - volume(search.owner().fit.hypothesis().rig);
 }
 
+/// Of the squared residual that the owner's model leaves above the floors, what an explanation takes.
+double share_taken(double before, double after, double rows) {
+  return (before - after) / std::max(before - std::min(after, rows), 1e-300);
+}
+
 /// Whether something is left that is small beside what the names take: it is told beside them and takes no name away.
 bool is_small_remainder(const Decision& decision, const Search& search, const DecisionRules& rules) {
   if (decision.reason.empty() || decision.chosen->members.empty() || decision.levels.line) return false;
-  const double before = search.owner().fit.chi2(), after = decision.chosen->fit.chi2();
-  const double floor = std::min(after, static_cast<double>(decision.chosen->fit.residual.size()));
-  const double taken = (before - after) / std::max(before - floor, 1e-300);
+  const Fit& fit = decision.chosen->fit;
+  const double taken = share_taken(search.owner().fit.chi2(), fit.chi2(), static_cast<double>(fit.residual.size()));
   const double largest = taken >= rules.nearly_all_share ? rules.nearly_all_remainder : rules.small_remainder;
   return taken >= rules.taken_share && decision.levels.highest() < largest &&
          decision.levels.held_out_excess() < rules.small_held_out_excess;
@@ -305,14 +271,19 @@ Decision decide(ResidualModel& model, const Search& search, const DecisionRules&
   const Explanation* description =
       decision.chosen->members.size() > 1 ? as_good_description(search, decision, rules) : nullptr;
   if (description == nullptr) return decision;
-  Decision described = decision;
-  described.chosen = description;
-  described.rivals = search.ranking(1);
-  std::erase_if(described.rivals, [&](const Explanation* e) { return e->log_evidence >= description->log_evidence; });
-  described.rivals.insert(described.rivals.begin(), description);
-  described.gain = description->log_evidence - search.owner().log_evidence;
-  judge_what_is_left(model, search, rules, described);
+  Decision described = decide_on(*description, model, search, rules);
   return described.is_described ? described : decision;
+}
+
+Decision decide_on(const Explanation& chosen, ResidualModel& model, const Search& search, const DecisionRules& rules) {
+  Decision decision;
+  decision.chosen = &chosen;
+  decision.rivals = search.ranking(chosen.members.size());
+  std::erase_if(decision.rivals, [&](const Explanation* e) { return e->log_evidence >= chosen.log_evidence; });
+  decision.rivals.insert(decision.rivals.begin(), &chosen);
+  decision.gain = chosen.log_evidence - search.owner().log_evidence;
+  judge_what_is_left(model, search, rules, decision);
+  return decision;
 }
 
 void judge_what_is_left(ResidualModel& model, const Search& search, const DecisionRules& rules, Decision& decision) {
@@ -344,15 +315,12 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
   Decision decision = chosen_chain(model, search, beside, rules.next_share_beside);
   decision.beside_remainder = true;
   decision.levels = model_levels(model, decision.chosen->fit, rules);
-  decision.reason = what_is_left(decision, model, rules);
   const ModelLevels before = model_levels(model, search.owner().fit, rules);
-  double most = 0;
-  for (std::size_t c = 0; c < before.channels.size(); ++c) {
-    const double was = std::pow(before.channels[c].fitted, 2), is = std::pow(decision.levels.channels[c].fitted, 2);
-    if (was > 1) most = std::max(most, 1 - is / was);
-  }
+  decision.reason = what_is_left(decision, model, rules);
+  const double share = share_taken(before.chi2(false), decision.levels.chi2(false),
+                                   static_cast<double>(search.owner().fit.residual.size()));
   const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
-                        is_owner_refuted(search, decision, rules) && most >= rules.named_share &&
+                        is_owner_refuted(search, decision, rules) && share >= rules.named_share &&
                         decision.levels.highest() <= rules.largest_remainder &&
                         !has_absurd_parameter(*decision.chosen, search, rules);
   const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;

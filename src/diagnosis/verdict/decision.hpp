@@ -47,6 +47,8 @@ std::string what_is_left(const Decision& decision, ResidualModel& model, const D
 std::vector<double> probabilities_of(const std::vector<const Explanation*>& rivals, const DecisionRules& rules);
 
 Decision decide(ResidualModel& model, const Search& search, const DecisionRules& rules);
+/// The same on one explanation of the search, whatever is before it.
+Decision decide_on(const Explanation& chosen, ResidualModel& model, const Search& search, const DecisionRules& rules);
 /// Levels of the chosen explanation as it stands now, and the verdict that they leave.
 void judge_what_is_left(ResidualModel& model, const Search& search, const DecisionRules& rules, Decision& decision);
 /// The same for a search whose residuals were freed from the slow error that is left everywhere: names what takes most

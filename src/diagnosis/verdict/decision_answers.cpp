@@ -92,7 +92,7 @@ std::string what_is_left(const Decision& decision, ResidualModel& model, const D
   std::string out;
   const auto say = [&](const std::string& what) { out += (out.empty() ? "" : "; ") + what; };
   for (std::size_t c = 0; c < decision.levels.channels.size(); ++c)
-    if (decision.levels.channels[c].fitted > rules.floor_level)
+    if (decision.levels.channels[c].beyond_stated() > rules.floor_level)
       say(fmt::format("{} is at {:.2g} times its floor", model.channels()[c].name, decision.levels.channels[c].fitted));
   if (decision.levels.line)
     say(fmt::format("a periodic part of {:.2g} {} at {:.2f} Hz in {}", decision.levels.line->amplitude,

@@ -42,7 +42,7 @@ struct DecisionRules {
   double swing_share = 0.5;  ///< of the squared mismatch: the least that a supply which swings takes
   double swing_left = 0.6;  ///< of what the best sine of another frequency leaves: the most that its own leaves
   double largest_remainder = 40;  ///< in sigma: more beside a name is no small physics
-  double named_share = 0.5;  ///< of the squared residual of one channel: what a name must take there
+  double named_share = 0.5;  ///< of the squared mismatch above the floors: what a name must take
   double farthest_parameter = 3;  ///< a parameter off by more than this factor has the pattern of something else
   double most_sure_beside = 0.85;  ///< of a name beside such a remainder
   double next_share_beside = 0.15;  ///< what one more name must bring, of the first's gain

@@ -59,7 +59,9 @@ bool find_supply_swing(ResidualModel& model, const Search& search, const Decisio
                        Decision& decision) {
   if (taken_by_names >= rules.nearly_all_share) return false;  // spares the sweep
   const auto swing = strongest_supply_swing(model, search.owner().fit.hypothesis());
-  if (!swing || swing->share < std::max(rules.swing_share, taken_by_names) ||
+  double stated_Pa = 0;
+  for (const ResidualChannel& channel : model.channels()) stated_Pa = std::max(stated_Pa, channel.stated);
+  if (!swing || swing->amplitude_Pa <= stated_Pa || swing->share < std::max(rules.swing_share, taken_by_names) ||
       1 - swing->share > rules.swing_left * (1 - swing->next_share))
     return false;
   decision = unknown_at("supply", model, search, rules);

@@ -94,12 +94,15 @@ std::vector<ChannelLevel> channel_levels(const std::vector<ResidualRow>& rows, s
     if (last[channel] >= 0 && rows[static_cast<std::size_t>(last[channel])].recording == rows[i].recording)
       product[channel] += value * residual(last[channel]);
     square[channel] += value * value;
+    level.sigma += rows[i].sigma * rows[i].sigma;
     last[channel] = static_cast<int>(i);
   }
   for (std::size_t c = 0; c < channels; ++c) {
     ChannelLevel& level = levels[c];
     if (level.fitted_rows > 0) level.fitted = std::sqrt(level.fitted / static_cast<double>(level.fitted_rows));
     if (level.held_out_rows > 0) level.held_out = std::sqrt(level.held_out / static_cast<double>(level.held_out_rows));
+    level.sigma =
+        std::sqrt(level.sigma / std::max<double>(1, static_cast<double>(level.fitted_rows + level.held_out_rows)));
     level.correlation = square[c] > 0 ? product[c] / square[c] : 0;
   }
   return levels;

@@ -15,6 +15,10 @@ struct ChannelLevel {
   double fitted = 0, held_out = 0;
   std::size_t fitted_rows = 0, held_out_rows = 0;
   double correlation = 0;  ///< of neighbours in time
+  double sigma = 0;  ///< of a row [unit of the channel], root mean square
+  double stated = 1;  ///< level up to which its owner says that the quantity may differ
+  /// Of fitted rows, beside what the owner states.
+  double beyond_stated() const { return fitted / stated; }
 };
 std::vector<ChannelLevel> channel_levels(const std::vector<ResidualRow>& rows, std::size_t channels,
                                          const Eigen::VectorXd& residual);

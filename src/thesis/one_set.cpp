@@ -1,0 +1,207 @@
+// Searches one set of numbers for a whole chapter, and lays what was found beside the print.
+#include "thesis/one_set.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <thread>
+
+#include <fmt/format.h>
+#include <pneuservo/core/random.hpp>
+
+#include "thesis/groups.hpp"
+
+namespace pneuservo {
+namespace {
+
+constexpr double worst_deviation = 3.0;
+
+/// From the unit interval to the number's range, and back for the one found.
+double to_value(const FreeNumber& number, double share) {
+  return number.is_logarithmic ? number.low * std::pow(number.high / number.low, share)
+                               : number.low + share * (number.high - number.low);
+}
+
+double to_share(const FreeNumber& n) {
+  return n.is_logarithmic ? std::log(n.found / n.low) / std::log(n.high / n.low) : (n.found - n.low) / (n.high - n.low);
+}
+
+std::vector<double> to_values(const OneSet& set, const std::vector<double>& shares) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < shares.size(); ++i) out.push_back(to_value(set.numbers[i], shares[i]));
+  return out;
+}
+
+struct Member {
+  std::vector<double> shares, ours;
+  double deviation = 0.0;
+};
+
+/// Every member on all cores, each with a bench of its own: what it computes is not kept.
+void judge(const OneSet& set, const std::string& configs, std::vector<Member>& members) {
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < members.size(); i = next++) {
+      Member& one = members[i];
+      ThesisBench bench(configs);
+      try {
+        one.ours = set.compute(bench, to_values(set, one.shares));
+      } catch (const std::exception&) {
+        one.ours.clear();
+      }  // no such machine: a gain that is not finite, a refused plan
+      one.ours.resize(set.figures.size(), std::nan(""));
+      one.deviation = total_deviation(one.ours, set.figures);
+    }
+  };
+  std::vector<std::thread> threads;
+  for (unsigned i = 1; i < std::max(1U, std::thread::hardware_concurrency()); ++i) threads.emplace_back(work);
+  work();
+  for (std::thread& thread : threads) thread.join();
+}
+
+/// Storn and Price's current-to-best/1/bin with a weight and a share of exchange drawn anew for every member.
+Member offspring(const std::vector<Member>& all, std::size_t i, const Member& best, Random& random) {
+  const auto any = [&] { return static_cast<std::size_t>(random.uniform() * static_cast<double>(all.size())); };
+  const Member &a = all[any()], &b = all[any()];
+  const double weight = 0.4 + 0.6 * random.uniform(), exchange = 0.3 + 0.7 * random.uniform();
+  Member out = all[i];
+  const std::size_t sure = static_cast<std::size_t>(random.uniform() * static_cast<double>(out.shares.size()));
+  for (std::size_t k = 0; k < out.shares.size(); ++k) {
+    if (k != sure && random.uniform() > exchange) continue;
+    double& share = out.shares[k];
+    share += weight * (best.shares[k] - share) + weight * (a.shares[k] - b.shares[k]);
+    if (share < 0.0 || share > 1.0) share = random.uniform();
+  }
+  return out;
+}
+
+OneSetFound found_of(const OneSet& set, const Member& best, std::size_t evaluations) {
+  return {to_values(set, best.shares), best.ours, best.deviation, evaluations};
+}
+
+bool less_deviation(const Member& a, const Member& b) { return a.deviation < b.deviation; }
+
+}  // namespace
+
+double one_set_deviation(double ours, const PrintedFigure& figure) {
+  constexpr std::string_view below = "below ";
+  const std::string_view printed = figure.printed;
+  const bool is_limit = printed.starts_with(below);
+  const double over = std::log(ours / thesis_number(std::string(is_limit ? printed.substr(below.size()) : printed)));
+  const double deviation = is_limit && over < 0.0 && ours >= 0.0 ? 0.0 : std::fabs(over);
+  return std::isfinite(deviation) ? std::min(deviation, worst_deviation) : worst_deviation;
+}
+
+double total_deviation(const std::vector<double>& ours, const std::vector<PrintedFigure>& figures) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < figures.size(); ++i) sum += one_set_deviation(ours[i], figures[i]);
+  return sum;
+}
+
+std::vector<double> found_numbers(const OneSet& set) {
+  std::vector<double> out;
+  for (const FreeNumber& number : set.numbers) out.push_back(number.found);
+  return out;
+}
+
+OneSetFound search_one_set(const OneSet& set, const std::string& configs, const OneSetSearch& search,
+                           const std::function<void(const OneSetFound&)>& progress) {
+  Random random(search.seed);
+  // Three members a number, or a tenth of the trials: the others are for what comes of them.
+  const std::size_t count =
+      std::clamp<std::size_t>(3 * set.numbers.size(), 8, std::max<std::size_t>(search.evaluations / 10, 8));
+  std::vector<Member> all(count);
+  for (Member& one : all)
+    for (std::size_t k = 0; k < set.numbers.size(); ++k) one.shares.push_back(random.uniform());
+  if (search.from_found)
+    for (std::size_t k = 0; k < set.numbers.size(); ++k) all[0].shares[k] = to_share(set.numbers[k]);
+  judge(set, configs, all);
+  std::size_t evaluations = count;
+  while (evaluations < search.evaluations) {
+    const Member best = *std::ranges::min_element(all, less_deviation);
+    std::vector<Member> next;
+    for (std::size_t i = 0; i < count; ++i) next.push_back(offspring(all, i, best, random));
+    judge(set, configs, next);
+    evaluations += count;
+    for (std::size_t i = 0; i < count; ++i)
+      if (next[i].deviation <= all[i].deviation) all[i] = next[i];
+    progress(found_of(set, *std::ranges::min_element(all, less_deviation), evaluations));
+  }
+  return found_of(set, *std::ranges::min_element(all, less_deviation), evaluations);
+}
+
+std::vector<OneSet> all_one_sets() { return {line_set(), table_set(), cylinder_set()}; }
+
+namespace {
+
+std::vector<double> found_figures(ThesisBench& bench, const OneSet& set) {
+  return set.compute(bench, found_numbers(set));
+}
+
+ThesisRow figure_row(const OneSet& set, std::size_t i) {
+  const PrintedFigure& figure = set.figures[i];
+  return {.place = fmt::format("{}, one set", figure.place),
+          .what = fmt::format("{} ({})", figure.what, set.name),
+          .unit = figure.unit,
+          .printed = figure.printed,
+          .plant = set.plant,
+          .ours = [set, i](ThesisBench& bench) { return found_figures(bench, set)[i]; },
+          .within = one_set_within,
+          .held = figure.held,
+          .held_within = simulated_within,
+          .why = *figure.held == '\0' ? "" : set.why,
+          .command = fmt::format("pneuservo thesis --only 'one set'")};
+}
+
+/// How many figures the set found meets, and the sum of all deviations.
+std::vector<ThesisRow> sum_rows(const OneSet& set) {
+  const std::string command = fmt::format("pneuservo thesis --search {} --evaluations {}", set.name, set.tried);
+  return {{.place = "One set",
+           .what = fmt::format("{}: figures within 10 %", set.name),
+           .printed = fmt::format("{} of {}", set.figures.size(), set.figures.size()),
+           .plant = set.plant,
+           .ours =
+               [set](ThesisBench& bench) {
+                 const std::vector<double> ours = found_figures(bench, set);
+                 std::size_t met = 0;
+                 for (std::size_t i = 0; i < ours.size(); ++i)
+                   met += one_set_deviation(ours[i], set.figures[i]) < std::log1p(one_set_within) ? 1U : 0U;
+                 return ThesisValue(fmt::format("{} of {}", met, ours.size()));
+               },
+           .held = set.met_held,
+           .why = set.why,
+           .command = command},
+          {.place = "One set",
+           .what = fmt::format("{}: sum of |ln(ours/printed)|", set.name),
+           .printed = "not given",
+           .plant = set.plant,
+           .ours = [set](ThesisBench& bench) { return total_deviation(found_figures(bench, set), set.figures); },
+           .held = set.deviation_held,
+           .held_within = simulated_within,
+           .why = fmt::format(
+               "the nearest of some {} members of the family, by differential evolution, where docs/thesis.md says so "
+               "begun or ended by hand: a bound from above",
+               set.tried),
+           .command = command}};
+}
+
+ThesisGroup sets_group(const char* title, const std::vector<OneSet>& sets) {
+  ThesisGroup group{title, {}};
+  for (const OneSet& set : sets) {
+    for (std::size_t i = 0; i < set.figures.size(); ++i) group.rows.push_back(figure_row(set, i));
+    for (ThesisRow& row : sum_rows(set)) group.rows.push_back(std::move(row));
+  }
+  return group;
+}
+
+}  // namespace
+
+ThesisGroup thesis_table_sets_group() {
+  ThesisGroup group = sets_group("One set for chapter 2", {line_set(), table_set()});
+  for (ThesisRow& row : order_bound_rows()) group.rows.push_back(std::move(row));
+  return group;
+}
+
+ThesisGroup thesis_cylinder_sets_group() { return sets_group("One axis for chapter 3", {cylinder_set()}); }
+
+}  // namespace pneuservo

@@ -1,0 +1,76 @@
+// The family of test rigs for lines: one set of ends, gas and bore against tables 2.5, 2.6 and Fig 2.11.
+#include <array>
+#include <cmath>
+
+#include "thesis/one_set.hpp"
+#include "thesis/pictures.hpp"
+
+namespace pneuservo {
+namespace {
+
+struct LineKey {
+  enum Number : std::size_t { volume_in, volume_out, wall, pressure, loss, more_length, bore };
+};
+
+std::vector<FreeNumber> line_numbers(const std::array<double, 7>& found) {
+  return {{"volume at the valve", "m3", 1e-8, 3e-4, true, found[0]},
+          {"volume at the end", "m3", 1e-6, 1e-3, true, found[1]},
+          {"wall of that volume", "W/K", 1e-3, 1e3, true, found[2]},
+          {"mean pressure", "Pa", 1e5, 3e5, false, found[3]},
+          {"viscosity and heat conduction over those of air", "", 0.2, 20.0, true, found[4]},
+          {"length of the fittings", "m", 0.0, 0.3, false, found[5]},
+          {"bore over the printed one", "", 0.8, 1.2, false, found[6]}};
+}
+
+/// Natural frequency and damping of a line on that rig; NaN where friction leaves no peak.
+LineResonance on_rig(const std::vector<double>& at, double length_m, double diameter_m) {
+  AirParameters<double> air;
+  air.viscosity_Pas *= at[LineKey::loss];
+  const LineAcoustics line(length_m + at[LineKey::more_length], diameter_m * at[LineKey::bore], at[LineKey::pressure],
+                           air, LineLoss::frequency_dependent);
+  try {
+    return first_resonance(line, {at[LineKey::volume_in], at[LineKey::volume_out], at[LineKey::wall]});
+  } catch (const std::invalid_argument&) { return {std::nan(""), std::nan(""), std::nan(""), std::nan("")}; }
+}
+
+std::vector<double> rig_figures(ThesisBench&, const std::vector<double>& at) {
+  std::vector<double> out;
+  for (const double diameter_m : {4e-3, 8e-3})
+    for (const double length_m : {0.5, 1.0, 2.0}) {
+      const LineResonance one = on_rig(at, length_m, diameter_m);
+      out.insert(out.end(), {one.natural_frequency_Hz, one.damping_ratio});
+    }
+  const LineResonance one = on_rig(at, 1.0, 5e-3);
+  out.insert(out.end(), {one.natural_frequency_Hz, one.damping_ratio});
+  return out;
+}
+
+}  // namespace
+
+OneSet line_set() {
+  return {"lines",
+          "Tables 2.5, 2.6, Fig 2.11 on one test rig for lines",
+          "boundary layers damp a line of 8 mm about half as much as one of 4 mm; the print has 0.7 to 0.9 of it",
+          line_numbers({3.29855939e-06, 2.93970672e-05, 45.5462924, 208006.674, 1.67603953, 0.0631265156, 0.97431554}),
+          {{"Table 2.5", "L 0.5 m, D 4 mm: w_t/2 pi", "Hz", "110"},
+           {"Table 2.5", "L 0.5 m, D 4 mm: zeta_t", "", "0.068", "0.0585"},
+           {"Table 2.5", "L 1 m, D 4 mm: w_t/2 pi", "Hz", "67"},
+           {"Table 2.5", "L 1 m, D 4 mm: zeta_t", "", "0.068"},
+           {"Table 2.5", "L 2 m, D 4 mm: w_t/2 pi", "Hz", "41"},
+           {"Table 2.5", "L 2 m, D 4 mm: zeta_t", "", "0.070", "0.07721"},
+           {"Table 2.6", "L 0.5 m, D 8 mm: w_t/2 pi", "Hz", "146", "169.1"},
+           {"Table 2.6", "L 0.5 m, D 8 mm: zeta_t", "", "0.060", "0.03335"},
+           {"Table 2.6", "L 1 m, D 8 mm: w_t/2 pi", "Hz", "102"},
+           {"Table 2.6", "L 1 m, D 8 mm: zeta_t", "", "0.048", "0.03588"},
+           {"Table 2.6", "L 2 m, D 8 mm: w_t/2 pi", "Hz", "60"},
+           {"Table 2.6", "L 2 m, D 8 mm: zeta_t", "", "0.050", "0.0328"},
+           {"Fig 2.11", "L 1 m, D 5 mm: w_t/2 pi", "Hz", "80"},
+           {"Fig 2.11", "L 1 m, D 5 mm: zeta_t", "", "0.05"}},
+          rig_figures,
+          "8 of 14",
+          "1.828",
+          4011,
+          ThesisPlant::formula};
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,89 @@
+// One set of numbers for a chapter: deviations, a search on a planted family, the sets that the page holds.
+#include <catch2/catch.hpp>
+
+#include <cmath>
+
+#include "thesis/groups.hpp"
+#include "thesis/one_set.hpp"
+
+using namespace pneuservo;
+
+namespace {
+
+const std::string configs = PNEUSERVO_SOURCE_DIR "/config";
+
+/// Two figures of three numbers, met by one member; the third number does nothing, and above 1 nothing is computed.
+OneSet planted() {
+  OneSet set;
+  set.name = "planted";
+  set.numbers = {{"a", "", 0.01, 100.0, true, 50.0}, {"b", "", -1.0, 1.0, false, 0.9}, {"c", "", 0.0, 2.0, false, 0.5}};
+  set.figures = {{"Fig 1", "a", "", "2.0"}, {"Fig 2", "a and b", "", "0.50"}};
+  set.compute = [](ThesisBench&, const std::vector<double>& at) -> std::vector<double> {
+    if (at[2] > 1.0) throw std::invalid_argument("no such machine");
+    return {at[0], 0.25 * at[0] + std::fabs(at[1])};
+  };
+  return set;
+}
+
+}  // namespace
+
+TEST_CASE("deviations count twice as much and half as much alike, and end where a figure is not there") {
+  const PrintedFigure figure{"Fig 1", "", "", "2.0"};
+  CHECK(one_set_deviation(2.0, figure) == Approx(0.0).margin(1e-12));
+  CHECK(one_set_deviation(4.0, figure) == Approx(one_set_deviation(1.0, figure)));
+  CHECK(one_set_deviation(std::nan(""), figure) == one_set_deviation(1e9, figure));
+  CHECK(one_set_deviation(-1.0, figure) == one_set_deviation(0.0, figure));
+  const PrintedFigure limit{"Fig 1", "", "", "below 2.0"};
+  CHECK(one_set_deviation(1.0, limit) == 0.0);
+  CHECK(one_set_deviation(4.0, limit) == Approx(std::log(2.0)));
+  CHECK(one_set_deviation(std::nan(""), limit) == one_set_deviation(1e9, limit));
+}
+
+TEST_CASE("the search finds the one member that meets the print") {
+  const OneSet set = planted();
+  std::size_t told = 0;
+  const OneSetFound found = search_one_set(set, configs, {.evaluations = 1500, .seed = 3}, [&](const OneSetFound& now) {
+    CHECK(now.deviation >= 0.0);
+    ++told;
+  });
+  CHECK(told > 10);
+  CHECK(found.evaluations >= 1500);
+  CHECK(found.deviation < 0.02);
+  CHECK(found.at[0] == Approx(2.0).epsilon(0.02));
+  CHECK(std::fabs(found.at[1]) < 0.02);
+  CHECK(found.at[2] <= 1.0);
+  // The same seed finds the same set, whatever the number of cores.
+  CHECK(search_one_set(set, configs, {.evaluations = 200, .seed = 3}, [](const OneSetFound&) {}).at ==
+        search_one_set(set, configs, {.evaluations = 200, .seed = 3}, [](const OneSetFound&) {}).at);
+}
+
+TEST_CASE("a search that begins with the set found is never worse than it") {
+  const OneSet set = planted();
+  ThesisBench bench(configs);
+  const double held = total_deviation(set.compute(bench, found_numbers(set)), set.figures);
+  const OneSetFound found =
+      search_one_set(set, configs, {.evaluations = 20, .seed = 5, .from_found = true}, [](const OneSetFound&) {});
+  CHECK(found.deviation <= held + 1e-12);
+}
+
+TEST_CASE("the sets on the page lie in the ranges that their searches cover") {
+  for (const OneSet& set : all_one_sets()) {
+    CHECK(std::string(set.met_held).ends_with(std::to_string(set.figures.size())));
+    CHECK(set.tried >= 500);
+    for (const FreeNumber& number : set.numbers) {
+      INFO(set.name << ": " << number.name);
+      CHECK(number.found >= number.low);
+      CHECK(number.found <= number.high);
+      if (number.is_logarithmic) CHECK(number.low > 0.0);
+    }
+  }
+}
+
+TEST_CASE("no linear table has the print's model of third order beside its inverse") {
+  ThesisBench bench(configs);
+  for (const ThesisRow& row : order_bound_rows()) {
+    const double ratio = row.ours(bench).value;
+    CHECK(ratio > 1.0);  // at standstill it is 1.2, that of the position gains
+    CHECK(ratio < 0.2 * thesis_number(row.printed));
+  }
+}

@@ -1,7 +1,7 @@
 // Syscall User Dispatch: every system call that a real-time section makes is recorded, then carried out.
 #pragma once
-#if !defined(PNEUSERVO_RTSAN) && !defined(PNEUSERVO_SYSCALL_TRAP)
-#error "compile with PNEUSERVO_SYSCALL_TRAP (and what contains RtScope as well), else no section is ever watched"
+#if !defined(PNEUSERVO_REALTIME_PROOF)
+#error "compile with PNEUSERVO_REALTIME_PROOF (and what contains RtScope as well), else no section is ever watched"
 #endif
 #include <array>
 #include <cerrno>

@@ -9,8 +9,8 @@
 #define PNEUSERVO_NONBLOCKING
 #endif
 
-#if defined(PNEUSERVO_RTSAN)
-// NOLINTBEGIN(bugprone-reserved-identifier): names of the sanitizer's runtime
+#if defined(PNEUSERVO_REALTIME_PROOF)
+// NOLINTBEGIN(bugprone-reserved-identifier): names of the sanitizer's runtime, empty where a program does without it
 extern "C" {
 void __rtsan_realtime_enter();
 void __rtsan_realtime_exit();
@@ -22,7 +22,7 @@ void __rtsan_on();
 
 namespace pneuservo {
 
-#if defined(PNEUSERVO_RTSAN) || defined(PNEUSERVO_SYSCALL_TRAP)
+#if defined(PNEUSERVO_REALTIME_PROOF)
 
 // Another name for the linker than the empty classes of an ordinary build, so that both may meet in one program.
 inline namespace rt_proof {
@@ -35,16 +35,12 @@ constinit inline thread_local volatile char syscall_selector = 0;
 class RtScope {
  public:
   RtScope() noexcept : previous_(syscall_selector) {
-#if defined(PNEUSERVO_RTSAN)
     __rtsan_realtime_enter();
-#endif
     syscall_selector = 1;
   }
   ~RtScope() {
     syscall_selector = previous_;
-#if defined(PNEUSERVO_RTSAN)
     __rtsan_realtime_exit();
-#endif
   }
   RtScope(const RtScope&) = delete;
   RtScope& operator=(const RtScope&) = delete;
@@ -58,14 +54,10 @@ class RtAllow {
  public:
   RtAllow() noexcept : previous_(syscall_selector) {
     syscall_selector = 0;
-#if defined(PNEUSERVO_RTSAN)
     __rtsan_off();
-#endif
   }
   ~RtAllow() {
-#if defined(PNEUSERVO_RTSAN)
     __rtsan_on();
-#endif
     syscall_selector = previous_;
   }
   RtAllow(const RtAllow&) = delete;

@@ -136,6 +136,16 @@ Form measured_valve() {
           [](const FormValues&, const Rig&) -> FormResult { return {}; }};
 }
 
+Form signal_at_terminal() {
+  return {{{Field{"signal", "V", -1000, 1000, "that the valve takes (0 to 10 V)"},
+            Field{"neutral", "V", -1000, 1000, "at which the valve is closed (5 V)"}},
+           {"scale_V_per_V", "zero_V", "lowest_V", "highest_V"},
+           "commands count from the neutral voltage"},
+          {"signal"},
+          {},
+          command_of_terminal};
+}
+
 const std::vector<Form>& all_forms() {
   static const std::vector<Form> forms{
       {{{Field{"bore", "m", 1e-3, 1, "of the cylinder"}, Field{"rod", "m", 0, 1, "on the side of chamber 2; 0: none"},
@@ -171,13 +181,7 @@ const std::vector<Form>& all_forms() {
       scaling<PressureKeys>(1.0),
       scaling<PositionKeys>(-infinite),
       scaling<FlowKeys>(-infinite),
-      {{{Field{"signal", "V", -1000, 1000, "that the valve takes (0 to 10 V)"},
-         Field{"neutral", "V", -1000, 1000, "at which the valve is closed (5 V)"}},
-        {"scale_V_per_V", "zero_V", "lowest_V", "highest_V"},
-        "commands count from the neutral voltage"},
-       {"signal"},
-       {},
-       command_of_terminal},
+      signal_at_terminal(),
       {{{Field{"incline", "rad", -3.2, 3.2, "of the axis, positive where x points up (90 deg: vertical)"}},
         {"force_N"},
         "weight of slider and payload along the axis"},

@@ -286,7 +286,7 @@ Decision with_small_physics(const Rig& rig, FittedRows& rows, std::vector<Candid
   settings.settled_gain = settled_gain_beside;
   std::erase_if(candidates, is_granted);
   DecisionRules rules = options.rules;
-  rules.most_names = 1;
+  rules.most_names = 2;
   search.emplace(rows, rig, std::move(candidates), settings, rules, options.progress);
   search->run();
   const Explanation* best = search->best_of(1);

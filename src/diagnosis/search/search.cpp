@@ -161,32 +161,62 @@ void Search::take_defect_at_owner() {
   if (!settings_.grow_floor) owner_evidence_at_home_ = owner_.log_evidence;
 }
 
-void Search::take_floor_at_best() {
-  // Each name beside the slow error that it leaves itself: the owner's takes in what is missing, and beside it names
-  // of other channels come forward.
-  const auto beside_own = [this](const Explanation& e) {
-    return e.log_evidence + 0.5 * e.fit.chi2() + rows_.model().log_likelihood_beside_own_error(e.fit.hypothesis());
-  };
+double Search::beside_own_error(const Explanation& e) {
+  return e.log_evidence + 0.5 * e.fit.chi2() + rows_.model().log_likelihood_beside_own_error(e.fit.hypothesis());
+}
+
+std::pair<double, Explanation*> Search::best_beside_own_error(std::size_t members) {
   std::vector<std::pair<double, Explanation*>> ranked;
-  for (Explanation* e : rivals(1, 1e300, tried_.size())) ranked.emplace_back(beside_own(*e), e);
-  if (ranked.empty()) return;
+  for (Explanation* e : rivals(members, 1e300, tried_.size())) ranked.emplace_back(beside_own_error(*e), e);
+  if (ranked.empty()) return {-1e300, nullptr};
   const auto is_behind = [](const auto& a, const auto& b) { return a.first < b.first; };
   std::stable_sort(ranked.rbegin(), ranked.rend(), is_behind);
   ranked.resize(std::min(ranked.size(), settings_.polished));
-  const double owner = beside_own(owner_);
   for (auto& [evidence, explanation] : ranked) {
     rows_.model().take_slow_error(explanation->fit.hypothesis());
     polish({explanation}, 4, true);
-    evidence = beside_own(*explanation);
+    evidence = beside_own_error(*explanation);
   }
-  const auto [most, best] = *std::max_element(ranked.begin(), ranked.end(), is_behind);
-  first_gain_ = most - owner;
-  rows_.model().take_slow_error((first_gain_ < rules_.next_gain ? owner_ : *best).fit.hypothesis());
+  return *std::max_element(ranked.begin(), ranked.end(), is_behind);
+}
+
+void Search::take_floor_at_best() {
+  // Each name beside the slow error that it leaves itself: the owner's takes in what is missing, and beside it names
+  // of other channels come forward.
+  const double owner = beside_own_error(owner_);
+  const auto [single, first] = best_beside_own_error(1);
+  if (first == nullptr) return;
+  first_gain_ = single - owner;
+  const Explanation* floor = first_gain_ < rules_.next_gain ? &owner_ : first;
+  if (floor == first && rules_.most_names > 1)
+    if (const Explanation* pair = pair_beside(*first, single)) floor = pair;
+  rows_.model().take_slow_error(floor->fit.hypothesis());
   std::vector<Explanation*> again = rivals(1, 1e300, tried_.size());
+  for (Explanation* e : rivals(2, 1e300, tried_.size())) again.push_back(e);
   again.push_back(&owner_);
   polish(again, 2, true);
   linearise(rows_, {&as_configured_});
   polish_best(1);
+  if (floor->members.size() == 2) polish_best(2);
+}
+
+const Explanation* Search::pair_beside(const Explanation& first, double first_evidence) {
+  // Beside its own slow error every explanation is at its floor.
+  const double needed = rules_.next_gain_at_floor;
+  rows_.model().take_slow_error(first.fit.hypothesis());
+  polish({&tried_.at(first.members)}, 1, true);
+  const std::vector<Screened> screened = Screening(rows_, first.fit, candidates_, others(first.members)).singles();
+  refit(first.fit, first.members, worth_refitting(screened, settings_.refits));
+  double promised = 0;
+  for (const Explanation* e : rivals(2, 1e300, tried_.size()))
+    promised = std::max(promised, beside_own_error(*e) - first_evidence);
+  if (promised >= rules_.screened_share * needed) {
+    swap_members(*best_of(2));
+    const auto [evidence, pair] = best_beside_own_error(2);
+    if (evidence - first_evidence >= needed) return pair;
+  }
+  std::erase_if(tried_, [](const auto& tried) { return tried.first.size() > 1; });
+  return nullptr;
 }
 
 void Search::swap_members(const Explanation& best) {
@@ -293,7 +323,7 @@ std::vector<double> Search::gains_of_names(const Explanation& other) {
 
 void Search::run() {
   search_singles();
-  if (best_of(1) == nullptr) return;
+  if (best_of(1) == nullptr || settings_.grow_floor) return;
   for (std::size_t members = 1; members < rules_.most_names; ++members) {
     // Two names that leave the pressures of both sides above their floors: a machine with a little of everything.
     if (members == 2 && is_everywhere_beside(members)) break;

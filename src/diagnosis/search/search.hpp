@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "diagnosis/search/candidates.hpp"
@@ -125,7 +126,13 @@ class Search {
   bool is_bent() const;
   bool is_everywhere_beside(std::size_t members);
   void take_defect_at_owner();
+  /// Log evidence beside the slow error that the explanation leaves itself.
+  double beside_own_error(const Explanation& explanation);
+  /// The best of that many names, the first few fitted beside their own slow errors; nullptr: there is none.
+  std::pair<double, Explanation*> best_beside_own_error(std::size_t members);
   void take_floor_at_best();
+  /// A second name beside the first, each pair beside its own slow error; nullptr where none brings enough.
+  const Explanation* pair_beside(const Explanation& first, double first_evidence);
   bool search_next(std::size_t members);
   void swap_members(const Explanation& best);
   void refit_sibling_pairs(const Explanation& best);

@@ -133,7 +133,7 @@ const Explanation* unnamed_best(const Search& search, const std::vector<const Ex
 }
 
 /// The best explanation of each number of members, as long as one more brings enough.
-Decision chosen_chain(ResidualModel& model, const Search& search, const DecisionRules& rules, double second_share) {
+Decision chosen_chain(ResidualModel& model, const Search& search, const DecisionRules& rules) {
   Decision decision;
   decision.chosen = &search.owner();
   std::vector<const Explanation*> ranked = sizeable(search, 1, rules);
@@ -153,7 +153,7 @@ Decision chosen_chain(ResidualModel& model, const Search& search, const Decision
     if (best == nullptr) break;
     const double gain = best->log_evidence - decision.chosen->log_evidence;
     if (members == 1) first_gain = gain;
-    const double share = members == 2 ? second_share : std::max(second_share, rules.third_share);
+    const double share = members == 2 ? rules.next_share : rules.third_share;
     const double needed = members == 1 ? rules.alarm_gain : std::max(next_gain, share * first_gain);
     if (gain < needed) break;
     decision.chosen = best;
@@ -266,7 +266,7 @@ const Explanation* as_good_description(const Search& search, const Decision& dec
 }  // namespace
 
 Decision decide(ResidualModel& model, const Search& search, const DecisionRules& rules) {
-  Decision decision = chosen_chain(model, search, rules, rules.next_share);
+  Decision decision = chosen_chain(model, search, rules);
   judge_what_is_left(model, search, rules, decision);
   const Explanation* description =
       decision.chosen->members.size() > 1 ? as_good_description(search, decision, rules) : nullptr;
@@ -312,7 +312,7 @@ void judge_what_is_left(ResidualModel& model, const Search& search, const Decisi
 Decision decide_beside_remainder(ResidualModel& model, const Search& search, const DecisionRules& rules) {
   DecisionRules beside = rules;
   beside.most_sure = rules.most_sure_beside;
-  Decision decision = chosen_chain(model, search, beside, rules.next_share_beside);
+  Decision decision = chosen_chain(model, search, beside);
   decision.beside_remainder = true;
   decision.levels = model_levels(model, decision.chosen->fit, rules);
   const ModelLevels before = model_levels(model, search.owner().fit, rules);

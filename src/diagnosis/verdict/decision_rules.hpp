@@ -45,7 +45,6 @@ struct DecisionRules {
   double named_share = 0.5;  ///< of the squared mismatch above the floors: what a name must take
   double farthest_parameter = 3;  ///< a parameter off by more than this factor has the pattern of something else
   double most_sure_beside = 0.85;  ///< of a name beside such a remainder
-  double next_share_beside = 0.15;  ///< what one more name must bring, of the first's gain
   // An axis or a part of one that is compared in one quantity.
   double next_of_left = 0.15;  ///< of the squared residual that the names before it leave: what one more must take
   double richer_of_all = 0.05;  ///< of all: what it must take beyond a parameter of the config that is off

@@ -10,8 +10,8 @@ namespace pneuservo {
 double ModelLevels::chi2(bool held_out) const {
   double sum = 0;
   for (const ChannelLevel& c : channels)
-    sum += held_out ? c.held_out * c.held_out * static_cast<double>(c.held_out_rows)
-                    : c.fitted * c.fitted * static_cast<double>(c.fitted_rows);
+    sum += held_out ? std::pow(c.held_out / c.stated, 2) * static_cast<double>(c.held_out_rows)
+                    : std::pow(c.beyond_stated(), 2) * static_cast<double>(c.fitted_rows);
   return sum;
 }
 
@@ -22,13 +22,12 @@ double ModelLevels::highest() const {
 }
 
 double ModelLevels::held_out_excess() const {
-  double rows = 0, held_rows = 0, fitted = 0, held = 0;
+  double rows = 0, held_rows = 0;
   for (const ChannelLevel& c : channels) {
     rows += static_cast<double>(c.fitted_rows);
     held_rows += static_cast<double>(c.held_out_rows);
-    fitted += std::pow(c.beyond_stated(), 2) * static_cast<double>(c.fitted_rows);
-    held += std::pow(c.held_out / c.stated, 2) * static_cast<double>(c.held_out_rows);
   }
+  const double fitted = chi2(false), held = chi2(true);
   return held > held_rows && fitted > 0 ? (held / held_rows) / (fitted / rows) : 1;
 }
 

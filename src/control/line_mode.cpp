@@ -33,7 +33,8 @@ LineModeFilter line_mode_filter(const AxisParameters<double>& axis, double perio
   const std::array modes{first_line_mode(axis.line_1, c.dead_volume_1_m3 + c.area_1_m2 * half_m, gas),
                          first_line_mode(axis.line_2, c.dead_volume_2_m3 + c.area_2_m2 * half_m, gas)};
   LineModeFilter out;
-  for (std::size_t i = 0; i < 2; ++i) out.port_share[i] = modes[i].chamber_over_port / (modes[i].chamber_over_port - 1.0);
+  for (std::size_t i = 0; i < 2; ++i)
+    out.port_share[i] = modes[i].chamber_over_port / (modes[i].chamber_over_port - 1.0);
   const double slower_Hz = std::min(modes[0].frequency_Hz, modes[1].frequency_Hz);
   out.mean_gain = -std::expm1(-2.0 * std::numbers::pi * mean_share * slower_Hz * period_s);
   return out;

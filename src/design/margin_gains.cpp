@@ -113,7 +113,7 @@ std::vector<OperatingPoint> operating_points(const Rig& rig) {
         at.initial.pressure_1_Pa *= supply;
         if (at.initial.pressure_2_Pa) *at.initial.pressure_2_Pa *= supply;
         out.push_back(exact_point(at, frequencies));
-        if (!needs_port_pressures(rig.controller)) out.push_back(lag_point(at, frequencies));  // it does not know the port pressures
+        if (!needs_port_pressures(rig.controller)) out.push_back(lag_point(at, frequencies));  // it does not know them
         if (supply_share == 0.0) break;
       }
   return out;

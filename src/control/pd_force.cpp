@@ -39,6 +39,7 @@ void PdForce::configure(const PdForceParameters& parameters, const AxisParameter
   area_1_m2_ = axis.cylinder.area_1_m2;
   area_2_m2_ = axis.cylinder.area_2_m2;
   atmosphere_force_N_ = (area_1_m2_ - area_2_m2_) * axis.air.atmosphere_Pa;
+  line_mode_ = line_mode_filter(axis, period_s);
   reset();
 }
 
@@ -75,7 +76,7 @@ std::vector<double> PdForce::learning_window(const LawSetup& setup, std::size_t 
 std::vector<PdForce::PassTick> PdForce::pass_ticks(const LawSetup& setup) const {
   std::vector<PassTick> ticks;
   ticks.reserve(setup.pass->rows.size());
-  double v_mps = 0.0, previous_x_m = setup.pass->rows.front().x_m;
+  double v_mps = 0.0, previous_x_m = setup.pass->rows.front().x_m, line_loss_N = 0.0;
   for (const PassRow& row : setup.pass->rows) {
     const double t_s = static_cast<double>(ticks.size()) * period_s_;
     const ReferencePoint now = setup.reference.at(t_s), ahead = setup.reference.at(t_s + lead_s());
@@ -84,7 +85,9 @@ std::vector<PdForce::PassTick> PdForce::pass_ticks(const LawSetup& setup) const 
     const double asked_N = parameters_.position_gain_N_per_m * (now.d[0] - row.x_m) +
                            parameters_.velocity_gain_Ns_per_m * (now.d[1] - v_mps);
     ticks.push_back({row.u_V, feedforward_.command_V(ahead, row.p1_Pa, row.p2_Pa, row.supply_Pa),
-                     chamber_force_N(row.p1_Pa, row.p2_Pa) - asked_N, feedforward_.motion_force_N(now)});
+                     force_N({row.p1_Pa, row.p2_Pa}, {row.port_1_Pa, row.port_2_Pa}, ticks.empty(), line_loss_N) -
+                         asked_N,
+                     feedforward_.motion_force_N(now)});
   }
   return ticks;
 }
@@ -102,10 +105,23 @@ void PdForce::start_bumpless(double x_m, double p1_Pa, double p2_Pa, const Refer
   reset(command_V);
   const double integral_gain = parameters_.force_integral_V_per_Ns;
   if (!(integral_gain > 0.0)) return;
-  const PdForceState s = terms_of({.x_m = x_m, .pressure_Pa = {p1_Pa, p2_Pa}, .now = now, .ahead = ahead});
+  const PdForceState s = terms_of(
+      {.x_m = x_m, .pressure_Pa = {p1_Pa, p2_Pa}, .port_Pa = {p1_Pa, p2_Pa}, .now = now, .ahead = ahead});
   // The first step adds period * e_F before it uses the integral.
   const double integral_Ns = (state_.u_V - unlimited_V(s)) / integral_gain - period_s_ * s.e_F_N;
   if (std::isfinite(integral_Ns)) state_.I_Ns = integral_Ns;
+}
+
+// With a modal filter the ports' pressures join with their share, less the mean of what they show beside the chambers:
+// that is the loss of a steady flow, which the chambers do not feel.
+double PdForce::force_N(const std::array<double, 2>& pressure_Pa, const std::array<double, 2>& port_Pa, bool is_first,
+                        double& line_loss_N) const noexcept {
+  const double chambers_N = area_1_m2_ * pressure_Pa[0] - area_2_m2_ * pressure_Pa[1] - atmosphere_force_N_;
+  if (parameters_.modal_filter == ModalFilter::none) return chambers_N;
+  const double beside_N = line_mode_.port_share[0] * area_1_m2_ * (port_Pa[0] - pressure_Pa[0]) -
+                          line_mode_.port_share[1] * area_2_m2_ * (port_Pa[1] - pressure_Pa[1]);
+  line_loss_N = is_first ? beside_N : line_loss_N + line_mode_.mean_gain * (beside_N - line_loss_N);
+  return chambers_N + beside_N - line_loss_N;
 }
 
 PdForceState PdForce::terms_of(const ControlInput& in) const noexcept {
@@ -113,7 +129,8 @@ PdForceState PdForce::terms_of(const ControlInput& in) const noexcept {
   s.e_m = in.now.d[0] - in.x_m;
   s.v_mps =
       first_ ? 0.0 : state_.v_mps + filter_gain_ * ((in.x_m - previous_x_m_) / (periods_ * period_s_) - state_.v_mps);
-  s.F_N = chamber_force_N(in.pressure_Pa[0], in.pressure_Pa[1]);
+  s.line_loss_N = state_.line_loss_N;
+  s.F_N = force_N(in.pressure_Pa, in.port_Pa, first_, s.line_loss_N);
   s.F_ref_N = parameters_.position_gain_N_per_m * s.e_m + parameters_.velocity_gain_Ns_per_m * (in.now.d[1] - s.v_mps);
   if (feeds_forward()) feed_forward(in, s);
   s.e_F_N = s.F_ref_N - s.F_N;

@@ -217,7 +217,7 @@ void warn_of_instability(const Rig& rig, const DesignRequest& request, AxisDesig
 void find_warnings(const Rig& rig, const DesignRequest& request, AxisDesign& design) {
   auto& warnings = design.warnings;
   warn_of_instability(rig, request, design);
-  warn_of_margins("linear model", design.margins, warnings);
+  if (!needs_port_pressures(design.controller)) warn_of_margins("linear model", design.margins, warnings);
   warn_of_margins("distributed lines", design.exact_margins, warnings);
   if (!design.spool_in_range)
     warnings.push_back(
@@ -238,19 +238,37 @@ Complex exact_open(const AxisDesign& design, double frequency_Hz) {
   const double T = design.loop.period_s;
   const Complex s(0.0, 2.0 * std::numbers::pi * frequency_Hz), z = std::exp(s * T);
   const AxisResponse axis = exact_response(design.linear, s);
-  // The law's columns of velocity and acceleration make the force; the port's stands for m x'' + B x' there.
+  // The law's columns of velocity and acceleration make the force; what it sees stands for m x'' + B x' there.
   Eigen::Vector4cd y(axis.position_m, s * axis.position_m, s * s * axis.position_m, 0.0);
-  const ControllerParameters& c = design.controller;
-  if (c.closes_force_loop() && c.pressures() == PressureSource::valve) {
+  if (needs_port_pressures(design.controller)) {
     y(1) = 0.0;
-    y(2) = axis.port_force_N / design.linear.mass_kg;
+    y(2) = seen_force_N(design.linear, axis, z) / design.linear.mass_kg;
   }
   const Complex hold = (1.0 - 1.0 / z) / (s * T) * std::exp(-s * design.delay_s);
   return -(design.loop.law.transfer(z) * y)(0) * hold;
 }
 
+namespace {
+
+/// On distributed lines, of a loop that the linear model does not know.
+LoopPoint distributed_point(const Rig& rig, bool with_margins) {
+  AxisDesign design(linearise(rig));
+  design.controller = rig.controller;
+  design.delay_s = delay_s(rig);
+  design.loop = loop_of(rig, rig.controller, design.linear);
+  const auto open = [&](double f) { return exact_open(design, f); };
+  const double highest_Hz = 0.5 / rig.period_s;
+  const NyquistVerdict verdict = nyquist_verdict(open, highest_Hz);
+  LoopPoint out{rig.initial.position_m, rig.axis.slider.payload_kg, verdict.is_stable, verdict.nearest_Hz, {}};
+  if (with_margins) out.margins = margins_of(open, highest_Hz);
+  return out;
+}
+
+}  // namespace
+
 LoopPoint loop_point(const Rig& rig, bool with_margins) {
   require_lines(rig);
+  if (needs_port_pressures(rig.controller)) return distributed_point(rig, with_margins);
   const SampledLoop loop = loop_of(rig, rig.controller, linearise(rig));
   const std::vector<Complex> poles = loop.poles();
   LoopPoint out{rig.initial.position_m, rig.axis.slider.payload_kg, all_decay(poles), 0.0, {}};
@@ -282,8 +300,10 @@ AxisDesign design_axis(const Rig& rig, const DesignRequest& request, const LoadP
   out.delay_s = delay_s(rig);
   out.loop = loop_of(rig, out.controller, out.linear);
   out.poles = out.loop.poles();
-  out.is_stable = all_decay(out.poles);
   const double highest_Hz = 0.5 / rig.period_s;
+  out.is_stable = needs_port_pressures(out.controller)
+                      ? nyquist_verdict([&](double f) { return exact_open(out, f); }, highest_Hz).is_stable
+                      : all_decay(out.poles);
   out.margins = margins_of([&](double f) { return out.loop.open(f); }, highest_Hz);
   out.exact_margins = margins_of([&](double f) { return exact_open(out, f); }, highest_Hz);
   out.step = step_response(out.loop, step_shown_s);

@@ -63,10 +63,11 @@ struct AxisDesign {
 struct LoopPoint {
   double position_m = 0.0, payload_kg = 0.0;
   bool is_stable = false;
-  double weakest_Hz = 0.0;  ///< of the pole that grows most or dies slowest
+  double weakest_Hz = 0.0;  ///< of the pole that grows most or dies slowest, or where the loop is next to -1
   LoopMargins margins;      ///< only where they were asked for
 };
-/// The sampled loop of the full linear model with the config's gains. Throws std::invalid_argument as design_axis does.
+/// The sampled loop of the full linear model with the config's gains; on distributed lines, by Nyquist's criterion,
+/// where it needs the ports' pressures. Throws std::invalid_argument as design_axis does.
 LoopPoint loop_point(const Rig& rig, bool with_margins);
 
 /// Designs the config's axis. Throws std::invalid_argument with one sentence where the request does not fit.

@@ -120,6 +120,10 @@ AxisLinearisation linearise_cylinder(const Rig& rig) {
     out.axis.gain_per_V += out.axis.weights[i];
   }
   for (double& weight : out.axis.weights) weight /= out.axis.gain_per_V;
+  if (!rig.controller.is<PdForce>()) return out;
+  const PdForceParameters& law = rig.controller.of<PdForce>();
+  if (law.modal_filter == ModalFilter::line && law.pressure_source != PressureSource::valve)
+    out.modal_filter = line_mode_filter(rig.axis, rig.period_s);
   return out;
 }
 
@@ -137,7 +141,8 @@ AxisResponse exact_response(const AxisLinearisation& linear, Complex s) {
   const Complex spool = wv > 0.0
                             ? 1.0 / (1.0 + linear.axis.valve.slope_s() * s + linear.axis.valve.curvature_s2() * s * s)
                             : Complex(1.0);
-  Complex force_by_command = 0.0, force_by_speed = 0.0, port_by_command = 0.0, port_by_speed = 0.0;
+  Complex force_by_command = 0.0, force_by_speed = 0.0;
+  std::array<Complex, 2> beside_by_command, beside_by_speed;  // of the port, less the chamber's
   for (std::size_t i = 0; i < 2; ++i) {
     const AxisSide& side = linear.sides[i];
     const LineTwoPort line = linear.lines[i].two_port(s);
@@ -148,15 +153,30 @@ AxisResponse exact_response(const AxisLinearisation& linear, Complex s) {
     // p_port = a p + b G_c = p/a + b G_v/a.
     force_by_command += side.piston_area_m2 * by_command;
     force_by_speed += side.piston_area_m2 * by_speed;
-    port_by_command += side.piston_area_m2 * (by_command + line.b * flow) / line.a;
-    port_by_speed += side.piston_area_m2 * by_speed / line.a;
+    beside_by_command[i] = side.piston_area_m2 * ((by_command + line.b * flow) / line.a - by_command);
+    beside_by_speed[i] = side.piston_area_m2 * by_speed * (1.0 / line.a - 1.0);
   }
   AxisResponse out;
   const Complex speed = force_by_command / (linear.mass_kg * s + linear.friction_Ns_per_m - force_by_speed);
   out.position_m = speed / s;
   out.chamber_force_N = force_by_command + force_by_speed * speed;
-  out.port_force_N = port_by_command + port_by_speed * speed;
+  for (std::size_t i = 0; i < 2; ++i) out.port_less_chamber_N[i] = beside_by_command[i] + beside_by_speed[i] * speed;
+  out.port_force_N = out.chamber_force_N + out.port_less_chamber_N[0] + out.port_less_chamber_N[1];
   return out;
+}
+
+bool needs_port_pressures(const ControllerParameters& controller) {
+  if (!controller.is<PdForce>()) return false;
+  const PdForceParameters& law = controller.of<PdForce>();
+  return law.pressure_source == PressureSource::valve || law.modal_filter != ModalFilter::none;
+}
+
+Complex seen_force_N(const AxisLinearisation& linear, const AxisResponse& axis, Complex z) {
+  if (!linear.modal_filter) return axis.port_force_N;
+  const LineModeFilter& filter = *linear.modal_filter;
+  const Complex mean = filter.mean_gain / (1.0 - (1.0 - filter.mean_gain) / z);
+  return axis.chamber_force_N + (1.0 - mean) * (filter.port_share[0] * axis.port_less_chamber_N[0] +
+                                                filter.port_share[1] * axis.port_less_chamber_N[1]);
 }
 
 }  // namespace pneuservo

@@ -4,6 +4,7 @@
 #include <complex>
 #include <optional>
 
+#include <pneuservo/control/line_mode.hpp>
 #include <pneuservo/rig/rig.hpp>
 
 #include "acoustics/line_acoustics.hpp"
@@ -33,6 +34,7 @@ struct AxisLinearisation {
   LinearAxis axis;
   std::array<AxisSide, 2> sides;
   std::array<LineAcoustics, 2> lines;
+  std::optional<LineModeFilter> modal_filter;  ///< of a law that has one
   double polytropic_exponent = 1.0;          ///< of the chambers
   double mass_kg = 0.0, friction_Ns_per_m = 0.0;
   double discharge_ratio = 0.0;              ///< delta (2.8), of a servo table
@@ -47,7 +49,13 @@ AxisLinearisation linearise(const Rig& rig);
 /// Small changes over the command [per V] at s, with distributed lines and frequency-dependent friction.
 struct AxisResponse {
   std::complex<double> position_m, chamber_force_N, port_force_N;
+  std::array<std::complex<double>, 2> port_less_chamber_N;  ///< by side; their sum is that of the forces
 };
 AxisResponse exact_response(const AxisLinearisation& linear, std::complex<double> s);
+
+/// The force loop closes on what only distributed lines tell: the ports' pressures, alone or by a modal filter.
+bool needs_port_pressures(const ControllerParameters& controller);
+/// The force in such a loop [N per V], sampled with z.
+std::complex<double> seen_force_N(const AxisLinearisation& linear, const AxisResponse& axis, std::complex<double> z);
 
 }  // namespace pneuservo

@@ -31,6 +31,13 @@ struct LoopMargins {
 /// Scans from 0.01 Hz to half the sampling rate. The figures mean what they say where the loop is stable.
 LoopMargins margins_of(const std::function<std::complex<double>(double frequency_Hz)>& open, double highest_Hz);
 
+/// What Nyquist's criterion says of a loop that begins at an integrator.
+struct NyquistVerdict {
+  bool is_stable = false;
+  double nearest_Hz = 0.0;  ///< where the loop transfer comes next to -1
+};
+NyquistVerdict nyquist_verdict(const std::function<std::complex<double>(double frequency_Hz)>& open, double highest_Hz);
+
 /// A response to a unit step, sampled.
 struct StepResponse {
   std::vector<double> t_s, y;

@@ -124,6 +124,7 @@ class Shown {
     PassRow row{.u_V = tick.u_V, .x_m = seen[Signal::x], .supply_Pa = seen[Signal::p_supply]};
     const auto& [side_1, side_2] = ports_ || estimates_ ? port_signals : chamber_signals;
     row.p1_Pa = seen[side_1], row.p2_Pa = seen[side_2];
+    row.port_1_Pa = seen[Signal::p1_port], row.port_2_Pa = seen[Signal::p2_port];
     if (!estimates_) return row;
     const EstimatorOutput estimate = estimator_.step({row.p1_Pa, row.p2_Pa, row.x_m, v_mps, previous_V});
     row.p1_Pa = estimate.chamber_pressure_Pa[0], row.p2_Pa = estimate.chamber_pressure_Pa[1];

@@ -73,12 +73,6 @@ Rig at_place(Rig rig, double position_m, double payload_kg) {
   return rig;
 }
 
-/// The linear model closes the force loop on chamber pressures.
-bool has_linear_loop(const Rig& rig) {
-  const bool on_ports = rig.controller.closes_force_loop() && rig.controller.pressures() == PressureSource::valve;
-  return has_linear_law(rig.controller) && !on_ports;
-}
-
 struct Survey {
   std::optional<LoopPoint> unstable, unstable_beyond, weakest;  ///< where the reference goes, beyond it; least margin
   int points = 0;
@@ -111,7 +105,7 @@ std::string fall_words(const LoopMargins& margins) {
 }
 
 void grade_margins(const Rig& rig, std::vector<Finding>& findings) {
-  if (!has_linear_loop(rig)) return;
+  if (!has_linear_law(rig.controller)) return;
   const Survey found = survey(rig, true);
   if (found.unstable) {
     findings.push_back({Level::unsafe, "loop margins",
@@ -293,7 +287,7 @@ std::vector<Finding> grade_loop(const Rig& rig) {
 
 std::string unstable_loop_words(const Rig& rig) {
   if (rig.controls_pressure()) return unstable_pressure_words(rig);
-  if (!rig.is_pneumatic() || !has_linear_loop(rig)) return "";
+  if (!rig.is_pneumatic() || !has_linear_law(rig.controller)) return "";
   const Survey found = survey(rig, false);
   return found.unstable ? "the loop is " + instability(*found.unstable) : "";
 }

@@ -19,8 +19,7 @@ std::vector<Finding> grade_loop(const Rig& rig);
 /// follow the reference.
 std::vector<Finding> grade_simulated_loop(const Rig& rig);
 
-/// Where the linear loop is unstable within the reference's reach, in one sentence; empty: nowhere, or the law feeds
-/// back port pressures, which the linear model does not know.
+/// Where the linear loop is unstable within the reference's reach, in one sentence; empty: nowhere.
 std::string unstable_loop_words(const Rig& rig);
 
 /// Throws InputError where a reference from a file leaves the stroke; others are refused where the config is read.

@@ -10,6 +10,7 @@ struct PassRow {
   double x_m = 0.0;                  ///< position
   double p1_Pa = 0.0, p2_Pa = 0.0;   ///< of the law's pressure source, absolute
   double supply_Pa = 0.0;
+  double port_1_Pa = 0.0, port_2_Pa = 0.0;
 };
 
 /// Ticks from the reference's time 0 on. It rests before the first row as there, after the last as there.

@@ -10,6 +10,7 @@
 #include <pneuservo/control/flow_feedforward.hpp>
 #include <pneuservo/control/law.hpp>
 #include <pneuservo/control/limits.hpp>
+#include <pneuservo/control/line_mode.hpp>
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/control/repeated_move.hpp>
 
@@ -29,6 +30,10 @@ inline constexpr std::array<std::string_view, 2> without_pass_names{"refuse", "f
 enum class MoveLearning { none, command };
 inline constexpr std::array<std::string_view, 2> move_learning_names{"none", "command"};
 
+/// What the force loop does not see: nothing, or the first mode of the lines.
+enum class ModalFilter { none, line };
+inline constexpr std::array<std::string_view, 2> modal_filter_names{"none", "line"};
+
 /// PD with force feedback (chapter 3; docs/physics/pd_force.md has the law).
 struct PdForceParameters {
   PressureSource pressure_source = PressureSource::estimated;
@@ -37,6 +42,7 @@ struct PdForceParameters {
   double velocity_filter_s = 0.002;
   double force_gain_V_per_N = 0.0;
   double force_integral_V_per_Ns = 0.0;
+  ModalFilter modal_filter = ModalFilter::none;
   FeedforwardSource flow_feedforward = FeedforwardSource::off;
   WithoutPass without_pass = WithoutPass::refuse;
   MoveLearning learning = MoveLearning::none;
@@ -53,6 +59,9 @@ struct PdForceParameters {
     v(Field{"force_gain_V_per_N", "V/N", 0, 1e6, "K_f: command per force error"}, p.force_gain_V_per_N...);
     v(Field{"force_integral_V_per_Ns", "V/(N s)", 0, 1e6, "K_i: command per integral of force error", optional},
       p.force_integral_V_per_Ns...);
+    v(Field{"modal_filter", "", 0, 0, "line: the first mode of the lines cancels in the force, by the ports' pressures",
+            optional, modal_filter_names},
+      p.modal_filter...);
     v(Field{"flow_feedforward", "", 0, 0, "where the command comes from that the reference's flow needs", optional,
             feedforward_source_names, feedforward_source_older_words},
       p.flow_feedforward...);
@@ -97,7 +106,8 @@ enum ControllerFault : std::uint8_t {
 struct PdForceState {
   double e_m = 0.0;  ///< x_ref - x
   double v_mps = 0.0;  ///< filtered velocity
-  double F_N = 0.0;  ///< force of the chambers on the piston
+  double F_N = 0.0;  ///< force of the pressures in use on the piston
+  double line_loss_N = 0.0;  ///< mean of what the ports show beside them; with a modal filter
   double F_ref_N = 0.0;  ///< force asked for
   double e_F_N = 0.0;  ///< F_ref - F
   double I_Ns = 0.0;  ///< integral of e_F
@@ -153,9 +163,9 @@ class PdForce {
                       double command_V) noexcept;
 
   /// Command [V] of one period from measured position [m], the pressures that pressure_source names [Pa, absolute], the
-  /// reference at t and at t + lead_s(). Always finite; HOT.
+  /// reference at t and at t + lead_s(). The ports show the same. Always finite; HOT.
   double step(double x_m, double p1_Pa, double p2_Pa, const ReferencePoint& now, const ReferencePoint& ahead) noexcept {
-    return update({.x_m = x_m, .pressure_Pa = {p1_Pa, p2_Pa}, .now = now, .ahead = ahead});
+    return update({.x_m = x_m, .pressure_Pa = {p1_Pa, p2_Pa}, .port_Pa = {p1_Pa, p2_Pa}, .now = now, .ahead = ahead});
   }
   ControlOutput step(const ControlInput& in) noexcept {
     const double u_V = update(in);
@@ -192,9 +202,8 @@ class PdForce {
   PdForceState terms_of(const ControlInput& in) const noexcept;
   void feed_forward(const ControlInput& in, PdForceState& s) const noexcept;
   bool feeds_forward() const noexcept { return parameters_.flow_feedforward != FeedforwardSource::off; }
-  double chamber_force_N(double p1_Pa, double p2_Pa) const noexcept {
-    return area_1_m2_ * p1_Pa - area_2_m2_ * p2_Pa - atmosphere_force_N_;
-  }
+  double force_N(const std::array<double, 2>& pressure_Pa, const std::array<double, 2>& port_Pa, bool is_first,
+                 double& line_loss_N) const noexcept;
   double unlimited_V(const PdForceState& s) const noexcept {
     return parameters_.force_gain_V_per_N * s.e_F_N + parameters_.force_integral_V_per_Ns * s.I_Ns + s.u_feedforward_V;
   }
@@ -207,6 +216,7 @@ class PdForce {
   PdForceState state_{};
   double period_s_ = 0.001, filter_gain_ = 1.0;
   double area_1_m2_ = 0.0, area_2_m2_ = 0.0, atmosphere_force_N_ = 0.0;
+  LineModeFilter line_mode_{};
   double previous_x_m_ = 0.0, periods_ = 1.0;  ///< last good position and its age
   bool first_ = true;
 };

@@ -69,7 +69,7 @@ OneSet line_set() {
           rig_figures,
           "8 of 14",
           "1.828",
-          4011,
+          "--evaluations 3000 --seed 1",
           ThesisPlant::formula};
 }
 

@@ -79,11 +79,12 @@ TEST_CASE("the sets on the page lie in the ranges that their searches cover") {
   }
 }
 
-TEST_CASE("no linear table has the print's model of third order beside its inverse") {
+TEST_CASE("printed figures that exclude each other lie above what any machine of the kind gives") {
   ThesisBench bench(configs);
-  for (const ThesisRow& row : order_bound_rows()) {
-    const double ratio = row.ours(bench).value;
-    CHECK(ratio > 1.0);  // at standstill it is 1.2, that of the position gains
-    CHECK(ratio < 0.2 * thesis_number(row.printed));
-  }
+  for (auto rows : {order_bound_rows(), damping_bound_rows()})
+    for (const ThesisRow& row : rows) {
+      INFO(row.place << ": " << row.what);
+      // Both figures within 10 % change their ratio by 1.1/0.9 at most.
+      CHECK(row.ours(bench).value * 1.1 / 0.9 < thesis_number(row.printed));
+    }
 }

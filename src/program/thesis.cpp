@@ -93,7 +93,7 @@ void add_thesis(CommandLine& app, int& status) {
   verb.add_option("--evaluations", options->trials.evaluations, "members of the family that the search tries")
       .shows_default();
   verb.add_option("--seed", options->trials.seed, "of the search").shows_default();
-  verb.add_flag("--from-found", options->trials.from_found, "begin the search with the set on the page among others");
+  verb.add_flag("--from-found", options->trials.from_found, "search about the set on the page alone");
   verb.callback([options, &status] { status = run_thesis(*options); });
 }
 

@@ -39,10 +39,11 @@ std::vector<std::string> remarks(const IdentifiedLine& line) {
                               "hundredth): what went before is taken for rest, so record rest at both ends",
                               line.in_column, 100.0 * f.ends_share));
   if (line.sensor_noise_Pa > 0.0 && f.noise_Pa > 2.0 * line.sensor_noise_Pa)
-    out.push_back(
-        fmt::format("the fit leaves {:.0f} Pa where the sensors' noise is {:.0f} Pa: something that a line with "
-                    "a volume does not have is in it (large swings, leaks, slow sensors)",
-                    f.noise_Pa, line.sensor_noise_Pa));
+    out.push_back(fmt::format(
+        "the fit leaves {:.0f} Pa where the sensors' noise is {:.0f} Pa: something that a line with "
+        "a volume does not have is in it (leaks, slow sensors, or swings that are no longer small: then let "
+        "diagnose fit the length, by tolerances.line.length_m)",
+        f.noise_Pa, line.sensor_noise_Pa));
   if (line.bridged_rows > 0)
     out.push_back(fmt::format("{} missing rows are bridged by straight lines", line.bridged_rows));
   return out;

@@ -25,8 +25,10 @@ ThesisGroup thesis_index_group();        // 4.1 to 4.3: the index
 ThesisGroup thesis_difference_group();   // 4.3: pressure loss, position difference, verdicts
 ThesisGroup thesis_wish_group();         // 5.2, nomenclature
 
-/// What the model of third order and its inverse allow beside each other.
+/// Printed figures of the servo table that exclude each other on linear tables.
 std::vector<ThesisRow> order_bound_rows();
+/// Printed dampings of the lines that exclude each other.
+std::vector<ThesisRow> damping_bound_rows();
 
 /// All of them, in the thesis' order; `only`: rows whose place holds this text.
 std::vector<ThesisGroup> thesis_groups(const std::string& only = "");

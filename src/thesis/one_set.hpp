@@ -33,7 +33,7 @@ struct OneSet {
   /// All figures of the member; NaN: it has none.
   std::vector<double> (*compute)(ThesisBench&, const std::vector<double>& at);
   const char *met_held, *deviation_held;  ///< of the set found
-  std::size_t tried;                      ///< members that the search tried for it
+  const char* searched;                   ///< options of --search that find it
   ThesisPlant plant = ThesisPlant::nonlinear;
 };
 
@@ -55,15 +55,15 @@ std::vector<double> found_numbers(const OneSet& set);
 struct OneSetSearch {
   std::size_t evaluations = 2000;
   std::uint64_t seed = 1;
-  bool from_found = false;  ///< the set on the page is among the first
+  bool from_found = false;  ///< begin about the set on the page
 };
 struct OneSetFound {
   std::vector<double> at, ours;
   double deviation = 0.0;
   std::size_t evaluations = 0;
 };
-/// Differential evolution over the whole range of every number on all cores.
-/// `progress` is called once a generation.
+/// Differential evolution on all cores: half of the trials over the whole range of every number, the rest about the
+/// best in ever smaller ranges; with `from_found` all of them about the set on the page. `progress`: once a generation.
 OneSetFound search_one_set(const OneSet& set, const std::string& configs, const OneSetSearch& search,
                            const std::function<void(const OneSetFound&)>& progress);
 

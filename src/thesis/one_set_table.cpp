@@ -156,7 +156,7 @@ OneSet table_set() {
           move_figures,
           "4 of 9",
           "5.8047",
-          760};
+          "--evaluations 4000 --seed 2"};
 }
 
 }  // namespace pneuservo

@@ -117,6 +117,35 @@ TEST_CASE("a simulated line with frequency-dependent losses is identified") {
   CHECK(found.damping_ratio.value == Approx(exact.damping_ratio).epsilon(0.15));
 }
 
+TEST_CASE("a vented line is identified from small swings, and not from bars") {
+  constexpr double period_s = 1e-3, length_m = 4.0, diameter_m = 0.0034, volume_m3 = 3e-7, rest_Pa = 1.1e5;
+  const auto found = [&](double swing_Pa) {
+    LineParameters<double> parameters;
+    parameters.length_m = length_m;
+    parameters.diameter_m = diameter_m;
+    LineWithChamber<double> side;
+    side.configure(parameters, {1e-3, volume_m3, 1e9}, AirParameters<double>{}, 8);
+    LineEffects<double> effects;
+    effects.frequency_dependent_losses.share = 1.0;
+    side.line().set_effects(effects);
+    // A valve that vents with a time constant of 20 ms from 30 ms on, as of the tubes in config/machines/tube.yaml.
+    const auto port_Pa = [&](double t_s) { return rest_Pa + swing_Pa * std::exp(-std::max(t_s - 0.03, 0.0) / 0.02); };
+    side.reset(port_Pa(0.0), 293.0, 0.0);
+    LinePressures p{{}, {}, period_s};
+    for (int k = 0; k < 600; ++k) {
+      p.in_Pa.push_back(port_Pa(k * period_s));
+      p.out_Pa.push_back(side.chamber().pressure());
+      const int steps = side.begin_period(period_s);
+      for (int i = 0; i < steps; ++i) side.step_prescribed(port_Pa(period_s * (k + (i + 0.5) / steps)), 0.0);
+    }
+    return identify_line(p, {length_m, diameter_m, {}, {0.0, volume_m3}});
+  };
+  const LineIdentification small = found(2e3), large = found(2e5);
+  CHECK(small.length_m.value == Approx(length_m).epsilon(0.03));
+  CHECK(std::fabs(large.length_m.value / length_m - 1.0) > 0.1);
+  CHECK(large.noise_Pa > 300.0 * small.noise_Pa);  // a hundred times the swing leaves more than a hundred times as much
+}
+
 TEST_CASE("pressures that say nothing are refused") {
   const LineBelief belief{1.0, 0.004, {}, {0.0, 1e-4}};
   LinePressures p{std::vector<double>(1000, 2e5), std::vector<double>(1000, 2e5), 1e-3};

@@ -69,7 +69,7 @@ TEST_CASE("a search that begins with the set found is never worse than it") {
 TEST_CASE("the sets on the page lie in the ranges that their searches cover") {
   for (const OneSet& set : all_one_sets()) {
     CHECK(std::string(set.met_held).ends_with(std::to_string(set.figures.size())));
-    CHECK(set.tried >= 500);
+    CHECK(std::string(set.searched).find("--seed") != std::string::npos);
     for (const FreeNumber& number : set.numbers) {
       INFO(set.name << ": " << number.name);
       CHECK(number.found >= number.low);
@@ -79,11 +79,12 @@ TEST_CASE("the sets on the page lie in the ranges that their searches cover") {
   }
 }
 
-TEST_CASE("no linear table has the print's model of third order beside its inverse") {
+TEST_CASE("printed figures that exclude each other lie above what any machine of the kind gives") {
   ThesisBench bench(configs);
-  for (const ThesisRow& row : order_bound_rows()) {
-    const double ratio = row.ours(bench).value;
-    CHECK(ratio > 1.0);  // at standstill it is 1.2, that of the position gains
-    CHECK(ratio < 0.2 * thesis_number(row.printed));
-  }
+  for (auto rows : {order_bound_rows(), damping_bound_rows()})
+    for (const ThesisRow& row : rows) {
+      INFO(row.place << ": " << row.what);
+      // Both figures within 10 % change their ratio by 1.1/0.9 at most.
+      CHECK(row.ours(bench).value * 1.1 / 0.9 < thesis_number(row.printed));
+    }
 }

@@ -319,7 +319,7 @@ void add_set_table(HtmlPage& page, const OneSet& set) {
     low.push_back(fmt::format("{:g}", number.low));
     high.push_back(fmt::format("{:g}", number.high));
   }
-  page.table({.title = fmt::format("{}: the nearest of {} members", set.title, set.tried),
+  page.table({.title = fmt::format("{}: found by --search {} {}", set.title, set.name, set.searched),
               .columns = {text_column("number", names), text_column("found", found), text_column("from", low),
                           text_column("to", high)}});
 }

@@ -84,10 +84,10 @@ std::vector<PdForce::PassTick> PdForce::pass_ticks(const LawSetup& setup) const 
     previous_x_m = row.x_m;
     const double asked_N = parameters_.position_gain_N_per_m * (now.d[0] - row.x_m) +
                            parameters_.velocity_gain_Ns_per_m * (now.d[1] - v_mps);
-    ticks.push_back({row.u_V, feedforward_.command_V(ahead, row.p1_Pa, row.p2_Pa, row.supply_Pa),
-                     force_N({row.p1_Pa, row.p2_Pa}, {row.port_1_Pa, row.port_2_Pa}, ticks.empty(), line_loss_N) -
-                         asked_N,
-                     feedforward_.motion_force_N(now)});
+    ticks.push_back(
+        {row.u_V, feedforward_.command_V(ahead, row.p1_Pa, row.p2_Pa, row.supply_Pa),
+         force_N({row.p1_Pa, row.p2_Pa}, {row.port_1_Pa, row.port_2_Pa}, ticks.empty(), line_loss_N) - asked_N,
+         feedforward_.motion_force_N(now)});
   }
   return ticks;
 }
@@ -105,8 +105,8 @@ void PdForce::start_bumpless(double x_m, double p1_Pa, double p2_Pa, const Refer
   reset(command_V);
   const double integral_gain = parameters_.force_integral_V_per_Ns;
   if (!(integral_gain > 0.0)) return;
-  const PdForceState s = terms_of(
-      {.x_m = x_m, .pressure_Pa = {p1_Pa, p2_Pa}, .port_Pa = {p1_Pa, p2_Pa}, .now = now, .ahead = ahead});
+  const PdForceState s =
+      terms_of({.x_m = x_m, .pressure_Pa = {p1_Pa, p2_Pa}, .port_Pa = {p1_Pa, p2_Pa}, .now = now, .ahead = ahead});
   // The first step adds period * e_F before it uses the integral.
   const double integral_Ns = (state_.u_V - unlimited_V(s)) / integral_gain - period_s_ * s.e_F_N;
   if (std::isfinite(integral_Ns)) state_.I_Ns = integral_Ns;

@@ -30,8 +30,12 @@ template <class Function> double peak_between(const Function& value, double low,
 Complex bessel_i1_over_i0(Complex z) {
   // I_1/I_0 = 1/(2/z + 1/(4/z + 1/(6/z + ...))), evaluated from far down the fraction, where the tail is z/(2n).
   const int terms = 40 + static_cast<int>(2.0 * std::abs(z));
+  const Complex inverse = 1.0 / z;
   Complex tail = 0.0;
-  for (int n = terms; n >= 1; --n) tail = 1.0 / (2.0 * n / z + tail);
+  for (int n = terms; n >= 1; --n) {
+    const Complex sum = 2.0 * n * inverse + tail;
+    tail = std::conj(sum) / std::norm(sum);
+  }
   return tail;
 }
 
@@ -95,15 +99,19 @@ LineResonance first_resonance(const LineAcoustics& line, const LineEnds& ends) {
     return std::abs(flow_transfer(line, ends, Complex(0.0, 2.0 * std::numbers::pi * Hz)));
   };
   // With a closed end the first resonance is the half wave; every larger volume lowers it.
-  const double highest = 0.55 * line.sound_speed_mps() / line.length_m(), step = highest / 2000.0;
+  const double highest = 0.55 * line.sound_speed_mps() / line.length_m();
   LineResonance out;
   out.static_gain =
       std::isinf(ends.volume_out_m3)
           ? 1.0
           : ends.volume_out_m3 / (ends.volume_out_m3 + line.volume_m3() + ends.volume_in_m3 / line.air().kappa);
-  for (double f = 2.0 * step; f < highest; f += step) {
-    if (gain(f) <= gain(f - step) || gain(f) < gain(f + step)) continue;
-    out.peak_Hz = peak_between(gain, f - step, f + step);
+  // The gain rises to its first peak and falls to half way of the next one, so steps of 4 % see it.
+  constexpr double ratio = 1.04;
+  double f = 1e-3 * highest, before = gain(f / ratio), here = gain(f);
+  for (double after; f < highest; f *= ratio, before = here, here = after) {
+    after = gain(f * ratio);
+    if (here <= before || here < after) continue;
+    out.peak_Hz = peak_between(gain, f / ratio, f * ratio);
     const double height = gain(out.peak_Hz) / out.static_gain;
     if (height <= 1.0) break;
     // Peak of a second-order lag: 1/(2 zeta sqrt(1 - zeta^2)) at w sqrt(1 - 2 zeta^2).

@@ -69,7 +69,7 @@ class Analog(unittest.TestCase):
 
     def test_cable_at_the_end_of_the_range(self):
         run = self.control(10, "--record", "/tmp/saturated.csv.gz", "--force")
-        time.sleep(2.0)
+        self.slider.wait_until_driven(run)
         self.slider.fixed_V[1] = 10.0
         _, said = finished(run, status=1)
         self.assertIn("fault: port_pressure_1_missing", said)

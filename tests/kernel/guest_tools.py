@@ -88,6 +88,14 @@ class SliderThread(threading.Thread):
             self.step(now - last)
             last = now
 
+    def wait_until_driven(self, run, timeout_s=60.0):
+        """Waits until a controller's commands have moved it by 0.1 mm, however long its start took."""
+        start_m, end = self.x_m, time.monotonic() + timeout_s
+        while abs(self.x_m - start_m) < 1e-4:
+            if run.process.poll() is not None or time.monotonic() > end:
+                raise AssertionError(f"{run.arguments[:2]}: the slider was not driven: {run.said()}")
+            time.sleep(0.01)
+
     def stop(self):
         self.ends = True
         self.join()

@@ -131,7 +131,7 @@ class Industrial(unittest.TestCase):
 
     def test_trigger_that_stops(self):
         run = self.control(30, *LOCKED)
-        time.sleep(3.0)
+        self.slider.wait_until_driven(run)
         set_rate(0.01)
         _, said = finished(run, status=1)
         self.assertIn("fault: position_missing", said)
@@ -139,7 +139,7 @@ class Industrial(unittest.TestCase):
 
     def test_wire_of_the_output(self):
         run = self.control(10)
-        time.sleep(2.0)
+        self.slider.wait_until_driven(run)
         self.slider.wire_is_cut = True
         _, said = finished(run, status=1)
         self.assertIn("fault: output_unconfirmed", said)
@@ -147,7 +147,7 @@ class Industrial(unittest.TestCase):
     def test_input_at_the_end_of_its_converter(self):
         for more in ((), LOCKED):
             run = self.control(10, "--record", "/tmp/end.csv.gz", "--force", "--set", "hal.channels.x.iio.highest_m=1", *more)
-            time.sleep(2.0)
+            self.slider.wait_until_driven(run)
             self.slider.fixed["x"] = 2047  # 12 bits, signed
             _, said = finished(run, status=1)
             self.assertIn("fault: position_missing", said)
@@ -158,7 +158,7 @@ class Industrial(unittest.TestCase):
         guard = Program("guard", IIO, *WIRED, *guarded).wait_for("acts after")
         self.slider.fixed["x"] = 250  # the valve does not move it: its command stands
         run = self.control(30, *guarded)
-        time.sleep(2.5)
+        self.slider.wait_until_driven(run)
         self.assertIsNone(run.process.poll(), run.said())
         self.assertNotEqual(self.slider.valve.read(), NEUTRAL)
         run.kill()
@@ -168,7 +168,7 @@ class Industrial(unittest.TestCase):
 
     def test_one_program_a_device(self):
         run = self.control(3)
-        time.sleep(1.0)
+        self.slider.wait_until_driven(run)
         second = self.control(1)
         second.end()
         self.assertEqual(second.status, 1)

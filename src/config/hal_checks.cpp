@@ -180,7 +180,8 @@ void check_lines(const Rig& rig, const RefusePath& refuse) {
 std::vector<Signal> inputs_of_law(const Rig& rig) {
   std::vector<Signal> inputs{Signal::x};
   if (rig.controller.takes_chambers()) inputs.insert(inputs.end(), chamber_signals.begin(), chamber_signals.end());
-  else if (rig.controls_pressure() || rig.controller.pressures())
+  if (rig.controls_pressure() || rig.controller.feeds_back_ports() ||
+      (rig.controller.pressures() && !rig.controller.takes_chambers()))
     inputs.insert(inputs.end(), port_signals.begin(), port_signals.end());
   std::erase_if(inputs, [&](Signal signal) { return !rig.has_sensor(signal); });
   return inputs;

@@ -117,7 +117,7 @@ void PdForce::start_bumpless(double x_m, double p1_Pa, double p2_Pa, const Refer
 double PdForce::force_N(const std::array<double, 2>& pressure_Pa, const std::array<double, 2>& port_Pa, bool is_first,
                         double& line_loss_N) const noexcept {
   const double chambers_N = area_1_m2_ * pressure_Pa[0] - area_2_m2_ * pressure_Pa[1] - atmosphere_force_N_;
-  if (parameters_.modal_filter == ModalFilter::none) return chambers_N;
+  if (!parameters_.filters_line_mode()) return chambers_N;
   const double beside_N = line_mode_.port_share[0] * area_1_m2_ * (port_Pa[0] - pressure_Pa[0]) -
                           line_mode_.port_share[1] * area_2_m2_ * (port_Pa[1] - pressure_Pa[1]);
   line_loss_N = is_first ? beside_N : line_loss_N + line_mode_.mean_gain * (beside_N - line_loss_N);

@@ -217,7 +217,7 @@ void warn_of_instability(const Rig& rig, const DesignRequest& request, AxisDesig
 void find_warnings(const Rig& rig, const DesignRequest& request, AxisDesign& design) {
   auto& warnings = design.warnings;
   warn_of_instability(rig, request, design);
-  if (!needs_port_pressures(design.controller)) warn_of_margins("linear model", design.margins, warnings);
+  if (!design.controller.feeds_back_ports()) warn_of_margins("linear model", design.margins, warnings);
   warn_of_margins("distributed lines", design.exact_margins, warnings);
   if (!design.spool_in_range)
     warnings.push_back(
@@ -240,7 +240,7 @@ Complex exact_open(const AxisDesign& design, double frequency_Hz) {
   const AxisResponse axis = exact_response(design.linear, s);
   // The law's columns of velocity and acceleration make the force; what it sees stands for m x'' + B x' there.
   Eigen::Vector4cd y(axis.position_m, s * axis.position_m, s * s * axis.position_m, 0.0);
-  if (needs_port_pressures(design.controller)) {
+  if (design.controller.feeds_back_ports()) {
     y(1) = 0.0;
     y(2) = seen_force_N(design.linear, axis, z) / design.linear.mass_kg;
   }
@@ -268,7 +268,7 @@ LoopPoint distributed_point(const Rig& rig, bool with_margins) {
 
 LoopPoint loop_point(const Rig& rig, bool with_margins) {
   require_lines(rig);
-  if (needs_port_pressures(rig.controller)) return distributed_point(rig, with_margins);
+  if (rig.controller.feeds_back_ports()) return distributed_point(rig, with_margins);
   const SampledLoop loop = loop_of(rig, rig.controller, linearise(rig));
   const std::vector<Complex> poles = loop.poles();
   LoopPoint out{rig.initial.position_m, rig.axis.slider.payload_kg, all_decay(poles), 0.0, {}};
@@ -301,7 +301,7 @@ AxisDesign design_axis(const Rig& rig, const DesignRequest& request, const LoadP
   out.loop = loop_of(rig, out.controller, out.linear);
   out.poles = out.loop.poles();
   const double highest_Hz = 0.5 / rig.period_s;
-  out.is_stable = needs_port_pressures(out.controller)
+  out.is_stable = out.controller.feeds_back_ports()
                       ? nyquist_verdict([&](double f) { return exact_open(out, f); }, highest_Hz).is_stable
                       : all_decay(out.poles);
   out.margins = margins_of([&](double f) { return out.loop.open(f); }, highest_Hz);

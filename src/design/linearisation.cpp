@@ -120,9 +120,7 @@ AxisLinearisation linearise_cylinder(const Rig& rig) {
     out.axis.gain_per_V += out.axis.weights[i];
   }
   for (double& weight : out.axis.weights) weight /= out.axis.gain_per_V;
-  if (!rig.controller.is<PdForce>()) return out;
-  const PdForceParameters& law = rig.controller.of<PdForce>();
-  if (law.modal_filter == ModalFilter::line && law.pressure_source != PressureSource::valve)
+  if (rig.controller.is<PdForce>() && rig.controller.of<PdForce>().filters_line_mode())
     out.modal_filter = line_mode_filter(rig.axis, rig.period_s);
   return out;
 }
@@ -163,12 +161,6 @@ AxisResponse exact_response(const AxisLinearisation& linear, Complex s) {
   for (std::size_t i = 0; i < 2; ++i) out.port_less_chamber_N[i] = beside_by_command[i] + beside_by_speed[i] * speed;
   out.port_force_N = out.chamber_force_N + out.port_less_chamber_N[0] + out.port_less_chamber_N[1];
   return out;
-}
-
-bool needs_port_pressures(const ControllerParameters& controller) {
-  if (!controller.is<PdForce>()) return false;
-  const PdForceParameters& law = controller.of<PdForce>();
-  return law.pressure_source == PressureSource::valve || law.modal_filter != ModalFilter::none;
 }
 
 Complex seen_force_N(const AxisLinearisation& linear, const AxisResponse& axis, Complex z) {

@@ -53,9 +53,7 @@ struct AxisResponse {
 };
 AxisResponse exact_response(const AxisLinearisation& linear, std::complex<double> s);
 
-/// The force loop closes on what only distributed lines tell: the ports' pressures, alone or by a modal filter.
-bool needs_port_pressures(const ControllerParameters& controller);
-/// The force in such a loop [N per V], sampled with z.
+/// The force in a loop that feeds back the ports' pressures [N per V], sampled with z: distributed lines alone tell it.
 std::complex<double> seen_force_N(const AxisLinearisation& linear, const AxisResponse& axis, std::complex<double> z);
 
 }  // namespace pneuservo

@@ -64,8 +64,7 @@ OperatingPoint exact_point(const Rig& rig, const std::vector<double>& frequencie
     const Complex s(0.0, 2.0 * std::numbers::pi * f), z = std::exp(s * T);
     const AxisResponse axis = exact_response(linear, s);
     Eigen::Vector4cd y(axis.position_m, s * axis.position_m, s * s * axis.position_m, 0.0), forced = y;
-    if (needs_port_pressures(rig.controller))
-      forced(1) = 0.0, forced(2) = seen_force_N(linear, axis, z) / linear.mass_kg;
+    if (rig.controller.feeds_back_ports()) forced(1) = 0.0, forced(2) = seen_force_N(linear, axis, z) / linear.mass_kg;
     const Complex hold = -(1.0 - 1.0 / z) / (s * T) * std::exp(-s * dead_s);
     const auto through = [&](const StateSpace& of, const Eigen::Vector4cd& measured) {
       return (of.transfer(z) * measured)(0) * hold;
@@ -113,7 +112,7 @@ std::vector<OperatingPoint> operating_points(const Rig& rig) {
         at.initial.pressure_1_Pa *= supply;
         if (at.initial.pressure_2_Pa) *at.initial.pressure_2_Pa *= supply;
         out.push_back(exact_point(at, frequencies));
-        if (!needs_port_pressures(rig.controller)) out.push_back(lag_point(at, frequencies));  // it does not know them
+        if (!rig.controller.feeds_back_ports()) out.push_back(lag_point(at, frequencies));  // it does not know them
         if (supply_share == 0.0) break;
       }
   return out;

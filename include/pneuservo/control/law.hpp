@@ -112,8 +112,8 @@ template <class L>
 concept HasOuterLoop = requires(typename L::Parameters& p) { L::Parameters::visit_outer_loop(IgnoreMembers{}, p); };
 /// A control law: all of it but configure is HOT. Optional: lead_s(), rest_s(moved, port_Pa), learns() with learn(axis)
 /// and moves_not_learned(), repeated_move() with begin_with_learned(commands), change_gains(gains); of its Parameters:
-/// pressure_source, velocity_filter_s, command_delay_s, pressures(), feedforward_name(), wants_pass(),
-/// visit_outer_loop(v, p...).
+/// pressure_source, velocity_filter_s, command_delay_s, pressures(), feeds_back_ports(), feedforward_name(),
+/// wants_pass(), visit_outer_loop(v, p...).
 template <class L>
 concept ControlLaw = HasName<L> && DrivesValves<L> && HasParameters<L> && Configures<L> && Resets<L> && Steps<L> &&
                      Skips<L> && HasTerms<L> && KnowsRest<L>;

@@ -42,6 +42,13 @@ struct ControllerParameters {
     });
   }
   bool takes_chambers() const noexcept { return pressures() == PressureSource::chamber; }
+  /// Whether the force loop closes on the ports' pressures, alone or by a modal filter.
+  bool feeds_back_ports() const noexcept {
+    return in_use([](const auto& p) {
+      if constexpr (requires { p.feeds_back_ports(); }) return p.feeds_back_ports();
+      else return false;
+    });
+  }
   /// Time constant of the law's velocity filter; 0: none that is known [s].
   double velocity_filter_s() const noexcept {
     return in_use([](const auto& p) {

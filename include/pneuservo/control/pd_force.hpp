@@ -81,6 +81,11 @@ struct PdForceParameters {
 
   /// Pressures that the law takes.
   std::optional<PressureSource> pressures() const noexcept { return pressure_source; }
+  /// With the filter on ports there is nothing to weigh.
+  bool filters_line_mode() const noexcept {
+    return modal_filter == ModalFilter::line && pressure_source != PressureSource::valve;
+  }
+  bool feeds_back_ports() const noexcept { return pressure_source == PressureSource::valve || filters_line_mode(); }
   std::string_view feedforward_name() const noexcept {
     constexpr std::array<std::string_view, 3> names{"none", "flow", "pass"};
     return names[static_cast<std::size_t>(flow_feedforward)];
@@ -124,6 +129,8 @@ struct PdForceState {
   template <class V, class... S> static constexpr void visit(V&& v, S&... s) {
     v(LawTerm{"position_error_m", "m", "x_ref - x"}, s.e_m...);
     v(LawTerm{"chamber_force_N", "N", "force of the pressures in use on the piston"}, s.F_N...);
+    v(LawTerm{"line_loss_N", "N", "mean of what the ports show beside the pressures in use; with a modal filter"},
+      s.line_loss_N...);
     v(LawTerm{"force_reference_N", "N", "force that position and velocity errors ask for"}, s.F_ref_N...);
     v(LawTerm{"force_error_N", "N", "force_reference_N - chamber_force_N"}, s.e_F_N...);
     v(LawTerm{"force_error_integral_Ns", "N s", "integral of the force error"}, s.I_Ns...);

@@ -29,16 +29,21 @@ std::vector<Recording> taken(const nb::list& recordings, const nb::list& held_ou
   return out;
 }
 
+DiagnoseOptions options_of(int jobs, const StopQuestion& stop, const Progress& tell) {
+  DiagnoseOptions options;
+  options.jobs = jobs;
+  options.stop = stop;
+  options.progress = tell;
+  return options;
+}
+
 std::unique_ptr<Diagnosis> run_diagnosis(const Config& config, const nb::list& recordings, const nb::list& held_out,
                                          int jobs, bool latent, const nb::object& progress, const nb::object& cancel) {
   std::vector<Recording> all = taken(recordings, held_out);
   std::unique_ptr<Diagnosis> result;
   const bool interrupted = watched("diagnose", {progress, cancel}, [&](const StopQuestion& stop, const Progress& tell) {
-    DiagnoseOptions options;
-    options.jobs = jobs;
+    DiagnoseOptions options = options_of(jobs, stop, tell);
     options.with_free_functions = latent;
-    options.stop = stop;
-    options.progress = tell;
     result = std::make_unique<Diagnosis>(diagnose(config.rig, std::move(all), options));
   });
   if (interrupted && !result->stopped) raise_interrupt("diagnose");
@@ -63,11 +68,7 @@ std::unique_ptr<Refit> run_refit(const Config& config, const nb::list& recording
   const std::vector<Recording> all = taken(recordings, nb::list());
   std::unique_ptr<Refit> result;
   const bool interrupted = watched("refit", {progress, cancel}, [&](const StopQuestion& stop, const Progress& tell) {
-    DiagnoseOptions options;
-    options.jobs = jobs;
-    options.stop = stop;
-    options.progress = tell;
-    result = std::make_unique<Refit>(refit(config.rig, all, effects, options));
+    result = std::make_unique<Refit>(refit(config.rig, all, effects, options_of(jobs, stop, tell)));
   });
   if (interrupted) raise_interrupt("refit");
   return result;

@@ -44,29 +44,20 @@ std::vector<FreeParameter> sizes_of(const std::string& effect, const std::vector
 Fit fit_of(const Rig& rig, FittedRows& rows, const std::vector<std::string>& effects) {
   ResidualModel& model = rows.model();
   const std::vector<Candidate> candidates = all_candidates(rig, model.channels(), motion_range(model.rows()));
-  Fit fit;
-  fit.base.rig = rig;
-  fit.base.start_factors.assign(model.start_factor_count(), 0.0);
-  const auto add = [&](const FreeParameter& parameter) {
-    const auto is_there = [&](const FreeParameter& other) { return other.is_same(parameter); };
-    if (std::ranges::none_of(fit.parameters, is_there)) fit.parameters.push_back(parameter);
-  };
+  std::vector<FreeParameter> own;
   for (const std::string& effect : effects) {
     const std::vector<FreeParameter> sizes = sizes_of(effect, candidates);
     if (sizes.empty()) refuse_effect(rig, effect, candidates);
-    for (const FreeParameter& size : sizes) add(size);
+    for (const FreeParameter& size : sizes)
+      if (std::ranges::none_of(own, [&](const FreeParameter& other) { return other.is_same(size); }))
+        own.push_back(size);
   }
-  fit.own_count = fit.parameters.size();
-  for (const FreeParameter& nuisance : nuisances(rig, model.start_factor_count(), model.start_factor_sigma()))
-    add(nuisance);
-  const auto count = static_cast<Eigen::Index>(fit.parameters.size());
-  fit.z.setZero(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const FreeParameter& parameter = fit.parameters[static_cast<std::size_t>(i)];
-    fit.z(i) = std::clamp(0.0, parameter.lower, parameter.upper);
+  Fit fit =
+      fit_at_start(rig, rows, std::move(own), nuisances(rig, model.start_factor_count(), model.start_factor_sigma()));
+  for (std::size_t i = 0; i < fit.own_count; ++i) {
+    double& z = fit.z(static_cast<Eigen::Index>(i));
+    z = std::clamp(z, fit.parameters[i].lower, fit.parameters[i].upper);
   }
-  fit.jacobian.setZero(rows.count(), count);
-  fit.known_columns.assign(fit.parameters.size(), 0);
   return fit;
 }
 

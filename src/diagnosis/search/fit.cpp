@@ -128,6 +128,23 @@ Eigen::Index Fit::own_place(const FreeParameter& parameter) const {
   throw std::logic_error("a fit has no parameter " + parameter.path + " of its own");
 }
 
+Fit fit_at_start(const Rig& rig, FittedRows& rows, std::vector<FreeParameter> own,
+                 const std::vector<FreeParameter>& nuisances) {
+  Fit fit;
+  fit.base.rig = rig;
+  fit.base.start_factors.assign(rows.model().start_factor_count(), 0.0);
+  fit.own_count = own.size();
+  fit.parameters = std::move(own);
+  for (const FreeParameter& nuisance : nuisances)
+    if (std::none_of(fit.parameters.begin(), fit.parameters.end(),
+                     [&](const FreeParameter& p) { return p.is_same(nuisance); }))
+      fit.parameters.push_back(nuisance);
+  fit.z.setZero(static_cast<Eigen::Index>(fit.parameters.size()));
+  fit.jacobian.setZero(rows.count(), fit.z.size());
+  fit.known_columns.assign(fit.parameters.size(), 0);
+  return fit;
+}
+
 std::vector<std::pair<Eigen::Index, Eigen::Index>> shared_parameters(const Fit& a, const Fit& b) {
   const auto same_prior = [](const FreeParameter& one, const FreeParameter& other) {
     return one.spread == other.spread && one.lower == other.lower && one.upper == other.upper;

@@ -60,6 +60,10 @@ struct Fit {
   Eigen::MatrixXd covariance() const;
 };
 
+/// A fit at the rig as configured: all `own` parameters, and beside them the nuisances that are none of them.
+Fit fit_at_start(const Rig& rig, FittedRows& rows, std::vector<FreeParameter> own,
+                 const std::vector<FreeParameter>& nuisances);
+
 /// Places of the parameters that two fits have in common, with one unit and one range: a name frees wider what is a
 /// nuisance elsewhere.
 std::vector<std::pair<Eigen::Index, Eigen::Index>> shared_parameters(const Fit& a, const Fit& b);

@@ -167,7 +167,7 @@ double Search::beside_own_error(const Explanation& e) {
 
 std::pair<double, Explanation*> Search::best_beside_own_error(std::size_t members) {
   std::vector<std::pair<double, Explanation*>> ranked;
-  for (Explanation* e : rivals(members, 1e300, tried_.size())) ranked.emplace_back(beside_own_error(*e), e);
+  for (Explanation* e : all_tried(members)) ranked.emplace_back(beside_own_error(*e), e);
   if (ranked.empty()) return {-1e300, nullptr};
   const auto is_behind = [](const auto& a, const auto& b) { return a.first < b.first; };
   std::stable_sort(ranked.rbegin(), ranked.rend(), is_behind);
@@ -191,8 +191,8 @@ void Search::take_floor_at_best() {
   if (floor == first && rules_.most_names > 1)
     if (const Explanation* pair = pair_beside(*first, single)) floor = pair;
   rows_.model().take_slow_error(floor->fit.hypothesis());
-  std::vector<Explanation*> again = rivals(1, 1e300, tried_.size());
-  for (Explanation* e : rivals(2, 1e300, tried_.size())) again.push_back(e);
+  std::vector<Explanation*> again = all_tried(1);
+  for (Explanation* e : all_tried(2)) again.push_back(e);
   again.push_back(&owner_);
   polish(again, 2, true);
   linearise(rows_, {&as_configured_});
@@ -208,8 +208,7 @@ const Explanation* Search::pair_beside(const Explanation& first, double first_ev
   const std::vector<Screened> screened = Screening(rows_, first.fit, candidates_, others(first.members)).singles();
   refit(first.fit, first.members, worth_refitting(screened, settings_.refits));
   double promised = 0;
-  for (const Explanation* e : rivals(2, 1e300, tried_.size()))
-    promised = std::max(promised, beside_own_error(*e) - first_evidence);
+  for (const Explanation* e : all_tried(2)) promised = std::max(promised, beside_own_error(*e) - first_evidence);
   if (promised >= rules_.screened_share * needed) {
     swap_members(*best_of(2));
     const auto [evidence, pair] = best_beside_own_error(2);

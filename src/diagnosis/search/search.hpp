@@ -140,6 +140,8 @@ class Search {
   /// search grows the floors instead.
   double evidence_scale(const Fit& fit) const;
   std::vector<Explanation*> rivals(std::size_t members, double distance, std::size_t most);
+  /// All of that many names that have a fit, best first.
+  std::vector<Explanation*> all_tried(std::size_t members);
   void tell(double share, const std::string& what) const;
 
   FittedRows& rows_;

@@ -49,20 +49,10 @@ std::vector<std::vector<Screened>> with_second_starts(const std::vector<Screened
 }  // namespace
 
 Fit Search::start_fit(const std::vector<std::size_t>& members) const {
-  Fit fit;
-  fit.base.rig = rig_;
-  fit.base.start_factors.assign(rows_.model().start_factor_count(), 0.0);
+  std::vector<FreeParameter> own;
   for (const std::size_t member : members)
-    for (const FreeParameter& parameter : candidates_[member].parameters) fit.parameters.push_back(parameter);
-  fit.own_count = fit.parameters.size();
-  for (const FreeParameter& nuisance : nuisances_)
-    if (std::none_of(fit.parameters.begin(), fit.parameters.end(),
-                     [&](const FreeParameter& p) { return p.is_same(nuisance); }))
-      fit.parameters.push_back(nuisance);
-  fit.z.setZero(static_cast<Eigen::Index>(fit.parameters.size()));
-  fit.jacobian.setZero(rows_.count(), fit.z.size());
-  fit.known_columns.assign(fit.parameters.size(), 0);
-  return fit;
+    own.insert(own.end(), candidates_[member].parameters.begin(), candidates_[member].parameters.end());
+  return fit_at_start(rig_, rows_, std::move(own), nuisances_);
 }
 
 Fit Search::continued_fit(const Fit& base, const std::vector<std::size_t>& members,
@@ -203,6 +193,8 @@ std::vector<Explanation*> Search::rivals(std::size_t members, double distance, s
   return out;
 }
 
+std::vector<Explanation*> Search::all_tried(std::size_t members) { return rivals(members, 1e300, tried_.size()); }
+
 std::vector<Explanation*> Search::refit_at_rivals(std::size_t members) {
   const std::vector<Explanation*> close = rivals(members, settings_.rival_distance, compared_places);
   std::vector<std::pair<Explanation*, Fit>> attempts;
@@ -261,7 +253,7 @@ bool Search::restart_siblings() {
   const Explanation* best = best_of(1);
   if (best == nullptr || !is_one_time(best->fit)) return false;
   const auto family_of = [&](const Explanation* e) { return candidates_[e->members.front()].family; };
-  std::vector<Explanation*> siblings = rivals(1, 1e300, tried_.size());
+  std::vector<Explanation*> siblings = all_tried(1);
   std::erase_if(siblings,
                 [&](const Explanation* e) { return !is_one_time(e->fit) || family_of(e) != family_of(best); });
   if (siblings.size() < 2) return false;

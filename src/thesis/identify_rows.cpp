@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include <pneuservo/core/random.hpp>
-#include <pneuservo/elements/line_with_chamber.hpp>
 
 #include "acoustics/line_identification.hpp"
+#include "acoustics/simulated_line.hpp"
 #include "thesis/groups.hpp"
 #include "thesis/pictures.hpp"
 
@@ -26,27 +26,14 @@ double sweep_Pa(double t_s, double highest_Hz, double all_s) {
   return swept_mean_Pa + swept_Pa * std::sin(phase) * std::sin(std::numbers::pi * share);
 }
 
-/// Both pressures of the simulated line before an isothermal chamber.
+/// Both pressures of the simulated line before an isothermal chamber, as noisy sensors see them.
 LinePressures swept_line(double length_m, double diameter_m, double period_s, double highest_Hz, Random& random) {
-  LineParameters<double> parameters;
-  parameters.length_m = length_m;
-  parameters.diameter_m = diameter_m;
-  LineWithChamber<double> side;
-  side.configure(parameters, {1e-3, end_volume_m3, 1e9}, AirParameters<double>{}, 64);
-  LineEffects<double> effects;
-  effects.frequency_dependent_losses.share = 1.0;
-  side.line().set_effects(effects);
-  side.reset(swept_mean_Pa, AirParameters<double>{}.temperature_K, 0.0);
-  LinePressures out;
-  out.period_s = period_s;
   const double all_s = period_s * static_cast<double>(swept_rows);
+  LinePressures out = simulated_pressures({length_m, diameter_m, end_volume_m3, 64}, period_s, swept_rows,
+                                          [&](double t_s) { return sweep_Pa(t_s, highest_Hz, all_s); });
   for (std::size_t k = 0; k < swept_rows; ++k) {
-    const double t_s = period_s * static_cast<double>(k);
-    out.in_Pa.push_back(sweep_Pa(t_s, highest_Hz, all_s) + swept_noise_Pa * random.normal());
-    out.out_Pa.push_back(side.chamber().pressure() + swept_noise_Pa * random.normal());
-    const int steps = side.begin_period(period_s);
-    for (int i = 0; i < steps; ++i)
-      side.step_prescribed(sweep_Pa(t_s + period_s * (i + 0.5) / steps, highest_Hz, all_s), 0.0);
+    out.in_Pa[k] += swept_noise_Pa * random.normal();
+    out.out_Pa[k] += swept_noise_Pa * random.normal();
   }
   return out;
 }

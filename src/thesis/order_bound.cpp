@@ -121,11 +121,10 @@ std::vector<ThesisRow> order_bound_rows() {
             return distance_over_error(model, axis, {1000, 64.8, 1.50}, table_4mm.fifth, 0.0);
           }),
       row("Fig 2.32 over Fig 2.33, one set", "most that one missing voltage gives behind both lines", "5.33", "3.143",
-          "a delay or a bent valve makes one missing voltage behind both lines and cannot give 1.60 beside 0.30 um: "
-          "the "
-          "lines' own models would have to differ",
+          "a delay or a bent valve makes one missing voltage behind both lines, which cannot give 1.60 beside 0.30 um: "
+          "the lines' own models would have to differ",
           [=](ThesisBench& bench) {
-                // e = v D(0)/(K_p D) behind either line.
+            // e = v D(0)/(K_p D) behind either line.
             const auto loop = [&](const ThesisTable& table) {
               const Polynomial d = closed_loop(axis_of(bench, table), table.fifth);
               return scaled(d, table.fifth.position_V_per_m / d[0]);

@@ -1,14 +1,15 @@
 // Natural frequency and damping identified from pressures that exact theory and the simulated line make.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <pneuservo/core/random.hpp>
-#include <pneuservo/elements/line_with_chamber.hpp>
 #include <unsupported/Eigen/FFT>
 
 #include "acoustics/line_identification.hpp"
+#include "acoustics/simulated_line.hpp"
 #include "core/test_seed.hpp"
 
 using namespace pneuservo;
@@ -94,21 +95,11 @@ TEST_CASE("the chamber's wall leads from adiabatic to isothermal") {
 
 TEST_CASE("a simulated line with frequency-dependent losses is identified") {
   constexpr double period_s = 2e-4, volume_m3 = 5e-5, length_m = 2.0, diameter_m = 0.006;
-  LineParameters<double> parameters;
-  parameters.length_m = length_m;
-  parameters.diameter_m = diameter_m;
-  LineWithChamber<double> side;
-  side.configure(parameters, {1e-3, volume_m3, 1e9}, AirParameters<double>{}, 40);
-  LineEffects<double> effects;
-  effects.frequency_dependent_losses.share = 1.0;
-  side.line().set_effects(effects);
-  side.reset(2.5e5, 293.0, 0.0);
-  LinePressures p{sweep(period_s, 100.0, 1e3, 20000), {}, period_s};
-  for (const double port_Pa : p.in_Pa) {
-    const int steps = side.begin_period(period_s);
-    for (int i = 0; i < steps; ++i) side.step_prescribed(port_Pa, 0.0);
-    p.out_Pa.push_back(side.chamber().pressure());
-  }
+  const std::vector<double> swept = sweep(period_s, 100.0, 1e3, 20000);
+  const LinePressures p =
+      simulated_pressures({length_m, diameter_m, volume_m3, 40}, period_s, swept.size(), [&](double t_s) {
+        return swept[std::min(static_cast<std::size_t>(t_s / period_s + 1e-6), swept.size() - 1)];
+      });
   const LineEnds ends{0.0, volume_m3};
   const LineResonance exact =
       first_resonance(LineAcoustics(length_m, diameter_m, 2.5e5, {}, LineLoss::frequency_dependent), ends);
@@ -120,24 +111,10 @@ TEST_CASE("a simulated line with frequency-dependent losses is identified") {
 TEST_CASE("a vented line is identified from small swings, and not from bars") {
   constexpr double period_s = 1e-3, length_m = 4.0, diameter_m = 0.0034, volume_m3 = 3e-7, rest_Pa = 1.1e5;
   const auto found = [&](double swing_Pa) {
-    LineParameters<double> parameters;
-    parameters.length_m = length_m;
-    parameters.diameter_m = diameter_m;
-    LineWithChamber<double> side;
-    side.configure(parameters, {1e-3, volume_m3, 1e9}, AirParameters<double>{}, 8);
-    LineEffects<double> effects;
-    effects.frequency_dependent_losses.share = 1.0;
-    side.line().set_effects(effects);
     // A valve that vents with a time constant of 20 ms from 30 ms on, as of the tubes in config/machines/tube.yaml.
-    const auto port_Pa = [&](double t_s) { return rest_Pa + swing_Pa * std::exp(-std::max(t_s - 0.03, 0.0) / 0.02); };
-    side.reset(port_Pa(0.0), 293.0, 0.0);
-    LinePressures p{{}, {}, period_s};
-    for (int k = 0; k < 600; ++k) {
-      p.in_Pa.push_back(port_Pa(k * period_s));
-      p.out_Pa.push_back(side.chamber().pressure());
-      const int steps = side.begin_period(period_s);
-      for (int i = 0; i < steps; ++i) side.step_prescribed(port_Pa(period_s * (k + (i + 0.5) / steps)), 0.0);
-    }
+    const LinePressures p = simulated_pressures({length_m, diameter_m, volume_m3, 8}, period_s, 600, [&](double t_s) {
+      return rest_Pa + swing_Pa * std::exp(-std::max(t_s - 0.03, 0.0) / 0.02);
+    });
     return identify_line(p, {length_m, diameter_m, {}, {0.0, volume_m3}});
   };
   const LineIdentification small = found(2e3), large = found(2e5);

@@ -42,6 +42,7 @@ VerbOption Verb::add_option(const std::string& names, T& value, const std::strin
 }
 template VerbOption Verb::add_option(const std::string&, int&, const std::string&);
 template VerbOption Verb::add_option(const std::string&, std::uint16_t&, const std::string&);
+template VerbOption Verb::add_option(const std::string&, std::size_t&, const std::string&);
 template VerbOption Verb::add_option(const std::string&, double&, const std::string&);
 template VerbOption Verb::add_option(const std::string&, std::string&, const std::string&);
 template VerbOption Verb::add_option(const std::string&, std::vector<std::string>&, const std::string&);

@@ -346,7 +346,7 @@ TEST_CASE("a real valve follows simulated sensors on a bench alone") {
   REQUIRE_NOTHROW(can_rig({"hal.channels.p_supply={simulated: true}"}));
   REQUIRE_NOTHROW(can_rig({x, "hal.channels.u={simulated: true}"}));
   // A law on chambers may have simulated ports, but not where a modal filter weighs them into its force.
-  const std::string source = "={can: {node: io, pdo: 2, scale_Pa_per_count: 25, lowest_Pa: 50000, highest_Pa: 810000, ";
+  const std::string source = "={can: {node: io, pdo: 3, scale_Pa_per_count: 25, lowest_Pa: 50000, highest_Pa: 810000, ";
   std::vector<std::string> sets{p, "controller.pressure_source=chamber",
                                 "hal.channels.p1_chamber" + source + "object: 0x64010410}}",
                                 "hal.channels.p2_chamber" + source + "object: 0x64010210}}"};

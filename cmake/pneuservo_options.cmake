@@ -64,7 +64,7 @@ if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   endif()
 endif()
 
-option(PNEUSERVO_UNITE_FOLDERS "Compile all sources of a folder as one unit; on in the preset release" OFF)
+option(PNEUSERVO_UNITE_FOLDERS "Compile all sources of a folder as one unit; off where single files are edited (preset debug)" ON)
 # Where neither a loop nor a diagnosis spends its time, -O2 takes 0.8 of the compiler's time and of the room.
 # Without the precompiled header: from one g++ takes over the level of optimisation that the header was compiled with.
 set(PNEUSERVO_COLD_FOLDERS "^src_(config|design|service|report|index|improve|program|diagnosis_verdict|diagnosis_doubts)$")

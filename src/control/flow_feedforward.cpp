@@ -47,10 +47,10 @@ double FlowFeedforward::flux(double port_Pa, double supply_Pa, bool fills) const
   return flux_per_pressure_ * upstream_Pa * orifice_psi(atmosphere_Pa_ / upstream_Pa, critical_pressure_ratio_);
 }
 
-double FlowFeedforward::area_m2(const ReferencePoint& ahead, double p1_Pa, double p2_Pa,
-                                double measured_Pa) const noexcept {
+SpoolDemand FlowFeedforward::demand(const ReferencePoint& motion, double p1_Pa, double p2_Pa,
+                                    double measured_Pa) const noexcept {
   const double supply_Pa = measured_Pa > atmosphere_Pa_ ? measured_Pa : supply_Pa_;
-  const double x = ahead.d[0], v = ahead.d[1], a = ahead.d[2], j = ahead.d[3];
+  const double x = motion.d[0], v = motion.d[1], a = motion.d[2], j = motion.d[3];
   const double a1 = side_1_.area_m2, a2 = side_2_.area_m2;
   const double v1 = std::max(side_1_.middle_volume_m3 + a1 * x, side_1_.dead_volume_m3);
   const double v2 = std::max(side_2_.middle_volume_m3 - a2 * x, side_2_.dead_volume_m3);
@@ -61,17 +61,18 @@ double FlowFeedforward::area_m2(const ReferencePoint& ahead, double p1_Pa, doubl
   const bool fills_1 = wanted >= 0.0;
   const double per_n_r_t = 1.0 / (n * gas_R_T_), swept_1 = p1_Pa * a1 * v, swept_2 = -p2_Pa * a2 * v;
 
-  double port_1 = p1_Pa, port_2 = p2_Pa, area = 0.0;
+  SpoolDemand out;
+  auto& [area, loss] = out;
   for (int pass = 0;; ++pass) {
-    const double g1 = flux(port_1, supply_Pa, fills_1), g2 = flux(port_2, supply_Pa, !fills_1);
+    const double g1 = flux(p1_Pa + loss[0], supply_Pa, fills_1), g2 = flux(p2_Pa + loss[1], supply_Pa, !fills_1);
     area = wanted * per_n_r_t / (a1 * g1 * per_vt1 + a2 * g2 * per_vt2);
-    if (pass == 2) return area;
+    if (pass == 2) return out;
     // Line loss at the mean of port and chamber flow gives the next port pressures.
     const double valve_1 = area * g1, valve_2 = -area * g2;
     const double chamber_1 = (swept_1 + v1 * per_vt1 * (gas_R_T_ * valve_1 - swept_1)) / gas_R_T_;
     const double chamber_2 = (swept_2 + v2 * per_vt2 * (gas_R_T_ * valve_2 - swept_2)) / gas_R_T_;
-    port_1 = p1_Pa + steady_line_loss_Pa(side_1_.line, 0.5 * (chamber_1 + valve_1), p1_Pa);
-    port_2 = p2_Pa + steady_line_loss_Pa(side_2_.line, 0.5 * (chamber_2 + valve_2), p2_Pa);
+    loss[0] = steady_line_loss_Pa(side_1_.line, 0.5 * (chamber_1 + valve_1), p1_Pa);
+    loss[1] = steady_line_loss_Pa(side_2_.line, 0.5 * (chamber_2 + valve_2), p2_Pa);
   }
 }
 

@@ -11,8 +11,8 @@
 namespace pneuservo {
 namespace {
 
-/// Corner of the mean for the slower mode: motion lies below, and the lead at the mode is atan(0.2), 11 degrees.
-constexpr double mean_share = 0.2;
+/// Corner of the mean for the slower mode: the lead at the mode is atan(0.05), 3 degrees.
+constexpr double mean_share = 0.05;
 
 }  // namespace
 

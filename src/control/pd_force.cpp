@@ -11,6 +11,8 @@
 namespace pneuservo {
 namespace {
 
+constexpr double no_measurement = std::numeric_limits<double>::quiet_NaN();
+
 /// FNV-1a over the reference and the pass' command.
 std::uint64_t move_identity(const LawSetup& setup) noexcept {
   std::uint64_t hash = 0xcbf29ce484222325;
@@ -76,7 +78,8 @@ std::vector<double> PdForce::learning_window(const LawSetup& setup, std::size_t 
 std::vector<PdForce::PassTick> PdForce::pass_ticks(const LawSetup& setup) const {
   std::vector<PassTick> ticks;
   ticks.reserve(setup.pass->rows.size());
-  double v_mps = 0.0, previous_x_m = setup.pass->rows.front().x_m, line_loss_N = 0.0;
+  double v_mps = 0.0, previous_x_m = setup.pass->rows.front().x_m;
+  PdForceState seen;
   for (const PassRow& row : setup.pass->rows) {
     const double t_s = static_cast<double>(ticks.size()) * period_s_;
     const ReferencePoint now = setup.reference.at(t_s), ahead = setup.reference.at(t_s + lead_s());
@@ -84,10 +87,10 @@ std::vector<PdForce::PassTick> PdForce::pass_ticks(const LawSetup& setup) const 
     previous_x_m = row.x_m;
     const double asked_N = parameters_.position_gain_N_per_m * (now.d[0] - row.x_m) +
                            parameters_.velocity_gain_Ns_per_m * (now.d[1] - v_mps);
-    ticks.push_back(
-        {row.u_V, feedforward_.command_V(ahead, row.p1_Pa, row.p2_Pa, row.supply_Pa),
-         force_N({row.p1_Pa, row.p2_Pa}, {row.port_1_Pa, row.port_2_Pa}, ticks.empty(), line_loss_N) - asked_N,
-         feedforward_.motion_force_N(now)});
+    see_force({.pressure_Pa = {row.p1_Pa, row.p2_Pa}, .port_Pa = {row.port_1_Pa, row.port_2_Pa}, .now = now},
+              ticks.empty(), seen);
+    ticks.push_back({row.u_V, feedforward_.command_V(ahead, row.p1_Pa, row.p2_Pa, row.supply_Pa), seen.F_N - asked_N,
+                     feedforward_.motion_force_N(now)});
   }
   return ticks;
 }
@@ -112,16 +115,23 @@ void PdForce::start_bumpless(double x_m, double p1_Pa, double p2_Pa, const Refer
   if (std::isfinite(integral_Ns)) state_.I_Ns = integral_Ns;
 }
 
-// With a modal filter the ports' pressures join with their share, less the mean of what they show beside the chambers:
-// that is the loss of a steady flow, which the chambers do not feel.
-double PdForce::force_N(const std::array<double, 2>& pressure_Pa, const std::array<double, 2>& port_Pa, bool is_first,
-                        double& line_loss_N) const noexcept {
-  const double chambers_N = area_1_m2_ * pressure_Pa[0] - area_2_m2_ * pressure_Pa[1] - atmosphere_force_N_;
-  if (!parameters_.filters_line_mode()) return chambers_N;
-  const double beside_N = line_mode_.port_share[0] * area_1_m2_ * (port_Pa[0] - pressure_Pa[0]) -
-                          line_mode_.port_share[1] * area_2_m2_ * (port_Pa[1] - pressure_Pa[1]);
-  line_loss_N = is_first ? beside_N : line_loss_N + line_mode_.mean_gain * (beside_N - line_loss_N);
-  return chambers_N + beside_N - line_loss_N;
+// With a modal filter the ports' pressures join with their share, less the loss along the lines, which the piston does
+// not feel: that of the reference's flow, which no measurement delays, and the mean of what it misses.
+void PdForce::see_force(const ControlInput& in, bool is_first, PdForceState& s) const noexcept {
+  const auto& p = in.pressure_Pa;
+  s.F_N = area_1_m2_ * p[0] - area_2_m2_ * p[1] - atmosphere_force_N_;
+  if (!parameters_.filters_line_mode()) return;
+  const auto share_N = [&](const std::array<double, 2>& at_1_and_2_Pa) {
+    return line_mode_.port_share[0] * area_1_m2_ * at_1_and_2_Pa[0] -
+           line_mode_.port_share[1] * area_2_m2_ * at_1_and_2_Pa[1];
+  };
+  const double beside_N = share_N({in.port_Pa[0] - p[0], in.port_Pa[1] - p[1]});
+  const double expected_N = share_N(feedforward_.demand(in.now, p[0], p[1], no_measurement).line_loss_Pa);
+  const double missed_N = beside_N - expected_N;
+  s.line_loss_error_N =
+      is_first ? missed_N : s.line_loss_error_N + line_mode_.mean_gain * (missed_N - s.line_loss_error_N);
+  s.line_loss_N = expected_N + s.line_loss_error_N;
+  s.F_N += beside_N - s.line_loss_N;
 }
 
 PdForceState PdForce::terms_of(const ControlInput& in) const noexcept {
@@ -129,8 +139,8 @@ PdForceState PdForce::terms_of(const ControlInput& in) const noexcept {
   s.e_m = in.now.d[0] - in.x_m;
   s.v_mps =
       first_ ? 0.0 : state_.v_mps + filter_gain_ * ((in.x_m - previous_x_m_) / (periods_ * period_s_) - state_.v_mps);
-  s.line_loss_N = state_.line_loss_N;
-  s.F_N = force_N(in.pressure_Pa, in.port_Pa, first_, s.line_loss_N);
+  s.line_loss_error_N = state_.line_loss_error_N;
+  see_force(in, first_, s);
   s.F_ref_N = parameters_.position_gain_N_per_m * s.e_m + parameters_.velocity_gain_Ns_per_m * (in.now.d[1] - s.v_mps);
   if (feeds_forward()) feed_forward(in, s);
   s.e_F_N = s.F_ref_N - s.F_N;
@@ -142,7 +152,7 @@ PdForceState PdForce::terms_of(const ControlInput& in) const noexcept {
 // needs the measured one for what differs from it.
 void PdForce::feed_forward(const ControlInput& in, PdForceState& s) const noexcept {
   s.F_ref_N += feedforward_.motion_force_N(in.now);
-  const double supply_Pa = pass_ ? in.supply_Pa : std::numeric_limits<double>::quiet_NaN();
+  const double supply_Pa = pass_ ? in.supply_Pa : no_measurement;
   s.u_feedforward_V = feedforward_.command_V(in.ahead, in.pressure_Pa[0], in.pressure_Pa[1], supply_Pa);
   if (!pass_) return;
   const auto last = static_cast<std::int64_t>(pass_->size()) - 1;

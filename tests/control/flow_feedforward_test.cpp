@@ -13,7 +13,16 @@ using namespace pneuservo::test;
 
 namespace {
 constexpr double r_t = 287.0 * 293.0;
+/// Where both edges pass the same flow: filling and emptying need one area.
+double even_pressure_Pa(const Air<double>& air) {
+  double low = 150e3, high = 690e3;
+  const auto mismatch = [&](double p) {
+    return orifice_flux(air, 700e3, 293.0, p, 0.35) - orifice_flux(air, p, 293.0, 101325.0, 0.35);
+  };
+  for (int i = 0; i < 100; ++i) (mismatch(0.5 * (low + high)) > 0.0 ? low : high) = 0.5 * (low + high);
+  return low;
 }
+}  // namespace
 
 TEST_CASE("the steady line loss follows 64/Re, Blasius and the line between") {
   const Air<double> air{AirParameters<double>{}};
@@ -38,18 +47,13 @@ TEST_CASE("for slow steady motion of a symmetric axis the edges pass the flow th
   AxisParameters<double> axis = symmetric_axis();
   const FlowFeedforward feedforward(axis);
   const Air<double> air(axis.air);
-  // At the pressure where both edges pass the same flow, filling and emptying need one area: p1 = p2 = p.
-  double low = 150e3, high = 690e3;
-  const auto mismatch = [&](double p) {
-    return orifice_flux(air, 700e3, 293.0, p, 0.35) - orifice_flux(air, p, 293.0, 101325.0, 0.35);
-  };
-  for (int i = 0; i < 100; ++i) (mismatch(0.5 * (low + high)) > 0.0 ? low : high) = 0.5 * (low + high);
+  const double p = even_pressure_Pa(air);
   ReferencePoint r;
   for (const double v : {0.002, -0.002, 0.005}) {
     r.d[1] = v;
-    const double area = feedforward.area_m2(r, low, low);
-    const double flow_1 = area * orifice_flux(air, 700e3, 293.0, low, 0.35);
-    CHECK(flow_1 == Approx(low * axis.cylinder.area_1_m2 * v / r_t).epsilon(2e-3));
+    const double area = feedforward.area_m2(r, p, p);
+    const double flow_1 = area * orifice_flux(air, 700e3, 293.0, p, 0.35);
+    CHECK(flow_1 == Approx(p * axis.cylinder.area_1_m2 * v / r_t).epsilon(2e-3));
   }
 }
 
@@ -89,6 +93,24 @@ TEST_CASE("payload and friction enter the force of the motion, line loss enlarge
   AxisParameters<double> narrow = nominal_axis(5.0, 0.00765);
   narrow.air.viscosity_Pas *= 10.0;  // the same volumes with more loss
   CHECK(FlowFeedforward(narrow).area_m2(r, 470e3, 540e3) > 1.005 * wide);
+}
+
+TEST_CASE("the lines lose what Darcy and Weisbach give for the flow that a slow motion needs") {
+  // Of equal sides at even pressures each chamber takes what its piston sweeps.
+  const AxisParameters<double> axis = symmetric_axis();
+  const Air<double> air(axis.air);
+  const FlowFeedforward feedforward(axis);
+  const double p = even_pressure_Pa(air);
+  ReferencePoint r;
+  for (const double v : {0.02, -0.02}) {
+    r.d[1] = v;
+    const auto loss_Pa = feedforward.demand(r, p, p, 700e3).line_loss_Pa;
+    const auto swept = [&](const LineParameters<double>& line, double area_m2, double speed_mps) {
+      return steady_line_loss_Pa(SteadyLine(air, line), p * area_m2 * speed_mps / r_t, p);
+    };
+    CHECK(loss_Pa[0] == Approx(swept(axis.line_1, axis.cylinder.area_1_m2, v)).epsilon(0.02));
+    CHECK(loss_Pa[1] == Approx(swept(axis.line_2, axis.cylinder.area_2_m2, -v)).epsilon(0.02));
+  }
 }
 
 TEST_CASE("pressures at supply and atmosphere keep the area finite") {

@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 # docs/figures.md gives the reasons. A figure that is reached leaves this list.
-KNOWN = {("feedforward", "6.10/5", "50 mm 0.7 Hz"), ("payload", "quiet gains", "position error, estimated"),
+KNOWN = {("payload", "quiet gains", "position error, estimated"),
          *(("payload", loop, "position error rms, estimated")
            for loop in ("quiet gains", "with feedforward", "set R"))}
 

@@ -1,5 +1,6 @@
 // Flow feedforward: the valve area that gives the force rate a reference asks for (docs/physics/pd_force.md).
 #pragma once
+#include <array>
 #include <cmath>
 
 #include <pneuservo/control/reference.hpp>
@@ -31,6 +32,12 @@ inline double steady_line_loss_Pa(const SteadyLine& line, double mass_flow_kgps,
   return line.loss_constant * line.friction(reynolds).lambda_reynolds * mass_flow_kgps / mean_pressure_Pa;
 }
 
+/// What a motion asks of the spool, and what its flow then loses along the lines.
+struct SpoolDemand {
+  double area_m2 = 0.0;                   ///< > 0: port 1 fills
+  std::array<double, 2> line_loss_Pa{};   ///< port less chamber, of each side
+};
+
 /// Inverse of one five-port spool and two chambers with their lines, quasi-steady.
 class FlowFeedforward {
  public:
@@ -38,10 +45,13 @@ class FlowFeedforward {
   /// Cold. Takes gas, supply, valve, lines, cylinder and slider (mass with payload).
   explicit FlowFeedforward(const AxisParameters<double>& axis) noexcept;
 
-  /// Signed spool area [m2] (> 0: port 1 fills) for the motion `ahead` (reference at t + lead) at the pressures in use
-  /// [Pa, absolute]; supply_Pa: measured, NaN for that of the axis. Not limited to area_max. HOT: three passes for the
-  /// port pressures.
-  double area_m2(const ReferencePoint& ahead, double p1_Pa, double p2_Pa, double supply_Pa) const noexcept;
+  /// For the motion at the chamber pressures in use [Pa, absolute]; supply_Pa: measured, NaN for that of the axis. Not
+  /// limited to area_max. HOT: three passes for the port pressures.
+  SpoolDemand demand(const ReferencePoint& motion, double p1_Pa, double p2_Pa, double supply_Pa) const noexcept;
+  /// Signed spool area [m2] (> 0: port 1 fills) for the motion `ahead` (reference at t + lead). HOT.
+  double area_m2(const ReferencePoint& ahead, double p1_Pa, double p2_Pa, double supply_Pa) const noexcept {
+    return demand(ahead, p1_Pa, p2_Pa, supply_Pa).area_m2;
+  }
   double area_m2(const ReferencePoint& ahead, double p1_Pa, double p2_Pa) const noexcept {
     return area_m2(ahead, p1_Pa, p2_Pa, supply_Pa_);
   }

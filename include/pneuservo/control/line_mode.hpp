@@ -18,7 +18,7 @@ LineMode first_line_mode(const LineParameters<double>& line, double chamber_volu
 /// Weights of the ports' pressures beside the chambers' with which the first mode of each line cancels in the force.
 struct LineModeFilter {
   std::array<double, 2> port_share{};  ///< of each side, beside 1 - port_share of its chamber
-  double mean_gain = 0.0;  ///< per period, of the mean that takes the pressure loss of a steady flow away
+  double mean_gain = 0.0;  ///< per period, of the mean that takes away what a computed loss of pressure misses
 };
 /// Of an axis at mid-stroke. Cold.
 LineModeFilter line_mode_filter(const AxisParameters<double>& axis, double period_s) noexcept;

@@ -112,7 +112,8 @@ struct PdForceState {
   double e_m = 0.0;  ///< x_ref - x
   double v_mps = 0.0;  ///< filtered velocity
   double F_N = 0.0;  ///< force of the pressures in use on the piston
-  double line_loss_N = 0.0;  ///< mean of what the ports show beside them; with a modal filter
+  double line_loss_N = 0.0;  ///< what the lines' loss makes of the ports' share; with a modal filter
+  double line_loss_error_N = 0.0;  ///< mean of what the loss of the reference's flow misses, a part of line_loss_N
   double F_ref_N = 0.0;  ///< force asked for
   double e_F_N = 0.0;  ///< F_ref - F
   double I_Ns = 0.0;  ///< integral of e_F
@@ -129,7 +130,7 @@ struct PdForceState {
   template <class V, class... S> static constexpr void visit(V&& v, S&... s) {
     v(LawTerm{"position_error_m", "m", "x_ref - x"}, s.e_m...);
     v(LawTerm{"chamber_force_N", "N", "force of the pressures in use on the piston"}, s.F_N...);
-    v(LawTerm{"line_loss_N", "N", "mean of what the ports show beside the pressures in use; with a modal filter"},
+    v(LawTerm{"line_loss_N", "N", "share of the lines' pressure loss, taken from the force; with a modal filter"},
       s.line_loss_N...);
     v(LawTerm{"force_reference_N", "N", "force that position and velocity errors ask for"}, s.F_ref_N...);
     v(LawTerm{"force_error_N", "N", "force_reference_N - chamber_force_N"}, s.e_F_N...);
@@ -209,8 +210,7 @@ class PdForce {
   PdForceState terms_of(const ControlInput& in) const noexcept;
   void feed_forward(const ControlInput& in, PdForceState& s) const noexcept;
   bool feeds_forward() const noexcept { return parameters_.flow_feedforward != FeedforwardSource::off; }
-  double force_N(const std::array<double, 2>& pressure_Pa, const std::array<double, 2>& port_Pa, bool is_first,
-                 double& line_loss_N) const noexcept;
+  void see_force(const ControlInput& in, bool is_first, PdForceState& s) const noexcept;
   double unlimited_V(const PdForceState& s) const noexcept {
     return parameters_.force_gain_V_per_N * s.e_F_N + parameters_.force_integral_V_per_Ns * s.I_Ns + s.u_feedforward_V;
   }

@@ -39,7 +39,7 @@ def sized(effect, rig, rung, options):
 def fair_names(options):
     """Names that machines of kind background may get without being false."""
     of_every_machine = {name for name, one in vocabulary.effects(options.program).items() if one["of_every_machine"] and one["smallest"]}
-    return of_every_machine | set(BACKGROUND["fair"])
+    return of_every_machine - set(BACKGROUND["not_held"]) | set(BACKGROUND["fair"])
 
 
 PRESSURES = ("p1_port", "p2_port", "p1_chamber", "p2_chamber")

@@ -25,10 +25,11 @@ enum class EffectScale {
   valve_area,          ///< the valve's largest area
   valve_area_per_pressure,  ///< the valve's largest area over the gauge supply pressure
   inverse_valve_area,  ///< of 1/area^2: 1 over the square of the valve's largest area
+  inverse_bore_area,   ///< of 1/area^2: 1 over the square of the line's bore, the loss of one dynamic head
   moving_mass,         ///< slider and payload
   top_speed,
   half_stroke,
-  line_volume,         ///< of the gas in line 1
+  line_volume,         ///< of the gas in the line
   wall_heat,           ///< W/K of free convection on the walls of a vessel
   laminar_conductance, ///< kg/(s Pa2) that passes at supply pressure what the valve's largest area does
   channel_offset,      ///< supply pressure, stroke or force, by the sensor's channel
@@ -89,8 +90,9 @@ struct ParameterTrait {
   /// Physical range of the value over `range_scale`, beside that of its key: beyond it stands something else.
   double least = -infinite, most = infinite;
   EffectScale range_scale = EffectScale::one;
-  /// Prior standard deviation, in the key's unit, of what every real machine has of it; 0: none.
+  /// Prior standard deviation over `small_scale`, in what is varied, of what every real machine has of it; 0: none.
   double small_spread = 0;
+  EffectScale small_scale = EffectScale::one;
   /// Of that spread, for differences.
   double small_step = 0.01;
   static constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -117,10 +119,11 @@ struct ParameterTrait {
     out.whole = sizes;
     return out;
   }
-  constexpr ParameterTrait small(double its_spread, double step = 0.01) const {
+  constexpr ParameterTrait small(double its_spread, double step = 0.01, EffectScale over = EffectScale::one) const {
     ParameterTrait out = *this;
     out.small_spread = its_spread;
     out.small_step = step;
+    out.small_scale = over;
     return out;
   }
 };

@@ -39,6 +39,7 @@ constexpr std::array scale_names{"one",
                                  "valve_area",
                                  "valve_area_per_pressure",
                                  "inverse_valve_area",
+                                 "inverse_bore_area",
                                  "moving_mass",
                                  "top_speed",
                                  "half_stroke",
@@ -121,7 +122,10 @@ Json key_json(const NamedEffect& effect, const Field& key, double neutral) {
                   {"varied", name_of(variation_names, trait->variation)},
                   {"reporting_limit", trait->negligible},
                   {"starts", trait->grid}};
-  if (trait->small_spread > 0) out["of_every_machine"] = trait->small_spread;
+  if (trait->small_spread > 0) {
+    out["of_every_machine"] = trait->small_spread;
+    out["of_every_machine_scale"] = name_of(scale_names, trait->small_scale);
+  }
   return out;
 }
 

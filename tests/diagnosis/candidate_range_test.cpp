@@ -41,3 +41,28 @@ TEST_CASE("every number between the bounds of a candidate is one that its key ca
   }
   CHECK(tried > 5000);
 }
+
+TEST_CASE("small physics of any rig stays what its keys can have; a fitting is granted by the line that it ends") {
+  const std::vector<ResidualChannel> channels{{"p1_port", "Pa", 0, 1}, {"p2_port", "Pa", 0, 1}};
+  for (const char* name : {"cylinder-2m-4.15mm", "servo-table-0.5m-4mm"}) {
+    const Rig rig = read_rig(std::string(PNEUSERVO_SOURCE_DIR "/config/") + name + ".yaml", {"line_2.diameter_m=0.006"});
+    int fittings = 0;
+    for (const FreeParameter& granted : small_physics(rig, channels)) {
+      INFO(name << ": " << granted.path);
+      CHECK(granted.lower < granted.upper);
+      for (const double z : {granted.lower, 0.0, granted.step, 1.0, granted.upper}) {
+        Rig changed = rig;
+        CHECK_NOTHROW(granted.number.value().set(changed, granted.value(z)));
+      }
+      const bool is_first = granted.path == "effects.line_restriction_1.area_m2";
+      if (!is_first && granted.path != "effects.line_restriction_2.area_m2") continue;
+      ++fittings;
+      CHECK(granted.value(0) == 0);  // none
+      // An orifice of area a in a bore A takes (A/a)^2 dynamic heads of the gas in the bore.
+      const LineParameters<double>& line = is_first ? rig.axis.line_1 : rig.axis.line_2;
+      const double ratio = line.section_m2() / granted.value(1);
+      CHECK(ratio * ratio == Approx(1.5));
+    }
+    CHECK(fittings == 2);
+  }
+}

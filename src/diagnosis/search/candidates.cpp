@@ -314,16 +314,19 @@ std::vector<std::string> names_of(const EffectEntry& entry, const std::vector<st
 /// Adds the small sizes of one effect about what the rig has of it.
 void add_small(const Rig& rig, const std::string& name, const EffectEntry& entry,
                const std::vector<ParameterPath>& known, std::vector<FreeParameter>& out) {
+  const ScaleTable scales{rig, {}, {}, split_effect(name).side == "2" ? 2 : 1};
   for (const ParameterTrait& trait : entry.parameters) {
     const std::string path = fmt::format("effects.{}.{}", name, trait.key);
     if (trait.small_spread == 0 || rig.tolerances.count(path) > 0) continue;
     FreeParameter free = free_number(rig, path);
-    free.center = free.value_in(rig);
-    free.spread = trait.small_spread;
+    free.variation = trait.variation;
+    free.center = free.varied(free.value_in(rig));
+    free.spread = trait.small_spread * scales(trait.small_scale);
     free.lower = -tolerance_cut;
     free.upper = tolerance_cut;
     free.step = trait.small_step;
-    keep_in_range(free, known);
+    if (trait.variation == Variation::inverse_square) free.lower = std::max(free.lower, -free.center / free.spread);
+    else keep_in_range(free, known);
     free.lower = std::min(free.lower, 0.0);
     out.push_back(free);
   }

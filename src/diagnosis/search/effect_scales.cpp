@@ -66,12 +66,13 @@ double ScaleTable::operator()(EffectScale scale) const {
     case EffectScale::valve_area: return valve_area_m2();
     case EffectScale::valve_area_per_pressure: return valve_area_m2() / gauge_supply_Pa();
     case EffectScale::inverse_valve_area: return 1 / (valve_area_m2() * valve_area_m2());
+    case EffectScale::inverse_bore_area: return std::pow(line().section_m2(), -2);
     case EffectScale::wall_heat: return free_convection * 6 * std::cbrt(std::pow(rig.vessel.volume_m3, 2));
     case EffectScale::laminar_conductance: return open_flow_kgps() / (supply_Pa() * supply_Pa());
     case EffectScale::moving_mass: return rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
     case EffectScale::top_speed: return top_speed_mps();
     case EffectScale::half_stroke: return half_stroke_m();
-    case EffectScale::line_volume: return rig.axis.line_1.volume_m3();
+    case EffectScale::line_volume: return line().volume_m3();
     case EffectScale::channel_offset: return channel_offset();
     case EffectScale::viscosity: return rig.axis.slider.viscous_friction_Ns_per_m;
     case EffectScale::adiabatic_change: return adiabatic_change_K();

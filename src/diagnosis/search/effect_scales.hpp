@@ -20,6 +20,7 @@ struct ScaleTable {
   const Rig& rig;
   const MotionRange& range;
   std::string channel{};  ///< of a sensor effect
+  int side = 1;           ///< of an effect that each side has
 
   double operator()(EffectScale scale) const;
 
@@ -31,6 +32,7 @@ struct ScaleTable {
   double open_flow_kgps() const;  ///< sonic, through the open valve
   double adiabatic_change_K() const;
   double supply_resistance_Pa_s_per_kg() const;
+  const LineParameters<double>& line() const { return side == 2 ? rig.axis.line_2 : rig.axis.line_1; }
   double half_stroke_m() const { return 0.5 * rig.axis.cylinder.stroke_m; }
   double top_speed_mps() const;
   double channel_offset() const;

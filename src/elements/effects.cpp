@@ -140,12 +140,11 @@ constexpr EffectEntry pneumatic_entries[] = {
      .words = "a narrow place where line # meets chamber #",
      .element = "line",
      .family = "line_restriction",
-     .parameters =
-         {amplitude("area_m2", inverse_valve_area, 4, 0.01)
-              .by(Variation::inverse_square)
-              .whole_at(restriction_sizes)
-              // An edge into a line takes half a dynamic head, the way out of it a whole one, each bend more.
-              .small(1.5, 0.1, inverse_bore_area)},
+     .parameters = {amplitude("area_m2", inverse_valve_area, 4, 0.01)
+                        .by(Variation::inverse_square)
+                        .whole_at(restriction_sizes)
+                        // An edge into a line takes half a dynamic head, the way out of it a whole one, each bend more.
+                        .small(1.5, 0.1, inverse_bore_area)},
      .smallest = {{"area_m2", 2, valve_area, Growth::narrower}},
      .signatures = {{.side = "1",
                      .sizes = {{"area_m2", 8e-6}},

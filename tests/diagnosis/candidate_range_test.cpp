@@ -45,7 +45,8 @@ TEST_CASE("every number between the bounds of a candidate is one that its key ca
 TEST_CASE("small physics of any rig stays what its keys can have; a fitting is granted by the line that it ends") {
   const std::vector<ResidualChannel> channels{{"p1_port", "Pa", 0, 1}, {"p2_port", "Pa", 0, 1}};
   for (const char* name : {"cylinder-2m-4.15mm", "servo-table-0.5m-4mm"}) {
-    const Rig rig = read_rig(std::string(PNEUSERVO_SOURCE_DIR "/config/") + name + ".yaml", {"line_2.diameter_m=0.006"});
+    const Rig rig =
+        read_rig(std::string(PNEUSERVO_SOURCE_DIR "/config/") + name + ".yaml", {"line_2.diameter_m=0.006"});
     int fittings = 0;
     for (const FreeParameter& granted : small_physics(rig, channels)) {
       INFO(name << ": " << granted.path);

@@ -229,6 +229,13 @@ bool is_owner_refuted(const Search& search, const Decision& decision, const Deci
   return search.owner().fit.chi2() >= rules.refuted_level * std::min(chosen, rows);
 }
 
+/// Whether names bring what stands clearly above the floors down to them: a constant error fades in a slow one, and the
+/// mean squares beside that hardly tell it.
+bool take_nearly_all(const Decision& decision, const ModelLevels& before, double share, const DecisionRules& rules) {
+  return share >= rules.nearly_all_share && before.highest() >= rules.nearly_all_remainder &&
+         decision.levels.highest() < rules.nearly_all_remainder;
+}
+
 /// What a description that explains the recordings tells: where, by which shape, how much.
 std::string description_words(const Decision& decision, const Search& search) {
   const Explanation& chosen = *decision.chosen;
@@ -319,10 +326,11 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
   decision.reason = what_is_left(decision, model, rules);
   const double share = share_taken(before.chi2(false), decision.levels.chi2(false),
                                    static_cast<double>(search.owner().fit.residual.size()));
-  const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
-                        is_owner_refuted(search, decision, rules) && share >= rules.named_share &&
-                        decision.levels.highest() <= rules.largest_remainder &&
-                        !has_absurd_parameter(*decision.chosen, search, rules);
+  const bool is_named =
+      !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
+      (is_owner_refuted(search, decision, rules) || take_nearly_all(decision, before, share, rules)) &&
+      share >= rules.named_share && decision.levels.highest() <= rules.largest_remainder &&
+      !has_absurd_parameter(*decision.chosen, search, rules);
   const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;
   if (find_supply_swing(model, search, rules, taken, decision)) return decision;
   if (!is_named && find_shaking(model, search, rules, decision)) return decision;

@@ -42,7 +42,7 @@ TEST_CASE("every number between the bounds of a candidate is one that its key ca
   CHECK(tried > 5000);
 }
 
-TEST_CASE("small physics of any rig stays what its keys can have; a fitting is granted by the line that it ends") {
+TEST_CASE("small physics stays what its keys can have, and a fitting is granted by the line that it ends") {
   const std::vector<ResidualChannel> channels{{"p1_port", "Pa", 0, 1}, {"p2_port", "Pa", 0, 1}};
   for (const char* name : {"cylinder-2m-4.15mm", "servo-table-0.5m-4mm"}) {
     const Rig rig =

@@ -155,18 +155,23 @@ def _gather(client: Any, tasks: Mapping[str, Row], work: Callable[..., Row], con
 
     futures = {client.submit(_worked, work, str(pathlib.Path(about["recording"]).resolve()), config_text, key=key, pure=False): key
                for key, about in tasks.items()}
-    failed = 0
+    done = failed = 0
+    completed = as_completed(futures, loop=client.loop)
     try:
-        for count, future in enumerate(as_completed(futures, loop=client.loop), 1):
+        for future in completed:
             key = futures[future]
+            if future.status in ("lost", "pending") and client.status == "running":
+                completed.add(future)  # its worker died with the result, and another one computes it anew
+                continue
             row = _row_of(future, tasks[key]["recording"])
             if row is None:
-                raise FleetStopped(f"the cluster went away with {count - 1} of {len(tasks)} recordings done; they are kept in "
+                raise FleetStopped(f"the cluster went away with {done} of {len(tasks)} recordings done; they are kept in "
                                    f"{results.folder}, the same command goes on")
+            done += 1
             failed += row["status"] != "done"
             results.add(key, {**tasks[key], **row})
             future.release()
-            progress(count, len(tasks), failed)
+            progress(done, len(tasks), failed)
     finally:
         if client.status == "running":
             client.cancel(list(futures))

@@ -32,6 +32,8 @@ def counted(path, config_text):
         os.kill(os.getpid(), signal.SIGKILL)
     if text.startswith("kill the worker always"):
         os.kill(os.getpid(), signal.SIGKILL)
+    if text.startswith("slow again") and len(calls.read_text().splitlines()) > 1:
+        time.sleep(1.0)
     if text.startswith("too large"):
         raise MemoryError
     if text.startswith("bad"):
@@ -57,11 +59,19 @@ def calls_of(path):
 
 
 def test_killed_workers_lose_nothing_and_bad_recordings_are_rows(tmp_path):
-    texts = ["fine"] * 6 + ["kill the worker once", "bad", "too large"]
+    texts = ["slow again"] * 6 + ["kill the worker once", "bad", "too large"]
     paths = recordings(tmp_path, texts)
     told = []
+
+    def until_a_worker_died(*numbers):  # with results that nobody has fetched
+        told.append(numbers)
+        while not pathlib.Path(f"{paths[6]}.calls").exists():
+            time.sleep(0.02)
+        if len(told) == 1:
+            time.sleep(0.3)
+
     table = fleet.run_fleet([*paths, tmp_path / "absent.csv"], None, tmp_path / "out", workers=2, work=counted,
-                            progress=lambda *numbers: told.append(numbers))
+                            progress=until_a_worker_died)
     frame = pandas.read_parquet(table).set_index("recording")
     assert frame.loc[str(paths[7]), "status"] == "failed" and "found no column t_s" in frame.loc[str(paths[7]), "sentence"]
     assert frame.loc[str(paths[8]), "status"] == "lost" and "memory" in frame.loc[str(paths[8]), "sentence"]

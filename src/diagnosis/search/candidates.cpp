@@ -314,7 +314,8 @@ std::vector<std::string> names_of(const EffectEntry& entry, const std::vector<st
 /// Adds the small sizes of one effect about what the rig has of it.
 void add_small(const Rig& rig, const std::string& name, const EffectEntry& entry,
                const std::vector<ParameterPath>& known, std::vector<FreeParameter>& out) {
-  const ScaleTable scales{rig, {}, {}, split_effect(name).side == "2" ? 2 : 1};
+  const MotionRange at_rest{};
+  const ScaleTable scales{rig, at_rest, {}, split_effect(name).side == "2" ? 2 : 1};
   for (const ParameterTrait& trait : entry.parameters) {
     const std::string path = fmt::format("effects.{}.{}", name, trait.key);
     if (trait.small_spread == 0 || rig.tolerances.count(path) > 0) continue;

@@ -47,9 +47,8 @@ double FlowFeedforward::flux(double port_Pa, double supply_Pa, bool fills) const
   return flux_per_pressure_ * upstream_Pa * orifice_psi(atmosphere_Pa_ / upstream_Pa, critical_pressure_ratio_);
 }
 
-SpoolDemand FlowFeedforward::demand(const ReferencePoint& motion, double p1_Pa, double p2_Pa,
-                                    double measured_Pa) const noexcept {
-  const double supply_Pa = measured_Pa > atmosphere_Pa_ ? measured_Pa : supply_Pa_;
+FlowFeedforward::Flow FlowFeedforward::flow(const ReferencePoint& motion, double p1_Pa, double p2_Pa,
+                                            double measured_Pa) const noexcept {
   const double x = motion.d[0], v = motion.d[1], a = motion.d[2], j = motion.d[3];
   const double a1 = side_1_.area_m2, a2 = side_2_.area_m2;
   const double v1 = std::max(side_1_.middle_volume_m3 + a1 * x, side_1_.dead_volume_m3);
@@ -58,22 +57,49 @@ SpoolDemand FlowFeedforward::demand(const ReferencePoint& motion, double p1_Pa, 
   // Force rate wanted, plus what the motion itself takes away by compression (polytropic, line storage included).
   const double wanted =
       mass_kg_ * j + viscous_Ns_per_m_ * a + n * v * (a1 * a1 * p1_Pa * per_vt1 + a2 * a2 * p2_Pa * per_vt2);
-  const bool fills_1 = wanted >= 0.0;
-  const double per_n_r_t = 1.0 / (n * gas_R_T_), swept_1 = p1_Pa * a1 * v, swept_2 = -p2_Pa * a2 * v;
+  return {wanted,
+          measured_Pa > atmosphere_Pa_ ? measured_Pa : supply_Pa_,
+          {p1_Pa, p2_Pa},
+          {per_vt1, per_vt2},
+          {v1 * per_vt1, v2 * per_vt2},
+          {p1_Pa * a1 * v, -p2_Pa * a2 * v}};
+}
 
-  SpoolDemand out;
-  auto& [area, loss] = out;
-  for (int pass = 0;; ++pass) {
-    const double g1 = flux(p1_Pa + loss[0], supply_Pa, fills_1), g2 = flux(p2_Pa + loss[1], supply_Pa, !fills_1);
-    area = wanted * per_n_r_t / (a1 * g1 * per_vt1 + a2 * g2 * per_vt2);
-    if (pass == 2) return out;
-    // Line loss at the mean of port and chamber flow gives the next port pressures.
-    const double valve_1 = area * g1, valve_2 = -area * g2;
-    const double chamber_1 = (swept_1 + v1 * per_vt1 * (gas_R_T_ * valve_1 - swept_1)) / gas_R_T_;
-    const double chamber_2 = (swept_2 + v2 * per_vt2 * (gas_R_T_ * valve_2 - swept_2)) / gas_R_T_;
-    loss[0] = steady_line_loss_Pa(side_1_.line, 0.5 * (chamber_1 + valve_1), p1_Pa);
-    loss[1] = steady_line_loss_Pa(side_2_.line, 0.5 * (chamber_2 + valve_2), p2_Pa);
+FlowFeedforward::Spool FlowFeedforward::spool(const Flow& flow, const std::array<double, 2>& loss_Pa) const noexcept {
+  const bool fills_1 = flow.wanted >= 0.0;
+  const double g1 = flux(flow.chamber_Pa[0] + loss_Pa[0], flow.supply_Pa, fills_1),
+               g2 = flux(flow.chamber_Pa[1] + loss_Pa[1], flow.supply_Pa, !fills_1);
+  const double per_n_r_t = 1.0 / (n * gas_R_T_);
+  return {flow.wanted * per_n_r_t /
+              (side_1_.area_m2 * g1 * flow.per_volume_1_per_m3[0] + side_2_.area_m2 * g2 * flow.per_volume_1_per_m3[1]),
+          {g1, g2}};
+}
+
+// Twice at the mean of port and chamber flow, for the ports' pressures are not known before their losses.
+std::array<double, 2> FlowFeedforward::loss_Pa(const Flow& flow) const noexcept {
+  std::array<double, 2> loss{};
+  for (int pass = 0; pass < 2; ++pass) {
+    const auto [area, flux] = spool(flow, loss);
+    const double valve_1 = area * flux[0], valve_2 = -area * flux[1];
+    const double chamber_1 =
+        (flow.swept_W[0] + flow.chamber_share[0] * (gas_R_T_ * valve_1 - flow.swept_W[0])) / gas_R_T_;
+    const double chamber_2 =
+        (flow.swept_W[1] + flow.chamber_share[1] * (gas_R_T_ * valve_2 - flow.swept_W[1])) / gas_R_T_;
+    loss = {steady_line_loss_Pa(side_1_.line, 0.5 * (chamber_1 + valve_1), flow.chamber_Pa[0]),
+            steady_line_loss_Pa(side_2_.line, 0.5 * (chamber_2 + valve_2), flow.chamber_Pa[1])};
   }
+  return loss;
+}
+
+double FlowFeedforward::area_m2(const ReferencePoint& ahead, double p1_Pa, double p2_Pa,
+                                double supply_Pa) const noexcept {
+  const Flow wanted = flow(ahead, p1_Pa, p2_Pa, supply_Pa);
+  return spool(wanted, loss_Pa(wanted)).area_m2;
+}
+
+std::array<double, 2> FlowFeedforward::line_loss_Pa(const ReferencePoint& now, double p1_Pa,
+                                                    double p2_Pa) const noexcept {
+  return loss_Pa(flow(now, p1_Pa, p2_Pa, supply_Pa_));
 }
 
 double feedforward_lead_s(const AxisParameters<double>& axis, double peak_speed_mps, double mean_pressure_Pa) noexcept {

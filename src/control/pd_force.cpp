@@ -126,7 +126,7 @@ void PdForce::see_force(const ControlInput& in, bool is_first, PdForceState& s) 
            line_mode_.port_share[1] * area_2_m2_ * at_1_and_2_Pa[1];
   };
   const double beside_N = share_N({in.port_Pa[0] - p[0], in.port_Pa[1] - p[1]});
-  const double expected_N = share_N(feedforward_.demand(in.now, p[0], p[1], no_measurement).line_loss_Pa);
+  const double expected_N = share_N(feedforward_.line_loss_Pa(in.now, p[0], p[1]));
   const double missed_N = beside_N - expected_N;
   s.line_loss_error_N =
       is_first ? missed_N : s.line_loss_error_N + line_mode_.mean_gain * (missed_N - s.line_loss_error_N);

@@ -104,7 +104,7 @@ TEST_CASE("the lines lose what Darcy and Weisbach give for the flow that a slow 
   ReferencePoint r;
   for (const double v : {0.02, -0.02}) {
     r.d[1] = v;
-    const auto loss_Pa = feedforward.demand(r, p, p, 700e3).line_loss_Pa;
+    const auto loss_Pa = feedforward.line_loss_Pa(r, p, p);
     const auto swept = [&](const LineParameters<double>& line, double area_m2, double speed_mps) {
       return steady_line_loss_Pa(SteadyLine(air, line), p * area_m2 * speed_mps / r_t, p);
     };

@@ -67,7 +67,7 @@ TEST_CASE("the loss of the reference's flow along the lines is not in the force 
   ControlInput in = at_pressures(rest_1_Pa, rest_2_Pa, rest_1_Pa, rest_2_Pa);
   law.step(in), chambers.step(in);
   in.now.d[1] = 0.3;
-  const auto loss_Pa = feedforward.demand(in.now, rest_1_Pa, rest_2_Pa, 700e3).line_loss_Pa;
+  const auto loss_Pa = feedforward.line_loss_Pa(in.now, rest_1_Pa, rest_2_Pa);
   in.port_Pa = {rest_1_Pa + loss_Pa[0], rest_2_Pa + loss_Pa[1]};
   law.step(in), chambers.step(in);
   CHECK(law.state().line_loss_N > 5.0);

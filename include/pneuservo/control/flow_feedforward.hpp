@@ -32,12 +32,6 @@ inline double steady_line_loss_Pa(const SteadyLine& line, double mass_flow_kgps,
   return line.loss_constant * line.friction(reynolds).lambda_reynolds * mass_flow_kgps / mean_pressure_Pa;
 }
 
-/// What a motion asks of the spool, and what its flow then loses along the lines.
-struct SpoolDemand {
-  double area_m2 = 0.0;                   ///< > 0: port 1 fills
-  std::array<double, 2> line_loss_Pa{};   ///< port less chamber, of each side
-};
-
 /// Inverse of one five-port spool and two chambers with their lines, quasi-steady.
 class FlowFeedforward {
  public:
@@ -45,13 +39,10 @@ class FlowFeedforward {
   /// Cold. Takes gas, supply, valve, lines, cylinder and slider (mass with payload).
   explicit FlowFeedforward(const AxisParameters<double>& axis) noexcept;
 
-  /// For the motion at the chamber pressures in use [Pa, absolute]; supply_Pa: measured, NaN for that of the axis. Not
-  /// limited to area_max. HOT: three passes for the port pressures.
-  SpoolDemand demand(const ReferencePoint& motion, double p1_Pa, double p2_Pa, double supply_Pa) const noexcept;
-  /// Signed spool area [m2] (> 0: port 1 fills) for the motion `ahead` (reference at t + lead). HOT.
-  double area_m2(const ReferencePoint& ahead, double p1_Pa, double p2_Pa, double supply_Pa) const noexcept {
-    return demand(ahead, p1_Pa, p2_Pa, supply_Pa).area_m2;
-  }
+  /// Signed spool area [m2] (> 0: port 1 fills) for the motion `ahead` (reference at t + lead) at the chamber pressures
+  /// in use [Pa, absolute]; supply_Pa: measured, NaN for that of the axis. Not limited to area_max. HOT: three passes
+  /// for the port pressures.
+  double area_m2(const ReferencePoint& ahead, double p1_Pa, double p2_Pa, double supply_Pa) const noexcept;
   double area_m2(const ReferencePoint& ahead, double p1_Pa, double p2_Pa) const noexcept {
     return area_m2(ahead, p1_Pa, p2_Pa, supply_Pa_);
   }
@@ -59,6 +50,8 @@ class FlowFeedforward {
   double command_V(const ReferencePoint& ahead, double p1_Pa, double p2_Pa, double supply_Pa) const noexcept {
     return area_m2(ahead, p1_Pa, p2_Pa, supply_Pa) * volt_per_area_;
   }
+  /// What the flow of a motion loses along each line, port less chamber [Pa]. HOT: two passes.
+  std::array<double, 2> line_loss_Pa(const ReferencePoint& now, double p1_Pa, double p2_Pa) const noexcept;
   /// Force [N] for the motion at t: m a + B v. HOT.
   double motion_force_N(const ReferencePoint& now) const noexcept {
     return mass_kg_ * now.d[2] + viscous_Ns_per_m_ * now.d[1];
@@ -69,6 +62,20 @@ class FlowFeedforward {
     double area_m2 = 0.0, middle_volume_m3 = 0.0, dead_volume_m3 = 0.0, line_volume_m3 = 0.0;
     SteadyLine line;
   };
+  /// Both sides of the axis in one motion.
+  struct Flow {
+    double wanted = 0.0;  ///< force rate, and what the motion takes away by compression [N/s]
+    double supply_Pa = 0.0;
+    std::array<double, 2> chamber_Pa{}, per_volume_1_per_m3{}, chamber_share{}, swept_W{};
+  };
+  Flow flow(const ReferencePoint& motion, double p1_Pa, double p2_Pa, double supply_Pa) const noexcept;
+  /// Area for the flow, and each port's flux per area [kg/s m2], at this loss along each line.
+  struct Spool {
+    double area_m2 = 0.0;
+    std::array<double, 2> flux{};
+  };
+  Spool spool(const Flow& flow, const std::array<double, 2>& loss_Pa) const noexcept;
+  std::array<double, 2> loss_Pa(const Flow& flow) const noexcept;
   double flux(double port_Pa, double supply_Pa, bool fills) const noexcept;
 
   Side side_1_, side_2_;

@@ -86,6 +86,29 @@ TEST_CASE("valve: a curve changes the slope about the middle and wide open, of b
   CHECK(make_valve(effects).areas(4.9).supply >= 0.0);  // a slope may vanish, an area not turn its sign
 }
 
+TEST_CASE("valve: each of the four edges of a five-port spool has its own slope and overlap") {
+  ValveEffects<double> effects;
+  effects.valve_dead_band.width_V = 0.2;
+  effects.valve_edge_slopes = {.supply_1 = 0.1, .exhaust_1 = -0.1, .supply_2 = 0.2, .exhaust_2 = -0.2};
+  effects.valve_edge_overlaps = {.supply_1_V = 0.01, .exhaust_1_V = 0.02, .supply_2_V = -0.03, .exhaust_2_V = 0.04};
+  ValveParameters<double> parameters;
+  parameters = {5.0, 2.6e-6, 1.3e-5, 0.35};
+  Valves<double> valves;
+  valves.configure(ValveArrangement::five_port, parameters, effects, 1e-3);
+  const auto at = [&](double command_V) {
+    valves.reset(command_V);
+    valves.set_commands(command_V, 0.0);
+    valves.set_time_step(1e-3);
+    return valves.step(0.0);
+  };
+  const PortAreas<Pair<double>> forward = at(1.0), backward = at(-1.0);
+  CHECK(low(forward.supply) == Approx(1.1 * 2.6e-6 * (1.0 - 0.21)));
+  CHECK(high(forward.exhaust) == Approx(0.8 * 2.6e-6 * (1.0 - 0.24)));
+  CHECK(high(backward.supply) == Approx(1.2 * 2.6e-6 * (1.0 - 0.17)));
+  CHECK(low(backward.exhaust) == Approx(0.9 * 2.6e-6 * (1.0 - 0.22)));
+  CHECK((low(forward.exhaust) == 0.0 && high(forward.supply) == 0.0));
+}
+
 TEST_CASE("valve: a spool that sticks stays until the command is far enough away, and then is where it is") {
   ValveEffects<double> effects;
   effects.valve_stiction.threshold_V = 0.05;

@@ -69,6 +69,26 @@ template <class S> struct ValveCurve {
     v(Field{"wide_open", "-", -0.9, 10, "w"}, p.wide_open...);
   }
 };
+/// Edges that were ground each by itself: the slope of each beside that of the valve, and how much more it overlaps.
+template <class S> struct ValveEdgeSlopes {
+  S supply_1 = S(0), exhaust_1 = S(0), supply_2 = S(0), exhaust_2 = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"supply_1", "-", -0.9, 10, "e of the slope (1 + e) of the edge that fills port 1"}, p.supply_1...);
+    v(Field{"exhaust_1", "-", -0.9, 10, "of the edge that empties port 1"}, p.exhaust_1...);
+    v(Field{"supply_2", "-", -0.9, 10, "of the edge that fills port 2"}, p.supply_2...);
+    v(Field{"exhaust_2", "-", -0.9, 10, "of the edge that empties port 2"}, p.exhaust_2...);
+  }
+};
+template <class S> struct ValveEdgeOverlaps {
+  S supply_1_V = S(0), exhaust_1_V = S(0), supply_2_V = S(0), exhaust_2_V = S(0);
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"supply_1_V", "V", -1000, 1000, "overlap of the edge that fills port 1, beside that of valve_dead_band"},
+      p.supply_1_V...);
+    v(Field{"exhaust_1_V", "V", -1000, 1000, "of the edge that empties port 1"}, p.exhaust_1_V...);
+    v(Field{"supply_2_V", "V", -1000, 1000, "of the edge that fills port 2"}, p.supply_2_V...);
+    v(Field{"exhaust_2_V", "V", -1000, 1000, "of the edge that empties port 2"}, p.exhaust_2_V...);
+  }
+};
 template <class S> struct CommandDelay {
   S delay_s = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -76,7 +96,7 @@ template <class S> struct CommandDelay {
   }
 };
 
-/// The command path: delay, play, stiction, lag, (spool dynamics), offset, dead band, area.
+/// The command path: delay, play, stiction, lag, (spool dynamics), offset, overlaps, area.
 template <class S> struct ValveEffects {
   CommandDelay<S> command_delay;
   ValveHysteresis<S> valve_hysteresis;
@@ -87,6 +107,8 @@ template <class S> struct ValveEffects {
   ValveNeutralLeak<S> valve_neutral_leak;
   ValveAsymmetry<S> valve_asymmetry;
   ValveCurve<S> valve_curve;
+  ValveEdgeSlopes<S> valve_edge_slopes;
+  ValveEdgeOverlaps<S> valve_edge_overlaps;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"command_delay", "", 0, 0, "dead time of the command", optional}, p.command_delay...);
@@ -100,6 +122,10 @@ template <class S> struct ValveEffects {
       p.valve_asymmetry...);
     v(Field{"valve_curve", "", 0, 0, "slope of the edges that changes along the spool's way", optional},
       p.valve_curve...);
+    v(Field{"valve_edge_slopes", "", 0, 0, "slopes of the four edges, each by itself", optional},
+      p.valve_edge_slopes...);
+    v(Field{"valve_edge_overlaps", "", 0, 0, "overlaps of the four edges, each by itself", optional},
+      p.valve_edge_overlaps...);
   }
 };
 

@@ -18,6 +18,21 @@ template <class S> struct PortAreas {
   S supply, exhaust;
 };
 
+/// What the two edges of one port are beside those of the valve.
+template <class S> struct PortEdges {
+  S supply_slope = S(0), exhaust_slope = S(0);  ///< share of the valve's
+  S supply_overlap_V = S(0), exhaust_overlap_V = S(0);
+
+  static PortEdges of_port_1(const ValveEffects<S>& effects) noexcept {
+    return {effects.valve_edge_slopes.supply_1, effects.valve_edge_slopes.exhaust_1,
+            effects.valve_edge_overlaps.supply_1_V, effects.valve_edge_overlaps.exhaust_1_V};
+  }
+  static PortEdges of_port_2(const ValveEffects<S>& effects) noexcept {
+    return {effects.valve_edge_slopes.supply_2, effects.valve_edge_slopes.exhaust_2,
+            effects.valve_edge_overlaps.supply_2_V, effects.valve_edge_overlaps.exhaust_2_V};
+  }
+};
+
 /// A spool and the port that it fills for s > 0 and empties for s < 0: a three-port valve. Area = area_per_volt
 /// |s_eff|, at most area_max (valve_curve bends the slope). Order of the command path: hold, delay, play, stiction,
 /// lag, spool dynamics, offset, dead band, area. Two on/off valves have their coils in its place: one on above half of
@@ -42,6 +57,13 @@ template <class S> class Valve {
       for (auto& pair : on_off_)
         for (OnOffValve& one : pair) one.configure(*valve.on_off);
     reset(S(0));
+  }
+  /// After configure(): edges that differ from each other.
+  void set_edges(const PortEdges<S>& edges) noexcept {
+    edges_ = edges;
+    edges_differ_ = any(absolute(edges.supply_slope) + absolute(edges.exhaust_slope) +
+                            absolute(edges.supply_overlap_V) + absolute(edges.exhaust_overlap_V) >
+                        S(0));
   }
   void reset(const S& command) noexcept {
     for (std::size_t i = 0; i < on_off_.size(); ++i)
@@ -93,8 +115,13 @@ template <class S> class Valve {
     const S overlap = effects_.valve_dead_band.width_V;
     S slope = parameters_.area_per_volt_m2_per_V;
     if (is_curved_) slope = slope * effects_.valve_curve.factor(absolute(shifted), parameters_.command_max_V);
-    const S supply = minimum(slope * maximum(shifted - overlap, S(0)), parameters_.area_max_m2);
-    const S exhaust = minimum(slope * maximum(-shifted - overlap, S(0)), parameters_.area_max_m2);
+    S supply_way = shifted - overlap, exhaust_way = -shifted - overlap, supply_slope = slope, exhaust_slope = slope;
+    if (edges_differ_) {
+      supply_way = supply_way - edges_.supply_overlap_V, exhaust_way = exhaust_way - edges_.exhaust_overlap_V;
+      supply_slope = slope * (S(1) + edges_.supply_slope), exhaust_slope = slope * (S(1) + edges_.exhaust_slope);
+    }
+    const S supply = minimum(supply_slope * maximum(supply_way, S(0)), parameters_.area_max_m2);
+    const S exhaust = minimum(exhaust_slope * maximum(exhaust_way, S(0)), parameters_.area_max_m2);
     const S leak = effects_.valve_neutral_leak.area_m2;
     return {leak + supply, leak + exhaust * effects_.valve_asymmetry.exhaust_ratio};
   }
@@ -159,10 +186,12 @@ template <class S> class Valve {
   static constexpr double longest_piece_s = 0.25e-3;
   ValveParameters<S> parameters_;
   ValveEffects<S> effects_;
+  PortEdges<S> edges_;
   double period_s_ = 1e-3, step_s_ = 0.0;
   std::vector<S> history_;
   std::size_t newest_ = 0;
-  bool delayed_ = false, moves_within_ = false, is_curved_ = false, sticks_ = false, is_on_off_ = false;
+  bool delayed_ = false, moves_within_ = false, is_curved_ = false, sticks_ = false, is_on_off_ = false,
+       edges_differ_ = false;
   std::array<std::array<OnOffValve, 2>, ScalarTraits<S>::lanes> on_off_;  // that fills, that empties
   int pieces_ = 1;
   double piece_s_ = 1e-3;

@@ -346,6 +346,13 @@ bool is_granted(const Candidate& candidate) {
   });
 }
 
+bool stands_for(const FreeParameter& granted, const Candidate& candidate) {
+  const std::string_view path = granted.path, head = "effects.";
+  if (candidate.entry == nullptr || !path.starts_with(head)) return false;
+  const EffectEntry* entry = find_effect(path.substr(head.size(), path.rfind('.') - head.size()));
+  return entry != nullptr && !entry->stands_for.empty() && entry->stands_for == candidate.entry->name;
+}
+
 std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels) {
   std::vector<FreeParameter> out;
   if (!rig.is_pneumatic()) return out;

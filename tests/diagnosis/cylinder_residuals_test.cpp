@@ -95,6 +95,39 @@ TEST_CASE("cylinder residuals: with ports alone the force is balanced through th
   CHECK(rms.at("F") < 1.2);
 }
 
+TEST_CASE("cylinder residuals: what the supply does as measured shows in no other channel") {
+  const Rig owner = cylinder_rig();
+  Rig machine = owner;
+  machine.axis.effects.supply_swing = {20e3, 2.0, 0.3};
+  const auto rms = [&](const std::vector<std::string>& channels) {
+    CylinderResiduals model(owner, {simulated_recording(machine, 6.0, 4, channels)});
+    return by_channel(model, model.residuals(std::vector<Hypothesis>{started(model, owner)}).col(0));
+  };
+  const auto measured = rms({"p1_port_Pa", "p2_port_Pa", "p_supply_Pa"}), hidden = rms({"p1_port_Pa", "p2_port_Pa"});
+  for (const char* channel : {"p1_port", "p2_port"}) {
+    CAPTURE(channel);
+    CHECK(measured.at(channel) < 1.2);
+    CHECK(hidden.at(channel) > 3.0);
+  }
+  CHECK(measured.at("p_supply") > 50.0);
+}
+
+TEST_CASE("cylinder residuals: the valves find what a faulty sensor of the supply reads less its fault") {
+  const Rig owner = cylinder_rig();
+  Rig machine = owner;
+  machine.sensor_effects[Signal::p_supply].sensor_offset.offset = 15e3;
+  CylinderResiduals model(owner, {simulated_recording(machine, 6.0, 5, {"p1_port_Pa", "p2_port_Pa", "p_supply_Pa"})});
+  const auto rms = [&](const Rig& rig) {
+    return by_channel(model, model.residuals(std::vector<Hypothesis>{started(model, rig)}).col(0));
+  };
+  const auto as_read = rms(owner), corrected = rms(machine);
+  for (const char* channel : {"p1_port", "p2_port", "p_supply"}) {
+    CAPTURE(channel);
+    CHECK(as_read.at(channel) > 3.0);
+    CHECK(corrected.at(channel) < 1.2);
+  }
+}
+
 TEST_CASE("cylinder residuals: every effect shows in the channels that it moves and in none that are blind to it") {
   const Rig rig = cylinder_rig();
   CylinderResiduals model(rig, {simulated_recording(rig, 5.0, 3, all_of_the_gas)});
@@ -137,7 +170,7 @@ TEST_CASE("cylinder residuals: every effect shows in the channels that it moves 
       valve({{"effects.command_delay.delay_s", 0.006}}),
       valve({{"effects.line_restriction_1.area_m2", 4e-6}, {"effects.line_restriction_2.area_m2", 4e-6}}),
       valve({{"effects.piston_leak.area_m2", 2e-8}}),
-      {{{"effects.supply_droop.area_m2", 3e-6}}, {"p1_port", "p2_port", "p_supply"}, force},
+      {{{"effects.supply_droop.area_m2", 3e-6}}, {"p_supply"}, {"p1_port", "p2_port", "supply_flow", "F"}},
       {{{"effects.chamber_leak_1.area_m2", 2e-8}},
        {"p1_port", "p1_chamber", "supply_flow"},
        {"p2_port", "p2_chamber", "F"}},
@@ -153,7 +186,7 @@ TEST_CASE("cylinder residuals: every effect shows in the channels that it moves 
   add(sensor("p2_chamber", {"p2_chamber", "F"}, {"p1_port", "p2_port", "p1_chamber"}));
   add(sensor("p1_port", {"p1_port"}, {"p2_port", "p2_chamber", "F"}));
   add(sensor("p2_port", {"p2_port"}, {"p1_port", "p1_chamber", "F"}));
-  add({{{{"effects.sensor_offset:p_supply.offset", 3000.0}}, {"p_supply"}, {"p1_port", "p2_port", "F"}}});
+  add({{{{"effects.sensor_offset:p_supply.offset", 3000.0}}, {"p_supply", "p1_port", "p2_port"}, {"F"}}});
   add({{{{"effects.sensor_offset:supply_flow.offset", 1e-5}}, {"supply_flow"}, {"p1_port", "p_supply", "F"}}});
 
   std::vector<Hypothesis> hypotheses{{rig, {}}};

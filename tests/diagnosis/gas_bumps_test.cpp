@@ -35,12 +35,23 @@ double off(const Eigen::VectorXd& found, const Eigen::VectorXd& expected) {
 
 TEST_CASE("gas bumps: all together are a change of the rig") {
   const Rig rig = cylinder_rig(2.0, 6.1e-3);
-  const ImposedInputs inputs = prepare_recording(simulated_recording(rig, 4.0, 3, all_pressures), rig, 1e9).inputs;
+  const bool measures_supply = GENERATE(false, true);
+  std::vector<std::string> channels{"p1_port_Pa", "p2_port_Pa"};
+  if (measures_supply) channels.emplace_back("p_supply_Pa");
+  const ImposedInputs inputs = prepare_recording(simulated_recording(rig, 4.0, 3, channels), rig, 1e9).inputs;
   const PlantGrid grid = grid_for(rig, 30, 1e-3);
   const auto gas = bump_responses(inputs, {&rig, {}}, grid, bumps_of(inputs, 0.1), bump_bin, 2);
   const auto sum = [&](GasInput input, Signal signal, double size) {
     return Eigen::VectorXd(size * gas[static_cast<std::size_t>(input)][signal].rowwise().sum());
   };
+  if (measures_supply) {
+    Rig reads_less = rig;  // then the valves find more than it says
+    reads_less.sensor_effects[Signal::p_supply].sensor_offset.offset = -500;
+    for (const Signal signal : {Signal::p1_port, Signal::p2_chamber})
+      CHECK(off(sum(GasInput::supply_pressure, signal, 500), change(inputs, rig, reads_less, grid, signal)) < 0.1);
+    CHECK(sum(GasInput::supply_pressure, Signal::p_supply, 500).norm() == 0.0);
+    return;
+  }
   SECTION("supply pressure") {
     Rig other = rig;
     other.axis.supply.pressure_Pa += 500;

@@ -118,6 +118,11 @@ template <class S> class AxisPlant {
     axis_.supply.pressure_Pa = pressure_Pa;
     if (!droops_) supply_pressure_ = fed_pressure();
   }
+  /// Pressure that the valves find from here on, as measured; the model of the supply goes on beside it.
+  void impose_valve_supply(const S& pressure_Pa) noexcept {
+    imposed_supply_ = pressure_Pa;
+    supply_is_imposed_ = true;
+  }
   /// Leak of each chamber to atmosphere from here on [m2].
   void set_chamber_leaks(const S& area_1_m2, const S& area_2_m2) noexcept {
     axis_.effects.chamber_leak_1.area_m2 = area_1_m2;
@@ -192,7 +197,7 @@ template <class S> class AxisPlant {
       ChamberInflow<P> leaks = chambers_leak_ ? chamber_leaks() : ChamberInflow<P>{};
       if (disturbed_) disturb(areas, leaks);
       move(h, i, n);
-      const ValvePort<P> port{areas.supply, areas.exhaust, join(supply_pressure_, supply_pressure_),
+      const ValvePort<P> port{areas.supply, areas.exhaust, join(valve_supply(), valve_supply()),
                               join(axis_.valve.critical_pressure_ratio, axis_.valve.critical_pressure_ratio)};
       flow_ = sides_.step_valve(port, distances(), leaks);
       supply_area_m2_ = areas.supply;
@@ -253,9 +258,11 @@ template <class S> class AxisPlant {
   P supply_flow(const P& supply_area_m2) const noexcept {
     const S b = axis_.valve.critical_pressure_ratio, T = air_.temperature_K;
     const P p = port_pressure();
-    return join(orifice_mass_flow(air_, low(supply_area_m2), b, supply_pressure_, T, low(p), T),
-                orifice_mass_flow(air_, high(supply_area_m2), b, supply_pressure_, T, high(p), T));
+    const S supply = valve_supply();
+    return join(orifice_mass_flow(air_, low(supply_area_m2), b, supply, T, low(p), T),
+                orifice_mass_flow(air_, high(supply_area_m2), b, supply, T, high(p), T));
   }
+  S valve_supply() const noexcept { return supply_is_imposed_ ? imposed_supply_ : supply_pressure_; }
   // V dp/dt = R T (G_in - G_out), isothermal at supply temperature, fed from the configured pressure.
   void step_supply(double h, const PortAreas<P>& areas) noexcept {
     const SupplyDroop<S>& droop = axis_.effects.supply_droop;
@@ -274,13 +281,13 @@ template <class S> class AxisPlant {
   Slider<S> slider_;
   LineFlow<P> flow_;
   GasDisturbance<S> disturbance_;
-  S supply_pressure_{};
+  S supply_pressure_{}, imposed_supply_{};
   P supply_area_m2_{};
   Oscillation<S> supply_swing_;
   S last_force_{};
   double last_step_s_ = 0.0;  // 0: no step yet
   bool chambers_leak_ = false, leak_zone_ = false, relieves_ = false, droops_ = false, swings_ = false, held_ = false,
-       disturbed_ = false;
+       disturbed_ = false, supply_is_imposed_ = false;
 };
 
 /// What ideal sensors would show.

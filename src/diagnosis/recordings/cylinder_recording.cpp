@@ -124,6 +124,19 @@ void take_start_pressures(CylinderRecording& out, const std::string& path) {
   }
 }
 
+/// What the valves find. A sensor that is read more slowly than a droop comes says too little of it, and no more than
+/// the model does.
+void take_supply(CylinderRecording& out) {
+  const std::vector<double>& measured = out.measured[Signal::p_supply];
+  const auto known = std::ranges::count_if(measured, [](double value) { return std::isfinite(value); });
+  if (known * long_gap_s < static_cast<double>(out.samples()) * out.period_s()) return;
+  const GaussianKernel kernel(std::max(pressure_sigma_s, out.period_s()), out.period_s());
+  std::vector<char> ignored(out.samples());
+  const std::vector<double> values = filled(measured, out.period_s(), ignored);
+  out.inputs.supply_Pa = kernel.apply(values, 0);
+  out.inputs.supply_Pa_per_s = kernel.apply(values, 1);
+}
+
 constexpr int highest_difference = 4;
 
 /// A rest of a usual motion; and rows that tell a standard deviation to 11 %.
@@ -193,6 +206,7 @@ CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, 
     throw InputError(
         fmt::format("{}: found no value in x_m or {}, expected numbers", recording.path, fmt::join(commands, " or ")));
   take_start_pressures(out, recording.path);
+  take_supply(out);
   return out;
 }
 

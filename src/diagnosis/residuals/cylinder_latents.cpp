@@ -58,6 +58,12 @@ Eigen::VectorXd CylinderResiduals::answer_to_force(const Hypothesis& hypothesis)
   return (*columns[0] - *columns[1]) / probe_N;
 }
 
+Eigen::VectorXd CylinderResiduals::answer_to_readings() const {
+  Eigen::VectorXd out(static_cast<Eigen::Index>(rows_.size()));
+  for (std::size_t i = 0; i < rows_.size(); ++i) out(static_cast<Eigen::Index>(i)) = 1 / rows_[i].sigma;
+  return out;
+}
+
 Eigen::MatrixXd CylinderResiduals::answer_of_rows(const BumpResponse& gas, std::array<double, 2> sides,
                                                   std::size_t recording, const Eigen::VectorXd& force_answer) const {
   const auto [first, last] = rows_of(recording);
@@ -103,7 +109,28 @@ LatentInput::Piece CylinderResiduals::latent_piece(const BumpTimes& bumps, std::
   return piece;
 }
 
-void CylinderResiduals::add_sensor_latents(const Eigen::VectorXd& force_answer, std::vector<LatentInput>& out) const {
+Eigen::MatrixXd CylinderResiduals::at_once(std::size_t channel, const Eigen::VectorXd& answers, const BumpTimes& bumps,
+                                           std::size_t recording) const {
+  const auto [first, last] = rows_of(recording);
+  Eigen::MatrixXd out =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(last - first), static_cast<Eigen::Index>(bumps.count));
+  for (const Stretch& stretch : stretches_) {
+    if (stretch.recording != recording || stretch.channel != channel) continue;
+    for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
+      const std::size_t row = stretch.first_row + b, sample = stretch.bins[b].first + stretch.bins[b].count / 2;
+      if (sample < bumps.first) continue;
+      const std::size_t bump = std::min((sample - bumps.first) / bumps.length, bumps.count - 1);
+      out(static_cast<Eigen::Index>(row - first), static_cast<Eigen::Index>(bump)) =
+          answers(static_cast<Eigen::Index>(row));
+    }
+  }
+  return out;
+}
+
+void CylinderResiduals::add_sensor_latents(const Eigen::VectorXd& force_answer,
+                                           std::span<const Eigen::MatrixXd> supply_answers,
+                                           std::vector<LatentInput>& out) const {
+  const Eigen::VectorXd reading = answer_to_readings();
   for (std::size_t c = 0; c + 1 < channels_.size(); ++c) {
     LatentInput input{
         fmt::format("sensor:{}", channels_[c].name), "error of this sensor alone", channels_[c].unit, {}, {}};
@@ -111,28 +138,18 @@ void CylinderResiduals::add_sensor_latents(const Eigen::VectorXd& force_answer, 
     for (std::size_t r = 0; r < recordings_.size(); ++r) {
       const CylinderRecording& data = recordings_[r];
       if (data.measured[signals_[c]].empty()) continue;
-      const BumpTimes bumps = bumps_of(data.inputs, sensor_piece_s);
+      const bool is_imposed = signals_[c] == Signal::p_supply && !data.inputs.supply_Pa.empty();
+      const BumpTimes bumps = bumps_of(data.inputs, is_imposed ? piece_s : sensor_piece_s);
       LatentInput::Piece piece = latent_piece(bumps, r);
-      const auto [first, last] = rows_of(r);
-      piece.answer.setZero(static_cast<Eigen::Index>(last - first), static_cast<Eigen::Index>(bumps.count));
-      // The force rests on the sensor at the chamber, or on the port's where the chamber has none.
+      piece.answer = at_once(c, reading, bumps, r);
+      // The force rests on the sensor at the chamber, or on the port's where the chamber has none. A model that knows
+      // of its error takes it out of the drive.
       const bool is_used = signals_[c] == chamber_signals[side] ||
                            (is_port(signals_[c]) && data.measured[chamber_signals[side]].empty());
       const double area = side == 0 ? owner_.axis.cylinder.area_1_m2 : -owner_.axis.cylinder.area_2_m2;
-      for (const Stretch& stretch : stretches_) {
-        if (stretch.recording != r) continue;
-        const bool force = signals_[stretch.channel] == Signal::F && is_used;
-        if (stretch.channel != c && !force) continue;
-        for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
-          const std::size_t row = stretch.first_row + b, sample = stretch.bins[b].first + stretch.bins[b].count / 2;
-          if (sample < bumps.first) continue;
-          const std::size_t bump = std::min((sample - bumps.first) / bumps.length, bumps.count - 1);
-          // A model that knows of it foretells the reading, and takes it out of the drive.
-          piece.answer(static_cast<Eigen::Index>(row - first), static_cast<Eigen::Index>(bump)) =
-              force ? -area * force_answer(static_cast<Eigen::Index>(row)) : 1 / rows_[row].sigma;
-        }
-      }
-      input.pieces.push_back(std::move(piece));
+      if (is_used) piece.answer += at_once(channels_.size() - 1, -area * force_answer, bumps, r);
+      if (is_imposed) piece.answer -= supply_answers[r];  // the valves find what the sensor says less its error
+      if (piece.answer.allFinite()) input.pieces.push_back(std::move(piece));
     }
     out.push_back(std::move(input));
   }
@@ -164,6 +181,7 @@ std::vector<LatentInput> CylinderResiduals::latent_inputs(const Hypothesis& hypo
   const Eigen::VectorXd force_answer = out.front().own_answer;
   for (const Place& place : places) out.push_back({place.element, place.what, place.unit, {}, {}});
   const RecordedRigs rigs(hypothesis.rig, recordings_);
+  std::vector<Eigen::MatrixXd> supply_answers(recordings_.size());
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
     const CylinderRecording& data = recordings_[r];
     const auto bin = static_cast<std::size_t>(std::max(1.0, std::round(residual_bin_s / data.period_s())));
@@ -173,10 +191,15 @@ std::vector<LatentInput> CylinderResiduals::latent_inputs(const Hypothesis& hypo
     for (std::size_t i = 0; i < places.size(); ++i) {
       LatentInput::Piece piece = latent_piece(bumps, r);
       piece.answer = answer_of_rows(gas[static_cast<std::size_t>(places[i].input)], places[i].sides, r, force_answer);
+      if (places[i].input == GasInput::supply_pressure && !data.inputs.supply_Pa.empty()) {
+        supply_answers[r] = piece.answer;
+        const auto channel = std::ranges::find(signals_, Signal::p_supply) - signals_.begin();
+        piece.answer = at_once(static_cast<std::size_t>(channel), answer_to_readings(), bumps, r);
+      }
       if (piece.answer.allFinite()) out[i + 1].pieces.push_back(std::move(piece));
     }
   }
-  add_sensor_latents(force_answer, out);
+  add_sensor_latents(force_answer, supply_answers, out);
   return out;
 }
 

@@ -92,12 +92,18 @@ class CylinderResiduals final : public ResidualModel {
   std::vector<double> chamber_pressure(const Rig& rig, const GasCourse& gas, std::size_t recording,
                                        std::size_t side) const;
   LatentInput::Piece latent_piece(const BumpTimes& bumps, std::size_t recording) const;
-  void add_sensor_latents(const Eigen::VectorXd& force_answer, std::vector<LatentInput>& out) const;
+  /// `supply_answers`: of each recording, to a supply at the valves that is higher than measured.
+  void add_sensor_latents(const Eigen::VectorXd& force_answer, std::span<const Eigen::MatrixXd> supply_answers,
+                          std::vector<LatentInput>& out) const;
+  /// Of the rows of a channel in a recording, to what acts on them alone: each row's answer in its bump.
+  Eigen::MatrixXd at_once(std::size_t channel, const Eigen::VectorXd& answers, const BumpTimes& bumps,
+                          std::size_t recording) const;
   /// What changes of the gas in every bin do to the rows of a recording; `sides`: factors on what each side has
   /// changed.
   Eigen::MatrixXd answer_of_rows(const BumpResponse& gas, std::array<double, 2> sides, std::size_t recording,
                                  const Eigen::VectorXd& force_answer) const;
   Eigen::VectorXd answer_to_force(const Hypothesis& hypothesis);
+  Eigen::VectorXd answer_to_readings() const;  ///< of each row, to what its sensor reads more
   std::pair<std::size_t, std::size_t> rows_of(std::size_t recording) const;  ///< first and one past the last
   using Column = std::shared_ptr<const Eigen::VectorXd>;
   /// Residual in sigmas, slow errors still in it; remembered, for fits come back to where they were.

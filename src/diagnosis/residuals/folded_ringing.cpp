@@ -52,6 +52,8 @@ ImposedInputs in_parts(const ImposedInputs& inputs) {
     out.start_Pa[side] = interpolated(inputs.start_Pa[side]);
     out.start_Pa_per_s[side] = interpolated(inputs.start_Pa_per_s[side]);
   }
+  out.supply_Pa = interpolated(inputs.supply_Pa);
+  out.supply_Pa_per_s = interpolated(inputs.supply_Pa_per_s);
   out.release *= parts;
   return out;
 }

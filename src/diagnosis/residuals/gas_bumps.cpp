@@ -71,7 +71,7 @@ class BumpRuns {
     const std::size_t all_over = bumps_.begin(first_bump + lanes);
     for (std::size_t k = start; k + 1 < inputs_.samples(); ++k) {
       Sides command(0);
-      if (k <= all_over) command = impose(simulation.plant(), gas_inputs[input], first_bump, lanes, k);
+      if (k <= all_over) command = impose(simulation, gas_inputs[input], first_bump, lanes, k);
       simulation.advance(k, command);
       if ((k + 1) / bin_ < bins_) store(simulation.plant(), input, first_bump, lanes, k + 1);
       if (k % steps_between_looks == 0) look_for_stop(stop_);
@@ -81,8 +81,7 @@ class BumpRuns {
 
  private:
   /// Sets what acts from sample k on; returns what comes to the commands.
-  Sides impose(AxisPlant<Lanes>& plant, GasInput input, std::size_t first_bump, std::size_t lanes,
-               std::size_t k) const {
+  Sides impose(Simulation& simulation, GasInput input, std::size_t first_bump, std::size_t lanes, std::size_t k) const {
     Lanes size(0);
     for (std::size_t i = 0; i < lanes; ++i) {
       const std::size_t begin = bumps_.begin(first_bump + i);
@@ -97,7 +96,9 @@ class BumpRuns {
       case GasInput::chamber_flow: disturbance.chamber_flow_kgps = both; break;
       case GasInput::end_loss: disturbance.end_loss_Pa = both; break;
       case GasInput::supply_pressure:
-        plant.set_supply_pressure(Lanes(run_.rig->axis.supply.pressure_Pa) + size);
+        if (inputs_.supply_Pa.empty())
+          simulation.plant().set_supply_pressure(Lanes(run_.rig->axis.supply.pressure_Pa) + size);
+        else simulation.add_to_measured_supply(size);
         return Sides(0);
       case GasInput::command_time: {  // later: a part of the command before is still there
         const auto rate = [&](std::size_t side) {
@@ -107,7 +108,7 @@ class BumpRuns {
         return join(Lanes(rate(0)) * size, Lanes(rate(1)) * size);
       }
     }
-    plant.set_disturbance(disturbance);
+    simulation.plant().set_disturbance(disturbance);
     return Sides(0);
   }
   /// Adds sample k to its bin.

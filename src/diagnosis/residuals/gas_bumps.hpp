@@ -9,7 +9,8 @@
 
 namespace pneuservo {
 
-/// What a bump changes, of both sides at once where sides have their own: they hardly see each other.
+/// What a bump changes, of both sides at once where sides have their own: they hardly see each other. A supply that is
+/// measured is another at the valves than its sensor says, and the model of it stays.
 enum class GasInput { valve_area, line_flow, chamber_flow, end_loss, supply_pressure, command_time };
 inline constexpr std::array gas_inputs{GasInput::valve_area, GasInput::line_flow,       GasInput::chamber_flow,
                                        GasInput::end_loss,   GasInput::supply_pressure, GasInput::command_time};

@@ -83,6 +83,8 @@ GasRuns::Key GasRuns::key_of(const ImposedRun& run, std::size_t recording) const
   const NumberCollector collect{key};
   AxisParameters<double>::visit(collect, axis);
   SensorEffects<double>::visit(collect, run.rig->sensor_effects[Signal::x]);
+  if (!recordings_[recording].inputs.supply_Pa.empty())
+    SensorEffects<double>::visit(collect, run.rig->sensor_effects[Signal::p_supply]);
   for (const Signal sensor : recordings_[recording].inputs.start_sensor)
     SensorEffects<double>::visit(collect, run.rig->sensor_effects[sensor]);
   for (const double factor : run.start_factor) key.push_back(factor);

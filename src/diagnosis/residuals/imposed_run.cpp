@@ -39,6 +39,10 @@ double ImposedInputs::position_at(std::size_t k, int step) const {
          period_s * ((s - 2 * s2 + s3) * velocity_mps[k] + (s3 - s2) * velocity_mps[k + 1]);
 }
 
+double ImposedInputs::supply_at(std::size_t k, int step) const {
+  return supply_Pa[k] + supply_Pa_per_s[k] * period_s * (step + 0.5) / steps;
+}
+
 std::vector<GasCourse> run_imposed(const ImposedInputs& inputs, std::span<const ImposedRun> runs, const PlantGrid& grid,
                                    const StopQuestion& stop) {
   if (runs.size() == 1) return imposed::ImposedSimulation<double>(inputs, runs, grid, stop).run();

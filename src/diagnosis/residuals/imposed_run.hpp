@@ -1,5 +1,5 @@
-// Valve, supply, lines and chambers of supposed rigs along one recording: its command and its motion are imposed, so
-// that a wrong start is forgotten and no error of the gas can drive the slider away.
+// Valve, supply, lines and chambers of supposed rigs along one recording: its command, its motion and its supply are
+// imposed, so that a wrong start is forgotten and no error of the gas can drive the slider away.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -26,6 +26,8 @@ struct ImposedInputs {
   std::array<std::vector<double>, 2> start_Pa_per_s;  ///< and its rate
   std::array<Signal, 2> start_sensor = port_signals;  ///< whose reading that is
   std::size_t release = 0;                            ///< samples in which the gas follows these pressures
+  /// What the valves find, as measured, smoothed, and its rate; empty where nothing measures it.
+  std::vector<double> supply_Pa, supply_Pa_per_s;
 
   double step_s() const { return period_s / steps; }
   std::size_t samples() const { return command_V[0].size(); }
@@ -34,6 +36,7 @@ struct ImposedInputs {
   const std::vector<double>& command_of(std::size_t side) const { return command_V[has_two_valves() ? side : 0]; }
   double command_at(std::size_t side, std::size_t k, int step) const;  ///< of sample k, step 0 to steps - 1
   double position_at(std::size_t k, int step) const;  ///< at the step's end; step = steps - 1 is sample k + 1
+  double supply_at(std::size_t k, int step) const;    ///< in the middle of the step
 };
 
 /// Simulated gas_signals at every sample, just before its command acts: true values, no sensor in them.

@@ -52,6 +52,7 @@ template <class S> class ImposedSimulation {
   /// From sample k to the next, with more command to each side's spool.
   void advance(std::size_t k, const P& more_command_V) {
     for (int step = 0; step < inputs_.steps; ++step) {
+      if (!inputs_.supply_Pa.empty()) plant_.impose_valve_supply(supply(k, step));
       const S to(step + 1 < inputs_.steps ? position_within(k, step) : position(k + 1));
       plant_.step_led(S(inputs_.command_at(0, k, step)) + low(more_command_V),
                       S(inputs_.command_at(1, k, step)) + high(more_command_V), to);
@@ -59,6 +60,8 @@ template <class S> class ImposedSimulation {
     if (k + 1 < inputs_.release) follow_ports(k + 1);
     if (k + 1 == inputs_.release) plant_.scale_gas(P(1), start_factors());
   }
+  /// From here on, beside what is measured of the supply.
+  void add_to_measured_supply(const S& pressure_Pa) { more_supply_Pa_ = pressure_Pa; }
   AxisPlant<S>& plant() { return plant_; }
   const AxisPlant<S>& plant() const { return plant_; }
 
@@ -77,6 +80,13 @@ template <class S> class ImposedSimulation {
     return each_lane([&](const ImposedRun& run) {
       return true_value(run.rig->sensor_effects[Signal::x], inputs_.position_at(k, step), inputs_.velocity_mps[k]);
     });
+  }
+  S supply(std::size_t k, int step) const {
+    const S measured = each_lane([&](const ImposedRun& run) {
+      return true_value(run.rig->sensor_effects[Signal::p_supply], inputs_.supply_at(k, step),
+                        inputs_.supply_Pa_per_s[k]);
+    });
+    return maximum(measured + more_supply_Pa_, S(1e4));
   }
   P port_pressures(std::size_t k) const {
     const auto side = [&](std::size_t i) {
@@ -122,6 +132,7 @@ template <class S> class ImposedSimulation {
   const ImposedInputs& inputs_;
   std::span<const ImposedRun> runs_;
   const StopQuestion& stop_;
+  S more_supply_Pa_ = S(0);
   int steps_ = 0;  ///< of the plant since the last look
   std::vector<GasCourse> courses_;
   AxisPlant<S> plant_;

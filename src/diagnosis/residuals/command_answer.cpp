@@ -2,6 +2,7 @@
 #include "diagnosis/residuals/command_answer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -13,45 +14,60 @@ namespace {
 
 /// Directions in which the command hardly moves (as a share of the strongest) say nothing.
 constexpr double least_direction = 1e-3;
-constexpr Eigen::Index fewest_windows = 50;
+constexpr std::size_t fewest_places = 1000;
 constexpr double least_step_V = 1e-5;  ///< root mean square of the command's quick part
 
-/// I - P: takes a parabola out of a window.
-Eigen::MatrixXd without_parabola() {
+using Weights = std::array<double, CommandAnswer::window>;
+
+/// Of the samples 1, 2, ... away on one side: the least-squares parabola through them at the sample itself.
+Weights parabola_weights() {
   constexpr auto n = static_cast<Eigen::Index>(CommandAnswer::window);
   Eigen::MatrixXd powers(n, 3);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const double t = (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(n) - 1.0;
+    const double t = static_cast<double>(i + 1) / static_cast<double>(n);
     powers.row(i) << 1.0, t, t * t;
   }
-  const Eigen::MatrixXd normal = powers.transpose() * powers;
-  return Eigen::MatrixXd::Identity(n, n) - powers * normal.ldlt().solve(powers.transpose());
+  const Eigen::VectorXd weights =
+      powers * (powers.transpose() * powers).ldlt().solve(Eigen::Vector3d::Unit(0));  // the parabola at t = 0
+  Weights out;
+  std::copy(weights.data(), weights.data() + n, out.begin());
+  return out;
+}
+
+const Weights& weights() {
+  static const Weights all = parabola_weights();
+  return all;
 }
 
 }  // namespace
 
 CommandAnswer::CommandAnswer(const std::vector<double>& command, const std::vector<char>& used) {
-  for (std::size_t at = latest; at + window <= command.size(); at += window)
-    if (std::all_of(used.begin() + static_cast<std::ptrdiff_t>(at),
-                    used.begin() + static_cast<std::ptrdiff_t>(at + window), [](char is) { return is != 0; }))
-      first_.push_back(at);
-  const auto windows = static_cast<Eigen::Index>(first_.size());
-  if (windows < fewest_windows) return;
-  constexpr auto n = static_cast<Eigen::Index>(window), lags = static_cast<Eigen::Index>(latest);
-  const Eigen::MatrixXd quick = without_parabola();
-  Eigen::MatrixXd earlier(windows * n, lags);
-  for (Eigen::Index w = 0; w < windows; ++w) {
-    Eigen::MatrixXd here(n, lags);
-    for (Eigen::Index i = 0; i < n; ++i)
-      for (Eigen::Index lag = 0; lag < lags; ++lag)
-        here(i, lag) =
-            command[first_[static_cast<std::size_t>(w)] + static_cast<std::size_t>(i - lag - 1 + lags) - latest];
-    earlier.middleRows(w * n, n) = quick * here;
+  std::size_t run = 0;  // samples from `at` on that may be looked at
+  for (std::size_t at = command.size(); at-- > latest + window;) {
+    run = used[at] ? run + 1 : 0;
+    if (run > window) places_.push_back(at);
   }
+  std::reverse(places_.begin(), places_.end());
+  if (places_.size() < fewest_places) return;
+  const Weights& weight = weights();
+  std::vector<double> quick(command.size(), 0.0);
+  for (std::size_t k = window; k < command.size(); ++k) {
+    quick[k] = command[k];
+    for (std::size_t i = 0; i < window; ++i) quick[k] -= weight[i] * command[k - 1 - i];
+  }
+  constexpr auto lags = static_cast<Eigen::Index>(latest);
+  Eigen::MatrixXd earlier = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(command.size()), lags);
+  for (const std::size_t k : places_)
+    for (Eigen::Index lag = 0; lag < lags; ++lag) {
+      const double value = quick[k - 1 - static_cast<std::size_t>(lag)];
+      const auto at = static_cast<Eigen::Index>(k);
+      earlier(at, lag) += value;
+      for (std::size_t i = 0; i < window; ++i) earlier(at + 1 + static_cast<Eigen::Index>(i), lag) -= weight[i] * value;
+    }
   const Eigen::MatrixXd normal = earlier.transpose() * earlier;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solved(normal);
   const double strongest = solved.eigenvalues()(lags - 1);
-  if (strongest < least_step_V * least_step_V * static_cast<double>(windows * n)) return;
+  if (strongest < least_step_V * least_step_V * static_cast<double>(places_.size())) return;
   std::vector<Eigen::Index> kept;
   for (Eigen::Index i = 0; i < lags; ++i)
     if (solved.eigenvalues()(i) > least_direction * strongest) kept.push_back(i);
@@ -60,10 +76,11 @@ CommandAnswer::CommandAnswer(const std::vector<double>& command, const std::vect
 }
 
 Eigen::VectorXd CommandAnswer::of(const std::vector<double>& signal) const {
-  Eigen::VectorXd samples(basis_.rows());
-  for (std::size_t w = 0; w < first_.size() && basis_.cols() > 0; ++w)
-    for (std::size_t i = 0; i < window; ++i) samples(static_cast<Eigen::Index>(w * window + i)) = signal[first_[w] + i];
-  return basis_.transpose() * samples;
+  if (basis_.cols() == 0) return {};
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(basis_.cols());
+  for (Eigen::Index k = 0; k < basis_.rows(); ++k)  // what is not looked at may be no number
+    if (basis_.row(k).any()) out += signal[static_cast<std::size_t>(k)] * basis_.row(k).transpose();
+  return out;
 }
 
 Eigen::VectorXd CommandAnswer::turn_along(const std::vector<Eigen::VectorXd>& possible) {
@@ -76,11 +93,15 @@ Eigen::VectorXd CommandAnswer::turn_along(const std::vector<Eigen::VectorXd>& po
 }
 
 double CommandAnswer::quick_part(const std::vector<double>& signal) const {
-  const Eigen::MatrixXd quick = without_parabola();
-  double sum = 0;
-  for (const std::size_t first : first_)
-    sum += (quick * Eigen::Map<const Eigen::VectorXd>(signal.data() + first, quick.cols())).squaredNorm();
-  return first_.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(first_.size() * (window - 3)));
+  const Weights& weight = weights();
+  double sum = 0, gain = 1;
+  for (const double one : weight) gain += one * one;
+  for (const std::size_t k : places_) {
+    double quick = signal[k];
+    for (std::size_t i = 0; i < window; ++i) quick -= weight[i] * signal[k + 1 + i];
+    sum += quick * quick / gain;
+  }
+  return places_.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(places_.size()));
 }
 
 }  // namespace pneuservo

@@ -12,9 +12,12 @@ namespace pneuservo {
 /// answer comes, at once, later or little by little, tells dead time, lag and spool apart to a part of a sample; in
 /// means over 10 ms they are all alike.
 ///
-/// Windows of the samples that are used are freed from their parabolas (motion, drift). The command's values 1 to
-/// `latest` samples ago, made orthonormal, span what the pressure can have answered; a signal's projections on them are
-/// as many rows, white where the signal is white, and nearly independent of the means over bins.
+/// The command's values 1 to `latest` samples ago, freed from the parabola through the `window` samples before each,
+/// and made orthonormal, span what the pressure can have answered. The pressure is freed from the parabola through the
+/// samples after each: motion and drift go out, and the noise of a sample, which the loop brings into all later
+/// commands, meets none of them. Parabolas through windows of both would make that noise an answer of its own, nine
+/// standard deviations in 7 s. A signal's projections are as many rows, white where the signal is white, and nearly
+/// independent of the means over bins.
 class CommandAnswer {
  public:
   static constexpr std::size_t window = 20, latest = 8;
@@ -30,12 +33,12 @@ class CommandAnswer {
   /// Turns the rows so that what is uncertain lies in as few as can be: `possible` are projections that an error of the
   /// model may have. Returns their root mean square in each row as it is then, 0 where there are none.
   Eigen::VectorXd turn_along(const std::vector<Eigen::VectorXd>& possible);
-  /// Root mean square of a signal within the windows, their parabolas taken out.
+  /// Root mean square of a signal freed from its parabolas; of white noise its own.
   double quick_part(const std::vector<double>& signal) const;
 
  private:
-  std::vector<std::size_t> first_;  ///< of each window
-  Eigen::MatrixXd basis_;  ///< samples of the windows, one after the other; orthonormal columns
+  std::vector<std::size_t> places_;  ///< samples that are compared: `window` more that may be looked at come after each
+  Eigen::MatrixXd basis_;  ///< a row a sample, orthonormal columns
 };
 
 }  // namespace pneuservo

@@ -207,12 +207,29 @@ void add_next_experiment(const Rig& rig, const ResidualModel& model, const Decis
   }
 }
 
+/// Whether a shape was found that is no larger than what every machine has of it.
+bool describes_small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels, const Decision& decision) {
+  if (!decision.is_described) return false;
+  const std::vector<FreeParameter> small = small_physics(rig, channels);
+  const Fit& fit = decision.chosen->fit;
+  return std::all_of(fit.parameters.begin(), fit.parameters.begin() + static_cast<std::ptrdiff_t>(fit.own_count),
+                     [&](const FreeParameter& own) {
+                       const double value = own.value(fit.z(fit.own_place(own)));
+                       return std::any_of(small.begin(), small.end(), [&](const FreeParameter& granted) {
+                         return granted.path == own.path && granted.z(value) >= granted.lower &&
+                                granted.z(value) <= granted.upper;
+                       });
+                     });
+}
+
 /// Whether the verdict needs more than any one machine should lack: as many names as are ever sought, or more of the
 /// owner's tolerances at the end of their range than any owner errs by; or whether held-out stretches speak against it.
-/// Then names may stand for small physics that is everywhere.
-bool is_doubtful(const Rig& rig, const Decision& decision, const DecisionRules& rules) {
+/// Then names may stand for small physics that is everywhere, as a small shape does.
+bool is_doubtful(const Rig& rig, const std::vector<ResidualChannel>& channels, const Decision& decision,
+                 const DecisionRules& rules) {
   if (!rig.is_pneumatic() || decision.verdict == Verdict::consistent) return false;
   if (decision.is_shaken) return false;  // its levels are the owner's, and names would follow the shaking
+  if (describes_small_physics(rig, channels, decision)) return true;
   // Names that fit and do not go on: what they stand for is not what is missing.
   if (decision.verdict == Verdict::unknown && !decision.is_described &&
       decision.levels.held_out_excess() > rules.held_out_excess)
@@ -238,7 +255,9 @@ std::vector<std::size_t> needed_names(const Rig& rig, FittedRows& rows, const Se
   // What is named is not granted as well.
   std::erase_if(settings.small_physics, [&](const FreeParameter& granted) {
     return std::any_of(members.begin(), members.end(), [&](std::size_t m) {
-      const std::vector<FreeParameter>& own = search.candidates()[m].parameters;
+      const Candidate& named = search.candidates()[m];
+      if (stands_for(granted, named)) return true;
+      const std::vector<FreeParameter>& own = named.parameters;
       return std::any_of(own.begin(), own.end(), [&](const FreeParameter& p) { return p.path == granted.path; });
     });
   });
@@ -340,9 +359,11 @@ Decision decided_twice(const Rig& rig, FittedRows& rows, Search& search, const D
                                is_everywhere(model.channels(), decision.levels.channels, options.rules.floor_level);
   const std::vector<std::size_t> needed = needed_names(rig, rows, search, decision, options.rules);
   const bool is_each_needed = needed.size() == decision.chosen->members.size();
-  if (!left_everywhere && is_each_needed && !is_doubtful(rig, decision, options.rules)) return decision;
+  if (!left_everywhere && is_each_needed && !is_doubtful(rig, model.channels(), decision, options.rules))
+    return decision;
   Decision granted = with_small_physics(rig, rows, search.candidates(), search, options, beside, out);
-  if (left_everywhere || fits_as_well(granted, decision, options.rules)) return granted;
+  const bool is_shape_needed = decision.is_described && granted.verdict == Verdict::unknown;
+  if (left_everywhere || (!is_shape_needed && fits_as_well(granted, decision, options.rules))) return granted;
   if (!is_each_needed) {
     const std::vector<const Explanation*> fewer = search.ranking(needed.size());
     const auto same =

@@ -19,6 +19,11 @@ class ClosedFormModel : public ResidualModel {
     channels_.front().stated = stated;
   }
 
+  /// Rows from this one on are held out of fits.
+  void hold_out_from(std::size_t first) {
+    for (std::size_t i = first; i < rows_.size(); ++i) rows_[i].held_out = true;
+  }
+
   const std::vector<ResidualChannel>& channels() const override { return channels_; }
   const std::vector<ResidualRow>& rows() const override { return rows_; }
   Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) override {

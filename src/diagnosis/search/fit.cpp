@@ -109,10 +109,10 @@ bool store_residual(Fit& fit, const Eigen::VectorXd& residual) {
 
 }  // namespace
 
-FittedRows::FittedRows(ResidualModel& model, StopQuestion stop) : model_(model), stop_(std::move(stop)) {
+FittedRows::FittedRows(ResidualModel& model, StopQuestion stop, Which which) : model_(model), stop_(std::move(stop)) {
   const std::vector<ResidualRow>& rows = model.rows();
   for (std::size_t i = 0; i < rows.size(); ++i)
-    if (!rows[i].held_out) fitted_.push_back(static_cast<int>(i));
+    if (which == Which::all || !rows[i].held_out) fitted_.push_back(static_cast<int>(i));
 }
 
 Eigen::MatrixXd FittedRows::operator()(const std::vector<Hypothesis>& hypotheses) {

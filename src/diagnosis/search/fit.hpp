@@ -14,8 +14,9 @@ namespace pneuservo {
 /// What the fits see of a model: rows that no proof is held out of, and how much was asked of it.
 class FittedRows {
  public:
+  enum class Which { fitted, all };  ///< all: held-out ones too
   /// stop: asked before every batch; true ends the work with DiagnosisStopped.
-  FittedRows(ResidualModel& model, StopQuestion stop);
+  FittedRows(ResidualModel& model, StopQuestion stop, Which which = Which::fitted);
 
   /// Residuals of the fitted rows, a column a hypothesis.
   Eigen::MatrixXd operator()(const std::vector<Hypothesis>& hypotheses);

@@ -21,7 +21,9 @@ struct ModelLevels {
   double highest() const;
   /// Chi2 a row on held-out stretches over that on fitted ones; 1 where there are none or they are at their floor: the
   /// floor is wider at the start of a recording, so that fitted rows may stay further below it.
-  double held_out_excess() const;
+  double held_out_ratio() const;
+  double expected_ratio = 1;  ///< of a right model, by the leverage of its fit; 1 where that does not matter
+  double held_out_excess() const { return held_out_ratio() / expected_ratio; }
 };
 ModelLevels model_levels(ResidualModel& model, const Fit& fit, const DecisionRules& rules);
 

@@ -148,11 +148,11 @@ void PressurePi::configure(const PressurePiParameters& parameters, const LawSetu
   valve_.configure(valve, effects, setup.period_s);
   valve_.set_edges(edges);
   const auto within = [most_V = valve.command_max_V](double u_V) { return std::clamp(u_V, -most_V, most_V); };
-  const auto overlap_V = [&](double own_V) { return std::max(effects.valve_dead_band.width_V + own_V, 0.0); };
+  const auto overlap_V = [&](double own) { return std::max(effects.valve_dead_band.width_V * (1 + own), 0.0); };
   closed_V_ = within(-effects.valve_offset.offset_V);
-  fills_.begins_V = within(overlap_V(edges.supply_overlap_V) - effects.valve_offset.offset_V);
+  fills_.begins_V = within(overlap_V(edges.supply_overlap) - effects.valve_offset.offset_V);
   fills_.widest_V = widest_V(fills_.begins_V, valve.command_max_V);
-  empties_.begins_V = within(-overlap_V(edges.exhaust_overlap_V) - effects.valve_offset.offset_V);
+  empties_.begins_V = within(-overlap_V(edges.exhaust_overlap) - effects.valve_offset.offset_V);
   empties_.widest_V = widest_V(empties_.begins_V, -valve.command_max_V);
   period_s_ = setup.period_s;
   pulses_.reset();

@@ -15,10 +15,10 @@ using namespace pneuservo::test;
 
 namespace {
 
-constexpr std::array paths{"effects.valve_edge_overlaps.supply_1_V", "effects.valve_edge_overlaps.exhaust_1_V",
-                           "effects.valve_edge_overlaps.supply_2_V", "effects.valve_edge_overlaps.exhaust_2_V",
-                           "effects.valve_offset.offset_V",          "effects.valve_dead_band.width_V",
-                           "effects.constant_force.force_N",         "effects.periodic_force.phase_rad"};
+constexpr std::array paths{"effects.valve_edge_overlaps.supply_1", "effects.valve_edge_overlaps.exhaust_1",
+                           "effects.valve_edge_overlaps.supply_2", "effects.valve_edge_overlaps.exhaust_2",
+                           "effects.valve_offset.offset_V",        "effects.valve_dead_band.width_V",
+                           "effects.constant_force.force_N",       "effects.periodic_force.phase_rad"};
 constexpr std::size_t fitted_rows = 16, all_rows = 40;
 
 /// A straight line of eight numbers in noise of one, which is `beyond` higher on held-out rows.

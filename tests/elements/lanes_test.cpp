@@ -69,7 +69,7 @@ AxisParameters<double> random_axis(Random& random) {
   e.piston_leak_zone = {sometimes(1e-7), 0.02, 0.03};
   e.valve.valve_curve = {sometimes(0.2), sometimes(-0.3)};
   e.valve.valve_edge_slopes = {sometimes(0.1), sometimes(-0.1), sometimes(0.2), sometimes(-0.2)};
-  e.valve.valve_edge_overlaps = {sometimes(1e-2), sometimes(-1e-2), sometimes(2e-2), sometimes(-2e-2)};
+  e.valve.valve_edge_overlaps = {sometimes(0.1), sometimes(-0.1), sometimes(0.2), sometimes(-0.2)};
   e.supply_droop.area_m2 = sometimes(3e-5);
   e.supply_swing = {sometimes(2e4), 3.0, 0.5};
   e.motion.elastic_load = {sometimes(0.4), 12.0, 0.05};

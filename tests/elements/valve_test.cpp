@@ -90,7 +90,7 @@ TEST_CASE("valve: each of the four edges of a five-port spool has its own slope 
   ValveEffects<double> effects;
   effects.valve_dead_band.width_V = 0.2;
   effects.valve_edge_slopes = {.supply_1 = 0.1, .exhaust_1 = -0.1, .supply_2 = 0.2, .exhaust_2 = -0.2};
-  effects.valve_edge_overlaps = {.supply_1_V = 0.01, .exhaust_1_V = 0.02, .supply_2_V = -0.03, .exhaust_2_V = 0.04};
+  effects.valve_edge_overlaps = {.supply_1 = 0.05, .exhaust_1 = 0.1, .supply_2 = -0.15, .exhaust_2 = 0.2};
   ValveParameters<double> parameters;
   parameters = {5.0, 2.6e-6, 1.3e-5, 0.35};
   Valves<double> valves;

@@ -69,7 +69,8 @@ template <class S> struct ValveCurve {
     v(Field{"wide_open", "-", -0.9, 10, "w"}, p.wide_open...);
   }
 };
-/// Edges that were ground each by itself: the slope of each beside that of the valve, and how much more it overlaps.
+/// Edges that were ground each by itself: the slope of each beside that of the valve, and its overlap beside that of
+/// valve_dead_band.
 template <class S> struct ValveEdgeSlopes {
   S supply_1 = S(0), exhaust_1 = S(0), supply_2 = S(0), exhaust_2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -80,13 +81,12 @@ template <class S> struct ValveEdgeSlopes {
   }
 };
 template <class S> struct ValveEdgeOverlaps {
-  S supply_1_V = S(0), exhaust_1_V = S(0), supply_2_V = S(0), exhaust_2_V = S(0);
+  S supply_1 = S(0), exhaust_1 = S(0), supply_2 = S(0), exhaust_2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
-    v(Field{"supply_1_V", "V", -1000, 1000, "overlap of the edge that fills port 1, beside that of valve_dead_band"},
-      p.supply_1_V...);
-    v(Field{"exhaust_1_V", "V", -1000, 1000, "of the edge that empties port 1"}, p.exhaust_1_V...);
-    v(Field{"supply_2_V", "V", -1000, 1000, "of the edge that fills port 2"}, p.supply_2_V...);
-    v(Field{"exhaust_2_V", "V", -1000, 1000, "of the edge that empties port 2"}, p.exhaust_2_V...);
+    v(Field{"supply_1", "-", -10, 10, "o of the overlap (1 + o) w of the edge that fills port 1"}, p.supply_1...);
+    v(Field{"exhaust_1", "-", -10, 10, "of the edge that empties port 1"}, p.exhaust_1...);
+    v(Field{"supply_2", "-", -10, 10, "of the edge that fills port 2"}, p.supply_2...);
+    v(Field{"exhaust_2", "-", -10, 10, "of the edge that empties port 2"}, p.exhaust_2...);
   }
 };
 template <class S> struct CommandDelay {

@@ -21,15 +21,15 @@ template <class S> struct PortAreas {
 /// What the two edges of one port are beside those of the valve.
 template <class S> struct PortEdges {
   S supply_slope = S(0), exhaust_slope = S(0);  ///< share of the valve's
-  S supply_overlap_V = S(0), exhaust_overlap_V = S(0);
+  S supply_overlap = S(0), exhaust_overlap = S(0);  ///< of valve_dead_band's
 
   static PortEdges of_port_1(const ValveEffects<S>& effects) noexcept {
     return {effects.valve_edge_slopes.supply_1, effects.valve_edge_slopes.exhaust_1,
-            effects.valve_edge_overlaps.supply_1_V, effects.valve_edge_overlaps.exhaust_1_V};
+            effects.valve_edge_overlaps.supply_1, effects.valve_edge_overlaps.exhaust_1};
   }
   static PortEdges of_port_2(const ValveEffects<S>& effects) noexcept {
     return {effects.valve_edge_slopes.supply_2, effects.valve_edge_slopes.exhaust_2,
-            effects.valve_edge_overlaps.supply_2_V, effects.valve_edge_overlaps.exhaust_2_V};
+            effects.valve_edge_overlaps.supply_2, effects.valve_edge_overlaps.exhaust_2};
   }
 };
 
@@ -61,8 +61,8 @@ template <class S> class Valve {
   /// After configure(): edges that differ from each other.
   void set_edges(const PortEdges<S>& edges) noexcept {
     edges_ = edges;
-    edges_differ_ = any(absolute(edges.supply_slope) + absolute(edges.exhaust_slope) +
-                            absolute(edges.supply_overlap_V) + absolute(edges.exhaust_overlap_V) >
+    edges_differ_ = any(absolute(edges.supply_slope) + absolute(edges.exhaust_slope) + absolute(edges.supply_overlap) +
+                            absolute(edges.exhaust_overlap) >
                         S(0));
   }
   void reset(const S& command) noexcept {
@@ -117,7 +117,8 @@ template <class S> class Valve {
     if (is_curved_) slope = slope * effects_.valve_curve.factor(absolute(shifted), parameters_.command_max_V);
     S supply_way = shifted - overlap, exhaust_way = -shifted - overlap, supply_slope = slope, exhaust_slope = slope;
     if (edges_differ_) {
-      supply_way = supply_way - edges_.supply_overlap_V, exhaust_way = exhaust_way - edges_.exhaust_overlap_V;
+      supply_way = supply_way - overlap * edges_.supply_overlap;
+      exhaust_way = exhaust_way - overlap * edges_.exhaust_overlap;
       supply_slope = slope * (S(1) + edges_.supply_slope), exhaust_slope = slope * (S(1) + edges_.exhaust_slope);
     }
     const S supply = minimum(supply_slope * maximum(supply_way, S(0)), parameters_.area_max_m2);

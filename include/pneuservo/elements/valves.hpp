@@ -29,10 +29,9 @@ template <class S> class Valves {
       of_both.valve_offset.offset_V = join(effects.valve_offset.offset_V, -effects.valve_offset.offset_V);
     pair_.configure(both, of_both, period_s);
     const auto edges_1 = PortEdges<S>::of_port_1(effects), edges_2 = PortEdges<S>::of_port_2(effects);
-    pair_.set_edges({join(edges_1.supply_slope, edges_2.supply_slope),
-                     join(edges_1.exhaust_slope, edges_2.exhaust_slope),
-                     join(edges_1.supply_overlap_V, edges_2.supply_overlap_V),
-                     join(edges_1.exhaust_overlap_V, edges_2.exhaust_overlap_V)});
+    pair_.set_edges(
+        {join(edges_1.supply_slope, edges_2.supply_slope), join(edges_1.exhaust_slope, edges_2.exhaust_slope),
+         join(edges_1.supply_overlap, edges_2.supply_overlap), join(edges_1.exhaust_overlap, edges_2.exhaust_overlap)});
   }
   void reset(const S& command) noexcept { pair_.reset(join(command, command)); }
   /// The commands that act from the start of the coming period; a five-port spool has the first alone.

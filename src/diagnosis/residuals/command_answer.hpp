@@ -20,7 +20,7 @@ namespace pneuservo {
 /// independent of the means over bins.
 class CommandAnswer {
  public:
-  static constexpr std::size_t window = 20, latest = 8;
+  static constexpr std::size_t window = 20, latest = 12;
 
   CommandAnswer() = default;
   /// used: samples that may be looked at, as many as `command` has.

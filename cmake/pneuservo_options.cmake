@@ -68,6 +68,11 @@ option(PNEUSERVO_UNITE_FOLDERS "Compile all sources of a folder as one unit; off
 # Where neither a loop nor a diagnosis spends its time, -O2 takes 0.8 of the compiler's time and of the room.
 # Without the precompiled header: from one g++ takes over the level of optimisation that the header was compiled with.
 set(PNEUSERVO_COLD_FOLDERS "^src_(config|design|service|report|index|improve|program|diagnosis_verdict|diagnosis_doubts)$")
+set(PNEUSERVO_COLD_OPTIMISATION -O2)
+# A wheel is compiled by whoever installs it, and its laws are called from Python: -O1 takes 0.8 of the time once more.
+if(SKBUILD)
+  set(PNEUSERVO_COLD_OPTIMISATION -O1)
+endif()
 # unite_folders(TARGET...): what the sources of a folder share is parsed and instantiated once, in some 0.6 of the time.
 # Names in unnamed namespaces are therefore unique within a folder.
 function(unite_folders)
@@ -88,14 +93,14 @@ function(unite_folders)
       cmake_path(GET source PARENT_PATH folder)
       cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE group)
       # The laws are optimised file by file: in one unit g++ inlines otherwise, and the supervised tick takes 5 % longer.
-      if(group STREQUAL "src/control")
+      if(group STREQUAL "src/control" AND NOT SKBUILD)
         set_property(SOURCE ${source} TARGET_DIRECTORY ${target} PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)
       endif()
       string(MAKE_C_IDENTIFIER "${group}" group)
       set_property(SOURCE ${source} TARGET_DIRECTORY ${target} PROPERTY UNITY_GROUP ${group})
       if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND NOT PNEUSERVO_SANITIZE AND group MATCHES "${PNEUSERVO_COLD_FOLDERS}")
         set_source_files_properties(${built}/CMakeFiles/${target}.dir/Unity/unity_${group}_cxx.cxx TARGET_DIRECTORY ${target}
-          PROPERTIES COMPILE_OPTIONS -O2 SKIP_PRECOMPILE_HEADERS ON)
+          PROPERTIES COMPILE_OPTIONS ${PNEUSERVO_COLD_OPTIMISATION} SKIP_PRECOMPILE_HEADERS ON)
       endif()
     endforeach()
   endforeach()

@@ -69,7 +69,8 @@ option(PNEUSERVO_UNITE_FOLDERS "Compile all sources of a folder as one unit; off
 # Without the precompiled header: from one g++ takes over the level of optimisation that the header was compiled with.
 set(PNEUSERVO_COLD_FOLDERS "^src_(config|design|service|report|index|improve|program|diagnosis_verdict|diagnosis_doubts)$")
 set(PNEUSERVO_COLD_OPTIMISATION -O2)
-# A wheel is compiled by whoever installs it, and its laws are called from Python: -O1 takes 0.8 of the time once more.
+# A wheel is compiled by whoever installs it, and its laws are called from Python: -O1 takes 0.8 of the time once more, -O2
+# for the rest of the libraries 0.85.
 if(SKBUILD)
   set(PNEUSERVO_COLD_OPTIMISATION -O1)
 endif()
@@ -81,6 +82,9 @@ function(unite_folders)
   endif()
   foreach(target IN LISTS ARGN)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+    if(SKBUILD)
+      target_compile_options(${target} PRIVATE -O2)
+    endif()
     # A class of one file may hold another of the same file, which g++ takes for a header's.
     if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
       target_compile_options(${target} PRIVATE -Wno-subobject-linkage)

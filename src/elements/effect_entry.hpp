@@ -190,7 +190,8 @@ struct EffectEntry {
   unsigned shown_by = 0;  ///< bits of Excitation
   bool is_never_added = false;  ///< to other names
   bool is_of_plain_axes = false;  ///< looked for where no pressures act on the slider
-  std::string_view stands_for{};  ///< of a granted one: the name that its numbers hold where they are alike
+  Few<std::string_view, 2>
+      stands_for{};  ///< of a granted one: names and paths that its numbers are where they are alike
   std::string_view same_as{};  ///< path of a number that is the one at fault where the owner states it
   SimplerLaw contains{};
   Few<StatedSize, 4> smallest{};  ///< first rung of the trial machines; empty: they have none of it

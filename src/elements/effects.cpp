@@ -107,7 +107,7 @@ constexpr EffectEntry pneumatic_entries[] = {
      .role = EffectRole::granted,
      .parameters = {amplitude("supply_1", one, 0.15).small(0.02), amplitude("exhaust_1", one, 0.15).small(0.02),
                     amplitude("supply_2", one, 0.15).small(0.02), amplitude("exhaust_2", one, 0.15).small(0.02)},
-     .stands_for = "valve_asymmetry"},
+     .stands_for = {"valve_asymmetry", "valve.area_per_volt_m2_per_V"}},
     {.name = "valve_edge_overlaps",
      .words = "edges of the valve of different overlaps",
      .element = "valve",

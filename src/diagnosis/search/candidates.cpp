@@ -348,9 +348,12 @@ bool is_granted(const Candidate& candidate) {
 
 bool stands_for(const FreeParameter& granted, const Candidate& candidate) {
   const std::string_view path = granted.path, head = "effects.";
-  if (candidate.entry == nullptr || !path.starts_with(head)) return false;
+  if (!path.starts_with(head)) return false;
   const EffectEntry* entry = find_effect(path.substr(head.size(), path.rfind('.') - head.size()));
-  return entry != nullptr && !entry->stands_for.empty() && entry->stands_for == candidate.entry->name;
+  return entry != nullptr &&
+         std::any_of(entry->stands_for.begin(), entry->stands_for.end(), [&](std::string_view other) {
+           return candidate.entry != nullptr ? other == candidate.entry->name : other == candidate.parameters[0].path;
+         });
 }
 
 std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels) {

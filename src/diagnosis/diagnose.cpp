@@ -244,11 +244,11 @@ bool is_doubtful(const Rig& rig, const std::vector<ResidualChannel>& channels, c
   return at_end >= rules.stretched_count;
 }
 
-/// Those of the names that bring enough where small physics stands beside them all: others may stand for that.
+/// Of several names those that bring enough where small physics stands beside them all: others may stand for that.
 std::vector<std::size_t> needed_names(const Rig& rig, FittedRows& rows, const Search& search, const Decision& decision,
                                       const DecisionRules& rules) {
   const std::vector<std::size_t>& members = decision.chosen->members;
-  if (!rig.is_pneumatic() || decision.verdict == Verdict::unknown || members.empty()) return members;
+  if (!rig.is_pneumatic() || decision.verdict == Verdict::unknown || members.size() < 2) return members;
   SearchSettings settings;
   settings.small_physics = small_physics(rig, rows.model().channels());
   settings.settled_gain = settled_gain_beside;
@@ -364,7 +364,7 @@ Decision decided_twice(const Rig& rig, FittedRows& rows, Search& search, const D
   Decision granted = with_small_physics(rig, rows, search.candidates(), search, options, beside, out);
   const bool is_shape_needed = decision.is_described && granted.verdict == Verdict::unknown;
   if (left_everywhere || (!is_shape_needed && fits_as_well(granted, decision, options.rules))) return granted;
-  if (!is_each_needed && decision.chosen->members.size() > 1) {
+  if (!is_each_needed) {
     const std::vector<const Explanation*> fewer = search.ranking(needed.size());
     const auto same =
         std::find_if(fewer.begin(), fewer.end(), [&](const Explanation* e) { return e->members == needed; });

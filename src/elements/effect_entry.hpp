@@ -190,8 +190,8 @@ struct EffectEntry {
   unsigned shown_by = 0;  ///< bits of Excitation
   bool is_never_added = false;  ///< to other names
   bool is_of_plain_axes = false;  ///< looked for where no pressures act on the slider
-  Few<std::string_view, 2>
-      stands_for{};  ///< of a granted one: names and paths that its numbers are where they are alike
+  /// Of a granted one: names of effects and paths of numbers that its own are where they are all alike.
+  Few<std::string_view, 2> stands_for{};
   std::string_view same_as{};  ///< path of a number that is the one at fault where the owner states it
   SimplerLaw contains{};
   Few<StatedSize, 4> smallest{};  ///< first rung of the trial machines; empty: they have none of it

@@ -10,6 +10,11 @@ using enum Signal;
 constexpr std::array<double, 3> droop_areas{0.1, 0.3, 1};
 constexpr std::array<double, 3> droop_volumes{2e-4, 1e-3, 5e-3};
 constexpr std::array<double, 3> restriction_sizes{0.1, 0.5, 2};
+
+constexpr Few<ParameterTrait, 4> of_each_edge(double spread, double small_spread) {
+  const auto edge = [&](std::string_view key) { return amplitude(key, one, spread).small(small_spread); };
+  return {edge("supply_1"), edge("exhaust_1"), edge("supply_2"), edge("exhaust_2")};
+}
 constexpr std::array<double, 3> relief_pressures{0.5, 0.65, 0.8};
 constexpr std::array<double, 2> cushion_lengths{0.08, 0.25};
 constexpr std::array<double, 1> throttle_sizes{0.5};
@@ -99,22 +104,19 @@ constexpr EffectEntry pneumatic_entries[] = {
      .role = EffectRole::description,
      .parameters = {amplitude("near_middle", one, 0.15, 0.005).small(0.04),
                     amplitude("wide_open", one, 0.5, 0.02).small(0.04)}},
-    // Edges are ground one by one.
     {.name = "valve_edge_slopes",
      .words = "edges of the valve of different slopes",
      .element = "valve",
      .family = "each_edge",
      .role = EffectRole::granted,
-     .parameters = {amplitude("supply_1", one, 0.15).small(0.02), amplitude("exhaust_1", one, 0.15).small(0.02),
-                    amplitude("supply_2", one, 0.15).small(0.02), amplitude("exhaust_2", one, 0.15).small(0.02)},
+     .parameters = of_each_edge(0.15, 0.02),
      .stands_for = {"valve_asymmetry", "valve.area_per_volt_m2_per_V"}},
     {.name = "valve_edge_overlaps",
      .words = "edges of the valve of different overlaps",
      .element = "valve",
      .family = "each_edge",
      .role = EffectRole::granted,
-     .parameters = {amplitude("supply_1", one, 1).small(0.1), amplitude("exhaust_1", one, 1).small(0.1),
-                    amplitude("supply_2", one, 1).small(0.1), amplitude("exhaust_2", one, 1).small(0.1)}},
+     .parameters = of_each_edge(1, 0.1)},
     {.name = "command_delay",
      .words = "dead time between command and spool",
      .element = "timing",

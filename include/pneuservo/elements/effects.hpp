@@ -69,24 +69,14 @@ template <class S> struct ValveCurve {
     v(Field{"wide_open", "-", -0.9, 10, "w"}, p.wide_open...);
   }
 };
-/// Edges that were ground each by itself: the slope of each beside that of the valve, and its overlap beside that of
-/// valve_dead_band.
-template <class S> struct ValveEdgeSlopes {
+/// What each of a valve's four edges has more than the valve says, as a share of that: edges are ground one by one.
+template <class S> struct OfEachEdge {
   S supply_1 = S(0), exhaust_1 = S(0), supply_2 = S(0), exhaust_2 = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
-    v(Field{"supply_1", "-", -0.9, 10, "e of the slope (1 + e) of the edge that fills port 1"}, p.supply_1...);
+    v(Field{"supply_1", "-", -0.9, 10, "e of 1 + e times the valve's, for the edge that fills port 1"}, p.supply_1...);
     v(Field{"exhaust_1", "-", -0.9, 10, "of the edge that empties port 1"}, p.exhaust_1...);
     v(Field{"supply_2", "-", -0.9, 10, "of the edge that fills port 2"}, p.supply_2...);
     v(Field{"exhaust_2", "-", -0.9, 10, "of the edge that empties port 2"}, p.exhaust_2...);
-  }
-};
-template <class S> struct ValveEdgeOverlaps {
-  S supply_1 = S(0), exhaust_1 = S(0), supply_2 = S(0), exhaust_2 = S(0);
-  template <class V, class... P> static void visit(V&& v, P&... p) {
-    v(Field{"supply_1", "-", -10, 10, "o of the overlap (1 + o) w of the edge that fills port 1"}, p.supply_1...);
-    v(Field{"exhaust_1", "-", -10, 10, "of the edge that empties port 1"}, p.exhaust_1...);
-    v(Field{"supply_2", "-", -10, 10, "of the edge that fills port 2"}, p.supply_2...);
-    v(Field{"exhaust_2", "-", -10, 10, "of the edge that empties port 2"}, p.exhaust_2...);
   }
 };
 template <class S> struct CommandDelay {
@@ -107,8 +97,7 @@ template <class S> struct ValveEffects {
   ValveNeutralLeak<S> valve_neutral_leak;
   ValveAsymmetry<S> valve_asymmetry;
   ValveCurve<S> valve_curve;
-  ValveEdgeSlopes<S> valve_edge_slopes;
-  ValveEdgeOverlaps<S> valve_edge_overlaps;
+  OfEachEdge<S> valve_edge_slopes, valve_edge_overlaps;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     v(Field{"command_delay", "", 0, 0, "dead time of the command", optional}, p.command_delay...);
@@ -122,9 +111,8 @@ template <class S> struct ValveEffects {
       p.valve_asymmetry...);
     v(Field{"valve_curve", "", 0, 0, "slope of the edges that changes along the spool's way", optional},
       p.valve_curve...);
-    v(Field{"valve_edge_slopes", "", 0, 0, "slopes of the four edges, each by itself", optional},
-      p.valve_edge_slopes...);
-    v(Field{"valve_edge_overlaps", "", 0, 0, "overlaps of the four edges, each by itself", optional},
+    v(Field{"valve_edge_slopes", "", 0, 0, "slope of each edge by itself", optional}, p.valve_edge_slopes...);
+    v(Field{"valve_edge_overlaps", "", 0, 0, "overlap of each edge by itself, of valve_dead_band's", optional},
       p.valve_edge_overlaps...);
   }
 };

@@ -70,9 +70,10 @@ FlowFeedforward::Spool FlowFeedforward::spool(const Flow& flow, const std::array
   const double g1 = flux(flow.chamber_Pa[0] + loss_Pa[0], flow.supply_Pa, fills_1),
                g2 = flux(flow.chamber_Pa[1] + loss_Pa[1], flow.supply_Pa, !fills_1);
   const double per_n_r_t = 1.0 / (n * gas_R_T_);
-  return {flow.wanted * per_n_r_t /
-              (side_1_.area_m2 * g1 * flow.per_volume_1_per_m3[0] + side_2_.area_m2 * g2 * flow.per_volume_1_per_m3[1]),
-          {g1, g2}};
+  return {
+      flow.wanted * per_n_r_t /
+          (side_1_.area_m2 * g1 * flow.inverse_volume_per_m3[0] + side_2_.area_m2 * g2 * flow.inverse_volume_per_m3[1]),
+      {g1, g2}};
 }
 
 // Twice at the mean of port and chamber flow, for the ports' pressures are not known before their losses.

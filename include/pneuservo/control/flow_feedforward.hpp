@@ -66,7 +66,7 @@ class FlowFeedforward {
   struct Flow {
     double wanted = 0.0;  ///< force rate, and what the motion takes away by compression [N/s]
     double supply_Pa = 0.0;
-    std::array<double, 2> chamber_Pa{}, per_volume_1_per_m3{}, chamber_share{}, swept_W{};
+    std::array<double, 2> chamber_Pa{}, inverse_volume_per_m3{}, chamber_share{}, swept_W{};
   };
   Flow flow(const ReferencePoint& motion, double p1_Pa, double p2_Pa, double supply_Pa) const noexcept;
   /// Area for the flow, and each port's flux per area [kg/s m2], at this loss along each line.

@@ -93,6 +93,7 @@ template <class S> class AxisPlant {
     valves_.reset(S(0));
     supply_swing_.reset();
     supply_pressure_ = fed_pressure();
+    supply_is_imposed_ = false;
     supply_area_m2_ = P(0);
     last_step_s_ = 0.0;
   }
@@ -118,7 +119,7 @@ template <class S> class AxisPlant {
     axis_.supply.pressure_Pa = pressure_Pa;
     if (!droops_) supply_pressure_ = fed_pressure();
   }
-  /// Pressure that the valves find from here on, as measured; the model of the supply goes on beside it.
+  /// Pressure that the valves find until reset(), as measured; the model of the supply goes on beside it.
   void impose_valve_supply(const S& pressure_Pa) noexcept {
     imposed_supply_ = pressure_Pa;
     supply_is_imposed_ = true;

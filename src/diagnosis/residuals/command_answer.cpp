@@ -14,7 +14,7 @@ namespace {
 
 /// Directions in which the command hardly moves (as a share of the strongest) say nothing.
 constexpr double least_direction = 1e-3;
-constexpr std::size_t fewest_places = 1000;
+constexpr std::size_t fewest_places = 1000;  ///< chance makes two directions of so many alike by 3 %
 constexpr double least_step_V = 1e-5;  ///< root mean square of the command's quick part
 
 using Weights = std::array<double, CommandAnswer::window>;

@@ -20,6 +20,8 @@ namespace pneuservo {
 /// independent of the means over bins.
 class CommandAnswer {
  public:
+  /// latest: at 1 kHz twice the prior's standard deviation of a dead time. window: a parabola through 20 values errs by
+  /// 0.74 of their noise at the next one, one through fewer by more.
   static constexpr std::size_t window = 20, latest = 12;
 
   CommandAnswer() = default;

@@ -15,8 +15,12 @@ die() {
 
 jobs_of_this_machine() { nproc 2>/dev/null || echo 2; }
 
-# Where quietly notes what failed.
+# Where what failed is noted: its log and a sentence.
 failure_list=$root/build/log/failures
+note_failure() {
+  mkdir -p "$root/build/log"
+  printf '%s\t%s\n' "$1" "$2" >>"$failure_list"
+}
 
 # quietly NAME COMMAND...: runs the command, shows its output only when it fails.
 quietly() {
@@ -28,7 +32,7 @@ quietly() {
   if ((status != 0)); then
     tail -n 60 "$log" >&2
     say "failed with status $status (all output: $log): $*"
-    printf '%s\t%s\n' "$log" "status $status: $*" >>"$failure_list"
+    note_failure "$log" "status $status: $*"
   fi
   return "$status"
 }

@@ -215,7 +215,7 @@ bool take_labelled(const std::vector<std::string>& lines, std::size_t fields, Di
       out.has_rows_between = out.has_pairs = true;
     } else if (!out.names.empty() && is_labelled(here, "Unit")) {
       out.units = here;
-    } else if (here[0].starts_with("SampleTime[") && here[0].ends_with(']')) {
+    } else if (!here.empty() && here[0].starts_with("SampleTime[") && here[0].ends_with(']')) {
       time_unit = here[0].substr(here[0].find('[') + 1);
       time_unit.pop_back();
     }

@@ -346,7 +346,7 @@ class TableReader {
     const auto known = std::count_if(fields_.begin(), fields_.end(), [&](std::string_view field) {
       return !field.empty() && known_names_.contains(field);
     });
-    if (fields_.front().empty() || is_own_ || known < 2) return false;
+    if (is_own_ || known < 2 || fields_.front().empty()) return false;  // a blank line between blanks has no field
     if (std::equal(fields_.begin(), fields_.end(), dialect_.names.begin(), dialect_.names.end())) {
       if (names_again_++ == 0)
         table_.report(line, ProblemKind::dialect, "the line of names stands here again: passed over");

@@ -361,6 +361,13 @@ TEST_CASE("lines may end in CR or CR CR LF, blank lines may stand between, and r
   check_read(minus, values);
 }
 
+TEST_CASE("a blank line before rows that count themselves holds no field and no name") {
+  const TemporaryFolder folder;
+  const CsvTable table = read_table(put_plain(folder.file("counted.txt"), "force\n\n1 0.5\n2 0.7\n3 0.8\n"));
+  REQUIRE(table.names == std::vector<std::string>{"force"});
+  CHECK(table.column("force") == std::vector<double>{0.5, 0.7, 0.8});
+}
+
 TEST_CASE("files of other formats are named with what to do") {
   const TemporaryFolder folder;
   using namespace std::string_literals;

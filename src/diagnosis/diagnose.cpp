@@ -111,8 +111,9 @@ void add_fit(ResidualModel& model, const Search& search, const Decision& decisio
 constexpr double detectable_margin = 2.0;
 
 /// Size at which a candidate would gain what an alarm needs and be no longer negligible, nine times in ten.
-void add_detectable(const Search& search, const Decision& decision, const DecisionRules& rules, Diagnosis& out) {
-  for (const Screened& screened : search.first_screening()) {
+void add_detectable(const Search& search, const std::vector<Screened>& screening, const Decision& decision,
+                    const DecisionRules& rules, Diagnosis& out) {
+  for (const Screened& screened : screening) {
     const Candidate& candidate = search.candidates()[screened.candidate];
     if (candidate.is_description) continue;
     if (std::find(decision.chosen->members.begin(), decision.chosen->members.end(), screened.candidate) !=
@@ -244,29 +245,41 @@ bool is_doubtful(const Rig& rig, const std::vector<ResidualChannel>& channels, c
   return at_end >= rules.stretched_count;
 }
 
-/// Of several names those that bring enough where small physics stands beside them all: others may stand for that.
+/// Small physics beside the tolerances, but for what names say already.
+SearchSettings beside_small_physics(const Rig& rig, const ResidualModel& model, const Search& search,
+                                    const std::vector<std::size_t>& named) {
+  SearchSettings settings;
+  settings.small_physics = small_physics(rig, model.channels());
+  settings.settled_gain = settled_gain_beside;
+  std::erase_if(settings.small_physics, [&](const FreeParameter& granted) {
+    return std::any_of(named.begin(), named.end(),
+                       [&](std::size_t m) { return stands_for(granted, search.candidates()[m]); });
+  });
+  return settings;
+}
+
+/// Those of the names that bring enough where small physics stands beside them all: others may stand for that.
 std::vector<std::size_t> needed_names(const Rig& rig, FittedRows& rows, const Search& search, const Decision& decision,
                                       const DecisionRules& rules) {
   const std::vector<std::size_t>& members = decision.chosen->members;
-  if (!rig.is_pneumatic() || decision.verdict == Verdict::unknown || members.size() < 2) return members;
-  SearchSettings settings;
-  settings.small_physics = small_physics(rig, rows.model().channels());
-  settings.settled_gain = settled_gain_beside;
-  // What is named is not granted as well.
-  std::erase_if(settings.small_physics, [&](const FreeParameter& granted) {
-    return std::any_of(members.begin(), members.end(), [&](std::size_t m) {
-      const Candidate& named = search.candidates()[m];
-      if (stands_for(granted, named)) return true;
-      const std::vector<FreeParameter>& own = named.parameters;
-      return std::any_of(own.begin(), own.end(), [&](const FreeParameter& p) { return p.path == granted.path; });
-    });
-  });
-  const std::vector<double> gains =
-      Search(rows, rig, search.candidates(), settings, rules, {}).gains_of_names(*decision.chosen);
+  if (!rig.is_pneumatic() || decision.verdict == Verdict::unknown || members.empty()) return members;
+  Search beside(rows, rig, search.candidates(), beside_small_physics(rig, rows.model(), search, members), rules, {});
+  const std::vector<double> gains = beside.gains_of_names(*decision.chosen);
   std::vector<std::size_t> needed;
   for (std::size_t i = 0; i < members.size(); ++i)
     if (gains[i] >= rules.alarm_gain) needed.push_back(members[i]);
   return needed;
+}
+
+/// What each name would gain beside the chosen ones where small physics stands beside them all, as it does where a name
+/// is asked whether it is needed.
+std::vector<Screened> screened_beside(const Rig& rig, FittedRows& rows, const Search& search, const Decision& decision,
+                                      const DecisionRules& rules) {
+  if (!rig.is_pneumatic() || search.grants_small_physics()) return search.first_screening();
+  const Explanation& chosen = *decision.chosen;
+  Search beside(rows, rig, search.candidates(), beside_small_physics(rig, rows.model(), search, chosen.members), rules,
+                {});
+  return beside.screened_at(chosen);
 }
 
 /// Whether a decision leaves about as little as another, fitted and held-out rows together.
@@ -364,7 +377,7 @@ Decision decided_twice(const Rig& rig, FittedRows& rows, Search& search, const D
   Decision granted = with_small_physics(rig, rows, search.candidates(), search, options, beside, out);
   const bool is_shape_needed = decision.is_described && granted.verdict == Verdict::unknown;
   if (left_everywhere || (!is_shape_needed && fits_as_well(granted, decision, options.rules))) return granted;
-  if (!is_each_needed) {
+  if (!is_each_needed && decision.chosen->members.size() > 1) {
     const std::vector<const Explanation*> fewer = search.ranking(needed.size());
     const auto same =
         std::find_if(fewer.begin(), fewer.end(), [&](const Explanation* e) { return e->members == needed; });
@@ -419,7 +432,8 @@ void add_stated(const ResidualModel& model, const Decision& decision, const Deci
 
 /// Everything that a decision and its search say.
 void tell(const Rig& rig, ResidualModel& model, const Decision& decision, const LatentJudgement& judgement,
-          const Search& search, const DiagnoseOptions& options, Diagnosis& out) {
+          const Search& search, const std::vector<Screened>& screening, const DiagnoseOptions& options,
+          Diagnosis& out) {
   out.verdict = decision.verdict;
   if (search.grants_small_physics() && out.verdict == Verdict::consistent) add_small_physics(rig, decision, out);
   add_candidates(decision, search, out);
@@ -437,7 +451,7 @@ void tell(const Rig& rig, ResidualModel& model, const Decision& decision, const 
     out.answers.front().note =
         fmt::format("takes {:.0f} % of the squared mismatch; the remainder: {}", 100 * out.explained_share,
                     decision.reason.empty() ? "nothing above the floors" : decision.reason);
-  add_detectable(search, decision, options.rules, out);
+  add_detectable(search, screening, decision, options.rules, out);
   add_moved(rig, decision, out);
   add_times(model, out);
   add_next_experiment(rig, model, decision, search, options, out);
@@ -520,16 +534,17 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
     Decision decision = decided_twice(rig, rows, search, options, beside, out);
     const Search& used = beside ? *beside : search;
     LatentJudgement judgement;
+    std::vector<Screened> screening = screened_beside(rig, rows, used, decision, options.rules);
     if (options.with_free_functions) judgement = judge_by_latents(rows, decision, used);
     take_refuted_names(judgement, used, decision);
-    tell(rig, model, decision, judgement, used, options, out);
+    tell(rig, model, decision, judgement, used, screening, options, out);
   } catch (const DiagnosisStopped&) {
     if (search.owner().fit.z.size() == 0) throw;
     KnownRows known(model);
     out = empty_diagnosis(rig);
     out.stopped = true;
     out.warnings.emplace_back("stopped early: names not yet tried are missing, and no fit need be at its end");
-    tell(rig, known, decided(rig, known, search, options.rules), {}, search, options, out);
+    tell(rig, known, decided(rig, known, search, options.rules), {}, search, search.first_screening(), options, out);
   }
   out.hypotheses_tried = rows.hypotheses_tried();
   return out;

@@ -170,8 +170,8 @@ TEST_CASE("background: a name is withheld where the owner's model fits nearly as
   rules.refuted_level = std::sqrt(named.owner_level * ratio);  // between the owner's mean square and the ratio
   CHECK(judging.judged(rules).verdict == Verdict::missing_physics);
   rules.refuted_level = 1.01 * ratio;
-  CHECK(judging.judged(rules).verdict == Verdict::missing_physics);  // it takes nearly all that is above the floors
-  rules.nearly_all_share = 1.01;
+  CHECK(judging.judged(rules).verdict == Verdict::missing_physics);  // it brings what stands above 3 floors below them
+  rules.nearly_all_remainder = 0.1;
   CHECK(judging.judged(rules).verdict == Verdict::unknown);
 }
 

@@ -348,6 +348,8 @@ bool is_granted(const Candidate& candidate) {
 
 bool stands_for(const FreeParameter& granted, const Candidate& candidate) {
   const std::string_view path = granted.path, head = "effects.";
+  const std::vector<FreeParameter>& own = candidate.parameters;
+  if (std::any_of(own.begin(), own.end(), [&](const FreeParameter& p) { return p.path == path; })) return true;
   if (!path.starts_with(head)) return false;
   const EffectEntry* entry = find_effect(path.substr(head.size(), path.rfind('.') - head.size()));
   return entry != nullptr &&

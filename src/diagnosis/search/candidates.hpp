@@ -54,7 +54,8 @@ std::vector<FreeParameter> small_physics(const Rig& rig, const std::vector<Resid
 /// Whether small physics stands for the candidate: it grants another effect of its family, or all numbers of a
 /// description.
 bool is_granted(const Candidate& candidate);
-/// Whether a number of small physics is the candidate's in other words: what is named is not granted as well.
+/// Whether a number of small physics is one of the candidate's, or the same in other words: what is named is not
+/// granted as well.
 bool stands_for(const FreeParameter& granted, const Candidate& candidate);
 
 /// Element at which a config path sits: slider.mass_kg is at motion.

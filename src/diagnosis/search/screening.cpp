@@ -53,13 +53,13 @@ Eigen::MatrixXd without_held_columns(const Fit& fit) {
 }  // namespace
 
 Screening::Screening(FittedRows& rows, const Fit& base, const std::vector<Candidate>& candidates,
-                     const std::vector<std::size_t>& chosen)
+                     const std::vector<std::size_t>& chosen, AtBound at_bound)
     : rows_(rows), base_(base), candidates_(candidates) {
   const Hypothesis here = base.hypothesis();
   std::vector<Hypothesis> hypotheses;
   for (const std::size_t index : chosen) collect(here, candidates[index], index, hypotheses);
   fill_columns(rows(hypotheses));
-  free_jacobian_ = without_held_columns(base);
+  free_jacobian_ = at_bound == AtBound::held ? without_held_columns(base) : base.jacobian;
   Eigen::MatrixXd g = free_jacobian_.transpose() * free_jacobian_;
   g.diagonal().array() += 1;
   const Eigen::MatrixXd cross = product(free_jacobian_, columns_);
@@ -177,10 +177,8 @@ Screened Screening::single(const Trial& trial) const {
   double freed = 0;
   for (std::size_t i = 0; i < base_.parameters.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(i);
-    const std::vector<FreeParameter>& own = candidates_[trial.candidate].parameters;
-    const bool replaced = std::any_of(own.begin(), own.end(), [&](const FreeParameter& p) {
-      return base_.parameters[i].start_factor < 0 && p.path == base_.parameters[i].path;
-    });
+    const FreeParameter& nuisance = base_.parameters[i];
+    const bool replaced = nuisance.start_factor < 0 && stands_for(nuisance, candidates_[trial.candidate]);
     if (replaced) freed += base_.z(at) * base_.z(at);
     else kept.push_back(at);
   }

@@ -25,13 +25,19 @@ struct ScreenedPair {
   double gain = 0;
 };
 
+/// Parameters of a screening's base that stand at a bound and push against it.
+enum class AtBound {
+  held,    ///< they stay there: what the rows say now
+  follows  ///< they follow a candidate as all others do: what rows with that candidate in them may say
+};
+
 /// All candidates at one linearised fit: a batch of hypotheses once, then closed forms. What is fitted anyway follows
-/// each candidate, but for parameters that stand at a bound and push against it.
+/// each candidate.
 class Screening {
  public:
   /// `rows`, `base` and `candidates` must outlive this. Throws DiagnosisStopped, as do singles and best_pairs.
   Screening(FittedRows& rows, const Fit& base, const std::vector<Candidate>& candidates,
-            const std::vector<std::size_t>& chosen);
+            const std::vector<std::size_t>& chosen, AtBound at_bound = AtBound::held);
 
   /// Every chosen candidate alone, in their order.
   std::vector<Screened> singles() const;

@@ -310,14 +310,18 @@ std::vector<double> Search::gains_of_names(const Explanation& other) {
     std::erase(held, leaving);
     fitted.push_back({held, continued_fit(other.fit, held, {})});
   }
-  for (Explanation& explanation : fitted)
-    for (const auto& [i, k] : shared_parameters(explanation.fit, other.fit)) explanation.fit.z(i) = other.fit.z(k);
   std::vector<Explanation*> moving;
   for (Explanation& explanation : fitted) moving.push_back(&explanation);
   polish(moving, 6, true);
   std::vector<double> gains;
   for (std::size_t i = 1; i < fitted.size(); ++i) gains.push_back(fitted.front().log_evidence - fitted[i].log_evidence);
   return gains;
+}
+
+std::vector<Screened> Search::screened_at(const Explanation& other) {
+  Fit here = continued_fit(other.fit, other.members, {});
+  linearise(rows_, {&here});
+  return Screening(rows_, here, candidates_, others(other.members), AtBound::follows).singles();
 }
 
 void Search::run() {

@@ -72,6 +72,9 @@ class Search {
   /// What each name of another search's explanation brings in log evidence beside this search's nuisances. May throw
   /// DiagnosisStopped.
   std::vector<double> gains_of_names(const Explanation& other);
+  /// What each other candidate would gain beside another search's explanation and this search's nuisances, by
+  /// derivatives where that one stands, with its size's standard error. May throw DiagnosisStopped.
+  std::vector<Screened> screened_at(const Explanation& other);
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
   bool grants_small_physics() const { return settings_.grow_floor; }

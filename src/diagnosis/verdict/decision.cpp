@@ -229,11 +229,10 @@ bool is_owner_refuted(const Search& search, const Decision& decision, const Deci
   return search.owner().fit.chi2() >= rules.refuted_level * std::min(chosen, rows);
 }
 
-/// Whether names bring what stands clearly above the floors down to them: a constant error fades in a slow one, and the
-/// mean squares beside that hardly tell it.
-bool take_nearly_all(const Decision& decision, const ModelLevels& before, double share, const DecisionRules& rules) {
-  return share >= rules.nearly_all_share && before.highest() >= rules.nearly_all_remainder &&
-         decision.levels.highest() < rules.nearly_all_remainder;
+/// Whether names bring what stands clearly above the floors down to a remainder that they could stay beside elsewhere: a
+/// constant error fades in a slow one, and the mean squares beside that hardly tell it.
+bool bring_down(const Decision& decision, const ModelLevels& before, const DecisionRules& rules) {
+  return before.highest() >= rules.nearly_all_remainder && decision.levels.highest() < rules.nearly_all_remainder;
 }
 
 /// What a description that explains the recordings tells: where, by which shape, how much.
@@ -328,8 +327,8 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
                                    static_cast<double>(search.owner().fit.residual.size()));
   const bool is_named =
       !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
-      (is_owner_refuted(search, decision, rules) || take_nearly_all(decision, before, share, rules)) &&
-      share >= rules.named_share && decision.levels.highest() <= rules.largest_remainder &&
+      (is_owner_refuted(search, decision, rules) || bring_down(decision, before, rules)) &&
+      share >= rules.taken_share && decision.levels.highest() <= rules.largest_remainder &&
       !has_absurd_parameter(*decision.chosen, search, rules);
   const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;
   if (find_supply_swing(model, search, rules, taken, decision)) return decision;
@@ -535,7 +534,7 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
   decision.reason = fmt::format("{}; {:.2g} % of the squared mismatch{}", what_is_left(decision, model, rules),
                                 100 * left / std::max(all, 1e-300), periodic_part(decision, model));
   const bool at_floor = decision.levels.highest() <= rules.floor_level && !decision.levels.line;
-  if (decision.chosen->members.empty() ? !at_floor : all - left < rules.named_share * all)
+  if (decision.chosen->members.empty() ? !at_floor : all - left < rules.taken_share * all)
     decision.verdict = Verdict::unknown;
   else say_described(search, decision);
   return decision;

@@ -60,7 +60,7 @@ void judge_what_is_left(ResidualModel& model, const Search& search, const Decisi
 Decision decide_beside_remainder(ResidualModel& model, const Search& search, const DecisionRules& rules);
 /// The same for a rig that is compared in one quantity and leaves something there: floors grow to what the richest
 /// explanation leaves, and a name stays while it takes enough of what the names before it leave. Unknown where the
-/// names together take less than half.
+/// names together take less than `taken_share`.
 Decision decide_in_one_quantity(ResidualModel& model, const Search& search, const DecisionRules& rules);
 /// Of all explanations that say the same as this member of the chosen one, less what small unmodelled physics may gain.
 double probability_of_member(const Decision& decision, const Search& search, std::size_t member,

@@ -19,7 +19,7 @@ struct DecisionRules {
   double line_amplitude = 0.4;  ///< of a sample's noise and floor: smaller lines are of no account
   double line_level = 0.3;  ///< channels below it have no lines
   double held_out_excess = 1.4;  ///< chi2 a row on held-out stretches over that on fitted ones
-  double taken_share = 0.6;  ///< of the squared mismatch: names that take it stay beside a remainder
+  double taken_share = 0.6;  ///< of the squared mismatch above the floors: what names beside a remainder take at least
   double small_remainder = 1.6;  ///< that leaves no channel above this many sigma
   double nearly_all_share = 0.97;  ///< names that take it stay beside a larger remainder,
   double nearly_all_remainder = 3;  ///< up to this many sigma
@@ -42,7 +42,6 @@ struct DecisionRules {
   double swing_share = 0.5;  ///< of the squared mismatch: the least that a supply which swings takes
   double swing_left = 0.6;  ///< of what the best sine of another frequency leaves: the most that its own leaves
   double largest_remainder = 40;  ///< in sigma: more beside a name is no small physics
-  double named_share = 0.5;  ///< of the squared mismatch above the floors: what a name must take
   double farthest_parameter = 3;  ///< a parameter off by more than this factor has the pattern of something else
   double most_sure_beside = 0.85;  ///< of a name beside such a remainder
   // An axis or a part of one that is compared in one quantity.

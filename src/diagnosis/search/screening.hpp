@@ -27,7 +27,7 @@ struct ScreenedPair {
 
 /// Parameters of a screening's base that stand at a bound and push against it.
 enum class AtBound {
-  held,    ///< they stay there: what the rows say now
+  held,  ///< they stay there: what the rows say now
   follows  ///< they follow a candidate as all others do: what rows with that candidate in them may say
 };
 

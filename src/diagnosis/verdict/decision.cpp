@@ -229,8 +229,8 @@ bool is_owner_refuted(const Search& search, const Decision& decision, const Deci
   return search.owner().fit.chi2() >= rules.refuted_level * std::min(chosen, rows);
 }
 
-/// Whether names bring what stands clearly above the floors down to a remainder that they could stay beside elsewhere: a
-/// constant error fades in a slow one, and the mean squares beside that hardly tell it.
+/// Whether names bring what stands clearly above the floors down to a remainder that they could stay beside elsewhere:
+/// a constant error fades in a slow one, and the mean squares beside that hardly tell it.
 bool bring_down(const Decision& decision, const ModelLevels& before, const DecisionRules& rules) {
   return before.highest() >= rules.nearly_all_remainder && decision.levels.highest() < rules.nearly_all_remainder;
 }
@@ -325,11 +325,10 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
   decision.reason = what_is_left(decision, model, rules);
   const double share = share_taken(before.chi2(false), decision.levels.chi2(false),
                                    static_cast<double>(search.owner().fit.residual.size()));
-  const bool is_named =
-      !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
-      (is_owner_refuted(search, decision, rules) || bring_down(decision, before, rules)) &&
-      share >= rules.taken_share && decision.levels.highest() <= rules.largest_remainder &&
-      !has_absurd_parameter(*decision.chosen, search, rules);
+  const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
+                        (is_owner_refuted(search, decision, rules) || bring_down(decision, before, rules)) &&
+                        share >= rules.taken_share && decision.levels.highest() <= rules.largest_remainder &&
+                        !has_absurd_parameter(*decision.chosen, search, rules);
   const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;
   if (find_supply_swing(model, search, rules, taken, decision)) return decision;
   if (!is_named && find_shaking(model, search, rules, decision)) return decision;

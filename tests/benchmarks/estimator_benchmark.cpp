@@ -1,4 +1,5 @@
 // Estimator: cost of a tick (both lines, both chambers, shadow pair), its tail over a million ticks, its allocations.
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <vector>
@@ -6,8 +7,10 @@
 #include <x86intrin.h>
 
 #include <pneuservo/estimator/pipeline_estimator.hpp>
+#include <pneuservo/loop/axis_loop.hpp>
 
 #include "bench_tools.hpp"
+#include "config/read_rig.hpp"
 
 namespace pneuservo::bench {
 namespace {
@@ -47,6 +50,38 @@ void estimator_tick(benchmark::State& state) {
   report(state, ns);
 }
 BENCHMARK(estimator_tick)->Iterations(1)->UseManualTime()->Unit(benchmark::kNanosecond);
+
+/// A row of a million of swung_inputs as columns, with the config that tools/python-figures takes, the results as
+/// columns.
+void estimator_rows(benchmark::State& state) {
+  constexpr std::size_t rows = 1'000'000, results = 7;
+  PipelineEstimator estimator;
+  estimator.configure(estimator_parameters(read_rig(PNEUSERVO_SOURCE_DIR "/config/cylinder-10m-7.65mm.yaml")));
+  const auto inputs = swung_inputs();
+  std::array<std::vector<double>, 4> columns;
+  for (std::size_t i = 0; i < rows; ++i) {
+    const EstimatorInput& in = inputs[i % inputs.size()];
+    const std::array values{in.p1_port_Pa, in.p2_port_Pa, in.x_m, in.v_mps};
+    for (std::size_t c = 0; c < columns.size(); ++c) columns[c].push_back(values[c]);
+  }
+  const auto [ns] = least_ns(1, 5, [&](int) {
+    std::array<std::vector<double>, results> out;
+    for (auto& column : out) column.resize(rows);
+    for (std::size_t i = 0; i < rows; ++i) {
+      const EstimatorOutput e = estimator.step({columns[0][i], columns[1][i], columns[2][i], columns[3][i], 0.0, 0.0});
+      for (std::size_t side = 0; side < 2; ++side) {
+        const auto at = static_cast<Eigen::Index>(side);
+        out[side][i] = e.chamber_pressure_Pa[at];
+        out[2 + side][i] = e.error_bound_Pa[at];
+        out[4 + side][i] = e.mass_flow_kgps[at];
+      }
+      out[6][i] = e.health;
+    }
+    benchmark::DoNotOptimize(out);
+  });
+  report(state, ns / rows);
+}
+BENCHMARK(estimator_rows)->Iterations(1)->UseManualTime()->Unit(benchmark::kNanosecond);
 
 /// Lines and chambers of the estimator alone, in four lanes.
 void estimator_model(benchmark::State& state) {

@@ -377,6 +377,7 @@ Decision decided_twice(const Rig& rig, FittedRows& rows, Search& search, const D
   Decision granted = with_small_physics(rig, rows, search.candidates(), search, options, beside, out);
   const bool is_shape_needed = decision.is_described && granted.verdict == Verdict::unknown;
   if (left_everywhere || (!is_shape_needed && fits_as_well(granted, decision, options.rules))) return granted;
+  // A single name has no fewer behind it: it stays where small physics does not fit as well.
   if (!is_each_needed && decision.chosen->members.size() > 1) {
     const std::vector<const Explanation*> fewer = search.ranking(needed.size());
     const auto same =

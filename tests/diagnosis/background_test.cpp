@@ -171,7 +171,7 @@ TEST_CASE("background: a name is withheld where the owner's model fits nearly as
   CHECK(judging.judged(rules).verdict == Verdict::missing_physics);
   rules.refuted_level = 1.01 * ratio;
   CHECK(judging.judged(rules).verdict == Verdict::missing_physics);  // it brings what stands above 3 floors below them
-  rules.nearly_all_remainder = 0.1;
+  rules.larger_remainder = 0.1;
   CHECK(judging.judged(rules).verdict == Verdict::unknown);
 }
 

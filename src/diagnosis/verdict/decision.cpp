@@ -217,7 +217,7 @@ bool is_small_remainder(const Decision& decision, const Search& search, const De
   if (decision.reason.empty() || decision.chosen->members.empty() || decision.levels.line) return false;
   const Fit& fit = decision.chosen->fit;
   const double taken = share_taken(search.owner().fit.chi2(), fit.chi2(), static_cast<double>(fit.residual.size()));
-  const double largest = taken >= rules.nearly_all_share ? rules.nearly_all_remainder : rules.small_remainder;
+  const double largest = taken >= rules.nearly_all_share ? rules.larger_remainder : rules.small_remainder;
   return taken >= rules.taken_share && decision.levels.highest() < largest &&
          decision.levels.held_out_excess() < rules.small_held_out_excess;
 }
@@ -232,7 +232,7 @@ bool is_owner_refuted(const Search& search, const Decision& decision, const Deci
 /// Whether names bring what stands clearly above the floors down to a remainder that they could stay beside elsewhere:
 /// a constant error fades in a slow one, and the mean squares beside that hardly tell it.
 bool bring_down(const Decision& decision, const ModelLevels& before, const DecisionRules& rules) {
-  return before.highest() >= rules.nearly_all_remainder && decision.levels.highest() < rules.nearly_all_remainder;
+  return before.highest() >= rules.larger_remainder && decision.levels.highest() < rules.larger_remainder;
 }
 
 /// What a description that explains the recordings tells: where, by which shape, how much.

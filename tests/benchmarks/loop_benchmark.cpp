@@ -58,6 +58,9 @@ void loop_tick(benchmark::State& state, const char* config) {
   state.counters["model_p99.9_us"] = model->percentile_us(0.999);
 }
 BENCHMARK_CAPTURE(loop_tick, cylinder, "cylinder-10m-7.65mm")->Name("loop/tick with recording")->Iterations(500'000);
+BENCHMARK_CAPTURE(loop_tick, modal_filter, "cylinder-5m-4.15mm")
+    ->Name("loop/tick with recording, modal filter")
+    ->Iterations(500'000);
 BENCHMARK_CAPTURE(loop_tick, table, "servo-table-0.5m-4mm")
     ->Name("loop/tick with recording, servo table")
     ->Iterations(50'000);

@@ -41,7 +41,9 @@ void require_writable(const std::string& option, const std::string& path) {
   const bool was_there = stat(path.c_str(), &found) == 0;
   // Opening and closing a pipe would end it for its reader.
   const bool only_look = was_there && !S_ISREG(found.st_mode) && !S_ISDIR(found.st_mode);
-  const int file = only_look ? access(path.c_str(), W_OK) : open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  // O_EXCL: what another program creates in between is not ours to take away again.
+  const int create = was_there ? 0 : O_CREAT | O_EXCL;
+  const int file = only_look ? access(path.c_str(), W_OK) : open(path.c_str(), O_WRONLY | O_CLOEXEC | create, 0666);
   if (file < 0)
     throw InputError(fmt::format("{}: {} cannot be written: {}; expected a file in a folder that is there", option,
                                  path, std::strerror(errno)));

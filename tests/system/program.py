@@ -37,12 +37,21 @@ def catches(process, number):
         return int(re.search(r"SigCgt:\s+(\w+)", file.read()).group(1), 16) >> (number - 1) & 1 == 1
 
 
+def size_so_far(path):
+    """Bytes of a file, 0 while there is none; the program tries whether it can create one and takes it away again."""
+    try:
+        return os.path.getsize(path)
+    except FileNotFoundError:
+        return 0
+
+
 def rows_so_far(record):
     """Rows of a recording as far as it is on the disk, the first with the names of the columns."""
-    if not os.path.exists(record):
+    try:
+        with open(record, "rb") as file:
+            lines = zlib.decompressobj(31).decompress(file.read()).decode().splitlines()[:-1]
+    except FileNotFoundError:
         return []
-    with open(record, "rb") as file:
-        lines = zlib.decompressobj(31).decompress(file.read()).decode().splitlines()[:-1]
     return [line.split(",") for line in lines if not line.startswith("#")]
 
 

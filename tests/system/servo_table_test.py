@@ -2,7 +2,7 @@
 # The servo table from the command line: figures, recording and replay, a plant that differs, gains of a running loop.
 import json, os, subprocess, sys, tempfile, time
 
-from program import expect, expect_refusal, program, run
+from program import expect, expect_refusal, program, run, size_so_far, wait_until
 
 TABLE = "config/servo-table-0.5m-4mm.yaml"
 folder = tempfile.mkdtemp()
@@ -47,9 +47,7 @@ long = ["--set", "controller.feedforward=5", "--set", "simulation.cells_per_m=16
 heard = os.path.join(folder, "stderr.txt")
 process = subprocess.Popen([program, "run", TABLE, *long, "--gains", gains, "--record", recording], stdout=subprocess.PIPE, stderr=open(heard, "w"), text=True)
 said = ""
-deadline = time.monotonic() + 60
-while not (os.path.exists(recording) and os.path.getsize(recording) > 60_000) and time.monotonic() < deadline:
-    time.sleep(0.05)
+wait_until(lambda: size_so_far(recording) > 60_000, "the recording")
 
 
 def write_gains(text, answer):

@@ -3,7 +3,7 @@
 # a reader that goes away, a disk that hangs.
 import json, os, signal, subprocess, sys, tempfile, time
 
-from program import CONFIG, catches, expect, program, rows_so_far, run, wait_until
+from program import CONFIG, catches, expect, program, rows_so_far, run, size_so_far, wait_until
 
 folder = tempfile.mkdtemp()
 signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup it would stay ignored, on purpose
@@ -12,9 +12,7 @@ signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup it would stay ignore
 def start(name, *arguments):
     path = os.path.join(folder, name + ".csv.gz")
     process = subprocess.Popen([program, "run", CONFIG, "--record", path, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    deadline = time.monotonic() + 60
-    while not (os.path.exists(path) and os.path.getsize(path) > 60_000) and time.monotonic() < deadline:
-        time.sleep(0.02)
+    wait_until(lambda: size_so_far(path) > 60_000, f"{name}: the recording")
     return process, path
 
 

@@ -203,6 +203,34 @@ TEST_CASE("a slider that is held never reads as missing friction, whatever the f
   CHECK(rms_residual(balance, record, rig) > 1.5);
 }
 
+TEST_CASE("a turn in which friction holds for some milliseconds is balanced by the slider that made it") {
+  // The force rises slowly through breakaway: the slider stands for 1 to 20 ms, and then creeps off.
+  Rig rig = slider_rig();
+  rig.axis.effects.motion.coulomb_friction.force_N = 4;
+  const double amplitude_N = GENERATE(8.0, 12.0, 20.0), noise_m = GENERATE(0.0, 5e-6);
+  CAPTURE(amplitude_N, noise_m);
+  Slider<double> slider;
+  slider.configure(rig.axis.slider, rig.axis.effects.motion, 1.0, 0.0);
+  Record record;
+  constexpr int substeps = 50;
+  for (int row = 0; row < 6000; ++row) {
+    const double step_m = noise_m * std::sqrt(12.0);
+    record.position_m.push_back(step_m > 0 ? step_m * std::round(slider.position() / step_m) : slider.position());
+    const auto force_at = [&](double t_s) { return amplitude_N * std::sin(2 * M_PI * t_s); };
+    record.force_N.push_back(force_at(row * period_s));
+    record.gauge_Pa.push_back(0);
+    for (int sub = 0; sub < substeps; ++sub)
+      slider.step(period_s / substeps, force_at((row + (sub + 0.5) / substeps) * period_s), {});
+  }
+  const ForceBalance balance(record.position_m, period_s, noise_m);
+  const double noise_N = balance.force_noise(rig, 1), own = rms_residual(balance, record, rig);
+  CHECK(own < 0.03 + 1.1 * noise_N);  // put at the turn of the smoothed speed instead, friction misses 0.2 N
+  for (const double other_N : {3.6, 4.4}) {
+    rig.axis.effects.motion.coulomb_friction.force_N = other_N;
+    CHECK(rms_residual(balance, record, rig) > own + 0.05);
+  }
+}
+
 TEST_CASE("the position sensor's gain and lag are undone before the balance") {
   const Rig truth = slider_rig();
   Record record = recorded(truth);

@@ -47,37 +47,27 @@ std::vector<char> widened(const std::vector<char>& marks, std::size_t reach) {
   return out;
 }
 
-/// A reversal takes so many times what its acceleration on both sides asks, or the slider rests in it.
-constexpr double longest_pass = 1.5;
+/// Largest absolute value within `reach` samples of each one.
+std::vector<double> largest_around(const std::vector<double>& values, std::size_t reach) {
+  std::vector<double> out(values.size(), 0.0);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    for (std::size_t k = i - std::min(i, reach); k < std::min(values.size(), i + reach + 1); ++k)
+      out[i] = std::max(out[i], std::abs(values[k]));
+  return out;
+}
 
-/// Of the cell of one period around each sample: the share in which the slider goes forward; NaN where it rests.
-/// Between samples of opposite speed the motion turns where the line through both is zero: a jump of friction put at a
-/// sample instead would be half a period off, which counts 2 F times that in the smoothed balance.
-std::vector<double> forward_shares(const std::vector<double>& v, const std::vector<double>& a, double rest_mps,
-                                   double period_s) {
-  std::vector<double> share(v.size(), std::nan(""));
+/// Direction of the motion at each sample, 1 or -1; 0 where friction may hold or turn. A jump of the acceleration
+/// shifts the smoothed speed by up to 0.4 sigma times the jump: slower samples may stand still or move the other way.
+std::vector<double> directions(const std::vector<double>& v, const std::vector<double>& a, double rest_mps,
+                               double sigma_s, double period_s) {
+  const std::vector<double> largest_mps2 =
+      largest_around(a, static_cast<std::size_t>(std::ceil(2 * sigma_s / period_s)));
+  std::vector<double> out(v.size());
   for (std::size_t i = 0; i < v.size(); ++i)
-    if (std::abs(v[i]) >= rest_mps) share[i] = v[i] > 0 ? 1.0 : 0.0;
-  for (std::size_t first = 1, end = 0; first < v.size(); first = std::max(end, first) + 1) {
-    end = first;
-    while (end < v.size() && std::abs(v[end]) < rest_mps) ++end;
-    if (end == v.size() || v[first - 1] * v[end] > 0 || std::abs(v[first - 1]) < rest_mps) continue;
-    // From one side of rest to the other.
-    const double way_mps = std::abs(v[end] - v[first - 1]), steps = static_cast<double>(end - first + 1);
-    const double usual_mps2 = 0.5 * (std::abs(a[first - 1]) + std::abs(a[end]));
-    if (steps * period_s * usual_mps2 > longest_pass * way_mps) continue;
-    for (std::size_t i = first - 1; i < end; ++i) {
-      if (v[i] * v[i + 1] > 0) {
-        share[i + 1] = v[i + 1] > 0 ? 1.0 : 0.0;
-        continue;
-      }
-      const double turn = v[i] == v[i + 1] ? 0.5 : v[i] / (v[i] - v[i + 1]);  // of the way from i to i + 1
-      const double after = v[end] > 0 ? 1.0 : 0.0, before = 1.0 - after;
-      share[i] = turn < 0.5 ? (0.5 + turn) * before + (0.5 - turn) * after : before;
-      share[i + 1] = turn < 0.5 ? after : (turn - 0.5) * before + (1.5 - turn) * after;
-    }
-  }
-  return share;
+    out[i] = std::abs(v[i]) < std::max(rest_mps, sigma_s * largest_mps2[i]) ? 0.0 : v[i] > 0 ? 1.0 : -1.0;
+  for (std::size_t i = 1; i < v.size(); ++i)
+    if (v[i - 1] * v[i] <= 0) out[i - 1] = out[i] = 0.0;
+  return out;
 }
 
 /// A load on a coupling, carried along a sampled motion.
@@ -179,22 +169,25 @@ void add_free_swing(const ElasticLoad<double>& load, double period_s, std::span<
 /// Dry friction along a sampled motion: the share of it that has built up where it is sheared before it slides.
 class BuiltUpFriction {
  public:
+  struct Limits {
+    double least_N, most_N;
+  };
   BuiltUpFriction(const Slider<double>& slider, double way_m) : slider_(slider), way_m_(way_m) {}
   /// The way from the sample before; where the motion is astray, and without presliding, nothing is kept of before.
   void go(double dx_m, bool is_astray) { kept_ = is_astray || way_m_ == 0 ? 0.0 : std::exp(-std::abs(dx_m) / way_m_); }
-  /// Around a sample of which the share `forward` goes forward [N].
-  double sliding_N(double forward, double speed, double x, const SliderSurroundings<double>& around) {
-    share_ = 2.0 * forward - 1.0 + kept_ * (share_ - 2.0 * forward + 1.0);
+  /// In motion in a direction, 1 or -1 [N].
+  double sliding_N(double direction, double speed, double x, const SliderSurroundings<double>& around) {
+    share_ = direction + kept_ * (share_ - direction);
     return 0.5 * (1.0 + share_) * slider_.dry_friction(speed, 1.0, x, around) -
            0.5 * (1.0 - share_) * slider_.dry_friction(speed, -1.0, x, around);
   }
-  /// At rest it balances what is left, up to its values at v = 0 and held_N beside them; the motion goes on from there.
-  double resting_N(double left_N, double held_N, double x, const SliderSurroundings<double>& around) {
+  /// What it can be where the slider may stand or turn; the motion goes on from where it balances what is left.
+  Limits resting_N(double left_N, double x, const SliderSurroundings<double>& around) {
     const double least_N = -std::abs(slider_.dry_friction(0.0, -1.0, x, around)),
                  most_N = std::abs(slider_.dry_friction(0.0, 1.0, x, around));
-    const double balance_N = std::clamp(left_N, least_N - held_N, most_N + held_N);
-    if (most_N > least_N) share_ = std::clamp((2.0 * balance_N - least_N - most_N) / (most_N - least_N), -1.0, 1.0);
-    return balance_N;
+    const double balance_N = std::clamp(left_N, least_N, most_N);
+    if (most_N > least_N) share_ = (2.0 * balance_N - least_N - most_N) / (most_N - least_N);
+    return {least_N, most_N};
   }
 
  private:
@@ -233,7 +226,7 @@ ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, 
   const double noise_speed =
       noise_m * std::max(4 * fast_kernel_.noise_gain(1, 1), std::sqrt(12.0) * fast_kernel_.largest_weight() / period_s);
   const double rest_mps = std::max({0.005 * top, noise_speed, rounding_mps});
-  forward_share_ = forward_shares(fast_[1], fast_[2], rest_mps, period_s);
+  direction_ = directions(fast_[1], fast_[2], rest_mps, fast_kernel_.sigma_s(), period_s);
   hold_out([](std::size_t) { return false; });
 }
 
@@ -290,8 +283,7 @@ std::vector<char> ForceBalance::near_end_stop(double stroke_m) const {
 
 void ForceBalance::hold_out(const std::function<bool(std::size_t)>& is_held_out) {
   is_judged_.resize(samples());
-  for (std::size_t i = 0; i < samples(); ++i)
-    is_judged_[i] = usable_[i] && std::isfinite(forward_share_[i]) && !is_held_out(i);
+  for (std::size_t i = 0; i < samples(); ++i) is_judged_[i] = usable_[i] && direction_[i] != 0 && !is_held_out(i);
 }
 
 std::vector<double> ForceBalance::required_force(const Rig& rig, std::span<const double> drive_N,
@@ -343,7 +335,7 @@ std::vector<double> ForceBalance::required_beside(const Rig& rig, std::span<cons
   const ElasticFriction<double>& bristles = effects.elastic_friction;
   BuiltUpFriction dry(slider, effects.presliding.way_m);
   double bristle_N = 0, last_x = 0;
-  std::vector<double> smooth_part(samples()), abrupt_part(samples());
+  std::vector<double> smooth_part(samples()), least_abrupt(samples()), slack(samples(), 0.0);
   for (std::size_t i = 0; i < samples(); ++i) {
     slider.set_time(static_cast<double>(i) * period_s_);
     const double x = undo(sensor, derivative_[0][i], derivative_[1][i], true);
@@ -358,17 +350,24 @@ std::vector<double> ForceBalance::required_beside(const Rig& rig, std::span<cons
     last_x = x_fast;
     const double blow_N =
         loose_load.force_at(x_fast, v_fast, is_astray_[i]) - bristle_N;  // as short as friction's steps
-    if (const double forward = forward_share_[i]; std::isfinite(forward)) {
-      const double direction = v_fast > 0 ? 1.0 : -1.0, speed = std::abs(v_fast);
-      abrupt_part[i] = -blow_N + dry.sliding_N(forward, speed, x_fast, around) +
-                       (slider.damping_coefficient(speed, direction) - slider.damping_coefficient(0.0, 0.0)) * v_fast;
+    if (const double direction = direction_[i]; direction != 0) {
+      const double speed = std::abs(v_fast);
+      least_abrupt[i] = -blow_N + dry.sliding_N(direction, speed, x_fast, around) +
+                        (slider.damping_coefficient(speed, direction) - slider.damping_coefficient(0.0, 0.0)) * v_fast;
     } else {
-      abrupt_part[i] = -blow_N + dry.resting_N(drive_N[i] - smooth_part[i] + blow_N, held_N, x_fast, around);
+      const auto [least_N, most_N] = dry.resting_N(drive_N[i] - smooth_part[i] + blow_N, x_fast, around);
+      least_abrupt[i] = -blow_N + least_N - held_N;
+      slack[i] = most_N - least_N + 2.0 * held_N;
     }
   }
-  const std::vector<double> friction = kernel_.apply(abrupt_part, 0);
-  for (std::size_t i = 0; i < samples(); ++i) smooth_part[i] += friction[i];
-  return smooth_part;
+  // Where friction is only known within limits, so is its smoothed course: what the drive asks within them, it is.
+  const std::vector<double> least = kernel_.apply(least_abrupt, 0), more = kernel_.apply(slack, 0);
+  std::vector<double>& needed = smooth_part;
+  for (std::size_t i = 0; i < samples(); ++i) {
+    needed[i] += least[i];
+    needed[i] = std::clamp(drive_N[i], needed[i], needed[i] + std::max(more[i], 0.0));
+  }
+  return needed;
 }
 
 }  // namespace pneuservo

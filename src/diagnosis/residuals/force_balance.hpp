@@ -38,9 +38,10 @@ class ForceBalance {
   /// Samples that no fit sees: the swing in which a load on a soft coupling begins a stretch is not found from them.
   void hold_out(const std::function<bool(std::size_t)>& is_held_out);
   /// Force [N] that the rig's slider with its motion effects needs at every sample, its position sensor's effects
-  /// undone first. drive_N: the smoothed drive force, which friction at rest balances within its limits.
+  /// undone first. drive_N: the smoothed drive force, which friction balances within its limits where the slider may
+  /// stand or turn.
   /// gauge_pressure_sum_Pa: max(p1 - p_atm, 0) + max(p2 - p_atm, 0) at every sample; empty without air.
-  /// held_N: force that rest balances beside friction, for what the drive force is not known to.
+  /// held_N: force that is balanced there beside friction, for what the drive force is not known to.
   /// How a load on a soft coupling swings where a stretch begins no recording tells: it is found with the force.
   std::vector<double> required_force(const Rig& rig, std::span<const double> drive_N,
                                      std::span<const double> gauge_pressure_sum_Pa, double held_N = 0.0) const;
@@ -66,9 +67,8 @@ class ForceBalance {
   /// the speed at an end would be a blow on a load that is carried from there.
   std::vector<char> is_astray_;
   std::vector<char> is_judged_;  ///< in motion, usable, seen by fits
-  /// Of a period around each sample, in which the motion goes forward; NaN at rest, which is what is slower than the
-  /// position's noise makes and than 0.5 % of the top speed, and does not just turn there.
-  std::vector<double> forward_share_;
+  /// Of the motion at each sample, 1 or -1; 0 where it may stand or turn.
+  std::vector<double> direction_;
 };
 
 }  // namespace pneuservo

@@ -8,7 +8,7 @@
 
 namespace pneuservo {
 
-GaussianKernel::GaussianKernel(double sigma_s, double period_s) {
+GaussianKernel::GaussianKernel(double sigma_s, double period_s) : sigma_s_(sigma_s) {
   const double sigma = sigma_s / period_s;
   const int reach = static_cast<int>(std::ceil(6 * sigma));
   const int count = 2 * reach + 1;

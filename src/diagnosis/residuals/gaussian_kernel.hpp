@@ -13,6 +13,7 @@ class GaussianKernel {
   /// sigma_s >= 0.5 period_s > 0.
   GaussianKernel(double sigma_s, double period_s);
 
+  double sigma_s() const { return sigma_s_; }
   /// Samples on each side that a result needs.
   std::size_t reach() const { return (taps_[0].size() - 1) / 2; }
   /// Derivative of the given order (0 to 3) of the smoothed signal at every sample [unit/s^order]. Closer than reach()
@@ -26,6 +27,7 @@ class GaussianKernel {
   double noise_gain(int order, std::size_t count) const;
 
  private:
+  double sigma_s_;
   std::vector<double> taps_[4];  ///< by order, from the oldest sample to the newest
 };
 

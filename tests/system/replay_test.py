@@ -18,9 +18,9 @@ with tempfile.TemporaryDirectory() as folder:
     expect(len(lines) == 1 and "recorded none, replayed " in lines[0] and "largest difference" not in lines[0], f"no names of faults: {done.stdout}")
     expect("none" not in lines[0].split("replayed")[1], f"no fault is named: {lines}")
 
-    # Recorded with a fault, replayed without it.
+    # Recorded with one fault, replayed with another.
     path = os.path.join(folder, "fault.csv.gz")
-    made = run("run", CONFIG, "--duration-s", "1", "--set", "limits.deviation_m=1e-4", "--record", path)
-    expect(made.returncode == 1 and "deviation" in made.stderr, f"run beyond its limit: {made.stdout}{made.stderr}")
-    done = run("replay", CONFIG, path)
-    expect("recorded deviation, replayed none" in done.stdout, f"the recorded fault is not named: {done.stdout}")
+    made = run("run", CONFIG, "--duration-s", "2", "--set", "concealed.constant_force.force_N=150", "--record", path)
+    expect(made.returncode == 1 and "start_motion" in made.stderr, f"run with an unknown load: {made.stdout}{made.stderr}")
+    done = run("replay", CONFIG, path, "--set", "limits.deviation_m=0", "--set", "limits.speed_deviation_mps=0")
+    expect("recorded start_motion, replayed speed" in done.stdout, f"the recorded fault is not named: {done.stdout}")

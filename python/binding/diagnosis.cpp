@@ -87,7 +87,9 @@ void bind_refit(nb::module_& m) {
           "covariance",
           [](const Refit& r) { return plain_array(r.covariance).attr("reshape")(r.values.size(), r.values.size()); },
           "Shape (sizes, sizes): what noise, tolerances and starts leave open.")
-      .def_ro("misfit", &Refit::misfit, "Squared, a row, in its floor: 1 where the model lacks nothing.")
+      .def_ro("misfit", &Refit::misfit,
+              "Squared mismatch a row in its floor: well below 1 where the model lacks nothing, since floors hold its "
+              "own error.")
       .def_ro("warnings", &Refit::warnings)
       .def_prop_ro(
           "refitted", [](const Refit& r) { return Config{r.refitted, improved_name(r.refitted.name)}; },

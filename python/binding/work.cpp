@@ -2,6 +2,7 @@
 #include "work.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
@@ -103,7 +104,9 @@ void stop_all_work() {
 bool goes_on(Work& work, const Watchers& by) {
   if (PyErr_CheckSignals() != 0) throw nb::python_error();
   const auto news = work.news();
-  if (news && !by.progress.is_none() && by.progress(news->first, news->second).is(Py_False)) return false;
+  // In thousandths: what a reader prints has no roundings of sums.
+  if (news && !by.progress.is_none() && by.progress(std::round(1e3 * news->first) / 1e3, news->second).is(Py_False))
+    return false;
   return by.cancel.is_none() || !nb::cast<bool>(by.cancel.attr("is_set")());
 }
 

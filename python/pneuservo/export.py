@@ -92,7 +92,7 @@ def write(recording: Recording, path: Path, replace: bool = False) -> None:
     """A recording as .parquet, .mat or .mcap, by the suffix."""
     to_file, _ = _format_of(path)
     if not replace and os.path.exists(path):
-        raise InputError(f"{path}: found a file there, expected none: give another name or replace it on purpose")
+        raise InputError(f"{path}: found a file there, expected none: give another name, or replace it by --force (write: replace=True)")
     to_file(recording, path)
 
 

@@ -13,10 +13,11 @@ from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Union
 
 import numpy
 
-from .change_points import Change, first_change, smallest_visible
+from .change_points import LEAST_AFTER, LEAST_BEFORE, Change, first_change, smallest_visible
 from .errors import InputError
 from .sizes import SIZES
 
+LEAST_WEEKS = LEAST_BEFORE + LEAST_AFTER
 FALSE_ALARM_RATE = 0.004  # of an axis, all its sizes together, over the whole series: one in 250
 
 
@@ -39,8 +40,20 @@ class AxisTrend(NamedTuple):
     failed: List[str]
 
     @property
+    def weeks(self) -> int:
+        """Of the longest series."""
+        return max((len(one.weeks) for one in self.series), default=0)
+
+    @property
+    def is_judged(self) -> bool:
+        """Whether there are weeks enough to tell a change."""
+        return self.weeks >= LEAST_WEEKS
+
+    @property
     def sentence(self) -> str:
-        """What changed, or that nothing did."""
+        """What changed, that nothing did, or that nobody can say yet."""
+        if not self.is_judged:
+            return f"too short: {self.weeks} of {LEAST_WEEKS} weeks"
         changed = [words_of(one) for one in self.series if one.change]
         return "; ".join(changed) if changed else "no change"
 

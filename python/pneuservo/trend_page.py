@@ -72,7 +72,8 @@ def _axis_page(trend: AxisTrend) -> str:
         body.append(f"<h2>{name_of(one.size)} [{SIZES[one.size]}]</h2>")
         if one.change:
             body.append(f'<p class="changed">{html.escape(words_of(one))}</p>')
-        body.append(f"<p>A step of {rounded(one.smallest_visible, 3)} {SIZES[one.size]} is told within four weeks, nine times in ten.</p>")
+        if trend.is_judged:
+            body.append(f"<p>A step of {rounded(one.smallest_visible, 3)} {SIZES[one.size]} is told within four weeks, nine times in ten.</p>")
         body.append(svg_of(one))
     if trend.failed:
         body.append("<h2>Recordings without an answer</h2><ul>" + "".join(f"<li>{html.escape(s)}</li>" for s in trend.failed) + "</ul>")
@@ -90,7 +91,9 @@ def _last(trend: AxisTrend, size: str) -> str:
 
 def _fleet_page(found: List[AxisTrend], files: List[str], rate: float) -> str:
     changed = sum(any(one.change for one in trend.series) for trend in found)
-    body = [f"<p>{changed} of {len(found)} axes changed. An axis that did not change is called changed with probability {rate:g} "
+    judged = sum(trend.is_judged for trend in found)
+    short = f" {len(found) - judged} more have too few weeks to tell." if judged < len(found) else ""
+    body = [f"<p>{changed} of {judged} axes changed.{short} An axis that did not change is called changed with probability {rate:g} "
             "over its whole series, all its sizes together.</p><table><tr><th>axis</th>"]
     body += [f"<th>{name_of(size)} [{unit}]</th>" for size, unit in SIZES.items()] + ["<th>what changed</th></tr>"]
     for trend, file in zip(found, files):

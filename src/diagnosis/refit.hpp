@@ -15,7 +15,7 @@ struct Refit {
   std::vector<std::string> paths;  ///< of the sizes: effects.coulomb_friction.force_N
   Eigen::VectorXd values;
   Eigen::MatrixXd covariance;  ///< of the values, in their units, with the tolerances and the starts free beside them
-  double misfit = 0;  ///< squared, a row, in its floor: 1 where the model lacks nothing
+  double misfit = 0;  ///< squared, a row, in its floor, which holds the model's own error: 0.2 where it lacks nothing
   Rig refitted;
   std::vector<std::string> warnings;
 };

@@ -84,7 +84,15 @@ void write_results(const DiagnoseVerbOptions& options, const Diagnosis& diagnosi
   if (!options.report.empty()) write_diagnosis_report(diagnosis, options.report);
   write_improved(options, diagnosis);
   write_next_experiment(options, diagnosis);
-  if (!options.picture.empty() && diagnosis.picture) write_picture(*diagnosis.picture, options.picture);
+  if (options.picture.empty()) return;
+  if (diagnosis.picture) write_picture(*diagnosis.picture, options.picture);
+  else
+    std::fputs(
+        fmt::format(
+            "pneuservo: {} is not written: found the verdict {}, expected unknown at an element with a free function\n",
+            options.picture, verdict_names[static_cast<std::size_t>(diagnosis.verdict)])
+            .c_str(),
+        stderr);
 }
 
 int run_diagnose(const DiagnoseVerbOptions& options) {

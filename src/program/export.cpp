@@ -17,7 +17,8 @@ module = sys.argv.pop(1)
 try:
     import pneuservo
 except ImportError as error:
-    sys.exit(f"export: {error}: needs the Python package of this program (pip install '.[files]' in its folder, docs/python.md)")
+    sys.exit(f"export: found no Python package of this program for {sys.executable} ({error}), expected it in the environment that "
+             "is active: activate the one that has it, or pip install '.[files]' in this program's folder (docs/python.md)")
 sys.argv[0] = module
 runpy.run_module(module, run_name="__main__", alter_sys=True)
 )py";

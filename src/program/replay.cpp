@@ -6,6 +6,9 @@
 #include <memory>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <pneuservo/loop/fault.hpp>
 
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
@@ -143,6 +146,25 @@ std::string reason_text(const Recording& recording) {
                      path_was, version(), code_path());
 }
 
+/// "motion_deviation, speed" of the bits; "none" of none.
+std::string fault_names(std::uint64_t faults) {
+  std::vector<std::string_view> names;
+  for (const FaultText& text : fault_texts)
+    if ((faults & text.bit) != 0) names.push_back(text.name);
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// The faults of the compared rows: what was recorded and what came now. Bits are no number to take a difference of.
+std::string faults_text(const ReplayResult& result, const Recording& data) {
+  const std::vector<double>& column = data.column("fault");
+  std::uint64_t recorded = 0, replayed = 0;
+  for (std::size_t i = 0; i < result.compared_rows; ++i) {
+    if (std::isfinite(column[i]) && column[i] > 0) recorded |= static_cast<std::uint64_t>(column[i]);
+    replayed |= result.rows[i].fault;
+  }
+  return fmt::format("  {:<18} recorded {}, replayed {}\n", "fault", fault_names(recorded), fault_names(replayed));
+}
+
 /// Whether the numbers are the recorded ones, and of each column that differs by how much.
 std::string result_text(const ReplayResult& result, const ReplayBackend& backend) {
   const std::size_t columns = result.compared.size();
@@ -157,6 +179,10 @@ std::string result_text(const ReplayResult& result, const ReplayBackend& backend
                   result.first->column, result.first->recorded, unit, result.first->replayed, unit);
   for (std::size_t i = 0; i < columns; ++i) {
     if (result.largest_difference[i] == 0 && result.one_sided[i] == 0) continue;
+    if (result.compared[i] == "fault") {
+      text += faults_text(result, backend.recording());
+      continue;
+    }
     const std::string one_sided =
         result.one_sided[i] > 0 ? fmt::format(", {} values that only one of both has", result.one_sided[i]) : "";
     text += fmt::format("  {:<18} largest difference {:.3g}{}{}\n", result.compared[i], result.largest_difference[i],

@@ -203,7 +203,7 @@ def test_what_is_refused(folder, config, tmp_path):
         fmu.write(pneuservo.Config("config/machines/tank-discharge.yaml"), tmp_path / "a.fmu")
     assert not (tmp_path / "a.fmu").exists()
     fmu.write(config, tmp_path / "a.fmu")
-    with pytest.raises(pneuservo.InputError, match="found a file there"):
+    with pytest.raises(pneuservo.InputError, match="found a file there.*--force"):
         fmu.write(config, tmp_path / "a.fmu", "estimator")
     fmu.write(config, tmp_path / "a.fmu", "estimator", replace=True)
     assert "estimator" in fmpy.read_model_description(tmp_path / "a.fmu").modelName

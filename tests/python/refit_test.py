@@ -39,6 +39,17 @@ def test_the_flow_of_the_meter_is_what_the_plant_takes(owner, worn):
     assert owner["sensors.supply_flow.quantum_kgps"] == pytest.approx(200 / 60e3 * 1.2926 / 4096, rel=2e-3)
 
 
+def test_misfit_warns_of_what_a_refit_was_not_asked_for(owner, worn):
+    """docs/fleet.md: below 0.5 where nothing is missing; above it beside a dead band, which moves the leak off."""
+    effects = ["coulomb_friction", "chamber_leak_1"]
+    assert pneuservo.refit(owner, [without_meter(worn)], effects, jobs=2).misfit < 0.5
+    banded = pneuservo.run(owner.replace({"concealed": {**WEAR, "valve_dead_band": {"width_V": 0.03}}})).columns
+    names = ("t_s", "x_m", "u_V", "p1_port_Pa", "p2_port_Pa", "p_supply_Pa")
+    recording = pneuservo.Recording({name: numpy.array(banded[name]) for name in names}, period_s=owner.period_s, rig=owner.name)
+    found = pneuservo.refit(owner, [recording], effects, jobs=2)
+    assert found.misfit > 0.5 and abs(found.values[1] - LEAK_M2) > 4.0 * math.sqrt(found.covariance[1, 1])
+
+
 def test_sizes_are_found_within_their_errors(owner, worn):
     found = pneuservo.refit(owner, [worn], ["coulomb_friction", "chamber_leak_1"], jobs=2)
     assert found.paths == ["effects.coulomb_friction.force_N", "effects.chamber_leak_1.area_m2"]

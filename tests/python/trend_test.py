@@ -78,6 +78,19 @@ def test_pages_name_the_axis_that_changed_and_since_when(table):
     assert "stroke-dasharray" not in feeder.read_text()
 
 
+def test_an_axis_with_few_weeks_is_not_called_unchanged(table, capsys):
+    frame = pandas.read_parquet(table / "results.parquet")
+    frame = frame[(frame["axis"] != "feeder") | (frame["date"] < "2026-01-19")]
+    frame.to_parquet(table / "results.parquet")
+    found = trend.trends(frame, RATE)
+    assert [one.sentence for one in found][1] == "too short: 2 of 10 weeks"
+    page, _, feeder = write_pages(found, table / "fleet.html", RATE)
+    assert "1 of 1 axes changed. 1 more have too few weeks to tell." in page.read_text()
+    assert "Too short: 2 of 10 weeks." in feeder.read_text() and "A step of" not in feeder.read_text()
+    assert trend.main([str(table), "--report", str(table / "page.html")]) == 0
+    assert "feeder: too short: 2 of 10 weeks" in capsys.readouterr().out
+
+
 def test_weeks_with_several_recordings_count_by_their_information():
     frame = pandas.concat([rows("a", 0.0 * WEEKS, 5)] * 2, ignore_index=True)
     weeks, values, errors = trend._weekly(frame, "friction_N")

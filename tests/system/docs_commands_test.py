@@ -2,9 +2,9 @@
 # Runs the shell commands of README.md and some pages of docs in order, in a copy of what they use; checks links, paths and options.
 """usage: tests/system/docs_commands_test.py BUILD [--write]
 
-A block ```sh whose first line contains "# not run" is left out (it installs or builds, which other tests do). A block
-```text right behind it must be the last lines that it prints. --write makes it so, and renews docs/images and
-docs/config-keys.md: after a change of the model, look at what it changed and commit it.
+A block ```sh right behind the line <!-- not run by the test --> is left out (it installs or builds, which other tests do).
+A block ```text right behind one must be the last lines that it prints. README's picture must be the one that its commands
+draw. --write makes both so, and renews docs/config-keys.md: after a change of the model, look at what it changed and commit it.
 Exit status: 0 all well; 1 a command failed, an output differs or a link is broken; 77 the program is not built.
 """
 import os
@@ -21,14 +21,22 @@ WRITE = "--write" in sys.argv[2:]
 PAGES = ("README.md", "docs/first-hour.md", "docs/your-axis.md", "docs/pressure.md", "docs/estimator.md")
 PICTURE = SOURCE / "docs/images/cylinder-10m-6.10mm.svg"  # README.md draws it as run.svg
 KEYS = SOURCE / "docs/config-keys.md"
-BLOCK = re.compile(r"^```sh\n(?P<code>.*?)^```\n(?:\n```text\n(?P<output>.*?)^```$)?", re.MULTILINE | re.DOTALL)
+MARK = "<!-- not run by the test -->\n"
+BLOCK = re.compile(rf"^(?P<mark>{MARK})?```sh\n(?P<code>.*?)^```\n(?:\n```text\n(?P<output>.*?)^```$)?", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)#\s]*)(?:#([^)\s]+))?[^)]*\)")
 HEADING = re.compile(r"^#+ +(.+?) *$", re.MULTILINE)
 
 
 def blocks(text):
     """Matches of the blocks that are to be run."""
-    return [match for match in BLOCK.finditer(text) if "# not run" not in match["code"].split("\n", 1)[0]]
+    return [match for match in BLOCK.finditer(text) if not match["mark"]]
+
+
+def unread_marks():
+    """A reader takes "# not run" in a block for a warning: the mark stands above the block, where no page shows it."""
+    return [f"{page.relative_to(SOURCE)}: found '# not run' in a block, expected {MARK.strip()} on the line above it"
+            for page in [SOURCE / "README.md", *(SOURCE / "docs").rglob("*.md")]
+            if re.search(r"^```sh\n# not run", page.read_text(encoding="utf-8"), re.MULTILINE)]
 
 
 def copy_of_the_tree(folder):
@@ -71,9 +79,12 @@ def run_page(page):
         outputs, failure = run_in_order(page, found, folder)
         if failure:
             return [failure]
-        if WRITE and page == "README.md":
-            shutil.copyfile(folder / "run.svg", PICTURE)
-    failures, renewed = [], text
+        failures, renewed = [], text
+        if page == "README.md" and (folder / "run.svg").read_bytes() != PICTURE.read_bytes():
+            failures.append(f"{PICTURE.relative_to(SOURCE)} is not what the commands of {page} draw now; "
+                            "tests/system/docs_commands_test.py BUILD --write renews it")
+            if WRITE:
+                shutil.copyfile(folder / "run.svg", PICTURE)
     for block, output in reversed(list(zip(found, outputs))):
         printed = last_lines(output, block["output"]) if block["output"] else None
         if printed == block["output"]:
@@ -154,7 +165,7 @@ def main():
     if WRITE:
         KEYS.write_bytes(keys)
     failures = [] if keys == KEYS.read_bytes() else ["docs/config-keys.md is not the output of pneuservo keys --markdown"]
-    failures += [failure for page in PAGES for failure in run_page(page)] + broken_links() + missing_paths() + unknown_options()
+    failures += [failure for page in PAGES for failure in run_page(page)] + unread_marks() + broken_links() + missing_paths() + unknown_options()
     for failure in failures:
         print("FAILED", failure)
     return 1 if failures else 0

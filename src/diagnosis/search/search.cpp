@@ -218,18 +218,23 @@ const Explanation* Search::pair_beside(const Explanation& first, double first_ev
   return nullptr;
 }
 
+void Search::fit_from(const Explanation& best, const std::vector<std::size_t>& held) {
+  const auto known = tried_.find(held);
+  const bool is_new = known == tried_.end();
+  if (!is_new && settings_.grow_floor) return;  // it was fitted beside another slow error
+  Explanation explanation{held, continued_fit(best.fit, held, {})};
+  polish({&explanation}, 4, is_new);
+  if (is_new || explanation.log_evidence > known->second.log_evidence + rules_.alarm_gain)
+    tried_[held] = std::move(explanation);
+}
+
 void Search::swap_members(const Explanation& best) {
   const std::vector<std::size_t> members = best.members;
   for (const std::size_t leaving : members) {
     std::vector<std::size_t> held = members;
     std::erase(held, leaving);
     if (held.empty()) continue;
-    if (!tried_.count(held)) {
-      Explanation explanation{held, start_fit(held)};
-      for (const auto& [i, k] : shared_parameters(explanation.fit, best.fit)) explanation.fit.z(i) = best.fit.z(k);
-      polish({&explanation}, 4, true);
-      tried_[held] = std::move(explanation);
-    }
+    fit_from(best, held);
     const Explanation& base = tried_.at(held);
     if (base.fit.failed) continue;
     const std::vector<Screened> screened = Screening(rows_, base.fit, candidates_, others(held)).singles();

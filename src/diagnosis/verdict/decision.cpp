@@ -176,16 +176,6 @@ Decision chosen_chain(ResidualModel& model, const Search& search, const Decision
   return decision;
 }
 
-/// Whether a parameter would have to be off by more than any owner errs; what is guessed may be off by any factor.
-bool has_absurd_parameter(const Explanation& explanation, const Search& search, const DecisionRules& rules) {
-  return std::any_of(explanation.members.begin(), explanation.members.end(), [&](std::size_t m) {
-    const Candidate& candidate = search.candidates()[m];
-    if (candidate.kind != CandidateKind::parameter || candidate.is_guessed) return false;
-    const double ratio = own_value(explanation, candidate.parameters[0].path) / candidate.neutral[0];
-    return ratio > rules.farthest_parameter || ratio * rules.farthest_parameter < 1;
-  });
-}
-
 /// The line of which two numbers would have to be off; empty: none. Each is read with a ruler, and an owner errs once:
 /// with two numbers free a line stands for any volume and resistance, such as those of a branch.
 std::string twice_wrong_line(const Explanation& explanation, const Search& search) {
@@ -327,8 +317,7 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
                                    static_cast<double>(search.owner().fit.residual.size()));
   const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
                         (is_owner_refuted(search, decision, rules) || bring_down(decision, before, rules)) &&
-                        share >= rules.taken_share && decision.levels.highest() <= rules.largest_remainder &&
-                        !has_absurd_parameter(*decision.chosen, search, rules);
+                        share >= rules.taken_share && decision.levels.highest() <= rules.largest_remainder;
   const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;
   if (find_supply_swing(model, search, rules, taken, decision)) return decision;
   if (!is_named && find_shaking(model, search, rules, decision)) return decision;

@@ -43,7 +43,6 @@ struct DecisionRules {
   double swing_share = 0.5;  ///< of the squared mismatch: the least that a supply which swings takes
   double swing_left = 0.6;  ///< of what the best sine of another frequency leaves: the most that its own leaves
   double largest_remainder = 40;  ///< in sigma: more beside a name is no small physics
-  double farthest_parameter = 3;  ///< a parameter off by more than this factor has the pattern of something else
   double most_sure_beside = 0.85;  ///< of a name beside such a remainder
   // An axis or a part of one that is compared in one quantity.
   double next_of_left = 0.15;  ///< of the squared residual that the names before it leave: what one more must take

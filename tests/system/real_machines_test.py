@@ -164,10 +164,10 @@ def one_stroke():
 
 
 def serial_rows():
-    """Rows 18 to 125 ms apart are compared: Coulomb and viscous friction, with a larger one at the edge of rest."""
+    """Rows 18 to 125 ms apart are compared: dry friction, and a larger one at the edge of rest."""
     found = diagnosis_of("serial-joint.yaml", "openarm_joint3", ["joint3.csv.gz"])
     if found:
-        expect("viscous_friction" in names_of(found), f"serial-joint: {names_of(found)}")
+        expect(names_of(found) == ["stribeck_friction"], f"serial-joint: {names_of(found)}")
         left = found["fit"]["channels"]["F_N"]["held_out_after"]
         expect(left < 0.05, f"serial-joint: {left} N m are left on held-out stretches, least squares leave 0.10")
 

@@ -19,6 +19,7 @@ namespace {
 
 constexpr double noisy_position_m = 20e-6;
 constexpr double end_stop_margin_m = 0.5e-3;
+constexpr double least_turn_share = 0.01;  ///< of the kernel's weight: what turns counts for so much where it is judged
 constexpr double rounding_mps = 1e-9;  ///< of a position that stands
 
 double kernel_sigma(double noise_m, double shortest_s) {
@@ -47,24 +48,33 @@ std::vector<char> widened(const std::vector<char>& marks, std::size_t reach) {
   return out;
 }
 
-/// Largest absolute value within `reach` samples of each one.
-std::vector<double> largest_around(const std::vector<double>& values, std::size_t reach) {
-  std::vector<double> out(values.size(), 0.0);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    for (std::size_t k = i - std::min(i, reach); k < std::min(values.size(), i + reach + 1); ++k)
-      out[i] = std::max(out[i], std::abs(values[k]));
+/// Largest less smallest value within `reach` samples of each one.
+std::vector<double> range_around(const std::vector<double>& values, std::size_t reach) {
+  std::vector<double> out(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto first = values.begin() + static_cast<std::ptrdiff_t>(i - std::min(i, reach)),
+               end = values.begin() + static_cast<std::ptrdiff_t>(std::min(values.size(), i + reach + 1));
+    const auto [least, most] = std::minmax_element(first, end);
+    out[i] = *most - *least;
+  }
   return out;
 }
 
-/// Direction of the motion at each sample, 1 or -1; 0 where friction may hold or turn. A jump of the acceleration
-/// shifts the smoothed speed by up to 0.4 sigma times the jump: slower samples may stand still or move the other way.
-std::vector<double> directions(const std::vector<double>& v, const std::vector<double>& a, double rest_mps,
-                               double sigma_s, double period_s) {
-  const std::vector<double> largest_mps2 =
-      largest_around(a, static_cast<std::size_t>(std::ceil(2 * sigma_s / period_s)));
+/// What a jump of the acceleration shifts the smoothed speed by, in sigma times the jump: 0.4 where it jumps, and its
+/// range over two sigma shows 95 % of it.
+constexpr double shift_of_jump = 0.4 / 0.95;
+
+/// Speed below which the slider may stand or turn: of rest, or what a jump of the acceleration shifts the speed by.
+std::vector<double> slow_speeds(const std::vector<double>& a, double rest_mps, double sigma_s, double period_s) {
+  std::vector<double> out = range_around(a, static_cast<std::size_t>(std::ceil(2 * sigma_s / period_s)));
+  for (double& speed : out) speed = std::max(rest_mps, shift_of_jump * sigma_s * speed);
+  return out;
+}
+
+/// Direction of the motion at each sample, 1 or -1; 0 where friction may hold or turn.
+std::vector<double> directions(const std::vector<double>& v, const std::vector<double>& slow_mps) {
   std::vector<double> out(v.size());
-  for (std::size_t i = 0; i < v.size(); ++i)
-    out[i] = std::abs(v[i]) < std::max(rest_mps, sigma_s * largest_mps2[i]) ? 0.0 : v[i] > 0 ? 1.0 : -1.0;
+  for (std::size_t i = 0; i < v.size(); ++i) out[i] = std::abs(v[i]) < slow_mps[i] ? 0.0 : v[i] > 0 ? 1.0 : -1.0;
   for (std::size_t i = 1; i < v.size(); ++i)
     if (v[i - 1] * v[i] <= 0) out[i - 1] = out[i] = 0.0;
   return out;
@@ -181,10 +191,11 @@ class BuiltUpFriction {
     return 0.5 * (1.0 + share_) * slider_.dry_friction(speed, 1.0, x, around) -
            0.5 * (1.0 - share_) * slider_.dry_friction(speed, -1.0, x, around);
   }
-  /// What it can be where the slider may stand or turn; the motion goes on from where it balances what is left.
-  Limits resting_N(double left_N, double x, const SliderSurroundings<double>& around) {
-    const double least_N = -std::abs(slider_.dry_friction(0.0, -1.0, x, around)),
-                 most_N = std::abs(slider_.dry_friction(0.0, 1.0, x, around));
+  /// What it can be where the slider may stand or turn, by its law at that speed; the motion goes on from where it
+  /// balances what is left.
+  Limits resting_N(double left_N, double speed, double x, const SliderSurroundings<double>& around) {
+    const double least_N = -std::abs(slider_.dry_friction(speed, -1.0, x, around)),
+                 most_N = std::abs(slider_.dry_friction(speed, 1.0, x, around));
     const double balance_N = std::clamp(left_N, least_N, most_N);
     if (most_N > least_N) share_ = (2.0 * balance_N - least_N - most_N) / (most_N - least_N);
     return {least_N, most_N};
@@ -226,7 +237,15 @@ ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, 
   const double noise_speed =
       noise_m * std::max(4 * fast_kernel_.noise_gain(1, 1), std::sqrt(12.0) * fast_kernel_.largest_weight() / period_s);
   const double rest_mps = std::max({0.005 * top, noise_speed, rounding_mps});
-  direction_ = directions(fast_[1], fast_[2], rest_mps, fast_kernel_.sigma_s(), period_s);
+  edge_mps_ = slow_speeds(fast_[2], rest_mps, fast_kernel_.sigma_s(), period_s);
+  direction_ = directions(fast_[1], edge_mps_);
+  std::vector<double> turns(direction_.size());
+  for (std::size_t i = 0; i < turns.size(); ++i) turns[i] = direction_[i] == 0 ? 1.0 : 0.0;
+  const std::vector<double> shares = kernel_.apply(turns, 0);
+  for (std::size_t i = 0; i < shares.size(); ++i) {
+    is_near_turn_.push_back(shares[i] > least_turn_share);
+    if (shares[i] > 1 - least_turn_share) edge_mps_[i] = 0;
+  }
   hold_out([](std::size_t) { return false; });
 }
 
@@ -355,17 +374,18 @@ std::vector<double> ForceBalance::required_beside(const Rig& rig, std::span<cons
       least_abrupt[i] = -blow_N + dry.sliding_N(direction, speed, x_fast, around) +
                         (slider.damping_coefficient(speed, direction) - slider.damping_coefficient(0.0, 0.0)) * v_fast;
     } else {
-      const auto [least_N, most_N] = dry.resting_N(drive_N[i] - smooth_part[i] + blow_N, x_fast, around);
-      least_abrupt[i] = -blow_N + least_N - held_N;
-      slack[i] = most_N - least_N + 2.0 * held_N;
+      const auto [least_N, most_N] = dry.resting_N(drive_N[i] - smooth_part[i] + blow_N, edge_mps_[i], x_fast, around);
+      least_abrupt[i] = -blow_N + least_N;
+      slack[i] = most_N - least_N;
     }
   }
   // Where friction is only known within limits, so is its smoothed course: what the drive asks within them, it is.
   const std::vector<double> least = kernel_.apply(least_abrupt, 0), more = kernel_.apply(slack, 0);
   std::vector<double>& needed = smooth_part;
   for (std::size_t i = 0; i < samples(); ++i) {
+    const double held = is_near_turn_[i] ? held_N : 0.0;
     needed[i] += least[i];
-    needed[i] = std::clamp(drive_N[i], needed[i], needed[i] + std::max(more[i], 0.0));
+    needed[i] = std::clamp(drive_N[i], needed[i] - held, needed[i] + std::max(more[i], 0.0) + held);
   }
   return needed;
 }

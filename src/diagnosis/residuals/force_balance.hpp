@@ -69,6 +69,10 @@ class ForceBalance {
   std::vector<char> is_judged_;  ///< in motion, usable, seen by fits
   /// Of the motion at each sample, 1 or -1; 0 where it may stand or turn.
   std::vector<double> direction_;
+  /// Whose friction limits it there: that of the slowest motion beside a turn, or of rest inside one. Rows that see
+  /// both would else be free to a friction that is larger at rest.
+  std::vector<double> edge_mps_;
+  std::vector<char> is_near_turn_;  ///< a sample whose smoothed force sees one where the motion may stand or turn
 };
 
 }  // namespace pneuservo

@@ -297,6 +297,12 @@ bool Search::search_next(std::size_t members) {
   refit_sibling_pairs(*best_of(members + 1));
   take_defect_at_best(members + 1);
   polish_best(members + 1);
+  const Explanation& last = *best_of(members + 1);
+  for (const std::size_t leaving : last.members) {
+    std::vector<std::size_t> held = last.members;
+    std::erase(held, leaving);
+    fit_from(last, held);
+  }
   return true;
 }
 

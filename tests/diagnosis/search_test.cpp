@@ -2,6 +2,7 @@
 // small effect beside a large one.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 #include "diagnosis/closed_form_model.hpp"
@@ -43,6 +44,14 @@ std::vector<double> bent(const Rig& rig) {
 std::vector<double> behind_a_ridge(const Rig& rig) {
   const double spring = rig.axis.effects.motion.spring_load.stiffness_N_per_m;
   return {missing * (spring + 1) * (spring - 2) / 2, 30 * (spring - 2)};
+}
+
+/// The same spring, and a load that takes the ridge away: with it the spring slides to 2, where nothing is left for the
+/// load. Alone the spring ends at -1.
+std::vector<double> led_over_a_ridge(const Rig& rig) {
+  const double load = rig.axis.effects.motion.constant_force.force_N;
+  const std::vector<double> alone = behind_a_ridge(rig);
+  return {alone[0] * (1 - load), alone[1], 5 * load};
 }
 
 /// A spring that takes much, and a load that takes little; so does an offset of the valve.
@@ -215,6 +224,25 @@ TEST_CASE("search: a rival that ended in another valley of the tolerances is fit
   for (const Explanation* e : ranked) {
     CAPTURE(stiffening, burden, e->members.front(), e->fit.z.transpose(), e->fit.objective);
     CHECK(e->fit.z(1) > 0.5);
+  }
+}
+
+TEST_CASE("search: a name that ends in a wrong valley alone is fitted once more from where a pair has led it") {
+  ClosedFormModel model(led_over_a_ridge);
+  FittedRows rows(model, {});
+  const std::vector<Candidate> candidates{SpringSearch::spring({}),
+                                          found_by_size("constant_force", "effects.constant_force.force_N")};
+  for (const std::size_t most_names : {1, 2}) {
+    CAPTURE(most_names);
+    DecisionRules rules;
+    rules.most_names = most_names;
+    Search search(rows, SpringSearch::rig(), candidates, {}, rules, {});
+    search.run();
+    const auto ranked = search.ranking(1);
+    const auto spring = std::find_if(ranked.begin(), ranked.end(), [](const auto* e) { return e->members[0] == 0; });
+    REQUIRE(spring != ranked.end());
+    CHECK((*spring)->fit.z(0) == Approx(most_names == 1 ? -1 : 2).margin(0.1));
+    if (most_names == 2) CHECK(*spring == ranked.front());
   }
 }
 

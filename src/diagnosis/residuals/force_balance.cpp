@@ -19,7 +19,6 @@ namespace {
 
 constexpr double noisy_position_m = 20e-6;
 constexpr double end_stop_margin_m = 0.5e-3;
-constexpr double least_turn_share = 0.01;  ///< of the kernel's weight: what turns counts for so much where it is judged
 constexpr double rounding_mps = 1e-9;  ///< of a position that stands
 
 double kernel_sigma(double noise_m, double shortest_s) {
@@ -60,14 +59,15 @@ std::vector<double> range_around(const std::vector<double>& values, std::size_t 
   return out;
 }
 
-/// What a jump of the acceleration shifts the smoothed speed by, in sigma times the jump: 0.4 where it jumps, and its
-/// range over two sigma shows 95 % of it.
-constexpr double shift_of_jump = 0.4 / 0.95;
-
-/// Speed below which the slider may stand or turn: of rest, or what a jump of the acceleration shifts the speed by.
+/// Within so many sigma the range of the smoothed acceleration shows erf(range_sigmas / sqrt 2) of a jump.
+constexpr double range_sigmas = 2;
+/// Speed below which the slider may stand or turn: of rest, or that of a slider that begins or ends its rest. There the
+/// acceleration jumps, and smoothing puts the speed off by sigma / sqrt(2 pi) times the jump.
 std::vector<double> slow_speeds(const std::vector<double>& a, double rest_mps, double sigma_s, double period_s) {
-  std::vector<double> out = range_around(a, static_cast<std::size_t>(std::ceil(2 * sigma_s / period_s)));
-  for (double& speed : out) speed = std::max(rest_mps, shift_of_jump * sigma_s * speed);
+  const double shown = std::erf(range_sigmas / std::numbers::sqrt2);
+  const double seconds = sigma_s / std::sqrt(2 * std::numbers::pi) / shown;
+  std::vector<double> out = range_around(a, static_cast<std::size_t>(std::ceil(range_sigmas * sigma_s / period_s)));
+  for (double& speed : out) speed = std::max(rest_mps, seconds * speed);
   return out;
 }
 
@@ -239,13 +239,14 @@ ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, 
   const double rest_mps = std::max({0.005 * top, noise_speed, rounding_mps});
   edge_mps_ = slow_speeds(fast_[2], rest_mps, fast_kernel_.sigma_s(), period_s);
   direction_ = directions(fast_[1], edge_mps_);
-  std::vector<double> turns(direction_.size());
-  for (std::size_t i = 0; i < turns.size(); ++i) turns[i] = direction_[i] == 0 ? 1.0 : 0.0;
-  const std::vector<double> shares = kernel_.apply(turns, 0);
-  for (std::size_t i = 0; i < shares.size(); ++i) {
-    is_near_turn_.push_back(shares[i] > least_turn_share);
-    if (shares[i] > 1 - least_turn_share) edge_mps_[i] = 0;
-  }
+  std::vector<char> is_sliding(direction_.size());
+  for (std::size_t i = 0; i < is_sliding.size(); ++i) is_sliding[i] = direction_[i] != 0;
+  const std::vector<char> sees_sliding = widened(is_sliding, kernel_.reach());
+  for (std::size_t i = 0; i < edge_mps_.size(); ++i)
+    if (!sees_sliding[i]) edge_mps_[i] = 0;
+  std::vector<double> turns(is_sliding.size());
+  std::transform(is_sliding.begin(), is_sliding.end(), turns.begin(), [](char slides) { return slides ? 0.0 : 1.0; });
+  turn_share_ = kernel_.apply(turns, 0);
   hold_out([](std::size_t) { return false; });
 }
 
@@ -381,11 +382,13 @@ std::vector<double> ForceBalance::required_beside(const Rig& rig, std::span<cons
   }
   // Where friction is only known within limits, so is its smoothed course: what the drive asks within them, it is.
   const std::vector<double> least = kernel_.apply(least_abrupt, 0), more = kernel_.apply(slack, 0);
-  std::vector<double>& needed = smooth_part;
+  double largest_N = 0;  // friction that the drive never overcomes would let nothing move
+  for (std::size_t i = 0; i < samples(); ++i)
+    if (usable_[i]) largest_N = std::max(largest_N, std::abs(drive_N[i]));
+  std::vector<double> needed(samples());
   for (std::size_t i = 0; i < samples(); ++i) {
-    const double held = is_near_turn_[i] ? held_N : 0.0;
-    needed[i] += least[i];
-    needed[i] = std::clamp(drive_N[i], needed[i] - held, needed[i] + std::max(more[i], 0.0) + held);
+    const double held = std::min(held_N, turn_share_[i] * largest_N), from = smooth_part[i] + least[i];
+    needed[i] = std::clamp(drive_N[i], from - held, from + std::max(more[i], 0.0) + held);
   }
   return needed;
 }

@@ -41,7 +41,8 @@ class ForceBalance {
   /// undone first. drive_N: the smoothed drive force, which friction balances within its limits where the slider may
   /// stand or turn.
   /// gauge_pressure_sum_Pa: max(p1 - p_atm, 0) + max(p2 - p_atm, 0) at every sample; empty without air.
-  /// held_N: force that is balanced there beside friction, for what the drive force is not known to.
+  /// held_N: force that is balanced around there beside friction, for what the drive force is not known to: else a
+  /// friction that is not there would gain by the noise.
   /// How a load on a soft coupling swings where a stretch begins no recording tells: it is found with the force.
   std::vector<double> required_force(const Rig& rig, std::span<const double> drive_N,
                                      std::span<const double> gauge_pressure_sum_Pa, double held_N = 0.0) const;
@@ -69,10 +70,10 @@ class ForceBalance {
   std::vector<char> is_judged_;  ///< in motion, usable, seen by fits
   /// Of the motion at each sample, 1 or -1; 0 where it may stand or turn.
   std::vector<double> direction_;
-  /// Whose friction limits it there: that of the slowest motion beside a turn, or of rest inside one. Rows that see
-  /// both would else be free to a friction that is larger at rest.
+  /// Speed whose friction is its limit there: of the slowest motion beside a turn, of rest where no motion is within
+  /// the kernel's reach. Rows that see both would else be free to a friction that is larger at rest.
   std::vector<double> edge_mps_;
-  std::vector<char> is_near_turn_;  ///< a sample whose smoothed force sees one where the motion may stand or turn
+  std::vector<double> turn_share_;  ///< of the kernel's weight around each sample, where the motion may stand or turn
 };
 
 }  // namespace pneuservo

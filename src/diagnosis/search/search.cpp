@@ -218,23 +218,12 @@ const Explanation* Search::pair_beside(const Explanation& first, double first_ev
   return nullptr;
 }
 
-void Search::fit_from(const Explanation& best, const std::vector<std::size_t>& held) {
-  const auto known = tried_.find(held);
-  const bool is_new = known == tried_.end();
-  if (!is_new && settings_.grow_floor) return;  // it was fitted beside another slow error
-  Explanation explanation{held, continued_fit(best.fit, held, {})};
-  polish({&explanation}, 4, is_new);
-  if (is_new || explanation.log_evidence > known->second.log_evidence + rules_.alarm_gain)
-    tried_[held] = std::move(explanation);
-}
-
 void Search::swap_members(const Explanation& best) {
   const std::vector<std::size_t> members = best.members;
   for (const std::size_t leaving : members) {
-    std::vector<std::size_t> held = members;
-    std::erase(held, leaving);
+    const std::vector<std::size_t> held = without_member(members, leaving);
     if (held.empty()) continue;
-    fit_from(best, held);
+    if (!tried_.count(held)) fit_part(best, held);
     const Explanation& base = tried_.at(held);
     if (base.fit.failed) continue;
     const std::vector<Screened> screened = Screening(rows_, base.fit, candidates_, others(held)).singles();
@@ -298,11 +287,7 @@ bool Search::search_next(std::size_t members) {
   take_defect_at_best(members + 1);
   polish_best(members + 1);
   const Explanation& last = *best_of(members + 1);
-  for (const std::size_t leaving : last.members) {
-    std::vector<std::size_t> held = last.members;
-    std::erase(held, leaving);
-    fit_from(last, held);
-  }
+  for (const std::size_t leaving : last.members) fit_part(last, without_member(last.members, leaving));
   return true;
 }
 
@@ -317,8 +302,7 @@ bool Search::is_everywhere_beside(std::size_t members) {
 std::vector<double> Search::gains_of_names(const Explanation& other) {
   std::vector<Explanation> fitted{{other.members, continued_fit(other.fit, other.members, {})}};
   for (const std::size_t leaving : other.members) {
-    std::vector<std::size_t> held = other.members;
-    std::erase(held, leaving);
+    const std::vector<std::size_t> held = without_member(other.members, leaving);
     fitted.push_back({held, continued_fit(other.fit, held, {})});
   }
   std::vector<Explanation*> moving;

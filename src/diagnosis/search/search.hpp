@@ -26,6 +26,10 @@ inline std::vector<std::size_t> with_member(std::vector<std::size_t> members, st
   members.insert(std::upper_bound(members.begin(), members.end(), added), added);
   return members;
 }
+inline std::vector<std::size_t> without_member(std::vector<std::size_t> members, std::size_t leaving) {
+  std::erase(members, leaving);
+  return members;
+}
 inline bool contains(const std::vector<std::size_t>& members, std::size_t index) {
   return std::find(members.begin(), members.end(), index) != members.end();
 }
@@ -137,9 +141,9 @@ class Search {
   /// A second name beside the first, each pair beside its own slow error; nullptr where none brings enough.
   const Explanation* pair_beside(const Explanation& first, double first_evidence);
   bool search_next(std::size_t members);
-  /// A part of the best explanation's names, from where they stand in it: alone a cushion's fit ended in another
-  /// valley, 11 000 in log evidence behind, and beside a spring it found its own.
-  void fit_from(const Explanation& best, const std::vector<std::size_t>& held);
+  /// Fits a part of an explanation's names from where they stand in it, and keeps the better of that and what is known:
+  /// names may lead each other out of a valley that one alone ends in.
+  void fit_part(const Explanation& whole, const std::vector<std::size_t>& part);
   void swap_members(const Explanation& best);
   void refit_sibling_pairs(const Explanation& best);
   /// Log evidence that counts for one beside what this fit leaves, in its mean square; of a pneumatic rig a second

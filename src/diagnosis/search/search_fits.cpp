@@ -113,6 +113,14 @@ void Search::refit(const Fit& base, const std::vector<std::size_t>& members,
   }
 }
 
+void Search::fit_part(const Explanation& whole, const std::vector<std::size_t>& part) {
+  Explanation explanation{part, continued_fit(whole.fit, part, {})};
+  polish({&explanation}, 4, true);
+  const auto known = tried_.find(part);
+  if (known == tried_.end() || known->second.fit.failed || explanation.log_evidence > known->second.log_evidence)
+    tried_[part] = std::move(explanation);
+}
+
 void Search::move_to_best_share(std::vector<Explanation>& attempts, const std::vector<std::vector<Screened>>& starts) {
   std::vector<Eigen::VectorXd> places;
   std::vector<Hypothesis> hypotheses;

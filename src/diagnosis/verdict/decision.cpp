@@ -550,9 +550,8 @@ std::vector<std::string> ambiguous_names(const Decision& decision, const Search&
   for (const Explanation* rival : decision.rivals) {
     const double behind = (decision.chosen->log_evidence - rival->log_evidence) / decision.growth;
     if (rival == decision.chosen || behind > rules.ambiguous_distance) continue;
-    std::vector<std::size_t> rest = decision.chosen->members, other = rival->members;
-    std::erase(rest, member);
-    for (const std::size_t m : rest) std::erase(other, m);
+    std::vector<std::size_t> other = rival->members;
+    for (const std::size_t m : without_member(decision.chosen->members, member)) std::erase(other, m);
     if (other.size() == 1) names.push_back(search.candidates()[other.front()].name);
   }
   return names;

@@ -30,6 +30,11 @@ class InputError(ValueError):
                 else Place(None, None, None) for m in found]
 
 
+def file_there(path: object) -> InputError:
+    """A file that would be lost where another is written."""
+    return InputError(f"{path}: found a file there, expected none: give another name, or replace it by --force (write: replace=True)")
+
+
 class DiagnosisStopped(RuntimeError):
     """A diagnosis was cancelled before anything was known."""
 

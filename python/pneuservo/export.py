@@ -13,6 +13,7 @@ from typing import Any, Dict, List, Tuple, Union
 import numpy
 
 from . import InputError, Recording, __version__, read_recordings
+from .errors import file_there
 from .units import unit_of
 
 Path = Union[str, os.PathLike]
@@ -92,7 +93,7 @@ def write(recording: Recording, path: Path, replace: bool = False) -> None:
     """A recording as .parquet, .mat or .mcap, by the suffix."""
     to_file, _ = _format_of(path)
     if not replace and os.path.exists(path):
-        raise InputError(f"{path}: found a file there, expected none: give another name, or replace it by --force (write: replace=True)")
+        raise file_there(path)
     to_file(recording, path)
 
 

@@ -20,6 +20,7 @@ from typing import Any, Dict, List, Union
 from xml.etree import ElementTree
 
 from . import Config, InputError, __version__
+from .errors import file_there
 from ._core import _fmu_variables
 
 _IDENTIFIER = "pneuservo_fmu"
@@ -139,7 +140,7 @@ def write(config: Config, path: Union[str, os.PathLike], model: str = "plant", f
     try:
         archive = zipfile.ZipFile(path, "w" if replace else "x", zipfile.ZIP_DEFLATED)
     except FileExistsError:
-        raise InputError(f"{path}: found a file there, expected none: give another name, or replace it by --force (write: replace=True)") from None
+        raise file_there(path) from None
     with archive:
         # First and as it is: the program knows its own FMUs by how they begin (src/program/output_files.cpp).
         archive.writestr("resources/fmu.json", json.dumps({"pneuservo": __version__, "model": model, "token": token}),

@@ -92,7 +92,7 @@ def _last(trend: AxisTrend, size: str) -> str:
 def _fleet_page(found: List[AxisTrend], files: List[str], rate: float) -> str:
     changed = sum(any(one.change for one in trend.series) for trend in found)
     judged = sum(trend.is_judged for trend in found)
-    short = f" {len(found) - judged} more have too few weeks to tell." if judged < len(found) else ""
+    short = f" With too few weeks to tell: {len(found) - judged}." if judged < len(found) else ""
     body = [f"<p>{changed} of {judged} axes changed.{short} An axis that did not change is called changed with probability {rate:g} "
             "over its whole series, all its sizes together.</p><table><tr><th>axis</th>"]
     body += [f"<th>{name_of(size)} [{unit}]</th>" for size, unit in SIZES.items()] + ["<th>what changed</th></tr>"]

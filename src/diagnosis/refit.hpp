@@ -15,7 +15,8 @@ struct Refit {
   std::vector<std::string> paths;  ///< of the sizes: effects.coulomb_friction.force_N
   Eigen::VectorXd values;
   Eigen::MatrixXd covariance;  ///< of the values, in their units, with the tolerances and the starts free beside them
-  double misfit = 0;  ///< squared, a row, in its floor, which holds the model's own error: 0.2 where it lacks nothing
+  /// Squared mismatch a row in its floor: well below 1 where the model lacks nothing, since floors hold its own error.
+  double misfit = 0;
   Rig refitted;
   std::vector<std::string> warnings;
 };

@@ -97,7 +97,7 @@ TEST_CASE("servo table: friction has its size in micrometres of motion, and a ga
     double sum = 0, count = 0;
     for (std::size_t k = 0; k < samples; ++k)
       if (balance.usable()[k]) sum += std::pow(needed[k] - smooth[k], 2), ++count;
-    // Less by the turns, 3 % of the samples: there friction may be anything up to its size.
+    // Less by the rows that see a turn: there friction may be anything up to its size.
     CHECK(std::sqrt(sum / count) == Approx(std::abs(share - 1.0) * friction_N).margin(0.04 * friction_N));
   }
 

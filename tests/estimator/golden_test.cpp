@@ -1,4 +1,5 @@
-// The estimator against converged solutions: recorded ones where the shared data is at hand, and one made here.
+// The estimator against converged solutions: recorded ones (twelve where the shared data is at hand, else the three of
+// tests/data/golden), and one made here.
 #include <catch2/catch.hpp>
 
 #include <cstdio>

@@ -85,7 +85,7 @@ def test_an_axis_with_few_weeks_is_not_called_unchanged(table, capsys):
     found = trend.trends(frame, RATE)
     assert [one.sentence for one in found][1] == "too short: 2 of 10 weeks"
     page, _, feeder = write_pages(found, table / "fleet.html", RATE)
-    assert "1 of 1 axes changed. 1 more have too few weeks to tell." in page.read_text()
+    assert "1 of 1 axes changed. With too few weeks to tell: 1." in page.read_text()
     assert "Too short: 2 of 10 weeks." in feeder.read_text() and "A step of" not in feeder.read_text()
     assert trend.main([str(table), "--report", str(table / "page.html")]) == 0
     assert "feeder: too short: 2 of 10 weeks" in capsys.readouterr().out

@@ -22,8 +22,7 @@ struct DecisionRules {
   double taken_share = 0.6;  ///< of the squared mismatch above the floors: what names beside a remainder take at least
   double small_remainder = 1.6;  ///< that leaves no channel above this many sigma
   double nearly_all_share = 0.97;  ///< names that take it stay beside a larger remainder,
-  double larger_remainder =
-      3;  ///< up to this many sigma; below them beside small physics, too, where it was clear before
+  double larger_remainder = 3;  ///< up to this many sigma; beside small physics, too, where more stood out before
   double small_held_out_excess = 2;  ///< and held-out stretches no worse than this
   double ambiguous_distance = 10;  ///< in log evidence
   double temperature = 3;  ///< log evidence over it makes probabilities

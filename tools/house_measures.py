@@ -66,8 +66,8 @@ def file_lengths(root, folders):
 
 
 def pages(root):
-    """README and the pages of docs themselves; not what a tool prints whole."""
-    return [root / "README.md", *(page for page in sorted((root / "docs").glob("*.md")) if page.name != "config-keys.md")]
+    """README and all pages of docs; not what a tool prints whole."""
+    return [root / "README.md", *(page for page in sorted((root / "docs").rglob("*.md")) if page.name != "config-keys.md")]
 
 
 def paragraphs(page):

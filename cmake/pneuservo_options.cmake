@@ -64,6 +64,11 @@ if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   endif()
 endif()
 
+# g++ tidies its memory from 0.5 GB on in place of 0.13: a twentieth of its time for a tenth more memory.
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  add_compile_options(--param=ggc-min-heapsize=524288)
+endif()
+
 option(PNEUSERVO_UNITE_FOLDERS "Compile all sources of a folder as one unit; off where single files are edited (preset debug)" ON)
 # Where neither a loop nor a diagnosis spends its time, -O2 takes 0.8 of the compiler's time and of the room.
 # Without the precompiled header: from one g++ takes over the level of optimisation that the header was compiled with.

@@ -9,11 +9,11 @@ using pneuservo::fmu::Status;
 
 namespace {
 
-using Logger = void (*)(void* environment, const char* instance, int status, const char* category, const char* message,
+using fmi2CallbackLogger = void (*)(void* environment, const char* instance, int status, const char* category, const char* message,
                         ...);
 
 struct Callbacks {
-  Logger logger;
+  fmi2CallbackLogger logger;
   void* (*allocate)(std::size_t, std::size_t);
   void (*release)(void*);
   void (*step_finished)(void*, int);

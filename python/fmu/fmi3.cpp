@@ -8,7 +8,7 @@ using pneuservo::fmu::Status;
 
 namespace {
 
-using Logger = void (*)(void* environment, int status, const char* category, const char* message);
+using fmi3LogMessageCallback = void (*)(void* environment, int status, const char* category, const char* message);
 
 }  // namespace
 
@@ -17,7 +17,7 @@ PNEUSERVO_FMI Status fmi3SetDebugLogging(void*, bool, std::size_t, const char* c
 
 PNEUSERVO_FMI void* fmi3InstantiateCoSimulation(const char*, const char* token, const char* resources, bool, bool, bool,
                                                 bool, const std::uint32_t*, std::size_t, void* environment,
-                                                Logger logger, const void*) {
+                                                fmi3LogMessageCallback logger, const void*) {
   const auto log = [=](Status status, const char* message) {
     if (logger) logger(environment, static_cast<int>(status), "logStatusError", message);
   };

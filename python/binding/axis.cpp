@@ -1,5 +1,4 @@
 // Estimator, plant and simulated machine, step by step and by arrays; the verbs simulate and run.
-#include <limits>
 #include <memory>
 
 #include <pneuservo/loop/axis_loop.hpp>
@@ -14,8 +13,6 @@
 
 namespace pneuservo::python {
 namespace {
-
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 void require_pneumatic(const Config& config, const char* who) {
   if (!config.rig.is_pneumatic())

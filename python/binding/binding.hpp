@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <initializer_list>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -56,6 +57,9 @@ class Column {
   std::size_t rows_ = 0;
   std::ptrdiff_t stride_ = 0;
 };
+
+/// An argument that is not given.
+inline constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 /// Rows that all columns have; throws ValueError where they differ or all are single numbers.
 std::size_t common_rows(std::string_view call, std::initializer_list<const Column*> columns);

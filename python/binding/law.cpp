@@ -1,5 +1,4 @@
 // The reference and the control law of a config, step by step and by arrays.
-#include <limits>
 #include <memory>
 
 #include <pneuservo/control/axis_controller.hpp>
@@ -11,8 +10,6 @@
 
 namespace pneuservo::python {
 namespace {
-
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 /// The law along the config's reference, whose time 0 is the first step.
 class Law {

@@ -12,8 +12,6 @@
 namespace pneuservo::python {
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
-
 std::vector<Recording> read(const std::string& path, const Config* config) {
   const nb::gil_scoped_release released;
   return read_recordings(path, config == nullptr ? std::nullopt : config->rig.imported,

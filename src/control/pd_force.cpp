@@ -108,8 +108,8 @@ void PdForce::start_bumpless(double x_m, double p1_Pa, double p2_Pa, const Refer
   reset(command_V);
   const double integral_gain = parameters_.force_integral_V_per_Ns;
   if (!(integral_gain > 0.0)) return;
-  const PdForceState s =
-      terms_of({.x_m = x_m, .pressure_Pa = {p1_Pa, p2_Pa}, .port_Pa = {p1_Pa, p2_Pa}, .now = now, .ahead = ahead});
+  PdForceState s = state_;
+  take_terms({.x_m = x_m, .pressure_Pa = {p1_Pa, p2_Pa}, .port_Pa = {p1_Pa, p2_Pa}, .now = now, .ahead = ahead}, s);
   // The first step adds period * e_F before it uses the integral.
   const double integral_Ns = (state_.u_V - unlimited_V(s)) / integral_gain - period_s_ * s.e_F_N;
   if (std::isfinite(integral_Ns)) state_.I_Ns = integral_Ns;
@@ -134,18 +134,14 @@ void PdForce::see_force(const ControlInput& in, bool is_first, PdForceState& s) 
   s.F_N += beside_N - s.line_loss_N;
 }
 
-PdForceState PdForce::terms_of(const ControlInput& in) const noexcept {
-  PdForceState s;
+void PdForce::take_terms(const ControlInput& in, PdForceState& s) const noexcept {
   s.e_m = in.now.d[0] - in.x_m;
   s.v_mps =
-      first_ ? 0.0 : state_.v_mps + filter_gain_ * ((in.x_m - previous_x_m_) / (periods_ * period_s_) - state_.v_mps);
-  s.line_loss_error_N = state_.line_loss_error_N;
+      first_ ? 0.0 : s.v_mps + filter_gain_ * ((in.x_m - previous_x_m_) / (periods_ * period_s_) - s.v_mps);
   see_force(in, first_, s);
   s.F_ref_N = parameters_.position_gain_N_per_m * s.e_m + parameters_.velocity_gain_Ns_per_m * (in.now.d[1] - s.v_mps);
   if (feeds_forward()) feed_forward(in, s);
   s.e_F_N = s.F_ref_N - s.F_N;
-  s.I_Ns = state_.I_Ns;
-  return s;
 }
 
 // The formula, and with a pass what it has beside the formula. The formula alone keeps the axis' own supply; the pass
@@ -164,8 +160,11 @@ void PdForce::feed_forward(const ControlInput& in, PdForceState& s) const noexce
   s.u_feedforward_V += tick.u_V - tick.formula_V + s.u_learned_V;
 }
 
+// In place: a copy made of terms that were just written waits until their bytes have left the processor.
 double PdForce::update(const ControlInput& in) noexcept {
-  PdForceState s = terms_of(in);
+  const PdForceState before = state_;
+  PdForceState& s = state_;
+  take_terms(in, s);
   // The integral rests while the command is limited in the direction in which it would grow.
   const double without_growth_V = unlimited_V(s);
   if (std::isfinite(without_growth_V)) {
@@ -176,6 +175,7 @@ double PdForce::update(const ControlInput& in) noexcept {
   s.u_unlimited_V = unlimited_V(s);
   if (!std::isfinite(s.u_unlimited_V) || !std::isfinite(s.v_mps)) {
     // State stays as it was before this sample: filter, integral and command survive a single bad measurement.
+    state_ = before;
     state_.fault = controller_command_not_finite;
     state_.limit = limit_none;
     periods_ += 1.0;
@@ -184,7 +184,7 @@ double PdForce::update(const ControlInput& in) noexcept {
   const CommandLimiter::Result result = limiter_.limit(s.u_unlimited_V);
   s.u_V = result.command_V;
   s.limit = result.limit;
-  state_ = s;
+  s.fault = controller_healthy;
   move_.note(in.tick, s.e_m);
   previous_x_m_ = in.x_m;
   periods_ = 1.0;

@@ -207,7 +207,8 @@ class PdForce {
   std::vector<PassTick> pass_ticks(const LawSetup& setup) const;
   std::vector<double> learning_window(const LawSetup& setup, std::size_t ticks) const;
   double update(const ControlInput& in) noexcept;
-  PdForceState terms_of(const ControlInput& in) const noexcept;
+  // `s` holds the last step's terms and gets those of this one.
+  void take_terms(const ControlInput& in, PdForceState& s) const noexcept;
   void feed_forward(const ControlInput& in, PdForceState& s) const noexcept;
   bool feeds_forward() const noexcept { return parameters_.flow_feedforward != FeedforwardSource::off; }
   void see_force(const ControlInput& in, bool is_first, PdForceState& s) const noexcept;

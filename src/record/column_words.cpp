@@ -230,7 +230,20 @@ const Found* root_in_front(std::string_view word) {
   return nullptr;
 }
 
-RootsOfName roots_of(const std::vector<std::string>& parts) {
+/// Before a name of IEC 61131 that says what it is of itself: "fActPos" is a float. "F piston" is a force.
+std::vector<std::string> without_type(std::vector<std::string> parts) {
+  constexpr std::array types{"f", "r", "n", "di", "ui", "udi", "dw"};
+  if (parts.size() < 2 || std::find(types.begin(), types.end(), parts.front()) == types.end()) return parts;
+  const bool says_what = std::any_of(parts.begin() + 1, parts.end(), [](const std::string& part) {
+    const Found* root = part.size() > 1 ? found_root(part) : nullptr;
+    return root != nullptr && root->second < Role::supply;
+  });
+  if (says_what) parts.erase(parts.begin());
+  return parts;
+}
+
+RootsOfName roots_of(const std::vector<std::string>& name_parts) {
+  const std::vector<std::string> parts = without_type(name_parts);
   RootsOfName out;
   std::string joined;
   for (const std::string& part : parts) joined += part;

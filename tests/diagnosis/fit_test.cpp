@@ -41,6 +41,20 @@ Fit valley_fit() {
 
 }  // namespace
 
+TEST_CASE("a fit that cannot be computed where it begins has failed, and the others go on") {
+  ClosedFormModel model([](const Rig& rig) {
+    const double a = rig.axis.slider.mass_kg - 2;
+    return std::vector{a < -1 ? std::nan("") : 3 * a - 3, 1.0};
+  });
+  FittedRows rows(model, {});
+  Fit lost = valley_fit(), other = valley_fit();
+  lost.z(0) = -1.5;
+  improve(rows, {&lost, &other}, 4, Columns::all);
+  CHECK(lost.failed);
+  CHECK_FALSE(other.failed);
+  CHECK(other.z(0) == Approx(9.0 / 10));  // (3 a - 3)^2 + a^2
+}
+
 TEST_CASE("a fit follows a narrow bent valley to its end") {
   ClosedFormModel model = bent_valley::model();
   FittedRows rows(model, {});

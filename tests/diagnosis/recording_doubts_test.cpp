@@ -3,12 +3,15 @@
 #include <random>
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "config/input_error.hpp"
 #include "core/test_seed.hpp"
 #include "diagnosis/doubts/channel_doubts.hpp"
 #include "diagnosis/doubts/recording_doubts.hpp"
 #include "diagnosis/doubts/wiring_doubts.hpp"
+#include "diagnosis/recordings/stretches.hpp"
 #include "diagnosis/simulated_recording.hpp"
 #include "diagnosis/synthetic_axis.hpp"
 
@@ -96,6 +99,52 @@ TEST_CASE("each mistake of units and wiring is named and undone, on drawn machin
       CHECK(largest_channel_difference(wrong[0].column("p1_port_Pa"), right.column("p1_port_Pa")) < 1);
     }
   }
+}
+
+TEST_CASE("a wiring is told where a dead band or a leak lets simulated pressures drift, and a right one is left alone") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  Rig owner = test::cylinder_rig(2.0 + 8.0 * uniform(generator));
+  for (const bool leaks : {false, true}) {
+    Rig machine = owner;
+    if (leaks) machine.axis.effects.line_leak_1 = {(2 + 3 * uniform(generator)) * 1e-7, 0.5};
+    else machine.axis.effects.valve.valve_dead_band.width_V = 0.06 + 0.1 * uniform(generator);
+    const Recording whole = test::simulated_recording(machine, 8.0, seed, port_names);
+    const double start_s = 2 * uniform(generator);
+    const Recording right = part_of(whole, {start_s, 8.0});
+    const auto told_of = [&](const Mistake* mistake) {
+      std::vector<Recording> seen{right};
+      if (mistake != nullptr) mistake->make(seen[0]);
+      std::vector<std::string> notes;
+      doubt_wiring(owner, seen[0], notes);
+      return fmt::format("{}", fmt::join(notes, "\n"));
+    };
+    CAPTURE(leaks, start_s, owner.axis.line_1.length_m, port_misfit(owner, right));
+    CHECK(told_of(nullptr).empty());
+    for (const Mistake& mistake : mistakes) {
+      const std::string_view name = mistake.told;
+      if (name != "u_V has the other sign" && name != "x_m counts the other way" && name != "exchanged") continue;
+      CHECK_THAT(told_of(&mistake), Contains(mistake.told) && !Contains("\n"));
+    }
+  }
+}
+
+TEST_CASE("pressures in two units within one file are read each in its own") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  Rig owner = test::cylinder_rig();
+  const Recording right = test::simulated_recording(owner, 6.0, seed, test::all_pressures);
+  std::vector<Recording> mixed{right};
+  for (const auto& port : port_names) shift(mixed[0].column(port), 1e-5, 0);
+  std::vector<std::string> notes;
+  doubt_recordings(owner, mixed, notes);
+  CAPTURE(notes);
+  REQUIRE(notes.size() == 1);
+  CHECK_THAT(notes[0], Contains("p1_port_Pa, p2_port_Pa go from") && Contains("taken for bar"));
+  for (const auto& column : test::all_pressures)
+    CHECK(largest_channel_difference(mixed[0].column(column), right.column(column)) < 1);
 }
 
 TEST_CASE("exchanged chambers, sides and a supply at a port are named and undone") {

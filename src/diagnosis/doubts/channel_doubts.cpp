@@ -269,9 +269,9 @@ std::vector<UnitReading> position_zeros(const Rig& rig, const Recording& recordi
   return out;
 }
 
-std::vector<UnitReading> pressure_readings(const Rig& rig, const Recording& recording) {
+std::vector<UnitReading> pressure_readings(const Rig& rig, const Recording& recording,
+                                           const std::vector<std::string>& columns) {
   const PossibleRange possible = possible_pressure_Pa(rig);
-  const std::vector<std::string> columns = pressure_columns(recording);
   std::vector<UnitReading> out;
   for (const Unit& unit : pressure_units)
     for (const double offset : {0.0, rig.axis.air.atmosphere_Pa}) {

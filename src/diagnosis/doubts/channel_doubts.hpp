@@ -46,7 +46,8 @@ std::vector<UnitReading> position_zeros(const Rig& rig, const Recording& recordi
 /// Position beyond the stroke: another unit, or counted from an end.
 void doubt_position_unit(const Rig& rig, Recording& recording, std::vector<std::string>& notes);
 /// How pressures may be meant: those readings in which all lie between vacuum and what the loop refuses.
-std::vector<UnitReading> pressure_readings(const Rig& rig, const Recording& recording);
+std::vector<UnitReading> pressure_readings(const Rig& rig, const Recording& recording,
+                                           const std::vector<std::string>& columns);
 /// How the command may be meant: within the valve's range.
 std::vector<UnitReading> command_readings(const Rig& rig, const Recording& recording);
 /// Names of the pressure columns that the recording has.

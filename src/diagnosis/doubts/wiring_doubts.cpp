@@ -18,6 +18,7 @@
 
 #include "config/input_error.hpp"
 #include "diagnosis/doubts/channel_doubts.hpp"
+#include "diagnosis/doubts/wiring_balance.hpp"
 #include "diagnosis/recordings/cylinder_recording.hpp"
 #include "diagnosis/recordings/even_samples.hpp"
 #include "diagnosis/recordings/stretches.hpp"
@@ -40,12 +41,12 @@ constexpr double decisive = 0.4;
 /// The same of another wiring. On those recordings a wrong wiring missed by 1.78 times what the right one missed by, or
 /// more: the geometric mean of that and equality.
 constexpr double decisive_wiring = 0.75;
+/// Between sizes of pressures in one unit: bar, psi and kPa of one pressure differ by 7 to 15, other pairs by 100 or more.
+constexpr double one_unit = 30;
 /// Means over which the difference of a side's two pressures is judged: it lasts as long as a stroke, white noise of
 /// 600 Pa comes down to 85 Pa.
 constexpr double side_mean_s = 0.05;
 constexpr double neutral_tolerance = 0.02;  ///< of the command's range: data sheets state 5 +- 0.1 V of 0 to 10 V
-/// Of a command: 10 % of the valve's area, and what a dead band takes of the small commands that move an axis.
-constexpr double gain_tolerance = 0.15;
 constexpr int golden_steps = 8;  ///< of a golden section: to 2 % of what is allowed
 /// Of the lead that a held force has: a force is of its instant where its own lead is less, and known to that.
 constexpr double instant_share = 0.4, least_known = 0.2;
@@ -182,11 +183,8 @@ double misfit_at_best_neutral(const Rig& rig, const Recording& recording) {
   return misfit_at_best(rig, recording, neutral_tolerance * rig.axis.valve.command_max_V,
                         [](double command_V, double by) { return command_V + by; });
 }
-/// Over gains of the command: so does an error of the valve's area, or a dead band.
-double misfit_at_best_gain(const Rig& rig, const Recording& recording) {
-  return misfit_at_best(rig, recording, gain_tolerance,
-                        [](double command_V, double by) { return command_V * (1 + by); });
-}
+/// Of the gas at each instant: a dead band, a leak or a rest lets simulated pressures drift by more than a unit does.
+double misfit_of_gas(const Rig& rig, const Recording& recording) { return gas_misfit(rig, recording, judged_s); }
 
 using MisfitOf = double (*)(const Rig&, const Recording&);
 
@@ -196,7 +194,7 @@ std::vector<double> misfits_of(const Rig& rig, const Recording& judged, const st
   for (const Choice& choice : choices) {
     const bool is_far = needs_fit(kinds, choice);
     out.push_back(infinite_misfit);
-    if (is_far && misfit_of != &port_misfit) continue;  // such a reading changes more than a neutral does
+    if (is_far && misfit_of == &misfit_at_best_neutral) continue;  // such a reading changes more than a neutral does
     Recording tried = judged;
     for (std::size_t k = 0; k < kinds.size(); ++k) apply(kinds[k], choice[k], tried);
     const double misfit = misfit_of(rig, tried);
@@ -277,11 +275,11 @@ Choice decided(const Rig& rig, const Recording& recording, const std::vector<Rea
   });
   const auto as_recorded = static_cast<std::size_t>(found - choices.begin());
   const bool is_possible = found != choices.end();
-  for (const MisfitOf misfit_of : {&port_misfit, &misfit_at_best_neutral}) {
+  for (const MisfitOf misfit_of : {&port_misfit, &misfit_at_best_neutral, &misfit_of_gas}) {
     const std::vector<double> misfits = misfits_of(rig, judged, kinds, choices, misfit_of);
     if (is_possible && misfits[as_recorded] < doubtful) break;
     const auto best = static_cast<std::size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
-    if (is_possible && !(misfits[best] < decisive * misfits[as_recorded])) continue;
+    if (is_possible && !(misfits[best] < std::min(decisive * misfits[as_recorded], own_swing))) continue;
     return choices[one_of_fitting(recording, kinds, choices, misfits, best, notes)];
   }
   return choices[as_recorded];
@@ -292,39 +290,49 @@ struct Rewired {
   double misfit, misfit_as_recorded;
 };
 
-/// The other wiring that decisively brings the misfit down, as it is or with the command's best gain.
+/// The other wiring under which the balances leave decisively less than as recorded, and than a constant.
 std::optional<Rewired> rewired(const Rig& rig, const Recording& judged) {
-  const std::vector<Wiring> tried = wirings(judged);
-  for (const MisfitOf misfit_of : {&port_misfit, &misfit_at_best_gain}) {
-    std::vector<double> misfits;
-    for (const Wiring& wiring : tried) {
-      Recording other = judged;
-      wiring.apply(other);
-      misfits.push_back(misfit_of(rig, other));
-    }
-    const auto least = std::min_element(misfits.begin(), misfits.end());
-    const double as_recorded = misfit_of(rig, judged);
-    if (*least < decisive_wiring * as_recorded)
-      return Rewired{tried[static_cast<std::size_t>(least - misfits.begin())], *least, as_recorded};
+  const double as_recorded = std::min(balance_misfit(rig, judged, judged_s), own_swing);
+  std::optional<Rewired> out;
+  for (const Wiring& wiring : wirings(judged)) {
+    Recording other = judged;
+    wiring.apply(other);
+    const double misfit = balance_misfit(rig, other, judged_s);
+    if (misfit < (out ? out->misfit : decisive_wiring * as_recorded)) out = Rewired{wiring, misfit, as_recorded};
   }
-  return std::nullopt;
+  return out;
 }
 
 bool are_whole(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return v == std::round(v) || std::isnan(v); });
 }
 
+/// Columns of about the same size together: what differs by more is in another unit.
+std::vector<std::vector<std::string>> alike(const Recording& recording, std::vector<std::string> columns) {
+  const auto size_of = [&](const std::string& column) { return std::abs(quantile(recording.column(column), 0.5)); };
+  std::stable_sort(columns.begin(), columns.end(), [&](const auto& a, const auto& b) { return size_of(a) < size_of(b); });
+  std::vector<std::vector<std::string>> out;
+  for (const std::string& column : columns) {
+    if (out.empty() || size_of(column) > one_unit * size_of(out.back().back())) out.emplace_back();
+    out.back().push_back(column);
+  }
+  const std::vector<std::string> order = pressure_columns(recording);
+  const auto place = [&](const std::string& column) { return std::find(order.begin(), order.end(), column); };
+  for (auto& group : out)
+    std::sort(group.begin(), group.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
+  return out;
+}
+
 /// What the recording's channels may be meant as; throws where a kind has no reading.
 std::vector<ReadingsOf> possible_readings(const Rig& rig, const Recording& recording) {
   std::vector<ReadingsOf> out;
-  const std::vector<std::string> pressures = pressure_columns(recording);
-  if (!pressures.empty()) {
+  for (const std::vector<std::string>& pressures : alike(recording, pressure_columns(recording))) {
     double low = 1e300, high = -1e300;
     for (const std::string& column : pressures) {
       low = std::min(low, quantile(recording.column(column), lowest_share));
       high = std::max(high, quantile(recording.column(column), highest_share));
     }
-    out.push_back({pressures, pressure_readings(rig, recording),
+    out.push_back({pressures, pressure_readings(rig, recording, pressures),
                    fmt::format("{}: {} go{} from {:.4g} to {:.4g} Pa, possible are {:.0f} to {:.0f} Pa absolute",
                                recording.path, fmt::join(pressures, ", "), pressures.size() == 1 ? "es" : "", low, high,
                                possible_pressure_Pa(rig).lowest, possible_pressure_Pa(rig).highest)});
@@ -456,7 +464,7 @@ void doubt_sides(const Rig& rig, Recording& recording, std::vector<std::string>&
   for (const auto& [port, chamber] : sides) {
     if (!has(port) || !has(chamber)) continue;
     const SideMisfit found = side_misfit(judged, port, chamber);
-    if (!(found.misfit < decisive_wiring * found.misfit_as_recorded)) continue;
+    if (!(found.misfit < decisive_wiring * std::min(found.misfit_as_recorded, own_swing))) continue;
     const std::string a(info(port).column), b(info(chamber).column);
     exchange(recording, a, b);
     notes.push_back(
@@ -502,10 +510,9 @@ void doubt_wiring(const Rig& rig, Recording& recording, std::vector<std::string>
     if (!found) break;
     found->wiring.apply(judged);
     found->wiring.apply(recording);
-    notes.push_back(fmt::format("{}: {}: simulated so, the pressures miss the measured ones by {:.0f} % of their swing "
-                                "instead of {:.0f} %; compared so; to state it: {}",
-                                recording.path, found->wiring.name, 100 * found->misfit,
-                                std::min(100 * found->misfit_as_recorded, 9999.0),
+    notes.push_back(fmt::format("{}: {}: so, the balances of gas and force leave {:.0f} % of what they balance instead of "
+                                "{:.0f} %; compared so; to state it: {}",
+                                recording.path, found->wiring.name, 100 * found->misfit, 100 * found->misfit_as_recorded,
                                 stated_sources(recording, found->wiring.columns)));
   }
   doubt_sides(rig, recording, notes);

@@ -196,6 +196,7 @@ void linearise(FittedRows& rows, const std::vector<Fit*>& fits) {
       if (!store_residual(fit, column)) fit.failed = true;
       continue;
     }
+    if (fit.failed) continue;  // where it begins nothing can be computed, so there is no residual to compare with
     const Eigen::VectorXd derivative = (column - fit.residual) / probe.step;
     if (!derivative.allFinite()) fit.failed = true;
     for (const Eigen::Index c : probe.columns) {

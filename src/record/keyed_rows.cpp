@@ -22,10 +22,23 @@ std::string_view name_in(std::string_view field, char sign) {
   return number_in(trimmed(field.substr(at + 1)), '.', value) ? trimmed(field.substr(0, at)) : std::string_view();
 }
 
+constexpr std::string_view stamp_name = "Timestamp";
+
+/// What a serial monitor sets before a line, "10:15:00.020 -> "; the line goes on behind it.
+std::string_view stamp_taken_from(std::string_view& line) {
+  constexpr std::string_view arrow = " -> ";
+  const std::size_t at = line.find(arrow);
+  if (at == std::string_view::npos || at == 0 || line.find_first_not_of("0123456789:.") != at) return {};
+  const std::string_view stamp = line.substr(0, at);
+  line.remove_prefix(at + arrow.size());
+  return stamp;
+}
+
 std::vector<std::string> names_in(std::string_view line, const KeyedRows& how) {
+  std::vector<std::string> names;
+  if (!stamp_taken_from(line).empty()) names.emplace_back(stamp_name);
   std::vector<std::string_view> fields;
   split_fields(line, {how.separator, '.', false}, fields);
-  std::vector<std::string> names;
   for (const std::string_view field : fields) {
     const std::string_view name = name_in(field, how.sign);
     if (name.empty()) return {};
@@ -41,8 +54,10 @@ std::string KeyedRows::names_line() const {
 }
 
 std::string KeyedRows::row(std::string_view line) const {
+  const std::string_view stamp = stamp_taken_from(line);
   std::vector<std::string_view> fields;
   split_fields(line, {separator, '.', false}, fields);
+  if (!stamp.empty()) fields.insert(fields.begin(), stamp);
   for (std::size_t i = 0; i < std::min(fields.size(), names.size()); ++i)
     if (name_in(fields[i], sign) == names[i]) fields[i] = trimmed(fields[i].substr(fields[i].find(sign) + 1));
   return fmt::format("{}", fmt::join(fields, std::string_view(&separator, 1)));

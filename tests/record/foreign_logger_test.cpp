@@ -207,6 +207,15 @@ TEST_CASE("milliseconds in a column of their own and behind a comma belong to th
              drawn);
 }
 
+TEST_CASE("a serial monitor's stamp before fields that bear their names is a time of its own") {
+  const Drawn drawn;
+  check_read(drawn.lines([](double t, double x, double u) {
+    const auto ms = static_cast<int>(std::lround(1e3 * t));
+    return fmt::format("10:15:{:02}.{:03} -> pos_mm:{:.2f},u_V:{:.3f}", ms / 1000, ms % 1000, 1e3 * x, u);
+  }),
+             drawn);
+}
+
 TEST_CASE("what stands between the rows costs none of them") {
   const Drawn drawn;
   const auto row = [](double t, double x, double u) { return fmt::format("{:.3f},{:.5f},{:.3f}", t, x, u); };

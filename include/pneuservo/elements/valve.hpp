@@ -95,18 +95,9 @@ template <class S> class Valve {
   /// over pieces that resolve delay and lag however long the sub-step of the gas is.
   PortAreas<S> step(double in_period_s) noexcept {
     if (is_on_off_) return pulsed();
-    if (!moves_within_) {  // the spool is where the play leaves it, at once
-      lag_ = held_by_spool(history_[newest_]);
-      return areas(lag_);
-    }
-    PortAreas<S> mean{};
-    for (int i = 0; i < pieces_; ++i) {
-      const double start = in_period_s + i * piece_s_;
-      const PortAreas<S> now = piece(delayed_ ? delayed_command(start, start + piece_s_) : history_[newest_]);
-      const S share(1.0 / (i + 1));  // a mean of equal areas is that area to the last bit
-      mean = {mean.supply + share * (now.supply - mean.supply), mean.exhaust + share * (now.exhaust - mean.exhaust)};
-    }
-    return mean;
+    if (moves_within_) return mean_areas(in_period_s);
+    lag_ = held_by_spool(history_[newest_]);  // the spool is where the play leaves it, at once
+    return areas(lag_);
   }
   /// Areas of the edges at spool signal s [V].
   PortAreas<S> areas(const S& spool_V) const noexcept {
@@ -135,8 +126,19 @@ template <class S> class Valve {
     const double half_V = 0.5 * lane(parameters_.command_max_V, at), command_V = lane(command, at);
     return edge == 0 ? command_V > half_V : command_V < -half_V;
   }
+  // Out of the way of the valve without delay, lag and spool, which is then compiled into the plant's step.
+  [[gnu::noinline]] PortAreas<S> mean_areas(double in_period_s) noexcept {
+    PortAreas<S> mean{};
+    for (int i = 0; i < pieces_; ++i) {
+      const double start = in_period_s + i * piece_s_;
+      const PortAreas<S> now = piece(delayed_ ? delayed_command(start, start + piece_s_) : history_[newest_]);
+      const S share(1.0 / (i + 1));  // a mean of equal areas is that area to the last bit
+      mean = {mean.supply + share * (now.supply - mean.supply), mean.exhaust + share * (now.exhaust - mean.exhaust)};
+    }
+    return mean;
+  }
   // Mean areas over the sub-step.
-  PortAreas<S> pulsed() noexcept {
+  [[gnu::noinline]] PortAreas<S> pulsed() noexcept {
     S fills(0), empties(0);
     for (std::size_t i = 0; i < on_off_.size(); ++i) {
       const auto share = [&](std::size_t edge) noexcept {

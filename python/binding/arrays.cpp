@@ -26,7 +26,8 @@ std::string shape_text(const nb::ndarray<nb::ro>& array) {
 /// numpy's numbers and arrays as Python's, wherever they stand in a document.
 nb::object plain(nb::handle value) {
   if (nb::hasattr(value, "tolist")) return value.attr("tolist")();
-  throw nb::type_error(fmt::format("changes: found {}, expected numbers, words, lists or dicts", type_text(value)).c_str());
+  throw nb::type_error(
+      fmt::format("changes: found {}, expected numbers, words, lists or dicts", type_text(value)).c_str());
 }
 
 std::string yaml_of(nb::handle given) {
@@ -50,6 +51,13 @@ std::string text_of(nb::handle value, const char* expected) {
   throw nb::type_error(fmt::format("changes: found {}, expected {}", type_text(value), expected).c_str());
 }
 
+/// What an array or another object has in place of float64.
+std::string element_text(nb::handle value) {
+  if (!nb::hasattr(value, "dtype")) return type_text(value);
+  const auto text = nb::cast<std::string>(nb::str(nb::object(value.attr("dtype"))));
+  return text == "float64" ? "float64 at uneven places" : text;
+}
+
 /// A mask says which values count, and no column can.
 void refuse_masked(nb::handle array, std::string_view call, std::string_view name) {
   if (!nb::hasattr(array, "filled") || !nb::hasattr(array, "mask")) return;
@@ -62,10 +70,7 @@ void refuse_masked(nb::handle array, std::string_view call, std::string_view nam
 
 }  // namespace
 
-std::string type_text(nb::handle value) {
-  if (nb::hasattr(value, "dtype")) return nb::cast<std::string>(nb::str(nb::object(value.attr("dtype"))));
-  return nb::cast<std::string>(nb::str(value.type().attr("__name__")));
-}
+std::string type_text(nb::handle value) { return nb::cast<std::string>(nb::str(value.type().attr("__name__"))); }
 
 void require_finite(std::string_view call, std::string_view name, double value) {
   if (!std::isfinite(value))
@@ -79,7 +84,7 @@ Column::Column(nb::handle values, std::string_view call, std::string_view name) 
   }
   // A column of a data frame gives its own memory.
   const nb::object given = nb::hasattr(values, "to_numpy") ? values.attr("to_numpy")() : nb::borrow<nb::object>(values);
-  if (!nb::try_cast(given, array_, false)) refuse_type(call, name, type_text(values));
+  if (!nb::try_cast(given, array_, false)) refuse_type(call, name, element_text(values));
   refuse_masked(given, call, name);
   if (array_.dtype() != nb::dtype<double>())
     refuse_type(call, name, nb::cast<std::string>(nb::str(nb::object(given.attr("dtype")))));

@@ -151,7 +151,8 @@ void Plant::require_start(const PlantStart<double>& start) const {
        {std::pair("p1_Pa", start.pressure_1_Pa), std::pair("p2_Pa", start.pressure_2_Pa)})
     if (!(pressure_Pa > 0.0 && std::isfinite(pressure_Pa)))
       throw nb::value_error(
-          fmt::format("Plant.reset: {}: found {}, expected an absolute pressure above 0 Pa", name, pressure_Pa).c_str());
+          fmt::format("Plant.reset: {}: found {}, expected an absolute pressure above 0 Pa", name, pressure_Pa)
+              .c_str());
 }
 
 Columns columns_of(PerSignal<std::vector<double>>& measured, std::vector<double>& velocity) {

@@ -109,7 +109,7 @@ FloatArray view_of(const double* values, std::size_t rows, std::ptrdiff_t stride
 /// Throws ValueError where a number is not finite.
 void require_finite(std::string_view call, std::string_view name, double value);
 
-/// Name of a value's type, or of its array's elements, for a sentence.
+/// Name of a value's type, for a sentence.
 std::string type_text(nb::handle value);
 
 /// A mapping of config paths to values, or a sequence of PATH=VALUE, as the program's --set states them.

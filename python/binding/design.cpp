@@ -70,8 +70,8 @@ Matrices matrices(const Design& self, std::optional<int> order) {
   const StateSpace s = continuous_axis(found->axis);
   const auto n = static_cast<std::size_t>(s.A.rows()), inputs = static_cast<std::size_t>(s.B.cols()),
              outputs = static_cast<std::size_t>(s.C.rows());
-  return nb::borrow<Matrices>(nb::make_tuple(matrix(s.A, n, n), matrix(s.B, n, inputs), matrix(s.C, outputs, n),
-                                             matrix(s.D, outputs, inputs)));
+  return nb::borrow<Matrices>(
+      nb::make_tuple(matrix(s.A, n, n), matrix(s.B, n, inputs), matrix(s.C, outputs, n), matrix(s.D, outputs, inputs)));
 }
 
 }  // namespace

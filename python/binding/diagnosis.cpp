@@ -50,8 +50,9 @@ std::unique_ptr<Diagnosis> run_diagnosis(const Config& config, const Recordings&
   return result;
 }
 
-std::unique_ptr<Improvement> run_improvement(const Config& config, const Recordings& recordings, const Recordings& held_out,
-                                             int jobs, const nb::object& progress, const nb::object& cancel) {
+std::unique_ptr<Improvement> run_improvement(const Config& config, const Recordings& recordings,
+                                             const Recordings& held_out, int jobs, const nb::object& progress,
+                                             const nb::object& cancel) {
   const std::vector<Recording> all = taken(recordings, held_out);
   std::unique_ptr<Improvement> result;
   const bool interrupted = watched("improve", {progress, cancel}, [&](const StopQuestion& stop, const Progress& tell) {

@@ -84,7 +84,8 @@ Columns Law::run(const ArrayOrNumber& x, const ArrayOrNumber& p1, const ArrayOrN
                  const ArrayOrNumber& supply) {
   const char* const call = "Law.run";
   const Column position(x, call, "x_m"), pressure_1(p1, call, "p1_Pa"), pressure_2(p2, call, "p2_Pa"),
-      at_port_1(port_1.value_or(p1), call, "p1_port_Pa"), at_port_2(port_2.value_or(p2), call, "p2_port_Pa"), fed(supply, call, "p_supply_Pa");
+      at_port_1(port_1.value_or(p1), call, "p1_port_Pa"), at_port_2(port_2.value_or(p2), call, "p2_port_Pa"),
+      fed(supply, call, "p_supply_Pa");
   const std::size_t rows = common_rows(call, {&position, &pressure_1, &pressure_2, &at_port_1, &at_port_2, &fed});
   std::vector<double> u1(rows), u2(valves_ == 2 ? rows : 0), speed(rows);
   {

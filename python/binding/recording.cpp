@@ -20,9 +20,9 @@ std::vector<Recording> read(const std::string& path, const Config* config) {
 
 void fill(Recording& out, const nb::handle columns) {
   if (!nb::hasattr(columns, "items"))
-    throw nb::type_error(fmt::format("Recording: found {}, expected a file, a Recording, or a mapping of columns",
-                                     type_text(columns))
-                             .c_str());
+    throw nb::type_error(
+        fmt::format("Recording: found {}, expected a file, a Recording, or a mapping of columns", type_text(columns))
+            .c_str());
   for (const nb::handle item : nb::object(columns.attr("items")())) {
     const nb::object key = item[0];
     if (!nb::isinstance<nb::str>(key))
@@ -46,8 +46,8 @@ void fill(Recording& out, const nb::handle columns) {
 }
 
 /// The arrays are copied once: a recording is the library's own.
-void make(Recording* self, const nb::object& columns, double period_s, const std::string& rig,
-          const std::string& name, const std::string& header_text) {
+void make(Recording* self, const nb::object& columns, double period_s, const std::string& rig, const std::string& name,
+          const std::string& header_text) {
   Recording made;
   made.comments = header_text;
   made.path = name;

@@ -9,8 +9,8 @@ using pneuservo::fmu::Status;
 
 namespace {
 
-using fmi2CallbackLogger = void (*)(void* environment, const char* instance, int status, const char* category, const char* message,
-                        ...);
+using fmi2CallbackLogger = void (*)(void* environment, const char* instance, int status, const char* category,
+                                    const char* message, ...);
 
 struct Callbacks {
   fmi2CallbackLogger logger;

@@ -25,7 +25,8 @@ struct Format {
 };
 
 constexpr std::string_view as_csv = "write it as CSV";
-constexpr std::string_view by_export = "write it as CSV, with the Python package: python -m pneuservo.export FILE --csv";
+constexpr std::string_view by_export =
+    "write it as CSV, with the Python package: python -m pneuservo.export FILE --csv";
 constexpr std::string_view unpack = "unpack it first";
 /// Files that are no text, by how they begin.
 constexpr std::array<Format, 38> formats{{{"PK\3\4", "a zip archive, as .xlsx, .ods and .npz files are", as_csv},

@@ -133,6 +133,6 @@ def test_numbers_of_numpy_are_sent_as_numbers():
             served.sendall(b'{"id": 1, "ok": true}\n')
             axis.move_to(numpy.float32(0.125), speed_mps=numpy.int64(1))
             assert json.loads(served.recv(4096))["position_m"] == 0.125
-            with pytest.raises(TypeError, match="found set, expected numbers and text"):
+            with pytest.raises(TypeError, match="found set in a request, expected numbers and text"):
                 axis.move_to({1})
         axis.close()

@@ -46,6 +46,18 @@ void refuse_long_gaps(const Rig& rig, const Recording& recording) {
                       recording.path, recording.line_numbers[i], t_s[i - 1], t_s[i], t_s[i] - t_s[i - 1], longest_s));
 }
 
+/// A gap is held; a column without a single value would be a command of 0 V that nobody gave.
+void require_values(const Recording& recording, const std::string& name) {
+  const std::vector<double>& command = recording.column(name);
+  for (std::size_t i = 0; i < command.size(); ++i)
+    if (std::isinf(command[i]))
+      throw InputError(fmt::format("{}, line {}: {}: found {}, expected a command in volts", recording.path,
+                                   recording.line_numbers[i], name, command[i]));
+  for (const double value : command)
+    if (std::isfinite(value)) return;
+  throw InputError(fmt::format("{}: {}: found no value in any row, expected a command in volts", recording.path, name));
+}
+
 PlantCourse course_of(std::size_t rows, std::size_t valves) {
   PlantCourse course;
   for (const Signal signal : channel_signals) course.measured[signal].resize(rows);
@@ -59,6 +71,7 @@ PlantCourse course_of(std::size_t rows, std::size_t valves) {
 PlantCourse simulate_plant(const Rig& rig, const Recording& recording) {
   const std::vector<std::string> names = command_columns(rig);
   recording.require(names);
+  for (const std::string& name : names) require_values(recording, name);
   refuse_long_gaps(rig, recording);
   const std::vector<double>&command_1 = recording.column(names.front()), &command_2 = recording.column(names.back());
   const std::vector<double>& t_s = recording.t_s();

@@ -16,8 +16,6 @@ std::string shape_text(const nb::ndarray<nb::ro>& array) {
   return fmt::format("({}{})", text, array.ndim() == 1 ? "," : "");
 }
 
-std::string type_text(nb::handle value) { return nb::cast<std::string>(nb::str(value.type().attr("__name__"))); }
-
 [[noreturn]] void refuse_type(std::string_view call, std::string_view name, const std::string& found) {
   throw nb::type_error(fmt::format("{}: {}: found {}, expected an array of float64 with one axis, or a number: "
                                    "numpy.asarray(values, dtype=float) makes one",
@@ -25,11 +23,20 @@ std::string type_text(nb::handle value) { return nb::cast<std::string>(nb::str(v
                            .c_str());
 }
 
-std::string yaml_of(nb::handle value) {
+/// numpy's numbers and arrays as Python's, wherever they stand in a document.
+nb::object plain(nb::handle value) {
+  if (nb::hasattr(value, "tolist")) return value.attr("tolist")();
+  throw nb::type_error(
+      fmt::format("changes: found {}, expected numbers, words, lists or dicts", type_text(value)).c_str());
+}
+
+std::string yaml_of(nb::handle given) {
+  const nb::object value = nb::hasattr(given, "tolist") ? plain(given) : nb::borrow<nb::object>(given);
   if (nb::isinstance<nb::str>(value)) return nb::cast<std::string>(value);
   if (nb::isinstance<nb::dict>(value) || nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value) ||
       nb::isinstance<nb::bool_>(value))
-    return nb::cast<std::string>(nb::module_::import_("json").attr("dumps")(value));
+    return nb::cast<std::string>(
+        nb::module_::import_("json").attr("dumps")(value, nb::arg("default") = nb::cpp_function(&plain)));
   if (nb::isinstance<nb::int_>(value)) return nb::cast<std::string>(nb::str(value));
   double number = 0.0;
   if (!nb::try_cast(value, number))
@@ -38,7 +45,37 @@ std::string yaml_of(nb::handle value) {
   return number_text(number);
 }
 
+/// A key or PATH=VALUE of changes.
+std::string text_of(nb::handle value, const char* expected) {
+  if (nb::isinstance<nb::str>(value)) return nb::cast<std::string>(value);
+  throw nb::type_error(fmt::format("changes: found {}, expected {}", type_text(value), expected).c_str());
+}
+
+/// What an array or another object has in place of float64.
+std::string element_text(nb::handle value) {
+  if (!nb::hasattr(value, "dtype")) return type_text(value);
+  const auto text = nb::cast<std::string>(nb::str(nb::object(value.attr("dtype"))));
+  return text == "float64" ? "float64 at uneven places" : text;
+}
+
+/// A mask says which values count, and no column can.
+void refuse_masked(nb::handle array, std::string_view call, std::string_view name) {
+  if (!nb::hasattr(array, "filled") || !nb::hasattr(array, "mask")) return;
+  if (nb::cast<bool>(nb::bool_(nb::object(array.attr("mask").attr("any")()))))
+    throw nb::value_error(fmt::format("{}: {}: found masked values, expected an array without a mask: "
+                                      "values.filled(numpy.nan) makes one",
+                                      call, name)
+                              .c_str());
+}
+
 }  // namespace
+
+std::string type_text(nb::handle value) { return nb::cast<std::string>(nb::str(value.type().attr("__name__"))); }
+
+void require_finite(std::string_view call, std::string_view name, double value) {
+  if (!std::isfinite(value))
+    throw nb::value_error(fmt::format("{}: {}: found {}, expected a finite number", call, name, value).c_str());
+}
 
 Column::Column(nb::handle values, std::string_view call, std::string_view name) : name_(name) {
   if (PyFloat_Check(values.ptr()) || PyLong_Check(values.ptr())) {
@@ -47,7 +84,8 @@ Column::Column(nb::handle values, std::string_view call, std::string_view name) 
   }
   // A column of a data frame gives its own memory.
   const nb::object given = nb::hasattr(values, "to_numpy") ? values.attr("to_numpy")() : nb::borrow<nb::object>(values);
-  if (!nb::try_cast(given, array_, false)) refuse_type(call, name, type_text(values));
+  if (!nb::try_cast(given, array_, false)) refuse_type(call, name, element_text(values));
+  refuse_masked(given, call, name);
   if (array_.dtype() != nb::dtype<double>())
     refuse_type(call, name, nb::cast<std::string>(nb::str(nb::object(given.attr("dtype")))));
   if (array_.ndim() != 1)
@@ -58,6 +96,14 @@ Column::Column(nb::handle values, std::string_view call, std::string_view name) 
   data_ = static_cast<const double*>(array_.data());
   static constexpr double no_row = 0.0;
   if (rows_ == 0) data_ = &no_row;
+}
+
+void Column::require_finite(std::string_view call) const {
+  if (is_number()) return python::require_finite(call, name_, number_);
+  for (std::size_t row = 0; row < rows_; ++row)
+    if (!std::isfinite((*this)[row]))
+      throw nb::value_error(
+          fmt::format("{}: {}: found {} in row {}, expected finite numbers", call, name_, (*this)[row], row).c_str());
 }
 
 std::size_t common_rows(std::string_view call, std::initializer_list<const Column*> columns) {
@@ -84,22 +130,26 @@ template <class T> nb::object owned_array(std::vector<T>&& values) {
 
 }  // namespace
 
-nb::object array_of(std::vector<double>&& values) { return owned_array(std::move(values)); }
+FloatArray array_of(std::vector<double>&& values) { return nb::borrow<FloatArray>(owned_array(std::move(values))); }
 nb::object array_of(std::vector<std::uint32_t>&& values) { return owned_array(std::move(values)); }
 
-nb::object view_of(const double* values, std::size_t rows, std::ptrdiff_t stride, nb::handle owner) {
-  return nb::cast(nb::ndarray<nb::numpy, const double, nb::ndim<1>>(values, {rows}, owner, {stride}));
+FloatArray view_of(const double* values, std::size_t rows, std::ptrdiff_t stride, nb::handle owner) {
+  return nb::borrow<FloatArray>(
+      nb::cast(nb::ndarray<nb::numpy, const double, nb::ndim<1>>(values, {rows}, owner, {stride})));
 }
 
 std::vector<std::string> overrides_of(nb::handle changes) {
   std::vector<std::string> out;
   if (changes.is_none()) return out;
   if (!nb::hasattr(changes, "items")) {
-    for (const nb::handle one : changes) out.push_back(nb::cast<std::string>(one));
+    if (nb::isinstance<nb::str>(changes) || !nb::hasattr(changes, "__iter__"))
+      throw nb::type_error(
+          fmt::format("changes: found {}, expected a dict or a list of PATH=VALUE", type_text(changes)).c_str());
+    for (const nb::handle one : changes) out.push_back(text_of(one, "PATH=VALUE as text"));
     return out;
   }
   for (const nb::handle item : nb::object(changes.attr("items")()))
-    out.push_back(nb::cast<std::string>(item[0]) + "=" + yaml_of(nb::object(item[1])));
+    out.push_back(text_of(nb::object(item[0]), "a config path as text") + "=" + yaml_of(nb::object(item[1])));
   return out;
 }
 

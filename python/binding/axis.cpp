@@ -1,5 +1,8 @@
 // Estimator, plant and simulated machine, step by step and by arrays; the verbs simulate and run.
+#include <cmath>
 #include <memory>
+
+#include <fmt/format.h>
 
 #include <pneuservo/loop/axis_loop.hpp>
 #include <pneuservo/rig/plant.hpp>
@@ -12,22 +15,31 @@
 #include "sim/sim_backend.hpp"
 
 namespace pneuservo::python {
-namespace {
 
-void require_pneumatic(const Config& config, const char* who) {
+const Config& pneumatic(const Config& config, const char* who) {
   if (!config.rig.is_pneumatic())
     throw InputError(config.source + ": rig: found " + std::string(info(config.rig.kind).name) +
                      ", expected a rig with proportional valves: " + who + " works on no other");
+  return config;
+}
+
+namespace {
+
+/// A second command where there is one valve would be left out without a word.
+void require_second_valve(const char* call, std::size_t valves, bool is_given) {
+  if (valves != 2 && is_given)
+    throw nb::value_error(
+        fmt::format("{}: u2_V: found a second command, expected none: the rig has one valve", call).c_str());
 }
 
 /// The estimator with the columns of a recording for its results.
 class Estimator {
  public:
-  explicit Estimator(const Config& config) {
-    require_pneumatic(config, "Estimator");
+  explicit Estimator(const Config& config) : valves_(pneumatic(config, "Estimator").rig.valves()) {
     estimator_.configure(estimator_parameters(config.rig));
   }
   EstimatorOutput step(double p1_port_Pa, double p2_port_Pa, double x_m, double v_mps, double u_V, double u2_V) {
+    require_second_valve("Estimator.step", valves_, !std::isnan(u2_V));
     const InUse hold(in_use_, "Estimator");
     return estimator_.step({p1_port_Pa, p2_port_Pa, x_m, v_mps, u_V, u2_V});
   }
@@ -35,19 +47,21 @@ class Estimator {
     const InUse hold(in_use_, "Estimator");
     estimator_.reset();
   }
-  nb::dict run(const nb::object& p1, const nb::object& p2, const nb::object& x, const nb::object& v,
-               const nb::object& u, const nb::object& u2);
+  Document run(const ArrayOrNumber& p1, const ArrayOrNumber& p2, const ArrayOrNumber& x, const ArrayOrNumber& v,
+               const ArrayOrNumber& u, const ArrayOrNumber& u2);
 
  private:
   PipelineEstimator estimator_;
+  std::size_t valves_;
   std::atomic<bool> in_use_{false};
 };
 
-nb::dict Estimator::run(const nb::object& p1, const nb::object& p2, const nb::object& x, const nb::object& v,
-                        const nb::object& u, const nb::object& u2) {
+Document Estimator::run(const ArrayOrNumber& p1, const ArrayOrNumber& p2, const ArrayOrNumber& x,
+                        const ArrayOrNumber& v, const ArrayOrNumber& u, const ArrayOrNumber& u2) {
   const char* const call = "Estimator.run";
   const Column port_1(p1, call, "p1_port_Pa"), port_2(p2, call, "p2_port_Pa"), position(x, call, "x_m"),
       velocity(v, call, "v_mps"), command(u, call, "u_V"), command_2(u2, call, "u2_V");
+  require_second_valve(call, valves_, !command_2.is_number() || !std::isnan(command_2[0]));
   const std::size_t rows = common_rows(call, {&port_1, &port_2, &position, &velocity, &command, &command_2});
   std::array<std::vector<double>, 6> out;
   std::vector<std::uint32_t> health;
@@ -68,12 +82,18 @@ nb::dict Estimator::run(const nb::object& p1, const nb::object& p2, const nb::ob
       health[i] = e.health;
     }
   }
-  nb::dict result;
+  Document result;
   const std::array names{"p1_estimated_Pa", "p2_estimated_Pa",  "p1_bound_Pa",
                          "p2_bound_Pa",     "mass_flow_1_kgps", "mass_flow_2_kgps"};
   for (std::size_t i = 0; i < names.size(); ++i) result[names[i]] = array_of(std::move(out[i]));
   result["health"] = array_of(std::move(health));
   return result;
+}
+
+void require_commands(const char* call, std::size_t valves, double u1_V, std::optional<double> u2_V) {
+  require_second_valve(call, valves, u2_V.has_value());
+  require_finite(call, valves == 2 ? "u1_V" : "u_V", u1_V);
+  require_finite(call, "u2_V", u2_V.value_or(0.0));
 }
 
 /// Values of all channels and the velocity at one time.
@@ -85,18 +105,22 @@ struct AxisValues {
 /// The plant behind ideal sensors.
 class Plant {
  public:
-  explicit Plant(const Config& config) : start_(plant_start(config.rig)), valves_(config.rig.valves()) {
-    require_pneumatic(config, "Plant");
+  explicit Plant(const Config& config)
+      : start_(plant_start(pneumatic(config, "Plant").rig)), valves_(config.rig.valves()),
+        half_stroke_m_(0.5 * config.rig.axis.cylinder.stroke_m) {
     const Rig& rig = config.rig;
     plant_.configure(rig.axis, rig.period_s, rig.simulation.cells_per_m, valve_arrangement(rig));
     plant_.reset(start_);
   }
   void reset(std::optional<double> x_m, std::optional<double> p1_Pa, std::optional<double> p2_Pa) {
+    const PlantStart<double> start{x_m.value_or(start_.position_m), p1_Pa.value_or(start_.pressure_1_Pa),
+                                   p2_Pa.value_or(start_.pressure_2_Pa)};
+    require_start(start);
     const InUse hold(in_use_, "Plant");
-    plant_.reset(
-        {x_m.value_or(start_.position_m), p1_Pa.value_or(start_.pressure_1_Pa), p2_Pa.value_or(start_.pressure_2_Pa)});
+    plant_.reset(start);
   }
   AxisValues step(double u1_V, std::optional<double> u2_V) {
+    require_commands("Plant.step", valves_, u1_V, u2_V);
     const InUse hold(in_use_, "Plant");
     plant_.step(u1_V, u2_V.value_or(-u1_V));
     return values();
@@ -105,31 +129,49 @@ class Plant {
     const InUse hold(in_use_, "Plant");
     return values();
   }
-  nb::dict run(const nb::object& u1, const nb::object& u2);
+  Columns run(const ArrayOrNumber& u1, const std::optional<ArrayOrNumber>& u2);
 
  private:
+  void require_start(const PlantStart<double>& start) const;
   AxisValues values() const { return {true_values(plant_), plant_.velocity()}; }
 
   AxisPlant<double> plant_;
   PlantStart<double> start_;
   std::size_t valves_;
+  double half_stroke_m_;
   std::atomic<bool> in_use_{false};
 };
 
-nb::dict columns_of(PerSignal<std::vector<double>>& measured, std::vector<double>& velocity) {
-  nb::dict result;
+void Plant::require_start(const PlantStart<double>& start) const {
+  if (!(std::fabs(start.position_m) <= half_stroke_m_))
+    throw nb::value_error(fmt::format("Plant.reset: x_m: found {}, expected a place within the stroke, -{} to {} m",
+                                      start.position_m, half_stroke_m_, half_stroke_m_)
+                              .c_str());
+  for (const auto& [name, pressure_Pa] :
+       {std::pair("p1_Pa", start.pressure_1_Pa), std::pair("p2_Pa", start.pressure_2_Pa)})
+    if (!(pressure_Pa > 0.0 && std::isfinite(pressure_Pa)))
+      throw nb::value_error(
+          fmt::format("Plant.reset: {}: found {}, expected an absolute pressure above 0 Pa", name, pressure_Pa)
+              .c_str());
+}
+
+Columns columns_of(PerSignal<std::vector<double>>& measured, std::vector<double>& velocity) {
+  Columns result;
   for (const Signal signal : channel_signals)
     result[nb::cast(std::string(info(signal).column))] = array_of(std::move(measured[signal]));
   result["v_mps"] = array_of(std::move(velocity));
   return result;
 }
 
-nb::dict Plant::run(const nb::object& u1, const nb::object& u2) {
+Columns Plant::run(const ArrayOrNumber& u1, const std::optional<ArrayOrNumber>& u2) {
   const char* const call = "Plant.run";
   const Column command_1(u1, call, valves_ == 2 ? "u1_V" : "u_V");
-  const Column command_2(u2.is_none() ? u1 : u2, call, "u2_V");
-  const double sign = u2.is_none() ? -1.0 : 1.0;
+  require_second_valve(call, valves_, u2.has_value());
+  const Column command_2(u2.value_or(u1), call, "u2_V");
+  const double sign = u2 ? 1.0 : -1.0;
   const std::size_t rows = common_rows(call, {&command_1, &command_2});
+  command_1.require_finite(call);
+  command_2.require_finite(call);
   PerSignal<std::vector<double>> measured;
   std::vector<double> velocity;
   {
@@ -150,8 +192,8 @@ nb::dict Plant::run(const nb::object& u1, const nb::object& u2) {
 /// The plant with its deviations behind noisy sensors, as the backend `sim`.
 class Machine {
  public:
-  explicit Machine(const Config& config) : period_s_(config.rig.period_s) {
-    require_pneumatic(config, "Machine");
+  explicit Machine(const Config& config)
+      : period_s_(pneumatic(config, "Machine").rig.period_s), valves_(config.rig.valves()) {
     backend_ = std::make_unique<SimBackend>(config.rig);
     backend_->configure();
     backend_->activate();
@@ -164,6 +206,7 @@ class Machine {
     return out;
   }
   void write(double u1_V, std::optional<double> u2_V) {
+    require_commands("Machine.write", valves_, u1_V, u2_V);
     backend_->write(tick_++, {.valve_V = u1_V, .valve_2_V = u2_V.value_or(-u1_V), .enable = true});
   }
   Truth truth() const { return backend_->truth(); }
@@ -173,17 +216,18 @@ class Machine {
  private:
   std::unique_ptr<SimBackend> backend_;
   double period_s_;
+  std::size_t valves_;
   std::int64_t tick_ = 0;
 };
 
-nb::dict simulate(const Config& config, const Recording& command) {
-  require_pneumatic(config, "simulate");
+Columns simulate(const Config& config, const Recording& command) {
+  pneumatic(config, "simulate");
   std::optional<PlantCourse> course;
   {
     const nb::gil_scoped_release released;
     course = simulate_plant(config.rig, command);
   }
-  nb::dict result = columns_of(course->measured, course->v_mps);
+  Columns result = columns_of(course->measured, course->v_mps);
   const std::vector<std::string> names = command_columns(config.rig);
   result[nb::cast(names.front())] = array_of(std::move(course->u1_V));
   if (names.size() == 2) result[nb::cast(names.back())] = array_of(std::move(course->u2_V));
@@ -197,8 +241,8 @@ struct Run {
 };
 
 std::unique_ptr<Run> run(const Config& config, int moves) {
-  require_pneumatic(config, "run");
-  if (moves < 1) throw nb::value_error("run: moves: expected at least 1");
+  pneumatic(config, "run");
+  if (moves < 1) throw nb::value_error(fmt::format("run: moves: found {}, expected at least 1", moves).c_str());
   const nb::gil_scoped_release released;
   const Rig rig = with_pass_heeded(config);
   SimBackend backend(rig);
@@ -213,10 +257,10 @@ std::unique_ptr<Run> run(const Config& config, int moves) {
   return result;
 }
 
-nb::dict run_columns(const nb::object& self) {
+Columns run_columns(const nb::object& self) {
   const Run& run = nb::cast<const Run&>(self);
   const std::vector<Row>& rows = run.outcome.rows;
-  nb::dict out;
+  Columns out;
   if (rows.empty()) return out;
   static_assert(sizeof(Row) % sizeof(double) == 0);
   constexpr std::ptrdiff_t stride = sizeof(Row) / sizeof(double);

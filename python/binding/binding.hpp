@@ -33,6 +33,40 @@ struct Config {
   std::string source;  ///< file or name that its errors state
 };
 
+/// The config, whose rig has proportional valves. Throws InputError for another one; `who` works on no other.
+const Config& pneumatic(const Config& config, const char* who);
+
+/// What a stub says of objects that this binding makes or looks into itself.
+inline bool is_anything(PyObject*) noexcept { return true; }
+struct Anything : nb::object {
+  NB_OBJECT(Anything, nb::object, "typing.Any", is_anything)
+};
+struct ArrayOrNumber : nb::object {
+  NB_OBJECT(ArrayOrNumber, nb::object, "numpy.ndarray[dtype=float64] | float", is_anything)
+};
+struct FloatArray : nb::object {
+  NB_OBJECT_DEFAULT(FloatArray, nb::object, "numpy.ndarray[dtype=float64]", is_anything)
+};
+struct Columns : nb::dict {
+  NB_OBJECT_DEFAULT(Columns, nb::dict, "dict[str, numpy.ndarray[dtype=float64]]", PyDict_Check)
+};
+struct Document : nb::dict {
+  NB_OBJECT_DEFAULT(Document, nb::dict, "dict[str, typing.Any]", PyDict_Check)
+};
+
+struct Matrices : nb::tuple {
+  NB_OBJECT_DEFAULT(Matrices, nb::tuple,
+                    "tuple[numpy.ndarray[dtype=float64], numpy.ndarray[dtype=float64], numpy.ndarray[dtype=float64], "
+                    "numpy.ndarray[dtype=float64]]",
+                    PyTuple_Check)
+};
+struct Documents : nb::list {
+  NB_OBJECT_DEFAULT(Documents, nb::list, "list[dict[str, typing.Any]]", PyList_Check)
+};
+struct Recordings : nb::list {
+  NB_OBJECT_DEFAULT(Recordings, nb::list, "list[pneuservo._core.Recording]", PyList_Check)
+};
+
 /// The config's rig, with the formula where it has no command pass and goes on without one. Throws InputError where it
 /// does not.
 Rig with_pass_heeded(const Config& config);
@@ -48,6 +82,8 @@ class Column {
   bool is_number() const noexcept { return data_ == nullptr; }
   std::size_t rows() const noexcept { return rows_; }
   std::string_view name() const noexcept { return name_; }
+  /// Throws ValueError where a value is not finite.
+  void require_finite(std::string_view call) const;
 
  private:
   nb::ndarray<nb::ro> array_;  // holds the caller's memory
@@ -65,10 +101,16 @@ inline constexpr double none = std::numeric_limits<double>::quiet_NaN();
 std::size_t common_rows(std::string_view call, std::initializer_list<const Column*> columns);
 
 /// The values as an array of numpy that owns them; nothing is copied.
-nb::object array_of(std::vector<double>&& values);
+FloatArray array_of(std::vector<double>&& values);
 nb::object array_of(std::vector<std::uint32_t>&& values);
 /// Values that `owner` holds, `stride` doubles apart, as an array that cannot be written to.
-nb::object view_of(const double* values, std::size_t rows, std::ptrdiff_t stride, nb::handle owner);
+FloatArray view_of(const double* values, std::size_t rows, std::ptrdiff_t stride, nb::handle owner);
+
+/// Throws ValueError where a number is not finite.
+void require_finite(std::string_view call, std::string_view name, double value);
+
+/// Name of a value's type, for a sentence.
+std::string type_text(nb::handle value);
 
 /// A mapping of config paths to values, or a sequence of PATH=VALUE, as the program's --set states them.
 std::vector<std::string> overrides_of(nb::handle changes);

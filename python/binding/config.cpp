@@ -12,6 +12,9 @@
 namespace pneuservo::python {
 namespace {
 
+/// Keys of what a document states.
+Document document_of(const ConfigNode& node) { return nb::borrow<Document>(python_value(node)); }
+
 ConfigNode tree_of(const Config& config) { return parse_config_tree(dump_rig(config.rig), config.source); }
 
 Config changed(const Config& config, nb::handle changes) {
@@ -19,7 +22,7 @@ Config changed(const Config& config, nb::handle changes) {
 }
 
 /// What stands at a path such as line_1.length_m.
-nb::object at_path(const Config& config, const std::string& path) {
+Anything at_path(const Config& config, const std::string& path) {
   const ConfigNode root = tree_of(config);
   const ConfigNode* node = &root;
   for (std::size_t begin = 0; begin <= path.size();) {
@@ -28,17 +31,17 @@ nb::object at_path(const Config& config, const std::string& path) {
     if (entry == nullptr) {
       // A number that is not stated has its neutral value; the library names near keys where there is none.
       try {
-        return nb::cast(get_parameter(config.rig, path));
+        return nb::borrow<Anything>(nb::cast(get_parameter(config.rig, path)));
       } catch (const InputError& error) { throw nb::key_error(error.what()); }
     }
     node = &entry->value;
     begin = end + 1;
   }
-  return python_value(*node);
+  return nb::borrow<Anything>(python_value(*node));
 }
 
-nb::dict parameters(const Config& config) {
-  nb::dict out;
+Document parameters(const Config& config) {
+  Document out;
   for (const ParameterPath& p : parameter_paths(config.rig)) {
     nb::dict one;
     one["value"] = p.value;
@@ -68,9 +71,13 @@ nb::list fmu_variables(const Config& config, const std::string& model) {
   return out;
 }
 
-Config with_effects(const Config& config, const nb::dict& effects) {
+Config with_effects(const Config& config, const Document& effects) {
   nb::dict changes;
-  for (const auto& [name, keys] : effects) changes[nb::str("effects.") + nb::str(name)] = keys;
+  for (const auto& [name, keys] : effects) {
+    if (!nb::isinstance<nb::str>(name))
+      throw nb::type_error(fmt::format("effects: found {}, expected names as text", type_text(name)).c_str());
+    changes[nb::str("effects.") + nb::str(name)] = keys;
+  }
   return changed(config, changes);
 }
 
@@ -101,7 +108,7 @@ void bind_config(nb::module_& m) {
       .def("__getitem__", &at_path, nb::arg("path"),
            "What stands at a path: a number in the unit of its key, a word, a dict.")
       .def(
-          "to_dict", [](const Config& c) { return python_value(tree_of(c)); }, "Every key as dicts, lists and numbers.")
+          "to_dict", [](const Config& c) { return document_of(tree_of(c)); }, "Every key as dicts, lists and numbers.")
       .def(
           "to_yaml", [](const Config& c) { return dump_rig(c.rig); },
           "Every key with unit, range and meaning; reads back to the same config, bit for bit.")

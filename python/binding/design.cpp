@@ -39,25 +39,25 @@ std::unique_ptr<Design> design(const Config& config, const std::string& method,
                         .beta = beta,
                         .c_1 = c6,
                         .c_2 = c5};
-  if (!config.rig.is_pneumatic())
-    throw InputError(config.source + ": rig: expected a rig with proportional valves: design works on no other");
+  pneumatic(config, "design");
   const nb::gil_scoped_release released;
   try {
     return std::unique_ptr<Design>(new Design{config.rig, design_axis(config.rig, request, load_reference_positions)});
   } catch (const std::invalid_argument& error) { throw InputError(config.source + ": " + error.what()); }
 }
 
-nb::object matrix(const Eigen::MatrixXd& from, std::size_t rows, std::size_t columns) {
+FloatArray matrix(const Eigen::MatrixXd& from, std::size_t rows, std::size_t columns) {
   auto* const values = new std::vector<double>(rows * columns, 0.0);
   const nb::capsule owner(values, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
   for (Eigen::Index r = 0; r < from.rows(); ++r)
     for (Eigen::Index c = 0; c < from.cols(); ++c)
       (*values)[static_cast<std::size_t>(r) * columns + static_cast<std::size_t>(c)] = from(r, c);
-  return nb::cast(nb::ndarray<nb::numpy, double, nb::ndim<2>>(values->data(), {rows, columns}, owner));
+  return nb::borrow<FloatArray>(
+      nb::cast(nb::ndarray<nb::numpy, double, nb::ndim<2>>(values->data(), {rows, columns}, owner)));
 }
 
 /// A, B, C, D of the axis of that order, without its delay.
-nb::tuple matrices(const Design& self, std::optional<int> order) {
+Matrices matrices(const Design& self, std::optional<int> order) {
   const ModelFigures* found = order ? nullptr : &self.design.models.back();
   for (const ModelFigures& model : self.design.models)
     if (order && model.axis.order() == *order) found = &model;
@@ -70,8 +70,8 @@ nb::tuple matrices(const Design& self, std::optional<int> order) {
   const StateSpace s = continuous_axis(found->axis);
   const auto n = static_cast<std::size_t>(s.A.rows()), inputs = static_cast<std::size_t>(s.B.cols()),
              outputs = static_cast<std::size_t>(s.C.rows());
-  return nb::make_tuple(matrix(s.A, n, n), matrix(s.B, n, inputs), matrix(s.C, outputs, n),
-                        matrix(s.D, outputs, inputs));
+  return nb::borrow<Matrices>(
+      nb::make_tuple(matrix(s.A, n, n), matrix(s.B, n, inputs), matrix(s.C, outputs, n), matrix(s.D, outputs, inputs)));
 }
 
 }  // namespace

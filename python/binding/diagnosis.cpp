@@ -19,7 +19,7 @@ namespace {
 std::string improved_name(const std::string& rig) { return rig + ", improved"; }
 
 /// Copies of all, the second ones held out of fits.
-std::vector<Recording> taken(const nb::list& recordings, const nb::list& held_out) {
+std::vector<Recording> taken(const Recordings& recordings, const Recordings& held_out) {
   std::vector<Recording> out;
   for (const bool is_held_out : {false, true})
     for (const nb::handle one : is_held_out ? held_out : recordings) {
@@ -37,7 +37,7 @@ DiagnoseOptions options_of(int jobs, const StopQuestion& stop, const Progress& t
   return options;
 }
 
-std::unique_ptr<Diagnosis> run_diagnosis(const Config& config, const nb::list& recordings, const nb::list& held_out,
+std::unique_ptr<Diagnosis> run_diagnosis(const Config& config, const Recordings& recordings, const Recordings& held_out,
                                          int jobs, bool latent, const nb::object& progress, const nb::object& cancel) {
   std::vector<Recording> all = taken(recordings, held_out);
   std::unique_ptr<Diagnosis> result;
@@ -50,8 +50,9 @@ std::unique_ptr<Diagnosis> run_diagnosis(const Config& config, const nb::list& r
   return result;
 }
 
-std::unique_ptr<Improvement> run_improvement(const Config& config, const nb::list& recordings, const nb::list& held_out,
-                                             int jobs, const nb::object& progress, const nb::object& cancel) {
+std::unique_ptr<Improvement> run_improvement(const Config& config, const Recordings& recordings,
+                                             const Recordings& held_out, int jobs, const nb::object& progress,
+                                             const nb::object& cancel) {
   const std::vector<Recording> all = taken(recordings, held_out);
   std::unique_ptr<Improvement> result;
   const bool interrupted = watched("improve", {progress, cancel}, [&](const StopQuestion& stop, const Progress& tell) {
@@ -62,10 +63,10 @@ std::unique_ptr<Improvement> run_improvement(const Config& config, const nb::lis
   return result;
 }
 
-std::unique_ptr<Refit> run_refit(const Config& config, const nb::list& recordings,
+std::unique_ptr<Refit> run_refit(const Config& config, const Recordings& recordings,
                                  const std::vector<std::string>& effects, int jobs, const nb::object& progress,
                                  const nb::object& cancel) {
-  const std::vector<Recording> all = taken(recordings, nb::list());
+  const std::vector<Recording> all = taken(recordings, Recordings());
   std::unique_ptr<Refit> result;
   const bool interrupted = watched("refit", {progress, cancel}, [&](const StopQuestion& stop, const Progress& tell) {
     result = std::make_unique<Refit>(refit(config.rig, all, effects, options_of(jobs, stop, tell)));
@@ -74,7 +75,7 @@ std::unique_ptr<Refit> run_refit(const Config& config, const nb::list& recording
   return result;
 }
 
-nb::object plain_array(const Eigen::MatrixXd& values) {
+FloatArray plain_array(const Eigen::MatrixXd& values) {
   return array_of(std::vector<double>(values.data(), values.data() + values.size()));
 }
 
@@ -85,7 +86,10 @@ void bind_refit(nb::module_& m) {
           "values", [](const Refit& r) { return plain_array(r.values); }, "Shape (sizes,), in SI units.")
       .def_prop_ro(
           "covariance",
-          [](const Refit& r) { return plain_array(r.covariance).attr("reshape")(r.values.size(), r.values.size()); },
+          [](const Refit& r) {
+            return nb::borrow<FloatArray>(
+                nb::object(plain_array(r.covariance).attr("reshape")(r.values.size(), r.values.size())));
+          },
           "Shape (sizes, sizes): what noise, tolerances and starts leave open.")
       .def_ro("misfit", &Refit::misfit,
               "Squared mismatch a row in its floor: well below 1 where the model lacks nothing, since floors hold its "

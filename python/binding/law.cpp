@@ -15,10 +15,8 @@ namespace {
 class Law {
  public:
   explicit Law(const Config& config)
-      : reference_(config.rig.reference, load_reference_positions), period_s_(config.rig.period_s),
+      : reference_(pneumatic(config, "Law").rig.reference, load_reference_positions), period_s_(config.rig.period_s),
         valves_(config.rig.valves()), terms_(law_columns(config.rig.controller.kind)) {
-    if (!config.rig.is_pneumatic())
-      throw InputError(config.source + ": rig: expected a rig with proportional valves: Law works on no other");
     const Rig rig = with_pass_heeded(config);
     controller_.configure(rig.controller, rig.axis, rig.period_s, reference_, rig.duration_s,
                           pass_tables(rig, reference_).law);
@@ -30,32 +28,39 @@ class Law {
     tick_ = 0;
     out_ = {};
   }
-  nb::object step(double x_m, double p1_Pa, double p2_Pa, std::optional<double> p1_port_Pa,
-                  std::optional<double> p2_port_Pa, double p_supply_Pa) {
+  Anything step(double x_m, double p1_Pa, double p2_Pa, std::optional<double> p1_port_Pa,
+                std::optional<double> p2_port_Pa, double p_supply_Pa) {
     const InUse hold(in_use_, "Law");
     advance({.x_m = x_m,
              .pressure_Pa = {p1_Pa, p2_Pa},
              .port_Pa = {p1_port_Pa.value_or(p1_Pa), p2_port_Pa.value_or(p2_Pa)},
              .supply_Pa = p_supply_Pa});
-    if (valves_ == 1) return nb::cast(out_.command_V[0]);
-    return nb::make_tuple(out_.command_V[0], out_.command_V[1]);
+    if (valves_ == 1) return nb::borrow<Anything>(nb::cast(out_.command_V[0]));
+    return nb::borrow<Anything>(nb::make_tuple(out_.command_V[0], out_.command_V[1]));
   }
-  nb::dict run(const nb::object& x, const nb::object& p1, const nb::object& p2, const nb::object& port_1,
-               const nb::object& port_2, const nb::object& supply);
-  nb::dict terms() const {
+  Columns run(const ArrayOrNumber& x, const ArrayOrNumber& p1, const ArrayOrNumber& p2,
+              const std::optional<ArrayOrNumber>& port_1, const std::optional<ArrayOrNumber>& port_2,
+              const ArrayOrNumber& supply);
+  Document terms() {
+    const InUse hold(in_use_, "Law");
     std::array<double, 16> values{};
     controller_.write_terms(tick_ > 0, std::span(values).first(terms_.size()));
-    nb::dict out;
+    Document out;
     for (std::size_t i = 0; i < terms_.size(); ++i) out[nb::cast(std::string(terms_[i]))] = values[i];
     return out;
   }
-  nb::object reference_at(const nb::object& t_s) const;
-  double speed_mps() const { return out_.speed_mps; }
-  bool limited() const { return out_.limited; }
+  FloatArray reference_at(const ArrayOrNumber& t_s) const;
+  double speed_mps() { return alone(out_.speed_mps); }
+  bool limited() { return alone(out_.limited); }
   double lead_s() const { return controller_.lead_s(); }
-  std::int64_t tick() const { return tick_; }
+  std::int64_t tick() { return alone(tick_); }
 
  private:
+  /// A value that no other thread changes while it is read.
+  template <class T> T alone(const T& value) {
+    const InUse hold(in_use_, "Law");
+    return value;
+  }
   void advance(ControlInput in) noexcept {
     const double t_s = static_cast<double>(tick_) * period_s_, lead_s = controller_.lead_s();
     in.now = reference_.at(t_s);
@@ -74,12 +79,13 @@ class Law {
   std::atomic<bool> in_use_{false};
 };
 
-nb::dict Law::run(const nb::object& x, const nb::object& p1, const nb::object& p2, const nb::object& port_1,
-                  const nb::object& port_2, const nb::object& supply) {
+Columns Law::run(const ArrayOrNumber& x, const ArrayOrNumber& p1, const ArrayOrNumber& p2,
+                 const std::optional<ArrayOrNumber>& port_1, const std::optional<ArrayOrNumber>& port_2,
+                 const ArrayOrNumber& supply) {
   const char* const call = "Law.run";
   const Column position(x, call, "x_m"), pressure_1(p1, call, "p1_Pa"), pressure_2(p2, call, "p2_Pa"),
-      at_port_1(port_1.is_none() ? p1 : port_1, call, "p1_port_Pa"),
-      at_port_2(port_2.is_none() ? p2 : port_2, call, "p2_port_Pa"), fed(supply, call, "p_supply_Pa");
+      at_port_1(port_1.value_or(p1), call, "p1_port_Pa"), at_port_2(port_2.value_or(p2), call, "p2_port_Pa"),
+      fed(supply, call, "p_supply_Pa");
   const std::size_t rows = common_rows(call, {&position, &pressure_1, &pressure_2, &at_port_1, &at_port_2, &fed});
   std::vector<double> u1(rows), u2(valves_ == 2 ? rows : 0), speed(rows);
   {
@@ -94,21 +100,22 @@ nb::dict Law::run(const nb::object& x, const nb::object& p1, const nb::object& p
       if (valves_ == 2) u2[i] = out_.command_V[1];
     }
   }
-  nb::dict out;
+  Columns out;
   out[valves_ == 2 ? "u1_V" : "u_V"] = array_of(std::move(u1));
   if (valves_ == 2) out["u2_V"] = array_of(std::move(u2));
   out["v_mps"] = array_of(std::move(speed));
   return out;
 }
 
-nb::object Law::reference_at(const nb::object& t_s) const {
+FloatArray Law::reference_at(const ArrayOrNumber& t_s) const {
   const Column times(t_s, "Law.reference", "t_s");
   const std::size_t rows = times.is_number() ? 1 : times.rows();
   auto* const values = new std::vector<double>(rows * 8);
   const nb::capsule owner(values, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
   for (std::size_t i = 0; i < rows; ++i)
     std::ranges::copy(reference_.at(times[i]).d, values->begin() + static_cast<std::ptrdiff_t>(8 * i));
-  return nb::cast(nb::ndarray<nb::numpy, double, nb::ndim<2>>(values->data(), {rows, std::size_t{8}}, owner));
+  return nb::borrow<FloatArray>(
+      nb::cast(nb::ndarray<nb::numpy, double, nb::ndim<2>>(values->data(), {rows, std::size_t{8}}, owner)));
 }
 
 }  // namespace

@@ -19,8 +19,16 @@ std::vector<Recording> read(const std::string& path, const Config* config) {
 }
 
 void fill(Recording& out, const nb::handle columns) {
+  if (!nb::hasattr(columns, "items"))
+    throw nb::type_error(
+        fmt::format("Recording: found {}, expected a file, a Recording, or a mapping of columns", type_text(columns))
+            .c_str());
   for (const nb::handle item : nb::object(columns.attr("items")())) {
-    const auto name = nb::cast<std::string>(item[0]);
+    const nb::object key = item[0];
+    if (!nb::isinstance<nb::str>(key))
+      throw nb::type_error(
+          fmt::format("Recording: found {} as a column's name, expected text", type_text(key)).c_str());
+    const auto name = nb::cast<std::string>(key);
     const nb::object values = item[1];
     const Column column(values, "Recording", name);
     if (column.is_number())
@@ -38,9 +46,10 @@ void fill(Recording& out, const nb::handle columns) {
 }
 
 /// The arrays are copied once: a recording is the library's own.
-void make(Recording* self, const nb::object& columns, double period_s, const std::string& rig,
-          const std::string& name) {
+void make(Recording* self, const nb::object& columns, double period_s, const std::string& rig, const std::string& name,
+          const std::string& header_text) {
   Recording made;
+  made.comments = header_text;
   made.path = name;
   made.rig = rig;
   made.period_s = period_s;
@@ -55,7 +64,7 @@ void make(Recording* self, const nb::object& columns, double period_s, const std
   new (self) Recording(std::move(made));
 }
 
-nb::object column(const nb::object& self, const std::string& name) {
+FloatArray column(const nb::object& self, const std::string& name) {
   const auto& recording = nb::cast<const Recording&>(self);
   if (!recording.has(name)) {
     try {
@@ -66,10 +75,12 @@ nb::object column(const nb::object& self, const std::string& name) {
   return view_of(values.data(), values.size(), 1, self);
 }
 
-nb::object header(const Recording& recording) {
+Document header(const Recording& recording) {
   try {
-    return python_value(parse_config_tree(recording.comments, recording.path));
-  } catch (const InputError&) { return nb::dict(); }
+    const nb::object found = python_value(parse_config_tree(recording.comments, recording.path));
+    if (nb::isinstance<nb::dict>(found)) return nb::borrow<Document>(found);
+  } catch (const InputError&) {}  // a foreign file's comments are no keys
+  return {};
 }
 
 /// Numbers of one row, each into the member that its column names.
@@ -110,8 +121,8 @@ void write(const Recording& recording, const std::filesystem::path& path, const 
   if (const RecordingSummary summary = writer.close(); !summary.error.empty()) throw InputError(summary.error);
 }
 
-nb::list guesses(const ImportResult& result) {
-  nb::list out;
+Documents guesses(const ImportResult& result) {
+  Documents out;
   for (const ColumnGuess& guess : result.columns) {
     nb::dict one;
     one["column"] = guess.column;
@@ -135,8 +146,9 @@ ImportResult understand(const std::filesystem::path& path, const Config* config)
 void bind_recording(nb::module_& m) {
   nb::class_<Recording>(m, "Recording", "Columns by name, a row a time, as a file or arrays gave them.")
       .def("__init__", &make, nb::arg("columns"), nb::arg("period_s") = none, nb::arg("rig") = "",
-           nb::arg("name") = "memory",
-           "From a mapping (or DataFrame) of columns of float64 of shape (rows,), one of them t_s [s], rising.")
+           nb::arg("name") = "memory", nb::arg("header_text") = "",
+           "From a mapping (or DataFrame) of columns of float64 of shape (rows,), one of them t_s [s], rising.\n"
+           "header_text: YAML that header gives as keys.")
       .def("__getitem__", &column, nb::arg("column"), "One column of shape (rows,), a view that cannot be written to.")
       .def("__contains__", [](const Recording& r, const std::string& name) { return r.has(name); })
       .def("__len__", [](const Recording& r) { return r.rows(); })
@@ -145,13 +157,14 @@ void bind_recording(nb::module_& m) {
       .def("write", &write, nb::arg("path"), nb::arg("config"), nb::arg("replace") = false,
            "Writes NAME.csv.gz in the format of docs/recording.md; numbers read back to the same bits.")
       .def_prop_ro("header", &header, "The keys of the file's header; empty: none, or made from arrays.")
+      .def_ro("header_text", &Recording::comments, "The header as it stands in the file, without its signs of comment.")
       .def_prop_ro(
           "problems", [](const Recording& r) { return problem_lines(r); },
           "What is wrong with the file, one sentence each.")
       .def_prop_ro(
           "sources",
           [](const Recording& r) {
-            nb::dict out;
+            Document out;
             for (const auto& [ours, source] : r.sources) out[nb::cast(ours)] = source.column;
             return out;
           },

@@ -9,8 +9,8 @@ using pneuservo::fmu::Status;
 
 namespace {
 
-using fmi2CallbackLogger = void (*)(void* environment, const char* instance, int status, const char* category, const char* message,
-                        ...);
+using fmi2CallbackLogger = void (*)(void* environment, const char* instance, int status, const char* category,
+                                    const char* message, ...);
 
 struct Callbacks {
   fmi2CallbackLogger logger;
@@ -91,6 +91,7 @@ PNEUSERVO_OTHER_TYPE(fmi2GetString)
 PNEUSERVO_OTHER_TYPE(fmi2SetInteger)
 PNEUSERVO_OTHER_TYPE(fmi2SetBoolean)
 PNEUSERVO_OTHER_TYPE(fmi2SetString)
+#undef PNEUSERVO_OTHER_TYPE
 
 // Arguments of a function that refuses are not looked at; the caller keeps them, as the C ABI of our targets has it.
 #define PNEUSERVO_REFUSED(function)                                                                                    \
@@ -106,3 +107,4 @@ PNEUSERVO_REFUSED(fmi2GetRealStatus)
 PNEUSERVO_REFUSED(fmi2GetIntegerStatus)
 PNEUSERVO_REFUSED(fmi2GetBooleanStatus)
 PNEUSERVO_REFUSED(fmi2GetStringStatus)
+#undef PNEUSERVO_REFUSED

@@ -76,6 +76,7 @@ PNEUSERVO_OTHER_TYPE(Boolean)
 PNEUSERVO_OTHER_TYPE(String)
 PNEUSERVO_OTHER_TYPE(Binary)
 PNEUSERVO_OTHER_TYPE(Clock)
+#undef PNEUSERVO_OTHER_TYPE
 
 // Arguments of a function that refuses are not looked at; the caller keeps them, as the C ABI of our targets has it.
 #define PNEUSERVO_REFUSED(function)                                                                                    \
@@ -109,3 +110,4 @@ PNEUSERVO_REFUSED(GetNumberOfEventIndicators)
 PNEUSERVO_REFUSED(GetNumberOfContinuousStates)
 PNEUSERVO_REFUSED(GetOutputDerivatives)
 PNEUSERVO_REFUSED(ActivateModelPartition)
+#undef PNEUSERVO_REFUSED

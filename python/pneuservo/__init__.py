@@ -7,7 +7,7 @@ the interpreter's lock; an object that two threads use at once refuses the secon
 """
 import json
 import os
-from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Union
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Union, cast
 
 from ._processor import folders as _folders
 
@@ -29,12 +29,21 @@ __all__ = ["AxisRefused", "AxisValues", "Config", "Design", "Diagnosis", "Diagno
            "run", "simulate", "state_space", "to_dict", "to_pandas"]
 
 Diagnosis = _Diagnosis
-Source = Union[str, os.PathLike, Recording, Mapping[str, Any]]
+_Path = Union[str, "os.PathLike[str]"]
+Source = Union[str, "os.PathLike[str]", Recording, Mapping[str, Any]]
+_EXPORTED = (".parquet", ".mat", ".mcap")  # read by pneuservo.export
 Progress = Callable[[float, str], Optional[bool]]
 
 
-def read_recordings(path: Union[str, os.PathLike], config: Optional[Config] = None) -> List[Recording]:
-    """The runs of one file; files of other loggers by the config's section import. Raises InputError."""
+def read_recordings(path: _Path, config: Optional[Config] = None) -> List[Recording]:
+    """The runs of one file; text of other loggers by the config's section import. Raises InputError.
+
+    Parquet, MAT and MCAP have columns by our names, with t_s [s]: what pneuservo.export writes.
+    """
+    if os.fspath(path).lower().endswith(_EXPORTED):
+        from . import export
+
+        return [export.read(path, config)]
     return _read_recordings(os.fspath(path), config)
 
 
@@ -58,10 +67,13 @@ def simulate(config: Config, command: Source) -> Dict[str, Any]:
     return {"t_s": recording["t_s"], **_simulate(config, recording)}
 
 
-def _recordings(sources: Iterable[Source], config: Config) -> List[Recording]:
+def _recordings(sources: Union[Source, Iterable[Source]], config: Config) -> List[Recording]:
     out: List[Recording] = []
-    one = isinstance(sources, (str, os.PathLike, Recording)) or hasattr(sources, "items")  # columns, a DataFrame
-    for source in [sources] if one else sources:
+    if isinstance(sources, (str, os.PathLike, Recording)) or hasattr(sources, "items"):  # columns, a DataFrame
+        sources = [cast(Source, sources)]
+    if not hasattr(sources, "__iter__"):
+        raise TypeError(f"recordings: found {type(sources).__name__}, expected a list of files, Recording objects or columns")
+    for source in sources:
         if isinstance(source, (str, os.PathLike)):
             out += read_recordings(source, config)
         else:
@@ -109,7 +121,7 @@ def improve(config: Config, recordings: Sequence[Source], held_out: Sequence[Sou
 
 def to_dict(result: Union[Diagnosis, Improvement, Design, Config]) -> Dict[str, Any]:
     """A diagnosis, an improvement or a design as the verbs' --json, a config by its keys."""
-    return result.to_dict() if isinstance(result, Config) else json.loads(result.json())
+    return result.to_dict() if isinstance(result, Config) else cast(Dict[str, Any], json.loads(result.json()))
 
 
 def to_pandas(source: Any) -> Any:

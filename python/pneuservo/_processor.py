@@ -7,7 +7,7 @@ from typing import List
 _V3 = frozenset("avx avx2 bmi1 bmi2 f16c fma abm movbe xsave".split())
 
 
-def _flags() -> frozenset:
+def _flags() -> "frozenset[str]":
     try:
         with open("/proc/cpuinfo", encoding="ascii", errors="replace") as file:
             return frozenset(next((line.split(":")[1] for line in file if line.startswith("flags")), "").split())

@@ -4,6 +4,7 @@
 Diagnoses each recording, and keeps a row of it as soon as it is known. The same command goes on where it ended.
 """
 import argparse
+import datetime
 import hashlib
 import json
 import os
@@ -25,8 +26,12 @@ TELL_EVERY_S = 5.0
 
 def _date_of(path: pathlib.Path) -> str:
     """The date in the file's name or its folder's, else that of the file."""
-    stated = _DATE.search(path.name) or _DATE.search(path.parent.name)
-    return stated[1] if stated else time.strftime("%Y-%m-%d", time.gmtime(path.stat().st_mtime))
+    for stated in (*_DATE.findall(path.name), *_DATE.findall(path.parent.name)):
+        try:
+            return datetime.date.fromisoformat(stated).isoformat()
+        except ValueError:
+            pass  # no such day
+    return time.strftime("%Y-%m-%d", time.gmtime(path.stat().st_mtime))
 
 
 def _config_of(path: str, config_text: Optional[str]) -> Config:
@@ -71,7 +76,7 @@ def _worked(work: Callable[[str, Optional[str]], Row], path: str, config_text: O
 
 
 class Results:
-    """A folder of rows, a file each, that are there whole or not at all."""
+    """A folder of rows, a file a recording, that are there whole or not at all."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = pathlib.Path(folder)
@@ -80,16 +85,24 @@ class Results:
     def path_of(self, key: str) -> pathlib.Path:
         return self.folder / "rows" / f"{key}.json"
 
-    def is_finished(self, key: str) -> bool:
-        """Done, or failed for a reason that stays. What a worker was lost with is tried again."""
+    def is_finished(self, key: str, made_of: Optional[str] = None) -> bool:
+        """Done of this, or failed for a reason that stays. What a worker was lost with is tried again."""
         path = self.path_of(key)
-        return path.exists() and json.loads(path.read_text(encoding="utf-8"))["status"] != "lost"
+        if not path.exists():
+            return False
+        row = json.loads(path.read_text(encoding="utf-8"))
+        return row["status"] != "lost" and made_of in (None, row.get("made_of"))
 
     def add(self, key: str, row: Mapping[str, Any]) -> None:
         _replace(self.path_of(key), json.dumps(row).encode())
 
     def rows(self) -> List[Row]:
-        return [json.loads(path.read_text(encoding="utf-8")) for path in sorted(self.folder.glob("rows/*.json"))]
+        """One a recording: of rows that other versions of the program left beside it the newest."""
+        current: Dict[str, Row] = {}
+        for path in sorted(self.folder.glob("rows/*.json"), key=lambda path: (path.stat().st_mtime_ns, path.name)):
+            row = json.loads(path.read_text(encoding="utf-8"))
+            current[os.path.realpath(row["recording"])] = row
+        return list(current.values())
 
     def write_parquet(self) -> pathlib.Path:
         """All rows as one table, ordered by axis and date; the diagnosis is a column of JSON."""
@@ -115,25 +128,30 @@ def _replace(path: pathlib.Path, content: bytes) -> None:
     os.replace(partial, path)
 
 
-def _key_of(path: pathlib.Path, config_text: Optional[str], work: Callable[..., Row]) -> str:
-    """Name and content of the recording with the config's, and the work: what is the same is not done again."""
+def _key_of(path: pathlib.Path) -> str:
+    """Of a recording's row: its name, and where it lies."""
+    return f"{path.name.split('.')[0]}-{hashlib.sha256(os.path.realpath(path).encode()).hexdigest()[:16]}"
+
+
+def _made_of(path: pathlib.Path, config_text: Optional[str], work: Callable[..., Row]) -> str:
+    """Content of the recording with the config's, and the work: what is the same is not done again."""
     digest = hashlib.sha256(f"{__version__}\n{work.__qualname__}\n{config_text}\n".encode())
     digest.update(path.read_bytes())
-    return f"{path.name.split('.')[0]}-{digest.hexdigest()[:16]}"
+    return digest.hexdigest()[:16]
 
 
 def _open_tasks(paths: Iterable[Path], config_text: Optional[str], work: Callable[..., Row], results: Results) -> Dict[str, Row]:
-    """What is not finished, by key. An unreadable file is a failed row at once, and tried again the next time."""
+    """What is not finished, by key. An unreadable file is a lost row at once, unless an earlier one is finished."""
     tasks: Dict[str, Row] = {}
     for path in map(pathlib.Path, paths):
-        about = {"recording": str(path), "axis": path.resolve().parent.name}
+        key, about = _key_of(path), {"recording": str(path), "axis": path.resolve().parent.name}
         try:
-            key = _key_of(path, config_text, work)
-            if not results.is_finished(key):
-                tasks[key] = {**about, "date": _date_of(path)}
+            made_of = _made_of(path, config_text, work)
+            if not results.is_finished(key, made_of):
+                tasks[key] = {**about, "date": _date_of(path), "made_of": made_of}
         except OSError as error:
-            key = f"unreadable-{hashlib.sha256(str(path).encode()).hexdigest()[:16]}"
-            results.add(key, {**about, "date": "", "status": "lost", "sentence": f"{path}: {error.strerror}"})
+            if not results.is_finished(key):
+                results.add(key, {**about, "date": "", "status": "lost", "sentence": f"{path}: {error.strerror}"})
     return tasks
 
 
@@ -153,7 +171,8 @@ def _gather(client: Any, tasks: Mapping[str, Row], work: Callable[..., Row], con
             progress: Callable[[int, int, int], None]) -> None:
     from dask.distributed import as_completed
 
-    futures = {client.submit(_worked, work, str(pathlib.Path(about["recording"]).resolve()), config_text, key=key, pure=False): key
+    futures = {client.submit(_worked, work, str(pathlib.Path(about["recording"]).resolve()), config_text,
+                             key=f"{key}-{about['made_of']}", pure=False): key
                for key, about in tasks.items()}
     done = failed = 0
     completed = as_completed(futures, loop=client.loop)
@@ -177,7 +196,7 @@ def _gather(client: Any, tasks: Mapping[str, Row], work: Callable[..., Row], con
             client.cancel(list(futures))
 
 
-def _connected(scheduler: Optional[str], workers: int) -> Tuple[Any, Any]:
+def _connected(scheduler: Optional[str], workers: Optional[int]) -> Tuple[Any, Any]:
     """A client, and the cluster of one's own that it needs."""
     import dask
     from dask.distributed import Client, LocalCluster
@@ -193,13 +212,16 @@ def _connected(scheduler: Optional[str], workers: int) -> Tuple[Any, Any]:
 
 
 def run_fleet(recordings: Iterable[Path], config: Optional[Config] = None, out: Path = "fleet", *,
-              scheduler: Optional[str] = None, workers: int = 0, work: Callable[[str, Optional[str]], Row] = diagnosed,
+              scheduler: Optional[str] = None, workers: Optional[int] = None, work: Callable[[str, Optional[str]], Row] = diagnosed,
               progress: Callable[[int, int, int], None] = lambda done, of, failed: None) -> pathlib.Path:
     """Does what is not finished yet, and gives the table of all rows.
 
     work(path, config as text): the row of one recording, by default diagnosed(). Workers read the recordings themselves.
-    progress(done, of, failed) is called after each. Raises FleetStopped where the cluster goes away; rows are kept.
+    workers: on this machine, by default one a processor. progress(done, of, failed) is called after each. Raises
+    FleetStopped where the cluster goes away; rows are kept.
     """
+    if workers is not None and workers < 1:
+        raise InputError(f"workers: found {workers}, expected at least 1: leave it out for one a processor")
     results = Results(out)
     config_text = config.to_yaml() if config is not None else None
     tasks = _open_tasks(recordings, config_text, work, results)
@@ -240,7 +262,7 @@ def main(arguments: List[str]) -> int:
     parser.add_argument("--refit", action="store_true",
                         help="only fit friction, leaks and valve lag, each with its standard error; no verdict")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster; default: workers on this machine")
-    parser.add_argument("--workers", type=int, default=0, metavar="N", help="on this machine; default: one a processor")
+    parser.add_argument("--workers", type=int, metavar="N", help="on this machine; default: one a processor")
     parser.add_argument("--out", default="fleet", metavar="FOLDER", help="where the rows go; default: fleet")
     given = parser.parse_args(arguments)
     try:
@@ -254,6 +276,12 @@ def main(arguments: List[str]) -> int:
         print(f"fleet: {error}", file=sys.stderr)
         return 2
     print(f"written: {table}")
+    given_paths = {os.path.realpath(path) for path in given.recordings}
+    rows = [row for row in Results(given.out).rows() if os.path.realpath(row["recording"]) in given_paths]
+    if all(row["status"] == "lost" for row in rows):
+        print(f"fleet: found no recording that was done of {len(rows)}, expected at least one; the first: {rows[0]['sentence']}",
+              file=sys.stderr)
+        return 1
     return 0
 
 

@@ -17,7 +17,7 @@ class Axis:
     releases. One connection is for one thread.
     """
 
-    def __init__(self, path: Union[str, os.PathLike], timeout_s: float = 5.0) -> None:
+    def __init__(self, path: Union[str, "os.PathLike[str]"], timeout_s: float = 5.0) -> None:
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         self._socket.settimeout(timeout_s)
         try:
@@ -28,11 +28,18 @@ class Axis:
         self._received = b""
         self._id = 0
 
+    @staticmethod
+    def _plain(value: Any) -> Any:
+        """numpy's numbers as Python's."""
+        if hasattr(value, "tolist"):
+            return value.tolist()
+        raise TypeError(f"found {type(value).__name__} in a request, expected numbers and text")
+
     def ask(self, command: str, **keys: Any) -> Dict[str, Any]:
         """One request and its answer. Raises AxisRefused with the axis's sentence where it does not obey."""
         self._id += 1
         request = {"version": PROTOCOL_VERSION, "id": self._id, "command": command, **keys}
-        self._socket.sendall(json.dumps(request, allow_nan=False).encode() + b"\n")
+        self._socket.sendall(json.dumps(request, allow_nan=False, default=self._plain).encode() + b"\n")
         while True:
             answer = self._next()
             if answer.get("id") == self._id or ("id" not in answer and "status" not in answer):

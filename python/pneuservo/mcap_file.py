@@ -17,9 +17,8 @@ from mcap.stream_reader import get_chunk_data_stream
 from mcap.writer import MCAP0_MAGIC
 
 from .errors import InputError
-from .units import unit_of
 
-Path = Union[str, os.PathLike]
+Path = Union[str, "os.PathLike[str]"]
 TOPIC = "/recording"
 CHUNK_BYTES = 4 << 20
 # A message is a row; Foxglove and PlotJuggler read this encoding as they do a ROS 2 bag. CDR begins with four bytes
@@ -83,9 +82,9 @@ def _chunks(columns: Dict[str, numpy.ndarray]) -> Iterator[numpy.ndarray]:
         yield messages
 
 
-def write(columns: Dict[str, numpy.ndarray], about: str, library: str, path: Path) -> None:
-    """Columns with t_s [s], whose units stand in the schema; `about` is text beside them."""
-    text = "".join(f"float64 {name}  # {unit_of(name) or '-'}\n" for name in columns)
+def write(columns: Dict[str, numpy.ndarray], units: List[str], about: str, library: str, path: Path) -> None:
+    """Columns with t_s [s] by names that ROS 2 takes, whose units stand in the schema; `about` is text beside them."""
+    text = "".join(f"float64 {name}  # {unit or '-'}\n" for name, unit in zip(columns, units))
     schema = Schema(id=1, name="pneuservo/msg/Row", encoding="ros2msg", data=text.encode())
     channel = Channel(id=1, topic=TOPIC, message_encoding="cdr", schema_id=1, metadata={})
     with open(path, "wb") as file:

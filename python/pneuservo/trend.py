@@ -9,11 +9,11 @@ import math
 import os
 import pathlib
 import sys
-from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Union
+from typing import Any, Dict, Iterable, List, NamedTuple, Optional, Tuple, Union
 
 import numpy
 
-from .change_points import LEAST_AFTER, LEAST_BEFORE, Change, first_change, smallest_visible
+from .change_points import LEAST_AFTER, LEAST_BEFORE, Change, first_change, smallest_visible, with_others
 from .errors import InputError
 from .sizes import SIZES
 
@@ -27,7 +27,7 @@ class Series(NamedTuple):
     size: str
     weeks: numpy.ndarray  # Mondays, in weeks since 1970
     values: numpy.ndarray
-    standard_errors: numpy.ndarray
+    standard_errors: numpy.ndarray  # 0: not known of any week
     change: Optional[Change]
     smallest_visible: float
 
@@ -38,6 +38,7 @@ class AxisTrend(NamedTuple):
     axis: str
     series: List[Series]
     failed: List[str]
+    undated: List[str] = []  # a sentence each recording that was left out for its date
 
     @property
     def weeks(self) -> int:
@@ -82,8 +83,11 @@ def words_of(series: Series) -> str:
     """The change in a sentence."""
     change = series.change
     assert change is not None
-    return (f"{name_of(series.size)} {'rises' if change.size > 0 else 'falls'} since {monday_of(change.since_week)} "
-            f"by {rounded(abs(change.size), 3)} +- {rounded(change.standard_error, 1)} {SIZES[series.size]} (told {monday_of(change.told_week)})")
+    verb = {(False, False): "falls since", (True, False): "rises since", (False, True): "fell in the week of",
+            (True, True): "rose in the week of"}[change.size > 0, change.has_gone]
+    return (f"{name_of(series.size)} {verb} {monday_of(change.since_week)} by {rounded(abs(change.size), 3)} +- "
+            f"{rounded(change.standard_error, 1)} {SIZES[series.size]} (told {monday_of(change.told_week)})"
+            + (", and is as before by now" if change.has_gone else ""))
 
 
 def read_results(sources: Iterable[Union[str, os.PathLike]]) -> Any:
@@ -104,8 +108,25 @@ def read_results(sources: Iterable[Union[str, os.PathLike]]) -> Any:
     return pandas.concat(frames, ignore_index=True)
 
 
+def _dated(rows: Any) -> Tuple[Any, List[str]]:
+    """The rows whose date is one, and a sentence for each of the others."""
+    def is_date(text: Any) -> bool:
+        try:
+            return week_of(text) is not None
+        except (TypeError, ValueError):
+            return False
+
+    has_date = numpy.array([is_date(date) for date in rows["date"]], dtype=bool)
+    left_out = rows[~has_date].to_dict("records")
+    return rows[has_date], [f"{row.get('recording', row['axis'])}: left out: found the date '{row['date']}', expected one "
+                            "such as 2026-03-30" for row in left_out]
+
+
 def _weekly(rows: Any, size: str) -> List[numpy.ndarray]:
-    """Weeks, values and standard errors; of several recordings in a week the mean by their information."""
+    """Weeks, values and standard errors; of several recordings in a week the mean by their information.
+
+    NaN is the error of a week in which that of a recording is not known, or 0.
+    """
     by_week: Dict[int, List[List[float]]] = {}
     for row in rows.to_dict("records"):
         value, error = float(row.get(size, math.nan)), float(row.get(f"{size}_standard_error", math.nan))
@@ -113,12 +134,12 @@ def _weekly(rows: Any, size: str) -> List[numpy.ndarray]:
             # Not named: it may be anything up to the smallest size that would have shown, all of it as likely.
             error = float(row.get(f"{size}_smallest_visible", math.nan)) / math.sqrt(3.0)
         if math.isfinite(value):
-            by_week.setdefault(week_of(row["date"]), []).append([value, error if math.isfinite(error) else 0.0])
+            by_week.setdefault(week_of(row["date"]), []).append([value, error if error > 0 else math.nan])
     weeks = sorted(by_week)
     values, errors = [], []
     for week in weeks:
         found = numpy.array(by_week[week])
-        weights = 1.0 / found[:, 1] ** 2 if (found[:, 1] > 0).all() else numpy.ones(len(found))
+        weights = 1.0 / found[:, 1] ** 2 if numpy.isfinite(found[:, 1]).all() else numpy.ones(len(found))
         values.append(float(numpy.average(found[:, 0], weights=weights)))
         errors.append(float(math.sqrt((weights ** 2 @ found[:, 1] ** 2)) / weights.sum()))
     return [numpy.array(weeks, dtype=int), numpy.array(values), numpy.array(errors)]
@@ -127,13 +148,14 @@ def _weekly(rows: Any, size: str) -> List[numpy.ndarray]:
 def trend_of(axis: str, rows: Any, false_alarm_rate: float = FALSE_ALARM_RATE) -> AxisTrend:
     """The trend of one axis from its rows. false_alarm_rate: of all its sizes together."""
     series = []
+    done, undated = _dated(rows[rows["status"] == "done"])
     each = false_alarm_rate / len(SIZES)
     for size in SIZES:
-        weeks, values, errors = _weekly(rows[rows["status"] == "done"], size)
+        weeks, values, errors = _weekly(done, size)
         if len(weeks):
-            series.append(Series(size, weeks, values, errors, first_change(weeks, values, errors, each),
+            series.append(Series(size, weeks, values, with_others(errors), first_change(weeks, values, errors, each),
                                  smallest_visible(values, errors, each) if len(weeks) > 1 else math.nan))
-    return AxisTrend(axis, series, list(rows.loc[rows["status"] != "done", "sentence"]))
+    return AxisTrend(axis, series, list(rows.loc[rows["status"] != "done", "sentence"]), undated)
 
 
 def trends(frame: Any, false_alarm_rate: float = FALSE_ALARM_RATE) -> List[AxisTrend]:
@@ -160,6 +182,8 @@ def main(arguments: List[str]) -> int:
         print(f"trend: {error}", file=sys.stderr)
         return 2
     for one in found:
+        for sentence in one.undated:
+            print(f"trend: {sentence}", file=sys.stderr)
         print(f"{one.axis}: {one.sentence}")
     return 0
 

@@ -75,8 +75,9 @@ def _axis_page(trend: AxisTrend) -> str:
         if trend.is_judged:
             body.append(f"<p>A step of {rounded(one.smallest_visible, 3)} {SIZES[one.size]} is told within four weeks, nine times in ten.</p>")
         body.append(svg_of(one))
-    if trend.failed:
-        body.append("<h2>Recordings without an answer</h2><ul>" + "".join(f"<li>{html.escape(s)}</li>" for s in trend.failed) + "</ul>")
+    if trend.failed or trend.undated:
+        told = [*trend.failed, *trend.undated]
+        body.append("<h2>Recordings without an answer</h2><ul>" + "".join(f"<li>{html.escape(s)}</li>" for s in told) + "</ul>")
     body.append("<p>Bars: one standard error of a week. Red ground: since when it changed. Dashed: the week that told it.</p>")
     return _page(trend.axis, body)
 

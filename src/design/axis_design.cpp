@@ -19,6 +19,7 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double step_shown_s = 1.0;
+constexpr double largest_number = 1e12;  // of a request: far beyond any gain, and its powers are still numbers
 
 MovedMass moved_mass(const AxisLinearisation& linear) { return {linear.mass_kg, linear.friction_Ns_per_m}; }
 
@@ -85,6 +86,21 @@ bool all_decay(const std::vector<Complex>& poles) {
 void require_lines(const Rig& rig) {
   if (!rig.is_pneumatic())
     throw std::invalid_argument("a driven_axis has no lines to design for; expected rig: cylinder or servo_table");
+}
+
+void require_above_zero(const char* name, double value) {
+  if (!(value > 0.0 && value <= largest_number))
+    throw std::invalid_argument(
+        fmt::format("design: {}: found {:g}, expected a number above 0, at most {:g}", name, value, largest_number));
+}
+
+/// A search over gains would not end at others.
+void require_numbers(const DesignRequest& request) {
+  if (request.position_gain_V_per_m) require_above_zero("position gain", *request.position_gain_V_per_m);
+  require_above_zero("alpha", request.alpha);
+  require_above_zero("beta", request.beta);
+  require_above_zero("c6", request.c_1);
+  require_above_zero("c5", request.c_2);
 }
 
 /// Position gains of a rule that were tried: those whose gains the law takes, and those whose loop is stable.
@@ -281,6 +297,7 @@ LoopPoint loop_point(const Rig& rig, bool with_margins) {
 
 AxisDesign design_axis(const Rig& rig, const DesignRequest& request, const LoadPositions& load) {
   require_lines(rig);
+  require_numbers(request);
   AxisDesign out(linearise(rig));
   out.method = request.method;
   out.gains_before = gains_of(rig.controller, out.linear);

@@ -26,7 +26,7 @@ runpy.run_module(module, run_name="__main__", alter_sys=True)
 struct ExportOptions {
   std::vector<std::string> sources, set;
   std::string out, fmu, model, fmi;
-  bool parquet = false, mat = false, mcap = false, force = false;
+  bool parquet = false, mat = false, mcap = false, csv = false, force = false;
 };
 
 // An option that has no effect would be a wish that nobody grants.
@@ -41,6 +41,7 @@ void refuse_without_effect(const ExportOptions& options) {
     refuse("--parquet", options.parquet);
     refuse("--mat", options.mat);
     refuse("--mcap", options.mcap);
+    refuse("--csv", options.csv);
     refuse("--out", !options.out.empty());
     refuse("--force", options.force);
   } else {
@@ -66,12 +67,13 @@ std::vector<std::string> arguments_of(const ExportOptions& options) {
     for (const std::string& one : options.set) with_value("--set", one);
     return out;
   }
-  if (!options.parquet && !options.mat && !options.mcap)
-    throw InputError("export: found nothing to write, expected --parquet, --mat, --mcap or --fmu FILE");
+  if (!options.parquet && !options.mat && !options.mcap && !options.csv)
+    throw InputError("export: found nothing to write, expected --parquet, --mat, --mcap, --csv or --fmu FILE");
   out.emplace_back("pneuservo.export");
   out.insert(out.end(), options.sources.begin(), options.sources.end());
-  for (const auto& [name, wanted] : {std::pair("--parquet", options.parquet), std::pair("--mat", options.mat),
-                                     std::pair("--mcap", options.mcap), std::pair("--force", options.force)})
+  for (const auto& [name, wanted] :
+       {std::pair("--parquet", options.parquet), std::pair("--mat", options.mat), std::pair("--mcap", options.mcap),
+        std::pair("--csv", options.csv), std::pair("--force", options.force)})
     if (wanted) out.emplace_back(name);
   with_value("--out", options.out);
   return out;
@@ -92,10 +94,12 @@ void become_python(const ExportOptions& options) {
 void add_export(CommandLine& app, int&) {
   auto options = std::make_shared<ExportOptions>();
   Verb verb = app.add_verb("export", "recordings for other programs; plant or estimator as an FMU");
-  verb.add_option("RECORDING", options->sources, "recordings of this program, or with --fmu one config").required();
+  verb.add_option("RECORDING", options->sources, "recordings, also .parquet, .mat, .mcap; or with --fmu one config")
+      .required();
   verb.add_flag("--parquet", options->parquet, "each as NAME.parquet (pandas, Arrow)");
   verb.add_flag("--mat", options->mat, "each as NAME.mat (MATLAB, Octave)");
   verb.add_flag("--mcap", options->mcap, "each as NAME.mcap (Foxglove, PlotJuggler)");
+  verb.add_flag("--csv", options->csv, "each as NAME.csv.gz, of .parquet, .mat and .mcap: what the other verbs read");
   verb.add_option("--out", options->out, "folder of these files; default: here");
   verb.add_flag("--force", options->force, "replaces these files where they are there");
   verb.add_option("--fmu", options->fmu, "FMU for co-simulation to write; replaces an older one");

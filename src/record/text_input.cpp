@@ -25,6 +25,8 @@ struct Format {
 };
 
 constexpr std::string_view as_csv = "write it as CSV";
+constexpr std::string_view by_export =
+    "write it as CSV, with the Python package: python -m pneuservo.export FILE --csv";
 constexpr std::string_view unpack = "unpack it first";
 /// Files that are no text, by how they begin.
 constexpr std::array<Format, 38> formats{{{"PK\3\4", "a zip archive, as .xlsx, .ods and .npz files are", as_csv},
@@ -32,14 +34,14 @@ constexpr std::array<Format, 38> formats{{{"PK\3\4", "a zip archive, as .xlsx, .
                                           {"TDSm", "a LabVIEW TDMS file", as_csv},
                                           {"MDF     ", "an ASAM MDF file", as_csv},
                                           {"\x89HDF", "an HDF5 file, as MATLAB's .mat files of v7.3 are", as_csv},
-                                          {"MATLAB 5.0 MAT-file", "a MATLAB .mat file", as_csv},
-                                          {"PAR1", "a Parquet file", as_csv},
+                                          {"MATLAB 5.0 MAT-file", "a MATLAB .mat file", by_export},
+                                          {"PAR1", "a Parquet file", by_export},
                                           {"ARROW1", "an Arrow (Feather) file", as_csv},
                                           {"\x93NUMPY", "a numpy .npy file", as_csv},
                                           {"\x80\4\x95", "a Python pickle", as_csv},
                                           {"SQLite format 3", "an SQLite database", as_csv},
                                           {"#ROSBAG", "a ROS bag", as_csv},
-                                          {"\x89MCAP", "an MCAP file", as_csv},
+                                          {"\x89MCAP", "an MCAP file", by_export},
                                           {"RIFF", "a RIFF file, as .wav files are", as_csv},
                                           {"%PDF", "a PDF document", as_csv},
                                           {"{\\rtf", "an RTF document", as_csv},

@@ -143,3 +143,74 @@ def test_threads_and_forked_processes_give_the_same(config, swept):
         assert all(numpy.array_equal(one, alone) for one in threads.map(estimated, [columns] * 8))
     with multiprocessing.get_context("fork").Pool(2) as processes:
         assert all(numpy.array_equal(one, alone) for one in processes.map(estimated, [columns] * 2))
+
+
+@pytest.mark.parametrize("wrong, words", [
+    (numpy.zeros(2000, ">f8"), "x_m: found >f8, expected an array of float64"),
+    (numpy.zeros(2000, object), "x_m: found object, expected an array of float64"),
+])
+def test_the_elements_of_a_wrong_array_are_named(config, swept, wrong, words):
+    with pytest.raises(TypeError, match=words):
+        pneuservo.Estimator(config).run(swept["p1_port_Pa"], swept["p2_port_Pa"], wrong, 0.0)
+
+
+def test_a_mask_is_refused_where_it_hides_values(config):
+    command = numpy.ma.masked_array(numpy.zeros(5), mask=[0, 0, 1, 0, 0])
+    with pytest.raises(ValueError, match="u_V: found masked values, expected an array without a mask"):
+        pneuservo.Plant(config).run(command)
+    assert len(pneuservo.Plant(config).run(numpy.ma.masked_array(numpy.zeros(5)))["x_m"]) == 5
+
+
+@pytest.mark.parametrize("start, words", [
+    ({"x_m": math.nan}, "x_m: found nan, expected a place within the stroke"),
+    ({"x_m": 5.0}, "x_m: found 5, expected a place within the stroke"),
+    ({"p1_Pa": -1.0}, "p1_Pa: found -1, expected an absolute pressure above 0 Pa"),
+    ({"p2_Pa": math.inf}, "p2_Pa: found inf, expected an absolute pressure"),
+])
+def test_a_start_that_cannot_be_is_refused(config, start, words):
+    with pytest.raises(ValueError, match=words):
+        pneuservo.Plant(config).reset(**start)
+
+
+def test_commands_that_are_none_are_refused(config, swept):
+    plant, machine = pneuservo.Plant(config), pneuservo.Machine(config)
+    command = numpy.zeros(10)
+    command[3] = math.nan
+    for call, words in ((lambda: plant.step(math.nan), "Plant.step: u_V: found nan"),
+                        (lambda: plant.run(command), "Plant.run: u_V: found nan in row 3"),
+                        (lambda: machine.write(math.inf), "Machine.write: u_V: found inf"),
+                        (lambda: plant.step(0.0, 0.0), "u2_V: found a second command, expected none: the rig has one valve"),
+                        (lambda: plant.run(numpy.zeros(10), numpy.zeros(10)), "u2_V: found a second command"),
+                        (lambda: pneuservo.Estimator(config).step(5e5, 5e5, 0.0, 0.0, 0.0, 0.0), "u2_V: found a second command")):
+        with pytest.raises(ValueError, match=words):
+            call()
+    with pytest.raises(pneuservo.InputError, match="u_V: found no value in any row"):
+        pneuservo.simulate(config, {"t_s": swept["t_s"], "u_V": numpy.full(len(swept), math.nan)})
+
+
+def test_a_law_in_use_by_another_thread_is_not_read(config):
+    law = pneuservo.Law(config)
+    still = numpy.zeros(400_000)
+    refused = set()
+    with concurrent.futures.ThreadPoolExecutor(1) as threads:
+        running = threads.submit(law.run, still, 5e5, 5e5)
+        while not running.done():
+            for name in ("tick", "v_mps", "limited", "terms"):
+                try:
+                    getattr(law, name)
+                except RuntimeError as error:
+                    assert "found in use by another thread" in str(error)
+                    refused.add(name)
+        try:
+            running.result()
+        except RuntimeError:
+            pass  # it came while a value was read
+    assert refused == {"tick", "v_mps", "limited", "terms"} or law.tick == 0
+    assert law.tick in (0, len(still))
+
+
+def test_a_law_for_another_rig_names_the_rig():
+    config = pneuservo.Config(TABLE.parent / "machines/tank-discharge.yaml")
+    for kind in (pneuservo.Law, pneuservo.Plant, pneuservo.Estimator, pneuservo.Machine):
+        with pytest.raises(pneuservo.InputError, match=f"rig: found vessel, expected a rig with proportional valves: {kind.__name__}"):
+            kind(config)

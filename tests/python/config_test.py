@@ -1,10 +1,16 @@
 # Configs as objects: values, changes, effects by name, and errors that say where.
+import os
+import pathlib
 import pickle
+import re
+import subprocess
+import sys
 
+import numpy
 import pytest
 
 import pneuservo
-from conftest import CYLINDER
+from conftest import CYLINDER, SOURCE
 
 
 def test_values_are_those_of_the_file(config):
@@ -57,3 +63,41 @@ def test_errors_carry_file_line_and_key(tmp_path):
 def test_an_unknown_path_is_a_key_error(config):
     with pytest.raises(KeyError, match="line_1.lenght_m"):
         config["line_1.lenght_m"]
+
+
+@pytest.mark.parametrize("changes, words", [
+    ([5], "changes: found int, expected PATH=VALUE as text"),
+    (5, "changes: found int, expected a dict or a list"),
+    ("seed=1", "changes: found str, expected a dict or a list"),
+    ({1: 2}, "changes: found int, expected a config path as text"),
+])
+def test_changes_of_the_wrong_kind_are_named(changes, words):
+    with pytest.raises(TypeError, match=words):
+        pneuservo.Config(CYLINDER, changes)
+
+
+def test_numbers_of_numpy_are_numbers(config):
+    leaking = config.with_effects({"chamber_leak_1": {"area_m2": numpy.float32(2e-8)}})
+    assert leaking["effects.chamber_leak_1.area_m2"] == pytest.approx(2e-8)
+    assert config.replace({"line_1.length_m": numpy.float32(5)})["line_1.length_m"] == 5.0
+    with pytest.raises(TypeError, match="found set, expected numbers, words, lists or dicts"):
+        config.with_effects({"chamber_leak_1": {"area_m2": {1, 2}}})
+
+
+def test_the_stub_says_what_calls_take_and_give():
+    stub = (pathlib.Path(pneuservo.__file__).parent / "_core.pyi").read_text()
+    for line in ("def __getitem__(self, path: str) -> Any", "def __getitem__(self, column: str) -> NDArray[numpy.float64]",
+                 "def values(self) -> NDArray[numpy.float64]", "def covariance(self) -> NDArray[numpy.float64]",
+                 "def run(self, u_V: NDArray[numpy.float64] | float, u2_V", "p_supply_Pa: float = float('nan')) -> Any",
+                 "def header(self) -> dict[str, Any]"):
+        assert line in stub, line
+
+
+def test_the_code_of_the_page_passes_mypy(tmp_path):
+    pytest.importorskip("mypy")
+    page = (SOURCE / "docs/python.md").read_text()
+    (tmp_path / "page.py").write_text("\n".join(re.findall(r"```py\n(.*?)```", page, re.S)))
+    folder = pathlib.Path(pneuservo.__file__).parent.parent
+    done = subprocess.run([sys.executable, "-m", "mypy", "--strict", "page.py"], cwd=tmp_path, capture_output=True, text=True,
+                          env={**os.environ, "MYPYPATH": str(folder)})
+    assert not [line for line in done.stdout.splitlines() if line.startswith("page.py")], done.stdout + done.stderr

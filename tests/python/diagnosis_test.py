@@ -108,3 +108,17 @@ def test_the_end_of_python_waits_for_a_diagnosis_in_a_thread(config, swept, tmp_
 def test_one_mapping_is_one_recording(config, swept):
     columns = {name: swept[name] for name in swept.keys()}
     assert pneuservo.diagnose(config, columns).verdict == pneuservo.diagnose(config, [swept]).verdict
+
+
+@pytest.mark.parametrize("name", ["position_gain_V_per_m", "alpha", "beta", "c6", "c5"])
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), 0.0, -1.0, 1e300])
+def test_a_design_from_a_number_that_cannot_be_is_refused(config, name, value):
+    with pytest.raises(pneuservo.InputError, match="found .*, expected a number above 0"):
+        pneuservo.design(config, "alpha_beta", **{name: value})
+
+
+def test_what_is_no_recording_is_named(config):
+    with pytest.raises(TypeError, match="Recording: found int, expected a file"):
+        pneuservo.diagnose(config, [5])
+    with pytest.raises(TypeError, match="recordings: found int, expected a list"):
+        pneuservo.diagnose(config, 5)

@@ -156,3 +156,44 @@ def test_sizes_are_those_of_the_improved_config_and_leaks_are_normal_litres(conf
     assert named["value"] == 5.0 and named["standard_error"] == pytest.approx(0.2) and named["named"]
     hidden = sizes._size(answer, improved, sizes.VALVE)
     assert hidden["value"] == 0.0 and not hidden["named"] and hidden["smallest_visible"] == 1e-3
+
+
+def test_one_row_a_recording_is_current_the_newest(tmp_path, config):
+    path, = recordings(tmp_path, ["fine"])
+    out = tmp_path / "out"
+    fleet.run_fleet([path], None, out, workers=1, work=counted)
+    fleet.run_fleet([path], config, out, workers=1, work=counted)
+    path.write_text("fine, and longer")
+    table = fleet.run_fleet([path], config, out, workers=1, work=counted)
+    assert calls_of(path) == 3 and list(pandas.read_parquet(table)["friction_N"]) == [len("fine, and longer")]
+    (out / "rows/of-an-older-version.json").write_text(json.dumps({"recording": str(path), "axis": "a", "date": "", "status": "done"}))
+    os.utime(out / "rows/of-an-older-version.json", (1, 1))
+    assert [row["status"] for row in fleet.Results(out).rows()] == ["done"] and "made_of" in fleet.Results(out).rows()[0]
+
+
+def test_equal_files_of_two_axes_are_two_rows_and_what_was_lost_is_replaced(tmp_path):
+    paths = [tmp_path / axis / "run-2026-02-30.csv" for axis in ("a", "b")]
+    table = fleet.run_fleet(paths, None, tmp_path / "out", workers=1, work=counted)
+    assert list(pandas.read_parquet(table)["status"]) == ["lost", "lost"]
+    for path in paths:
+        path.parent.mkdir()
+        path.write_text("fine")
+    frame = pandas.read_parquet(fleet.run_fleet(paths, None, tmp_path / "out", workers=1, work=counted))
+    assert list(frame["axis"]) == ["a", "b"] and set(frame["status"]) == {"done"}
+    assert "2026-02-30" not in set(frame["date"])  # no such day: the file's own date
+    paths[0].unlink()
+    frame = pandas.read_parquet(fleet.run_fleet(paths, None, tmp_path / "out", workers=1, work=counted))
+    assert set(frame["status"]) == {"done"}
+
+
+@pytest.mark.parametrize("workers", ["-2", "0"])
+def test_a_number_of_workers_that_cannot_be_is_refused(tmp_path, capsys, workers):
+    path, = recordings(tmp_path, ["fine"])
+    assert fleet.main([str(path), "--workers", workers, "--out", str(tmp_path / "out")]) == 2
+    assert f"workers: found {workers}, expected at least 1" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_fleet_without_any_recording_that_is_there_fails(tmp_path, capsys):
+    assert fleet.main([str(tmp_path / "absent.csv"), "--workers", "1", "--out", str(tmp_path / "out")]) == 1
+    assert "found no recording that was done of 1, expected at least one; the first: " in capsys.readouterr().err

@@ -259,7 +259,7 @@ def test_the_verb_export(tmp_path):
                              ([CONFIG, "--fmu", tmp_path / "x", "--set", "line_1.length_m=-3"], "line_1.length_m")):
         done = verb("export", *arguments)
         assert done.returncode == 2 and words in done.stderr, done.stderr
-    for option in (["--parquet"], ["--mat"], ["--mcap"], ["--out", tmp_path], ["--force"]):
+    for option in (["--parquet"], ["--mat"], ["--mcap"], ["--csv"], ["--out", tmp_path], ["--force"]):
         done = verb("export", CONFIG, "--fmu", tmp_path / "never.fmu", *option)
         assert done.returncode == 2 and f"{option[0]}: found with --fmu" in done.stderr, done.stderr
     for option in (["--model", "plant"], ["--fmi", "2"], ["--set", "period_s=0.001"]):

@@ -117,3 +117,22 @@ def test_a_late_answer_is_left_and_junk_is_no_answer(tmp_path):
     axis.close()
     thread.join()
     listening.close()
+
+
+def test_numbers_of_numpy_are_sent_as_numbers():
+    import json
+
+    import numpy
+
+    with tempfile.TemporaryDirectory() as folder, socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as listening:
+        listening.bind(os.path.join(folder, "axis.sock"))
+        listening.listen()
+        axis = Axis(os.path.join(folder, "axis.sock"))
+        served, _ = listening.accept()
+        with served:
+            served.sendall(b'{"id": 1, "ok": true}\n')
+            axis.move_to(numpy.float32(0.125), speed_mps=numpy.int64(1))
+            assert json.loads(served.recv(4096))["position_m"] == 0.125
+            with pytest.raises(TypeError, match="found set in a request, expected numbers and text"):
+                axis.move_to({1})
+        axis.close()

@@ -227,3 +227,100 @@ def test_rows_that_are_left_out_are_warned_of():
     with pytest.warns(UserWarning, match="t_s"):
         recording = pneuservo.Recording({"t_s": numpy.array([0.0, 0.1, 0.05, 0.2]), "u_V": numpy.arange(4.0)})
     assert len(recording) == 3
+
+
+NAMES = ["t_s", "x_m", "T [C]", "größe", "1bad", "_under", "T_[C]", "end", "pneuservo", "a" * 80, "with, comma"]
+
+
+@pytest.mark.parametrize("suffix, package", [(".parquet", "pyarrow"), (".mat", "scipy"), (".mcap", "mcap")])
+def test_every_name_and_the_header_come_back(tmp_path, suffix, package):
+    pytest.importorskip(package)
+    from pneuservo import export
+
+    text = 'format: pneuservo-recording/1\nrig: "a: b"\nperiod_s: 0.001\nconfig: |\n  # größe\n  name: x\nlist: [1, two, 3.5]\n'
+    recording = pneuservo.Recording({name: (numpy.arange(3.0) + number) * 1e-3 for number, name in enumerate(NAMES)},
+                                    period_s=1e-3, header_text=text)
+    export.write(recording, tmp_path / f"run{suffix}")
+    again, = pneuservo.read_recordings(tmp_path / f"run{suffix}")
+    assert list(again.keys()) == NAMES and all(same(again[name], recording[name]) for name in NAMES)
+    assert again.header == recording.header and again.header["list"] == [1, "two", 3.5] and again.header_text == text
+    one = pneuservo.Recording({"t_s": numpy.zeros(1), "x_m": numpy.ones(1)})
+    export.write(one, tmp_path / f"one{suffix}")
+    assert export.read(tmp_path / f"one{suffix}")["x_m"].tolist() == [1.0]
+
+
+@pytest.mark.parametrize("suffix, package", [(".parquet", "pyarrow"), (".mat", "scipy"), (".mcap", "mcap")])
+def test_a_cut_file_is_told_and_a_failed_write_leaves_the_older_file(swept, tmp_path, suffix, package, monkeypatch):
+    pytest.importorskip(package)
+    from pneuservo import export
+
+    path = tmp_path / f"run{suffix}"
+    export.write(swept, path)
+    whole = path.read_bytes()
+    for cut in (b"", b"hello" * 50, whole[:len(whole) // 2]):
+        path.write_bytes(cut)
+        with pytest.raises(pneuservo.InputError, match="found a file that is damaged or no") as refused:
+            export.read(path)
+        assert len(refused.value.sentences) == 1
+    path.write_bytes(whole)
+
+    def fails(recording, partial):
+        partial.write_bytes(b"half")
+        raise OSError("disk full")
+
+    monkeypatch.setitem(export._WRITERS, suffix, fails)
+    with pytest.raises(OSError, match="disk full"):
+        export.write(swept, path, replace=True)
+    assert path.read_bytes() == whole and [one.name for one in tmp_path.iterdir()] == [path.name]
+    with pytest.raises(pneuservo.InputError, match="found no file there"):
+        export.read(tmp_path / f"nowhere{suffix}")
+
+
+def test_a_table_of_another_program_needs_numbers_and_takes_the_config_s_period(config, tmp_path):
+    pandas = pytest.importorskip("pandas")
+    pytest.importorskip("pyarrow")
+    frame = pandas.DataFrame({"t_s": [0.0, 1e-3], "u_V": [1, 2]})
+    frame.to_parquet(tmp_path / "other.parquet")
+    run, = pneuservo.read_recordings(tmp_path / "other.parquet", config)
+    assert run["u_V"].tolist() == [1.0, 2.0] and run.period_s == config.period_s and run.header == {}
+    assert len(pneuservo.simulate(config, tmp_path / "other.parquet")["x_m"]) == 2
+    frame.assign(words="a").to_parquet(tmp_path / "other.parquet")
+    with pytest.raises(pneuservo.InputError, match="words: found a column of .*, expected numbers"):
+        pneuservo.read_recordings(tmp_path / "other.parquet")
+
+
+def test_the_command_leads_back_to_the_program_s_own_format(config, swept, tmp_path, capsys):
+    pytest.importorskip("mcap")
+    from pneuservo import export
+
+    swept.write(str(tmp_path / "run.csv.gz"), config)
+    own, = pneuservo.read_recordings(tmp_path / "run.csv.gz")
+    (tmp_path / "back").mkdir()
+    assert export.main([str(tmp_path / "run.csv.gz"), "--mcap", "--out", str(tmp_path)]) == 0
+    assert export.main([str(tmp_path / "run.mcap"), "--csv", "--out", str(tmp_path / "back")]) == 0
+    again, = pneuservo.read_recordings(tmp_path / "back/run.csv.gz", config)
+    assert again.header_text == own.header_text and list(again.keys()) == list(own.keys()) and not again.problems
+    assert all(same(again[name], own[name]) for name in own.keys())
+    assert export.main([str(tmp_path / "run.mcap"), "--csv", "--out", str(tmp_path / "nofolder")]) == 2
+    assert "nofolder: found no folder there, expected one: make it first" in capsys.readouterr().err
+    odd = pneuservo.Recording({"t_s": numpy.arange(2.0), "a,b": numpy.arange(2.0)})
+    with pytest.raises(pneuservo.InputError, match="found the column name 'a,b'"):
+        export.write(odd, tmp_path / "odd.csv.gz")
+    odd = pneuservo.Recording({"t_s": numpy.arange(2.0), "T [C]": numpy.array([numpy.nan, 1 / 3])}, rig="a: b")
+    export.write(odd, tmp_path / "odd.csv.gz")
+    back = export.read(tmp_path / "odd.csv.gz")
+    assert back.rig == "a: b" and back.period_s == 1.0 and same(back["T [C]"], odd["T [C]"]) and not back.problems
+
+
+def test_the_program_names_the_way_back(tmp_path):
+    path = tmp_path / "run.dat"
+    path.write_bytes(b"PAR1" + bytes(100))
+    with pytest.raises(pneuservo.InputError, match="python -m pneuservo.export FILE --csv"):
+        pneuservo.read_recordings(path)
+
+
+@pytest.mark.parametrize("columns, words", [(5, "Recording: found int, expected a file, a Recording, or a mapping"),
+                                            ({1: numpy.zeros(2)}, "Recording: found int as a column's name, expected text")])
+def test_what_is_no_recording_is_named(columns, words):
+    with pytest.raises(TypeError, match=words):
+        pneuservo.Recording(columns)

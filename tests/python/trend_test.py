@@ -103,3 +103,47 @@ def test_what_is_no_table_is_told(tmp_path, capsys):
         trend.read_results([tmp_path])
     assert trend.main([str(tmp_path), "--report", str(tmp_path / "page.html")]) == 2
     assert "trend: " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("size", [0.5, 3.0, 1e3])
+def test_one_week_alone_is_an_outlier_at_any_size(size):
+    weeks = numpy.arange(52)
+    for seed in range(20):
+        draw = numpy.random.default_rng(seed)
+        values = 6.0 + 0.08 * draw.standard_normal(52)
+        values[draw.integers(5, 52)] += size
+        assert change_points.first_change(weeks, values, numpy.full(52, 0.08), 0.001) is None, seed
+        values[26:] += 3.0 * size  # a change beside it is told
+        assert change_points.first_change(weeks, values, numpy.full(52, 0.08), 0.001), seed
+
+
+def test_a_change_that_has_gone_is_told_with_the_size_that_it_had():
+    shape = (WEEKS >= 9) & (WEEKS < 14)
+    errors = numpy.full(20, 0.2)
+    change = change_points.first_change(WEEKS, 5.0 + 3.0 * shape + noise(3, 1, 0.2)[0], errors, RATE)
+    assert change.has_gone and change.size == pytest.approx(3.0, abs=0.5)
+    words = trend.words_of(trend.Series("friction_N", WEEKS, 0.0 * WEEKS, errors, change, 1.0))
+    assert words.startswith("friction rose in the week of ") and words.endswith(", and is as before by now")
+
+
+@pytest.mark.parametrize("unknown", [0.0, numpy.nan])
+def test_a_week_without_an_error_counts_as_the_others(unknown):
+    errors = numpy.full(20, 0.2)
+    errors[15] = unknown
+    assert change_points.with_others(errors) == pytest.approx(0.2)
+    for row in noise(5, 50, 0.2):
+        assert change_points.first_change(WEEKS, row, errors, 0.001) is None
+    frame = rows("a", 0.0 * WEEKS, 5)
+    frame.loc[3, "friction_N_standard_error"] = unknown
+    _, _, weekly = trend._weekly(frame, "friction_N")
+    assert numpy.isnan(weekly[3]) and weekly[4] == 0.08
+
+
+def test_a_recording_whose_date_is_none_is_left_out_and_told(table, capsys):
+    frame = pandas.read_parquet(table / "results.parquet")
+    frame.loc[2, "date"] = "2026-13-45"
+    frame.to_parquet(table / "results.parquet")
+    assert trend.main([str(table), "--report", str(table / "page.html")]) == 0
+    told = capsys.readouterr()
+    assert "found the date '2026-13-45', expected one such as 2026-03-30" in told.err and "leak rises since" in told.out
+    assert "2026-13-45" in (table / "page-1-press__1_.html").read_text()

@@ -136,8 +136,7 @@ void PdForce::see_force(const ControlInput& in, bool is_first, PdForceState& s) 
 
 void PdForce::take_terms(const ControlInput& in, PdForceState& s) const noexcept {
   s.e_m = in.now.d[0] - in.x_m;
-  s.v_mps =
-      first_ ? 0.0 : s.v_mps + filter_gain_ * ((in.x_m - previous_x_m_) / (periods_ * period_s_) - s.v_mps);
+  s.v_mps = first_ ? 0.0 : s.v_mps + filter_gain_ * ((in.x_m - previous_x_m_) / (periods_ * period_s_) - s.v_mps);
   see_force(in, first_, s);
   s.F_ref_N = parameters_.position_gain_N_per_m * s.e_m + parameters_.velocity_gain_Ns_per_m * (in.now.d[1] - s.v_mps);
   if (feeds_forward()) feed_forward(in, s);

@@ -101,7 +101,8 @@ TEST_CASE("each mistake of units and wiring is named and undone, on drawn machin
   }
 }
 
-TEST_CASE("a wiring is told where a dead band or a leak lets simulated pressures drift, and a right one is left alone") {
+TEST_CASE(
+    "a wiring is told where a dead band or a leak lets simulated pressures drift, and a right one is left alone") {
   const unsigned seed = test::new_seed();
   INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   std::mt19937 generator(seed);

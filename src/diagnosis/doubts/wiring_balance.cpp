@@ -42,7 +42,8 @@ double square_of_swing(const Series& values, const std::vector<std::size_t>& row
 
 enum class Factor { free, one };
 
-/// What is left of `wanted` beside a constant and `given` times a factor of at least 0, as a share of `swing`, at most 1.
+/// What is left of `wanted` beside a constant and `given` times a factor of at least 0, as a share of `swing`, at
+/// most 1.
 double left_share(const Series& wanted, const Series& given, const std::vector<std::size_t>& rows, double swing,
                   Factor factor) {
   double sum_a = 0, sum_b = 0, aa = 0, ab = 0, bb = 0;
@@ -59,13 +60,11 @@ double left_share(const Series& wanted, const Series& given, const std::vector<s
 class Balances {
  public:
   Balances(const Rig& rig, const CylinderRecording& prepared)
-      : rig_(rig),
-        prepared_(prepared),
+      : rig_(rig), prepared_(prepared),
         kernel_(std::max({least_sigma_s + longest_m(rig) / Air<double>(rig.axis.air).sound_speed(),
                           2 * prepared.period_s()}),
                 prepared.period_s()),
-        x_m_(without_gaps(prepared.position_m)),
-        v_mps_(kernel_.apply(x_m_, 1)) {
+        x_m_(without_gaps(prepared.position_m)), v_mps_(kernel_.apply(x_m_, 1)) {
     double top_mps = 0;
     for (const double v : v_mps_) top_mps = std::max(top_mps, std::abs(v));
     const std::size_t reach = kernel_.reach();

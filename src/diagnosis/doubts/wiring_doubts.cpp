@@ -41,7 +41,8 @@ constexpr double decisive = 0.4;
 /// The same of another wiring. On those recordings a wrong wiring missed by 1.78 times what the right one missed by, or
 /// more: the geometric mean of that and equality.
 constexpr double decisive_wiring = 0.75;
-/// Between sizes of pressures in one unit: bar, psi and kPa of one pressure differ by 7 to 15, other pairs by 100 or more.
+/// Between sizes of pressures in one unit: bar, psi and kPa of one pressure differ by 7 to 15, other pairs by 100 or
+/// more.
 constexpr double one_unit = 30;
 /// Means over which the difference of a side's two pressures is judged: it lasts as long as a stroke, white noise of
 /// 600 Pa comes down to 85 Pa.
@@ -310,7 +311,8 @@ bool are_whole(const std::vector<double>& values) {
 /// Columns of about the same size together: what differs by more is in another unit.
 std::vector<std::vector<std::string>> alike(const Recording& recording, std::vector<std::string> columns) {
   const auto size_of = [&](const std::string& column) { return std::abs(quantile(recording.column(column), 0.5)); };
-  std::stable_sort(columns.begin(), columns.end(), [&](const auto& a, const auto& b) { return size_of(a) < size_of(b); });
+  std::stable_sort(columns.begin(), columns.end(),
+                   [&](const auto& a, const auto& b) { return size_of(a) < size_of(b); });
   std::vector<std::vector<std::string>> out;
   for (const std::string& column : columns) {
     if (out.empty() || size_of(column) > one_unit * size_of(out.back().back())) out.emplace_back();
@@ -510,10 +512,11 @@ void doubt_wiring(const Rig& rig, Recording& recording, std::vector<std::string>
     if (!found) break;
     found->wiring.apply(judged);
     found->wiring.apply(recording);
-    notes.push_back(fmt::format("{}: {}: so, the balances of gas and force leave {:.0f} % of what they balance instead of "
-                                "{:.0f} %; compared so; to state it: {}",
-                                recording.path, found->wiring.name, 100 * found->misfit, 100 * found->misfit_as_recorded,
-                                stated_sources(recording, found->wiring.columns)));
+    notes.push_back(
+        fmt::format("{}: {}: so, the balances of gas and force leave {:.0f} % of what they balance instead of "
+                    "{:.0f} %; compared so; to state it: {}",
+                    recording.path, found->wiring.name, 100 * found->misfit, 100 * found->misfit_as_recorded,
+                    stated_sources(recording, found->wiring.columns)));
   }
   doubt_sides(rig, recording, notes);
 }

@@ -41,9 +41,9 @@ constexpr double decisive = 0.4;
 /// The same of another wiring. On those recordings a wrong wiring missed by 1.78 times what the right one missed by, or
 /// more: the geometric mean of that and equality.
 constexpr double decisive_wiring = 0.75;
-/// Between sizes of pressures in one unit: bar, psi and kPa of one pressure differ by 7 to 15, other pairs by 100 or
-/// more.
-constexpr double one_unit = 30;
+/// Between the means at both ends of a line, which show nearly one pressure: the geometric mean of equality and 6.9,
+/// the least ratio of two units (psi over kPa).
+constexpr double one_unit = 2.6;
 /// Means over which the difference of a side's two pressures is judged: it lasts as long as a stroke, white noise of
 /// 600 Pa comes down to 85 Pa.
 constexpr double side_mean_s = 0.05;
@@ -51,7 +51,6 @@ constexpr double neutral_tolerance = 0.02;  ///< of the command's range: data sh
 constexpr int golden_steps = 8;  ///< of a golden section: to 2 % of what is allowed
 /// Of the lead that a held force has: a force is of its instant where its own lead is less, and known to that.
 constexpr double instant_share = 0.4, least_known = 0.2;
-constexpr double slow_share = 0.1;  ///< of the top speed: slower motion may stick
 constexpr double infinite_misfit = std::numeric_limits<double>::infinity();
 
 void exchange(Recording& recording, const std::string& a, const std::string& b) {
@@ -156,16 +155,17 @@ bool needs_fit(const std::vector<ReadingsOf>& kinds, const Choice& choice) {
   return false;
 }
 
-/// The least misfit over changes of the command, by at most `most` both ways.
-double misfit_at_best(const Rig& rig, const Recording& recording, double most, double (*changed_V)(double, double)) {
+/// The least misfit over neutrals of the valve within what data sheets allow: an error of the neutral moves simulated
+/// pressures ever further, as wrong pressures do.
+double misfit_at_best_neutral(const Rig& rig, const Recording& recording) {
   if (!recording.has("u_V")) return port_misfit(rig, recording);
-  const double golden = 0.5 * (std::sqrt(5.0) - 1);
-  const auto misfit_at = [&](double by) {
+  const double golden = 0.5 * (std::sqrt(5.0) - 1), most_V = neutral_tolerance * rig.axis.valve.command_max_V;
+  const auto misfit_at = [&](double by_V) {
     Recording changed = recording;
-    for (double& command_V : changed.column("u_V")) command_V = changed_V(command_V, by);
+    for (double& command_V : changed.column("u_V")) command_V += by_V;
     return port_misfit(rig, changed);
   };
-  double low = -most, high = most, a = high - golden * (high - low), b = low + golden * (high - low);
+  double low = -most_V, high = most_V, a = high - golden * (high - low), b = low + golden * (high - low);
   double at_a = misfit_at(a), at_b = misfit_at(b);
   for (int step = 0; step < golden_steps; ++step)
     if (at_a < at_b) {
@@ -178,12 +178,6 @@ double misfit_at_best(const Rig& rig, const Recording& recording, double most, d
   return std::min(at_a, at_b);
 }
 
-/// Over neutrals of the valve within what data sheets allow: an error of the neutral moves simulated pressures ever
-/// further, as wrong pressures do.
-double misfit_at_best_neutral(const Rig& rig, const Recording& recording) {
-  return misfit_at_best(rig, recording, neutral_tolerance * rig.axis.valve.command_max_V,
-                        [](double command_V, double by) { return command_V + by; });
-}
 /// Of the gas at each instant: a dead band, a leak or a rest lets simulated pressures drift by more than a unit does.
 double misfit_of_gas(const Rig& rig, const Recording& recording) { return gas_misfit(rig, recording, judged_s); }
 
@@ -308,27 +302,34 @@ bool are_whole(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return v == std::round(v) || std::isnan(v); });
 }
 
-/// Columns of about the same size together: what differs by more is in another unit.
-std::vector<std::vector<std::string>> alike(const Recording& recording, std::vector<std::string> columns) {
-  const auto size_of = [&](const std::string& column) { return std::abs(quantile(recording.column(column), 0.5)); };
-  std::stable_sort(columns.begin(), columns.end(),
-                   [&](const auto& a, const auto& b) { return size_of(a) < size_of(b); });
-  std::vector<std::vector<std::string>> out;
-  for (const std::string& column : columns) {
-    if (out.empty() || size_of(column) > one_unit * size_of(out.back().back())) out.emplace_back();
-    out.back().push_back(column);
+/// Pressure columns that are in one unit: ports and chambers apart where a line's ends show other sizes. The supply
+/// goes with those whose sizes it is nearer to.
+std::vector<std::vector<std::string>> by_unit(const Recording& recording) {
+  const std::vector<std::string> all = pressure_columns(recording);
+  const auto size_of = [&](const std::string& column) { return quantile(recording.column(column), 0.5); };
+  double most = 1, ports = 0, chambers = 0;
+  for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+    const std::string port(info(port_signals[side]).column), chamber(info(chamber_signals[side]).column);
+    if (!recording.has(port) || !recording.has(chamber) || !(size_of(port) > 0 && size_of(chamber) > 0)) continue;
+    ports = size_of(port), chambers = size_of(chamber);
+    most = std::max({most, ports / chambers, chambers / ports});
   }
-  const std::vector<std::string> order = pressure_columns(recording);
-  const auto place = [&](const std::string& column) { return std::find(order.begin(), order.end(), column); };
-  for (auto& group : out)
-    std::sort(group.begin(), group.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
+  if (all.empty()) return {};
+  if (most < one_unit) return {all};
+  std::vector<std::vector<std::string>> out(2);
+  for (const std::string& column : all) {
+    const Signal signal = *signal_of_column(column);
+    const double size = size_of(column);
+    const bool is_nearer = std::abs(std::log(size / chambers)) < std::abs(std::log(size / ports));
+    out[is_chamber(signal) || (!is_port(signal) && is_nearer) ? 1 : 0].push_back(column);
+  }
   return out;
 }
 
 /// What the recording's channels may be meant as; throws where a kind has no reading.
 std::vector<ReadingsOf> possible_readings(const Rig& rig, const Recording& recording) {
   std::vector<ReadingsOf> out;
-  for (const std::vector<std::string>& pressures : alike(recording, pressure_columns(recording))) {
+  for (const std::vector<std::string>& pressures : by_unit(recording)) {
     double low = 1e300, high = -1e300;
     for (const std::string& column : pressures) {
       low = std::min(low, quantile(recording.column(column), lowest_share));
@@ -366,14 +367,10 @@ std::vector<ReadingsOf> possible_readings(const Rig& rig, const Recording& recor
 std::pair<double, double> force_lead(const Rig& rig, const Recording& whole, double interval_s) {
   const Recording recording = most_moving_part(whole, force_judged_s);
   const EvenSamples even(recording.t_s(), interval_s);
-  std::vector<double> force = even.straight(recording.column("F_N"));
+  const std::vector<double> measured = even.straight(recording.column("F_N")), force = held_over_gaps(measured);
   const ForceBalance balance(even.drawn(recording.column("x_m")), interval_s, rig.sensors.position.rms_m());
   std::vector<char> known = balance.usable();
-  for (std::size_t i = 0; i < force.size(); ++i)
-    if (!std::isfinite(force[i])) {
-      force[i] = i > 0 ? force[i - 1] : 0;
-      known[i] = 0;
-    }
+  for (std::size_t i = 0; i < known.size(); ++i) known[i] = known[i] && std::isfinite(measured[i]);
   const GaussianKernel& kernel = balance.kernel();
   const std::vector<double> drive = kernel.apply(force, 0), rate = kernel.apply(force, 1),
                             acceleration = kernel.apply(balance.velocity_mps(), 1);

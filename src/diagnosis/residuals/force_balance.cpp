@@ -25,18 +25,6 @@ double kernel_sigma(double noise_m, double shortest_s) {
   return std::max(noise_m > noisy_position_m ? 0.008 : 0.005, shortest_s);
 }
 
-/// Samples that are missing filled by the last one before them (the first one after, at the start).
-std::vector<double> filled(std::span<const double> signal) {
-  std::vector<double> out(signal.begin(), signal.end());
-  const auto first = std::find_if(out.begin(), out.end(), [](double value) { return std::isfinite(value); });
-  double last = first == out.end() ? 0.0 : *first;
-  for (double& value : out) {
-    if (!std::isfinite(value)) value = last;
-    last = value;
-  }
-  return out;
-}
-
 /// Marks `reach` samples on both sides of every marked one.
 std::vector<char> widened(const std::vector<char>& marks, std::size_t reach) {
   std::vector<char> out(marks.size(), 0);
@@ -217,7 +205,7 @@ double undo(const SensorEffects<double>& sensor, double value, double next_deriv
 ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, double noise_m, double least_periods)
     : period_s_(period_s), noise_m_(noise_m), kernel_(kernel_sigma(noise_m, least_periods * period_s), period_s),
       fast_kernel_(std::max(0.6 * kernel_sigma(noise_m, least_periods * period_s), 1.5 * period_s), period_s) {
-  const std::vector<double> position = filled(position_m);
+  const std::vector<double> position = held_over_gaps(position_m);
   for (int order = 0; order < 4; ++order) derivative_[order] = kernel_.apply(position, order);
   for (int order = 0; order < 3; ++order) fast_[order] = fast_kernel_.apply(position, order);
   std::vector<char> is_missing(position.size(), 0);

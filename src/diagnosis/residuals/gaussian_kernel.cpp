@@ -57,4 +57,15 @@ double GaussianKernel::noise_gain(int order, std::size_t count) const {
   return std::sqrt(sum);
 }
 
+std::vector<double> held_over_gaps(std::span<const double> signal) {
+  std::vector<double> out(signal.begin(), signal.end());
+  const auto first = std::find_if(out.begin(), out.end(), [](double value) { return std::isfinite(value); });
+  double last = first == out.end() ? 0.0 : *first;
+  for (double& value : out) {
+    if (!std::isfinite(value)) value = last;
+    last = value;
+  }
+  return out;
+}
+
 }  // namespace pneuservo

@@ -31,4 +31,7 @@ class GaussianKernel {
   std::vector<double> taps_[4];  ///< by order, from the oldest sample to the newest
 };
 
+/// Samples that are missing filled by the last one before them (the first one after, at the start): a kernel needs all.
+std::vector<double> held_over_gaps(std::span<const double> signal);
+
 }  // namespace pneuservo

@@ -10,8 +10,8 @@ REFUSED = {"csv-frozen-position/const.csv": "x_m does not move", "cyl-position-o
 
 paths = sorted(glob.glob(os.path.join(FOLDER, "*", "*.csv")))
 if not paths:
-    print(f"{FOLDER} is not there: nothing to read")
-    sys.exit(0)
+    print(f"left out: {FOLDER} is not there")
+    sys.exit(77)
 for path in paths:
     folder, name = os.path.split(path)
     case = os.path.join(os.path.basename(folder), name)

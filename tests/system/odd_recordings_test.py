@@ -33,7 +33,7 @@ def put(name, content):
     return path_of(name)
 
 
-def motion(count=1200, interval_s=0.002):
+def motion(count=800, interval_s=0.002):
     out = []
     for i in range(count):
         t = i * interval_s
@@ -125,6 +125,20 @@ def try_file(name, path, *arguments):
     return done
 
 
+read = set()
+
+
+def is_read_as_before(path, rig):
+    """Whether the cylinder, whose diagnosis takes seconds, has had these channels, times and doubts from another file."""
+    if rig != CYLINDER:
+        return False
+    done = subprocess.run([program, "import", path, rig, "--json", "-"], capture_output=True, text=True, errors="replace")
+    understood = done.stdout.replace(path, "")
+    seen = understood in read
+    read.add(understood)
+    return seen and done.returncode == 0
+
+
 # What each verb makes of files whose use is known: 0 with a result, 2 with a sentence.
 WANTED = {"whole": 0, "own": 0, "cut": 0, "empty": 2, "blank": 2, "zeros": 2, "names-alone": 2, "one-row": 2, "all-nan": 2, "all-empty": 2,
           "text": 2, "hdf5": 2, "parquet": 2, "zip": 2, "binary": 2, "constant": 2}
@@ -135,6 +149,8 @@ for name, content in odd.items():
     try_file(name, path, "import", path)
     for rig in (axis, CYLINDER):
         try_file(name, path, "import", path, rig, "--report", path_of("page.html"))
+        if is_read_as_before(path, rig):
+            continue
         done = try_file(name, path, "diagnose", rig, path, "--quiet")
         if rig == axis and name in WANTED:
             expect(done.returncode == WANTED[name], f"{name}: status {done.returncode}, expected {WANTED[name]}: {done.stdout}{done.stderr}")

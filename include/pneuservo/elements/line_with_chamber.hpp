@@ -87,7 +87,10 @@ template <class S> class LineWithChamber {
   S port_pressure() const noexcept { return lags_ ? chamber_.pressure() : line_.port_pressure(); }
 
   /// Pressure that is lost from the line's end to the chamber from here on [Pa].
-  void set_end_loss(const S& loss_Pa) noexcept { end_loss_Pa_ = loss_Pa; }
+  void set_end_loss(const S& loss_Pa) noexcept {
+    end_loss_Pa_ = loss_Pa;
+    loses_at_end_ = true;
+  }
 
   Line<S>& line() noexcept { return line_; }
   const Line<S>& line() const noexcept { return line_; }
@@ -95,7 +98,10 @@ template <class S> class LineWithChamber {
   const Chamber<S>& chamber() const noexcept { return chamber_; }
 
  private:
-  ChamberEnd<S> end() const noexcept { return {chamber_.pressure() + end_loss_Pa_, chamber_.temperature()}; }
+  ChamberEnd<S> end() const noexcept {
+    const S p = chamber_.pressure();
+    return {loses_at_end_ ? p + end_loss_Pa_ : p, chamber_.temperature()};
+  }
   void step_chamber(const LineFlow<S>& flow, const S& s_new, const ChamberInflow<S>& extra) noexcept {
     chamber_.step(
         step_s_,
@@ -107,6 +113,7 @@ template <class S> class LineWithChamber {
   bool lags_ = false;
   Chamber<S> chamber_;
   S end_loss_Pa_{};
+  bool loses_at_end_ = false;
   int substeps_ = 0, fixed_substeps_ = 0;
   double period_s_ = 0.0, step_s_ = 1e-3;
   double sound_mps_ = 343.0, stiffness_per_m_ = 1.0;

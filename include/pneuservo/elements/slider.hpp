@@ -110,8 +110,8 @@ template <class S> class Slider {
     const S h(h_s), zero(0);
     const S alone =
         less_load(is_disturbed_ ? driving_force_N + disturbance_.value(0.5 * h_s) : driving_force_N, position_);
-    const S shearing = has_presliding_ ? shearing_friction(around) : zero, sheared_N = sheared_ * shearing;
-    const S held_by = has_bristles_ ? alone - bristles_ - sheared_N : alone - sheared_N;
+    const S shearing = has_presliding_ ? shearing_friction(around) : zero;
+    const S held_by = has_bristles_ || has_presliding_ ? alone - bristles_ - sheared_ * shearing : alone;
     const S force = has_couplings_ ? held_by + load_.force() + loose_load_.force() : held_by;
     const auto resting = velocity_ == zero;
     const S direction = select(resting, select(force >= zero, S(1), S(-1)), select(velocity_ > zero, S(1), S(-1)));

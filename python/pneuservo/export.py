@@ -5,12 +5,17 @@ Every number comes back to the last bit of float64; units and header go along.
 """
 import argparse
 import gzip
+import importlib.util
+import io
 import json
 import math
 import os
 import pathlib
 import re
+import subprocess
 import sys
+import warnings
+import zlib
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy
@@ -44,11 +49,16 @@ def _identifiers(names: Sequence[str]) -> List[str]:
     return found
 
 
+def _checksum(values: Any) -> int:
+    return zlib.crc32(numpy.ascontiguousarray(values, dtype=numpy.float64))
+
+
 def _about(recording: Recording) -> Dict[str, Any]:
     """What goes along with the columns; `columns` are the names of those that had to take another one."""
     names = list(recording.keys())
     return {"rig": recording.rig, "period_s": recording.period_s, "header": recording.header, "header_text": recording.header_text,
-            "columns": {one: name for one, name in zip(_identifiers(names), names) if one != name}, "version": __version__}
+            "columns": {one: name for one, name in zip(_identifiers(names), names) if one != name},
+            "crc32": {name: _checksum(recording[name]) for name in names}, "version": __version__}
 
 
 def _numbers(name: str, values: Any, path: Path) -> Any:
@@ -66,8 +76,13 @@ def _made(columns: Dict[str, Any], about: Dict[str, Any], path: Path, config: Op
         header = json.dumps(about["header"], ensure_ascii=False) if about.get("header") else ""
     period_s = about.get("period_s") or (config.period_s if config is not None else float("nan"))
     rig = about.get("rig") or (config.name if config is not None else "")
-    return Recording({name: _numbers(name, values, path) for name, values in columns.items()}, period_s=period_s, rig=rig,
-                     name=os.fspath(path), header_text=header)
+    numbers = {name: _numbers(name, values, path) for name, values in columns.items()}
+    written = about.get("crc32") or {}
+    changed = [name for name in written if name not in numbers or _checksum(numbers[name]) != written[name]]
+    if changed:
+        warnings.warn(f"{path}: found other values of {', '.join(changed)} than were written, expected the same: the file is damaged, or "
+                      "another program changed it; export the recording again", stacklevel=3)
+    return Recording(numbers, period_s=period_s, rig=rig, name=os.fspath(path), header_text=header)
 
 
 def _to_parquet(recording: Recording, path: Path) -> None:
@@ -98,15 +113,28 @@ def _to_mat(recording: Recording, path: Path) -> None:
     scipy.io.savemat(path, {**columns, "pneuservo": about}, appendmat=False, long_field_names=True, oned_as="column")
 
 
-def _from_mat(path: Path) -> _Content:
-    import scipy.io
+# In a process of its own: scipy's reader may end its process on a damaged file. Prints the columns, and what goes along, as NPZ.
+_MAT_READER = """
+import sys, numpy, scipy.io
+content = scipy.io.loadmat(sys.argv[1], appendmat=False)
+own = content.get("pneuservo")
+columns = {name: values.reshape(-1) for name, values in content.items()
+           if not name.startswith("__") and isinstance(values, numpy.ndarray) and values.dtype.kind in "fiub"
+           and values.ndim == 2 and 1 in values.shape}
+about = "{}" if own is None else str(own["about"].item().item())
+numpy.savez(sys.stdout.buffer, __about__=numpy.frombuffer(about.encode(), dtype=numpy.uint8), **columns)
+"""
 
-    content = scipy.io.loadmat(path, appendmat=False)
-    own = content.get("pneuservo")
-    about = json.loads(str(own["about"].item().item())) if own is not None else {}
-    arrays = {name: values.reshape(-1) for name, values in content.items()
-              if not name.startswith("__") and isinstance(values, numpy.ndarray) and values.dtype.kind in "fiub"
-              and values.ndim == 2 and 1 in values.shape}
+
+def _from_mat(path: Path) -> _Content:
+    if importlib.util.find_spec("scipy") is None:
+        raise ModuleNotFoundError(name="scipy")
+    done = subprocess.run([sys.executable, "-c", _MAT_READER, os.fspath(path)], capture_output=True)
+    if done.returncode != 0:
+        raise ValueError((done.stderr.decode(errors="replace").strip().splitlines() or ["its reader ended without a word"])[-1])
+    with numpy.load(io.BytesIO(done.stdout)) as file:
+        arrays = {name: file[name] for name in file.files}
+    about = json.loads(arrays.pop("__about__").tobytes())
     rows = len(arrays.get("t_s", ()))
     return {name: values for name, values in arrays.items() if len(values) > 1 or rows == 1}, about
 

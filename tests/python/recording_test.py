@@ -1,6 +1,8 @@
 # Recordings: files, arrays, pandas, foreign loggers, and the formats of other programs, equal to the last bit.
 import io
+import os
 import struct
+import warnings
 import zlib
 
 import numpy
@@ -274,6 +276,33 @@ def test_a_cut_file_is_told_and_a_failed_write_leaves_the_older_file(swept, tmp_
     assert path.read_bytes() == whole and [one.name for one in tmp_path.iterdir()] == [path.name]
     with pytest.raises(pneuservo.InputError, match="found no file there"):
         export.read(tmp_path / f"nowhere{suffix}")
+
+
+@pytest.mark.parametrize("suffix, package", [(".mat", "scipy"), (".parquet", "pyarrow"), (".mcap", "mcap")])
+def test_a_byte_that_was_flipped_is_never_read_without_a_word(tmp_path, suffix, package):
+    pytest.importorskip(package)
+    from pneuservo import export
+
+    seed = int(os.environ.get("PNEUSERVO_TEST_SEED", numpy.random.SeedSequence().entropy % 2**31))
+    print(f"seed {seed} (PNEUSERVO_TEST_SEED)")
+    draw = numpy.random.default_rng(seed)
+    columns = {"t_s": numpy.arange(400) * 1e-3, "x_m": draw.normal(size=400), "u_V": draw.normal(size=400)}
+    path, told = tmp_path / f"run{suffix}", 0
+    export.write(pneuservo.Recording(columns, period_s=1e-3), path)
+    whole = path.read_bytes()
+    for place in draw.integers(len(whole), size=30):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 1 << int(draw.integers(8))]) + whole[place + 1:])
+        with warnings.catch_warnings(record=True) as words:
+            warnings.simplefilter("always")
+            try:
+                again = export.read(path)
+            except pneuservo.InputError:
+                told += 1
+                continue
+        equal = all(name in again.keys() and same(again[name], values) for name, values in columns.items())
+        assert equal or any("than were written" in str(one.message) for one in words), place
+        told += not equal
+    assert told > 5
 
 
 def test_a_table_of_another_program_needs_numbers_and_takes_the_config_s_period(config, tmp_path):

@@ -90,13 +90,7 @@ class SharedOpening {
 
   double of_sides() const {
     if (rows_.empty()) return infinite_misfit;
-    double ends = 0, lines = 0;
-    for (std::size_t i = 0; i < 2; ++i)
-      if (const auto apart_Pa = between_ends(i)) {
-        const double share = *apart_Pa / rig_.axis.air.atmosphere_Pa;
-        ends += share * share, ++lines;
-      }
-    return std::sqrt(left_of_any_opening() + (lines > 0 ? ends / lines : 0.0));
+    return std::sqrt(left_of_any_opening() + between_ends());
   }
 
   /// The least over dead bands: each edge opens with that much of the command less.
@@ -120,7 +114,7 @@ class SharedOpening {
         low_V = std::exchange(a_V, b_V);
         at_a = std::exchange(at_b, at(b_V = low_V + golden * (high_V - low_V)));
       }
-    return std::min(std::sqrt(least), own_swing);
+    return std::min(std::sqrt(least + between_ends()), own_swing);
   }
 
  private:
@@ -160,14 +154,20 @@ class SharedOpening {
     return left_beside_leaks(effect, across) / rate_.squaredNorm();
   }
 
-  /// Mean difference between a line's ends: what flows in flows out again. Empty where one end is not measured.
-  std::optional<double> between_ends(std::size_t side) const {
-    const Series &port = prepared_.measured[port_signals[side]], &chamber = prepared_.measured[chamber_signals[side]];
-    if (port.empty() || chamber.empty()) return std::nullopt;
-    double sum = 0, both = 0;
-    for (const std::size_t k : rows_)
-      if (const double apart = port[k] - chamber[k]; std::isfinite(apart)) sum += apart, ++both;
-    return both > 0 ? std::optional(sum / both) : std::nullopt;
+  /// Mean difference between a line's ends, for what flows in flows out again: squared, as a share of the atmosphere.
+  double between_ends() const {
+    double squares = 0, lines = 0;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Series &port = prepared_.measured[port_signals[i]], &chamber = prepared_.measured[chamber_signals[i]];
+      if (port.empty() || chamber.empty()) continue;
+      double sum = 0, both = 0;
+      for (const std::size_t k : rows_)
+        if (const double apart = port[k] - chamber[k]; std::isfinite(apart)) sum += apart, ++both;
+      if (!(both > 0)) continue;
+      const double share = sum / both / rig_.axis.air.atmosphere_Pa;
+      squares += share * share, ++lines;
+    }
+    return lines > 0 ? squares / lines : 0.0;
   }
 
   /// Of the gas beside what passes the valve. Squared, as a share.

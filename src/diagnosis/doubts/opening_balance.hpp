@@ -13,7 +13,7 @@ namespace pneuservo {
 /// does with it. In motion emptying is choked and filling is not, so that an error of all pressures shows.
 double sides_misfit(const Rig& rig, const Recording& recording);
 
-/// The same with the opening that the command asks for, beside such leaks and a dead band: at most 1.
+/// The same, ends of lines too, with the opening that the command asks for beside a dead band: at most 1.
 double gas_misfit(const Rig& rig, const Recording& recording);
 
 }  // namespace pneuservo

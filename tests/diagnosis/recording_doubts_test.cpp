@@ -215,6 +215,80 @@ TEST_CASE("gauge pressures are told beside a valve whose neutral is off, which p
   CHECK_THAT(notes[0], Contains("gauge"));
 }
 
+TEST_CASE("an atmosphere, a zero at the end and per cent are told beside a wide dead band and in slow motion") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (const double pace : {1.0, 0.2}) {
+    Rig owner = test::cylinder_rig(2.0 + 3.0 * uniform(generator));
+    Rig machine = drawn_machine(generator, owner);
+    machine.axis.effects.valve.valve_dead_band.width_V = 0.06 + 0.08 * uniform(generator);
+    const Recording right = test::simulated_recording(machine, 6.0, seed, port_names, pace);
+    const auto told_of = [&](const std::vector<std::string>& columns, double factor, double offset) {
+      std::vector<Recording> seen{right};
+      for (const std::string& column : columns) shift(seen[0].column(column), factor, offset);
+      std::vector<std::string> notes;
+      doubt_recordings(owner, seen, notes);
+      for (const char* column : {"x_m", "u_V", "p1_port_Pa", "p2_port_Pa"})
+        CHECK(largest_channel_difference(seen[0].column(column), right.column(column)) < 1e-6);
+      return fmt::format("{}", fmt::join(notes, "\n"));
+    };
+    CAPTURE(pace, owner.axis.line_1.length_m, machine.axis.effects.valve.valve_dead_band.width_V);
+    CHECK(told_of({}, 1, 0).empty());
+    CHECK_THAT(told_of(port_names, 1, -101325), Contains("gauge") && !Contains("\n"));
+    CHECK_THAT(told_of({"x_m"}, 1, 0.15), Contains("retracted end") && !Contains("\n"));
+    CHECK_THAT(told_of({"u_V"}, 20, 0), Contains("per cent") && !Contains("\n"));
+  }
+}
+
+TEST_CASE("gauge sensors of one kind are told beside absolute ones of another") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  const Rig owner = test::cylinder_rig(std::uniform_real_distribution<double>(2, 10)(generator));
+  const Recording right = test::simulated_recording(drawn_machine(generator, owner), 6.0, seed, test::all_pressures);
+  const auto check = [&](const std::vector<std::string>& gauge) {
+    std::vector<Recording> wrong{right};
+    for (const std::string& column : gauge) shift(wrong[0].column(column), 1, -101325);
+    Rig rig = owner;
+    std::vector<std::string> notes;
+    doubt_recordings(rig, wrong, notes);
+    CAPTURE(gauge, notes);
+    REQUIRE(notes.size() == 1);
+    CHECK_THAT(notes[0], Contains(fmt::format("simulated: {} go", fmt::join(gauge, ", "))) && Contains("gauge"));
+    for (const auto& column : test::all_pressures)
+      CHECK(largest_channel_difference(wrong[0].column(column), right.column(column)) < 1e-6);
+  };
+  check(port_names);
+  check({"p1_chamber_Pa", "p2_chamber_Pa"});
+  check({"p_supply_Pa"});
+  check({"p1_port_Pa", "p2_port_Pa", "p1_chamber_Pa", "p2_chamber_Pa"});
+  check(test::all_pressures);
+}
+
+TEST_CASE("a rest that ends within a gap is no frozen encoder, one that ends in a step is") {
+  Rig rig = test::cylinder_rig();
+  const double gap_s = 0.3 + 0.1 * (test::new_seed() % 3);
+  for (const bool is_gap : {true, false}) {
+    Recording recording;
+    recording.path = "made";
+    recording.names = {"t_s", "x_m"};
+    recording.values.resize(2);
+    for (int i = 0; i < 3000; ++i) {
+      const double t_s = 1e-3 * i, moved_s = std::max(t_s - 1, 0.0);
+      if (t_s > 0.95 && t_s < 0.95 + gap_s) continue;
+      recording.values[0].push_back(is_gap || t_s < 0.96 ? t_s : t_s - gap_s);
+      recording.values[1].push_back(0.05 * (1 - std::cos(3 * moved_s)));
+    }
+    std::vector<std::string> notes;
+    take_out_impossible_samples(rig, recording, notes);
+    CAPTURE(is_gap, gap_s, notes);
+    REQUIRE(notes.size() == (is_gap ? 0 : 1));
+    if (!is_gap) CHECK_THAT(notes[0], Contains("x_m is frozen"));
+  }
+}
+
 TEST_CASE("mistakes that come together are undone together, and stated beside the map that the file has") {
   const unsigned seed = test::new_seed();
   INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");

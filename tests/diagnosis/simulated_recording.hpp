@@ -47,9 +47,9 @@ inline Rig toleranced_cylinder_rig(double length_m, double diameter_m) {
 }
 
 /// Moves and rests under a position loop with force feedback, seconds long; columns as given, beside time, position and
-/// command. The rig's deviations are the machine's.
+/// command. The rig's deviations are the machine's. pace: of the motion.
 inline Recording simulated_recording(Rig rig, double seconds, std::uint64_t seed,
-                                     const std::vector<std::string>& channels) {
+                                     const std::vector<std::string>& channels, double pace = 1.0) {
   rig.seed = seed;
   rig.simulation = {.cells_per_m = 25.0, .input_age_periods = 0};
   rig.initial = {};
@@ -70,7 +70,7 @@ inline Recording simulated_recording(Rig rig, double seconds, std::uint64_t seed
     machine.read(k, measured);
     const auto y = [&](Signal signal) { return measured.channel[signal].value; };
     const double t = k < before ? 0.0 : static_cast<double>(k - before) * rig.period_s;
-    const double in_move = std::fmod(t - 0.3, 3.2);  // there and back, then rest
+    const double in_move = std::fmod(pace * (t - 0.3), 3.2);  // there and back, then rest
     const double reference = t < 0.3 || in_move > 2.0944 ? 0.0 : 0.05 * (std::cos(3.0 * in_move) - 1.0);
     speed += 0.25 * ((y(Signal::x) - last_x) / rig.period_s - speed);
     last_x = y(Signal::x);

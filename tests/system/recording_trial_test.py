@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-# Runs tools/recording-trial small: one machine in two other loggers' ways, and with every mistake of units and wiring.
+# Runs tools/recording-trial small: one machine in two other loggers' ways, with every mistake of units and wiring, and right.
 import os, subprocess, sys, tempfile
 
 from program import expect, program
@@ -19,6 +19,9 @@ def trial(kind, *arguments):
 said = trial("mistakes", "--seed", str(SEED))
 right, _, all_of_them = said.splitlines()[-1].removeprefix("mistakes: ").removesuffix(" right").split()
 expect(int(all_of_them) >= 14 and int(right) == int(all_of_them), f"mistakes, seed {SEED}: {said}")
+said = trial("right", "--seed", str(SEED))
+right, _, all_of_them = said.splitlines()[-1].removeprefix("right: ").removesuffix(" right").split()
+expect(int(all_of_them) >= 11 and right == all_of_them, f"right, seed {SEED}: {said}")
 # A machine whose name is sure, so that another draw of what is lost cannot leave it open.
 said = trial("variants", "--first", "104", "--effects", "valve_dead_band", "--rigs", "config/cylinder-2m-6.10mm.yaml",
              "--only", "second-row", "gap")

@@ -23,6 +23,8 @@ namespace {
 constexpr double furthest = 0.6;
 constexpr double least_motion = 0.01;  ///< of the stroke: less is no motion in any unit
 constexpr double command_share = 1.05;
+/// Of the supply's gauge pressure: pressures that all stay below it drive nothing.
+constexpr double least_driving = 0.1;
 constexpr double slowest_spike_s = 2e-3;  ///< between rows; a chamber may go there and back in more
 
 struct Unit {
@@ -124,9 +126,13 @@ void mark_spikes(const std::vector<double>& y, double excursion, std::vector<cha
 /// Steps elsewhere that a step out of a standstill must exceed so many times to prove the standstill a frozen sensor.
 constexpr double step_of_a_jump = 5;
 
-/// Runs of equal values that the noise rules out, or that end in a step no motion of this recording makes. The first
-/// value of a run was measured.
-void mark_frozen(const std::vector<double>& y, const Plausible& plausible, std::vector<char>& verdict) {
+/// Runs of equal values that the noise rules out, or that end in a step no motion of this recording makes, from one row
+/// to the next: behind a gap the motion may be anywhere. The first value of a run was measured.
+void mark_frozen(const std::vector<double>& t_s, const std::vector<double>& y, const Plausible& plausible,
+                 std::vector<char>& verdict) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < t_s.size(); ++i) intervals.push_back(t_s[i] - t_s[i - 1]);
+  const double gap_s = 1.5 * quantile(intervals, 0.5);
   std::vector<double> steps;
   for (std::size_t i = 1; i < y.size(); ++i)
     if (y[i] != y[i - 1]) steps.push_back(std::abs(y[i] - y[i - 1]));
@@ -135,7 +141,8 @@ void mark_frozen(const std::vector<double>& y, const Plausible& plausible, std::
     end = first + 1;
     while (end < y.size() && y[end] == y[first]) ++end;
     const bool by_noise = plausible.frozen_rows > 0 && end - first > static_cast<std::size_t>(plausible.frozen_rows);
-    const bool by_jump = end - first >= least_standstill && end < y.size() && std::abs(y[end] - y[first]) > jump;
+    const bool by_jump = end - first >= least_standstill && end < y.size() && std::abs(y[end] - y[first]) > jump &&
+                         std::abs(t_s[end] - t_s[end - 1]) < gap_s;
     if (by_noise || by_jump)
       std::fill(verdict.begin() + static_cast<std::ptrdiff_t>(first) + 1,
                 verdict.begin() + static_cast<std::ptrdiff_t>(end), is_frozen);
@@ -155,7 +162,7 @@ TakenOut judge_column(const Plausible& plausible, const std::vector<double>& t_s
   out.clipped = clipped_ends(values, plausible.slack, plausible.frozen_rows);
   for (const ClippedEnd& end : out.clipped) std::replace(values.begin(), values.end(), end.value, no_value);
   std::fill(verdict.begin(), verdict.end(), good);
-  mark_frozen(values, plausible, verdict);
+  mark_frozen(t_s, values, plausible, verdict);
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (verdict[i] != is_frozen) continue;
     ++out.frozen;
@@ -272,9 +279,15 @@ std::vector<UnitReading> position_zeros(const Rig& rig, const Recording& recordi
 std::vector<UnitReading> pressure_readings(const Rig& rig, const Recording& recording,
                                            const std::vector<std::string>& columns) {
   const PossibleRange possible = possible_pressure_Pa(rig);
+  const double atmosphere_Pa = rig.axis.air.atmosphere_Pa,
+               driving_Pa = atmosphere_Pa + least_driving * (rig.axis.supply.pressure_Pa - atmosphere_Pa);
+  double highest = -infinite;
+  for (const std::string& column : columns) highest = std::max(highest, range_of(recording.column(column)).high);
   std::vector<UnitReading> out;
   for (const Unit& unit : pressure_units)
-    for (const double offset : {0.0, rig.axis.air.atmosphere_Pa}) {
+    for (const double offset : {0.0, atmosphere_Pa}) {
+      const bool is_as_recorded = unit.factor == 1 && offset == 0;
+      if (!is_as_recorded && unit.factor * highest + offset < driving_Pa) continue;
       const bool fits = std::all_of(columns.begin(), columns.end(), [&](const std::string& column) {
         const Range range = range_of(recording.column(column));
         return unit.factor * range.low + offset >= possible.lowest &&

@@ -3,6 +3,7 @@
 
 #include "diagnosis/doubts/channel_doubts.hpp"
 #include "diagnosis/doubts/range_doubts.hpp"
+#include "diagnosis/doubts/unit_doubts.hpp"
 #include "diagnosis/doubts/wiring_doubts.hpp"
 #include "diagnosis/recordings/stretches.hpp"
 

@@ -17,8 +17,6 @@ inline constexpr double slow_share = 0.1;
 /// constant are free, for the valve's gain and leaks.
 /// The force of the ports, and that of the chambers where they are measured: against mass times acceleration and a
 /// friction of at least 0. A constant is free, for weight and offsets.
-double balance_misfit(const Rig& rig, const Recording& recording, double judged_s);
-/// Of the gas alone, the valve's gain as stated: for units, which a free factor would hide.
-double gas_misfit(const Rig& rig, const Recording& recording, double judged_s);
+double balance_misfit(const Rig& rig, const Recording& recording);
 
 }  // namespace pneuservo

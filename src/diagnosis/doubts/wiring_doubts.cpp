@@ -1,12 +1,10 @@
-// Exchanged, reversed and misread channels as hypotheses.
+// Exchanged and reversed channels as hypotheses.
 #include "diagnosis/doubts/wiring_doubts.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
-#include <iterator>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -18,6 +16,7 @@
 
 #include "config/input_error.hpp"
 #include "diagnosis/doubts/channel_doubts.hpp"
+#include "diagnosis/doubts/misfits.hpp"
 #include "diagnosis/doubts/wiring_balance.hpp"
 #include "diagnosis/recordings/cylinder_recording.hpp"
 #include "diagnosis/recordings/even_samples.hpp"
@@ -28,30 +27,16 @@ namespace pneuservo {
 
 namespace {
 
-constexpr double judged_s = 6;     ///< of each recording: some strokes
 constexpr double force_judged_s = 20;
 constexpr double judge_effort = 60;  ///< cells times sub-steps: a share of the pressures' swing is enough
-/// Misfit as recorded below which nothing is doubted: the geometric mean of the least that 106 recordings of machines
-/// with faults miss by as they are wired (0.08), and with channels exchanged or reversed (0.84).
-constexpr double doubtful = 0.25;
-constexpr double own_swing = 1.0;  ///< misfit of a constant, by the misfit's definition
-/// Of the misfit as recorded, that another reading must come down to. In an earlier trial a wrong wiring missed by
-/// 2.6 times or more; readings differ by more than wirings (a factor of 6.9, 10 or 1000, a zero of an atmosphere).
-constexpr double decisive = 0.4;
-/// The same of another wiring. On those recordings a wrong wiring missed by 1.78 times what the right one missed by, or
-/// more: the geometric mean of that and equality.
+/// Of the misfit as recorded, that another wiring must come down to. On 106 recordings of machines with faults a wrong
+/// wiring missed by 1.78 times what the right one missed by, or more: the geometric mean of that and equality.
 constexpr double decisive_wiring = 0.75;
-/// Between the means at both ends of a line, which show nearly one pressure: the geometric mean of equality and 6.9,
-/// the least ratio of two units (psi over kPa).
-constexpr double one_unit = 2.6;
 /// Means over which the difference of a side's two pressures is judged: it lasts as long as a stroke, white noise of
 /// 600 Pa comes down to 85 Pa.
 constexpr double side_mean_s = 0.05;
-constexpr double neutral_tolerance = 0.02;  ///< of the command's range: data sheets state 5 +- 0.1 V of 0 to 10 V
-constexpr int golden_steps = 8;  ///< of a golden section: to 2 % of what is allowed
 /// Of the lead that a held force has: a force is of its instant where its own lead is less, and known to that.
 constexpr double instant_share = 0.4, least_known = 0.2;
-constexpr double infinite_misfit = std::numeric_limits<double>::infinity();
 
 void exchange(Recording& recording, const std::string& a, const std::string& b) {
   if (!recording.has(a) || !recording.has(b)) return;
@@ -118,168 +103,6 @@ void add_misfit(const std::vector<double>& measured, const std::vector<double>& 
   }
 }
 
-/// How one kind of channel may be meant, with what its range says.
-struct ReadingsOf {
-  std::vector<std::string> columns;
-  std::vector<UnitReading> readings;
-  std::string evidence;
-};
-
-void apply(const ReadingsOf& of, std::size_t reading, Recording& recording) {
-  for (const std::string& column : of.columns) apply_reading(of.readings[reading], recording, column);
-}
-
-bool is_as_recorded(const UnitReading& reading) { return reading.factor == 1 && reading.offset == 0; }
-
-/// One reading of each kind, for kinds that are judged together: gauge pressures do not fit beside a command whose
-/// neutral is elsewhere, nor that beside them.
-using Choice = std::vector<std::size_t>;
-
-std::vector<Choice> choices_of(const std::vector<ReadingsOf>& kinds) {
-  std::vector<Choice> out{{}};
-  for (const ReadingsOf& kind : kinds) {
-    std::vector<Choice> longer;
-    for (const Choice& choice : out)
-      for (std::size_t i = 0; i < kind.readings.size(); ++i) {
-        longer.push_back(choice);
-        longer.back().push_back(i);
-      }
-    out = std::move(longer);
-  }
-  return out;
-}
-
-bool needs_fit(const std::vector<ReadingsOf>& kinds, const Choice& choice) {
-  for (std::size_t k = 0; k < kinds.size(); ++k)
-    if (kinds[k].readings[choice[k]].needs_fit) return true;
-  return false;
-}
-
-/// The least misfit over neutrals of the valve within what data sheets allow: an error of the neutral moves simulated
-/// pressures ever further, as wrong pressures do.
-double misfit_at_best_neutral(const Rig& rig, const Recording& recording) {
-  if (!recording.has("u_V")) return port_misfit(rig, recording);
-  const double golden = 0.5 * (std::sqrt(5.0) - 1), most_V = neutral_tolerance * rig.axis.valve.command_max_V;
-  const auto misfit_at = [&](double by_V) {
-    Recording changed = recording;
-    for (double& command_V : changed.column("u_V")) command_V += by_V;
-    return port_misfit(rig, changed);
-  };
-  double low = -most_V, high = most_V, a = high - golden * (high - low), b = low + golden * (high - low);
-  double at_a = misfit_at(a), at_b = misfit_at(b);
-  for (int step = 0; step < golden_steps; ++step)
-    if (at_a < at_b) {
-      high = std::exchange(b, a);
-      at_b = std::exchange(at_a, misfit_at(a = high - golden * (high - low)));
-    } else {
-      low = std::exchange(a, b);
-      at_a = std::exchange(at_b, misfit_at(b = low + golden * (high - low)));
-    }
-  return std::min(at_a, at_b);
-}
-
-/// Of the gas at each instant: a dead band, a leak or a rest lets simulated pressures drift by more than a unit does.
-double misfit_of_gas(const Rig& rig, const Recording& recording) { return gas_misfit(rig, recording, judged_s); }
-
-using MisfitOf = double (*)(const Rig&, const Recording&);
-
-std::vector<double> misfits_of(const Rig& rig, const Recording& judged, const std::vector<ReadingsOf>& kinds,
-                               const std::vector<Choice>& choices, MisfitOf misfit_of) {
-  std::vector<double> out;
-  for (const Choice& choice : choices) {
-    const bool is_far = needs_fit(kinds, choice);
-    out.push_back(infinite_misfit);
-    if (is_far && misfit_of == &misfit_at_best_neutral) continue;  // such a reading changes more than a neutral does
-    Recording tried = judged;
-    for (std::size_t k = 0; k < kinds.size(); ++k) apply(kinds[k], choice[k], tried);
-    const double misfit = misfit_of(rig, tried);
-    if (!is_far || misfit < own_swing) out.back() = misfit;
-  }
-  return out;
-}
-
-/// Whether a map states another unit or zero than SI for the columns: somebody knew.
-bool is_stated(const Recording& recording, const ReadingsOf& of) {
-  const ImportedColumn source = source_of(recording, of.columns.front());
-  return source.factor != 1 || source.offset != 0;
-}
-
-std::string name_of(const UnitReading& reading) { return reading.name.empty() ? "as recorded" : reading.name; }
-
-std::size_t corrections_of(const std::vector<ReadingsOf>& kinds, const Choice& choice) {
-  std::size_t out = 0;
-  for (std::size_t k = 0; k < kinds.size(); ++k) out += !is_as_recorded(kinds[k].readings[choice[k]]);
-  return out;
-}
-
-/// Of some choices those that correct the fewest kinds: what is as recorded stays so where it fits as well.
-std::vector<std::size_t> fewest_corrections(const std::vector<ReadingsOf>& kinds, const std::vector<Choice>& choices,
-                                            std::vector<std::size_t> some) {
-  std::size_t fewest = kinds.size();
-  for (const std::size_t i : some) fewest = std::min(fewest, corrections_of(kinds, choices[i]));
-  std::erase_if(some, [&](std::size_t i) { return corrections_of(kinds, choices[i]) > fewest; });
-  return some;
-}
-
-/// The first kind that two choices read otherwise.
-std::size_t first_difference(const Choice& a, const Choice& b) {
-  return static_cast<std::size_t>(std::mismatch(a.begin(), a.end(), b.begin()).first - a.begin());
-}
-
-/// Of the choices that fit about as well as the best one, the one that keeps what is stated, else the one that corrects
-/// the fewest kinds; throws where that leaves two.
-std::size_t one_of_fitting(const Recording& recording, const std::vector<ReadingsOf>& kinds,
-                           const std::vector<Choice>& choices, const std::vector<double>& misfits, std::size_t best,
-                           std::vector<std::string>& notes) {
-  std::vector<std::size_t> fitting{best}, as_stated;
-  for (std::size_t i = 0; i < misfits.size(); ++i)
-    if (i != best && misfits[best] > decisive * misfits[i]) fitting.push_back(i);
-  if (fitting.size() == 1) return best;
-  std::copy_if(fitting.begin(), fitting.end(), std::back_inserter(as_stated), [&](std::size_t i) {
-    for (std::size_t k = 0; k < kinds.size(); ++k)
-      if (is_stated(recording, kinds[k]) && !is_as_recorded(kinds[k].readings[choices[i][k]])) return false;
-    return true;
-  });
-  const bool is_by_statement = as_stated.size() == 1;
-  const auto left =
-      is_by_statement ? as_stated : fewest_corrections(kinds, choices, as_stated.empty() ? fitting : as_stated);
-  const std::size_t taken = left.front();
-  const std::size_t other = left.size() > 1 ? left[1] : fitting[0] == taken ? fitting[1] : fitting[0];
-  const std::size_t k = first_difference(choices[other], choices[taken]);
-  const UnitReading &one = kinds[k].readings[choices[taken][k]], &another = kinds[k].readings[choices[other][k]];
-  if (left.size() != 1)
-    throw InputError(fmt::format("{}: {} or {}? State it: {}", kinds[k].evidence, name_of(one), name_of(another),
-                                 stated_reading(recording, kinds[k].columns.front(), one)));
-  const bool is_twice = another.offset != 0 && source_of(recording, kinds[k].columns.front()).offset != 0;
-  if (!is_twice)  // a zero that was stated already is no second reading
-    notes.push_back(fmt::format("{}: taken {}; {} would fit as well", kinds[k].evidence,
-                                is_by_statement ? "as stated" : name_of(one), name_of(another)));
-  return taken;
-}
-
-/// The choice that alone brings the misfit down; as recorded where that fits. Two are asked for.
-Choice decided(const Rig& rig, const Recording& recording, const std::vector<ReadingsOf>& kinds,
-               std::vector<std::string>& notes) {
-  const std::vector<Choice> choices = choices_of(kinds);
-  if (choices.size() == 1) return choices.front();
-  const Recording judged = most_moving_part(recording, judged_s);
-  const auto found = std::find_if(choices.begin(), choices.end(), [&](const Choice& choice) {
-    for (std::size_t k = 0; k < kinds.size(); ++k)
-      if (!is_as_recorded(kinds[k].readings[choice[k]])) return false;
-    return true;
-  });
-  const auto as_recorded = static_cast<std::size_t>(found - choices.begin());
-  const bool is_possible = found != choices.end();
-  for (const MisfitOf misfit_of : {&port_misfit, &misfit_at_best_neutral, &misfit_of_gas}) {
-    const std::vector<double> misfits = misfits_of(rig, judged, kinds, choices, misfit_of);
-    if (is_possible && misfits[as_recorded] < doubtful) break;
-    const auto best = static_cast<std::size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
-    if (is_possible && !(misfits[best] < std::min(decisive * misfits[as_recorded], own_swing))) continue;
-    return choices[one_of_fitting(recording, kinds, choices, misfits, best, notes)];
-  }
-  return choices[as_recorded];
-}
-
 struct Rewired {
   Wiring wiring;
   double misfit, misfit_as_recorded;
@@ -287,78 +110,14 @@ struct Rewired {
 
 /// The other wiring under which the balances leave decisively less than as recorded, and than a constant.
 std::optional<Rewired> rewired(const Rig& rig, const Recording& judged) {
-  const double as_recorded = std::min(balance_misfit(rig, judged, judged_s), own_swing);
+  const double as_recorded = std::min(balance_misfit(rig, judged), own_swing);
   std::optional<Rewired> out;
   for (const Wiring& wiring : wirings(judged)) {
     Recording other = judged;
     wiring.apply(other);
-    const double misfit = balance_misfit(rig, other, judged_s);
+    const double misfit = balance_misfit(rig, other);
     if (misfit < (out ? out->misfit : decisive_wiring * as_recorded)) out = Rewired{wiring, misfit, as_recorded};
   }
-  return out;
-}
-
-bool are_whole(const std::vector<double>& values) {
-  return std::all_of(values.begin(), values.end(), [](double v) { return v == std::round(v) || std::isnan(v); });
-}
-
-/// Pressure columns that are in one unit: ports and chambers apart where a line's ends show other sizes. The supply
-/// goes with those whose sizes it is nearer to.
-std::vector<std::vector<std::string>> by_unit(const Recording& recording) {
-  const std::vector<std::string> all = pressure_columns(recording);
-  const auto size_of = [&](const std::string& column) { return quantile(recording.column(column), 0.5); };
-  double most = 1, ports = 0, chambers = 0;
-  for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
-    const std::string port(info(port_signals[side]).column), chamber(info(chamber_signals[side]).column);
-    if (!recording.has(port) || !recording.has(chamber) || !(size_of(port) > 0 && size_of(chamber) > 0)) continue;
-    ports = size_of(port), chambers = size_of(chamber);
-    most = std::max({most, ports / chambers, chambers / ports});
-  }
-  if (all.empty()) return {};
-  if (most < one_unit) return {all};
-  std::vector<std::vector<std::string>> out(2);
-  for (const std::string& column : all) {
-    const Signal signal = *signal_of_column(column);
-    const double size = size_of(column);
-    const bool is_nearer = std::abs(std::log(size / chambers)) < std::abs(std::log(size / ports));
-    out[is_chamber(signal) || (!is_port(signal) && is_nearer) ? 1 : 0].push_back(column);
-  }
-  return out;
-}
-
-/// What the recording's channels may be meant as; throws where a kind has no reading.
-std::vector<ReadingsOf> possible_readings(const Rig& rig, const Recording& recording) {
-  std::vector<ReadingsOf> out;
-  for (const std::vector<std::string>& pressures : by_unit(recording)) {
-    double low = 1e300, high = -1e300;
-    for (const std::string& column : pressures) {
-      low = std::min(low, quantile(recording.column(column), lowest_share));
-      high = std::max(high, quantile(recording.column(column), highest_share));
-    }
-    out.push_back({pressures, pressure_readings(rig, recording, pressures),
-                   fmt::format("{}: {} go{} from {:.4g} to {:.4g} Pa, possible are {:.0f} to {:.0f} Pa absolute",
-                               recording.path, fmt::join(pressures, ", "), pressures.size() == 1 ? "es" : "", low, high,
-                               possible_pressure_Pa(rig).lowest, possible_pressure_Pa(rig).highest)});
-  }
-  if (recording.has("u_V") && std::isfinite(quantile(recording.column("u_V"), 0.5)))
-    out.push_back({{"u_V"},
-                   command_readings(rig, recording),
-                   fmt::format("{}: u_V goes from {:.4g} to {:.4g} V, the valve takes +-{:g} V", recording.path,
-                               quantile(recording.column("u_V"), lowest_share),
-                               quantile(recording.column("u_V"), highest_share), rig.axis.valve.command_max_V)});
-  if (recording.has("x_m") && std::isfinite(quantile(recording.column("x_m"), 0.5)))
-    out.push_back({{"x_m"},
-                   position_zeros(rig, recording),
-                   fmt::format("{}: x_m goes from {:.4g} to {:.4g} m, the stroke is +-{:g} m", recording.path,
-                               quantile(recording.column("x_m"), lowest_share),
-                               quantile(recording.column("x_m"), highest_share), 0.5 * rig.axis.cylinder.stroke_m)});
-  for (const ReadingsOf& kind : out)
-    if (kind.readings.empty())
-      throw InputError(fmt::format(
-          "{}, expected that: {}? State it, as SI = factor x value + offset: "
-          "import: {{columns: {{{}: {{column: \"{}\", factor: ..., offset: ...}}}}}}",
-          kind.evidence, are_whole(recording.column(kind.columns.front())) ? "counts of a converter" : "in which unit",
-          kind.columns.front(), source_of(recording, kind.columns.front()).column));
   return out;
 }
 
@@ -486,19 +245,6 @@ double port_misfit(const Rig& rig, const Recording& recording) {
     const double misfit = std::sqrt(difference / swing);
     return std::isfinite(misfit) ? misfit : infinite_misfit;
   } catch (const std::exception&) { return infinite_misfit; }
-}
-
-void doubt_units(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {
-  if (rig.kind != RigKind::cylinder) return;
-  const std::vector<ReadingsOf> kinds = possible_readings(rig, recording);
-  const Choice choice = decided(rig, recording, kinds, notes);
-  for (std::size_t k = 0; k < kinds.size(); ++k) {
-    const UnitReading& reading = kinds[k].readings[choice[k]];
-    if (is_as_recorded(reading)) continue;
-    apply(kinds[k], choice[k], recording);
-    notes.push_back(fmt::format("{}: taken for {}; to state it: {}", kinds[k].evidence, reading.name,
-                                stated_sources(recording, kinds[k].columns)));
-  }
 }
 
 void doubt_wiring(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {

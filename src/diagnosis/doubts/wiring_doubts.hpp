@@ -1,4 +1,4 @@
-// Exchanged, reversed and misread channels as hypotheses: each is one simulation that fits or does not.
+// Exchanged and reversed channels as hypotheses: each is one simulation that fits or does not.
 #pragma once
 #include <string>
 #include <vector>
@@ -9,9 +9,6 @@
 
 namespace pneuservo {
 
-/// Units of the pressures and the command that their ranges leave open, or already decide. Throws InputError where no
-/// reading or more than one is possible.
-void doubt_units(const Rig& rig, Recording& recording, std::vector<std::string>& notes);
 /// Ports exchanged, command or position reversed: the one that alone fits is corrected and told.
 void doubt_wiring(const Rig& rig, Recording& recording, std::vector<std::string>& notes);
 /// Whether the drive force of a driven axis was read at its rows' instants, unless that is stated: it then comes half a

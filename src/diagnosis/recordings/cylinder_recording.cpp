@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -31,6 +33,18 @@ bool is_held(const Recording& recording, const std::string& column, int steps) {
   const Sampling stated = source_of(recording, column).sampling;
   if (stated != Sampling::unstated) return stated == Sampling::held;
   return steps == 1;  // every n-th command of a loop: between two of them there were others
+}
+
+/// Rows from one value to the next, the median, and the first row that has one.
+std::pair<std::size_t, std::size_t> written_rows(const std::vector<double>& values) {
+  std::vector<std::size_t> known, apart;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (std::isfinite(values[i])) known.push_back(i);
+  for (std::size_t i = 1; i < known.size(); ++i) apart.push_back(known[i] - known[i - 1]);
+  if (apart.empty()) return {1, 0};
+  const auto middle = apart.begin() + static_cast<std::ptrdiff_t>(apart.size() / 2);
+  std::nth_element(apart.begin(), middle, apart.end());
+  return {*middle, known.front()};
 }
 
 /// Whether rows at uneven stamps found commands that a loop had held since its last tick, rather than the command of
@@ -174,6 +188,7 @@ CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, 
   out.inputs.period_s = interval_of(recording);
   out.inputs.steps = std::max(1, static_cast<int>(std::lround(out.period_s() / rig.period_s)));
   out.inputs.command_is_held = is_held(recording, commands.front(), out.inputs.steps);
+  std::tie(out.inputs.command_rows, out.inputs.first_command) = written_rows(recording.column(commands.front()));
   const EvenSamples even(recording.t_s(), out.period_s(), longest_s);
   out.start_s = recording.t_s().front();
   out.usable.assign(even.count(), 1);

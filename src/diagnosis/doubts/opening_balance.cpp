@@ -1,0 +1,225 @@
+// One spool opens both sides of a cylinder.
+#include "diagnosis/doubts/opening_balance.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Dense>
+
+#include <pneuservo/elements/orifice.hpp>
+#include <pneuservo/elements/valve.hpp>
+
+#include "diagnosis/doubts/misfits.hpp"
+#include "diagnosis/doubts/side_gas.hpp"
+#include "diagnosis/recordings/cylinder_recording.hpp"
+#include "diagnosis/residuals/force_balance.hpp"
+
+namespace pneuservo {
+
+namespace {
+
+using Series = std::vector<double>;
+
+/// Both sides to the atmosphere, from 1 to 2, both from the supply.
+constexpr int leaks = 5;
+constexpr int golden_steps = 7;  ///< of a golden section: to 3 % of the range
+constexpr std::size_t least_rows = 4 * leaks;
+
+using Leaks = Eigen::Matrix<double, leaks, 1>;
+
+/// Leaks of at least 0 that leave the least of offset + effect * leaks: the best of all subsets that stay positive.
+Leaks least_leaks(const Eigen::MatrixXd& effect, const Eigen::VectorXd& offset) {
+  const Leaks scale = effect.colwise().norm().transpose().cwiseMax(std::numeric_limits<double>::min());
+  const Eigen::MatrixXd scaled = effect * scale.cwiseInverse().asDiagonal();
+  const Eigen::Matrix<double, leaks, leaks> normal = scaled.transpose() * scaled;
+  const Leaks wanted = -scaled.transpose() * offset;
+  Leaks best = Leaks::Zero();
+  double explained = 0;
+  for (int set = 1; set < 1 << leaks; ++set) {
+    Leaks is_in;
+    for (int i = 0; i < leaks; ++i) is_in(i) = set >> i & 1;
+    // Rows and columns of the others are those of the identity, so that they come out as 0.
+    Eigen::Matrix<double, leaks, leaks> part = is_in.asDiagonal() * normal * is_in.asDiagonal();
+    part.diagonal() += Leaks::Ones() - is_in;
+    const Leaks solved = part.ldlt().solve(is_in.cwiseProduct(wanted));
+    const double now = solved.dot(wanted);
+    if (!(solved.minCoeff() >= 0 && now > explained)) continue;
+    explained = now;
+    best = solved;
+  }
+  return best.cwiseQuotient(scale);
+}
+
+/// What is left beside the leaks, squared.
+double left_beside_leaks(const Eigen::MatrixXd& effect, const Eigen::VectorXd& offset) {
+  return (offset + effect * least_leaks(effect, offset)).squaredNorm();
+}
+
+class SharedOpening {
+ public:
+  SharedOpening(const Rig& rig, const CylinderRecording& prepared)
+      : rig_(rig), prepared_(prepared), motion_(smoothed_motion(rig, prepared)),
+        sides_{side_gas(rig, prepared, 0), side_gas(rig, prepared, 1)} {
+    const GaussianKernel& kernel = motion_.kernel();
+    // Neighbours within half of the kernel's standard deviation say the same.
+    const auto apart = static_cast<std::size_t>(std::max(1.0, 0.5 * kernel.sigma_s() / prepared.period_s()));
+    for (std::size_t k = 0; k < motion_.samples(); k += apart)
+      if (prepared.usable[k] && motion_.usable()[k]) rows_.push_back(k);
+    if (!sides_[0] || !sides_[1] || rows_.size() <= least_rows) {
+      rows_.clear();
+      return;
+    }
+    const Eigen::VectorXd e1 = smoothed(sides_[0]->emptying), e2 = smoothed(sides_[1]->emptying),
+                          f1 = smoothed(sides_[0]->filling), f2 = smoothed(sides_[1]->filling),
+                          across = smoothed(past_piston());
+    rate_.resize(count(), 2), fills_1_.resize(count(), 2), empties_1_.resize(count(), 2);
+    rate_ << smoothed(sides_[0]->mass_kg, 1), smoothed(sides_[1]->mass_kg, 1);
+    fills_1_ << f1, -e2;
+    empties_1_ << e1, -f2;
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(count());
+    for (Eigen::MatrixXd& leaving : leaving_) leaving.resize(count(), leaks);
+    leaving_[0] << e1, none, across, -f1, none;
+    leaving_[1] << none, e2, -across, none, -f2;
+  }
+
+  double of_sides() const {
+    if (rows_.empty()) return infinite_misfit;
+    return std::sqrt(left_of_any_opening() + between_ends());
+  }
+
+  /// The least over dead bands: each edge opens with that much of the command less.
+  double of_gas() const {
+    if (rows_.empty()) return infinite_misfit;
+    const double golden = 0.5 * (std::sqrt(5.0) - 1);
+    double low_V = 0, high_V = 0;
+    for (const std::size_t k : rows_) high_V = std::max(high_V, std::abs(prepared_.inputs.command_V[0][k]));
+    double least = left_beside_band(0);
+    const auto at = [&](double band_V) {
+      const double left = left_beside_band(band_V);
+      least = std::min(least, left);
+      return left;
+    };
+    double a_V = golden * golden * high_V, b_V = golden * high_V, at_a = at(a_V), at_b = at(b_V);
+    for (int step = 0; step < golden_steps; ++step)
+      if (at_a < at_b) {
+        high_V = std::exchange(b_V, a_V);
+        at_b = std::exchange(at_a, at(a_V = high_V - golden * (high_V - low_V)));
+      } else {
+        low_V = std::exchange(a_V, b_V);
+        at_a = std::exchange(at_b, at(b_V = low_V + golden * (high_V - low_V)));
+      }
+    return std::min(std::sqrt(least + between_ends()), own_swing);
+  }
+
+ private:
+  Eigen::Index count() const { return static_cast<Eigen::Index>(rows_.size()); }
+
+  /// Derivative of that order at the rows.
+  Eigen::VectorXd smoothed(const Series& series, int order = 0) const {
+    const Series all = motion_.kernel().apply(series, order);
+    Eigen::VectorXd out(count());
+    for (Eigen::Index r = 0; r < count(); ++r) out(r) = all[rows_[static_cast<std::size_t>(r)]];
+    return out;
+  }
+
+  /// Through an opening of 1 m2, from side 1 to side 2.
+  Series past_piston() const {
+    const Air<double> air(rig_.axis.air);
+    const double T = air.temperature_K, ratio = rig_.axis.valve.critical_pressure_ratio;
+    Series out;
+    for (std::size_t k = 0; k < sides_[0]->port_Pa.size(); ++k) {
+      const double p1_Pa = sides_[0]->port_Pa[k], p2_Pa = sides_[1]->port_Pa[k];
+      out.push_back(p1_Pa > 0 && p2_Pa > 0 ? orifice_mass_flow(air, 1.0, ratio, p1_Pa, T, p2_Pa, T) : 0.0);
+    }
+    return out;
+  }
+
+  /// At each row an opening moves the gas of both sides along one direction, which its sign and the pressures give.
+  /// What is across that, no opening explains. Squared, as a share.
+  double left_of_any_opening() const {
+    Eigen::VectorXd across(count());
+    Eigen::MatrixXd effect(count(), leaks);
+    for (Eigen::Index r = 0; r < count(); ++r) {
+      const auto flow = rate_(r, 0) > rate_(r, 1) ? fills_1_.row(r) : empties_1_.row(r);
+      const Eigen::RowVector2d unit = flow.normalized();
+      across(r) = unit(1) * rate_(r, 0) - unit(0) * rate_(r, 1);
+      effect.row(r) = unit(1) * leaving_[0].row(r) - unit(0) * leaving_[1].row(r);
+    }
+    return left_beside_leaks(effect, across) / rate_.squaredNorm();
+  }
+
+  /// Mean difference between a line's ends, for what flows in flows out again: squared, as a share of the atmosphere.
+  double between_ends() const {
+    double squares = 0, lines = 0;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Series &port = prepared_.measured[port_signals[i]], &chamber = prepared_.measured[chamber_signals[i]];
+      if (port.empty() || chamber.empty()) continue;
+      double sum = 0, both = 0;
+      for (const std::size_t k : rows_)
+        if (const double apart = port[k] - chamber[k]; std::isfinite(apart)) sum += apart, ++both;
+      if (!(both > 0)) continue;
+      const double share = sum / both / rig_.axis.air.atmosphere_Pa;
+      squares += share * share, ++lines;
+    }
+    return lines > 0 ? squares / lines : 0.0;
+  }
+
+  /// Of the gas beside what passes the valve. Squared, as a share.
+  double left_beside_band(double band_V) const {
+    ValveEffects<double> effects = rig_.axis.effects.valve;
+    effects.valve_dead_band.width_V += band_V;
+    Valve<double> valve;
+    valve.configure(rig_.axis.valve, effects, prepared_.period_s());
+    Eigen::VectorXd left(2 * count());
+    Eigen::MatrixXd effect(2 * count(), leaks);
+    for (std::size_t i = 0; i < 2; ++i) {
+      Series flow_kgps;
+      for (std::size_t k = 0; k < motion_.samples(); ++k) {
+        const double command_V = (i == 0 ? 1.0 : -1.0) * prepared_.inputs.command_V[0][k];
+        const PortAreas<double> areas = valve.areas(std::isfinite(command_V) ? command_V : 0.0);
+        flow_kgps.push_back(areas.supply * sides_[i]->filling[k] - areas.exhaust * sides_[i]->emptying[k]);
+      }
+      const auto at = static_cast<Eigen::Index>(i);
+      left.segment(at * count(), count()) = rate_.col(at) - smoothed(flow_kgps);
+      effect.middleRows(at * count(), count()) = leaving_[i];
+    }
+    return left_beside_leaks(effect, left) / rate_.squaredNorm();
+  }
+
+  const Rig& rig_;
+  const CylinderRecording& prepared_;
+  ForceBalance motion_;
+  std::array<std::optional<SideGas>, 2> sides_;
+  std::vector<std::size_t> rows_;  ///< that are judged; empty: a side is not measured, or too little is left
+  /// At the rows, of both sides: the gas's rate, and what an opening of 1 m2 does that fills side 1, that empties it.
+  Eigen::MatrixX2d rate_, fills_1_, empties_1_;
+  std::array<Eigen::MatrixXd, 2> leaving_;  ///< what each leak of 1 m2 takes from a side
+};
+
+using Misfit = double (SharedOpening::*)() const;
+
+double misfit_of(const Rig& rig, const Recording& recording, Misfit misfit) {
+  try {
+    const CylinderRecording prepared = prepare_recording(recording, rig, judged_s);
+    const double found = (SharedOpening(rig, prepared).*misfit)();
+    return std::isfinite(found) ? found : infinite_misfit;
+  } catch (const std::exception&) { return infinite_misfit; }
+}
+
+}  // namespace
+
+double sides_misfit(const Rig& rig, const Recording& recording) {
+  return misfit_of(rig, recording, &SharedOpening::of_sides);
+}
+
+double gas_misfit(const Rig& rig, const Recording& recording) {
+  return misfit_of(rig, recording, &SharedOpening::of_gas);
+}
+
+}  // namespace pneuservo

@@ -1,0 +1,55 @@
+// Commands that a logger did not write: what they may do to the gas is an error of the model.
+#include <array>
+#include <cmath>
+
+#include <catch2/catch.hpp>
+
+#include "core/test_seed.hpp"
+#include "diagnosis/recordings/cylinder_recording.hpp"
+#include "diagnosis/residuals/command_gaps.hpp"
+#include "diagnosis/residuals/imposed_run.hpp"
+#include "diagnosis/simulated_recording.hpp"
+
+using namespace pneuservo;
+
+namespace {
+
+double rms_difference(const std::vector<double>& a, const std::vector<double>& b, std::size_t from) {
+  double squares = 0;
+  for (std::size_t k = from; k < a.size(); ++k) squares += (a[k] - b[k]) * (a[k] - b[k]);
+  return std::sqrt(squares / static_cast<double>(a.size() - from));
+}
+
+}  // namespace
+
+TEST_CASE("commands written in every n-th row leave an error as large as theirs, every command leaves none") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  const Rig rig = test::cylinder_rig(2.0);
+  const Recording whole = test::simulated_recording(rig, 4.0, seed, {"p1_port_Pa", "p2_port_Pa"});
+  const CylinderRecording known = prepare_recording(whole, rig, 4.0);
+  const PlantGrid grid = grid_for(rig, 60, known.inputs.step_s());
+  CHECK(command_gap_error(known.inputs, rig, grid)[Signal::p1_port].empty());
+  for (const std::size_t rows : {std::size_t{4}, std::size_t{8}}) {
+    Recording sparse = whole;
+    const std::size_t first = seed % rows;
+    std::vector<double>& command_V = sparse.column("u_V");
+    for (std::size_t k = 0; k < command_V.size(); ++k)
+      if (k % rows != first) command_V[k] = no_value;
+    const CylinderRecording prepared = prepare_recording(sparse, rig, 4.0);
+    CAPTURE(rows, first);
+    CHECK(prepared.inputs.command_rows == rows);
+    CHECK(prepared.inputs.first_command == first);
+    const std::array<ImposedRun, 1> run{{{&rig, {}}}};
+    const std::vector<double> truth = run_imposed(known.inputs, run, grid)[0][Signal::p1_port],
+                              drawn = run_imposed(prepared.inputs, run, grid)[0][Signal::p1_port],
+                              error = command_gap_error(prepared.inputs, rig, grid)[Signal::p1_port];
+    REQUIRE(error.size() == truth.size());
+    const std::size_t from = known.inputs.release;
+    const double made_Pa = rms_difference(truth, drawn, from),
+                 told_Pa = rms_difference(error, std::vector<double>(error.size(), 0.0), from);
+    CAPTURE(made_Pa, told_Pa);
+    CHECK(told_Pa > 0.5 * made_Pa);
+    CHECK(told_Pa < 8 * made_Pa);
+  }
+}

@@ -63,6 +63,45 @@ double largest_damping_ratio(double length_m) {
   return largest;
 }
 
+/// The rig that meets most figures, found about the nearest one: another length of the fittings costs 2 % of the sum.
+const std::vector<double> rig_of_most{3.29255e-06, 2.34365e-05, 34.8392, 200832, 1.61203, 0.125386, 0.952195};
+
+std::vector<ThesisRow> rows_of_most() {
+  const std::string why =
+      "all seven frequencies and all dampings of 4 and 5 mm; each damping of 8 mm excludes the one of 4 mm at its "
+      "length (below), so three are the fewest to miss on a rig whose end loses no more heat";
+  const auto ours = [](ThesisBench& bench) { return rig_figures(bench, rig_of_most); };
+  return {{.place = "One set",
+           .what = "lines: figures within 10 % on the rig that meets most",
+           .printed = "14 of 14",
+           .ours =
+               [ours](ThesisBench& bench) {
+                 const OneSet set = line_set();
+                 const std::vector<double> found = ours(bench);
+                 std::size_t met = 0;
+                 for (std::size_t i = 0; i < found.size(); ++i)
+                   met += std::fabs(found[i] / thesis_number(set.figures[i].printed) - 1.0) <= one_set_within ? 1U : 0U;
+                 return ThesisValue(fmt::format("{} of {}", met, found.size()));
+               },
+           .held = "11 of 14",
+           .why = why},
+          {.place = "One set",
+           .what = "lines: sum of |ln(ours/printed)| on that rig",
+           .printed = "not given",
+           .ours = [ours](ThesisBench& bench) { return total_deviation(ours(bench), line_set().figures); },
+           .held = "1.858",
+           .held_within = simulated_within,
+           .why = why},
+          {.place = "Table 2.6, one set",
+           .what = "L 0.5 m, D 8 mm: w_t/2 pi on that rig",
+           .unit = "Hz",
+           .printed = "146",
+           .ours = [ours](ThesisBench& bench) { return ours(bench)[6]; },
+           .within = one_set_within,
+           .held_within = simulated_within,
+           .why = why}};
+}
+
 }  // namespace
 
 std::vector<ThesisRow> damping_bound_rows() {
@@ -70,7 +109,7 @@ std::vector<ThesisRow> damping_bound_rows() {
     double length_m;
     const char *printed, *held;
   };
-  std::vector<ThesisRow> rows;
+  std::vector<ThesisRow> rows = rows_of_most();
   for (const Pair& pair : {Pair{0.5, "0.88", "0.490"}, Pair{1.0, "0.71", "0.483"}, Pair{2.0, "0.71", "0.485"}})
     rows.push_back({.place = "Table 2.6 over Table 2.5, one set",
                     .what = fmt::format("L {:g} m: zeta_t of 8 mm over 4 mm, most of 108 rigs without loss at the end",

@@ -29,6 +29,8 @@ ThesisGroup thesis_misprint_group();     // misprints and gaps of chapters 2 and
 
 /// Printed figures of the servo table that exclude each other on linear tables.
 std::vector<ThesisRow> order_bound_rows();
+/// The rig for lines that meets most printed figures.
+std::vector<ThesisRow> most_met_rows();
 /// Printed dampings of the lines that exclude each other.
 std::vector<ThesisRow> damping_bound_rows();
 

@@ -83,7 +83,8 @@ TEST_CASE("servo table: a linear model is at its noise on its own recording and 
   for (const char* channel : {"p1_port", "p2_port", "F"}) {
     CAPTURE(channel);
     CHECK(rms_of(own, at_noise.col(0), channel) < 1.2);
-    CHECK(rms_of(other, off.col(0), channel) > 3.0);
+    // The force hardly shows it: what differs is the pressure of both sides alike.
+    if (channel[0] == 'p') CHECK(rms_of(other, off.col(0), channel) > 10.0);
   }
 }
 

@@ -45,10 +45,26 @@ void check_line_models(const Rig& rig, const Check& check) {
   if (line_1.model != line_2.model)
     check.refuse("line_2.model", {"line_1.model"}, name(line_2), "the model of line_1: " + name(line_1));
   if (line_1.model != LineModel::second_order_lag) return;
+  // The third order has no lag; a plan through the line needs one.
+  const bool needs_none = rig.axis.cylinder.linear_about_Pa > 0.0 && rig.controller.kind == kind_of<Ppd2> &&
+                          rig.controller.of<Ppd2>().feedforward != FeedforwardKind::flatness;
   for (const auto& [line, key] : {std::pair{&line_1, "line_1"}, std::pair{&line_2, "line_2"}})
-    if (line->natural_frequency_Hz <= 0.0)
+    if (line->natural_frequency_Hz <= 0.0 && !needs_none)
       check.refuse(std::string(key) + ".natural_frequency_Hz", {std::string(key) + ".model"},
                    number_text(line->natural_frequency_Hz), "the frequency of the second_order_lag, above 0 Hz");
+}
+
+/// Linear flows and chambers are those of (2.3) to (2.6): choked from the supply, about a pressure between it and air.
+void check_linear_sides(const Rig& rig, const Check& check) {
+  const double about_Pa = rig.axis.cylinder.linear_about_Pa, supply_Pa = rig.axis.supply.pressure_Pa;
+  constexpr const char* key = "cylinder.linear_about_Pa";
+  if (about_Pa == 0.0) return;
+  if (rig.axis.line_1.model != LineModel::second_order_lag)
+    return check.refuse(key, {"line_1.model"}, number_text(about_Pa), "0, or line_1.model: second_order_lag");
+  if (about_Pa <= rig.axis.air.atmosphere_Pa || about_Pa >= supply_Pa)
+    check.refuse(key, {"supply.pressure_Pa", "air.atmosphere_Pa"}, number_text(about_Pa),
+                 fmt::format("a pressure between air.atmosphere_Pa ({}) and supply.pressure_Pa ({})",
+                             number_text(rig.axis.air.atmosphere_Pa), number_text(supply_Pa)));
 }
 
 /// A line that is one lag has no inside. `section`: where the effects were stated.
@@ -552,6 +568,7 @@ void check_pressure_rig(const Rig& rig, const Check& check) {
 
 void check_rig(const Rig& rig, const ConfigNode& root, InputErrors& errors) {
   const Check check{root, errors};
+  check.of({"air", "supply", "line_1", "cylinder"}, [&] { check_linear_sides(rig, check); });
   check_effects(rig, "effects", check);
   if (!rig.concealed.empty()) check_effects(simulated_rig(rig), "concealed", check);
   if (rig.controls_pressure()) return check_pressure_rig(rig, check);

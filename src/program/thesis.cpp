@@ -22,6 +22,7 @@ namespace {
 struct ThesisOptions {
   std::string configs = "config", only, report, json, search;
   OneSetSearch trials;
+  bool diagnose = false;
 };
 
 void tell_progress(std::size_t done, std::size_t all) {
@@ -66,7 +67,7 @@ int run_thesis(const ThesisOptions& options) {
                      "--configs");
   if (!options.search.empty()) return search_thesis(options);
   OutputFiles().writes("--report", options.report, ResultKind::page).writes("--json", options.json, ResultKind::json);
-  const std::vector<ThesisGroup> groups = thesis_groups(options.only);
+  const std::vector<ThesisGroup> groups = thesis_groups(options.only, options.diagnose);
   if (groups.empty()) throw InputError("--only: no row's place holds '" + options.only + "', such as 'Table 2.5'");
   ThesisBench bench(options.configs);
   const std::vector<ThesisResult> results = compute_thesis(groups, bench, tell_progress);
@@ -83,6 +84,8 @@ void add_thesis(CommandLine& app, int& status) {
   Verb verb = app.add_verb("thesis", "every table and figure of the thesis beside ours, with the reason");
   verb.footer("Exit status 1: a row has moved, that is, ours is not what it is held to be.");
   verb.add_option("--only", options->only, "rows whose place holds this text, e.g. 'Table 2.5' or 'Fig 3.'");
+  verb.add_flag("--diagnose", options->diagnose,
+                "also what diagnose says that the linear models of 2.4 lack: takes minutes");
   verb.add_option("--configs", options->configs, "folder of the shipped configs").shows_default();
   verb.add_option("--report", options->report, "self-contained HTML page with the thesis' pictures");
   verb.add_option("--json", options->json, "result as JSON; - for standard output");

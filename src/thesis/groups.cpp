@@ -8,12 +8,18 @@
 
 namespace pneuservo {
 
-std::vector<ThesisGroup> thesis_groups(const std::string& only) {
-  std::vector<ThesisGroup> groups{
-      thesis_table_group(),         thesis_valve_group(),   thesis_line_group(),       thesis_identify_group(),
-      thesis_order_group(),         thesis_gain_group(),    thesis_model_group(),      thesis_feedforward_group(),
-      thesis_table_sets_group(),    thesis_element_group(), thesis_flow_group(),       thesis_cylinder_group(),
-      thesis_cylinder_sets_group(), thesis_index_group(),   thesis_difference_group(), thesis_wish_group()};
+std::vector<ThesisGroup> thesis_groups(const std::string& only, bool with_diagnoses) {
+  std::vector<ThesisGroup> groups{thesis_table_group(),         thesis_valve_group(),       thesis_line_group(),
+                                  thesis_identify_group(),      thesis_order_group(),       thesis_gain_group(),
+                                  thesis_model_group(),         thesis_feedforward_group(), thesis_table_sets_group(),
+                                  thesis_element_group(),       thesis_flow_group(),        thesis_cylinder_group(),
+                                  thesis_cylinder_sets_group(), thesis_index_group(),       thesis_difference_group(),
+                                  thesis_wish_group(),          thesis_misprint_group()};
+  if (with_diagnoses) {
+    const auto models =
+        std::ranges::find_if(groups, [](const ThesisGroup& group) { return group.title.starts_with("2.4"); });
+    groups.insert(models + 1, thesis_diagnosis_group());
+  }
   for (ThesisGroup& group : groups)
     std::erase_if(group.rows, [&](const ThesisRow& row) { return row.place.find(only) == std::string::npos; });
   std::erase_if(groups, [](const ThesisGroup& group) { return group.rows.empty(); });
@@ -24,6 +30,24 @@ std::vector<std::string> gain_sets(const Ppd2Gains& gains) {
   return {fmt::format("controller.position_gain_V_per_m={:g}", gains.position_V_per_m),
           fmt::format("controller.velocity_gain_Vs_per_m={:g}", gains.velocity_Vs_per_m),
           fmt::format("controller.acceleration_gain_Vs2_per_m={:g}", gains.acceleration_Vs2_per_m)};
+}
+
+std::vector<std::string> linear_model_sets(int order) {
+  const double valve_Hz = order == 7 ? 100.0 : 0.0;
+  // The fifth order has one lag for valve and line that agrees with both up to s^2 (2.3.3).
+  const SecondOrderLag line = order == 7   ? SecondOrderLag{110.0, 0.068}
+                              : order == 5 ? low_frequency_match({110.0, 0.068}, {100.0, 0.7})
+                                           : SecondOrderLag{0.0, 0.05};
+  // The loop's check of the gas has no linear flows.
+  std::vector<std::string> out{"limits.flow_mismatch_share=0", "controller.feedforward=none",
+                               "cylinder.linear_about_Pa=110000",
+                               fmt::format("valve.natural_frequency_Hz={:g}", valve_Hz)};
+  for (const char* side : {"line_1", "line_2"}) {
+    out.push_back(fmt::format("{}.model=second_order_lag", side));
+    out.push_back(fmt::format("{}.natural_frequency_Hz={:.9g}", side, line.natural_frequency_rad_per_s));
+    out.push_back(fmt::format("{}.damping_ratio={:.9g}", side, line.damping_ratio));
+  }
+  return out;
 }
 
 ThesisRow run_row(ThesisRow row, const ThesisRig& which, double (*figure)(const ThesisCourse&)) {

@@ -63,7 +63,46 @@ double largest_damping_ratio(double length_m) {
   return largest;
 }
 
+/// The rig that meets most figures, found about the nearest one: another length of the fittings costs 2 % of the sum.
+const std::vector<double> rig_of_most{3.29255e-06, 2.34365e-05, 34.8392, 200832, 1.61203, 0.125386, 0.952195};
+
 }  // namespace
+
+std::vector<ThesisRow> most_met_rows() {
+  const std::string why =
+      "all seven frequencies and all dampings of 4 and 5 mm; without loss at the end each damping of 8 mm excludes the "
+      "one of 4 mm at its length (below), with it that of 0.5 m does";
+  const auto ours = [](ThesisBench& bench) { return rig_figures(bench, rig_of_most); };
+  return {{.place = "One set",
+           .what = "lines: figures within 10 % on the rig that meets most",
+           .printed = "14 of 14",
+           .ours =
+               [ours](ThesisBench& bench) {
+                 const OneSet set = line_set();
+                 const std::vector<double> found = ours(bench);
+                 std::size_t met = 0;
+                 for (std::size_t i = 0; i < found.size(); ++i)
+                   met += std::fabs(found[i] / thesis_number(set.figures[i].printed) - 1.0) <= one_set_within ? 1U : 0U;
+                 return ThesisValue(fmt::format("{} of {}", met, found.size()));
+               },
+           .held = "11 of 14",
+           .why = why},
+          {.place = "One set",
+           .what = "lines: sum of |ln(ours/printed)| on that rig",
+           .printed = "not given",
+           .ours = [ours](ThesisBench& bench) { return total_deviation(ours(bench), line_set().figures); },
+           .held = "1.858",
+           .held_within = simulated_within,
+           .why = why},
+          {.place = "Table 2.6, one set",
+           .what = "L 0.5 m, D 8 mm: w_t/2 pi on that rig",
+           .unit = "Hz",
+           .printed = "146",
+           .ours = [ours](ThesisBench& bench) { return ours(bench)[6]; },
+           .within = one_set_within,
+           .held_within = simulated_within,
+           .why = why}};
+}
 
 std::vector<ThesisRow> damping_bound_rows() {
   struct Pair {

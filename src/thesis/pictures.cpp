@@ -95,7 +95,7 @@ void valve_pictures(HtmlPage& page, ThesisBench&) {
   page.plots({bode.magnitude, bode.phase});
 }
 
-void line_pictures(HtmlPage& page, ThesisBench&) {
+void line_pictures(HtmlPage& page, ThesisBench& bench) {
   page.paragraph(
       "Flow out of the line over flow into it, exact theory with losses that depend on frequency, between the "
       "small volumes of a test rig. Dashed: the printed lag.");
@@ -120,6 +120,14 @@ void line_pictures(HtmlPage& page, ThesisBench&) {
     });
   page.plots({by_length.magnitude, by_diameter.magnitude});
   page.plots({printed.magnitude, printed.phase});
+  const ThesisCourse& moved = bench.run(ThesisRig{"servo-table-1m-8mm", noise_free});
+  Plot ends = time_plot("Fig 2.10: the line's ends in the printed move, L 1 m, D 8 mm", "kPa", "line"),
+       loss = time_plot("port less chamber", "kPa", "line");
+  ends.curves = {curve("port", Tone::valve, moved.t_s, moved.port_Pa[0], kPa),
+                 curve("chamber", Tone::chamber, moved.t_s, moved.chamber_Pa[0], kPa)};
+  loss.curves = {
+      curve("difference", Tone::estimated, moved.t_s, difference(moved.port_Pa[0], moved.chamber_Pa[0]), kPa)};
+  page.plots({ends, loss});
 }
 
 // --- poles -----------------------------------------------------------------------------------------------------------
@@ -170,6 +178,16 @@ void model_pictures(HtmlPage& page, ThesisBench& bench) {
                      error_curve("nonlinear table", Tone::chamber, nonlinear, um)};
     apart.curves = {curve("difference", Tone::estimated, linear.t_s, difference(linear.x_m, nonlinear.x_m), um)};
     page.plots({errors, apart});
+    Sets keys = linear_model_sets(model.order);
+    for (const Sets& more : {gain_sets(model.gains), noise_free}) keys.insert(keys.end(), more.begin(), more.end());
+    const ThesisCourse& chambers = bench.run(ThesisRig{table_4mm.config, keys});
+    std::vector<Plot> sides;
+    for (const std::size_t side : {0U, 1U}) {
+      sides.push_back(time_plot(fmt::format("Chamber {} of (2.3), (2.4) and of the table", side + 1), "kPa", "models"));
+      sides.back().curves = {curve("linear model", Tone::valve, chambers.t_s, chambers.chamber_Pa[side], kPa),
+                             curve("nonlinear table", Tone::chamber, nonlinear.t_s, nonlinear.chamber_Pa[side], kPa)};
+    }
+    page.plots(sides);
   }
 }
 

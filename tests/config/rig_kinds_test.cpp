@@ -91,6 +91,20 @@ TEST_CASE("what belongs to another kind of rig is refused with its line", "[conf
   CHECK_THAT(refusal(servo_table, {"controller.feedforward=none", "line_1.model=second_order_lag",
                                    "line_2.model=second_order_lag", "line_1.natural_frequency_Hz=0"}),
              Contains("line_1.natural_frequency_Hz"));
+  CHECK_THAT(refusal(servo_table, {"cylinder.linear_about_Pa=110000"}),
+             Contains("cylinder.linear_about_Pa") && Contains("line_1.model: second_order_lag"));
+  const std::vector<std::string> lags{"controller.feedforward=none", "line_1.model=second_order_lag",
+                                      "line_2.model=second_order_lag", "line_1.natural_frequency_Hz=0",
+                                      "line_2.natural_frequency_Hz=0"};
+  const auto about = [&](const char* pressure_Pa) {
+    std::vector<std::string> sets = lags;
+    sets.push_back(std::string("cylinder.linear_about_Pa=") + pressure_Pa);
+    return sets;
+  };
+  CHECK(parse_rig(servo_table, "rig.yaml", about("110000")).axis.cylinder.linear_about_Pa == 110000.0);
+  for (const char* pressure_Pa : {"90000", "1.9e6"})
+    CHECK_THAT(refusal(servo_table, about(pressure_Pa)),
+               Contains("cylinder.linear_about_Pa") && Contains("air.atmosphere_Pa"));
   CHECK_THAT(refusal(servo_table + "effects: {sensor_gain:F: {gain: 2}}\n"), Contains("an unknown effect"));
 }
 

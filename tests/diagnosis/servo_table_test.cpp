@@ -69,6 +69,25 @@ TEST_CASE("servo table: at the truth every channel is at its noise, and each sid
   CHECK(rms_of(other, off.col(0), "p2_port") > 10.0);
 }
 
+TEST_CASE("servo table: a linear model is at its noise on its own recording and far off on the table's") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  const Rig linear = read_rig(PNEUSERVO_SOURCE_DIR "/config/servo-table-0.5m-4mm.yaml",
+                              {"controller.feedforward=none", "cylinder.linear_about_Pa=140000",
+                               "line_1.model=second_order_lag", "line_2.model=second_order_lag"});
+  const std::vector<Hypothesis> truth{{linear, {}}};
+  CylinderResiduals own(linear, {test::table_recording(linear, 5.0, seed)});
+  const Eigen::MatrixXd at_noise = own.residuals(truth);
+  CylinderResiduals other(linear, {test::table_recording(test::table_rig(), 5.0, seed)});
+  const Eigen::MatrixXd off = other.residuals(truth);
+  for (const char* channel : {"p1_port", "p2_port", "F"}) {
+    CAPTURE(channel);
+    CHECK(rms_of(own, at_noise.col(0), channel) < 1.2);
+    // The force hardly shows it: what differs is the pressure of both sides alike.
+    if (channel[0] == 'p') CHECK(rms_of(other, off.col(0), channel) > 10.0);
+  }
+}
+
 TEST_CASE("servo table: a command that is missing is told") {
   const Rig rig = test::table_rig();
   Recording missing = test::table_recording(rig, 2.0, 1);

@@ -9,6 +9,8 @@ template <class S> struct ChamberGeometry {
   S area_m2{};
   S dead_volume_m3{};
   S wall_heat_W_per_m2K{};
+  S linear_pressure_Pa{};  ///< P_0, V_0 of a linear chamber (2.3, 2.4); 0: not linear
+  S linear_volume_m3{};
 
   S volume_m3(const S& s) const noexcept { return dead_volume_m3 + area_m2 * s; }
   /// S_c = 2 A + perimeter s, perimeter of a circle of area A.
@@ -60,6 +62,17 @@ template <class S> class Chamber {
     energy_ = capacity * temperature_;
     volume_ = volume_new;
     pressure_ = energy_ * per_volume;
+  }
+
+  /// The same linearised, isothermal: dp/dt = R T/V_0 G - P_0/V_0 dV/dt (2.3, 2.4).
+  void step_linear(double h, const S& mass_flow_kgps, const S& s_new) noexcept {
+    const S volume_new = geometry_.volume_m3(s_new), RT = air_.R * air_.temperature_K;
+    pressure_ += (RT * S(h) * mass_flow_kgps - geometry_.linear_pressure_Pa * (volume_new - volume_)) /
+                 geometry_.linear_volume_m3;
+    volume_ = volume_new;
+    temperature_ = air_.temperature_K;
+    mass_ = pressure_ * volume_ / RT;
+    energy_ = mass_ * air_.cv * temperature_;
   }
 
   /// Multiplies the gas's pressure and temperature; its mass follows.

@@ -10,8 +10,10 @@ namespace pneuservo {
 /// has passed and the chamber has not yet seen is in the lag.
 template <class S> class LaggedLine {
  public:
-  void configure(const LineParameters<S>& line, const AirParameters<S>& air) noexcept {
+  /// linear_about_Pa: P_0 of linear flows; 0: they depend on the chamber's pressure.
+  void configure(const LineParameters<S>& line, const AirParameters<S>& air, const S& linear_about_Pa = S(0)) noexcept {
     air_ = Air<S>(air);
+    linear_about_Pa_ = linear_about_Pa;
     natural_frequency_Hz_ = line.natural_frequency_Hz;
     damping_ratio_ = line.damping_ratio;
     set_time_step(1e-3);
@@ -33,9 +35,18 @@ template <class S> class LaggedLine {
     const S flow = lag_.mean();
     return {in - out, flow, orifice_enthalpy_flow(air_, flow, T_s, chamber.temperature_K)};
   }
+  /// The same with the flows of the equilibrium, whatever the chamber's pressure is: choked from the supply (2.5), from
+  /// P_0 to the atmosphere (2.6).
+  S step_linear(const ValvePort<S>& valve) noexcept {
+    const S T_s = air_.temperature_K, b = valve.critical_pressure_ratio;
+    lag_.step(valve.supply_area_m2 * orifice_flux(air_, valve.supply_pressure_Pa, T_s, S(0), b) -
+              valve.exhaust_area_m2 * orifice_flux(air_, linear_about_Pa_, T_s, air_.atmosphere_Pa, b));
+    return lag_.mean();
+  }
 
  private:
   Air<S> air_;
+  S linear_about_Pa_{};
   S natural_frequency_Hz_{}, damping_ratio_{};
   SecondOrderFilter<S> lag_;
 };

@@ -22,7 +22,8 @@ template <class S> class LineWithChamber {
     line_.configure(line, air, cells);
     chamber_.configure(geometry, line_.air());
     lags_ = line.model == LineModel::second_order_lag;
-    if (lags_) lagged_.configure(line, air);
+    is_linear_ = lags_ && any(geometry.linear_pressure_Pa > S(0));
+    if (lags_) lagged_.configure(line, air, geometry.linear_pressure_Pa);
     substeps_ = 0;
     // A small chamber behind a big cell is the stiffest spring of the grid; it is smallest at the end stop.
     const S dx = line_.cell_length();
@@ -77,6 +78,7 @@ template <class S> class LineWithChamber {
   }
   /// One sub-step with a valve at the port.
   LineFlow<S> step_valve(const ValvePort<S>& valve, const S& s_new, const ChamberInflow<S>& extra = {}) noexcept {
+    if (is_linear_) return step_linear(valve, s_new, extra);
     if (line_.is_cushioned()) line_.set_piston_distance(s_new);
     const LineFlow<S> flow = lags_ ? lagged_.step_valve(valve, end()) : line_.advance_ends_valve(valve, end());
     step_chamber(flow, s_new, extra);
@@ -108,9 +110,16 @@ template <class S> class LineWithChamber {
         {flow.chamber_mass_flow_kgps + extra.mass_flow_kgps, flow.chamber_enthalpy_flow_W + extra.enthalpy_flow_W},
         s_new);
   }
+  // Out of the way of the gas, as in nearly every rig.
+  [[gnu::noinline]] LineFlow<S> step_linear(const ValvePort<S>& valve, const S& s_new,
+                                            const ChamberInflow<S>& extra) noexcept {
+    const S flow = lagged_.step_linear(valve);
+    chamber_.step_linear(step_s_, flow + extra.mass_flow_kgps, s_new);
+    return {flow, flow, orifice_enthalpy_flow(line_.air(), flow, chamber_.temperature(), chamber_.temperature())};
+  }
   Line<S> line_;
   LaggedLine<S> lagged_;
-  bool lags_ = false;
+  bool lags_ = false, is_linear_ = false;
   Chamber<S> chamber_;
   S end_loss_Pa_{};
   bool loses_at_end_ = false;

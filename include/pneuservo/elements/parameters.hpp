@@ -84,6 +84,7 @@ template <class S> struct CylinderParameters {
   S dead_volume_2_m3{};
   S wall_heat_W_per_m2K{};
   S end_stop_restitution = S(0.3);
+  S linear_about_Pa = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"stroke_m", "m", 1e-3, 10, "from end stop to end stop"}, p.stroke_m...);
     v(Field{"area_1_m2", "m2", 1e-6, 1, "piston area of chamber 1 (it pushes to positive x)"}, p.area_1_m2...);
@@ -93,6 +94,10 @@ template <class S> struct CylinderParameters {
     v(Field{"wall_heat_W_per_m2K", "W/(m2 K)", 0, 1e5, "heat transfer gas to chamber wall"}, p.wall_heat_W_per_m2K...);
     v(Field{"end_stop_restitution", "-", 0, 1, "speed after an end stop over speed before", Presence::optional},
       p.end_stop_restitution...);
+    v(Field{"linear_about_Pa", "Pa", 0, 2e6,
+            "P_0 of linear flows and chambers (2.3 to 2.6) about mid-stroke, behind lines that are lags; 0: none",
+            Presence::optional},
+      p.linear_about_Pa...);
   }
 };
 

@@ -173,8 +173,10 @@ template <class S> class AxisPlant {
   }
   static ChamberGeometry<P> side_geometry(const AxisParameters<S>& axis) noexcept {
     const auto& c = axis.cylinder;
+    const S half = S(0.5) * c.stroke_m;
     return {join(c.area_1_m2, c.area_2_m2), join(c.dead_volume_1_m3, c.dead_volume_2_m3),
-            join(c.wall_heat_W_per_m2K, c.wall_heat_W_per_m2K)};
+            join(c.wall_heat_W_per_m2K, c.wall_heat_W_per_m2K), join(c.linear_about_Pa, c.linear_about_Pa),
+            join(c.dead_volume_1_m3 + half * c.area_1_m2, c.dead_volume_2_m3 + half * c.area_2_m2)};
   }
 
  private:

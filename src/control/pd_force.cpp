@@ -34,6 +34,7 @@ void PdForce::configure(const PdForceParameters& parameters, const AxisParameter
   pass_.reset();
   move_ = {};
   feedforward_ = FlowFeedforward(axis);
+  dead_band_ = DeadBandInverse(axis.effects.valve);
   limiter_ = CommandLimiter(axis.valve.command_max_V, parameters.command_rate_V_per_s, period_s);
   period_s_ = period_s;
   // Exact for a derivative held over the period; a time constant of 0 leaves the plain difference.
@@ -89,8 +90,8 @@ std::vector<PdForce::PassTick> PdForce::pass_ticks(const LawSetup& setup) const 
                            parameters_.velocity_gain_Ns_per_m * (now.d[1] - v_mps);
     see_force({.pressure_Pa = {row.p1_Pa, row.p2_Pa}, .port_Pa = {row.port_1_Pa, row.port_2_Pa}, .now = now},
               ticks.empty(), seen);
-    ticks.push_back({row.u_V, feedforward_.command_V(ahead, row.p1_Pa, row.p2_Pa, row.supply_Pa), seen.F_N - asked_N,
-                     feedforward_.motion_force_N(now)});
+    ticks.push_back({dead_band_.asked_V(row.u_V), feedforward_.command_V(ahead, row.p1_Pa, row.p2_Pa, row.supply_Pa),
+                     seen.F_N - asked_N, feedforward_.motion_force_N(now)});
   }
   return ticks;
 }
@@ -111,7 +112,7 @@ void PdForce::start_bumpless(double x_m, double p1_Pa, double p2_Pa, const Refer
   PdForceState s = state_;
   take_terms({.x_m = x_m, .pressure_Pa = {p1_Pa, p2_Pa}, .port_Pa = {p1_Pa, p2_Pa}, .now = now, .ahead = ahead}, s);
   // The first step adds period * e_F before it uses the integral.
-  const double integral_Ns = (state_.u_V - unlimited_V(s)) / integral_gain - period_s_ * s.e_F_N;
+  const double integral_Ns = (dead_band_.asked_V(state_.u_V) - asked_V(s)) / integral_gain - period_s_ * s.e_F_N;
   if (std::isfinite(integral_Ns)) state_.I_Ns = integral_Ns;
 }
 

@@ -48,12 +48,6 @@ std::vector<double> left_of(const std::vector<LedTick>& ticks, const PassMotion&
   return left_N;
 }
 
-std::vector<double> commands_of(const std::vector<LedTick>& ticks) {
-  std::vector<double> command_V(ticks.size());
-  for (std::size_t i = 0; i < ticks.size(); ++i) command_V[i] = ticks[i].u_V;
-  return command_V;
-}
-
 double rms(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double value : values) sum += value * value;
@@ -77,7 +71,7 @@ void judge(const Rig& rig, const std::vector<double>& slow_left_N, CommandPass& 
 
 /// A round of all stages from the axis' last run on; counts the runs. Leaves the axis' last run at the best command.
 void learn(LedAxis& axis, const PassMotion& motion, ForceLearning& learning, std::size_t& runs) {
-  std::vector<double> command_V = commands_of(axis.ticks()), best_V = command_V;
+  std::vector<double> command_V = axis.asked_V(), best_V = command_V;
   double best_N = std::numeric_limits<double>::infinity();
   const auto left_by = [&](const std::vector<double>& command) {
     ++runs;
@@ -208,7 +202,8 @@ double predicted_error_m(const Rig& rig, const Reference& reference, const Comma
 }
 
 std::vector<double> closed_loop_response_m_per_V(const Rig& rig, const Reference& reference, const CommandPass& pass) {
-  const AxisParameters<double> smooth = smooth_axis(rig.axis);
+  Rig smooth = rig;
+  smooth.axis = smooth_axis(rig.axis);
   const double x_m = reference.at(0.0).d[0], volt = pulse_V(rig);
   ReferenceSpec rest_spec;
   rest_spec.kind = ReferenceKind::waypoints;
@@ -221,8 +216,8 @@ std::vector<double> closed_loop_response_m_per_V(const Rig& rig, const Reference
     table->rows = {rest, rest};
     table->rows.front().u_V += added_V;
     MotionTwin twin;
-    twin.configure(rig, resting, 0.0, table);
-    twin.set_machine(rig, smooth, MotionTwin::simulated_cells(rig));
+    twin.configure(smooth, resting, 0.0, table);
+    twin.set_machine(smooth, smooth.axis, MotionTwin::simulated_cells(smooth));
     const PerSignal<double>& first = pass.before.front().values;
     twin.start(x_m, {first[Signal::p1_chamber], first[Signal::p2_chamber]}, {rest.u_V, 0.0});
     for (std::size_t i = 0; i < response.size(); ++i) {

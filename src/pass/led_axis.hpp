@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include <pneuservo/control/dead_band_inverse.hpp>
 #include <pneuservo/control/pass_table.hpp>
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/rig/plant.hpp>
@@ -50,10 +51,13 @@ class LedAxis {
   static constexpr double cells_per_m = 4.0;
 
   LedAxis(const Rig& rig, double force_feedback_V_per_N);
-  /// Runs the motion with command_V[tick] and the feedback of the force; with an empty one, with the formula's.
-  const std::vector<LedTick>& run(const PassMotion& motion, const std::vector<double>& command_V);
+  /// Runs the motion with asked_V[tick], the feedback of the force and the law's dead band inverse; with an empty one,
+  /// with the formula's.
+  const std::vector<LedTick>& run(const PassMotion& motion, const std::vector<double>& asked_V);
   /// Of the last run.
   const std::vector<LedTick>& ticks() const noexcept { return ticks_; }
+  /// What was asked for in the last run, before the dead band inverse.
+  std::vector<double> asked_V() const;
   /// Change of the force [N/V] in the ticks after a pulse of one period at rest, without dead band, play and offset.
   std::vector<double> pulse_response(double pulse_V, std::size_t ticks);
 
@@ -63,6 +67,7 @@ class LedAxis {
 
   const Rig& rig_;
   double feedback_V_per_N_;
+  DeadBandInverse dead_band_;
   AxisPlant<double> plant_;
   std::vector<LedTick> ticks_;
 };

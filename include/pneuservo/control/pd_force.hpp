@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include <pneuservo/control/dead_band_inverse.hpp>
 #include <pneuservo/control/flow_feedforward.hpp>
 #include <pneuservo/control/law.hpp>
 #include <pneuservo/control/limits.hpp>
@@ -212,12 +213,14 @@ class PdForce {
   void feed_forward(const ControlInput& in, PdForceState& s) const noexcept;
   bool feeds_forward() const noexcept { return parameters_.flow_feedforward != FeedforwardSource::off; }
   void see_force(const ControlInput& in, bool is_first, PdForceState& s) const noexcept;
-  double unlimited_V(const PdForceState& s) const noexcept {
+  double asked_V(const PdForceState& s) const noexcept {
     return parameters_.force_gain_V_per_N * s.e_F_N + parameters_.force_integral_V_per_Ns * s.I_Ns + s.u_feedforward_V;
   }
+  double unlimited_V(const PdForceState& s) const noexcept { return dead_band_.command_V(asked_V(s)); }
 
   PdForceParameters parameters_{};
   FlowFeedforward feedforward_{};
+  DeadBandInverse dead_band_{};
   std::shared_ptr<const std::vector<PassTick>> pass_;  ///< null: none; copies of the law share it
   RepeatedMove move_{};  ///< is off without learning
   CommandLimiter limiter_{};

@@ -34,7 +34,7 @@ ReferencePoint PassMotion::at(std::size_t tick) const noexcept {
 }
 
 LedAxis::LedAxis(const Rig& rig, double force_feedback_V_per_N)
-    : rig_(rig), feedback_V_per_N_(force_feedback_V_per_N), dead_band_(rig.axis.effects.valve) {
+    : rig_(rig), feedback_V_per_N_(force_feedback_V_per_N), inverse_(rig.axis.effects.valve) {
   plant_.configure(rig.axis, rig.period_s, cells_per_m, valve_arrangement(rig));
 }
 
@@ -64,6 +64,7 @@ const std::vector<LedTick>& LedAxis::run(const PassMotion& motion, const std::ve
   ReferencePoint now = motion.at(0);
   start(plant_, now.d[0]);
   double bristles_N = 0.0;
+  ValveInverse::State inverted = inverse_.at(0.0);
   for (std::size_t i = 0; i < ticks_.size(); ++i) {
     LedTick& tick = ticks_[i];
     tick.values = true_values(plant_);
@@ -74,19 +75,15 @@ const std::vector<LedTick>& LedAxis::run(const PassMotion& motion, const std::ve
         bristles_N + plant_.slider().driving_force_for(now.d[0], now.d[1], now.d[2], {gauge_Pa}, turning_mps);
     const double known_V =
         asked_V.empty() ? formula.command_V(now, p_1, p_2, tick.values[Signal::p_supply]) : asked_V[i];
-    tick.u_V = limited_V(dead_band_.command_V(known_V + feedback_V_per_N_ * (tick.wanted_N - tick.force_N)));
+    inverted = inverse_.next(inverted, limited_V(known_V + feedback_V_per_N_ * (tick.wanted_N - tick.force_N)));
+    tick.asked_V = inverted.asked_V;
+    tick.u_V = limited_V(inverse_.command_V(inverted));
     const ReferencePoint next = motion.at(i + 1);
     bristles_N = elastic.carried(bristles_N, next.d[0] - now.d[0]);
     now = next;
     plant_.step_led(tick.u_V, -tick.u_V, now.d[0]);
   }
   return ticks_;
-}
-
-std::vector<double> LedAxis::asked_V() const {
-  std::vector<double> asked_V(ticks_.size());
-  for (std::size_t i = 0; i < ticks_.size(); ++i) asked_V[i] = dead_band_.asked_V(ticks_[i].u_V);
-  return asked_V;
 }
 
 AxisParameters<double> smooth_axis(AxisParameters<double> axis) {

@@ -2,9 +2,9 @@
 #pragma once
 #include <vector>
 
-#include <pneuservo/control/dead_band_inverse.hpp>
 #include <pneuservo/control/pass_table.hpp>
 #include <pneuservo/control/reference.hpp>
+#include <pneuservo/control/valve_inverse.hpp>
 #include <pneuservo/rig/plant.hpp>
 #include <pneuservo/rig/rig.hpp>
 
@@ -33,9 +33,10 @@ class PassMotion {
   std::size_t first_, used_, after_;
 };
 
-/// What was there at the begin of a tick, and the command of the period that follows.
+/// What was there at the begin of a tick, and the command of the period that follows: as asked for, and with what is
+/// added for the valve's known dead band or play.
 struct LedTick {
-  double u_V = 0.0, force_N = 0.0, wanted_N = 0.0;
+  double asked_V = 0.0, u_V = 0.0, force_N = 0.0, wanted_N = 0.0;
   PerSignal<double> values;  ///< as exact sensors would show them
 };
 
@@ -51,13 +52,11 @@ class LedAxis {
   static constexpr double cells_per_m = 4.0;
 
   LedAxis(const Rig& rig, double force_feedback_V_per_N);
-  /// Runs the motion with asked_V[tick], the feedback of the force and the law's dead band inverse; with an empty one,
-  /// with the formula's.
+  /// Runs the motion with asked_V[tick], the feedback of the force and what the law adds for the valve; with an empty
+  /// one, with the formula's.
   const std::vector<LedTick>& run(const PassMotion& motion, const std::vector<double>& asked_V);
   /// Of the last run.
   const std::vector<LedTick>& ticks() const noexcept { return ticks_; }
-  /// What was asked for in the last run, before the dead band inverse.
-  std::vector<double> asked_V() const;
   /// Change of the force [N/V] in the ticks after a pulse of one period at rest, without dead band, play and offset.
   std::vector<double> pulse_response(double pulse_V, std::size_t ticks);
 
@@ -67,7 +66,7 @@ class LedAxis {
 
   const Rig& rig_;
   double feedback_V_per_N_;
-  DeadBandInverse dead_band_;
+  ValveInverse inverse_;
   AxisPlant<double> plant_;
   std::vector<LedTick> ticks_;
 };

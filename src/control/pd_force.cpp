@@ -22,7 +22,7 @@ std::uint64_t move_identity(const LawSetup& setup) noexcept {
   };
   take(setup.period_s);
   for (std::size_t k = 0; k < setup.pass->rows.size(); ++k)
-    take(setup.reference.at(static_cast<double>(k) * setup.period_s).d[0]), take(setup.pass->rows[k].u_V);
+    take(setup.reference.at(static_cast<double>(k) * setup.period_s).d[0]), take(setup.pass->rows[k].asked_V);
   return hash;
 }
 
@@ -34,6 +34,7 @@ void PdForce::configure(const PdForceParameters& parameters, const AxisParameter
   pass_.reset();
   move_ = {};
   feedforward_ = FlowFeedforward(axis);
+  inverse_ = ValveInverse(axis.effects.valve);
   limiter_ = CommandLimiter(axis.valve.command_max_V, parameters.command_rate_V_per_s, period_s);
   period_s_ = period_s;
   // Exact for a derivative held over the period; a time constant of 0 leaves the plain difference.
@@ -89,8 +90,8 @@ std::vector<PdForce::PassTick> PdForce::pass_ticks(const LawSetup& setup) const 
                            parameters_.velocity_gain_Ns_per_m * (now.d[1] - v_mps);
     see_force({.pressure_Pa = {row.p1_Pa, row.p2_Pa}, .port_Pa = {row.port_1_Pa, row.port_2_Pa}, .now = now},
               ticks.empty(), seen);
-    ticks.push_back({row.u_V, feedforward_.command_V(ahead, row.p1_Pa, row.p2_Pa, row.supply_Pa), seen.F_N - asked_N,
-                     feedforward_.motion_force_N(now)});
+    ticks.push_back({row.asked_V, feedforward_.command_V(ahead, row.p1_Pa, row.p2_Pa, row.supply_Pa),
+                     seen.F_N - asked_N, feedforward_.motion_force_N(now)});
   }
   return ticks;
 }
@@ -99,6 +100,7 @@ void PdForce::reset(double previous_command_V) noexcept {
   state_ = PdForceState{};
   limiter_.reset(previous_command_V);
   state_.u_V = limiter_.previous_V();
+  state_.asked = inverse_.at(state_.u_V);
   periods_ = 1.0;
   first_ = true;
 }
@@ -111,7 +113,7 @@ void PdForce::start_bumpless(double x_m, double p1_Pa, double p2_Pa, const Refer
   PdForceState s = state_;
   take_terms({.x_m = x_m, .pressure_Pa = {p1_Pa, p2_Pa}, .port_Pa = {p1_Pa, p2_Pa}, .now = now, .ahead = ahead}, s);
   // The first step adds period * e_F before it uses the integral.
-  const double integral_Ns = (state_.u_V - unlimited_V(s)) / integral_gain - period_s_ * s.e_F_N;
+  const double integral_Ns = (state_.asked.asked_V - asked_V(s)) / integral_gain - period_s_ * s.e_F_N;
   if (std::isfinite(integral_Ns)) state_.I_Ns = integral_Ns;
 }
 
@@ -165,13 +167,14 @@ double PdForce::update(const ControlInput& in) noexcept {
   PdForceState& s = state_;
   take_terms(in, s);
   // The integral rests while the command is limited in the direction in which it would grow.
-  const double without_growth_V = unlimited_V(s);
+  const double without_growth_V = inverse_.command_V(inverse_.next(before.asked, asked_V(s)));
   if (std::isfinite(without_growth_V)) {
     const std::uint8_t limit = limiter_.preview(without_growth_V).limit;
     const bool frozen = (s.e_F_N > 0.0 && (limit & limits_upward)) || (s.e_F_N < 0.0 && (limit & limits_downward));
     if (!frozen) s.I_Ns += period_s_ * s.e_F_N;
   }
-  s.u_unlimited_V = unlimited_V(s);
+  s.asked = inverse_.next(before.asked, asked_V(s));
+  s.u_unlimited_V = inverse_.command_V(s.asked);
   if (!std::isfinite(s.u_unlimited_V) || !std::isfinite(s.v_mps)) {
     // State stays as it was before this sample: filter, integral and command survive a single bad measurement.
     state_ = before;

@@ -36,6 +36,12 @@ constexpr double feedback_share = 0.25;
 double pulse_V(const Rig& rig) { return std::min(1.0, 0.2 * rig.axis.valve.command_max_V); }
 constexpr double response_s = 2.0;
 
+std::vector<double> asked_of(const std::vector<LedTick>& ticks) {
+  std::vector<double> asked_V(ticks.size());
+  for (std::size_t i = 0; i < ticks.size(); ++i) asked_V[i] = ticks[i].asked_V;
+  return asked_V;
+}
+
 /// The force that is left, faded out where nothing is used any more.
 std::vector<double> left_of(const std::vector<LedTick>& ticks, const PassMotion& motion) {
   const std::size_t end = motion.first() + motion.used();
@@ -46,12 +52,6 @@ std::vector<double> left_of(const std::vector<LedTick>& ticks, const PassMotion&
     left_N[i] = (ticks[i].wanted_N - ticks[i].force_N) * 0.5 * (1.0 + std::cos(M_PI * beyond));
   }
   return left_N;
-}
-
-std::vector<double> commands_of(const std::vector<LedTick>& ticks) {
-  std::vector<double> command_V(ticks.size());
-  for (std::size_t i = 0; i < ticks.size(); ++i) command_V[i] = ticks[i].u_V;
-  return command_V;
 }
 
 double rms(const std::vector<double>& values) {
@@ -77,7 +77,7 @@ void judge(const Rig& rig, const std::vector<double>& slow_left_N, CommandPass& 
 
 /// A round of all stages from the axis' last run on; counts the runs. Leaves the axis' last run at the best command.
 void learn(LedAxis& axis, const PassMotion& motion, ForceLearning& learning, std::size_t& runs) {
-  std::vector<double> command_V = commands_of(axis.ticks()), best_V = command_V;
+  std::vector<double> command_V = asked_of(axis.ticks()), best_V = command_V;
   double best_N = std::numeric_limits<double>::infinity();
   const auto left_by = [&](const std::vector<double>& command) {
     ++runs;
@@ -121,7 +121,7 @@ class Shown {
     PerSignal<double> now;
     for (const Signal signal : channel_signals) now[signal] = sensors_[signal].read(tick.values[signal]);
     const PerSignal<double> seen = aged_ ? std::exchange(last_, now) : now;
-    PassRow row{.u_V = tick.u_V, .x_m = seen[Signal::x], .supply_Pa = seen[Signal::p_supply]};
+    PassRow row{.asked_V = tick.asked_V, .x_m = seen[Signal::x], .supply_Pa = seen[Signal::p_supply]};
     const auto& [side_1, side_2] = ports_ || estimates_ ? port_signals : chamber_signals;
     row.p1_Pa = seen[side_1], row.p2_Pa = seen[side_2];
     row.port_1_Pa = seen[Signal::p1_port], row.port_2_Pa = seen[Signal::p2_port];
@@ -208,7 +208,8 @@ double predicted_error_m(const Rig& rig, const Reference& reference, const Comma
 }
 
 std::vector<double> closed_loop_response_m_per_V(const Rig& rig, const Reference& reference, const CommandPass& pass) {
-  const AxisParameters<double> smooth = smooth_axis(rig.axis);
+  Rig smooth = rig;
+  smooth.axis = smooth_axis(rig.axis);
   const double x_m = reference.at(0.0).d[0], volt = pulse_V(rig);
   ReferenceSpec rest_spec;
   rest_spec.kind = ReferenceKind::waypoints;
@@ -219,12 +220,12 @@ std::vector<double> closed_loop_response_m_per_V(const Rig& rig, const Reference
   for (const double added_V : {0.0, volt}) {
     auto table = std::make_shared<PassTable>();
     table->rows = {rest, rest};
-    table->rows.front().u_V += added_V;
+    table->rows.front().asked_V += added_V;
     MotionTwin twin;
-    twin.configure(rig, resting, 0.0, table);
-    twin.set_machine(rig, smooth, MotionTwin::simulated_cells(rig));
+    twin.configure(smooth, resting, 0.0, table);
+    twin.set_machine(smooth, smooth.axis, MotionTwin::simulated_cells(smooth));
     const PerSignal<double>& first = pass.before.front().values;
-    twin.start(x_m, {first[Signal::p1_chamber], first[Signal::p2_chamber]}, {rest.u_V, 0.0});
+    twin.start(x_m, {first[Signal::p1_chamber], first[Signal::p2_chamber]}, {rest.asked_V, 0.0});
     for (std::size_t i = 0; i < response.size(); ++i) {
       ControlInput in;
       in.now = in.ahead = resting.at(0.0);

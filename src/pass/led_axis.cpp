@@ -33,7 +33,8 @@ ReferencePoint PassMotion::at(std::size_t tick) const noexcept {
   return point;
 }
 
-LedAxis::LedAxis(const Rig& rig, double force_feedback_V_per_N) : rig_(rig), feedback_V_per_N_(force_feedback_V_per_N) {
+LedAxis::LedAxis(const Rig& rig, double force_feedback_V_per_N)
+    : rig_(rig), feedback_V_per_N_(force_feedback_V_per_N), inverse_(rig.axis.effects.valve) {
   plant_.configure(rig.axis, rig.period_s, cells_per_m, valve_arrangement(rig));
 }
 
@@ -55,7 +56,7 @@ void LedAxis::start(AxisPlant<double>& plant, double position_m) const noexcept 
   plant.reset({position_m, p_1, p_2});
 }
 
-const std::vector<LedTick>& LedAxis::run(const PassMotion& motion, const std::vector<double>& command_V) {
+const std::vector<LedTick>& LedAxis::run(const PassMotion& motion, const std::vector<double>& asked_V) {
   const double atmosphere_Pa = rig_.axis.air.atmosphere_Pa;
   const ElasticFriction<double>& elastic = rig_.axis.effects.motion.elastic_friction;
   const FlowFeedforward formula(rig_.axis);
@@ -63,6 +64,7 @@ const std::vector<LedTick>& LedAxis::run(const PassMotion& motion, const std::ve
   ReferencePoint now = motion.at(0);
   start(plant_, now.d[0]);
   double bristles_N = 0.0;
+  ValveInverse::State inverted = inverse_.at(0.0);
   for (std::size_t i = 0; i < ticks_.size(); ++i) {
     LedTick& tick = ticks_[i];
     tick.values = true_values(plant_);
@@ -72,8 +74,10 @@ const std::vector<LedTick>& LedAxis::run(const PassMotion& motion, const std::ve
     tick.wanted_N =
         bristles_N + plant_.slider().driving_force_for(now.d[0], now.d[1], now.d[2], {gauge_Pa}, turning_mps);
     const double known_V =
-        command_V.empty() ? formula.command_V(now, p_1, p_2, tick.values[Signal::p_supply]) : command_V[i];
-    tick.u_V = limited_V(known_V + feedback_V_per_N_ * (tick.wanted_N - tick.force_N));
+        asked_V.empty() ? formula.command_V(now, p_1, p_2, tick.values[Signal::p_supply]) : asked_V[i];
+    inverted = inverse_.next(inverted, limited_V(known_V + feedback_V_per_N_ * (tick.wanted_N - tick.force_N)));
+    tick.asked_V = inverted.asked_V;
+    tick.u_V = limited_V(inverse_.command_V(inverted));
     const ReferencePoint next = motion.at(i + 1);
     bristles_N = elastic.carried(bristles_N, next.d[0] - now.d[0]);
     now = next;

@@ -4,6 +4,7 @@
 
 #include <pneuservo/control/pass_table.hpp>
 #include <pneuservo/control/reference.hpp>
+#include <pneuservo/control/valve_inverse.hpp>
 #include <pneuservo/rig/plant.hpp>
 #include <pneuservo/rig/rig.hpp>
 
@@ -32,9 +33,10 @@ class PassMotion {
   std::size_t first_, used_, after_;
 };
 
-/// What was there at the begin of a tick, and the command of the period that follows.
+/// What was there at the begin of a tick, and the command of the period that follows: as asked for, and with what is
+/// added for the valve's known dead band or play.
 struct LedTick {
-  double u_V = 0.0, force_N = 0.0, wanted_N = 0.0;
+  double asked_V = 0.0, u_V = 0.0, force_N = 0.0, wanted_N = 0.0;
   PerSignal<double> values;  ///< as exact sensors would show them
 };
 
@@ -50,8 +52,9 @@ class LedAxis {
   static constexpr double cells_per_m = 4.0;
 
   LedAxis(const Rig& rig, double force_feedback_V_per_N);
-  /// Runs the motion with command_V[tick] and the feedback of the force; with an empty one, with the formula's.
-  const std::vector<LedTick>& run(const PassMotion& motion, const std::vector<double>& command_V);
+  /// Runs the motion with asked_V[tick], the feedback of the force and what the law adds for the valve; with an empty
+  /// one, with the formula's.
+  const std::vector<LedTick>& run(const PassMotion& motion, const std::vector<double>& asked_V);
   /// Of the last run.
   const std::vector<LedTick>& ticks() const noexcept { return ticks_; }
   /// Change of the force [N/V] in the ticks after a pulse of one period at rest, without dead band, play and offset.
@@ -63,6 +66,7 @@ class LedAxis {
 
   const Rig& rig_;
   double feedback_V_per_N_;
+  ValveInverse inverse_;
   AxisPlant<double> plant_;
   std::vector<LedTick> ticks_;
 };

@@ -252,8 +252,8 @@ TEST_CASE("where everything shows as in the pass the command is that of the pass
     const PassRow& row = setup.pass->rows[static_cast<std::size_t>(in.tick)];
     in.now = reference.at(t), in.ahead = reference.at(t + control.lead_s());
     in.x_m = row.x_m, in.pressure_Pa = {row.p1_Pa, row.p2_Pa}, in.supply_Pa = row.supply_Pa;
-    REQUIRE(control.step(in).command_V[0] == Approx(row.u_V).margin(1e-9));
-    REQUIRE(control.state().u_pass_V == row.u_V);
+    REQUIRE(control.step(in).command_V[0] == Approx(row.asked_V).margin(1e-9));
+    REQUIRE(control.state().u_pass_V == row.asked_V);
   }
 }
 
@@ -274,7 +274,7 @@ TEST_CASE("what differs from the pass is commanded by the formula and the force 
   control.step(in);
   const double differs_V = formula.command_V(in.ahead, in.pressure_Pa[0], in.pressure_Pa[1], 650e3) -
                            formula.command_V(in.ahead, row.p1_Pa, row.p2_Pa, 700e3);
-  CHECK(control.state().u_feedforward_V == Approx(row.u_V + differs_V).margin(1e-12));
+  CHECK(control.state().u_feedforward_V == Approx(row.asked_V + differs_V).margin(1e-12));
   // Less supply needs a wider valve, and a missing sensor leaves the axis' own.
   CHECK(formula.command_V(in.ahead, row.p1_Pa, row.p2_Pa, 650e3) !=
         formula.command_V(in.ahead, row.p1_Pa, row.p2_Pa, 700e3));
@@ -295,11 +295,11 @@ TEST_CASE("before its first and after its last tick a pass rests, and without on
   for (const std::int64_t tick : {-100000, -1, 0}) {
     in.tick = tick;
     control.step(in);
-    CHECK(control.state().u_pass_V == setup.pass->rows.front().u_V);
+    CHECK(control.state().u_pass_V == setup.pass->rows.front().asked_V);
   }
   in.tick = 1'000'000;
   control.step(in);
-  CHECK(control.state().u_pass_V == setup.pass->rows.back().u_V);
+  CHECK(control.state().u_pass_V == setup.pass->rows.back().asked_V);
   setup.pass = nullptr;
   CHECK_THROWS_AS(control.configure(gains, setup), std::invalid_argument);
 }

@@ -1,5 +1,6 @@
 // A resting axis behind long lines: what makes it swing, and what ends it.
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,44 @@ TEST_CASE("the 5 m lines' first mode swings in the force loop at rest, and not w
     INFO(line << ": " << command_swing_V(seen) << " and " << command_swing_V(filtered) << " V");
     CHECK(command_swing_V(filtered) < 0.5 * command_swing_V(seen));
   }
+}
+
+/// Largest error of the last second [m].
+double rest_error_m(const RunResult& run) {
+  double most_m = 0.0;
+  for (const Row& row : run.rows)
+    if (row.t_s > run.rows.back().t_s - 1.0) most_m = std::max(most_m, std::fabs(row.x_ref_m - row.x_true_m));
+  return most_m;
+}
+
+TEST_CASE("a known dead band counts by half where the axis rests after a move, one that is not known as a whole") {
+  const std::vector<std::string> move{
+      "reference={kind: waypoints, times_s: [0, 0.8], positions_m: [0, 0.06], smoothness: 7}", "duration_s=4",
+      "controller.flow_feedforward=formula"};
+  const auto with = [&](const char* effects) {
+    std::vector<std::string> sets = move;
+    sets.emplace_back(std::string("effects=") + effects);
+    return read_rig(PNEUSERVO_SOURCE_DIR "/config/cylinder-5m-7.65mm.yaml", sets);
+  };
+  const Rig knowing = with("{valve_dead_band: {width_V: 0.05}}"), unaware = with("{}");
+  const RunResult known = simulated_run(knowing, knowing), unknown = simulated_run(unaware, knowing);
+  const PdForceParameters& law = unaware.controller.of<PdForce>();
+  const double band_m = 0.05 / (law.force_gain_V_per_N * law.position_gain_N_per_m);
+  INFO(1e3 * rest_error_m(known) << " and " << 1e3 * rest_error_m(unknown) << " of " << 1e3 * band_m << " mm");
+  CHECK(rest_error_m(unknown) > 0.5 * band_m);
+  CHECK(rest_error_m(known) < 0.5 * band_m + 0.05e-3);
+}
+
+TEST_CASE("an axis that knows its valve's play hunts by less at rest") {
+  const auto with = [](const char* effects) {
+    return read_rig(PNEUSERVO_SOURCE_DIR "/config/cylinder-2m-7.65mm.yaml",
+                    {"reference={kind: waypoints, times_s: [0, 0.8], positions_m: [0, 0.06], smoothness: 7}",
+                     "duration_s=4", "controller.flow_feedforward=formula", std::string("effects=") + effects});
+  };
+  const Rig knowing = with("{valve_hysteresis: {width_V: 0.05}}"), unaware = with("{}");
+  const RunResult known = simulated_run(knowing, knowing), unknown = simulated_run(unaware, knowing);
+  INFO(1e3 * rest_error_m(known) << " and " << 1e3 * rest_error_m(unknown) << " mm");
+  CHECK(rest_error_m(known) < 0.7 * rest_error_m(unknown));
 }
 
 TEST_CASE("the modal filter costs a moving axis no accuracy: the lines' loss is not fed back") {

@@ -183,7 +183,7 @@ TEST_CASE("before a motion that begins at once the law holds still: the first ro
     const auto table = pass.table(rig, by_estimator);
     const PassRow& rest = table->rows.front();
     CHECK(table->rows.size() == pass.ticks.size());
-    CHECK(std::fabs(rest.u_V) < 0.01);
+    CHECK(std::fabs(rest.asked_V) < 0.01);
     CHECK(rest.p1_Pa == Approx(rig.initial.pressure_1_Pa).epsilon(1e-3));
   }
   // From elsewhere the axis comes to the start without a push, whether the pass is followed then or refused.

@@ -6,7 +6,7 @@ namespace pneuservo {
 
 /// One tick of a pass; measured values as the law's sensors or estimator show them.
 struct PassRow {
-  double u_V = 0.0;                  ///< command over the period that begins
+  double asked_V = 0.0;              ///< over the period that begins, before the valve's known dead band or play
   double x_m = 0.0;                  ///< position
   double p1_Pa = 0.0, p2_Pa = 0.0;   ///< of the law's pressure source, absolute
   double supply_Pa = 0.0;

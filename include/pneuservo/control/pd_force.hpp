@@ -13,6 +13,7 @@
 #include <pneuservo/control/line_mode.hpp>
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/control/repeated_move.hpp>
+#include <pneuservo/control/valve_inverse.hpp>
 
 namespace pneuservo {
 
@@ -121,6 +122,7 @@ struct PdForceState {
   double u_pass_V = 0.0;  ///< the pass' command, a part of u_feedforward_V
   double u_learned_V = 0.0;  ///< what earlier moves taught, a part of u_feedforward_V
   double F_pass_N = 0.0;  ///< the force that shows on the reference, a part of F_ref_N
+  ValveInverse::State asked;  ///< command before the valve's known dead band or play
   double u_unlimited_V = 0.0;  ///< command before range and rate
   double u_V = 0.0;  ///< command
   std::uint8_t limit = limit_none;  ///< CommandLimit that acted
@@ -212,12 +214,13 @@ class PdForce {
   void feed_forward(const ControlInput& in, PdForceState& s) const noexcept;
   bool feeds_forward() const noexcept { return parameters_.flow_feedforward != FeedforwardSource::off; }
   void see_force(const ControlInput& in, bool is_first, PdForceState& s) const noexcept;
-  double unlimited_V(const PdForceState& s) const noexcept {
+  double asked_V(const PdForceState& s) const noexcept {
     return parameters_.force_gain_V_per_N * s.e_F_N + parameters_.force_integral_V_per_Ns * s.I_Ns + s.u_feedforward_V;
   }
 
   PdForceParameters parameters_{};
   FlowFeedforward feedforward_{};
+  ValveInverse inverse_{};
   std::shared_ptr<const std::vector<PassTick>> pass_;  ///< null: none; copies of the law share it
   RepeatedMove move_{};  ///< is off without learning
   CommandLimiter limiter_{};

@@ -117,6 +117,8 @@ class SharedOpening {
     return std::min(std::sqrt(least + between_ends()), own_swing);
   }
 
+  double of_both() const { return std::sqrt(of_sides() * of_gas()); }
+
  private:
   Eigen::Index count() const { return static_cast<Eigen::Index>(rows_.size()); }
 
@@ -220,6 +222,10 @@ double sides_misfit(const Rig& rig, const Recording& recording) {
 
 double gas_misfit(const Rig& rig, const Recording& recording) {
   return misfit_of(rig, recording, &SharedOpening::of_gas);
+}
+
+double opening_misfit(const Rig& rig, const Recording& recording) {
+  return misfit_of(rig, recording, &SharedOpening::of_both);
 }
 
 }  // namespace pneuservo

@@ -16,4 +16,7 @@ double sides_misfit(const Rig& rig, const Recording& recording);
 /// The same, ends of lines too, with the opening that the command asks for beside a dead band: at most 1.
 double gas_misfit(const Rig& rig, const Recording& recording);
 
+/// Geometric mean of both: what either tells of a reading counts.
+double opening_misfit(const Rig& rig, const Recording& recording);
+
 }  // namespace pneuservo

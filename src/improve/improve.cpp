@@ -119,29 +119,57 @@ void predict_calm(Improvement& out, const StopQuestion& stop) {
                                        out.after.verdict.oscillates ? ", where it still swings" : ""));
 }
 
-/// With the pass, or why there is none.
-void predict_after(Improvement& out, const StopQuestion& stop) {
+/// Takes a feedforward with the configured gains, and keeps it where the config's own run does not err less on the
+/// model. Why not, where it does; else empty.
+std::string tried(Improvement& out, FeedforwardSource source, const PdForceParameters& configured,
+                  const StopQuestion& stop) {
   PdForceParameters& law = out.improved.controller.of<PdForce>();
-  const FeedforwardSource configured = law.flow_feedforward;
-  law.flow_feedforward = FeedforwardSource::pass;
-  out.without_pass = bound_words(out);
-  if (out.without_pass.empty()) try {
-      predict_calm(out, stop);
-      const double ratio = out.error_ratio();
-      if (!out.after.faults.empty())
-        out.without_pass = "the simulated run with it ended by " + out.after.faults.front();
-      else if (ratio > 1.0) out.without_pass = fmt::format("on the model it errs {:.3g} times as much", ratio);
-    } catch (const std::invalid_argument& error) { out.without_pass = error.what(); }
-  if (out.without_pass.empty()) return;
-  const bool asks_for_pass = configured == FeedforwardSource::pass;
-  law.flow_feedforward =
-      asks_for_pass || law.without_pass == WithoutPass::formula ? FeedforwardSource::formula : configured;
+  const auto told = static_cast<std::ptrdiff_t>(out.warnings.size());
+  law = configured;
+  law.flow_feedforward = source;
+  std::string why;
+  try {
+    predict_calm(out, stop);
+    const double ratio = out.error_ratio();
+    if (!out.after.faults.empty()) why = "the simulated run with it ended by " + out.after.faults.front();
+    else if (ratio > 1.0) why = fmt::format("on the model it errs {:.3g} times as much", ratio);
+  } catch (const std::invalid_argument& error) { why = error.what(); } catch (const DiagnosisStopped&) {
+    law = configured;  // a config that was tried in part is none that is told of
+    throw;
+  }
+  if (why.empty()) return why;
+  out.warnings.erase(out.warnings.begin() + told, out.warnings.end());
+  law = configured;
+  return why;
+}
+
+/// What the law does where there is no pass: the formula where the config says so or it errs less on the model.
+void predict_without_pass(Improvement& out, const PdForceParameters& configured, bool is_model_in_doubt,
+                          const StopQuestion& stop) {
+  PdForceParameters& law = out.improved.controller.of<PdForce>();
+  const bool asks_for_pass = configured.wants_pass();
+  if (configured.flow_feedforward == FeedforwardSource::off && !is_model_in_doubt &&
+      tried(out, FeedforwardSource::formula, configured, stop).empty()) {
+    out.warnings.emplace_back("controller.flow_feedforward was off and is formula now, which errs less on the model");
+    return;
+  }
+  law = configured;
+  if (asks_for_pass || law.without_pass == WithoutPass::formula) law.flow_feedforward = FeedforwardSource::formula;
   if (asks_for_pass)
     out.warnings.emplace_back("controller.flow_feedforward was pass and is formula now, for there is no pass");
   look_for_stop(stop);
   try {
     predict_calm(out, stop);
   } catch (const std::invalid_argument&) { out.after = {}; }
+}
+
+/// With the pass, or why there is none.
+void predict_after(Improvement& out, const StopQuestion& stop) {
+  const PdForceParameters configured = out.improved.controller.of<PdForce>();
+  out.without_pass = bound_words(out);
+  const bool is_model_in_doubt = !out.without_pass.empty();
+  if (!is_model_in_doubt) out.without_pass = tried(out, FeedforwardSource::pass, configured, stop);
+  if (!out.without_pass.empty()) predict_without_pass(out, configured, is_model_in_doubt, stop);
 }
 
 void predict(Improvement& out, const StopQuestion& stop) {

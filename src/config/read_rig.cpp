@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "config/effects_reader.hpp"
+#include "config/reference_checks.hpp"
 #include "config/rig_checks.hpp"
 #include "config/section_reader.hpp"
 #include "config/valve_table.hpp"

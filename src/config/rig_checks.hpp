@@ -22,7 +22,4 @@ void check_rig(const Rig& rig, const ConfigNode& root, InputErrors& errors);
 /// Throws InputError where a valve would not be closed without this program, or would follow simulated sensors.
 void check_machine_rig(const Rig& rig, const ConfigNode& root);
 
-/// The part of it that a reference alone can break (lists of different length, times that do not increase).
-void check_reference_keys(const ReferenceSpec& reference, const ConfigNode& node, const std::string& path);
-
 }  // namespace pneuservo

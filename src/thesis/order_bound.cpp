@@ -99,6 +99,23 @@ double largest_ratio_of_all(const FigurePair& pair, const LinearAxis& printed, d
   return largest;
 }
 
+constexpr const char* third_why =
+    "the inverse of a model leaves what the model lacks: on a linear table both figures come of one missing voltage, "
+    "so 540 and 22.67 um cannot be of one table whatever the input curve";
+constexpr const char* fifth_why = "the same for 22 and 1.60 um, on one input curve; 2.6.2 has a curve of its own "
+                                  "(Fig 2.31), which leaves a way out";
+constexpr const char* seventh_why =
+    "14 and 1.60 um cannot be of one input curve on a linear table: the fifth order's own lack, 0.12 um on "
+    "the curve here, would have to be most of 14 um";
+struct Bound {
+  const char *place, *printed;
+  FigurePair pair;
+  const char *printed_held, *all_held, *why;
+};
+const Bound bounds[] = {{"Fig 2.21 over Fig 2.28, one set", "23.8", third_order, "1.433", "1.815", third_why},
+                        {"Fig 2.23 over Fig 2.32, one set", "8.75", seventh_order, "1.200", "1.889", seventh_why},
+                        {"Fig 2.25 over Fig 2.32, one set", "13.8", fifth_order, "2.366", "5.952", fifth_why}};
+
 }  // namespace
 
 std::vector<ThesisRow> order_bound_rows() {
@@ -117,22 +134,6 @@ std::vector<ThesisRow> order_bound_rows() {
                      .why = why,
                      .command = fmt::format("pneuservo thesis --only '{}'", place)};
   };
-  constexpr const char* third_why =
-      "the inverse of a model leaves what the model lacks: on a linear table both figures come of one missing voltage, "
-      "so 540 and 22.67 um cannot be of one table whatever the input curve";
-  constexpr const char* fifth_why = "the same for 22 and 1.60 um, on one input curve; 2.6.2 has a curve of its own "
-                                    "(Fig 2.31), which leaves a way out";
-  constexpr const char* seventh_why =
-      "14 and 1.60 um cannot be of one input curve on a linear table: the fifth order's own lack, 0.12 um on "
-      "the curve here, would have to be most of 14 um";
-  struct Bound {
-    const char *place, *printed;
-    FigurePair pair;
-    const char *printed_held, *all_held, *why;
-  };
-  const Bound bounds[] = {{"Fig 2.21 over Fig 2.28, one set", "23.8", third_order, "1.433", "1.815", third_why},
-                          {"Fig 2.23 over Fig 2.32, one set", "8.75", seventh_order, "1.200", "1.889", seventh_why},
-                          {"Fig 2.25 over Fig 2.32, one set", "13.8", fifth_order, "2.366", "5.952", fifth_why}};
   std::vector<ThesisRow> rows;
   for (const Bound& bound : bounds) {
     rows.push_back(row(bound.place, "most that any input curve gives, 7th order as printed", bound.printed,

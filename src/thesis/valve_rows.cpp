@@ -1,4 +1,5 @@
 // Rows of 2.2.2: the valve's inner loop, on the simulated spool.
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -48,6 +49,24 @@ double falls_to_Hz(double set_Hz, double share) {
   return std::sqrt(low * high);
 }
 
+/// Largest error of the spool at rest, in per cent of its stroke, after steps to places all over it.
+double rest_error_percent(double quantum_m) {
+  ValveDriveParameters parameters;
+  parameters.spool_quantum_m = quantum_m;
+  constexpr int places = 37, ticks = 2000, settled = 1000;
+  double most_m = 0.0;
+  for (int place = 0; place < places; ++place) {
+    const double wanted = -0.9 + 1.8 * place / (places - 1);
+    ValveDrive drive;
+    drive.configure(parameters);
+    for (int k = 0; k < ticks; ++k) {
+      drive.step(wanted * parameters.command_max_V);
+      if (k >= settled) most_m = std::max(most_m, std::abs(drive.spool_m() - wanted * spool_stroke_m));
+    }
+  }
+  return 100.0 * most_m / spool_stroke_m;
+}
+
 /// The table behind valves whose spool, coil and inner loop are simulated.
 void add_rows_with_own_loop(std::vector<ThesisRow>& rows) {
   const std::string why = "spool, coil and inner loop in the simulated plant, as device and run have them with "
@@ -90,6 +109,14 @@ ThesisGroup thesis_valve_group() {
                   .ours = [](ThesisBench&) { return falls_to_Hz(300.0, std::sqrt(0.5)); },
                   .within = 0.02,
                   .why = "a lag of damping 0.7 reaches 1 % beyond its natural frequency"});
+  rows.push_back({.place = "2.1.2",
+                  .what = "error of the spool at rest, of its stroke, by a sensor of 0.125 um",
+                  .unit = "%",
+                  .printed = "0.1",
+                  .plant = ThesisPlant::nonlinear,
+                  .ours = [](ThesisBench&) { return rest_error_percent(0.125e-6); },
+                  .held = "0.0100",
+                  .why = "the simulated spool has no friction and no flow forces: its sensor's steps alone are left"});
   rows.push_back({.place = "Table 2.3",
                   .what = "K_Fc K_i/M_s = 13.62 x 1.0/0.061",
                   .unit = "m/(s2 V)",

@@ -21,13 +21,14 @@ class ValveInverse {
   /// An underlap (a width below 0) takes nothing and gets nothing.
   explicit ValveInverse(const ValveEffects<double>& known) noexcept
       : half_band_V_(std::max(known.valve_dead_band.width_V, 0.0)), offset_V_(known.valve_offset.offset_V),
-        half_play_V_(half_band_V_ > 0.0 ? 0.0 : 0.5 * known.valve_hysteresis.width_V) {}
+        half_play_V_(half_band_V_ > 0.0 ? 0.0 : 0.5 * known.valve_hysteresis.width_V),
+        acts_(half_band_V_ > 0.0 || half_play_V_ > 0.0) {}
 
   State next(const State& before, double asked_V) const noexcept {
-    return {asked_V, limited(before.play_V + asked_V - before.asked_V, half_play_V_)};
+    return {asked_V, acts_ ? limited(before.play_V + asked_V - before.asked_V, half_play_V_) : 0.0};
   }
   double command_V(const State& now) const noexcept {
-    return now.asked_V + limited(now.asked_V + offset_V_, half_band_V_) + now.play_V;
+    return acts_ ? now.asked_V + limited(now.asked_V + offset_V_, half_band_V_) + now.play_V : now.asked_V;
   }
   /// In the middle of the play, with what was asked for where the command is this one.
   State at(double command_V) const noexcept {
@@ -37,6 +38,7 @@ class ValveInverse {
  private:
   static double limited(double value_V, double most_V) noexcept { return std::clamp(value_V, -most_V, most_V); }
   double half_band_V_ = 0.0, offset_V_ = 0.0, half_play_V_ = 0.0;
+  bool acts_ = false;
 };
 
 }  // namespace pneuservo

@@ -78,11 +78,11 @@ template <class S> class LineWithChamber {
   }
   /// One sub-step with a valve at the port.
   LineFlow<S> step_valve(const ValvePort<S>& valve, const S& s_new, const ChamberInflow<S>& extra = {}) noexcept {
-    if (is_linear_) return step_linear(valve, s_new, extra);
+    if (lags_) return step_lagged(valve, s_new, extra);
     if (line_.is_cushioned()) line_.set_piston_distance(s_new);
-    const LineFlow<S> flow = lags_ ? lagged_.step_valve(valve, end()) : line_.advance_ends_valve(valve, end());
+    const LineFlow<S> flow = line_.advance_ends_valve(valve, end());
     step_chamber(flow, s_new, extra);
-    if (!lags_) line_.advance_inside();
+    line_.advance_inside();
     return flow;
   }
   /// Pressure at the valve port, of the last sub-step.
@@ -110,9 +110,13 @@ template <class S> class LineWithChamber {
         {flow.chamber_mass_flow_kgps + extra.mass_flow_kgps, flow.chamber_enthalpy_flow_W + extra.enthalpy_flow_W},
         s_new);
   }
-  // Out of the way of the gas, as in nearly every rig.
-  [[gnu::noinline]] LineFlow<S> step_linear(const ValvePort<S>& valve, const S& s_new,
-                                            const ChamberInflow<S>& extra) noexcept {
+  // Out of the way of the distributed line, whose port and inflow stay in registers: here they are copies.
+  [[gnu::noinline]] LineFlow<S> step_lagged(ValvePort<S> valve, S s_new, ChamberInflow<S> extra) noexcept {
+    if (!is_linear_) {
+      const LineFlow<S> flow = lagged_.step_valve(valve, end());
+      step_chamber(flow, s_new, extra);
+      return flow;
+    }
     const S flow = lagged_.step_linear(valve);
     chamber_.step_linear(step_s_, flow + extra.mass_flow_kgps, s_new);
     return {flow, flow, orifice_enthalpy_flow(line_.air(), flow, chamber_.temperature(), chamber_.temperature())};

@@ -3,9 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <initializer_list>
-#include <stdexcept>
 #include <type_traits>
 #include <utility>
 

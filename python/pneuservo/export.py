@@ -78,10 +78,12 @@ def _made(columns: Dict[str, Any], about: Dict[str, Any], path: Path, config: Op
     rig = about.get("rig") or (config.name if config is not None else "")
     numbers = {name: _numbers(name, values, path) for name, values in columns.items()}
     written = about.get("crc32") or {}
-    changed = [name for name in written if name not in numbers or _checksum(numbers[name]) != written[name]]
-    if changed:
-        warnings.warn(f"{path}: found other values of {', '.join(changed)} than were written, expected the same: the file is damaged, or "
-                      "another program changed it; export the recording again", stacklevel=3)
+    lost = [name for name in written if name not in numbers]
+    changed = [name for name in written if name in numbers and _checksum(numbers[name]) != written[name]]
+    for what, names in (("no column", lost), ("other values of", changed)):
+        if names:
+            warnings.warn(f"{path}: found {what} {', '.join(names)}, expected those that were written: the file is damaged, or another "
+                          "program changed it; export the recording again", stacklevel=3)
     return Recording(numbers, period_s=period_s, rig=rig, name=os.fspath(path), header_text=header)
 
 
@@ -113,30 +115,35 @@ def _to_mat(recording: Recording, path: Path) -> None:
     scipy.io.savemat(path, {**columns, "pneuservo": about}, appendmat=False, long_field_names=True, oned_as="column")
 
 
-# In a process of its own: scipy's reader may end its process on a damaged file. Prints the columns, and what goes along, as NPZ.
+# In a process of its own, which finds the packages of this one: scipy's reader may end its process on a damaged file, or
+# never end. Prints the columns, each as c_NAME, and what goes along, as NPZ.
 _MAT_READER = """
-import sys, numpy, scipy.io
+import json, sys
+sys.path[:] = json.loads(sys.argv[2])
+import numpy, scipy.io
 content = scipy.io.loadmat(sys.argv[1], appendmat=False)
 own = content.get("pneuservo")
-columns = {name: values.reshape(-1) for name, values in content.items()
+columns = {"c_" + name: values.reshape(-1) for name, values in content.items()
            if not name.startswith("__") and isinstance(values, numpy.ndarray) and values.dtype.kind in "fiub"
            and values.ndim == 2 and 1 in values.shape}
 about = "{}" if own is None else str(own["about"].item().item())
-numpy.savez(sys.stdout.buffer, __about__=numpy.frombuffer(about.encode(), dtype=numpy.uint8), **columns)
+numpy.savez(sys.stdout.buffer, about=numpy.frombuffer(about.encode(), dtype=numpy.uint8), **columns)
 """
+_MAT_READER_S = 300.0  # 20 minutes at 1 kHz take about a second
 
 
 def _from_mat(path: Path) -> _Content:
     if importlib.util.find_spec("scipy") is None:
         raise ModuleNotFoundError(name="scipy")
-    done = subprocess.run([sys.executable, "-c", _MAT_READER, os.fspath(path)], capture_output=True)
+    done = subprocess.run([sys.executable, "-c", _MAT_READER, os.path.abspath(path), json.dumps(sys.path)], capture_output=True,
+                          timeout=_MAT_READER_S)
     if done.returncode != 0:
         raise ValueError((done.stderr.decode(errors="replace").strip().splitlines() or ["its reader ended without a word"])[-1])
     with numpy.load(io.BytesIO(done.stdout)) as file:
         arrays = {name: file[name] for name in file.files}
-    about = json.loads(arrays.pop("__about__").tobytes())
-    rows = len(arrays.get("t_s", ()))
-    return {name: values for name, values in arrays.items() if len(values) > 1 or rows == 1}, about
+    about = json.loads(arrays.pop("about").tobytes())
+    rows = len(arrays.get("c_t_s", ()))
+    return {name.removeprefix("c_"): values for name, values in arrays.items() if len(values) > 1 or rows == 1}, about
 
 
 def _to_mcap(recording: Recording, path: Path) -> None:

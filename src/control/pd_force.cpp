@@ -34,7 +34,7 @@ void PdForce::configure(const PdForceParameters& parameters, const AxisParameter
   pass_.reset();
   move_ = {};
   feedforward_ = FlowFeedforward(axis);
-  inverse_ = ValveInverse(axis.effects.valve);
+  compensation_ = DeadBandAndPlayCompensation(axis.effects.valve);
   limiter_ = CommandLimiter(axis.valve.command_max_V, parameters.command_rate_V_per_s, period_s);
   period_s_ = period_s;
   // Exact for a derivative held over the period; a time constant of 0 leaves the plain difference.
@@ -100,7 +100,7 @@ void PdForce::reset(double previous_command_V) noexcept {
   state_ = PdForceState{};
   limiter_.reset(previous_command_V);
   state_.u_V = limiter_.previous_V();
-  state_.asked = inverse_.at(state_.u_V);
+  state_.asked = compensation_.at(state_.u_V);
   periods_ = 1.0;
   first_ = true;
 }
@@ -167,14 +167,14 @@ double PdForce::update(const ControlInput& in) noexcept {
   PdForceState& s = state_;
   take_terms(in, s);
   // The integral rests while the command is limited in the direction in which it would grow.
-  const double without_growth_V = inverse_.command_V(inverse_.next(before.asked, asked_V(s)));
+  const double without_growth_V = compensation_.command_V(compensation_.next(before.asked, asked_V(s)));
   if (std::isfinite(without_growth_V)) {
     const std::uint8_t limit = limiter_.preview(without_growth_V).limit;
     const bool frozen = (s.e_F_N > 0.0 && (limit & limits_upward)) || (s.e_F_N < 0.0 && (limit & limits_downward));
     if (!frozen) s.I_Ns += period_s_ * s.e_F_N;
   }
-  s.asked = inverse_.next(before.asked, asked_V(s));
-  s.u_unlimited_V = inverse_.command_V(s.asked);
+  s.asked = compensation_.next(before.asked, asked_V(s));
+  s.u_unlimited_V = compensation_.command_V(s.asked);
   if (!std::isfinite(s.u_unlimited_V) || !std::isfinite(s.v_mps)) {
     // State stays as it was before this sample: filter, integral and command survive a single bad measurement.
     state_ = before;

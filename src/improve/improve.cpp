@@ -148,13 +148,14 @@ void predict_without_pass(Improvement& out, const PdForceParameters& configured,
                           const StopQuestion& stop) {
   PdForceParameters& law = out.improved.controller.of<PdForce>();
   const bool asks_for_pass = configured.wants_pass();
-  if (configured.flow_feedforward == FeedforwardSource::off && !is_model_in_doubt &&
-      tried(out, FeedforwardSource::formula, configured, stop).empty()) {
+  const bool may_take = configured.flow_feedforward == FeedforwardSource::off && !is_model_in_doubt;
+  if (may_take && tried(out, FeedforwardSource::formula, configured, stop).empty()) {
     out.warnings.emplace_back("controller.flow_feedforward was off and is formula now, which errs less on the model");
     return;
   }
   law = configured;
-  if (asks_for_pass || law.without_pass == WithoutPass::formula) law.flow_feedforward = FeedforwardSource::formula;
+  const bool takes_formula = !may_take && law.without_pass == WithoutPass::formula;
+  if (asks_for_pass || takes_formula) law.flow_feedforward = FeedforwardSource::formula;
   if (asks_for_pass)
     out.warnings.emplace_back("controller.flow_feedforward was pass and is formula now, for there is no pass");
   look_for_stop(stop);

@@ -34,7 +34,7 @@ ReferencePoint PassMotion::at(std::size_t tick) const noexcept {
 }
 
 LedAxis::LedAxis(const Rig& rig, double force_feedback_V_per_N)
-    : rig_(rig), feedback_V_per_N_(force_feedback_V_per_N), inverse_(rig.axis.effects.valve) {
+    : rig_(rig), feedback_V_per_N_(force_feedback_V_per_N), compensation_(rig.axis.effects.valve) {
   plant_.configure(rig.axis, rig.period_s, cells_per_m, valve_arrangement(rig));
 }
 
@@ -64,7 +64,7 @@ const std::vector<LedTick>& LedAxis::run(const PassMotion& motion, const std::ve
   ReferencePoint now = motion.at(0);
   start(plant_, now.d[0]);
   double bristles_N = 0.0;
-  ValveInverse::State inverted = inverse_.at(0.0);
+  DeadBandAndPlayCompensation::State compensated = compensation_.at(0.0);
   for (std::size_t i = 0; i < ticks_.size(); ++i) {
     LedTick& tick = ticks_[i];
     tick.values = true_values(plant_);
@@ -75,9 +75,10 @@ const std::vector<LedTick>& LedAxis::run(const PassMotion& motion, const std::ve
         bristles_N + plant_.slider().driving_force_for(now.d[0], now.d[1], now.d[2], {gauge_Pa}, turning_mps);
     const double known_V =
         asked_V.empty() ? formula.command_V(now, p_1, p_2, tick.values[Signal::p_supply]) : asked_V[i];
-    inverted = inverse_.next(inverted, limited_V(known_V + feedback_V_per_N_ * (tick.wanted_N - tick.force_N)));
-    tick.asked_V = inverted.asked_V;
-    tick.u_V = limited_V(inverse_.command_V(inverted));
+    compensated =
+        compensation_.next(compensated, limited_V(known_V + feedback_V_per_N_ * (tick.wanted_N - tick.force_N)));
+    tick.asked_V = compensated.asked_V;
+    tick.u_V = limited_V(compensation_.command_V(compensated));
     const ReferencePoint next = motion.at(i + 1);
     bristles_N = elastic.carried(bristles_N, next.d[0] - now.d[0]);
     now = next;

@@ -2,9 +2,9 @@
 #pragma once
 #include <vector>
 
+#include <pneuservo/control/dead_band_and_play.hpp>
 #include <pneuservo/control/pass_table.hpp>
 #include <pneuservo/control/reference.hpp>
-#include <pneuservo/control/valve_inverse.hpp>
 #include <pneuservo/rig/plant.hpp>
 #include <pneuservo/rig/rig.hpp>
 
@@ -66,7 +66,7 @@ class LedAxis {
 
   const Rig& rig_;
   double feedback_V_per_N_;
-  ValveInverse inverse_;
+  DeadBandAndPlayCompensation compensation_;
   AxisPlant<double> plant_;
   std::vector<LedTick> ticks_;
 };

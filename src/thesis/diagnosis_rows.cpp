@@ -108,7 +108,7 @@ constexpr const char* misfit_why =
     "pressure back";
 constexpr const char* valve_why =
     "what every order lacks first is a valve whose flow goes with the pressures; no name stands for that, and the "
-    "nearest, unlike edges of the valve, takes a model_3 of the mismatch";
+    "nearest, unlike edges of the valve, takes a third of the mismatch";
 constexpr const char* lags_why = "the lags of valve and line by their first order, 2 zeta/w: 2.23 + 0.20 ms";
 constexpr const char* nothing_why = "the matched lag leaves nothing that 6 s of these sensors show";
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -35,8 +36,9 @@ std::vector<std::string> gain_sets(const Ppd2Gains& gains) {
 std::vector<std::string> linear_model_sets(int order) {
   const double valve_Hz = order == 7 ? 100.0 : 0.0;
   // The fifth order has one lag for valve and line that agrees with both up to s^2 (2.3.3).
-  const SecondOrderLag line = order == 7   ? SecondOrderLag{110.0, 0.068}
-                              : order == 5 ? low_frequency_match({110.0, 0.068}, {100.0, 0.7})
+  constexpr double turn = 2.0 * std::numbers::pi;
+  const SecondOrderLag line = order == 7   ? SecondOrderLag{turn * 110.0, 0.068}
+                              : order == 5 ? low_frequency_match({turn * 110.0, 0.068}, {turn * 100.0, 0.7})
                                            : SecondOrderLag{0.0, 0.05};
   // The loop's check of the gas has no linear flows.
   std::vector<std::string> out{"limits.flow_mismatch_share=0", "controller.feedforward=none",
@@ -44,7 +46,7 @@ std::vector<std::string> linear_model_sets(int order) {
                                fmt::format("valve.natural_frequency_Hz={:g}", valve_Hz)};
   for (const char* side : {"line_1", "line_2"}) {
     out.push_back(fmt::format("{}.model=second_order_lag", side));
-    out.push_back(fmt::format("{}.natural_frequency_Hz={:.9g}", side, line.natural_frequency_rad_per_s));
+    out.push_back(fmt::format("{}.natural_frequency_Hz={:.9g}", side, line.natural_frequency_rad_per_s / turn));
     out.push_back(fmt::format("{}.damping_ratio={:.9g}", side, line.damping_ratio));
   }
   return out;

@@ -268,6 +268,27 @@ TEST_CASE("gauge sensors of one kind are told beside absolute ones of another") 
   check(test::all_pressures);
 }
 
+TEST_CASE("all pressures in bar, gauge, are told as one, with ports exchanged or not") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  const Rig owner = test::cylinder_rig(std::uniform_real_distribution<double>(2, 10)(generator));
+  const Recording right = test::simulated_recording(drawn_machine(generator, owner), 6.0, seed, test::all_pressures);
+  for (const bool exchanged : {false, true}) {
+    std::vector<Recording> wrong{right};
+    for (const std::string& column : test::all_pressures) shift(wrong[0].column(column), 1e-5, -1.01325);
+    if (exchanged) std::swap(wrong[0].column("p1_port_Pa"), wrong[0].column("p2_port_Pa"));
+    Rig rig = owner;
+    std::vector<std::string> notes;
+    doubt_recordings(rig, wrong, notes);
+    CAPTURE(exchanged, notes);
+    CHECK(std::any_of(notes.begin(), notes.end(),
+                      [](const auto& note) { return note.find("gauge") != std::string::npos; }));
+    for (const auto& column : test::all_pressures)
+      CHECK(largest_channel_difference(wrong[0].column(column), right.column(column)) < 1);
+  }
+}
+
 TEST_CASE("a rest that ends within a gap is no frozen encoder, one that ends in a step is") {
   Rig rig = test::cylinder_rig();
   const double gap_s = 0.3 + 0.1 * (test::new_seed() % 3);

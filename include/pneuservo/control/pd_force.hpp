@@ -7,13 +7,13 @@
 #include <utility>
 #include <vector>
 
+#include <pneuservo/control/dead_band_and_play.hpp>
 #include <pneuservo/control/flow_feedforward.hpp>
 #include <pneuservo/control/law.hpp>
 #include <pneuservo/control/limits.hpp>
 #include <pneuservo/control/line_mode.hpp>
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/control/repeated_move.hpp>
-#include <pneuservo/control/valve_inverse.hpp>
 
 namespace pneuservo {
 
@@ -122,7 +122,7 @@ struct PdForceState {
   double u_pass_V = 0.0;  ///< the pass' command, a part of u_feedforward_V
   double u_learned_V = 0.0;  ///< what earlier moves taught, a part of u_feedforward_V
   double F_pass_N = 0.0;  ///< the force that shows on the reference, a part of F_ref_N
-  ValveInverse::State asked;  ///< command before the valve's known dead band or play
+  DeadBandAndPlayCompensation::State asked;  ///< command before the valve's known dead band or play
   double u_unlimited_V = 0.0;  ///< command before range and rate
   double u_V = 0.0;  ///< command
   std::uint8_t limit = limit_none;  ///< CommandLimit that acted
@@ -220,7 +220,7 @@ class PdForce {
 
   PdForceParameters parameters_{};
   FlowFeedforward feedforward_{};
-  ValveInverse inverse_{};
+  DeadBandAndPlayCompensation compensation_{};
   std::shared_ptr<const std::vector<PassTick>> pass_;  ///< null: none; copies of the law share it
   RepeatedMove move_{};  ///< is off without learning
   CommandLimiter limiter_{};

@@ -25,6 +25,7 @@ template <class S> class LineWithChamber {
     is_linear_ = lags_ && any(geometry.linear_pressure_Pa > S(0));
     if (lags_) lagged_.configure(line, air, geometry.linear_pressure_Pa);
     substeps_ = 0;
+    end_loss_Pa_ = S(0), loses_at_end_ = false;
     // A small chamber behind a big cell is the stiffest spring of the grid; it is smallest at the end stop.
     const S dx = line_.cell_length();
     const S g = square_root(maximum(S(1), S(0.5) * (S(1) + line_.cross_section() * dx / geometry.dead_volume_m3)));

@@ -181,6 +181,7 @@ class SharedOpening {
     Eigen::VectorXd left(2 * count());
     Eigen::MatrixXd effect(2 * count(), leaks);
     for (std::size_t i = 0; i < 2; ++i) {
+      valve.set_edges(i == 0 ? PortEdges<double>::of_port_1(effects) : PortEdges<double>::of_port_2(effects));
       Series flow_kgps;
       for (std::size_t k = 0; k < motion_.samples(); ++k) {
         const double command_V = (i == 0 ? 1.0 : -1.0) * prepared_.inputs.command_V[0][k];

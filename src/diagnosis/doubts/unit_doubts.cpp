@@ -74,12 +74,14 @@ bool is_stated(const Recording& recording, const ReadingsOf& of) {
 
 std::string name_of(const UnitReading& reading) { return reading.name.empty() ? "as recorded" : reading.name; }
 
-/// What a choice supposes: kinds of readings beside as recorded, those of all pressures counted once; then how many
-/// groups of channels are read so.
+/// Factors and offsets.
+using Ways = std::set<std::pair<double, double>>;
+
+/// What a choice supposes: kinds of readings beside as recorded, those of all pressures, settled ones too, counted
+/// once; then how many groups of channels are read so.
 using Suppositions = std::pair<std::size_t, std::size_t>;
 
-Suppositions suppositions_of(const Kinds& kinds, const Choice& choice) {
-  std::set<std::pair<double, double>> ways;
+Suppositions suppositions_of(const Kinds& kinds, const Choice& choice, Ways ways) {
   std::size_t others = 0, groups = 0;
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     const UnitReading& reading = kinds[k].readings[choice[k]];
@@ -93,10 +95,10 @@ Suppositions suppositions_of(const Kinds& kinds, const Choice& choice) {
 
 /// Of some choices those that suppose least: what is as recorded stays so where it fits as well.
 std::vector<std::size_t> fewest_suppositions(const Kinds& kinds, const std::vector<Choice>& choices,
-                                             std::vector<std::size_t> some) {
-  Suppositions fewest = suppositions_of(kinds, choices[some.front()]);
-  for (const std::size_t i : some) fewest = std::min(fewest, suppositions_of(kinds, choices[i]));
-  std::erase_if(some, [&](std::size_t i) { return suppositions_of(kinds, choices[i]) > fewest; });
+                                             const Ways& settled, std::vector<std::size_t> some) {
+  Suppositions fewest = suppositions_of(kinds, choices[some.front()], settled);
+  for (const std::size_t i : some) fewest = std::min(fewest, suppositions_of(kinds, choices[i], settled));
+  std::erase_if(some, [&](std::size_t i) { return suppositions_of(kinds, choices[i], settled) > fewest; });
   return some;
 }
 
@@ -198,8 +200,8 @@ std::vector<double> misfits_of(const Rig& rig, const Recording& judged, const Ki
 /// Of the choices that fit about as well as the best one, the one that keeps what is stated, else the one that supposes
 /// least; throws where that leaves two.
 std::size_t one_of_fitting(const Rig& rig, const Recording& recording, const Kinds& kinds,
-                           const std::vector<Choice>& choices, const std::vector<std::size_t>& fitting,
-                           std::vector<std::string>& notes) {
+                           const std::vector<Choice>& choices, const Ways& settled,
+                           const std::vector<std::size_t>& fitting, std::vector<std::string>& notes) {
   std::vector<std::size_t> as_stated;
   std::copy_if(fitting.begin(), fitting.end(), std::back_inserter(as_stated), [&](std::size_t i) {
     for (std::size_t k = 0; k < kinds.size(); ++k)
@@ -207,8 +209,9 @@ std::size_t one_of_fitting(const Rig& rig, const Recording& recording, const Kin
     return true;
   });
   const bool is_by_statement = as_stated.size() == 1;
-  const auto left =
-      is_by_statement ? as_stated : fewest_suppositions(kinds, choices, as_stated.empty() ? fitting : as_stated);
+  const auto left = is_by_statement
+                        ? as_stated
+                        : fewest_suppositions(kinds, choices, settled, as_stated.empty() ? fitting : as_stated);
   const std::size_t taken = left.front();
   const std::size_t other = left.size() > 1 ? left[1] : fitting[0] == taken ? fitting[1] : fitting[0];
   const std::size_t k = first_difference(choices[other], choices[taken]);
@@ -238,23 +241,23 @@ using Decided = std::vector<std::optional<std::size_t>>;
 
 /// What all choices agree on that fit about as well as the best one. Where as recorded is not among them, the last
 /// judge chooses.
-Decided decided(const Rig& rig, const Recording& recording, const Kinds& kinds, const Judge& judge,
+Decided decided(const Rig& rig, const Recording& recording, const Kinds& kinds, const Ways& settled, const Judge& judge,
                 std::vector<std::string>& notes) {
   const std::vector<Choice> choices = choices_of(kinds);
   if (choices.size() == 1) return {choices.front().begin(), choices.front().end()};
   const Recording judged = most_moving_part(recording, judged_s);
   const std::optional<std::size_t> as_recorded = as_recorded_of(kinds, choices);
-  if (as_recorded && judge.misfit_of(rig, judged) < judge.doubtful) return Decided(kinds.size());
+  if (as_recorded && judge.doubtful > 0 && judge.misfit_of(rig, judged) < judge.doubtful) return Decided(kinds.size());
   const std::vector<double> misfits = misfits_of(rig, judged, kinds, choices, judge);
   const double best = *std::min_element(misfits.begin(), misfits.end());
   std::vector<std::size_t> fitting;
   for (std::size_t i = 0; i < misfits.size(); ++i)
     if (!(best < judge.decisive * misfits[i])) fitting.push_back(i);
-  if (as_recorded && !(best < judge.fitting)) return Decided(kinds.size());
+  if (!(best < judge.fitting) && (as_recorded || !judge.is_last)) return Decided(kinds.size());
   const bool as_recorded_fits = as_recorded && std::count(fitting.begin(), fitting.end(), *as_recorded) > 0;
   if (judge.is_last && !as_recorded_fits) {
     const std::size_t one =
-        fitting.size() == 1 ? fitting[0] : one_of_fitting(rig, recording, kinds, choices, fitting, notes);
+        fitting.size() == 1 ? fitting[0] : one_of_fitting(rig, recording, kinds, choices, settled, fitting, notes);
     return {choices[one].begin(), choices[one].end()};
   }
   Decided out(kinds.size());
@@ -294,16 +297,18 @@ void doubt_units(const Rig& rig, Recording& recording, std::vector<std::string>&
   std::vector<UnitReading> taken(kinds.size());
   std::vector<char> is_settled(kinds.size(), false);
   Recording read = recording;
+  Ways settled;
   for (const Judge& judge : judges) {
     std::vector<std::size_t> of;
     Kinds judged;
     for (std::size_t k = 0; k < kinds.size(); ++k)
       if (!is_settled[k] && (judge.judges_command || kinds[k].quantity != Quantity::command))
         of.push_back(k), judged.push_back(kinds[k]);
-    const Decided found = decided(rig, read, judged, judge, notes);
+    const Decided found = decided(rig, read, judged, settled, judge, notes);
     for (std::size_t i = 0; i < of.size(); ++i) {
       if (!found[i]) continue;
       taken[of[i]] = judged[i].readings[*found[i]], is_settled[of[i]] = true;
+      if (judged[i].quantity == Quantity::pressures) settled.emplace(taken[of[i]].factor, taken[of[i]].offset);
       for (const std::string& column : judged[i].columns) apply_reading(taken[of[i]], read, column);
     }
   }

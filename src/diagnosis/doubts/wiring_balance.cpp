@@ -46,7 +46,9 @@ class Balances {
  public:
   Balances(const Rig& rig, const CylinderRecording& prepared)
       : rig_(rig), axis_(rig.axis), prepared_(prepared), motion_(smoothed_motion(rig, prepared)) {
-    valve_.configure(axis_.valve, axis_.effects.valve, prepared.period_s());
+    for (Valve<double>& valve : valves_) valve.configure(axis_.valve, axis_.effects.valve, prepared.period_s());
+    valves_[0].set_edges(PortEdges<double>::of_port_1(axis_.effects.valve));
+    valves_[1].set_edges(PortEdges<double>::of_port_2(axis_.effects.valve));
     double top_mps = 0;
     for (std::size_t k = 0; k < motion_.samples(); ++k)
       if (motion_.usable()[k]) top_mps = std::max(top_mps, std::abs(motion_.velocity_mps()[k]));
@@ -74,7 +76,7 @@ class Balances {
     Series flow_kgps;
     for (std::size_t k = 0; k < gas->port_Pa.size(); ++k) {
       const double command_V = prepared_.inputs.command_V[0][k];
-      const PortAreas<double> areas = valve_.areas(side == 0 ? command_V : -command_V);
+      const PortAreas<double> areas = valves_[side].areas(side == 0 ? command_V : -command_V);
       const double flow = areas.supply * gas->filling[k] - areas.exhaust * gas->emptying[k];
       flow_kgps.push_back(std::isfinite(flow) ? flow : 0.0);
     }
@@ -102,7 +104,7 @@ class Balances {
   const AxisParameters<double>& axis_;
   const CylinderRecording& prepared_;
   ForceBalance motion_;
-  Valve<double> valve_;
+  std::array<Valve<double>, 2> valves_;  ///< of each port, with its own edges
   std::vector<std::size_t> rows_, moving_;
 };
 

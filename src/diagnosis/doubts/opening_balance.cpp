@@ -156,7 +156,7 @@ class SharedOpening {
     return left_beside_leaks(effect, across) / rate_.squaredNorm();
   }
 
-  /// Mean difference between a line's ends, for what flows in flows out again: squared, as a share of the atmosphere.
+  /// Mean square of the difference between a line's ends, in atmospheres: another zero shifts it, an exchange swings it.
   double between_ends() const {
     double squares = 0, lines = 0;
     for (std::size_t i = 0; i < 2; ++i) {
@@ -164,12 +164,12 @@ class SharedOpening {
       if (port.empty() || chamber.empty()) continue;
       double sum = 0, both = 0;
       for (const std::size_t k : rows_)
-        if (const double apart = port[k] - chamber[k]; std::isfinite(apart)) sum += apart, ++both;
+        if (const double apart = port[k] - chamber[k]; std::isfinite(apart)) sum += apart * apart, ++both;
       if (!(both > 0)) continue;
-      const double share = sum / both / rig_.axis.air.atmosphere_Pa;
-      squares += share * share, ++lines;
+      squares += sum / both, ++lines;
     }
-    return lines > 0 ? squares / lines : 0.0;
+    const double atmosphere_Pa = rig_.axis.air.atmosphere_Pa;
+    return lines > 0 ? squares / lines / (atmosphere_Pa * atmosphere_Pa) : 0.0;
   }
 
   /// Of the gas beside what passes the valve. Squared, as a share.

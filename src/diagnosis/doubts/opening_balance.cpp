@@ -156,7 +156,8 @@ class SharedOpening {
     return left_beside_leaks(effect, across) / rate_.squaredNorm();
   }
 
-  /// Mean square of the difference between a line's ends, in atmospheres: another zero shifts it, an exchange swings it.
+  /// Mean square of the difference between a line's ends, in atmospheres: another zero shifts it, an exchange swings
+  /// it.
   double between_ends() const {
     double squares = 0, lines = 0;
     for (std::size_t i = 0; i < 2; ++i) {

@@ -31,7 +31,7 @@ struct OwnLaw {
 
 int main(int, char** arguments) {
   const Rig rig = read_rig(arguments[1]);
-  const auto& [stroke, area_1, area_2, dead_1, dead_2, heat, restitution] = rig.axis.cylinder;
+  const double area_1 = rig.axis.cylinder.area_1_m2, area_2 = rig.axis.cylinder.area_2_m2;
   const auto plant = make_backend("sim", rig);
   PipelineEstimator estimator;
   estimator.configure(estimator_parameters(rig));

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include <pneuservo/core/golden_section.hpp>
+
 namespace pneuservo {
 
 namespace {
@@ -13,17 +15,6 @@ using Complex = std::complex<double>;
 
 /// Mean over the cross-section of a boundary layer's shape, 2 J_1(k r)/(k r J_0(k r)) with (k r)^2 = -z^2.
 Complex layer_mean(Complex z) { return 2.0 * bessel_i1_over_i0(z) / z; }
-
-/// Largest value of a function of one variable between two bounds with one peak, by golden section.
-template <class Function> double peak_between(const Function& value, double low, double high) {
-  const double g = 0.5 * (std::sqrt(5.0) - 1.0);
-  while (high - low > 1e-10 * high) {
-    const double a = high - g * (high - low), b = low + g * (high - low);
-    if (value(a) > value(b)) high = b;
-    else low = a;
-  }
-  return 0.5 * (low + high);
-}
 
 }  // namespace
 
@@ -111,7 +102,7 @@ LineResonance first_resonance(const LineAcoustics& line, const LineEnds& ends) {
   for (double after; f < highest; f *= ratio, before = here, here = after) {
     after = gain(f * ratio);
     if (here <= before || here < after) continue;
-    out.peak_Hz = peak_between(gain, f / ratio, f * ratio);
+    out.peak_Hz = golden_section_minimum([&](double Hz) { return -gain(Hz); }, f / ratio, f * ratio, 1e-10 * f);
     const double height = gain(out.peak_Hz) / out.static_gain;
     if (height <= 1.0) break;
     // Peak of a second-order lag: 1/(2 zeta sqrt(1 - zeta^2)) at w sqrt(1 - 2 zeta^2).

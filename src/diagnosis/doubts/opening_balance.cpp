@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <exception>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -12,6 +11,7 @@
 
 #include <Eigen/Dense>
 
+#include <pneuservo/core/golden_section.hpp>
 #include <pneuservo/elements/orifice.hpp>
 #include <pneuservo/elements/valve.hpp>
 
@@ -28,38 +28,43 @@ using Series = std::vector<double>;
 
 /// Both sides to the atmosphere, from 1 to 2, both from the supply.
 constexpr int leaks = 5;
-constexpr int golden_steps = 7;  ///< of a golden section: to 3 % of the range
+/// Of the largest command: closer a dead band need not be known, its misfit is flat there.
+constexpr double band_width = 0.03;
 constexpr std::size_t least_rows = 4 * leaks;
 
-using Leaks = Eigen::Matrix<double, leaks, 1>;
-
-/// Leaks of at least 0 that leave the least of offset + effect * leaks: the best of all subsets that stay positive.
-Leaks least_leaks(const Eigen::MatrixXd& effect, const Eigen::VectorXd& offset) {
-  const Leaks scale = effect.colwise().norm().transpose().cwiseMax(std::numeric_limits<double>::min());
-  const Eigen::MatrixXd scaled = effect * scale.cwiseInverse().asDiagonal();
-  const Eigen::Matrix<double, leaks, leaks> normal = scaled.transpose() * scaled;
-  const Leaks wanted = -scaled.transpose() * offset;
-  Leaks best = Leaks::Zero();
-  double explained = 0;
-  for (int set = 1; set < 1 << leaks; ++set) {
-    Leaks is_in;
-    for (int i = 0; i < leaks; ++i) is_in(i) = set >> i & 1;
-    // Rows and columns of the others are those of the identity, so that they come out as 0.
-    Eigen::Matrix<double, leaks, leaks> part = is_in.asDiagonal() * normal * is_in.asDiagonal();
-    part.diagonal() += Leaks::Ones() - is_in;
-    const Leaks solved = part.ldlt().solve(is_in.cwiseProduct(wanted));
-    const double now = solved.dot(wanted);
-    if (!(solved.minCoeff() >= 0 && now > explained)) continue;
-    explained = now;
-    best = solved;
+/// What leaks of at least 0 leave of a series: the best of all subsets of them that stay positive.
+class BesideLeaks {
+ public:
+  explicit BesideLeaks(Eigen::MatrixXd effect) : effect_(std::move(effect)) {
+    const Leaks scale = effect_.colwise().norm().transpose().cwiseMax(std::numeric_limits<double>::min());
+    effect_ *= scale.cwiseInverse().asDiagonal();
+    normal_ = effect_.transpose() * effect_;
   }
-  return best.cwiseQuotient(scale);
-}
+  /// Sum of squares.
+  double left(const Eigen::VectorXd& offset) const {
+    const Leaks wanted = -effect_.transpose() * offset;
+    Leaks best = Leaks::Zero();
+    double most_explained = 0;
+    for (int set = 1; set < 1 << leaks; ++set) {
+      Leaks is_in;
+      for (int i = 0; i < leaks; ++i) is_in(i) = set >> i & 1;
+      // Rows and columns of the others are those of the identity, so that they come out as 0.
+      Eigen::Matrix<double, leaks, leaks> part = is_in.asDiagonal() * normal_ * is_in.asDiagonal();
+      part.diagonal() += Leaks::Ones() - is_in;
+      const Leaks solved = part.ldlt().solve(is_in.cwiseProduct(wanted));
+      const double explained = solved.dot(wanted);
+      if (!(solved.minCoeff() >= 0 && explained > most_explained)) continue;
+      most_explained = explained;
+      best = solved;
+    }
+    return (offset + effect_ * best).squaredNorm();
+  }
 
-/// What is left beside the leaks, squared.
-double left_beside_leaks(const Eigen::MatrixXd& effect, const Eigen::VectorXd& offset) {
-  return (offset + effect * least_leaks(effect, offset)).squaredNorm();
-}
+ private:
+  using Leaks = Eigen::Matrix<double, leaks, 1>;
+  Eigen::MatrixXd effect_;  ///< of each leak, scaled to a norm of 1
+  Eigen::Matrix<double, leaks, leaks> normal_;
+};
 
 class SharedOpening {
  public:
@@ -86,6 +91,9 @@ class SharedOpening {
     for (Eigen::MatrixXd& leaving : leaving_) leaving.resize(count(), leaks);
     leaving_[0] << e1, none, across, -f1, none;
     leaving_[1] << none, e2, -across, none, -f2;
+    Eigen::MatrixXd both(2 * count(), leaks);
+    both << leaving_[0], leaving_[1];
+    beside_band_.emplace(std::move(both));
   }
 
   double of_sides() const {
@@ -96,24 +104,11 @@ class SharedOpening {
   /// The least over dead bands: each edge opens with that much of the command less.
   double of_gas() const {
     if (rows_.empty()) return infinite_misfit;
-    const double golden = 0.5 * (std::sqrt(5.0) - 1);
-    double low_V = 0, high_V = 0;
-    for (const std::size_t k : rows_) high_V = std::max(high_V, std::abs(prepared_.inputs.command_V[0][k]));
-    double least = left_beside_band(0);
-    const auto at = [&](double band_V) {
-      const double left = left_beside_band(band_V);
-      least = std::min(least, left);
-      return left;
-    };
-    double a_V = golden * golden * high_V, b_V = golden * high_V, at_a = at(a_V), at_b = at(b_V);
-    for (int step = 0; step < golden_steps; ++step)
-      if (at_a < at_b) {
-        high_V = std::exchange(b_V, a_V);
-        at_b = std::exchange(at_a, at(a_V = high_V - golden * (high_V - low_V)));
-      } else {
-        low_V = std::exchange(a_V, b_V);
-        at_a = std::exchange(at_b, at(b_V = low_V + golden * (high_V - low_V)));
-      }
+    double widest_V = 0;
+    for (const std::size_t k : rows_) widest_V = std::max(widest_V, std::abs(prepared_.inputs.command_V[0][k]));
+    const auto left = [&](double band_V) { return left_beside_band(band_V); };
+    const double best_V = golden_section_minimum(left, 0, widest_V, band_width * widest_V);
+    const double least = std::min(left(0), left(best_V));
     return std::min(std::sqrt(least + between_ends()), own_swing);
   }
 
@@ -153,11 +148,10 @@ class SharedOpening {
       across(r) = unit(1) * rate_(r, 0) - unit(0) * rate_(r, 1);
       effect.row(r) = unit(1) * leaving_[0].row(r) - unit(0) * leaving_[1].row(r);
     }
-    return left_beside_leaks(effect, across) / rate_.squaredNorm();
+    return BesideLeaks(effect).left(across) / rate_.squaredNorm();
   }
 
-  /// Mean square of the difference between a line's ends, in atmospheres: another zero shifts it, an exchange swings
-  /// it.
+  /// Mean difference between a line's ends, for what flows in flows out again: squared, in atmospheres.
   double between_ends() const {
     double squares = 0, lines = 0;
     for (std::size_t i = 0; i < 2; ++i) {
@@ -165,12 +159,12 @@ class SharedOpening {
       if (port.empty() || chamber.empty()) continue;
       double sum = 0, both = 0;
       for (const std::size_t k : rows_)
-        if (const double apart = port[k] - chamber[k]; std::isfinite(apart)) sum += apart * apart, ++both;
+        if (const double apart = port[k] - chamber[k]; std::isfinite(apart)) sum += apart, ++both;
       if (!(both > 0)) continue;
-      squares += sum / both, ++lines;
+      const double share = sum / both / rig_.axis.air.atmosphere_Pa;
+      squares += share * share, ++lines;
     }
-    const double atmosphere_Pa = rig_.axis.air.atmosphere_Pa;
-    return lines > 0 ? squares / lines / (atmosphere_Pa * atmosphere_Pa) : 0.0;
+    return lines > 0 ? squares / lines : 0.0;
   }
 
   /// Of the gas beside what passes the valve. Squared, as a share.
@@ -180,7 +174,6 @@ class SharedOpening {
     Valve<double> valve;
     valve.configure(rig_.axis.valve, effects, prepared_.period_s());
     Eigen::VectorXd left(2 * count());
-    Eigen::MatrixXd effect(2 * count(), leaks);
     for (std::size_t i = 0; i < 2; ++i) {
       valve.set_edges(i == 0 ? PortEdges<double>::of_port_1(effects) : PortEdges<double>::of_port_2(effects));
       Series flow_kgps;
@@ -191,9 +184,8 @@ class SharedOpening {
       }
       const auto at = static_cast<Eigen::Index>(i);
       left.segment(at * count(), count()) = rate_.col(at) - smoothed(flow_kgps);
-      effect.middleRows(at * count(), count()) = leaving_[i];
     }
-    return left_beside_leaks(effect, left) / rate_.squaredNorm();
+    return beside_band_->left(left) / rate_.squaredNorm();
   }
 
   const Rig& rig_;
@@ -204,16 +196,16 @@ class SharedOpening {
   /// At the rows, of both sides: the gas's rate, and what an opening of 1 m2 does that fills side 1, that empties it.
   Eigen::MatrixX2d rate_, fills_1_, empties_1_;
   std::array<Eigen::MatrixXd, 2> leaving_;  ///< what each leak of 1 m2 takes from a side
+  std::optional<BesideLeaks> beside_band_;  ///< of both sides, one after the other
 };
 
 using Misfit = double (SharedOpening::*)() const;
 
 double misfit_of(const Rig& rig, const Recording& recording, Misfit misfit) {
-  try {
+  return misfit_or_infinite([&] {
     const CylinderRecording prepared = prepare_recording(recording, rig, judged_s);
-    const double found = (SharedOpening(rig, prepared).*misfit)();
-    return std::isfinite(found) ? found : infinite_misfit;
-  } catch (const std::exception&) { return infinite_misfit; }
+    return (SharedOpening(rig, prepared).*misfit)();
+  });
 }
 
 }  // namespace

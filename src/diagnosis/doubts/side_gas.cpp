@@ -10,7 +10,6 @@ namespace pneuservo {
 
 namespace {
 
-constexpr double least_periods = 2.5;  ///< as of every balance of forces
 /// What the rate of noisy pressures asks for beside the delay: 5 to 80 ms gave the same answers on 120 recordings of 12
 /// simulated machines, none missed a slow one.
 constexpr double noise_s = 0.02;
@@ -51,7 +50,7 @@ std::optional<SideGas> side_gas(const Rig& rig, const CylinderRecording& prepare
 
 ForceBalance smoothed_motion(const Rig& rig, const CylinderRecording& prepared) {
   return ForceBalance(prepared.position_m, prepared.period_s(), rig.sensors.position.rms_m(),
-                      std::max(least_periods, (noise_s + delay_s(rig.axis)) / prepared.period_s()));
+                      noise_s + delay_s(rig.axis));
 }
 
 }  // namespace pneuservo

@@ -111,10 +111,7 @@ class Balances {
 }  // namespace
 
 double balance_misfit(const Rig& rig, const Recording& recording) {
-  try {
-    const double misfit = Balances(rig, prepare_recording(recording, rig, judged_s)).misfit();
-    return std::isfinite(misfit) ? misfit : infinite_misfit;
-  } catch (const std::exception&) { return infinite_misfit; }
+  return misfit_or_infinite([&] { return Balances(rig, prepare_recording(recording, rig, judged_s)).misfit(); });
 }
 
 }  // namespace pneuservo

@@ -19,9 +19,9 @@ inline constexpr double rest_noises = 2.0;
 class ForceBalance {
  public:
   /// position_m: measured, evenly sampled; NaN where there is none. noise_m: standard deviation of one sample, quantum
-  /// included. Sigma is 5 ms (8 ms above 20 um of noise), at least least_periods: 2.5 spread a force that jumps between
-  /// rows.
-  ForceBalance(std::span<const double> position_m, double period_s, double noise_m, double least_periods = 2.5);
+  /// included. Sigma is 5 ms (8 ms above 20 um of noise), at least 2.5 periods, which spread a force that jumps between
+  /// rows, and least_sigma_s.
+  ForceBalance(std::span<const double> position_m, double period_s, double noise_m, double least_sigma_s = 0.0);
 
   std::size_t samples() const { return usable_.size(); }
   /// Whether the balance can be judged at a sample: not within the kernel's reach of an end or of a missing position.

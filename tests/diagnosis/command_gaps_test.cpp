@@ -38,7 +38,7 @@ TEST_CASE("commands written in every n-th row leave an error as large as theirs,
       if (k % rows != first) command_V[k] = no_value;
     const CylinderRecording prepared = prepare_recording(sparse, rig, 4.0);
     CAPTURE(rows, first);
-    CHECK(prepared.inputs.command_rows == rows);
+    CHECK(prepared.inputs.command_samples == rows);
     CHECK(prepared.inputs.first_command == first);
     const std::array<ImposedRun, 1> run{{{&rig, {}}}};
     const std::vector<double> truth = run_imposed(known.inputs, run, grid)[0][Signal::p1_port],
@@ -52,4 +52,19 @@ TEST_CASE("commands written in every n-th row leave an error as large as theirs,
     CHECK(told_Pa > 0.5 * made_Pa);
     CHECK(told_Pa < 8 * made_Pa);
   }
+}
+
+TEST_CASE("rows that a logger lost shift no command: they are counted on the even grid") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  const Rig rig = test::cylinder_rig(2.0);
+  Recording sparse = test::simulated_recording(rig, 2.0, seed, {"p1_port_Pa", "p2_port_Pa"});
+  constexpr std::size_t rows = 8, first = 5, lost = 2;
+  std::vector<double>& command_V = sparse.column("u_V");
+  for (std::size_t k = 0; k < command_V.size(); ++k)
+    if (k % rows != first) command_V[k] = no_value;
+  for (auto& values : sparse.values) values.erase(values.begin() + lost);
+  const CylinderRecording prepared = prepare_recording(sparse, rig, 2.0);
+  CHECK(prepared.inputs.command_samples == rows);
+  CHECK(prepared.inputs.first_command == first);
 }

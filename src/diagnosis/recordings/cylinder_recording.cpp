@@ -35,8 +35,8 @@ bool is_held(const Recording& recording, const std::string& column, int steps) {
   return steps == 1;  // every n-th command of a loop: between two of them there were others
 }
 
-/// Rows from one value to the next, the median, and the first row that has one.
-std::pair<std::size_t, std::size_t> written_rows(const std::vector<double>& values) {
+/// Samples from one value to the next, the median, and the first sample that has one.
+std::pair<std::size_t, std::size_t> written_samples(const std::vector<double>& values) {
   std::vector<std::size_t> known, apart;
   for (std::size_t i = 0; i < values.size(); ++i)
     if (std::isfinite(values[i])) known.push_back(i);
@@ -188,8 +188,9 @@ CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, 
   out.inputs.period_s = interval_of(recording);
   out.inputs.steps = std::max(1, static_cast<int>(std::lround(out.period_s() / rig.period_s)));
   out.inputs.command_is_held = is_held(recording, commands.front(), out.inputs.steps);
-  std::tie(out.inputs.command_rows, out.inputs.first_command) = written_rows(recording.column(commands.front()));
   const EvenSamples even(recording.t_s(), out.period_s(), longest_s);
+  std::tie(out.inputs.command_samples, out.inputs.first_command) =
+      written_samples(even.placed(recording.column(commands.front())));
   out.start_s = recording.t_s().front();
   out.usable.assign(even.count(), 1);
   out.position_m = even.drawn(recording.column("x_m"));

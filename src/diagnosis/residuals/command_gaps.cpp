@@ -10,14 +10,14 @@ namespace pneuservo {
 
 GasCourse command_gap_error(const ImposedInputs& inputs, const Rig& rig, const PlantGrid& grid,
                             const StopQuestion& stop) {
-  const std::size_t rows = inputs.command_rows;
-  if (rows == 1 && (inputs.steps == 1 || inputs.command_is_held)) return {};
+  const std::size_t samples = inputs.command_samples;
+  if (samples == 1 && (inputs.steps == 1 || inputs.command_is_held)) return {};
   ImposedInputs sparse(inputs);
   for (std::vector<double>& command : sparse.command_V)
-    for (std::size_t k = inputs.first_command; k + 2 * rows < command.size(); k += 2 * rows)
-      for (std::size_t i = 1; i < 2 * rows; ++i)
+    for (std::size_t k = inputs.first_command; k + 2 * samples < command.size(); k += 2 * samples)
+      for (std::size_t i = 1; i < 2 * samples; ++i)
         command[k + i] =
-            std::lerp(command[k], command[k + 2 * rows], static_cast<double>(i) / static_cast<double>(2 * rows));
+            std::lerp(command[k], command[k + 2 * samples], static_cast<double>(i) / static_cast<double>(2 * samples));
   const std::array<ImposedRun, 1> run{{{&rig, {}}}};
   GasCourse error = run_imposed(inputs, run, grid, stop)[0];
   const GasCourse other = run_imposed(sparse, run, grid, stop)[0];

@@ -22,7 +22,7 @@ struct ImposedInputs {
   std::array<std::vector<double>, 2> command_V;
   bool command_is_held = true;
   /// Samples from one recorded command to the next, and the first of them: a logger may write it in every n-th row.
-  std::size_t command_rows = 1, first_command = 0;
+  std::size_t command_samples = 1, first_command = 0;
   std::vector<double> position_m, velocity_mps;       ///< as measured, smoothed
   std::array<std::vector<double>, 2> start_Pa;        ///< pressure at or near each port, as measured, smoothed
   std::array<std::vector<double>, 2> start_Pa_per_s;  ///< and its rate

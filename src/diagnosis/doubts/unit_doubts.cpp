@@ -72,6 +72,10 @@ bool is_stated(const Recording& recording, const ReadingsOf& of) {
   return source.factor != 1 || source.offset != 0;
 }
 
+bool has_as_recorded(const ReadingsOf& of) {
+  return std::any_of(of.readings.begin(), of.readings.end(), is_as_recorded);
+}
+
 std::string name_of(const UnitReading& reading) { return reading.name.empty() ? "as recorded" : reading.name; }
 
 /// Factors and offsets.
@@ -267,6 +271,14 @@ Decided decided(const Rig& rig, const Recording& recording, const Kinds& kinds, 
   return out;
 }
 
+/// Pressures whose sensors are of several kinds, in SI as recorded. Channels that are exchanged look so, too.
+bool are_mixed(const Kinds& kinds, const std::vector<UnitReading>& taken) {
+  Ways ways;
+  for (std::size_t k = 0; k < kinds.size(); ++k)
+    if (kinds[k].quantity == Quantity::pressures) ways.emplace(taken[k].factor, taken[k].offset);
+  return ways.size() > 1 && ways.contains({1.0, 0.0});
+}
+
 /// Applied, and told: groups of pressures that are read alike in one sentence.
 void take(const Rig& rig, Recording& recording, const Kinds& kinds, const std::vector<UnitReading>& taken,
           std::vector<std::string>& notes) {
@@ -312,6 +324,9 @@ void doubt_units(const Rig& rig, Recording& recording, std::vector<std::string>&
       for (const std::string& column : judged[i].columns) apply_reading(taken[of[i]], read, column);
     }
   }
+  if (are_mixed(kinds, taken) && is_rather_rewired(rig, recording, read))
+    for (std::size_t k = 0; k < kinds.size(); ++k)
+      if (kinds[k].quantity == Quantity::pressures && has_as_recorded(kinds[k])) taken[k] = {};
   take(rig, recording, kinds, taken, notes);
 }
 

@@ -236,15 +236,19 @@ void doubt_sides(const Rig& rig, Recording& recording, std::vector<std::string>&
 }  // namespace
 
 double port_misfit(const Rig& rig, const Recording& recording) {
-  try {
+  return misfit_or_infinite([&] {
     const auto [prepared, course] = simulated(rig, recording);
     double difference = 0, swing = 0;
     for (const Signal signal : pressure_signals)
       if (!prepared.measured[signal].empty())
         add_misfit(prepared.measured[signal], course[signal], prepared.usable, difference, swing);
-    const double misfit = std::sqrt(difference / swing);
-    return std::isfinite(misfit) ? misfit : infinite_misfit;
-  } catch (const std::exception&) { return infinite_misfit; }
+    return std::sqrt(difference / swing);
+  });
+}
+
+bool is_rather_rewired(const Rig& rig, const Recording& recording, const Recording& read_otherwise) {
+  const std::optional<Rewired> found = rewired(rig, most_moving_part(recording, judged_s));
+  return found && found->misfit < balance_misfit(rig, most_moving_part(read_otherwise, judged_s));
 }
 
 void doubt_wiring(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {

@@ -11,6 +11,9 @@ namespace pneuservo {
 
 /// Ports exchanged, command or position reversed: the one that alone fits is corrected and told.
 void doubt_wiring(const Rig& rig, Recording& recording, std::vector<std::string>& notes);
+/// Whether another wiring of what is recorded leaves decisively less of the balances than as recorded, and less than
+/// another reading does.
+bool is_rather_rewired(const Rig& rig, const Recording& recording, const Recording& read_otherwise);
 /// Whether the drive force of a driven axis was read at its rows' instants, unless that is stated: it then comes half a
 /// period earlier than a held one.
 void doubt_sampling(const Rig& rig, Recording& recording, std::vector<std::string>& notes);

@@ -50,7 +50,7 @@ std::optional<SideGas> side_gas(const Rig& rig, const CylinderRecording& prepare
 
 ForceBalance smoothed_motion(const Rig& rig, const CylinderRecording& prepared) {
   return ForceBalance(prepared.position_m, prepared.period_s(), rig.sensors.position.rms_m(),
-                      noise_s + delay_s(rig.axis));
+                      std::max(spreading_periods, (noise_s + delay_s(rig.axis)) / prepared.period_s()));
 }
 
 }  // namespace pneuservo

@@ -202,9 +202,8 @@ double undo(const SensorEffects<double>& sensor, double value, double next_deriv
 
 }  // namespace
 
-ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, double noise_m, double least_sigma_s)
-    : period_s_(period_s), noise_m_(noise_m),
-      kernel_(kernel_sigma(noise_m, std::max(2.5 * period_s, least_sigma_s)), period_s),
+ForceBalance::ForceBalance(std::span<const double> position_m, double period_s, double noise_m, double least_periods)
+    : period_s_(period_s), noise_m_(noise_m), kernel_(kernel_sigma(noise_m, least_periods * period_s), period_s),
       fast_kernel_(std::max(0.6 * kernel_.sigma_s(), 1.5 * period_s), period_s) {
   const std::vector<double> position = held_over_gaps(position_m);
   for (int order = 0; order < 4; ++order) derivative_[order] = kernel_.apply(position, order);

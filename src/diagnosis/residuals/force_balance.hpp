@@ -12,6 +12,8 @@ namespace pneuservo {
 
 /// Standard deviations of the drive's noise that any rest balances, so that no friction gains by noise.
 inline constexpr double rest_noises = 2.0;
+/// Of a kernel's sigma, in sampling periods: a force that jumps between rows is spread over it.
+inline constexpr double spreading_periods = 2.5;
 
 /// The motion of one recording. Nothing is simulated: position is differentiated by symmetric Gaussian kernels, and the
 /// drive force is smoothed by the same kernel, so that both sides of m dv/dt = F - B v - F_friction - F_load are seen
@@ -19,9 +21,9 @@ inline constexpr double rest_noises = 2.0;
 class ForceBalance {
  public:
   /// position_m: measured, evenly sampled; NaN where there is none. noise_m: standard deviation of one sample, quantum
-  /// included. Sigma is 5 ms (8 ms above 20 um of noise), at least 2.5 periods, which spread a force that jumps between
-  /// rows, and least_sigma_s.
-  ForceBalance(std::span<const double> position_m, double period_s, double noise_m, double least_sigma_s = 0.0);
+  /// included. Sigma is 5 ms (8 ms above 20 um of noise), at least `least_periods`.
+  ForceBalance(std::span<const double> position_m, double period_s, double noise_m,
+               double least_periods = spreading_periods);
 
   std::size_t samples() const { return usable_.size(); }
   /// Whether the balance can be judged at a sample: not within the kernel's reach of an end or of a missing position.

@@ -166,15 +166,20 @@ double PdForce::update(const ControlInput& in) noexcept {
   const PdForceState before = state_;
   PdForceState& s = state_;
   take_terms(in, s);
+  const auto ask = [&] {
+    s.asked = compensation_.next(before.asked, asked_V(s));
+    s.u_unlimited_V = compensation_.command_V(s.asked);
+  };
+  ask();
   // The integral rests while the command is limited in the direction in which it would grow.
-  const double without_growth_V = compensation_.command_V(compensation_.next(before.asked, asked_V(s)));
-  if (std::isfinite(without_growth_V)) {
-    const std::uint8_t limit = limiter_.preview(without_growth_V).limit;
+  if (std::isfinite(s.u_unlimited_V)) {
+    const std::uint8_t limit = limiter_.preview(s.u_unlimited_V).limit;
     const bool frozen = (s.e_F_N > 0.0 && (limit & limits_upward)) || (s.e_F_N < 0.0 && (limit & limits_downward));
-    if (!frozen) s.I_Ns += period_s_ * s.e_F_N;
+    if (!frozen) {
+      s.I_Ns += period_s_ * s.e_F_N;
+      if (parameters_.force_integral_V_per_Ns != 0.0) ask();
+    }
   }
-  s.asked = compensation_.next(before.asked, asked_V(s));
-  s.u_unlimited_V = compensation_.command_V(s.asked);
   if (!std::isfinite(s.u_unlimited_V) || !std::isfinite(s.v_mps)) {
     // State stays as it was before this sample: filter, integral and command survive a single bad measurement.
     state_ = before;

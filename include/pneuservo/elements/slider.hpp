@@ -38,6 +38,7 @@ template <class S> class Slider {
     has_gravity_ = any(!(effects.gravity_load.sine_N == S(0))) || any(!(effects.gravity_load.cosine_N == S(0)));
     has_bristles_ = any(!(effects.elastic_friction.force_N == S(0)));
     has_presliding_ = has_dry_friction_ && any(effects.presliding.way_m > S(0));
+    builds_up_ = has_bristles_ || has_presliding_;
     const PayloadChange<S>& change = effects.payload_change;
     is_timed_ = any(!(change.mass_kg == S(0))) || any(!(change.weight_N == S(0)));
     set_time(time_);
@@ -111,7 +112,7 @@ template <class S> class Slider {
     const S alone =
         less_load(is_disturbed_ ? driving_force_N + disturbance_.value(0.5 * h_s) : driving_force_N, position_);
     const S shearing = has_presliding_ ? shearing_friction(around) : zero;
-    const S held_by = has_bristles_ || has_presliding_ ? alone - bristles_ - sheared_ * shearing : alone;
+    const S held_by = builds_up_ ? alone - bristles_ - sheared_ * shearing : alone;
     const S force = has_couplings_ ? held_by + load_.force() + loose_load_.force() : held_by;
     const auto resting = velocity_ == zero;
     const S direction = select(resting, select(force >= zero, S(1), S(-1)), select(velocity_ > zero, S(1), S(-1)));
@@ -119,7 +120,7 @@ template <class S> class Slider {
     const S dry = jumping_friction(speed, direction, around), holds_most = jumping_friction(zero, direction, around);
     const auto held = resting & (absolute(force) <= holds_most);
     S coefficient = damping_coefficient(speed, direction);
-    if (has_bristles_ || has_presliding_) coefficient += S(0.5) * h * built_up_stiffness(direction, shearing);
+    if (builds_up_) coefficient += S(0.5) * h * built_up_stiffness(direction, shearing);
     const S damping = S(0.5) * h * coefficient * inverse_mass_;
     S pushed = h * (held_by - direction * dry), carried = S(1) + damping;
     if (has_couplings_) {
@@ -147,6 +148,7 @@ template <class S> class Slider {
     }
     if (is_disturbed_) disturbance_.step(h_s);
     if (is_timed_) set_time(time_ + h);
+    if (!builds_up_) return;
     if (has_bristles_) bristles_ = effects_.elastic_friction.carried(bristles_, position_ - start_position);
     if (has_presliding_) sheared_ = effects_.presliding.carried(sheared_, position_ - start_position);
   }
@@ -195,7 +197,7 @@ template <class S> class Slider {
     restitution_{};
   MotionEffects<S> effects_;
   bool has_dry_friction_ = true, has_couplings_ = false, is_disturbed_ = false, has_gravity_ = false,
-       has_bristles_ = false, has_presliding_ = false, is_timed_ = false;
+       has_bristles_ = false, has_presliding_ = false, builds_up_ = false, is_timed_ = false;
   CoupledLoad<S> load_, loose_load_;
   Oscillation<S> disturbance_;
   S position_{}, velocity_{}, bristles_{};

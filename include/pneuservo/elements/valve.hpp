@@ -91,6 +91,8 @@ template <class S> class Valve {
     lag_gain_ = S(1) - exponential(S(-1) / ratio);
     lag_mean_gain_ = ratio * lag_gain_;
   }
+  /// Whether the areas change within a period, under one command.
+  bool moves_within_period() const noexcept { return is_on_off_ || moves_within_; }
   /// One sub-step that begins `in_period_s` after the start of the period; areas at the spool's exact mean over it, or
   /// over pieces that resolve delay and lag however long the sub-step of the gas is.
   PortAreas<S> step(double in_period_s) noexcept {

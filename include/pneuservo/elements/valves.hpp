@@ -39,6 +39,7 @@ template <class S> class Valves {
     pair_.set_command(join(command_1_V, arrangement_ == ValveArrangement::five_port ? -command_1_V : command_2_V));
   }
   void set_time_step(double step_s) noexcept { pair_.set_time_step(step_s); }
+  bool move_within_period() const noexcept { return pair_.moves_within_period(); }
   /// One sub-step that begins `in_period_s` after the start of the period; areas at the spools' mean over it.
   PortAreas<P> step(double in_period_s) noexcept { return pair_.step(in_period_s); }
   /// The spools themselves, e.g. to give each its own parameters.

@@ -195,8 +195,10 @@ template <class S> class AxisPlant {
     const int n = sides_.begin_period(period_s_);
     const double h = sides_.step_s();
     valves_.set_time_step(h);
+    PortAreas<P> edges = valves_.step(0.0);
     for (int i = 0; i < n; ++i) {
-      PortAreas<P> areas = valves_.step(i * h);
+      if (i > 0 && valves_.move_within_period()) edges = valves_.step(i * h);
+      PortAreas<P> areas = edges;
       ChamberInflow<P> leaks = chambers_leak_ ? chamber_leaks() : ChamberInflow<P>{};
       if (disturbed_) disturb(areas, leaks);
       move(h, i, n);

@@ -48,6 +48,10 @@ template <class F> Way least_of(int batches, F&& run) {
 Way ours(int cells, int substeps) {
   return least_of(40, [&](std::vector<double>& out) { return run_line(out, cells, substeps); });
 }
+/// The estimator's time extrapolation.
+Way extrapolated(int cells) {
+  return least_of(40, [&](std::vector<double>& out) { return run_extrapolated(out, cells); });
+}
 Way theirs(Method method, int cells, double relative_tolerance) {
   Integrator integrator(method, relative_tolerance, cells);
   return least_of(6, [&](std::vector<double>& out) { return integrator.run(out); });
@@ -74,6 +78,10 @@ void line_work_and_precision(benchmark::State& state) {
       of_ours.push_back(ours(cells, substeps));
       tell(state, "ours/" + std::to_string(cells) + "/" + std::to_string(substeps), of_ours.back());
     }
+  for (const int cells : {5, 10, 20, 40}) {
+    of_ours.push_back(extrapolated(cells));
+    tell(state, "extrapolated/" + std::to_string(cells) + "/0", of_ours.back());
+  }
   for (const auto& [method, name] :
        {std::pair{Method::explicit_runge_kutta, "arkode"}, std::pair{Method::adams, "cvode"}})
     for (const int cells : {5, 10, 20, 40})

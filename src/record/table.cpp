@@ -398,7 +398,7 @@ class TableReader {
         table_.is_clock[column] = 1;
         return *seconds;
       }
-      if (takes_groups(field, column, line, value)) return value;
+      if (takes_other_sign(field, column, line, value)) return value;
       if (unreadable_[column].count++ == 0) unreadable_[column].first = shown(field);
       if (unreadable_[column].count <= most_told)
         table_.report(line, ProblemKind::unreadable_field,
@@ -413,17 +413,21 @@ class TableReader {
     return value;
   }
 
-  /// "469.900" or "1,000" where other numbers show that its sign is not the decimal one, and the column's do not.
-  bool takes_groups(std::string_view field, std::size_t column, std::size_t line, double& value) {
+  /// The sign that is not the decimal one of the rows: between groups of three digits as in "1,000" it stands for
+  /// thousands. Where a column has shown it otherwise, as in "0.25", it is a decimal sign, there and elsewhere.
+  bool takes_other_sign(std::string_view field, std::size_t column, std::size_t line, double& value) {
     Unreadable& text = unreadable_[column];
-    const char sign = dialect_.style.decimal == '.' ? ',' : '.';
-    if (!dialect_.style.has_groups || text.has_other_signs || field.find(sign) == std::string_view::npos) return false;
-    text.has_other_signs = !number_with_groups(field, dialect_.style.decimal, value);
-    if (!text.has_other_signs && !std::exchange(text.has_groups, true))
+    const char decimal = dialect_.style.decimal, sign = decimal == '.' ? ',' : '.';
+    if (!dialect_.style.has_groups || field.find(sign) == std::string_view::npos) return false;
+    const bool is_group = !shows_other_decimals_ && number_with_groups(field, decimal, value);
+    if (!is_group && (text.has_groups || !number_in(field, sign, value))) return false;
+    shows_other_decimals_ = shows_other_decimals_ || !is_group;
+    if (!std::exchange(is_group ? text.has_groups : text.has_own_decimals, true))
       table_.report(line, ProblemKind::dialect,
-                    fmt::format("{} is \"{}\": from here on {} between three digits is taken for thousands",
-                                table_.names[column], shown(field), sign == '.' ? "a point" : "a comma"));
-    return !text.has_other_signs;
+                    fmt::format("{} is \"{}\": {} is taken for {} in this column from here on", table_.names[column],
+                                shown(field), sign == '.' ? "a point" : "a comma",
+                                is_group ? "thousands" : "the decimal sign"));
+    return true;
   }
 
   /// A column of text is told once, and so is how often another holds text.
@@ -476,11 +480,11 @@ class TableReader {
   std::size_t line_number_ = 0;
   bool is_own_ = false;
   bool is_line_quoted_ = false;
+  bool shows_other_decimals_ = false;  ///< some column has the other decimal sign: it makes no groups
   struct Unreadable {
     std::size_t count = 0;
     std::string first;
-    bool has_groups = false;  ///< of three digits
-    bool has_other_signs = false;  ///< its group sign stands elsewhere, too
+    bool has_groups = false, has_own_decimals = false;  ///< by the sign that is not the rows' decimal one
   };
   std::vector<Unreadable> unreadable_;  ///< of each column
 };

@@ -152,14 +152,20 @@ TEST_CASE("one group of thousands is one where other numbers show the decimal si
   CHECK_THAT(check_motion("Time (ms),Position (mm),Valve (V)\n" + rows([&](int i, double, double x, double u) {
                             return fmt::format("\"{}\",{:.4f},{:.4f}", grouped(i, ','), 1e3 * x, u);
                           })),
-             Contains("taken for thousands"));
+             Contains("a comma is taken for thousands"));
   check_motion("Zeit (ms);Weg (mm);Ventil (V)\n" + rows([&](int i, double, double x, double u) {
                  return grouped(i, '.') + ";" + with_comma(fmt::format("{:.4f};{:.4f}", 1e3 * x, u));
                }));
-  // A column whose first sign stands between no three digits holds no groups.
-  const Understood mixed = understood(
-      "Zeit (ms);Weg (mm);Ventil (V);p1 (bar)\n0;0,5;1,5;0.98\n1;0,6;1,6;4.125\n2;0,7;1,7;4.250\n3;0,8;1,8;4.5\n");
-  for (const double p : mixed.run.column("p1_port_Pa")) CHECK(std::isnan(p));
+  // A column that shows its sign otherwise has decimals of its own.
+  const Understood mixed =
+      understood("Seconds;Weg (m);Ventil (V);p1 (bar)\n0.000;0,5;1,5;0.98\n0.001;0,6;1,6;4.125\n0.002;0,7;1,7;4.25\n");
+  CHECK(mixed.run.t_s() == std::vector<double>{0, 0.001, 0.002});
+  CHECK(mixed.run.column("p1_port_Pa")[1] == Approx(4.125e5));
+  const Understood kilopascals =
+      understood("Time;Weg (m);Ventil (V);Kraft (N);p1 "
+                 "(kPa)\n0.000;0,5;1,5;7,5;349.198\n0.001;0,6;1,6;7,6;350.125\n0.002;0,7;1,7;7,5;351.5\n");
+  CHECK(kilopascals.run.column("p1_port_Pa")[0] == Approx(349198));
+  CHECK_THAT(mixed.told, Contains("is taken for the decimal sign"));
 }
 
 TEST_CASE("what instruments write for no value and for overflow is no value") {

@@ -81,12 +81,7 @@ ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmos
   const std::string stated = in_row ? std::string(without_brackets(table.units[column])) : parts.unit;
   out.unit = stated;
   const std::optional<ColumnWord> word = column_word(parts.text);
-  if (table.is_clock[column] != 0) {
-    out.ours = "t_s";
-    out.unit = "date";
-    out.evidence = "holds dates or times of day";
-    return out;
-  }
+  if (table.is_clock[column] != 0) return {out.column, "t_s", "date", 1, 0, "holds dates or times of day", false};
   // "millis" is both.
   const bool is_named_by_unit = stated.empty() && word && word->quantity == Quantity::time && parts.text.size() > 1;
   const std::optional<Unit> unit = unit_in(is_named_by_unit ? parts.text : stated);

@@ -71,11 +71,7 @@ bool is_ours(const std::string& name) {
 
 ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmosphere_Pa) {
   ColumnGuess out{table.names[column], "", "", 1, 0, "", false};
-  if (is_ours(out.column)) {
-    out.ours = out.column;
-    out.evidence = "a name of the recording format";
-    return out;
-  }
+  if (is_ours(out.column)) return {out.column, out.column, "", 1, 0, "a name of the recording format", true};
   const NameParts parts = parts_of(half_width(out.column));
   const bool in_row = !table.units[column].empty();
   const std::string stated = in_row ? std::string(without_brackets(table.units[column])) : parts.unit;

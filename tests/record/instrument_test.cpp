@@ -187,6 +187,8 @@ TEST_CASE("units in braces, before the name, behind a sign or a capital letter")
                    return fmt::format("{}{},{:.4f},{:.4f}", before, i, 1e3 * x, u);
                  }));
   }
+  // A name of the recording format is in SI: no other column with a unit takes its place.
+  CHECK(understood("t_s,x_m,Position [mm]\n0,0.1,7\n0.001,0.1,8\n0.002,0.2,9\n").run.column("x_m")[2] == 0.2);
   const TemporaryFolder folder;
   const CsvTable table =
       read_table(put_plain(folder.file("f.csv"), "t_s,posIn,Main.s,posMin\n0,1,2,3\n1,1,2,3\n2,1,2,3\n"));

@@ -21,11 +21,30 @@ namespace pneuservo {
 
 namespace {
 
-/// A name taken apart: "Weg [mm]", "Weg_mm", "pos (mm)", "p1/bar", "Weg in mm".
+/// A name taken apart: "Weg [mm]", "[mm] Weg", "Weg_mm", "pos (mm)", "p1/bar", "Weg in mm", "posMm".
 struct NameParts {
   std::string text;  ///< without the unit
   std::string unit;
 };
+
+/// "time.ms", "Weg: mm", "pressureABar": a unit behind a sign or a capital letter, of the quantity that is named
+/// before.
+std::optional<NameParts> with_joined_unit(const std::string& name) {
+  const auto is_small = [&](std::size_t i) { return std::islower(static_cast<unsigned char>(name[i])) != 0; };
+  std::size_t at = name.size();
+  while (at > 0 && (is_small(at - 1) || name[at - 1] == '%')) --at;
+  const bool is_capital = at > 1 && std::isupper(static_cast<unsigned char>(name[at - 1])) != 0;
+  if (is_capital) --at;
+  if (at == 0 || at == name.size()) return std::nullopt;
+  const std::optional<Unit> unit = unit_in(name.substr(at));
+  std::string before(trimmed(std::string_view(name).substr(0, at)));
+  while (!before.empty() && std::string_view(".:-,; ").find(before.back()) != std::string_view::npos) before.pop_back();
+  const std::optional<ColumnWord> word = column_word(before);
+  if (!unit || unit->name == "in" || unit->name == "min" || !word || word->ours.empty() ||
+      unit->quantity != word->quantity)
+    return std::nullopt;
+  return NameParts{before, name.substr(at)};
+}
 
 NameParts parts_of(const std::string& name) {
   const std::size_t last = name.find_last_of("_ /");
@@ -36,12 +55,13 @@ NameParts parts_of(const std::string& name) {
     return {before.ends_with(" in") ? before.substr(0, before.size() - 3) : before,
             std::string(without_brackets(name.substr(last + 1)))};
   }
-  for (const std::string_view pair : {"[]", "<>", "()"}) {
+  for (const std::string_view pair : {"[]", "<>", "{}", "()"}) {
     const std::size_t open = name.find(pair[0]), close = name.rfind(pair[1]);
     if (open != std::string::npos && close != std::string::npos && close > open)
-      return {name.substr(0, open), std::string(trimmed(std::string_view(name).substr(open + 1, close - open - 1)))};
+      return {open > 0 ? name.substr(0, open) : name.substr(close + 1),
+              std::string(trimmed(std::string_view(name).substr(open + 1, close - open - 1)))};
   }
-  return {name, ""};
+  return with_joined_unit(name).value_or(NameParts{name, ""});
 }
 
 bool is_ours(const std::string& name) {
@@ -50,23 +70,14 @@ bool is_ours(const std::string& name) {
 }
 
 ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmosphere_Pa) {
-  ColumnGuess out{table.names[column], "", "", 1, 0, ""};
-  if (is_ours(out.column)) {
-    out.ours = out.column;
-    out.evidence = "a name of the recording format";
-    return out;
-  }
-  const NameParts parts = parts_of(out.column);
+  ColumnGuess out{table.names[column], "", "", 1, 0, "", false};
+  if (is_ours(out.column)) return {out.column, out.column, "", 1, 0, "a name of the recording format", true};
+  const NameParts parts = parts_of(half_width(out.column));
   const bool in_row = !table.units[column].empty();
   const std::string stated = in_row ? std::string(without_brackets(table.units[column])) : parts.unit;
   out.unit = stated;
   const std::optional<ColumnWord> word = column_word(parts.text);
-  if (table.is_clock[column] != 0) {
-    out.ours = "t_s";
-    out.unit = "date";
-    out.evidence = "holds dates or times of day";
-    return out;
-  }
+  if (table.is_clock[column] != 0) return {out.column, "t_s", "date", 1, 0, "holds dates or times of day", false};
   // "millis" is both.
   const bool is_named_by_unit = stated.empty() && word && word->quantity == Quantity::time && parts.text.size() > 1;
   const std::optional<Unit> unit = unit_in(is_named_by_unit ? parts.text : stated);
@@ -94,6 +105,7 @@ ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmos
                                    : fmt::format(", unit {} is none of the quantity: taken for SI", stated);
     return out;
   }
+  out.has_unit = true;
   out.factor = unit->factor;
   out.offset = unit->is_gauge ? atmosphere_Pa : 0;
   out.evidence += in_row ? ", unit stated below the names" : ", unit from its name";
@@ -118,7 +130,9 @@ std::vector<ColumnGuess> guess_columns(const CsvTable& table, double atmosphere_
     const auto [first, is_new] = places.try_emplace(out[c].ours, c);
     if (is_new) continue;
     std::size_t& kept = first->second;
-    const bool is_finer = out[c].ours == "t_s" && course_of(table.values[c]) > course_of(table.values[kept]);
+    const bool has_unit_alone = out[c].has_unit && !out[kept].has_unit;
+    const bool is_finer =
+        out[c].ours == "t_s" ? course_of(table.values[c]) > course_of(table.values[kept]) : has_unit_alone;
     ColumnGuess &taken = is_finer ? out[c] : out[kept], &left = is_finer ? out[kept] : out[c];
     left.evidence = fmt::format("as {}, which is taken for {}", taken.column, taken.ours);
     left.ours.clear();

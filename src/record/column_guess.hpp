@@ -16,6 +16,7 @@ struct ColumnGuess {
   double factor = 1;     ///< ours = factor theirs + offset
   double offset = 0;
   std::string evidence;  ///< in words
+  bool has_unit = false;  ///< the file states one of the quantity
 };
 
 /// One a column, in the file's order; no column of ours is given twice. atmosphere_Pa: what gauge units are raised by.

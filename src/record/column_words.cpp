@@ -49,9 +49,9 @@ struct Roots {
   Role role;
   std::string_view words;  ///< small letters without signs
 };
-/// English, German, French, Spanish, Italian, Portuguese, Dutch, Swedish, Polish, Czech, Finnish.
+/// English, German, French, Spanish, Italian, Portuguese, Dutch, Swedish, Polish, Czech, Finnish, Japanese, Chinese.
 constexpr std::array roots_of_roles{
-    Roots{Role::time, "t time timestamp stamp elapsed uptime date clock millis micros msec usec ms us xvalue zeit "
+    Roots{Role::time, "t time timestamp stamp tv sec secs second seconds sekunden nsec nsecs nanosec elapsed uptime date clock millis micros msec usec ms us xvalue zeit "
           "zeitstempel uhrzeit datum temps heure horodatage tiempo fecha hora tempo ora tijd tijdstip tid czas cas aika"},
     Roots{Role::position, "x s pos position displacement stroke travel way place course weg hub lage stellung auslenkung "
           "verschiebung deplacement posicion desplazamiento carrera recorrido posizione spostamento corsa posicao "
@@ -99,13 +99,35 @@ constexpr std::array roots_of_roles{
     Roots{Role::lasting, "timeout cycle zyklus takt task exec execution dead tot delay verzug verzogerung rise loop period "
           "response filter settling run lauf computing abtast sampling duration dauer duree"},
     Roots{Role::filler, "sensor sensors fuhler fuehler aufnehmer geber wegaufnehmer transducer transmitter capteur "
-          "trasduttore sensore transductor signal segnale senal sinal signaal value wert valeur valor valore waarde input "
+          "trasduttore sensore transductor signal segnale senal sinal signaal value val wert valeur valor valore waarde input "
           "eingang entree entrada ingresso ingang analog analogue ai ao channel kanal canal canale ch raw roh brut "
           "filtered filt gefiltert filtree filtrado filtrato gefilterd "
           "air luft aria aire lucht axis achse axe eje asse drive antrieb actuator slider schlitten "
           "carriage load last servo proportional prop regler controller regel absolute absolut abs gauge relative rel "
           "working arbeits of the der die das des dem den de du la le les l d del della dell dello di da do el los van het "
-          "en in im at am an bei on to main stempel lr no nr number"}};
+          "en in im at am an bei on to main stempel lr no nr number"},
+    // Japanese and Chinese
+    Roots{Role::time, "時間 時刻 时间 时刻"},
+    Roots{Role::position, "位置 変位 ストローク 位移 行程"},
+    Roots{Role::pressure, "圧力 圧 压力 气压 压"},
+    Roots{Role::force, "力 推力 荷重"},
+    Roots{Role::flow, "流量"},
+    Roots{Role::valve, "バルブ 弁 サーボ弁 阀 阀门 比例阀 伺服阀"},
+    Roots{Role::command, "指令 命令"},
+    Roots{Role::actuation, "制御 操作量 控制"},
+    Roots{Role::output, "出力 输出"},
+    Roots{Role::voltage, "電圧 电压"},
+    Roots{Role::supply, "供給 元圧 供气 气源 供给"},
+    Roots{Role::chamber, "室 腔 气腔"},
+    Roots{Role::port, "ポート 端口 口"},
+    Roots{Role::rod, "ロッド 有杆"},
+    Roots{Role::cap, "ヘッド ボトム 无杆"},
+    Roots{Role::cylinder, "シリンダ シリンダー 气缸 缸"},
+    Roots{Role::end, "側 侧"},
+    Roots{Role::actual, "実際 現在 実 検出 フィードバック 实际 反馈 测量"},
+    Roots{Role::reference, "目標 設定 目标 设定 给定 期望"},
+    Roots{Role::apart, "偏差 誤差 速度 加速度 温度 電流 误差 电流"},
+    Roots{Role::filler, "センサ センサー 値 の 信号 入力 軸 传感器 值 输入"}};
 // clang-format on
 constexpr std::size_t least_of_compound = 3, least_of_prefix = 4;  ///< letters
 
@@ -161,7 +183,7 @@ std::string without_signs(std::string_view text) {
   return out;
 }
 
-/// "lrActual_Position2" is lr, actual, position, 2. Letters beyond ASCII are letters.
+/// "lrActual_Position2" is lr, actual, position, 2. Letters beyond ASCII are letters, and parts of their own.
 std::vector<std::string> parts_of(std::string_view signed_text) {
   const std::string text = without_signs(signed_text);
   std::vector<std::string> parts(1);
@@ -169,7 +191,8 @@ std::vector<std::string> parts_of(std::string_view signed_text) {
   for (const char c : text) {
     const auto now = static_cast<unsigned char>(c);
     const bool is_letter = std::isalpha(now) || now >= 0x80, is_digit = std::isdigit(now) != 0;
-    const bool begins = (std::isupper(now) && std::islower(before)) || is_digit != (std::isdigit(before) != 0);
+    const bool begins = (std::isupper(now) && std::islower(before)) || is_digit != (std::isdigit(before) != 0) ||
+                        (now >= 0x80) != (before >= 0x80);
     if (begins || !(is_letter || is_digit)) parts.emplace_back();
     if (is_letter || is_digit) parts.back() += static_cast<char>(std::tolower(now));
     before = now;
@@ -225,6 +248,7 @@ bool is_signed_pressure(std::string_view word, std::vector<Found>& roots) {
 
 /// "positions", "temperatures": the root of four letters or more that the word begins with, the longest.
 const Found* root_in_front(std::string_view word) {
+  if (static_cast<unsigned char>(word.front()) >= 0x80) return nullptr;  // what follows a sign may change its sense
   for (std::size_t size = word.size(); size-- > least_of_prefix;)
     if (const Found* root = found_root(word.substr(0, size)); root && root->second != Role::filler) return root;
   return nullptr;

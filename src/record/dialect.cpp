@@ -33,25 +33,30 @@ constexpr std::array<FieldStyle, 10> styles{{{',', '.', false},
 struct LineFacts {
   std::size_t fields = 0, numbers = 0, empty = 0;
   std::vector<char> is_text;  ///< of each field
+  bool has_decimals = false;  ///< a number shows the decimal sign
   bool has_label() const { return !is_text.empty() && is_text.front() != 0; }
   /// More than half numbers or gaps, or two numbers of which one is the first.
   bool is_row() const { return numbers > 0 && (2 * (numbers + empty) > fields || (numbers > 1 && !has_label())); }
 };
 
-bool is_value(std::string_view field, char decimal) {
+bool is_value(std::string_view field, const FieldStyle& style) {
   double value = 0;
-  return number_in(field, decimal, value) || clock_in(field) ||
-         number_in(trimmed(field.substr(0, unit_start(field))), decimal, value);
+  return number_in(field, style.decimal, value) || clock_in(field) ||
+         number_in(trimmed(field.substr(0, unit_start(field))), style.decimal, value) ||
+         (style.has_groups && number_with_groups(field, style.decimal, value));
 }
 
 LineFacts facts_of(std::string_view line, const FieldStyle& style) {
   std::vector<std::string_view> fields;
   split_fields(line, style, fields);
-  LineFacts facts{fields.size(), 0, 0, {}};
+  LineFacts facts{fields.size(), 0, 0, {}, false};
   for (std::size_t i = 0; i < fields.size(); ++i) {
-    const bool is_number = is_value(fields[i], style.decimal);
+    const bool is_number = is_value(fields[i], style);
     facts.empty += fields[i].empty();
     facts.numbers += is_number;
+    double value = 0;
+    facts.has_decimals = facts.has_decimals || (fields[i].find(style.decimal) != std::string_view::npos &&
+                                                number_in(fields[i], style.decimal, value));
     facts.is_text.push_back(!is_number && !fields[i].empty());
   }
   return facts;
@@ -88,8 +93,9 @@ std::size_t first_row(const std::vector<LineFacts>& facts, std::size_t fields) {
 }
 
 /// Of the rows, fields that are numbers less what is neither number nor empty: cutting at the wrong place makes both.
-/// Ties are decided by a line above with as many fields, which names them, then by fewer columns of text.
-double score(const std::vector<LineFacts>& facts) {
+/// Ties are decided by a line above with as many fields, or one right above with more, which names them, then by fewer
+/// columns of text.
+double score(const std::vector<LineFacts>& facts, char separator) {
   constexpr double stray_cost = 2, text_cost = 1e-6, names_gain = 0.5;
   const std::size_t usual = usual_fields(facts);
   std::vector<double> text(usual);
@@ -102,10 +108,11 @@ double score(const std::vector<LineFacts>& facts) {
     sum += static_cast<double>(line.numbers);
     for (std::size_t c = 0; c < usual; ++c) text[c] += line.is_text[c];
   }
-  sum += std::any_of(facts.begin(), facts.begin() + static_cast<std::ptrdiff_t>(first),
-                     [&](const LineFacts& line) { return line.fields == usual; })
-             ? names_gain
-             : 0;
+  const bool is_longer_above =
+      separator != ' ' && usual > 1 && first > 0 && facts[first - 1].numbers == 0 && facts[first - 1].fields > usual;
+  const bool is_named = std::any_of(facts.begin(), facts.begin() + static_cast<std::ptrdiff_t>(first),
+                                    [&](const LineFacts& line) { return line.fields == usual; });
+  sum += is_named || is_longer_above ? names_gain : 0;
   for (const double count : text) sum -= (2 * count > rows ? text_cost : stray_cost) * count;
   return sum;
 }
@@ -114,12 +121,6 @@ std::vector<std::string> names_in(const std::string& line, const FieldStyle& sty
   std::vector<std::string_view> fields;
   split_fields(line, {style.separator, style.decimal, false}, fields);
   return {fields.begin(), fields.end()};
-}
-
-std::string small(std::string_view text) {
-  std::string out(text);
-  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::tolower(c); });
-  return out;
 }
 
 bool is_units_row(const std::vector<std::string>& fields) {
@@ -177,7 +178,7 @@ bool is_types_row(const std::vector<std::string>& fields) {
   constexpr std::string_view letters_with_size = "fiub";  // f8, u16
   std::size_t filled = 0;
   for (const std::string& field : fields) {
-    std::string letters = small(field);
+    std::string letters = in_small_letters(field);
     while (!letters.empty() && std::isdigit(static_cast<unsigned char>(letters.back())) != 0) letters.pop_back();
     const bool is_sized = letters.size() == 1 && letters.size() < field.size() &&
                           letters_with_size.find(letters) != std::string_view::npos;
@@ -191,6 +192,22 @@ bool is_types_row(const std::vector<std::string>& fields) {
 bool is_ruled(const std::vector<std::string>& fields) {
   return std::all_of(fields.begin(), fields.end(),
                      [](const std::string& field) { return field.find_first_not_of("-=+:_") == std::string::npos; });
+}
+
+/// Units of the times of several columns, such as "HUnit,s,s": not those of their values.
+bool are_all_times(const std::vector<std::string>& fields) {
+  std::size_t times = 0, others = 0;
+  for (const std::string& field : fields)
+    if (const std::optional<Unit> unit = unit_in(field)) ++(unit->quantity == Quantity::time ? times : others);
+  return times > 1 && others == 0 && is_units_row(fields);
+}
+
+/// "length=3000", "Serno: 2", "sample rate = 1000 Hz" in each field: what is known of a channel, not its name.
+bool states_values(const std::vector<std::string>& fields, const FieldStyle& style) {
+  return std::all_of(fields.begin(), fields.end(), [&style](const std::string& field) {
+    const std::size_t sign = field.find_first_of("=:");
+    return sign != std::string::npos && sign > 0 && is_value(trimmed(std::string_view(field).substr(sign + 1)), style);
+  });
 }
 
 /// "Name;Position;Name;Command": each value has a column of times of its own before it.
@@ -226,6 +243,14 @@ bool take_labelled(const std::vector<std::string>& lines, std::size_t fields, Di
   return true;
 }
 
+/// Fields of a line above the rows, without the semicolon that marks a comment before names between semicolons.
+std::vector<std::string> head_fields(const std::string& line, const FieldStyle& style, std::size_t fields) {
+  std::vector<std::string> out = names_in(line, style);
+  if (style.separator == ';' && out.size() == fields + 1 && out.front().empty() && !out.back().empty())
+    out.erase(out.begin());
+  return out;
+}
+
 /// The names in a line above rows between blanks, which may have blanks themselves: two stand between names, or what is
 /// in brackets belongs to the one before.
 std::vector<std::string> names_with_blanks(const std::string& line, std::size_t fields) {
@@ -246,7 +271,7 @@ std::vector<std::string> names_with_blanks(const std::string& line, std::size_t 
 }
 
 /// What a line above the rows can be.
-enum class HeadLine { other, names, longer, units, types, ruled };
+enum class HeadLine { other, names, longer, units, types, ruled, stated };
 
 HeadLine judge_head_line(std::vector<std::string>& here, const std::string& line, std::size_t fields,
                          const Dialect& dialect) {
@@ -260,33 +285,56 @@ HeadLine judge_head_line(std::vector<std::string>& here, const std::string& line
   if (3 * filled <= here.size()) return HeadLine::other;  // labels of a head
   const bool matches = here.size() == fields || here.size() + 1 == fields || 2 * here.size() == fields;
   if (!matches) return here.size() > fields && dialect.style.separator != ' ' ? HeadLine::longer : HeadLine::other;
+  if (states_values(here, dialect.style)) return HeadLine::stated;
   if (is_types_row(here)) return HeadLine::types;
+  if (are_all_times(here)) return HeadLine::stated;
   return is_units_row(here) ? HeadLine::units : HeadLine::names;
+}
+
+bool is_unit_label(const std::vector<std::string>& fields) {
+  return !fields.empty() && in_small_letters(fields[0]).find("unit") != std::string::npos;
 }
 
 /// Units that a line below or above the names states, or one that begins with a label: "Y_Unit_Label;mm;V".
 void take_units(std::vector<std::string> here, Dialect& out) {
-  if (!here.empty() && small(here[0]).find("unit") != std::string::npos) here[0].clear();
+  if (is_unit_label(here)) here[0].clear();
   out.units = std::move(here);
 }
 
 void take_units_elsewhere(const std::vector<std::string>& lines, Dialect& out) {
   for (std::size_t i = 0; i < out.names_line && out.units.empty(); ++i) {
     std::vector<std::string> here = names_in(lines[i], out.style);
-    const bool is_labelled = !here.empty() && small(here[0]).find("unit") != std::string::npos;
+    const bool is_labelled = is_unit_label(here);
     if (is_labelled) here[0].clear();
     if (here.size() == out.names.size() && (is_labelled || i + 1 == out.names_line) && is_units_row(here))
       take_units(here, out);
   }
 }
 
+/// "Valve Time (ms)" before "Valve Value (V)": "Time (ms)"; empty where it is no name of another's times.
+std::string times_of(const std::string& name, const std::string& value_name) {
+  const std::size_t unit = std::min(name.find_first_of("[("), name.size());
+  const std::string text = in_small_letters(trimmed(std::string_view(name).substr(0, unit)));
+  for (const std::string_view word : {"time", "timestamp", "zeit", "t"}) {
+    if (text.size() < word.size() + 2 || !text.ends_with(word)) continue;
+    const std::string whose = text.substr(0, text.size() - word.size());
+    if (std::isalnum(static_cast<unsigned char>(whose.back())) == 0 && in_small_letters(value_name).starts_with(whose))
+      return "Time " + name.substr(unit);
+  }
+  return "";
+}
+
 /// Whether every second name is that of the times: pairs of times and values, with a column of remarks at the end or
-/// not.
-bool has_repeated_times(const std::vector<std::string>& names) {
+/// not. Times named after their values are named alike.
+bool take_repeated_times(std::vector<std::string>& names) {
   const std::size_t pairs = names.size() / 2;
   if (pairs < 2 || names[0].empty()) return false;
+  std::vector<std::string> alike = names;
+  for (std::size_t c = 0; c < 2 * pairs; c += 2)
+    if (const std::string times = times_of(names[c], names[c + 1]); !times.empty()) alike[c] = trimmed(times);
   for (std::size_t c = 0; c < 2 * pairs; ++c)
-    if ((names[c] == names[0]) != (c % 2 == 0)) return false;
+    if ((alike[c] == alike[0]) != (c % 2 == 0)) return false;
+  names = std::move(alike);
   return true;
 }
 
@@ -298,16 +346,18 @@ void take_names(const std::vector<std::string>& lines, const std::vector<LineFac
   if (take_labelled(lines, fields, out)) return;
   std::size_t at = lines.size(), nearest = lines.size(), longer = lines.size();
   for (std::size_t i = out.first_row; i-- > 0 && at == lines.size();) {
-    std::vector<std::string> here = names_in(lines[i], out.style);
+    std::vector<std::string> here = head_fields(lines[i], out.style, fields);
     const HeadLine kind = judge_head_line(here, lines[i], fields, out);
     if (kind == HeadLine::longer && longer == lines.size() && !facts[i].is_row()) longer = i;
     if (longer == i && facts[i].numbers == 0 && i + 1 == out.first_row) break;  // a last column without values
-    const bool is_between =
-        kind == HeadLine::types || kind == HeadLine::ruled || (kind == HeadLine::units && out.units.empty());
+    const bool is_between = kind == HeadLine::types || kind == HeadLine::ruled || kind == HeadLine::stated ||
+                            (kind == HeadLine::units && out.units.empty());
     if (kind == HeadLine::units && is_between) take_units(here, out);
-    if (is_between && kind != HeadLine::ruled && nearest == lines.size()) nearest = i;
+    if (is_between && kind != HeadLine::ruled && kind != HeadLine::stated && nearest == lines.size()) nearest = i;
     if (is_between) out.has_rows_between = true;
-    if ((kind == HeadLine::names && !facts[i].is_row()) || (kind == HeadLine::units && !is_between)) at = i;
+    const bool is_named = kind == HeadLine::names && !facts[i].is_row();
+    if (is_named && facts[i].numbers > 0 && nearest == lines.size()) nearest = i;  // names hold no numbers
+    if ((is_named && facts[i].numbers == 0) || (kind == HeadLine::units && !is_between && !is_unit_label(here))) at = i;
   }
   if (at == lines.size()) {  // what has no names above it is the names
     out.units.clear();
@@ -316,9 +366,9 @@ void take_names(const std::vector<std::string>& lines, const std::vector<LineFac
     at = nearest < lines.size() ? nearest : longer < lines.size() ? longer : out.first_row - 1;
   }
   out.names_line = at;
-  out.names = names_in(lines[at], out.style);
+  out.names = head_fields(lines[at], out.style, fields);
   if (out.style.separator == ' ' && out.names.size() > fields) out.names = names_with_blanks(lines[at], fields);
-  out.has_pairs = has_repeated_times(out.names);
+  out.has_pairs = take_repeated_times(out.names);
   take_units_elsewhere(lines, out);
 }
 
@@ -371,6 +421,15 @@ void take_edges(const std::vector<std::string>& lines, std::size_t fields, Diale
   }
 }
 
+/// A column without a name in the nearest line bears that of the line above, as "Time" above "".
+void fill_names(const std::vector<std::string>& lines, const std::vector<LineFacts>& facts, Dialect& out) {
+  if (out.has_index || out.names_line == 0 || facts[out.names_line - 1].numbers > 0) return;
+  const std::vector<std::string> above = names_in(lines[out.names_line - 1], out.style);
+  if (above.size() != out.names.size()) return;
+  for (std::size_t c = 0; c < above.size(); ++c)
+    if (out.names[c].empty()) out.names[c] = above[c];
+}
+
 /// Whether a number of the rows has a decimal sign.
 bool shows_decimals(const std::vector<std::string>& lines, const Dialect& dialect) {
   std::vector<std::string_view> fields;
@@ -409,9 +468,11 @@ Dialect find_dialect(const std::vector<std::string>& lines) {
   Dialect out;
   std::vector<LineFacts> facts;
   double best = 0;
-  for (const FieldStyle& style : styles) {
+  for (FieldStyle style : styles) {
     std::vector<LineFacts> own = all_facts(lines, style);
-    const double reached = score(own);
+    style.has_groups = std::any_of(own.begin(), own.end(), [](const LineFacts& line) { return line.has_decimals; });
+    if (style.has_groups) own = all_facts(lines, style);
+    const double reached = score(own, style.separator);
     if (facts.empty() || reached > best) {
       out.style = style;
       best = reached;
@@ -429,6 +490,7 @@ Dialect find_dialect(const std::vector<std::string>& lines) {
     take_names(lines, facts, fields, out);
     out.has_units_row = !out.units.empty();
     take_edges(lines, fields, out);
+    fill_names(lines, facts, out);
     take_value_units(lines[out.first_row], out);
   }
   out.is_sure = best > 0 && 2 * out.first_row <= lines.size() && shows_decimals(lines, out);

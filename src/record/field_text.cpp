@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <utility>
 
@@ -101,7 +102,7 @@ std::size_t digits_at(std::string_view text) { return std::min(text.find_first_n
 
 /// "469.900,5" or "1 234 567" with a point and without group signs; empty where digits are not in groups of three.
 /// A point or comma must be told from a decimal sign by a second group or by the decimal sign itself.
-std::string ungrouped(std::string_view field, char decimal) {
+std::string ungrouped(std::string_view field, char decimal, bool is_sign_sure = false) {
   std::string out;
   if (field.starts_with('-')) out = "-", field.remove_prefix(1);
   const std::size_t first = digits_at(field);
@@ -116,7 +117,7 @@ std::string ungrouped(std::string_view field, char decimal) {
     out += field.substr(0, 3);
     field.remove_prefix(3);
   }
-  const bool is_sure = (sign != "." && sign != ",") || groups > 1 || field.starts_with(decimal);
+  const bool is_sure = is_sign_sure || (sign != "." && sign != ",") || groups > 1 || field.starts_with(decimal);
   if (groups == 0 || !is_sure) return "";
   if (field.empty()) return out;
   if (field.front() != decimal || digits_at(field.substr(1)) + 1 != field.size()) return "";
@@ -171,6 +172,12 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+std::string in_small_letters(std::string_view text) {
+  std::string out(text);
+  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::tolower(c); });
+  return out;
+}
+
 void split_fields(std::string_view line, const FieldStyle& style, std::vector<std::string_view>& fields) {
   fields.clear();
   if (style.separator == ' ') return split_at_blanks(line, fields);
@@ -204,6 +211,10 @@ bool number_in(std::string_view field, char decimal, double& value) {
          rewritten_number(field, decimal, value);
 }
 
+bool number_with_groups(std::string_view field, char decimal, double& value) {
+  return plain_number(ungrouped(field, decimal, true), value);
+}
+
 std::string as_utf8(std::string_view text) {
   std::string out;
   while (!text.empty()) {
@@ -216,6 +227,21 @@ std::string as_utf8(std::string_view text) {
       out.append(text.substr(0, size));
     }
     text.remove_prefix(std::max<std::size_t>(size, 1));
+  }
+  return out;
+}
+
+std::string half_width(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const std::string_view lead = text.substr(i, 2);
+    const auto last = static_cast<unsigned char>(i + 2 < text.size() ? text[i + 2] : 0);
+    if ((lead == "\xef\xbc" && last > 0x80) || (lead == "\xef\xbd" && last >= 0x80 && last < 0x9f)) {
+      out += static_cast<char>(last - (lead[1] == '\xbc' ? 0x60 : 0x20));
+      i += 2;
+    } else {
+      out += text[i];
+    }
   }
   return out;
 }

@@ -11,9 +11,11 @@ struct FieldStyle {
   char separator = ',';  ///< ' ': any run of blanks
   char decimal = '.';
   bool is_paired = false;  ///< separator and decimal sign are both commas: two pieces make a number
+  bool has_groups = false;  ///< numbers show the decimal sign: the other one stands for thousands
 };
 
 std::string_view trimmed(std::string_view text);
+std::string in_small_letters(std::string_view text);
 
 /// The fields of a line, blanks and quotes around them taken off. A separator inside quotes does not count.
 void split_fields(std::string_view line, const FieldStyle& style, std::vector<std::string_view>& fields);
@@ -21,8 +23,14 @@ void split_fields(std::string_view line, const FieldStyle& style, std::vector<st
 /// False if the whole field is no number. Digits may stand in groups of three.
 bool number_in(std::string_view field, char decimal, double& value);
 
+/// Of a number whose one group of three digits is known to be one: "1,250" is 1250.
+bool number_with_groups(std::string_view field, char decimal, double& value);
+
 /// The text in UTF-8; what is not valid in it is taken for Latin-1.
 std::string as_utf8(std::string_view text);
+
+/// The text with Latin signs of full width, such as brackets, as those of ASCII.
+std::string half_width(std::string_view text);
 
 /// A field in a sentence: its beginning in UTF-8, with "?" for what a terminal would obey.
 std::string shown(std::string_view field);

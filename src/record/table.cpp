@@ -61,6 +61,7 @@ constexpr std::size_t most_sampled_bytes = 1 << 20;
 constexpr std::size_t most_columns = 10000;  ///< loggers have hundreds; more are rows that were written as columns
 
 constexpr std::size_t longest_field_lines = 20;  ///< that a quoted field may go on for
+constexpr double least_mark = 9.9e37;            ///< what instruments write for no value (9.91E37) and overflow
 constexpr std::size_t most_told = 100;           ///< fields of a column that are told one by one
 
 /// Whether a quote that begins a field is open at the end.
@@ -72,6 +73,21 @@ bool leaves_quote_open(std::string_view text) {
     is_open = !is_open && !is_behind_a_word;
   }
   return is_open;
+}
+
+/// Whether the whole line is one field in quotes, those inside it doubled: a table in the first column of a sheet.
+bool is_quoted_line(std::string_view line) {
+  if (line.size() < 2 || line.front() != '"' || line.back() != '"') return false;
+  for (std::size_t i = 1; i + 1 < line.size(); ++i)
+    if (line[i] == '"' && line[++i] != '"') return false;
+  return true;
+}
+
+std::string unquoted_line(std::string_view line) {
+  std::string out;
+  for (std::size_t i = 1; i + 1 < line.size(); ++i)
+    if (out += line[i]; line[i] == '"') ++i;
+  return out;
 }
 
 class TableReader {
@@ -86,7 +102,8 @@ class TableReader {
     while (next_line(line)) read_row(line, line_number_);
     report_columns();
     if (dialect_.has_pairs) join_times(table_);
-    add_milliseconds(table_);
+    add_fractions(table_);
+    if (!is_own_) count_rows(table_, dialect_.style.decimal);
     report_end();
     if (table_.rows() == 0)
       throw InputError(
@@ -202,6 +219,9 @@ class TableReader {
         texts.push_back(as_utf8(lines[i].text));
         places.push_back(i);
       }
+    is_line_quoted_ = std::all_of(texts.begin(), texts.end(), is_quoted_line);
+    if (is_line_quoted_)
+      for (std::string& text : texts) text = unquoted_line(text);
     if (!is_own()) refuse_long_lines(texts);
     if (!is_own() && keyed_.names.empty() && !texts.empty()) take_names_of_fields(lines, texts, places);
     dialect_ = find_dialect(texts);
@@ -244,8 +264,9 @@ class TableReader {
     if (!words.empty())
       table_.report(0, ProblemKind::dialect, "read with " + words.substr(words.starts_with(", ") ? 2 : 0));
     const std::size_t first = dialect_.first_row < places.size() ? places[dialect_.first_row] : lines.size();
-    for (std::size_t i = dialect_.has_rows_between ? first : names + 1; i < lines.size(); ++i)
-      read_row(lines[i].text, lines[i].number);
+    const std::size_t start = dialect_.has_rows_between ? first : names + 1;
+    for (std::size_t i = names + 1; i < start; ++i) table_.comments.append(as_utf8(lines[i].text)) += '\n';
+    for (std::size_t i = start; i < lines.size(); ++i) read_row(lines[i].text, lines[i].number);
   }
 
   std::string_view end_words() const {
@@ -309,7 +330,8 @@ class TableReader {
   /// Takes the fields of a row; false where the line is none.
   bool take_fields(std::string_view line, std::size_t number) {
     const std::size_t expected = field_count_, index = dialect_.has_index ? 1 : 0;
-    if (!keyed_.names.empty()) line = keyless_ = keyed_.row(line);
+    if (is_line_quoted_ && is_quoted_line(line)) line = keyless_ = unquoted_line(line);
+    if (!keyed_.names.empty()) line = keyless_ = keyed_.row(std::string(line));
     split_fields(line, dialect_.style, fields_);
     if (dialect_.has_trailing && fields_.size() == expected + index + 1 && fields_.back().empty()) fields_.pop_back();
     if (dialect_.has_split_times && fields_.size() > 1) join_first_two();
@@ -376,6 +398,7 @@ class TableReader {
         table_.is_clock[column] = 1;
         return *seconds;
       }
+      if (takes_other_sign(field, column, line, value)) return value;
       if (unreadable_[column].count++ == 0) unreadable_[column].first = shown(field);
       if (unreadable_[column].count <= most_told)
         table_.report(line, ProblemKind::unreadable_field,
@@ -383,9 +406,28 @@ class TableReader {
                                   shown(field)));
       return no_value;
     }
-    if (!std::isfinite(value))
+    if (const bool is_mark = !is_own_ && std::abs(value) >= least_mark; is_mark || !std::isfinite(value)) {
       table_.report(line, ProblemKind::not_a_number, fmt::format("{} is {}", table_.names[column], field));
+      return is_mark ? no_value : value;
+    }
     return value;
+  }
+
+  /// The sign that is not the decimal one of the rows: between groups of three digits as in "1,000" it stands for
+  /// thousands. Where a column has shown it otherwise, as in "0.25", it is a decimal sign, there and elsewhere.
+  bool takes_other_sign(std::string_view field, std::size_t column, std::size_t line, double& value) {
+    Unreadable& text = unreadable_[column];
+    const char decimal = dialect_.style.decimal, sign = decimal == '.' ? ',' : '.';
+    if (!dialect_.style.has_groups || field.find(sign) == std::string_view::npos) return false;
+    const bool is_group = !shows_other_decimals_ && number_with_groups(field, decimal, value);
+    if (!is_group && (text.has_groups || !number_in(field, sign, value))) return false;
+    shows_other_decimals_ = shows_other_decimals_ || !is_group;
+    if (!std::exchange(is_group ? text.has_groups : text.has_own_decimals, true))
+      table_.report(line, ProblemKind::dialect,
+                    fmt::format("{} is \"{}\": {} is taken for {} in this column from here on", table_.names[column],
+                                shown(field), sign == '.' ? "a point" : "a comma",
+                                is_group ? "thousands" : "the decimal sign"));
+    return true;
   }
 
   /// A column of text is told once, and so is how often another holds text.
@@ -422,7 +464,7 @@ class TableReader {
   const std::set<std::string>& wanted_;
   CsvTable table_;
   KeyedRows keyed_;
-  std::string keyless_;  ///< the row that is read, without its names
+  std::string keyless_;  ///< the row that is read, without its names or the quotes around it
   std::map<std::string, std::size_t> times_named_;
   std::set<std::string, std::less<>> known_names_;
   std::size_t names_again_ = 0, sampled_bytes_ = 0;
@@ -437,9 +479,12 @@ class TableReader {
   std::string joined_;
   std::size_t line_number_ = 0;
   bool is_own_ = false;
+  bool is_line_quoted_ = false;
+  bool shows_other_decimals_ = false;  ///< some column has the other decimal sign: it makes no groups
   struct Unreadable {
     std::size_t count = 0;
     std::string first;
+    bool has_groups = false, has_own_decimals = false;  ///< by the sign that is not the rows' decimal one
   };
   std::vector<Unreadable> unreadable_;  ///< of each column
 };

@@ -7,9 +7,14 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
+
+#include "record/column_words.hpp"
+#include "record/field_text.hpp"
+#include "record/units.hpp"
 
 namespace pneuservo {
 
@@ -31,19 +36,117 @@ std::map<double, std::size_t> rows_of_times(const CsvTable& table, std::size_t p
   return rows;
 }
 
-bool is_milliseconds(const std::string& name) {
-  constexpr std::array<std::string_view, 6> names{"ms",          "msec",         "millis",
-                                                  "millisecond", "milliseconds", "millisekunden"};
-  std::string letters;
-  for (const char c : name)
-    if (std::isalpha(static_cast<unsigned char>(c)))
-      letters += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return std::find(names.begin(), names.end(), letters) != names.end();
+/// The last word of letters, small: "usec" of "tv_usec".
+std::string last_word(const std::string& name) {
+  std::string word;
+  for (const char c : name) {
+    const auto now = static_cast<unsigned char>(c);
+    if (std::isalpha(now)) word += static_cast<char>(std::tolower(now));
+    else if (&c != &name.back()) word.clear();
+  }
+  return word;
+}
+
+/// Seconds of one count of a column of fractions, by the last word of its name; 0: of none.
+double fraction_s(const std::string& name) {
+  constexpr std::array<std::pair<std::string_view, double>, 17> words{{{"ms", 1e-3},
+                                                                       {"msec", 1e-3},
+                                                                       {"msecs", 1e-3},
+                                                                       {"millis", 1e-3},
+                                                                       {"millitm", 1e-3},
+                                                                       {"millisecond", 1e-3},
+                                                                       {"milliseconds", 1e-3},
+                                                                       {"millisekunden", 1e-3},
+                                                                       {"us", 1e-6},
+                                                                       {"usec", 1e-6},
+                                                                       {"usecs", 1e-6},
+                                                                       {"microseconds", 1e-6},
+                                                                       {"ns", 1e-9},
+                                                                       {"nsec", 1e-9},
+                                                                       {"nsecs", 1e-9},
+                                                                       {"nanosec", 1e-9},
+                                                                       {"nanoseconds", 1e-9}}};
+  const std::string word = last_word(name);
+  const auto at = std::find_if(words.begin(), words.end(), [&](const auto& one) { return one.first == word; });
+  return at == words.end() ? 0 : at->second;
+}
+
+bool counts_seconds(const CsvTable& table, std::size_t column) {
+  constexpr std::array<std::string_view, 5> words{"s", "sec", "secs", "second", "seconds"};
+  const std::string word = last_word(table.names[column]);
+  return table.is_clock[column] != 0 || std::find(words.begin(), words.end(), word) != words.end();
 }
 
 bool are_whole(const std::vector<double>& values, double least, double most) {
   return std::all_of(values.begin(), values.end(),
                      [&](double v) { return std::isnan(v) || (v == std::round(v) && v >= least && v <= most); });
+}
+
+struct StatedInterval {
+  double interval_s = 0;
+  std::string line;
+};
+
+/// The first number of the text, with the rows' decimal sign or a point; `text` begins behind it. 0: none.
+double take_first_number(std::string_view& text, char decimal) {
+  const std::string_view rest = text.substr(std::min(text.find_first_of("0123456789"), text.size()));
+  for (const char sign : {decimal, '.'}) {
+    std::size_t end = std::min(rest.find_first_not_of(std::string("0123456789eE+-") + sign), rest.size());
+    while (end > 0 && !std::isdigit(static_cast<unsigned char>(rest[end - 1]))) --end;
+    const std::string_view number = rest.substr(0, end);
+    double value = 0;
+    if (!number_in(number, sign, value) || value <= 0) continue;
+    text = rest.substr(end);
+    return value;
+  }
+  return 0;
+}
+
+/// Seconds or hertz of the text's first number, by the unit behind it or in brackets before; 0: none.
+double first_quantity(std::string_view text, bool is_rate, char decimal) {
+  constexpr std::array<std::pair<std::string_view, double>, 8> rates{
+      {{"mhz", 1e6}, {"khz", 1e3}, {"hz", 1}, {"ms/s", 1e6}, {"ks/s", 1e3}, {"s/s", 1}, {"1/s", 1}, {"sps", 1}}};
+  const std::size_t open = text.find_first_of("[("), close = text.find_first_of("])");
+  const std::string_view before = open < close && close < text.size() ? text.substr(open, close + 1 - open) : "";
+  const double value = take_first_number(text, decimal);
+  text = trimmed(text);
+  const std::string_view behind = text.substr(0, std::min(text.find_first_of(" \t,;\"])"), text.size()));
+  for (const std::string_view unit : {behind, without_brackets(before)}) {
+    const std::string name = in_small_letters(unit);
+    const auto rate = std::find_if(rates.begin(), rates.end(), [&](const auto& one) { return one.first == name; });
+    if (rate != rates.end()) return is_rate ? rate->second * value : 0;
+    if (const auto time = unit_in(unit); time && time->quantity == Quantity::time)
+      return is_rate ? 0 : time->factor * value;
+  }
+  return value;
+}
+
+/// What a line such as "Sample rate: 1000 Hz", "Delta_X 0.001" or "Abtastintervall;1 ms" says; none where no line does.
+std::optional<StatedInterval> stated_interval(const std::string& comments, char decimal) {
+  constexpr std::array<std::string_view, 17> intervals{
+      "sampleinterval", "samplinginterval", "sampleperiod", "samplingperiod", "sampletime",      "samplingtime",
+      "deltax",         "deltat",           "dt",           "wfdelta",        "abtastintervall", "abtastzeit",
+      "interval",       "hresolution",      "xincrement",   "timestep",       "increment"};
+  constexpr std::array<std::string_view, 8> rates{
+      "samplerate",     "samplingrate", "samplingfrequency", "samplefrequency", "abtastrate",
+      "abtastfrequenz", "fs",           "messrate"};
+  const auto has = [](const auto& words, const std::string& word) {
+    return std::find(words.begin(), words.end(), word) != words.end();
+  };
+  for (std::string_view rest = comments; !rest.empty();) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    const std::string_view line = trimmed(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    std::string label;
+    for (const char c : line.substr(0, line.find_first_of("0123456789:=;,\t[(")))
+      if (std::isalpha(static_cast<unsigned char>(c))) label += c;
+    label = in_small_letters(label);
+    const bool is_rate = has(rates, label);
+    if (!is_rate && !has(intervals, label)) continue;
+    const double value = first_quantity(line, is_rate, decimal);
+    if (value > 0) return StatedInterval{is_rate ? 1 / value : value, shown(line)};
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -75,19 +178,47 @@ void join_times(CsvTable& table) {
   table.report(0, ProblemKind::dialect, "each column has times of its own: brought to one table by them");
 }
 
-void add_milliseconds(CsvTable& table) {
-  constexpr double most_ms = 999;
+void add_fractions(CsvTable& table) {
+  constexpr double any = std::numeric_limits<double>::infinity();
   for (std::size_t c = 0; c < table.names.size(); ++c)
-    for (std::size_t m = 0; m < table.names.size() && table.is_clock[c] != 0; ++m) {
-      const std::vector<double>& milliseconds = table.values[m];
-      if (!is_milliseconds(table.names[m]) || !are_whole(milliseconds, 0, most_ms)) continue;
-      if (!are_whole(table.values[c], -std::numeric_limits<double>::infinity(),
-                     std::numeric_limits<double>::infinity()))
+    for (std::size_t f = 0; f < table.names.size(); ++f) {
+      const double count_s = fraction_s(table.names[f]);
+      if (f == c || count_s == 0 || !counts_seconds(table, c)) continue;
+      if (!are_whole(table.values[f], 0, std::round(1 / count_s) - 1) || !are_whole(table.values[c], -any, any))
         continue;
-      for (std::size_t i = 0; i < milliseconds.size(); ++i) table.values[c][i] += 1e-3 * milliseconds[i];
+      std::vector<double> joined = table.values[c];
+      for (std::size_t i = 0; i < joined.size(); ++i) joined[i] += count_s * table.values[f][i];
+      if (table.is_clock[c] == 0 && !std::is_sorted(joined.begin(), joined.end())) continue;
+      table.values[c] = std::move(joined);
       table.report(0, ProblemKind::dialect,
-                   fmt::format("column {} is taken for the milliseconds of {}", table.names[m], table.names[c]));
+                   fmt::format("column {} is taken for the {} of {}", table.names[f],
+                               count_s > 1e-4   ? "milliseconds"
+                               : count_s > 1e-7 ? "microseconds"
+                                                : "nanoseconds",
+                               table.names[c]));
+      break;
     }
+}
+
+void count_rows(CsvTable& table, char decimal) {
+  for (std::size_t c = 0; c < table.names.size(); ++c) {
+    const std::optional<ColumnWord> word = column_word(table.names[c]);
+    const bool is_time = table.is_clock[c] != 0 || (word && word->ours == "t_s");
+    if (is_time &&
+        std::any_of(table.values[c].begin(), table.values[c].end(), [](double t) { return std::isfinite(t); }))
+      return;
+  }
+  const std::optional<StatedInterval> stated = stated_interval(table.comments, decimal);
+  if (!stated || std::find(table.names.begin(), table.names.end(), "t_s") != table.names.end()) return;
+  table.names.emplace_back("t_s");
+  table.units.emplace_back();
+  table.is_clock.push_back(0);
+  table.values.emplace_back();
+  for (std::size_t i = 0; i < table.line_numbers.size(); ++i)
+    table.values.back().push_back(stated->interval_s * static_cast<double>(i));
+  table.report(0, ProblemKind::dialect,
+               fmt::format("no column holds times: rows are counted as t_s, {:g} s apart by \"{}\" in the head",
+                           stated->interval_s, stated->line));
 }
 
 }  // namespace pneuservo

@@ -199,12 +199,12 @@ std::string_view without_brackets(std::string_view text) {
   text = trimmed(text);
   const bool is_in_brackets =
       text.size() >= 2 && ((text.front() == '[' && text.back() == ']') || (text.front() == '(' && text.back() == ')') ||
-                           (text.front() == '<' && text.back() == '>'));
+                           (text.front() == '<' && text.back() == '>') || (text.front() == '{' && text.back() == '}'));
   return is_in_brackets ? trimmed(text.substr(1, text.size() - 2)) : text;
 }
 
 std::optional<Unit> unit_in(std::string_view text) {
-  const std::string name = plain(without_brackets(text));
+  const std::string name = plain(without_brackets(half_width(text)));
   if (name.empty()) return std::nullopt;
   if (const auto unit = listed(name)) return unit;
   if (const auto unit = pressure_with_zero(name)) return unit;

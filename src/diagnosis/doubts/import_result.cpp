@@ -74,7 +74,8 @@ ImportResult understand_recording(const std::string& path, std::optional<Rig> ri
     if (map.columns.count("t_s") == 0)
       throw InputError(
           fmt::format("{}: found no column of times, expected one such as t_s, time_ms or a date, or one that "
-                      "counts the rows, with their interval as its factor; the file has {}",
+                      "counts the rows, with their interval as its factor, or a line such as \"Sample rate: 1000 Hz\" "
+                      "before the names; the file has {}",
                       path, names_text(table.names)));
     const bool is_own = is_own_format(table);
     out.runs = recordings_in(std::move(table), is_own ? std::nullopt : std::optional(map), loop_period_s);

@@ -1,0 +1,216 @@
+// Tables of measuring instruments, controllers and middleware that keep times, names and units in ways of their own.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include "record/column_guess.hpp"
+#include "record/column_words.hpp"
+#include "record/field_text.hpp"
+#include "record/files.hpp"
+#include "record/import.hpp"
+
+using namespace pneuservo;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr int row_count = 3000;
+constexpr double interval_s = 0.001;
+
+double x_m_at(int i) { return std::round(1e7 * 0.1 * std::sin(0.005 * i + 0.2)) * 1e-7; }
+double u_V_at(int i) { return std::round(1e4 * 2 * std::cos(0.007 * i)) * 1e-4; }
+
+/// Rows written by a function of number, time, position [m] and command [V].
+std::string rows(const std::function<std::string(int, double, double, double)>& row) {
+  std::string out;
+  for (int i = 0; i < row_count; ++i) out += row(i, i * interval_s, x_m_at(i), u_V_at(i)) + "\n";
+  return out;
+}
+
+std::string with_comma(std::string text) {
+  std::replace(text.begin(), text.end(), '.', ',');
+  return text;
+}
+
+struct Understood {
+  std::vector<ColumnGuess> columns;
+  Recording run;
+  std::string told;
+};
+
+Understood understood(const std::string& bytes) {
+  const TemporaryFolder folder;
+  const CsvTable table = read_table(put_plain(folder.file("f.csv"), bytes));
+  Understood out;
+  out.columns = guess_columns(table);
+  std::vector<Recording> runs = recordings_in(table, import_map(out.columns), 0.001);
+  REQUIRE(runs.size() == 1);
+  out.run = std::move(runs.front());
+  for (const std::string& line : problem_lines(out.run)) out.told += line + "\n";
+  return out;
+}
+
+/// All rows with the motion's values; what was told.
+std::string check_motion(const std::string& bytes) {
+  CAPTURE(bytes.substr(0, 300));
+  const Understood found = understood(bytes);
+  const Recording& run = found.run;
+  REQUIRE(run.rows() == row_count);
+  REQUIRE(run.has("x_m"));
+  REQUIRE(run.has("u_V"));
+  CHECK(run.period_s == Approx(interval_s).epsilon(1e-3));
+  for (int i = 0; i < row_count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    REQUIRE(run.t_s()[at] - run.t_s()[0] == Approx(i * interval_s).margin(1e-6));
+    REQUIRE(run.column("x_m")[at] == Approx(x_m_at(i)).margin(1e-9));
+    REQUIRE(run.column("u_V")[at] == Approx(u_V_at(i)).margin(1e-9));
+  }
+  return found.told;
+}
+
+}  // namespace
+
+TEST_CASE("seconds and their fraction in two columns are one time") {
+  const auto with = [](const char* seconds, const char* fraction, double per_s) {
+    return check_motion(
+        fmt::format("{},{},position,valve\n", seconds, fraction) + rows([&](int i, double, double x, double u) {
+          return fmt::format("{},{:.0f},{:.7f},{:.4f}", 1770000000 + i / 1000, i % 1000 * 1e-3 * per_s, x, u);
+        }));
+  };
+  CHECK_THAT(with("header.stamp.sec", "header.stamp.nanosec", 1e9), Contains("nanoseconds of header.stamp.sec"));
+  CHECK_THAT(with("header.stamp.secs", "header.stamp.nsecs", 1e9), Contains("nanoseconds"));
+  CHECK_THAT(with("tv_sec", "tv_usec", 1e6), Contains("microseconds of tv_sec"));
+  check_motion("Date,Millitm,position,valve\n" + rows([](int i, double, double x, double u) {
+                 return fmt::format("2026-01-03 10:11:{:02},{},{:.7f},{:.4f}", i / 1000, i % 1000, x, u);
+               }));
+}
+
+TEST_CASE("rows without times are counted by the interval or the rate of the head") {
+  const std::string table = "Position_mm,Valve_V\n" + rows([](int, double, double x, double u) {
+                              return fmt::format("{:.4f},{:.4f}", 1e3 * x, u);
+                            });
+  for (const char* head : {"Sample rate: 1000 Hz", "Sampling frequency = 1 kHz", "Sample interval [ms],1",
+                           "Delta_X,0.001", "SampleRate,1000,1000", "# Sample time: 1000 us", "dt = 1e-3"}) {
+    CAPTURE(head);
+    CHECK_THAT(check_motion(std::string(head) + "\n" + table),
+               Contains("rows are counted") && Contains("0.001 s apart"));
+  }
+  check_motion(
+      "X_Columns\tNo\nSamples\t3000\t3000\nDelta_X\t0.001\t0.001\nX_Value\tPosition [mm]\tValve [V]\tComment\n" +
+      rows([](int, double, double x, double u) { return fmt::format("\t{:.4f}\t{:.4f}", 1e3 * x, u); }));
+  // Times of the rows are believed before a head.
+  check_motion("Sample rate: 50 Hz\nTime,Position_mm,Valve_V\n" + rows([](int, double t, double x, double u) {
+                 return fmt::format("{:.3f},{:.4f},{:.4f}", t, 1e3 * x, u);
+               }));
+}
+
+TEST_CASE("what a head says of each channel is no name, and an empty name is that of the line above") {
+  const auto table = [](const char* form, char separator) {
+    return rows([&](int, double t, double x, double u) {
+      std::string row = fmt::format(fmt::runtime(form), t, 1e3 * x, u);
+      std::replace(row.begin(), row.end(), '|', separator);
+      return row;
+    });
+  };
+  check_motion(
+      "T0=\t03.01.2026\nZeit [s]\tWeg [mm]\tVentil [V]\nlength=3000\tlength=3000\tlength=3000\n"
+      "sample rate = 1000,0 Hz\tsample rate = 1000,0 Hz\tsample rate = 1000,0 Hz\nSerno: 0\tSerno: 1\tSerno: 1\n" +
+      with_comma(table("{:.3f}|{:.4f}|{:.4f}", '\t')));
+  check_motion("LabVIEW Measurement\t\nX_Dimension\tTime\tTime\t\nX0\t0,0E+0\t0,0\t\nX_Value\tPosition [mm]\tValve "
+               "[V]\tComment\n" +
+               with_comma(table("{:.3f}|{:.4f}|{:.4f}", '\t')));
+  check_motion("\"Time\",\"CH1-1\",\"CH1-2\"\n\"\",\"Position\",\"Valve\"\n\"[s]\",\"[mm]\",\"[V]\"\n" +
+               table("{:.3f}|{:.4f}|{:.4f}", ','));
+  check_motion("; logger 3\n;t_s;x_mm;u_V\n" + table("{:.3f}|{:.4f}|{:.4f}", ';'));
+}
+
+TEST_CASE("lines in quotes as a whole are the lines inside") {
+  check_motion("\"Time,Position \"\"A\"\" [mm],Valve_V\"\n" + rows([](int, double t, double x, double u) {
+                 return fmt::format("\"{:.3f},{:.4f},{:.4f}\"", t, 1e3 * x, u);
+               }));
+}
+
+TEST_CASE("times that are named after their values make pairs") {
+  for (const char* names : {"Position Time,Position Value [mm],Valve Time,Valve Value [V]",
+                            "Weg Zeit (s),Weg Wert (mm),Ventil Zeit (s),Ventil Wert (V)"}) {
+    CAPTURE(names);
+    check_motion(std::string(names) + "\n" + rows([](int, double t, double x, double u) {
+                   return fmt::format("{0:.3f},{1:.4f},{0:.3f},{2:.4f}", t, 1e3 * x, u);
+                 }));
+  }
+}
+
+TEST_CASE("one group of thousands is one where other numbers show the decimal sign") {
+  const auto grouped = [](int value, char sign) {
+    return value < 1000 ? std::to_string(value) : fmt::format("{}{}{:03}", value / 1000, sign, value % 1000);
+  };
+  CHECK_THAT(check_motion("Time (ms),Position (mm),Valve (V)\n" + rows([&](int i, double, double x, double u) {
+                            return fmt::format("\"{}\",{:.4f},{:.4f}", grouped(i, ','), 1e3 * x, u);
+                          })),
+             Contains("a comma is taken for thousands"));
+  check_motion("Zeit (ms);Weg (mm);Ventil (V)\n" + rows([&](int i, double, double x, double u) {
+                 return grouped(i, '.') + ";" + with_comma(fmt::format("{:.4f};{:.4f}", 1e3 * x, u));
+               }));
+  // A column that shows its sign otherwise has decimals of its own.
+  const Understood mixed =
+      understood("Seconds;Weg (m);Ventil (V);p1 (bar)\n0.000;0,5;1,5;0.98\n0.001;0,6;1,6;4.125\n0.002;0,7;1,7;4.25\n");
+  CHECK(mixed.run.t_s() == std::vector<double>{0, 0.001, 0.002});
+  CHECK(mixed.run.column("p1_port_Pa")[1] == Approx(4.125e5));
+  const Understood kilopascals =
+      understood("Time;Weg (m);Ventil (V);Kraft (N);p1 "
+                 "(kPa)\n0.000;0,5;1,5;7,5;349.198\n0.001;0,6;1,6;7,6;350.125\n0.002;0,7;1,7;7,5;351.5\n");
+  CHECK(kilopascals.run.column("p1_port_Pa")[0] == Approx(349198));
+  CHECK_THAT(mixed.told, Contains("is taken for the decimal sign"));
+}
+
+TEST_CASE("what instruments write for no value and for overflow is no value") {
+  for (const char* mark : {"9.91E+37", "-9.9E37", "1.7E+308"}) {
+    CAPTURE(mark);
+    const Understood found = understood(fmt::format("t_s,x_m\n0,0.1\n0.001,{}\n0.002,0.12\n0.003,0.13\n", mark));
+    CHECK(std::isnan(found.run.column("x_m")[1]));
+    CHECK_THAT(found.told, Contains("x_m is " + std::string(mark)));
+  }
+}
+
+TEST_CASE("units in braces, before the name, behind a sign or a capital letter") {
+  for (const char* names :
+       {"Time {ms},Position {mm},Valve {V}", "[ms] Time,[mm] Position,[V] Valve", "time.ms,position.mm,valve.V",
+        "timeMs,positionMm,valveV", "Time: ms,Position: mm,Valve: V", "時刻［ms］,変位［mm］,指令電圧［V］",
+        "时间(ms),位移(mm),控制电压(V)", "S,Time_ms,Position_mm,Valve_V"}) {
+    const std::string before = std::string(names).starts_with("S,") ? "0," : "";
+    check_motion(std::string(names) + "\n" + rows([&](int i, double, double x, double u) {
+                   return fmt::format("{}{},{:.4f},{:.4f}", before, i, 1e3 * x, u);
+                 }));
+  }
+  // A name of the recording format is in SI: no other column with a unit takes its place.
+  CHECK(understood("t_s,x_m,Position [mm]\n0,0.1,7\n0.001,0.1,8\n0.002,0.2,9\n").run.column("x_m")[2] == 0.2);
+  const TemporaryFolder folder;
+  const CsvTable table =
+      read_table(put_plain(folder.file("f.csv"), "t_s,posIn,Main.s,posMin\n0,1,2,3\n1,1,2,3\n2,1,2,3\n"));
+  for (const ColumnGuess& guess : guess_columns(table)) CHECK(guess.factor == 1);
+}
+
+TEST_CASE("Japanese and Chinese names") {
+  const auto ours = [](const char* name) {
+    const auto word = column_word(name);
+    return word ? std::string(word->ours) : "none";
+  };
+  CHECK(ours("圧力A") == "p1_port_Pa");
+  CHECK(ours("ポートB圧力") == "p2_port_Pa");
+  CHECK(ours("供給圧力") == "p_supply_Pa");
+  CHECK(ours("ロッド側圧力") == "p2_port_Pa");
+  CHECK(ours("无杆腔压力") == "p1_chamber_Pa");
+  CHECK(ours("有杆腔压力") == "p2_chamber_Pa");
+  CHECK(ours("气源压力") == "p_supply_Pa");
+  CHECK(ours("目標位置") == "x_ref_m");
+  CHECK(ours("实际位置") == "x_m");
+  for (const char* name : {"位置偏差", "速度", "温度", "位置ずれ"}) {
+    CAPTURE(name);
+    CHECK((ours(name) == "none" || ours(name).empty()));
+  }
+}

@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <bit>
 #include <charconv>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
+#include "config/input_text.hpp"
 
 namespace pneuservo {
 namespace {
@@ -201,9 +200,7 @@ struct EdsFile::Section {
 };
 
 EdsFile EdsFile::read(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(file.string() + ": cannot be read; expected an EDS or DCF file");
-  return parse(std::string{std::istreambuf_iterator<char>(stream), {}}, file.string());
+  return parse(read_input_text(file, "an EDS or DCF file"), file.string());
 }
 
 EdsFile EdsFile::parse(const std::string& text, const std::string& source_name) {

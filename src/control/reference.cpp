@@ -1,6 +1,7 @@
 // References at run time: evaluation of polynomial pieces and ramped sines, and their extremes.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <pneuservo/control/reference.hpp>
 
@@ -21,6 +22,23 @@ std::array<double, 8> product(const std::array<double, 8>& a, const std::array<d
     }
   }
   return out;
+}
+
+/// After which sines of these rates repeat; 0 without one, infinity where none is known.
+double common_period_s(const auto& components) {
+  if (components.empty()) return 0.0;
+  double slowest = std::numeric_limits<double>::infinity();
+  for (const auto& c : components) slowest = std::min(slowest, std::fabs(c.rate_rad_per_s));
+  constexpr int most_periods = 100;  // of the slowest: frequencies of two digits meet within them
+  constexpr double rounding = 1e-9;  // of a ratio of frequencies that are written in decimals
+  for (int periods = 1; periods <= most_periods; ++periods) {
+    const bool all_repeat = std::ranges::all_of(components, [&](const auto& c) {
+      const double turns = periods * std::fabs(c.rate_rad_per_s) / slowest;
+      return std::fabs(turns - std::round(turns)) < rounding * turns;
+    });
+    if (all_repeat) return periods * 2.0 * M_PI / slowest;
+  }
+  return std::numeric_limits<double>::infinity();
 }
 }  // namespace
 
@@ -88,6 +106,12 @@ ReferencePoint Reference::at(double t_s) const noexcept {
 
 ReferenceExtremes Reference::extremes(int order, double duration_s) const {
   const auto n = static_cast<std::size_t>(order);
+  double steady_s = 0.0;
+  for (const Track& t : tracks_) steady_s = std::max(steady_s, t.end_s);
+  for (const Oscillation& o : oscillations_) steady_s = std::max({steady_s, o.start_s, o.ramp.end_s});
+  // From then on it rests or repeats what was before; just beyond, so that the end of a piece lies within.
+  const double known_s = steady_s + common_period_s(components_);
+  if (known_s > 0.0) duration_s = std::min(duration_s, std::nextafter(known_s, 2.0 * known_s));
   double step_s = duration_s / 1000.0;
   for (const Component& c : components_)
     step_s = std::min(step_s, 2.0 * M_PI / (40.0 * (std::fabs(c.rate_rad_per_s) + 1e-9)));

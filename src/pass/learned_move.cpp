@@ -2,11 +2,12 @@
 #include "pass/learned_move.hpp"
 
 #include <charconv>
-#include <fstream>
+#include <sstream>
 
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
+#include "config/input_text.hpp"
 
 namespace pneuservo {
 namespace {
@@ -18,8 +19,7 @@ std::string identity_line(const RepeatedMove& move) { return fmt::format("# move
 }  // namespace
 
 std::vector<double> read_learned_move(const std::string& path, const RepeatedMove& move) {
-  std::ifstream in(path);
-  if (!in) throw InputError(path + ": cannot be opened, expected a file that --learned of an earlier run wrote");
+  std::istringstream in(read_input_text(path, "a file that --learned of an earlier run wrote"));
   std::string line;
   std::size_t number = 0;
   const auto fail = [&](const std::string& found, const std::string& expected) {

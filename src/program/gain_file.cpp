@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <yaml-cpp/yaml.h>
 
+#include "config/config_tree.hpp"
 #include "config/input_error.hpp"
 #include "config/read_rig.hpp"
 #include "control/linear_trial.hpp"
@@ -49,23 +49,14 @@ std::string text_of(const std::string& path) {
 /// --set of each key of the file.
 std::vector<std::string> sets_of(const std::string& path, const std::string& text) {
   std::vector<std::string> sets;
-  YAML::Node root;
-  try {
-    root = YAML::Load(text);
-  } catch (const YAML::Exception& error) {
-    throw InputError(fmt::format("{}:{}: {}", path, error.mark.line + 1, error.msg));
-  }
-  if (!root.IsMap())
+  const ConfigNode root = parse_config_tree(text, path);
+  if (root.type != ConfigNode::Type::map)
     throw InputError(fmt::format("{}: found no keys, expected lines such as {}: 1200", path, gain_keys[0]));
-  for (const auto& entry : root) {
-    const std::string key = entry.first.Scalar();
-    const int line = entry.first.Mark().line + 1;
+  for (const auto& [key, origin, value] : root.entries) {
     if (std::find(gain_keys.begin(), gain_keys.end(), key) == gain_keys.end())
-      throw InputError(
-          fmt::format("{}:{}: {}: no gain that may change, expected {}", path, line, key, fmt::join(gain_keys, ", ")));
-    if (!entry.second.IsScalar())
-      throw InputError(fmt::format("{}:{}: {}: found no number, expected one", path, line, key));
-    sets.push_back(fmt::format("controller.{}={}", key, entry.second.Scalar()));
+      refuse(origin, key, "no gain that may change", fmt::format("one of {}", fmt::join(gain_keys, ", ")));
+    if (value.type != ConfigNode::Type::scalar) refuse(origin, key, "no number", "one");
+    sets.push_back(fmt::format("controller.{}={}", key, value.text));
   }
   return sets;
 }

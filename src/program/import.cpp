@@ -1,6 +1,5 @@
 // Verb import: what the program understands of a foreign recording, and the section of a config that says so.
 #include <algorithm>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <sstream>
@@ -8,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
+#include "config/input_text.hpp"
 #include "config/read_rig.hpp"
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
@@ -60,10 +60,9 @@ void write_section(const ImportOptions& options, const ImportResult& result) {
   if (options.write.empty()) return;
   std::string text;
   if (!options.config.empty()) {
-    std::ifstream in(options.config);
-    std::ostringstream all;
-    all << in.rdbuf();
-    text = without_section(all.str());
+    text = without_section(read_input_text(options.config, "a config file"));
+    if (text.empty())
+      throw InputError(options.config + ": found nothing when it was read again for --write, expected a file, no pipe");
   }
   if (!text.starts_with(import_mark)) text = std::string(import_mark) + "\n" + text;
   if (!text.ends_with('\n')) text += '\n';

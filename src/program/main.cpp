@@ -1,7 +1,11 @@
 // The program pneuservo: one table of verbs, exit status 0 done, 1 fault or failed check, 2 unusable input.
 #include <algorithm>
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <exception>
+#include <iostream>
 #include <new>
 #include <optional>
 #include <sstream>
@@ -9,6 +13,7 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <fcntl.h>
 #include <fmt/ranges.h>
 
 #include "config/config_tree.hpp"
@@ -53,14 +58,35 @@ int run_program(int argc, char** argv) {
   } catch (const CLI::ParseError& error) { return app.exit(error) == 0 ? 0 : 2; }
   return status;
 }
+
+/// A stream that is closed at the start would lend its number to the first file or bus that is opened, and the messages
+/// with it. What stands in its place refuses what is asked of it, as a closed one does.
+void hold_standard_streams() {
+  for (const int stream : {0, 1, 2})
+    if (fcntl(stream, F_GETFD) < 0) open("/dev/null", stream == 0 ? O_WRONLY : O_RDONLY);
+}
+
+/// A result that did not arrive is none.
+int status_of_output(int status) {
+  errno = 0;
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout) return status;
+  std::fprintf(stderr,
+               "pneuservo: standard output: found no way to write the whole result (%s), expected a place that "
+               "takes it\n",
+               errno != 0 ? std::strerror(errno) : "a write failed");
+  return status == 0 ? 1 : status;
+}
 }  // namespace
 
 int main(int argc, char** argv) {
+  hold_standard_streams();
   pneuservo::ignore_broken_pipes();
+  std::signal(SIGXFSZ, SIG_IGN);  // the write that meets a limit of size tells it, with the file
   std::optional<pneuservo::StopRequest> from_here_on;
   if (argc > 1 && pneuservo::moves_an_axis(argv[1])) from_here_on.emplace(pneuservo::StopSignals::every);
   try {
-    return run_program(argc, argv);
+    return status_of_output(run_program(argc, argv));
   } catch (const pneuservo::InputError& error) {
     std::istringstream sentences(error.what());
     for (std::string sentence; std::getline(sentences, sentence);)

@@ -2,6 +2,7 @@
 #include "program/output_files.hpp"
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -169,9 +170,33 @@ OutputFiles& OutputFiles::records(const std::string& option, const std::string& 
   return *this;
 }
 
-void write_result(const std::string& path, const std::string& text) {
+namespace {
+
+void write_text(const std::string& path, const std::string& told, const std::string& text) {
+  errno = 0;
   std::ofstream file(path, std::ios::binary);
-  if (!(file << text) || !file.flush()) throw InputError(path + ": cannot be written");
+  if (!(file << text) || !file.flush())
+    throw InputError(fmt::format("{}: cannot be written: {}; expected a file that can be, and room for {} bytes", told,
+                                 std::strerror(errno), text.size()));
+}
+
+}  // namespace
+
+void write_result(const std::string& path, const std::string& text) {
+  std::error_code failed;
+  const std::string place = holds_data(path) ? fs::canonical(path, failed).string() : "";
+  std::string beside = place + ".XXXXXX";
+  const int file = place.empty() ? -1 : mkstemp(beside.data());
+  if (file < 0) return write_text(path, path, text);
+  close(file);
+  try {  // the older result stays until the new one is whole
+    write_text(beside, path, text);
+    fs::permissions(beside, fs::status(place).permissions());
+    fs::rename(beside, place);
+  } catch (...) {
+    unlink(beside.c_str());
+    throw;
+  }
 }
 
 }  // namespace pneuservo

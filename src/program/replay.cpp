@@ -17,6 +17,7 @@
 #include "loop/replay.hpp"
 #include "pass/learned_move.hpp"
 #include "program/output_files.hpp"
+#include "program/recorded_kind.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "record/import.hpp"
@@ -33,10 +34,25 @@ struct ReplayOptions {
   ExistingFile existing() const { return force ? ExistingFile::replace : ExistingFile::refuse; }
 };
 
+/// A number in the header, or what counts without it.
+template <class Number>
+Number header_number(const Recording& recording, const char* key, Number without) {
+  const YAML::Node node = recording.header[key];
+  if (node && !YAML::convert<Number>::decode(node, without))
+    throw InputError(fmt::format("{}: header: {}: found {}, expected a number", recording.path, key,
+                                 node.IsScalar() ? "'" + node.Scalar() + "'" : "no single value"));
+  return without;
+}
+
+/// Of a column of whole numbers; 0 where it holds another one.
+std::uint32_t whole_number(double value) {
+  return value >= 0.0 && value <= 4294967295.0 ? static_cast<std::uint32_t>(value) : 0;
+}
+
 /// A recording of another period cannot be replayed; one of another config can, and is told. What options of `run` set
 /// beside the config, the duration and the pressure source, is taken from the recording.
 void adopt_header(const Recording& recording, Rig& rig) {
-  const double period_s = recording.header["period_s"] ? recording.header["period_s"].as<double>() : recording.period_s;
+  const double period_s = header_number(recording, "period_s", recording.period_s);
   if (std::isfinite(period_s) && period_s != rig.period_s)
     throw InputError(
         fmt::format("{}: period_s is {}; expected that of the config, {}", recording.path, period_s, rig.period_s));
@@ -71,7 +87,7 @@ std::vector<AxisCommand> commands_of(const Recording& data, int moves, bool is_p
   if (moves > 0 || !data.has("command_kind")) return {};
   std::vector<AxisCommand> commands(data.rows());
   for (std::size_t i = 0; i < commands.size(); ++i) {
-    commands[i].kind = static_cast<CommandKind>(data.column("command_kind")[i]);
+    commands[i].kind = static_cast<CommandKind>(whole_number(data.column("command_kind")[i]));
     commands[i].target = data.column(is_pressure ? "command_Pa" : "command_m")[i];
     commands[i].rate = data.column(is_pressure ? "command_Pa_per_s" : "command_mps")[i];
     if (data.has("command_s")) commands[i].interval_s = data.column("command_s")[i];
@@ -102,7 +118,7 @@ ReplayResult replay_rows(const Rig& rig, ReplayBackend& backend, int moves, cons
   const std::vector<double>* flags = data.has("flags") ? &data.column("flags") : nullptr;
   for (std::size_t i = 0; i < backend.rows(); ++i) {
     ticks.push_back(backend.tick(i));
-    dropped.push_back(flags != nullptr && (static_cast<unsigned>((*flags)[i]) & row_dropped_before) != 0);
+    dropped.push_back(flags != nullptr && (whole_number((*flags)[i]) & row_dropped_before) != 0);
   }
   backend.configure();
   backend.activate();
@@ -244,8 +260,9 @@ int run_replay(const ReplayOptions& options) {
       .records("--record", options.record, options.existing())
       .writes("--json", options.json, ResultKind::json);
   Recording recording = read_parts(options, rig);
+  require_same_kind(recording, options.config, rig);
   adopt_header(recording, rig);
-  const int moves = recording.header["moves"] ? recording.header["moves"].as<int>() : 1;
+  const int moves = header_number(recording, "moves", 1);
   auto backend = rig.controls_pressure() ? ReplayBackend(std::move(recording), rig.period_s, {Signal::p1_port})
                                          : ReplayBackend(std::move(recording), rig.period_s);
   const bool is_foreign = !is_own_format(backend.recording());

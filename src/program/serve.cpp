@@ -1,6 +1,5 @@
 // Verb serve: an axis that runs until it is told otherwise and moves as it is commanded.
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 
@@ -88,9 +87,7 @@ int write_eds(const ServeOptions& options) {
     throw InputError(options.config +
                      ": serve.drive: found nothing, expected the drive's interface and node_id (docs/drive.md)");
   OutputFiles().reads("CONFIG", options.config).writes("--eds", options.eds, ResultKind::eds);
-  std::ofstream file(options.eds, std::ios::binary);
-  file << drive_eds(rig);
-  if (!file.flush()) throw InputError(options.eds + ": cannot be written, expected a file in a folder that is there");
+  write_result(options.eds, drive_eds(rig));
   return 0;
 }
 

@@ -9,6 +9,7 @@
 #include "config/read_rig.hpp"
 #include "diagnosis/doubts/recording_doubts.hpp"
 #include "program/output_files.hpp"
+#include "program/recorded_kind.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "record/import.hpp"
@@ -89,6 +90,7 @@ int run_simulate(const SimulateOptions& options) {
       .writes("--json", options.json, ResultKind::json);
   const Recording recording = doubted(rig, read_first_recording(options.command, rig.imported, rig.period_s));
   for (const auto& line : problem_lines(recording)) std::cerr << line << "\n";
+  require_same_kind(recording, options.config, rig);
   const PlantCourse course = simulate_plant(rig, recording);
   nlohmann::ordered_json json{{"config", rig.name}, {"command", options.command}, {"rows", recording.rows()}};
   std::string text =

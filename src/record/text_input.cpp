@@ -24,6 +24,8 @@ struct Format {
   std::string_view begins, name, remedy;
 };
 
+constexpr std::size_t longest_line_bytes = 1 << 26;  // a million columns; a device that never ends has no line
+
 constexpr std::string_view as_csv = "write it as CSV";
 constexpr std::string_view by_export =
     "write it as CSV, with the Python package: python -m pneuservo.export FILE --csv";
@@ -129,6 +131,9 @@ bool TextInput::next_line(std::string_view& line) {
       start_ = text_.size();
       break;
     }
+    if (text_.size() - start_ > longest_line_bytes)
+      throw InputError(fmt::format("{}:{}: found no end of a line within {} bytes, expected a table as text", path_,
+                                   line_number_ + 1, longest_line_bytes));
     fill();
   }
   ++line_number_;

@@ -125,8 +125,13 @@ void require_injectable(const InjectedFault& fault, InjectionPlace place, const 
   if (is_share && fault.value && !(*fault.value > 0.0 && *fault.value <= largest_injected_share(fault.kind)))
     refuse(fmt::format("a share of {:g}", *fault.value),
            fmt::format("above 0 to {:g}", largest_injected_share(fault.kind)));
-  if (fault.kind == InjectedKind::suspend && !(*fault.value > 0.0))
-    refuse(fmt::format("{:g} s", *fault.value), "more than 0 s");
+  constexpr std::array above_0{InjectedKind::suspend,     InjectedKind::late_tick, InjectedKind::leak,
+                               InjectedKind::payload,     InjectedKind::jam,       InjectedKind::obstacle,
+                               InjectedKind::dry_friction};
+  if (std::ranges::find(above_0, fault.kind) != above_0.end() && !(*fault.value > 0.0))
+    refuse(fmt::format("{:g}", *fault.value), "a value above 0: " + std::string(kind.meaning));
+  if (fault.kind == InjectedKind::supply_loss && !(*fault.value >= 0.0))
+    refuse(fmt::format("{:g} Pa", *fault.value), "an absolute pressure, 0 Pa or more");
 }
 
 std::string fault_order_help(InjectionPlace place) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <set>
 #include <vector>
 
 #include <fmt/format.h>
@@ -45,9 +47,17 @@ std::vector<std::string_view> keys_of(const CommandedQuantity& quantity, std::st
 json parsed(std::string_view line) {
   if (line.size() > longest_line)
     throw InputError(fmt::format("found a line of more than {} bytes, expected a request", longest_line));
-  json request = json::parse(line, nullptr, false);
+  std::set<std::string> keys;
+  std::optional<std::string> twice;
+  const auto note = [&](int depth, json::parse_event_t event, const json& key) {
+    if (depth == 1 && event == json::parse_event_t::key && !keys.insert(key.get<std::string>()).second)
+      twice = key.get<std::string>();
+    return true;
+  };
+  json request = json::parse(line, note, false);
   if (!request.is_object())
     throw InputError(R"(found a line that is no JSON object, expected {"version":1,"command":"status"})");
+  if (twice) throw InputError(fmt::format("{}: found twice, expected each key once", *twice));
   return request;
 }
 

@@ -238,6 +238,25 @@ TEST_CASE("extremes find the turning points") {
   REQUIRE(reference_peak_speed_mps(move(0.0, 0.1, 0.5, 7), 5.0) == Approx(0.4375).epsilon(1e-13));
 }
 
+TEST_CASE("a run of days asks for no more than its motion until it repeats") {
+  ReferenceSpec sum;
+  sum.kind = ReferenceKind::sum;
+  sum.parts = {sine_spec(0.05, 5.0), sine_spec(0.03, 7.0), sine_spec(0.02, 7.5)};
+  const Reference r(sum);
+  for (const int order : {0, 1, 2}) {
+    const ReferenceExtremes day = r.extremes(order, 1e6), seconds = r.extremes(order, 10.0);
+    CHECK(day.maximum == Approx(seconds.maximum).epsilon(1e-12));
+    CHECK(day.minimum == Approx(seconds.minimum).epsilon(1e-12));
+  }
+  const Reference stops_hard(move(0.0, 0.1, 0.5, 3));
+  CHECK(stops_hard.extremes(2, 1e6).minimum == Approx(-2.4).epsilon(1e-12));
+  CHECK(stops_hard.extremes(2, 1e6).maximum == Approx(2.4).epsilon(1e-12));
+  sum.parts.pop_back();
+  const double two_m = Reference(sum).extremes(0, 1e6).maximum;
+  sum.parts.push_back(sine_spec(0.02, M_PI));  // no common period: in time its peak meets that of the others
+  CHECK(Reference(sum).extremes(0, 1000.0).maximum == Approx(two_m + 0.02).epsilon(1e-3));
+}
+
 TEST_CASE("unusable references say which key and what is expected") {
   const auto message = [](const ReferenceSpec& s) -> std::string {
     try {

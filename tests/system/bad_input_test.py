@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # Unusable input to the verbs: exit status 2 and one sentence that names file, line and key, before anything is run.
-import gzip, os, sys, tempfile
+import gzip, os, resource, sys, tempfile
 
 from program import CONFIG, edited_config, expect, expect_refusal, run
 
@@ -28,11 +28,19 @@ expect_refusal(run("run", "none.yaml"), ["none.yaml"], "no such config")
 expect_refusal(run("run", CONFIG, "--set", "slider.mass=2"), ["--set", "slider.mass", "mass_kg"], "--set of an unknown key")
 expect_refusal(run("run", CONFIG, "--set", "slider.mass_kg=heavy"), ["--set", "slider.mass_kg", "heavy"], "--set of text")
 expect_refusal(run("run", CONFIG, "--set", "nonsense"), ["--set", "nonsense"], "--set without a value")
+expect_refusal(run("run", CONFIG, "--fault", "obstacle:-0.02"), ["--fault", "obstacle", "-0.02", "above 0"], "an obstacle that cannot be")
+expect_refusal(run("run", CONFIG, "--fault", "leak:1:-1e-6"), ["--fault", "leak", "-1e-06", "above 0"], "a leak of less than nothing")
 expect_refusal(run("run", CONFIG, "--hal", "nonsense"), ["--hal", "nonsense", "sim"], "an unknown backend")
 expect_refusal(run("run", CONFIG, "--moves", "0"), ["--moves", "0"], "no moves")
 expect(run("run", CONFIG, "--time", "sometimes").returncode == 2, "--time of nonsense is accepted")
 expect(run("run", CONFIG, "--pressure-source", "guess").returncode == 2, "--pressure-source of nonsense is accepted")
 expect(run("nonsense").returncode == 2, "an unknown verb is accepted")
+
+# Inputs that never end are told from files, in the memory of any other run.
+limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))
+for verb in (["check", "/dev/zero"], ["run", CONFIG, "--zeros", "/dev/zero"], ["run", CONFIG, "--scenario", "/dev/zero"],
+             ["replay", CONFIG, "/dev/zero"], ["simulate", CONFIG, "--command", "/dev/zero"], ["import", "/dev/zero"]):
+    expect_refusal(run(*verb, preexec_fn=limit), ["/dev/zero", "67108864 bytes"], f"{verb[0]} of what never ends")
 
 # Results that could not be kept are refused before the run, which would take hours here.
 long = ["--set", "duration_s=100000"]
@@ -104,8 +112,17 @@ for name, edit, words in [("no ports", without("p1_port_Pa"), ["p1_port_Pa", "mi
                           ("no times", without("t_s"), ["t_s", "missing"]), ("empty", lambda l: l[:first + 1], ["row"])]:
     path = recording(name, edit)
     expect_refusal(run("replay", CONFIG, path), [path] + words, f"replay, {name}")
+pressure = os.path.join(folder, "pressure.csv.gz")
+expect(run("run", "config/pressure-3m-4mm.yaml", "--duration-s", "0.3", "--record", pressure).returncode == 0, "a pressure's run fails")
+for verb in both(pressure):
+    expect_refusal(run(*verb), [pressure, "pressure-3m-4mm", "kind pressure", "kind cylinder", CONFIG], f"{verb[0]} of another kind of rig")
 path = recording("no command", without("u_V"))
 expect_refusal(run("simulate", CONFIG, "--command", path), [path, "u_V", "missing"], "simulate, no command")
+for key, value in (("moves", "abc"), ("period_s", "[1, 2]")):
+    path = recording("header", lambda l: [f"# {key}: {value}" if line.startswith(f"# {key}: ") else line for line in l])
+    done = run("replay", CONFIG, path)
+    expect(done.returncode == 2 and f"{path}: header: {key}: found" in done.stderr,
+           f"replay, {key} of another type: {done.returncode} {done.stderr}")
 path = recording("period", lambda l: [line.replace("# period_s: 0.001", "# period_s: 0.002") for line in l])
 done = run("replay", CONFIG, path)
 expect(done.returncode == 2 and "period_s" in done.stderr, f"replay of another period: {done.returncode} {done.stderr}")

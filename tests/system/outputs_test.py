@@ -53,6 +53,31 @@ for _ in range(2):  # an older result of its own kind may go
     expect(run("design", mine, "--write", at("designed.yaml")).returncode == 0, "design --write twice")
 expect(run("run", mine, *short, "--json", "/dev/null").returncode == 0, "--json to a device")
 
+# A result that did not arrive is none, and a stream that is closed at the start lends its number to no file.
+for verb in (["run", CONFIG, *short], ["run", CONFIG, *short, "--json", "-"], ["design", CONFIG], ["keys"], ["run", "--help"]):
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([program, *verb], stdout=full, stderr=subprocess.PIPE, text=True, timeout=300)
+    expect(done.returncode == 1 and "standard output: found no way" in done.stderr,
+           f"{verb} onto a full disk: {done.returncode} {done.stderr}")
+process = subprocess.Popen([program, "run", CONFIG, "--time", "real", "--duration-s", "60", "--record", at("closed.csv.gz")],
+                           preexec_fn=lambda: [os.close(stream) for stream in (0, 1, 2)])
+wait_until(lambda: os.path.exists(at("closed.csv.gz")) and catches(process, signal.SIGTERM), "a run without streams")
+places = [os.readlink(f"/proc/{process.pid}/fd/{stream}") for stream in (0, 1, 2)]
+process.terminate()
+expect(process.wait(timeout=30) == 1 and places == 3 * ["/dev/null"], f"closed streams: {process.returncode} {places}")
+
+# An older result stays until the new one is whole: here no file may become larger than a part of it.
+small = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))
+for verb, name in ((["design", mine, "--write"], "designed.yaml"), (["run", mine, *short, "--json"], "r.json")):
+    older = content(at(name))
+    done = run(*verb, at(name), preexec_fn=small)
+    expect(done.returncode == 2 and name in done.stderr and "File too large" in done.stderr, f"{verb}: {done.returncode} {done.stderr}")
+    expect(content(at(name)) == older and not [f for f in os.listdir(folder) if f.startswith(name + ".")], f"{verb} cost {name}")
+
+for verb in (["replay", mine, first], ["simulate", mine, "--command", first]):
+    done = run(*verb, "--record", at("large.csv.gz"), "--force", preexec_fn=small)
+    expect(done.returncode == 2 and "large.csv.gz" in done.stderr and "File too large" in done.stderr, f"{verb}: {done.returncode} {done.stderr}")
+
 # device takes away what is a socket and nothing else.
 CAN = "config/can/cylinder-10m-7.65mm.yaml"
 with open(at("data.txt"), "w") as file:

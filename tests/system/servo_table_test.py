@@ -64,7 +64,7 @@ def write_gains(text, answer):
 
 
 write_gains("position_gain_V_per_m: 1400\nvelocity_gain_Vs_per_m: 60\n", "gains 1400 V/m, 60 V s/m, 1.3 V s2/m")
-write_gains("position_gain: 1400\n", "gains.yaml:1: position_gain: no gain that may change")
+write_gains("position_gain: 1400\n", "gains.yaml:1: position_gain: found no gain that may change")
 write_gains("position_gain_V_per_m: -1\n", "controller.position_gain_V_per_m")
 write_gains("position_gain_V_per_m: 60000\n", "does not come to rest within 4 s")
 process.terminate()

@@ -46,6 +46,8 @@ std::vector<ThesisRow> cylinder_parameters() {
                        [](const Rig& r) { return r.axis.valve.critical_pressure_ratio; }),
           cylinder_row({.what = "grid of the estimator (3.3.2.3)", .unit = "m", .printed = "1.0"},
                        [](const Rig& r) { return 1.0 / r.estimator.cells_per_m; }),
+          cylinder_row({.what = "period of converters and estimator (3.1, 3.2)", .unit = "ms", .printed = "1"},
+                       [](const Rig& r) { return 1e3 * r.period_s; }),
           cylinder_row({.what = "largest valve area (Fig 3.7)",
                         .unit = "mm2",
                         .printed = "curve without figures",

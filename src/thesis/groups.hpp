@@ -29,6 +29,10 @@ ThesisGroup thesis_misprint_group();     // misprints and gaps of chapters 2 and
 
 /// Printed figures of the servo table that exclude each other on linear tables.
 std::vector<ThesisRow> order_bound_rows();
+/// What a linear table would have to be to meet them, and the least sum of deviations on the others.
+std::vector<ThesisRow> least_sum_rows();
+/// Printed figures of the servo table that were searched for together.
+std::vector<ThesisRow> table_together_rows();
 /// The rig for lines that meets most printed figures.
 std::vector<ThesisRow> most_met_rows();
 /// Printed dampings of the lines that exclude each other.

@@ -46,7 +46,7 @@ void judge(const OneSet& set, const std::string& configs, std::vector<Member>& m
       Member& one = members[i];
       ThesisBench bench(configs);
       try {
-        one.ours = set.compute(bench, to_values(set, one.shares));
+        one.ours = figures_of(set, bench, to_values(set, one.shares));
       } catch (const std::exception&) {
         one.ours.clear();
       }  // no such machine: a gain that is not finite, a refused plan
@@ -125,6 +125,26 @@ double total_deviation(const std::vector<double>& ours, const std::vector<Printe
   return sum;
 }
 
+std::vector<double> figures_of(const OneSet& set, ThesisBench& bench, const std::vector<double>& at) {
+  std::vector<double> out;
+  for (const PrintedFigure& figure : set.figures) out.push_back(figure.ours(bench, at));
+  return out;
+}
+
+OneSet with_figures(OneSet set, const std::vector<std::string>& places) {
+  std::vector<PrintedFigure> kept;
+  for (const std::string& place : places) {
+    const std::size_t before = kept.size();
+    for (const PrintedFigure& figure : set.figures)
+      if (std::string_view(figure.place).ends_with(place)) kept.push_back(figure);
+    if (kept.size() == before)
+      throw std::invalid_argument(
+          fmt::format("no figure '{}' in '{}', such as '{}'", place, set.name, set.figures.front().place));
+  }
+  set.figures = std::move(kept);
+  return set;
+}
+
 std::vector<double> found_numbers(const OneSet& set) {
   std::vector<double> out;
   for (const FreeNumber& number : set.numbers) out.push_back(number.found);
@@ -176,7 +196,7 @@ std::vector<OneSet> all_one_sets() { return {line_set(), table_set(), cylinder_s
 namespace {
 
 std::vector<double> found_figures(ThesisBench& bench, const OneSet& set) {
-  return set.compute(bench, found_numbers(set));
+  return figures_of(set, bench, found_numbers(set));
 }
 
 ThesisRow figure_row(const OneSet& set, std::size_t i) {
@@ -236,7 +256,7 @@ ThesisGroup sets_group(const char* title, const std::vector<OneSet>& sets) {
 
 ThesisGroup thesis_table_sets_group() {
   ThesisGroup group = sets_group("One set for chapter 2", {line_set(), table_set()});
-  for (auto rows : {most_met_rows(), damping_bound_rows(), order_bound_rows()})
+  for (auto rows : {most_met_rows(), damping_bound_rows(), order_bound_rows(), least_sum_rows(), table_together_rows()})
     for (ThesisRow& row : rows) group.rows.push_back(std::move(row));
   return group;
 }

@@ -21,6 +21,8 @@ struct FreeNumber {
 /// A figure that the set is to meet.
 struct PrintedFigure {
   const char *place, *what, *unit, *printed;
+  /// Of that member; NaN: it has none.
+  std::function<double(ThesisBench&, const std::vector<double>& at)> ours{};
   const char* held = "";  ///< with the set found, where that is not within 10 % of the print
 };
 
@@ -30,8 +32,6 @@ struct OneSet {
   const char* why;  ///< what stands in the way
   std::vector<FreeNumber> numbers;
   std::vector<PrintedFigure> figures;
-  /// All figures of the member; NaN: it has none.
-  std::vector<double> (*compute)(ThesisBench&, const std::vector<double>& at);
   const char *met_held, *deviation_held;  ///< of the set found
   const char* searched;                   ///< options of --search that find it
   ThesisPlant plant = ThesisPlant::nonlinear;
@@ -50,6 +50,10 @@ inline constexpr double one_set_within = 0.1;
 /// in the print is kept.
 double one_set_deviation(double ours, const PrintedFigure& figure);
 double total_deviation(const std::vector<double>& ours, const std::vector<PrintedFigure>& figures);
+std::vector<double> figures_of(const OneSet& set, ThesisBench& bench, const std::vector<double>& at);
+/// The same family against those figures alone whose place ends with one of these; throws std::invalid_argument where
+/// one of them names none.
+OneSet with_figures(OneSet set, const std::vector<std::string>& places);
 std::vector<double> found_numbers(const OneSet& set);
 
 struct OneSetSearch {

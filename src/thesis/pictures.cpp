@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include <fmt/format.h>
+#include <pneuservo/control/reference.hpp>
 
 #include "design/axis_design.hpp"
 #include "report/pole_plot.hpp"
@@ -191,6 +192,20 @@ void model_pictures(HtmlPage& page, ThesisBench& bench) {
   }
 }
 
+/// The curve of both orders, whose five derivatives the fifth order's feedforward takes.
+void derivative_pictures(HtmlPage& page, ThesisBench& bench, const ThesisCourse& motion) {
+  const Reference reference(bench.rig({table_4mm.config}).reference);
+  std::vector<Plot> plots;
+  for (std::size_t order = 1; order <= 5; ++order) {
+    std::vector<double> values;
+    for (const double t_s : motion.t_s) values.push_back(reference.at(t_s).d[order]);
+    plots.push_back(time_plot(fmt::format("Figs 2.20, 2.31: derivative {}", order),
+                              order == 1 ? "m/s" : fmt::format("m/s{}", order), "feedforward"));
+    plots.back().curves = {curve("x_ref", Tone::neutral, motion.t_s, values, 1.0)};
+  }
+  page.plots(plots);
+}
+
 void feedforward_pictures(HtmlPage& page, ThesisBench& bench) {
   const ThesisCourse& motion = bench.run(LinearRun{{table_4mm.config}, table_4mm.fifth, 5});
   Plot input = time_plot("Figs 2.20, 2.31: input curve", "mm", "feedforward"), without = input;
@@ -202,6 +217,7 @@ void feedforward_pictures(HtmlPage& page, ThesisBench& bench) {
                                          table == &table_4mm ? Tone::chamber : Tone::valve,
                                          bench.run(LinearRun{{table->config}, table->third, 0}), um));
   page.plots({input, without});
+  derivative_pictures(page, bench, motion);
   for (const ThesisTable* table : {&table_4mm, &table_8mm}) {
     Plot linear = time_plot(
              fmt::format("Figs {}: {}, linear plant", table == &table_4mm ? "2.28, 2.32" : "2.30, 2.33", table->name),
@@ -376,7 +392,15 @@ HtmlPage thesis_page(const std::vector<ThesisResult>& results, ThesisBench& benc
   HtmlPage page("The thesis beside ours", "pneuservo thesis", thesis_summary(results));
   page.paragraph(
       "Control Design of the Pneumatic Servo System Considering the Effect of Connected Pipelines. Each row: "
-      "what is printed, what it should be, what this program gives now and on which plant.");
+      "what is printed, what it should be, what this program gives now and on which plant; why: the sentence of that "
+      "number below the table.");
+  page.details("What the verdicts mean",
+               {{"agrees", "with the print: within half a unit of its last digit, or a share that its reason explains"},
+                {"corrected", "with the corrected print"},
+                {"differs", "is not the print, for its reason, and is what it is known to be"},
+                {"no figure", "the thesis says it in words or in a picture without digits"},
+                {"not there", "wished for in 5.2; this program does not have it"},
+                {"MOVED", "is not what it was: a change of the model, or a defect"}});
   for (const ThesisResult& result : results) {
     page.section(result.title);
     for (const Pictures& pictures : all_pictures)

@@ -27,6 +27,16 @@ std::string reason_of(const ThesisFinding& finding) {
   return moved_words(*finding.row) + (finding.row->why.empty() ? "" : "; " + finding.row->why);
 }
 
+/// Each reason of the group once, in the order of its rows.
+std::vector<std::string> reasons_of(const ThesisResult& result) {
+  std::vector<std::string> out;
+  for (const ThesisFinding& finding : result.findings) {
+    const std::string reason = reason_of(finding);
+    if (!reason.empty() && std::ranges::find(out, reason) == out.end()) out.push_back(reason);
+  }
+  return out;
+}
+
 nlohmann::ordered_json row_json(const ThesisFinding& f) {
   const ThesisRow& row = *f.row;
   nlohmann::ordered_json out{{"place", row.place},     {"what", row.what},       {"unit", row.unit},
@@ -66,6 +76,11 @@ Table thesis_table(const ThesisResult& result) {
     for (const ThesisFinding& finding : result.findings) cells.push_back(text(finding));
     return text_column(title, cells);
   };
+  const std::vector<std::string> reasons = reasons_of(result);
+  const auto number = [&](const ThesisFinding& f) {
+    const auto at = std::ranges::find(reasons, reason_of(f));
+    return at == reasons.end() ? std::string() : fmt::format("[{}]", at - reasons.begin() + 1);
+  };
   Table table{.title = result.title,
               .columns = {column("place", [](const ThesisFinding& f) { return f.row->place; }),
                           column("what", [](const ThesisFinding& f) { return what_of(*f.row); }),
@@ -73,18 +88,14 @@ Table thesis_table(const ThesisResult& result) {
                           column("should be", [](const ThesisFinding& f) { return f.row->meant; }),
                           column("ours", [](const ThesisFinding& f) { return thesis_value_text(f); }),
                           column("on", [](const ThesisFinding& f) { return std::string(word(f.row->plant)); }),
-                          column("verdict", [](const ThesisFinding& f) { return std::string(word(f.verdict)); })}};
+                          column("verdict", [](const ThesisFinding& f) { return std::string(word(f.verdict)); }),
+                          column("why", number)}};
   return table;
 }
 
 std::vector<std::string> thesis_reasons(const ThesisResult& result) {
-  std::vector<std::string> told, out;
-  for (const ThesisFinding& finding : result.findings) {
-    const std::string reason = reason_of(finding);
-    if (reason.empty() || std::find(told.begin(), told.end(), reason) != told.end()) continue;
-    told.push_back(reason);
-    out.push_back(fmt::format("{}: {}", finding.row->place, reason));
-  }
+  std::vector<std::string> out;
+  for (const std::string& reason : reasons_of(result)) out.push_back(fmt::format("[{}] {}", out.size() + 1, reason));
   return out;
 }
 

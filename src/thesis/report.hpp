@@ -15,7 +15,7 @@ std::vector<std::size_t> thesis_counts(const std::vector<ThesisResult>& results)
 /// "231 rows: 120 agrees, ...".
 std::string thesis_summary(const std::vector<ThesisResult>& results);
 Table thesis_table(const ThesisResult& result);
-/// "PLACE: reason", each reason once.
+/// "[1] reason", each reason once; the last column of the table has its number.
 std::vector<std::string> thesis_reasons(const ThesisResult& result);
 
 /// Groups as tables, reasons below each, the summary last.

@@ -25,12 +25,18 @@ expect("mass_kg: 26.0" in text, "the table's mass stands elsewhere now")
 table.write_text(text.replace("mass_kg: 26.0", "mass_kg: 27.0"))
 done = run("thesis", "--only", "Table 2.1", "--configs", configs)
 expect(done.returncode == 1, f"another mass: status {done.returncode}")
-moved = [line for line in done.stdout.splitlines() if line.startswith("Table 2.1") and line.rstrip().endswith("MOVED")]
+moved = [line for line in done.stdout.splitlines() if line.startswith("Table 2.1") and "MOVED" in line]
 expect(len(moved) == 1 and "mass m" in moved[0], f"another mass: {done.stdout}")
 
 # What cannot be asked.
 expect_refusal(run("thesis", "--only", "Table 9.9"), ["--only", "Table 9.9"], "a place that the thesis lacks")
 expect_refusal(run("thesis", "--configs", folder / "none"), ["none", "--configs"], "a folder that is not there")
+
+expect_refusal(run("thesis", "--search", "table", "--figures", "9.9"), ["--figures", "9.9"], "a figure that is none")
+
+# A search for one figure counts that figure alone.
+done = run("thesis", "--search", "lines", "--figures", "2.11", "--evaluations", "8")
+expect("Fig 2.11" in done.stdout and "Table 2.5" not in done.stdout, f"a search for one figure: {done.stdout}{done.stderr}")
 
 # The page has the pictures of the lines and the rows' reasons.
 page = folder / "thesis.html"

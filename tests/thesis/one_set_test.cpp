@@ -17,11 +17,13 @@ OneSet planted() {
   OneSet set;
   set.name = "planted";
   set.numbers = {{"a", "", 0.01, 100.0, true, 50.0}, {"b", "", -1.0, 1.0, false, 0.9}, {"c", "", 0.0, 2.0, false, 0.5}};
-  set.figures = {{"Fig 1", "a", "", "2.0"}, {"Fig 2", "a and b", "", "0.50"}};
-  set.compute = [](ThesisBench&, const std::vector<double>& at) -> std::vector<double> {
-    if (at[2] > 1.0) throw std::invalid_argument("no such machine");
-    return {at[0], 0.25 * at[0] + std::fabs(at[1])};
-  };
+  set.figures = {{"Fig 1", "a", "", "2.0",
+                  [](ThesisBench&, const std::vector<double>& at) {
+                    if (at[2] > 1.0) throw std::invalid_argument("no such machine");
+                    return at[0];
+                  }},
+                 {"Fig 2", "a and b", "", "0.50",
+                  [](ThesisBench&, const std::vector<double>& at) { return 0.25 * at[0] + std::fabs(at[1]); }}};
   return set;
 }
 
@@ -60,10 +62,24 @@ TEST_CASE("the search finds the one member that meets the print") {
 TEST_CASE("a search that begins with the set found is never worse than it") {
   const OneSet set = planted();
   ThesisBench bench(configs);
-  const double held = total_deviation(set.compute(bench, found_numbers(set)), set.figures);
+  const double held = total_deviation(figures_of(set, bench, found_numbers(set)), set.figures);
   const OneSetFound found =
       search_one_set(set, configs, {.evaluations = 20, .seed = 5, .from_found = true}, [](const OneSetFound&) {});
   CHECK(found.deviation <= held + 1e-12);
+}
+
+TEST_CASE("a search for some figures alone computes and counts no other") {
+  OneSet whole = planted();
+  whole.figures[0].ours = [](ThesisBench&, const std::vector<double>&) -> double {
+    FAIL("computed a figure that is not asked");
+    return 0.0;
+  };
+  const OneSet one = with_figures(whole, {"2"});
+  REQUIRE(one.figures.size() == 1);
+  CHECK(one.figures[0].place == std::string("Fig 2"));
+  CHECK(search_one_set(one, configs, {.evaluations = 300, .seed = 3}, [](const OneSetFound&) {}).deviation < 0.02);
+  CHECK(with_figures(planted(), {"Fig 2", "Fig 1"}).figures.size() == 2);
+  CHECK_THROWS_WITH(with_figures(planted(), {"3.7"}), Catch::Contains("3.7") && Catch::Contains("Fig 1"));
 }
 
 TEST_CASE("the sets on the page lie in the ranges that their searches cover") {
@@ -95,4 +111,18 @@ TEST_CASE("printed figures that exclude each other lie above what any machine of
       // Both figures within 10 % change their ratio by 1.1/0.9 at most.
       CHECK(row.ours(bench).value * 1.1 / 0.9 < thesis_number(row.printed));
     }
+}
+
+TEST_CASE("the printed table keeps the bounds of all linear tables, and the found set the least sum") {
+  ThesisBench bench(configs);
+  const auto rows = order_bound_rows();
+  REQUIRE(rows.size() == 13);
+  for (std::size_t i = 0; i < 12; i += 4) {
+    INFO(rows[i].place);
+    CHECK(rows[i].ours(bench).value < rows[i + 2].ours(bench).value);
+  }
+  const auto sums = least_sum_rows();
+  REQUIRE(sums.size() == 4);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(sums[i].ours(bench).value > 5.0);
+  CHECK(sums[3].ours(bench).value < thesis_number(table_set().deviation_held));
 }

@@ -75,6 +75,8 @@ int run_thesis(const ThesisOptions& options) {
                      ": not a folder, expected that of the shipped configs; run the verb beside it or name it by "
                      "--configs");
   if (!options.search.empty()) return search_thesis(options);
+  if (!options.figures.empty())
+    throw InputError("--figures: found no --search, expected one of which these are figures");
   OutputFiles().writes("--report", options.report, ResultKind::page).writes("--json", options.json, ResultKind::json);
   const std::vector<ThesisGroup> groups = thesis_groups(options.only, options.diagnose);
   if (groups.empty()) throw InputError("--only: no row's place holds '" + options.only + "', such as 'Table 2.5'");

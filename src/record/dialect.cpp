@@ -356,8 +356,9 @@ void take_names(const std::vector<std::string>& lines, const std::vector<LineFac
     if (is_between && kind != HeadLine::ruled && kind != HeadLine::stated && nearest == lines.size()) nearest = i;
     if (is_between) out.has_rows_between = true;
     const bool is_named = kind == HeadLine::names && !facts[i].is_row();
-    if (is_named && facts[i].numbers > 0 && nearest == lines.size()) nearest = i;  // names hold no numbers
-    if ((is_named && facts[i].numbers == 0) || (kind == HeadLine::units && !is_between && !is_unit_label(here))) at = i;
+    const bool has_numbers = 2 * facts[i].numbers > facts[i].fields - facts[i].empty;  // most names are none
+    if (is_named && has_numbers && nearest == lines.size()) nearest = i;
+    if ((is_named && !has_numbers) || (kind == HeadLine::units && !is_between && !is_unit_label(here))) at = i;
   }
   if (at == lines.size()) {  // what has no names above it is the names
     out.units.clear();
@@ -470,7 +471,9 @@ Dialect find_dialect(const std::vector<std::string>& lines) {
   double best = 0;
   for (FieldStyle style : styles) {
     std::vector<LineFacts> own = all_facts(lines, style);
-    style.has_groups = std::any_of(own.begin(), own.end(), [](const LineFacts& line) { return line.has_decimals; });
+    style.has_groups = std::any_of(own.begin(), own.end(), [usual = usual_fields(own)](const LineFacts& line) {
+      return line.is_row() && line.fields == usual && line.has_decimals;
+    });
     if (style.has_groups) own = all_facts(lines, style);
     const double reached = score(own, style.separator);
     if (facts.empty() || reached > best) {

@@ -102,7 +102,7 @@ class TableReader {
     while (next_line(line)) read_row(line, line_number_);
     report_columns();
     if (dialect_.has_pairs) join_times(table_);
-    add_fractions(table_);
+    if (!is_own_) add_fractions(table_);
     if (!is_own_) count_rows(table_, dialect_.style.decimal);
     report_end();
     if (table_.rows() == 0)
@@ -386,6 +386,9 @@ class TableReader {
     for (std::size_t i = 0; i < row_.size(); ++i) row_[i] = read_field(fields_[places_[i] + index], i, number);
     for (std::size_t i = 0; i < row_.size(); ++i) table_.values[i].push_back(row_[i]);
     table_.line_numbers.push_back(number);
+    if (!std::exchange(are_no_groups_, false)) return;
+    for (std::size_t i = 0; i < row_.size(); ++i)
+      for (const std::size_t at : std::exchange(unreadable_[i].grouped, {})) table_.values[i][at] /= 1000;
   }
 
   double read_field(std::string_view field, std::size_t column, std::size_t line) {
@@ -414,19 +417,22 @@ class TableReader {
   }
 
   /// The sign that is not the decimal one of the rows: between groups of three digits as in "1,000" it stands for
-  /// thousands. Where a column has shown it otherwise, as in "0.25", it is a decimal sign, there and elsewhere.
+  /// thousands. Where a column shows it otherwise, as in "0.25", it is a decimal sign, there, elsewhere and before.
   bool takes_other_sign(std::string_view field, std::size_t column, std::size_t line, double& value) {
     Unreadable& text = unreadable_[column];
     const char decimal = dialect_.style.decimal, sign = decimal == '.' ? ',' : '.';
     if (!dialect_.style.has_groups || field.find(sign) == std::string_view::npos) return false;
     const bool is_group = !shows_other_decimals_ && number_with_groups(field, decimal, value);
-    if (!is_group && (text.has_groups || !number_in(field, sign, value))) return false;
+    if (!is_group && !number_in(field, sign, value)) return false;
+    if (is_group && std::count(field.begin(), field.end(), sign) == 1)
+      text.grouped.push_back(table_.line_numbers.size());
+    are_no_groups_ = are_no_groups_ || (!is_group && !shows_other_decimals_);
     shows_other_decimals_ = shows_other_decimals_ || !is_group;
     if (!std::exchange(is_group ? text.has_groups : text.has_own_decimals, true))
       table_.report(line, ProblemKind::dialect,
-                    fmt::format("{} is \"{}\": {} is taken for {} in this column from here on", table_.names[column],
-                                shown(field), sign == '.' ? "a point" : "a comma",
-                                is_group ? "thousands" : "the decimal sign"));
+                    fmt::format("{} is \"{}\": {} is taken for {} in this column{}", table_.names[column], shown(field),
+                                sign == '.' ? "a point" : "a comma", is_group ? "thousands" : "the decimal sign",
+                                is_group ? " from here on" : ""));
     return true;
   }
 
@@ -481,10 +487,12 @@ class TableReader {
   bool is_own_ = false;
   bool is_line_quoted_ = false;
   bool shows_other_decimals_ = false;  ///< some column has the other decimal sign: it makes no groups
+  bool are_no_groups_ = false;  ///< the row that is read has shown it: what was read as groups before is to be divided
   struct Unreadable {
     std::size_t count = 0;
     std::string first;
     bool has_groups = false, has_own_decimals = false;  ///< by the sign that is not the rows' decimal one
+    std::vector<std::size_t> grouped;  ///< rows whose number is thousands only if that sign is none of decimals
   };
   std::vector<Unreadable> unreadable_;  ///< of each column
 };

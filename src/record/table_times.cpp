@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "record/column_guess.hpp"
 #include "record/column_words.hpp"
 #include "record/field_text.hpp"
 #include "record/units.hpp"
@@ -71,10 +72,22 @@ double fraction_s(const std::string& name) {
   return at == words.end() ? 0 : at->second;
 }
 
+bool is_time(const std::string& name) {
+  const std::optional<ColumnWord> word = column_word(name);
+  return word && word->ours == "t_s";
+}
+
+/// Of a name that says nothing else than a time, or is one word that is not known: "Millitm".
+bool may_be_fraction(const std::string& name) {
+  if (column_word(name)) return is_time(name);
+  return std::all_of(name.begin(), name.end(), [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; });
+}
+
 bool counts_seconds(const CsvTable& table, std::size_t column) {
   constexpr std::array<std::string_view, 5> words{"s", "sec", "secs", "second", "seconds"};
   const std::string word = last_word(table.names[column]);
-  return table.is_clock[column] != 0 || std::find(words.begin(), words.end(), word) != words.end();
+  return table.is_clock[column] != 0 ||
+         (std::find(words.begin(), words.end(), word) != words.end() && is_time(table.names[column]));
 }
 
 bool are_whole(const std::vector<double>& values, double least, double most) {
@@ -104,8 +117,19 @@ double take_first_number(std::string_view& text, char decimal) {
 
 /// Seconds or hertz of the text's first number, by the unit behind it or in brackets before; 0: none.
 double first_quantity(std::string_view text, bool is_rate, char decimal) {
-  constexpr std::array<std::pair<std::string_view, double>, 8> rates{
-      {{"mhz", 1e6}, {"khz", 1e3}, {"hz", 1}, {"ms/s", 1e6}, {"ks/s", 1e3}, {"s/s", 1}, {"1/s", 1}, {"sps", 1}}};
+  constexpr std::array<std::pair<std::string_view, double>, 13> rates{{{"mhz", 1e6},
+                                                                       {"khz", 1e3},
+                                                                       {"hz", 1},
+                                                                       {"ms/s", 1e6},
+                                                                       {"ks/s", 1e3},
+                                                                       {"s/s", 1},
+                                                                       {"1/s", 1},
+                                                                       {"sps", 1},
+                                                                       {"ksps", 1e3},
+                                                                       {"msa/s", 1e6},
+                                                                       {"ksa/s", 1e3},
+                                                                       {"sa/s", 1},
+                                                                       {"samples/s", 1}}};
   const std::size_t open = text.find_first_of("[("), close = text.find_first_of("])");
   const std::string_view before = open < close && close < text.size() ? text.substr(open, close + 1 - open) : "";
   const double value = take_first_number(text, decimal);
@@ -118,7 +142,8 @@ double first_quantity(std::string_view text, bool is_rate, char decimal) {
     if (const auto time = unit_in(unit); time && time->quantity == Quantity::time)
       return is_rate ? 0 : time->factor * value;
   }
-  return value;
+  const bool is_next_number = !behind.empty() && std::isdigit(static_cast<unsigned char>(behind.front())) != 0;
+  return (behind.empty() || is_next_number) && before.empty() ? value : 0;
 }
 
 /// What a line such as "Sample rate: 1000 Hz", "Delta_X 0.001" or "Abtastintervall;1 ms" says; none where no line does.
@@ -178,17 +203,36 @@ void join_times(CsvTable& table) {
   table.report(0, ProblemKind::dialect, "each column has times of its own: brought to one table by them");
 }
 
+namespace {
+
+auto known_in(const std::vector<double>& values) {
+  return std::count_if(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+}
+
+int steps_back(const std::vector<double>& times) {
+  int count = 0;
+  double last = -std::numeric_limits<double>::infinity();
+  for (const double time : times) {
+    if (!std::isfinite(time)) continue;
+    count += time < last;
+    last = time;
+  }
+  return count;
+}
+
+}  // namespace
+
 void add_fractions(CsvTable& table) {
   constexpr double any = std::numeric_limits<double>::infinity();
   for (std::size_t c = 0; c < table.names.size(); ++c)
     for (std::size_t f = 0; f < table.names.size(); ++f) {
       const double count_s = fraction_s(table.names[f]);
-      if (f == c || count_s == 0 || !counts_seconds(table, c)) continue;
+      if (f == c || count_s == 0 || !may_be_fraction(table.names[f]) || !counts_seconds(table, c)) continue;
       if (!are_whole(table.values[f], 0, std::round(1 / count_s) - 1) || !are_whole(table.values[c], -any, any))
         continue;
       std::vector<double> joined = table.values[c];
       for (std::size_t i = 0; i < joined.size(); ++i) joined[i] += count_s * table.values[f][i];
-      if (table.is_clock[c] == 0 && !std::is_sorted(joined.begin(), joined.end())) continue;
+      if (known_in(joined) < known_in(table.values[c]) || steps_back(joined) > steps_back(table.values[c])) continue;
       table.values[c] = std::move(joined);
       table.report(0, ProblemKind::dialect,
                    fmt::format("column {} is taken for the {} of {}", table.names[f],
@@ -201,13 +245,9 @@ void add_fractions(CsvTable& table) {
 }
 
 void count_rows(CsvTable& table, char decimal) {
-  for (std::size_t c = 0; c < table.names.size(); ++c) {
-    const std::optional<ColumnWord> word = column_word(table.names[c]);
-    const bool is_time = table.is_clock[c] != 0 || (word && word->ours == "t_s");
-    if (is_time &&
-        std::any_of(table.values[c].begin(), table.values[c].end(), [](double t) { return std::isfinite(t); }))
-      return;
-  }
+  const std::vector<ColumnGuess> guesses = guess_columns(table);
+  for (std::size_t c = 0; c < guesses.size(); ++c)
+    if ((table.is_clock[c] != 0 || guesses[c].ours == "t_s") && known_in(table.values[c]) > 0) return;
   const std::optional<StatedInterval> stated = stated_interval(table.comments, decimal);
   if (!stated || std::find(table.names.begin(), table.names.end(), "t_s") != table.names.end()) return;
   table.names.emplace_back("t_s");

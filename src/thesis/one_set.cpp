@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <thread>
 
@@ -134,10 +135,12 @@ std::vector<double> figures_of(const OneSet& set, ThesisBench& bench, const std:
 OneSet with_figures(OneSet set, const std::vector<std::string>& places) {
   std::vector<PrintedFigure> kept;
   for (const std::string& place : places) {
-    const std::size_t before = kept.size();
-    for (const PrintedFigure& figure : set.figures)
-      if (std::string_view(figure.place).ends_with(place)) kept.push_back(figure);
-    if (kept.size() == before)
+    const auto is_it = [&](const PrintedFigure& figure) {
+      return figure.place == place || std::string_view(figure.place).ends_with(" " + place);
+    };
+    if (std::ranges::any_of(kept, is_it)) continue;
+    std::ranges::copy_if(set.figures, std::back_inserter(kept), is_it);
+    if (std::ranges::none_of(kept, is_it))
       throw std::invalid_argument(
           fmt::format("no figure '{}' in '{}', such as '{}'", place, set.name, set.figures.front().place));
   }

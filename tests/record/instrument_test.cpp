@@ -214,3 +214,70 @@ TEST_CASE("Japanese and Chinese names") {
     CHECK((ours(name) == "none" || ours(name).empty()));
   }
 }
+
+TEST_CASE("a number in a head makes no thousands of decimals, and decimals that come late undo them") {
+  const auto table = [](const std::string& bytes) {
+    const TemporaryFolder folder;
+    return read_table(put_plain(folder.file("f.csv"), bytes));
+  };
+  const CsvTable comma = table("Logger;3.2\nZeit_ms;p1_bar;p2_bar\n0;5,012;6,001\n1;5,013;6,002\n2;5,014;6,003\n");
+  REQUIRE(comma.values.size() == 3);
+  CHECK(comma.values[1][0] == 5.012);
+  CHECK(comma.values[2][2] == 6.003);
+  // The same column is thousands as long as nothing speaks against it.
+  const std::string head = "t_ms;x_mm;p1_kPa\n0;0.25;1,250\n1;0.50;";
+  CHECK(table(head + "1,260\n2;0.75;1,270\n").values[2][0] == 1250);
+  const CsvTable late = table(head + "0,98\n2;0.75;1,270\n");
+  CHECK(late.values[2][0] == 1.25);
+  CHECK(late.values[2][1] == 0.98);
+  CHECK(late.values[2][2] == 1.27);
+}
+
+TEST_CASE("whole numbers beside a time are no fractions of anything else") {
+  const auto column = [](const std::string& head, const char* name, const std::function<std::string(int)>& row) {
+    std::string bytes = head + "\n";
+    for (int i = 0; i < 50; ++i) bytes += row(i) + "\n";
+    const TemporaryFolder folder;
+    const CsvTable table = read_table(put_plain(folder.file("f.csv"), bytes));
+    for (std::size_t c = 0; c < table.names.size(); ++c)
+      if (table.names[c] == name) return table.values[c];
+    FAIL("no column " << name);
+    return std::vector<double>{};
+  };
+  for (const double x : column("t_ms,s,u_V", "s", [](int i) { return fmt::format("{},0,1.5", i); })) CHECK(x == 0);
+  for (const char* other : {"cycle_ms", "latency_us", "delay_ms"}) {
+    CAPTURE(other);
+    const auto times = column(fmt::format("time_s,{},x_mm", other), "time_s",
+                              [](int i) { return fmt::format("{},{},{}", i, i % 3, 0.1 * i); });
+    CHECK(times[7] == 7);
+  }
+  const auto beside_gaps = column("time_s,ms,x_mm", "time_s", [](int i) {
+    return fmt::format("{},{},{}", i / 10, i == 7 ? "" : std::to_string(100 * (i % 10)), 0.1 * i);
+  });
+  CHECK(std::isfinite(beside_gaps[7]));
+}
+
+TEST_CASE("a rate in a unit that is not known, and one beside true times, counts nothing") {
+  const auto names = [](const std::string& bytes) {
+    const TemporaryFolder folder;
+    return read_table(put_plain(folder.file("f.csv"), bytes)).names;
+  };
+  const std::string values = "x_mm,u_V\n0.1,1.5\n0.2,1.6\n0.3,1.7\n";
+  CHECK(names("Sample Rate: 1000 Hz\n" + values).size() == 3);
+  CHECK(names("Sample Rate: 10 kSa/s\n" + values).size() == 3);
+  CHECK(names("Sample rate: 60/min\n" + values).size() == 2);
+  CHECK(names("Increment: 0.005 mm\n" + values).size() == 2);
+  CHECK(names("Abtastintervall: 1 ms\nZeit/s;x/mm\n0,001;1,5\n0,002;1,6\n0,004;1,7\n").size() == 2);
+}
+
+TEST_CASE("an ordinal is no time, and a name may hold a number") {
+  const auto word = column_word("Secondary Supply Pressure");
+  REQUIRE(word);
+  CHECK(word->ours == "p_supply_Pa");
+  REQUIRE(column_word("Second Position"));
+  CHECK(column_word("Second Position")->ours == "x_m");
+  const TemporaryFolder folder;
+  const CsvTable table = read_table(
+      put_plain(folder.file("f.csv"), "Logger A;Anlage B;Halle;Meier\nt;x;p1;24V\n0;1;2;3\n1;2;3;4\n2;3;4;5\n"));
+  CHECK(table.names[1] == "x");
+}

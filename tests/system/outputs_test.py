@@ -59,7 +59,12 @@ for verb in (["run", CONFIG, *short], ["run", CONFIG, *short, "--json", "-"], ["
         done = subprocess.run([program, *verb], stdout=full, stderr=subprocess.PIPE, text=True, timeout=300)
     expect(done.returncode == 1 and "standard output: found no way" in done.stderr,
            f"{verb} onto a full disk: {done.returncode} {done.stderr}")
-process = subprocess.Popen([program, "run", CONFIG, "--time", "real", "--duration-s", "60", "--record", at("closed.csv.gz")],
+with subprocess.Popen([program, "keys"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+    process.stdout.readline()
+    process.stdout.close()  # as `head` does
+    said = process.stderr.read()
+expect(process.returncode == 0 and said == "", f"a reader that leaves: {process.returncode} {said}")
+process = subprocess.Popen([program, "run", CONFIG, "--duration-s", "100000", "--record", at("closed.csv.gz")],
                            preexec_fn=lambda: [os.close(stream) for stream in (0, 1, 2)])
 wait_until(lambda: os.path.exists(at("closed.csv.gz")) and catches(process, signal.SIGTERM), "a run without streams")
 places = [os.readlink(f"/proc/{process.pid}/fd/{stream}") for stream in (0, 1, 2)]
@@ -73,6 +78,14 @@ for verb, name in ((["design", mine, "--write"], "designed.yaml"), (["run", mine
     done = run(*verb, at(name), preexec_fn=small)
     expect(done.returncode == 2 and name in done.stderr and "File too large" in done.stderr, f"{verb}: {done.returncode} {done.stderr}")
     expect(content(at(name)) == older and not [f for f in os.listdir(folder) if f.startswith(name + ".")], f"{verb} cost {name}")
+
+# Owner, mode and further names of an older result stay.
+os.chmod(at("designed.yaml"), 0o640)
+os.link(at("r.json"), at("r-again.json"))
+expect(run("design", mine, "--write", at("designed.yaml")).returncode == 0, "design --write over 0640")
+expect(os.stat(at("designed.yaml")).st_mode & 0o777 == 0o640, "the mode of an older result is lost")
+expect(run("run", mine, *short, "--json", at("r.json")).returncode == 0 and content(at("r.json")) == content(at("r-again.json")),
+       "the other name of an older result holds another one")
 
 for verb in (["replay", mine, first], ["simulate", mine, "--command", first]):
     done = run(*verb, "--record", at("large.csv.gz"), "--force", preexec_fn=small)

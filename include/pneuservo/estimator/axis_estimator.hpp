@@ -63,7 +63,10 @@ template <class S> class AxisEstimator {
  private:
   // Richardson's extrapolation to a step of nothing.
   static S beyond(const S& coarse, const S& finer) noexcept { return finer + (finer - coarse); }
-  S told(const S& coarse, const S& finer) const noexcept { return extrapolates_ ? beyond(coarse, finer) : coarse; }
+  // What cannot be negative goes no further than half the way to nothing, where guards hold one of both.
+  S told(const S& coarse, const S& finer) const noexcept {
+    return extrapolates_ ? maximum(beyond(coarse, finer), S(0.5) * finer) : coarse;
+  }
   [[gnu::always_inline]] LineFlow<S> advance(LineWithChamber<S>& side, int n, const S& port_pressure_Pa,
                                              double position_m, const ChamberInflow<S>& extra) noexcept {
     const S rise = port_pressure_Pa - port_;

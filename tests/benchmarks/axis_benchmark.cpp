@@ -6,6 +6,7 @@
 #include <pneuservo/rig/plant.hpp>
 
 #include "bench_tools.hpp"
+#include "estimator/nominal_estimator.hpp"
 
 namespace pneuservo::bench {
 namespace {
@@ -34,14 +35,8 @@ std::vector<ReferencePoint> sine_reference() {
 void whole_axis_tick(benchmark::State& state) {
   const auto axis = nominal_axis();
   auto plant = started_plant<double>(axis, static_cast<double>(state.range(0)));
-  EstimatorParameters p;
-  p.air = axis.air;
-  p.supply_pressure_Pa = axis.supply.pressure_Pa;
-  p.line_1 = axis.line_1;
-  p.line_2 = axis.line_2;
-  p.cylinder = axis.cylinder;
   PipelineEstimator estimator;
-  estimator.configure(p);
+  estimator.configure(test::nominal_estimator(axis));
   PdForceParameters gains;
   gains.position_gain_N_per_m = 7550;
   gains.velocity_gain_Ns_per_m = 95.6;

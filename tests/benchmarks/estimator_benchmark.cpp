@@ -11,20 +11,12 @@
 
 #include "bench_tools.hpp"
 #include "config/read_rig.hpp"
+#include "estimator/nominal_estimator.hpp"
 
 namespace pneuservo::bench {
 namespace {
 
-EstimatorParameters nominal_estimator() {
-  const auto axis = nominal_axis();
-  EstimatorParameters p;
-  p.air = axis.air;
-  p.supply_pressure_Pa = axis.supply.pressure_Pa;
-  p.line_1 = axis.line_1;
-  p.line_2 = axis.line_2;
-  p.cylinder = axis.cylinder;
-  return p;
-}
+using test::nominal_estimator;
 
 /// Inputs of a 1 Hz motion with swinging ports, a second of them over and over.
 std::vector<EstimatorInput> swung_inputs() {

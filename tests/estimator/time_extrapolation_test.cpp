@@ -6,9 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include <pneuservo/estimator/pipeline_estimator.hpp>
-
-#include "rig/nominal_axis.hpp"
+#include "estimator/nominal_estimator.hpp"
 
 using namespace pneuservo;
 
@@ -76,13 +74,7 @@ TEST_CASE("extrapolated, half the step leaves a quarter of the error: it is of s
 
 TEST_CASE(
     "the extrapolated pipeline estimator is the plain one where nothing changes, and finite beside missing samples") {
-  const auto axis = test::nominal_axis(10.0, 0.00765);
-  EstimatorParameters p;
-  p.air = axis.air;
-  p.supply_pressure_Pa = axis.supply.pressure_Pa;
-  p.line_1 = axis.line_1;
-  p.line_2 = axis.line_2;
-  p.cylinder = axis.cylinder;
+  EstimatorParameters p = test::nominal_estimator();
   PipelineEstimator plain, extrapolated;
   plain.configure(p);
   p.time_extrapolation = true;

@@ -73,6 +73,31 @@ TEST_CASE("extrapolated, half the step leaves a quarter of the error: it is of s
 }
 
 TEST_CASE(
+    "the pipeline estimator extrapolates where it is asked to: it comes nearer to one of a period a tenth as long") {
+  const auto chamber_1_Pa = [](bool extrapolates, int finer) {
+    EstimatorParameters p = test::nominal_estimator();
+    p.time_extrapolation = extrapolates;
+    p.period_s = period_s / finer;
+    p.uncertainty.port_noise_Pa = 0.0;
+    PipelineEstimator estimator;
+    estimator.configure(p);
+    std::vector<double> out;
+    for (int k = 1; k <= finer * periods; ++k) {
+      const int before = (k - 1) / finer;
+      const double share = static_cast<double>(k - before * finer) / finer, t_s = (before + share) * period_s;
+      const double p_Pa = std::lerp(port_Pa(before * period_s), port_Pa((before + 1) * period_s), share);
+      const auto told = estimator.step({p_Pa, 1030e3 - p_Pa, position_m(t_s), 0.5 * std::cos(2 * M_PI * t_s)});
+      if (k % finer == 0 && 2 * k >= finer * periods) out.push_back(told.chamber_pressure_Pa[0]);
+    }
+    return out;
+  };
+  const std::vector<double> fine = chamber_1_Pa(true, 10);
+  const double plain_Pa = largest_difference(chamber_1_Pa(false, 1), fine);
+  CHECK(plain_Pa > 50.0);
+  CHECK(largest_difference(chamber_1_Pa(true, 1), fine) < 0.1 * plain_Pa);
+}
+
+TEST_CASE(
     "the extrapolated pipeline estimator is the plain one where nothing changes, and finite beside missing samples") {
   EstimatorParameters p = test::nominal_estimator();
   PipelineEstimator plain, extrapolated;

@@ -45,7 +45,6 @@ EstimatorParameters estimator_parameters(const Rig& rig) {
   p.valve = rig.axis.valve;
   p.arrangement = valve_arrangement(rig);
   p.flow_correction = rig.estimator.flow_correction;
-  p.time_extrapolation = rig.estimator.time_extrapolation;
   p.effects = rig.axis.effects;
   p.uncertainty.port_noise_Pa = rig.sensors.port_pressure.rms_Pa();
   p.uncertainty.relative_diameter =

@@ -11,7 +11,7 @@
 #include <nvector/nvector_serial.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
-#include <pneuservo/estimator/axis_estimator.hpp>
+#include <pneuservo/elements/line_with_chamber.hpp>
 
 #include "bench_tools.hpp"
 #include "continuous_line.hpp"
@@ -133,23 +133,6 @@ inline double run_line(std::vector<double>& chamber_Pa, int cells, int substeps 
                            ContinuousLine::distance_m((k + (i + 1.0) / n) * period_s));
     before = now;
     chamber_Pa.push_back(side.chamber().pressure());
-  }
-  return (now_ns() - start) * 1e-3 / periods;
-}
-
-/// The same by the estimator's time extrapolation.
-inline double run_extrapolated(std::vector<double>& chamber_Pa, int cells) {
-  AxisEstimator<double> estimator;
-  const double half_stroke_m = ContinuousLine::distance_m(0.0);
-  estimator.configure(line_parameters(), chamber_geometry(), AirParameters<double>{}, half_stroke_m, 1.0, period_s,
-                      cells, true);
-  estimator.reset(start_Pa, 0.0);
-  chamber_Pa.assign(1, start_Pa);
-  chamber_Pa.reserve(periods + 1);
-  const double start = now_ns();
-  for (int k = 1; k <= periods; ++k) {
-    estimator.step(port_Pa(k), ContinuousLine::distance_m(k * period_s) - half_stroke_m);
-    chamber_Pa.push_back(estimator.chamber_pressure());
   }
   return (now_ns() - start) * 1e-3 / periods;
 }

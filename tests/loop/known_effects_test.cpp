@@ -86,13 +86,3 @@ TEST_CASE("a concealed leak is told") {
   const Watched concealed = watched({"concealed={chamber_leak_1: {area_m2: 2e-6}}"});
   CHECK((concealed.faults & mismatches) != 0);
 }
-
-TEST_CASE("the config's time extrapolation is the estimator's, and raises no mismatch") {
-  const std::vector<std::string> sets{"estimator.time_extrapolation=true"};
-  CHECK(estimator_parameters(config_rig("cylinder-5m-6.10mm", sets)).time_extrapolation);
-  CHECK_FALSE(estimator_parameters(config_rig("cylinder-5m-6.10mm", {})).time_extrapolation);
-  const Watched plain = watched({}), extrapolated = watched(sets);
-  CHECK(extrapolated.faults == 0);
-  CHECK(extrapolated.estimation_error_Pa < 1.05 * plain.estimation_error_Pa);
-  CHECK(extrapolated.estimation_error_Pa != plain.estimation_error_Pa);
-}

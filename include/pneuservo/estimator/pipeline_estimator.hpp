@@ -54,9 +54,6 @@ struct EstimatorParameters {
   ValveArrangement arrangement = ValveArrangement::five_port;
   double flow_correction = 0.0;   ///< share of the flow innovation that corrects the port pressure, 0 (off) to 0.5
   double cells_per_m = 1.0;  ///< at least one cell a line; 1 is enough for the accuracy stated in docs/estimator.md
-  /// All is computed with steps half as long, too, and extrapolated to a step of nothing: three times the cost, and
-  /// what is left of the error is that of the cells (docs/estimator.md).
-  bool time_extrapolation = false;
   EstimatorUncertainty uncertainty;
   /// Known of the axis beside the nominal model. Restrictions, leaks and branches count; what the valve's command path
   /// does counts for the flow correction. Losses that depend on frequency do not: they would cost half a tick more.
@@ -123,7 +120,7 @@ class PipelineEstimator {
     const int cells = std::max(cell_count(parameters.line_1.length_m, parameters.cells_per_m),
                                cell_count(parameters.line_2.length_m, parameters.cells_per_m));
     axis_.configure(line, geometry, cast<AirParameters<Lanes>>(parameters.air), Lanes(0.5 * c.stroke_m),
-                    both(1.0, -1.0), parameters.period_s, cells, parameters.time_extrapolation);
+                    both(1.0, -1.0), parameters.period_s, cells);
     air_ = Air<Lanes>(cast<AirParameters<Lanes>>(parameters.air));
     configure_effects(parameters);
     // A plane wave that leaves the line changes the port's pressure by c G / A.
@@ -150,7 +147,7 @@ class PipelineEstimator {
     started_ = false;
     peak_ = mean_square_ = drop_peak_ = correction_ = surplus_ = port_ = Lanes(0);
     missing_s_ = {0.0, 0.0, 0.0};
-    guards_seen_ = axis_.guard_actions();
+    guards_seen_ = axis_.side().line().guard_actions();
   }
   /// Starts at a known gas state at rest instead of the first port pressures.
   void start(double pressure_1_Pa, double pressure_2_Pa, double position_m) noexcept {
@@ -257,7 +254,7 @@ class PipelineEstimator {
                               of_lines, of_line_1, of_line_2);
     of_lines.frequency_dependent_losses = {};  // it is the sensors' noise that these would remember
     of_lines.critical_pressure_ratio = Lanes(parameters.valve.critical_pressure_ratio);
-    axis_.set_effects(of_lines);
+    axis_.side().line().set_effects(of_lines);
     chamber_leak_m2_ = both(e.chamber_leak_1.area_m2, e.chamber_leak_2.area_m2);
     chamber_relief_ = sides<ChamberRelief<Lanes>>(e.chamber_relief_1, e.chamber_relief_2);
     leaks_ = any(chamber_leak_m2_ + chamber_relief_.area_per_pressure_m2_per_Pa > Lanes(0)) ||
@@ -389,7 +386,7 @@ class PipelineEstimator {
     const Lanes grid = Lanes(grid_floor_Pa) +
                        Lanes(grid_share_of_cell_) * drop_peak_ * (Lanes(1) + Lanes(grid_growth_per_Pa) * drop_peak_);
     const Lanes bound = square_root(stray_squared + grid * grid);
-    const std::int64_t guards = axis_.guard_actions();
+    const std::int64_t guards = axis_.side().line().guard_actions();
     if (guards != guards_seen_) health |= estimator_state_guarded;
     guards_seen_ = guards;
     const auto trusted = [&](std::size_t i) {

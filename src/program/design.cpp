@@ -17,6 +17,7 @@
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "record/import.hpp"
+#include "record/result_file.hpp"
 #include "report/design_json.hpp"
 #include "report/design_report.hpp"
 #include "report/design_summary.hpp"

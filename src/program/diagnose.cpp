@@ -18,6 +18,7 @@
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "program/virtual_machine.hpp"
+#include "record/result_file.hpp"
 #include "report/diagnosis_report.hpp"
 
 namespace pneuservo {

@@ -12,6 +12,7 @@
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
+#include "record/result_file.hpp"
 #include "report/import_report.hpp"
 
 namespace pneuservo {

@@ -14,6 +14,7 @@
 #include "program/recording_choice.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
+#include "record/result_file.hpp"
 
 namespace pneuservo {
 namespace {

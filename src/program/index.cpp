@@ -9,6 +9,7 @@
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
+#include "record/result_file.hpp"
 
 namespace pneuservo {
 

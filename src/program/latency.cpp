@@ -17,6 +17,7 @@
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "record/import.hpp"
+#include "record/result_file.hpp"
 #include "report/run_json.hpp"
 #include "sim/sim_backend.hpp"
 

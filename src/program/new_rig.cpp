@@ -10,6 +10,7 @@
 #include "program/output_files.hpp"
 #include "program/rig_draft.hpp"
 #include "program/verbs.hpp"
+#include "record/result_file.hpp"
 
 namespace pneuservo {
 

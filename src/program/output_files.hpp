@@ -42,7 +42,4 @@ class OutputFiles {
   std::vector<Named> inputs_, outputs_;
 };
 
-/// Writes a result; an older one stays until the new one is whole. Throws InputError where it cannot.
-void write_result(const std::string& path, const std::string& text);
-
 }  // namespace pneuservo

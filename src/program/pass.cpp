@@ -14,6 +14,7 @@
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "record/import.hpp"
+#include "record/result_file.hpp"
 #include "report/html_page.hpp"
 
 namespace pneuservo {

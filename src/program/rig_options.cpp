@@ -13,6 +13,7 @@
 #include "config/version.hpp"
 #include "origin_name.hpp"
 #include "program/output_files.hpp"
+#include "record/result_file.hpp"
 
 namespace pneuservo {
 

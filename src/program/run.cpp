@@ -27,6 +27,7 @@
 #include "program/rig_options.hpp"
 #include "program/verbs.hpp"
 #include "record/import.hpp"
+#include "record/result_file.hpp"
 #include "record/writer.hpp"
 #include "report/evaluation.hpp"
 #include "report/motion_verdict.hpp"

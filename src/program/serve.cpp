@@ -18,6 +18,7 @@
 #include "program/rig_options.hpp"
 #include "program/served_drive.hpp"
 #include "program/verbs.hpp"
+#include "record/result_file.hpp"
 #include "record/series.hpp"
 #include "record/writer.hpp"
 #include "service/command_server.hpp"

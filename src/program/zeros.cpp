@@ -15,6 +15,7 @@
 #include "config/read_rig.hpp"
 #include "config/section_reader.hpp"
 #include "program/output_files.hpp"
+#include "record/result_file.hpp"
 
 namespace pneuservo {
 namespace {

@@ -2,13 +2,10 @@
 #include <report/html_page.hpp>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 
-#include <config/input_error.hpp>
 #include <fmt/format.h>
+#include <record/result_file.hpp>
 #include <report/assets.hpp>
 #include <report/plot_json.hpp>
 #include <report/pole_plot.hpp>
@@ -190,11 +187,6 @@ std::string HtmlPage::html() const {
   return page;
 }
 
-void HtmlPage::write(const std::string& path) const {
-  std::ofstream file(path, std::ios::binary);
-  file << html();
-  file.close();
-  if (!file) throw InputError(fmt::format("{}: the report cannot be written there: {}", path, std::strerror(errno)));
-}
+void HtmlPage::write(const std::string& path) const { write_result(path, html()); }
 
 }  // namespace pneuservo

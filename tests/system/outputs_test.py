@@ -73,7 +73,8 @@ expect(process.wait(timeout=30) == 1 and places == 3 * ["/dev/null"], f"closed s
 
 # An older result stays until the new one is whole: here no file may become larger than a part of it.
 small = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))
-for verb, name in ((["design", mine, "--write"], "designed.yaml"), (["run", mine, *short, "--json"], "r.json")):
+for verb, name in ((["design", mine, "--write"], "designed.yaml"), (["run", mine, *short, "--json"], "r.json"),
+                   (["run", mine, *short, "--report"], "r.html")):
     older = content(at(name))
     done = run(*verb, at(name), preexec_fn=small)
     expect(done.returncode == 2 and name in done.stderr and "File too large" in done.stderr, f"{verb}: {done.returncode} {done.stderr}")

@@ -45,7 +45,7 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
     fittings_.set_effects(effects);
     losses_.set_effects(effects);
     const S share = effects.frequency_dependent_losses.share;
-    memory_.set_share(share, air_.R);
+    memory_.set_share(share);
     friction_.nusselt_laminar = S(3.66) + minimum(share, S(1)) * S(8 - 3.66);
     set_time_step(step_s_);
   }
@@ -237,6 +237,7 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
     Face end = chamber_face<remembering>(last, u_before_n, u_n, chamber);
     const S enthalpy_flux = chamber_end_flux(end, last, u_before_n, chamber);
     const Face port = port_face<remembering>(first, u_0, u_1, port_flux);
+    if constexpr (remembering) memory_.advance_ends(port.velocity - u_0, end.velocity - u_n);
     chamber_face_ = end;
     port_face_ = port;
     return {cross_section_ * port.mass_flux, cross_section_ * end.mass_flux, cross_section_ * enthalpy_flux};
@@ -347,6 +348,7 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
       set_element<S>(face_.mass_flux[face_group(j)], face_place(j), mended.mass_flux);
       set_element<S>(face_.pressure_flux[face_group(j)], face_place(j), mended.pressure_flux);
     }
+    memory_.mend();
   }
 
   template <bool losing, bool remembering> [[gnu::noinline]] void find_balances() noexcept {
@@ -366,7 +368,7 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
       WallAnswer<G> wall{};
       if constexpr (remembering) {
         const G RT = row.pressure_per_density[q];
-        wall = memory_.in_cells(q, line_scheme::heat_diffusion(k, RT), RT * k.inverse_R);
+        wall = memory_.in_cells(q, line_scheme::heat_diffusion(k, RT), RT);
         memory = &wall;
       }
       const auto made = line_scheme::balance(k, row[q], line_scheme::one_face_before<S>(previous, right), right,
@@ -388,8 +390,7 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
     for (int q = 0; q < groups; ++q) {
       const auto made = line_scheme::state_of(row.density[q], row.a[q], row.d[q]);
       sound = sound & line_scheme::sound_cell(k, made);
-      if constexpr (remembering)
-        memory_.advance_cells(q, (made.pressure_per_density - row.pressure_per_density[q]) * k.inverse_R);
+      if constexpr (remembering) memory_.advance_cells(q, made.pressure_per_density - row.pressure_per_density[q]);
       row.pressure[q] = made.pressure;
       row.pressure_per_density[q] = made.pressure_per_density;
       row.density_per_pressure[q] = made.density_per_pressure;
@@ -455,7 +456,6 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
     Face made = end_face<remembering>(rho, u, select(u > S(0), S(0), u_after - u),
                                       S(2) * (first.pressure - port_pressure_), End::port);
     port_flux(made, first);
-    if constexpr (remembering) memory_.advance_end(End::port, made.velocity - u);
     return made;
   }
   template <bool remembering>
@@ -469,7 +469,6 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
                                       S(2) * (chamber.pressure_Pa - last.pressure), End::chamber);
     if (fittings_.are_present()) apply_restriction(made, last, u, rho, chamber);
     limit_speed(made, temperature(last), chamber.temperature_K);
-    if constexpr (remembering) memory_.advance_end(End::chamber, made.velocity - u);
     return made;
   }
 
@@ -568,6 +567,7 @@ template <class S> class Line : public LineSteps<Line<S>, S> {
       c.density_per_pressure = select(mend, S(1) / RT_mended, c.density_per_pressure);
       set_cell(i, c);
     }
+    memory_.mend();
   }
 
   double step_s_ = 1e-3;

@@ -74,8 +74,7 @@ ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmos
   if (is_ours(out.column)) return {out.column, out.column, "", 1, 0, "a name of the recording format", true};
   const NameParts parts = parts_of(half_width(out.column));
   const bool in_row = !table.units[column].empty();
-  const std::string stated = in_row ? std::string(without_brackets(table.units[column])) : parts.unit;
-  out.unit = stated;
+  const std::string stated = out.unit = stated_unit(table, column);
   const std::optional<ColumnWord> word = column_word(parts.text);
   if (table.is_clock[column] != 0) return {out.column, "t_s", "date", 1, 0, "holds dates or times of day", false};
   // "millis" is both.
@@ -139,6 +138,46 @@ std::vector<ColumnGuess> guess_columns(const CsvTable& table, double atmosphere_
     if (is_finer) kept = c;
   }
   return out;
+}
+
+std::string meaning_of(const std::string& name) {
+  if (is_ours(name)) return name;
+  const std::optional<ColumnWord> word = column_word(parts_of(half_width(name)).text);
+  return word ? std::string(word->ours) : "";
+}
+
+std::string stated_unit(const CsvTable& table, std::size_t column) {
+  if (!table.units[column].empty()) return std::string(without_brackets(table.units[column]));
+  const std::string name = half_width(table.names[column]), unit = parts_of(name).unit;
+  if (!unit.empty()) return unit;
+  const std::string last = name.substr(name.find_last_of("_ /") + 1);
+  if (last.size() == name.size()) return "";
+  for (const std::string_view raw : {"%", "mA", "percent", "pct", "Prozent"})
+    if (last == raw) return raw == "mA" ? "mA" : "%";
+  return "";
+}
+
+double named_time_s(const CsvTable& table, std::size_t column) {
+  const auto parts_at = [&](std::size_t c) {
+    NameParts parts = parts_of(half_width(table.names[c]));
+    parts.text = trimmed(parts.text);
+    return parts;
+  };
+  NameParts parts = parts_at(column);
+  const std::string behind = column + 1 < table.names.size() ? parts_at(column + 1).text : "";
+  std::string_view text = parts.text;
+  if (!behind.empty() && text.size() > behind.size()) {
+    if (text.starts_with(behind)) text.remove_prefix(behind.size());
+    else if (text.ends_with(behind)) text.remove_suffix(behind.size());
+  }
+  const std::size_t end = text.find_last_not_of("0123456789 ()_#.");
+  text = text.substr(0, end == std::string_view::npos ? 0 : end + 1);
+  const std::optional<ColumnWord> word = column_word(text);
+  if (!word || word->ours != "t_s") return 0;
+  const std::optional<Unit> unit = unit_in(table.units[column].empty() ? parts.unit : table.units[column]);
+  if (unit && unit->quantity != Quantity::time) return 0;
+  const std::optional<Unit> by_name = !unit && text.size() > 1 ? unit_in(text) : std::nullopt;  // "millis"
+  return unit ? unit->factor : by_name && by_name->quantity == Quantity::time ? by_name->factor : 1;
 }
 
 ImportParameters import_map(const std::vector<ColumnGuess>& guesses) {

@@ -47,6 +47,9 @@ std::optional<NameParts> with_joined_unit(const std::string& name) {
 }
 
 NameParts parts_of(const std::string& name) {
+  const std::size_t labels = name.find('{');  // position_mm{axis="1"}
+  if (labels != std::string::npos && labels > 0 && name.find('=', labels) != std::string::npos)
+    return parts_of(name.substr(0, labels));
   const std::size_t last = name.find_last_of("_ /");
   const std::optional<Unit> suffix =
       last == std::string::npos || last == 0 ? std::nullopt : unit_in(name.substr(last + 1));
@@ -111,11 +114,39 @@ ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmos
   return out;
 }
 
+/// Times in millionths of days since 1899-12-30, which WinCC calls milliseconds: 2000 to 2090 with decimals, where a
+/// counter of milliseconds has whole numbers.
+bool are_millionths_of_days(const std::vector<double>& values) {
+  constexpr double first = 36526e6, last = 69400e6;
+  bool has_decimals = false;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    if (value < first || value > last) return false;
+    has_decimals = has_decimals || value != std::round(value);
+  }
+  return has_decimals;
+}
+
 /// Steps from row to row one way less those the other way: what tells rows apart and goes on is the better clock.
 std::size_t course_of(const std::vector<double>& values) {
   std::size_t up = 0, down = 0;
   for (std::size_t i = 1; i < values.size(); ++i) up += values[i] > values[i - 1], down += values[i] < values[i - 1];
   return std::max(up, down) - std::min(up, down);
+}
+
+/// Where nothing is named a time: the first column in a unit of time that goes on from row to row.
+void take_time_by_unit(const CsvTable& table, std::vector<ColumnGuess>& guesses) {
+  for (std::size_t c = 0; c < guesses.size(); ++c) {
+    const std::optional<Unit> unit = unit_in(guesses[c].unit);
+    const std::vector<double>& values = table.values[c];
+    if (!unit || unit->quantity != Quantity::time || values.size() < 3 || !std::isfinite(values[0])) continue;
+    if (course_of(values) + 1 < values.size()) continue;
+    guesses[c].ours = "t_s";
+    guesses[c].factor = unit->factor;
+    guesses[c].has_unit = true;
+    guesses[c].evidence = fmt::format("in {}, and goes on from row to row", guesses[c].unit);
+    return;
+  }
 }
 
 }  // namespace
@@ -125,6 +156,10 @@ std::vector<ColumnGuess> guess_columns(const CsvTable& table, double atmosphere_
   std::map<std::string, std::size_t> places;  // of the columns taken, by what for
   for (std::size_t c = 0; c < table.names.size(); ++c) {
     out.push_back(guess_column(table, c, atmosphere_Pa));
+    if (out[c].ours == "t_s" && out[c].factor == 1e-3 && are_millionths_of_days(table.values[c])) {
+      out[c].factor = 86400e-6;
+      out[c].evidence += ", holds millionths of days";
+    }
     if (out[c].ours.empty()) continue;
     const auto [first, is_new] = places.try_emplace(out[c].ours, c);
     if (is_new) continue;
@@ -137,6 +172,7 @@ std::vector<ColumnGuess> guess_columns(const CsvTable& table, double atmosphere_
     left.ours.clear();
     if (is_finer) kept = c;
   }
+  if (!places.contains("t_s")) take_time_by_unit(table, out);
   return out;
 }
 

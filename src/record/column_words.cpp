@@ -51,7 +51,7 @@ struct Roots {
 };
 /// English, German, French, Spanish, Italian, Portuguese, Dutch, Swedish, Polish, Czech, Finnish, Japanese, Chinese, Russian, Korean.
 constexpr std::array roots_of_roles{
-    Roots{Role::time, "t time timestamp stamp tv sec secs seconds sekunden nsec nsecs nanosec elapsed uptime date clock millis micros msec usec ms us xvalue zeit "
+    Roots{Role::time, "t time timestamp stamp tick ticks tv sec secs seconds sekunden nsec nsecs nanosec elapsed uptime date clock millis micros msec usec ms us xvalue zeit "
           "zeitstempel uhrzeit datum temps heure horodatage tiempo fecha hora tempo ora tijd tijdstip tid czas cas aika"},
     Roots{Role::position, "x s pos position displacement stroke travel way place course weg hub lage stellung auslenkung "
           "verschiebung deplacement posicion desplazamiento carrera recorrido posizione spostamento corsa posicao "

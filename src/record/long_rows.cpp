@@ -55,7 +55,7 @@ template <std::size_t n> bool is_word_of(const std::array<std::string_view, n>& 
 /// What stands in one field of all rows of a sample.
 struct FieldFacts {
   std::string name;  ///< small letters
-  std::size_t numbers = 0, clocks = 0, empty = 0, texts = 0, changes = 0, back = 0;
+  std::size_t numbers = 0, clocks = 0, empty = 0, texts = 0, changes = 0, back = 0, falls = 0;
   std::set<std::string> different;
 
   bool is_number(std::size_t rows) const { return numbers > 0 && 10 * (numbers + empty) >= 9 * rows; }
@@ -73,6 +73,12 @@ bool long_value_in(std::string_view field, char decimal, double& value) {
   return word == "true" || word == "false";
 }
 
+/// "(1767434671.001)", as tools of a CAN bus write times.
+std::string_view without_round_brackets(std::string_view field) {
+  const bool is_so = field.size() > 2 && field.front() == '(' && field.back() == ')';
+  return is_so ? field.substr(1, field.size() - 2) : field;
+}
+
 using SampledRows = std::vector<std::vector<std::string>>;
 
 std::vector<FieldFacts> field_facts(const SampledRows& rows, char decimal) {
@@ -83,13 +89,13 @@ std::vector<FieldFacts> field_facts(const SampledRows& rows, char decimal) {
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const std::string& field = rows[r][c];
       double value = no_value;
-      const bool is_number = long_value_in(field, decimal, value);
+      const bool is_number = long_value_in(without_round_brackets(field), decimal, value);
       const std::optional<double> clock = is_number ? std::nullopt : clock_in(field);
       facts.numbers += is_number, facts.clocks += clock.has_value(), facts.empty += field.empty();
       facts.texts += !is_number && !clock && !field.empty();
       facts.changes += r > 0 && field != rows[r - 1][c];
       if (clock) value = *clock;
-      facts.back += value <= last;
+      facts.back += value <= last, facts.falls += value < last;
       last = value;
       facts.different.insert(field);
     }
@@ -103,7 +109,7 @@ bool is_time_name(const std::string& name) {
 }
 
 /// The field of the times: of those that are clocks, or are named so, the one with most different values. Without names
-/// the first numbers.
+/// the numbers that go back least.
 std::size_t time_field(const std::vector<FieldFacts>& facts, const LongRows& how, std::size_t rows) {
   std::size_t out = LongRows::none, most = 0;
   for (std::size_t c = 0; c < facts.size(); ++c) {
@@ -112,8 +118,11 @@ std::size_t time_field(const std::vector<FieldFacts>& facts, const LongRows& how
     most = facts[c].different.size();
     out = c;
   }
-  for (std::size_t c = 0; c < facts.size() && out == LongRows::none && how.names.empty(); ++c)
-    if (facts[c].is_number(rows)) out = c;
+  if (out != LongRows::none || !how.names.empty()) return out;
+  for (std::size_t c = 0; c < facts.size(); ++c)
+    if (facts[c].is_number(rows) && facts[c].different.size() > 1 &&
+        (out == LongRows::none || facts[c].falls < facts[out].falls))
+      out = c;
   return out;
 }
 
@@ -122,11 +131,11 @@ std::vector<std::size_t> tag_fields(const std::vector<FieldFacts>& facts, const 
   std::vector<std::size_t> named;
   std::size_t best = LongRows::none;
   for (std::size_t c = 0; c < facts.size(); ++c) {
-    if (c == how.time || c == how.value || c == how.unit || c == how.quality || !facts[c].repeats(rows.size()))
-      continue;
+    const bool is_other = c == how.time || c == how.unit || c == how.quality || how.has_value(c);
+    if (is_other || !facts[c].repeats(rows.size())) continue;
     const bool is_named = is_word_of(tag_words, facts[c].name);
-    const bool may_be = facts[c].is_text(rows.size()) || (is_named && how.value != LongRows::none);
-    if (!may_be || (!how.names.empty() && !is_named)) continue;
+    const bool may_be = facts[c].is_text(rows.size()) || (is_named && how.values.size() == 1);
+    if (!may_be || (!how.names.empty() && !is_named && how.values.size() == 1)) continue;
     named.push_back(c);
     if (best == LongRows::none || facts[c].different.size() > facts[best].different.size()) best = c;
   }
@@ -172,15 +181,18 @@ std::size_t date_field(const std::vector<FieldFacts>& facts, std::size_t time, s
   return LongRows::none;
 }
 
-/// The only field of numbers beside the times that has more than one value.
-std::size_t only_value(const std::vector<FieldFacts>& facts, std::size_t time, std::size_t rows) {
-  std::size_t out = LongRows::none;
-  for (std::size_t c = 0; c < facts.size(); ++c) {
-    if (c == time || !facts[c].is_number(rows) || facts[c].different.size() < 2) continue;
-    if (out != LongRows::none) return LongRows::none;
-    out = c;
-  }
+/// Fields of numbers beside the times that have more than one value.
+std::vector<std::size_t> fields_of_values(const std::vector<FieldFacts>& facts, std::size_t time, std::size_t rows) {
+  std::vector<std::size_t> out;
+  for (std::size_t c = 0; c < facts.size(); ++c)
+    if (c != time && facts[c].is_number(rows) && facts[c].different.size() > 1) out.push_back(c);
   return out;
+}
+
+/// Whether each time is there once for each text: rows of several channels, such as axes, with the same values each.
+bool share_times(const FieldFacts& tag, const FieldFacts& time, std::size_t rows) {
+  const std::size_t expected = tag.different.size() * time.different.size();
+  return tag.different.size() > 1 && 10 * expected >= 9 * rows && 10 * expected <= 11 * rows;
 }
 
 /// Whether the channels alternate, or each has a course of its own: in tables with a column of states none does.
@@ -234,14 +246,16 @@ LongRows long_rows_in(const std::vector<std::string>& lines, const FieldStyle& s
   if (out.time == LongRows::none) return {};
   const FieldFacts& time = facts[out.time];
   take_unit_fields(facts, n, out);
-  out.value = field_with_word(facts, value_words,
-                              [&](const FieldFacts& one) { return one.is_number(n) && &one != &time; });
-  const bool is_named = out.value != LongRows::none;
-  if (!is_named) out.value = only_value(facts, out.time, n);
-  if (out.value == LongRows::none) return {};
+  const std::size_t named = field_with_word(
+      facts, value_words, [&](const FieldFacts& one) { return one.is_number(n) && &one != &time; });
+  const bool is_named = named != LongRows::none;
+  out.values = is_named ? std::vector{named} : fields_of_values(facts, out.time, n);
+  if (out.values.empty()) return {};
   out.tags = tag_fields(facts, out, rows);
   if (out.tags.empty() || (out.names.empty() && out.tags.size() > 1)) return {};
-  if (!is_named && !channels_alternate(facts[out.tags.front()], time, n)) return {};
+  const FieldFacts& tag = facts[out.tags.front()];
+  if (out.values.size() > 1 && (out.tags.size() > 1 || !tag.is_text(n) || !share_times(tag, time, n))) return {};
+  if (!is_named && !channels_alternate(tag, time, n)) return {};
   out.date = date_field(facts, out.time, n);
   out.fields = facts.size();
   return out;
@@ -264,7 +278,7 @@ LongRows find_long_rows(const std::vector<std::string>& lines) {
 }
 
 bool LongTable::take_time(double& time) {
-  const std::string_view field = fields_[how_.time];
+  const std::string_view field = without_round_brackets(fields_[how_.time]);
   const std::optional<double> clock = clock_in(field);
   if (!clock) return number_in(field, how_.style.decimal, time) || number_in(field, '.', time);
   is_clock_ = true;
@@ -275,8 +289,12 @@ bool LongTable::take_time(double& time) {
   return day_s.has_value();
 }
 
-bool LongTable::take_value(double& value) {
-  const std::string_view field = fields_[how_.value];
+bool LongRows::has_value(std::size_t field) const {
+  return std::find(values.begin(), values.end(), field) != values.end();
+}
+
+bool LongTable::take_value(std::size_t of, double& value) {
+  const std::string_view field = fields_[of];
   if (how_.quality != LongRows::none && in_small_letters(fields_[how_.quality]).starts_with("bad")) {
     ++bad_;
     return false;
@@ -302,7 +320,13 @@ TimedGroup& LongTable::channel() {
   places_.emplace(tag_, channels_.size());
   double number = 0;
   const bool is_number = number_in(tag_, '.', number);
-  channels_.push_back({{}, {}, {is_number ? fmt::format("channel {}", tag_) : tag_}, {""}, {{}}});
+  channels_.emplace_back();
+  for (const std::size_t value : how_.values) {
+    const std::string name = is_number ? fmt::format("channel {}", tag_) : tag_;
+    channels_.back().names.push_back(how_.values.size() > 1 ? name + "/" + how_.name_of(value) : name);
+    channels_.back().units.emplace_back();
+    channels_.back().values.emplace_back();
+  }
   return channels_.back();
 }
 
@@ -316,7 +340,7 @@ void LongTable::add(std::string_view line, std::size_t number) {
                     fmt::format("{} fields where {} are expected; the row is not used", fields_.size(), how_.fields));
     return;
   }
-  double time = no_value, value = no_value;
+  double time = no_value;
   if (!take_time(time)) {
     if (untimed_++ == 0)
       table_.report(number, ProblemKind::no_time,
@@ -325,11 +349,18 @@ void LongTable::add(std::string_view line, std::size_t number) {
   }
   TimedGroup& of = channel();
   if (how_.unit != LongRows::none && of.units.front().empty()) of.units.front() = fields_[how_.unit];
-  if (!take_value(value)) return;
-  refuse_beyond(most_bytes_, 3 * sizeof(double) * ++values_, table_.path, number);
+  std::vector<double> values(how_.values.size(), no_value);
+  bool is_there = false;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const bool is_value = take_value(how_.values[i], values[i]);
+    if (!is_value) values[i] = no_value;
+    is_there = is_there || is_value;
+  }
+  if (!is_there) return;
+  refuse_beyond(most_bytes_, (2 + values.size()) * sizeof(double) * ++rows_, table_.path, number);
   of.times.push_back(time);
   of.lines.push_back(number);
-  of.values.front().push_back(value);
+  for (std::size_t i = 0; i < values.size(); ++i) of.values[i].push_back(values[i]);
 }
 
 /// SampledRows of a channel, most of which stand in order, may hold several runs; others are sorted.
@@ -354,11 +385,12 @@ void LongTable::finish() {
 }
 
 void LongTable::tell(std::size_t rows) const {
-  std::string tags;
+  std::string tags, value_names;
+  for (const std::size_t value : how_.values) value_names += (value_names.empty() ? "" : " and ") + how_.name_of(value);
   for (const std::size_t tag : how_.tags) tags += (tags.empty() ? "" : " and ") + how_.name_of(tag);
   table_.report(0, ProblemKind::dialect,
                 fmt::format("a long table: {} rows with a value each in {}, of {} channel{} by {}, at the times in {}{}",
-                            rows, how_.name_of(how_.value), channels_.size(), channels_.size() == 1 ? "" : "s", tags,
+                            rows, value_names, channels_.size(), channels_.size() == 1 ? "" : "s", tags,
                             how_.name_of(how_.time),
                             how_.unit == LongRows::none ? "" : ", units from " + how_.name_of(how_.unit)));
   if (out_of_order_ > 0)

@@ -21,14 +21,17 @@ struct LongRows {
   std::size_t first_row = 0;  ///< index of the first row in the sample
   std::vector<std::string> names;  ///< of the fields; empty: the file has none
   std::vector<std::size_t> tags;   ///< whose texts together name the channel
-  std::size_t time = none, value = none, unit = none, quality = none;
+  std::vector<std::size_t> values;  ///< one, or those that each row has for its channel
+  std::size_t time = none, unit = none, quality = none;
   std::size_t date = none;  ///< of the day, where `time` is of the day's time alone
 
   bool found() const { return fields > 0; }
   std::string name_of(std::size_t field) const;
+  bool has_value(std::size_t field) const;
 };
 
-/// By the names of the fields, or as channels alternate beside the one value of each row. `lines`: the first ones.
+/// By the names of the fields, or as channels alternate beside the one value of each row, or beside several at the same
+/// times. `lines`: the first ones.
 LongRows find_long_rows(const std::vector<std::string>& lines);
 
 /// Takes the rows, and makes a column of each channel.
@@ -43,13 +46,13 @@ class LongTable {
 
  private:
   bool take_time(double& time_s);
-  bool take_value(double& value);
+  bool take_value(std::size_t field, double& value);
   TimedGroup& channel();
   void tell(std::size_t rows) const;
 
   LongRows how_;
   CsvTable& table_;
-  std::size_t most_bytes_, values_ = 0;
+  std::size_t most_bytes_, rows_ = 0;
   std::vector<std::string_view> fields_;
   std::map<std::string, std::size_t, std::less<>> places_;  ///< of the channels
   std::vector<TimedGroup> channels_;

@@ -256,6 +256,11 @@ class TableReader {
                             std::vector<std::size_t>& places) {
     keyed_ = find_keyed_rows(texts);
     if (keyed_.names.empty()) return;
+    for (std::size_t i = texts.size(); i-- > 0;) {
+      if (keyed_.holds_values(texts[i])) continue;
+      texts.erase(texts.begin() + static_cast<std::ptrdiff_t>(i));
+      places.erase(places.begin() + static_cast<std::ptrdiff_t>(i));
+    }
     for (std::string& text : texts) text = keyed_.row(text);
     lines.insert(lines.begin(), {keyed_.names_line(), lines.front().number});
     texts.insert(texts.begin(), lines.front().text);

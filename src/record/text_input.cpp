@@ -74,6 +74,15 @@ constexpr std::array<Format, 38> formats{{{"PK\3\4", "a zip archive, as .xlsx, .
                                           {"\x04\x22\x4d\x18", "packed by lz4", unpack},
                                           {"\x1f\x9d", "packed by compress", unpack}}};
 
+/// Lines that are an object of JSON each, which name their values.
+bool holds_objects_a_line(std::string_view start) {
+  const std::size_t end = start.find('\n');
+  if (!start.starts_with('{') || end == std::string_view::npos) return false;
+  const std::string_view first = start.substr(0, end), rest = start.substr(end + 1);
+  const std::size_t last = first.find_last_not_of(" \r,");
+  return last != std::string_view::npos && first[last] == '}' && first.find(':') < last && rest.starts_with('{');
+}
+
 /// Throws InputError where the data begin as those of another format do.
 void refuse_other_formats(const std::string& path, std::string_view start) {
   constexpr std::size_t place_of_tar = 257;  // of "ustar" in the first header
@@ -82,7 +91,7 @@ void refuse_other_formats(const std::string& path, std::string_view start) {
         fmt::format("{}: is {}; expected a table as text, plain or packed by gzip: {}", path, name, remedy));
   };
   for (const Format& format : formats)
-    if (start.starts_with(format.begins)) refuse(format.name, format.remedy);
+    if (!holds_objects_a_line(start) && start.starts_with(format.begins)) refuse(format.name, format.remedy);
   if (start.size() > place_of_tar && start.substr(place_of_tar).starts_with("ustar")) refuse("a tar archive", unpack);
 }
 

@@ -45,6 +45,7 @@ TEST_CASE("names in the encodings of their countries are read as in UTF-8") {
       {"EUC-KR", "시간 [s],위치 [mm],밸브 명령 [V]", "text in EUC-KR"},
       {"CP1251", "Время [s],Положение штока [mm],Клапан [V]", "text in Windows-1251"},
       {"CP1251", "время [s],положение [mm],управление [V]", "text in Windows-1251"},
+      {"CP1251", "Время (с),Положение (мм),Клапан (В)", "text in Windows-1251"},
       {"KOI8-R", "Время [s],Положение штока [mm],Клапан [V]", "text in KOI8-R"},
       {"CP1252", "Zeit [s],Kolbenlängslage Weg [mm],Stellgröße [V]", "text in Windows-1252"},
       {"ISO-8859-1", "Temps [s],Déplacement [mm],Commande [V]", "text in Windows-1252"},

@@ -299,3 +299,38 @@ TEST_CASE("a file whose values exceed the memory is refused at the line where th
                                                           Contains("a quarter of the memory"));
   CHECK(read_table(path).rows() == 4 * row_count);
 }
+
+TEST_CASE("values bear their names in lines of a log, of JSON and of a database's line protocol") {
+  check_motion("2026-01-03 10:11:00,000 INFO start\n" + rows([](int i, double, double x, double u) {
+                 return fmt::format("2026-01-03 10:11:{:02},{:03} INFO [axis 1] position={:.7f} valve={:.4f}", i / 1000,
+                                    i % 1000, x, u);
+               }));
+  check_motion(rows([](int, double t, double x, double u) {
+    return fmt::format("{{\"t\": {:.3f}, \"position\": {:.7f}, \"valve\": {:.4f}}}", t, x, u);
+  }));
+  check_motion(rows([](int i, double, double x, double u) {
+    return fmt::format("{{\"timestamp\":\"2026-01-03T10:11:{:02}.{:03}Z\",\"axis\":\"A\",\"position\":{:.7f},\"valve\":{:.4f}}}",
+                       i / 1000, i % 1000, x, u);
+  }));
+  check_motion(rows([](int i, double, double x, double u) {
+    return fmt::format("axis,host=plc1 position={:.7f},valve={:.4f},count={}i {}", x, u, i, 1767434671000000000 + i * 1000000L);
+  }));
+}
+
+TEST_CASE("a column in a unit of time that goes on is the time where none is named so") {
+  const auto told = [](const char* names) {
+    return understood(names + rows([](int, double t, double x, double u) {
+                        return fmt::format("{:.3f},{:.7f},{:.4f}", t - 0.5, x, u);
+                      }));
+  };
+  for (const char* names : {"x-axis,position,valve\nsecond,m,Volt\n", "Abscissa (s),position (m),valve (V)\n"}) {
+    CAPTURE(names);
+    const Understood found = told(names);
+    REQUIRE(found.run.rows() == row_count);
+    CHECK(found.run.column("x_m")[100] == Approx(x_m_at(100)));
+    CHECK(found.run.t_s()[100] == Approx(-0.4));
+  }
+  check_motion("tick_us;position;valve\n" + rows([](int i, double, double x, double u) {
+                 return fmt::format("0x{:08X};{:.7f};{:.4f}", 1000 * i, x, u);
+               }));
+}

@@ -132,3 +132,33 @@ TEST_CASE("a table with a column of states beside its values is no long one") {
   CHECK(found.run.rows() == row_count);
   CHECK_THAT(found.told, !Contains("long table"));
 }
+
+TEST_CASE("rows of several axes with the same values each are columns of each axis") {
+  const Understood found = understood("time,axis,position,valve\n" + rows([](int, double t, double x, double u) {
+                                        return fmt::format("{0:.3f},A,{1:.7f},{2:.4f}\n{0:.3f},B,{3:.7f},{4:.4f}", t, x,
+                                                           u, -x, -u);
+                                      }));
+  REQUIRE(found.run.rows() == row_count);
+  CHECK(found.columns[1].column == "A/position");
+  CHECK(found.run.column("x_m")[100] == Approx(x_m_at(100)));
+  CHECK(found.run.column("u_V")[100] == Approx(u_V_at(100)));
+  CHECK_THAT(found.told, Contains("position and valve") && Contains("2 channels by axis"));
+}
+
+TEST_CASE("times in brackets or behind the value, and millionths of days") {
+  check_motion(long_rows(
+      [](int i, double, const char* name, double v, const char*) {
+        return fmt::format("({}.{:03}) can0 {} {:.4f}", 1767434671 + i / 1000, i % 1000, name, v);
+      },
+      "position_mm", "valve"));
+  check_motion(long_rows(
+      [](int i, double, const char* name, double v, const char*) {
+        return fmt::format("{}{{axis=\"1\"}} {:.4f} {}", name, v, 1767434671000 + i);
+      },
+      "position_mm", "valve"));
+  const Understood found = understood("VarName;VarValue;Time_ms\n" +
+                                      long_rows([](int i, double, const char* name, double v, const char*) {
+                                        return fmt::format("{};{:.4f};{:.6f}", name, v, 46025424436.0 + 0.5 + i / 0.0864);
+                                      }));
+  CHECK(found.run.period_s == Approx(0.001).epsilon(1e-3));
+}

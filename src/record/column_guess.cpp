@@ -47,6 +47,9 @@ std::optional<NameParts> with_joined_unit(const std::string& name) {
 }
 
 NameParts parts_of(const std::string& name) {
+  const std::size_t labels = name.find('{');  // position_mm{axis="1"}
+  if (labels != std::string::npos && labels > 0 && name.find('=', labels) != std::string::npos)
+    return parts_of(name.substr(0, labels));
   const std::size_t last = name.find_last_of("_ /");
   const std::optional<Unit> suffix =
       last == std::string::npos || last == 0 ? std::nullopt : unit_in(name.substr(last + 1));
@@ -74,8 +77,7 @@ ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmos
   if (is_ours(out.column)) return {out.column, out.column, "", 1, 0, "a name of the recording format", true};
   const NameParts parts = parts_of(half_width(out.column));
   const bool in_row = !table.units[column].empty();
-  const std::string stated = in_row ? std::string(without_brackets(table.units[column])) : parts.unit;
-  out.unit = stated;
+  const std::string stated = out.unit = stated_unit(table, column);
   const std::optional<ColumnWord> word = column_word(parts.text);
   if (table.is_clock[column] != 0) return {out.column, "t_s", "date", 1, 0, "holds dates or times of day", false};
   // "millis" is both.
@@ -112,11 +114,39 @@ ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmos
   return out;
 }
 
+/// Times in millionths of days since 1899-12-30, which WinCC calls milliseconds: 2000 to 2090 with decimals, where a
+/// counter of milliseconds has whole numbers.
+bool are_millionths_of_days(const std::vector<double>& values) {
+  constexpr double first = 36526e6, last = 69400e6;
+  bool has_decimals = false;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    if (value < first || value > last) return false;
+    has_decimals = has_decimals || value != std::round(value);
+  }
+  return has_decimals;
+}
+
 /// Steps from row to row one way less those the other way: what tells rows apart and goes on is the better clock.
 std::size_t course_of(const std::vector<double>& values) {
   std::size_t up = 0, down = 0;
   for (std::size_t i = 1; i < values.size(); ++i) up += values[i] > values[i - 1], down += values[i] < values[i - 1];
   return std::max(up, down) - std::min(up, down);
+}
+
+/// Where nothing is named a time: the first column in a unit of time that goes on from row to row.
+void take_time_by_unit(const CsvTable& table, std::vector<ColumnGuess>& guesses) {
+  for (std::size_t c = 0; c < guesses.size(); ++c) {
+    const std::optional<Unit> unit = unit_in(guesses[c].unit);
+    const std::vector<double>& values = table.values[c];
+    if (!unit || unit->quantity != Quantity::time || values.size() < 3 || !std::isfinite(values[0])) continue;
+    if (course_of(values) + 1 < values.size()) continue;
+    guesses[c].ours = "t_s";
+    guesses[c].factor = unit->factor;
+    guesses[c].has_unit = true;
+    guesses[c].evidence = fmt::format("in {}, and goes on from row to row", guesses[c].unit);
+    return;
+  }
 }
 
 }  // namespace
@@ -126,6 +156,10 @@ std::vector<ColumnGuess> guess_columns(const CsvTable& table, double atmosphere_
   std::map<std::string, std::size_t> places;  // of the columns taken, by what for
   for (std::size_t c = 0; c < table.names.size(); ++c) {
     out.push_back(guess_column(table, c, atmosphere_Pa));
+    if (out[c].ours == "t_s" && out[c].factor == 1e-3 && are_millionths_of_days(table.values[c])) {
+      out[c].factor = 86400e-6;
+      out[c].evidence += ", holds millionths of days";
+    }
     if (out[c].ours.empty()) continue;
     const auto [first, is_new] = places.try_emplace(out[c].ours, c);
     if (is_new) continue;
@@ -138,7 +172,48 @@ std::vector<ColumnGuess> guess_columns(const CsvTable& table, double atmosphere_
     left.ours.clear();
     if (is_finer) kept = c;
   }
+  if (!places.contains("t_s")) take_time_by_unit(table, out);
   return out;
+}
+
+std::string meaning_of(const std::string& name) {
+  if (is_ours(name)) return name;
+  const std::optional<ColumnWord> word = column_word(parts_of(half_width(name)).text);
+  return word ? std::string(word->ours) : "";
+}
+
+std::string stated_unit(const CsvTable& table, std::size_t column) {
+  if (!table.units[column].empty()) return std::string(without_brackets(table.units[column]));
+  const std::string name = half_width(table.names[column]), unit = parts_of(name).unit;
+  if (!unit.empty()) return unit;
+  const std::string last = name.substr(name.find_last_of("_ /") + 1);
+  if (last.size() == name.size()) return "";
+  for (const std::string_view raw : {"%", "mA", "percent", "pct", "Prozent"})
+    if (last == raw) return raw == "mA" ? "mA" : "%";
+  return "";
+}
+
+double named_time_s(const CsvTable& table, std::size_t column) {
+  const auto parts_at = [&](std::size_t c) {
+    NameParts parts = parts_of(half_width(table.names[c]));
+    parts.text = trimmed(parts.text);
+    return parts;
+  };
+  NameParts parts = parts_at(column);
+  const std::string behind = column + 1 < table.names.size() ? parts_at(column + 1).text : "";
+  std::string_view text = parts.text;
+  if (!behind.empty() && text.size() > behind.size()) {
+    if (text.starts_with(behind)) text.remove_prefix(behind.size());
+    else if (text.ends_with(behind)) text.remove_suffix(behind.size());
+  }
+  const std::size_t end = text.find_last_not_of("0123456789 ()_#.");
+  text = text.substr(0, end == std::string_view::npos ? 0 : end + 1);
+  const std::optional<ColumnWord> word = column_word(text);
+  if (!word || word->ours != "t_s") return 0;
+  const std::optional<Unit> unit = unit_in(table.units[column].empty() ? parts.unit : table.units[column]);
+  if (unit && unit->quantity != Quantity::time) return 0;
+  const std::optional<Unit> by_name = !unit && text.size() > 1 ? unit_in(text) : std::nullopt;  // "millis"
+  return unit ? unit->factor : by_name && by_name->quantity == Quantity::time ? by_name->factor : 1;
 }
 
 ImportParameters import_map(const std::vector<ColumnGuess>& guesses) {

@@ -22,6 +22,16 @@ struct ColumnGuess {
 /// One a column, in the file's order; no column of ours is given twice. atmosphere_Pa: what gauge units are raised by.
 std::vector<ColumnGuess> guess_columns(const CsvTable& table, double atmosphere_Pa = 101325);
 
+/// The column of ours that a name, with its unit or without, stands for by itself; empty: none.
+std::string meaning_of(const std::string& name);
+
+/// The unit that the file states for a column, in a row or in its name; empty: none.
+std::string stated_unit(const CsvTable& table, std::size_t column);
+
+/// Seconds of the unit of a column that is named as a time, alone, numbered or for the column behind it ("t3", "x_time"
+/// before "x"); 1 where it states none; 0: it is no time.
+double named_time_s(const CsvTable& table, std::size_t column);
+
 /// The map of a config that says the same; columns without a meaning are left out.
 ImportParameters import_map(const std::vector<ColumnGuess>& guesses);
 

@@ -49,13 +49,13 @@ struct Roots {
   Role role;
   std::string_view words;  ///< small letters without signs
 };
-/// English, German, French, Spanish, Italian, Portuguese, Dutch, Swedish, Polish, Czech, Finnish, Japanese, Chinese.
+/// English, German, French, Spanish, Italian, Portuguese, Dutch, Swedish, Polish, Czech, Finnish, Japanese, Chinese, Russian, Korean.
 constexpr std::array roots_of_roles{
-    Roots{Role::time, "t time timestamp stamp tv sec secs seconds sekunden nsec nsecs nanosec elapsed uptime date clock millis micros msec usec ms us xvalue zeit "
+    Roots{Role::time, "t time timestamp stamp tick ticks tv sec secs seconds sekunden nsec nsecs nanosec elapsed uptime date clock millis micros msec usec ms us xvalue zeit "
           "zeitstempel uhrzeit datum temps heure horodatage tiempo fecha hora tempo ora tijd tijdstip tid czas cas aika"},
     Roots{Role::position, "x s pos position displacement stroke travel way place course weg hub lage stellung auslenkung "
           "verschiebung deplacement posicion desplazamiento carrera recorrido posizione spostamento corsa posicao "
-          "deslocamento curso positie verplaatsing slag lage pozycja przemieszczenie skok poloha zdvih asema iskunpituus "
+          "deslocamento curso positie verplaatsing slag lage pozycja polozenie wychylenie przemieszczenie skok poloha zdvih asema iskunpituus "
           "actualposition"},
     Roots{Role::pressure, "p press pres pressure pressures druck pression presion pressione pressao druk tryck trykk "
           "cisnienie tlak paine"},
@@ -127,7 +127,33 @@ constexpr std::array roots_of_roles{
     Roots{Role::actual, "実際 現在 実 検出 フィードバック 实际 反馈 测量"},
     Roots{Role::reference, "目標 設定 目标 设定 给定 期望"},
     Roots{Role::apart, "偏差 誤差 速度 加速度 温度 電流 误差 电流"},
-    Roots{Role::filler, "センサ センサー 値 の 信号 入力 軸 传感器 值 输入"}};
+    Roots{Role::filler, "センサ センサー 値 の 信号 入力 軸 传感器 值 输入"},
+    // Russian and Korean
+    Roots{Role::time, "время времени отсчет дата секунды мс 시간 시각"},
+    Roots{Role::position, "положение положения позиция позиции перемещение перемещения координата ход хода 위치 변위 행정 스트로크"},
+    Roots{Role::pressure, "давление давления 압력 압"},
+    Roots{Role::force, "сила силы усилие усилия нагрузка 힘 하중 추력"},
+    Roots{Role::flow, "расход расхода 유량"},
+    Roots{Role::valve, "клапан клапана распределитель распределителя золотник 밸브"},
+    Roots{Role::command, "команда команды 명령 지령"},
+    Roots{Role::actuation, "управление управления управляющее управляющий 제어 조작량"},
+    Roots{Role::output, "выход выхода 출력"},
+    Roots{Role::voltage, "напряжение напряжения 전압"},
+    Roots{Role::supply, "питание питания магистраль магистрали источник источника компрессор сети 공급 공급원"},
+    Roots{Role::chamber, "камера камеры камере полость полости 챔버 실"},
+    Roots{Role::port, "порт порта 포트"},
+    Roots{Role::rod, "шток штока штоковая штоковой 로드"},
+    Roots{Role::cap, "поршневая поршневой бесштоковая бесштоковой 헤드"},
+    Roots{Role::piston, "поршень поршня 피스톤"},
+    Roots{Role::cylinder, "цилиндр цилиндра пневмоцилиндр пневмоцилиндра 실린더"},
+    Roots{Role::end, "сторона стороны 측 쪽"},
+    Roots{Role::side_1, "а"},
+    Roots{Role::side_2, "б"},
+    Roots{Role::actual, "факт фактическое фактическая измеренное измеренная текущее текущая обратная 실제 현재 측정 피드백"},
+    Roots{Role::reference, "задание задания заданное заданная уставка уставки цель 목표 설정 기준"},
+    Roots{Role::apart, "ошибка ошибки скорость скорости ускорение температура температуры ток тока перепад разность "
+          "오차 속도 가속도 온도 전류 차압"},
+    Roots{Role::filler, "датчик датчика сигнал сигнала значение воздух воздуха на в 센서 값 신호 입력 축 의"}};
 // clang-format on
 constexpr std::size_t least_of_compound = 3, least_of_prefix = 4;  ///< letters
 
@@ -165,6 +191,15 @@ struct RootsOfName {
   bool has(Role role) const { return first_of(role) != nullptr; }
 };
 
+/// A Cyrillic letter of two bytes as a small one; yo as ye.
+std::string small_cyrillic(std::string_view letter) {
+  constexpr unsigned capital_a = 0x410, small_a = 0x430, last_capital = 0x42f, capital_yo = 0x401, small_yo = 0x451;
+  unsigned code = (static_cast<unsigned char>(letter[0]) & 0x1fu) << 6 | (static_cast<unsigned char>(letter[1]) & 0x3fu);
+  if (code >= capital_a && code <= last_capital) code += small_a - capital_a;
+  if (code == capital_yo || code == small_yo) code = small_a + 5;
+  return {static_cast<char>(0xc0 | (code >> 6)), static_cast<char>(0x80 | (code & 0x3f))};
+}
+
 /// Latin letters with signs above or below them without these, in small letters: "Presi\u00f3n" is "presion".
 std::string without_signs(std::string_view text) {
   constexpr std::string_view plain = "aaaaaaaceeeeiiiidnooooo ouuuuyysaaaaaaaceeeeiiiidnooooo ouuuuyyy"
@@ -174,6 +209,10 @@ std::string without_signs(std::string_view text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto lead = static_cast<unsigned char>(text[i]);
+    if ((lead == 0xd0 || lead == 0xd1) && i + 1 < text.size()) {
+      out += small_cyrillic(text.substr(i++, 2));
+      continue;
+    }
     const bool is_latin = lead >= first_lead && lead <= last_lead && i + 1 < text.size();
     const std::size_t at = is_latin ? (lead - first_lead) * 64U + (static_cast<unsigned char>(text[i + 1]) & 0x3fU) : 0;
     const char letter = is_latin ? plain[at] : ' ';
@@ -378,6 +417,16 @@ std::optional<ColumnWord> word_of(const std::vector<std::string>& parts) {
 }
 
 }  // namespace
+
+bool holds_known_word(std::string_view text) {
+  constexpr std::size_t least_size = 4;
+  const std::vector<std::string> parts = parts_of(text);
+  return std::any_of(parts.begin(), parts.end(), [](const std::string& part) {
+    std::vector<Found> roots;
+    const bool may_be = static_cast<unsigned char>(part.front()) >= 0x80 || part.size() >= least_size;
+    return may_be && (found_root(part) != nullptr || is_compound(part, roots));
+  });
+}
 
 std::optional<ColumnWord> column_word(std::string_view text) {
   // "Position.Cmd" is no command of a valve: a last part that may belong to anything is judged with what is before it.

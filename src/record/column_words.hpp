@@ -21,4 +21,7 @@ struct ColumnWord {
 /// temperature is never taken for the quantity that it belongs to.
 std::optional<ColumnWord> column_word(std::string_view text);
 
+/// Whether a word of column names stands in the text, which is one word or joined of such.
+bool holds_known_word(std::string_view text);
+
 }  // namespace pneuservo

@@ -6,11 +6,13 @@
 #include <cctype>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "record/clock_text.hpp"
+#include "record/column_guess.hpp"
 #include "record/units.hpp"
 
 namespace pneuservo {
@@ -41,7 +43,7 @@ struct LineFacts {
 
 bool is_value(std::string_view field, const FieldStyle& style) {
   double value = 0;
-  return number_in(field, style.decimal, value) || clock_in(field) ||
+  return number_in(field, style.decimal, value) || clock_in(field) || hexadecimal_in(field, value) ||
          number_in(trimmed(field.substr(0, unit_start(field))), style.decimal, value) ||
          (style.has_groups && number_with_groups(field, style.decimal, value));
 }
@@ -422,11 +424,62 @@ void take_edges(const std::vector<std::string>& lines, std::size_t fields, Diale
   }
 }
 
-/// A column without a name in the nearest line bears that of the line above, as "Time" above "".
+/// Names in a line beside that of the names, as many as there are columns; empty where it holds something else.
+std::vector<std::string> names_beside(const std::string& line, const Dialect& dialect) {
+  std::vector<std::string> out = names_in(line, dialect.style);
+  if (dialect.has_index && out.size() == dialect.names.size() + 1) out.erase(out.begin());
+  if (out.size() == dialect.names.size() + 1 && out.back().empty()) out.pop_back();
+  if (dialect.style.separator == ' ' || out.size() < 2 || out.size() > dialect.names.size()) return {};
+  if (is_types_row(out) || is_ruled(out) || is_unit_label(out) || states_values(out, dialect.style)) return {};
+  out.resize(dialect.names.size());
+  return out;
+}
+
+/// "Pressure [bar]" above "A": "Pressure A [bar]".
+std::string joined_name(const std::string& above, const std::string& below) {
+  if (above.empty() || below.empty() || above == below) return above.empty() ? below : above;
+  const std::size_t unit = std::min(above.find_first_of("[("), above.size());
+  const std::string before(trimmed(std::string_view(above).substr(0, unit)));
+  return before + " " + below + (unit < above.size() ? " " + above.substr(unit) : "");
+}
+
+/// Names over two lines: an upper one stands for the columns up to the next. Taken where more columns are known by
+/// both together than by the lower ones alone; what is known alone keeps its name.
+bool join_names(const std::vector<std::string>& upper, const std::vector<std::string>& lower, Dialect& out) {
+  std::vector<std::string> joined = lower;
+  std::string group;
+  std::set<std::string> known;
+  for (const std::string& name : lower) known.insert(meaning_of(name));
+  bool tells_more = false;
+  for (std::size_t c = 0; c < lower.size(); ++c) {
+    const std::string alone = meaning_of(lower[c]);
+    if (!upper[c].empty()) group = upper[c];
+    else if (!alone.empty()) group.clear();
+    if (!alone.empty() || group.empty()) continue;
+    joined[c] = joined_name(group, lower[c]);
+    const std::string both = meaning_of(joined[c]);
+    tells_more = tells_more || (!lower[c].empty() && !both.empty() && known.insert(both).second);
+  }
+  if (tells_more) out.names = std::move(joined);
+  return tells_more;
+}
+
+/// A column without a name in the nearest line bears that of the line above, as "Time" above "". Names may go on over
+/// two lines.
 void fill_names(const std::vector<std::string>& lines, const std::vector<LineFacts>& facts, Dialect& out) {
-  if (out.has_index || out.names_line == 0 || facts[out.names_line - 1].numbers > 0) return;
-  const std::vector<std::string> above = names_in(lines[out.names_line - 1], out.style);
-  if (above.size() != out.names.size()) return;
+  if (!out.has_pairs && out.names_line + 1 < out.first_row && facts[out.names_line + 1].numbers == 0) {
+    const std::vector<std::string> below = names_beside(lines[out.names_line + 1], out);
+    if (!below.empty() && !is_units_row(below) && join_names(out.names, below, out)) {
+      out.has_rows_between = out.has_names_below = true;
+      return;
+    }
+  }
+  if (out.names_line == 0 || facts[out.names_line - 1].numbers > 0) return;
+  const std::vector<std::string> above = names_beside(lines[out.names_line - 1], out);
+  if (above.empty() || is_units_row(above)) return;
+  out.has_names_below = !out.has_pairs && join_names(above, out.names, out);
+  if (out.has_index || out.has_names_below || names_in(lines[out.names_line - 1], out.style).size() != out.names.size())
+    return;
   for (std::size_t c = 0; c < above.size(); ++c)
     if (out.names[c].empty()) out.names[c] = above[c];
 }
@@ -455,6 +508,7 @@ std::string Dialect::words() const {
   if (style.decimal == ',') found.emplace_back("decimal comma");
   if (is_quoted) found.emplace_back("quotes");
   if (names_line > 0) found.push_back(fmt::format("{} line{} before the names", names_line, names_line > 1 ? "s" : ""));
+  if (has_names_below) found.emplace_back("names over two rows");
   if (has_units_row) found.emplace_back("a row of units");
   if (has_split_times) found.emplace_back("decimals of the time behind a comma of their own");
   if (least_fields > 0) found.emplace_back("rows that leave out what is empty at their end");

@@ -13,6 +13,7 @@ struct Dialect {
   std::vector<std::string> units;        ///< of the row below the names or behind the values; empty: none
   std::vector<std::string> value_units;  ///< what stands behind each value of a column, to be taken off
   bool has_units_row = false;
+  bool has_names_below = false;  ///< names go on over two lines
   bool has_rows_between = false;  ///< of units, types or labels between the names and the first row: no data
   std::size_t first_row = 1;      ///< index of the first line of numbers in the sample
   std::size_t names_line = 0;     ///< index of the line of names

@@ -5,6 +5,7 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <cstdint>
 #include <utility>
 
 namespace pneuservo {
@@ -150,8 +151,9 @@ bool rewritten_number(std::string_view field, char decimal, double& value) {
   return number_in(std::string(mantissa) + "E" + std::string(exponent), decimal, value);
 }
 
-/// Bytes of the valid UTF-8 character at the front; 0 where there is none.
-std::size_t character_size(std::string_view text) {
+}  // namespace
+
+std::size_t utf8_size(std::string_view text) {
   const auto first = static_cast<unsigned char>(text.front());
   const std::size_t size = first < 0x80                    ? 1
                            : first >= 0xc2 && first < 0xe0 ? 2
@@ -163,8 +165,6 @@ std::size_t character_size(std::string_view text) {
     if ((static_cast<unsigned char>(text[i]) & 0xc0) != 0x80) return 0;
   return size;
 }
-
-}  // namespace
 
 std::string_view trimmed(std::string_view text) {
   for (std::size_t size; !text.empty() && (size = blank_at_front(text)) > 0;) text.remove_prefix(size);
@@ -215,10 +215,22 @@ bool number_with_groups(std::string_view field, char decimal, double& value) {
   return plain_number(ungrouped(field, decimal, true), value);
 }
 
+bool hexadecimal_in(std::string_view field, double& value) {
+  for (const std::string_view sign : {"0x", "0X", "16#"}) {
+    if (!field.starts_with(sign)) continue;
+    field.remove_prefix(sign.size());
+    std::uint64_t counts = 0;
+    const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), counts, 16);
+    value = static_cast<double>(counts);
+    return error == std::errc() && end == field.data() + field.size();
+  }
+  return false;
+}
+
 std::string as_utf8(std::string_view text) {
   std::string out;
   while (!text.empty()) {
-    const std::size_t size = character_size(text);
+    const std::size_t size = utf8_size(text);
     if (size == 0) {
       const auto latin = static_cast<unsigned char>(text.front());
       out += static_cast<char>(0xc0 | (latin >> 6));
@@ -251,7 +263,7 @@ std::string shown(std::string_view field) {
   const std::string text = as_utf8(field.substr(0, most_bytes));
   std::string out;
   for (std::string_view rest = text; !rest.empty();) {
-    const std::size_t size = character_size(rest);
+    const std::size_t size = utf8_size(rest);
     const auto lead = static_cast<unsigned char>(rest[0]);
     const bool is_control = lead < 0x20 || lead == 0x7f || (lead == 0xc2 && static_cast<unsigned char>(rest[1]) < 0xa0);
     out += is_control ? "?" : std::string(rest.substr(0, size));

@@ -26,6 +26,12 @@ bool number_in(std::string_view field, char decimal, double& value);
 /// Of a number whose one group of three digits is known to be one: "1,250" is 1250.
 bool number_with_groups(std::string_view field, char decimal, double& value);
 
+/// A whole number as "0x1F4" or "16#1F4"; false where the field is none.
+bool hexadecimal_in(std::string_view field, double& value);
+
+/// Bytes of the valid UTF-8 character at the front; 0 where there is none.
+std::size_t utf8_size(std::string_view text);
+
 /// The text in UTF-8; what is not valid in it is taken for Latin-1.
 std::string as_utf8(std::string_view text);
 

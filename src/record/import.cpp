@@ -14,6 +14,7 @@
 
 #include "config/input_error.hpp"
 #include "config/key_suggestion.hpp"
+#include "record/column_guess.hpp"
 #include "record/kept_rows.hpp"
 #include "record/names_text.hpp"
 #include "record/row_text.hpp"
@@ -95,6 +96,18 @@ void tell_untaken(CsvTable& table, const MappedColumns& taken, const ImportParam
     const bool is_ours = std::find(taken.names.begin(), taken.names.end(), name) != taken.names.end();
     if (!is_mapped && !is_ours) table.left_out.push_back(name);
   }
+}
+
+/// Units of the columns that a map takes as they stand.
+std::map<std::string, std::string> units_of(const CsvTable& table, const ImportParameters& imported) {
+  std::map<std::string, std::string> out;
+  for (const auto& [ours, source] : imported.columns) {
+    const auto at = std::find(table.names.begin(), table.names.end(), source.column);
+    if (at == table.names.end() || source.factor != 1 || source.offset != 0) continue;
+    if (std::string unit = stated_unit(table, static_cast<std::size_t>(at - table.names.begin())); !unit.empty())
+      out[ours] = std::move(unit);
+  }
+  return out;
 }
 
 /// The columns as they are named.
@@ -291,6 +304,7 @@ std::vector<Recording> read_recordings(const std::string& path, const std::optio
 
 std::vector<Recording> recordings_in(CsvTable table, const std::optional<ImportParameters>& imported, double period_s) {
   const bool is_own = !imported && is_own_format(table);
+  const auto stated_units = imported ? units_of(table, *imported) : std::map<std::string, std::string>();
   MappedColumns columns = imported ? mapped(table, *imported) : unmapped(table);
   if (imported) tell_untaken(table, columns, *imported);
   if (!is_own && columns.telling.empty()) turn_round(table, columns);
@@ -314,6 +328,7 @@ std::vector<Recording> recordings_in(CsvTable table, const std::optional<ImportP
     if (imported) {
       put_in_order(run);
       run.sources = imported->columns;
+      run.stated_units = stated_units;
     }
     if (std::none_of(run.t_s().begin(), run.t_s().end(), [](double t) { return std::isfinite(t); }))
       throw InputError(fmt::format("{}: no row has a time; expected numbers in column t_s", table.path));

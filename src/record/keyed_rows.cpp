@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <cctype>
+#include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "record/clock_text.hpp"
 #include "record/field_text.hpp"
 
 namespace pneuservo {
@@ -47,6 +50,107 @@ std::vector<std::string> names_in(std::string_view line, const KeyedRows& how) {
   return names;
 }
 
+/// A name and its value.
+using NamedValue = std::pair<std::string, std::string>;
+
+bool is_part_of_name(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80 ||
+         std::string_view("_./-").find(c) != std::string_view::npos;
+}
+
+/// Where the name begins that ends before a sign, its quotes included; the sign's place where there is none.
+std::size_t name_begin(std::string_view line, std::size_t sign) {
+  std::size_t end = sign;
+  while (end > 0 && line[end - 1] == ' ') --end;
+  std::size_t begin = end;
+  const bool is_quoted = end > 1 && line[end - 1] == '"';
+  if (is_quoted) {
+    begin = line.rfind('"', end - 2);
+    return begin == std::string_view::npos ? sign : begin;
+  }
+  while (begin > 0 && is_part_of_name(line[begin - 1])) --begin;
+  const bool has_letter = begin < end && (std::isalpha(static_cast<unsigned char>(line[begin])) != 0 ||
+                                          static_cast<unsigned char>(line[begin]) >= 0x80 || line[begin] == '_');
+  return has_letter ? begin : sign;
+}
+
+/// The value behind a sign: a number, one with the "i" of an integer, or a date in quotes; empty where it is none.
+std::string_view value_behind(std::string_view line, std::size_t sign) {
+  std::string_view rest = trimmed(line.substr(sign + 1));
+  if (rest.starts_with('"')) {
+    rest.remove_prefix(1);
+    rest = rest.substr(0, std::min(rest.find('"'), rest.size()));
+    return clock_in(rest) ? rest : std::string_view();
+  }
+  rest = rest.substr(0, std::min(rest.find_first_of(" ,;}\t]"), rest.size()));
+  double value = 0;
+  if (rest.size() > 1 && rest.ends_with('i') && number_in(rest.substr(0, rest.size() - 1), '.', value))
+    rest.remove_suffix(1);
+  return number_in(rest, '.', value) ? rest : std::string_view();
+}
+
+/// The date or time of the day that begins a line, in brackets or not; empty where there is none.
+std::string stamp_in_front(std::string_view text) {
+  text = trimmed(text);
+  if (text.starts_with('[')) text.remove_prefix(1);
+  const std::size_t word = std::min(text.find(' '), text.size());
+  const std::size_t second = std::min(text.find(' ', std::min(word + 1, text.size())), text.size());
+  for (const std::size_t end : {second, word}) {
+    std::string_view stamp = text.substr(0, end);
+    while (!stamp.empty() && (stamp.back() == ']' || stamp.back() == ':' || stamp.back() == ' ')) stamp.remove_suffix(1);
+    if (!clock_in(stamp)) continue;
+    std::string out(stamp);
+    std::replace(out.begin(), out.end(), ',', '.');  // of decimals
+    return out;
+  }
+  return "";
+}
+
+/// Values with their names wherever they stand in a line. A stamp before them, or a count of ten digits and more behind,
+/// is a time.
+std::vector<NamedValue> scanned(std::string_view line) {
+  std::vector<NamedValue> out;
+  std::size_t first = line.size(), behind = 0;
+  for (std::size_t sign = line.find_first_of("=:"); sign != std::string_view::npos;
+       sign = line.find_first_of("=:", sign + 1)) {
+    const std::size_t begin = name_begin(line, sign);
+    const std::string_view value = begin < sign ? value_behind(line, sign) : std::string_view();
+    if (value.empty()) continue;
+    std::string_view name = trimmed(line.substr(begin, sign - begin));
+    if (name.starts_with('"')) name = name.substr(1, name.size() - 2);
+    first = std::min(first, begin);
+    behind = static_cast<std::size_t>(value.data() + value.size() - line.data());
+    out.emplace_back(name, value);
+  }
+  if (out.empty()) return out;
+  constexpr std::size_t digits_of_epoch = 10;
+  std::string stamp = stamp_in_front(line.substr(0, first));
+  std::string_view rest = line.substr(behind);
+  if (rest.starts_with('i')) rest.remove_prefix(1);
+  rest = trimmed(rest);
+  const bool is_count = rest.size() >= digits_of_epoch && rest.find_first_not_of("0123456789") == std::string_view::npos;
+  if (stamp.empty() && is_count) stamp = rest;
+  if (!stamp.empty()) out.emplace(out.begin(), stamp_name, stamp);
+  return out;
+}
+
+std::vector<std::string> scanned_names(const std::vector<NamedValue>& values) {
+  std::vector<std::string> out;
+  for (const auto& [name, value] : values) out.push_back(name);
+  return out;
+}
+
+/// Of lines that hold the same names, at least two beside a stamp, each once.
+KeyedRows find_scanned_rows(const std::vector<std::string>& lines) {
+  KeyedRows how{',', '=', true, scanned_names(scanned(lines.back()))};
+  const std::set<std::string> different(how.names.begin(), how.names.end());
+  if (different.size() != how.names.size() || how.names.size() < 2 + different.count(std::string(stamp_name)))
+    return {};
+  std::size_t alike = 0;
+  for (const std::string& line : lines) alike += scanned_names(scanned(line)) == how.names;
+  return 10 * alike >= 9 * lines.size() ? how : KeyedRows();
+}
+
 }  // namespace
 
 std::string KeyedRows::names_line() const {
@@ -54,6 +158,14 @@ std::string KeyedRows::names_line() const {
 }
 
 std::string KeyedRows::row(std::string_view line) const {
+  if (is_scanned) {
+    const std::vector<NamedValue> found = scanned(line);
+    std::vector<std::string> values(names.size());
+    for (const auto& [name, value] : found)
+      if (const auto at = std::find(names.begin(), names.end(), name); at != names.end())
+        values[static_cast<std::size_t>(at - names.begin())] = value;
+    return found.empty() ? std::string(line) : fmt::format("{}", fmt::join(values, ","));
+  }
   const std::string_view stamp = stamp_taken_from(line);
   std::vector<std::string_view> fields;
   split_fields(line, {separator, '.', false}, fields);
@@ -63,10 +175,12 @@ std::string KeyedRows::row(std::string_view line) const {
   return fmt::format("{}", fmt::join(fields, std::string_view(&separator, 1)));
 }
 
+bool KeyedRows::holds_values(std::string_view line) const { return !is_scanned || !scanned(line).empty(); }
+
 KeyedRows find_keyed_rows(const std::vector<std::string>& lines) {
   for (const char separator : {',', ';', '\t', ' '})
     for (const char sign : {':', '='}) {
-      KeyedRows how{separator, sign, {}};
+      KeyedRows how{separator, sign, false, {}};
       // The last line of the sample speaks: a logger's first words are often others.
       how.names = names_in(lines.back(), how);
       if (how.names.size() < 2) continue;
@@ -74,7 +188,7 @@ KeyedRows find_keyed_rows(const std::vector<std::string>& lines) {
       for (const std::string& line : lines) alike += names_in(line, how) == how.names;
       if (10 * alike >= 9 * lines.size()) return how;
     }
-  return {};
+  return find_scanned_rows(lines);
 }
 
 }  // namespace pneuservo

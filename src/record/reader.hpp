@@ -23,6 +23,8 @@ struct Recording : CsvTable {
   /// Where a column comes from in the file, as a section import would say it. Columns that are not here bear their own
   /// names and values.
   std::map<std::string, ImportedColumn> sources;
+  /// Units that the file states for columns whose source says nothing of them, as "%" for u_V.
+  std::map<std::string, std::string> stated_units;
   /// What of its config the machine had otherwise while this was made (another supply pressure): paths and values.
   std::vector<std::pair<std::string, double>> changed;
   /// Rows that gaps in time show to be missing, and how many of them the recorder marked as dropped by itself.

@@ -66,8 +66,9 @@ struct CsvTable {  // NOLINT(bugprone-exception-escape): of a YAML node that is 
 };
 
 /// Reads a .csv.gz or plain .csv. Throws InputError: no such file, not gzip, no line of column names, a column twice,
-/// no row that can be used. wanted: of this program's own format, the columns that are kept; empty: all.
-CsvTable read_table(const std::string& path, const std::set<std::string>& wanted = {});
+/// no row that can be used, more than most_bytes of values (0: a quarter of the memory). wanted: of this program's own
+/// format, the columns that are kept; empty: all.
+CsvTable read_table(const std::string& path, const std::set<std::string>& wanted = {}, std::size_t most_bytes = 0);
 
 /// The problems for a reader's eye: the first `each` of every kind, then how many more.
 std::vector<std::string> problem_lines(const CsvTable& table, std::size_t each = 3);

@@ -6,7 +6,6 @@
 #include <cctype>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 #include <utility>
 
@@ -15,6 +14,7 @@
 #include "record/column_guess.hpp"
 #include "record/column_words.hpp"
 #include "record/field_text.hpp"
+#include "record/timed_groups.hpp"
 #include "record/units.hpp"
 
 namespace pneuservo {
@@ -24,17 +24,6 @@ namespace {
 bool is_same(const std::vector<double>& a, const std::vector<double>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); });
-}
-
-/// Row numbers of all times of the pairs, in order of time.
-std::map<double, std::size_t> rows_of_times(const CsvTable& table, std::size_t pairs) {
-  std::map<double, std::size_t> rows;
-  for (std::size_t p = 0; p < pairs; ++p)
-    for (const double time : table.values[2 * p])
-      if (std::isfinite(time)) rows.emplace(time, 0);
-  std::size_t count = 0;
-  for (auto& [time, row] : rows) row = count++;
-  return rows;
 }
 
 /// The last word of letters, small: "usec" of "tv_usec".
@@ -176,31 +165,120 @@ std::optional<StatedInterval> stated_interval(const std::string& comments, char 
 
 }  // namespace
 
-void join_times(CsvTable& table) {
-  const std::size_t pairs = table.values.size() / 2;
-  bool all_alike = true;
-  for (std::size_t p = 1; p < pairs; ++p) all_alike = all_alike && is_same(table.values[0], table.values[2 * p]);
-  if (all_alike) return;
-  const std::map<double, std::size_t> rows = rows_of_times(table, pairs);
-  std::vector<std::vector<double>> values(1);
-  std::vector<std::string> names{table.names[0]}, units{table.units[0]};
-  for (const auto& [time, row] : rows) values[0].push_back(time);
-  for (std::size_t p = 0; p < pairs; ++p) {
-    const std::vector<double>&times = table.values[2 * p], &theirs = table.values[2 * p + 1];
-    values.emplace_back(rows.size(), no_value);
-    for (std::size_t i = 0; i < times.size(); ++i)
-      if (std::isfinite(times[i])) values.back()[rows.at(times[i])] = theirs[i];
-    names.push_back(table.names[2 * p + 1]);
-    units.push_back(table.units[2 * p + 1]);
+namespace {
+
+/// "t3 [s]" and "t1 [s]", "Time (2)" and "Time": the same but for the number.
+bool is_numbered_alike(const std::string& a, const std::string& b) {
+  const auto letters = [](std::string name) {
+    name.resize(std::min(name.find('['), name.size()));
+    std::erase_if(name, [](char c) { return std::string_view("0123456789 ()_#.").find(c) != std::string_view::npos; });
+    return name;
+  };
+  return letters(a) == letters(b);
+}
+
+/// Whether most steps of the known values go on.
+bool goes_on(const std::vector<double>& values) {
+  std::size_t up = 0, back = 0;
+  double last = no_value;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    up += value > last, back += value < last;
+    last = value;
   }
-  std::vector<char> is_clock(names.size(), 0);
-  is_clock[0] = table.is_clock[0];
-  table.values = std::move(values);
-  table.names = std::move(names);
-  table.units = std::move(units);
-  table.is_clock = std::move(is_clock);
-  table.line_numbers.resize(rows.size(), table.line_numbers.empty() ? 0 : table.line_numbers.back());
-  table.report(0, ProblemKind::dialect, "each column has times of its own: brought to one table by them");
+  return up > 0 && up > 9 * back;
+}
+
+std::pair<double, double> range_of(const std::vector<double>& values) {
+  double low = no_value, high = no_value;
+  for (const double value : values)
+    if (std::isfinite(value)) low = std::fmin(low, value), high = std::fmax(high, value);
+  return {low, high};
+}
+
+/// A column of times: where it stands, and what its values are to be multiplied by for those of the first.
+struct TimeColumn {
+  std::size_t place = 0;
+  double factor = 1;
+};
+
+/// Columns that are named as times and go on.
+std::vector<TimeColumn> named_times(const CsvTable& table) {
+  std::vector<TimeColumn> out;
+  double first_s = 1;
+  for (std::size_t c = 0; c < table.names.size(); ++c) {
+    const double unit_s = table.is_clock[c] != 0 ? 1 : named_time_s(table, c);
+    if (unit_s == 0 || !goes_on(table.values[c])) continue;
+    if (out.empty()) first_s = unit_s;
+    else if (table.is_clock[c] != table.is_clock[out.front().place]) return {};
+    out.push_back({c, unit_s / first_s});
+  }
+  return out;
+}
+
+/// Whether the spans of all times have a moment in common.
+bool overlap(const CsvTable& table, const std::vector<TimeColumn>& times) {
+  double latest_start = -std::numeric_limits<double>::infinity(), first_end = -latest_start;
+  for (const TimeColumn& time : times) {
+    const auto [low, high] = range_of(table.values[time.place]);
+    latest_start = std::max(latest_start, time.factor * low), first_end = std::min(first_end, time.factor * high);
+  }
+  return latest_start < first_end;
+}
+
+/// Times of the columns behind each, as their names and values say. Every second column, or times that are numbered or
+/// end at other rows: another stamp of the same rows is none.
+std::vector<TimeColumn> times_of_groups(const CsvTable& table) {
+  const std::vector<TimeColumn> times = named_times(table);
+  if (times.size() < 2 || times.front().place != 0 || times.back().place + 1 == table.names.size()) return {};
+  bool are_pairs = true, are_numbered = true, end_apart = false;
+  const auto count = [&](std::size_t c) {
+    return std::count_if(table.values[c].begin(), table.values[c].end(), [](double v) { return std::isfinite(v); });
+  };
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const std::size_t place = times[i].place;
+    if (i > 0 && place == times[i - 1].place + 1) return {};
+    are_pairs = are_pairs && place == 2 * i;
+    are_numbered = are_numbered && is_numbered_alike(table.names[place], table.names[0]);
+    end_apart = end_apart || count(place) != count(0);
+  }
+  are_pairs = are_pairs && table.names.size() <= 2 * times.size() + 1;
+  return (are_pairs || are_numbered || end_apart) && overlap(table, times) ? times : std::vector<TimeColumn>();
+}
+
+std::vector<TimedGroup> groups_of(CsvTable& table, const std::vector<TimeColumn>& times) {
+  std::vector<TimedGroup> out;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    TimedGroup group;
+    group.times = std::move(table.values[times[i].place]);
+    if (times[i].factor != 1)
+      for (double& time : group.times) time *= times[i].factor;
+    group.lines = table.line_numbers;
+    const std::size_t end = i + 1 < times.size() ? times[i + 1].place : table.names.size();
+    for (std::size_t c = times[i].place + 1; c < end; ++c) {
+      group.names.push_back(table.names[c]);
+      group.units.push_back(table.units[c]);
+      group.values.push_back(std::move(table.values[c]));
+    }
+    out.push_back(std::move(group));
+  }
+  return out;
+}
+
+}  // namespace
+
+void join_times(CsvTable& table, bool has_pairs) {
+  std::vector<TimeColumn> times;
+  for (std::size_t c = 0; has_pairs && c + 1 < table.names.size(); c += 2) times.push_back({c, 1});
+  if (!has_pairs) times = times_of_groups(table);
+  const bool are_alike = std::all_of(times.begin(), times.end(), [&](const TimeColumn& time) {
+    return time.factor == 1 && is_same(table.values[0], table.values[time.place]);
+  });
+  if (are_alike) return;
+  std::string& name = table.names.front();  // of the channel behind it, as "x_t [s]"
+  if (table.is_clock.front() == 0 && meaning_of(name) != "t_s")
+    name = std::string(trimmed("Time " + name.substr(std::min(name.find_first_of("[("), name.size()))));
+  join_groups(table, groups_of(table, times));
 }
 
 namespace {
@@ -244,7 +322,7 @@ void add_fractions(CsvTable& table) {
     }
 }
 
-void count_rows(CsvTable& table, char decimal) {
+void count_rows(CsvTable& table, char decimal, const std::vector<MissingRows>& missing) {
   const std::vector<ColumnGuess> guesses = guess_columns(table);
   for (std::size_t c = 0; c < guesses.size(); ++c)
     if ((table.is_clock[c] != 0 || guesses[c].ours == "t_s") && known_in(table.values[c]) > 0) return;
@@ -254,8 +332,12 @@ void count_rows(CsvTable& table, char decimal) {
   table.units.emplace_back();
   table.is_clock.push_back(0);
   table.values.emplace_back();
-  for (std::size_t i = 0; i < table.line_numbers.size(); ++i)
-    table.values.back().push_back(stated->interval_s * static_cast<double>(i));
+  long long row = 0;
+  auto next = missing.begin();
+  for (std::size_t i = 0; i < table.line_numbers.size(); ++i, ++row) {
+    for (; next != missing.end() && next->before <= i; ++next) row += i > 0 ? next->count : 0;
+    table.values.back().push_back(stated->interval_s * static_cast<double>(row));
+  }
   table.report(0, ProblemKind::dialect,
                fmt::format("no column holds times: rows are counted as t_s, {:g} s apart by \"{}\" in the head",
                            stated->interval_s, stated->line));

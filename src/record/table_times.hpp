@@ -4,14 +4,21 @@
 
 namespace pneuservo {
 
-/// Pairs of times and values become one table: a row for every time, with the values that stand at it.
-void join_times(CsvTable& table);
+/// Columns whose times stand before them, each or some together, become one table with one column of times.
+/// has_pairs: every second column is known to be that of the times.
+void join_times(CsvTable& table, bool has_pairs);
 
 /// Milli-, micro- or nanoseconds in a column of their own are added to times that are whole seconds.
 void add_fractions(CsvTable& table);
 
-/// Where no column holds times, but the head states an interval or a rate, rows are counted in a column t_s.
-/// decimal: of the rows.
-void count_rows(CsvTable& table, char decimal);
+/// So many rows before one of the table are not in it.
+struct MissingRows {
+  std::size_t before = 0;
+  long long count = 0;
+};
+
+/// Where no column holds times, but the head states an interval or a rate, rows are counted in a column t_s, the
+/// missing ones too. decimal: of the rows.
+void count_rows(CsvTable& table, char decimal, const std::vector<MissingRows>& missing);
 
 }  // namespace pneuservo

@@ -74,6 +74,15 @@ constexpr std::array<Format, 38> formats{{{"PK\3\4", "a zip archive, as .xlsx, .
                                           {"\x04\x22\x4d\x18", "packed by lz4", unpack},
                                           {"\x1f\x9d", "packed by compress", unpack}}};
 
+/// Lines that are an object of JSON each, which name their values.
+bool holds_objects_a_line(std::string_view start) {
+  const std::size_t end = start.find('\n');
+  if (!start.starts_with('{') || end == std::string_view::npos) return false;
+  const std::string_view first = start.substr(0, end), rest = start.substr(end + 1);
+  const std::size_t last = first.find_last_not_of(" \r,");
+  return last != std::string_view::npos && first[last] == '}' && first.find(':') < last && rest.starts_with('{');
+}
+
 /// Throws InputError where the data begin as those of another format do.
 void refuse_other_formats(const std::string& path, std::string_view start) {
   constexpr std::size_t place_of_tar = 257;  // of "ustar" in the first header
@@ -82,7 +91,7 @@ void refuse_other_formats(const std::string& path, std::string_view start) {
         fmt::format("{}: is {}; expected a table as text, plain or packed by gzip: {}", path, name, remedy));
   };
   for (const Format& format : formats)
-    if (start.starts_with(format.begins)) refuse(format.name, format.remedy);
+    if (!holds_objects_a_line(start) && start.starts_with(format.begins)) refuse(format.name, format.remedy);
   if (start.size() > place_of_tar && start.substr(place_of_tar).starts_with("ustar")) refuse("a tar archive", unpack);
 }
 
@@ -96,6 +105,9 @@ struct TextInput::Stream {
 
 TextInput::TextInput(std::string path) : path_(std::move(path)), stream_(std::make_unique<Stream>()) {
   descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor_ < 0 && errno == EINTR)
+    throw InputError(path_ + ": is a pipe that nothing writes to, and waiting for it was interrupted; expected a program "
+                             "that writes a recording into it");
   if (descriptor_ < 0) throw InputError(path_ + ": cannot be opened: " + std::strerror(errno));
   try {
     fill();
@@ -146,7 +158,10 @@ void TextInput::fill() {
   searched_ -= start_;
   judged_ -= start_;
   start_ = 0;
-  const std::size_t count = read_chunk();
+  std::size_t count = read_chunk(0);
+  // The first chunk tells the encoding: a pipe hands it out in parts.
+  for (std::size_t more = count; first_ && more > 0 && count < stream_->in.size(); count += more)
+    more = read_chunk(count);
   const auto& in = stream_->in;
   if (first_) {
     first_ = false;
@@ -190,7 +205,7 @@ void TextInput::inflate_chunk(std::size_t count) {
   } while (z.avail_in > 0 || (z.avail_out == 0 && stream_->in_member));
 }
 
-/// UTF-16 is known by its byte order mark, or by a zero beside the first two letters.
+/// UTF-16 is known by its byte order mark, or by a zero beside the first two letters; others by what they hold.
 void TextInput::append(const char* bytes, std::size_t count) {
   if (count == 0) return;
   if (!has_text_) {
@@ -198,13 +213,22 @@ void TextInput::append(const char* bytes, std::size_t count) {
     if (gzip_) refuse_other_formats(path_, {bytes, count});
     const std::string_view start(bytes, std::min<std::size_t>(count, 4));
     const bool is_long = start.size() == 4;
-    is_big_endian_ = start.starts_with("\xfe\xff") || (is_long && start[0] == 0 && start[1] != 0 && start[2] == 0);
-    is_wide_ = is_big_endian_ || start.starts_with("\xff\xfe") ||
-               (is_long && start[0] != 0 && start[1] == 0 && start[2] != 0 && start[3] == 0);
+    const bool is_big_endian =
+        start.starts_with("\xfe\xff") || (is_long && start[0] == 0 && start[1] != 0 && start[2] == 0);
+    const bool is_wide = is_big_endian || start.starts_with("\xff\xfe") ||
+                         (is_long && start[0] != 0 && start[1] == 0 && start[2] != 0 && start[3] == 0);
+    encoding_ = is_wide ? TextEncoding{"UTF-16", is_big_endian ? "UTF-16BE" : "UTF-16LE"}
+                        : encoding_of({bytes, count});
+    if (!encoding_.iconv.empty()) converter_ = std::make_unique<TextConverter>(encoding_.iconv);
   }
-  if (is_wide_) append_wide({bytes, count});
+  if (converter_) converter_->append({bytes, count}, text_);
   else text_.append(bytes, count);
   end_lines_at_cr();
+}
+
+std::string TextInput::encoding() const {
+  if (encoding_.name.empty() || encoding_.name == "UTF-16") return std::string(encoding_.name);
+  return fmt::format("text {} {}", encoding_.is_sure ? "in" : "that may be in", encoding_.name);
 }
 
 /// A CR that no LF and no other CR follows ends a line, in whichever part of the file it stands.
@@ -218,30 +242,9 @@ void TextInput::end_lines_at_cr() {
   judged_ = text_.ends_with('\r') ? text_.size() - 1 : text_.size();
 }
 
-void TextInput::append_wide(std::string_view bytes) {
-  for (const char byte : bytes) {
-    half_ += byte;
-    if (half_.size() < 2) continue;
-    const auto one = static_cast<unsigned char>(half_[0]), two = static_cast<unsigned char>(half_[1]);
-    const unsigned code = is_big_endian_ ? one * 256u + two : two * 256u + one;
-    half_.clear();
-    if (code == 0xfeff) continue;  // byte order mark
-    if (code < 0x80) {
-      text_ += static_cast<char>(code);
-    } else if (code < 0x800) {
-      text_ += static_cast<char>(0xc0 | (code >> 6));
-      text_ += static_cast<char>(0x80 | (code & 0x3f));
-    } else {
-      text_ += static_cast<char>(0xe0 | (code >> 12));
-      text_ += static_cast<char>(0x80 | ((code >> 6) & 0x3f));
-      text_ += static_cast<char>(0x80 | (code & 0x3f));
-    }
-  }
-}
-
-std::size_t TextInput::read_chunk() {
+std::size_t TextInput::read_chunk(std::size_t from) {
   for (;;) {
-    const ssize_t count = ::read(descriptor_, stream_->in.data(), stream_->in.size());
+    const ssize_t count = ::read(descriptor_, stream_->in.data() + from, stream_->in.size() - from);
     if (count >= 0) return static_cast<std::size_t>(count);
     if (errno != EINTR) throw InputError(path_ + ": cannot be read: " + std::strerror(errno));
   }

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "record/text_encoding.hpp"
+
 namespace pneuservo {
 
 /// Hands out lines as long as they are whole, and then says how the file ended.
@@ -26,8 +28,8 @@ class TextInput {
   bool next_line(std::string_view& line);
   /// Number of the last line handed out, from 1.
   std::size_t line_number() const { return line_number_; }
-  /// In words, where the text is not UTF-8: "UTF-16". It is handed out as UTF-8.
-  std::string_view encoding() const { return is_wide_ ? "UTF-16" : ""; }
+  /// In words, where the text is not UTF-8: "UTF-16", "text in Shift-JIS". It is handed out as UTF-8.
+  std::string encoding() const;
   /// After the last line.
   End end() const { return end_; }
   const std::string& path() const { return path_; }
@@ -36,17 +38,17 @@ class TextInput {
   struct Stream;
   void fill();
   void inflate_chunk(std::size_t count);
-  std::size_t read_chunk();
+  std::size_t read_chunk(std::size_t from);
   void append(const char* bytes, std::size_t count);
-  void append_wide(std::string_view bytes);
   void end_lines_at_cr();
 
   std::string path_;
   std::unique_ptr<Stream> stream_;
   int descriptor_ = -1;
   bool gzip_ = false, at_end_ = false, first_ = true;
-  bool has_text_ = false, is_wide_ = false, is_big_endian_ = false;
-  std::string half_;  ///< the first byte of a wide character whose second is still to come
+  bool has_text_ = false;
+  TextEncoding encoding_;
+  std::unique_ptr<TextConverter> converter_;  ///< none: the text is UTF-8
   std::string text_;
   std::size_t start_ = 0, searched_ = 0, judged_ = 0, line_number_ = 0;
   End end_ = End::whole;

@@ -1,79 +1,17 @@
 // Tables of measuring instruments, controllers and middleware that keep times, names and units in ways of their own.
-#include <algorithm>
 #include <cmath>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "record/column_guess.hpp"
 #include "record/column_words.hpp"
 #include "record/field_text.hpp"
-#include "record/files.hpp"
-#include "record/import.hpp"
+#include "record/motion.hpp"
 
 using namespace pneuservo;
 using Catch::Matchers::Contains;
-
-namespace {
-
-constexpr int row_count = 3000;
-constexpr double interval_s = 0.001;
-
-double x_m_at(int i) { return std::round(1e7 * 0.1 * std::sin(0.005 * i + 0.2)) * 1e-7; }
-double u_V_at(int i) { return std::round(1e4 * 2 * std::cos(0.007 * i)) * 1e-4; }
-
-/// Rows written by a function of number, time, position [m] and command [V].
-std::string rows(const std::function<std::string(int, double, double, double)>& row) {
-  std::string out;
-  for (int i = 0; i < row_count; ++i) out += row(i, i * interval_s, x_m_at(i), u_V_at(i)) + "\n";
-  return out;
-}
-
-std::string with_comma(std::string text) {
-  std::replace(text.begin(), text.end(), '.', ',');
-  return text;
-}
-
-struct Understood {
-  std::vector<ColumnGuess> columns;
-  Recording run;
-  std::string told;
-};
-
-Understood understood(const std::string& bytes) {
-  const TemporaryFolder folder;
-  const CsvTable table = read_table(put_plain(folder.file("f.csv"), bytes));
-  Understood out;
-  out.columns = guess_columns(table);
-  std::vector<Recording> runs = recordings_in(table, import_map(out.columns), 0.001);
-  REQUIRE(runs.size() == 1);
-  out.run = std::move(runs.front());
-  for (const std::string& line : problem_lines(out.run)) out.told += line + "\n";
-  return out;
-}
-
-/// All rows with the motion's values; what was told.
-std::string check_motion(const std::string& bytes) {
-  CAPTURE(bytes.substr(0, 300));
-  const Understood found = understood(bytes);
-  const Recording& run = found.run;
-  REQUIRE(run.rows() == row_count);
-  REQUIRE(run.has("x_m"));
-  REQUIRE(run.has("u_V"));
-  CHECK(run.period_s == Approx(interval_s).epsilon(1e-3));
-  for (int i = 0; i < row_count; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    REQUIRE(run.t_s()[at] - run.t_s()[0] == Approx(i * interval_s).margin(1e-6));
-    REQUIRE(run.column("x_m")[at] == Approx(x_m_at(i)).margin(1e-9));
-    REQUIRE(run.column("u_V")[at] == Approx(u_V_at(i)).margin(1e-9));
-  }
-  return found.told;
-}
-
-}  // namespace
 
 TEST_CASE("seconds and their fraction in two columns are one time") {
   const auto with = [](const char* seconds, const char* fraction, double per_s) {
@@ -280,4 +218,119 @@ TEST_CASE("an ordinal is no time, and a name may hold a number") {
   const CsvTable table = read_table(
       put_plain(folder.file("f.csv"), "Logger A;Anlage B;Halle;Meier\nt;x;p1;24V\n0;1;2;3\n1;2;3;4\n2;3;4;5\n"));
   CHECK(table.names[1] == "x");
+}
+
+TEST_CASE("names may stand in two rows, an upper one for several columns") {
+  const std::string table = rows([](int, double t, double x, double u) {
+    return fmt::format("{:.3f},{:.1f},{:.1f},{:.4f},{:.4f}", t, 5.0, 6.0, 1e3 * x, u);
+  });
+  for (const char* names : {"Time,Pressure,,Position,Valve\n,A,B,cylinder,command\ns,bar,bar,mm,V\n",
+                            "Time [s],Pressure [bar],,Position [mm],Valve [V]\n,A,B,,\n",
+                            "Time [s],Pressure [bar],Pressure [bar],Position [mm],Valve [V]\n-,A,B,cylinder,main\n",
+                            ",Pressure,,Position,\nTime [s],A [bar],B [bar],act [mm],Valve [V]\n"}) {
+    CAPTURE(names);
+    const Understood found = understood(names + table);
+    CHECK_THAT(check_motion(names + table), Contains("names over two rows"));
+    CHECK(found.run.column("p1_port_Pa")[7] == Approx(5e5));
+    CHECK(found.run.column("p2_port_Pa")[7] == Approx(6e5));
+  }
+  // What is known by the lower row alone keeps its name.
+  const Understood found = understood("Bench 3,Motion,Valve 7\nTime,Position,Valve\n" +
+                                      rows([](int, double t, double x, double u) {
+                                        return fmt::format("{:.3f},{:.7f},{:.4f}", t, x, u);
+                                      }));
+  CHECK(found.columns[1].column == "Position");
+  CHECK_THAT(found.told, !Contains("over two rows"));
+}
+
+TEST_CASE("a column of hexadecimal numbers holds counts") {
+  const std::string told = check_motion("t_s,x_m,u_V,raw\n" + rows([](int i, double t, double x, double u) {
+                                          return fmt::format("{:.3f},{:.7f},{:.4f},0x{:04X}", t, x, u, i);
+                                        }));
+  CHECK_THAT(told, Contains("raw holds hexadecimal numbers such as 0x0000"));
+  const Understood counts = understood("t_s,x_m,raw\n" + rows([](int i, double t, double x, double) {
+                                         return fmt::format("{:.3f},{:.7f},16#{:x}", t, x, i);
+                                       }));
+  CHECK(counts.run.rows() == row_count);
+  // Between other numbers they are text.
+  const TemporaryFolder folder;
+  const CsvTable mixed = read_table(put_plain(folder.file("f.csv"), "t_s,x\n0,0x10\n1,16\n2,0x12\n3,18.5\n"));
+  CHECK(std::isnan(mixed.column("x")[0]));
+  CHECK(mixed.column("x")[1] == 16);
+  const CsvTable all = read_table(put_plain(folder.file("g.csv"), "t_s,x\n0,0x1F4\n1,0\n2,0xFFFF\n"));
+  CHECK(all.column("x")[0] == 500);
+  CHECK(all.column("x")[2] == 65535);
+}
+
+TEST_CASE("a refused row leaves its place in the time where rows count it") {
+  std::string text = "Sample rate: 1000 Hz\nPosition_mm,Valve_V\n";
+  for (int i = 0; i < row_count; ++i)
+    text += i == 1000 ? "0.5,1,7\n" : fmt::format("{:.4f},{:.4f}\n", 1e3 * x_m_at(i), u_V_at(i));
+  const Understood found = understood(text);
+  REQUIRE(found.run.rows() == row_count - 1);
+  CHECK(found.run.missing_rows == 1);
+  CHECK(found.run.t_s()[1500] == Approx(1.501));
+  CHECK(found.run.column("x_m")[1500] == Approx(x_m_at(1501)));
+  // A remark took no sample's place.
+  std::string remarked = "Sample rate: 1000 Hz\nPosition_mm,Valve_V\n";
+  for (int i = 0; i < row_count; ++i)
+    remarked += fmt::format("{}{:.4f},{:.4f}\n", i == 1000 ? "valve replaced\n" : "", 1e3 * x_m_at(i), u_V_at(i));
+  CHECK(understood(remarked).run.t_s()[1500] == Approx(1.5));
+  // An index that skips numbers tells of rows that are missing.
+  std::string counted = "Sample rate: 1000 Hz\n,Position_mm,Valve_V\n";
+  for (int i = 0; i < row_count; ++i)
+    if (i < 1000 || i >= 1010) counted += fmt::format("{},{:.4f},{:.4f}\n", i, 1e3 * x_m_at(i), u_V_at(i));
+  const Recording run = understood(counted).run;
+  CHECK(run.missing_rows == 10);
+  CHECK(run.column("x_m")[1500] == Approx(x_m_at(1510)));
+  CHECK(run.t_s()[1500] == Approx(1.51));
+}
+
+TEST_CASE("a file whose values exceed the memory is refused at the line where they do") {
+  const TemporaryFolder folder;
+  const std::string text = "t_s,x_m,u_V\n" + rows([](int, double t, double x, double u) {
+                             return fmt::format("{:.3f},{:.7f},{:.4f}", t, x, u);
+                           });
+  std::string longer = text;
+  for (int i = 0; i < 3; ++i) longer += text.substr(text.find('\n') + 1);
+  const std::string path = put_plain(folder.file("f.csv"), longer);
+  constexpr std::size_t most_bytes = 100000;
+  CHECK_THROWS_WITH(read_table(path, {}, most_bytes), Contains("line 4098: found 0 MB of values up to here") &&
+                                                          Contains("a quarter of the memory"));
+  CHECK(read_table(path).rows() == 4 * row_count);
+}
+
+TEST_CASE("values bear their names in lines of a log, of JSON and of a database's line protocol") {
+  check_motion("2026-01-03 10:11:00,000 INFO start\n" + rows([](int i, double, double x, double u) {
+                 return fmt::format("2026-01-03 10:11:{:02},{:03} INFO [axis 1] position={:.7f} valve={:.4f}", i / 1000,
+                                    i % 1000, x, u);
+               }));
+  check_motion(rows([](int, double t, double x, double u) {
+    return fmt::format("{{\"t\": {:.3f}, \"position\": {:.7f}, \"valve\": {:.4f}}}", t, x, u);
+  }));
+  check_motion(rows([](int i, double, double x, double u) {
+    return fmt::format("{{\"timestamp\":\"2026-01-03T10:11:{:02}.{:03}Z\",\"axis\":\"A\",\"position\":{:.7f},\"valve\":{:.4f}}}",
+                       i / 1000, i % 1000, x, u);
+  }));
+  check_motion(rows([](int i, double, double x, double u) {
+    return fmt::format("axis,host=plc1 position={:.7f},valve={:.4f},count={}i {}", x, u, i, 1767434671000000000 + i * 1000000L);
+  }));
+}
+
+TEST_CASE("a column in a unit of time that goes on is the time where none is named so") {
+  const auto told = [](const char* names) {
+    return understood(names + rows([](int, double t, double x, double u) {
+                        return fmt::format("{:.3f},{:.7f},{:.4f}", t - 0.5, x, u);
+                      }));
+  };
+  for (const char* names : {"x-axis,position,valve\nsecond,m,Volt\n", "Abscissa (s),position (m),valve (V)\n"}) {
+    CAPTURE(names);
+    const Understood found = told(names);
+    REQUIRE(found.run.rows() == row_count);
+    CHECK(found.run.column("x_m")[100] == Approx(x_m_at(100)));
+    CHECK(found.run.t_s()[100] == Approx(-0.4));
+  }
+  check_motion("tick_us;position;valve\n" + rows([](int i, double, double x, double u) {
+                 return fmt::format("0x{:08X};{:.7f};{:.4f}", 1000 * i, x, u);
+               }));
 }

@@ -314,16 +314,32 @@ std::vector<UnitReading> command_readings(const Rig& rig, const Recording& recor
   const auto is_from_the_end = [&](double neutral) {
     return range.low > 0 && 0.5 * (range.low + range.high) > 0.5 * neutral;
   };
+  const auto add_per_cent = [&](bool needs_fit) {
+    add(most_V / 100, 0, "per cent of the valve's range", needs_fit);
+    if (is_from_the_end(50)) add(most_V / 50, -most_V, "per cent from the valve's end, neutral at 50 %", needs_fit);
+  };
+  const auto add_milliamperes = [&](bool needs_fit) {
+    if (is_from_the_end(12)) add(most_V / 8, -1.5 * most_V, "milliamperes from 4 to 20, neutral at 12", needs_fit);
+  };
+  // A unit that the file states leaves its own readings, as long as one holds the range.
+  const std::string unit = stated_command_unit(recording);
+  if (unit == "%") add_per_cent(false);
+  else if (unit == "mA") add_milliamperes(false);
+  if (!out.empty()) return out;
   add(1, 0, "");
   if (is_from_the_end(most_V)) add(1, -most_V, "volts from the valve's end, neutral in the middle");
   const bool may_be_volts = !out.empty();
   if (!may_be_volts) add(1e-3, 0, "millivolts");
-  add(most_V / 100, 0, "per cent of the valve's range", may_be_volts);
+  add_per_cent(may_be_volts);
   add(most_V, 0, "shares of the valve's range", may_be_volts);
-  if (is_from_the_end(50)) add(most_V / 50, -most_V, "per cent from the valve's end, neutral at 50 %", may_be_volts);
   if (is_from_the_end(0.5)) add(2 * most_V, -most_V, "shares from the valve's end, neutral at 0.5", may_be_volts);
-  if (is_from_the_end(12)) add(most_V / 8, -1.5 * most_V, "milliamperes from 4 to 20, neutral at 12", may_be_volts);
+  add_milliamperes(may_be_volts);
   return out;
+}
+
+std::string stated_command_unit(const Recording& recording) {
+  const auto stated = recording.stated_units.find("u_V");
+  return stated == recording.stated_units.end() ? "" : stated->second;
 }
 
 void take_out_impossible_samples(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {

@@ -48,7 +48,9 @@ void doubt_position_unit(const Rig& rig, Recording& recording, std::vector<std::
 /// How pressures may be meant: those readings in which all lie between vacuum and what the loop refuses.
 std::vector<UnitReading> pressure_readings(const Rig& rig, const Recording& recording,
                                            const std::vector<std::string>& columns);
-/// How the command may be meant: within the valve's range.
+/// "%" or "mA", where the file states it for the command; empty: nothing, or a unit of its own.
+std::string stated_command_unit(const Recording& recording);
+/// How the command may be meant: within the valve's range, in the unit that the file states.
 std::vector<UnitReading> command_readings(const Rig& rig, const Recording& recording);
 /// Names of the pressure columns that the recording has.
 std::vector<std::string> pressure_columns(const Recording& recording);

@@ -122,7 +122,11 @@ std::string evidence_of(const Rig& rig, const Recording& recording, Quantity qua
   const std::string range = fmt::format("{}: {} go{} from {:.4g} to {:.4g}", recording.path, fmt::join(columns, ", "),
                                         columns.size() == 1 ? "es" : "", low, high);
   switch (quantity) {
-    case Quantity::command: return fmt::format("{} V, the valve takes +-{:g} V", range, rig.axis.valve.command_max_V);
+    case Quantity::command: {
+      const std::string unit = stated_command_unit(recording);
+      return fmt::format("{} {}, the valve takes +-{:g} V", range, unit.empty() ? "V" : unit + ", which the file states",
+                         rig.axis.valve.command_max_V);
+    }
     case Quantity::position:
       return fmt::format("{} m, the stroke is +-{:g} m", range, 0.5 * rig.axis.cylinder.stroke_m);
     case Quantity::pressures: break;

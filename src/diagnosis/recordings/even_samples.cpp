@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
+#include "record/drawn_value.hpp"
 
 namespace pneuservo {
 
@@ -28,22 +29,6 @@ double decimal_of(const std::vector<double>& time_s, std::size_t count) {
     }
   }
   return step_s;
-}
-
-/// Value at t of the cubic through four points, or of the line through the inner two.
-double value_between(const std::vector<double>& t, const std::vector<double>& y, std::size_t i, double at,
-                     bool is_cubic, double longest) {
-  const bool has_outer =
-      is_cubic && i >= 1 && i + 2 < t.size() && t[i] - t[i - 1] <= longest && t[i + 2] - t[i + 1] <= longest;
-  if (!has_outer) return y[i] + (y[i + 1] - y[i]) * (at - t[i]) / (t[i + 1] - t[i]);
-  double sum = 0;
-  for (std::size_t a = i - 1; a <= i + 2; ++a) {
-    double weight = y[a];
-    for (std::size_t b = i - 1; b <= i + 2; ++b)
-      if (b != a) weight *= (at - t[b]) / (t[a] - t[b]);
-    sum += weight;
-  }
-  return sum;
 }
 
 }  // namespace
@@ -111,7 +96,7 @@ std::vector<double> EvenSamples::drawn(const std::vector<double>& values, bool i
     if (place[i + 1] - place[i] > longest) continue;
     const double from = std::max(0.0, std::ceil(place[i]));
     for (auto k = static_cast<std::size_t>(from); static_cast<double>(k) < place[i + 1] && k < count_; ++k)
-      out[k] = value_between(place, known, i, static_cast<double>(k), is_cubic, longest);
+      out[k] = drawn_value(place, known, i, static_cast<double>(k), is_cubic ? longest : 0);
   }
   for (std::size_t i = 0; i < place.size(); ++i)  // a row at its place stands as it is
     if (place[i] >= 0 && place[i] == std::round(place[i]) && place[i] < static_cast<double>(count_))

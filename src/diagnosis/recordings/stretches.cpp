@@ -111,6 +111,7 @@ Recording part_of(const Recording& recording, const TimeSpan& span) {
   part.period_s = recording.period_s;
   part.is_held_out = recording.is_held_out;
   part.sources = recording.sources;
+  part.stated_units = recording.stated_units;
   part.changed = recording.changed;
   part.path = fmt::format("{} ({:.6g} to {:.6g} s)", recording.path, span.first, span.second);
   for (const auto& values : recording.values) part.values.emplace_back(values.begin() + first, values.begin() + end);

@@ -45,9 +45,9 @@ void SimBackend::configure() {
   growth_.configure(rig_);
   const PerSignal<double> values = true_values(plant_);
   for (const Signal signal : channel_signals) {
-    const auto [quantum, noise] = rig_.sensors.resolution(signal);
+    const auto [quantum, noise, range] = rig_.sensors.resolution(signal);
     sensors_[signal].configure(rig_.sensor_effects[signal], quantum, noise, rig_.period_s,
-                               Random(rig_.seed, index_of(signal)));
+                               Random(rig_.seed, index_of(signal)), range);
     sensors_[signal].reset(values[signal]);
   }
   command_ = {};

@@ -180,6 +180,8 @@ void check_lines(const Rig& rig, const RefusePath& refuse) {
 std::vector<Signal> inputs_of_law(const Rig& rig) {
   std::vector<Signal> inputs{Signal::x};
   if (rig.controller.takes_chambers()) inputs.insert(inputs.end(), chamber_signals.begin(), chamber_signals.end());
+  if (rig.controller.takes_differences())
+    inputs.insert(inputs.end(), difference_signals.begin(), difference_signals.end());
   if (rig.controls_pressure() || rig.controller.feeds_back_ports() ||
       (rig.controller.pressures() && !rig.controller.takes_chambers()))
     inputs.insert(inputs.end(), port_signals.begin(), port_signals.end());
@@ -268,6 +270,8 @@ void check_hal(const Rig& rig, InputErrors& errors, const RefusePath& refuse) {
   const bool chambers = rig.controller.takes_chambers();
   const std::string loop = "a source: the loop needs this channel";
   const std::string command = "a source: the loop needs somewhere to send its command";
+  const std::string difference =
+      rig.controller.takes_differences() ? "a source: controller.pressure_source is differential" : "";
   const std::string chamber = chambers ? "a source: controller.pressure_source is chamber" : "";
   Wiring wiring{hal, refuse, {}, {}};
   hal.channels.for_each_input([&](Signal signal, const auto& channel) {
@@ -275,7 +279,11 @@ void check_hal(const Rig& rig, InputErrors& errors, const RefusePath& refuse) {
     const bool always = signal == Signal::x || is_port(signal);
     errors.collect([&] {
       if (rig.has_sensor(signal))
-        wiring.channel(name, channel, false, always ? loop : is_chamber(signal) ? chamber : std::string());
+        wiring.channel(name, channel, false,
+                       always                  ? loop
+                       : is_chamber(signal)    ? chamber
+                       : is_difference(signal) ? difference
+                                               : std::string());
       else if (!channel.is_absent())
         refuse("hal.channels." + name, "a channel",
                fmt::format("none: a rig of kind {} has no {}", info(rig.kind).name, info(signal).words));

@@ -97,6 +97,9 @@ void check_controller(const Rig& rig, const Check& check) {
   if (rig.controller.takes_chambers() && !has_sensors)
     check.refuse("controller.pressure_source", {}, "'chamber' without sensors.chamber_pressure",
                  "valve or estimated, or the section sensors.chamber_pressure");
+  if (rig.controller.takes_differences() && !(rig.sensors.differential_pressure.range_Pa > 0.0))
+    check.refuse("controller.pressure_source", {}, "'differential' without sensors.differential_pressure.range_Pa",
+                 "valve or estimated, or the section sensors.differential_pressure with a range above 0");
   const double command_max = rig.axis.valve.command_max_V;
   if (std::fabs(rig.safe_output.command_V) > command_max)
     check.refuse("safe_output.command_V", {"valve.command_max_V"}, number_text(rig.safe_output.command_V),

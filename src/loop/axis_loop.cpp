@@ -147,7 +147,9 @@ std::array<double, 2> AxisLoop::control(std::int64_t tick, const JudgedInputs& i
   const double most_V = supervisor_.motion().most_command_V();
   limited_ = out.limited || std::fabs(out.command_V[0]) > most_V || std::fabs(out.command_V[1]) > most_V;
   const bool within = std::fabs(out.command_V[0]) <= command_max_V_ && std::fabs(out.command_V[1]) <= command_max_V_;
-  const bool usable = source_ != PressureSource::estimated || (estimate.valid[0] && estimate.valid[1]);
+  const bool estimated =
+      source_ == PressureSource::estimated || (source_ == PressureSource::differential && inputs.is_beyond_range());
+  const bool usable = !estimated || (estimate.valid[0] && estimate.valid[1]);
   supervisor_.check_motion({motion_sample(in, skipped), out.finite && within, usable});
   for (double& command_V : out.command_V) command_V = std::clamp(command_V, -most_V, most_V);
   return out.command_V;

@@ -222,18 +222,22 @@ std::vector<ChannelZero> find_pressure_zeros(const Rig& rig, Backend& backend, d
   const double atmosphere_Pa = rig.axis.air.atmosphere_Pa;
   const auto origins = backend.origins().channels;
   for (const Signal signal : channel_signals) {
-    if (!is_pressure(signal) || origins[signal] == Origin::absent) continue;
+    if (!is_in_pascal(signal) || origins[signal] == Origin::absent) continue;
     const std::string name(info(signal).name);
     if (count[signal] == 0) throw std::runtime_error(fmt::format("zeroing: {} gave no value", name));
     const double mean_Pa = sum[signal] / static_cast<double>(count[signal]);
-    const bool absolute = std::fabs(mean_Pa - atmosphere_Pa) <= sensor_tolerance_Pa,
+    const double vented_Pa = is_difference(signal) ? 0.0 : atmosphere_Pa;
+    const bool absolute = std::fabs(mean_Pa - vented_Pa) <= sensor_tolerance_Pa,
                gauge = std::fabs(mean_Pa) <= sensor_tolerance_Pa;
     if (!absolute && !gauge)
       throw std::runtime_error(
           fmt::format("zeroing: {} shows {:.6g} Pa, expected {:.6g} (absolute) or 0 (gauge) within "
                       "{:g}: vent the lines, check the sensor's scale",
                       name, mean_Pa, atmosphere_Pa, sensor_tolerance_Pa));
-    zeros.push_back({name, atmosphere_Pa - mean_Pa, absolute ? "absolute" : "gauge"});
+    zeros.push_back({name, vented_Pa - mean_Pa,
+                     is_difference(signal) ? "differential"
+                     : absolute            ? "absolute"
+                                           : "gauge"});
   }
   return zeros;
 }

@@ -35,7 +35,7 @@ PlausibleChannel plausible(const Rig& rig) {
 /// Steps of 5 % of the supply in a period are beyond what lines and chambers do with a calm valve; what an active one
 /// and small volumes add is told tick by tick.
 PlausibleChannel plausible_pressure(const Rig& rig, Signal signal) {
-  const auto [quantum, noise] = rig.sensors.resolution(signal);
+  const auto [quantum, noise, range] = rig.sensors.resolution(signal);
   PlausibleChannel channel = plausible(rig);
   channel.lowest = possible_pressure_Pa(rig).lowest;
   channel.highest = possible_pressure_Pa(rig).highest;
@@ -44,6 +44,14 @@ PlausibleChannel plausible_pressure(const Rig& rig, Signal signal) {
   const bool any_step = info(signal).sensor == SensorKind::supply_pressure;
   channel.step_per_period = any_step ? std::numeric_limits<double>::infinity() : pressure_step_Pa(rig);
   channel.frozen_ticks = frozen_after_ticks(noise, quantum);
+  return channel;
+}
+
+/// A sensor at the end of its range says so, and no more; a tenth beyond it is none of its readings.
+PlausibleChannel plausible_difference(const Rig& rig, Signal signal) {
+  PlausibleChannel channel = plausible(rig);
+  channel.highest = 1.1 * rig.sensors.resolution(signal).range;
+  channel.lowest = -channel.highest;
   return channel;
 }
 
@@ -74,6 +82,9 @@ void Supervisor::configure(const Rig& rig, bool needs_chambers, const MotionLimi
   half_stroke_m_ = 0.5 * rig.axis.cylinder.stroke_m;
   position_limit_m_ = half_stroke_m_ + rig.limits.position_margin_m;
   pressure_limit_Pa_ = port_pressure_limit_Pa(rig);
+  has_losses_ = rig.has_sensor(Signal::dp1);
+  needs_losses_ = rig.controller.takes_differences();
+  loss_range_Pa_ = rig.sensors.differential_pressure.range_Pa;
   supply_Pa_ = rig.axis.supply.pressure_Pa;
   supply_limit_Pa_ = rig.limits.supply_share * supply_Pa_;
   lateness_limit_s_ = rig.limits.lateness_s;
@@ -85,8 +96,9 @@ void Supervisor::configure(const Rig& rig, bool needs_chambers, const MotionLimi
   activity_decay_ = std::exp(-rig.period_s / activity_time_s);
   PerSignal<PlausibleChannel> channels;
   for (const Signal signal : channel_signals) {
-    channels[signal] =
-        is_pressure(signal) ? plausible_pressure(rig, signal) : plausible_position(rig, motion.speed_mps);
+    channels[signal] = is_pressure(signal)     ? plausible_pressure(rig, signal)
+                       : is_difference(signal) ? plausible_difference(rig, signal)
+                                               : plausible_position(rig, motion.speed_mps);
     guards_[signal].configure(channels[signal]);
   }
   calm_.configure(channels, pressure_limit_Pa_);
@@ -183,6 +195,19 @@ std::uint64_t Supervisor::judge_pressures(const Measurement& measured, double pe
   return faults;
 }
 
+std::uint64_t Supervisor::judge_losses(const Measurement& measured, double periods, JudgedInputs& in) noexcept {
+  std::uint64_t faults = 0;
+  for (std::size_t i = 0; i < difference_signals.size(); ++i) {
+    const Signal signal = difference_signals[i];
+    const Channel& channel = measured.channel[signal];
+    judged_[signal] = judged_[signal] || needs_losses_ || channel.origin != Origin::absent;
+    if (!judged_[signal]) continue;
+    const double loss_Pa = judge_channel(signal, channel, periods, no_extra, faults);
+    if (std::fabs(loss_Pa) < loss_range_Pa_) in.loss_Pa[i] = loss_Pa;
+  }
+  return faults;
+}
+
 std::uint64_t Supervisor::judge_supply(const Channel& supply, double periods, JudgedInputs& in) noexcept {
   in.supply_Pa = supply_Pa_;
   judged_[Signal::p_supply] = judged_[Signal::p_supply] || supply.origin != Origin::absent;
@@ -233,6 +258,7 @@ JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped
   std::uint64_t faults = has_slider_ ? judge_position(measured.channel[Signal::x], periods, in) : 0;
   faults |= judge_pressures(measured, periods, in);
   if (!has_slider_) in.port_Pa[1] = in.port_Pa[0];
+  if (has_losses_) faults |= judge_losses(measured, periods, in);
   faults |= judge_supply(measured.channel[Signal::p_supply], periods, in);
   // What a dead bus does not bring is its consequence, not the reason.
   if ((measured.device_faults & (device_bus_off | device_link_down)) != 0) faults &= ~missing_faults;
@@ -255,8 +281,9 @@ JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped
 void Supervisor::cross_check(const JudgedInputs& inputs, const EstimatorOutput& estimate,
                              std::int64_t skipped) noexcept {
   if (!is_active()) return;
-  const std::uint64_t found =
-      cross_check_.check({command_V_, inputs.port_Pa, inputs.chamber_Pa, inputs.supply_Pa}, estimate, skipped);
+  const std::uint64_t found = cross_check_.check(
+      {command_V_, inputs.port_Pa, has_losses_ ? inputs.known_chamber_Pa() : inputs.chamber_Pa, inputs.supply_Pa},
+      estimate, skipped);
   latch(has_slider_ ? found : found & ~second_side_faults);
   if (is_active()) latch(health_.check_rest(cross_check_.watching(), inputs.position_m, skipped));
 }

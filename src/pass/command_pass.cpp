@@ -107,7 +107,7 @@ class Shown {
   Shown(const Rig& rig, const PerSignal<double>& first, bool by_estimator)
       : estimates_(by_estimator && rig.controller.pressures() == PressureSource::estimated),
         ports_(rig.controller.pressures() == PressureSource::valve), aged_(rig.simulation.input_age_periods > 0) {
-    const bool estimated = rig.controller.pressures() == PressureSource::estimated;
+    const bool estimated = !rig.controller.takes_chambers();
     for (const Signal signal : channel_signals) {
       const bool of_port = estimated && is_chamber(signal);
       sensors_[signal].configure(rig.sensor_effects[of_port ? port_signals[side_of(signal)] : signal], 0.0, 0.0,

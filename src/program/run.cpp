@@ -328,8 +328,8 @@ void add_run(CommandLine& app, int& status) {
   Verb verb = app.add_verb("run", "run the controller on the configured backend");
   add_axis_options(verb, *o, "rig to run, e.g. config/cylinder-10m-7.65mm.yaml");
   verb.add_option("--pressure-source", o->pressure_source,
-                  "pressures that close the force loop; all: the three of them, compared")
-      .among({"valve", "chamber", "estimated", "all"});
+                  "pressures that close the force loop; all: valve, chamber and estimated, compared")
+      .among({"valve", "chamber", "estimated", "differential", "all"});
   verb.add_option("--duration-s", o->duration_s, "length of the run instead of the config's [s]").above_zero();
   verb.add_option("--gains", o->gains,
                   "gains of a ppd2 law for the running loop, KEY: VALUE; looked at ten times a second");

@@ -153,6 +153,10 @@ std::string pneumatic_picture(const Rig& rig, const std::vector<std::string>& se
   picture.sensor(Signal::p_supply, "supply pressure", {130, 210}, {130, 250}, "p");
   picture.sensor(Signal::p1_chamber, "pressure in chamber 1", {650, 160}, {650, 122}, "p");
   picture.sensor(Signal::p2_chamber, "pressure in chamber 2", {730, 160}, {730, 122}, "p");
+  if (rig.has_sensor(Signal::dp1)) {
+    picture.sensor(Signal::dp1, "pressure lost along line 1", {400, 100}, {400, 138}, "dp");
+    picture.sensor(Signal::dp2, "pressure lost along line 2", {400, 340}, {400, 302}, "dp");
+  }
   return picture.svg(0, 0, 1080, 390, "The rig with the share of each element in the mismatch");
 }
 

@@ -28,10 +28,12 @@ TEST_CASE("the signals of a kind share their sensor") {
   sensors.supply_pressure.quantum_Pa = 4.0, sensors.supply_flow.quantum_kgps = 5.0, sensors.force.quantum_N = 6.0;
   sensors.position.noise_m = 10.0, sensors.port_pressure.noise_Pa = 20.0, sensors.chamber_pressure.noise_Pa = 30.0;
   sensors.supply_pressure.noise_Pa = 40.0, sensors.supply_flow.noise_kgps = 50.0, sensors.force.noise_N = 60.0;
-  const PerSignal<double> quanta{1, 2, 2, 3, 3, 4, 5, 6};
+  sensors.differential_pressure = {7.0, 70.0, 700.0};
+  const PerSignal<double> quanta{1, 2, 2, 3, 3, 4, 5, 6, 7, 7};
   for (const Signal signal : all_signals) {
     CHECK(sensors.resolution(signal).quantum == quanta[signal]);
     CHECK(sensors.resolution(signal).noise == 10.0 * quanta[signal]);
+    CHECK(sensors.resolution(signal).range == (is_difference(signal) ? 700.0 : infinite));
   }
 }
 
@@ -49,16 +51,17 @@ TEST_CASE("every channel that a motion rests on has fault bits of its own, with 
     }
     for (const FaultText& text : fault_texts) {
       const std::string side = "_" + std::to_string(info(signal).side) + "_";
-      const std::string kind = signal == Signal::x  ? "position_"
-                               : is_port(signal)    ? "port_pressure" + side
-                               : is_chamber(signal) ? "chamber_pressure" + side
-                                                    : "supply_";
+      const std::string kind = signal == Signal::x     ? "position_"
+                               : is_port(signal)       ? "port_pressure" + side
+                               : is_chamber(signal)    ? "chamber_pressure" + side
+                               : is_difference(signal) ? "differential_pressure" + side
+                                                       : "supply_";
       if (text.bit == faults.missing) CHECK(text.name == kind + "missing");
       if (text.bit == faults.frozen) CHECK(text.name == kind + "frozen");
       if (text.bit == faults.jumped && !any_step) CHECK(text.name == kind + "jump");
     }
   }
-  CHECK(std::popcount(seen) == 17);
+  CHECK(std::popcount(seen) == 19);
   CHECK(faults_of(Signal::F).missing == 0);
   CHECK(faults_of(Signal::supply_flow).missing == 0);
 }

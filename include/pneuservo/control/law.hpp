@@ -18,8 +18,8 @@ template <class S> struct AxisParameters;
 template <class S> struct ElasticVolumeParameters;
 
 /// Which pressures close the force loop.
-enum class PressureSource { valve, chamber, estimated };
-inline constexpr std::array<std::string_view, 3> pressure_source_names{"valve", "chamber", "estimated"};
+enum class PressureSource { valve, chamber, estimated, differential };
+inline constexpr std::array<std::string_view, 4> pressure_source_names{"valve", "chamber", "estimated", "differential"};
 
 /// What a law sees in a period. Pressures are absolute [Pa].
 struct ControlInput {

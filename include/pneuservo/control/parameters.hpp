@@ -42,6 +42,7 @@ struct ControllerParameters {
     });
   }
   bool takes_chambers() const noexcept { return pressures() == PressureSource::chamber; }
+  bool takes_differences() const noexcept { return pressures() == PressureSource::differential; }
   /// Whether the force loop closes on the ports' pressures, alone or by a modal filter.
   bool feeds_back_ports() const noexcept {
     return in_use([](const auto& p) {

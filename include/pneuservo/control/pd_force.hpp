@@ -53,8 +53,9 @@ struct PdForceParameters {
 
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
-    v(Field{"pressure_source", "", 0, 0, "pressures that close the force loop", Presence::required,
-            pressure_source_names},
+    v(Field{"pressure_source", "", 0, 0,
+            "pressures that close the force loop; differential: the ports' less what the lines are measured to lose",
+            Presence::required, pressure_source_names},
       p.pressure_source...);
     visit_outer_loop(v, p...);
     v(Field{"force_gain_V_per_N", "V/N", 0, 1e6, "K_f: command per force error"}, p.force_gain_V_per_N...);

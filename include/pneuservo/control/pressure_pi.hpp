@@ -24,7 +24,7 @@ struct PressurePiParameters {
     constexpr auto optional = Presence::optional;
     v(Field{"pressure_source", "", 0, 0,
             "pressure that is controlled: estimated or measured (chamber) at the far end, or at the valve's port",
-            optional, pressure_source_names},
+            optional, std::span(pressure_source_names).first(3)},
       p.pressure_source...);
     v(Field{"gain_per_s", "1/s", least_gain_per_s, 1e4,
             "rate that a pressure error asks for, over the error; default: the highest whose sensitivity stays below 2",

@@ -9,10 +9,18 @@
 
 namespace pneuservo {
 
-enum class Signal : std::uint8_t { x, p1_port, p2_port, p1_chamber, p2_chamber, p_supply, supply_flow, F };
+enum class Signal : std::uint8_t { x, p1_port, p2_port, p1_chamber, p2_chamber, p_supply, supply_flow, F, dp1, dp2 };
 
 /// Signals of one kind share the section of `sensors` that describes their sensor.
-enum class SensorKind : std::uint8_t { position, port_pressure, chamber_pressure, supply_pressure, supply_flow, force };
+enum class SensorKind : std::uint8_t {
+  position,
+  port_pressure,
+  chamber_pressure,
+  supply_pressure,
+  supply_flow,
+  force,
+  differential_pressure
+};
 
 /// `name` is the key in hal.channels, zeros and effects; `column` is name and unit, "/" as "p". Side 0: no side of the
 /// cylinder.
@@ -23,7 +31,8 @@ struct SignalInfo {
   std::string_view words;
 };
 
-/// In the order of Signal. Positions are 0 at mid-stroke, pressures absolute.
+/// In the order of Signal. Positions are 0 at mid-stroke, pressures absolute, differences positive where the port's
+/// pressure is the higher one.
 inline constexpr std::array signal_table{
     SignalInfo{"x", "m", "x_m", SensorKind::position, 0, "position"},
     SignalInfo{"p1_port", "Pa", "p1_port_Pa", SensorKind::port_pressure, 1, "pressure at valve port 1, absolute"},
@@ -34,14 +43,23 @@ inline constexpr std::array signal_table{
     SignalInfo{"supply_flow", "kg/s", "supply_flow_kgps", SensorKind::supply_flow, 0,
                "flow from the supply into the valves"},
     SignalInfo{"F", "N", "F_N", SensorKind::force, 0, "drive force"},
+    SignalInfo{"dp1", "Pa", "dp1_Pa", SensorKind::differential_pressure, 1,
+               "pressure lost along line 1, port less chamber"},
+    SignalInfo{"dp2", "Pa", "dp2_Pa", SensorKind::differential_pressure, 2,
+               "pressure lost along line 2, port less chamber"},
 };
 inline constexpr std::size_t signal_count = signal_table.size();
 
 constexpr std::size_t index_of(Signal signal) noexcept { return static_cast<std::size_t>(signal); }
 constexpr const SignalInfo& info(Signal signal) noexcept { return signal_table[index_of(signal)]; }
-constexpr bool is_pressure(Signal signal) noexcept { return info(signal).unit == "Pa"; }
+constexpr bool is_in_pascal(Signal signal) noexcept { return info(signal).unit == "Pa"; }
+constexpr bool is_difference(Signal signal) noexcept {
+  return info(signal).sensor == SensorKind::differential_pressure;
+}
+/// An absolute one.
+constexpr bool is_pressure(Signal signal) noexcept { return is_in_pascal(signal) && !is_difference(signal); }
 /// What sensors show of the gas.
-constexpr bool is_gas(Signal signal) noexcept { return is_pressure(signal) || info(signal).unit == "kg/s"; }
+constexpr bool is_gas(Signal signal) noexcept { return is_in_pascal(signal) || info(signal).unit == "kg/s"; }
 constexpr bool is_port(Signal signal) noexcept { return info(signal).sensor == SensorKind::port_pressure; }
 constexpr bool is_chamber(Signal signal) noexcept { return info(signal).sensor == SensorKind::chamber_pressure; }
 /// Whether a running axis has a channel for it: a drive force is only recorded.
@@ -65,9 +83,11 @@ template <bool (*is)(Signal) noexcept> constexpr auto signals_that() noexcept {
 }
 inline constexpr auto channel_signals = signals_that<is_channel>();
 inline constexpr auto pressure_signals = signals_that<is_pressure>();
+inline constexpr auto pascal_signals = signals_that<is_in_pascal>();
 inline constexpr auto gas_signals = signals_that<is_gas>();
 inline constexpr auto port_signals = signals_that<is_port>();        ///< by side
 inline constexpr auto chamber_signals = signals_that<is_chamber>();  ///< by side
+inline constexpr auto difference_signals = signals_that<is_difference>();  ///< by side
 
 /// One T for every signal, indexed by Signal alone.
 template <class T> struct PerSignal {

@@ -152,6 +152,19 @@ struct PressureSensorParameters {
   }
 };
 
+/// Of what a line loses between port and chamber: far less noise than two absolute sensors, and a range of its own.
+struct DifferentialSensorParameters {
+  double quantum_Pa = 0.0;
+  double noise_Pa = 0.0;
+  double range_Pa = 0.0;  ///< 0: there is no sensor
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"quantum_Pa", "Pa", 0, 1e5, "resolution; 0: none"}, p.quantum_Pa...);
+    v(Field{"noise_Pa", "Pa", 0, 1e5, "white noise, rms", Presence::optional}, p.noise_Pa...);
+    v(Field{"range_Pa", "Pa", 0, 2e6, "it shows this much at most, to both sides; 0: there is no sensor"},
+      p.range_Pa...);
+  }
+};
+
 struct FlowSensorParameters {
   double quantum_kgps = 0.0;
   double noise_kgps = 0.0;

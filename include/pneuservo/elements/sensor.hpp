@@ -1,5 +1,6 @@
-// A sensor: y = quantise(gain * lag(x) + offset + noise), the nearest multiple of the quantum.
+// A sensor: y = quantise(gain * lag(x) + offset + noise), the nearest multiple of the quantum, within its range.
 #pragma once
+#include <algorithm>
 #include <cmath>
 
 #include <pneuservo/core/random.hpp>
@@ -45,11 +46,13 @@ class SensorLagFilter {
 /// One channel; noise is white and normal, in the channel's unit.
 class Sensor {
  public:
+  /// `range`: it shows this much at most, to both sides.
   void configure(const SensorEffects<double>& effects, double quantum, double noise, double period_s,
-                 const Random& random) noexcept {
+                 const Random& random, double range = infinite) noexcept {
     effects_ = effects;
     quantum_ = quantum;
     noise_ = noise;
+    range_ = range;
     random_ = random;
     lag_.configure(effects.sensor_lag.time_constant_s, period_s);
   }
@@ -58,12 +61,13 @@ class Sensor {
   /// Reading of the true value; call once a sample.
   double read(double value) noexcept {
     const double noise = noise_ > 0.0 ? noise_ * random_.normal() : 0.0;
-    return quantise(effects_.sensor_gain.gain * lag_.step(value) + effects_.sensor_offset.offset + noise, quantum_);
+    const double shown = effects_.sensor_gain.gain * lag_.step(value) + effects_.sensor_offset.offset + noise;
+    return std::clamp(quantise(shown, quantum_), -range_, range_);
   }
 
  private:
   SensorEffects<double> effects_;
-  double quantum_ = 0.0, noise_ = 0.0;
+  double quantum_ = 0.0, noise_ = 0.0, range_ = infinite;
   Random random_;
   SensorLagFilter lag_;
 };

@@ -71,6 +71,8 @@ struct EstimatorInput {
   double valve_command_V = std::numeric_limits<double>::quiet_NaN();
   /// The same of the valve at side 2; NaN: one valve serves both sides, and side 2 has the opposite.
   double valve_command_2_V = std::numeric_limits<double>::quiet_NaN();
+  /// Of the way since the last tick, what is a better knowledge of x_m and no motion: pressures stay as they are.
+  double shift_m = 0.0;
 };
 
 /// Health bits of one tick.
@@ -170,8 +172,9 @@ class PipelineEstimator {
       // One after the other: the order in which a compiler evaluates arguments is its own.
       const double noise_2 = scale * (random_.uniform() - 0.5), noise_1 = scale * (random_.uniform() - 0.5);
       const Lanes port = lanes(p_1, p_2, p_1 + noise_1, p_2 + noise_2);
-      axis_.step(port + correction_, input_.x_m, -start_shares() * surplus_,
-                 leaks_ ? chamber_leaks() : ChamberInflow<Lanes>{});
+      ChamberInflow<Lanes> extra = leaks_ ? chamber_leaks() : ChamberInflow<Lanes>{};
+      if (measured.shift_m != 0.0) extra = shifted(extra, measured.shift_m);
+      axis_.step(port + correction_, input_.x_m, -start_shares() * surplus_, extra);
       if (corrects_flow_) correct(measured, port);
     }
     return output(health);
@@ -285,6 +288,14 @@ class PipelineEstimator {
     return {-out - across,
             -orifice_enthalpy_flow(air_, out, T, air_.temperature_K) - orifice_enthalpy_flow(air_, across, T, other_T)};
   }
+  // With what a shift of the piston adds to the chambers at their pressure and temperature.
+  ChamberInflow<Lanes> shifted(const ChamberInflow<Lanes>& others, double shift_m) const noexcept {
+    const auto& c = parameters_.cylinder;
+    const double volume_rate = shift_m / parameters_.period_s;
+    const Lanes p = axis_.chamber_pressure(), T = axis_.chamber_temperature();
+    const Lanes mass_flow = p * both(volume_rate * c.area_1_m2, -volume_rate * c.area_2_m2) / (air_.R * T);
+    return {others.mass_flow_kgps + mass_flow, others.enthalpy_flow_W + mass_flow * air_.cp * T};
+  }
   static Lanes other_side(const Lanes& side) noexcept { return lanes(side[1], side[0], side[3], side[2]); }
 
   void begin() noexcept {
@@ -357,14 +368,15 @@ class PipelineEstimator {
     missing_s_[2] = placed ? 0.0 : missing_s_[2] + parameters_.period_s;
     if (std::fabs(measured.v_mps) <= fastest_position_mps) input_.v_mps = measured.v_mps;
     double wanted = measured.x_m;
+    const double from = input_.x_m + measured.shift_m;
     if (!placed) {
       health |= estimator_position_held;
       wanted = input_.x_m + (missing_s_[2] <= position_bridge_s ? input_.v_mps * parameters_.period_s : 0.0);
       wanted = std::clamp(wanted, -reach, reach);
     }
-    if (started_ && std::fabs(wanted - input_.x_m) > longest) {
+    if (started_ && std::fabs(wanted - from) > longest) {
       health |= estimator_position_limited;
-      wanted = input_.x_m + std::copysign(longest, wanted - input_.x_m);
+      wanted = from + std::copysign(longest, wanted - from);
     }
     input_.x_m = wanted;
     return health;

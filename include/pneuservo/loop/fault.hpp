@@ -58,6 +58,8 @@ enum Fault : std::uint64_t {
   fault_double_answer = 1ull << 48,
   fault_output_unconfirmed = 1ull << 49,
   fault_guard_lost = 1ull << 50,
+  fault_differential_pressure_1_missing = 1ull << 51,
+  fault_differential_pressure_2_missing = 1ull << 52,
 };
 
 /// The faults of one measured channel. Sides follow each other bit by bit; no step of the supply is too large.
@@ -75,6 +77,8 @@ constexpr SignalFaults faults_of(Signal signal) noexcept {
       return {fault_chamber_pressure_1_missing << second, fault_chamber_pressure_1_frozen << second,
               fault_chamber_pressure_1_jump << second};
     case SensorKind::supply_pressure: return {fault_supply_missing, fault_supply_frozen, fault_supply_missing};
+    // Beyond its range it repeats itself, and a valve's step reaches it at once: the cross-check tells a wrong one.
+    case SensorKind::differential_pressure: return {fault_differential_pressure_1_missing << second, 0, 0};
     case SensorKind::supply_flow:  // no motion rests on it
     case SensorKind::force: break;
   }
@@ -97,7 +101,7 @@ struct FaultText {
   std::string_view name;
   std::string_view meaning;
 };
-inline constexpr std::array<FaultText, 48> fault_texts{{
+inline constexpr std::array<FaultText, 50> fault_texts{{
     {fault_position_missing, "position_missing",
      "the position was missing, too old, not a number or out of range: check encoder, cable and supply"},
     {fault_position_jump, "position_jump",
@@ -214,6 +218,12 @@ inline constexpr std::array<FaultText, 48> fault_texts{{
     {fault_output_unconfirmed, "output_unconfirmed",
      "the output that the device reads back is not the one that was sent: check the device and who else commands it"},
     {fault_guard_lost, "guard_lost", "pneuservo guard does not answer: start it before the run"},
+    {fault_differential_pressure_1_missing, "differential_pressure_1_missing",
+     "the pressure lost along line 1 was missing, too old, not a number or beyond the sensor's range: check sensor, "
+     "cable and range"},
+    {fault_differential_pressure_2_missing, "differential_pressure_2_missing",
+     "the pressure lost along line 2 was missing, too old, not a number or beyond the sensor's range: check sensor, "
+     "cable and range"},
 }};
 
 }  // namespace pneuservo

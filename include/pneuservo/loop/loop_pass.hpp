@@ -94,12 +94,14 @@ template <class Loop> class LoopPass : public ControlLoop {
 
   /// Those that the law acts on.
   std::array<double, 2> pressures(const JudgedInputs& inputs, const EstimatorOutput& estimate) const noexcept {
+    const std::array<double, 2> estimated{estimate.chamber_pressure_Pa[0], estimate.chamber_pressure_Pa[1]};
     switch (source_) {
       case PressureSource::valve: return inputs.port_Pa;
       case PressureSource::chamber: return inputs.chamber_Pa;
+      case PressureSource::differential: return inputs.port_less_loss_Pa(estimated);
       case PressureSource::estimated: break;
     }
-    return {estimate.chamber_pressure_Pa[0], estimate.chamber_pressure_Pa[1]};
+    return estimated;
   }
   /// Flags of a row that mean the same in every loop.
   std::uint32_t row_flags(std::int64_t skipped) const noexcept {

@@ -131,12 +131,12 @@ class MotionTwin {
     double position_m = 0.0;
     std::array<double, 2> port_Pa{}, chamber_Pa{};
   };
-  // An estimated chamber pressure is as wrong as its port's sensor.
+  // A chamber pressure that is estimated, or the port's less a measured loss, is as wrong as its port's sensor.
   void configure_sensors(const Rig& rig) {
-    const bool estimated = law_.pressure_source() == PressureSource::estimated;
+    const bool estimated = law_.pressure_source() != PressureSource::chamber;
     has_sensor_effects_ = false;
     for (const Signal signal : channel_signals) {
-      if (signal == Signal::p_supply || signal == Signal::supply_flow) continue;
+      if (signal != Signal::x && !is_port(signal) && !is_chamber(signal)) continue;
       const bool of_port = estimated && is_chamber(signal);
       const SensorEffects<double>& e = rig.sensor_effects[of_port ? port_signals[side_of(signal)] : signal];
       sensor_effects_[signal] = e;

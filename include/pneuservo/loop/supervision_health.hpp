@@ -89,7 +89,7 @@ class SupervisionHealth {
       bad_[signal] = kept + (bad[signal] ? 1.0 - keep_ : 0.0);
       bad_lately_ = bad_lately_ || bad_[signal] > 0.0;
       if (bad_[signal] > bad_limit_)
-        faults |= is_pressure(signal) ? fault_pressure_unreliable : fault_position_unreliable;
+        faults |= is_in_pascal(signal) ? fault_pressure_unreliable : fault_position_unreliable;
     }
     return faults;
   }

@@ -24,6 +24,22 @@ struct JudgedInputs {
   double position_m = 0.0;
   std::array<double, 2> port_Pa{}, chamber_Pa{};  ///< a pressure rig's one port in both
   double supply_Pa = 0.0;  ///< the config's where there is no sensor
+  /// Measured along the lines; NaN where there is no sensor or it is at the end of its range.
+  std::array<double, 2> loss_Pa{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+
+  bool is_beyond_range() const noexcept { return std::isnan(loss_Pa[0]) || std::isnan(loss_Pa[1]); }
+  /// Chamber pressures by the ports' and the measured loss, `otherwise` where that is not known.
+  std::array<double, 2> port_less_loss_Pa(const std::array<double, 2>& otherwise) const noexcept {
+    const auto side = [&](std::size_t i) { return std::isnan(loss_Pa[i]) ? otherwise[i] : port_Pa[i] - loss_Pa[i]; };
+    return {side(0), side(1)};
+  }
+  /// By its own sensor, else by what the line loses; NaN: by neither.
+  std::array<double, 2> known_chamber_Pa() const noexcept {
+    const auto side = [&](std::size_t i) {
+      return std::isnan(chamber_Pa[i]) ? port_Pa[i] - loss_Pa[i] : chamber_Pa[i];
+    };
+    return {side(0), side(1)};
+  }
 };
 
 /// What the law did and where the axis shall be, for the checks of the motion.
@@ -88,6 +104,7 @@ class Supervisor {
   std::uint64_t doubt(Signal signal) noexcept;
   std::uint64_t judge_position(const Channel& position, double periods, JudgedInputs& in) noexcept;
   std::uint64_t judge_pressures(const Measurement& measured, double periods, JudgedInputs& in) noexcept;
+  std::uint64_t judge_losses(const Measurement& measured, double periods, JudgedInputs& in) noexcept;
   std::uint64_t judge_supply(const Channel& supply, double periods, JudgedInputs& in) noexcept;
   std::uint64_t judge_digital(const DigitalInputs& digital) noexcept;
   double chamber_step_Pa(double dead_volume_m3, double area_m2, double way_m) const noexcept;
@@ -97,7 +114,7 @@ class Supervisor {
   SupervisorState state_ = SupervisorState::unconfigured;
   std::uint64_t faults_ = 0, first_faults_ = 0;
   bool has_slider_ = true, needs_chambers_ = false, bridged_ = false, all_good_ = false, may_move_ = true,
-       has_moved_ = false, on_bus_ = false;
+       has_moved_ = false, on_bus_ = false, has_losses_ = false, needs_losses_ = false;
   PerSignal<InputGuard> guards_;
   CalmPressures calm_;
   PerSignal<bool> judged_;  ///< there is a sensor, or the law cannot do without it
@@ -109,6 +126,7 @@ class Supervisor {
   std::array<double, 2> safe_V_{}, command_V_{};
   double period_s_ = 1e-3, position_limit_m_ = 0.155, half_stroke_m_ = 0.15, pressure_limit_Pa_ = 1e6, supply_Pa_ = 7e5,
          supply_limit_Pa_ = 0.0, lateness_limit_s_ = 0.1;
+  double loss_range_Pa_ = 0.0;
   double port_step_Pa_per_V_ = 0.0;  // of the narrower line: what a change of command does to a port at once
   double fill_step_Pa_m3_ = 0.0;  // largest flow into a chamber over a period: its volume times the step
   double activity_V_ = 0.0, activity_decay_ = 0.0;

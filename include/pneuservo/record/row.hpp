@@ -47,6 +47,7 @@ enum RowFlag : std::uint32_t {
   COLUMN(double, mass_flow_1_kgps, none, known(estimated, estimate.mass_flow_kgps[0]))                                 \
   OF_AXIS(double, mass_flow_2_kgps, none, known(estimated, estimate.mass_flow_kgps[1]))                                \
   MEASURED(p_supply, supply_flow)                                                                                      \
+  MEASURED(dp1, dp2)                                                                                                   \
   OF_AXIS(double, x_true_m, none, truth.x_m)                                                                           \
   COLUMN(double, p1_chamber_true_Pa, none, truth.p1_chamber_Pa)                                                        \
   OF_AXIS(double, p2_chamber_true_Pa, none, truth.p2_chamber_Pa)                                                       \

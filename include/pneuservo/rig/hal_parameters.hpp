@@ -425,14 +425,14 @@ template <class Keys> struct ChannelParameters {
 /// What stands behind each signal and each command.
 struct HalChannels {
   ChannelParameters<PositionKeys> position;
-  PerSignal<ChannelParameters<PressureKeys>> pressures;  ///< of the signals that are pressures
+  PerSignal<ChannelParameters<PressureKeys>> pressures;  ///< of the signals in Pa
   ChannelParameters<FlowKeys> supply_flow;
   ChannelParameters<VoltageKeys> u, u1, u2;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
     for (const Signal signal : channel_signals) {
       const Field field{info(signal).name, "", 0, 0, info(signal).words, optional};
-      if (is_pressure(signal)) v(field, p.pressures[signal]...);
+      if (is_in_pascal(signal)) v(field, p.pressures[signal]...);
       else if (signal == Signal::x) v(field, p.position...);
       else v(field, p.supply_flow...);
     }
@@ -445,7 +445,7 @@ struct HalChannels {
   /// f(signal, parameters) for every measured channel, in the order of signal_table.
   template <class F> void for_each_input(F&& f) const {
     for (const Signal signal : channel_signals)
-      if (is_pressure(signal)) f(signal, pressures[signal]);
+      if (is_in_pascal(signal)) f(signal, pressures[signal]);
       else if (signal == Signal::x) f(signal, position);
       else f(signal, supply_flow);
   }

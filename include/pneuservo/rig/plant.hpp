@@ -302,6 +302,7 @@ template <class S> PerSignal<S> true_values(const AxisPlant<S>& plant) noexcept 
   values[Signal::x] = plant.position();
   values[Signal::p1_port] = low(port), values[Signal::p2_port] = high(port);
   values[Signal::p1_chamber] = low(chamber), values[Signal::p2_chamber] = high(chamber);
+  values[Signal::dp1] = low(port) - low(chamber), values[Signal::dp2] = high(port) - high(chamber);
   values[Signal::p_supply] = plant.supply_pressure();
   const auto taken = plant.supply_flow();
   values[Signal::supply_flow] = low(taken) + high(taken);

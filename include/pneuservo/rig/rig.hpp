@@ -26,9 +26,10 @@
 
 namespace pneuservo {
 
-/// Step of the readings of a sensor and its white noise (rms), in the unit of its signal.
+/// Step of the readings of a sensor, its white noise (rms) and the most that it shows to both sides, in the unit of its
+/// signal.
 struct SensorResolution {
-  double quantum = 0.0, noise = 0.0;
+  double quantum = 0.0, noise = 0.0, range = infinite;
   double rms() const noexcept { return rms_with_quantum(noise, quantum); }
 };
 
@@ -38,6 +39,7 @@ struct SensorsParameters {
   PressureSensorParameters chamber_pressure;
   PressureSensorParameters supply_pressure;
   FlowSensorParameters supply_flow;
+  DifferentialSensorParameters differential_pressure;
   ForceSensorParameters force;  ///< of a driven axis, which has position and force alone
   /// Of the sensor of a signal, in the signal's unit.
   SensorResolution resolution(Signal signal) const noexcept {
@@ -47,6 +49,8 @@ struct SensorsParameters {
       case SensorKind::chamber_pressure: return {chamber_pressure.quantum_Pa, chamber_pressure.noise_Pa};
       case SensorKind::supply_pressure: return {supply_pressure.quantum_Pa, supply_pressure.noise_Pa};
       case SensorKind::supply_flow: return {supply_flow.quantum_kgps, supply_flow.noise_kgps};
+      case SensorKind::differential_pressure:
+        return {differential_pressure.quantum_Pa, differential_pressure.noise_Pa, differential_pressure.range_Pa};
       case SensorKind::force: break;
     }
     return {force.quantum_N, force.noise_N};
@@ -57,6 +61,8 @@ struct SensorsParameters {
     v(Field{"chamber_pressure", "", 0, 0, "in the chambers", Presence::optional}, p.chamber_pressure...);
     v(Field{"supply_pressure", "", 0, 0, "at the supply", Presence::optional}, p.supply_pressure...);
     v(Field{"supply_flow", "", 0, 0, "flow meter between supply and valves", Presence::optional}, p.supply_flow...);
+    v(Field{"differential_pressure", "", 0, 0, "over the lines, port less chamber", Presence::optional},
+      p.differential_pressure...);
   }
 };
 
@@ -93,8 +99,8 @@ struct EstimatorSettings {
 
 /// What the valves do when the loop ends or faults.
 enum class SafeAction {
-  hold,    ///< command_V, the command that closes the valve: the air stays in the chambers
-  vent,    ///< to the exhaust; only three-port valves can
+  hold,  ///< command_V, the command that closes the valve: the air stays in the chambers
+  vent,  ///< to the exhaust; only three-port valves can
   centre,  ///< 0 V: the spool's own centre, whatever the valve does there
 };
 inline constexpr std::array<std::string_view, 3> safe_action_names{"hold", "vent", "centre"};
@@ -155,7 +161,7 @@ struct RigKindInfo {
   std::string_view name;
   std::size_t valves;
   bool has_controller;  ///< follows a reference
-  bool has_seals;       ///< that rub; an air bearing has none
+  bool has_seals;  ///< that rub; an air bearing has none
   bool has_slider = true;
 };
 /// In the order of RigKind.
@@ -193,15 +199,15 @@ struct Rig {
   std::string name;
   RigKind kind = RigKind::cylinder;
   double period_s = 0.001;
-  AxisParameters<double> axis;                          ///< air ... slider, effects
-  PerSignal<SensorEffects<double>> sensor_effects;      ///< effects `sensor_*:CHANNEL`
+  AxisParameters<double> axis;  ///< air ... slider, effects
+  PerSignal<SensorEffects<double>> sensor_effects;  ///< effects `sensor_*:CHANNEL`
   SensorsParameters sensors;
   ControllerParameters controller;
   DriveParameters drive;  ///< of a driven axis
-  ElasticVolumeParameters<double> volume;         ///< of a pressure rig, at the end of line_1
+  ElasticVolumeParameters<double> volume;  ///< of a pressure rig, at the end of line_1
   PressureReferenceParameters pressure_reference;  ///< of a pressure rig
   VesselParameters vessel;
-  OnOffValveParameters on_off_valve;           ///< of a vessel
+  OnOffValveParameters on_off_valve;  ///< of a vessel
   std::optional<LineParameters<double>> line;  ///< between on/off valve and vessel
   VesselEffects<double> vessel_effects;
   ThrottleParameters throttle_1, throttle_2;  ///< of a switched cylinder
@@ -251,7 +257,7 @@ struct Rig {
       case RigKind::switched_cylinder: return signal == Signal::x;
       case RigKind::pressure:
         return signal == Signal::p1_port || signal == Signal::p1_chamber || signal == Signal::p_supply;
-      default: return signal != Signal::F;
+      default: return is_difference(signal) ? sensors.differential_pressure.range_Pa > 0.0 : signal != Signal::F;
     }
   }
 

@@ -235,7 +235,7 @@ void leave_out_absent_sensors(const Rig& rig, Recording& recording, std::vector<
   const auto leave_out = [&](const std::string& key, std::initializer_list<Signal> signals) {
     for (const Signal signal : signals) {
       const std::string_view column = info(signal).column;
-      const bool is_stated = rig.sensors.resolution(signal).rms() > 0;
+      const bool is_stated = is_difference(signal) ? rig.has_sensor(signal) : rig.sensors.resolution(signal).rms() > 0;
       if (!is_stated && recording.has(column)) {
         recording.keep_columns([&](const std::string& name) { return name != column; });
         notes.push_back(fmt::format("{}: {} is left out: the config has no sensors.{}", recording.path, column, key));
@@ -247,6 +247,7 @@ void leave_out_absent_sensors(const Rig& rig, Recording& recording, std::vector<
     leave_out("chamber_pressure", {Signal::p1_chamber, Signal::p2_chamber});
   leave_out("supply_pressure", {Signal::p_supply});
   leave_out("supply_flow", {Signal::supply_flow});
+  leave_out("differential_pressure", {Signal::dp1, Signal::dp2});
 }
 
 void doubt_position_unit(const Rig& rig, Recording& recording, std::vector<std::string>& notes) {

@@ -203,6 +203,10 @@ CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, 
     if (!recording.has(info(signal).column)) continue;
     std::vector<double>& values = out.measured[signal];
     values = even.placed(recording.column(info(signal).column));
+    // At the end of its range a sensor says no more than that.
+    const double range = rig.sensors.resolution(signal).range;
+    std::ranges::replace_if(
+        values, [&](double v) { return std::fabs(v) >= range; }, std::numeric_limits<double>::quiet_NaN());
     if (std::none_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) values.clear();
   }
   const std::vector<double> position = filled(out.position_m, out.period_s(), out.usable);

@@ -127,14 +127,14 @@ double rms_drop(const GasCourse& course, std::size_t side) {
 double floor_of(Signal signal, const std::vector<GasRuns::Course>& courses) {
   double size = 0;
   for (const GasRuns::Course& course : courses) {
-    if (is_pressure(signal) && info(signal).side != 0) size = std::max(size, rms_drop(*course, side_of(signal)));
-    if (is_pressure(signal)) continue;
+    if (is_in_pascal(signal) && info(signal).side != 0) size = std::max(size, rms_drop(*course, side_of(signal)));
+    if (is_in_pascal(signal)) continue;
     const std::vector<double>& flow = (*course)[signal];
     const double squares = std::inner_product(flow.begin(), flow.end(), flow.begin(), 0.0);
     size = std::max(size, std::sqrt(squares / static_cast<double>(flow.size())));
   }
   if (!std::isfinite(size)) size = 0;
-  return is_pressure(signal) ? std::hypot(pressure_floor_Pa, drop_share * size) : flow_share * size;
+  return is_in_pascal(signal) ? std::hypot(pressure_floor_Pa, drop_share * size) : flow_share * size;
 }
 
 }  // namespace
@@ -173,7 +173,7 @@ void CylinderResiduals::declare_channels() {
     const double resolution = owner_.sensors.resolution(signal).rms();
     ResidualChannel out{std::string(info(signal).name), std::string(info(signal).unit), resolution,
                         floor_of(signal, courses[0])};
-    if (is_pressure(signal)) out.noise = largest_noise(recordings_, signal, resolution);
+    if (is_in_pascal(signal)) out.noise = largest_noise(recordings_, signal, resolution);
     // A supply that swings within the tolerance of its pressure is as its owner says.
     if (const auto stated = owner_.tolerances.find("supply.pressure_Pa");
         signal == Signal::p_supply && stated != owner_.tolerances.end())

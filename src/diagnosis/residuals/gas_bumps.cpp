@@ -36,7 +36,7 @@ class BumpRuns {
     runs_.fill(run_);
     const auto rows = static_cast<Eigen::Index>(bins_), columns = static_cast<Eigen::Index>(bumps.count);
     for (BumpResponse& response : responses_) {
-      for (const Signal signal : pressure_signals) response[signal].setZero(rows, columns);
+      for (const Signal signal : pascal_signals) response[signal].setZero(rows, columns);
       for (Eigen::MatrixXd& flow : response.supply_flow_of_side) flow.setZero(rows, columns);
     }
   }
@@ -44,7 +44,7 @@ class BumpRuns {
 
   void run_undisturbed() {
     Simulation simulation(inputs_, runs_, grid_, stop_);
-    for (const Signal signal : pressure_signals) undisturbed_.course[signal].resize(inputs_.samples());
+    for (const Signal signal : pascal_signals) undisturbed_.course[signal].resize(inputs_.samples());
     for (std::vector<double>& flow : undisturbed_.supply_flow_of_side) flow.resize(inputs_.samples());
     simulation.begin();
     std::size_t group = 0;
@@ -54,7 +54,7 @@ class BumpRuns {
         ++group;
       }
       const PerSignal<Lanes> values = true_values(simulation.plant());
-      for (const Signal signal : pressure_signals) undisturbed_.course[signal][k] = lane(values[signal], 0);
+      for (const Signal signal : pascal_signals) undisturbed_.course[signal][k] = lane(values[signal], 0);
       const std::array flows = flow_of_sides(simulation.plant());
       for (std::size_t side = 0; side < 2; ++side) undisturbed_.supply_flow_of_side[side][k] = lane(flows[side], 0);
       if (k + 1 >= inputs_.samples()) return;
@@ -123,7 +123,7 @@ class BumpRuns {
         to(bin, static_cast<Eigen::Index>(first_bump + i)) += weight * (lane(value, static_cast<int>(i)) - undisturbed);
     };
     BumpResponse& response = responses_[input];
-    for (const Signal signal : pressure_signals) add(response[signal], values[signal], undisturbed_.course[signal][k]);
+    for (const Signal signal : pascal_signals) add(response[signal], values[signal], undisturbed_.course[signal][k]);
     for (std::size_t side = 0; side < 2; ++side)
       add(response.supply_flow_of_side[side], flows[side], undisturbed_.supply_flow_of_side[side][k]);
   }

@@ -51,7 +51,7 @@ struct Roots {
 };
 /// English, German, French, Spanish, Italian, Portuguese, Dutch, Swedish, Polish, Czech, Finnish, Japanese, Chinese, Russian, Korean.
 constexpr std::array roots_of_roles{
-    Roots{Role::time, "t time timestamp stamp tick ticks tv sec secs seconds sekunden nsec nsecs nanosec elapsed uptime date clock millis micros msec usec ms us xvalue zeit "
+    Roots{Role::time, "t time timestamp stamp tick ticks tv sec secs second seconds sekunden nsec nsecs nanosec elapsed uptime date clock millis micros msec usec ms us xvalue zeit "
           "zeitstempel uhrzeit datum temps heure horodatage tiempo fecha hora tempo ora tijd tijdstip tid czas cas aika"},
     Roots{Role::position, "x s pos position displacement stroke travel way place course weg hub lage stellung auslenkung "
           "verschiebung deplacement posicion desplazamiento carrera recorrido posizione spostamento corsa posicao "
@@ -194,7 +194,8 @@ struct RootsOfName {
 /// A Cyrillic letter of two bytes as a small one; yo as ye.
 std::string small_cyrillic(std::string_view letter) {
   constexpr unsigned capital_a = 0x410, small_a = 0x430, last_capital = 0x42f, capital_yo = 0x401, small_yo = 0x451;
-  unsigned code = (static_cast<unsigned char>(letter[0]) & 0x1fu) << 6 | (static_cast<unsigned char>(letter[1]) & 0x3fu);
+  unsigned code =
+      (static_cast<unsigned char>(letter[0]) & 0x1fu) << 6 | (static_cast<unsigned char>(letter[1]) & 0x3fu);
   if (code >= capital_a && code <= last_capital) code += small_a - capital_a;
   if (code == capital_yo || code == small_yo) code = small_a + 5;
   return {static_cast<char>(0xc0 | (code >> 6)), static_cast<char>(0x80 | (code & 0x3f))};

@@ -97,7 +97,8 @@ std::string stamp_in_front(std::string_view text) {
   const std::size_t second = std::min(text.find(' ', std::min(word + 1, text.size())), text.size());
   for (const std::size_t end : {second, word}) {
     std::string_view stamp = text.substr(0, end);
-    while (!stamp.empty() && (stamp.back() == ']' || stamp.back() == ':' || stamp.back() == ' ')) stamp.remove_suffix(1);
+    while (!stamp.empty() && (stamp.back() == ']' || stamp.back() == ':' || stamp.back() == ' '))
+      stamp.remove_suffix(1);
     if (!clock_in(stamp)) continue;
     std::string out(stamp);
     std::replace(out.begin(), out.end(), ',', '.');  // of decimals
@@ -106,11 +107,23 @@ std::string stamp_in_front(std::string_view text) {
   return "";
 }
 
-/// Values with their names wherever they stand in a line. A stamp before them, or a count of ten digits and more behind,
-/// is a time.
+/// Numbers that stand in a text by themselves.
+std::size_t numbers_in(std::string_view text) {
+  std::size_t count = 0;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find_first_of(" ,;|\t{}[]"), text.size());
+    double value = 0;
+    count += number_in(text.substr(0, end), '.', value);
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return count;
+}
+
+/// Values with their names wherever they stand in a line. A stamp before them, or a count of ten digits and more
+/// behind, is a time. None where as many numbers have no name: a table with remarks.
 std::vector<NamedValue> scanned(std::string_view line) {
   std::vector<NamedValue> out;
-  std::size_t first = line.size(), behind = 0;
+  std::size_t first = line.size(), behind = 0, nameless = 0;
   for (std::size_t sign = line.find_first_of("=:"); sign != std::string_view::npos;
        sign = line.find_first_of("=:", sign + 1)) {
     const std::size_t begin = name_begin(line, sign);
@@ -119,6 +132,7 @@ std::vector<NamedValue> scanned(std::string_view line) {
     std::string_view name = trimmed(line.substr(begin, sign - begin));
     if (name.starts_with('"')) name = name.substr(1, name.size() - 2);
     first = std::min(first, begin);
+    nameless += begin > behind ? numbers_in(line.substr(behind, begin - behind)) : 0;
     behind = static_cast<std::size_t>(value.data() + value.size() - line.data());
     out.emplace_back(name, value);
   }
@@ -128,7 +142,10 @@ std::vector<NamedValue> scanned(std::string_view line) {
   std::string_view rest = line.substr(behind);
   if (rest.starts_with('i')) rest.remove_prefix(1);
   rest = trimmed(rest);
-  const bool is_count = rest.size() >= digits_of_epoch && rest.find_first_not_of("0123456789") == std::string_view::npos;
+  const bool is_count =
+      rest.size() >= digits_of_epoch && rest.find_first_not_of("0123456789") == std::string_view::npos;
+  nameless += is_count ? 0 : numbers_in(rest);
+  if (nameless >= out.size()) return {};
   if (stamp.empty() && is_count) stamp = rest;
   if (!stamp.empty()) out.emplace(out.begin(), stamp_name, stamp);
   return out;

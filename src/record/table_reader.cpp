@@ -491,7 +491,8 @@ class TableReader {
     std::size_t next = 0, others = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (next < text.hexadecimal.size() && text.hexadecimal[next] == i) ++next;
-      else others += std::isfinite(values[i]) && !(values[i] >= 0 && values[i] < 10 && values[i] == std::round(values[i]));
+      else
+        others += std::isfinite(values[i]) && !(values[i] >= 0 && values[i] < 10 && values[i] == std::round(values[i]));
     }
     if (others == 0)
       return table_.report(0, ProblemKind::dialect,

@@ -59,9 +59,10 @@ double likelihood(const DoubleByte& set, std::string_view text) {
     const bool is_single = set.first_kana == 0x81 && lead >= 0xa1 && lead <= 0xdf;  // a kana of half width
     if (i + 1 >= text.size() && !is_single) break;
     const Byte trail = is_single ? Byte{0} : static_cast<Byte>(text[i + 1]);
-    const bool is_within = (lead >= set.first_common && lead <= set.last_common) ||
-                           (lead >= set.first_kana && lead <= set.last_kana);
-    const bool is_common = !is_single && is_within && (set.first_kana == 0x81 || set.first_common == 0xa4 || trail >= 0xa1);
+    const bool is_within =
+        (lead >= set.first_common && lead <= set.last_common) || (lead >= set.first_kana && lead <= set.last_kana);
+    const bool is_common =
+        !is_single && is_within && (set.first_kana == 0x81 || set.first_common == 0xa4 || trail >= 0xa1);
     sum += is_common ? std::log(common_share / common) : std::log(rare_share / rare_characters);
     i += is_single ? 0 : 1;
   }
@@ -105,7 +106,8 @@ bool is_small_of_cyrillic(unsigned code) { return (code >= 0x430 && code <= 0x44
 
 /// Signs of units and of text: degree, micro, square, cube, plus-minus, middle dot, no-break space, sections, delta.
 bool is_sign(unsigned code) {
-  constexpr std::array<unsigned, 13> signs{0xb0, 0xb5, 0xb2, 0xb3, 0xb1, 0xb7, 0xa0, 0xa7, 0xd8, 0x2116, 0x2126, 0x2013, 0x2030};
+  constexpr std::array<unsigned, 13> signs{0xb0, 0xb5, 0xb2,   0xb3,   0xb1,   0xb7,  0xa0,
+                                           0xa7, 0xd8, 0x2116, 0x2126, 0x2013, 0x2030};
   return std::find(signs.begin(), signs.end(), code) != signs.end();
 }
 
@@ -240,8 +242,7 @@ TextConverter::TextConverter(std::string_view iconv_name)
       converter_(iconv_open("UTF-8", std::string(iconv_name).c_str())) {
   if (converter_ == reinterpret_cast<void*>(-1))  // a system without its tables
     converter_ = iconv_open("UTF-8", "ISO-8859-1");
-  if (converter_ == reinterpret_cast<void*>(-1))
-    throw std::system_error(errno, std::generic_category(), "iconv");
+  if (converter_ == reinterpret_cast<void*>(-1)) throw std::system_error(errno, std::generic_category(), "iconv");
 }
 
 TextConverter::~TextConverter() { iconv_close(converter_); }

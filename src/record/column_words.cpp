@@ -51,7 +51,7 @@ struct Roots {
 };
 /// English, German, French, Spanish, Italian, Portuguese, Dutch, Swedish, Polish, Czech, Finnish, Japanese, Chinese, Russian, Korean.
 constexpr std::array roots_of_roles{
-    Roots{Role::time, "t time timestamp stamp tick ticks tv sec secs second seconds sekunden nsec nsecs nanosec elapsed uptime date clock millis micros msec usec ms us xvalue zeit "
+    Roots{Role::time, "t time timestamp stamp tick ticks tv sec secs seconds sekunden nsec nsecs nanosec elapsed uptime date clock millis micros msec usec ms us xvalue zeit "
           "zeitstempel uhrzeit datum temps heure horodatage tiempo fecha hora tempo ora tijd tijdstip tid czas cas aika"},
     Roots{Role::position, "x s pos position displacement stroke travel way place course weg hub lage stellung auslenkung "
           "verschiebung deplacement posicion desplazamiento carrera recorrido posizione spostamento corsa posicao "
@@ -101,7 +101,7 @@ constexpr std::array roots_of_roles{
     Roots{Role::filler, "sensor sensors fuhler fuehler aufnehmer geber wegaufnehmer transducer transmitter capteur "
           "trasduttore sensore transductor signal segnale senal sinal signaal value val wert valeur valor valore waarde input "
           "eingang entree entrada ingresso ingang analog analogue ai ao channel kanal canal canale ch raw roh brut "
-          "filtered filt gefiltert filtree filtrado filtrato gefilterd "
+          "fast slow schnell langsam filtered filt gefiltert filtree filtrado filtrato gefilterd "
           "air luft aria aire lucht axis achse axe eje asse drive antrieb actuator slider schlitten "
           "carriage load last servo proportional prop regler controller regel absolute absolut abs gauge relative rel "
           "working arbeits of the der die das des dem den de du la le les l d del della dell dello di da do el los van het "

@@ -475,12 +475,18 @@ void fill_names(const std::vector<std::string>& lines, const std::vector<LineFac
       return;
     }
   }
-  if (out.names_line == 0 || facts[out.names_line - 1].numbers > 0) return;
-  const std::vector<std::string> above = names_beside(lines[out.names_line - 1], out);
-  if (above.empty() || is_units_row(above)) return;
+  std::size_t at = out.names_line;
+  std::vector<std::string> above;
+  while (above.empty() && at > 0 && facts[at - 1].numbers == 0) {  // behind rows of units
+    above = names_beside(lines[--at], out);
+    const bool is_units = !above.empty() && is_units_row(above);
+    if (above.empty() || !is_units) break;
+    if (out.units.empty()) out.units = above;
+    above.clear();
+  }
+  if (above.empty()) return;
   out.has_names_below = !has_labels && join_names(above, out.names, out);
-  if (out.has_index || out.has_names_below || names_in(lines[out.names_line - 1], out.style).size() != out.names.size())
-    return;
+  if (out.has_index || out.has_names_below || names_in(lines[at], out.style).size() != out.names.size()) return;
   for (std::size_t c = 0; c < above.size(); ++c)
     if (out.names[c].empty()) out.names[c] = above[c];
 }

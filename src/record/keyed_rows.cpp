@@ -74,13 +74,13 @@ std::size_t name_begin(std::string_view line, std::size_t sign) {
   return has_letter ? begin : sign;
 }
 
-/// The value behind a sign: a number, one with the "i" of an integer, or a date in quotes; empty where it is none.
+/// The value behind a sign: a number, one with the "i" of an integer, or a text in quotes; empty where it is none.
 std::string_view value_behind(std::string_view line, std::size_t sign) {
   std::string_view rest = trimmed(line.substr(sign + 1));
   if (rest.starts_with('"')) {
     rest.remove_prefix(1);
     rest = rest.substr(0, std::min(rest.find('"'), rest.size()));
-    return clock_in(rest) ? rest : std::string_view();
+    return rest;
   }
   rest = rest.substr(0, std::min(rest.find_first_of(" ,;}\t]"), rest.size()));
   double value = 0;
@@ -132,13 +132,16 @@ std::vector<NamedValue> scanned(std::string_view line) {
     std::string_view name = trimmed(line.substr(begin, sign - begin));
     if (name.starts_with('"')) name = name.substr(1, name.size() - 2);
     first = std::min(first, begin);
-    nameless += begin > behind ? numbers_in(line.substr(behind, begin - behind)) : 0;
+    nameless += behind > 0 && begin > behind ? numbers_in(line.substr(behind, begin - behind)) : 0;
     behind = static_cast<std::size_t>(value.data() + value.size() - line.data());
     out.emplace_back(name, value);
   }
   if (out.empty()) return out;
   constexpr std::size_t digits_of_epoch = 10;
-  std::string stamp = stamp_in_front(line.substr(0, first));
+  std::string_view front = line.substr(0, first);
+  std::string stamp = stamp_in_front(front);
+  if (!stamp.empty()) front.remove_prefix(std::min(front.find(stamp.front()) + stamp.size(), front.size()));
+  nameless += numbers_in(front);
   std::string_view rest = line.substr(behind);
   if (rest.starts_with('i')) rest.remove_prefix(1);
   rest = trimmed(rest);
@@ -180,7 +183,8 @@ std::string KeyedRows::row(std::string_view line) const {
     std::vector<std::string> values(names.size());
     for (const auto& [name, value] : found)
       if (const auto at = std::find(names.begin(), names.end(), name); at != names.end())
-        values[static_cast<std::size_t>(at - names.begin())] = value;
+        values[static_cast<std::size_t>(at - names.begin())] =
+            value.find(',') == std::string::npos ? value : "\"" + value + "\"";
     return found.empty() ? std::string(line) : fmt::format("{}", fmt::join(values, ","));
   }
   const std::string_view stamp = stamp_taken_from(line);

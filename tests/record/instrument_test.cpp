@@ -324,6 +324,12 @@ TEST_CASE("remarks with names and numbers behind the values of a table are text"
                }));
 }
 
+TEST_CASE("remarks behind the last value are left aside") {
+  check_motion("time;position;valve\n" + rows([](int i, double t, double x, double u) {
+                 return fmt::format("{:.3f};{:.7f};{:.4f}{}", t, x, u, i % 2 == 0 ? " # held" : " // moves");
+               }));
+}
+
 TEST_CASE("a column in a unit of time that goes on is the time where none is named so") {
   const auto told = [](const char* names) {
     return understood(names + rows([](int, double t, double x, double u) {

@@ -136,6 +136,17 @@ TEST_CASE("a table with a column of states beside its values is no long one") {
   CHECK_THAT(found.told, !Contains("long table"));
 }
 
+TEST_CASE("messages as objects of JSON a line are a long table") {
+  CHECK_THAT(check_motion(long_rows(
+                 [](int i, double, const char* name, double v, const char*) {
+                   return fmt::format(
+                       "{{\"topic\":\"{}\",\"payload\":{:.4f},\"ts\":\"2026-01-03T10:11:{:02}.{:03}Z\"}}", name, v,
+                       i / 1000, i % 1000);
+                 },
+                 "axis/position_mm", "axis/valve")),
+             Contains("a long table"));
+}
+
 TEST_CASE("rows of several axes with the same values each are columns of each axis") {
   const Understood found =
       understood("time,axis,position,valve\n" + rows([](int, double t, double x, double u) {

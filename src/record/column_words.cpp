@@ -101,7 +101,7 @@ constexpr std::array roots_of_roles{
     Roots{Role::filler, "sensor sensors fuhler fuehler aufnehmer geber wegaufnehmer transducer transmitter capteur "
           "trasduttore sensore transductor signal segnale senal sinal signaal value val wert valeur valor valore waarde input "
           "eingang entree entrada ingresso ingang analog analogue ai ao channel kanal canal canale ch raw roh brut "
-          "filtered filt gefiltert filtree filtrado filtrato gefilterd "
+          "fast slow schnell langsam filtered filt gefiltert filtree filtrado filtrato gefilterd "
           "air luft aria aire lucht axis achse axe eje asse drive antrieb actuator slider schlitten "
           "carriage load last servo proportional prop regler controller regel absolute absolut abs gauge relative rel "
           "working arbeits of the der die das des dem den de du la le les l d del della dell dello di da do el los van het "
@@ -194,7 +194,8 @@ struct RootsOfName {
 /// A Cyrillic letter of two bytes as a small one; yo as ye.
 std::string small_cyrillic(std::string_view letter) {
   constexpr unsigned capital_a = 0x410, small_a = 0x430, last_capital = 0x42f, capital_yo = 0x401, small_yo = 0x451;
-  unsigned code = (static_cast<unsigned char>(letter[0]) & 0x1fu) << 6 | (static_cast<unsigned char>(letter[1]) & 0x3fu);
+  unsigned code =
+      (static_cast<unsigned char>(letter[0]) & 0x1fu) << 6 | (static_cast<unsigned char>(letter[1]) & 0x3fu);
   if (code >= capital_a && code <= last_capital) code += small_a - capital_a;
   if (code == capital_yo || code == small_yo) code = small_a + 5;
   return {static_cast<char>(0xc0 | (code >> 6)), static_cast<char>(0x80 | (code & 0x3f))};

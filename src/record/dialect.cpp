@@ -467,19 +467,26 @@ bool join_names(const std::vector<std::string>& upper, const std::vector<std::st
 /// A column without a name in the nearest line bears that of the line above, as "Time" above "". Names may go on over
 /// two lines.
 void fill_names(const std::vector<std::string>& lines, const std::vector<LineFacts>& facts, Dialect& out) {
-  if (!out.has_pairs && out.names_line + 1 < out.first_row && facts[out.names_line + 1].numbers == 0) {
+  const bool has_labels = is_labelled(names_in(lines[out.names_line], out.style), "Name");
+  if (!has_labels && out.names_line + 1 < out.first_row && facts[out.names_line + 1].numbers == 0) {
     const std::vector<std::string> below = names_beside(lines[out.names_line + 1], out);
     if (!below.empty() && !is_units_row(below) && join_names(out.names, below, out)) {
       out.has_rows_between = out.has_names_below = true;
       return;
     }
   }
-  if (out.names_line == 0 || facts[out.names_line - 1].numbers > 0) return;
-  const std::vector<std::string> above = names_beside(lines[out.names_line - 1], out);
-  if (above.empty() || is_units_row(above)) return;
-  out.has_names_below = !out.has_pairs && join_names(above, out.names, out);
-  if (out.has_index || out.has_names_below || names_in(lines[out.names_line - 1], out.style).size() != out.names.size())
-    return;
+  std::size_t at = out.names_line;
+  std::vector<std::string> above;
+  while (above.empty() && at > 0 && facts[at - 1].numbers == 0) {  // behind rows of units
+    above = names_beside(lines[--at], out);
+    const bool is_units = !above.empty() && is_units_row(above);
+    if (above.empty() || !is_units) break;
+    if (out.units.empty()) out.units = above;
+    above.clear();
+  }
+  if (above.empty()) return;
+  out.has_names_below = !has_labels && join_names(above, out.names, out);
+  if (out.has_index || out.has_names_below || names_in(lines[at], out.style).size() != out.names.size()) return;
   for (std::size_t c = 0; c < above.size(); ++c)
     if (out.names[c].empty()) out.names[c] = above[c];
 }

@@ -74,13 +74,13 @@ std::size_t name_begin(std::string_view line, std::size_t sign) {
   return has_letter ? begin : sign;
 }
 
-/// The value behind a sign: a number, one with the "i" of an integer, or a date in quotes; empty where it is none.
+/// The value behind a sign: a number, one with the "i" of an integer, or a text in quotes; empty where it is none.
 std::string_view value_behind(std::string_view line, std::size_t sign) {
   std::string_view rest = trimmed(line.substr(sign + 1));
   if (rest.starts_with('"')) {
     rest.remove_prefix(1);
     rest = rest.substr(0, std::min(rest.find('"'), rest.size()));
-    return clock_in(rest) ? rest : std::string_view();
+    return rest;
   }
   rest = rest.substr(0, std::min(rest.find_first_of(" ,;}\t]"), rest.size()));
   double value = 0;
@@ -97,7 +97,8 @@ std::string stamp_in_front(std::string_view text) {
   const std::size_t second = std::min(text.find(' ', std::min(word + 1, text.size())), text.size());
   for (const std::size_t end : {second, word}) {
     std::string_view stamp = text.substr(0, end);
-    while (!stamp.empty() && (stamp.back() == ']' || stamp.back() == ':' || stamp.back() == ' ')) stamp.remove_suffix(1);
+    while (!stamp.empty() && (stamp.back() == ']' || stamp.back() == ':' || stamp.back() == ' '))
+      stamp.remove_suffix(1);
     if (!clock_in(stamp)) continue;
     std::string out(stamp);
     std::replace(out.begin(), out.end(), ',', '.');  // of decimals
@@ -106,11 +107,23 @@ std::string stamp_in_front(std::string_view text) {
   return "";
 }
 
-/// Values with their names wherever they stand in a line. A stamp before them, or a count of ten digits and more behind,
-/// is a time.
+/// Numbers that stand in a text by themselves.
+std::size_t numbers_in(std::string_view text) {
+  std::size_t count = 0;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find_first_of(" ,;|\t{}[]"), text.size());
+    double value = 0;
+    count += number_in(text.substr(0, end), '.', value);
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return count;
+}
+
+/// Values with their names wherever they stand in a line. A stamp before them, or a count of ten digits and more
+/// behind, is a time. None where as many numbers have no name: a table with remarks.
 std::vector<NamedValue> scanned(std::string_view line) {
   std::vector<NamedValue> out;
-  std::size_t first = line.size(), behind = 0;
+  std::size_t first = line.size(), behind = 0, nameless = 0;
   for (std::size_t sign = line.find_first_of("=:"); sign != std::string_view::npos;
        sign = line.find_first_of("=:", sign + 1)) {
     const std::size_t begin = name_begin(line, sign);
@@ -119,16 +132,23 @@ std::vector<NamedValue> scanned(std::string_view line) {
     std::string_view name = trimmed(line.substr(begin, sign - begin));
     if (name.starts_with('"')) name = name.substr(1, name.size() - 2);
     first = std::min(first, begin);
+    nameless += behind > 0 && begin > behind ? numbers_in(line.substr(behind, begin - behind)) : 0;
     behind = static_cast<std::size_t>(value.data() + value.size() - line.data());
     out.emplace_back(name, value);
   }
   if (out.empty()) return out;
   constexpr std::size_t digits_of_epoch = 10;
-  std::string stamp = stamp_in_front(line.substr(0, first));
+  std::string_view front = line.substr(0, first);
+  std::string stamp = stamp_in_front(front);
+  if (!stamp.empty()) front.remove_prefix(std::min(front.find(stamp.front()) + stamp.size(), front.size()));
+  nameless += numbers_in(front);
   std::string_view rest = line.substr(behind);
   if (rest.starts_with('i')) rest.remove_prefix(1);
   rest = trimmed(rest);
-  const bool is_count = rest.size() >= digits_of_epoch && rest.find_first_not_of("0123456789") == std::string_view::npos;
+  const bool is_count =
+      rest.size() >= digits_of_epoch && rest.find_first_not_of("0123456789") == std::string_view::npos;
+  nameless += is_count ? 0 : numbers_in(rest);
+  if (nameless >= out.size()) return {};
   if (stamp.empty() && is_count) stamp = rest;
   if (!stamp.empty()) out.emplace(out.begin(), stamp_name, stamp);
   return out;
@@ -163,7 +183,8 @@ std::string KeyedRows::row(std::string_view line) const {
     std::vector<std::string> values(names.size());
     for (const auto& [name, value] : found)
       if (const auto at = std::find(names.begin(), names.end(), name); at != names.end())
-        values[static_cast<std::size_t>(at - names.begin())] = value;
+        values[static_cast<std::size_t>(at - names.begin())] =
+            value.find(',') == std::string::npos ? value : "\"" + value + "\"";
     return found.empty() ? std::string(line) : fmt::format("{}", fmt::join(values, ","));
   }
   const std::string_view stamp = stamp_taken_from(line);

@@ -27,18 +27,19 @@ constexpr std::size_t most_fields = 40;
 constexpr double share_of_rows = 0.9;  ///< of the lines, that must be such rows; the others are remarks
 
 constexpr std::array<std::string_view, 46> tag_words{
-    "channel",  "channelname", "channelid", "tag",        "tagname",    "tagid",        "name",       "variable",
-    "varname",  "signal",      "signalname", "topic",     "sensor",     "sensorname",   "sensorid",   "measurement",
-    "metric",   "point",       "pointname", "item",       "itemname",   "itemid",       "node",       "nodeid",
-    "nodename", "displayname", "browsename", "parameter", "parametername", "series",    "field",      "key",
-    "entityid", "attribute",   "label",     "quantity",   "kanal",      "kanalname",    "messstelle", "bezeichnung",
-    "variablenname", "groesse", "canal",    "voie",       "grandeur",   "variablename"};
-constexpr std::array<std::string_view, 14> value_words{"value",   "values",  "val",      "wert",    "messwert",
-                                                       "valeur",  "valor",   "varvalue", "payload", "reading",
-                                                       "valore",  "message", "vvalue",   "numericvalue"};
-constexpr std::array<std::string_view, 9> unit_words{"unit",   "units",       "einheit", "unite", "unidad",
-                                                     "unita",  "engunits",    "eu",      "uom"};
-constexpr std::array<std::string_view, 7> quality_words{"quality", "status",   "statuscode", "validity",
+    "channel",       "channelname", "channelid", "tag",         "tagname",     "tagid",         "name",
+    "variable",      "varname",     "signal",    "signalname",  "topic",       "sensor",        "sensorname",
+    "sensorid",      "measurement", "metric",    "point",       "pointname",   "item",          "itemname",
+    "itemid",        "node",        "nodeid",    "nodename",    "displayname", "browsename",    "parameter",
+    "parametername", "series",      "field",     "key",         "entityid",    "attribute",     "label",
+    "quantity",      "kanal",       "kanalname", "messstelle",  "bezeichnung", "variablenname", "groesse",
+    "canal",         "voie",        "grandeur",  "variablename"};
+constexpr std::array<std::string_view, 14> value_words{"value",  "values",  "val",      "wert",        "messwert",
+                                                       "valeur", "valor",   "varvalue", "payload",     "reading",
+                                                       "valore", "message", "vvalue",   "numericvalue"};
+constexpr std::array<std::string_view, 9> unit_words{"unit",  "units",    "einheit", "unite", "unidad",
+                                                     "unita", "engunits", "eu",      "uom"};
+constexpr std::array<std::string_view, 7> quality_words{"quality",   "status",        "statuscode",  "validity",
                                                         "qualitaet", "qualit\u00e4t", "quality code"};
 
 std::string word_letters(std::string_view name) {
@@ -127,7 +128,8 @@ std::size_t time_field(const std::vector<FieldFacts>& facts, const LongRows& how
 }
 
 /// Fields that name the channel: one whose texts repeat, with another where both together tell more.
-std::vector<std::size_t> tag_fields(const std::vector<FieldFacts>& facts, const LongRows& how, const SampledRows& rows) {
+std::vector<std::size_t> tag_fields(const std::vector<FieldFacts>& facts, const LongRows& how,
+                                    const SampledRows& rows) {
   std::vector<std::size_t> named;
   std::size_t best = LongRows::none;
   for (std::size_t c = 0; c < facts.size(); ++c) {
@@ -160,9 +162,8 @@ std::vector<std::string> names_of_first(const std::vector<std::string>& fields, 
 }
 
 std::size_t field_with_word(const std::vector<FieldFacts>& facts, const auto& words, const auto& is_fit) {
-  const auto at = std::find_if(facts.begin(), facts.end(), [&](const FieldFacts& one) {
-    return is_word_of(words, one.name) && is_fit(one);
-  });
+  const auto at = std::find_if(facts.begin(), facts.end(),
+                               [&](const FieldFacts& one) { return is_word_of(words, one.name) && is_fit(one); });
   return at == facts.end() ? LongRows::none : static_cast<std::size_t>(at - facts.begin());
 }
 
@@ -172,7 +173,8 @@ std::size_t date_field(const std::vector<FieldFacts>& facts, std::size_t time, s
   const auto is_day = [&](std::size_t c, bool wanted) {
     return std::all_of(facts[c].different.begin(), facts[c].different.end(), [&](const std::string& text) {
       const auto seconds = clock_in(text);
-      return !seconds || (wanted ? std::fmod(*seconds, whole_day_s) == 0 && *seconds >= whole_day_s : *seconds < whole_day_s);
+      return !seconds ||
+             (wanted ? std::fmod(*seconds, whole_day_s) == 0 && *seconds >= whole_day_s : *seconds < whole_day_s);
     });
   };
   for (std::size_t c = 0; c < facts.size(); ++c)
@@ -246,8 +248,8 @@ LongRows long_rows_in(const std::vector<std::string>& lines, const FieldStyle& s
   if (out.time == LongRows::none) return {};
   const FieldFacts& time = facts[out.time];
   take_unit_fields(facts, n, out);
-  const std::size_t named = field_with_word(
-      facts, value_words, [&](const FieldFacts& one) { return one.is_number(n) && &one != &time; });
+  const std::size_t named =
+      field_with_word(facts, value_words, [&](const FieldFacts& one) { return one.is_number(n) && &one != &time; });
   const bool is_named = named != LongRows::none;
   out.values = is_named ? std::vector{named} : fields_of_values(facts, out.time, n);
   if (out.values.empty()) return {};
@@ -388,11 +390,11 @@ void LongTable::tell(std::size_t rows) const {
   std::string tags, value_names;
   for (const std::size_t value : how_.values) value_names += (value_names.empty() ? "" : " and ") + how_.name_of(value);
   for (const std::size_t tag : how_.tags) tags += (tags.empty() ? "" : " and ") + how_.name_of(tag);
-  table_.report(0, ProblemKind::dialect,
-                fmt::format("a long table: {} rows with a value each in {}, of {} channel{} by {}, at the times in {}{}",
-                            rows, value_names, channels_.size(), channels_.size() == 1 ? "" : "s", tags,
-                            how_.name_of(how_.time),
-                            how_.unit == LongRows::none ? "" : ", units from " + how_.name_of(how_.unit)));
+  table_.report(
+      0, ProblemKind::dialect,
+      fmt::format("a long table: {} rows with a value each in {}, of {} channel{} by {}, at the times in {}{}", rows,
+                  value_names, channels_.size(), channels_.size() == 1 ? "" : "s", tags, how_.name_of(how_.time),
+                  how_.unit == LongRows::none ? "" : ", units from " + how_.name_of(how_.unit)));
   if (out_of_order_ > 0)
     table_.report(0, ProblemKind::decreasing_time,
                   fmt::format("{} rows are earlier than the one before of their channel: put in order", out_of_order_));
@@ -400,9 +402,9 @@ void LongTable::tell(std::size_t rows) const {
     table_.report(0, ProblemKind::not_a_number,
                   fmt::format("{} rows say bad in {}: read as no value", bad_, how_.name_of(how_.quality)));
   if (unreadable_ > 0)
-    table_.report(0, ProblemKind::unreadable_field,
-                  fmt::format("{} values are no number, such as \"{}\"; they are left out", unreadable_,
-                              first_unreadable_));
+    table_.report(
+        0, ProblemKind::unreadable_field,
+        fmt::format("{} values are no number, such as \"{}\"; they are left out", unreadable_, first_unreadable_));
   if (untimed_ > 1)
     table_.report(0, ProblemKind::no_time, fmt::format("{} rows have no time; they are not used", untimed_));
 }

@@ -233,7 +233,8 @@ class TableReader {
       for (std::string& text : texts) text = unquoted_line(text);
     if (!is_own()) refuse_long_lines(texts);
     if (!is_own() && keyed_.names.empty() && !texts.empty()) take_names_of_fields(lines, texts, places);
-    if (!is_own() && keyed_.names.empty() && !is_line_quoted_) long_rows_ = find_long_rows(texts);
+    const bool is_first_sample = lines.size() <= sample_lines + 1;
+    if (!is_own() && is_first_sample && !is_line_quoted_ && !texts.empty()) long_rows_ = find_long_rows(texts);
     dialect_ = long_rows_.found() ? Dialect() : find_dialect(texts);
     if (long_rows_.found()) return dialect_.is_sure = true, places;
     if (!dialect_.is_nameless || trimmed(last_comment_.text).empty()) return places;
@@ -274,9 +275,13 @@ class TableReader {
       table_.comments.append(as_utf8(lines[places[i]].text)) += '\n';
     table_.header = parse_header(table_.comments);
     LongTable rows(long_rows_, table_, most_bytes_);
-    for (std::size_t i = places[long_rows_.first_row]; i < lines.size(); ++i) rows.add(lines[i].text, lines[i].number);
+    const auto add = [&](std::string_view line, std::size_t number) {
+      if (!keyed_.names.empty()) line = keyless_ = keyed_.row(line);
+      rows.add(line, number);
+    };
+    for (std::size_t i = places[long_rows_.first_row]; i < lines.size(); ++i) add(lines[i].text, lines[i].number);
     std::string_view line;
-    while (next_line(line)) rows.add(line, line_number_);
+    while (next_line(line)) add(line, line_number_);
     rows.finish();
     report_end();
     return std::move(table_);
@@ -443,6 +448,10 @@ class TableReader {
         return *seconds;
       }
       if (takes_other_sign(field, column, line, value)) return value;
+      if (const std::size_t remark = is_own_ ? std::string_view::npos : std::min(field.find('#'), field.find("//"));
+          remark != std::string_view::npos &&
+          number_in(trimmed(field.substr(0, remark)), dialect_.style.decimal, value))
+        return value;
       if (!is_own_ && hexadecimal_in(field, value)) {
         Unreadable& text = unreadable_[column];
         if (text.hexadecimal.empty()) text.first_hexadecimal = shown(field);
@@ -491,7 +500,8 @@ class TableReader {
     std::size_t next = 0, others = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {
       if (next < text.hexadecimal.size() && text.hexadecimal[next] == i) ++next;
-      else others += std::isfinite(values[i]) && !(values[i] >= 0 && values[i] < 10 && values[i] == std::round(values[i]));
+      else
+        others += std::isfinite(values[i]) && !(values[i] >= 0 && values[i] < 10 && values[i] == std::round(values[i]));
     }
     if (others == 0)
       return table_.report(0, ProblemKind::dialect,

@@ -59,9 +59,10 @@ double likelihood(const DoubleByte& set, std::string_view text) {
     const bool is_single = set.first_kana == 0x81 && lead >= 0xa1 && lead <= 0xdf;  // a kana of half width
     if (i + 1 >= text.size() && !is_single) break;
     const Byte trail = is_single ? Byte{0} : static_cast<Byte>(text[i + 1]);
-    const bool is_within = (lead >= set.first_common && lead <= set.last_common) ||
-                           (lead >= set.first_kana && lead <= set.last_kana);
-    const bool is_common = !is_single && is_within && (set.first_kana == 0x81 || set.first_common == 0xa4 || trail >= 0xa1);
+    const bool is_within =
+        (lead >= set.first_common && lead <= set.last_common) || (lead >= set.first_kana && lead <= set.last_kana);
+    const bool is_common =
+        !is_single && is_within && (set.first_kana == 0x81 || set.first_common == 0xa4 || trail >= 0xa1);
     sum += is_common ? std::log(common_share / common) : std::log(rare_share / rare_characters);
     i += is_single ? 0 : 1;
   }
@@ -69,16 +70,18 @@ double likelihood(const DoubleByte& set, std::string_view text) {
 }
 
 /// Letters of one byte beyond ASCII: those of another script make words of their own, Latin ones stand among ASCII.
+enum class Script { latin, cyrillic, greek };
 struct SingleByte {
   std::string_view name, iconv;
-  bool is_latin;
+  Script script;
   double prior;  ///< share of the files that are so
 };
-constexpr std::array<SingleByte, 5> single_bytes{{{"Windows-1252 (Latin-1)", "CP1252", true, 0.6},
-                                                  {"Windows-1250", "CP1250", true, 0.03},
-                                                  {"IBM850", "CP850", true, 0.02},
-                                                  {"Windows-1251", "CP1251", false, 0.06},
-                                                  {"KOI8-R", "KOI8-R", false, 0.02}}};
+constexpr std::array<SingleByte, 6> single_bytes{{{"Windows-1252 (Latin-1)", "CP1252", Script::latin, 0.6},
+                                                  {"Windows-1250", "CP1250", Script::latin, 0.03},
+                                                  {"IBM850", "CP850", Script::latin, 0.02},
+                                                  {"Windows-1251", "CP1251", Script::cyrillic, 0.06},
+                                                  {"KOI8-R", "KOI8-R", Script::cyrillic, 0.02},
+                                                  {"Windows-1253", "CP1253", Script::greek, 0.01}}};
 
 struct Character {
   unsigned code;
@@ -100,18 +103,25 @@ std::vector<Character> characters_of(std::string_view utf8) {
 }
 
 bool is_latin_letter(unsigned code) { return (code >= 0xc0 && code < 0x180 && code != 0xd7 && code != 0xf7); }
-bool is_capital_of_cyrillic(unsigned code) { return code >= 0x410 && code <= 0x42f; }
-bool is_small_of_cyrillic(unsigned code) { return (code >= 0x430 && code <= 0x44f) || code == 0x451; }
+bool is_capital(unsigned code, Script script) {
+  if (script == Script::greek) return (code >= 0x391 && code <= 0x3a9) || (code >= 0x386 && code <= 0x38f);
+  return code >= 0x410 && code <= 0x42f;
+}
+bool is_small(unsigned code, Script script) {
+  if (script == Script::greek) return (code >= 0x3b1 && code <= 0x3ce) || (code >= 0x3ac && code <= 0x3af);
+  return (code >= 0x430 && code <= 0x44f) || code == 0x451;
+}
 
 /// Signs of units and of text: degree, micro, square, cube, plus-minus, middle dot, no-break space, sections, delta.
 bool is_sign(unsigned code) {
-  constexpr std::array<unsigned, 13> signs{0xb0, 0xb5, 0xb2, 0xb3, 0xb1, 0xb7, 0xa0, 0xa7, 0xd8, 0x2116, 0x2126, 0x2013, 0x2030};
+  constexpr std::array<unsigned, 13> signs{0xb0, 0xb5, 0xb2,   0xb3,   0xb1,   0xb7,  0xa0,
+                                           0xa7, 0xd8, 0x2116, 0x2126, 0x2013, 0x2030};
   return std::find(signs.begin(), signs.end(), code) != signs.end();
 }
 
 double likelihood(const SingleByte& set, std::string_view utf8) {
   // In each of the languages about ten letters, small or large, and five signs of units make nearly all.
-  constexpr double latin_letters = 20, cyrillic_letters = 33, signs = 5;
+  constexpr double latin_letters = 20, letters_of_script = 33, signs = 5;
   const std::vector<Character> text = characters_of(utf8);
   double sum = std::log(set.prior);
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -127,13 +137,13 @@ double likelihood(const SingleByte& set, std::string_view utf8) {
     if (is_sign(code)) {
       is_common = !is_plain(before);
       kinds = signs;
-    } else if (set.is_latin) {
+    } else if (set.script == Script::latin) {
       is_common = is_latin_letter(code) && (is_plain(before) || is_plain(behind));
     } else {
-      kinds = cyrillic_letters;
-      const bool is_capital = is_capital_of_cyrillic(code);
+      kinds = letters_of_script;
       const bool is_in_word = !is_plain(before) && !is_plain(behind);
-      is_common = is_in_word && (is_capital ? !is_small_of_cyrillic(before) : is_small_of_cyrillic(code));
+      is_common =
+          is_in_word && (is_capital(code, set.script) ? !is_small(before, set.script) : is_small(code, set.script));
     }
     sum += is_common ? std::log(common_share / kinds) : std::log(rare_share / 128);
   }
@@ -240,8 +250,7 @@ TextConverter::TextConverter(std::string_view iconv_name)
       converter_(iconv_open("UTF-8", std::string(iconv_name).c_str())) {
   if (converter_ == reinterpret_cast<void*>(-1))  // a system without its tables
     converter_ = iconv_open("UTF-8", "ISO-8859-1");
-  if (converter_ == reinterpret_cast<void*>(-1))
-    throw std::system_error(errno, std::generic_category(), "iconv");
+  if (converter_ == reinterpret_cast<void*>(-1)) throw std::system_error(errno, std::generic_category(), "iconv");
 }
 
 TextConverter::~TextConverter() { iconv_close(converter_); }

@@ -106,8 +106,9 @@ struct TextInput::Stream {
 TextInput::TextInput(std::string path) : path_(std::move(path)), stream_(std::make_unique<Stream>()) {
   descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor_ < 0 && errno == EINTR)
-    throw InputError(path_ + ": is a pipe that nothing writes to, and waiting for it was interrupted; expected a program "
-                             "that writes a recording into it");
+    throw InputError(path_ +
+                     ": is a pipe that nothing writes to, and waiting for it was interrupted; expected a program "
+                     "that writes a recording into it");
   if (descriptor_ < 0) throw InputError(path_ + ": cannot be opened: " + std::strerror(errno));
   try {
     fill();
@@ -217,8 +218,7 @@ void TextInput::append(const char* bytes, std::size_t count) {
         start.starts_with("\xfe\xff") || (is_long && start[0] == 0 && start[1] != 0 && start[2] == 0);
     const bool is_wide = is_big_endian || start.starts_with("\xff\xfe") ||
                          (is_long && start[0] != 0 && start[1] == 0 && start[2] != 0 && start[3] == 0);
-    encoding_ = is_wide ? TextEncoding{"UTF-16", is_big_endian ? "UTF-16BE" : "UTF-16LE"}
-                        : encoding_of({bytes, count});
+    encoding_ = is_wide ? TextEncoding{"UTF-16", is_big_endian ? "UTF-16BE" : "UTF-16LE"} : encoding_of({bytes, count});
     if (!encoding_.iconv.empty()) converter_ = std::make_unique<TextConverter>(encoding_.iconv);
   }
   if (converter_) converter_->append({bytes, count}, text_);

@@ -179,7 +179,8 @@ class Placement {
   std::vector<double> place(const std::vector<double>& values, bool is_held) const {
     std::vector<double> out(rows_.times.size(), no_value);
     if (!std::isfinite(rows_.interval))
-      for (std::size_t i = 0; i < group_.times.size(); ++i) out[nearest_stamp(rows_.times, group_.times[i])] = values[i];
+      for (std::size_t i = 0; i < group_.times.size(); ++i)
+        out[nearest_stamp(rows_.times, group_.times[i])] = values[i];
     for (const auto& [row, sample] : wanted_) out[row] = is_held ? values[sample] : drawn(values, row, sample);
     if (is_held && !is_even_) hold(out);
     return out;
@@ -276,9 +277,9 @@ class GroupJoin {
                                                                   : "");
     if (told_.is_apart) table_.report(0, ProblemKind::dialect, "each column has times of its own: " + where);
     if (told_.repeated > 0)
-      table_.report(0, ProblemKind::repeated_time,
-                    fmt::format("{} values have the time of another of their column: their mean is used",
-                                told_.repeated));
+      table_.report(
+          0, ProblemKind::repeated_time,
+          fmt::format("{} values have the time of another of their column: their mean is used", told_.repeated));
   }
 
  private:

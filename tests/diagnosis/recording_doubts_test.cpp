@@ -381,9 +381,10 @@ TEST_CASE("a zero at the end and units of the command that no range gives away a
   rig.axis.cylinder.stroke_m = 0.4;  // of which the motion covers the middle: within the stroke both ways
   rig.axis.valve.command_max_V = 10;
   const Recording right = test::simulated_recording(rig, 4.0, 5, port_names);
-  const auto read = [&](const std::string& column, double factor, double offset) {
+  const auto read = [&](const std::string& column, double factor, double offset, const char* stated = "") {
     std::vector<Recording> wrong{right};
     shift(wrong[0].column(column), factor, offset);
+    if (*stated != 0) wrong[0].stated_units[column] = stated;
     Rig owner = rig;
     std::vector<std::string> notes;
     doubt_recordings(owner, wrong, notes);
@@ -401,6 +402,10 @@ TEST_CASE("a zero at the end and units of the command that no range gives away a
   CHECK_THAT(read("u_V", 5, 50), Contains("per cent from the valve's end"));
   CHECK_THAT(read("u_V", 0.05, 0.5), Contains("shares from the valve's end"));
   CHECK_THAT(read("u_V", 0.8, 12), Contains("milliamperes"));
+  CHECK_THAT(read("u_V", 10, 0, "%"),
+             Contains("in %, which the file states") && Contains("taken for per cent of the valve's range"));
+  CHECK_THAT(read("u_V", 5, 50, "%"), Contains("per cent from the valve's end"));
+  CHECK_THAT(read("u_V", 0.8, 12, "mA"), Contains("in mA, which the file states") && Contains("4 to 20"));
   CHECK(read("x_m", 1, 0).empty());
 }
 

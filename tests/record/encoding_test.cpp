@@ -63,9 +63,18 @@ TEST_CASE("names in the encodings of their countries are read as in UTF-8") {
   }
 }
 
+TEST_CASE("Greek names keep their letters though no word of them is known") {
+  const TextEncoding greek = encoding_of(in_encoding("CP1253", "Χρόνος (s),Θέση (mm),Βαλβίδα (V)\n"));
+  CHECK(greek.name == "Windows-1253");
+}
+
 TEST_CASE("a degree sign of Latin-1 is one, and text that is mostly UTF-8 stays so") {
-  CHECK(encoding_of("t,x,T [\xb0" "C]\n").iconv == "CP1252");
-  CHECK(encoding_of("t,x,dp [\xb5" "bar]\n").iconv == "CP1252");
+  CHECK(encoding_of("t,x,T [\xb0"
+                    "C]\n")
+            .iconv == "CP1252");
+  CHECK(encoding_of("t,x,dp [\xb5"
+                    "bar]\n")
+            .iconv == "CP1252");
   CHECK(encoding_of("Größe,Länge,\xe4\n").iconv.empty());
   CHECK(encoding_of("t,x\n").iconv.empty());
   CHECK(encoding_of("Gr\xc3").iconv.empty());  // cut in the middle of a character

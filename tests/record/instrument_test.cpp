@@ -235,10 +235,9 @@ TEST_CASE("names may stand in two rows, an upper one for several columns") {
     CHECK(found.run.column("p2_port_Pa")[7] == Approx(6e5));
   }
   // What is known by the lower row alone keeps its name.
-  const Understood found = understood("Bench 3,Motion,Valve 7\nTime,Position,Valve\n" +
-                                      rows([](int, double t, double x, double u) {
-                                        return fmt::format("{:.3f},{:.7f},{:.4f}", t, x, u);
-                                      }));
+  const Understood found =
+      understood("Bench 3,Motion,Valve 7\nTime,Position,Valve\n" +
+                 rows([](int, double t, double x, double u) { return fmt::format("{:.3f},{:.7f},{:.4f}", t, x, u); }));
   CHECK(found.columns[1].column == "Position");
   CHECK_THAT(found.told, !Contains("over two rows"));
 }
@@ -295,8 +294,8 @@ TEST_CASE("a file whose values exceed the memory is refused at the line where th
   for (int i = 0; i < 3; ++i) longer += text.substr(text.find('\n') + 1);
   const std::string path = put_plain(folder.file("f.csv"), longer);
   constexpr std::size_t most_bytes = 100000;
-  CHECK_THROWS_WITH(read_table(path, {}, most_bytes), Contains("line 4098: found 0 MB of values up to here") &&
-                                                          Contains("a quarter of the memory"));
+  CHECK_THROWS_WITH(read_table(path, {}, most_bytes),
+                    Contains("line 4098: found 0 MB of values up to here") && Contains("a quarter of the memory"));
   CHECK(read_table(path).rows() == 4 * row_count);
 }
 
@@ -309,12 +308,26 @@ TEST_CASE("values bear their names in lines of a log, of JSON and of a database'
     return fmt::format("{{\"t\": {:.3f}, \"position\": {:.7f}, \"valve\": {:.4f}}}", t, x, u);
   }));
   check_motion(rows([](int i, double, double x, double u) {
-    return fmt::format("{{\"timestamp\":\"2026-01-03T10:11:{:02}.{:03}Z\",\"axis\":\"A\",\"position\":{:.7f},\"valve\":{:.4f}}}",
-                       i / 1000, i % 1000, x, u);
+    return fmt::format(
+        "{{\"timestamp\":\"2026-01-03T10:11:{:02}.{:03}Z\",\"axis\":\"A\",\"position\":{:.7f},\"valve\":{:.4f}}}",
+        i / 1000, i % 1000, x, u);
   }));
   check_motion(rows([](int i, double, double x, double u) {
-    return fmt::format("axis,host=plc1 position={:.7f},valve={:.4f},count={}i {}", x, u, i, 1767434671000000000 + i * 1000000L);
+    return fmt::format("axis,host=plc1 position={:.7f},valve={:.4f},count={}i {}", x, u, i,
+                       1767434671000000000 + i * 1000000L);
   }));
+}
+
+TEST_CASE("remarks with names and numbers behind the values of a table are text") {
+  check_motion("time;position;valve;remark\n" + rows([](int i, double t, double x, double u) {
+                 return fmt::format("{:.3f};{:.7f};{:.4f};mode={} error={}", t, x, u, i % 3, i % 5);
+               }));
+}
+
+TEST_CASE("remarks behind the last value are left aside") {
+  check_motion("time;position;valve\n" + rows([](int i, double t, double x, double u) {
+                 return fmt::format("{:.3f};{:.7f};{:.4f}{}", t, x, u, i % 2 == 0 ? " # held" : " // moves");
+               }));
 }
 
 TEST_CASE("a column in a unit of time that goes on is the time where none is named so") {

@@ -25,8 +25,8 @@ std::string long_rows(const std::function<std::string(int, double, const char*, 
 }  // namespace
 
 TEST_CASE("a long table has a column for each channel") {
-  CHECK_THAT(check_motion("time,channel,value,unit\n" + long_rows([](int, double t, const char* name, double v,
-                                                                      const char* unit) {
+  CHECK_THAT(check_motion("time,channel,value,unit\n" +
+                          long_rows([](int, double t, const char* name, double v, const char* unit) {
                             return fmt::format("{:.3f},{},{:.4f},{}", t, name, v, unit);
                           })),
              Contains("a long table") && Contains("2 channels by channel") && Contains("units from unit"));
@@ -39,11 +39,13 @@ TEST_CASE("a long table has a column for each channel") {
   check_motion("VarName\tTimeString\tVarValue\n" +
                long_rows(
                    [](int i, double, const char* name, double v, const char*) {
-                     return fmt::format("\"{}\"\t\"2026-01-03 10:11:{:02}.{:03}\"\t{:.4f}", name, i / 1000, i % 1000, v);
+                     return fmt::format("\"{}\"\t\"2026-01-03 10:11:{:02}.{:03}\"\t{:.4f}", name, i / 1000, i % 1000,
+                                        v);
                    },
                    "Axis.Position [mm]", "Axis.Valve [V]"));
   // Day and time of the day apart.
-  check_motion("Date;Time;Tag;Value;Unit\n" + long_rows([](int i, double, const char* name, double v, const char* unit) {
+  check_motion("Date;Time;Tag;Value;Unit\n" +
+               long_rows([](int i, double, const char* name, double v, const char* unit) {
                  return fmt::format("03.01.2026;10:11:{:02}.{:03};{};{:.4f};{}", i / 1000, i % 1000, name, v, unit);
                }));
 }
@@ -118,7 +120,8 @@ TEST_CASE("values that a server calls bad, or that are none, are left out and to
   CHECK(std::isnan(found.run.column("x_m")[10]));
   CHECK(std::isnan(found.run.column("x_m")[11]));
   CHECK(found.run.column("x_m")[12] == Approx(x_m_at(12)));
-  CHECK_THAT(found.told, Contains("1 rows say bad in quality") && Contains("1 values are no number, such as \"No Data\""));
+  CHECK_THAT(found.told,
+             Contains("1 rows say bad in quality") && Contains("1 values are no number, such as \"No Data\""));
 }
 
 TEST_CASE("a table with a column of states beside its values is no long one") {
@@ -133,11 +136,22 @@ TEST_CASE("a table with a column of states beside its values is no long one") {
   CHECK_THAT(found.told, !Contains("long table"));
 }
 
+TEST_CASE("messages as objects of JSON a line are a long table") {
+  CHECK_THAT(check_motion(long_rows(
+                 [](int i, double, const char* name, double v, const char*) {
+                   return fmt::format(
+                       "{{\"topic\":\"{}\",\"payload\":{:.4f},\"ts\":\"2026-01-03T10:11:{:02}.{:03}Z\"}}", name, v,
+                       i / 1000, i % 1000);
+                 },
+                 "axis/position_mm", "axis/valve")),
+             Contains("a long table"));
+}
+
 TEST_CASE("rows of several axes with the same values each are columns of each axis") {
-  const Understood found = understood("time,axis,position,valve\n" + rows([](int, double t, double x, double u) {
-                                        return fmt::format("{0:.3f},A,{1:.7f},{2:.4f}\n{0:.3f},B,{3:.7f},{4:.4f}", t, x,
-                                                           u, -x, -u);
-                                      }));
+  const Understood found =
+      understood("time,axis,position,valve\n" + rows([](int, double t, double x, double u) {
+                   return fmt::format("{0:.3f},A,{1:.7f},{2:.4f}\n{0:.3f},B,{3:.7f},{4:.4f}", t, x, u, -x, -u);
+                 }));
   REQUIRE(found.run.rows() == row_count);
   CHECK(found.columns[1].column == "A/position");
   CHECK(found.run.column("x_m")[100] == Approx(x_m_at(100)));
@@ -151,14 +165,13 @@ TEST_CASE("times in brackets or behind the value, and millionths of days") {
         return fmt::format("({}.{:03}) can0 {} {:.4f}", 1767434671 + i / 1000, i % 1000, name, v);
       },
       "position_mm", "valve"));
-  check_motion(long_rows(
-      [](int i, double, const char* name, double v, const char*) {
-        return fmt::format("{}{{axis=\"1\"}} {:.4f} {}", name, v, 1767434671000 + i);
-      },
-      "position_mm", "valve"));
-  const Understood found = understood("VarName;VarValue;Time_ms\n" +
-                                      long_rows([](int i, double, const char* name, double v, const char*) {
-                                        return fmt::format("{};{:.4f};{:.6f}", name, v, 46025424436.0 + 0.5 + i / 0.0864);
-                                      }));
+  check_motion(
+      long_rows([](int i, double, const char* name, double v,
+                   const char*) { return fmt::format("{}{{axis=\"1\"}} {:.4f} {}", name, v, 1767434671000 + i); },
+                "position_mm", "valve"));
+  const Understood found =
+      understood("VarName;VarValue;Time_ms\n" + long_rows([](int i, double, const char* name, double v, const char*) {
+                   return fmt::format("{};{:.4f};{:.6f}", name, v, 46025424436.5 + 1e-3 * i / 0.0864);
+                 }));
   CHECK(found.run.period_s == Approx(0.001).epsilon(1e-3));
 }

@@ -101,6 +101,17 @@ TEST_CASE("times of several columns each, numbered or of another length, and in 
   CHECK(run.column("p2_port_Pa")[503] == Approx(1e6 - pressure_Pa(0.503)).margin(5));
 }
 
+TEST_CASE("a slow block of columns beside a fast one keeps its rate") {
+  std::string text = "t_fast;x;u;t_slow;p1;p2\n";
+  for (int i = 0; i < 1000; ++i)
+    text += fmt::format("{:.3f};{:.9f};{:.3f};", 0.001 * i, position_m(0.001 * i), command_V(0.001 * i)) +
+            (i < 100 ? fmt::format("{:.3f};{:.3f};{:.3f}\n", 0.01 * i, pressure_Pa(0.01 * i), 5e5) : ";;\n");
+  const Recording run = understood(text).run;
+  REQUIRE(run.rows() == 1000);
+  CHECK(count_of(run.column("p1_port_Pa")) == 100);
+  CHECK(run.column("p1_port_Pa")[370] == Approx(pressure_Pa(0.37)).margin(1e-3));
+}
+
 TEST_CASE("a command written when it changes stands up to its next stamp") {
   std::string text = "t1,x,t2,u\n";
   const double changes[] = {0, 0.0133, 0.1, 0.3207, 0.35, 0.61, 0.9};

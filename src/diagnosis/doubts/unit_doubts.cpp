@@ -124,7 +124,8 @@ std::string evidence_of(const Rig& rig, const Recording& recording, Quantity qua
   switch (quantity) {
     case Quantity::command: {
       const std::string unit = stated_command_unit(recording);
-      return fmt::format("{} {}, the valve takes +-{:g} V", range, unit.empty() ? "V" : unit + ", which the file states",
+      return fmt::format("{} {}, the valve takes +-{:g} V", range,
+                         unit == "%" || unit == "mA" ? fmt::format("in {}, which the file states", unit) : "V",
                          rig.axis.valve.command_max_V);
     }
     case Quantity::position:

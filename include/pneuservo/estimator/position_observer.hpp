@@ -110,7 +110,7 @@ class PositionObserver {
   using Column = std::array<double, count>;
   struct Side {
     double air_per_way_kg_per_m = 0.0;  ///< at constant pressure and temperature
-    double missing_kg = 0.0;            ///< given by the valve and not taken by the model, since the balance began
+    double missing_kg = 0.0;  ///< given by the valve and not taken by the model, since the balance began
     double supplied_kg = 0.0, exhausted_kg = 0.0;
     double begin_Pa = 0.0, begin_K = 0.0;
     double storage_m = 0.0;  ///< deviation by air that the model holds wrongly, as a way

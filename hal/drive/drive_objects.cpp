@@ -112,7 +112,8 @@ struct ErrorRow {
 constexpr std::array error_rows{
     ErrorRow{0x9000, fault_emergency_stop},  // external error
     ErrorRow{0x8612, fault_limit_switch | fault_end_stop | fault_position_range},  // reference limit
-    ErrorRow{0x7305, fault_position_missing | fault_position_jump | fault_position_frozen | fault_position_unreliable},
+    ErrorRow{0x7305, fault_position_missing | fault_position_jump | fault_position_frozen | fault_position_unreliable |
+                         fault_position_unknown},
     ErrorRow{0x8400, fault_speed},
     ErrorRow{0x8611, fault_deviation | fault_start_motion},  // following error
     ErrorRow{0x7121, fault_stall},  // motor blocked

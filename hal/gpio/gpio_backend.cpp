@@ -30,8 +30,9 @@ GpioBackend::GpioBackend(const Rig& rig, Requester request) : rig_(rig), request
 
 void GpioBackend::configure() {
   deactivate();
-  const std::array<const std::optional<GpioLineParameters>*, 4> wanted{
-      &parameters_.emergency_stop, &parameters_.limit_low, &parameters_.limit_high, &parameters_.valve_power};
+  const std::array<const std::optional<GpioLineParameters>*, digital_line_count> wanted{
+      &parameters_.emergency_stop, &parameters_.limit_low,  &parameters_.limit_high,
+      &parameters_.valve_power,    &parameters_.switch_low, &parameters_.switch_high};
   for (std::size_t i = 0; i < wanted.size(); ++i)
     if (*wanted[i]) inputs_[i] = {request_(digital_line_names[i], **wanted[i], false)};
   if (parameters_.enable) enable_ = request_("enable", *parameters_.enable, true);

@@ -60,7 +60,7 @@ class GpioBackend final : public Backend {
   Rig rig_;
   GpioParameters parameters_;
   Requester request_;
-  std::array<Input, 4> inputs_;  // in the order of lines_of
+  std::array<Input, digital_line_count> inputs_;  // in the order of lines_of
   std::unique_ptr<GpioLine> enable_;
   bool enabled_ = false;
   std::vector<Coil> coils_;

@@ -18,6 +18,7 @@ ReplayBackend::ReplayBackend(Recording recording, double period_s, std::initiali
   for (const Signal signal : channel_signals) measured_[signal] = column(info(signal).column);
   truth_ = {column("x_true_m"), column("p1_chamber_true_Pa"), column("p2_chamber_true_Pa")};
   fault_ = column("fault");
+  switches_ = column("switches");
   for (double t : recording_.t_s()) ticks_.push_back(std::llround(t / period_s));
 }
 
@@ -38,7 +39,13 @@ bool ReplayBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
   measurement.digital.emergency_stop = line(fault_emergency_stop, LineState::on);
   measurement.digital.valve_power = line(fault_valve_power, LineState::off);
   measurement.digital.limit_low = line(fault_limit_switch, LineState::unreadable);
+  if (switches_ != nullptr) set_switches(measurement.digital, static_cast<std::uint32_t>(recorded_switches()));
   return true;
+}
+
+std::uint64_t ReplayBackend::recorded_switches() const noexcept {
+  const double bits = (*switches_)[row_];
+  return bits >= 0.0 && bits < 16.0 ? static_cast<std::uint64_t>(bits) : 0;
 }
 
 std::uint64_t ReplayBackend::recorded_faults() const noexcept {

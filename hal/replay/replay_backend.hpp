@@ -36,12 +36,13 @@ class ReplayBackend final : public Backend {
  private:
   using Column = const std::vector<double>*;
   std::uint64_t recorded_faults() const noexcept;
+  std::uint64_t recorded_switches() const noexcept;
 
   Recording recording_;
   std::vector<std::int64_t> ticks_;
   PerSignal<Column> measured_;  // null: absent, as below
   std::array<Column, 3> truth_{};  // position, chambers
-  Column fault_ = nullptr;
+  Column fault_ = nullptr, switches_ = nullptr;
   std::size_t next_ = 0, row_ = 0;
 };
 

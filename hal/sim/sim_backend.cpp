@@ -50,6 +50,9 @@ void SimBackend::configure() {
                                Random(rig_.seed, index_of(signal)), range);
     sensors_[signal].reset(values[signal]);
   }
+  switches_random_ = Random(rig_.seed, signal_count);
+  switches_on_ = {};
+  switch_change_m_ = {rig_.position.low_m, rig_.position.high_m};
   command_ = {};
   started_ = false;
   last_tick_ = -1;
@@ -65,6 +68,7 @@ bool SimBackend::read(std::int64_t tick, Measurement& measurement) noexcept {
   for (const Signal signal : channel_signals)
     if (is_there_[signal])
       measurement.channel[signal] = {sensors_[signal].read(values[signal]), 0.0, true, Origin::simulated};
+  if (rig_.position.has_switches()) show_switches(measurement.digital);
   if (rig_.simulation.input_age_periods > 0) age_by_a_tick(tick, measurement);
   return true;
 }
@@ -93,6 +97,22 @@ void SimBackend::age_by_a_tick(std::int64_t tick, Measurement& measurement) noex
   last_tick_ = tick;
 }
 
+// Each change draws anew where the next one will be, on below low_m or above high_m, off by the hysteresis nearer to
+// the middle.
+void SimBackend::show_switches(DigitalInputs& digital) noexcept {
+  const PositionParameters& p = rig_.position;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double outwards = i == 0 ? -1.0 : 1.0, x_m = plant_.position();
+    const bool on = outwards * (x_m - switch_change_m_[i]) > 0.0;
+    if (on != switches_on_[i]) {
+      const double on_m = i == 0 ? p.low_m : p.high_m, off_m = on_m - outwards * p.hysteresis_m;
+      switch_change_m_[i] = (on ? off_m : on_m) + p.repeatability_m * switches_random_.normal();
+      switches_on_[i] = on;
+    }
+    (i == 0 ? digital.switch_low : digital.switch_high).state = switches_on_[i] ? LineState::on : LineState::off;
+  }
+}
+
 bool SimBackend::write(std::int64_t tick, const Command& command) noexcept {
   command_ = command;
   if (command.ended && safe_output_.sent_tick < 0) safe_output_.sent_tick = safe_output_.confirmed_tick = tick;
@@ -106,6 +126,7 @@ void SimBackend::deactivate() noexcept {
 
 Origins SimBackend::origins() const {
   Origins all{.command = Origin::simulated};
+  if (rig_.position.has_switches()) all.lines[4] = all.lines[5] = Origin::simulated;
   for (const Signal signal : channel_signals)
     all.channels[signal] = is_there_[signal] ? Origin::simulated : Origin::absent;
   return all;

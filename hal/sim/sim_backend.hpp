@@ -46,6 +46,7 @@ class SimBackend final : public Backend {
   void configure_plant();
   void step_plant() noexcept;
   void age_by_a_tick(std::int64_t tick, Measurement& measurement) noexcept;
+  void show_switches(DigitalInputs& digital) noexcept;
 
   Rig rig_;
   PerSignal<bool> is_there_;
@@ -58,6 +59,9 @@ class SimBackend final : public Backend {
   bool started_ = false;
   Command command_;
   SafeOutput safe_output_;
+  Random switches_random_;
+  std::array<bool, 2> switches_on_{};
+  std::array<double, 2> switch_change_m_{};  ///< where each changes next
   Measurement last_;
   std::int64_t last_tick_ = -1;  // of last_; -1: none yet
 };

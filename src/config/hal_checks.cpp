@@ -178,7 +178,8 @@ void check_lines(const Rig& rig, const RefusePath& refuse) {
 
 /// What the law cannot do without: the position, and the pressures that its loop is closed over.
 std::vector<Signal> inputs_of_law(const Rig& rig) {
-  std::vector<Signal> inputs{Signal::x};
+  std::vector<Signal> inputs;
+  if (!rig.position.is_estimated()) inputs.push_back(Signal::x);
   if (rig.controller.takes_chambers()) inputs.insert(inputs.end(), chamber_signals.begin(), chamber_signals.end());
   if (rig.controller.takes_differences())
     inputs.insert(inputs.end(), difference_signals.begin(), difference_signals.end());
@@ -276,7 +277,7 @@ void check_hal(const Rig& rig, InputErrors& errors, const RefusePath& refuse) {
   Wiring wiring{hal, refuse, {}, {}};
   hal.channels.for_each_input([&](Signal signal, const auto& channel) {
     const std::string name(info(signal).name);
-    const bool always = signal == Signal::x || is_port(signal);
+    const bool always = (signal == Signal::x && !rig.position.is_estimated()) || is_port(signal);
     errors.collect([&] {
       if (rig.has_sensor(signal))
         wiring.channel(name, channel, false,
@@ -298,6 +299,12 @@ void check_hal(const Rig& rig, InputErrors& errors, const RefusePath& refuse) {
         refuse("hal.channels." + std::string(name), fmt::format("a command {}", name), std::string(in_words));
     });
   });
+  if (rig.position.is_estimated() && hal.has_devices() && !hal.bench &&
+      !(hal.gpio && hal.gpio->switch_low && hal.gpio->switch_high))
+    errors.collect([&] {
+      refuse("hal.gpio.switch_low", "no line of both switches beside position.source: estimated",
+             "hal.gpio.switch_low and hal.gpio.switch_high, whose passages say where the slider is");
+    });
   if (hal.iio) errors.collect([&] { check_trigger(hal, rig.period_s, refuse); });
   if (hal.can) errors.collect([&] { check_bus(*hal.can, rig.period_s, refuse); });
   errors.collect([&] { check_valves(rig, refuse); });

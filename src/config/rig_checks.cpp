@@ -106,6 +106,28 @@ void check_controller(const Rig& rig, const Check& check) {
                  fmt::format("at most +-valve.command_max_V ({})", number_text(command_max)));
 }
 
+/// What the observer of the position is made for, and two switches that it can pass.
+void check_position(const Rig& rig, const Check& check) {
+  const PositionParameters& p = rig.position;
+  if (!p.is_estimated()) return;
+  const double half_m = 0.5 * rig.axis.cylinder.stroke_m;
+  const std::string range = fmt::format("positions of both switches within the stroke of +-{}, low_m + hysteresis_m "
+                                        "below high_m - hysteresis_m",
+                                        number_text(half_m));
+  if (p.low_m < -half_m || p.high_m > half_m || p.low_m + p.hysteresis_m >= p.high_m - p.hysteresis_m)
+    check.refuse("position.low_m", {"position.high_m", "position.hysteresis_m", "cylinder.stroke_m"},
+                 fmt::format("{} beside high_m {}", number_text(p.low_m), number_text(p.high_m)), range);
+  if (std::fabs(p.start_m) > half_m)
+    check.refuse("position.start_m", {"cylinder.stroke_m"}, number_text(p.start_m),
+                 fmt::format("a position within the stroke of +-{}", number_text(half_m)));
+  if (rig.kind != RigKind::cylinder || rig.axis.valve.on_off)
+    check.refuse("position.source", {"rig"}, "estimated",
+                 "encoder: without one the air of a five-port valve is counted, of a rig of kind cylinder");
+  if (rig.reference.kind == ReferenceKind::live)
+    check.refuse("position.source", {"reference.kind"}, "estimated with reference.kind live",
+                 "encoder: an axis that is started anew from where it stands has to be seen there");
+}
+
 /// A load on a coupling is a part of what moves.
 void check_coupled_loads(const Rig& rig, std::string_view section, const Check& check) {
   const double moves_kg = rig.axis.slider.mass_kg + rig.axis.slider.payload_kg;
@@ -382,6 +404,7 @@ void check_pneumatic(const Rig& rig, const Check& check) {
   check.of({"controller", "sensors", "valve", "safe_output"}, [&] { check_controller(rig, check); });
   check.of({"safe_output", "valve"}, [&] { check_safe_output(rig, check); });
   check.of({"zeros"}, [&] { check_zeros(rig, check); });
+  check.of({"position", "cylinder", "reference"}, [&] { check_position(rig, check); });
   check.of({"air", "supply", "cylinder", "initial", "controller"}, [&] { check_initial_pressures(rig, check); });
 }
 

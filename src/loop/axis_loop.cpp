@@ -74,6 +74,7 @@ void AxisLoop::configure(const Rig& rig, const LoadPositions& load) {
   atmosphere_force_N_ = (area_1_m2_ - area_2_m2_) * rig.axis.air.atmosphere_Pa;
   const MotionPrediction prediction = predict_motion(rig, reference_, std::move(pass.prediction));
   twin_ = prediction.twin;
+  encoderless_.configure(rig);
   supervisor_.configure(rig, source_ == PressureSource::chamber, prediction.limits);
   rearm();
 }
@@ -86,6 +87,8 @@ void AxisLoop::rearm() noexcept {
   begins_ = twin_waits_ = true;
   moved_ = limited_ = false;
   velocity_mps_ = 0.0;
+  encoderless_.reset();
+  supervisor_.tell_position(encoderless_.shown_m());
   estimator_.reset();
   controller_.reset(supervisor_.command_V());
   supervisor_.rearm();
@@ -174,15 +177,31 @@ MotionSample AxisLoop::motion_sample(const ControlInput& in, std::int64_t skippe
           .speed_mps = velocity_mps_,
           .predicted_mps = twin_.velocity_mps(),
           .force_N = force_N,
-          .periods = static_cast<double>(skipped + 1)};
+          .periods = static_cast<double>(skipped + 1),
+          .doubt_m = encoderless_.doubt_m(),
+          .doubt_mps = encoderless_.doubt_mps()};
 }
 
 EstimatorOutput AxisLoop::estimate(const JudgedInputs& inputs, std::int64_t skipped) noexcept {
   EstimatorInput in{inputs.port_Pa[0], inputs.port_Pa[1], inputs.position_m, velocity_mps_, supervisor_.command_V()[0]};
+  if (encoderless_.is_on()) [[unlikely]]
+    in.x_m = encoderless_.position_m(), in.v_mps = encoderless_.velocity_mps(), in.shift_m = encoderless_.shift_m();
   if (valves_ == 2) in.valve_command_2_V = supervisor_.command_V()[1];
   // Skipped slots passed without a sample: the model goes through them with the newest one.
-  for (std::int64_t i = 0; i < std::min(skipped, most_caught_up_periods); ++i) estimator_.step(in);
+  for (std::int64_t i = 0; i < std::min(skipped, most_caught_up_periods); ++i) {
+    estimator_.step(in);
+    in.shift_m = 0.0;
+  }
   return estimator_.step(in);
+}
+
+void AxisLoop::watch_position(const DigitalInputs& digital, const JudgedInputs& inputs, const EstimatorOutput& estimate,
+                              std::int64_t skipped) noexcept {
+  encoderless_x_m_ = encoderless_.position_m(), encoderless_bound_m_ = encoderless_.bound_m();
+  encoderless_.step(supervisor_.command_V(), inputs.port_Pa, inputs.supply_Pa, estimate, skipped);
+  encoderless_.see(digital);
+  supervisor_.tell_position(encoderless_.shown_m());
+  if (encoderless_.is_lost()) supervisor_.latch(fault_position_unknown);
 }
 
 void AxisLoop::tell_status(std::int64_t tick) noexcept {

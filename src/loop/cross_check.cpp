@@ -30,11 +30,8 @@ double full_air_kg(const Rig& rig, const LineParameters<double>& line, double ar
 
 void CrossCheck::configure(const Rig& rig) {
   const auto& axis = rig.axis;
-  air_ = Air<Two>(cast<AirParameters<Two>>(axis.air));
-  valves_.configure(valve_arrangement(rig), axis.valve, axis.effects.valve, rig.period_s);
-  valves_.set_time_step(rig.period_s);
+  valves_.configure(axis.air, valve_arrangement(rig), axis.valve, axis.effects.valve, rig.period_s);
   period_s_ = rig.period_s;
-  port_ = PortConstants<Two>(air_, Two(axis.valve.critical_pressure_ratio));
   flow_limit_share_ = rig.limits.flow_mismatch_share;
   chamber_limit_Pa_ = rig.limits.chamber_mismatch_Pa;
   const auto& c = axis.cylinder;
@@ -47,20 +44,11 @@ void CrossCheck::configure(const Rig& rig) {
 }
 
 void CrossCheck::reset() noexcept {
-  valves_.reset(0.0);
+  valves_.reset();
   missing_kg_ = through_kg_ = difference_Pa_ = Two(0);
   ticks_ = 0;
-  started_ = watching_ = false;
+  watching_ = false;
   air_limit_kg_ = difference_limit_Pa_ = Two(1);
-}
-
-// Mean over the period: the command was held, the port pressure went from the last sample to this one.
-CrossCheck::Two CrossCheck::valve_flow(const CrossCheckInput& in) noexcept {
-  valves_.set_commands(in.command_V[0], in.command_V[1]);
-  const PortAreas<Two> areas = valves_.step(0.0);
-  const Two now = join(in.port_Pa[0], in.port_Pa[1]), middle = Two(0.5) * (now + port_Pa_);
-  port_Pa_ = now;
-  return valve_port_inflow(port_, air_, {areas.supply, areas.exhaust, Two(in.supply_Pa), port_.shape.critical}, middle);
 }
 
 std::uint64_t CrossCheck::check(const CrossCheckInput& in, const EstimatorOutput& estimate,
@@ -71,9 +59,7 @@ std::uint64_t CrossCheck::check(const CrossCheckInput& in, const EstimatorOutput
     reset();
     return 0;
   }
-  if (!started_) port_Pa_ = join(in.port_Pa[0], in.port_Pa[1]);
-  started_ = true;
-  const Two through_valve = valve_flow(in);
+  const Two through_valve = valves_.step(in.command_V, in.port_Pa, in.supply_Pa);
   if (skipped > 0) {  // what passed in skipped slots is not known: it is left out of the balance
     const Two fade(std::pow(decay_, static_cast<double>(skipped + 1)));
     missing_kg_ = fade * missing_kg_;

@@ -67,13 +67,6 @@ double start_command_V(const Rig& rig) {
   return start_speed_share * largest_start_mps / speed_per_volt(rig) + idle_V;
 }
 
-/// An air bearing has no seals that rub.
-double dry_friction_max_N(const Rig& rig) {
-  const auto& c = rig.axis.cylinder;
-  const double seals_N = info(rig.kind).has_seals ? breakaway_Pa * std::max(c.area_1_m2, c.area_2_m2) : 0.0;
-  return rig.limits.dry_friction_max_N.value_or(seals_N);
-}
-
 /// Standard deviation of the pressure sensors that close the force loop.
 double pressure_noise_Pa(const Rig& rig) {
   return rig.controller.takes_chambers() ? rig.sensors.chamber_pressure.noise_Pa : rig.sensors.port_pressure.noise_Pa;
@@ -195,6 +188,13 @@ void run_machines(const Rig& rig, const TrialMotion& motion, MotionPrediction& o
 double stated(double limit) { return limit > 0.0 ? limit : MotionLimits::unlimited; }
 
 }  // namespace
+
+/// An air bearing has no seals that rub.
+double dry_friction_max_N(const Rig& rig) {
+  const auto& c = rig.axis.cylinder;
+  const double seals_N = info(rig.kind).has_seals ? breakaway_Pa * std::max(c.area_1_m2, c.area_2_m2) : 0.0;
+  return rig.limits.dry_friction_max_N.value_or(seals_N);
+}
 
 MotionPrediction predict_motion(const Rig& rig, const Reference& reference) {
   return predict_motion(rig, reference, pass_tables(rig, reference).prediction);

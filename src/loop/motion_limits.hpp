@@ -28,6 +28,8 @@ struct MotionPrediction {
 /// Deterministic. Cold: some 0.2 s for 5 s of motion at 1 kHz.
 /// `pass`: of the reference, for a law that follows one.
 MotionPrediction predict_motion(const Rig& rig, const Reference& reference, std::shared_ptr<const PassTable> pass);
+/// Largest dry friction that the config allows; where it says nothing, that of the seals.
+double dry_friction_max_N(const Rig& rig);
 /// With a pass of its own where the law follows one.
 MotionPrediction predict_motion(const Rig& rig, const Reference& reference);
 

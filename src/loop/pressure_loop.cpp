@@ -67,7 +67,8 @@ EstimatorOutput PressureLoop::estimate(const JudgedInputs& inputs, std::int64_t 
 }
 
 // A soft volume bursts at a pressure that its port may well have while it is filled.
-void PressureLoop::watch(const JudgedInputs& inputs, const EstimatorOutput& estimate) noexcept {
+void PressureLoop::watch(const Measurement&, const JudgedInputs& inputs, const EstimatorOutput& estimate,
+                         std::int64_t) noexcept {
   p_Pa_ = estimated_ || source_ != PressureSource::estimated ? pressures(inputs, estimate)[0] : Row::none;
   const bool estimated_above = estimated_ && estimate.chamber_pressure_Pa[0] > pressure_limit_Pa_;
   if (estimated_above || inputs.chamber_Pa[0] > pressure_limit_Pa_) supervisor_.latch(fault_pressure_limit);

@@ -82,6 +82,7 @@ void Supervisor::configure(const Rig& rig, bool needs_chambers, const MotionLimi
   half_stroke_m_ = 0.5 * rig.axis.cylinder.stroke_m;
   position_limit_m_ = half_stroke_m_ + rig.limits.position_margin_m;
   pressure_limit_Pa_ = port_pressure_limit_Pa(rig);
+  is_told_position_ = rig.position.is_estimated();
   has_losses_ = rig.has_sensor(Signal::dp1);
   needs_losses_ = rig.controller.takes_differences();
   loss_range_Pa_ = rig.sensors.differential_pressure.range_Pa;
@@ -117,7 +118,8 @@ void Supervisor::rearm() noexcept {
   bridged_ = false;
   judged_ = {};
   judged_[Signal::p1_port] = true;
-  judged_[Signal::x] = judged_[Signal::p2_port] = has_slider_;
+  judged_[Signal::p2_port] = has_slider_;
+  judged_[Signal::x] = has_slider_ && !is_told_position_;
   limits_ = {};
   for (InputGuard& guard : guards_.all) guard.reset();
   calm_.reset();
@@ -159,7 +161,8 @@ std::uint64_t Supervisor::doubt(Signal signal) noexcept {
 std::uint64_t Supervisor::judge_position(const Channel& position, double periods, JudgedInputs& in) noexcept {
   std::uint64_t faults = 0;
   const bool at_end_stop = std::fabs(position.value) > half_stroke_m_ - at_end_stop_m;
-  in.position_m = judge_channel(Signal::x, position, periods, no_extra, faults, at_end_stop);
+  in.position_m =
+      is_told_position_ ? told_position_m_ : judge_channel(Signal::x, position, periods, no_extra, faults, at_end_stop);
   if (std::fabs(in.position_m) > position_limit_m_) faults |= fault_position_range;
   return faults;
 }
@@ -281,9 +284,12 @@ JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped
 void Supervisor::cross_check(const JudgedInputs& inputs, const EstimatorOutput& estimate,
                              std::int64_t skipped) noexcept {
   if (!is_active()) return;
-  const std::uint64_t found = cross_check_.check(
-      {command_V_, inputs.port_Pa, has_losses_ ? inputs.known_chamber_Pa() : inputs.chamber_Pa, inputs.supply_Pa},
-      estimate, skipped);
+  // What the law acts on is watched; elsewhere a chamber's own sensor comes first.
+  const std::array<double, 2> chamber_Pa = !has_losses_    ? inputs.chamber_Pa
+                                           : needs_losses_ ? inputs.port_less_loss_Pa(inputs.chamber_Pa)
+                                                           : inputs.known_chamber_Pa();
+  const std::uint64_t found =
+      cross_check_.check({command_V_, inputs.port_Pa, chamber_Pa, inputs.supply_Pa}, estimate, skipped);
   latch(has_slider_ ? found : found & ~second_side_faults);
   if (is_active()) latch(health_.check_rest(cross_check_.watching(), inputs.position_m, skipped));
 }

@@ -83,6 +83,8 @@ std::vector<std::string> recorded_columns(const Rig& rig, const Backend& backend
         if (const auto signal = signal_of_column(name); signal && origins[*signal] == Origin::absent) return;
         if (name.find("_true_") != std::string_view::npos && !truth) return;
         if (!is_column_of(name, rig.controls_pressure())) return;
+        if ((name == "x_estimated_m" || name == "x_bound_m" || name == "switches") && !rig.position.is_estimated())
+          return;
         if (name == (rig.valves() == 2 ? "u_V" : "u1_V")) return;
         if (name == "u2_V" && rig.valves() != 2) return;
         if ((name == "lateness_us" || name == "work_us") && !time.real_time) return;

@@ -2,6 +2,8 @@
 // must and nowhere else, the grid's error is taken out, hypotheses do not see each other.
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -207,6 +209,30 @@ TEST_CASE("cylinder residuals: every effect shows in the channels that it moves 
       CHECK(change.at(channel) < 1e-12);
     }
   }
+}
+
+TEST_CASE("cylinder residuals: a measured loss tells of the line and of its sensor, not of the end of its range") {
+  Rig rig = cylinder_rig();
+  rig.sensors.differential_pressure = {10.0, 100.0, 20e3};
+  std::vector<std::string> channels = all_pressures;
+  channels.insert(channels.end(), {"dp1_Pa", "dp2_Pa"});
+  const Recording recording = simulated_recording(rig, 5.0, 5, channels);
+  const CylinderRecording prepared = prepare_recording(recording, rig, 1e9);
+  const std::vector<double>& kept = prepared.measured[Signal::dp1];
+  CHECK(std::ranges::count_if(kept, [](double value) { return std::isnan(value); }) > 10);
+  CHECK(std::ranges::count_if(kept, [](double value) { return std::fabs(value) < 20e3; }) > 2000);
+  CHECK(std::ranges::none_of(kept, [](double value) { return std::fabs(value) >= 20e3; }));
+
+  CylinderResiduals model(rig, {recording});
+  const std::vector<Hypothesis> hypotheses{started(model, rig), with(rig, {{"line_1.diameter_m", 6.0e-3}}),
+                                           with(rig, {{"effects.sensor_offset:dp2.offset", 2000.0}})};
+  const Eigen::MatrixXd columns = model.residuals(hypotheses);
+  const auto truth = by_channel(model, columns.col(0)), narrower = by_channel(model, columns.col(1) - columns.col(0)),
+             offset = by_channel(model, columns.col(2) - columns.col(0));
+  CHECK(truth.at("dp1") < 1.3);
+  CHECK(truth.at("dp2") < 1.3);
+  CHECK(narrower.at("dp1") > 0.3);
+  CHECK(offset.at("dp2") > 1.0);
 }
 
 TEST_CASE("cylinder residuals: a column does not depend on what stands beside it, nor on threads") {

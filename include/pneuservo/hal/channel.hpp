@@ -46,7 +46,18 @@ struct DigitalInputs {
   DigitalLine emergency_stop;  ///< on: pressed
   DigitalLine limit_low, limit_high;  ///< on: the slider is at the switch at the end of negative, positive position
   DigitalLine valve_power;  ///< on: the valve has its supply
+  DigitalLine switch_low, switch_high;  ///< on: the slider is beyond the switch along its way; no fault rests on it
 };
+
+/// Both switches along the way as one number of a recording, four states of a line each.
+constexpr std::uint32_t switch_bits(const DigitalInputs& digital) noexcept {
+  return static_cast<std::uint32_t>(digital.switch_low.state) | static_cast<std::uint32_t>(digital.switch_high.state)
+                                                                    << 2;
+}
+constexpr void set_switches(DigitalInputs& digital, std::uint32_t bits) noexcept {
+  digital.switch_low.state = static_cast<LineState>(bits & 3u);
+  digital.switch_high.state = static_cast<LineState>(bits >> 2 & 3u);
+}
 
 /// Everything measured at the start of a tick, in the units of signal_table.
 struct Measurement {
@@ -64,16 +75,17 @@ struct Command {
 };
 
 /// All digital inputs, in the order of their declaration.
-inline std::array<DigitalLine*, 4> lines_of(DigitalInputs& d) noexcept {
-  return {&d.emergency_stop, &d.limit_low, &d.limit_high, &d.valve_power};
+inline constexpr std::array<const char*, 6> digital_line_names{"emergency_stop", "limit_low",  "limit_high",
+                                                               "valve_power",    "switch_low", "switch_high"};
+inline constexpr std::size_t digital_line_count = digital_line_names.size();
+inline std::array<DigitalLine*, digital_line_count> lines_of(DigitalInputs& d) noexcept {
+  return {&d.emergency_stop, &d.limit_low, &d.limit_high, &d.valve_power, &d.switch_low, &d.switch_high};
 }
-inline constexpr std::array<const char*, 4> digital_line_names{"emergency_stop", "limit_low", "limit_high",
-                                                               "valve_power"};
 
 /// Where everything of a run comes from and goes to.
 struct Origins {
   PerSignal<Origin> channels{};
-  std::array<Origin, 4> lines{};  ///< in the order of lines_of
+  std::array<Origin, digital_line_count> lines{};  ///< in the order of lines_of
   Origin command = Origin::absent;  ///< whose valve is told
 };
 

@@ -6,6 +6,7 @@
 
 #include <pneuservo/control/reference.hpp>
 #include <pneuservo/loop/approach.hpp>
+#include <pneuservo/loop/encoderless_position.hpp>
 #include <pneuservo/loop/gain_mailbox.hpp>
 #include <pneuservo/loop/loop_pass.hpp>
 #include <pneuservo/loop/motion_twin.hpp>
@@ -69,14 +70,23 @@ class AxisLoop final : public LoopPass<AxisLoop> {
   void note_inputs(const JudgedInputs& inputs, std::int64_t skipped) noexcept {
     if (!supervisor_.is_active()) note_rest(inputs, skipped);
   }
-  void watch(const JudgedInputs&, const EstimatorOutput&) noexcept {}
+  void watch(const Measurement& measured, const JudgedInputs& inputs, const EstimatorOutput& estimate,
+             std::int64_t skipped) noexcept {
+    if (encoderless_.is_on()) [[unlikely]]
+      watch_position(measured.digital, inputs, estimate, skipped);
+  }
+  void watch_position(const DigitalInputs& digital, const JudgedInputs& inputs, const EstimatorOutput& estimate,
+                      std::int64_t skipped) noexcept;
   void end_tick(std::int64_t tick, const JudgedInputs& inputs) noexcept {
     if (supervisor_.is_active()) twin_.step(control_in_, inputs.supply_Pa, supervisor_.motion().most_command_V());
     if (desk_.is_open()) tell_status(tick);
   }
   void plan_motion(double t_s, const JudgedInputs& inputs) noexcept;
   ReferencePoint reference_at(double t_s) const noexcept;
-  bool may_start() const noexcept { return desk_.enabled() && (!may_move_still_ || stood_s_ >= rest_before_motion_s); }
+  bool may_start() const noexcept {
+    return desk_.enabled() && (!may_move_still_ || stood_s_ >= rest_before_motion_s) &&
+           (!encoderless_.is_on() || encoderless_.is_settled());
+  }
   void set_points(double t_s, std::int64_t tick, const JudgedInputs& inputs) noexcept;
   void tell_status(std::int64_t tick) noexcept;
   std::array<double, 2> control(std::int64_t tick, const JudgedInputs& inputs, const EstimatorOutput& estimate,
@@ -102,6 +112,8 @@ class AxisLoop final : public LoopPass<AxisLoop> {
   Approach approach_;
   double velocity_mps_ = 0.0;
   ReferencePoint now_{};
+  EncoderlessPosition encoderless_;
+  double encoderless_x_m_ = 0.0, encoderless_bound_m_ = 0.0;  // of this tick; encoderless_ is ahead
 };
 
 }  // namespace pneuservo

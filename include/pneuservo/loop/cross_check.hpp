@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include <pneuservo/elements/valves.hpp>
+#include <pneuservo/elements/valve_inflow.hpp>
 #include <pneuservo/estimator/pipeline_estimator.hpp>
 #include <pneuservo/rig/rig.hpp>
 
@@ -51,19 +51,16 @@ class CrossCheck {
     const Two share = absolute(found) / limit;
     return {low(share), high(share)};
   }
-  Two valve_flow(const CrossCheckInput& in) noexcept;
   std::uint64_t judge_air() noexcept;
   std::uint64_t judge_chambers(const Two& measured_Pa, const EstimatorOutput& estimate) noexcept;
 
-  Air<Two> air_;
-  PortConstants<Two> port_;
-  Valves<double> valves_;
+  ValveInflow valves_;
   double period_s_ = 1e-3, flow_limit_share_ = 0.0, chamber_limit_Pa_ = 0.0;
-  Two port_Pa_{}, missing_kg_{}, through_kg_{}, difference_Pa_{}, floor_kg_{};
+  Two missing_kg_{}, through_kg_{}, difference_Pa_{}, floor_kg_{};
   Two air_limit_kg_{1.0}, difference_limit_Pa_{1.0};  // beyond these the last check found a fault
   double decay_ = 0.0, smoothing_ = 1.0;
   std::int64_t settled_after_ = 0, ticks_ = 0;
-  bool started_ = false, watching_ = false;
+  bool watching_ = false;
 };
 
 }  // namespace pneuservo

@@ -8,7 +8,8 @@
 
 namespace pneuservo {
 
-/// Causes of a fault. Several may stand at once; the first tick's bits are the reason, later ones are added.
+/// Causes of a fault. Several may stand at once; the first tick's bits are the reason, later ones are added. Bits below
+/// 53 alone: recordings are read as doubles.
 enum Fault : std::uint64_t {
   fault_position_missing = 1ull << 0,
   fault_position_jump = 1ull << 1,
@@ -55,6 +56,7 @@ enum Fault : std::uint64_t {
   fault_missed_slots = 1ull << 42,
   fault_checks_rested = 1ull << 43,
   fault_suspended = 1ull << 44,
+  fault_position_unknown = 1ull << 45,
   fault_double_answer = 1ull << 48,
   fault_output_unconfirmed = 1ull << 49,
   fault_guard_lost = 1ull << 50,
@@ -101,7 +103,7 @@ struct FaultText {
   std::string_view name;
   std::string_view meaning;
 };
-inline constexpr std::array<FaultText, 50> fault_texts{{
+inline constexpr std::array<FaultText, 51> fault_texts{{
     {fault_position_missing, "position_missing",
      "the position was missing, too old, not a number or out of range: check encoder, cable and supply"},
     {fault_position_jump, "position_jump",
@@ -224,6 +226,9 @@ inline constexpr std::array<FaultText, 50> fault_texts{{
     {fault_differential_pressure_2_missing, "differential_pressure_2_missing",
      "the pressure lost along line 2 was missing, too old, not a number or beyond the sensor's range: check sensor, "
      "cable and range"},
+    {fault_position_unknown, "position_unknown",
+     "without an encoder the position is known less well than position.bound_max_m, or a switch cannot be read: pass a "
+     "switch more often, check both switches"},
 }};
 
 }  // namespace pneuservo

@@ -38,7 +38,7 @@ template <class Loop> class LoopPass : public ControlLoop {
     controller_.skip(skipped);
     const EstimatorOutput estimated = own.estimate(inputs, skipped);
     supervisor_.cross_check(inputs, estimated, skipped);
-    own.watch(inputs, estimated);
+    own.watch(measured, inputs, estimated, skipped);
     stamp(&StageTimes::estimated);
     std::array<double, 2> command_V = supervisor_.safe_V();
     limited_ = false;

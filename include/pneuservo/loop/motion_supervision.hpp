@@ -33,6 +33,7 @@ struct MotionSample {
   double predicted_mps = 0.0;
   double force_N = 0.0;    ///< of both chambers on the piston
   double periods = 1.0;    ///< since the last sample
+  double doubt_m = 0.0, doubt_mps = 0.0;  ///< what position and speed may be wrong by, where no encoder shows them
 };
 
 /// Judges every tick in which the axis is active; all of it but configure is HOT.
@@ -67,13 +68,14 @@ class MotionSupervision {
     deviation_m_ = now.position_m - now.predicted_m;
     const double off = std::fabs(deviation_m_), speed = std::fabs(now.speed_mps);
     if (!proven_) {
-      if (off > limits_.start_deviation_m || speed > limits_.start_speed_mps) faults |= fault_start_motion;
+      if (off > limits_.start_deviation_m + now.doubt_m || speed > limits_.start_speed_mps + now.doubt_mps)
+        faults |= fault_start_motion;
       proven_ = std::fabs(now.predicted_m - start_m_) > start_way_over_deviation * limits_.start_deviation_m;
     }
     // Until the start is proven it is the start that went wrong.
-    const bool leaves = off > limits_.deviation_m || differs_in_speed(now);
+    const bool leaves = off > limits_.deviation_m + now.doubt_m || differs_in_speed(now);
     if (leaves) faults |= proven_ ? fault_deviation : fault_start_motion;
-    if (speed > limits_.speed_mps) faults |= fault_speed;
+    if (speed > limits_.speed_mps + now.doubt_mps) faults |= fault_speed;
     return faults | end_stop(now) | stall(now);
   }
   /// Largest command that the law may give now. A slider that the air holds at an end stop is freed at full flow.
@@ -97,7 +99,7 @@ class MotionSupervision {
     const double faster = now.speed_mps - now.predicted_mps;
     const bool goes_on = (faster > 0.0) == was_faster_ && differs_s_ > 0.0;
     was_faster_ = faster > 0.0;
-    if (std::fabs(faster) <= limits_.speed_deviation_mps) differs_s_ = 0.0;
+    if (std::fabs(faster) <= limits_.speed_deviation_mps + now.doubt_mps) differs_s_ = 0.0;
     else differs_s_ = (goes_on ? differs_s_ : 0.0) + period_s_;
     return differs_s_ > std::max(differs_s, 2.5 * period_s_);
   }

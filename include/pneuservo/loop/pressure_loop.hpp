@@ -28,7 +28,7 @@ class PressureLoop final : public LoopPass<PressureLoop> {
   bool may_start() const noexcept { return desk_.enabled(); }
   void note_inputs(const JudgedInputs&, std::int64_t) noexcept {}
   EstimatorOutput estimate(const JudgedInputs& inputs, std::int64_t skipped) noexcept;
-  void watch(const JudgedInputs& inputs, const EstimatorOutput& estimate) noexcept;
+  void watch(const Measurement&, const JudgedInputs& inputs, const EstimatorOutput& estimate, std::int64_t) noexcept;
   std::array<double, 2> control(std::int64_t tick, const JudgedInputs& inputs, const EstimatorOutput& estimate,
                                 std::int64_t skipped) noexcept;
   void fill_row(double t_s, std::int64_t skipped, bool stepped, const Measurement& measured, const Truth& truth,

@@ -76,6 +76,8 @@ class Supervisor {
   /// What the valves were given in this tick.
   void note_commands(const std::array<double, 2>& command_V) noexcept;
   void latch(std::uint64_t faults) noexcept;
+  /// What stands for the encoder in the next tick where the rig has none.
+  void tell_position(double position_m) noexcept { told_position_m_ = position_m; }
   /// Whether ready inputs may make the axis active; of an axis that moves they may not.
   void allow_motion(bool allowed) noexcept { may_move_ = allowed; }
   /// It has been active since it was configured.
@@ -114,7 +116,7 @@ class Supervisor {
   SupervisorState state_ = SupervisorState::unconfigured;
   std::uint64_t faults_ = 0, first_faults_ = 0;
   bool has_slider_ = true, needs_chambers_ = false, bridged_ = false, all_good_ = false, may_move_ = true,
-       has_moved_ = false, on_bus_ = false, has_losses_ = false, needs_losses_ = false;
+       has_moved_ = false, on_bus_ = false, has_losses_ = false, needs_losses_ = false, is_told_position_ = false;
   PerSignal<InputGuard> guards_;
   CalmPressures calm_;
   PerSignal<bool> judged_;  ///< there is a sensor, or the law cannot do without it
@@ -126,7 +128,7 @@ class Supervisor {
   std::array<double, 2> safe_V_{}, command_V_{};
   double period_s_ = 1e-3, position_limit_m_ = 0.155, half_stroke_m_ = 0.15, pressure_limit_Pa_ = 1e6, supply_Pa_ = 7e5,
          supply_limit_Pa_ = 0.0, lateness_limit_s_ = 0.1;
-  double loss_range_Pa_ = 0.0;
+  double loss_range_Pa_ = 0.0, told_position_m_ = 0.0;
   double port_step_Pa_per_V_ = 0.0;  // of the narrower line: what a change of command does to a port at once
   double fill_step_Pa_m3_ = 0.0;  // largest flow into a chamber over a period: its volume times the step
   double activity_V_ = 0.0, activity_decay_ = 0.0;

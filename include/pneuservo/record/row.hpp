@@ -33,6 +33,10 @@ enum RowFlag : std::uint32_t {
   OF_AXIS(double, x_predicted_m, none, known(!twin_waits_, twin_.position_m()))                                        \
   MEASURED(x, x)                                                                                                       \
   OF_AXIS(double, v_mps, none, velocity_mps_)                                                                          \
+  /* without an encoder: position and its bound, both switches (switch_bits) */                                        \
+  OF_AXIS(double, x_estimated_m, none, known(encoderless_.is_on(), encoderless_x_m_))                                  \
+  OF_AXIS(double, x_bound_m, none, known(encoderless_.is_on(), encoderless_bound_m_))                                  \
+  OF_AXIS(std::uint32_t, switches, 0, encoderless_.is_on() ? switch_bits(measured.digital) : 0u)                       \
   COLUMN(double, u_V, none, known(!two_valves, supervisor_.command_V()[0]))                                            \
   /* of a servo table's two valves, instead of u_V */                                                                  \
   COLUMN(double, u1_V, none, known(two_valves, supervisor_.command_V()[0]))                                            \

@@ -356,7 +356,7 @@ struct GpioLineParameters {
 
 /// Digital lines by their meaning.
 struct GpioParameters {
-  std::optional<GpioLineParameters> emergency_stop, limit_low, limit_high, valve_power, enable;
+  std::optional<GpioLineParameters> emergency_stop, limit_low, limit_high, valve_power, switch_low, switch_high, enable;
   std::optional<BoardWatchdog> watchdog;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
@@ -368,6 +368,8 @@ struct GpioParameters {
             optional},
       p.limit_high...);
     v(Field{"valve_power", "", 0, 0, "input, active: the valve has its supply", optional}, p.valve_power...);
+    v(Field{"switch_low", "", 0, 0, "input, active: the slider is below position.low_m", optional}, p.switch_low...);
+    v(Field{"switch_high", "", 0, 0, "input, active: the slider is above position.high_m", optional}, p.switch_high...);
     v(Field{"enable", "", 0, 0, "output, active only while the axis is active", optional}, p.enable...);
     v(Field{"watchdog", "", 0, 0,
             "what closes the valves when this program is gone, as hal.comedi.watchdog; must be stated where a valve is "

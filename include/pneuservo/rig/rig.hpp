@@ -21,6 +21,7 @@
 #include <pneuservo/rig/axis.hpp>
 #include <pneuservo/rig/hal_parameters.hpp>
 #include <pneuservo/rig/limit_parameters.hpp>
+#include <pneuservo/rig/position_parameters.hpp>
 #include <pneuservo/rig/serve_parameters.hpp>
 #include <pneuservo/rig/switched_parameters.hpp>
 
@@ -202,6 +203,7 @@ struct Rig {
   AxisParameters<double> axis;  ///< air ... slider, effects
   PerSignal<SensorEffects<double>> sensor_effects;  ///< effects `sensor_*:CHANNEL`
   SensorsParameters sensors;
+  PositionParameters position;
   ControllerParameters controller;
   DriveParameters drive;  ///< of a driven axis
   ElasticVolumeParameters<double> volume;  ///< of a pressure rig, at the end of line_1
@@ -298,6 +300,8 @@ struct Rig {
   template <class V, class... P> static void visit_pneumatic(V& v, P&... p) {
     AxisParameters<double>::visit(v, p.axis...);
     v(sensors_field(), p.sensors...);
+    v(Field{"position", "", 0, 0, "where the position comes from; not stated: from an encoder", Presence::optional},
+      p.position...);
     v(Field{"controller", "", 0, 0, "control law and its gains"}, p.controller...);
     v(Field{"initial", "", 0, 0, "state at the start of a simulation", Presence::optional}, p.initial...);
   }

@@ -28,7 +28,7 @@ void refuse_beyond(std::size_t most_bytes, std::size_t bytes, const std::string&
   if (bytes <= most_bytes) return;
   constexpr double bytes_per_MB = 1e6;
   throw InputError(fmt::format(
-      "{}, line {}: found {:.0f} MB of values up to here and more behind, expected {:.0f} MB at most, a quarter of the "
+      "{}, line {}: found {:.0f} MB of rows up to here and more behind, expected {:.0f} MB at most, a quarter of the "
       "memory; cut the recording, log fewer columns, or end the pipe: head -n",
       path, line, static_cast<double>(bytes) / bytes_per_MB, static_cast<double>(most_bytes) / bytes_per_MB));
 }

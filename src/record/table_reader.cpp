@@ -66,6 +66,7 @@ constexpr std::size_t longest_field_lines = 20;  ///< that a quoted field may go
 constexpr double least_mark = 9.9e37;            ///< what instruments write for no value (9.91E37) and overflow
 constexpr std::size_t most_told = 100;           ///< fields of a column that are told one by one
 constexpr std::size_t rows_between_bounds = 4096;  ///< at the memory they take
+constexpr std::size_t bytes_of_a_problem = 256;  ///< with its sentence
 constexpr double most_skipped = 1e6;  ///< numbers of an index: more are those of another run
 
 /// Whether a quote that begins a field is open at the end.
@@ -381,6 +382,7 @@ class TableReader {
                              : fmt::format("{} fields where {} are expected; the row is not used",
                                            is_empty ? 0 : fields_.size(), expected + index));
     if (!is_comment && !dialect_.has_index && holds_number()) missing_rows_.push_back({table_.rows(), 1});
+    refuse_beyond(most_bytes_, table_.problems.size() * bytes_of_a_problem, table_.path, number);
     return false;
   }
 

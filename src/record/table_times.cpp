@@ -167,14 +167,34 @@ std::optional<StatedInterval> stated_interval(const std::string& comments, char 
 
 namespace {
 
-/// "t3 [s]" and "t1 [s]", "Time (2)" and "Time": the same but for the number.
-bool is_numbered_alike(const std::string& a, const std::string& b) {
-  const auto letters = [](std::string name) {
-    name.resize(std::min(name.find('['), name.size()));
-    std::erase_if(name, [](char c) { return std::string_view("0123456789 ()_#.").find(c) != std::string_view::npos; });
-    return name;
+/// "x [m]": "x".
+std::string_view without_unit(std::string_view name) {
+  const std::size_t open = name.find_first_of("[(");
+  const bool is_number = open + 1 < name.size() && std::isdigit(static_cast<unsigned char>(name[open + 1])) != 0;
+  return is_number ? name : trimmed(name.substr(0, std::min(open, name.size())));
+}
+
+/// "t3 [s]" and "t1 [s]", "Time (2)" and "Time", "Time A" and "Time B": the same but for the number or letter.
+bool is_numbered_alike(std::string_view a, std::string_view b) {
+  const auto letters = [](std::string_view name) {
+    std::string out(without_unit(name));
+    const bool has_letter = out.size() > 2 && std::isalnum(static_cast<unsigned char>(out[out.size() - 2])) == 0;
+    if (has_letter) out.pop_back();
+    std::erase_if(out, [](char c) { return std::string_view("0123456789 ()_#.").find(c) != std::string_view::npos; });
+    return out;
   };
   return letters(a) == letters(b);
+}
+
+/// "Time_x [s]", "x_t" or "tx" before "x [m]".
+bool is_named_after(std::string_view time, std::string_view value) {
+  const std::string name = in_small_letters(without_unit(time)), whose = in_small_letters(without_unit(value));
+  if (whose.empty() || name.size() <= whose.size()) return false;
+  const auto ends_apart = [&](char beside) {
+    return name.size() == whose.size() + 1 || std::isalnum(static_cast<unsigned char>(beside)) == 0;
+  };
+  return (name.ends_with(whose) && ends_apart(name[name.size() - whose.size() - 1])) ||
+         (name.starts_with(whose) && ends_apart(name[whose.size()]));
 }
 
 /// Whether most steps of the known values go on.
@@ -226,24 +246,23 @@ bool overlap(const CsvTable& table, const std::vector<TimeColumn>& times) {
   return latest_start < first_end;
 }
 
-/// Times of the columns behind each, as their names and values say. Every second column, or times that are numbered or
-/// end at other rows: another stamp of the same rows is none.
+/// Times of the columns behind each, as their names and values say: they are numbered, or named after the one value
+/// behind each, or end at other rows. Another stamp of the same rows, such as the receiver's, is none.
 std::vector<TimeColumn> times_of_groups(const CsvTable& table) {
   const std::vector<TimeColumn> times = named_times(table);
   if (times.size() < 2 || times.front().place != 0 || times.back().place + 1 == table.names.size()) return {};
-  bool are_pairs = true, are_numbered = true, end_apart = false;
+  bool are_named_after = true, are_numbered = true, end_apart = false;
   const auto count = [&](std::size_t c) {
     return std::count_if(table.values[c].begin(), table.values[c].end(), [](double v) { return std::isfinite(v); });
   };
   for (std::size_t i = 0; i < times.size(); ++i) {
     const std::size_t place = times[i].place;
     if (i > 0 && place == times[i - 1].place + 1) return {};
-    are_pairs = are_pairs && place == 2 * i;
+    are_named_after = are_named_after && place == 2 * i && is_named_after(table.names[place], table.names[place + 1]);
     are_numbered = are_numbered && is_numbered_alike(table.names[place], table.names[0]);
     end_apart = end_apart || count(place) != count(0);
   }
-  are_pairs = are_pairs && table.names.size() <= 2 * times.size() + 1;
-  return (are_pairs || are_numbered || end_apart) && overlap(table, times) ? times : std::vector<TimeColumn>();
+  return (are_named_after || are_numbered || end_apart) && overlap(table, times) ? times : std::vector<TimeColumn>();
 }
 
 std::vector<TimedGroup> groups_of(CsvTable& table, const std::vector<TimeColumn>& times) {

@@ -295,7 +295,7 @@ TEST_CASE("a file whose values exceed the memory is refused at the line where th
   const std::string path = put_plain(folder.file("f.csv"), longer);
   constexpr std::size_t most_bytes = 100000;
   CHECK_THROWS_WITH(read_table(path, {}, most_bytes),
-                    Contains("line 4098: found 0 MB of values up to here") && Contains("a quarter of the memory"));
+                    Contains("line 4098: found 0 MB of rows up to here") && Contains("a quarter of the memory"));
   CHECK(read_table(path).rows() == 4 * row_count);
 }
 

@@ -40,8 +40,9 @@ std::size_t count_of(const std::vector<double>& values) {
 }  // namespace
 
 TEST_CASE("channels whose stamps are skewed against each other come to the command's rows by interpolation") {
-  for (const char* names : {"t1,x,t2,u,t3,p1", "Time_x [s],x [m],Time_u [s],u [V],Time_p1 [s],p1 [Pa]",
-                            "x_t,x,u_t,u,p1_t,p1", "Time,x,Time,u,Time,p1"}) {
+  for (const char* names :
+       {"t1,x,t2,u,t3,p1", "Time_x [s],x [m],Time_u [s],u [V],Time_p1 [s],p1 [Pa]", "x_t,x,u_t,u,p1_t,p1",
+        "Time,x,Time,u,Time,p1", "Time A (s),x (m),Time B (s),u (V),Time C (s),p1 (Pa)", "tx,x,tu,u,tp1,p1"}) {
     CAPTURE(names);
     const Understood found = understood(pairs(names, 0, 0.0004, 0.0007));
     const Recording& run = found.run;
@@ -129,7 +130,11 @@ TEST_CASE("a command written when it changes stands up to its next stamp") {
 }
 
 TEST_CASE("a stamp of the receiver beside that of the row is no time of other columns") {
-  std::string text = "timestamp,x,u,recv_timestamp,p1\n";
+  std::string text = "timestamp,x,u,recv_timestamp,p1\n", pair = "timestamp,x,recv_timestamp,p1\n";
+  for (int i = 0; i < 1000; ++i)
+    pair += fmt::format("{:.6f},{:.9f},{:.6f},{:.3f}\n", 0.001 * i, position_m(0.001 * i), 0.001 * i + 0.0005,
+                        pressure_Pa(0.001 * i));
+  CHECK(understood(pair).run.column("p1_port_Pa")[500] == Approx(pressure_Pa(0.5)).margin(1e-3));
   for (int i = 0; i < 1000; ++i)
     text += fmt::format("{:.6f},{:.9f},{:.3f},{:.6f},{:.3f}\n", 0.001 * i, position_m(0.001 * i), 1.0,
                         0.001 * i + 0.0005 + 1e-5 * (i % 7), pressure_Pa(0.001 * i));

@@ -74,6 +74,7 @@ void EncoderlessPosition::configure(const Rig& rig) {
 }
 
 void EncoderlessPosition::reset() noexcept {
+  if (!is_on_) return;
   observer_.reset(parameters_.start_m, parameters_.start_deviation_m);
   valves_.reset();
   low_ = high_ = LineState::absent;

@@ -85,7 +85,8 @@ TEST_CASE("missing keys are refused at the line of their section") {
   CHECK(refusal(with(plain, "supply:\n  pressure_Pa: 700000\n", "")) ==
         "rig.yaml:1: supply: found nothing, expected this required section");
   CHECK(refusal(with(plain, "pressure_source: estimated\n  ", "")) ==
-        "rig.yaml:34: controller.pressure_source: found nothing, expected one of valve, chamber, estimated");
+        "rig.yaml:34: controller.pressure_source: found nothing, expected one of valve, chamber, estimated, "
+        "differential");
   CHECK(refusal(with(plain, "kind: sine, ", "")) == "rig.yaml:40: reference.kind: found nothing, expected one of sine, "
                                                     "multisine, waypoints, sum, cruise, minimum_jerk, file, live");
 }
@@ -153,7 +154,8 @@ TEST_CASE("other formats, rigs and controllers are refused with the known ones")
   CHECK(refusal(with(plain, "kind: pd_force\n", "kind: lqr\n")) ==
         "rig.yaml:34: controller.kind: found 'lqr', expected one of pd_force, ppd2, pressure_pi");
   CHECK(refusal(with(plain, "estimated", "measured")) ==
-        "rig.yaml:35: controller.pressure_source: found 'measured', expected one of valve, chamber, estimated");
+        "rig.yaml:35: controller.pressure_source: found 'measured', expected one of valve, chamber, estimated, "
+        "differential");
   CHECK(refusal(with(plain, "kind: sine", "kind: square")) ==
         "rig.yaml:40: reference.kind: found 'square', expected one of sine, multisine, waypoints, sum, cruise, "
         "minimum_jerk, file, live");

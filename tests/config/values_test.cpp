@@ -113,9 +113,15 @@ TEST_CASE("an override (--set) replaces, adds and goes into lists") {
   CHECK(listed.reference.components[1][0] == 0.03);
 }
 
+/// With its range the sensor itself comes and goes, and with it its effects.
+bool makes_a_sensor(const ParameterPath& parameter) {
+  return parameter.path == "sensors.differential_pressure.range_Pa";
+}
+
 TEST_CASE("a handle is its path, resolved once, in every rig of the kind") {
   const Rig rig = parse_rig(plain, "rig.yaml");
   for (const ParameterPath& parameter : parameter_paths(rig)) {
+    if (makes_a_sensor(parameter)) continue;
     INFO(parameter.path);
     const ParameterHandle handle(rig, parameter.path);
     Rig other = rig;
@@ -176,6 +182,7 @@ TEST_CASE("every number of a rig can be set and is the only one that changes") {
   const std::vector<ParameterPath> before = parameter_paths(original);
   REQUIRE(before.size() > 80);
   for (std::size_t i = 0; i < before.size(); ++i) {
+    if (makes_a_sensor(before[i])) continue;
     INFO(before[i].path);
     Rig rig = original;
     const Field& field = before[i].field;

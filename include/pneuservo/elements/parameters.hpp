@@ -160,7 +160,8 @@ struct DifferentialSensorParameters {
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"quantum_Pa", "Pa", 0, 1e5, "resolution; 0: none"}, p.quantum_Pa...);
     v(Field{"noise_Pa", "Pa", 0, 1e5, "white noise, rms", Presence::optional}, p.noise_Pa...);
-    v(Field{"range_Pa", "Pa", 0, 2e6, "it shows this much at most, to both sides; 0: there is no sensor"},
+    v(Field{"range_Pa", "Pa", 0, 2e6, "it shows this much at most, to both sides; 0: there is no sensor",
+            Presence::optional},
       p.range_Pa...);
   }
 };

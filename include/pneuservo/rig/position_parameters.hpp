@@ -31,13 +31,14 @@ struct PositionParameters {
     v(Field{"source", "", 0, 0, "estimated: from air, force and two switches, without an encoder", optional,
             position_source_names},
       p.source...);
-    v(Field{"low_m", "m", -10, 10, "the low switch is on below this position"}, p.low_m...);
-    v(Field{"high_m", "m", -10, 10, "the high switch is on above this position"}, p.high_m...);
+    v(Field{"low_m", "m", -10, 10, "the low switch is on below this position", optional}, p.low_m...);
+    v(Field{"high_m", "m", -10, 10, "the high switch is on above this position", optional}, p.high_m...);
     v(Field{"hysteresis_m", "m", 0, 0.1, "a switch is off again this much nearer to the middle", optional},
       p.hysteresis_m...);
     v(Field{"repeatability_m", "m", 1e-6, 0.01, "standard deviation of the place where a switch changes", optional},
       p.repeatability_m...);
-    v(Field{"start_m", "m", -10, 10, "where the slider stands as a run begins, as against an end stop"}, p.start_m...);
+    v(Field{"start_m", "m", -10, 10, "where the slider stands as a run begins, as against an end stop", optional},
+      p.start_m...);
     v(Field{"start_deviation_m", "m", 1e-6, 0.1, "standard deviation of start_m", optional}, p.start_deviation_m...);
     v(Field{"leak_kgps", "kg/s", 0, 1e-3, "standard deviation of what leaks out of a side unknown", optional},
       p.leak_kgps...);

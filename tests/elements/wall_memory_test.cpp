@@ -26,6 +26,19 @@ Complex fitted_weight(Complex s) {
   for (std::size_t i = 0; i < Layer::terms; ++i) sum += Layer::weight[i] / (s + Layer::decay[i]);
   return sum;
 }
+
+/// 5 m of 6.1 mm before a chamber, with all of the memory.
+LineWithChamber<double> remembering_side() {
+  LineWithChamber<double> side;
+  LineParameters<double> parameters;
+  parameters.length_m = 5;
+  parameters.diameter_m = 6.1e-3;
+  side.configure(parameters, {1.257e-3, 2e-5, 50}, {}, 10);
+  LineEffects<double> effects;
+  effects.frequency_dependent_losses.share = 1;
+  side.line().set_effects(effects);
+  return side;
+}
 }  // namespace
 
 TEST_CASE("wall memory: the weights are those of laminar layers from slow to fast") {
@@ -109,11 +122,7 @@ TEST_CASE("wall memory: steps of another length remember the same") {
 }
 
 TEST_CASE("wall memory: a line with it finds back from a velocity that is no number") {
-  LineWithChamber<double> side;
-  side.configure({}, {1.257e-3, 2e-5, 50}, {}, 10);
-  LineEffects<double> effects;
-  effects.frequency_dependent_losses.share = 1;
-  side.line().set_effects(effects);
+  LineWithChamber<double> side = remembering_side();
   side.reset(470e3, 293, 0.15);
   side.begin_period(1e-3);
   side.line().set_face_velocity(5, std::numeric_limits<double>::quiet_NaN());
@@ -126,14 +135,7 @@ TEST_CASE("wall memory: a line with it finds back from a velocity that is no num
 }
 
 TEST_CASE("wall memory: a line at rest stays at rest, and one that is set to rest has forgotten") {
-  LineWithChamber<double> side;
-  LineParameters<double> parameters;
-  parameters.length_m = 5;
-  parameters.diameter_m = 6.1e-3;
-  side.configure(parameters, {1.257e-3, 2e-5, 50}, {}, 10);
-  LineEffects<double> effects;
-  effects.frequency_dependent_losses.share = 1;
-  side.line().set_effects(effects);
+  LineWithChamber<double> side = remembering_side();
   const auto flow_at_rest = [&] {
     double most = 0;
     for (int k = 0; k < 100; ++k) {

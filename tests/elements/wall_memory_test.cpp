@@ -122,16 +122,22 @@ TEST_CASE("wall memory: steps of another length remember the same") {
 }
 
 TEST_CASE("wall memory: a line with it finds back from a velocity that is no number") {
-  LineWithChamber<double> side = remembering_side();
+  LineWithChamber<double> side = remembering_side(), beside = remembering_side();
   side.reset(470e3, 293, 0.15);
+  beside.reset(470e3, 293, 0.15);
   side.begin_period(1e-3);
   side.line().set_face_velocity(5, std::numeric_limits<double>::quiet_NaN());
-  double flow = 0;
-  for (int k = 0; k < 2000; ++k) {
-    side.begin_period(1e-3);
-    flow = side.step_prescribed(470e3, 0.15).port_mass_flow_kgps;
+  double most = 0, error = 0;
+  for (int k = 0; k < 4000; ++k) {
+    const double port_Pa = 470e3 + 20e3 * std::sin(0.05 * k);
+    for (LineWithChamber<double>* one : {&side, &beside}) one->begin_period(1e-3);
+    const double flow = side.step_prescribed(port_Pa, 0.15).port_mass_flow_kgps,
+                 expected = beside.step_prescribed(port_Pa, 0.15).port_mass_flow_kgps;
+    if (k < 3000) continue;
+    most = std::max(most, std::abs(expected));
+    error = std::max(error, std::abs(flow - expected));
   }
-  CHECK(std::abs(flow) < 1e-6);
+  CHECK(error < 1e-3 * most);
 }
 
 TEST_CASE("wall memory: a line at rest stays at rest, and one that is set to rest has forgotten") {

@@ -76,7 +76,7 @@ set(PNEUSERVO_COLD_FOLDERS "^src_(config|design|service|report|index|improve|pro
 set(PNEUSERVO_COLD_OPTIMISATION -O2)
 # A wheel is compiled by whoever installs it, and its laws are called from Python: -O1 takes 0.8 of the time once more, -O2
 # for the rest of the libraries 0.85.
-if(SKBUILD AND CMAKE_BUILD_TYPE STREQUAL Release)
+if(SKBUILD)
   set(PNEUSERVO_COLD_OPTIMISATION -O1)
 endif()
 # unite_folders(TARGET...): what the sources of a folder share is parsed and instantiated once, in some 0.6 of the time.
@@ -87,7 +87,7 @@ function(unite_folders)
   endif()
   foreach(target IN LISTS ARGN)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-    if(SKBUILD AND CMAKE_BUILD_TYPE STREQUAL Release)
+    if(SKBUILD)
       target_compile_options(${target} PRIVATE -O2)
     endif()
     # A class of one file may hold another of the same file, which g++ takes for a header's.
@@ -107,7 +107,7 @@ function(unite_folders)
       endif()
       string(MAKE_C_IDENTIFIER "${group}" group)
       set_property(SOURCE ${source} TARGET_DIRECTORY ${target} PROPERTY UNITY_GROUP ${group})
-      if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_BUILD_TYPE STREQUAL Release AND group MATCHES "${PNEUSERVO_COLD_FOLDERS}")
+      if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND NOT PNEUSERVO_SANITIZE AND group MATCHES "${PNEUSERVO_COLD_FOLDERS}")
         set_source_files_properties(${built}/CMakeFiles/${target}.dir/Unity/unity_${group}_cxx.cxx TARGET_DIRECTORY ${target}
           PROPERTIES COMPILE_OPTIONS ${PNEUSERVO_COLD_OPTIMISATION} SKIP_PRECOMPILE_HEADERS ON)
       endif()

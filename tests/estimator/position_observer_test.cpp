@@ -141,3 +141,15 @@ TEST_CASE("position observer: a leak looks like a motion, so the position drifts
   untold.rest(20.0);
   CHECK(untold.within < untold.ticks / 2);
 }
+
+TEST_CASE("position observer: at rest the bound keeps growing, for a leak is not what it was") {
+  PositionObserverParameters p = known_axis();
+  p.leak_kgps = 2e-6;
+  KnownGas gas(p);
+  gas.rest(30.0);
+  const double after_30_s = gas.observer.bound_m();
+  gas.leak_1_kgps = 2e-6;
+  gas.rest(30.0);
+  CHECK(gas.observer.bound_m() > 2.2 * after_30_s);  // of a leak that stays what it is, twice
+  CHECK(gas.within == gas.ticks);
+}

@@ -44,8 +44,8 @@ class PositionObserver {
   static constexpr double bound_deviations = 2.58;  ///< of a normal error, passed once in 100
   /// Forces that nothing tells of change from stroke to stroke.
   static constexpr double force_s = 0.2;
-  /// Gain of the edges beside their area hangs on the point of operation, which changes over several moves.
-  static constexpr double edge_s = 10.0;
+  /// Gains of the edges beside their area and leaks hang on the point of operation, which changes over several moves.
+  static constexpr double operation_s = 10.0;
   /// The way of sound may take so much phase, 40 degrees, from the loop of observer and model.
   static constexpr double travel_phase = 0.7;
 
@@ -223,8 +223,10 @@ class PositionObserver {
       at(i, a) *= forget;
     }
     at(a, a) += 2.0 * dt / force_s * square(force_deviation / p_.mass_kg);
-    const double edges = square(p_.valve_edge_share) * 2.0 * dt / edge_s;
+    const double changed = 2.0 * dt / operation_s, edges = changed * square(p_.valve_edge_share),
+                 leaks = changed * square(p_.leak_kgps);
     at(supply, supply) += edges, at(exhaust, exhaust) += edges;
+    at(leak, leak) += leaks, at(leak + 1, leak + 1) += leaks;
   }
 
   PositionObserverParameters p_;

@@ -14,7 +14,7 @@ Rig line_rig(const std::vector<std::string>& sets) {
   return read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/cylinder-2m-6.10mm.yaml", sets);
 }
 
-std::string refusal(const std::vector<std::string>& sets) {
+std::string concealed_refusal(const std::vector<std::string>& sets) {
   try {
     line_rig(sets);
   } catch (const InputError& error) { return error.what(); }
@@ -55,10 +55,10 @@ TEST_CASE("concealed effects are written and read back, neutral ones too") {
 }
 
 TEST_CASE("concealed effects are refused as known ones are, by their own path") {
-  REQUIRE_THAT(refusal({"concealed.piston_leek.area_m2=1e-8"}),
+  REQUIRE_THAT(concealed_refusal({"concealed.piston_leek.area_m2=1e-8"}),
                Catch::Contains("concealed.piston_leek") && Catch::Contains("piston_leak"));
-  REQUIRE_THAT(refusal({"concealed.coulomb_friction.force_N=-1"}),
+  REQUIRE_THAT(concealed_refusal({"concealed.coulomb_friction.force_N=-1"}),
                Catch::Contains("concealed.coulomb_friction.force_N: found -1"));
-  REQUIRE_THAT(refusal({"concealed={elastic_load: {mass_kg: 50, frequency_Hz: 20, damping_ratio: 0.05}}"}),
+  REQUIRE_THAT(concealed_refusal({"concealed={elastic_load: {mass_kg: 50, frequency_Hz: 20, damping_ratio: 0.05}}"}),
                Catch::Contains("concealed.elastic_load"));
 }

@@ -21,12 +21,11 @@
 using namespace pneuservo;
 using Catch::Contains;
 using test::accepted;
+using test::plain_rig;
 using test::refusal;
 using test::with;
 
 namespace {
-
-const std::string plain = test::plain_rig;
 
 double read(const std::string& unit, const std::string& text, double minimum = 0.0) {
   const ReadQuantity found = read_quantity({"key", unit, minimum, infinite, ""}, text, {1e5, 0.2});
@@ -34,7 +33,7 @@ double read(const std::string& unit, const std::string& text, double minimum = 0
 }
 
 std::string with_cylinder(const std::string& areas) {
-  return with(plain, "  area_1_m2: 1.257e-3\n  area_2_m2: 1.056e-3\n", areas);
+  return with(plain_rig, "  area_1_m2: 1.257e-3\n  area_2_m2: 1.056e-3\n", areas);
 }
 
 }  // namespace
@@ -101,7 +100,7 @@ TEST_CASE("a number with a decimal unit is the number that SI would be, to the l
 }
 
 TEST_CASE("every key that carries its unit takes a value with that unit") {
-  const Rig rig = parse_rig(plain, "rig.yaml");
+  const Rig rig = parse_rig(plain_rig, "rig.yaml");
   int tried = 0;
   for (const ParameterPath& parameter : parameter_paths(rig)) {
     const std::string key(key_without_unit(parameter.field));
@@ -118,7 +117,7 @@ TEST_CASE("every key that carries its unit takes a value with that unit") {
     const std::string path = dot == std::string::npos ? key : parameter.path.substr(0, dot + 1) + key;
     const char* words = datum_of(parameter.field) == Datum::vacuum ? " absolute" : "";
     const std::string text = fmt::format("{}={} {}{}", path, number_text(parameter.value), parameter.field.unit, words);
-    const Rig stated = parse_rig(plain, "rig.yaml", {text});
+    const Rig stated = parse_rig(plain_rig, "rig.yaml", {text});
     REQUIRE(get_parameter(stated, parameter.path) == parameter.value);
     ++tried;
   }
@@ -142,16 +141,16 @@ TEST_CASE("half a form names its other half, a key beside its SI key is refused,
   CHECK(refusal(with_cylinder("  bore: 32 mm\n")) ==
         "rig.yaml:19: cylinder.rod: found nothing, expected it beside the others of its form (pi/4 (bore^2 - rod^2))");
   CHECK_THAT(
-      refusal(with(plain, "length_m: 10.0", "length: 10 m\n  length_m: 10.0")),
+      refusal(with(plain_rig, "length_m: 10.0", "length: 10 m\n  length_m: 10.0")),
       Contains("rig.yaml:13: line_1.length: found it beside length_m (at rig.yaml:14), expected one of the two"));
-  const Rig rig = parse_rig(with(plain, "length_m: 10.0", "length: 10 m"), "rig.yaml", {"line_1.length_m=3"});
+  const Rig rig = parse_rig(with(plain_rig, "length_m: 10.0", "length: 10 m"), "rig.yaml", {"line_1.length_m=3"});
   CHECK(rig.axis.line_1.length_m == 3.0);
-  CHECK(parse_rig(plain, "rig.yaml", {"line_1.length=400 cm"}).axis.line_1.length_m == 4.0);
+  CHECK(parse_rig(plain_rig, "rig.yaml", {"line_1.length=400 cm"}).axis.line_1.length_m == 4.0);
 }
 
 TEST_CASE("flow by ISO 6358 or by the nominal flow gives one valve") {
   const auto valve = [](const std::string& flow) {
-    return parse_rig(with(plain, "  area_per_volt_m2_per_V: 2.6e-6\n  area_max_m2: 1.3e-5\n", flow), "rig.yaml")
+    return parse_rig(with(plain_rig, "  area_per_volt_m2_per_V: 2.6e-6\n  area_max_m2: 1.3e-5\n", flow), "rig.yaml")
         .axis.valve;
   };
   // C = K_f S/(rho_0 sqrt(R T_0)) with rho_0 = 1.1886 kg/m3, K_f = 0.68473.
@@ -164,12 +163,12 @@ TEST_CASE("flow by ISO 6358 or by the nominal flow gives one valve") {
 }
 
 TEST_CASE("ranges of valve and sensors") {
-  const Rig rig = parse_rig(with(with(plain, "command_max_V: 5.0", "signal: 0 to 10 V"), "quantum_Pa: 100.0",
+  const Rig rig = parse_rig(with(with(plain_rig, "command_max_V: 5.0", "signal: 0 to 10 V"), "quantum_Pa: 100.0",
                                  "range: 0 to 10 bar gauge\n    bits: 12"),
                             "rig.yaml");
   CHECK(rig.axis.valve.command_max_V == 5.0);
   CHECK(rig.sensors.port_pressure.quantum_Pa == Approx(1e6 / 4096));
-  CHECK_THAT(refusal(with(plain, "command_max_V: 5.0", "signal: 0 V")),
+  CHECK_THAT(refusal(with(plain_rig, "command_max_V: 5.0", "signal: 0 V")),
              Contains("rig.yaml:8: valve.signal: found '0 V', expected two ends with their unit (0 to 10 V)"));
 }
 
@@ -183,7 +182,7 @@ TEST_CASE("channels of a board by the signals of sensor and valve") {
     p2_port: {comedi: {channel: 2, signal: 0 to 10 V, measures: 0 to 10 bar gauge}}
     u: {comedi: {channel: 0, signal: 0 to 10 V, neutral: 5 V}}
 )";
-  const Rig rig = parse_rig(plain + hal, "rig.yaml");
+  const Rig rig = parse_rig(plain_rig + hal, "rig.yaml");
   const auto& u = *rig.hal->channels.u.comedi;
   CHECK(u.zero == -5.0);
   CHECK(u.lowest == -5.0);
@@ -205,13 +204,13 @@ TEST_CASE("channels of a board by the signals of sensor and valve") {
 }
 
 TEST_CASE("an inclined axis carries its weight") {
-  const Rig rig = parse_rig(plain + "effects: {constant_force: {incline: 30 deg}}\n", "rig.yaml");
+  const Rig rig = parse_rig(plain_rig + "effects: {constant_force: {incline: 30 deg}}\n", "rig.yaml");
   CHECK(rig.axis.effects.motion.constant_force.force_N == Approx(2.0 * 9.80665 * 0.5));
 }
 
 TEST_CASE("positions of a reference count from an end") {
   const Rig rig =
-      parse_rig(with(plain, "{kind: sine, amplitude_m: 0.080, frequency_Hz: 1.0}",
+      parse_rig(with(plain_rig, "{kind: sine, amplitude_m: 0.080, frequency_Hz: 1.0}",
                      "{kind: waypoints, times: [0 s, 500 ms], positions: [50 mm from end 1, 50 mm from end 2]}"),
                 "rig.yaml");
   CHECK(rig.reference.times_s == std::vector<double>{0.0, 0.5});
@@ -227,14 +226,14 @@ TEST_CASE("a config in units of data sheets is dumped in SI and reads back to th
 }
 
 TEST_CASE("gauge counts from the config's own atmosphere") {
-  CHECK(
-      parse_rig(with(plain, "pressure_Pa: 700000", "pressure: 6 bar gauge") + "air: {atmosphere: 850 mbar absolute}\n",
-                "rig.yaml")
-          .axis.supply.pressure_Pa == 685000.0);
+  CHECK(parse_rig(with(plain_rig, "pressure_Pa: 700000", "pressure: 6 bar gauge") +
+                      "air: {atmosphere: 850 mbar absolute}\n",
+                  "rig.yaml")
+            .axis.supply.pressure_Pa == 685000.0);
 }
 
 TEST_CASE("all errors of a file are told at once, each with its line") {
-  std::string wrong = plain;
+  std::string wrong = plain_rig;
   wrong = with(wrong, "period_s: 0.001", "period_ms: 1");
   wrong = with(wrong, "pressure_Pa: 700000", "pressure: 6 bar");
   wrong = with(wrong, "critical_pressure_ratio: 0.35", "critical_pressure_ratio: 3.5");
@@ -254,7 +253,7 @@ TEST_CASE("all errors of a file are told at once, each with its line") {
 }
 
 TEST_CASE("contradictions of sections that read are told beside errors of others") {
-  const std::string message = refusal(
-      with(with(plain, "length_m: 10.0", "length_m: 10.0\n  laminar_reynolds: 5000"), "mass_kg: 2.0", "mass_kg: x"));
+  const std::string message = refusal(with(
+      with(plain_rig, "length_m: 10.0", "length_m: 10.0\n  laminar_reynolds: 5000"), "mass_kg: 2.0", "mass_kg: x"));
   CHECK_THAT(message, Contains("rig.yaml:14: line_1.laminar_reynolds: ") && Contains("rig.yaml:27: slider.mass_kg: "));
 }

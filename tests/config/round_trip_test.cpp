@@ -11,11 +11,10 @@
 #include "config/test_rigs.hpp"
 
 using namespace pneuservo;
+using test::plain_rig;
 namespace fs = std::filesystem;
 
 namespace {
-
-const std::string plain = test::plain_rig;
 
 void require_round_trip(const Rig& rig) {
   const std::string text = dump_rig(rig);
@@ -58,7 +57,7 @@ TEST_CASE("every kind of reference comes back, in a dump and on one line") {
         "{kind: minimum_jerk, start_m: -0.05, end_m: 0.05, duration_s: 0.8}", "{kind: file, path: '/dev/null'}",
         nested}) {
     INFO(reference);
-    const Rig rig = parse_rig(plain, "rig.yaml", {std::string("reference=") + reference});
+    const Rig rig = parse_rig(plain_rig, "rig.yaml", {std::string("reference=") + reference});
     require_round_trip(rig);
     REQUIRE(same_reference(rig.reference, parse_reference(dump_reference(rig.reference), "line")));
   }
@@ -66,7 +65,7 @@ TEST_CASE("every kind of reference comes back, in a dump and on one line") {
 
 TEST_CASE("a rig with every effect, section and odd name comes back") {
   Rig rig =
-      parse_rig(plain, "rig.yaml",
+      parse_rig(plain_rig, "rig.yaml",
                 {"evaluation={from_s: 1, to_s: 2}", "initial.pressure_2_Pa=512345.678", "seed=18446744073709551615"});
   for (const ParameterPath& parameter : parameter_paths(rig))
     if (parameter.path.starts_with("effects."))
@@ -83,7 +82,7 @@ TEST_CASE("a rig with every effect, section and odd name comes back") {
 }
 
 TEST_CASE("rigs that differ in one number are not the same") {
-  const Rig original = parse_rig(plain, "rig.yaml", {"tolerances.slider.mass_kg=0.1"});
+  const Rig original = parse_rig(plain_rig, "rig.yaml", {"tolerances.slider.mass_kg=0.1"});
   REQUIRE(same_rig(original, original));
   for (const ParameterPath& parameter : parameter_paths(original)) {
     INFO(parameter.path);
@@ -102,7 +101,7 @@ TEST_CASE("rigs that differ in one number are not the same") {
 
 TEST_CASE("the flow feedforward's older words read as today's") {
   const auto source = [](const std::string& word) {
-    return parse_rig(plain, "rig.yaml", {"controller.flow_feedforward=" + word})
+    return parse_rig(plain_rig, "rig.yaml", {"controller.flow_feedforward=" + word})
         .controller.of<PdForce>()
         .flow_feedforward;
   };
@@ -127,7 +126,7 @@ TEST_CASE("docs/config-keys.md is what the program prints") {
 
 TEST_CASE("the manual names every key of a rig") {
   const std::string page = config_manual();
-  for (const ParameterPath& parameter : parameter_paths(parse_rig(plain, "rig.yaml"))) {
+  for (const ParameterPath& parameter : parameter_paths(parse_rig(plain_rig, "rig.yaml"))) {
     INFO(parameter.path);
     const std::string key = parameter.path.substr(parameter.path.rfind('.') + 1);
     CHECK(page.find(key) != std::string::npos);

@@ -43,7 +43,7 @@ inline std::vector<std::filesystem::path> shared_rig_files() {
   return files;
 }
 /// A config with one key a line; the line numbers in the tests' messages count from here.
-inline constexpr const char* plain_rig = R"(format: pneuservo-rig/1
+inline const std::string plain_rig = R"(format: pneuservo-rig/1
 name: plain
 rig: cylinder
 period_s: 0.001

@@ -13,18 +13,18 @@
 #include "config/test_rigs.hpp"
 
 using namespace pneuservo;
+using test::plain_rig;
 using test::with;
 
 namespace {
-const std::string plain = test::plain_rig;
 Rig rig_with_reference(const std::string& reference, const std::vector<std::string>& overrides = {}) {
-  std::string text = with(plain, "{kind: sine, amplitude_m: 0.080, frequency_Hz: 1.0}", reference);
+  std::string text = with(plain_rig, "{kind: sine, amplitude_m: 0.080, frequency_Hz: 1.0}", reference);
   return parse_rig(with(text, "duration_s: 5.0\n", ""), "rig.yaml", overrides);
 }
 }  // namespace
 
 TEST_CASE("what the config leaves out has the members' defaults") {
-  const Rig rig = parse_rig(plain, "rig.yaml");
+  const Rig rig = parse_rig(plain_rig, "rig.yaml");
   CHECK(rig.name == "plain");
   CHECK(rig.axis.air.viscosity_Pas == 1.8e-5);
   CHECK(rig.axis.valve.damping_ratio == 0.7);
@@ -85,8 +85,8 @@ TEST_CASE("positions of references are those of their equations") {
 
 TEST_CASE("effects go to the axis and to the sensors") {
   const Rig rig =
-      parse_rig(plain + "effects: {coulomb_friction: {force_N: 3}, valve_lag: {time_constant_s: 0.01}, "
-                        "sensor_offset:p2_chamber: {offset: -800}, sensor_lag:x: {time_constant_s: 0.002}}\n",
+      parse_rig(plain_rig + "effects: {coulomb_friction: {force_N: 3}, valve_lag: {time_constant_s: 0.01}, "
+                            "sensor_offset:p2_chamber: {offset: -800}, sensor_lag:x: {time_constant_s: 0.002}}\n",
                 "rig.yaml");
   CHECK(rig.axis.effects.motion.coulomb_friction.force_N == 3.0);
   CHECK(rig.axis.effects.valve.valve_lag.time_constant_s == 0.01);
@@ -96,7 +96,7 @@ TEST_CASE("effects go to the axis and to the sensors") {
 }
 
 TEST_CASE("an override (--set) replaces, adds and goes into lists") {
-  const Rig rig = parse_rig(plain, "rig.yaml",
+  const Rig rig = parse_rig(plain_rig, "rig.yaml",
                             {"controller.pressure_source=valve", "line_1.length_m=5", "reference.frequency_Hz=0.5",
                              "effects.coulomb_friction.force_N=3", "tolerances.slider.mass_kg=0.05",
                              "seed=18446744073709551615", "effects.sensor_gain:x.gain=1.01", "line_1.length_m=4"});
@@ -119,7 +119,7 @@ bool makes_a_sensor(const ParameterPath& parameter) {
 }
 
 TEST_CASE("a handle is its path, resolved once, in every rig of the kind") {
-  const Rig rig = parse_rig(plain, "rig.yaml");
+  const Rig rig = parse_rig(plain_rig, "rig.yaml");
   for (const ParameterPath& parameter : parameter_paths(rig)) {
     if (makes_a_sensor(parameter)) continue;
     INFO(parameter.path);
@@ -155,7 +155,7 @@ TEST_CASE("a handle to a part of a reference follows it into copies") {
 }
 
 TEST_CASE("numbers are found, read and set by their path") {
-  Rig rig = parse_rig(plain, "rig.yaml");
+  Rig rig = parse_rig(plain_rig, "rig.yaml");
   for (const ParameterPath& parameter : parameter_paths(rig)) {
     INFO(parameter.path);
     CHECK(get_parameter(rig, parameter.path) == parameter.value);
@@ -178,7 +178,7 @@ TEST_CASE("numbers are found, read and set by their path") {
 }
 
 TEST_CASE("every number of a rig can be set and is the only one that changes") {
-  const Rig original = parse_rig(plain, "rig.yaml");
+  const Rig original = parse_rig(plain_rig, "rig.yaml");
   const std::vector<ParameterPath> before = parameter_paths(original);
   REQUIRE(before.size() > 80);
   for (std::size_t i = 0; i < before.size(); ++i) {
@@ -227,7 +227,7 @@ TEST_CASE("units have their endings and names their distance") {
 }
 
 TEST_CASE("every key of a rig ends in the letters of its unit") {
-  for (const ParameterPath& parameter : parameter_paths(parse_rig(plain, "rig.yaml"))) {
+  for (const ParameterPath& parameter : parameter_paths(parse_rig(plain_rig, "rig.yaml"))) {
     INFO(parameter.path << " in " << parameter.field.unit);
     CHECK(parameter.path.ends_with(unit_suffix(parameter.field.unit)));
   }

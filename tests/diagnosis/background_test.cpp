@@ -53,7 +53,7 @@ struct Judged {
 class Judging {
  public:
   explicit Judging(const Rig& machine, const Rig& owner = owners_rig(), const SearchSettings& wanted = {})
-      : model_(owner, {simulated_recording(machine, 6.5, 5, all_pressures)}), rows_(model_, {}) {
+      : model_(owner, {simulated_recording(machine, 5.0, 5, all_pressures)}), rows_(model_, {}) {
     SearchSettings settings = wanted;
     settings.grow_floor = true;
     settings.small_physics = small_physics(owner, model_.channels());
@@ -113,7 +113,7 @@ TEST_CASE("background: tolerances at the end of their range together are no proo
   machine.axis.effects.valve.valve_dead_band.width_V = 0.012;  // an overlap, which has a name
   machine.axis.effects.port_volume_1 = {5e-6};
   machine.axis.effects.port_volume_2 = {3e-6};
-  const std::vector<Recording> recordings{simulated_recording(machine, 6.5, 5, all_pressures)};
+  const std::vector<Recording> recordings{simulated_recording(machine, 5.0, 5, all_pressures)};
   DiagnoseOptions options;
   options.rules.doubted_left = 0;  // small physics always leaves too much then, and the doubted verdict stands
   const Diagnosis believed = diagnose(owner, recordings, options);

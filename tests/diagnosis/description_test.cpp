@@ -47,7 +47,7 @@ TEST_CASE("a leak past the piston about one place is told with its place, and is
   const double width_m = GENERATE(0.01, 0.02);
   CAPTURE(width_m);
   machine.axis.effects.piston_leak_zone = {8e-8, -0.04, width_m};
-  const Diagnosis found = diagnose(owner, {simulated_recording(machine, 9.0, 31, all_pressures)});
+  const Diagnosis found = diagnose(owner, {simulated_recording(machine, 6.5, 31, all_pressures)});
   check_described(found, "piston", "piston_leak_zone");
   const PistonLeakZone<double>& zone = found.improved.axis.effects.piston_leak_zone;
   CHECK(zone.center_m == Approx(-0.04).margin(2e-3));
@@ -63,9 +63,9 @@ TEST_CASE("a supply whose pressure swings is located there with its frequency, m
   CAPTURE(channels.size());
   Rig machine = owner;
   machine.axis.effects.supply_swing = {30e3, 3.7, 0.4};
-  const Recording first = simulated_recording(machine, 8.0, 34, channels);
+  const Recording first = simulated_recording(machine, 5.0, 34, channels);
   machine.axis.effects.supply_swing.phase_rad = 2.0;
-  const Recording second = simulated_recording(machine, 8.0, 35, channels);
+  const Recording second = simulated_recording(machine, 5.0, 35, channels);
   const Diagnosis found = diagnose(owner, {first, second});
   CAPTURE(found.sentence);
   CHECK(found.verdict == Verdict::unknown);

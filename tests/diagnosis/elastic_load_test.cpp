@@ -64,9 +64,9 @@ TEST_CASE("a cylinder that is shaken is no elastic load: unknown at the motion, 
   const double amplitude_N = GENERATE(0.5, 5.0);
   CAPTURE(amplitude_N);
   machine.axis.effects.motion.periodic_force = {amplitude_N, 7.9, 1.0};
-  const Recording first = simulated_recording(machine, 9.0, 42, all_pressures);
+  const Recording first = simulated_recording(machine, 6.0, 42, all_pressures);
   machine.axis.effects.motion.periodic_force.phase_rad = 2.5;
-  const Diagnosis found = diagnose(owner, {first, simulated_recording(machine, 9.0, 44, all_pressures)});
+  const Diagnosis found = diagnose(owner, {first, simulated_recording(machine, 6.0, 44, all_pressures)});
   CAPTURE(found.sentence);
   CHECK(found.verdict == Verdict::unknown);
   REQUIRE(found.answers.size() == 1);
@@ -87,7 +87,7 @@ TEST_CASE("a load that is coupled with play is told with its play, and is no ela
   const double play_m = GENERATE(6e-4, 1.5e-3);
   CAPTURE(play_m);
   machine.axis.effects.motion.load_backlash = {1.2, play_m, 70.0, 0.2};
-  const Diagnosis found = diagnose(owner, {simulated_recording(machine, 9.0, 43, all_pressures)});
+  const Diagnosis found = diagnose(owner, {simulated_recording(machine, 6.5, 43, all_pressures)});
   CAPTURE(found.sentence);
   CHECK(found.verdict == Verdict::unknown);
   REQUIRE(found.answers.size() == 1);

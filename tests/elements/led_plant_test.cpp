@@ -11,14 +11,14 @@
 using namespace pneuservo;
 
 namespace {
-AxisParameters<double> nominal_axis() { return test::nominal_axis(5.0, 6.1e-3); }
+AxisParameters<double> led_axis() { return test::nominal_axis(5.0, 6.1e-3); }
 double command_at(int k) { return 1.0 * std::sin(0.01 * k) + 0.1 * std::sin(0.07 * k); }
 
 /// A free run and its positions at the period's ends.
 struct FreeRun {
   FreeRun() {
-    plant.configure(nominal_axis(), 1e-3, PlantGrid{20, 4});
-    plant.reset({0.0, 470e3, balancing_pressure_2(nominal_axis(), 470e3)});
+    plant.configure(led_axis(), 1e-3, PlantGrid{20, 4});
+    plant.reset({0.0, 470e3, balancing_pressure_2(led_axis(), 470e3)});
     for (int k = 0; k < 3000; ++k) {
       plant.step(command_at(k));
       position.push_back(plant.position());
@@ -32,7 +32,7 @@ struct FreeRun {
 template <class S> AxisPlant<S> led_along(const FreeRun& free, double factor, const AxisParameters<S>& axis) {
   AxisPlant<S> plant;
   plant.configure(axis, 1e-3, PlantGrid{20, 4});
-  plant.reset({S(0), S(470e3), S(balancing_pressure_2(nominal_axis(), 470e3))});
+  plant.reset({S(0), S(470e3), S(balancing_pressure_2(led_axis(), 470e3))});
   plant.scale_gas(join(S(factor), S(1)), join(S(1), S(1)));
   for (int k = 0; k < 3000; ++k)
     plant.step_led(S(command_at(k)), S(-command_at(k)), S(free.position[static_cast<std::size_t>(k)]));
@@ -42,7 +42,7 @@ template <class S> AxisPlant<S> led_along(const FreeRun& free, double factor, co
 
 TEST_CASE("led plant: along the motion of a free run the pressures are the free run's") {
   const FreeRun free;
-  const auto led = led_along<double>(free, 1.0, nominal_axis());
+  const auto led = led_along<double>(free, 1.0, led_axis());
   CHECK(lane(led.chamber_pressure(), 0) == Approx(lane(free.plant.chamber_pressure(), 0)).margin(100.0));
   CHECK(lane(led.chamber_pressure(), 1) == Approx(lane(free.plant.chamber_pressure(), 1)).margin(100.0));
   CHECK(lane(led.port_pressure(), 0) == Approx(lane(free.plant.port_pressure(), 0)).margin(100.0));
@@ -50,15 +50,14 @@ TEST_CASE("led plant: along the motion of a free run the pressures are the free 
 
 TEST_CASE("led plant: with the valve at work a wrong start of the gas is forgotten") {
   const FreeRun free;
-  const auto right = led_along<double>(free, 1.0, nominal_axis()),
-             wrong = led_along<double>(free, 1.05, nominal_axis());
+  const auto right = led_along<double>(free, 1.0, led_axis()), wrong = led_along<double>(free, 1.05, led_axis());
   const double start = 0.05 * 470e3, end = lane(wrong.chamber_pressure(), 0) - lane(right.chamber_pressure(), 0);
   CHECK(std::fabs(end) < 0.1 * start);
 }
 
 TEST_CASE("led plant: scaled gas has the mass of its pressure and temperature, and cools to the wall") {
   AxisPlant<double> plant;
-  plant.configure(nominal_axis(), 1e-3, PlantGrid{20, 4});
+  plant.configure(led_axis(), 1e-3, PlantGrid{20, 4});
   plant.reset({0.02, 450e3, 480e3});
   const double chamber_kg = lane(plant.sides().chamber().mass(), 1);
   const auto line_kg = plant.sides().line().mass();
@@ -79,17 +78,17 @@ TEST_CASE("led plant: scaled gas has the mass of its pressure and temperature, a
 
 TEST_CASE("led plant: a lane does not see its neighbours, whatever effects they have") {
   const FreeRun free;
-  auto odd = nominal_axis();
+  auto odd = led_axis();
   odd.effects.valve.command_delay.delay_s = 4e-4;
   odd.effects.valve.valve_lag.time_constant_s = 3e-3;
   odd.effects.valve.valve_hysteresis.width_V = 0.02;
   odd.effects.line_restriction_1.area_m2 = 8e-6;
   odd.effects.line_leak_2 = {5e-9, 0.5};
   odd.effects.supply_droop = {4e-6, 1e-3};
-  auto axis = cast<AxisParameters<Pack<double, 4>>>(nominal_axis());
+  auto axis = cast<AxisParameters<Pack<double, 4>>>(led_axis());
   set_parameters_lane(axis, 1, odd);
   const auto lanes = led_along<Pack<double, 4>>(free, 1.0, axis);
-  const auto plain = led_along<double>(free, 1.0, nominal_axis()), alone = led_along<double>(free, 1.0, odd);
+  const auto plain = led_along<double>(free, 1.0, led_axis()), alone = led_along<double>(free, 1.0, odd);
   for (int side = 0; side < 2; ++side) {
     CHECK(lane(lanes.chamber_pressure(), 4 * side) == lane(plain.chamber_pressure(), side));
     CHECK(lane(lanes.chamber_pressure(), 4 * side + 1) == lane(alone.chamber_pressure(), side));

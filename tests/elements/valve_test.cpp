@@ -8,11 +8,11 @@
 using namespace pneuservo;
 
 namespace {
-ValveParameters<double> parameters(double frequency_Hz = 0.0, double damping = 0.7) {
+ValveParameters<double> valve_parameters(double frequency_Hz = 0.0, double damping = 0.7) {
   return {5.0, 2.6e-6, 1.3e-5, 0.35, frequency_Hz, damping};
 }
 Valve<double> make_valve(const ValveEffects<double>& effects = {}, double step_s = 1e-3,
-                         const ValveParameters<double>& p = parameters()) {
+                         const ValveParameters<double>& p = valve_parameters()) {
   Valve<double> valve;
   valve.configure(p, effects, 1e-3);
   valve.set_time_step(step_s);
@@ -43,7 +43,7 @@ TEST_CASE("valves: a five-port spool feeds one port and exhausts the other, a pa
   effects.valve_asymmetry.exhaust_ratio = 1.1;
   Valves<double> valves;
   const auto areas_at = [&](ValveArrangement arrangement, double u_1, double u_2) {
-    valves.configure(arrangement, parameters(), effects, 1e-3);
+    valves.configure(arrangement, valve_parameters(), effects, 1e-3);
     valves.set_time_step(1e-3);
     valves.set_commands(u_1, u_2);
     return valves.step(0.0);

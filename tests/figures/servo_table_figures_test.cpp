@@ -16,13 +16,13 @@ constexpr double um = 1e-6;
 const std::array<test::TableCase, 2> both{test::table_4mm, test::table_8mm};
 
 TableTrial printed(const test::TableCase& one) {
-  TableTrial trial(one, printed_move(), 140e3);
+  TableTrial trial(one, table_move(), 140e3);
   trial.cells_per_m = 32.0 / one.length_m;
   return trial;
 }
 /// The printed move's speed with a ramp of 0.3 s.
 TableTrial middle(const test::TableCase& one) {
-  TableTrial trial(one, printed_move(0.1, 0.3), 110e3);
+  TableTrial trial(one, table_move(0.1, 0.3), 110e3);
   trial.cells_per_m = 32.0 / one.length_m;
   return trial;
 }
@@ -108,7 +108,7 @@ TEST_CASE("servo table: print the table of figures", "[.table]") {
     const std::string what = std::to_string(std::lround(1e3 * way_m)) + " mm, true parameters";
     print_row(what.c_str(), [&](TableTrial& t) {
       const bool slow = t.reference.kind == ReferenceKind::waypoints;
-      t.reference = slow ? gentle_move(way_m) : printed_move(way_m, t.reference.ramp_s);
+      t.reference = slow ? gentle_move(way_m) : table_move(way_m, t.reference.ramp_s);
     });
   }
 }
@@ -159,7 +159,7 @@ TEST_CASE("servo table: shorter ways") {
   for (const auto& one : both)
     for (const double way_m : {0.02, 0.05, 0.07}) {
       TableTrial fast = printed(one), slow = gentle(one);
-      fast.reference = printed_move(way_m);
+      fast.reference = table_move(way_m);
       slow.reference = gentle_move(way_m);
       CAPTURE(one.name, way_m);
       CHECK(max_error_um(fast) < 0.3);

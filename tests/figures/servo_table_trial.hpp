@@ -16,7 +16,7 @@
 namespace pneuservo::figures {
 
 /// The moves of the servo table's figures, 100 mm from -50 mm unless said.
-inline ReferenceSpec printed_move(double way_m = 0.1, double ramp_s = 0.156) {
+inline ReferenceSpec table_move(double way_m = 0.1, double ramp_s = 0.156) {
   ReferenceSpec spec;
   spec.kind = ReferenceKind::cruise;
   spec.start_m = -0.5 * way_m;

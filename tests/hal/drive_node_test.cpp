@@ -18,14 +18,14 @@ using namespace pneuservo;
 
 namespace {
 
-constexpr double period_s = 1e-3;
+constexpr double drive_period_s = 1e-3;
 constexpr std::uint8_t node = 5;
 constexpr std::array<std::uint16_t, 3> enabling{0x06, 0x07, 0x0F};
 
 Rig drive_rig() {
   Rig rig;
   rig.name = "axis";
-  rig.period_s = period_s;
+  rig.period_s = drive_period_s;
   rig.reference.kind = ReferenceKind::live;
   rig.reference.lowest_m = -0.12;
   rig.reference.highest_m = 0.12;
@@ -41,7 +41,7 @@ Rig drive_rig() {
 /// What the loop does with commands, with a slider that is where its set point is: one command a tick, answered in it.
 class IdealAxis {
  public:
-  explicit IdealAxis(const Rig& rig) { motion_.configure(live_limits(rig.reference), period_s, 0.0); }
+  explicit IdealAxis(const Rig& rig) { motion_.configure(live_limits(rig.reference), drive_period_s, 0.0); }
   void tick(std::vector<AxisCommand>& commands, std::vector<AxisAnswer>& answers) {
     ++tick_;
     motion_.pass(tick_, true);
@@ -57,7 +57,7 @@ class IdealAxis {
   AxisStatus status() const {
     AxisStatus status;
     status.tick = tick_;
-    status.t_s = static_cast<double>(tick_) * period_s;
+    status.t_s = static_cast<double>(tick_) * drive_period_s;
     status.state = faults != 0 ? SupervisorState::fault
                    : enabled_  ? SupervisorState::active
                                : SupervisorState::inactive;
@@ -106,9 +106,9 @@ class IdealAxis {
 };
 
 /// A PLC, the drive and the axis on one clock.
-class Bench {
+class DriveBench {
  public:
-  explicit Bench(const Rig& rig = drive_rig()) : axis(rig), drive(rig) {
+  explicit DriveBench(const Rig& rig = drive_rig()) : axis(rig), drive(rig) {
     drive.power_on(0, out);
     send(nmt_frame(NmtCommand::start, node));
     run(2);
@@ -206,7 +206,7 @@ TEST_CASE("a drive's states follow CiA 402, whatever controlwords come") {
   const auto seed = test::new_seed();
   CAPTURE(seed);
   std::mt19937_64 random(seed);
-  Bench bench;
+  DriveBench bench;
   for (int i = 0; i < 20'000; ++i) {
     bench.mode = static_cast<std::int8_t>(random() % 10);
     if (random() % 3 == 0) bench.control(static_cast<std::uint16_t>(random()));
@@ -221,7 +221,7 @@ TEST_CASE("a drive's states follow CiA 402, whatever controlwords come") {
 }
 
 TEST_CASE("profile position: the handshake, a waiting set point, one at once, limits, halt") {
-  Bench bench;
+  DriveBench bench;
   CHECK(bench.drive.state() == DriveState::switch_on_disabled);
   bench.enable(1);
   bench.target(50'000);
@@ -271,7 +271,7 @@ TEST_CASE("profile position: the handshake, a waiting set point, one at once, li
 }
 
 TEST_CASE("cyclic position: 10 000 set points on SYNC are followed in order and on time") {
-  Bench bench;
+  DriveBench bench;
   bench.enable(8);
   bench.send(nmt_frame(NmtCommand::enter_pre_operational, node));
   CHECK(bench.lost == 1);  // the master left while the axis was enabled
@@ -287,7 +287,8 @@ TEST_CASE("cyclic position: 10 000 set points on SYNC are followed in order and 
     bench.target(sent.back());
     bench.send(sync_frame());
     bench.run(4);
-    const int delay = static_cast<int>(std::lround(SetPointStream::peak(6) * 0.4 / 3.0 * 6.0 / period_s / 2.0 / 4.0));
+    const int delay =
+        static_cast<int>(std::lround(SetPointStream::peak(6) * 0.4 / 3.0 * 6.0 / drive_period_s / 2.0 / 4.0));
     if (i > 3000)
       worst_m = std::max(
           worst_m, std::fabs(bench.axis.status().set_point - 1e-6 * sent[static_cast<std::size_t>(i - 1 - delay)]));
@@ -313,7 +314,7 @@ TEST_CASE("cyclic position: 10 000 set points on SYNC are followed in order and 
 
 TEST_CASE("quick stop and disabling end as their option codes say") {
   for (const int code : {0, 1, 2, 5, 6}) {
-    Bench bench;
+    DriveBench bench;
     bench.enable(1);
     CHECK(bench.write(0x605A, 0, static_cast<std::uint32_t>(code), 2) == 0);
     bench.target(100'000, 200'000);
@@ -332,7 +333,7 @@ TEST_CASE("quick stop and disabling end as their option codes say") {
     bench.run(3);
     CHECK(bench.drive.state() == DriveState::operation_enabled);
   }
-  Bench bench;  // disable operation: at rest first, by its default
+  DriveBench bench;  // disable operation: at rest first, by its default
   bench.enable(1);
   bench.target(100'000, 200'000);
   bench.control(0x1F);
@@ -347,7 +348,7 @@ TEST_CASE("quick stop and disabling end as their option codes say") {
 }
 
 TEST_CASE("a fault of the axis is a fault of the drive until its edge of bit 7, and while its cause stands") {
-  Bench bench;
+  DriveBench bench;
   bench.enable(1);
   bench.axis.faults = fault_stall;
   bench.axis.cause_stands = true;
@@ -376,7 +377,7 @@ TEST_CASE("a fault of the axis is a fault of the drive until its edge of bit 7, 
 }
 
 TEST_CASE("another commander keeps the drive out, and no old edge enables it later") {
-  Bench bench;
+  DriveBench bench;
   bench.axis.is_taken = true;
   bench.mode = 1;
   for (const std::uint16_t word : enabling) {
@@ -397,7 +398,7 @@ TEST_CASE("another commander keeps the drive out, and no old edge enables it lat
 
 TEST_CASE("a master that falls silent: by the option code, and else as any commander that is lost") {
   for (const int code : {-1, 0, 1, 2, 3}) {
-    Bench bench;
+    DriveBench bench;
     bench.heartbeat_ns = 20'000'000;
     CHECK(bench.write(0x1016, 1, 127u << 16 | 50u, 4) == 0);
     CHECK(bench.write(0x6007, 0, static_cast<std::uint16_t>(code), 2) == 0);
@@ -427,7 +428,7 @@ TEST_CASE("a master that falls silent: by the option code, and else as any comma
   }
   Rig rig = drive_rig();
   rig.serve->commander_silent_s = 0.2;
-  Bench bench(rig);
+  DriveBench bench(rig);
   bench.enable(1);
   bench.run(150);
   CHECK(bench.lost == 0);
@@ -436,7 +437,7 @@ TEST_CASE("a master that falls silent: by the option code, and else as any comma
 }
 
 TEST_CASE("what a drive does not have is refused, and windows are judged") {
-  Bench bench;
+  DriveBench bench;
   CHECK(bench.write(0x6060, 0, 3, 1) == 0x06090030);
   CHECK(bench.write(0x6083, 0, 1'000'000, 4) == 0x06090032);
   CHECK(bench.write(0x6083, 0, 5'000'000, 4) == 0);
@@ -468,7 +469,7 @@ TEST_CASE("what a drive does not have is refused, and windows are judged") {
 
 TEST_CASE(
     "homing of an axis that knows its place is attained at once, and the zero of the bus moves where it is asked to") {
-  Bench bench;
+  DriveBench bench;
   bench.enable(1);
   bench.target(30'000);
   bench.control(0x1F);

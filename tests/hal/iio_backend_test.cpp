@@ -249,7 +249,7 @@ namespace {
 
 // Time is that of the stamps: nothing waits so long.
 constexpr std::int64_t period_ns = 100'000'000;
-constexpr double period_s = 0.1;
+constexpr double iio_period_s = 0.1;
 
 iio_channel stamp() { return {.id = "timestamp", .attributes = {}}; }
 
@@ -283,7 +283,7 @@ struct Converters {
   }
   void start() {
     fire_by_itself(true);
-    board.start_scans("clock", period_s);
+    board.start_scans("clock", iio_period_s);
     REQUIRE(next(10 * period_ns) == 1);
     fire_by_itself(false);
   }
@@ -382,7 +382,7 @@ TEST_CASE("iio: a trigger of another period is refused, also where its scans are
     all.board.add_input("x.iio", {"adc", "voltage0"});
     all.step_ns = std::llround(ratio * static_cast<double>(period_ns));
     all.fire_by_itself(true);
-    REQUIRE_THAT(sentence([&] { all.board.start_scans("clock", period_s); }),
+    REQUIRE_THAT(sentence([&] { all.board.start_scans("clock", iio_period_s); }),
                  Contains("hal.iio.trigger: found a scan every") && Contains("expected one every 0.1 s"));
   }
 }
@@ -398,7 +398,7 @@ TEST_CASE("iio: inputs that a trigger would sample wrongly are refused, and read
     all.board.add_input("x.iio", {"adc", "voltage0"});
     REQUIRE(all.board.read());
     REQUIRE(all.board.volts(0) == (channel.attributes.contains("input") ? 1.5 : 0.0));
-    REQUIRE_THAT(sentence([&] { all.board.start_scans("clock", period_s); }),
+    REQUIRE_THAT(sentence([&] { all.board.start_scans("clock", iio_period_s); }),
                  Contains("hal.channels.x.iio: found an input") && Contains(word));
   }
 }

@@ -10,18 +10,18 @@ using namespace pneuservo;
 
 namespace {
 
-constexpr double period_s = 0.001;
+constexpr double fault_period_s = 0.001;
 
 /// A position that is its tick, in m; the other channels are absent.
 struct Samples {
-  SampleFaults faults{period_s, {1e9, 0, 0, 0, 0, 0}};
+  SampleFaults faults{fault_period_s, {1e9, 0, 0, 0, 0, 0}};
   Samples(std::initializer_list<const char*> orders) {
     for (const char* order : orders) faults.add(parse_fault_order(order, 0.0));
   }
   Channel at(std::int64_t tick) {
     Measurement measured;
-    measured.channel[Signal::x] = {static_cast<double>(tick), 0.5 * period_s, true, Origin::simulated};
-    faults.apply(tick, static_cast<double>(tick) * period_s, measured);
+    measured.channel[Signal::x] = {static_cast<double>(tick), 0.5 * fault_period_s, true, Origin::simulated};
+    faults.apply(tick, static_cast<double>(tick) * fault_period_s, measured);
     return measured.channel[Signal::x];
   }
 };
@@ -71,7 +71,7 @@ TEST_CASE("a delay counts periods over skipped ticks, tells its age, and has the
   for (int tick = 12; tick < 20; ++tick) {
     const Channel sample = samples.at(tick);
     REQUIRE(sample.value == std::max(tick - 3, 10));
-    REQUIRE(sample.age_s == Approx(3.5 * period_s));
+    REQUIRE(sample.age_s == Approx(3.5 * fault_period_s));
   }
   REQUIRE(samples.at(25).value == 19.0);  // at tick 22 the newest one was of tick 19
   REQUIRE(samples.at(27).value == 19.0);
@@ -107,13 +107,13 @@ TEST_CASE("wrong wiring turns the encoder round and exchanges the port sensors, 
                           Case{"exchanged_hoses@0.002", 3, 2e5, 1e5}, Case{"reversed_valve@0.002", 3, 1e5, 2e5},
                           Case{"reversed_encoder@0.004", 3, 1e5, 2e5});
   INFO(c.order);
-  SampleFaults faults(period_s, {});
+  SampleFaults faults(fault_period_s, {});
   faults.add(parse_fault_order(c.order, 0.0));
   Measurement measured;
   measured.channel[Signal::x] = {3.0, 0.0, true, Origin::simulated};
   measured.channel[Signal::p1_port] = {1e5, 0.0, true, Origin::simulated};
   measured.channel[Signal::p2_port] = {2e5, 0.0, true, Origin::simulated};
-  faults.apply(3, 3.0 * period_s, measured);
+  faults.apply(3, 3.0 * fault_period_s, measured);
   REQUIRE(measured.channel[Signal::x].value == c.position);
   REQUIRE(measured.channel[Signal::p1_port].value == c.port_1);
   REQUIRE(measured.channel[Signal::p2_port].value == c.port_2);

@@ -23,21 +23,22 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-constexpr int row_count = 400;
-constexpr double interval_s = 0.002;
+constexpr int logged_rows = 400;
+constexpr double logged_interval_s = 0.002;
 
 /// Times, positions [m] and commands [V] of one drawn motion.
-struct Drawn {
+struct Logged {
   std::vector<double> t_s, x_m, u_V;
-  Drawn() {
+  Logged() {
     const unsigned seed = test::new_seed();
     UNSCOPED_INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
     std::mt19937 generator(seed);
     std::uniform_real_distribution<double> value(-1, 1);
     const double phase = value(generator);
-    for (int i = 0; i < row_count; ++i) {
-      t_s.push_back(i * interval_s);
-      x_m.push_back(std::round(1e5 * (0.1 * std::sin(7 * i * interval_s + phase) + 0.001 * value(generator))) * 1e-5);
+    for (int i = 0; i < logged_rows; ++i) {
+      t_s.push_back(i * logged_interval_s);
+      x_m.push_back(std::round(1e5 * (0.1 * std::sin(7 * i * logged_interval_s + phase) + 0.001 * value(generator))) *
+                    1e-5);
       u_V.push_back(std::round(1e3 * (2 * value(generator))) * 1e-3);
     }
   }
@@ -48,13 +49,13 @@ struct Drawn {
   }
 };
 
-std::string with_comma(std::string text) {
+std::string comma_decimals(std::string text) {
   std::replace(text.begin(), text.end(), '.', ',');
   return text;
 }
 
 /// Read by what its columns are taken for.
-Recording understood(const std::string& bytes, std::size_t runs = 1) {
+Recording read_runs(const std::string& bytes, std::size_t runs = 1) {
   const TemporaryFolder folder;
   const CsvTable table = read_table(put_plain(folder.file("f.csv"), bytes));
   const ImportParameters map = import_map(guess_columns(table));
@@ -63,13 +64,13 @@ Recording understood(const std::string& bytes, std::size_t runs = 1) {
   return found.front();
 }
 
-void check_read(const std::string& bytes, const Drawn& drawn) {
+void check_logged(const std::string& bytes, const Logged& drawn) {
   CAPTURE(bytes.substr(0, 200));
-  const Recording run = understood(bytes);
+  const Recording run = read_runs(bytes);
   REQUIRE(run.rows() == drawn.t_s.size());
   REQUIRE(run.has("x_m"));
   REQUIRE(run.has("u_V"));
-  CHECK(run.period_s == Approx(interval_s).epsilon(2e-3));
+  CHECK(run.period_s == Approx(logged_interval_s).epsilon(2e-3));
   for (std::size_t i = 0; i < drawn.t_s.size(); ++i) {
     REQUIRE(run.t_s()[i] - run.t_s()[0] == Approx(drawn.t_s[i]).margin(1e-5));
     REQUIRE(run.column("x_m")[i] == Approx(drawn.x_m[i]).margin(1e-9));
@@ -79,7 +80,7 @@ void check_read(const std::string& bytes, const Drawn& drawn) {
 
 std::string refusal_of(const std::string& bytes) {
   try {
-    understood(bytes);
+    read_runs(bytes);
   } catch (const InputError& error) { return error.what(); }
   return "";
 }
@@ -87,20 +88,21 @@ std::string refusal_of(const std::string& bytes) {
 }  // namespace
 
 TEST_CASE("a last column without values, blanks that do not break and rows written twice do not matter") {
-  const Drawn drawn;
+  const Logged drawn;
   const auto rows = [&](const char* form) {
     return drawn.lines([&](double t, double x, double u) { return fmt::format(fmt::runtime(form), t, 1e3 * x, u); });
   };
-  check_read("LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\n***End_of_Header***\t\n\t\nChannels\t2\n"
-             "Samples\t400\t400\n***End_of_Header***\nX_Value\tPosition [mm]\tValve [V]\tComment\n" +
-                 rows("{:.3f}\t{:.2f}\t{:.3f}"),
-             drawn);
+  check_logged("LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\n***End_of_Header***\t\n\t\nChannels\t2\n"
+               "Samples\t400\t400\n***End_of_Header***\nX_Value\tPosition [mm]\tValve [V]\tComment\n" +
+                   rows("{:.3f}\t{:.2f}\t{:.3f}"),
+               drawn);
   for (const char* blank : {"\u00a0", "\u202f", "\xa0"}) {
     CAPTURE(blank);
-    check_read("t_s;x_mm;u_V\n" + rows(("{:.3f};" + std::string(blank) + "{:.2f}" + blank + ";{:.3f}" + blank).c_str()),
-               drawn);
+    check_logged("t_s;x_mm;u_V\n" +
+                     rows(("{:.3f};" + std::string(blank) + "{:.2f}" + blank + ";{:.3f}" + blank).c_str()),
+                 drawn);
   }
-  check_read("t_s,x_mm,u_V\n" + rows("{0:.3f},{1:.2f},{2:.3f}\n{0:.3f},{1:.2f},{2:.3f}"), drawn);
+  check_logged("t_s,x_mm,u_V\n" + rows("{0:.3f},{1:.2f},{2:.3f}\n{0:.3f},{1:.2f},{2:.3f}"), drawn);
 }
 
 TEST_CASE("what a sensor gives is no position and no pressure, a command may be") {
@@ -116,12 +118,12 @@ TEST_CASE("what a sensor gives is no position and no pressure, a command may be"
 }
 
 TEST_CASE("times of controllers and spreadsheets are the same times") {
-  const Drawn drawn;
+  const Logged drawn;
   const auto with = [&](const std::string& name, const std::function<std::string(double)>& time) {
-    check_read(name + ";x_m;u_V\n" + drawn.lines([&](double t, double x, double u) {
+    check_logged(name + ";x_m;u_V\n" + drawn.lines([&](double t, double x, double u) {
       return fmt::format("{};{:.5f};{:.3f}", time(t), x, u);
     }),
-               drawn);
+                 drawn);
   };
   const auto parts = [](const char* form, double t) {
     const auto ms = static_cast<int>(std::lround(1e3 * t));
@@ -151,73 +153,74 @@ TEST_CASE("a unit of the times follows from the loop's period, from nanoseconds 
 }
 
 TEST_CASE("exports of measuring systems are read with their heads, labels, types and units") {
-  const Drawn drawn;
+  const Logged drawn;
   const auto rows = [&](const char* form) {
     return drawn.lines([&](double t, double x, double u) { return fmt::format(fmt::runtime(form), t, 1e3 * x, u); });
   };
-  check_read("LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\t\nChannels\t2\t\t\nSamples\t400\t400\t\n"
-             "Y_Unit_Label\tmm\tV\t\nX0\t0.0E+0\t0.0E+0\t\nDelta_X\t0.002\t0.002\t\n***End_of_Header***\t\t\t\n"
-             "X_Value\tPosition\tValve\tComment\n" +
-                 rows("{:.3f}\t{:.2f}\t{:.3f}\t"),
-             drawn);
-  check_read("type,Export\npath,Platform,Model Root/x,Model "
-             "Root/u\nname,time,Position,Command\nunit,s,mm,V\ntrace_values,,,\n" +
-                 rows(",{:.3f},{:.2f},{:.3f}"),
-             drawn);
-  check_read("record\tENGLISH\nsampleCount\t400\t\ntime\tPosition\tCommand\nf8\tf8\tf8\ns\tmm\tV\n" +
-                 rows("{:.3f}\t{:.2f}\t{:.3f}"),
-             drawn);
-  check_read("s,mm,V\nTime,Position,Valve\n" + rows("{:.3f},{:.2f},{:.3f}"), drawn);
-  check_read("| Time [s] | Position [mm] | Valve [V] |\n|-----|:---:|-----|\n" + rows("| {:.3f} | {:.2f} | {:.3f} |"),
-             drawn);
-  check_read("Time [s]  Position [mm]  Valve [V]\n" + rows("{:.3f}   {:.2f}   {:.3f}"), drawn);
-  check_read("sep=;\n\u201cTime [s]\u201d;\u201cPosition [mm]\u201d;\u201cValve [V]\u201d\n" +
-                 rows("{:.3f};{:.2f};{:.3f}"),
-             drawn);
-  check_read(rows("t_s:{:.3f},Position_mm:{:.2f},u_V:{:.3f}"), drawn);
-  check_read(rows("t_s={:.3f} Position_mm={:.2f} u_V={:.3f}"), drawn);
-  check_read("Time,Position,Valve\n" + rows("{:.3f}s,{:.2f}mm,{:.3f}V"), drawn);
+  check_logged(
+      "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\t\nChannels\t2\t\t\nSamples\t400\t400\t\n"
+      "Y_Unit_Label\tmm\tV\t\nX0\t0.0E+0\t0.0E+0\t\nDelta_X\t0.002\t0.002\t\n***End_of_Header***\t\t\t\n"
+      "X_Value\tPosition\tValve\tComment\n" +
+          rows("{:.3f}\t{:.2f}\t{:.3f}\t"),
+      drawn);
+  check_logged("type,Export\npath,Platform,Model Root/x,Model "
+               "Root/u\nname,time,Position,Command\nunit,s,mm,V\ntrace_values,,,\n" +
+                   rows(",{:.3f},{:.2f},{:.3f}"),
+               drawn);
+  check_logged("record\tENGLISH\nsampleCount\t400\t\ntime\tPosition\tCommand\nf8\tf8\tf8\ns\tmm\tV\n" +
+                   rows("{:.3f}\t{:.2f}\t{:.3f}"),
+               drawn);
+  check_logged("s,mm,V\nTime,Position,Valve\n" + rows("{:.3f},{:.2f},{:.3f}"), drawn);
+  check_logged("| Time [s] | Position [mm] | Valve [V] |\n|-----|:---:|-----|\n" + rows("| {:.3f} | {:.2f} | {:.3f} |"),
+               drawn);
+  check_logged("Time [s]  Position [mm]  Valve [V]\n" + rows("{:.3f}   {:.2f}   {:.3f}"), drawn);
+  check_logged("sep=;\n\u201cTime [s]\u201d;\u201cPosition [mm]\u201d;\u201cValve [V]\u201d\n" +
+                   rows("{:.3f};{:.2f};{:.3f}"),
+               drawn);
+  check_logged(rows("t_s:{:.3f},Position_mm:{:.2f},u_V:{:.3f}"), drawn);
+  check_logged(rows("t_s={:.3f} Position_mm={:.2f} u_V={:.3f}"), drawn);
+  check_logged("Time,Position,Valve\n" + rows("{:.3f}s,{:.2f}mm,{:.3f}V"), drawn);
 }
 
 TEST_CASE("every channel may have times of its own, also at another rate") {
   std::string text = "Name;Position;Name;Command\nSampleTime[ms];2;SampleTime[ms];4\nUnit;mm;Unit;V\n";
-  for (int i = 0; i < row_count; ++i) {
-    const bool has_command = 2 * i < row_count;
+  for (int i = 0; i < logged_rows; ++i) {
+    const bool has_command = 2 * i < logged_rows;
     text += fmt::format("{};{};{};{}\n", 2 * i, 10 + i, has_command ? fmt::format("{}", 4 * i) : "",
                         has_command ? fmt::format("{:.3f}", 0.01 * i) : "");
   }
-  const Recording run = understood(text);
-  REQUIRE(run.rows() == row_count);
-  CHECK(run.period_s == Approx(interval_s));
+  const Recording run = read_runs(text);
+  REQUIRE(run.rows() == logged_rows);
+  CHECK(run.period_s == Approx(logged_interval_s));
   CHECK(run.column("x_m")[7] == Approx(0.017));
   CHECK(run.column("u_V")[8] == Approx(0.04));
   CHECK(std::isnan(run.column("u_V")[7]));
 }
 
 TEST_CASE("milliseconds in a column of their own and behind a comma belong to the time") {
-  const Drawn drawn;
-  check_read("Date;Time;Millisecond;x_m;u_V\n" + drawn.lines([](double t, double x, double u) {
+  const Logged drawn;
+  check_logged("Date;Time;Millisecond;x_m;u_V\n" + drawn.lines([](double t, double x, double u) {
     const auto ms = static_cast<int>(std::lround(1e3 * t));
     return fmt::format("03.01.2026;10:11:{:02};{};{:.5f};{:.3f}", 12 + ms / 1000, ms % 1000, x, u);
   }),
-             drawn);
-  check_read("time,x_m,u_V\n" + drawn.lines([](double t, double x, double u) {
+               drawn);
+  check_logged("time,x_m,u_V\n" + drawn.lines([](double t, double x, double u) {
     return fmt::format("2026-01-03 10:11:12,{:03.0f},{:.5f},{:.3f}", 1e3 * t, x, u);
   }),
-             drawn);
+               drawn);
 }
 
 TEST_CASE("a serial monitor's stamp before fields that bear their names is a time of its own") {
-  const Drawn drawn;
-  check_read(drawn.lines([](double t, double x, double u) {
+  const Logged drawn;
+  check_logged(drawn.lines([](double t, double x, double u) {
     const auto ms = static_cast<int>(std::lround(1e3 * t));
     return fmt::format("10:15:{:02}.{:03} -> pos_mm:{:.2f},u_V:{:.3f}", ms / 1000, ms % 1000, 1e3 * x, u);
   }),
-             drawn);
+               drawn);
 }
 
 TEST_CASE("what stands between the rows costs none of them") {
-  const Drawn drawn;
+  const Logged drawn;
   const auto row = [](double t, double x, double u) { return fmt::format("{:.3f},{:.5f},{:.3f}", t, x, u); };
   const std::string names = "t_s,x_m,u_V\n", rows = drawn.lines(row);
   const auto between = [&](const std::string& text) {
@@ -226,34 +229,34 @@ TEST_CASE("what stands between the rows costs none of them") {
       out += (i % 50 == 0 ? text : "") + row(drawn.t_s[i], drawn.x_m[i], drawn.u_V[i]) + "\n";
     return out;
   };
-  check_read(between(names), drawn);
-  check_read(names + between("# an event\n"), drawn);
-  check_read(names + rows + "\nMin,-0.1,-2\nMax,0.1,2\nSamples: 400\n", drawn);
-  check_read(names + rows + std::string(4096, '\0'), drawn);
-  check_read("t_s,x_m,u_V,note\n" + row(drawn.t_s[0], drawn.x_m[0], drawn.u_V[0]) + ",start\n" +
-                 rows.substr(rows.find('\n') + 1),
-             drawn);
-  check_read(names + "023,0.1\n" + rows, drawn);
+  check_logged(between(names), drawn);
+  check_logged(names + between("# an event\n"), drawn);
+  check_logged(names + rows + "\nMin,-0.1,-2\nMax,0.1,2\nSamples: 400\n", drawn);
+  check_logged(names + rows + std::string(4096, '\0'), drawn);
+  check_logged("t_s,x_m,u_V,note\n" + row(drawn.t_s[0], drawn.x_m[0], drawn.u_V[0]) + ",start\n" +
+                   rows.substr(rows.find('\n') + 1),
+               drawn);
+  check_logged(names + "023,0.1\n" + rows, drawn);
   std::string head;
   for (int i = 0; i < 900; ++i) head += fmt::format("Setting {}: {}\n", i, i * i);
-  check_read(head + names + rows, drawn);
+  check_logged(head + names + rows, drawn);
   std::string ends;
   for (std::size_t i = 0; i < drawn.t_s.size(); ++i)
     ends += row(drawn.t_s[i], drawn.x_m[i], drawn.u_V[i]) + (i % 3 == 0 ? "\n" : i % 3 == 1 ? "\r\n" : "\r");
-  check_read(names + ends, drawn);
+  check_logged(names + ends, drawn);
 }
 
 TEST_CASE("a decimal sign that the first rows do not show is found behind them") {
   std::string text = "t_ms;x_m;u_V\n", quoted = "t_ms,x_m,u_V\n";
-  for (int i = 0; i < 2 * row_count; ++i) {
-    const std::string x = i < row_count ? "0" : with_comma(fmt::format("{:.4f}", 1e-4 * (i - row_count + 1)));
+  for (int i = 0; i < 2 * logged_rows; ++i) {
+    const std::string x = i < logged_rows ? "0" : comma_decimals(fmt::format("{:.4f}", 1e-4 * (i - logged_rows + 1)));
     text += fmt::format("{};{};0\n", 2 * i, x);
-    quoted += fmt::format("{},{},0\n", 2 * i, i < row_count ? x : "\"" + x + "\"");
+    quoted += fmt::format("{},{},0\n", 2 * i, i < logged_rows ? x : "\"" + x + "\"");
   }
   for (const std::string& bytes : {text, quoted}) {
-    const Recording run = understood(bytes);
-    REQUIRE(run.rows() == 2 * row_count);
-    CHECK(run.column("x_m").back() == Approx(1e-4 * row_count));
+    const Recording run = read_runs(bytes);
+    REQUIRE(run.rows() == 2 * logged_rows);
+    CHECK(run.column("x_m").back() == Approx(1e-4 * logged_rows));
   }
 }
 
@@ -272,7 +275,7 @@ TEST_CASE("rows that no line of names belongs to are refused with what stands in
 }
 
 TEST_CASE("stamps that do not tell the rows apart are refused, not averaged") {
-  const Drawn drawn;
+  const Logged drawn;
   const auto with = [&](const std::function<std::string(double)>& time) {
     return refusal_of("t_s,x_m,u_V\n" + drawn.lines([&](double t, double x, double u) {
       return fmt::format("{},{:.5f},{:.3f}", time(t), x, u);

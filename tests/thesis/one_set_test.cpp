@@ -10,7 +10,7 @@ using namespace pneuservo;
 
 namespace {
 
-const std::string configs = PNEUSERVO_SOURCE_DIR "/config";
+const std::string one_set_configs = PNEUSERVO_SOURCE_DIR "/config";
 
 /// Two figures of three numbers, met by one member; the third number does nothing, and above 1 nothing is computed.
 OneSet planted() {
@@ -44,10 +44,11 @@ TEST_CASE("deviations count twice as much and half as much alike, and end where 
 TEST_CASE("the search finds the one member that meets the print") {
   const OneSet set = planted();
   std::size_t told = 0;
-  const OneSetFound found = search_one_set(set, configs, {.evaluations = 1500, .seed = 3}, [&](const OneSetFound& now) {
-    CHECK(now.deviation >= 0.0);
-    ++told;
-  });
+  const OneSetFound found =
+      search_one_set(set, one_set_configs, {.evaluations = 1500, .seed = 3}, [&](const OneSetFound& now) {
+        CHECK(now.deviation >= 0.0);
+        ++told;
+      });
   CHECK(told > 10);
   CHECK(found.evaluations >= 1500);
   CHECK(found.deviation < 0.02);
@@ -55,16 +56,16 @@ TEST_CASE("the search finds the one member that meets the print") {
   CHECK(std::fabs(found.at[1]) < 0.02);
   CHECK(found.at[2] <= 1.0);
   // The same seed finds the same set, whatever the number of cores.
-  CHECK(search_one_set(set, configs, {.evaluations = 200, .seed = 3}, [](const OneSetFound&) {}).at ==
-        search_one_set(set, configs, {.evaluations = 200, .seed = 3}, [](const OneSetFound&) {}).at);
+  CHECK(search_one_set(set, one_set_configs, {.evaluations = 200, .seed = 3}, [](const OneSetFound&) {}).at ==
+        search_one_set(set, one_set_configs, {.evaluations = 200, .seed = 3}, [](const OneSetFound&) {}).at);
 }
 
 TEST_CASE("a search that begins with the set found is never worse than it") {
   const OneSet set = planted();
-  ThesisBench bench(configs);
+  ThesisBench bench(one_set_configs);
   const double held = total_deviation(figures_of(set, bench, found_numbers(set)), set.figures);
-  const OneSetFound found =
-      search_one_set(set, configs, {.evaluations = 20, .seed = 5, .from_found = true}, [](const OneSetFound&) {});
+  const OneSetFound found = search_one_set(set, one_set_configs, {.evaluations = 20, .seed = 5, .from_found = true},
+                                           [](const OneSetFound&) {});
   CHECK(found.deviation <= held + 1e-12);
 }
 
@@ -77,7 +78,8 @@ TEST_CASE("a search for some figures alone computes and counts no other") {
   const OneSet one = with_figures(whole, {"2"});
   REQUIRE(one.figures.size() == 1);
   CHECK(one.figures[0].place == std::string("Fig 2"));
-  CHECK(search_one_set(one, configs, {.evaluations = 300, .seed = 3}, [](const OneSetFound&) {}).deviation < 0.02);
+  CHECK(search_one_set(one, one_set_configs, {.evaluations = 300, .seed = 3}, [](const OneSetFound&) {}).deviation <
+        0.02);
   CHECK(with_figures(planted(), {"Fig 2", "Fig 1"}).figures.size() == 2);
   CHECK_THROWS_WITH(with_figures(planted(), {"3.7"}), Catch::Contains("3.7") && Catch::Contains("Fig 1"));
 }
@@ -96,7 +98,7 @@ TEST_CASE("the sets on the page lie in the ranges that their searches cover") {
 }
 
 TEST_CASE("one rig for lines meets all frequencies and every damping but those of 8 mm") {
-  ThesisBench bench(configs);
+  ThesisBench bench(one_set_configs);
   const auto rows = most_met_rows();
   REQUIRE(rows.size() == 3);
   CHECK(rows[0].ours(bench).words == "11 of 14");
@@ -104,7 +106,7 @@ TEST_CASE("one rig for lines meets all frequencies and every damping but those o
 }
 
 TEST_CASE("printed figures that exclude each other lie above what any machine of the kind gives") {
-  ThesisBench bench(configs);
+  ThesisBench bench(one_set_configs);
   for (auto rows : {order_bound_rows(), damping_bound_rows()})
     for (const ThesisRow& row : rows) {
       INFO(row.place << ": " << row.what);
@@ -114,7 +116,7 @@ TEST_CASE("printed figures that exclude each other lie above what any machine of
 }
 
 TEST_CASE("the printed table keeps the bounds of all linear tables, and the found set the least sum") {
-  ThesisBench bench(configs);
+  ThesisBench bench(one_set_configs);
   const auto rows = order_bound_rows();
   REQUIRE(rows.size() == 13);
   for (std::size_t i = 0; i < 12; i += 4) {

@@ -64,8 +64,8 @@ GridParameter grid_parameter(const ParameterTrait& trait, const Field& field, co
   const double minimum = std::isfinite(trait.least) ? std::max(field.minimum, trait.least * over) : field.minimum,
                maximum = std::isfinite(trait.most) ? std::min(field.maximum, trait.most * over) : field.maximum;
   if (trait.variation == Variation::linear) {
-    // A rounding inside the range, but for a neutral value that stands at its end.
-    const double inside = minimum < out.neutral ? 1e-9 : 0.0;
+    // A rounding inside the range, but where the prior's centre stands at its end: that value is exact.
+    const double inside = minimum < free.center ? 1e-9 : 0.0;
     free.lower = std::max(free.lower, free.z(minimum) + inside);
     free.upper = std::min(free.upper, free.z(maximum) - 1e-9);
     // Something of the moving mass stays on the slider.

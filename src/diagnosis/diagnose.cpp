@@ -442,7 +442,7 @@ void tell(const Rig& rig, ResidualModel& model, const Decision& decision, const 
     add_unknown(model, decision, search, options.rules,
                 element_probabilities(judgement.owner, options.rules.temperature), out);
   else if (decision.verdict != Verdict::consistent) {
-    add_answers(decision, search, options.rules, out);
+    add_answers(model, decision, search, options.rules, out);
     add_element_shares(decision, search, out);
   }
   add_fit(model, search, decision, options.rules, out);

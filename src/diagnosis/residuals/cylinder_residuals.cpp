@@ -481,12 +481,38 @@ Eigen::MatrixXd CylinderResiduals::residuals(std::span<const Hypothesis> hypothe
   Eigen::MatrixXd out(static_cast<Eigen::Index>(rows_.size()), static_cast<Eigen::Index>(hypotheses.size()));
   for (Eigen::Index i = 0; i < out.cols(); ++i) {
     out.col(i) = *plain[static_cast<std::size_t>(i)];
-    for (const Stretch& stretch : stretches_)
-      slow_errors_[stretch.channel].whiten(stretch.times_s,
-                                           std::span(out.col(i).data() + stretch.first_row, stretch.bins.size()));
+    whiten(out.col(i));
     if (!out.col(i).allFinite()) out.col(i).setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   return out;
+}
+
+void CylinderResiduals::whiten(Eigen::Ref<Eigen::VectorXd> column) const {
+  for (const Stretch& stretch : stretches_)
+    slow_errors_[stretch.channel].whiten(stretch.times_s,
+                                         std::span(column.data() + stretch.first_row, stretch.bins.size()));
+}
+
+Eigen::VectorXd CylinderResiduals::unseen_commands(const Hypothesis& hypothesis) {
+  const RecordedRigs rigs(hypothesis.rig, recordings_);
+  const std::vector<GasRuns::Course> gas = gas_->of(std::span(&hypothesis, 1)).front();
+  std::vector<GasRuns::Course> drawn = gas;
+  bool is_any = false;
+  for (std::size_t r = 0; r < recordings_.size(); ++r) {
+    const ImposedInputs& inputs = recordings_[r].inputs;
+    const GasCourse change =
+        unseen_command_change(inputs, rigs[r], grid_for(rigs[r], ringing_effort, inputs.step_s()), stop_);
+    if (change[Signal::p1_port].empty()) continue;
+    is_any = true;
+    GasCourse other = *gas[r];
+    for (const Signal signal : gas_signals)
+      for (std::size_t k = 0; k < other[signal].size(); ++k) other[signal][k] += change[signal][k];
+    drawn[r] = std::make_shared<const GasCourse>(std::move(other));
+  }
+  if (!is_any) return {};
+  Eigen::VectorXd out = plain_column(hypothesis.rig, drawn) - plain_column(hypothesis.rig, gas);
+  whiten(out);
+  return out.allFinite() ? out : Eigen::VectorXd();
 }
 
 void CylinderResiduals::set_working_point(const Hypothesis& hypothesis) {

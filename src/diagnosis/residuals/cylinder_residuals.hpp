@@ -46,6 +46,7 @@ class CylinderResiduals final : public ResidualModel {
   }
   void drop_slow_error() override { slow_errors_.assign(channels_.size(), {}); }
   std::vector<LatentInput> latent_inputs(const Hypothesis& hypothesis) override;
+  Eigen::VectorXd unseen_commands(const Hypothesis& hypothesis) override;
   std::vector<ChannelMisfit> sample_misfit(const Hypothesis& hypothesis) override;
   std::vector<ResidualCourse> courses(const Hypothesis& hypothesis) override;
 
@@ -108,6 +109,7 @@ class CylinderResiduals final : public ResidualModel {
   using Column = std::shared_ptr<const Eigen::VectorXd>;
   /// Residual in sigmas, slow errors still in it; remembered, for fits come back to where they were.
   std::vector<Column> plain_columns(std::span<const Hypothesis> hypotheses);
+  void whiten(Eigen::Ref<Eigen::VectorXd> column) const;  ///< takes the slow errors out
   Eigen::VectorXd plain_column(const Rig& rig, const std::vector<GasRuns::Course>& gas) const;
 
   Rig owner_;

@@ -28,9 +28,12 @@ double needed_substeps(const Rig& rig, int cells, double step_s) {
 }  // namespace
 
 double ImposedInputs::command_at(std::size_t side, std::size_t k, int step) const {
-  const std::vector<double>& command = command_of(side);
-  if (command_is_held || k + 1 >= command.size()) return command[k];
-  return command[k] + (command[k + 1] - command[k]) * step / steps;
+  const std::size_t valve = has_two_valves() ? side : 0;
+  const std::vector<double>& command = command_V[valve];
+  const std::vector<double>& quick = quick_command_V[valve];
+  const double beside = quick.empty() ? 0.0 : quick[k * static_cast<std::size_t>(steps) + static_cast<std::size_t>(step)];
+  if (command_is_held || k + 1 >= command.size()) return command[k] + beside;
+  return command[k] + (command[k + 1] - command[k]) * step / steps + beside;
 }
 
 double ImposedInputs::position_at(std::size_t k, int step) const {

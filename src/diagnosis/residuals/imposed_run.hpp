@@ -23,6 +23,8 @@ struct ImposedInputs {
   bool command_is_held = true;
   /// Samples from one recorded command to the next, and the first of them: a logger may write it in every n-th row.
   std::size_t command_samples = 1, first_command = 0;
+  /// Beside them at every step of every sample, of both sides' valves; empty: none.
+  std::array<std::vector<double>, 2> quick_command_V{};
   std::vector<double> position_m, velocity_mps;       ///< as measured, smoothed
   std::array<std::vector<double>, 2> start_Pa;        ///< pressure at or near each port, as measured, smoothed
   std::array<std::vector<double>, 2> start_Pa_per_s;  ///< and its rate

@@ -20,6 +20,8 @@ class FittedRows {
 
   /// Residuals of the fitted rows, a column a hypothesis.
   Eigen::MatrixXd operator()(const std::vector<Hypothesis>& hypotheses);
+  /// Of a value for each row, those that are fitted.
+  Eigen::VectorXd of(const Eigen::VectorXd& all) const { return all(fitted_); }
   /// For what takes long between two batches; throws DiagnosisStopped.
   void look() const { look_for_stop(stop_); }
   Eigen::Index count() const { return static_cast<Eigen::Index>(fitted_.size()); }

@@ -28,7 +28,17 @@ bool is_at_bound(const FreeParameter& fitted, double z, double neutral) {
   return ends_at(fitted.lower) || ends_at(fitted.upper);
 }
 
-void add_parameters(const Decision& decision, const Candidate& candidate, DiagnosisAnswer& answer) {
+/// How far commands that no row holds may move the numbers of the chosen explanation, in z; zero where rows hold all.
+Eigen::VectorXd moved_by_unseen_commands(ResidualModel& model, const Fit& fit) {
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(fit.z.size());
+  const Eigen::VectorXd unseen = model.unseen_commands(fit.hypothesis());
+  if (unseen.size() > 0) out = fit.covariance() * (fit.jacobian.transpose() * FittedRows(model, {}).of(unseen));
+  return out;
+}
+
+/// `moved`: by what no row holds, in z; empty: none.
+void add_parameters(const Decision& decision, const Candidate& candidate, const Eigen::VectorXd& moved,
+                    DiagnosisAnswer& answer) {
   const Explanation& chosen = *decision.chosen;
   const Eigen::MatrixXd covariance = variance_growth(decision) * chosen.fit.covariance();
   for (const FreeParameter& own : candidate.parameters)
@@ -40,7 +50,8 @@ void add_parameters(const Decision& decision, const Candidate& candidate, Diagno
           candidate.kind == CandidateKind::parameter ? "value" : own.path.substr(own.path.rfind('.') + 1);
       const double z = chosen.fit.z(at);
       const std::size_t number = static_cast<std::size_t>(&own - candidate.parameters.data());
-      answer.parameters.push_back({key, fitted.value(z), fitted.slope(z) * std::sqrt(covariance(at, at)),
+      const double error = std::hypot(std::sqrt(covariance(at, at)), moved.size() > 0 ? moved(at) : 0.0);
+      answer.parameters.push_back({key, fitted.value(z), fitted.slope(z) * error,
                                    is_at_bound(fitted, z, candidate.neutral[number])});
     }
 }
@@ -104,14 +115,16 @@ std::string what_is_left(const Decision& decision, ResidualModel& model, const D
   return out;
 }
 
-void add_answers(const Decision& decision, const Search& search, const DecisionRules& rules, Diagnosis& out) {
+void add_answers(ResidualModel& model, const Decision& decision, const Search& search, const DecisionRules& rules,
+                 Diagnosis& out) {
+  const Eigen::VectorXd moved = moved_by_unseen_commands(model, decision.chosen->fit);
   for (const std::size_t member : decision.chosen->members) {
     const Candidate& candidate = search.candidates()[member];
     DiagnosisAnswer answer;
     answer.effect = candidate.name;
     answer.element = candidate.element;
     answer.probability = probability_of_member(decision, search, member, rules);
-    add_parameters(decision, candidate, answer);
+    add_parameters(decision, candidate, moved, answer);
     answer.ambiguous_with = ambiguous_names(decision, search, member, rules);
     // What leaving it out would cost, of all that the explanation takes.
     double without = search.owner().fit.chi2();
@@ -176,7 +189,7 @@ void add_unknown(ResidualModel& model, const Decision& decision, const Search& s
     std::string names;
     for (const std::size_t m : decision.chosen->members) {
       out.unsaid.emplace_back().effect = search.candidates()[m].name;
-      add_parameters(decision, search.candidates()[m], out.unsaid.back());
+      add_parameters(decision, search.candidates()[m], {}, out.unsaid.back());
     }
     for (const std::size_t m : decision.chosen->members)
       names += (names.empty() ? "" : " and ") + search.candidates()[m].name;

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "core/test_seed.hpp"
+#include "diagnosis/diagnose.hpp"
 #include "diagnosis/recordings/cylinder_recording.hpp"
 #include "diagnosis/residuals/command_gaps.hpp"
 #include "diagnosis/residuals/imposed_run.hpp"
@@ -67,4 +68,29 @@ TEST_CASE("rows that a logger lost shift no command: they are counted on the eve
   const CylinderRecording prepared = prepare_recording(sparse, rig, 2.0);
   CHECK(prepared.inputs.command_samples == rows);
   CHECK(prepared.inputs.first_command == first);
+}
+
+TEST_CASE("a play whose command is read in every fourth row is found too narrow, within an error that says so") {
+  Rig machine = test::cylinder_rig(2.0);
+  machine.axis.effects.valve.valve_hysteresis.width_V = 0.016;
+  const Recording whole = test::simulated_recording(machine, 7.0, 5, test::all_pressures);
+  Recording sparse = whole;
+  sparse.period_s = 4 * whole.period_s;
+  for (auto& values : sparse.values) {
+    for (std::size_t k = 0; 4 * k < values.size(); ++k) values[k] = values[4 * k];
+    values.resize((values.size() + 3) / 4);
+  }
+  sparse.line_numbers.resize(sparse.values.front().size());
+  const Rig owner = test::toleranced_cylinder_rig(2.0, 6.1e-3);
+  const Diagnosis of_all = diagnose(owner, {whole}), of_some = diagnose(owner, {sparse});
+  CAPTURE(of_all.sentence, of_some.sentence);
+  for (const Diagnosis* diagnosis : {&of_all, &of_some}) {
+    REQUIRE(diagnosis->answers.size() == 1);
+    CHECK(diagnosis->answers[0].effect == "valve_hysteresis");
+  }
+  const EstimatedParameter &all = of_all.answers[0].parameters.at(0), &some = of_some.answers[0].parameters.at(0);
+  CHECK(all.value == Approx(0.016).epsilon(0.02));
+  CHECK(some.value < all.value);
+  CHECK(some.value == Approx(0.016).margin(3 * some.standard_error));
+  CHECK(some.standard_error > 3 * all.standard_error);
 }

@@ -29,6 +29,26 @@ TEST_CASE("late command: a dead time of many samples is none of the lags of its 
   CHECK(diagnosis.answers[0].parameters.at(0).value == Approx(delay_s).margin(0.25e-3));
 }
 
+TEST_CASE("late command: a dead time is found where the command's noise has no slope towards it") {
+  const auto [length_m, diameter_m, force_gain_V_per_N, delay_s] =
+      GENERATE(table<double, double, double, double>({{10.0, 4.15e-3, 1.25e-3, 5e-3}, {5.0, 6.1e-3, 2e-3, 3e-3}}));
+  CAPTURE(length_m, force_gain_V_per_N, delay_s);
+  Rig owner = toleranced_cylinder_rig(length_m, diameter_m);
+  owner.axis.slider.payload_kg = 1.25;
+  Rig machine = owner;
+  machine.axis.effects.valve.command_delay.delay_s = delay_s;
+  machine.axis.supply.pressure_Pa *= 0.995;
+  const std::vector<std::string> channels{"p1_port_Pa", "p2_port_Pa", "p_supply_Pa"};
+  const Diagnosis diagnosis =
+      diagnose(owner, {simulated_recording(machine, 7.0, 11, channels, 1.0, force_gain_V_per_N)});
+  CAPTURE(diagnosis.sentence);
+  REQUIRE(diagnosis.answers.size() == 1);
+  CHECK(diagnosis.answers[0].effect == "command_delay");
+  const EstimatedParameter& found = diagnosis.answers[0].parameters.at(0);
+  CHECK(found.value == Approx(delay_s).margin(2 * found.standard_error));
+  CHECK(found.standard_error < 0.4 * owner.period_s);
+}
+
 TEST_CASE("late command: a lag of less than half a sample that is seen is called late, and no hysteresis") {
   Rig owner = toleranced_cylinder_rig(2.0, 6.1e-3);
   owner.axis.valve.natural_frequency_Hz = 120;

@@ -47,9 +47,11 @@ inline Rig toleranced_cylinder_rig(double length_m, double diameter_m) {
 }
 
 /// Moves and rests under a position loop with force feedback, seconds long; columns as given, beside time, position and
-/// command. The rig's deviations are the machine's. pace: of the motion.
+/// command. The rig's deviations are the machine's. pace: of the motion. force_gain_V_per_N: how much of the command is
+/// the pressure sensors' noise; what it is not is the encoder's, through the filter of the speed.
 inline Recording simulated_recording(Rig rig, double seconds, std::uint64_t seed,
-                                     const std::vector<std::string>& channels, double pace = 1.0) {
+                                     const std::vector<std::string>& channels, double pace = 1.0,
+                                     double force_gain_V_per_N = 0.004) {
   rig.seed = seed;
   rig.simulation = {.cells_per_m = 25.0, .input_age_periods = 0};
   rig.initial = {};
@@ -77,7 +79,8 @@ inline Recording simulated_recording(Rig rig, double seconds, std::uint64_t seed
     const double force = rig.axis.cylinder.area_1_m2 * (y(Signal::p1_chamber) - 101325.0) -
                          rig.axis.cylinder.area_2_m2 * (y(Signal::p2_chamber) - 101325.0);
     const double u =
-        std::round((0.004 * (8000.0 * (reference - y(Signal::x)) - 150.0 * speed - force)) / 2.5e-4) * 2.5e-4;
+        std::round((force_gain_V_per_N * (8000.0 * (reference - y(Signal::x)) - 150.0 * speed - force)) / 2.5e-4) *
+        2.5e-4;
     const double command = std::clamp(u, -5.0, 5.0);
     machine.write(k, {.valve_V = command});
     if (k < before) continue;

@@ -31,7 +31,8 @@ double ImposedInputs::command_at(std::size_t side, std::size_t k, int step) cons
   const std::size_t valve = has_two_valves() ? side : 0;
   const std::vector<double>& command = command_V[valve];
   const std::vector<double>& quick = quick_command_V[valve];
-  const double beside = quick.empty() ? 0.0 : quick[k * static_cast<std::size_t>(steps) + static_cast<std::size_t>(step)];
+  const double beside =
+      quick.empty() ? 0.0 : quick[k * static_cast<std::size_t>(steps) + static_cast<std::size_t>(step)];
   if (command_is_held || k + 1 >= command.size()) return command[k] + beside;
   return command[k] + (command[k + 1] - command[k]) * step / steps + beside;
 }

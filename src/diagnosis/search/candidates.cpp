@@ -40,6 +40,7 @@ GridParameter grid_parameter(const ParameterTrait& trait, const Field& field, co
   FreeParameter& free = out.free;
   out.neutral = free.value_in(scales.rig);
   free.variation = trait.variation;
+  free.valleys_apart = trait.whole_periods > 0 ? scales.rig.period_s : 0;
   const double scale = scales(trait.scale);
   // A vessel that is watched for minutes shows far smaller leaks than an axis that moves.
   const double watched = scales.rig.kind == RigKind::vessel ? 0.05 : 1.0;
@@ -96,10 +97,12 @@ void keep_in_range(FreeParameter& free, const std::vector<ParameterPath>& known)
 
 /// Sizes of an amplitude whose whole change is looked at. The laws of a vessel are bent (heat that is none and heat
 /// that keeps the gas at its wall's temperature empty it alike), and between nothing and their size lie other valleys.
-std::span<const double> whole_sizes(const ParameterTrait& trait, const Rig& rig) {
-  static constexpr std::array<double, 3> sizes{0.2, 0.6, 2.0};
+std::vector<double> whole_sizes(const ParameterTrait& trait, const Rig& rig) {
   const bool is_looked_at = rig.kind == RigKind::vessel && trait.grid.empty() && trait.whole.empty();
-  return is_looked_at ? std::span<const double>(sizes) : trait.whole;
+  if (is_looked_at) return {0.2, 0.6, 2.0};
+  std::vector<double> out(trait.whole.begin(), trait.whole.end());
+  for (int periods = 1; periods <= trait.whole_periods; ++periods) out.push_back(periods * rig.period_s / trait.spread);
+  return out;
 }
 
 /// Every combination of a parameter's starts with those of the parameters before it.

@@ -20,6 +20,7 @@ struct FreeParameter {
   double center = 0;  ///< in what is varied (the value, its logarithm, 1/value^2)
   double spread = 1;
   double lower = -3, upper = 3;  ///< of z
+  double valleys_apart = 0;  ///< between two minima of the objective, in its own unit; 0: it has one
   /// Of z, for differences. Short: where two numbers nearly stand for each other, a fit follows the difference of their
   /// columns, and with steps five times as long it crept on 8 in chi2 above its minimum.
   double step = 0.005;

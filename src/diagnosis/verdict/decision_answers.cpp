@@ -50,9 +50,12 @@ void add_parameters(const Decision& decision, const Candidate& candidate, const 
           candidate.kind == CandidateKind::parameter ? "value" : own.path.substr(own.path.rfind('.') + 1);
       const double z = chosen.fit.z(at);
       const std::size_t number = static_cast<std::size_t>(&own - candidate.parameters.data());
-      const double error = std::hypot(std::sqrt(covariance(at, at)), moved.size() > 0 ? moved(at) : 0.0);
-      answer.parameters.push_back({key, fitted.value(z), fitted.slope(z) * error,
-                                   is_at_bound(fitted, z, candidate.neutral[number])});
+      // A sample of the gas tells which command acts by then; since when, within its period, only as far as a grid
+      // does not smear it: evenly distributed over a period.
+      const double between = fitted.valleys_apart / std::sqrt(12.0) / fitted.slope(z);
+      const double error = std::hypot(std::sqrt(covariance(at, at)), moved.size() > 0 ? moved(at) : 0.0, between);
+      answer.parameters.push_back(
+          {key, fitted.value(z), fitted.slope(z) * error, is_at_bound(fitted, z, candidate.neutral[number])});
     }
 }
 

@@ -7,7 +7,8 @@ namespace pneuservo {
 
 /// The chosen names with sizes, probabilities and what looks the same, the one that takes most first. Standard errors
 /// hold what commands may do that no row holds.
-void add_answers(ResidualModel& model, const Decision& decision, const Search& search, const DecisionRules& rules, Diagnosis& out);
+void add_answers(ResidualModel& model, const Decision& decision, const Search& search, const DecisionRules& rules,
+                 Diagnosis& out);
 /// Shares of the elements by all rivals' probabilities.
 void add_element_shares(const Decision& decision, const Search& search, Diagnosis& out);
 /// Where something sits that has no name: the first element of `located`; where that is empty, the one whose patterns

@@ -40,7 +40,6 @@ GridParameter grid_parameter(const ParameterTrait& trait, const Field& field, co
   FreeParameter& free = out.free;
   out.neutral = free.value_in(scales.rig);
   free.variation = trait.variation;
-  free.valleys_apart = trait.whole_periods > 0 ? scales.rig.period_s : 0;
   const double scale = scales(trait.scale);
   // A vessel that is watched for minutes shows far smaller leaks than an axis that moves.
   const double watched = scales.rig.kind == RigKind::vessel ? 0.05 : 1.0;
@@ -134,6 +133,7 @@ Candidate effect_candidate(const std::string& name, const EffectEntry& entry, co
     const auto field = std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.key == trait.key; });
     const GridParameter made = grid_parameter(trait, *field, candidate.path_of(trait.key), scales);
     candidate.parameters.push_back(made.free);
+    if (trait.whole_periods > 0) candidate.parameters.back().valleys_apart = scales.rig.period_s;
     candidate.negligible.push_back(made.negligible);
     candidate.neutral.push_back(made.neutral);
     candidate.amplitude.push_back(made.amplitude);

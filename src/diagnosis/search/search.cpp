@@ -19,14 +19,6 @@ namespace {
 constexpr double bent_chi2_per_row = 3;
 /// How often the floor and the owner's fit follow each other: then neither moves any more.
 constexpr int floor_rounds = 2;
-/// A fit stands where the fine grid's error there no longer moves its own numbers by this share of their standard
-/// error.
-constexpr double settled_errors = 0.3;
-/// Rounds of a fit and the grid's error that it leaves; two of them where nothing moves.
-constexpr int defect_rounds = 8;
-/// A round's move over that of the one before: below, the next round ends the way; above, the two say little of its
-/// end. 0.95 is the most that was seen, of dead times on narrow lines; a first move is taken for such a one.
-constexpr double least_share_left = 0.3, most_share_left = 0.95;
 
 }  // namespace
 
@@ -67,40 +59,14 @@ void Search::add_known(std::vector<Screened>& chosen) const {
         chosen.push_back({i, 0, known.z, {}});
 }
 
-void Search::settle_with_defect(Explanation& e) {
-  Fit& fit = e.fit;
-  const auto own = static_cast<Eigen::Index>(fit.own_count);
-  Eigen::VectorXd before, moved;
-  for (int round = 0; round < defect_rounds; ++round) {
-    polish({&e}, 6, true);
-    rows_.model().set_working_point(fit.hypothesis());
-    if (round > 0) {
-      const Eigen::VectorXd move = fit.z - before;
-      const Eigen::ArrayXd errors = move.head(own).array().abs() / fit.covariance().diagonal().head(own).array().sqrt();
-      // Where the work grid's derivative is not the fine grid's, every round goes the same share of the way that is
-      // left: to its end at once.
-      const double share = moved.size() > 0 ? move.dot(moved) / moved.squaredNorm() : most_share_left,
-                   left = share > 0 && share < 1 ? share / (1 - share) : 1.0;
-      if ((std::max(1.0, left) * errors < settled_errors).all()) break;
-      if (moved.size() > 0 && share > least_share_left && share <= most_share_left) {
-        for (Eigen::Index i = 0; i < fit.z.size(); ++i) {
-          const FreeParameter& p = fit.parameters[static_cast<std::size_t>(i)];
-          fit.z(i) = std::clamp(fit.z(i) + left * move(i), p.lower, p.upper);
-        }
-        rows_.model().set_working_point(fit.hypothesis());
-        moved.resize(0);
-      } else {
-        moved = move;
-      }
-    }
-    before = fit.z;
-  }
-}
-
 void Search::take_defect_at_best(std::size_t members) {
   const Explanation* best = best_of(members);
   if (best == nullptr || best->log_evidence - owner_.log_evidence < rules_.grid_error_gain) return;
-  settle_with_defect(tried_.at(best->members));
+  // Fitted to its end there first, and once more at the error that it has there: a fit that moves on leaves an error.
+  for (int round = 0; round < 2; ++round) {
+    polish({&tried_.at(best->members)}, 6, true);
+    rows_.model().set_working_point(best->fit.hypothesis());
+  }
   working_point_ = best->members;
   std::vector<Explanation*> again = rivals(members, settings_.rival_distance, 12);
   if (members > 1)

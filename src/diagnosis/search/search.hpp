@@ -117,8 +117,6 @@ class Search {
   bool try_next_valleys(std::size_t members);
   /// The same, with the grid's error taken anew in each, which makes another one the deepest.
   void settle_in_deepest_valley(std::size_t members);
-  /// Fits the explanation and takes the grid's error where it stands, in turn, until that no longer moves it.
-  void settle_with_defect(Explanation& e);
   void refit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& chosen);
   void refit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<std::vector<Screened>>& sets);
   /// The screening is linear: a large effect may start better at a part of the size that it says.

@@ -40,7 +40,8 @@ std::string damaged(std::string text, std::mt19937& random) {
 
 }  // namespace
 
-TEST_CASE("a damaged config reads or is refused with its line") {
+// Under sanitizers tools/fuzz does the same, guided by coverage.
+TEST_CASE("a damaged config reads or is refused with its line", "[optimised]") {
   const unsigned seed = test::stated_seed().value_or(20261121u);
   INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   std::mt19937 random(seed);

@@ -118,7 +118,7 @@ bool makes_a_sensor(const ParameterPath& parameter) {
   return parameter.path == "sensors.differential_pressure.range_Pa";
 }
 
-TEST_CASE("a handle is its path, resolved once, in every rig of the kind") {
+TEST_CASE("a handle is its path, resolved once, in every rig of the kind", "[optimised]") {
   const Rig rig = parse_rig(plain_rig, "rig.yaml");
   for (const ParameterPath& parameter : parameter_paths(rig)) {
     if (makes_a_sensor(parameter)) continue;

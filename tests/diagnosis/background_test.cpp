@@ -53,7 +53,7 @@ struct Judged {
 class Judging {
  public:
   explicit Judging(const Rig& machine, const Rig& owner = owners_rig(), const SearchSettings& wanted = {})
-      : model_(owner, {simulated_recording(machine, 5.0, 5, all_pressures)}), rows_(model_, {}) {
+      : model_(owner, {simulated_recording(machine, 6.5, 5, all_pressures)}), rows_(model_, {}) {
     SearchSettings settings = wanted;
     settings.grow_floor = true;
     settings.small_physics = small_physics(owner, model_.channels());
@@ -250,6 +250,7 @@ TEST_CASE("background: two effects beside it are both named, each beside the slo
   machine.axis.effects.chamber_leak_1.area_m2 = 3e-8;
   machine.axis.effects.motion.constant_force.force_N = 12.0;
   const Judged judged = judge(machine);
+  CAPTURE(judged.names);
   CHECK(judged.verdict == Verdict::missing_physics);
   REQUIRE(judged.names.size() == 2);
   CHECK(std::count(judged.names.begin(), judged.names.end(), "constant_force") == 1);

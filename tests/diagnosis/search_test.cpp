@@ -260,12 +260,13 @@ TEST_CASE("search: a name is fitted from its derivative and from its best whole 
   CHECK(SpringSearch(behind_a_ridge, {{1.5}}).search.best_of(1)->fit.z(0) == Approx(2).margin(0.1));
 }
 
-TEST_CASE("search: fittings and branches have such sizes, a branch at every place that is looked at") {
+TEST_CASE("search: fittings, branches and dead times have such sizes, a branch at every place that is looked at") {
   const ResidualChannel port{"p1_port", "Pa", 300, 50};
   for (const Candidate& candidate : all_candidates(cylinder_rig(), {port}, {-0.1, 0.1, 0.5})) {
     if (candidate.name.starts_with("line_restriction")) CHECK(candidate.whole_starts.size() == 3);
     else if (candidate.name.starts_with("flow_control")) CHECK(candidate.whole_starts.size() == 1);
     else if (candidate.name.starts_with("end_cushion")) CHECK(candidate.whole_starts.size() == 2);
+    else if (candidate.name == "command_delay") CHECK(candidate.whole_starts.size() == 12);  // periods
     else if (candidate.name.starts_with("line_branch"))
       CHECK(candidate.whole_starts.size() == 2 * candidate.starts.size());
     else CHECK(candidate.whole_starts.empty());

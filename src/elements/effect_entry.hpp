@@ -87,9 +87,9 @@ struct ParameterTrait {
   /// Sizes of an amplitude, in prior standard deviations, whose whole change is looked at beside its derivative: what
   /// tolerances mimic while it is small may be all that is left of it.
   std::span<const double> whole{};
-  /// Of a dead time instead: so many periods of the loop, each looked at. What answers to the noise of a command has a
-  /// valley at every period, and no slope towards the next.
-  int whole_periods = 0;
+  /// A dead time: what answers to the noise of a command has a valley at every period of the loop, and no slope towards
+  /// the next. Each is looked at.
+  bool has_valleys = false;
   /// Physical range of the value over `range_scale`, beside that of its key: beyond it stands something else.
   double least = -infinite, most = infinite;
   EffectScale range_scale = EffectScale::one;
@@ -122,9 +122,9 @@ struct ParameterTrait {
     out.whole = sizes;
     return out;
   }
-  constexpr ParameterTrait whole_at_each_period(int periods) const {
+  constexpr ParameterTrait with_valleys() const {
     ParameterTrait out = *this;
-    out.whole_periods = periods;
+    out.has_valleys = true;
     return out;
   }
   constexpr ParameterTrait small(double its_spread, double step = 0.01, EffectScale over = EffectScale::one) const {

@@ -122,7 +122,7 @@ constexpr EffectEntry pneumatic_entries[] = {
      .words = "dead time between command and spool",
      .element = "timing",
      .family = "late",
-     .parameters = {amplitude("delay_s", one, 0.006, 5e-4).whole_at_each_period(12).small(3e-4)},
+     .parameters = {amplitude("delay_s", one, 0.006, 5e-4).with_valleys().small(3e-4)},
      .smallest = {{"delay_s", 0.0005}},
      .signatures = {{.sizes = {{"delay_s", 0.004}},
                      .words = "To the eye the same as valve_lag.",

@@ -14,6 +14,7 @@
 #include "config/effects_reader.hpp"
 #include "config/rig_parameters.hpp"
 #include "config/section_reader.hpp"
+#include "diagnosis/residuals/command_answer.hpp"
 
 namespace pneuservo {
 
@@ -100,7 +101,10 @@ std::vector<double> whole_sizes(const ParameterTrait& trait, const Rig& rig) {
   const bool is_looked_at = rig.kind == RigKind::vessel && trait.grid.empty() && trait.whole.empty();
   if (is_looked_at) return {0.2, 0.6, 2.0};
   std::vector<double> out(trait.whole.begin(), trait.whole.end());
-  for (int periods = 1; periods <= trait.whole_periods; ++periods) out.push_back(periods * rig.period_s / trait.spread);
+  // As far as the answer to the command is compared.
+  if (trait.has_valleys)
+    for (std::size_t periods = 1; periods <= CommandAnswer::latest; ++periods)
+      out.push_back(static_cast<double>(periods) * rig.period_s / trait.spread);
   return out;
 }
 
@@ -133,7 +137,6 @@ Candidate effect_candidate(const std::string& name, const EffectEntry& entry, co
     const auto field = std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.key == trait.key; });
     const GridParameter made = grid_parameter(trait, *field, candidate.path_of(trait.key), scales);
     candidate.parameters.push_back(made.free);
-    if (trait.whole_periods > 0) candidate.parameters.back().valleys_apart = scales.rig.period_s;
     candidate.negligible.push_back(made.negligible);
     candidate.neutral.push_back(made.neutral);
     candidate.amplitude.push_back(made.amplitude);
@@ -181,14 +184,11 @@ struct UnknownSize {
 };
 UnknownSize unknown_size(const std::string& path, const ScaleTable& scales) {
   if (!path.starts_with("effects.")) return {};
-  const std::size_t dot = path.rfind('.');
-  const std::string name = path.substr(8, dot - 8), key = path.substr(dot + 1);
-  const EffectEntry* entry = find_effect(name);
-  if (entry == nullptr || split_effect(name).is_of_sensor) return {};
-  for (const ParameterTrait& trait : entry->parameters)
-    if (trait.key == key && trait.variation == Variation::linear && trait.grid.empty())
-      return {trait.spread * scales(trait.scale), on_side_of(entry->family, name)};
-  return {};
+  const std::string name = path.substr(8, path.rfind('.') - 8);
+  const ParameterTrait* trait = trait_of(path);
+  if (trait == nullptr || split_effect(name).is_of_sensor) return {};
+  if (trait->variation != Variation::linear || !trait->grid.empty()) return {};
+  return {trait->spread * scales(trait->scale), on_side_of(find_effect(name)->family, name)};
 }
 
 /// A parameter that is off: a number that is read off by a tenth to eleven times itself, the size of an effect that the

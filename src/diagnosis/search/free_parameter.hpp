@@ -20,7 +20,7 @@ struct FreeParameter {
   double center = 0;  ///< in what is varied (the value, its logarithm, 1/value^2)
   double spread = 1;
   double lower = -3, upper = 3;  ///< of z
-  double valleys_apart = 0;  ///< between two minima of the objective, in its own unit; 0: it has one
+  double valleys_apart = 0;  ///< a period of the loop for a dead time, whose objective has a minimum at each; else 0
   /// Of z, for differences. Short: where two numbers nearly stand for each other, a fit follows the difference of their
   /// columns, and with steps five times as long it crept on 8 in chi2 above its minimum.
   double step = 0.005;
@@ -60,6 +60,9 @@ struct FreeParameter {
     return spread;
   }
 };
+
+/// How a number of an effect is looked for, by its path (effects.NAME.KEY); null: the path is of none.
+const ParameterTrait* trait_of(const std::string& path);
 
 /// The number of this rig at a path, with no prior yet.
 FreeParameter free_number(const Rig& rig, const std::string& path);

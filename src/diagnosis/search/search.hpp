@@ -113,9 +113,9 @@ class Search {
   /// beside their own, 300 in chi2 above its floor. Where one of them is the best name each is fitted once more from
   /// the size of the best other; true where one came out better.
   bool restart_siblings();
-  /// Fits the best explanation anew from the valleys beside its own, while one is deeper; true where one was.
-  bool try_next_valleys(std::size_t members);
-  /// The same, with the grid's error taken anew in each, which makes another one the deepest.
+  /// Fits the best explanation anew from the valleys beside its own; true where one of them is deeper.
+  bool move_to_deeper_valley(std::size_t members);
+  /// The same until none is deeper, at most as many as the answer to the command is compared over.
   void settle_in_deepest_valley(std::size_t members);
   void refit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& chosen);
   void refit(const Fit& base, const std::vector<std::size_t>& members, const std::vector<std::vector<Screened>>& sets);

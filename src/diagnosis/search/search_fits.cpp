@@ -3,6 +3,7 @@
 #include <array>
 #include <set>
 
+#include "diagnosis/residuals/command_answer.hpp"
 #include "diagnosis/search/search.hpp"
 
 namespace pneuservo {
@@ -257,39 +258,33 @@ void Search::polish_best(std::size_t members) {
   if (!moved.empty()) polish_rivals(members, at_end);
 }
 
-bool Search::try_next_valleys(std::size_t members) {
-  constexpr std::array<double, 4> valleys{-2, -1, 1, 2};
-  constexpr int rounds = 4;  // to 8 ms away at 1 kHz: as far as a size that is one prior's deviation off
-  bool any_better = false;
-  for (int round = 0; round < rounds; ++round) {
-    const Explanation* best = best_of(members);
-    if (best == nullptr) break;
-    std::vector<Explanation> attempts;
-    for (std::size_t p = 0; p < best->fit.own_count; ++p) {
-      const FreeParameter& own = best->fit.parameters[p];
-      const auto at = static_cast<Eigen::Index>(p);
-      if (own.valleys_apart == 0) continue;
-      for (const double away : valleys) {
-        const double z = own.z(own.value(best->fit.z(at)) + away * own.valleys_apart);
-        if (z <= own.lower || z >= own.upper) continue;
-        attempts.push_back(*best);
-        attempts.back().fit.z(at) = z;
-      }
+bool Search::move_to_deeper_valley(std::size_t members) {
+  const Explanation* best = best_of(members);
+  if (best == nullptr) return false;
+  std::vector<Explanation> beside;
+  for (std::size_t p = 0; p < best->fit.own_count; ++p) {
+    const FreeParameter& own = best->fit.parameters[p];
+    const auto at = static_cast<Eigen::Index>(p);
+    if (own.valleys_apart == 0) continue;
+    for (const double away : {-1.0, 1.0}) {
+      const double z = own.z(own.value(best->fit.z(at)) + away * own.valleys_apart);
+      if (z <= own.lower || z >= own.upper) continue;
+      beside.push_back(*best);
+      beside.back().fit.z(at) = z;
     }
-    std::vector<Explanation*> moving;
-    for (Explanation& e : attempts) moving.push_back(&e);
-    polish(moving, 6, true);
-    const auto found = std::ranges::max_element(attempts, {}, &Explanation::log_evidence);
-    if (found == attempts.end() || found->log_evidence <= best->log_evidence + settled_evidence) break;
-    tried_.at(best->members) = std::move(*found);
-    any_better = true;
   }
-  return any_better;
+  std::vector<Explanation*> moving;
+  for (Explanation& e : beside) moving.push_back(&e);
+  polish(moving, 6, true);
+  const auto deepest = std::ranges::max_element(beside, {}, &Explanation::log_evidence);
+  if (deepest == beside.end() || deepest->log_evidence <= best->log_evidence + settled_evidence) return false;
+  tried_.at(best->members) = std::move(*deepest);
+  return true;
 }
 
 void Search::settle_in_deepest_valley(std::size_t members) {
-  constexpr int most_valleys = 3;
-  for (int round = 0; round < most_valleys && try_next_valleys(members); ++round) {
+  // The grid's error, taken anew in each, may make another one the deepest.
+  for (std::size_t valley = 0; valley < CommandAnswer::latest && move_to_deeper_valley(members); ++valley) {
     take_defect_at_best(members);
     polish_best(members);
   }

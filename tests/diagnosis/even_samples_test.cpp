@@ -8,6 +8,7 @@
 #include "core/test_seed.hpp"
 #include "diagnosis/recordings/cylinder_recording.hpp"
 #include "diagnosis/recordings/even_samples.hpp"
+#include "diagnosis/recordings/noise_level.hpp"
 #include "diagnosis/recordings/stretches.hpp"
 #include "diagnosis/residuals/imposed_run.hpp"
 #include "diagnosis/simulated_recording.hpp"
@@ -161,6 +162,24 @@ TEST_CASE("the noise of a channel is told beside its motion at every rate") {
       CHECK(noise < 1.2 * 300);
       CHECK(noise > 0.5 * 300);  // the least of windows of 40 rows is low by a third
     }
+  }
+}
+
+TEST_CASE("the usual noise of a command is that of its motion where it is still at rest") {
+  const unsigned seed = test::new_seed();
+  INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal;
+  for (const double period_s : {1e-3, 4e-3, 0.01}) {
+    std::vector<double> command_V;  // a coarse encoder: noise in three quarters of the time, steps, and none at rest
+    for (double t = 0; t < 32; t += period_s) {
+      const bool rests = std::fmod(t, 3.2) > 2.4;
+      const double motion_V = 2 * std::sin(2 * 3.14159265 * 1.5 * t) + (std::fmod(t, 2.0) > 1.0 ? 1.0 : 0.0);
+      command_V.push_back(rests ? 0.5 : motion_V + 0.05 * normal(generator));
+    }
+    CAPTURE(period_s);
+    CHECK(quiet_noise(command_V, period_s) < 0.001);
+    CHECK(usual_noise(command_V, period_s) == Approx(0.05).epsilon(0.3));
   }
 }
 

@@ -151,34 +151,6 @@ void take_supply(CylinderRecording& out) {
   out.inputs.supply_Pa_per_s = kernel.apply(values, 1);
 }
 
-constexpr int highest_difference = 4;
-
-/// A rest of a usual motion; and rows that tell a standard deviation to 11 %.
-constexpr double quiet_s = 0.25;
-constexpr std::size_t least_quiet_rows = 40;
-
-/// Standard deviation in the windows in which it is least: a tenth of them has less.
-double quiet_deviation(const std::vector<double>& values, std::size_t window) {
-  std::vector<double> deviations;
-  for (std::size_t from = 0; from + window <= values.size(); from += window) {
-    double sum = 0, squares = 0;
-    std::size_t n = 0;
-    for (std::size_t k = from; k < from + window; ++k) {
-      if (!std::isfinite(values[k])) continue;
-      sum += values[k];
-      squares += values[k] * values[k];
-      ++n;
-    }
-    if (n < window / 2) continue;
-    const double mean = sum / static_cast<double>(n);
-    deviations.push_back(std::sqrt(std::max(0.0, squares / static_cast<double>(n) - mean * mean)));
-  }
-  if (deviations.empty()) return 0.0;
-  const auto tenth = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 10);
-  std::nth_element(deviations.begin(), tenth, deviations.end());
-  return *tenth;
-}
-
 }  // namespace
 
 CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, double longest_s) {
@@ -228,22 +200,6 @@ CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, 
   take_start_pressures(out, recording.path);
   take_supply(out);
   return out;
-}
-
-double quiet_noise(const std::vector<double>& signal, double period_s) {
-  const std::size_t window = std::max(least_quiet_rows, static_cast<std::size_t>(std::lround(quiet_s / period_s)));
-  // A course that is smooth over some samples leaves less and less of itself in higher differences, white noise as
-  // much.
-  double least = std::numeric_limits<double>::infinity();
-  std::vector<double> differences(signal);
-  double gain = 1;  // of white noise, squared: the central binomial coefficient
-  for (int order = 1; order <= highest_difference; ++order) {
-    for (std::size_t k = 0; k + 1 < differences.size(); ++k) differences[k] = differences[k + 1] - differences[k];
-    if (!differences.empty()) differences.pop_back();
-    gain *= 2.0 * (2 * order - 1) / order;
-    least = std::min(least, quiet_deviation(differences, window) / std::sqrt(gain));
-  }
-  return least;
 }
 
 }  // namespace pneuservo

@@ -36,7 +36,4 @@ struct CylinderRecording {
 /// missing, or where less than a second is left to compare.
 CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, double longest_s);
 
-/// Standard deviation of one sample in the quietest stretches: the least that differences of order 1 to 4 tell.
-double quiet_noise(const std::vector<double>& signal, double period_s);
-
 }  // namespace pneuservo

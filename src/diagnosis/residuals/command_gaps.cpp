@@ -7,6 +7,7 @@
 #include <pneuservo/core/random.hpp>
 
 #include "diagnosis/recordings/held_out.hpp"
+#include "diagnosis/recordings/noise_level.hpp"
 
 namespace pneuservo {
 
@@ -27,23 +28,6 @@ GasCourse difference_of(const ImposedInputs& inputs, const ImposedInputs& others
     if (!out[signal].empty() && !std::isfinite(out[signal].back())) return {};
   }
   return out;
-}
-
-/// Standard deviation of what no motion explains of values in a row: by their sixth differences, which pass the 924
-/// fold variance of white noise, and of a sine of 3 Hz in steps of 10 ms 1/20 000 of its amplitude. By the median, for
-/// steps of the command are few.
-double noise_of(std::vector<double> values) {
-  constexpr int order = 6;
-  for (int i = 0; i < order; ++i) {
-    if (values.size() < 2) return 0;
-    for (std::size_t k = 0; k + 1 < values.size(); ++k) values[k] = values[k + 1] - values[k];
-    values.pop_back();
-  }
-  if (values.empty()) return 0;
-  for (double& value : values) value = std::fabs(value);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle / (0.6745 * std::sqrt(924.0));
 }
 
 }  // namespace
@@ -72,7 +56,7 @@ GasCourse unseen_command_change(const ImposedInputs& inputs, const Rig& rig, con
     std::vector<double> recorded;
     for (std::size_t k = inputs.first_command; k < command.size(); k += inputs.command_samples)
       recorded.push_back(command[k]);
-    const double noise_V = noise_of(std::move(recorded));
+    const double noise_V = usual_noise(recorded, inputs.period_s * static_cast<double>(inputs.command_samples));
     const std::size_t first = inputs.first_command * static_cast<std::size_t>(inputs.steps);
     std::vector<double>& quick = drawn.quick_command_V[valve];
     quick.resize(command.size() * static_cast<std::size_t>(inputs.steps));

@@ -9,6 +9,7 @@
 #include <pneuservo/elements/sensor.hpp>
 
 #include "diagnosis/recordings/held_out.hpp"
+#include "diagnosis/recordings/noise_level.hpp"
 #include "diagnosis/residuals/command_gaps.hpp"
 
 namespace pneuservo {

@@ -10,8 +10,10 @@
 #include "config/read_rig.hpp"
 #include "config/rig_parameters.hpp"
 #include "config/same_rig.hpp"
+#include "config/test_rigs.hpp"
 
 using namespace pneuservo;
+using test::refusal;
 
 namespace {
 
@@ -50,13 +52,6 @@ reference: {kind: cruise, start_m: -0.05, end_m: 0.05, speed_mps: 0.0597, ramp_s
 duration_s: 3.0
 )";
 
-std::string kind_refusal(const std::string& yaml, const std::vector<std::string>& sets = {}) {
-  try {
-    parse_rig(yaml, "rig.yaml", sets);
-  } catch (const InputError& error) { return error.what(); }
-  return "accepted";
-}
-
 }  // namespace
 
 TEST_CASE("a driven axis has slider, force sensor and the outer loop alone", "[config]") {
@@ -78,21 +73,20 @@ TEST_CASE("a driven axis has slider, force sensor and the outer loop alone", "[c
 
 TEST_CASE("what belongs to another kind of rig is refused with its line", "[config]") {
   using Catch::Matchers::Contains;
-  CHECK_THAT(kind_refusal(driven_axis + "supply: {pressure_Pa: 7e5}\n"), Contains("rig.yaml:10") && Contains("supply"));
-  CHECK_THAT(kind_refusal(driven_axis + "effects: {piston_leak: {area_m2: 1e-8}}\n"), Contains("an unknown effect"));
-  CHECK_THAT(kind_refusal(driven_axis, {"controller.force_gain_V_per_N=1"}), Contains("controller.force_gain_V_per_N"));
-  CHECK_THAT(kind_refusal(driven_axis, {"controller.kind=ppd2"}),
-             Contains("expected pd_force, the law of a driven_axis"));
-  CHECK_THAT(kind_refusal(driven_axis, {"reference.amplitude_m=0.5"}), Contains("slider.stroke_m"));
-  CHECK_THAT(kind_refusal(driven_axis, {"initial.position_m=0.5"}), Contains("initial.position_m"));
-  CHECK_THAT(kind_refusal(servo_table, {"controller.pressure_source=valve"}), Contains("controller.pressure_source"));
-  CHECK_THAT(kind_refusal(servo_table, {"controller.kind=pd_force"}), Contains("controller."));
-  CHECK_THAT(kind_refusal(servo_table, {"controller.observer_gains=[1, 2]"}), Contains("three: l1, l2, l3"));
-  CHECK_THAT(kind_refusal(servo_table, {"line_2.model=second_order_lag"}), Contains("line_2.model"));
-  CHECK_THAT(kind_refusal(servo_table, {"controller.feedforward=none", "line_1.model=second_order_lag",
-                                        "line_2.model=second_order_lag", "line_1.natural_frequency_Hz=0"}),
+  CHECK_THAT(refusal(driven_axis + "supply: {pressure_Pa: 7e5}\n"), Contains("rig.yaml:10") && Contains("supply"));
+  CHECK_THAT(refusal(driven_axis + "effects: {piston_leak: {area_m2: 1e-8}}\n"), Contains("an unknown effect"));
+  CHECK_THAT(refusal(driven_axis, {"controller.force_gain_V_per_N=1"}), Contains("controller.force_gain_V_per_N"));
+  CHECK_THAT(refusal(driven_axis, {"controller.kind=ppd2"}), Contains("expected pd_force, the law of a driven_axis"));
+  CHECK_THAT(refusal(driven_axis, {"reference.amplitude_m=0.5"}), Contains("slider.stroke_m"));
+  CHECK_THAT(refusal(driven_axis, {"initial.position_m=0.5"}), Contains("initial.position_m"));
+  CHECK_THAT(refusal(servo_table, {"controller.pressure_source=valve"}), Contains("controller.pressure_source"));
+  CHECK_THAT(refusal(servo_table, {"controller.kind=pd_force"}), Contains("controller."));
+  CHECK_THAT(refusal(servo_table, {"controller.observer_gains=[1, 2]"}), Contains("three: l1, l2, l3"));
+  CHECK_THAT(refusal(servo_table, {"line_2.model=second_order_lag"}), Contains("line_2.model"));
+  CHECK_THAT(refusal(servo_table, {"controller.feedforward=none", "line_1.model=second_order_lag",
+                                   "line_2.model=second_order_lag", "line_1.natural_frequency_Hz=0"}),
              Contains("line_1.natural_frequency_Hz"));
-  CHECK_THAT(kind_refusal(servo_table, {"cylinder.linear_about_Pa=110000"}),
+  CHECK_THAT(refusal(servo_table, {"cylinder.linear_about_Pa=110000"}),
              Contains("cylinder.linear_about_Pa") && Contains("line_1.model: second_order_lag"));
   const std::vector<std::string> lags{"controller.feedforward=none", "line_1.model=second_order_lag",
                                       "line_2.model=second_order_lag", "line_1.natural_frequency_Hz=0",
@@ -104,9 +98,9 @@ TEST_CASE("what belongs to another kind of rig is refused with its line", "[conf
   };
   CHECK(parse_rig(servo_table, "rig.yaml", about("110000")).axis.cylinder.linear_about_Pa == 110000.0);
   for (const char* pressure_Pa : {"90000", "1.9e6"})
-    CHECK_THAT(kind_refusal(servo_table, about(pressure_Pa)),
+    CHECK_THAT(refusal(servo_table, about(pressure_Pa)),
                Contains("cylinder.linear_about_Pa") && Contains("air.atmosphere_Pa"));
-  CHECK_THAT(kind_refusal(servo_table + "effects: {sensor_gain:F: {gain: 2}}\n"), Contains("an unknown effect"));
+  CHECK_THAT(refusal(servo_table + "effects: {sensor_gain:F: {gain: 2}}\n"), Contains("an unknown effect"));
 }
 
 TEST_CASE("a servo table has the keys of its law and starts at the pressure that its feedforward counts on",

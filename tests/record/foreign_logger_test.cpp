@@ -15,6 +15,7 @@
 #include "record/field_text.hpp"
 #include "record/files.hpp"
 #include "record/import.hpp"
+#include "record/motion.hpp"
 #include "record/stamps.hpp"
 #include "record/units.hpp"
 
@@ -48,11 +49,6 @@ struct Logged {
     return out;
   }
 };
-
-std::string comma_decimals(std::string text) {
-  std::replace(text.begin(), text.end(), '.', ',');
-  return text;
-}
 
 /// Read by what its columns are taken for.
 Recording read_runs(const std::string& bytes, std::size_t runs = 1) {
@@ -249,7 +245,7 @@ TEST_CASE("what stands between the rows costs none of them") {
 TEST_CASE("a decimal sign that the first rows do not show is found behind them") {
   std::string text = "t_ms;x_m;u_V\n", quoted = "t_ms,x_m,u_V\n";
   for (int i = 0; i < 2 * logged_rows; ++i) {
-    const std::string x = i < logged_rows ? "0" : comma_decimals(fmt::format("{:.4f}", 1e-4 * (i - logged_rows + 1)));
+    const std::string x = i < logged_rows ? "0" : with_comma(fmt::format("{:.4f}", 1e-4 * (i - logged_rows + 1)));
     text += fmt::format("{};{};0\n", 2 * i, x);
     quoted += fmt::format("{},{},0\n", 2 * i, i < logged_rows ? x : "\"" + x + "\"");
   }

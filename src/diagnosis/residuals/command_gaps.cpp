@@ -17,17 +17,18 @@ bool holds_every_command(const ImposedInputs& inputs) {
   return inputs.command_samples == 1 && (inputs.steps == 1 || inputs.command_is_held);
 }
 
-/// Gas under the first commands less that under the others; empty where it cannot be simulated.
-GasCourse difference_of(const ImposedInputs& inputs, const ImposedInputs& others, const Rig& rig, const PlantGrid& grid,
-                        const StopQuestion& stop) {
+GasCourse gas_under(const ImposedInputs& inputs, const Rig& rig, const PlantGrid& grid, const StopQuestion& stop) {
   const std::array<ImposedRun, 1> run{{{&rig, {}}}};
-  GasCourse out = run_imposed(inputs, run, grid, stop)[0];
-  const GasCourse other = run_imposed(others, run, grid, stop)[0];
+  return std::move(run_imposed(inputs, run, grid, stop)[0]);
+}
+
+/// Empty where one of them cannot be simulated.
+GasCourse difference_of(GasCourse gas, const GasCourse& other) {
   for (const Signal signal : gas_signals) {
-    for (std::size_t k = 0; k < out[signal].size(); ++k) out[signal][k] -= other[signal][k];
-    if (!out[signal].empty() && !std::isfinite(out[signal].back())) return {};
+    for (std::size_t k = 0; k < gas[signal].size(); ++k) gas[signal][k] -= other[signal][k];
+    if (!gas[signal].empty() && !std::isfinite(gas[signal].back())) return {};
   }
-  return out;
+  return gas;
 }
 
 }  // namespace
@@ -42,28 +43,36 @@ GasCourse command_gap_error(const ImposedInputs& inputs, const Rig& rig, const P
       for (std::size_t i = 1; i < 2 * samples; ++i)
         command[k + i] =
             std::lerp(command[k], command[k + 2 * samples], static_cast<double>(i) / static_cast<double>(2 * samples));
-  return difference_of(inputs, sparse, rig, grid, stop);
+  return difference_of(gas_under(inputs, rig, grid, stop), gas_under(sparse, rig, grid, stop));
 }
 
-GasCourse unseen_command_change(const ImposedInputs& inputs, const Rig& rig, const PlantGrid& grid,
-                                const StopQuestion& stop) {
+std::vector<GasCourse> unseen_command_changes(const ImposedInputs& inputs, const Rig& rig, const PlantGrid& grid,
+                                              std::size_t draws, const StopQuestion& stop) {
   if (holds_every_command(inputs)) return {};
-  ImposedInputs drawn(inputs);
-  Random random(1);
+  const GasCourse known = gas_under(inputs, rig, grid, stop);
   const std::size_t steps_of_one = inputs.command_samples * static_cast<std::size_t>(inputs.steps);
+  const std::size_t first = inputs.first_command * static_cast<std::size_t>(inputs.steps);
+  std::array<double, 2> noise_V{};
   for (std::size_t valve = 0; valve < 2; ++valve) {
-    const std::vector<double>& command = inputs.command_V[valve];
     std::vector<double> recorded;
-    for (std::size_t k = inputs.first_command; k < command.size(); k += inputs.command_samples)
-      recorded.push_back(command[k]);
-    const double noise_V = usual_noise(recorded, inputs.period_s * static_cast<double>(inputs.command_samples));
-    const std::size_t first = inputs.first_command * static_cast<std::size_t>(inputs.steps);
-    std::vector<double>& quick = drawn.quick_command_V[valve];
-    quick.resize(command.size() * static_cast<std::size_t>(inputs.steps));
-    for (std::size_t i = 0; i < quick.size(); ++i)
-      if ((i + steps_of_one - first % steps_of_one) % steps_of_one != 0) quick[i] = noise_V * random.normal();
+    for (std::size_t k = inputs.first_command; k < inputs.command_V[valve].size(); k += inputs.command_samples)
+      recorded.push_back(inputs.command_V[valve][k]);
+    noise_V[valve] = usual_noise(recorded, inputs.period_s * static_cast<double>(inputs.command_samples));
   }
-  return difference_of(drawn, inputs, rig, grid, stop);
+  Random random(1);
+  std::vector<GasCourse> out;
+  for (std::size_t draw = 0; draw < draws; ++draw) {
+    ImposedInputs drawn(inputs);
+    for (std::size_t valve = 0; valve < 2; ++valve) {
+      std::vector<double>& quick = drawn.quick_command_V[valve];
+      quick.resize(inputs.command_V[valve].size() * static_cast<std::size_t>(inputs.steps));
+      for (std::size_t i = 0; i < quick.size(); ++i)
+        if ((i + steps_of_one - first % steps_of_one) % steps_of_one != 0) quick[i] = noise_V[valve] * random.normal();
+    }
+    out.push_back(difference_of(gas_under(drawn, rig, grid, stop), known));
+    if (out.back()[Signal::p1_port].empty()) return {};
+  }
+  return out;
 }
 
 std::vector<double> size_around(const std::vector<double>& error, double period_s) {

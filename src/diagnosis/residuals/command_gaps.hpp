@@ -11,10 +11,10 @@ namespace pneuservo {
 GasCourse command_gap_error(const ImposedInputs& inputs, const Rig& rig, const PlantGrid& grid,
                             const StopQuestion& stop = {});
 
-/// The same of one draw of commands between the recorded ones, as noisy as these are. A play or an overlap answers to
-/// the largest of them, so that its size is found too small.
-GasCourse unseen_command_change(const ImposedInputs& inputs, const Rig& rig, const PlantGrid& grid,
-                                const StopQuestion& stop = {});
+/// The same of so many draws of commands between the recorded ones, as noisy as these are. A play or an overlap answers
+/// to the largest of them, so that its size is found too small.
+std::vector<GasCourse> unseen_command_changes(const ImposedInputs& inputs, const Rig& rig, const PlantGrid& grid,
+                                              std::size_t draws, const StopQuestion& stop = {});
 
 /// Root mean square over the time that the model's error stays alike, around every sample.
 std::vector<double> size_around(const std::vector<double>& error, double period_s);

@@ -52,6 +52,9 @@ std::vector<double> slow_levels() {
 constexpr double ringing_effort =
     500.0;  // cells times sub-steps that show a line's ringing, though not at which length
 
+/// Draws of the commands that no row holds: their mean square tells that of all to a standard deviation of 0.7.
+constexpr std::size_t command_draws = 4;
+
 /// Hypotheses whose gas is held at once: 1 MB each for 24 s at 1 kHz, and full lanes for all threads.
 constexpr std::size_t most_at_once = 64;
 constexpr std::size_t most_known_rows = 15'000'000;  // of columns that are remembered: 120 MB
@@ -117,7 +120,7 @@ void add_means(ResidualRow& row, const ImposedInputs& inputs, const std::vector<
   }
 }
 
-double rms_drop(const GasCourse& course, std::size_t side) {
+double rms_drop(const SidedCourse& course, std::size_t side) {
   const std::vector<double>&port = course[port_signals[side]], &chamber = course[chamber_signals[side]];
   double sum = 0;
   for (std::size_t k = 0; k < port.size(); ++k) sum += (port[k] - chamber[k]) * (port[k] - chamber[k]);
@@ -125,12 +128,12 @@ double rms_drop(const GasCourse& course, std::size_t side) {
 }
 
 /// The model's own error of a channel of the gas, where nothing is missing.
-double floor_of(Signal signal, const std::vector<GasRuns::Course>& courses) {
+double floor_of(Signal signal, const std::vector<SidedCourse>& courses) {
   double size = 0;
-  for (const GasRuns::Course& course : courses) {
-    if (is_in_pascal(signal) && info(signal).side != 0) size = std::max(size, rms_drop(*course, side_of(signal)));
+  for (const SidedCourse& course : courses) {
+    if (is_in_pascal(signal) && info(signal).side != 0) size = std::max(size, rms_drop(course, side_of(signal)));
     if (is_in_pascal(signal)) continue;
-    const std::vector<double>& flow = (*course)[signal];
+    const std::vector<double>& flow = course[signal];
     const double squares = std::inner_product(flow.begin(), flow.end(), flow.begin(), 0.0);
     size = std::max(size, std::sqrt(squares / static_cast<double>(flow.size())));
   }
@@ -322,7 +325,7 @@ void CylinderResiduals::declare_answer(Stretch& stretch, const PossibleRinging& 
   const Hypothesis owner{owner_, {}};
   const auto gas = gas_->of(std::span(&owner, 1));
   const RecordedRigs rigs(owner_, recordings_);
-  const SampledCourse course = course_of(rigs, *gas[0][stretch.recording], stretch);
+  const SampledCourse course = course_of(rigs, gas[0][stretch.recording], stretch);
   const Eigen::VectorXd answer = stretch.answer.of(course.simulated);
   const double size = answer.norm();
   if (!std::isfinite(size)) {
@@ -344,7 +347,7 @@ void CylinderResiduals::declare_answer(Stretch& stretch, const PossibleRinging& 
     ports[Signal::p1_port] = possible_course.pressure[0];
     ports[Signal::p2_port] = possible_course.pressure[1];
     if (ports[signals_[stretch.channel]].empty()) continue;
-    off.emplace_back(stretch.answer.of(course_of(rigs, ports, stretch).simulated) - answer);
+    off.emplace_back(stretch.answer.of(course_of(rigs, SidedCourse(std::move(ports)), stretch).simulated) - answer);
   }
   for (const double rings : stretch.answer.turn_along(off)) {
     row.sigma = std::hypot(noise, answer_share * size, rings);
@@ -352,7 +355,7 @@ void CylinderResiduals::declare_answer(Stretch& stretch, const PossibleRinging& 
   }
 }
 
-std::vector<double> CylinderResiduals::chamber_pressure(const Rig& rig, const GasCourse& gas, std::size_t recording,
+std::vector<double> CylinderResiduals::chamber_pressure(const Rig& rig, const SidedCourse& gas, std::size_t recording,
                                                         std::size_t side) const {
   const CylinderRecording& data = recordings_[recording];
   const GaussianKernel& kernel = balances_[recording].kernel();
@@ -388,7 +391,7 @@ std::vector<double> CylinderResiduals::chamber_pressure(const Rig& rig, const Ga
   return out;
 }
 
-CylinderResiduals::SampledCourse CylinderResiduals::force_course(const Rig& rig, const GasCourse& gas,
+CylinderResiduals::SampledCourse CylinderResiduals::force_course(const Rig& rig, const SidedCourse& gas,
                                                                  std::size_t recording) const {
   const std::array<std::vector<double>, 2> p{chamber_pressure(rig, gas, recording, 0),
                                              chamber_pressure(rig, gas, recording, 1)};
@@ -406,7 +409,7 @@ CylinderResiduals::SampledCourse CylinderResiduals::force_course(const Rig& rig,
   return out;
 }
 
-CylinderResiduals::SampledCourse CylinderResiduals::course_of(const RecordedRigs& rigs, const GasCourse& gas,
+CylinderResiduals::SampledCourse CylinderResiduals::course_of(const RecordedRigs& rigs, const SidedCourse& gas,
                                                               const Stretch& stretch) const {
   const Rig& rig = rigs[stretch.recording];
   const Signal signal = signals_[stretch.channel];
@@ -422,12 +425,12 @@ double CylinderResiduals::less_noise(const Rig& rig, const Stretch& stretch) con
   return std::min(0.0, noise * noise - stretch.position_noise * stretch.position_noise);
 }
 
-Eigen::VectorXd CylinderResiduals::plain_column(const Rig& rig, const std::vector<GasRuns::Course>& gas) const {
+Eigen::VectorXd CylinderResiduals::plain_column(const Rig& rig, const std::vector<SidedCourse>& gas) const {
   Eigen::VectorXd out(static_cast<Eigen::Index>(rows_.size()));
   const RecordedRigs rigs(rig, recordings_);
   for (const Stretch& stretch : stretches_) {
     look_for_stop(stop_);
-    const SampledCourse course = course_of(rigs, *gas[stretch.recording], stretch);
+    const SampledCourse course = course_of(rigs, gas[stretch.recording], stretch);
     const double less = less_noise(rigs[stretch.recording], stretch);
     double* row = out.data() + stretch.first_row;
     for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
@@ -494,26 +497,34 @@ void CylinderResiduals::whiten(Eigen::Ref<Eigen::VectorXd> column) const {
                                          std::span(column.data() + stretch.first_row, stretch.bins.size()));
 }
 
-Eigen::VectorXd CylinderResiduals::unseen_commands(const Hypothesis& hypothesis) {
+Eigen::MatrixXd CylinderResiduals::unseen_commands(const Hypothesis& hypothesis) {
   const RecordedRigs rigs(hypothesis.rig, recordings_);
-  const std::vector<GasRuns::Course> gas = gas_->of(std::span(&hypothesis, 1)).front();
-  std::vector<GasRuns::Course> drawn = gas;
-  bool is_any = false;
-  for (std::size_t r = 0; r < recordings_.size(); ++r) {
+  std::vector<std::vector<GasCourse>> changes(recordings_.size());
+  in_parallel(recordings_.size(), jobs_, [&](std::size_t r) {
     const ImposedInputs& inputs = recordings_[r].inputs;
-    const GasCourse change =
-        unseen_command_change(inputs, rigs[r], grid_for(rigs[r], ringing_effort, inputs.step_s()), stop_);
-    if (change[Signal::p1_port].empty()) continue;
-    is_any = true;
-    GasCourse other = *gas[r];
-    for (const Signal signal : gas_signals)
-      for (std::size_t k = 0; k < other[signal].size(); ++k) other[signal][k] += change[signal][k];
-    drawn[r] = std::make_shared<const GasCourse>(std::move(other));
+    const PlantGrid grid = grid_for(rigs[r], ringing_effort, inputs.step_s());
+    changes[r] = unseen_command_changes(inputs, rigs[r], grid, command_draws, stop_);
+  });
+  if (std::ranges::all_of(changes, [](const auto& draws) { return draws.empty(); })) return {};
+  const std::vector<SidedCourse> gas = gas_->of(std::span(&hypothesis, 1)).front();
+  const Eigen::VectorXd known = plain_column(hypothesis.rig, gas);
+  Eigen::MatrixXd out(known.size(), static_cast<Eigen::Index>(command_draws));
+  for (std::size_t draw = 0; draw < command_draws; ++draw) {
+    std::vector<SidedCourse> drawn = gas;
+    for (std::size_t r = 0; r < recordings_.size(); ++r) {
+      if (changes[r].empty()) continue;
+      GasCourse other;
+      for (const Signal signal : gas_signals) {
+        other[signal] = gas[r][signal];
+        for (std::size_t k = 0; k < other[signal].size(); ++k) other[signal][k] += changes[r][draw][signal][k];
+      }
+      drawn[r] = SidedCourse(std::move(other));
+    }
+    const auto column = static_cast<Eigen::Index>(draw);
+    out.col(column) = plain_column(hypothesis.rig, drawn) - known;
+    whiten(out.col(column));
   }
-  if (!is_any) return {};
-  Eigen::VectorXd out = plain_column(hypothesis.rig, drawn) - plain_column(hypothesis.rig, gas);
-  whiten(out);
-  return out.allFinite() ? out : Eigen::VectorXd();
+  return out.allFinite() ? out : Eigen::MatrixXd();
 }
 
 void CylinderResiduals::set_working_point(const Hypothesis& hypothesis) {
@@ -562,7 +573,7 @@ std::vector<ChannelMisfit> CylinderResiduals::sample_misfit(const Hypothesis& hy
   std::vector<std::array<double, 2>> squares(channels_.size()), counts(channels_.size());
   const RecordedRigs rigs(hypothesis.rig, recordings_);
   for (const Stretch& stretch : stretches_) {
-    const SampledCourse course = course_of(rigs, *gas[0][stretch.recording], stretch);
+    const SampledCourse course = course_of(rigs, gas[0][stretch.recording], stretch);
     for (std::size_t b = 0; b < stretch.bins.size(); ++b) {
       const std::size_t held_out = rows_[stretch.first_row + b].held_out;
       for (std::size_t k = stretch.bins[b].first; k < stretch.bins[b].first + stretch.bins[b].count; ++k) {
@@ -583,7 +594,7 @@ std::vector<ResidualCourse> CylinderResiduals::courses(const Hypothesis& hypothe
   const RecordedRigs rigs(hypothesis.rig, recordings_);
   std::vector<ResidualCourse> out;
   for (const Stretch& stretch : stretches_) {
-    const SampledCourse course = course_of(rigs, *gas[0][stretch.recording], stretch);
+    const SampledCourse course = course_of(rigs, gas[0][stretch.recording], stretch);
     ResidualCourse compared{static_cast<int>(stretch.channel), static_cast<int>(stretch.recording), {}, {}, {}};
     for (std::size_t k = 0; k < stretch.usable.size(); ++k) {
       if (!stretch.usable[k]) continue;

@@ -46,7 +46,7 @@ class CylinderResiduals final : public ResidualModel {
   }
   void drop_slow_error() override { slow_errors_.assign(channels_.size(), {}); }
   std::vector<LatentInput> latent_inputs(const Hypothesis& hypothesis) override;
-  Eigen::VectorXd unseen_commands(const Hypothesis& hypothesis) override;
+  Eigen::MatrixXd unseen_commands(const Hypothesis& hypothesis) override;
   std::vector<ChannelMisfit> sample_misfit(const Hypothesis& hypothesis) override;
   std::vector<ResidualCourse> courses(const Hypothesis& hypothesis) override;
 
@@ -88,9 +88,9 @@ class CylinderResiduals final : public ResidualModel {
   /// gain by the noise that it does not follow. Noise that a rig enlarges does not excuse what is missing: it lies
   /// elsewhere.
   double less_noise(const Rig& rig, const Stretch& stretch) const;
-  SampledCourse course_of(const RecordedRigs& rigs, const GasCourse& gas, const Stretch& stretch) const;
-  SampledCourse force_course(const Rig& rig, const GasCourse& gas, std::size_t recording) const;
-  std::vector<double> chamber_pressure(const Rig& rig, const GasCourse& gas, std::size_t recording,
+  SampledCourse course_of(const RecordedRigs& rigs, const SidedCourse& gas, const Stretch& stretch) const;
+  SampledCourse force_course(const Rig& rig, const SidedCourse& gas, std::size_t recording) const;
+  std::vector<double> chamber_pressure(const Rig& rig, const SidedCourse& gas, std::size_t recording,
                                        std::size_t side) const;
   LatentInput::Piece latent_piece(const BumpTimes& bumps, std::size_t recording) const;
   /// `supply_answers`: of each recording, to a supply at the valves that is higher than measured.
@@ -110,7 +110,7 @@ class CylinderResiduals final : public ResidualModel {
   /// Residual in sigmas, slow errors still in it; remembered, for fits come back to where they were.
   std::vector<Column> plain_columns(std::span<const Hypothesis> hypotheses);
   void whiten(Eigen::Ref<Eigen::VectorXd> column) const;  ///< takes the slow errors out
-  Eigen::VectorXd plain_column(const Rig& rig, const std::vector<GasRuns::Course>& gas) const;
+  Eigen::VectorXd plain_column(const Rig& rig, const std::vector<SidedCourse>& gas) const;
 
   Rig owner_;
   std::vector<CylinderRecording> recordings_;

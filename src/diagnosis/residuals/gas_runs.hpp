@@ -1,4 +1,5 @@
-// Gas courses of many hypotheses over all recordings: lanes, threads, what was run already, and the grid's own error.
+// Gas courses of many hypotheses over all recordings: sides, lanes, threads, what was run already, the grid's own
+// error.
 #pragma once
 #include <functional>
 #include <list>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "diagnosis/recordings/cylinder_recording.hpp"
+#include "diagnosis/residuals/gas_sides.hpp"
 #include "diagnosis/residuals/residual_model.hpp"
 
 namespace pneuservo {
@@ -26,46 +28,41 @@ struct NumberCollector {
   }
 };
 
+/// Hypotheses that differ on one side alone share the gas of the other.
 class GasRuns {
  public:
-  using Course = std::shared_ptr<const GasCourse>;
-
   GasRuns(const Rig& owner, const std::vector<CylinderRecording>& recordings, int jobs, StopQuestion stop = {});
 
   /// Asked within every run; true ends it with DiagnosisStopped.
   void set_stop(StopQuestion stop) { stop_ = std::move(stop); }
   /// Course of hypothesis i over recording r at [i][r], with the grid's error at the working point taken out.
-  std::vector<std::vector<Course>> of(std::span<const Hypothesis> hypotheses);
+  std::vector<std::vector<SidedCourse>> of(std::span<const Hypothesis> hypotheses);
   static ImposedRun run_of(const RecordedRigs& rigs, const Hypothesis& hypothesis, std::size_t recording);
   /// Takes the difference of a fine grid and the work grid at this hypothesis for the grid's error.
   void set_working_point(const Hypothesis& hypothesis);
 
  private:
-  using Key = std::vector<double>;  ///< every number that the gas depends on
+  using Key = std::vector<double>;  ///< every number that the gas of a side depends on
   struct Stored {
-    Course course;
+    SidedCourse::Half half;
     std::list<const Key*>::iterator use;
   };
-  /// Hypotheses that are simulated side by side over one recording.
-  struct Batch {
-    std::size_t recording;
-    std::vector<std::size_t> hypotheses;
-    std::vector<ImposedRun> runs;
-    std::vector<Key> keys;
-    std::vector<Course> courses;
+  /// The gas of one side of one recording by its numbers; the last used ones.
+  struct Known {
+    std::map<Key, Stored> halves;
+    std::list<const Key*> order;  ///< the last used first
+    SidedCourse::Half find(const Key& key);
+    void add(const Key& key, SidedCourse::Half half);
   };
-  /// Simulates a batch and takes the grid's error out.
-  void compute(Batch& batch) const;
-  Key key_of(const ImposedRun& run, std::size_t recording) const;
-  void remember(std::size_t recording, Key key, Course course);
+  /// Simulates runs of a recording and takes the grid's error out.
+  std::vector<SidedCourse> simulate(std::size_t recording, std::span<const ImposedRun> runs) const;
 
   const std::vector<CylinderRecording>& recordings_;
   int jobs_;
   StopQuestion stop_;
-  std::vector<PlantGrid> work_grid_, fine_grid_;     ///< of each recording, whose line may be another
-  std::vector<std::map<Key, Stored>> known_;         ///< of each recording, without the grid's error
-  std::vector<std::list<const Key*>> order_;         ///< of each recording, the last used first
-  std::vector<GasCourse> grid_error_;                ///< of each recording: fine less work; empty: none
+  std::vector<PlantGrid> work_grid_, fine_grid_;  ///< of each recording, whose line may be another
+  std::vector<std::array<Known, 2>> known_;       ///< of each recording and side
+  std::vector<GasCourse> grid_error_;             ///< of each recording: fine less work; empty: none
 };
 
 }  // namespace pneuservo

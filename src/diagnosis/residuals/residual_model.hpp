@@ -120,9 +120,9 @@ class ResidualModel {
   /// Rows over a whole recording have none. Empty: the model knows none.
   virtual std::vector<LatentInput> latent_inputs(const Hypothesis&) { return {}; }
 
-  /// What commands that no row holds may change about this hypothesis: one draw of them, in sigmas of the rows. Empty:
-  /// rows hold all of them.
-  virtual Eigen::VectorXd unseen_commands(const Hypothesis&) { return {}; }
+  /// What commands that no row holds may change about this hypothesis, in sigmas of the rows, each column a draw of
+  /// them. Empty: rows hold all of them.
+  virtual Eigen::MatrixXd unseen_commands(const Hypothesis&) { return {}; }
 
   /// Over samples instead of bins, one entry a channel.
   virtual std::vector<ChannelMisfit> sample_misfit(const Hypothesis& hypothesis) = 0;

@@ -20,8 +20,8 @@ class FittedRows {
 
   /// Residuals of the fitted rows, a column a hypothesis.
   Eigen::MatrixXd operator()(const std::vector<Hypothesis>& hypotheses);
-  /// Of a value for each row, those that are fitted.
-  Eigen::VectorXd of(const Eigen::VectorXd& all) const { return all(fitted_); }
+  /// Of values for each row, those that are fitted.
+  Eigen::MatrixXd of(const Eigen::MatrixXd& all) const { return all(fitted_, Eigen::all); }
   /// For what takes long between two batches; throws DiagnosisStopped.
   void look() const { look_for_stop(stop_); }
   Eigen::Index count() const { return static_cast<Eigen::Index>(fitted_.size()); }

@@ -28,12 +28,14 @@ bool is_at_bound(const FreeParameter& fitted, double z, double neutral) {
   return ends_at(fitted.lower) || ends_at(fitted.upper);
 }
 
-/// How far commands that no row holds may move the numbers of the chosen explanation, in z; zero where rows hold all.
+/// How far commands that no row holds may move the numbers of the chosen explanation, in z, root mean square; zero
+/// where rows hold all.
 Eigen::VectorXd moved_by_unseen_commands(ResidualModel& model, const Fit& fit) {
-  Eigen::VectorXd out = Eigen::VectorXd::Zero(fit.z.size());
-  const Eigen::VectorXd unseen = model.unseen_commands(fit.hypothesis());
-  if (unseen.size() > 0) out = fit.covariance() * (fit.jacobian.transpose() * FittedRows(model, {}).of(unseen));
-  return out;
+  const Eigen::MatrixXd unseen = model.unseen_commands(fit.hypothesis());
+  if (unseen.size() == 0) return Eigen::VectorXd::Zero(fit.z.size());
+  const Eigen::MatrixXd moved =
+      fit.covariance() * (fit.jacobian.transpose() * FittedRows(model, {}).of(unseen));  // of each draw
+  return moved.rowwise().squaredNorm().cwiseSqrt() / std::sqrt(static_cast<double>(moved.cols()));
 }
 
 /// `moved`: by what no row holds, in z; empty: none.

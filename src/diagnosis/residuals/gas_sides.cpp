@@ -1,0 +1,87 @@
+// The gas of a cylinder's two sides.
+#include "diagnosis/residuals/gas_sides.hpp"
+
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace pneuservo {
+
+namespace {
+
+/// Side that a key names (line_1, dead_volume_2_m3): 1 or 2; 0: none.
+std::size_t side_in(std::string_view key) {
+  for (const std::string_view end : {"_1", "_2"})
+    if (key.ends_with(end) || key.find(std::string(end) + "_") != std::string_view::npos)
+      return static_cast<std::size_t>(end.back() - '0');
+  return 0;
+}
+
+/// Calls what(side, value...) for every number of parameter structs; side 0: of both.
+template <class What> struct EachNumber {
+  What& what;
+  std::size_t side = 0;
+  template <class T, class... More> void operator()(const Field& field, T& value, More&... more) const {
+    const std::size_t here = side != 0 ? side : side_in(field.key);
+    using Value = std::remove_cvref_t<T>;
+    if constexpr (std::is_arithmetic_v<Value>) what(here, value, more...);
+    else if constexpr (std::is_enum_v<Value>) what(0, value, more...);  // a plant's choices are those of both sides
+    else Value::visit(EachNumber{what, here}, value, more...);
+  }
+};
+
+bool exchange_gas(const AxisEffects<double>& effects) {
+  return effects.piston_leak.area_m2 > 0 || effects.piston_leak_zone.area_m2 > 0 || effects.supply_droop.area_m2 > 0;
+}
+
+}  // namespace
+
+SidedCourse::SidedCourse(GasCourse whole) {
+  std::array<GasCourse, 2> halves;
+  for (const Signal signal : gas_signals) halves[side_of(signal)][signal] = std::move(whole[signal]);
+  for (std::size_t side = 0; side < 2; ++side)
+    halves_[side] = std::make_shared<const GasCourse>(std::move(halves[side]));
+}
+
+bool SidedCourse::is_finite(std::size_t side) const {
+  return std::isfinite((*this)[port_signals[side]].back()) && std::isfinite((*this)[chamber_signals[side]].back());
+}
+
+GasNumbers gas_numbers(const ImposedRun& run, const ImposedInputs& inputs, bool is_flow_wanted) {
+  AxisParameters<double> axis = run.rig->axis;
+  const bool are_apart = !is_flow_wanted && !exchange_gas(axis.effects);
+  axis.slider = {};
+  axis.effects.motion = {};
+  GasNumbers out;
+  const auto numbers_of = [&](std::size_t side) -> std::vector<double>& {
+    return side == 0 || !are_apart ? out.of_both : out.of_side[side - 1];
+  };
+  const auto collect = [&](std::size_t side, const auto& value) {
+    numbers_of(side).push_back(static_cast<double>(value));
+  };
+  const EachNumber<const decltype(collect)> collect_all{collect};
+  const PerSignal<SensorEffects<double>>& sensors = run.rig->sensor_effects;
+  AxisParameters<double>::visit(collect_all, axis);
+  SensorEffects<double>::visit(collect_all, sensors[Signal::x]);
+  if (!inputs.supply_Pa.empty()) SensorEffects<double>::visit(collect_all, sensors[Signal::p_supply]);
+  for (std::size_t side = 1; side <= 2; ++side) {
+    SensorEffects<double>::visit(EachNumber<const decltype(collect)>{collect, side},
+                                 sensors[inputs.start_sensor[side - 1]]);
+    numbers_of(side).push_back(run.start_factor[side - 1]);
+  }
+  return out;
+}
+
+ImposedRun side_by_side(const ImposedRun& first, const ImposedRun& second, const ImposedInputs& inputs, Rig& rig) {
+  rig = *first.rig;
+  const auto take = [](std::size_t side, auto& to, const auto& from) {
+    if (side == 2) to = from;
+  };
+  AxisParameters<double>::visit(EachNumber<const decltype(take)>{take}, rig.axis, second.rig->axis);
+  const Signal sensor = inputs.start_sensor[1];
+  rig.sensor_effects[sensor] = second.rig->sensor_effects[sensor];
+  return {&rig, {first.start_factor[0], second.start_factor[1]}};
+}
+
+}  // namespace pneuservo

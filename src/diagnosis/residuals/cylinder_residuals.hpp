@@ -15,6 +15,9 @@
 
 namespace pneuservo {
 
+/// Cells times sub-steps a step and line that show a line's ringing, though not at which length.
+inline constexpr double ringing_effort = 500.0;
+
 struct CylinderResidualsSettings {
   int jobs = 2;             ///< threads; they never change a number
   double longest_s = 1e9;   ///< of each recording, at most

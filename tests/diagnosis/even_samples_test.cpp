@@ -173,8 +173,8 @@ TEST_CASE("the usual noise of a command is that of its motion where it is still 
   for (const double period_s : {1e-3, 4e-3, 0.01}) {
     std::vector<double> command_V;  // a coarse encoder: noise in three quarters of the time, steps, and none at rest
     for (double t = 0; t < 32; t += period_s) {
-      const bool rests = std::fmod(t, 3.2) > 2.4;
-      const double motion_V = 2 * std::sin(2 * 3.14159265 * 1.5 * t) + (std::fmod(t, 2.0) > 1.0 ? 1.0 : 0.0);
+      const bool rests = std::fmod(t, 6.4) > 4.8;
+      const double motion_V = 2 * std::sin(2 * 3.14159265 * 1.5 * t) + (std::fmod(t, 8.0) > 4.0 ? 1.0 : 0.0);
       command_V.push_back(rests ? 0.5 : motion_V + 0.05 * normal(generator));
     }
     CAPTURE(period_s);

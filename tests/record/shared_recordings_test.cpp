@@ -7,7 +7,7 @@
 
 using namespace pneuservo;
 
-TEST_CASE("all shared recordings read") {
+TEST_CASE("all shared recordings read", "[optimised]") {
   const char* given = std::getenv("PNEUSERVO_SHARED");
   const std::filesystem::path shared =
       given != nullptr ? std::filesystem::path(given) : std::filesystem::path(PNEUSERVO_SOURCE_DIR) / "../shared";

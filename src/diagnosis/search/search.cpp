@@ -64,7 +64,7 @@ void Search::take_defect_at_best(std::size_t members) {
   if (best == nullptr || best->log_evidence - owner_.log_evidence < rules_.grid_error_gain) return;
   // Fitted to its end there first, and once more at the error that it has there: a fit that moves on leaves an error.
   for (int round = 0; round < 2; ++round) {
-    polish({&tried_.at(best->members)}, 6, true);
+    polish({&tried_.at(best->members)}, 6, Anew::all);
     rows_.model().set_working_point(best->fit.hypothesis());
   }
   working_point_ = best->members;
@@ -72,7 +72,7 @@ void Search::take_defect_at_best(std::size_t members) {
   if (members > 1)
     for (Explanation* e : rivals(members - 1, settings_.rival_distance, 2)) again.push_back(e);
   again.push_back(&owner_);
-  polish(again, 2, false);
+  polish(again, 2, Anew::own);
   owner_.log_evidence = std::max(owner_.log_evidence, owner_evidence_at_home_);
   linearise(rows_, {&as_configured_});
 }
@@ -82,7 +82,7 @@ bool Search::settle(const Explanation& explanation) {
   Explanation& own = explanation.members.empty() ? owner_ : tried_.at(explanation.members);
   rows_.model().set_working_point(own.fit.hypothesis());
   working_point_ = own.members;
-  polish({&own}, 6, true);
+  polish({&own}, 6, Anew::all);
   linearise(rows_, {&as_configured_});
   return true;
 }
@@ -158,7 +158,7 @@ void Search::take_defect_at_owner() {
   rows_.model().set_working_point(owner_.fit.hypothesis());
   working_point_.clear();
   linearise(rows_, {&as_configured_});
-  polish({&owner_}, 4, true);
+  polish({&owner_}, 4, Anew::all);
   if (!settings_.grow_floor) owner_evidence_at_home_ = owner_.log_evidence;
 }
 
@@ -175,7 +175,7 @@ std::pair<double, Explanation*> Search::best_beside_own_error(std::size_t member
   ranked.resize(std::min(ranked.size(), settings_.polished));
   for (auto& [evidence, explanation] : ranked) {
     rows_.model().take_slow_error(explanation->fit.hypothesis());
-    polish({explanation}, 4, true);
+    polish({explanation}, 4, Anew::all);
     evidence = beside_own_error(*explanation);
   }
   return *std::max_element(ranked.begin(), ranked.end(), is_behind);
@@ -195,7 +195,7 @@ void Search::take_floor_at_best() {
   std::vector<Explanation*> again = all_tried(1);
   for (Explanation* e : all_tried(2)) again.push_back(e);
   again.push_back(&owner_);
-  polish(again, 2, true);
+  polish(again, 2, Anew::others_once);
   linearise(rows_, {&as_configured_});
   polish_best(1);
   if (floor->members.size() == 2) polish_best(2);
@@ -205,7 +205,7 @@ const Explanation* Search::pair_beside(const Explanation& first, double first_ev
   // Beside its own slow error every explanation is at its floor.
   const double needed = rules_.next_gain_at_floor;
   rows_.model().take_slow_error(first.fit.hypothesis());
-  polish({&tried_.at(first.members)}, 1, true);
+  polish({&tried_.at(first.members)}, 1, Anew::all);
   const std::vector<Screened> screened = Screening(rows_, first.fit, candidates_, others(first.members)).singles();
   refit(first.fit, first.members, worth_refitting(screened, settings_.refits));
   double promised = 0;
@@ -309,7 +309,7 @@ std::vector<double> Search::gains_of_names(const Explanation& other) {
   }
   std::vector<Explanation*> moving;
   for (Explanation& explanation : fitted) moving.push_back(&explanation);
-  polish(moving, 6, true);
+  polish(moving, 6, Anew::all);
   std::vector<double> gains;
   for (std::size_t i = 1; i < fitted.size(); ++i) gains.push_back(fitted.front().log_evidence - fitted[i].log_evidence);
   return gains;

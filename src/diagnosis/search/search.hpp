@@ -123,7 +123,10 @@ class Search {
   void move_to_best_share(std::vector<Explanation>& attempts, const std::vector<std::vector<Screened>>& starts);
   void add_families(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& screened);
   double log_evidence(const Explanation& explanation) const;
-  void polish(const std::vector<Explanation*>& explanations, int iterations, bool all_columns);
+  /// Which derivatives are taken anew: those by an explanation's own numbers at every step, by the others never, where
+  /// the fits begin, or at every step.
+  enum class Anew { own, others_once, all };
+  void polish(const std::vector<Explanation*>& explanations, int iterations, Anew anew);
   /// Fits that began apart may end in different valleys of the tolerances: dry friction and a leak of a chamber, 164 in
   /// chi2 above where the same friction beside a leak of its line stood; offsets of two sensors that are one model, 46
   /// in log evidence apart. The best is fitted once more from where each rival stands in what they share, and each

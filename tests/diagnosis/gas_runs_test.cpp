@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <random>
+#include <span>
+#include <utility>
 
 #include <catch2/catch.hpp>
 
@@ -42,30 +44,46 @@ std::vector<double> course_of(const GasCourse& gas, std::size_t side) {
 
 }  // namespace
 
-TEST_CASE("a number that is said to act on one side alone leaves the gas of the other as it is") {
-  Rig rig = test::toleranced_cylinder_rig(2.0, 6.1e-3);
-  const Recording recording = test::simulated_recording(rig, 2.0, 1, {"p1_port_Pa", "p2_port_Pa"});
-  const CylinderRecording prepared = prepare_recording(recording, rig, 2.0);
-  const PlantGrid grid = grid_for(rig, 40, prepared.inputs.step_s());
-  const std::vector<Hypothesis> moved = moved_hypotheses(rig);
-  const std::array<ImposedRun, 1> owner{{{&rig, {}}}};
-  const GasCourse before = run_imposed(prepared.inputs, owner, grid)[0];
-  const GasNumbers own = gas_numbers(owner[0], prepared.inputs, false);
-  std::array<int, 2> kept{};
-  for (const Hypothesis& hypothesis : moved) {
-    const std::array<ImposedRun, 1> run{
-        {{&hypothesis.rig, {hypothesis.start_factors[0], hypothesis.start_factors[1]}}}};
-    const GasNumbers numbers = gas_numbers(run[0], prepared.inputs, false);
-    const GasCourse gas = run_imposed(prepared.inputs, run, grid)[0];
-    for (std::size_t side = 0; side < 2; ++side) {
-      const bool is_same = numbers.of_both == own.of_both && numbers.of_side[side] == own.of_side[side];
-      if (!is_same) continue;
-      CHECK(course_of(gas, side) == course_of(before, side));
-      kept[side] += course_of(gas, 1 - side) != course_of(before, 1 - side);
+TEST_CASE("a number that is said to act on one side alone leaves the gas of the other as it is, whatever the rig has") {
+  const Rig owner = test::toleranced_cylinder_rig(2.0, 6.1e-3);
+  const Recording recording = test::simulated_recording(owner, 2.0, 1, {"p1_port_Pa", "p2_port_Pa"});
+  const CylinderRecording prepared = prepare_recording(recording, owner, 2.0);
+  const PlantGrid grid = grid_for(owner, 40, prepared.inputs.step_s());
+  const auto gas_of = [&](const Hypothesis& hypothesis) {
+    const std::vector<double>& factors = hypothesis.start_factors;
+    const ImposedRun run{&hypothesis.rig, {factors[0], factors[1]}};
+    return std::pair(gas_numbers(run, prepared.inputs, false),
+                     run_imposed(prepared.inputs, std::span(&run, 1), grid)[0]);
+  };
+  std::vector<std::pair<Hypothesis, Hypothesis>> pairs;  // alike but for numbers of which some are of one side
+  for (const Hypothesis& hypothesis : moved_hypotheses(owner)) {
+    pairs.emplace_back(Hypothesis{owner, {0.0, 0.0}}, hypothesis);
+    for (const bool is_second : {false, true}) {
+      pairs.emplace_back(hypothesis, hypothesis);  // with whatever effect it has
+      Hypothesis& other = pairs.back().second;
+      (is_second ? other.rig.axis.line_2 : other.rig.axis.line_1).length_m *= 1.02;
+      (is_second ? other.rig.axis.cylinder.dead_volume_2_m3 : other.rig.axis.cylinder.dead_volume_1_m3) *= 1.3;
+      other.start_factors[is_second] += 0.001;
     }
   }
-  CAPTURE(moved.size());
-  for (const int count : kept) CHECK(count > 20);  // lengths, volumes, leaks and the like of the other side
+  std::array<int, 2> kept{};
+  int changed = 0;
+  for (const auto& [one, other] : pairs) {
+    const auto [numbers, gas] = gas_of(one);
+    const auto [other_numbers, other_gas] = gas_of(other);
+    for (std::size_t side = 0; side < 2; ++side) {
+      const bool is_other_way = course_of(gas, 1 - side) != course_of(other_gas, 1 - side);
+      if (numbers.of_both == other_numbers.of_both && numbers.of_side[side] == other_numbers.of_side[side]) {
+        CHECK(course_of(gas, side) == course_of(other_gas, side));
+        kept[side] += is_other_way;
+      } else if (one.rig.axis.line_1.length_m != other.rig.axis.line_1.length_m && side == 1) {
+        changed += course_of(gas, 1) != course_of(other_gas, 1);  // said to act on both
+      }
+    }
+  }
+  CAPTURE(pairs.size());
+  for (const int count : kept) CHECK(count > 60);
+  CHECK(changed >= 3);  // through a leak of the piston, one about a place, and a supply that droops
 }
 
 TEST_CASE("hypotheses that share runs have the gas that each has by itself") {

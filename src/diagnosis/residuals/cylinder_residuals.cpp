@@ -426,7 +426,8 @@ std::vector<CylinderResiduals::Column> CylinderResiduals::plain_columns(std::spa
   std::vector<std::size_t> missing;
   std::vector<Hypothesis> wanted;
   for (std::size_t i = 0; i < hypotheses.size(); ++i) {
-    const NumberCollector collect{keys[i]};
+    const auto keep = [&](std::size_t, const auto& value) { keys[i].push_back(static_cast<double>(value)); };
+    const EachNumber<decltype(keep)> collect{keep};
     AxisParameters<double>::visit(collect, hypotheses[i].rig.axis);
     for (const SensorEffects<double>& sensor : hypotheses[i].rig.sensor_effects.all)
       SensorEffects<double>::visit(collect, sensor);

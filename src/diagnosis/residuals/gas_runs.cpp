@@ -20,8 +20,6 @@ namespace {
 constexpr double work_effort_per_s = 40e3, fine_effort_per_s = 2000e3;
 constexpr std::size_t most_known = 64;  // halves of courses kept of each side of each recording, 0.25 MB each for 8 s
 
-bool finite(const GasCourse& course) { return std::isfinite(course[Signal::p1_port].back()); }
-
 /// As run_imposed; a rig that an element refuses has a course of NaN, which drops that hypothesis and no other.
 std::vector<GasCourse> run_or_drop(const ImposedInputs& inputs, std::span<const ImposedRun> runs, const PlantGrid& grid,
                                    const StopQuestion& stop) {
@@ -163,6 +161,7 @@ std::vector<SidedCourse> GasRuns::simulate(std::size_t recording, std::span<cons
   for (GasCourse& course : run_or_drop(recordings_[recording].inputs, runs, work_grid_[recording], stop_)) {
     for (const Signal signal : gas_signals)
       for (std::size_t k = 0; k < error[signal].size(); ++k) course[signal][k] += error[signal][k];
+    if (!is_flow_wanted(recording)) course[Signal::supply_flow].clear();  // of sides of two hypotheses it is nobody's
     out.emplace_back(std::move(course));
   }
   return out;
@@ -175,10 +174,9 @@ std::vector<std::vector<SidedCourse>> GasRuns::of(std::span<const Hypothesis> hy
   std::vector<Asked> asked(recordings_.size());
   std::deque<Batch> batches;  // runs point to rigs in them
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
-    const bool is_flow_wanted = !recordings_[r].measured[Signal::supply_flow].empty();
     for (std::size_t i = 0; i < hypotheses.size(); ++i) {
       asked[r].runs.push_back(run_of(rigs[i], hypotheses[i], r));
-      GasNumbers numbers = gas_numbers(asked[r].runs.back(), recordings_[r].inputs, is_flow_wanted);
+      GasNumbers numbers = gas_numbers(asked[r].runs.back(), recordings_[r].inputs, is_flow_wanted(r));
       asked[r].of_run.emplace_back();
       for (std::size_t side = 0; side < 2; ++side) {
         Key key = numbers.of_both;
@@ -197,7 +195,7 @@ std::vector<std::vector<SidedCourse>> GasRuns::of(std::span<const Hypothesis> hy
     for (std::size_t i = 0; i < batch.runs.size(); ++i)
       for (std::size_t side = 0; side < 2; ++side) {
         const Missing* wanted = batch.sides[i][side];
-        if (wanted == nullptr || !batch.courses[i].is_finite(side)) continue;
+        if (wanted == nullptr || !is_finite(*batch.courses[i].half(side), side)) continue;
         *wanted->half = batch.courses[i].half(side);
         known_[batch.recording][side].add(*wanted->key, *wanted->half);
       }
@@ -228,7 +226,8 @@ void GasRuns::set_working_point(const Hypothesis& hypothesis) {
         run_imposed(recordings_[r].inputs, run, (is_fine ? fine_grid_ : work_grid_)[r], stop_)[0];
   });
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
-    if (!finite(fine[r]) || !finite(work[r])) continue;
+    const auto is_whole = [](const GasCourse& gas) { return is_finite(gas, 0) && is_finite(gas, 1); };
+    if (!is_whole(fine[r]) || !is_whole(work[r])) continue;
     for (const Signal signal : gas_signals)
       for (std::size_t k = 0; k < fine[r][signal].size(); ++k) fine[r][signal][k] -= work[r][signal][k];
     grid_error_[r] = std::move(fine[r]);

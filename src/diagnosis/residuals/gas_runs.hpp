@@ -18,16 +18,6 @@ namespace pneuservo {
 /// them and is thrown on.
 void in_parallel(std::size_t count, int jobs, const std::function<void(std::size_t)>& work);
 
-/// Every number of a parameter struct, in its order: what a memory of results goes by.
-struct NumberCollector {
-  std::vector<double>& numbers;
-  template <class T> void operator()(const Field&, const T& value) const {
-    if constexpr (std::is_arithmetic_v<T>) numbers.push_back(static_cast<double>(value));
-    else if constexpr (std::is_enum_v<T>) numbers.push_back(static_cast<double>(static_cast<int>(value)));
-    else T::visit(*this, value);
-  }
-};
-
 /// Hypotheses that differ on one side alone share the gas of the other.
 class GasRuns {
  public:
@@ -54,6 +44,9 @@ class GasRuns {
     SidedCourse::Half find(const Key& key);
     void add(const Key& key, SidedCourse::Half half);
   };
+  bool is_flow_wanted(std::size_t recording) const {
+    return !recordings_[recording].measured[Signal::supply_flow].empty();
+  }
   /// Simulates runs of a recording and takes the grid's error out.
   std::vector<SidedCourse> simulate(std::size_t recording, std::span<const ImposedRun> runs) const;
 

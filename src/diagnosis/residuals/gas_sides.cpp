@@ -2,34 +2,10 @@
 #include "diagnosis/residuals/gas_sides.hpp"
 
 #include <cmath>
-#include <string>
-#include <string_view>
-#include <type_traits>
 
 namespace pneuservo {
 
 namespace {
-
-/// Side that a key names (line_1, dead_volume_2_m3): 1 or 2; 0: none.
-std::size_t side_in(std::string_view key) {
-  for (const std::string_view end : {"_1", "_2"})
-    if (key.ends_with(end) || key.find(std::string(end) + "_") != std::string_view::npos)
-      return static_cast<std::size_t>(end.back() - '0');
-  return 0;
-}
-
-/// Calls what(side, value...) for every number of parameter structs; side 0: of both.
-template <class What> struct EachNumber {
-  What& what;
-  std::size_t side = 0;
-  template <class T, class... More> void operator()(const Field& field, T& value, More&... more) const {
-    const std::size_t here = side != 0 ? side : side_in(field.key);
-    using Value = std::remove_cvref_t<T>;
-    if constexpr (std::is_arithmetic_v<Value>) what(here, value, more...);
-    else if constexpr (std::is_enum_v<Value>) what(0, value, more...);  // a plant's choices are those of both sides
-    else Value::visit(EachNumber{what, here}, value, more...);
-  }
-};
 
 bool exchange_gas(const AxisEffects<double>& effects) {
   return effects.piston_leak.area_m2 > 0 || effects.piston_leak_zone.area_m2 > 0 || effects.supply_droop.area_m2 > 0;
@@ -44,8 +20,8 @@ SidedCourse::SidedCourse(GasCourse whole) {
     halves_[side] = std::make_shared<const GasCourse>(std::move(halves[side]));
 }
 
-bool SidedCourse::is_finite(std::size_t side) const {
-  return std::isfinite((*this)[port_signals[side]].back()) && std::isfinite((*this)[chamber_signals[side]].back());
+bool is_finite(const GasCourse& gas, std::size_t side) {
+  return std::isfinite(gas[port_signals[side]].back()) && std::isfinite(gas[chamber_signals[side]].back());
 }
 
 GasNumbers gas_numbers(const ImposedRun& run, const ImposedInputs& inputs, bool is_flow_wanted) {
@@ -60,14 +36,13 @@ GasNumbers gas_numbers(const ImposedRun& run, const ImposedInputs& inputs, bool 
   const auto collect = [&](std::size_t side, const auto& value) {
     numbers_of(side).push_back(static_cast<double>(value));
   };
-  const EachNumber<const decltype(collect)> collect_all{collect};
+  const EachNumber<decltype(collect)> collect_all{collect};
   const PerSignal<SensorEffects<double>>& sensors = run.rig->sensor_effects;
   AxisParameters<double>::visit(collect_all, axis);
   SensorEffects<double>::visit(collect_all, sensors[Signal::x]);
   if (!inputs.supply_Pa.empty()) SensorEffects<double>::visit(collect_all, sensors[Signal::p_supply]);
   for (std::size_t side = 1; side <= 2; ++side) {
-    SensorEffects<double>::visit(EachNumber<const decltype(collect)>{collect, side},
-                                 sensors[inputs.start_sensor[side - 1]]);
+    SensorEffects<double>::visit(EachNumber<decltype(collect)>{collect, side}, sensors[inputs.start_sensor[side - 1]]);
     numbers_of(side).push_back(run.start_factor[side - 1]);
   }
   return out;
@@ -78,7 +53,7 @@ ImposedRun side_by_side(const ImposedRun& first, const ImposedRun& second, const
   const auto take = [](std::size_t side, auto& to, const auto& from) {
     if (side == 2) to = from;
   };
-  AxisParameters<double>::visit(EachNumber<const decltype(take)>{take}, rig.axis, second.rig->axis);
+  AxisParameters<double>::visit(EachNumber<decltype(take)>{take}, rig.axis, second.rig->axis);
   const Signal sensor = inputs.start_sensor[1];
   rig.sensor_effects[sensor] = second.rig->sensor_effects[sensor];
   return {&rig, {first.start_factor[0], second.start_factor[1]}};

@@ -2,12 +2,37 @@
 #pragma once
 #include <array>
 #include <memory>
+#include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "diagnosis/residuals/imposed_run.hpp"
 
 namespace pneuservo {
+
+/// Side that a key names (line_1, dead_volume_2_m3): 1 or 2; 0: none.
+constexpr std::size_t side_in(std::string_view key) {
+  if (key.ends_with("_1") || key.find("_1_") != std::string_view::npos) return 1;
+  if (key.ends_with("_2") || key.find("_2_") != std::string_view::npos) return 2;
+  return 0;
+}
+
+/// Calls what(side, number...) for every number of parameter structs of one type, in their order; side 0: of both.
+template <class What> struct EachNumber {
+  const What& what;
+  std::size_t side = 0;
+  template <class T, class... More> void operator()(const Field& field, T& value, More&... more) const {
+    const std::size_t here = side != 0 ? side : side_in(field.key);
+    using Value = std::remove_cvref_t<T>;
+    if constexpr (std::is_arithmetic_v<Value>) what(here, value, more...);
+    else if constexpr (std::is_enum_v<Value>) what(0, value, more...);  // a plant's choices are those of both sides
+    else Value::visit(EachNumber{what, here}, value, more...);
+  }
+};
+
+/// Whether the gas of this side stayed within all bounds.
+bool is_finite(const GasCourse& gas, std::size_t side);
 
 /// Gas of one recording. Each side is from a run that had its numbers; what belongs to no side is with the first.
 class SidedCourse {
@@ -20,9 +45,7 @@ class SidedCourse {
 
   const std::vector<double>& operator[](Signal signal) const { return (*halves_[side_of(signal)])[signal]; }
   const Half& half(std::size_t side) const { return halves_[side]; }
-  /// Whether the gas of this side stayed within all bounds.
-  bool is_finite(std::size_t side) const;
-  bool is_finite() const { return is_finite(0) && is_finite(1); }
+  bool is_finite() const { return pneuservo::is_finite(*halves_[0], 0) && pneuservo::is_finite(*halves_[1], 1); }
 
  private:
   std::array<Half, 2> halves_;

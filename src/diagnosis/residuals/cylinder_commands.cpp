@@ -8,7 +8,7 @@ namespace pneuservo {
 
 namespace {
 
-/// Draws of the commands that no row holds: their mean square tells that of all to a standard deviation of 0.7.
+/// Draws of the commands that no row holds: their mean square has a relative standard deviation of sqrt(2/4).
 constexpr std::size_t command_draws = 4;
 
 }  // namespace

@@ -15,7 +15,8 @@
 
 namespace pneuservo {
 
-/// Cells times sub-steps a step and line that show a line's ringing, though not at which length.
+/// Cells times sub-steps a step and line that show a line's ringing, though not at which length. Means over 10 ms at a
+/// port are 20 to 100 Pa off, for lines of 1 to 15 m, with four times as many 17 to 34 Pa.
 inline constexpr double ringing_effort = 500.0;
 
 struct CylinderResidualsSettings {

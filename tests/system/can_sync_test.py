@@ -39,9 +39,9 @@ expect(replayed.returncode == 0 and json.loads(replayed.stdout)["identical"], f"
 expect(len(rows_so_far(record)) > 50, "too few rows")
 
 # The master stops in motion: a fault that says so.
-record = os.path.join(folder, "silent.csv.gz")
 for attempt in range(5):
-    controller = subprocess.Popen([program, "run", CONFIG, *controlled, "--time", "real", "--duration-s", "60", "--record", record, "--force"],
+    record = os.path.join(folder, f"silent-{attempt}.csv.gz")  # not one that an attempt before has left
+    controller = subprocess.Popen([program, "run", CONFIG, *controlled, "--time", "real", "--duration-s", "60", "--record", record],
                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     wait_until(lambda: len(rows_so_far(record)) > 50 or controller.poll() is not None, "a run that goes on")
     if controller.poll() is None:

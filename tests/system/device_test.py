@@ -129,11 +129,11 @@ for interface in interfaces():
 def ends_by(number):
     bus_path = "unix:" + os.path.join(folder, f"ends {number.name}")
     late_watchdog = ["--set", "hal.can.watchdog_s=30", "--set", "reference.amplitude_m=0.04"]
-    record = os.path.join(folder, f"{number.name}.csv.gz")
-    for _ in range(5):  # on a loaded machine a run may end by a fault of its own before the signal: it shows nothing
+    for attempt in range(5):  # on a loaded machine a run may end by a fault of its own before the signal: it shows nothing
+        record = os.path.join(folder, f"{number.name}-{attempt}.csv.gz")  # not one that an attempt before has left
         device = Device(bus_path, *late_watchdog)
         controller = subprocess.Popen([program, "run", CONFIG, *sets, *late_watchdog, "--set", f"hal.can.interface={bus_path}", "--time", "real",
-                                       "--duration-s", "60", "--record", record, "--force"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                                       "--duration-s", "60", "--record", record], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         wait_until(lambda: moves(record) or controller.poll() is not None, "a controller that moves")
         controller.send_signal(number)
         _, said = controller.communicate(timeout=60)

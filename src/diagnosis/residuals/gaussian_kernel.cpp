@@ -41,9 +41,12 @@ std::vector<double> GaussianKernel::apply(std::span<const double> signal, int or
   std::fill_n(padded.begin(), reach, signal.front());
   std::copy(signal.begin(), signal.end(), padded.begin() + static_cast<std::ptrdiff_t>(reach));
   std::fill_n(padded.end() - static_cast<std::ptrdiff_t>(reach), reach, signal.back());
-  using Map = Eigen::Map<const Eigen::VectorXd>;
-  const Map kernel(taps.data(), static_cast<Eigen::Index>(taps.size()));
-  for (std::size_t i = 0; i < count; ++i) out[i] = kernel.dot(Map(padded.data() + i, kernel.size()));
+  // Row i of this matrix is what the taps see at sample i: each column begins one sample after the one before.
+  using Seen = Eigen::Map<const Eigen::MatrixXd, Eigen::Unaligned, Eigen::OuterStride<>>;
+  const auto rows = static_cast<Eigen::Index>(count), columns = static_cast<Eigen::Index>(taps.size());
+  Eigen::Map<Eigen::VectorXd>(out.data(), rows).noalias() =
+      Seen(padded.data(), rows, columns, Eigen::OuterStride<>(1)) *
+      Eigen::Map<const Eigen::VectorXd>(taps.data(), columns);
   return out;
 }
 

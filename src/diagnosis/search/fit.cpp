@@ -219,6 +219,7 @@ struct Stepping {
   Eigen::VectorXd start, gradient;
   double before, promised;
   Eigen::VectorXd undamped, residual_there;  ///< the step without damping, and the residual at its end
+  Eigen::VectorXd reached;                   ///< the residual at the end of the step that was taken
 };
 
 /// The undamped step bent to where the residual really goes: r(z + d) - r - J d is what the linear model misses of it,
@@ -258,6 +259,7 @@ Eigen::MatrixXd try_steps(FittedRows& rows, const std::vector<std::pair<Stepping
     if (!column.allFinite() || objective >= s->fit->objective) continue;
     s->fit->objective = objective;
     s->fit->z = place;
+    s->reached = column;
   }
   return columns;
 }
@@ -282,6 +284,16 @@ void step_on(FittedRows& rows, std::vector<Stepping>& steppings) {
   try_steps(rows, steps);
 }
 
+/// Derivatives that are kept follow what the step found along itself: Broyden's update, the least change of them that
+/// foretells the residual there.
+void correct_columns(const Stepping& s) {
+  Fit& fit = *s.fit;
+  const Eigen::VectorXd step = fit.z - s.start;
+  if (s.reached.size() == 0 || step.isZero(0)) return;
+  const Eigen::VectorXd missed = s.reached - fit.residual - fit.jacobian * step;
+  fit.jacobian.noalias() += missed * (step / step.squaredNorm()).transpose();
+}
+
 }  // namespace
 
 void improve(FittedRows& rows, std::vector<Fit*> fits, int iterations, Columns columns_at_steps, double settled_gain) {
@@ -293,7 +305,7 @@ void improve(FittedRows& rows, std::vector<Fit*> fits, int iterations, Columns c
     if (iteration == iterations) break;
     std::vector<Stepping> steppings;
     for (Fit* fit : fits) {
-      Stepping s{fit, fit->curvature(), fit->z, fit->gradient(), fit->objective, 0, {}, {}};
+      Stepping s{fit, fit->curvature(), fit->z, fit->gradient(), fit->objective, 0, {}, {}, {}};
       s.promised = promised_gain(*fit, s.curvature, s.gradient);
       fit->settled = s.promised < std::max(settled_gain, settled_share * fit->objective);
       if (!fit->settled) steppings.push_back(std::move(s));
@@ -303,6 +315,7 @@ void improve(FittedRows& rows, std::vector<Fit*> fits, int iterations, Columns c
     for (const Stepping& s : steppings) {
       Fit& fit = *s.fit;
       fit.settled = s.before - fit.objective < std::max(settled_gain, settled_share * s.before);
+      if (columns_at_steps == Columns::own) correct_columns(s);
       for (std::size_t i = 0; i < fit.parameters.size(); ++i)
         fit.known_columns[i] = columns_at_steps == Columns::own && i >= fit.own_count;
     }

@@ -20,6 +20,10 @@ constexpr double bent_chi2_per_row = 3;
 /// How often the floor and the owner's fit follow each other: then neither moves any more.
 constexpr int floor_rounds = 2;
 
+bool is_behind(const std::pair<double, Explanation*>& a, const std::pair<double, Explanation*>& b) {
+  return a.first < b.first;
+}
+
 }  // namespace
 
 Search::Search(FittedRows& rows, const Rig& rig, std::vector<Candidate> candidates, SearchSettings settings,
@@ -64,7 +68,7 @@ void Search::take_defect_at_best(std::size_t members) {
   if (best == nullptr || best->log_evidence - owner_.log_evidence < rules_.grid_error_gain) return;
   // Fitted to its end there first, and once more at the error that it has there: a fit that moves on leaves an error.
   for (int round = 0; round < 2; ++round) {
-    polish({&tried_.at(best->members)}, 6, Anew::all);
+    polish({&tried_.at(best->members)}, 6, to_its_end());
     rows_.model().set_working_point(best->fit.hypothesis());
   }
   working_point_ = best->members;
@@ -82,7 +86,7 @@ bool Search::settle(const Explanation& explanation) {
   Explanation& own = explanation.members.empty() ? owner_ : tried_.at(explanation.members);
   rows_.model().set_working_point(own.fit.hypothesis());
   working_point_ = own.members;
-  polish({&own}, 6, Anew::all);
+  polish({&own}, 6, to_its_end());
   linearise(rows_, {&as_configured_});
   return true;
 }
@@ -158,7 +162,7 @@ void Search::take_defect_at_owner() {
   rows_.model().set_working_point(owner_.fit.hypothesis());
   working_point_.clear();
   linearise(rows_, {&as_configured_});
-  polish({&owner_}, 4, Anew::all);
+  polish({&owner_}, 4, to_its_end());
   if (!settings_.grow_floor) owner_evidence_at_home_ = owner_.log_evidence;
 }
 
@@ -166,16 +170,20 @@ double Search::beside_own_error(const Explanation& e) {
   return e.log_evidence + 0.5 * e.fit.chi2() + rows_.model().log_likelihood_beside_own_error(e.fit.hypothesis());
 }
 
-std::pair<double, Explanation*> Search::best_beside_own_error(std::size_t members) {
+std::vector<std::pair<double, Explanation*>> Search::beside_own_errors(std::size_t members) {
   std::vector<std::pair<double, Explanation*>> ranked;
   for (Explanation* e : all_tried(members)) ranked.emplace_back(beside_own_error(*e), e);
-  if (ranked.empty()) return {-1e300, nullptr};
-  const auto is_behind = [](const auto& a, const auto& b) { return a.first < b.first; };
   std::stable_sort(ranked.rbegin(), ranked.rend(), is_behind);
+  return ranked;
+}
+
+std::pair<double, Explanation*> Search::best_beside_own_error(std::size_t members) {
+  std::vector<std::pair<double, Explanation*>> ranked = beside_own_errors(members);
+  if (ranked.empty()) return {-1e300, nullptr};
   ranked.resize(std::min(ranked.size(), settings_.polished));
   for (auto& [evidence, explanation] : ranked) {
     rows_.model().take_slow_error(explanation->fit.hypothesis());
-    polish({explanation}, 4, Anew::all);
+    polish({explanation}, 4, to_its_end());
     evidence = beside_own_error(*explanation);
   }
   return *std::max_element(ranked.begin(), ranked.end(), is_behind);
@@ -191,10 +199,16 @@ void Search::take_floor_at_best() {
   const Explanation* floor = first_gain_ < rules_.next_gain ? &owner_ : first;
   if (floor == first && rules_.most_names > 1)
     if (const Explanation* pair = pair_beside(*first, single)) floor = pair;
+  // What is far behind beside the error that it leaves itself is no rival on another's floor.
+  std::vector<Explanation*> again{&owner_};
+  for (const std::size_t members : {1, 2}) {
+    const auto ranked = beside_own_errors(members);
+    for (const auto& [evidence, explanation] : ranked)
+      if (explanation == floor || evidence >= ranked.front().first - settings_.rival_distance)
+        again.push_back(explanation);
+  }
+  std::erase_if(tried_, [&](const auto& tried) { return !std::count(again.begin(), again.end(), &tried.second); });
   rows_.model().take_slow_error(floor->fit.hypothesis());
-  std::vector<Explanation*> again = all_tried(1);
-  for (Explanation* e : all_tried(2)) again.push_back(e);
-  again.push_back(&owner_);
   polish(again, 2, Anew::others_once);
   linearise(rows_, {&as_configured_});
   polish_best(1);
@@ -205,7 +219,7 @@ const Explanation* Search::pair_beside(const Explanation& first, double first_ev
   // Beside its own slow error every explanation is at its floor.
   const double needed = rules_.next_gain_at_floor;
   rows_.model().take_slow_error(first.fit.hypothesis());
-  polish({&tried_.at(first.members)}, 1, Anew::all);
+  polish({&tried_.at(first.members)}, 1, to_its_end());
   const std::vector<Screened> screened = Screening(rows_, first.fit, candidates_, others(first.members)).singles();
   refit(first.fit, first.members, worth_refitting(screened, settings_.refits));
   double promised = 0;
@@ -309,7 +323,7 @@ std::vector<double> Search::gains_of_names(const Explanation& other) {
   }
   std::vector<Explanation*> moving;
   for (Explanation& explanation : fitted) moving.push_back(&explanation);
-  polish(moving, 6, Anew::all);
+  polish(moving, 6, to_its_end());
   std::vector<double> gains;
   for (std::size_t i = 1; i < fitted.size(); ++i) gains.push_back(fitted.front().log_evidence - fitted[i].log_evidence);
   return gains;

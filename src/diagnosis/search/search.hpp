@@ -126,6 +126,8 @@ class Search {
   /// Which derivatives are taken anew: those by an explanation's own numbers at every step, by the others never, where
   /// the fits begin, or at every step.
   enum class Anew { own, others_once, all };
+  /// Small physics is so many numbers that their derivatives cost more than all steps.
+  Anew to_its_end() const { return settings_.small_physics.empty() ? Anew::all : Anew::others_once; }
   void polish(const std::vector<Explanation*>& explanations, int iterations, Anew anew);
   /// Fits that began apart may end in different valleys of the tolerances: dry friction and a leak of a chamber, 164 in
   /// chi2 above where the same friction beside a leak of its line stood; offsets of two sensors that are one model, 46
@@ -142,6 +144,8 @@ class Search {
   void take_defect_at_owner();
   /// Log evidence beside the slow error that the explanation leaves itself.
   double beside_own_error(const Explanation& explanation);
+  /// All of that many names by it, best first.
+  std::vector<std::pair<double, Explanation*>> beside_own_errors(std::size_t members);
   /// The best of that many names, the first few fitted beside their own slow errors; nullptr: there is none.
   std::pair<double, Explanation*> best_beside_own_error(std::size_t members);
   void take_floor_at_best();

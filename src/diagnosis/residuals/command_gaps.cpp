@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <pneuservo/core/random.hpp>
 
@@ -66,8 +67,14 @@ std::vector<GasCourse> unseen_command_changes(const ImposedInputs& inputs, const
     for (std::size_t valve = 0; valve < 2; ++valve) {
       std::vector<double>& quick = drawn.quick_command_V[valve];
       quick.resize(inputs.command_V[valve].size() * static_cast<std::size_t>(inputs.steps));
-      for (std::size_t i = 0; i < quick.size(); ++i)
-        if ((i + steps_of_one - first % steps_of_one) % steps_of_one != 0) quick[i] = noise_V[valve] * random.normal();
+      double slow = 0;
+      for (std::size_t i = 0; i < quick.size(); ++i) {
+        const std::size_t since = (i + steps_of_one - first % steps_of_one) % steps_of_one;
+        if (since == 0) slow = std::numbers::sqrt2 * random.normal();
+        else
+          quick[i] = noise_V[valve] * (random.normal() + slow * std::sin(std::numbers::pi * static_cast<double>(since) /
+                                                                         static_cast<double>(steps_of_one)));
+      }
     }
     out.push_back(difference_of(gas_under(drawn, rig, grid, stop), known));
     if (out.back()[Signal::p1_port].empty()) return {};

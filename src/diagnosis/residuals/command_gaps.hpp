@@ -11,8 +11,9 @@ namespace pneuservo {
 GasCourse command_gap_error(const ImposedInputs& inputs, const Rig& rig, const PlantGrid& grid,
                             const StopQuestion& stop = {});
 
-/// The same of so many draws of commands between the recorded ones, as noisy as these are. A play or an overlap answers
-/// to the largest of them, so that its size is found too small.
+/// The same of so many draws of commands between the recorded ones, as noisy as these are. How fast they change no row
+/// tells: they have a part that changes at every step and one that is half a wave from row to row, to which the gas
+/// answers most. A play or an overlap answers to the largest of them, so that its size is found too small.
 std::vector<GasCourse> unseen_command_changes(const ImposedInputs& inputs, const Rig& rig, const PlantGrid& grid,
                                               std::size_t draws, const StopQuestion& stop = {});
 

@@ -315,9 +315,9 @@ void improve(FittedRows& rows, std::vector<Fit*> fits, int iterations, Columns c
     for (const Stepping& s : steppings) {
       Fit& fit = *s.fit;
       fit.settled = s.before - fit.objective < std::max(settled_gain, settled_share * s.before);
-      if (columns_at_steps == Columns::own) correct_columns(s);
+      if (columns_at_steps == Columns::corrected) correct_columns(s);
       for (std::size_t i = 0; i < fit.parameters.size(); ++i)
-        fit.known_columns[i] = columns_at_steps == Columns::own && i >= fit.own_count;
+        fit.known_columns[i] = columns_at_steps != Columns::all && i >= fit.own_count;
     }
   }
 }

@@ -74,8 +74,9 @@ std::vector<std::pair<Eigen::Index, Eigen::Index>> shared_parameters(const Fit& 
 /// Fills the residual and, in every column that is not known, the Jacobian at z.
 void linearise(FittedRows& rows, const std::vector<Fit*>& fits);
 /// Which derivatives are taken anew at every step: those of the explanation's own parameters (the nuisances' are taken
-/// where they are not known yet, and hardly change near a minimum), or all.
-enum class Columns { own, all };
+/// where they are not known yet, and hardly change near a minimum), or all. `corrected`: as `own`, and the nuisances'
+/// follow what every step finds along itself.
+enum class Columns { own, corrected, all };
 
 /// Moves every fit towards its minimum, at most `iterations` steps, or until a step promises or gains less than
 /// settled_gain of the objective; afterwards residual, Jacobian and objective stand at z.

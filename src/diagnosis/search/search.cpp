@@ -201,7 +201,7 @@ void Search::take_floor_at_best() {
     if (const Explanation* pair = pair_beside(*first, single)) floor = pair;
   // What is far behind beside the error that it leaves itself is no rival on another's floor.
   std::vector<Explanation*> again{&owner_};
-  for (const std::size_t members : {1, 2}) {
+  for (const std::size_t members : {1u, 2u}) {
     const auto ranked = beside_own_errors(members);
     for (const auto& [evidence, explanation] : ranked)
       if (explanation == floor || evidence >= ranked.front().first - settings_.rival_distance)

@@ -128,6 +128,7 @@ class Search {
   enum class Anew { own, others_once, all };
   /// Small physics is so many numbers that their derivatives cost more than all steps.
   Anew to_its_end() const { return settings_.small_physics.empty() ? Anew::all : Anew::others_once; }
+  Columns kept_columns() const { return settings_.small_physics.empty() ? Columns::own : Columns::corrected; }
   void polish(const std::vector<Explanation*>& explanations, int iterations, Anew anew);
   /// Fits that began apart may end in different valleys of the tolerances: dry friction and a leak of a chamber, 164 in
   /// chi2 above where the same friction beside a leak of its line stood; offsets of two sensors that are one model, 46

@@ -106,7 +106,7 @@ void Search::refit(const Fit& base, const std::vector<std::size_t>& members,
   std::vector<Fit*> fits;
   fits.reserve(attempts.size());
   for (Explanation& attempt : attempts) fits.push_back(&attempt.fit);
-  improve(rows_, fits, 4, Columns::own, settings_.settled_gain);
+  improve(rows_, fits, 4, kept_columns(), settings_.settled_gain);
   for (Explanation& attempt : attempts) {
     Explanation& kept = tried_.at(attempt.members);
     if (!attempt.fit.failed) attempt.log_evidence = log_evidence(attempt);
@@ -178,7 +178,7 @@ void Search::polish(const std::vector<Explanation*>& explanations, int iteration
     else fit.known_columns.assign(fit.parameters.size(), 0);
     fits.push_back(&fit);
   }
-  improve(rows_, fits, iterations, anew == Anew::all ? Columns::all : Columns::own, settings_.settled_gain);
+  improve(rows_, fits, iterations, anew == Anew::all ? Columns::all : kept_columns(), settings_.settled_gain);
   for (Explanation* explanation : explanations)
     explanation->log_evidence = explanation->fit.failed ? -1e300 : log_evidence(*explanation);
 }
@@ -223,7 +223,7 @@ std::vector<Explanation*> Search::refit_at_rivals(std::size_t members) {
   std::vector<Fit*> fits;
   fits.reserve(attempts.size());
   for (auto& [mover, fit] : attempts) fits.push_back(&fit);
-  improve(rows_, fits, 3, Columns::own, settings_.settled_gain);
+  improve(rows_, fits, 3, kept_columns(), settings_.settled_gain);
   std::vector<Explanation*> moved;
   for (auto& [mover, fit] : attempts) {
     if (fit.failed || fit.objective >= mover->fit.objective - settings_.settled_gain) continue;

@@ -145,7 +145,7 @@ void add_moved(const Rig& rig, const Decision& decision, Diagnosis& out) {
     const FreeParameter& parameter = fit.parameters[i];
     if (parameter.start_factor >= 0) continue;
     const double z = fit.z(static_cast<Eigen::Index>(i));
-    out.moved.push_back({parameter.path, parameter.value_in(rig), parameter.value(z), z});
+    out.moved.push_back({parameter.path, parameter.value_in(rig), parameter.value(z), z, fit.stands_at_end(i)});
   }
   std::stable_sort(out.moved.begin(), out.moved.end(), [](const MovedParameter& a, const MovedParameter& b) {
     return std::abs(a.tolerances) > std::abs(b.tolerances);
@@ -233,16 +233,14 @@ bool is_doubtful(const Rig& rig, const std::vector<ResidualChannel>& channels, c
   if (describes_small_physics(rig, channels, decision)) return true;
   // Names that fit and do not go on: what they stand for is not what is missing.
   if (decision.verdict == Verdict::unknown && !decision.is_described &&
-      decision.levels.held_out_excess() > rules.held_out_excess)
+      decision.levels.held_out_excess() > rules.worse_fit)
     return true;
   const Fit& fit = decision.chosen->fit;
   if (decision.chosen->members.size() >= rules.most_names) return true;
   std::size_t at_end = 0;
   for (std::size_t i = fit.own_count; i < fit.parameters.size(); ++i)
-    if (rig.tolerances.count(fit.parameters[i].path) > 0 &&
-        std::abs(fit.z(static_cast<Eigen::Index>(i))) >= rules.stretched_tolerance)
-      ++at_end;
-  return at_end >= rules.stretched_count;
+    if (rig.tolerances.count(fit.parameters[i].path) > 0 && fit.stands_at_end(i)) ++at_end;
+  return at_end >= rules.most_names;
 }
 
 /// Small physics beside the tolerances, but for what names say already.
@@ -286,7 +284,7 @@ std::vector<Screened> screened_beside(const Rig& rig, FittedRows& rows, const Se
 bool fits_as_well(const Decision& decision, const Decision& other, const DecisionRules& rules) {
   const double left = decision.levels.chi2(false) + decision.levels.chi2(true),
                others = other.levels.chi2(false) + other.levels.chi2(true);
-  return left <= rules.doubted_left * others;
+  return left <= rules.worse_fit * others;
 }
 
 /// What the model agrees with only if it is granted: no name of its own, but nothing that goes unsaid.

@@ -65,6 +65,7 @@ struct DetectableSize {
 struct MovedParameter {
   std::string path;
   double configured = 0, fitted = 0, tolerances = 0;  ///< tolerances: by how many
+  bool is_at_end = false;  ///< of the range that its tolerance gives it
 };
 
 /// A recording to be made that tells rivals apart.

@@ -8,7 +8,6 @@
 
 #include "config/dump_rig.hpp"
 #include "diagnosis/latent/latent_picture.hpp"
-#include "diagnosis/verdict/decision_rules.hpp"
 
 namespace pneuservo {
 
@@ -78,8 +77,7 @@ std::string smallest_sizes(const Diagnosis& diagnosis) {
 std::string at_the_end(const Diagnosis& diagnosis) {
   std::vector<std::string> parts;
   for (const MovedParameter& m : diagnosis.moved)
-    if (std::abs(m.tolerances) >= DecisionRules{}.stretched_tolerance)
-      parts.push_back(fmt::format("{} = {:.4g} instead of {:.4g}", m.path, m.fitted, m.configured));
+    if (m.is_at_end) parts.push_back(fmt::format("{} = {:.4g} instead of {:.4g}", m.path, m.fitted, m.configured));
   return parts.empty() ? "" : fmt::format(", but only at the end of a tolerance: {}", fmt::join(parts, ", "));
 }
 

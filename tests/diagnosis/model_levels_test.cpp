@@ -53,7 +53,7 @@ ModelLevels fitted_levels(ClosedFormModel& model) {
   fit.z.setZero(static_cast<Eigen::Index>(paths.size()));
   improve(rows, {&fit}, 6, Columns::all);
   DecisionRules rules;
-  rules.held_out_excess = 0;  // the expected ratio is computed above it alone
+  rules.worse_fit = 0;  // the expected ratio is computed above it alone
   return model_levels(model, fit, rules);
 }
 

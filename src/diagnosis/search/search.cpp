@@ -65,7 +65,7 @@ void Search::add_known(std::vector<Screened>& chosen) const {
 
 void Search::take_defect_at_best(std::size_t members) {
   const Explanation* best = best_of(members);
-  if (best == nullptr || best->log_evidence - owner_.log_evidence < rules_.grid_error_gain) return;
+  if (best == nullptr || best->log_evidence - owner_.log_evidence < rules_.doubted_gain) return;
   // Fitted to its end there first, and once more at the error that it has there: a fit that moves on leaves an error.
   for (int round = 0; round < 2; ++round) {
     polish({&tried_.at(best->members)}, 6, to_its_end());
@@ -224,7 +224,7 @@ const Explanation* Search::pair_beside(const Explanation& first, double first_ev
   refit(first.fit, first.members, worth_refitting(screened, settings_.refits));
   double promised = 0;
   for (const Explanation* e : all_tried(2)) promised = std::max(promised, beside_own_error(*e) - first_evidence);
-  if (promised >= rules_.screened_share * needed) {
+  if (promised >= settings_.screened_share * needed) {
     swap_members(*best_of(2));
     const auto [evidence, pair] = best_beside_own_error(2);
     if (evidence - first_evidence >= needed) return pair;
@@ -282,11 +282,11 @@ bool Search::search_next(std::size_t members) {
   const std::vector<Screened> screened = Screening(rows_, base->fit, candidates_, others(base->members)).singles();
   const std::vector<Screened> chosen = worth_refitting(screened, settings_.next_refits);
   const double first_gain = best_named(1)->log_evidence - owner_.log_evidence;
-  const double share = members == 1 ? rules_.next_share : std::max(rules_.next_share, rules_.third_share);
+  const double share = members == 1 ? 0.0 : rules_.third_share;
   const double needed = std::max(rules_.next_gain, share * first_gain);
   // Beside a large first name the owner's parameters stand at their bounds, and derivatives there know little of where
   // they would go.
-  if (chosen.empty() || 0.5 * chosen.front().gain < rules_.screened_share * needed) return false;
+  if (chosen.empty() || 0.5 * chosen.front().gain < settings_.screened_share * needed) return false;
   refit(base->fit, base->members, chosen);
   if (members == 1) {
     std::vector<std::vector<Screened>> sets;

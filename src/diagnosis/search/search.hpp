@@ -51,6 +51,7 @@ struct SearchSettings {
   std::size_t polished = 4;     ///< of each number of effects, with all derivatives taken anew
   double least_gain = 10;       ///< in chi2, to be refitted
   double least_share = 0.02;    ///< of the best gain
+  double screened_share = 0.3;  ///< of a further name's gain that its linear screening shows at least
   double rival_distance = 300;  ///< in log evidence: rivals that are fitted as far as the best
   double settled_gain = 0.1;    ///< in chi2: a fit that a step improves by less is at its end
   std::vector<FreeParameter> small_physics;  ///< nuisances beside the tolerances

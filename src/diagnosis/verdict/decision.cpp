@@ -153,7 +153,7 @@ Decision chosen_chain(ResidualModel& model, const Search& search, const Decision
     if (best == nullptr) break;
     const double gain = best->log_evidence - decision.chosen->log_evidence;
     if (members == 1) first_gain = gain;
-    const double share = members == 2 ? rules.next_share : rules.third_share;
+    const double share = members == 2 ? 0.0 : rules.third_share;
     const double needed = members == 1 ? rules.alarm_gain : std::max(next_gain, share * first_gain);
     if (gain < needed) break;
     decision.chosen = best;
@@ -207,8 +207,7 @@ bool is_small_remainder(const Decision& decision, const Search& search, const De
   if (decision.reason.empty() || decision.chosen->members.empty() || decision.levels.line) return false;
   const Fit& fit = decision.chosen->fit;
   const double taken = share_taken(search.owner().fit.chi2(), fit.chi2(), static_cast<double>(fit.residual.size()));
-  const double largest = taken >= rules.nearly_all_share ? rules.larger_remainder : rules.small_remainder;
-  return taken >= rules.taken_share && decision.levels.highest() < largest &&
+  return taken >= rules.nearly_all && decision.levels.highest() < rules.small_remainder &&
          decision.levels.held_out_excess() < rules.small_held_out_excess;
 }
 
@@ -216,13 +215,13 @@ bool is_small_remainder(const Decision& decision, const Search& search, const De
 /// too. Where the floor has grown too large both are below one, and their ratio counts.
 bool is_owner_refuted(const Search& search, const Decision& decision, const DecisionRules& rules) {
   const double chosen = decision.chosen->fit.chi2(), rows = static_cast<double>(decision.chosen->fit.residual.size());
-  return search.owner().fit.chi2() >= rules.refuted_level * std::min(chosen, rows);
+  return search.owner().fit.chi2() >= rules.floor_level * std::min(chosen, rows);
 }
 
 /// Whether names bring what stands clearly above the floors down to a remainder that they could stay beside elsewhere:
 /// a constant error fades in a slow one, and the mean squares beside that hardly tell it.
 bool bring_down(const Decision& decision, const ModelLevels& before, const DecisionRules& rules) {
-  return before.highest() >= rules.larger_remainder && decision.levels.highest() < rules.larger_remainder;
+  return before.highest() >= rules.small_remainder && decision.levels.highest() < rules.small_remainder;
 }
 
 /// What a description that explains the recordings tells: where, by which shape, how much.
@@ -255,7 +254,7 @@ const Explanation* as_good_description(const Search& search, const Decision& dec
     return nullptr;
   for (const Explanation* e : search.ranking(1))
     if (search.is_description(*e) && e->log_evidence >= search.owner().log_evidence + rules.alarm_gain)
-      return e->fit.chi2() <= rules.doubted_left * decision.chosen->fit.chi2() ? e : nullptr;
+      return e->fit.chi2() <= rules.worse_fit * decision.chosen->fit.chi2() ? e : nullptr;
   return nullptr;
 }
 
@@ -317,12 +316,11 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
                                    static_cast<double>(search.owner().fit.residual.size()));
   const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
                         (is_owner_refuted(search, decision, rules) || bring_down(decision, before, rules)) &&
-                        share >= rules.taken_share && decision.levels.highest() <= rules.largest_remainder;
+                        share >= rules.most_of_it;
   const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;
   if (find_supply_swing(model, search, rules, taken, decision)) return decision;
   if (!is_named && find_shaking(model, search, rules, decision)) return decision;
-  const bool is_periodic =
-      find_periodic_force(model, rules, is_named ? rules.periodic_share : rules.told_share, decision);
+  const bool is_periodic = find_periodic_force(model, rules, rules.most_of_it, decision);
   if (!is_periodic && is_named) {
     say_described(search, decision);
     return decision;
@@ -522,7 +520,7 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
   decision.reason = fmt::format("{}; {:.2g} % of the squared mismatch{}", what_is_left(decision, model, rules),
                                 100 * left / std::max(all, 1e-300), periodic_part(decision, model));
   const bool at_floor = decision.levels.highest() <= rules.floor_level && !decision.levels.line;
-  if (decision.chosen->members.empty() ? !at_floor : all - left < rules.taken_share * all)
+  if (decision.chosen->members.empty() ? !at_floor : all - left < rules.most_of_it * all)
     decision.verdict = Verdict::unknown;
   else say_described(search, decision);
   return decision;

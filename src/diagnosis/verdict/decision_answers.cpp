@@ -115,7 +115,7 @@ std::string what_is_left(const Decision& decision, ResidualModel& model, const D
                     model.channels()[static_cast<std::size_t>(decision.levels.line->channel)].unit,
                     decision.levels.line->frequency_Hz,
                     model.channels()[static_cast<std::size_t>(decision.levels.line->channel)].name));
-  if (decision.levels.held_out_excess() > rules.held_out_excess)
+  if (decision.levels.held_out_excess() > rules.worse_fit)
     say(fmt::format("held-out stretches fit {:.2g} times worse than fitted ones", decision.levels.held_out_excess()));
   return out;
 }

@@ -119,11 +119,10 @@ bool is_everywhere(const std::vector<ResidualChannel>& channels, const std::vect
   return side[0] && side[1];
 }
 
-std::optional<SpectralLine> strongest_line(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual,
-                                           const std::vector<ChannelLevel>& levels, double least_level) {
+std::optional<SpectralLine> strongest_line(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual) {
   std::optional<SpectralLine> best;
   for (const auto& [key, series] : series_of(rows, residual)) {
-    if (levels[static_cast<std::size_t>(key.first)].fitted < least_level || series.value.size() < 100) continue;
+    if (series.value.size() < 100) continue;
     const double length_s = series.time_s.back() - series.time_s.front();
     if (length_s < 2) continue;
     std::vector<double> frequencies;

@@ -33,9 +33,8 @@ struct SpectralLine {
   double amplitude = 0;  ///< in the channel's unit
   double ratio = 0;      ///< its power over the running median of its neighbours
 };
-/// Over channels whose level is above `least_level`; nullopt where there is none.
-std::optional<SpectralLine> strongest_line(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual,
-                                           const std::vector<ChannelLevel>& levels, double least_level);
+/// nullopt: the rows are too few or too slow.
+std::optional<SpectralLine> strongest_line(const std::vector<ResidualRow>& rows, const Eigen::VectorXd& residual);
 
 /// The sine between 3 and 45 Hz, below half the rate of the rows, that takes most of one channel's residual while the
 /// slider moves, over all recordings at one frequency, each with its own phase; `ratio` is the share of the sum of

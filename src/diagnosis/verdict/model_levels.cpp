@@ -75,14 +75,12 @@ ModelLevels model_levels(ResidualModel& model, const Fit& fit, const DecisionRul
   for (std::size_t c = 0; c < levels.channels.size(); ++c)
     if (const double stated = model.channels()[c].stated; stated > 0 && levels.channels[c].sigma > 0)
       levels.channels[c].stated = std::hypot(1.0, stated / levels.channels[c].sigma);
-  if (levels.held_out_ratio() > rules.held_out_excess && model.simulates())
+  if (levels.held_out_ratio() > rules.worse_fit && model.simulates())
     levels.expected_ratio = expected_ratio(model, fit, levels);
-  levels.line = strongest_line(model.rows(), levels.residual, levels.channels, rules.line_level);
+  levels.line = strongest_line(model.rows(), levels.residual);
   if (levels.line) {
     const ResidualChannel& channel = model.channels()[static_cast<std::size_t>(levels.line->channel)];
-    const bool is_small = levels.line->amplitude <
-                          std::max(rules.line_amplitude * std::hypot(channel.noise, channel.floor), channel.stated);
-    if (levels.line->ratio < rules.line_ratio || is_small) levels.line.reset();
+    if (levels.line->ratio < rules.line_ratio || levels.line->amplitude < channel.stated) levels.line.reset();
   }
   return levels;
 }

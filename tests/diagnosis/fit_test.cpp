@@ -78,3 +78,21 @@ TEST_CASE("a fit that a bound holds ends on it, at the best place there") {
   CHECK(fit.z(0) == Approx(0.5));
   CHECK(fit.z(1) == Approx(0.5 + 0.125 * 0.25).epsilon(1e-4));
 }
+
+TEST_CASE("kept derivatives that follow their steps lead to the minimum, kept as they were they do not") {
+  // The second number is a nuisance whose derivatives change with both.
+  ClosedFormModel model([](const Rig& rig) {
+    const double a = rig.axis.slider.mass_kg - 2, b = rig.axis.slider.payload_kg - 2;
+    return std::vector{30 * (a - 1.5), 20 * (b + 0.8 * b * b - 2), 12 * (a * b - 2)};
+  });
+  FittedRows rows(model, {});
+  const auto objective = [&](Columns columns) {
+    Fit fit = valley_fit();
+    fit.own_count = 1;
+    improve(rows, {&fit}, 6, columns, 1e-6);
+    return fit.objective;
+  };
+  const double least = objective(Columns::all);
+  CHECK(objective(Columns::corrected) == Approx(least).margin(1e-3));
+  CHECK(objective(Columns::own) > least + 0.05);
+}

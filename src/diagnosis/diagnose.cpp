@@ -145,7 +145,7 @@ void add_moved(const Rig& rig, const Decision& decision, Diagnosis& out) {
     const FreeParameter& parameter = fit.parameters[i];
     if (parameter.start_factor >= 0) continue;
     const double z = fit.z(static_cast<Eigen::Index>(i));
-    out.moved.push_back({parameter.path, parameter.value_in(rig), parameter.value(z), z, fit.stands_at_end(i)});
+    out.moved.push_back({parameter.path, parameter.value_in(rig), parameter.value(z), z, parameter.end_at(z) != 0});
   }
   std::stable_sort(out.moved.begin(), out.moved.end(), [](const MovedParameter& a, const MovedParameter& b) {
     return std::abs(a.tolerances) > std::abs(b.tolerances);
@@ -239,7 +239,9 @@ bool is_doubtful(const Rig& rig, const std::vector<ResidualChannel>& channels, c
   if (decision.chosen->members.size() >= rules.most_names) return true;
   std::size_t at_end = 0;
   for (std::size_t i = fit.own_count; i < fit.parameters.size(); ++i)
-    if (rig.tolerances.count(fit.parameters[i].path) > 0 && fit.stands_at_end(i)) ++at_end;
+    if (rig.tolerances.count(fit.parameters[i].path) > 0 &&
+        fit.parameters[i].end_at(fit.z(static_cast<Eigen::Index>(i))) != 0)
+      ++at_end;
   return at_end >= rules.most_names;
 }
 

@@ -128,12 +128,6 @@ Eigen::Index Fit::own_place(const FreeParameter& parameter) const {
   throw std::logic_error("a fit has no parameter " + parameter.path + " of its own");
 }
 
-bool Fit::stands_at_end(std::size_t parameter) const {
-  const FreeParameter& p = parameters[parameter];
-  const double at = z(static_cast<Eigen::Index>(parameter)), close = 1e-3 * (p.upper - p.lower);
-  return at - p.lower < close || p.upper - at < close;
-}
-
 Fit fit_at_start(const Rig& rig, FittedRows& rows, std::vector<FreeParameter> own,
                  const std::vector<FreeParameter>& nuisances) {
   Fit fit;

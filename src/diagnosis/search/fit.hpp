@@ -53,8 +53,6 @@ struct Fit {
   Hypothesis hypothesis() const;
   /// Where a parameter of the explanation stands; throws std::logic_error where the explanation has none such.
   Eigen::Index own_place(const FreeParameter& parameter) const;
-  /// Whether a parameter stands where its range ends, to a thousandth of it.
-  bool stands_at_end(std::size_t parameter) const;
   /// Of half the objective, by the linear model: J'r + z and J'J + 1, the prior in units of its standard deviation.
   Eigen::VectorXd gradient() const { return jacobian.transpose() * residual + z; }
   Eigen::MatrixXd curvature() const;

@@ -28,6 +28,11 @@ struct FreeParameter {
   /// Whether both are one number, whatever their priors.
   bool is_same(const FreeParameter& other) const { return start_factor == other.start_factor && path == other.path; }
 
+  /// Which end of the range a z stands at, to a thousandth of it: -1, 1; 0: neither.
+  int end_at(double z) const {
+    const double close = 1e-3 * (upper - lower);
+    return z - lower < close ? -1 : upper - z < close ? 1 : 0;
+  }
   double value_in(const Rig& rig) const { return number.value().value(rig); }
   double varied(double value) const {
     switch (variation) {

@@ -207,7 +207,7 @@ void Search::take_floor_at_best() {
       if (explanation == floor || evidence >= ranked.front().first - settings_.rival_distance)
         again.push_back(explanation);
   }
-  std::erase_if(tried_, [&](const auto& tried) { return !std::count(again.begin(), again.end(), &tried.second); });
+  std::erase_if(tried_, [&](const auto& tried) { return std::ranges::find(again, &tried.second) == again.end(); });
   rows_.model().take_slow_error(floor->fit.hypothesis());
   polish(again, 2, Anew::others_once);
   linearise(rows_, {&as_configured_});

@@ -48,7 +48,7 @@ struct SearchSettings {
   std::size_t refits = 12;      ///< candidates refitted after the first screening
   std::size_t next_refits = 5;  ///< and after each later one
   std::size_t pairs = 6;        ///< pairs refitted that promise most together
-  std::size_t polished = 4;     ///< of each number of effects, with all derivatives taken anew
+  std::size_t polished = 4;     ///< of each number of effects, fitted to their ends
   double least_gain = 10;       ///< in chi2, to be refitted
   double least_share = 0.02;    ///< of the best gain
   double screened_share = 0.3;  ///< of a further name's gain that its linear screening shows at least

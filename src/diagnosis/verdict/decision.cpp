@@ -215,7 +215,7 @@ bool is_small_remainder(const Decision& decision, const Search& search, const De
 /// too. Where the floor has grown too large both are below one, and their ratio counts.
 bool is_owner_refuted(const Search& search, const Decision& decision, const DecisionRules& rules) {
   const double chosen = decision.chosen->fit.chi2(), rows = static_cast<double>(decision.chosen->fit.residual.size());
-  return search.owner().fit.chi2() >= rules.floor_level * std::min(chosen, rows);
+  return search.owner().fit.chi2() >= rules.worse_fit * std::min(chosen, rows);
 }
 
 /// Whether names bring what stands clearly above the floors down to a remainder that they could stay beside elsewhere:
@@ -316,11 +316,11 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
                                    static_cast<double>(search.owner().fit.residual.size()));
   const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
                         (is_owner_refuted(search, decision, rules) || bring_down(decision, before, rules)) &&
-                        share >= rules.most_of_it;
+                        share >= rules.most_of_it && decision.levels.highest() <= rules.largest_remainder;
   const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;
   if (find_supply_swing(model, search, rules, taken, decision)) return decision;
   if (!is_named && find_shaking(model, search, rules, decision)) return decision;
-  const bool is_periodic = find_periodic_force(model, rules, rules.most_of_it, decision);
+  const bool is_periodic = find_periodic_force(model, rules, is_named ? rules.most_of_it : rules.told_share, decision);
   if (!is_periodic && is_named) {
     say_described(search, decision);
     return decision;
@@ -370,17 +370,13 @@ bool holds_law_of(const Explanation& richer, const Explanation& other, const Sea
 
 /// Whether a size stands at the end of its range away from nothing: then physics would have to give more than it can.
 bool stands_at_its_end(const Explanation& explanation, const Search& search) {
-  constexpr double end_share = 1e-3;  // of the range
   for (const std::size_t m : explanation.members) {
     const Candidate& candidate = search.candidates()[m];
     for (std::size_t p = 0; p < candidate.parameters.size(); ++p) {
       const FreeParameter& own = candidate.parameters[p];
       if (!candidate.amplitude[p] || candidate.kind == CandidateKind::parameter) continue;
-      const double z = explanation.fit.z(explanation.fit.own_place(own)), neutral = own.z(candidate.neutral[p]);
-      const double close = end_share * (own.upper - own.lower);
-      const bool is_low = z - own.lower < close && neutral - own.lower > close;
-      const bool is_high = own.upper - z < close && own.upper - neutral > close;
-      if (is_low || is_high) return true;
+      const int end = own.end_at(explanation.fit.z(explanation.fit.own_place(own)));
+      if (end != 0 && end != own.end_at(own.z(candidate.neutral[p]))) return true;
     }
   }
   return false;

@@ -14,6 +14,7 @@ struct DecisionRules {
   double told_errors = 1;  ///< of a law beyond a simpler one: likelier there than not, it is that one's rival
   double floor_level = 1.25;  ///< residual of a channel in sigma: above it something is left
   double line_ratio = 60;  ///< of a spectral line's power to its neighbours'
+  double line_amplitude = 0.4;  ///< of a sample's noise and floor: smaller lines are of no account
   double worse_fit = 1.4;  ///< chi2 over that of another fit, or of held-out rows over fitted ones: clearly worse
   double most_of_it = 0.6;  ///< of a squared mismatch: what takes less is not what is missing
   double nearly_all = 0.97;  ///< of the same: names that take it stay beside a remainder,
@@ -27,6 +28,8 @@ struct DecisionRules {
   double unknown_sure = 0.75;
   // A machine that leaves something everywhere (a little of everything that the model leaves out).
   std::size_t most_names = 3;  ///< sought; a verdict of so many is doubted, or of so many tolerances at their ends
+  double told_share = 0.2;  ///< of the same: what tells where an `unknown` sits; else no sine took more than a tenth
+  double largest_remainder = 40;  ///< in sigma: more beside a name is no small physics
   double most_sure_beside = 0.85;  ///< of a name beside such a remainder
   // An axis or a part of one that is compared in one quantity.
   double next_of_left = 0.15;  ///< of the squared residual that the names before it leave: what one more must take

@@ -62,7 +62,7 @@ bool find_supply_swing(ResidualModel& model, const Search& search, const Decisio
   double stated_Pa = 0;
   for (const ResidualChannel& channel : model.channels()) stated_Pa = std::max(stated_Pa, channel.stated);
   if (!swing || swing->amplitude_Pa <= stated_Pa || swing->share < std::max(rules.most_of_it, taken_by_names) ||
-      1 - swing->share > rules.most_of_it * (1 - swing->next_share))
+      1 - swing->share > (1 - rules.most_of_it) * (1 - swing->next_share))
     return false;
   decision = unknown_at("supply", model, search, rules);
   decision.reason =

@@ -80,7 +80,9 @@ ModelLevels model_levels(ResidualModel& model, const Fit& fit, const DecisionRul
   levels.line = strongest_line(model.rows(), levels.residual);
   if (levels.line) {
     const ResidualChannel& channel = model.channels()[static_cast<std::size_t>(levels.line->channel)];
-    if (levels.line->ratio < rules.line_ratio || levels.line->amplitude < channel.stated) levels.line.reset();
+    const bool is_small = levels.line->amplitude <
+                          std::max(rules.line_amplitude * std::hypot(channel.noise, channel.floor), channel.stated);
+    if (levels.line->ratio < rules.line_ratio || is_small) levels.line.reset();
   }
   return levels;
 }

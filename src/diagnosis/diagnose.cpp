@@ -235,14 +235,7 @@ bool is_doubtful(const Rig& rig, const std::vector<ResidualChannel>& channels, c
   if (decision.verdict == Verdict::unknown && !decision.is_described &&
       decision.levels.held_out_excess() > rules.worse_fit)
     return true;
-  const Fit& fit = decision.chosen->fit;
-  if (decision.chosen->members.size() >= rules.most_names) return true;
-  std::size_t at_end = 0;
-  for (std::size_t i = fit.own_count; i < fit.parameters.size(); ++i)
-    if (rig.tolerances.count(fit.parameters[i].path) > 0 &&
-        fit.parameters[i].end_at(fit.z(static_cast<Eigen::Index>(i))) != 0)
-      ++at_end;
-  return at_end >= rules.most_names;
+  return std::max(decision.chosen->members.size(), tolerances_at_end(rig, decision.chosen->fit)) >= rules.most_names;
 }
 
 /// Small physics beside the tolerances, but for what names say already.

@@ -96,3 +96,20 @@ TEST_CASE("kept derivatives that follow their steps lead to the minimum, kept as
   CHECK(objective(Columns::corrected) == Approx(least).margin(1e-3));
   CHECK(objective(Columns::own) > least + 0.05);
 }
+
+TEST_CASE("tolerances are counted at both ends of their range, and neither what has none nor what is sought") {
+  Rig owner;
+  owner.tolerances = {{"slider.mass_kg", 0.1}, {"slider.payload_kg", 0.1}};
+  Fit fit = valley_fit();
+  fit.own_count = 0;
+  fit.z << 3, -3;
+  CHECK(tolerances_at_end(owner, fit) == 2);
+  fit.z << 2.9, -3;
+  CHECK(tolerances_at_end(owner, fit) == 1);
+  fit.own_count = 1;
+  fit.z << 3, 0;
+  CHECK(tolerances_at_end(owner, fit) == 0);
+  fit.own_count = 0;
+  owner.tolerances.erase("slider.mass_kg");
+  CHECK(tolerances_at_end(owner, fit) == 0);
+}

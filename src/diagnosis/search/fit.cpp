@@ -128,6 +128,15 @@ Eigen::Index Fit::own_place(const FreeParameter& parameter) const {
   throw std::logic_error("a fit has no parameter " + parameter.path + " of its own");
 }
 
+std::size_t tolerances_at_end(const Rig& rig, const Fit& fit) {
+  std::size_t count = 0;
+  for (std::size_t i = fit.own_count; i < fit.parameters.size(); ++i) {
+    const FreeParameter& p = fit.parameters[i];
+    if (rig.tolerances.count(p.path) > 0 && p.end_at(fit.z(static_cast<Eigen::Index>(i))) != 0) ++count;
+  }
+  return count;
+}
+
 Fit fit_at_start(const Rig& rig, FittedRows& rows, std::vector<FreeParameter> own,
                  const std::vector<FreeParameter>& nuisances) {
   Fit fit;

@@ -67,6 +67,9 @@ struct Fit {
 Fit fit_at_start(const Rig& rig, FittedRows& rows, std::vector<FreeParameter> own,
                  const std::vector<FreeParameter>& nuisances);
 
+/// How many of the owner's tolerances that are none of the explanation's own stand where their range ends.
+std::size_t tolerances_at_end(const Rig& rig, const Fit& fit);
+
 /// Places of the parameters that two fits have in common, with one unit and one range: a name frees wider what is a
 /// nuisance elsewhere.
 std::vector<std::pair<Eigen::Index, Eigen::Index>> shared_parameters(const Fit& a, const Fit& b);

@@ -142,7 +142,7 @@ Decision chosen_chain(ResidualModel& model, const Search& search, const Decision
     if (is_seen) ranked.insert(ranked.begin(), small);
     else ranked.clear();
   }
-  double first_gain = 0, next_gain = rules.next_gain;
+  double needed = rules.alarm_gain;
   for (std::size_t members = 1; !ranked.empty(); ranked = sizeable(search, ++members, rules)) {
     const Explanation* best = nullptr;
     for (const Explanation* e : ranked)
@@ -151,14 +151,10 @@ Decision chosen_chain(ResidualModel& model, const Search& search, const Decision
         break;
       }
     if (best == nullptr) break;
-    const double gain = best->log_evidence - decision.chosen->log_evidence;
-    if (members == 1) first_gain = gain;
-    const double share = members == 2 ? 0.0 : rules.third_share;
-    const double needed = members == 1 ? rules.alarm_gain : std::max(next_gain, share * first_gain);
-    if (gain < needed) break;
+    if (best->log_evidence - decision.chosen->log_evidence < needed) break;
     decision.chosen = best;
     const ModelLevels levels = model_levels(model, best->fit, rules);
-    next_gain = levels.highest() < rules.floor_level ? rules.next_gain_at_floor : rules.next_gain;
+    needed = levels.highest() < rules.floor_level ? rules.next_gain_at_floor : rules.next_gain;
     decision.rivals = ranked;
     std::erase(decision.rivals, best);
     decision.rivals.insert(decision.rivals.begin(), best);
@@ -316,11 +312,12 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
                                    static_cast<double>(search.owner().fit.residual.size()));
   const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
                         (is_owner_refuted(search, decision, rules) || bring_down(decision, before, rules)) &&
-                        share >= rules.most_of_it && decision.levels.highest() <= rules.largest_remainder;
+                        share >= rules.taken_share && decision.levels.highest() <= rules.largest_remainder;
   const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;
   if (find_supply_swing(model, search, rules, taken, decision)) return decision;
   if (!is_named && find_shaking(model, search, rules, decision)) return decision;
-  const bool is_periodic = find_periodic_force(model, rules, is_named ? rules.most_of_it : rules.told_share, decision);
+  const bool is_periodic =
+      find_periodic_force(model, rules, is_named ? rules.periodic_share : rules.told_share, decision);
   if (!is_periodic && is_named) {
     say_described(search, decision);
     return decision;
@@ -516,7 +513,7 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
   decision.reason = fmt::format("{}; {:.2g} % of the squared mismatch{}", what_is_left(decision, model, rules),
                                 100 * left / std::max(all, 1e-300), periodic_part(decision, model));
   const bool at_floor = decision.levels.highest() <= rules.floor_level && !decision.levels.line;
-  if (decision.chosen->members.empty() ? !at_floor : all - left < rules.most_of_it * all)
+  if (decision.chosen->members.empty() ? !at_floor : all - left < rules.taken_share * all)
     decision.verdict = Verdict::unknown;
   else say_described(search, decision);
   return decision;

@@ -9,14 +9,13 @@ struct DecisionRules {
   double alarm_gain = 25;           ///< in log evidence: the least that a first name must bring
   double next_gain = 60;            ///< and one more name
   double next_gain_at_floor = 100;  ///< the same where every channel is at its floor already: the model's own error
-  double third_share = 0.02;        ///< of the first name's gain: what every name after the second must bring
   double standard_errors = 5;       ///< the least size of one more effect, or of what a law has beyond a simpler one
   double told_errors = 1;  ///< of a law beyond a simpler one: likelier there than not, it is that one's rival
   double floor_level = 1.25;  ///< residual of a channel in sigma: above it something is left
   double line_ratio = 60;  ///< of a spectral line's power to its neighbours'
   double line_amplitude = 0.4;  ///< of a sample's noise and floor: smaller lines are of no account
   double worse_fit = 1.4;  ///< chi2 over that of another fit, or of held-out rows over fitted ones: clearly worse
-  double most_of_it = 0.6;  ///< of a squared mismatch: what takes less is not what is missing
+  double taken_share = 0.6;  ///< of the squared mismatch: what names beside a remainder take at least
   double nearly_all = 0.97;  ///< of the same: names that take it stay beside a remainder,
   double small_remainder = 3;  ///< up to this many sigma; beside small physics, too, where more stood out before
   double small_held_out_excess = 2;  ///< and held-out stretches no worse than this
@@ -28,7 +27,11 @@ struct DecisionRules {
   double unknown_sure = 0.75;
   // A machine that leaves something everywhere (a little of everything that the model leaves out).
   std::size_t most_names = 3;  ///< sought; a verdict of so many is doubted, or of so many tolerances at their ends
-  double told_share = 0.2;  ///< of the same: what tells where an `unknown` sits; else no sine took more than a tenth
+  double periodic_share = 0.5;  ///< of a squared mismatch: what a sine of the force or of the supply takes at least
+  double swing_left =
+      0.6;  ///< of what the best sine of another frequency leaves: the most that the supply's own leaves
+  double told_share = 0.2;  ///< of a force's squared residual in motion: what tells where an `unknown` sits; else no
+                            ///< sine took more than a tenth
   double largest_remainder = 40;  ///< in sigma: more beside a name is no small physics
   double most_sure_beside = 0.85;  ///< of a name beside such a remainder
   // An axis or a part of one that is compared in one quantity.

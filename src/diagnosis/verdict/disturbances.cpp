@@ -50,7 +50,7 @@ bool find_shaking(ResidualModel& model, const Search& search, const DecisionRule
   for (std::size_t c = 0; c < model.channels().size(); ++c)
     if (model.channels()[c].name == "F")
       taken = 1 - std::pow(decision.levels.channels[c].fitted / std::max(shaken.levels.channels[c].fitted, 1e-300), 2);
-  if (!find_periodic_force(model, rules, std::max(rules.most_of_it, taken), shaken)) return false;
+  if (!find_periodic_force(model, rules, std::max(rules.periodic_share, taken), shaken)) return false;
   decision = std::move(shaken);
   return true;
 }
@@ -61,8 +61,8 @@ bool find_supply_swing(ResidualModel& model, const Search& search, const Decisio
   const auto swing = strongest_supply_swing(model, search.owner().fit.hypothesis());
   double stated_Pa = 0;
   for (const ResidualChannel& channel : model.channels()) stated_Pa = std::max(stated_Pa, channel.stated);
-  if (!swing || swing->amplitude_Pa <= stated_Pa || swing->share < std::max(rules.most_of_it, taken_by_names) ||
-      1 - swing->share > (1 - rules.most_of_it) * (1 - swing->next_share))
+  if (!swing || swing->amplitude_Pa <= stated_Pa || swing->share < std::max(rules.periodic_share, taken_by_names) ||
+      1 - swing->share > rules.swing_left * (1 - swing->next_share))
     return false;
   decision = unknown_at("supply", model, search, rules);
   decision.reason =

@@ -281,7 +281,9 @@ bool Search::search_next(std::size_t members) {
   if (base == nullptr) return false;
   const std::vector<Screened> screened = Screening(rows_, base->fit, candidates_, others(base->members)).singles();
   const std::vector<Screened> chosen = worth_refitting(screened, settings_.next_refits);
-  const double needed = rules_.next_gain;
+  const double first_gain = best_named(1)->log_evidence - owner_.log_evidence;
+  const double share = members == 1 ? 0.0 : rules_.third_share;
+  const double needed = std::max(rules_.next_gain, share * first_gain);
   // Beside a large first name the owner's parameters stand at their bounds, and derivatives there know little of where
   // they would go.
   if (chosen.empty() || 0.5 * chosen.front().gain < settings_.screened_share * needed) return false;

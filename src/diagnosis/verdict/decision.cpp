@@ -142,7 +142,7 @@ Decision chosen_chain(ResidualModel& model, const Search& search, const Decision
     if (is_seen) ranked.insert(ranked.begin(), small);
     else ranked.clear();
   }
-  double needed = rules.alarm_gain;
+  double first_gain = 0, next_gain = rules.next_gain;
   for (std::size_t members = 1; !ranked.empty(); ranked = sizeable(search, ++members, rules)) {
     const Explanation* best = nullptr;
     for (const Explanation* e : ranked)
@@ -151,10 +151,14 @@ Decision chosen_chain(ResidualModel& model, const Search& search, const Decision
         break;
       }
     if (best == nullptr) break;
-    if (best->log_evidence - decision.chosen->log_evidence < needed) break;
+    const double gain = best->log_evidence - decision.chosen->log_evidence;
+    if (members == 1) first_gain = gain;
+    const double share = members == 2 ? 0.0 : rules.third_share;
+    const double needed = members == 1 ? rules.alarm_gain : std::max(next_gain, share * first_gain);
+    if (gain < needed) break;
     decision.chosen = best;
     const ModelLevels levels = model_levels(model, best->fit, rules);
-    needed = levels.highest() < rules.floor_level ? rules.next_gain_at_floor : rules.next_gain;
+    next_gain = levels.highest() < rules.floor_level ? rules.next_gain_at_floor : rules.next_gain;
     decision.rivals = ranked;
     std::erase(decision.rivals, best);
     decision.rivals.insert(decision.rivals.begin(), best);

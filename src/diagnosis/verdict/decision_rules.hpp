@@ -9,6 +9,7 @@ struct DecisionRules {
   double alarm_gain = 25;           ///< in log evidence: the least that a first name must bring
   double next_gain = 60;            ///< and one more name
   double next_gain_at_floor = 100;  ///< the same where every channel is at its floor already: the model's own error
+  double third_share = 0.02;  ///< of the first name's gain: what every name after the second must bring
   double standard_errors = 5;       ///< the least size of one more effect, or of what a law has beyond a simpler one
   double told_errors = 1;  ///< of a law beyond a simpler one: likelier there than not, it is that one's rival
   double floor_level = 1.25;  ///< residual of a channel in sigma: above it something is left

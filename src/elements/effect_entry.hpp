@@ -194,7 +194,7 @@ struct EffectEntry {
   std::string_view element{};  ///< where it sits, without its side
   std::string_view family{};  ///< names that mimic each other in recordings, without their side; of a sensor: its own
   EffectRole role = EffectRole::law;
-  Few<ParameterTrait, 4> parameters{};
+  Few<ParameterTrait, 6> parameters{};
   unsigned shown_by = 0;  ///< bits of Excitation
   bool is_never_added = false;  ///< to other names
   bool is_of_plain_axes = false;  ///< looked for where no pressures act on the slider

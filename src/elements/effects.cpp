@@ -11,9 +11,15 @@ constexpr std::array<double, 3> droop_areas{0.1, 0.3, 1};
 constexpr std::array<double, 3> droop_volumes{2e-4, 1e-3, 5e-3};
 constexpr std::array<double, 3> restriction_sizes{0.1, 0.5, 2};
 
-constexpr Few<ParameterTrait, 4> of_each_edge(double spread, double small_spread) {
+constexpr Few<ParameterTrait, 6> of_each_edge(double spread, double small_spread) {
   const auto edge = [&](std::string_view key) { return amplitude(key, one, spread).small(small_spread); };
   return {edge("supply_1"), edge("exhaust_1"), edge("supply_2"), edge("exhaust_2")};
+}
+/// Servo valves are called linear within a few per cent.
+constexpr Few<ParameterTrait, 6> along_the_spool() {
+  const auto at = [](std::string_view key) { return amplitude(key, one, 0.15).small(0.01); };
+  return {at("at_3_percent"),  at("at_5_percent"),  at("at_8_percent"),
+          at("at_12_percent"), at("at_20_percent"), at("at_40_percent")};
 }
 constexpr std::array<double, 3> relief_pressures{0.5, 0.65, 0.8};
 constexpr std::array<double, 2> cushion_lengths{0.08, 0.25};
@@ -104,6 +110,18 @@ constexpr EffectEntry pneumatic_entries[] = {
      .role = EffectRole::description,
      .parameters = {amplitude("near_middle", one, 0.15, 0.005).small(0.04),
                     amplitude("wide_open", one, 0.5, 0.02).small(0.04)}},
+    {.name = "valve_linearity_forward",
+     .words = "edges of the valve beside a straight line while it fills port 1",
+     .element = "valve",
+     .family = "linearity",
+     .role = EffectRole::granted,
+     .parameters = along_the_spool()},
+    {.name = "valve_linearity_backward",
+     .words = "edges of the valve beside a straight line while it fills port 2",
+     .element = "valve",
+     .family = "linearity",
+     .role = EffectRole::granted,
+     .parameters = along_the_spool()},
     {.name = "valve_edge_slopes",
      .words = "edges of the valve of different slopes",
      .element = "valve",

@@ -68,6 +68,8 @@ AxisParameters<double> random_axis(Random& random) {
   e.piston_leak.area_m2 = sometimes(1e-7);
   e.piston_leak_zone = {sometimes(1e-7), 0.02, 0.03};
   e.valve.valve_curve = {sometimes(0.2), sometimes(-0.3)};
+  for (auto* linearity : {&e.valve.valve_linearity_forward, &e.valve.valve_linearity_backward})
+    *linearity = {sometimes(0.1), sometimes(-0.1), sometimes(0.2), sometimes(-0.2), sometimes(0.1), sometimes(-0.1)};
   e.valve.valve_edge_slopes = {sometimes(0.1), sometimes(-0.1), sometimes(0.2), sometimes(-0.2)};
   e.valve.valve_edge_overlaps = {sometimes(0.1), sometimes(-0.1), sometimes(0.2), sometimes(-0.2)};
   e.supply_droop.area_m2 = sometimes(3e-5);

@@ -86,6 +86,40 @@ TEST_CASE("valve: a curve changes the slope about the middle and wide open, of b
   CHECK(make_valve(effects).areas(4.9).supply >= 0.0);  // a slope may vanish, an area not turn its sign
 }
 
+TEST_CASE("valve: edges beside a straight line, each way of the spool by itself, at both ports of a pair") {
+  ValveEffects<double> effects;
+  effects.valve_linearity_forward = {0.1, 0.2, 0.2, 0.1, -0.1, 0.05};
+  effects.valve_linearity_backward.at_8_percent = 0.3;
+  ValveParameters<double> parameters;
+  parameters = {5.0, 2.6e-6, 1.3e-5, 0.35};
+  Valves<double> valves;
+  valves.configure(ValveArrangement::five_port, parameters, effects, 1e-3);
+  const auto slope_at = [&](double command_V) {
+    valves.reset(command_V);
+    valves.set_commands(command_V, 0.0);
+    valves.set_time_step(1e-3);
+    const PortAreas<Pair<double>> areas = valves.step(0.0);
+    CHECK((command_V > 0 ? low(areas.exhaust) : low(areas.supply)) == 0.0);
+    const double one = command_V > 0 ? low(areas.supply) : low(areas.exhaust),
+                 other = command_V > 0 ? high(areas.exhaust) : high(areas.supply);
+    CHECK(one == other);  // one spool
+    return one / std::abs(command_V) / 2.6e-6;
+  };
+  CHECK(slope_at(0.05) == Approx(1.1));  // below the first way
+  CHECK(slope_at(0.1) == Approx(1.1));
+  CHECK(slope_at(0.2) == Approx(1.15));  // half way from 3 to 5 %
+  CHECK(slope_at(0.4) == Approx(1.2));
+  CHECK(slope_at(0.6) == Approx(1.1));
+  CHECK(slope_at(0.8) == Approx(1.0));
+  CHECK(slope_at(1.0) == Approx(0.9));
+  CHECK(slope_at(1.5) == Approx(0.975));
+  CHECK(slope_at(4.0) == Approx(1.05));  // beyond the last way
+  CHECK(slope_at(-0.25) == Approx(1.0));
+  CHECK(slope_at(-0.325) == Approx(1.15));
+  CHECK(slope_at(-0.4) == Approx(1.3));
+  CHECK(slope_at(-0.6) == Approx(1.0));
+}
+
 TEST_CASE("valve: each of the four edges of a five-port spool has its own slope and overlap") {
   ValveEffects<double> effects;
   effects.valve_dead_band.width_V = 0.2;

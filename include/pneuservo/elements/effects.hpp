@@ -79,6 +79,33 @@ template <class S> struct OfEachEdge {
     v(Field{"exhaust_2", "-", -0.9, 10, "of the edge that empties port 2"}, p.exhaust_2...);
   }
 };
+/// What the edges' areas are beside a straight line at six ways of the spool, as shares of it: |s| from 3 to 40 % of
+/// the largest command. Between them along straight lines, outside as at the nearest.
+template <class S> struct ValveLinearity {
+  S at_3_percent = S(0), at_5_percent = S(0), at_8_percent = S(0), at_12_percent = S(0), at_20_percent = S(0),
+    at_40_percent = S(0);
+  S share(const S& way) const noexcept {
+    const auto part = [&](double from, double to) {
+      return minimum(maximum((way - S(from)) * S(1 / (to - from)), S(0)), S(1));
+    };
+    return at_3_percent + (at_5_percent - at_3_percent) * part(0.03, 0.05) +
+           (at_8_percent - at_5_percent) * part(0.05, 0.08) + (at_12_percent - at_8_percent) * part(0.08, 0.12) +
+           (at_20_percent - at_12_percent) * part(0.12, 0.2) + (at_40_percent - at_20_percent) * part(0.2, 0.4);
+  }
+  S size() const noexcept {
+    return absolute(at_3_percent) + absolute(at_5_percent) + absolute(at_8_percent) + absolute(at_12_percent) +
+           absolute(at_20_percent) + absolute(at_40_percent);
+  }
+  template <class V, class... P> static void visit(V&& v, P&... p) {
+    v(Field{"at_3_percent", "-", -0.9, 10, "share more than a straight line at 3 % of the largest command"},
+      p.at_3_percent...);
+    v(Field{"at_5_percent", "-", -0.9, 10, "at 5 %"}, p.at_5_percent...);
+    v(Field{"at_8_percent", "-", -0.9, 10, "at 8 %"}, p.at_8_percent...);
+    v(Field{"at_12_percent", "-", -0.9, 10, "at 12 %"}, p.at_12_percent...);
+    v(Field{"at_20_percent", "-", -0.9, 10, "at 20 %"}, p.at_20_percent...);
+    v(Field{"at_40_percent", "-", -0.9, 10, "at 40 %"}, p.at_40_percent...);
+  }
+};
 template <class S> struct CommandDelay {
   S delay_s = S(0);
   template <class V, class... P> static void visit(V&& v, P&... p) {
@@ -97,6 +124,7 @@ template <class S> struct ValveEffects {
   ValveNeutralLeak<S> valve_neutral_leak;
   ValveAsymmetry<S> valve_asymmetry;
   ValveCurve<S> valve_curve;
+  ValveLinearity<S> valve_linearity_forward, valve_linearity_backward;
   OfEachEdge<S> valve_edge_slopes, valve_edge_overlaps;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     constexpr auto optional = Presence::optional;
@@ -111,6 +139,9 @@ template <class S> struct ValveEffects {
       p.valve_asymmetry...);
     v(Field{"valve_curve", "", 0, 0, "slope of the edges that changes along the spool's way", optional},
       p.valve_curve...);
+    v(Field{"valve_linearity_forward", "", 0, 0, "edges beside a straight line where s > 0", optional},
+      p.valve_linearity_forward...);
+    v(Field{"valve_linearity_backward", "", 0, 0, "the same where s < 0", optional}, p.valve_linearity_backward...);
     v(Field{"valve_edge_slopes", "", 0, 0, "slope of each edge by itself", optional}, p.valve_edge_slopes...);
     v(Field{"valve_edge_overlaps", "", 0, 0, "overlap of each edge by itself, of valve_dead_band's", optional},
       p.valve_edge_overlaps...);

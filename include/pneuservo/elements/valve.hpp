@@ -22,22 +22,25 @@ template <class S> struct PortAreas {
 template <class S> struct PortEdges {
   S supply_slope = S(0), exhaust_slope = S(0);  ///< share of the valve's
   S supply_overlap = S(0), exhaust_overlap = S(0);  ///< of valve_dead_band's
+  ValveLinearity<S> filling, emptying;  ///< while the spool fills this port, and empties it
 
   static PortEdges of_port_1(const ValveEffects<S>& effects) noexcept {
-    return {effects.valve_edge_slopes.supply_1, effects.valve_edge_slopes.exhaust_1,
-            effects.valve_edge_overlaps.supply_1, effects.valve_edge_overlaps.exhaust_1};
+    return {effects.valve_edge_slopes.supply_1,   effects.valve_edge_slopes.exhaust_1,
+            effects.valve_edge_overlaps.supply_1, effects.valve_edge_overlaps.exhaust_1,
+            effects.valve_linearity_forward,      effects.valve_linearity_backward};
   }
   static PortEdges of_port_2(const ValveEffects<S>& effects) noexcept {
-    return {effects.valve_edge_slopes.supply_2, effects.valve_edge_slopes.exhaust_2,
-            effects.valve_edge_overlaps.supply_2, effects.valve_edge_overlaps.exhaust_2};
+    return {effects.valve_edge_slopes.supply_2,   effects.valve_edge_slopes.exhaust_2,
+            effects.valve_edge_overlaps.supply_2, effects.valve_edge_overlaps.exhaust_2,
+            effects.valve_linearity_backward,     effects.valve_linearity_forward};
   }
 };
 
 /// A spool and the port that it fills for s > 0 and empties for s < 0: a three-port valve. Area = area_per_volt
-/// |s_eff|, at most area_max (valve_curve bends the slope). Order of the command path: hold, delay, play, stiction,
-/// lag, spool dynamics, offset, dead band, area. Two on/off valves have their coils in its place: one on above half of
-/// command_max, one below minus half. The other port of a five-port spool sees everything with the opposite
-/// sign (elements/valves.hpp).
+/// |s_eff|, at most area_max (valve_curve and valve_linearity bend the slope). Order of the command path: hold, delay,
+/// play, stiction, lag, spool dynamics, offset, dead band, area. Two on/off valves have their coils in its place: one
+/// on above half of command_max, one below minus half. The other port of a five-port spool sees everything with the
+/// opposite sign (elements/valves.hpp).
 template <class S> class Valve {
  public:
   /// Allocates the delay line; longest delay 0.5 s.
@@ -64,6 +67,7 @@ template <class S> class Valve {
     edges_differ_ = any(absolute(edges.supply_slope) + absolute(edges.exhaust_slope) + absolute(edges.supply_overlap) +
                             absolute(edges.exhaust_overlap) >
                         S(0));
+    is_uneven_ = any(edges.filling.size() + edges.emptying.size() > S(0));
   }
   void reset(const S& command) noexcept {
     for (std::size_t i = 0; i < on_off_.size(); ++i)
@@ -108,6 +112,10 @@ template <class S> class Valve {
     const S overlap = effects_.valve_dead_band.width_V;
     S slope = parameters_.area_per_volt_m2_per_V;
     if (is_curved_) slope = slope * effects_.valve_curve.factor(absolute(shifted), parameters_.command_max_V);
+    if (is_uneven_) {
+      const S way = absolute(shifted) / parameters_.command_max_V;
+      slope = slope * (S(1) + select(shifted > S(0), edges_.filling.share(way), edges_.emptying.share(way)));
+    }
     S supply_way = shifted - overlap, exhaust_way = -shifted - overlap, supply_slope = slope, exhaust_slope = slope;
     if (edges_differ_) {
       supply_way = supply_way - overlap * edges_.supply_overlap;
@@ -196,7 +204,7 @@ template <class S> class Valve {
   std::vector<S> history_;
   std::size_t newest_ = 0;
   bool delayed_ = false, moves_within_ = false, is_curved_ = false, sticks_ = false, is_on_off_ = false,
-       edges_differ_ = false;
+       edges_differ_ = false, is_uneven_ = false;
   std::array<std::array<OnOffValve, 2>, ScalarTraits<S>::lanes> on_off_;  // that fills, that empties
   int pieces_ = 1;
   double piece_s_ = 1e-3;

@@ -31,7 +31,8 @@ template <class S> class Valves {
     const auto edges_1 = PortEdges<S>::of_port_1(effects), edges_2 = PortEdges<S>::of_port_2(effects);
     pair_.set_edges(
         {join(edges_1.supply_slope, edges_2.supply_slope), join(edges_1.exhaust_slope, edges_2.exhaust_slope),
-         join(edges_1.supply_overlap, edges_2.supply_overlap), join(edges_1.exhaust_overlap, edges_2.exhaust_overlap)});
+         join(edges_1.supply_overlap, edges_2.supply_overlap), join(edges_1.exhaust_overlap, edges_2.exhaust_overlap),
+         joined(edges_1.filling, edges_2.filling), joined(edges_1.emptying, edges_2.emptying)});
   }
   void reset(const S& command) noexcept { pair_.reset(join(command, command)); }
   /// The commands that act from the start of the coming period; a five-port spool has the first alone.
@@ -47,6 +48,12 @@ template <class S> class Valves {
   const Valve<P>& pair() const noexcept { return pair_; }
 
  private:
+  static ValveLinearity<P> joined(const ValveLinearity<S>& one, const ValveLinearity<S>& other) noexcept {
+    ValveLinearity<P> out;
+    const auto join_both = [](const Field&, auto& to, const auto& a, const auto& b) { to = join(a, b); };
+    ValveLinearity<P>::visit(join_both, out, one, other);
+    return out;
+  }
   static void copy_groups(ValveEffects<P>& to, const ValveEffects<S>& from) noexcept {
     ValveEffects<P>::visit(
         [](const Field&, auto& group, const auto& source) {

@@ -143,7 +143,7 @@ void add_moved(const Rig& rig, const Decision& decision, Diagnosis& out) {
   const Fit& fit = decision.chosen->fit;
   for (std::size_t i = fit.own_count; i < fit.parameters.size(); ++i) {
     const FreeParameter& parameter = fit.parameters[i];
-    if (parameter.start_factor >= 0) continue;
+    if (parameter.is_of_recording()) continue;
     const double z = fit.z(static_cast<Eigen::Index>(i));
     out.moved.push_back({parameter.path, parameter.value_in(rig), parameter.value(z), z, parameter.end_at(z) != 0});
   }
@@ -292,6 +292,11 @@ void add_small_physics(const Rig& rig, const Decision& decision, Diagnosis& out)
     if (!p.path.empty() && rig.tolerances.count(p.path) == 0 && std::abs(z) >= 0.3)
       granted.push_back(fmt::format("{} = {:.3g}", p.path, p.value(z)));
   }
+  const Hypothesis found = fit.hypothesis();
+  double swing_Pa = 0;
+  for (const double part : found.swing_Pa) swing_Pa = std::max(swing_Pa, std::abs(part));
+  if (swing_Pa > 0)
+    granted.push_back(fmt::format("a supply that swings by {:.2g} Pa at {:.3g} Hz", swing_Pa, found.swing_Hz));
   out.warnings.push_back(
       fmt::format("the model agrees with small physics granted beside the config: {}", fmt::join(granted, ", ")));
 }

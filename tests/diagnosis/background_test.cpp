@@ -63,6 +63,9 @@ class Judging {
     model_.drop_slow_error();
   }
 
+  /// The owner's model as the search has fitted it.
+  Hypothesis owner() const { return search_->owner().fit.hypothesis(); }
+
   Judged judged(const DecisionRules& rules = {}) {
     const Decision decision = decide_beside_remainder(model_, *search_, of_two_names(rules));
     Judged out;
@@ -99,6 +102,20 @@ Judged judge(const Rig& machine, const Rig& owner = owners_rig(), const SearchSe
 TEST_CASE("background: underlap, delay and sensors a little off are no alarm") {
   const Judged judged = judge(with_background(owners_rig()));
   CHECK((judged.verdict == Verdict::unknown || judged.verdict == Verdict::consistent));
+}
+
+TEST_CASE("background: a supply that swings within half a per cent is small physics, and its swing is found") {
+  Rig machine = with_background(owners_rig());
+  const Hypothesis steady = Judging(machine).owner();
+  CHECK(steady.swing_Pa.empty());
+  machine.axis.effects.supply_swing = {1500, 0.9, 0.4};
+  Judging judging(machine);
+  const Hypothesis swinging = judging.owner();
+  REQUIRE(swinging.swing_Pa.size() == 2);
+  CHECK(swinging.swing_Hz == Approx(0.9).margin(0.02));
+  CHECK(std::hypot(swinging.swing_Pa[0], swinging.swing_Pa[1]) == Approx(1500).epsilon(0.1));
+  const Verdict verdict = judging.judged().verdict;
+  CHECK((verdict == Verdict::unknown || verdict == Verdict::consistent));
 }
 
 TEST_CASE(

@@ -188,6 +188,75 @@ TEST_CASE("search: a name that small physics stands for brings nothing beside it
         Approx(alone).margin(0.5));
 }
 
+TEST_CASE("search: a name is needed where small physics explains as much by many numbers that are nothing") {
+  // The spring takes all, and so does the first of thirteen small numbers; each other one has a row that says nothing.
+  const auto numbers = [](const Rig& rig) {
+    const ValveEffects<double>& valve = rig.axis.effects.valve;
+    std::vector<double> out{valve.valve_offset.offset_V};
+    for (const auto* linearity : {&valve.valve_linearity_forward, &valve.valve_linearity_backward})
+      ValveLinearity<double>::visit([&](const Field&, const double& share) { out.push_back(share); }, *linearity);
+    return out;
+  };
+  ClosedFormModel model([&](const Rig& rig) {
+    std::vector<double> rows = numbers(rig);
+    rows.front() = 100 * (1 - rig.axis.effects.motion.spring_load.stiffness_N_per_m - rows.front());
+    for (std::size_t i = 1; i < rows.size(); ++i) rows[i] *= 50;
+    return rows;
+  });
+  FittedRows rows(model, {});
+  const std::vector<Candidate> candidates{found_by_size("spring_load", "effects.spring_load.stiffness_N_per_m")};
+  Search search(rows, cylinder_rig(), candidates, {}, one_name(), {});
+  search.run();
+  REQUIRE(search.best_of(1) != nullptr);
+  SearchSettings settings;
+  const auto grant = [&](const std::string& path) {
+    FreeParameter small = free_number(cylinder_rig(), path);
+    small.lower = -3, small.upper = 3, small.step = 0.01;
+    settings.small_physics.push_back(small);
+  };
+  const auto gain = [&] {
+    return Search(rows, cylinder_rig(), candidates, settings, one_name(), {})
+        .gains_of_names(*search.best_of(1))
+        .front();
+  };
+  grant("effects.valve_offset.offset_V");
+  CHECK(gain() < 1);
+  for (const char* way : {"forward", "backward"})
+    for (const int percent : {3, 5, 8, 12, 20, 40})
+      grant("effects.valve_linearity_" + std::string(way) + ".at_" + std::to_string(percent) + "_percent");
+  CHECK(gain() == Approx(12 * std::log(50)).epsilon(0.05));  // what those rows narrow each small number to
+}
+
+TEST_CASE("decision: a number at the end of its tolerance is off where setting it free is likelier") {
+  Rig rig = cylinder_rig();
+  rig.axis.slider.mass_kg = mass_kg;
+  rig.tolerances = {{"slider.mass_kg", tolerance}};
+  const auto judged = [&](double true_tolerances, double told) {
+    ClosedFormModel model([&](const Rig& r) {
+      std::vector<double> rows(200);
+      const double off = (r.axis.slider.mass_kg / mass_kg - 1) / tolerance - true_tolerances;
+      for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = told * off + (k % 2 == 0 ? 1 : -1);
+      return rows;
+    });
+    FittedRows rows(model, {});
+    std::vector<Candidate> candidates = all_candidates(rig, model.channels(), MotionRange{});
+    std::erase_if(candidates, [](const Candidate& c) { return c.name != "parameter:slider.mass_kg"; });
+    SearchSettings settings;
+    settings.grow_floor = true;
+    Search search(rows, rig, candidates, settings, one_name(), {});
+    search.run();
+    const Decision decision = decide_beside_remainder(model, search, {});
+    const double found_kg = decision.chosen->fit.hypothesis().rig.axis.slider.mass_kg;
+    return std::pair(decision.verdict, (found_kg / mass_kg - 1) / tolerance);
+  };
+  const auto [verdict, tolerances] = judged(8, 0.1);
+  CHECK(verdict == Verdict::parameter_error);
+  CHECK(tolerances ==
+        Approx(8 * 2 / (2 + 1.0 / 9)).epsilon(1e-3));  // 200 rows of 0.1, and a wide prior of 3 tolerances
+  CHECK(judged(2, 0.1).first == Verdict::consistent);
+  CHECK(judged(8, 0.01).first == Verdict::consistent);  // these rows hardly tell
+}
+
 TEST_CASE("decision: what changes within its owner's tolerance is no remainder, what changes by more is one") {
   const auto swings = [](const Rig&) {
     std::vector<double> rows(200);

@@ -36,6 +36,11 @@ class RecordedRigs {
     for (const auto& part : parts)
       changed_.push_back(part.changes.empty() ? std::nullopt : std::optional<Rig>(changed_rig(rig, part.changes)));
   }
+  /// The rig of this recording alone, to be changed further.
+  Rig& own(std::size_t recording) {
+    if (!changed_[recording]) changed_[recording] = *rig_;
+    return *changed_[recording];
+  }
   const Rig& operator[](std::size_t recording) const { return changed_[recording] ? *changed_[recording] : *rig_; }
 
  private:

@@ -36,7 +36,7 @@ std::vector<std::vector<double>> CylinderResiduals::gap_errors(std::size_t recor
 }
 
 Eigen::MatrixXd CylinderResiduals::unseen_commands(const Hypothesis& hypothesis) {
-  const RecordedRigs rigs(hypothesis.rig, recordings_);
+  const RecordedRigs rigs = gas_->rigs_of(hypothesis);
   std::vector<std::vector<GasCourse>> changes(recordings_.size());
   in_parallel(recordings_.size(), jobs_, [&](std::size_t r) {
     const ImposedInputs& inputs = recordings_[r].inputs;

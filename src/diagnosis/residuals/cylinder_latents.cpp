@@ -180,7 +180,7 @@ std::vector<LatentInput> CylinderResiduals::latent_inputs(const Hypothesis& hypo
   out.push_back({"motion", "force on the slider with the motion", "N", {}, answer_to_force(hypothesis)});
   const Eigen::VectorXd force_answer = out.front().own_answer;
   for (const Place& place : places) out.push_back({place.element, place.what, place.unit, {}, {}});
-  const RecordedRigs rigs(hypothesis.rig, recordings_);
+  const RecordedRigs rigs = gas_->rigs_of(hypothesis);
   std::vector<Eigen::MatrixXd> supply_answers(recordings_.size());
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
     const CylinderRecording& data = recordings_[r];

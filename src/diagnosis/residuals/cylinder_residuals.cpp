@@ -431,7 +431,9 @@ std::vector<CylinderResiduals::Column> CylinderResiduals::plain_columns(std::spa
     AxisParameters<double>::visit(collect, hypotheses[i].rig.axis);
     for (const SensorEffects<double>& sensor : hypotheses[i].rig.sensor_effects.all)
       SensorEffects<double>::visit(collect, sensor);
-    keys[i].insert(keys[i].end(), hypotheses[i].start_factors.begin(), hypotheses[i].start_factors.end());
+    for (const std::vector<double>& own : {hypotheses[i].start_factors, hypotheses[i].swing_Pa})
+      keys[i].insert(keys[i].end(), own.begin(), own.end());
+    keys[i].push_back(hypotheses[i].swing_Hz);
     const auto known = known_columns_.find(keys[i]);
     if (known != known_columns_.end()) {
       out[i] = known->second;

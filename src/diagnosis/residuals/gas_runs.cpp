@@ -129,6 +129,15 @@ GasRuns::GasRuns(const Rig& owner, const std::vector<CylinderRecording>& recordi
   set_working_point({owner, {}});
 }
 
+RecordedRigs GasRuns::rigs_of(const Hypothesis& hypothesis) const {
+  RecordedRigs rigs(hypothesis.rig, recordings_);
+  for (std::size_t r = 0; 2 * r + 1 < hypothesis.swing_Pa.size(); ++r) {
+    const double sine = hypothesis.swing_Pa[2 * r], cosine = hypothesis.swing_Pa[2 * r + 1];
+    rigs.own(r).axis.effects.supply_swing = {std::hypot(sine, cosine), hypothesis.swing_Hz, std::atan2(cosine, sine)};
+  }
+  return rigs;
+}
+
 ImposedRun GasRuns::run_of(const RecordedRigs& rigs, const Hypothesis& hypothesis, std::size_t recording) {
   ImposedRun run{&rigs[recording], {}};
   const std::vector<double>& factors = hypothesis.start_factors;
@@ -170,7 +179,7 @@ std::vector<SidedCourse> GasRuns::simulate(std::size_t recording, std::span<cons
 std::vector<std::vector<SidedCourse>> GasRuns::of(std::span<const Hypothesis> hypotheses) {
   std::vector<RecordedRigs> rigs;
   rigs.reserve(hypotheses.size());
-  for (const Hypothesis& hypothesis : hypotheses) rigs.emplace_back(hypothesis.rig, recordings_);
+  for (const Hypothesis& hypothesis : hypotheses) rigs.push_back(rigs_of(hypothesis));
   std::vector<Asked> asked(recordings_.size());
   std::deque<Batch> batches;  // runs point to rigs in them
   for (std::size_t r = 0; r < recordings_.size(); ++r) {
@@ -217,7 +226,7 @@ std::vector<std::vector<SidedCourse>> GasRuns::of(std::span<const Hypothesis> hy
 
 void GasRuns::set_working_point(const Hypothesis& hypothesis) {
   std::vector<GasCourse> fine(recordings_.size()), work(recordings_.size());
-  const RecordedRigs rigs(hypothesis.rig, recordings_);
+  const RecordedRigs rigs = rigs_of(hypothesis);
   in_parallel(2 * recordings_.size(), jobs_, [&](std::size_t i) {  // the long ones first
     const std::size_t r = i % recordings_.size();
     const bool is_fine = i < recordings_.size();

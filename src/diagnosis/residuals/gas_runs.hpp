@@ -27,6 +27,8 @@ class GasRuns {
   void set_stop(StopQuestion stop) { stop_ = std::move(stop); }
   /// Course of hypothesis i over recording r at [i][r], with the grid's error at the working point taken out.
   std::vector<std::vector<SidedCourse>> of(std::span<const Hypothesis> hypotheses);
+  /// The hypothesis' rig at each recording, with the supply as it swings there.
+  RecordedRigs rigs_of(const Hypothesis& hypothesis) const;
   static ImposedRun run_of(const RecordedRigs& rigs, const Hypothesis& hypothesis, std::size_t recording);
   /// Takes the difference of a fine grid and the work grid at this hypothesis for the grid's error.
   void set_working_point(const Hypothesis& hypothesis);

@@ -21,6 +21,10 @@ struct Hypothesis {
   /// each recording: a cylinder's temperature, a vessel's pressure, or that of the supply that fills it. Empty:
   /// neutral.
   std::vector<double> start_factors;
+  /// Of a cylinder: how its supply's pressure swings beside its mean, at one frequency in all recordings, by the parts
+  /// of sine and cosine in each, from the recording's start [Pa]. Empty: as the rig has it.
+  std::vector<double> swing_Pa{};
+  double swing_Hz = 0;
 };
 
 /// One compared quantity.

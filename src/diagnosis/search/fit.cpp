@@ -68,8 +68,8 @@ double step_inside(const FreeParameter& parameter, double z) {
   return z + parameter.step > parameter.upper ? -parameter.step : parameter.step;
 }
 
-/// A hypothesis and the columns that its residual gives: one parameter, or a start factor of every recording at once
-/// (recordings do not see each other's).
+/// A hypothesis and the columns that its residual gives: one parameter, or a number that each recording has of its own,
+/// of all at once (recordings do not see each other's).
 struct Probe {
   Fit* fit;
   std::vector<Eigen::Index> columns;
@@ -77,22 +77,21 @@ struct Probe {
 };
 
 void collect_probes(Fit& fit, std::vector<Probe>& probes, std::vector<Hypothesis>& hypotheses) {
-  std::array<int, 2> side_probe{-1, -1};
+  std::array<int, 4> recordings_probe{-1, -1, -1, -1};
   for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
     if (fit.known_columns[i]) continue;
     const FreeParameter& parameter = fit.parameters[i];
     const auto column = static_cast<Eigen::Index>(i);
-    if (parameter.start_factor >= 0) {
-      int& known = side_probe[static_cast<std::size_t>(parameter.start_factor % 2)];
+    if (parameter.is_of_recording()) {
+      int& known = recordings_probe.at(parameter.place_in_recording());
       if (known >= 0) {
         probes[static_cast<std::size_t>(known)].columns.push_back(column);
-        hypotheses[static_cast<std::size_t>(known)].start_factors[static_cast<std::size_t>(parameter.start_factor)] +=
-            parameter.spread * parameter.step;
+        parameter.of_recording(hypotheses[static_cast<std::size_t>(known)]) += parameter.spread * parameter.step;
         continue;
       }
       known = static_cast<int>(probes.size());
     }
-    const double step = parameter.start_factor >= 0 ? parameter.step : step_inside(parameter, fit.z(column));
+    const double step = parameter.is_of_recording() ? parameter.step : step_inside(parameter, fit.z(column));
     std::vector<double> z = plain(fit.z);
     z[i] += step;
     hypotheses.push_back(with_parameters(fit.base, fit.parameters, z));
@@ -209,11 +208,11 @@ void linearise(FittedRows& rows, const std::vector<Fit*>& fits) {
     const Eigen::VectorXd derivative = (column - fit.residual) / probe.step;
     if (!derivative.allFinite()) fit.failed = true;
     for (const Eigen::Index c : probe.columns) {
-      const int factor = fit.parameters[static_cast<std::size_t>(c)].start_factor;
-      if (factor < 0) fit.jacobian.col(c) = derivative;
+      const FreeParameter& parameter = fit.parameters[static_cast<std::size_t>(c)];
+      if (!parameter.is_of_recording()) fit.jacobian.col(c) = derivative;
       else
         for (Eigen::Index i = 0; i < rows.count(); ++i)
-          fit.jacobian(i, c) = rows.row(i).recording == factor / 2 ? derivative(i) : 0.0;
+          fit.jacobian(i, c) = rows.row(i).recording == parameter.recording() ? derivative(i) : 0.0;
     }
   }
   for (Fit* fit : fits) fit->known_columns.assign(fit->parameters.size(), 1);
@@ -228,7 +227,7 @@ struct Stepping {
   Eigen::VectorXd start, gradient;
   double before, promised;
   Eigen::VectorXd undamped, residual_there;  ///< the step without damping, and the residual at its end
-  Eigen::VectorXd reached;                   ///< the residual at the end of the step that was taken
+  Eigen::VectorXd reached;  ///< the residual at the end of the step that was taken
 };
 
 /// The undamped step bent to where the residual really goes: r(z + d) - r - J d is what the linear model misses of it,

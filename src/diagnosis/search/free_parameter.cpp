@@ -31,8 +31,7 @@ Hypothesis with_parameters(const Hypothesis& base, const std::vector<FreeParamet
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const FreeParameter& parameter = parameters[i];
     const double value = parameter.value(z[i]);
-    if (parameter.start_factor >= 0)
-      hypothesis.start_factors.at(static_cast<std::size_t>(parameter.start_factor)) = value;
+    if (parameter.is_of_recording()) parameter.of_recording(hypothesis) = value;
     else parameter.number.value().set(hypothesis.rig, value);
   }
   return hypothesis;

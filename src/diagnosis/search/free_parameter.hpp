@@ -1,5 +1,6 @@
 // One number of a hypothesis that a fit may move, in units of its prior's standard deviation.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -11,11 +12,13 @@
 
 namespace pneuservo {
 
+/// A number of the rig, of a recording's start, or of the supply's swing in a recording.
 /// z = 0 is the prior's centre, +-1 its standard deviation; the prior is normal, cut at the bounds.
 struct FreeParameter {
-  std::string path;  ///< config path; empty for a start factor
+  std::string path;  ///< config path; empty for a number of one recording
   std::optional<ParameterHandle> number{};  ///< at that path
-  int start_factor = -1;
+  int start_factor = -1;  ///< of Hypothesis::start_factors
+  int swing_part = -1;    ///< of Hypothesis::swing_Pa
   Variation variation = Variation::linear;
   double center = 0;  ///< in what is varied (the value, its logarithm, 1/value^2)
   double spread = 1;
@@ -26,7 +29,19 @@ struct FreeParameter {
   double step = 0.005;
 
   /// Whether both are one number, whatever their priors.
-  bool is_same(const FreeParameter& other) const { return start_factor == other.start_factor && path == other.path; }
+  bool is_same(const FreeParameter& other) const {
+    return start_factor == other.start_factor && swing_part == other.swing_part && path == other.path;
+  }
+  /// Whether it is one of the four numbers that each recording has of its own.
+  bool is_of_recording() const { return start_factor >= 0 || swing_part >= 0; }
+  int recording() const { return std::max(start_factor, swing_part) / 2; }
+  std::size_t place_in_recording() const {
+    return static_cast<std::size_t>(start_factor >= 0 ? start_factor % 2 : 2 + swing_part % 2);
+  }
+  double& of_recording(Hypothesis& hypothesis) const {
+    return start_factor >= 0 ? hypothesis.start_factors.at(static_cast<std::size_t>(start_factor))
+                             : hypothesis.swing_Pa.at(static_cast<std::size_t>(swing_part));
+  }
 
   /// Which end of the range a z stands at, to a thousandth of it: -1, 1; 0: neither.
   int end_at(double z) const {

@@ -82,7 +82,7 @@ Eigen::MatrixXd Screening::product(const Eigen::MatrixXd& left, const Eigen::Mat
 
 int Screening::column_of_path(const std::string& path) const {
   for (std::size_t i = 0; i < base_.parameters.size(); ++i)
-    if (base_.parameters[i].start_factor < 0 && base_.parameters[i].path == path) return static_cast<int>(i);
+    if (base_.parameters[i].path == path) return static_cast<int>(i);
   return -1;
 }
 
@@ -178,7 +178,7 @@ Screened Screening::single(const Trial& trial) const {
   for (std::size_t i = 0; i < base_.parameters.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(i);
     const FreeParameter& nuisance = base_.parameters[i];
-    const bool replaced = nuisance.start_factor < 0 && stands_for(nuisance, candidates_[trial.candidate]);
+    const bool replaced = !nuisance.is_of_recording() && stands_for(nuisance, candidates_[trial.candidate]);
     if (replaced) freed += base_.z(at) * base_.z(at);
     else kept.push_back(at);
   }

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "diagnosis/verdict/left_over.hpp"
+#include "diagnosis/verdict/periodic_supply.hpp"
 
 namespace pneuservo {
 
@@ -19,6 +20,7 @@ namespace {
 constexpr double bent_chi2_per_row = 3;
 /// How often the floor and the owner's fit follow each other: then neither moves any more.
 constexpr int floor_rounds = 2;
+constexpr double swing_step = 0.05;  ///< of a swing's standard deviation: the gas answers in proportion
 
 bool is_behind(const std::pair<double, Explanation*>& a, const std::pair<double, Explanation*>& b) {
   return a.first < b.first;
@@ -144,16 +146,54 @@ void Search::search_singles() {
 void Search::fit_owner() {
   owner_.fit = as_configured_;
   improve(rows_, {&owner_.fit}, 5, Columns::all, settings_.settled_gain);
-  for (int round = 0; settings_.grow_floor && round < floor_rounds; ++round) {
-    rows_.model().take_slow_error(owner_.fit.hypothesis());
-    owner_.fit.known_columns.assign(owner_.fit.parameters.size(), 0);
-    improve(rows_, {&owner_.fit}, 4, Columns::all, settings_.settled_gain);
+  if (settings_.grow_floor) {
+    fit_owner_beside_slow_error();
+    if (free_supply_swing()) fit_owner_beside_slow_error();
   }
   if (settings_.grow_floor) {
     as_configured_.known_columns.assign(as_configured_.parameters.size(), 0);
     linearise(rows_, {&as_configured_});
   }
   owner_.log_evidence = owner_.fit.log_evidence();
+}
+
+void Search::fit_owner_beside_slow_error() {
+  for (int round = 0; round < floor_rounds; ++round) {
+    rows_.model().take_slow_error(owner_.fit.hypothesis());
+    owner_.fit.known_columns.assign(owner_.fit.parameters.size(), 0);
+    improve(rows_, {&owner_.fit}, 4, Columns::all, settings_.settled_gain);
+  }
+}
+
+bool Search::free_supply_swing() {
+  const auto swing = strongest_supply_swing(rows_.model(), owner_.fit.hypothesis());
+  is_swing_sought_ = true;
+  if (!swing || 0.5 * swing->share * owner_.fit.chi2() < rules_.alarm_gain) return false;
+  const double spread_Pa = small_swing_share * rig_.axis.supply.pressure_Pa;
+  for (int part = 0; part < static_cast<int>(rows_.model().start_factor_count()); ++part) {
+    FreeParameter free;
+    free.swing_part = part;
+    free.spread = spread_Pa;
+    free.step = swing_step;
+    nuisances_.push_back(free);
+  }
+  swing_Hz_ = swing->frequency_Hz;
+  as_configured_ = start_fit({});
+  linearise(rows_, {&as_configured_});
+  owner_.fit = continued_fit(owner_.fit, {}, {});
+  return true;
+}
+
+double Search::largest_free_swing_Pa() const {
+  return swing_Hz_ > 0 ? nuisances_.back().upper * nuisances_.back().spread : 0.0;
+}
+
+bool Search::may_swing_by_more() const {
+  const Fit& fit = owner_.fit;
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i)
+    if (fit.parameters[i].swing_part >= 0 && fit.parameters[i].end_at(fit.z(static_cast<Eigen::Index>(i))) != 0)
+      return true;
+  return !is_swing_sought_;
 }
 
 bool Search::is_bent() const { return owner_.fit.chi2() / static_cast<double>(rows_.count()) > bent_chi2_per_row; }
@@ -325,7 +365,8 @@ std::vector<double> Search::gains_of_names(const Explanation& other) {
   for (Explanation& explanation : fitted) moving.push_back(&explanation);
   polish(moving, 6, to_its_end());
   std::vector<double> gains;
-  for (std::size_t i = 1; i < fitted.size(); ++i) gains.push_back(fitted.front().log_evidence - fitted[i].log_evidence);
+  const double with_all = std::max(other.log_evidence, fitted.front().log_evidence);
+  for (std::size_t i = 1; i < fitted.size(); ++i) gains.push_back(with_all - fitted[i].log_evidence);
   return gains;
 }
 

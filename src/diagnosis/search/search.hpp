@@ -74,8 +74,9 @@ class Search {
   /// a larger one is another. Returns whether anything was done. May throw DiagnosisStopped.
   bool settle(const Explanation& explanation);
 
-  /// What each name of another search's explanation brings in log evidence beside this search's nuisances. May throw
-  /// DiagnosisStopped.
+  /// What each name of another search's explanation brings in log evidence: all of them, with this search's nuisances
+  /// or as that search has them, whichever is likelier, over the others with these nuisances. A machine may have
+  /// nothing small, and one number that explains it is then likelier than many that do. May throw DiagnosisStopped.
   std::vector<double> gains_of_names(const Explanation& other);
   /// What each other candidate would gain beside another search's explanation and this search's nuisances, by
   /// derivatives where that one stands, with its size's standard error. May throw DiagnosisStopped.
@@ -83,6 +84,11 @@ class Search {
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
   bool grants_small_physics() const { return settings_.grow_floor; }
+  /// Each part of the swing that the supply may have in all explanations, at most; 0: it has none.
+  double largest_free_swing_Pa() const;
+  /// Whether the supply may swing by more than that, as far as the owner's model tells: it wants the largest, or no
+  /// swing has been looked for.
+  bool may_swing_by_more() const;
   /// The owner's values as they stand, nothing fitted.
   const Fit& as_configured() const { return as_configured_; }
   /// The owner's model with its parameters inside their tolerances.
@@ -141,6 +147,10 @@ class Search {
   void take_defect_at_best(std::size_t members);
   void search_singles();
   void fit_owner();
+  void fit_owner_beside_slow_error();
+  /// Beside the slow error the supply may swing where a sine of its pressure explains more than chance; true: it may,
+  /// and the owner's fit begins anew from where it was.
+  bool free_supply_swing();
   bool is_bent() const;
   bool is_everywhere_beside(std::size_t members);
   void take_defect_at_owner();
@@ -174,6 +184,8 @@ class Search {
   DecisionRules rules_;
   Progress progress_;
   std::vector<FreeParameter> nuisances_;
+  double swing_Hz_ = 0;  ///< of the supply, where it may swing; 0: it may not
+  bool is_swing_sought_ = false;
   Fit as_configured_;
   Explanation owner_;
   /// Of the owner's model with the grid's error taken at its own fit: taken elsewhere, the error would count against

@@ -53,7 +53,10 @@ Fit Search::start_fit(const std::vector<std::size_t>& members) const {
   std::vector<FreeParameter> own;
   for (const std::size_t member : members)
     own.insert(own.end(), candidates_[member].parameters.begin(), candidates_[member].parameters.end());
-  return fit_at_start(rig_, rows_, std::move(own), nuisances_);
+  Fit fit = fit_at_start(rig_, rows_, std::move(own), nuisances_);
+  fit.base.swing_Hz = swing_Hz_;
+  if (swing_Hz_ > 0) fit.base.swing_Pa.assign(rows_.model().start_factor_count(), 0.0);
+  return fit;
 }
 
 Fit Search::continued_fit(const Fit& base, const std::vector<std::size_t>& members,

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -304,6 +305,48 @@ void judge_what_is_left(ResidualModel& model, const Search& search, const Decisi
   decision.probabilities = probabilities_of(decision.rivals, sure);
 }
 
+namespace {
+
+/// Single numbers of the owner that are off, best first.
+std::vector<const Explanation*> numbers_off(const Search& search) {
+  std::vector<const Explanation*> out = search.ranking(1);
+  std::erase_if(out, [&](const Explanation* e) {
+    return search.candidates()[e->members.front()].kind != CandidateKind::parameter;
+  });
+  return out;
+}
+
+/// Whether the owner's fit holds this explanation's number at the end of what he states.
+bool is_at_end_of_tolerance(const Explanation& off, const Search& search) {
+  const Fit& owner = search.owner().fit;
+  for (std::size_t i = 0; i < owner.parameters.size(); ++i)
+    if (owner.parameters[i].path == off.fit.parameters.front().path)
+      return owner.parameters[i].end_at(owner.z(static_cast<Eigen::Index>(i))) != 0;
+  return false;
+}
+
+/// Where small physics brings all to its floor, but with a number at the end of what its owner states: that number is
+/// off if setting it free is clearly likelier. nullopt: none is.
+std::optional<Decision> number_beyond_tolerance(ResidualModel& model, const Search& search,
+                                                const DecisionRules& rules) {
+  std::vector<const Explanation*> ranked = numbers_off(search);
+  const auto off =
+      std::ranges::find_if(ranked, [&](const Explanation* e) { return is_at_end_of_tolerance(*e, search); });
+  if (off == ranked.end()) return std::nullopt;
+  Decision decision;
+  decision.chosen = *off;
+  decision.gain = decision.chosen->log_evidence - search.owner().log_evidence;
+  if (decision.gain < rules.ambiguous_distance) return std::nullopt;
+  decision.beside_remainder = true;
+  decision.rivals.assign(off, ranked.end());
+  decision.probabilities = probabilities_of(decision.rivals, rules);
+  decision.verdict = verdict_of(*decision.chosen, search);
+  decision.levels = model_levels(model, decision.chosen->fit, rules);
+  return decision;
+}
+
+}  // namespace
+
 Decision decide_beside_remainder(ResidualModel& model, const Search& search, const DecisionRules& rules) {
   DecisionRules beside = rules;
   beside.most_sure = rules.most_sure_beside;
@@ -331,7 +374,8 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
   owners.chosen = &search.owner();
   owners.levels = before;
   owners.reason = what_is_left(owners, model, rules);
-  if (!is_periodic && owners.reason.empty()) return owners;  // small physics alone brings all to its floor
+  if (!is_periodic && owners.reason.empty())  // small physics alone brings all to its floor
+    return number_beyond_tolerance(model, search, beside).value_or(owners);
   if (decision.reason.empty()) decision.reason = owners.reason;  // the best name takes it, and is not to be given
   return decision;
 }

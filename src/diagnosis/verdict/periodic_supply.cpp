@@ -13,7 +13,7 @@ namespace pneuservo {
 
 namespace {
 
-constexpr double lowest_Hz = 0.5, highest_Hz = 15;
+constexpr double lowest_Hz = 0.3, highest_Hz = 15;
 constexpr double steps_per_line = 2;  ///< of the resolution that the longest recording has
 constexpr double line_width = 1.5;    ///< of the same: beyond it is another frequency
 constexpr double tried_Pa = 1000;     ///< small beside any supply, large beside rounding
@@ -64,13 +64,12 @@ PeriodicSupply best_sine(double frequency_Hz, const std::vector<std::vector<Eige
 
 }  // namespace
 
-std::optional<PeriodicSupply> strongest_supply_swing(ResidualModel& model, const Hypothesis& hypothesis) {
+namespace {
+
+/// What a sine at each of these frequencies would take of what is left; of those that the model answers to.
+std::vector<PeriodicSupply> sines_at(const std::vector<double>& frequencies_Hz, ResidualModel& model,
+                                     const Hypothesis& hypothesis, const Eigen::VectorXd& left) {
   const std::vector<std::vector<Eigen::Index>> recordings = fitted_rows(model.rows());
-  const double longest_s = longest_recording_s(model.rows());
-  const Eigen::VectorXd left = model.residuals(std::span(&hypothesis, 1)).col(0);
-  if (!(longest_s > 0) || !left.allFinite()) return std::nullopt;
-  std::vector<double> frequencies_Hz;
-  for (double f = lowest_Hz; f <= highest_Hz; f += 1 / (steps_per_line * longest_s)) frequencies_Hz.push_back(f);
   std::vector<PeriodicSupply> sines;
   for (std::size_t first = 0; first < frequencies_Hz.size(); first += frequencies_at_once) {
     const std::size_t count = std::min(frequencies_at_once, frequencies_Hz.size() - first);
@@ -88,11 +87,28 @@ std::optional<PeriodicSupply> strongest_supply_swing(ResidualModel& model, const
       sines.push_back(best_sine(frequencies_Hz[first + i], recordings, left,
                                 answers.middleCols(2 * static_cast<Eigen::Index>(i), 2)));
   }
+  return sines;
+}
+
+}  // namespace
+
+std::optional<PeriodicSupply> strongest_supply_swing(ResidualModel& model, const Hypothesis& hypothesis) {
+  const double longest_s = longest_recording_s(model.rows());
+  const Eigen::VectorXd left = model.residuals(std::span(&hypothesis, 1)).col(0);
+  if (!(longest_s > 0) || !left.allFinite()) return std::nullopt;
+  std::vector<double> frequencies_Hz;
+  for (double f = lowest_Hz; f <= highest_Hz; f += 1 / (steps_per_line * longest_s)) frequencies_Hz.push_back(f);
+  const std::vector<PeriodicSupply> sines = sines_at(frequencies_Hz, model, hypothesis, left);
   if (sines.empty()) return std::nullopt;
   PeriodicSupply best = *std::ranges::max_element(sines, {}, &PeriodicSupply::share);
   for (const PeriodicSupply& sine : sines)
     if (std::abs(sine.frequency_Hz - best.frequency_Hz) * longest_s > line_width)
       best.next_share = std::max(best.next_share, sine.share);
+  frequencies_Hz.clear();
+  for (int step = -2; step <= 2; ++step)
+    if (step != 0) frequencies_Hz.push_back(best.frequency_Hz + step / (3 * steps_per_line * longest_s));
+  for (const PeriodicSupply& sine : sines_at(frequencies_Hz, model, hypothesis, left))
+    if (sine.share > best.share) best = {sine.frequency_Hz, sine.amplitude_Pa, sine.share, best.next_share};
   return best;
 }
 

@@ -196,6 +196,20 @@ bool Search::may_swing_by_more() const {
   return !is_swing_sought_;
 }
 
+bool Search::owner_wants_more(const Explanation& explanation) const {
+  if (explanation.members.size() != 1) return false;
+  const Fit &owner = owner_.fit, &own = explanation.fit;
+  for (std::size_t i = 0; i < owner.parameters.size(); ++i) {
+    const FreeParameter& granted = owner.parameters[i];
+    const auto end = own.parameters.begin() + static_cast<std::ptrdiff_t>(own.own_count);
+    if (std::none_of(own.parameters.begin(), end, [&](const FreeParameter& p) { return p.is_same(granted); })) continue;
+    // At zero a size that cannot be negative stands at an end, too.
+    const int at = granted.end_at(owner.z(static_cast<Eigen::Index>(i)));
+    if (at != 0 && at != granted.end_at(0)) return true;
+  }
+  return false;
+}
+
 bool Search::is_bent() const { return owner_.fit.chi2() / static_cast<double>(rows_.count()) > bent_chi2_per_row; }
 
 void Search::take_defect_at_owner() {

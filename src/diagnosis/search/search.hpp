@@ -89,6 +89,8 @@ class Search {
   /// Whether the supply may swing by more than that, as far as the owner's model tells: it wants the largest, or no
   /// swing has been looked for.
   bool may_swing_by_more() const;
+  /// Whether a single name's number stands, in the owner's model, at the end of what is granted there.
+  bool owner_wants_more(const Explanation& explanation) const;
   /// The owner's values as they stand, nothing fitted.
   const Fit& as_configured() const { return as_configured_; }
   /// The owner's model with its parameters inside their tolerances.

@@ -316,22 +316,12 @@ std::vector<const Explanation*> numbers_off(const Search& search) {
   return out;
 }
 
-/// Whether the owner's fit holds this explanation's number at the end of what he states.
-bool is_at_end_of_tolerance(const Explanation& off, const Search& search) {
-  const Fit& owner = search.owner().fit;
-  for (std::size_t i = 0; i < owner.parameters.size(); ++i)
-    if (owner.parameters[i].path == off.fit.parameters.front().path)
-      return owner.parameters[i].end_at(owner.z(static_cast<Eigen::Index>(i))) != 0;
-  return false;
-}
-
 /// Where small physics brings all to its floor, but with a number at the end of what its owner states: that number is
 /// off if setting it free is clearly likelier. nullopt: none is.
 std::optional<Decision> number_beyond_tolerance(ResidualModel& model, const Search& search,
                                                 const DecisionRules& rules) {
   std::vector<const Explanation*> ranked = numbers_off(search);
-  const auto off =
-      std::ranges::find_if(ranked, [&](const Explanation* e) { return is_at_end_of_tolerance(*e, search); });
+  const auto off = std::ranges::find_if(ranked, [&](const Explanation* e) { return search.owner_wants_more(*e); });
   if (off == ranked.end()) return std::nullopt;
   Decision decision;
   decision.chosen = *off;
@@ -357,9 +347,10 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
   decision.reason = what_is_left(decision, model, rules);
   const double share = share_taken(before.chi2(false), decision.levels.chi2(false),
                                    static_cast<double>(search.owner().fit.residual.size()));
+  const bool is_refuted = is_owner_refuted(search, decision, rules) || bring_down(decision, before, rules);
   const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
-                        (is_owner_refuted(search, decision, rules) || bring_down(decision, before, rules)) &&
-                        share >= rules.taken_share && decision.levels.highest() <= rules.largest_remainder;
+                        ((is_refuted && share >= rules.taken_share) || search.owner_wants_more(*decision.chosen)) &&
+                        decision.levels.highest() <= rules.largest_remainder;
   const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;
   if (find_supply_swing(model, search, rules, taken, decision)) return decision;
   if (!is_named && find_shaking(model, search, rules, decision)) return decision;

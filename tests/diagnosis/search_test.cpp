@@ -188,7 +188,7 @@ TEST_CASE("search: a name that small physics stands for brings nothing beside it
         Approx(alone).margin(0.5));
 }
 
-TEST_CASE("search: a name is needed where small physics explains as much by many numbers that are nothing") {
+TEST_CASE("search: a wrong number is needed where small physics explains as much by many numbers that are nothing") {
   // The spring takes all, and so does the first of thirteen small numbers; each other one has a row that says nothing.
   const auto numbers = [](const Rig& rig) {
     const ValveEffects<double>& valve = rig.axis.effects.valve;
@@ -204,7 +204,9 @@ TEST_CASE("search: a name is needed where small physics explains as much by many
     return rows;
   });
   FittedRows rows(model, {});
-  const std::vector<Candidate> candidates{found_by_size("spring_load", "effects.spring_load.stiffness_N_per_m")};
+  std::vector<Candidate> candidates{found_by_size("spring_load", "effects.spring_load.stiffness_N_per_m")};
+  const bool is_owned = GENERATE(true, false);
+  if (is_owned) candidates.front().kind = CandidateKind::parameter;
   Search search(rows, cylinder_rig(), candidates, {}, one_name(), {});
   search.run();
   REQUIRE(search.best_of(1) != nullptr);
@@ -224,7 +226,9 @@ TEST_CASE("search: a name is needed where small physics explains as much by many
   for (const char* way : {"forward", "backward"})
     for (const int percent : {3, 5, 8, 12, 20, 40})
       grant("effects.valve_linearity_" + std::string(way) + ".at_" + std::to_string(percent) + "_percent");
-  CHECK(gain() == Approx(12 * std::log(50)).epsilon(0.05));  // what those rows narrow each small number to
+  // What those rows narrow each small number to; what small physics lacks would look like an effect.
+  if (is_owned) CHECK(gain() == Approx(12 * std::log(50)).epsilon(0.05));
+  else CHECK(gain() < 1);
 }
 
 TEST_CASE("decision: a number at the end of its tolerance is off where setting it free is likelier") {

@@ -379,7 +379,10 @@ std::vector<double> Search::gains_of_names(const Explanation& other) {
   for (Explanation& explanation : fitted) moving.push_back(&explanation);
   polish(moving, 6, to_its_end());
   std::vector<double> gains;
-  const double with_all = std::max(other.log_evidence, fitted.front().log_evidence);
+  const bool is_owned =
+      other.members.size() == 1 && candidates_[other.members.front()].kind == CandidateKind::parameter;
+  const double beside = fitted.front().log_evidence,
+               with_all = is_owned ? std::max(other.log_evidence, beside) : beside;
   for (std::size_t i = 1; i < fitted.size(); ++i) gains.push_back(with_all - fitted[i].log_evidence);
   return gains;
 }

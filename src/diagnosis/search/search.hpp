@@ -74,9 +74,9 @@ class Search {
   /// a larger one is another. Returns whether anything was done. May throw DiagnosisStopped.
   bool settle(const Explanation& explanation);
 
-  /// What each name of another search's explanation brings in log evidence: all of them, with this search's nuisances
-  /// or as that search has them, whichever is likelier, over the others with these nuisances. A machine may have
-  /// nothing small, and one number that explains it is then likelier than many that do. May throw DiagnosisStopped.
+  /// What each name of another search's explanation brings in log evidence beside this search's nuisances. A single
+  /// number that the owner has wrong is also taken as that search has it, where that is likelier: a machine may have
+  /// nothing small. May throw DiagnosisStopped.
   std::vector<double> gains_of_names(const Explanation& other);
   /// What each other candidate would gain beside another search's explanation and this search's nuisances, by
   /// derivatives where that one stands, with its size's standard error. May throw DiagnosisStopped.

@@ -23,6 +23,18 @@ double spool_after(Valve<double>& valve, double command) {
   valve.step(0.0);
   return valve.spool();
 }
+/// Of both ports, with the spool at rest under this command.
+PortAreas<Pair<double>> five_port_areas(const ValveEffects<double>& effects, double command_V) {
+  ValveParameters<double> parameters;
+  parameters = {5.0, 2.6e-6, 1.3e-5, 0.35};
+  Valves<double> valves;
+  valves.configure(ValveArrangement::five_port, parameters, effects, 1e-3);
+  valves.reset(command_V);
+  valves.set_commands(command_V, 0.0);
+  valves.set_time_step(1e-3);
+  return valves.step(0.0);
+}
+
 }  // namespace
 
 TEST_CASE("valve: a positive spool feeds the port, a negative one exhausts it, at most area_max") {
@@ -90,15 +102,8 @@ TEST_CASE("valve: edges beside a straight line, each way of the spool by itself,
   ValveEffects<double> effects;
   effects.valve_linearity_forward = {0.1, 0.2, 0.2, 0.1, -0.1, 0.05};
   effects.valve_linearity_backward.at_8_percent = 0.3;
-  ValveParameters<double> parameters;
-  parameters = {5.0, 2.6e-6, 1.3e-5, 0.35};
-  Valves<double> valves;
-  valves.configure(ValveArrangement::five_port, parameters, effects, 1e-3);
   const auto slope_at = [&](double command_V) {
-    valves.reset(command_V);
-    valves.set_commands(command_V, 0.0);
-    valves.set_time_step(1e-3);
-    const PortAreas<Pair<double>> areas = valves.step(0.0);
+    const PortAreas<Pair<double>> areas = five_port_areas(effects, command_V);
     CHECK((command_V > 0 ? low(areas.exhaust) : low(areas.supply)) == 0.0);
     const double one = command_V > 0 ? low(areas.supply) : low(areas.exhaust),
                  other = command_V > 0 ? high(areas.exhaust) : high(areas.supply);
@@ -125,17 +130,7 @@ TEST_CASE("valve: each of the four edges of a five-port spool has its own slope 
   effects.valve_dead_band.width_V = 0.2;
   effects.valve_edge_slopes = {.supply_1 = 0.1, .exhaust_1 = -0.1, .supply_2 = 0.2, .exhaust_2 = -0.2};
   effects.valve_edge_overlaps = {.supply_1 = 0.05, .exhaust_1 = 0.1, .supply_2 = -0.15, .exhaust_2 = 0.2};
-  ValveParameters<double> parameters;
-  parameters = {5.0, 2.6e-6, 1.3e-5, 0.35};
-  Valves<double> valves;
-  valves.configure(ValveArrangement::five_port, parameters, effects, 1e-3);
-  const auto at = [&](double command_V) {
-    valves.reset(command_V);
-    valves.set_commands(command_V, 0.0);
-    valves.set_time_step(1e-3);
-    return valves.step(0.0);
-  };
-  const PortAreas<Pair<double>> forward = at(1.0), backward = at(-1.0);
+  const PortAreas<Pair<double>> forward = five_port_areas(effects, 1.0), backward = five_port_areas(effects, -1.0);
   CHECK(low(forward.supply) == Approx(1.1 * 2.6e-6 * (1.0 - 0.21)));
   CHECK(high(forward.exhaust) == Approx(0.8 * 2.6e-6 * (1.0 - 0.24)));
   CHECK(high(backward.supply) == Approx(1.2 * 2.6e-6 * (1.0 - 0.17)));

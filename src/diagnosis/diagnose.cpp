@@ -294,9 +294,10 @@ void add_small_physics(const Rig& rig, const Decision& decision, Diagnosis& out)
   }
   const Hypothesis found = fit.hypothesis();
   double swing_Pa = 0;
-  for (const double part : found.swing_Pa) swing_Pa = std::max(swing_Pa, std::abs(part));
+  for (std::size_t i = 0; i < found.swing_Pa.size(); i += 2)
+    swing_Pa = std::max(swing_Pa, std::hypot(found.swing_Pa[i], found.swing_Pa[i + 1]));
   if (swing_Pa > 0)
-    granted.push_back(fmt::format("a supply that swings by {:.2g} Pa at {:.3g} Hz", swing_Pa, found.swing_Hz));
+    granted.push_back(fmt::format("a supply that swings by up to {:.2g} Pa at {:.3g} Hz", swing_Pa, found.swing_Hz));
   out.warnings.push_back(
       fmt::format("the model agrees with small physics granted beside the config: {}", fmt::join(granted, ", ")));
 }

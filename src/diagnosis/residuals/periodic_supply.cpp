@@ -1,5 +1,5 @@
 // Two runs of the model at each frequency, and the sine that they foretell the best of what is left with.
-#include "diagnosis/verdict/periodic_supply.hpp"
+#include "diagnosis/residuals/periodic_supply.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,8 @@ namespace pneuservo {
 
 namespace {
 
-constexpr double lowest_Hz = 0.3, highest_Hz = 15;
+constexpr double least_periods = 2;  ///< within the longest recording: what turns more slowly is a drift
+constexpr double highest_Hz = 15;
 constexpr double steps_per_line = 2;  ///< of the resolution that the longest recording has
 constexpr double line_width = 1.5;    ///< of the same: beyond it is another frequency
 constexpr double tried_Pa = 1000;     ///< small beside any supply, large beside rounding
@@ -62,10 +63,6 @@ PeriodicSupply best_sine(double frequency_Hz, const std::vector<std::vector<Eige
   return out;
 }
 
-}  // namespace
-
-namespace {
-
 /// What a sine at each of these frequencies would take of what is left; of those that the model answers to.
 std::vector<PeriodicSupply> sines_at(const std::vector<double>& frequencies_Hz, ResidualModel& model,
                                      const Hypothesis& hypothesis, const Eigen::VectorXd& left) {
@@ -97,14 +94,15 @@ std::optional<PeriodicSupply> strongest_supply_swing(ResidualModel& model, const
   const Eigen::VectorXd left = model.residuals(std::span(&hypothesis, 1)).col(0);
   if (!(longest_s > 0) || !left.allFinite()) return std::nullopt;
   std::vector<double> frequencies_Hz;
-  for (double f = lowest_Hz; f <= highest_Hz; f += 1 / (steps_per_line * longest_s)) frequencies_Hz.push_back(f);
+  for (double f = least_periods / longest_s; f <= highest_Hz; f += 1 / (steps_per_line * longest_s))
+    frequencies_Hz.push_back(f);
   const std::vector<PeriodicSupply> sines = sines_at(frequencies_Hz, model, hypothesis, left);
   if (sines.empty()) return std::nullopt;
   PeriodicSupply best = *std::ranges::max_element(sines, {}, &PeriodicSupply::share);
   for (const PeriodicSupply& sine : sines)
     if (std::abs(sine.frequency_Hz - best.frequency_Hz) * longest_s > line_width)
       best.next_share = std::max(best.next_share, sine.share);
-  frequencies_Hz.clear();
+  frequencies_Hz.clear();  // a sine between two of them loses a fifth of its power
   for (int step = -2; step <= 2; ++step)
     if (step != 0) frequencies_Hz.push_back(best.frequency_Hz + step / (3 * steps_per_line * longest_s));
   for (const PeriodicSupply& sine : sines_at(frequencies_Hz, model, hypothesis, left))

@@ -14,13 +14,14 @@ struct PeriodicSupply {
   double next_share = 0;  ///< the same of the best sine of another frequency: what moves slowly is like many of them
 };
 
-/// Standard deviation of each part of a swing that every supply has, of its pressure: regulators hold theirs within
-/// half a per cent, three of these.
+/// Standard deviation of each part of a swing that every supply has, of its pressure. Three of these, half a per cent,
+/// are more than any background has that this was tried on; no real supply was measured.
 inline constexpr double small_swing_share = 0.0015;
 
-/// Between 0.3 and 15 Hz, in all recordings at one frequency, in each with its own phase and amplitude: compressor and
-/// regulator do not wait for a recording to begin. The gas answers small swings in proportion, so two runs of the model
-/// at each frequency say what any sine of it would do. nullopt: the supply is in no row.
+/// From two periods in the longest recording to 15 Hz, in all recordings at one frequency, in each with its own phase
+/// and amplitude: compressor and regulator do not wait for a recording to begin. The gas answers small swings in
+/// proportion, so two runs of the model at each frequency say what any sine of it would do. nullopt: the supply is in
+/// no row.
 std::optional<PeriodicSupply> strongest_supply_swing(ResidualModel& model, const Hypothesis& hypothesis);
 
 }  // namespace pneuservo

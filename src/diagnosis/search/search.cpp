@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "diagnosis/residuals/periodic_supply.hpp"
 #include "diagnosis/verdict/left_over.hpp"
-#include "diagnosis/verdict/periodic_supply.hpp"
 
 namespace pneuservo {
 
@@ -20,7 +20,6 @@ namespace {
 constexpr double bent_chi2_per_row = 3;
 /// How often the floor and the owner's fit follow each other: then neither moves any more.
 constexpr int floor_rounds = 2;
-constexpr double swing_step = 0.05;  ///< of a swing's standard deviation: the gas answers in proportion
 
 bool is_behind(const std::pair<double, Explanation*>& a, const std::pair<double, Explanation*>& b) {
   return a.first < b.first;
@@ -167,14 +166,12 @@ void Search::fit_owner_beside_slow_error() {
 
 bool Search::free_supply_swing() {
   const auto swing = strongest_supply_swing(rows_.model(), owner_.fit.hypothesis());
-  is_swing_sought_ = true;
   if (!swing || 0.5 * swing->share * owner_.fit.chi2() < rules_.alarm_gain) return false;
   const double spread_Pa = small_swing_share * rig_.axis.supply.pressure_Pa;
   for (int part = 0; part < static_cast<int>(rows_.model().start_factor_count()); ++part) {
     FreeParameter free;
     free.swing_part = part;
     free.spread = spread_Pa;
-    free.step = swing_step;
     nuisances_.push_back(free);
   }
   swing_Hz_ = swing->frequency_Hz;
@@ -184,16 +181,12 @@ bool Search::free_supply_swing() {
   return true;
 }
 
-double Search::largest_free_swing_Pa() const {
-  return swing_Hz_ > 0 ? nuisances_.back().upper * nuisances_.back().spread : 0.0;
-}
-
-bool Search::may_swing_by_more() const {
+bool Search::owner_wants_more_swing() const {
   const Fit& fit = owner_.fit;
   for (std::size_t i = 0; i < fit.parameters.size(); ++i)
     if (fit.parameters[i].swing_part >= 0 && fit.parameters[i].end_at(fit.z(static_cast<Eigen::Index>(i))) != 0)
       return true;
-  return !is_swing_sought_;
+  return false;
 }
 
 bool Search::owner_wants_more(const Explanation& explanation) const {
@@ -336,8 +329,7 @@ bool Search::search_next(std::size_t members) {
   const std::vector<Screened> screened = Screening(rows_, base->fit, candidates_, others(base->members)).singles();
   const std::vector<Screened> chosen = worth_refitting(screened, settings_.next_refits);
   const double first_gain = best_named(1)->log_evidence - owner_.log_evidence;
-  const double share = members == 1 ? 0.0 : rules_.third_share;
-  const double needed = std::max(rules_.next_gain, share * first_gain);
+  const double needed = rules_.needed_beside(members, first_gain, rules_.next_gain);
   // Beside a large first name the owner's parameters stand at their bounds, and derivatives there know little of where
   // they would go.
   if (chosen.empty() || 0.5 * chosen.front().gain < settings_.screened_share * needed) return false;

@@ -84,11 +84,8 @@ class Search {
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
   bool grants_small_physics() const { return settings_.grow_floor; }
-  /// Each part of the swing that the supply may have in all explanations, at most; 0: it has none.
-  double largest_free_swing_Pa() const;
-  /// Whether the supply may swing by more than that, as far as the owner's model tells: it wants the largest, or no
-  /// swing has been looked for.
-  bool may_swing_by_more() const;
+  /// Whether the owner's model has the supply's swing at the end of what every supply does.
+  bool owner_wants_more_swing() const;
   /// Whether a single name's number stands, in the owner's model, at the end of what is granted there.
   bool owner_wants_more(const Explanation& explanation) const;
   /// The owner's values as they stand, nothing fitted.
@@ -187,7 +184,6 @@ class Search {
   Progress progress_;
   std::vector<FreeParameter> nuisances_;
   double swing_Hz_ = 0;  ///< of the supply, where it may swing; 0: it may not
-  bool is_swing_sought_ = false;
   Fit as_configured_;
   Explanation owner_;
   /// Of the owner's model with the grid's error taken at its own fit: taken elsewhere, the error would count against

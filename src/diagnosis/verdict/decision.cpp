@@ -143,7 +143,7 @@ Decision chosen_chain(ResidualModel& model, const Search& search, const Decision
     if (is_seen) ranked.insert(ranked.begin(), small);
     else ranked.clear();
   }
-  double first_gain = 0, next_gain = rules.next_gain;
+  double first_gain = 0, next_gain = rules.alarm_gain;
   for (std::size_t members = 1; !ranked.empty(); ranked = sizeable(search, ++members, rules)) {
     const Explanation* best = nullptr;
     for (const Explanation* e : ranked)
@@ -154,9 +154,7 @@ Decision chosen_chain(ResidualModel& model, const Search& search, const Decision
     if (best == nullptr) break;
     const double gain = best->log_evidence - decision.chosen->log_evidence;
     if (members == 1) first_gain = gain;
-    const double share = members == 2 ? 0.0 : rules.third_share;
-    const double needed = members == 1 ? rules.alarm_gain : std::max(next_gain, share * first_gain);
-    if (gain < needed) break;
+    if (gain < rules.needed_beside(members - 1, first_gain, next_gain)) break;
     decision.chosen = best;
     const ModelLevels levels = model_levels(model, best->fit, rules);
     next_gain = levels.highest() < rules.floor_level ? rules.next_gain_at_floor : rules.next_gain;

@@ -1,5 +1,6 @@
 // The limits that a verdict rests on, for the search and the decision alike.
 #pragma once
+#include <algorithm>
 #include <cstddef>
 
 namespace pneuservo {
@@ -39,6 +40,11 @@ struct DecisionRules {
   double next_of_left = 0.15;  ///< of the squared residual that the names before it leave: what one more must take
   double richer_of_all = 0.05;  ///< of all: what it must take beyond a parameter of the config that is off
   double richer_of_left = 0.33;  ///< of what a simpler law leaves: what a richer one must take
+
+  /// What one name more than `names` has to bring, where the first one brought this and each more `least`.
+  double needed_beside(std::size_t names, double first_gain, double least) const {
+    return names < 2 ? least : std::max(least, third_share * first_gain);
+  }
 };
 
 }  // namespace pneuservo

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "diagnosis/verdict/periodic_supply.hpp"
+#include "diagnosis/residuals/periodic_supply.hpp"
 
 namespace pneuservo {
 
@@ -57,12 +57,11 @@ bool find_shaking(ResidualModel& model, const Search& search, const DecisionRule
 
 bool find_supply_swing(ResidualModel& model, const Search& search, const DecisionRules& rules, double taken_by_names,
                        Decision& decision) {
-  if (taken_by_names >= rules.nearly_all || !search.may_swing_by_more()) return false;  // spares the sweep
+  if (taken_by_names >= rules.nearly_all || !search.owner_wants_more_swing()) return false;  // spares the sweep
   Hypothesis steady = search.owner().fit.hypothesis();
   steady.swing_Pa.clear();
   const auto swing = strongest_supply_swing(model, steady);
-  // What every supply does is small physics, at both sine and cosine's largest.
-  double stated_Pa = search.largest_free_swing_Pa();
+  double stated_Pa = 0;
   for (const ResidualChannel& channel : model.channels()) stated_Pa = std::max(stated_Pa, channel.stated);
   if (!swing || swing->amplitude_Pa <= stated_Pa || swing->share < std::max(rules.periodic_share, taken_by_names) ||
       1 - swing->share > rules.swing_left * (1 - swing->next_share))

@@ -305,6 +305,11 @@ void judge_what_is_left(ResidualModel& model, const Search& search, const Decisi
 
 namespace {
 
+/// Whether the owner's model has this name's number at the end of what is granted, and the name is sure of its size.
+bool is_wanted(const Explanation& name, const Search& search, const DecisionRules& rules) {
+  return search.owner_wants_more(name) && is_sure_of_sizes(name, search, rules.standard_errors);
+}
+
 /// Single numbers of the owner that are off, best first.
 std::vector<const Explanation*> numbers_off(const Search& search) {
   std::vector<const Explanation*> out = search.ranking(1);
@@ -319,7 +324,7 @@ std::vector<const Explanation*> numbers_off(const Search& search) {
 std::optional<Decision> number_beyond_tolerance(ResidualModel& model, const Search& search,
                                                 const DecisionRules& rules) {
   std::vector<const Explanation*> ranked = numbers_off(search);
-  const auto off = std::ranges::find_if(ranked, [&](const Explanation* e) { return search.owner_wants_more(*e); });
+  const auto off = std::ranges::find_if(ranked, [&](const Explanation* e) { return is_wanted(*e, search, rules); });
   if (off == ranked.end()) return std::nullopt;
   Decision decision;
   decision.chosen = *off;
@@ -345,10 +350,9 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
   decision.reason = what_is_left(decision, model, rules);
   const double share = share_taken(before.chi2(false), decision.levels.chi2(false),
                                    static_cast<double>(search.owner().fit.residual.size()));
-  const bool is_refuted = is_owner_refuted(search, decision, rules) || bring_down(decision, before, rules);
   const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
-                        ((is_refuted && share >= rules.taken_share) || search.owner_wants_more(*decision.chosen)) &&
-                        decision.levels.highest() <= rules.largest_remainder;
+                        (is_owner_refuted(search, decision, rules) || bring_down(decision, before, rules)) &&
+                        share >= rules.taken_share && decision.levels.highest() <= rules.largest_remainder;
   const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;
   if (find_supply_swing(model, search, rules, taken, decision)) return decision;
   if (!is_named && find_shaking(model, search, rules, decision)) return decision;

@@ -306,6 +306,14 @@ void add_small_physics(const Rig& rig, const Decision& decision, Diagnosis& out)
 /// fit that small physics has bent, a delay of 6 ms promised less than eleven others, and it was the truth.
 constexpr std::size_t carried_over = 4;
 
+/// Of each channel, the standard deviation of a row [unit of the channel], root mean square.
+std::vector<double> row_sigmas(const ResidualModel& model) {
+  std::vector<double> out;
+  const Eigen::VectorXd any = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.rows().size()));
+  for (const ChannelLevel& level : channel_levels(model.rows(), model.channels().size(), any)) out.push_back(level.sigma);
+  return out;
+}
+
 /// The search and its verdict with small physics free beside the tolerances; what that leaves is warned of.
 Decision with_small_physics(const Rig& rig, FittedRows& rows, std::vector<Candidate> candidates, const Search& plain,
                             const DiagnoseOptions& options, std::optional<Search>& search, Diagnosis& out) {
@@ -321,12 +329,13 @@ Decision with_small_physics(const Rig& rig, FittedRows& rows, std::vector<Candid
   search.emplace(rows, rig, std::move(candidates), settings, rules, options.progress);
   search->run();
   const Explanation* best = search->best_of(1);
-  const std::vector<double> levels = model.take_slow_error((best ? *best : search->owner()).fit.hypothesis());
-  model.drop_slow_error();
-  for (std::size_t c = 0; c < levels.size(); ++c)
-    if (levels[c] > 0)
+  rows.drop_slow_error();
+  const LikeliestErrors errors = model.likeliest_slow_errors((best ? *best : search->owner()).fit.hypothesis());
+  const std::vector<double> sigmas = row_sigmas(model);
+  for (std::size_t c = 0; c < sigmas.size(); ++c)
+    if (const double level = errors.of_channel[c].level * sigmas[c]; level > 0)
       out.warnings.push_back(fmt::format("{}: small physics without a name leaves about {:.3g} {}",
-                                         model.channels()[c].name, levels[c], model.channels()[c].unit));
+                                         model.channels()[c].name, level, model.channels()[c].unit));
   return decide_beside_remainder(model, *search, options.rules);
 }
 

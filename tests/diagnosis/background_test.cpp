@@ -60,7 +60,7 @@ class Judging {
     search_.emplace(rows_, owner, all_candidates(owner, model_.channels(), motion_range(model_.rows())), settings,
                     of_two_names({}), Search::Progress{});
     search_->run();
-    model_.drop_slow_error();
+    rows_.drop_slow_error();
   }
 
   /// The owner's model as the search has fitted it.

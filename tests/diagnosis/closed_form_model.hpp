@@ -15,7 +15,7 @@ class ClosedFormModel : public ResidualModel {
   using Residual = std::function<std::vector<double>(const Rig&)>;
   /// stated: by which the channel may differ from the config.
   explicit ClosedFormModel(Residual residual, double stated = 0)
-      : residual_(std::move(residual)), channels_(1), rows_(residual_(Rig{}).size()) {
+      : channels_(1), rows_(residual(Rig{}).size()), residual_(std::move(residual)) {
     channels_.front().stated = stated;
   }
 
@@ -38,10 +38,12 @@ class ClosedFormModel : public ResidualModel {
   std::vector<ChannelMisfit> sample_misfit(const Hypothesis&) override { return {}; }
   std::vector<ResidualCourse> courses(const Hypothesis&) override { return {}; }
 
- private:
-  Residual residual_;
+ protected:
   std::vector<ResidualChannel> channels_;
   std::vector<ResidualRow> rows_;
+
+ private:
+  Residual residual_;
 };
 
 }  // namespace pneuservo::test

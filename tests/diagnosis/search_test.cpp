@@ -114,34 +114,28 @@ std::vector<double> steady_and_quick(const Rig& rig) {
 class DriftingModel final : public ClosedFormModel {
  public:
   DriftingModel() : ClosedFormModel(steady_and_quick) {
-    for (std::size_t k = 0; k < drifting; ++k) times_s_.push_back(0.01 * static_cast<double>(k));
+    channels_.resize(2);
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      rows_[k].time_s = 0.01 * static_cast<double>(k);
+      rows_[k].channel = k < drifting ? 0 : 1;
+      if (k < drifting) times_s_.push_back(rows_[k].time_s);
+    }
   }
-  Eigen::MatrixXd residuals(std::span<const Hypothesis> hypotheses) override {
-    Eigen::MatrixXd out = ClosedFormModel::residuals(hypotheses);
-    for (Eigen::Index i = 0; i < out.cols(); ++i) error_.whiten(times_s_, std::span(out.col(i).data(), drifting));
-    return out;
-  }
-  std::vector<double> take_slow_error(const Hypothesis& hypothesis) override {
-    error_ = likeliest(hypothesis).second;
-    return {error_.level};
-  }
-  double log_likelihood_beside_own_error(const Hypothesis& hypothesis) override { return likeliest(hypothesis).first; }
-
- private:
-  std::pair<double, SlowError> likeliest(const Hypothesis& hypothesis) {
-    const Eigen::VectorXd column = ClosedFormModel::residuals(std::span(&hypothesis, 1)).col(0);
-    std::pair<double, SlowError> best{-1e300, {}};
+  LikeliestErrors likeliest_slow_errors(const Hypothesis& hypothesis) override {
+    const Eigen::VectorXd column = residuals(std::span(&hypothesis, 1)).col(0);
+    LikeliestErrors best{{}, -1e300};
     for (const double level : {0.0, 1.0, 3.0}) {
       Eigen::VectorXd rows = column;
       const SlowError error{1.0, level};
       const double logarithms = error.whiten(times_s_, std::span(rows.data(), drifting)),
                    likelihood = -logarithms - 0.5 * rows.squaredNorm();
-      if (likelihood > best.first) best = {likelihood, error};
+      if (likelihood > best.log_likelihood) best = {{error, SlowError{}}, likelihood};
     }
     return best;
   }
+
+ private:
   std::vector<double> times_s_;
-  SlowError error_;
 };
 
 }  // namespace

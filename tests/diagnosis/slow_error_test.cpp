@@ -6,6 +6,7 @@
 
 #include <pneuservo/core/random.hpp>
 
+#include "diagnosis/residuals/residual_model.hpp"
 #include "diagnosis/residuals/slow_error.hpp"
 
 using namespace pneuservo;
@@ -66,4 +67,39 @@ TEST_CASE("slow error: level 0 leaves residuals as they are") {
   std::vector<double> rows{1.0, -2.0, 3.0};
   CHECK(SlowError{}.whiten(times(3), rows) == 0.0);
   CHECK(rows == std::vector<double>{1.0, -2.0, 3.0});
+}
+
+TEST_CASE("slow errors: rows of a channel with one become as it whitens them by itself, all others stay") {
+  const std::vector<SlowError> of_channel{{0.5, 8.0}, {}};
+  std::vector<ResidualRow> rows;
+  std::vector<double> times_s, expected;
+  Random random(11);
+  for (int k = 0; k < 40; ++k)
+    for (const int channel : {0, 1}) {
+      ResidualRow row{channel, 0};
+      row.time_s = 0.01 * k + (k >= 20 ? 0.7 : 0.0);  // something between is left out
+      rows.push_back(row);
+    }
+  rows.push_back({0, 0});
+  rows.back().over_recording = true;
+  Eigen::MatrixXd columns(static_cast<Eigen::Index>(rows.size()), 2);
+  for (double& value : columns.reshaped()) value = random.normal();
+  const Eigen::MatrixXd before = columns;
+  for (Eigen::Index i = 0; i + 1 < columns.rows(); i += 2) {
+    times_s.push_back(rows[static_cast<std::size_t>(i)].time_s);
+    expected.push_back(before(i, 1));
+  }
+  of_channel[0].whiten(times_s, expected);
+
+  const SlowErrors errors(rows, of_channel);
+  errors.take_out(columns);
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(2 * k);
+    CHECK(columns(at, 1) == Approx(expected[k]).epsilon(1e-12));
+    CHECK(columns(at + 1, 1) == before(at + 1, 1));
+  }
+  CHECK(columns(columns.rows() - 1, 0) == before(columns.rows() - 1, 0));
+
+  errors.put_back(columns);
+  CHECK((columns - before).cwiseAbs().maxCoeff() < 1e-12);
 }

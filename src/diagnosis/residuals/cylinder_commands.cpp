@@ -60,7 +60,6 @@ Eigen::MatrixXd CylinderResiduals::unseen_commands(const Hypothesis& hypothesis)
     }
     const auto column = static_cast<Eigen::Index>(draw);
     out.col(column) = plain_column(hypothesis.rig, drawn) - known;
-    whiten(out.col(column));
   }
   return out.allFinite() ? out : Eigen::MatrixXd();
 }

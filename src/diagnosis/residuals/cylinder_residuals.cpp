@@ -155,7 +155,6 @@ CylinderResiduals::CylinderResiduals(const Rig& owner, const std::vector<Recordi
   gas_ = std::make_unique<GasRuns>(owner_, recordings_, jobs_, stop_);
   declare_channels();
   declare_rows();
-  slow_errors_.resize(channels_.size());
 }
 
 CylinderResiduals::~CylinderResiduals() = default;
@@ -459,16 +458,9 @@ Eigen::MatrixXd CylinderResiduals::residuals(std::span<const Hypothesis> hypothe
   Eigen::MatrixXd out(static_cast<Eigen::Index>(rows_.size()), static_cast<Eigen::Index>(hypotheses.size()));
   for (Eigen::Index i = 0; i < out.cols(); ++i) {
     out.col(i) = *plain[static_cast<std::size_t>(i)];
-    whiten(out.col(i));
     if (!out.col(i).allFinite()) out.col(i).setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   return out;
-}
-
-void CylinderResiduals::whiten(Eigen::Ref<Eigen::VectorXd> column) const {
-  for (const Stretch& stretch : stretches_)
-    slow_errors_[stretch.channel].whiten(stretch.times_s,
-                                         std::span(column.data() + stretch.first_row, stretch.bins.size()));
 }
 
 void CylinderResiduals::set_working_point(const Hypothesis& hypothesis) {
@@ -476,7 +468,7 @@ void CylinderResiduals::set_working_point(const Hypothesis& hypothesis) {
   known_columns_.clear();
 }
 
-CylinderResiduals::LikeliestErrors CylinderResiduals::likeliest_slow_errors(const Hypothesis& hypothesis) {
+LikeliestErrors CylinderResiduals::likeliest_slow_errors(const Hypothesis& hypothesis) {
   LikeliestErrors out{std::vector<SlowError>(channels_.size()), -std::numeric_limits<double>::infinity()};
   const Eigen::VectorXd column = *plain_columns(std::span(&hypothesis, 1)).front();
   if (!column.allFinite()) return out;
@@ -494,21 +486,11 @@ CylinderResiduals::LikeliestErrors CylinderResiduals::likeliest_slow_errors(cons
       for (std::size_t c = 0; c < channels_.size(); ++c)
         if (likelihood[c] > best[c] && (signals_[c] != Signal::F || memory_s <= force_memory_s)) {
           best[c] = likelihood[c];
-          out.errors[c] = {memory_s, level};
+          out.of_channel[c] = {memory_s, level};
         }
     }
   out.log_likelihood = std::accumulate(best.begin(), best.end(), 0.0);
   return out;
-}
-
-std::vector<double> CylinderResiduals::take_slow_error(const Hypothesis& hypothesis) {
-  slow_errors_ = likeliest_slow_errors(hypothesis).errors;
-  std::vector<double> levels(channels_.size(), 0.0);
-  for (const Stretch& stretch : stretches_)
-    if (!stretch.bins.empty())
-      levels[stretch.channel] =
-          slow_errors_[stretch.channel].level * rows_[stretch.first_row + stretch.bins.size() - 1].sigma;
-  return levels;
 }
 
 std::vector<ChannelMisfit> CylinderResiduals::sample_misfit(const Hypothesis& hypothesis) {

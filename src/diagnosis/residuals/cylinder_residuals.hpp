@@ -11,7 +11,6 @@
 #include "diagnosis/residuals/gas_bumps.hpp"
 #include "diagnosis/residuals/gas_runs.hpp"
 #include "diagnosis/residuals/residual_model.hpp"
-#include "diagnosis/residuals/slow_error.hpp"
 
 namespace pneuservo {
 
@@ -44,22 +43,13 @@ class CylinderResiduals final : public ResidualModel {
     gas_->set_stop(stop_);
   }
   void set_working_point(const Hypothesis& hypothesis) override;
-  std::vector<double> take_slow_error(const Hypothesis& hypothesis) override;
-  double log_likelihood_beside_own_error(const Hypothesis& hypothesis) override {
-    return likeliest_slow_errors(hypothesis).log_likelihood;
-  }
-  void drop_slow_error() override { slow_errors_.assign(channels_.size(), {}); }
+  LikeliestErrors likeliest_slow_errors(const Hypothesis& hypothesis) override;
   std::vector<LatentInput> latent_inputs(const Hypothesis& hypothesis) override;
   Eigen::MatrixXd unseen_commands(const Hypothesis& hypothesis) override;
   std::vector<ChannelMisfit> sample_misfit(const Hypothesis& hypothesis) override;
   std::vector<ResidualCourse> courses(const Hypothesis& hypothesis) override;
 
  private:
-  struct LikeliestErrors {
-    std::vector<SlowError> errors;  ///< of each channel
-    double log_likelihood;
-  };
-  LikeliestErrors likeliest_slow_errors(const Hypothesis& hypothesis);
   struct Bin {
     std::size_t first = 0, count = 0;
     double values = 0;  ///< samples of it that were measured
@@ -111,9 +101,8 @@ class CylinderResiduals final : public ResidualModel {
   Eigen::VectorXd answer_to_readings() const;  ///< of each row, to what its sensor reads more
   std::pair<std::size_t, std::size_t> rows_of(std::size_t recording) const;  ///< first and one past the last
   using Column = std::shared_ptr<const Eigen::VectorXd>;
-  /// Residual in sigmas, slow errors still in it; remembered, for fits come back to where they were.
+  /// Residual in sigmas; remembered, for fits come back to where they were.
   std::vector<Column> plain_columns(std::span<const Hypothesis> hypotheses);
-  void whiten(Eigen::Ref<Eigen::VectorXd> column) const;  ///< takes the slow errors out
   Eigen::VectorXd plain_column(const Rig& rig, const std::vector<SidedCourse>& gas) const;
 
   Rig owner_;
@@ -127,7 +116,6 @@ class CylinderResiduals final : public ResidualModel {
   std::vector<Signal> signals_;  ///< of each channel
   std::vector<ResidualRow> rows_;
   std::vector<Stretch> stretches_;
-  std::vector<SlowError> slow_errors_;  ///< of each channel
   std::map<std::vector<double>, Column> known_columns_;  ///< by every number of the hypothesis
 };
 

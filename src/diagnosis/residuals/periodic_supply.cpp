@@ -20,11 +20,11 @@ constexpr double line_width = 1.5;    ///< of the same: beyond it is another fre
 constexpr double tried_Pa = 1000;     ///< small beside any supply, large beside rounding
 constexpr std::size_t frequencies_at_once = 16;
 
-/// Fitted rows of each recording.
-std::vector<std::vector<Eigen::Index>> fitted_rows(const std::vector<ResidualRow>& rows) {
+/// Which of the fitted rows belong to each recording.
+std::vector<std::vector<Eigen::Index>> rows_of_recordings(const FittedRows& rows) {
   std::map<int, std::vector<Eigen::Index>> of;
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    if (!rows[i].held_out && !rows[i].over_recording) of[rows[i].recording].push_back(static_cast<Eigen::Index>(i));
+  for (Eigen::Index i = 0; i < rows.count(); ++i)
+    if (!rows.row(i).over_recording) of[rows.row(i).recording].push_back(i);
   std::vector<std::vector<Eigen::Index>> out;
   for (auto& [recording, indices] : of) out.push_back(std::move(indices));
   return out;
@@ -64,9 +64,9 @@ PeriodicSupply best_sine(double frequency_Hz, const std::vector<std::vector<Eige
 }
 
 /// What a sine at each of these frequencies would take of what is left; of those that the model answers to.
-std::vector<PeriodicSupply> sines_at(const std::vector<double>& frequencies_Hz, ResidualModel& model,
+std::vector<PeriodicSupply> sines_at(const std::vector<double>& frequencies_Hz, FittedRows& rows,
                                      const Hypothesis& hypothesis, const Eigen::VectorXd& left) {
-  const std::vector<std::vector<Eigen::Index>> recordings = fitted_rows(model.rows());
+  const std::vector<std::vector<Eigen::Index>> recordings = rows_of_recordings(rows);
   std::vector<PeriodicSupply> sines;
   for (std::size_t first = 0; first < frequencies_Hz.size(); first += frequencies_at_once) {
     const std::size_t count = std::min(frequencies_at_once, frequencies_Hz.size() - first);
@@ -77,7 +77,7 @@ std::vector<PeriodicSupply> sines_at(const std::vector<double>& frequencies_Hz, 
         swings.back().rig.axis.effects.supply_swing = {tried_Pa, frequencies_Hz[first + i],
                                                        is_cosine ? 0.5 * std::numbers::pi : 0.0};
       }
-    Eigen::MatrixXd answers = model.residuals(swings);
+    Eigen::MatrixXd answers = rows(swings);
     answers.colwise() -= left;
     if (!answers.allFinite() || answers.squaredNorm() == 0) continue;
     for (std::size_t i = 0; i < count; ++i)
@@ -89,14 +89,14 @@ std::vector<PeriodicSupply> sines_at(const std::vector<double>& frequencies_Hz, 
 
 }  // namespace
 
-std::optional<PeriodicSupply> strongest_supply_swing(ResidualModel& model, const Hypothesis& hypothesis) {
-  const double longest_s = longest_recording_s(model.rows());
-  const Eigen::VectorXd left = model.residuals(std::span(&hypothesis, 1)).col(0);
+std::optional<PeriodicSupply> strongest_supply_swing(FittedRows& rows, const Hypothesis& hypothesis) {
+  const double longest_s = longest_recording_s(rows.model().rows());
+  const Eigen::VectorXd left = rows({hypothesis}).col(0);
   if (!(longest_s > 0) || !left.allFinite()) return std::nullopt;
   std::vector<double> frequencies_Hz;
   for (double f = least_periods / longest_s; f <= highest_Hz; f += 1 / (steps_per_line * longest_s))
     frequencies_Hz.push_back(f);
-  const std::vector<PeriodicSupply> sines = sines_at(frequencies_Hz, model, hypothesis, left);
+  const std::vector<PeriodicSupply> sines = sines_at(frequencies_Hz, rows, hypothesis, left);
   if (sines.empty()) return std::nullopt;
   PeriodicSupply best = *std::ranges::max_element(sines, {}, &PeriodicSupply::share);
   for (const PeriodicSupply& sine : sines)
@@ -105,7 +105,7 @@ std::optional<PeriodicSupply> strongest_supply_swing(ResidualModel& model, const
   frequencies_Hz.clear();  // a sine between two of them loses a fifth of its power
   for (int step = -2; step <= 2; ++step)
     if (step != 0) frequencies_Hz.push_back(best.frequency_Hz + step / (3 * steps_per_line * longest_s));
-  for (const PeriodicSupply& sine : sines_at(frequencies_Hz, model, hypothesis, left))
+  for (const PeriodicSupply& sine : sines_at(frequencies_Hz, rows, hypothesis, left))
     if (sine.share > best.share) best = {sine.frequency_Hz, sine.amplitude_Pa, sine.share, best.next_share};
   return best;
 }

@@ -2,7 +2,7 @@
 #pragma once
 #include <optional>
 
-#include "diagnosis/residuals/residual_model.hpp"
+#include "diagnosis/residuals/fitted_rows.hpp"
 
 namespace pneuservo {
 
@@ -22,6 +22,6 @@ inline constexpr double small_swing_share = 0.0015;
 /// and amplitude: compressor and regulator do not wait for a recording to begin. The gas answers small swings in
 /// proportion, so two runs of the model at each frequency say what any sine of it would do. nullopt: the supply is in
 /// no row.
-std::optional<PeriodicSupply> strongest_supply_swing(ResidualModel& model, const Hypothesis& hypothesis);
+std::optional<PeriodicSupply> strongest_supply_swing(FittedRows& rows, const Hypothesis& hypothesis);
 
 }  // namespace pneuservo

@@ -10,6 +10,7 @@
 
 #include <pneuservo/rig/rig.hpp>
 
+#include "diagnosis/residuals/slow_error.hpp"
 #include "diagnosis/stop.hpp"
 
 namespace pneuservo {
@@ -85,6 +86,12 @@ struct LatentInput {
   Eigen::VectorXd own_answer;
 };
 
+/// Slow errors of each channel, and the log likelihood of all rows beside them and white noise of standard deviation 1.
+struct LikeliestErrors {
+  std::vector<SlowError> of_channel;
+  double log_likelihood = 0;
+};
+
 /// The comparison of recordings with hypotheses. Residuals are simulation minus recording.
 class ResidualModel {
  public:
@@ -109,15 +116,9 @@ class ResidualModel {
   /// Takes the numerical error (work grid against fine grid) at this hypothesis from now on; columns change by it.
   virtual void set_working_point(const Hypothesis&) {}
 
-  /// Takes what this hypothesis leaves for the slow error of small unmodelled physics: columns are freed from it from
-  /// now on, so that what looks like it is no evidence. Returns its level in each channel [unit], 0 where there is
-  /// none.
-  virtual std::vector<double> take_slow_error(const Hypothesis&) { return std::vector<double>(channels().size(), 0.0); }
-  /// Columns are again as if there were no slow error.
-  virtual void drop_slow_error() {}
-  /// Of all rows, white noise of standard deviation 1 and the slow error that is likeliest for this very hypothesis.
-  virtual double log_likelihood_beside_own_error(const Hypothesis& hypothesis) {
-    return -0.5 * residuals(std::span(&hypothesis, 1)).squaredNorm();
+  /// The slow error of small unmodelled physics that is likeliest for what this hypothesis leaves.
+  virtual LikeliestErrors likeliest_slow_errors(const Hypothesis& hypothesis) {
+    return {std::vector<SlowError>(channels().size()), -0.5 * residuals(std::span(&hypothesis, 1)).squaredNorm()};
   }
 
   /// Free functions at every element, with their answers about this hypothesis: derivatives, in sigmas of the rows.

@@ -1,8 +1,13 @@
 // Slow error of a model: what small unmodelled physics leaves in a channel, and residuals freed from it.
 #pragma once
 #include <span>
+#include <vector>
+
+#include <Eigen/Core>
 
 namespace pneuservo {
+
+struct ResidualRow;
 
 /// Residuals r_k = d_k + e_k in units of their sigma: e white with standard deviation 1, d an Ornstein-Uhlenbeck
 /// process that keeps its value over `memory_s` and has the standard deviation `level`. Small faults of the valve add
@@ -15,6 +20,28 @@ struct SlowError {
   /// deviation: white with variance 1 where the error is as supposed. Linear in the residuals. Returns the sum of the
   /// logarithms of those standard deviations.
   double whiten(std::span<const double> times_s, std::span<double> residuals) const;
+};
+
+/// The slow errors of a model's channels, in each recording a process of its own; rows over a whole recording have
+/// none.
+class SlowErrors {
+ public:
+  /// Rows of one channel and recording are in the order of their times. `of_channel`: the error of each channel.
+  SlowErrors(std::span<const ResidualRow> rows, std::span<const SlowError> of_channel);
+
+  /// Residuals or derivatives of the rows, a column each, as SlowError::whiten makes them.
+  void take_out(Eigen::Ref<Eigen::MatrixXd> columns) const;
+  /// The same back: what take_out has made them of.
+  void put_back(Eigen::Ref<Eigen::MatrixXd> columns) const;
+
+ private:
+  /// One row of a process: how much of the error is kept since the row before, which part of an innovation joins it,
+  /// and the innovation's standard deviation.
+  struct Step {
+    Eigen::Index row;
+    double kept, gain, deviation;
+  };
+  std::vector<std::vector<Step>> processes_;
 };
 
 }  // namespace pneuservo

@@ -108,19 +108,6 @@ bool store_residual(Fit& fit, const Eigen::VectorXd& residual) {
 
 }  // namespace
 
-FittedRows::FittedRows(ResidualModel& model, StopQuestion stop, Which which) : model_(model), stop_(std::move(stop)) {
-  const std::vector<ResidualRow>& rows = model.rows();
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    if (which == Which::all || !rows[i].held_out) fitted_.push_back(static_cast<int>(i));
-}
-
-Eigen::MatrixXd FittedRows::operator()(const std::vector<Hypothesis>& hypotheses) {
-  look();
-  tried_ += hypotheses.size();
-  if (hypotheses.empty()) return Eigen::MatrixXd(count(), 0);
-  return model_.residuals(hypotheses)(fitted_, Eigen::all);
-}
-
 Eigen::Index Fit::own_place(const FreeParameter& parameter) const {
   for (std::size_t i = 0; i < own_count; ++i)
     if (parameters[i].is_same(parameter)) return static_cast<Eigen::Index>(i);
@@ -148,6 +135,8 @@ Fit fit_at_start(const Rig& rig, FittedRows& rows, std::vector<FreeParameter> ow
                      [&](const FreeParameter& p) { return p.is_same(nuisance); }))
       fit.parameters.push_back(nuisance);
   fit.z.setZero(static_cast<Eigen::Index>(fit.parameters.size()));
+  fit.freed_from = rows.slow_error();
+  fit.residual.setZero(rows.count());
   fit.jacobian.setZero(rows.count(), fit.z.size());
   fit.known_columns.assign(fit.parameters.size(), 0);
   return fit;
@@ -182,6 +171,18 @@ Eigen::MatrixXd Fit::covariance() const {
   return curvature().ldlt().solve(Eigen::MatrixXd::Identity(z.size(), z.size()));
 }
 
+void bring_to_slow_error(const FittedRows& rows, Fit& fit) {
+  if (fit.freed_from == rows.slow_error()) return;
+  const auto bring = [&](Eigen::Ref<Eigen::MatrixXd> columns) {
+    if (fit.freed_from) fit.freed_from->put_back(columns);
+    if (rows.slow_error()) rows.slow_error()->take_out(columns);
+  };
+  bring(fit.jacobian);
+  bring(fit.residual);
+  fit.freed_from = rows.slow_error();
+  fit.objective = fit.residual.squaredNorm() + fit.z.squaredNorm();
+}
+
 void linearise(FittedRows& rows, const std::vector<Fit*>& fits) {
   std::vector<Hypothesis> hypotheses;
   std::vector<Probe> probes;
@@ -192,7 +193,10 @@ void linearise(FittedRows& rows, const std::vector<Fit*>& fits) {
     if (fit->jacobian.cols() != static_cast<Eigen::Index>(fit->parameters.size())) {
       fit->jacobian.setZero(rows.count(), static_cast<Eigen::Index>(fit->parameters.size()));
       fit->known_columns.assign(fit->parameters.size(), 0);
+      fit->residual.setZero(rows.count());
+      fit->freed_from = rows.slow_error();
     }
+    bring_to_slow_error(rows, *fit);
     collect_probes(*fit, probes, hypotheses);
   }
   const Eigen::MatrixXd columns = rows(hypotheses);

@@ -7,36 +7,10 @@
 
 #include <Eigen/Core>
 
+#include "diagnosis/residuals/fitted_rows.hpp"
 #include "diagnosis/search/free_parameter.hpp"
 
 namespace pneuservo {
-
-/// What the fits see of a model: rows that no proof is held out of, and how much was asked of it.
-class FittedRows {
- public:
-  enum class Which { fitted, all };  ///< all: held-out ones too
-  /// stop: asked before every batch; true ends the work with DiagnosisStopped.
-  FittedRows(ResidualModel& model, StopQuestion stop, Which which = Which::fitted);
-
-  /// Residuals of the fitted rows, a column a hypothesis.
-  Eigen::MatrixXd operator()(const std::vector<Hypothesis>& hypotheses);
-  /// Of values for each row, those that are fitted.
-  Eigen::MatrixXd of(const Eigen::MatrixXd& all) const { return all(fitted_, Eigen::all); }
-  /// For what takes long between two batches; throws DiagnosisStopped.
-  void look() const { look_for_stop(stop_); }
-  Eigen::Index count() const { return static_cast<Eigen::Index>(fitted_.size()); }
-  const ResidualRow& row(Eigen::Index i) const {
-    return model_.rows()[static_cast<std::size_t>(fitted_[static_cast<std::size_t>(i)])];
-  }
-  ResidualModel& model() { return model_; }
-  std::size_t hypotheses_tried() const { return tried_; }
-
- private:
-  ResidualModel& model_;
-  StopQuestion stop_;
-  std::vector<int> fitted_;
-  std::size_t tried_ = 0;
-};
 
 /// One fit: where it stands and what it knows there.
 struct Fit {
@@ -46,6 +20,7 @@ struct Fit {
   Eigen::VectorXd z, residual;            ///< residual at z
   Eigen::MatrixXd jacobian;               ///< d residual / d z
   std::vector<char> known_columns;        ///< columns that may be kept from an earlier place
+  std::shared_ptr<const SlowErrors> freed_from;  ///< residual and Jacobian; null: nothing
   double objective = 0;                   ///< residual'residual + z'z
   bool failed = false;                    ///< cannot be simulated; not to be used
   bool settled = false;
@@ -74,6 +49,8 @@ std::size_t tolerances_at_end(const Rig& rig, const Fit& fit);
 /// nuisance elsewhere.
 std::vector<std::pair<Eigen::Index, Eigen::Index>> shared_parameters(const Fit& a, const Fit& b);
 
+/// Residual and Jacobian of a fit, freed from another slow error, come to the one that rows are freed from now.
+void bring_to_slow_error(const FittedRows& rows, Fit& fit);
 /// Fills the residual and, in every column that is not known, the Jacobian at z.
 void linearise(FittedRows& rows, const std::vector<Fit*>& fits);
 /// Which derivatives are taken anew at every step: those of the explanation's own parameters (the nuisances' are taken

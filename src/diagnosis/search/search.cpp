@@ -158,14 +158,14 @@ void Search::fit_owner() {
 
 void Search::fit_owner_beside_slow_error() {
   for (int round = 0; round < floor_rounds; ++round) {
-    rows_.model().take_slow_error(owner_.fit.hypothesis());
+    rows_.take_slow_error(owner_.fit.hypothesis());
     owner_.fit.known_columns.assign(owner_.fit.parameters.size(), 0);
     improve(rows_, {&owner_.fit}, 4, Columns::all, settings_.settled_gain);
   }
 }
 
 bool Search::free_supply_swing() {
-  const auto swing = strongest_supply_swing(rows_.model(), owner_.fit.hypothesis());
+  const auto swing = strongest_supply_swing(rows_, owner_.fit.hypothesis());
   if (!swing || 0.5 * swing->share * owner_.fit.chi2() < rules_.alarm_gain) return false;
   const double spread_Pa = small_swing_share * rig_.axis.supply.pressure_Pa;
   for (int part = 0; part < static_cast<int>(rows_.model().start_factor_count()); ++part) {
@@ -214,7 +214,7 @@ void Search::take_defect_at_owner() {
 }
 
 double Search::beside_own_error(const Explanation& e) {
-  return e.log_evidence + 0.5 * e.fit.chi2() + rows_.model().log_likelihood_beside_own_error(e.fit.hypothesis());
+  return e.log_evidence + 0.5 * e.fit.chi2() + rows_.model().likeliest_slow_errors(e.fit.hypothesis()).log_likelihood;
 }
 
 std::vector<std::pair<double, Explanation*>> Search::beside_own_errors(std::size_t members) {
@@ -229,7 +229,7 @@ std::pair<double, Explanation*> Search::best_beside_own_error(std::size_t member
   if (ranked.empty()) return {-1e300, nullptr};
   ranked.resize(std::min(ranked.size(), settings_.polished));
   for (auto& [evidence, explanation] : ranked) {
-    rows_.model().take_slow_error(explanation->fit.hypothesis());
+    rows_.take_slow_error(explanation->fit.hypothesis());
     polish({explanation}, 4, to_its_end());
     evidence = beside_own_error(*explanation);
   }
@@ -255,7 +255,7 @@ void Search::take_floor_at_best() {
         again.push_back(explanation);
   }
   std::erase_if(tried_, [&](const auto& tried) { return std::ranges::find(again, &tried.second) == again.end(); });
-  rows_.model().take_slow_error(floor->fit.hypothesis());
+  rows_.take_slow_error(floor->fit.hypothesis());
   polish(again, 2, Anew::others_once);
   linearise(rows_, {&as_configured_});
   polish_best(1);
@@ -265,7 +265,7 @@ void Search::take_floor_at_best() {
 const Explanation* Search::pair_beside(const Explanation& first, double first_evidence) {
   // Beside its own slow error every explanation is at its floor.
   const double needed = rules_.next_gain_at_floor;
-  rows_.model().take_slow_error(first.fit.hypothesis());
+  rows_.take_slow_error(first.fit.hypothesis());
   polish({&tried_.at(first.members)}, 1, to_its_end());
   const std::vector<Screened> screened = Screening(rows_, first.fit, candidates_, others(first.members)).singles();
   refit(first.fit, first.members, worth_refitting(screened, settings_.refits));
@@ -286,8 +286,9 @@ void Search::swap_members(const Explanation& best) {
     const std::vector<std::size_t> held = without_member(members, leaving);
     if (held.empty()) continue;
     if (!tried_.count(held)) fit_part(best, held);
-    const Explanation& base = tried_.at(held);
+    Explanation& base = tried_.at(held);
     if (base.fit.failed) continue;
+    bring_to_slow_error(rows_, base.fit);
     const std::vector<Screened> screened = Screening(rows_, base.fit, candidates_, others(held)).singles();
     std::vector<Screened> chosen = worth_refitting(screened, settings_.next_refits);
     for (const Screened& s : screened)  // and all that mimic the one that leaves

@@ -62,6 +62,7 @@ Fit Search::start_fit(const std::vector<std::size_t>& members) const {
 Fit Search::continued_fit(const Fit& base, const std::vector<std::size_t>& members,
                           const std::vector<Screened>& added) const {
   Fit fit = start_fit(members);
+  fit.freed_from = base.freed_from;
   for (const auto& [i, k] : shared_parameters(fit, base)) {
     fit.z(i) = base.z(k);
     fit.jacobian.col(i) = base.jacobian.col(k);
@@ -209,6 +210,7 @@ std::vector<Explanation*> Search::all_tried(std::size_t members) { return rivals
 
 std::vector<Explanation*> Search::refit_at_rivals(std::size_t members) {
   const std::vector<Explanation*> close = rivals(members, settings_.rival_distance, compared_places);
+  for (Explanation* e : close) bring_to_slow_error(rows_, e->fit);
   std::vector<std::pair<Explanation*, Fit>> attempts;
   const auto attempt = [&](Explanation* mover, const Fit& other) {
     Fit fit = mover->fit;

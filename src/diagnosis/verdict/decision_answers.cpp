@@ -31,10 +31,11 @@ bool is_at_bound(const FreeParameter& fitted, double z, double neutral) {
 /// How far commands that no row holds may move the numbers of the chosen explanation, in z, root mean square; zero
 /// where rows hold all.
 Eigen::VectorXd moved_by_unseen_commands(ResidualModel& model, const Fit& fit) {
-  const Eigen::MatrixXd unseen = model.unseen_commands(fit.hypothesis());
-  if (unseen.size() == 0) return Eigen::VectorXd::Zero(fit.z.size());
-  const Eigen::MatrixXd moved =
-      fit.covariance() * (fit.jacobian.transpose() * FittedRows(model, {}).of(unseen));  // of each draw
+  const Eigen::MatrixXd draws = model.unseen_commands(fit.hypothesis());
+  if (draws.size() == 0) return Eigen::VectorXd::Zero(fit.z.size());
+  Eigen::MatrixXd unseen = FittedRows(model, {}).of(draws);
+  if (fit.freed_from) fit.freed_from->take_out(unseen);
+  const Eigen::MatrixXd moved = fit.covariance() * (fit.jacobian.transpose() * unseen);  // of each draw
   return moved.rowwise().squaredNorm().cwiseSqrt() / std::sqrt(static_cast<double>(moved.cols()));
 }
 

@@ -60,7 +60,8 @@ bool find_supply_swing(ResidualModel& model, const Search& search, const Decisio
   if (taken_by_names >= rules.nearly_all || !search.owner_wants_more_swing()) return false;  // spares the sweep
   Hypothesis steady = search.owner().fit.hypothesis();
   steady.swing_Pa.clear();
-  const auto swing = strongest_supply_swing(model, steady);
+  FittedRows rows(model, {});
+  const auto swing = strongest_supply_swing(rows, steady);
   double stated_Pa = 0;
   for (const ResidualChannel& channel : model.channels()) stated_Pa = std::max(stated_Pa, channel.stated);
   if (!swing || swing->amplitude_Pa <= stated_Pa || swing->share < std::max(rules.periodic_share, taken_by_names) ||

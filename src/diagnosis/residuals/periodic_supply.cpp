@@ -1,10 +1,12 @@
-// Two runs of the model at each frequency, and the sine that they foretell the best of what is left with.
+// Two runs of the model at each frequency, and the sine that takes most of what is left.
 #include "diagnosis/residuals/periodic_supply.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <map>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -15,8 +17,7 @@ namespace {
 
 constexpr double least_periods = 2;  ///< within the longest recording: what turns more slowly is a drift
 constexpr double highest_Hz = 15;
-constexpr double steps_per_line = 2;  ///< of the resolution that the longest recording has
-constexpr double line_width = 1.5;    ///< of the same: beyond it is another frequency
+constexpr double line_width = 1.5;  ///< of what the longest recording resolves: beyond it is another frequency
 constexpr double tried_Pa = 1000;     ///< small beside any supply, large beside rounding
 constexpr std::size_t frequencies_at_once = 16;
 
@@ -42,13 +43,15 @@ double longest_recording_s(const std::vector<ResidualRow>& rows) {
   return longest_s;
 }
 
-/// What a sine at one frequency takes of each recording's rows, and with which amplitude.
+/// What a sine at one frequency takes of each recording's rows, and with which amplitude. `answers`: of each row, to a
+/// cosine (real part) and to a sine.
 PeriodicSupply best_sine(double frequency_Hz, const std::vector<std::vector<Eigen::Index>>& recordings,
-                         const Eigen::VectorXd& left, const Eigen::MatrixXd& answers) {
+                         const Eigen::VectorXd& left, const Eigen::VectorXcd& answers) {
   PeriodicSupply out{frequency_Hz, 0, 0, 0};
   double all = 1e-300;
   for (const std::vector<Eigen::Index>& rows : recordings) {
-    const Eigen::MatrixXd pattern = answers(rows, Eigen::all);
+    Eigen::MatrixX2d pattern(static_cast<Eigen::Index>(rows.size()), 2);
+    pattern << answers.real()(rows), answers.imag()(rows);
     const Eigen::VectorXd here = left(rows);
     all += here.squaredNorm();
     const Eigen::Matrix2d a = pattern.transpose() * pattern;
@@ -63,50 +66,91 @@ PeriodicSupply best_sine(double frequency_Hz, const std::vector<std::vector<Eige
   return out;
 }
 
-/// What a sine at each of these frequencies would take of what is left; of those that the model answers to.
-std::vector<PeriodicSupply> sines_at(const std::vector<double>& frequencies_Hz, FittedRows& rows,
-                                     const Hypothesis& hypothesis, const Eigen::VectorXd& left) {
-  const std::vector<std::vector<Eigen::Index>> recordings = rows_of_recordings(rows);
-  std::vector<PeriodicSupply> sines;
-  for (std::size_t first = 0; first < frequencies_Hz.size(); first += frequencies_at_once) {
-    const std::size_t count = std::min(frequencies_at_once, frequencies_Hz.size() - first);
-    std::vector<Hypothesis> swings;
-    for (std::size_t i = 0; i < count; ++i)
-      for (const bool is_cosine : {true, false}) {
-        swings.push_back(hypothesis);
-        swings.back().rig.axis.effects.supply_swing = {tried_Pa, frequencies_Hz[first + i],
-                                                       is_cosine ? 0.5 * std::numbers::pi : 0.0};
-      }
-    Eigen::MatrixXd answers = rows(swings);
-    answers.colwise() -= left;
-    if (!answers.allFinite() || answers.squaredNorm() == 0) continue;
-    for (std::size_t i = 0; i < count; ++i)
-      sines.push_back(best_sine(frequencies_Hz[first + i], recordings, left,
-                                answers.middleCols(2 * static_cast<Eigen::Index>(i), 2)));
+/// What sines of the supply would take of what a hypothesis leaves.
+class SupplySweep {
+ public:
+  SupplySweep(FittedRows& rows, const Hypothesis& hypothesis)
+      : rows_(rows), hypothesis_(hypothesis), recordings_(rows_of_recordings(rows)),
+        left_(rows({hypothesis}).col(0)), time_s_(rows.count()) {
+    for (Eigen::Index i = 0; i < rows.count(); ++i) time_s_(i) = rows.row(i).time_s;
   }
-  return sines;
-}
+
+  bool is_usable() const { return left_.allFinite(); }
+
+  /// At each of these frequencies, and where they are `step_Hz` apart between two of them; of those that the model
+  /// answers to. A row's answer over that of the supply at its time changes little between two frequencies, for gas
+  /// remembers a small part of a recording: between them it is the mean of both.
+  std::vector<PeriodicSupply> at(const std::vector<double>& frequencies_Hz, double step_Hz = 0) {
+    std::vector<PeriodicSupply> sines;
+    const Eigen::ArrayXcd half_a_step = (std::complex<double>(0, std::numbers::pi * step_Hz) * time_s_).exp();
+    Eigen::VectorXcd before;
+    for (std::size_t first = 0; first < frequencies_Hz.size(); first += frequencies_at_once) {
+      const std::size_t count = std::min(frequencies_at_once, frequencies_Hz.size() - first);
+      const Eigen::MatrixXcd answers = answers_at(std::span(frequencies_Hz).subspan(first, count));
+      if (!answers.allFinite() || answers.squaredNorm() == 0) {
+        before.resize(0);
+        continue;
+      }
+      for (std::size_t i = 0; i < count; ++i) {
+        const double f = frequencies_Hz[first + i];
+        const Eigen::VectorXcd here = answers.col(static_cast<Eigen::Index>(i));
+        if (step_Hz > 0 && before.size() > 0)
+          sines.push_back(best_sine(f - 0.5 * step_Hz, recordings_, left_,
+                                    0.5 * (before.array() * half_a_step + here.array() / half_a_step)));
+        sines.push_back(best_sine(f, recordings_, left_, here));
+        before = here;
+      }
+    }
+    return sines;
+  }
+
+ private:
+  /// Of each row, to a cosine (real part) and to a sine at each frequency.
+  Eigen::MatrixXcd answers_at(std::span<const double> frequencies_Hz) {
+    std::vector<Hypothesis> swings;
+    for (const double phase : {0.5 * std::numbers::pi, 0.0})
+      for (const double f : frequencies_Hz) {
+        swings.push_back(hypothesis_);
+        swings.back().rig.axis.effects.supply_swing = {tried_Pa, f, phase};
+      }
+    Eigen::MatrixXd answers = rows_(swings);
+    answers.colwise() -= left_;
+    const auto count = static_cast<Eigen::Index>(frequencies_Hz.size());
+    Eigen::MatrixXcd out(answers.rows(), count);
+    out.real() = answers.leftCols(count);
+    out.imag() = answers.rightCols(count);
+    return out;
+  }
+
+  FittedRows& rows_;
+  const Hypothesis& hypothesis_;
+  std::vector<std::vector<Eigen::Index>> recordings_;
+  Eigen::VectorXd left_;
+  Eigen::ArrayXd time_s_;
+};
 
 }  // namespace
 
 std::optional<PeriodicSupply> strongest_supply_swing(FittedRows& rows, const Hypothesis& hypothesis) {
   const double longest_s = longest_recording_s(rows.model().rows());
-  const Eigen::VectorXd left = rows({hypothesis}).col(0);
-  if (!(longest_s > 0) || !left.allFinite()) return std::nullopt;
+  SupplySweep sweep(rows, hypothesis);
+  if (!(longest_s > 0) || !sweep.is_usable()) return std::nullopt;
+  const double line_Hz = 1 / longest_s;  // what the longest recording resolves
   std::vector<double> frequencies_Hz;
-  for (double f = least_periods / longest_s; f <= highest_Hz; f += 1 / (steps_per_line * longest_s))
-    frequencies_Hz.push_back(f);
-  const std::vector<PeriodicSupply> sines = sines_at(frequencies_Hz, rows, hypothesis, left);
+  for (double f = least_periods * line_Hz; f <= highest_Hz; f += line_Hz) frequencies_Hz.push_back(f);
+  const std::vector<PeriodicSupply> sines = sweep.at(frequencies_Hz, line_Hz);
   if (sines.empty()) return std::nullopt;
   PeriodicSupply best = *std::ranges::max_element(sines, {}, &PeriodicSupply::share);
+  double next_share = 0;
   for (const PeriodicSupply& sine : sines)
-    if (std::abs(sine.frequency_Hz - best.frequency_Hz) * longest_s > line_width)
-      best.next_share = std::max(best.next_share, sine.share);
+    if (std::abs(sine.frequency_Hz - best.frequency_Hz) > line_width * line_Hz)
+      next_share = std::max(next_share, sine.share);
   frequencies_Hz.clear();  // a sine between two of them loses a fifth of its power
-  for (int step = -2; step <= 2; ++step)
-    if (step != 0) frequencies_Hz.push_back(best.frequency_Hz + step / (3 * steps_per_line * longest_s));
-  for (const PeriodicSupply& sine : sines_at(frequencies_Hz, rows, hypothesis, left))
-    if (sine.share > best.share) best = {sine.frequency_Hz, sine.amplitude_Pa, sine.share, best.next_share};
+  for (int step = -2; step <= 2; ++step) frequencies_Hz.push_back(best.frequency_Hz + step * line_Hz / 6);
+  best.share = 0;
+  for (const PeriodicSupply& sine : sweep.at(frequencies_Hz))
+    if (sine.share > best.share) best = sine;
+  best.next_share = next_share;
   return best;
 }
 

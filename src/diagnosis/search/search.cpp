@@ -229,7 +229,7 @@ std::pair<double, Explanation*> Search::best_beside_own_error(std::size_t member
   ranked.resize(std::min(ranked.size(), settings_.polished));
   for (auto& [evidence, explanation] : ranked) {
     rows_.take_slow_error(explanation->fit.hypothesis());
-    polish({explanation}, 4, Anew::own);
+    polish({explanation}, 4, to_its_end());
     evidence = beside_own_error(*explanation);
   }
   return *std::max_element(ranked.begin(), ranked.end(), is_behind);
@@ -255,7 +255,8 @@ void Search::take_floor_at_best() {
   }
   std::erase_if(tried_, [&](const auto& tried) { return std::ranges::find(again, &tried.second) == again.end(); });
   rows_.take_slow_error(floor->fit.hypothesis());
-  polish(again, 2, Anew::own);
+  polish(again, 2, to_its_end());
+  is_last_floor_ = true;
   linearise(rows_, {&as_configured_});
   polish_best(1);
   if (floor->members.size() == 2) polish_best(2);
@@ -265,7 +266,7 @@ const Explanation* Search::pair_beside(const Explanation& first, double first_ev
   // Beside its own slow error every explanation is at its floor.
   const double needed = rules_.next_gain_at_floor;
   rows_.take_slow_error(first.fit.hypothesis());
-  polish({&tried_.at(first.members)}, 1, Anew::own);
+  polish({&tried_.at(first.members)}, 1, to_its_end());
   const std::vector<Screened> screened = Screening(rows_, first.fit, candidates_, others(first.members)).singles();
   refit(first.fit, first.members, worth_refitting(screened, settings_.refits));
   double promised = 0;

@@ -129,15 +129,12 @@ class Search {
   void move_to_best_share(std::vector<Explanation>& attempts, const std::vector<std::vector<Screened>>& starts);
   void add_families(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& screened);
   double log_evidence(const Explanation& explanation) const;
-  /// Which derivatives are taken anew: those by an explanation's own numbers at every step, by the others never, where
-  /// the fits begin, or at every step.
-  enum class Anew { own, others_once, all };
+  /// Which derivatives are taken anew: those by an explanation's own numbers at every step, by the others never or where
+  /// the fits begin.
+  enum class Anew { own, others_once };
   /// Small physics is so many numbers that their derivatives cost more than all steps: none are taken for a slow error
   /// that is not the last.
-  Anew to_its_end() const {
-    if (settings_.small_physics.empty()) return Anew::all;
-    return settings_.grow_floor && !is_last_floor_ ? Anew::own : Anew::others_once;
-  }
+  Anew to_its_end() const { return settings_.grow_floor && !is_last_floor_ ? Anew::own : Anew::others_once; }
   Columns kept_columns() const { return settings_.small_physics.empty() ? Columns::own : Columns::corrected; }
   void polish(const std::vector<Explanation*>& explanations, int iterations, Anew anew);
   /// Fits that began apart may end in different valleys of the tolerances: dry friction and a leak of a chamber, 164 in

@@ -182,7 +182,7 @@ void Search::polish(const std::vector<Explanation*>& explanations, int iteration
     else fit.known_columns.assign(fit.parameters.size(), 0);
     fits.push_back(&fit);
   }
-  improve(rows_, fits, iterations, anew == Anew::all ? Columns::all : kept_columns(), settings_.settled_gain);
+  improve(rows_, fits, iterations, kept_columns(), settings_.settled_gain);
   for (Explanation* explanation : explanations)
     explanation->log_evidence = explanation->fit.failed ? -1e300 : log_evidence(*explanation);
 }

@@ -133,6 +133,15 @@ const Explanation* unnamed_best(const Search& search, const std::vector<const Ex
   return best->log_evidence > next + rules.ambiguous_distance ? best : nullptr;
 }
 
+/// The best that is sure of its sizes: a leak that opens at any pressure is known by two numbers that follow each other;
+/// nullptr: there is none.
+const Explanation* first_sure(const std::vector<const Explanation*>& ranked, const Search& search,
+                              const DecisionRules& rules) {
+  const auto found = std::ranges::find_if(
+      ranked, [&](const Explanation* e) { return is_sure_of_sizes(*e, search, rules.standard_errors); });
+  return found == ranked.end() ? nullptr : *found;
+}
+
 /// The best explanation of each number of members, as long as one more brings enough.
 Decision chosen_chain(ResidualModel& model, const Search& search, const DecisionRules& rules) {
   Decision decision;
@@ -145,12 +154,11 @@ Decision chosen_chain(ResidualModel& model, const Search& search, const Decision
   }
   double first_gain = 0, next_gain = rules.alarm_gain;
   for (std::size_t members = 1; !ranked.empty(); ranked = sizeable(search, ++members, rules)) {
-    const Explanation* best = nullptr;
-    for (const Explanation* e : ranked)
-      if (members == 1 || is_sure_of_sizes(*e, search, rules.standard_errors)) {
-        best = e;
-        break;
-      }
+    const Explanation* best = first_sure(ranked, search, rules);
+    // A first name that hardly any size is known of stands where nothing that is sure of its own comes near.
+    if (members == 1 &&
+        (best == nullptr || best->log_evidence < ranked.front()->log_evidence - rules.ambiguous_distance))
+      best = ranked.front();
     if (best == nullptr) break;
     const double gain = best->log_evidence - decision.chosen->log_evidence;
     if (members == 1) first_gain = gain;
@@ -167,7 +175,7 @@ Decision chosen_chain(ResidualModel& model, const Search& search, const Decision
   if (decision.chosen->members.empty()) {
     decision.rivals = sizeable(search, 1, rules);
     decision.rivals.insert(decision.rivals.begin(), decision.chosen);
-  } else {
+  } else if (decision.chosen->members.size() > 1) {
     std::erase_if(decision.rivals,
                   [&](const Explanation* e) { return e->log_evidence > decision.chosen->log_evidence; });
   }

@@ -72,7 +72,11 @@ class SupplySweep {
   SupplySweep(FittedRows& rows, const Hypothesis& hypothesis)
       : rows_(rows), hypothesis_(hypothesis), recordings_(rows_of_recordings(rows)),
         left_(rows({hypothesis}).col(0)), time_s_(rows.count()) {
-    for (Eigen::Index i = 0; i < rows.count(); ++i) time_s_(i) = rows.row(i).time_s;
+    std::map<int, double> begin_s;
+    for (Eigen::Index i = 0; i < rows.count(); ++i) {
+      const auto begin = begin_s.emplace(rows.row(i).recording, rows.row(i).time_s).first;
+      time_s_(i) = rows.row(i).time_s - begin->second;
+    }
   }
 
   bool is_usable() const { return left_.allFinite(); }
@@ -126,7 +130,7 @@ class SupplySweep {
   const Hypothesis& hypothesis_;
   std::vector<std::vector<Eigen::Index>> recordings_;
   Eigen::VectorXd left_;
-  Eigen::ArrayXd time_s_;
+  Eigen::ArrayXd time_s_;  ///< of each row since its recording's first
 };
 
 }  // namespace

@@ -69,7 +69,7 @@ void Search::take_defect_at_best(std::size_t members) {
   if (best == nullptr || best->log_evidence - owner_.log_evidence < rules_.doubted_gain) return;
   // Fitted to its end there first, and once more at the error that it has there: a fit that moves on leaves an error.
   for (int round = 0; round < 2; ++round) {
-    polish({&tried_.at(best->members)}, 6, to_its_end());
+    polish({&tried_.at(best->members)}, 6);
     rows_.model().set_working_point(best->fit.hypothesis());
   }
   working_point_ = best->members;
@@ -87,7 +87,7 @@ bool Search::settle(const Explanation& explanation) {
   Explanation& own = explanation.members.empty() ? owner_ : tried_.at(explanation.members);
   rows_.model().set_working_point(own.fit.hypothesis());
   working_point_ = own.members;
-  polish({&own}, 6, to_its_end());
+  polish({&own}, 6);
   linearise(rows_, {&as_configured_});
   return true;
 }
@@ -208,7 +208,7 @@ void Search::take_defect_at_owner() {
   rows_.model().set_working_point(owner_.fit.hypothesis());
   working_point_.clear();
   linearise(rows_, {&as_configured_});
-  polish({&owner_}, 4, to_its_end());
+  polish({&owner_}, 4);
   if (!settings_.grow_floor) owner_evidence_at_home_ = owner_.log_evidence;
 }
 
@@ -229,7 +229,7 @@ std::pair<double, Explanation*> Search::best_beside_own_error(std::size_t member
   ranked.resize(std::min(ranked.size(), settings_.polished));
   for (auto& [evidence, explanation] : ranked) {
     rows_.take_slow_error(explanation->fit.hypothesis());
-    polish({explanation}, 4, to_its_end());
+    polish({explanation}, 4, Anew::own);
     evidence = beside_own_error(*explanation);
   }
   return *std::max_element(ranked.begin(), ranked.end(), is_behind);
@@ -255,8 +255,7 @@ void Search::take_floor_at_best() {
   }
   std::erase_if(tried_, [&](const auto& tried) { return std::ranges::find(again, &tried.second) == again.end(); });
   rows_.take_slow_error(floor->fit.hypothesis());
-  polish(again, 2, to_its_end());
-  is_last_floor_ = true;
+  polish(again, 2, Anew::own);
   linearise(rows_, {&as_configured_});
   polish_best(1);
   if (floor->members.size() == 2) polish_best(2);
@@ -266,7 +265,7 @@ const Explanation* Search::pair_beside(const Explanation& first, double first_ev
   // Beside its own slow error every explanation is at its floor.
   const double needed = rules_.next_gain_at_floor;
   rows_.take_slow_error(first.fit.hypothesis());
-  polish({&tried_.at(first.members)}, 1, to_its_end());
+  polish({&tried_.at(first.members)}, 1, Anew::own);
   const std::vector<Screened> screened = Screening(rows_, first.fit, candidates_, others(first.members)).singles();
   refit(first.fit, first.members, worth_refitting(screened, settings_.refits));
   double promised = 0;
@@ -370,7 +369,7 @@ std::vector<double> Search::gains_of_names(const Explanation& other) {
   }
   std::vector<Explanation*> moving;
   for (Explanation& explanation : fitted) moving.push_back(&explanation);
-  polish(moving, 6, to_its_end());
+  polish(moving, 6);
   std::vector<double> gains;
   const bool is_owned =
       other.members.size() == 1 && candidates_[other.members.front()].kind == CandidateKind::parameter;

@@ -132,11 +132,8 @@ class Search {
   /// Which derivatives are taken anew: those by an explanation's own numbers at every step, by the others never or where
   /// the fits begin.
   enum class Anew { own, others_once };
-  /// Small physics is so many numbers that their derivatives cost more than all steps: none are taken for a slow error
-  /// that is not the last.
-  Anew to_its_end() const { return settings_.grow_floor && !is_last_floor_ ? Anew::own : Anew::others_once; }
   Columns kept_columns() const { return settings_.small_physics.empty() ? Columns::own : Columns::corrected; }
-  void polish(const std::vector<Explanation*>& explanations, int iterations, Anew anew);
+  void polish(const std::vector<Explanation*>& explanations, int iterations, Anew anew = Anew::others_once);
   /// Fits that began apart may end in different valleys of the tolerances: dry friction and a leak of a chamber, 164 in
   /// chi2 above where the same friction beside a leak of its line stood; offsets of two sensors that are one model, 46
   /// in log evidence apart. The best is fitted once more from where each rival stands in what they share, and each
@@ -184,7 +181,6 @@ class Search {
   DecisionRules rules_;
   Progress progress_;
   std::vector<FreeParameter> nuisances_;
-  bool is_last_floor_ = false;
   double swing_Hz_ = 0;  ///< of the supply, where it may swing; 0: it may not
   Fit as_configured_;
   Explanation owner_;

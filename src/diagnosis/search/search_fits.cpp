@@ -120,7 +120,7 @@ void Search::refit(const Fit& base, const std::vector<std::size_t>& members,
 
 void Search::fit_part(const Explanation& whole, const std::vector<std::size_t>& part) {
   Explanation explanation{part, continued_fit(whole.fit, part, {})};
-  polish({&explanation}, 4, to_its_end());
+  polish({&explanation}, 4);
   const auto known = tried_.find(part);
   if (known == tried_.end() || known->second.fit.failed || explanation.log_evidence > known->second.log_evidence)
     tried_[part] = std::move(explanation);
@@ -235,7 +235,7 @@ std::vector<Explanation*> Search::refit_at_rivals(std::size_t members) {
     mover->fit = std::move(fit);
     if (!std::count(moved.begin(), moved.end(), mover)) moved.push_back(mover);
   }
-  polish(moved, 1, to_its_end());  // their derivatives are still those of where they came from
+  polish(moved, 1);  // their derivatives are still those of where they came from
   return moved;
 }
 
@@ -248,7 +248,7 @@ void Search::polish_rivals(std::size_t members, std::set<const Explanation*>& at
     std::vector<double> before;
     before.reserve(moving.size());
     for (const Explanation* e : moving) before.push_back(e->log_evidence);
-    polish(moving, 6, to_its_end());
+    polish(moving, 6);
     for (std::size_t i = 0; i < moving.size(); ++i)
       if (moving[i]->fit.settled || moving[i]->log_evidence - before[i] < settled_evidence) at_end.insert(moving[i]);
   }
@@ -280,7 +280,7 @@ bool Search::move_to_deeper_valley(std::size_t members) {
   }
   std::vector<Explanation*> moving;
   for (Explanation& e : beside) moving.push_back(&e);
-  polish(moving, 6, to_its_end());
+  polish(moving, 6);
   const auto deepest = std::ranges::max_element(beside, {}, &Explanation::log_evidence);
   if (deepest == beside.end() || deepest->log_evidence <= best->log_evidence + settled_evidence) return false;
   tried_.at(best->members) = std::move(*deepest);
@@ -313,7 +313,7 @@ bool Search::restart_siblings() {
   }
   std::vector<Explanation*> moving;
   for (Explanation& e : again) moving.push_back(&e);
-  polish(moving, 6, to_its_end());
+  polish(moving, 6);
   bool any_better = false;
   for (std::size_t i = 0; i < again.size(); ++i) {
     if (again[i].log_evidence <= siblings[i]->log_evidence + settled_evidence) continue;

@@ -310,7 +310,8 @@ constexpr std::size_t carried_over = 4;
 std::vector<double> row_sigmas(const ResidualModel& model) {
   std::vector<double> out;
   const Eigen::VectorXd any = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.rows().size()));
-  for (const ChannelLevel& level : channel_levels(model.rows(), model.channels().size(), any)) out.push_back(level.sigma);
+  for (const ChannelLevel& level : channel_levels(model.rows(), model.channels().size(), any))
+    out.push_back(level.sigma);
   return out;
 }
 

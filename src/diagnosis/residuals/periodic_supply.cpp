@@ -70,8 +70,8 @@ PeriodicSupply best_sine(double frequency_Hz, const std::vector<std::vector<Eige
 class SupplySweep {
  public:
   SupplySweep(FittedRows& rows, const Hypothesis& hypothesis)
-      : rows_(rows), hypothesis_(hypothesis), recordings_(rows_of_recordings(rows)),
-        left_(rows({hypothesis}).col(0)), time_s_(rows.count()) {
+      : rows_(rows), hypothesis_(hypothesis), recordings_(rows_of_recordings(rows)), left_(rows({hypothesis}).col(0)),
+        time_s_(rows.count()) {
     std::map<int, double> begin_s;
     for (Eigen::Index i = 0; i < rows.count(); ++i) {
       const auto begin = begin_s.emplace(rows.row(i).recording, rows.row(i).time_s).first;

@@ -129,8 +129,8 @@ class Search {
   void move_to_best_share(std::vector<Explanation>& attempts, const std::vector<std::vector<Screened>>& starts);
   void add_families(const Fit& base, const std::vector<std::size_t>& members, const std::vector<Screened>& screened);
   double log_evidence(const Explanation& explanation) const;
-  /// Which derivatives are taken anew: those by an explanation's own numbers at every step, by the others never or where
-  /// the fits begin.
+  /// Which derivatives are taken anew: those by an explanation's own numbers at every step, by the others never or
+  /// where the fits begin.
   enum class Anew { own, others_once };
   Columns kept_columns() const { return settings_.small_physics.empty() ? Columns::own : Columns::corrected; }
   void polish(const std::vector<Explanation*>& explanations, int iterations, Anew anew = Anew::others_once);

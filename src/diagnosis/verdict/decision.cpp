@@ -133,8 +133,8 @@ const Explanation* unnamed_best(const Search& search, const std::vector<const Ex
   return best->log_evidence > next + rules.ambiguous_distance ? best : nullptr;
 }
 
-/// The best that is sure of its sizes: a leak that opens at any pressure is known by two numbers that follow each other;
-/// nullptr: there is none.
+/// The best that is sure of its sizes: a leak that opens at any pressure is known by two numbers that follow each
+/// other; nullptr: there is none.
 const Explanation* first_sure(const std::vector<const Explanation*>& ranked, const Search& search,
                               const DecisionRules& rules) {
   const auto found = std::ranges::find_if(

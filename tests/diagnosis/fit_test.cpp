@@ -39,7 +39,48 @@ Fit valley_fit() {
   return fit;
 }
 
+/// Eighty rows that two numbers move, freed from whichever slow error is wanted; the last ten are held out.
+class FreedModel final : public ClosedFormModel {
+ public:
+  FreedModel() : ClosedFormModel(rows_of) {
+    for (std::size_t k = 0; k < rows_.size(); ++k) rows_[k].time_s = 0.01 * static_cast<double>(k);
+    hold_out_from(70);
+  }
+  LikeliestErrors likeliest_slow_errors(const Hypothesis&) override { return {{wanted}, 0}; }
+  SlowError wanted;
+
+ private:
+  static std::vector<double> rows_of(const Rig& rig) {
+    std::vector<double> rows;
+    for (int k = 0; k < 80; ++k)
+      rows.push_back(5 * std::sin(0.2 * k) * (rig.axis.slider.mass_kg - 2.3) + 0.1 * k * rig.axis.slider.payload_kg);
+    return rows;
+  }
+};
+
 }  // namespace
+
+TEST_CASE("derivatives beside one slow error become those beside another, and plain ones again") {
+  FreedModel model;
+  FittedRows rows(model, {});
+  Fit kept = valley_fit();
+  linearise(rows, {&kept});
+  const Fit plain = kept;
+  for (const SlowError& error : {SlowError{0.5, 3.0}, SlowError{0.05, 10.0}}) {
+    model.wanted = error;
+    rows.take_slow_error(kept.hypothesis());
+    bring_to_slow_error(rows, kept);
+    Fit anew = valley_fit();
+    linearise(rows, {&anew});
+    CHECK((kept.jacobian - anew.jacobian).norm() < 1e-8 * anew.jacobian.norm());
+    CHECK((kept.residual - anew.residual).norm() < 1e-8 * anew.residual.norm());
+    CHECK(kept.objective == Approx(anew.objective));
+    CHECK((anew.jacobian - plain.jacobian).norm() > 0.1 * plain.jacobian.norm());
+  }
+  rows.drop_slow_error();
+  bring_to_slow_error(rows, kept);
+  CHECK((kept.jacobian - plain.jacobian).norm() < 1e-8 * plain.jacobian.norm());
+}
 
 TEST_CASE("a fit that cannot be computed where it begins has failed, and the others go on") {
   ClosedFormModel model([](const Rig& rig) {

@@ -131,8 +131,21 @@ bool plain_number(std::string_view text, double& value) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
-/// Numbers as accountants and Fortran write them: (0.5) and 0.5- below zero, 1.0D-03, 1.0 E-03.
+/// Signs that word processors put in place of a minus.
+std::string with_plain_minus(std::string_view field) {
+  std::string out(field);
+  for (const std::string_view minus : {"\u2212", "\u2013"})
+    for (std::size_t at; (at = out.find(minus)) != std::string::npos;) out.replace(at, minus.size(), "-");
+  return out;
+}
+
+/// Numbers as accountants, Fortran and word processors write them: (0.5) and 0.5- below zero, 1.0D-03, 1.0 E-03, a
+/// minus longer than a hyphen.
 bool rewritten_number(std::string_view field, char decimal, double& value) {
+  if (field.find('\xe2') != std::string_view::npos) {
+    const std::string plain = with_plain_minus(field);
+    return plain != field && number_in(plain, decimal, value);
+  }
   const bool is_in_brackets = field.size() > 2 && field.front() == '(' && field.back() == ')';
   const bool ends_in_minus = field.size() > 1 && field.back() == '-';
   if (is_in_brackets || ends_in_minus) {
@@ -192,14 +205,7 @@ void split_fields(std::string_view line, const FieldStyle& style, std::vector<st
 }
 
 bool number_in(std::string_view field, char decimal, double& value) {
-  constexpr std::string_view minus = "\u2212";
   if (field.starts_with('+')) field.remove_prefix(1);
-  if (field.starts_with(minus)) {
-    field.remove_prefix(minus.size());
-    const bool is_number = number_in(field, decimal, value);
-    value = -value;
-    return is_number;
-  }
   std::string_view text = field;
   std::array<char, 64> copy;
   if (decimal != '.' && field.size() <= copy.size()) {

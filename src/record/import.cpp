@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -138,15 +139,44 @@ void take_seconds(CsvTable& table, MappedColumns& columns, double period_s) {
                            unit.start != 0 ? " from the first row on" : ""));
 }
 
-/// A table that is written from its last row to its first is turned round, and that is told.
-void turn_round(CsvTable& table, MappedColumns& columns) {
+/// Whether these times, in their order, are each once there and nine of ten steps within half of the usual one.
+bool are_spread_evenly(std::vector<double> times) {
+  std::sort(times.begin(), times.end());
+  const double usual = median_step_s(times);
+  std::size_t alike = 0;
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    const double step = times[i] - times[i - 1];
+    if (!(step > 0)) return false;
+    alike += step > 0.5 * usual && step < 1.5 * usual;
+  }
+  return 10 * alike >= 9 * (times.size() - 1);
+}
+
+/// A table that is written from its last row to its first is turned round, one in no order is put in that of its
+/// times, and that is told. Of runs one behind the other few steps go back, and times come again.
+void take_order(CsvTable& table, MappedColumns& columns) {
   const std::vector<double>& times = columns.values[columns.time()];
   std::size_t back = 0, steps = 0;
   for (std::size_t i = 1; i < times.size(); ++i) back += times[i] < times[i - 1], steps += times[i] != times[i - 1];
-  if (steps < rows_that_tell_order || 10 * back < 9 * steps) return;
-  for (auto& values : columns.values) std::reverse(values.begin(), values.end());
-  std::reverse(table.line_numbers.begin(), table.line_numbers.end());
-  table.report(0, ProblemKind::interval, "t_s goes back from row to row: the rows are taken in the other order");
+  if (steps < rows_that_tell_order) return;
+  std::vector<std::size_t> rows(times.size());
+  std::iota(rows.begin(), rows.end(), std::size_t{0});
+  if (10 * back >= 9 * steps) {
+    std::reverse(rows.begin(), rows.end());
+    table.report(0, ProblemKind::interval, "t_s goes back from row to row: the rows are taken in the other order");
+  } else if (4 * back >= steps && std::ranges::all_of(times, [](double t) { return std::isfinite(t); }) &&
+             are_spread_evenly(times)) {
+    std::ranges::sort(rows, {}, [&](std::size_t row) { return times[row]; });
+    table.report(0, ProblemKind::interval, "the rows are in no order of t_s: they are put in order");
+  } else {
+    return;
+  }
+  const auto in_order = [&](auto& values) {
+    const auto before = values;
+    std::ranges::transform(rows, values.begin(), [&](std::size_t row) { return before[row]; });
+  };
+  std::ranges::for_each(columns.values, in_order);
+  in_order(table.line_numbers);
 }
 
 /// Rows put in order of time, repeats averaged; a value that a row lacks does not count. NaN times are left out.
@@ -307,7 +337,7 @@ std::vector<Recording> recordings_in(CsvTable table, const std::optional<ImportP
   const auto stated_units = imported ? units_of(table, *imported) : std::map<std::string, std::string>();
   MappedColumns columns = imported ? mapped(table, *imported) : unmapped(table);
   if (imported) tell_untaken(table, columns, *imported);
-  if (!is_own && columns.telling.empty()) turn_round(table, columns);
+  if (!is_own && columns.telling.empty()) take_order(table, columns);
   if (!is_own) take_seconds(table, columns, period_s);
   const double from_s = imported ? imported->from_s : -infinite, to_s = imported ? imported->to_s : infinite;
   const auto runs = rows_of_runs(table, columns, from_s, to_s);

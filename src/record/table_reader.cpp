@@ -80,6 +80,9 @@ bool leaves_quote_open(std::string_view text) {
   return is_open;
 }
 
+/// As in "1.#QNAN" and "-1,#IND": what follows is no remark, it makes the number none.
+bool ends_in_decimal_sign(std::string_view text) { return text.ends_with('.') || text.ends_with(','); }
+
 /// Whether the whole line is one field in quotes, those inside it doubled: a table in the first column of a sheet.
 bool is_quoted_line(std::string_view line) {
   if (line.size() < 2 || line.front() != '"' || line.back() != '"') return false;
@@ -451,7 +454,7 @@ class TableReader {
       }
       if (takes_other_sign(field, column, line, value)) return value;
       if (const std::size_t remark = is_own_ ? std::string_view::npos : std::min(field.find('#'), field.find("//"));
-          remark != std::string_view::npos &&
+          remark != std::string_view::npos && !ends_in_decimal_sign(field.substr(0, remark)) &&
           number_in(trimmed(field.substr(0, remark)), dialect_.style.decimal, value))
         return value;
       if (!is_own_ && hexadecimal_in(field, value)) {

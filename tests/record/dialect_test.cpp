@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <random>
 
 #include <catch2/catch.hpp>
@@ -343,7 +344,7 @@ TEST_CASE("a text column is told once, a quoted line end stays in its field, and
              Contains("note is \"a b\"") && Contains("column state holds text such as \"RUN\""));
 }
 
-TEST_CASE("lines may end in CR or CR CR LF, blank lines may stand between, and rows may be in the other order") {
+TEST_CASE("lines may end in CR or CR CR LF, blank lines may stand between, and rows may be in another order") {
   const unsigned seed = test::new_seed();
   INFO("seed " << seed << " (PNEUSERVO_TEST_SEED)");
   std::mt19937 generator(seed);
@@ -356,9 +357,34 @@ TEST_CASE("lines may end in CR or CR CR LF, blank lines may stand between, and r
   Drawn reversed = values;
   for (auto* column : {&reversed.t_s, &reversed.x_m, &reversed.u_V}) std::reverse(column->begin(), column->end());
   check_read(table_text(reversed, {}), values);
-  std::string minus = table_text(values, {});
-  for (std::size_t at; (at = minus.find(",-")) != std::string::npos;) minus.replace(at, 2, ",\u2212");
-  check_read(minus, values);
+  std::vector<std::size_t> order(values.t_s.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::shuffle(order.begin(), order.end(), generator);
+  Drawn shuffled = values;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    shuffled.t_s[i] = values.t_s[order[i]];
+    shuffled.x_m[i] = values.x_m[order[i]];
+    shuffled.u_V[i] = values.u_V[order[i]];
+  }
+  check_read(table_text(shuffled, {}), values);
+  for (const std::string sign : {"\u2212", "\u2013"}) {
+    std::string minus = table_text(values, {});
+    for (const std::string before : {",", "e"})
+      for (std::size_t at; (at = minus.find(before + "-")) != std::string::npos;) minus.replace(at, 2, before + sign);
+    check_read(minus, values);
+  }
+}
+
+TEST_CASE("what is no number in the words of some run-time libraries is read as no value") {
+  const TemporaryFolder folder;
+  for (const std::string word : {"1.#QNAN", "-1.#IND00", "1.#INF", "1.#SNAN", "1.$"}) {
+    const CsvTable table =
+        read_table(put_plain(folder.file("words.csv"), "t_s,x_m\n0,0.1\n0.001," + word + "\n0.002,0.3 # end\n"));
+    INFO(word);
+    REQUIRE(table.column("x_m").size() == 3);
+    CHECK(std::isnan(table.column("x_m")[1]));
+    CHECK(table.column("x_m")[2] == 0.3);
+  }
 }
 
 TEST_CASE("a blank line before rows that count themselves holds no field and no name") {

@@ -58,8 +58,55 @@ std::optional<double> days_of(int year, int month, int day) {
   return static_cast<double>(std::chrono::sys_days(date).time_since_epoch().count());
 }
 
-/// Days since 1970 of year-month-day, day.month.year, month/day/year (day/month/year where the first is above 12) or
-/// day-name-year; text moves on behind it.
+/// Moves on behind a day of the week, English or German, whole or short: "Mon, ", "Mo. ".
+void leave_out_weekday(std::string_view& text) {
+  constexpr std::array<std::string_view, 14> names{"mon", "tue", "wed", "thu", "fri", "sat", "sun",
+                                                   "mo",  "di",  "mi",  "do",  "fr",  "sa",  "so"};
+  const std::string letters = small_letters(text);
+  const bool is_german = letters.ends_with("tag") || letters.ends_with("woch") || letters.ends_with("abend");
+  const std::string start = is_german                  ? letters.substr(0, 2)
+                            : letters.ends_with("day") ? letters.substr(0, 3)
+                                                       : letters;
+  if (std::find(names.begin(), names.end(), start) == names.end()) return;
+  std::string_view rest = text.substr(letters.size());
+  if (!take(rest, ".,") && !rest.starts_with(' ')) return;
+  take(rest, ",");
+  text = trimmed(rest);
+}
+
+/// Takes a year of four digits off the end, where nothing but a blank is before it: "10:11:12 2026"; 0: there is none.
+int take_year_at_end(std::string_view& text) {
+  constexpr std::size_t digits = 4;
+  int year = 0;
+  if (text.size() <= digits || text[text.size() - digits - 1] != ' ') return 0;
+  std::string_view last = text.substr(text.size() - digits);
+  if (!take_number(last, year) || !last.empty()) return 0;
+  text = trimmed(text.substr(0, text.size() - digits));
+  return year;
+}
+
+/// Days since 1970 of "Jan 3 2026" or "Jan 3, 2026"; the year may be at the end of the text, as C writes times, or
+/// missing, as in a system's log: any leap year then. Text moves on to the time.
+std::optional<double> take_named_date(std::string_view& text) {
+  constexpr int any_year = 2000, first_year = 1000;
+  const std::string letters = small_letters(text);
+  const int month = month_named(letters);
+  std::string_view rest = text.substr(letters.size());
+  int day = 0, year = 0;
+  while (take(rest, ".-/ ")) {}
+  if (month == 0 || !take_number(rest, day)) return std::nullopt;
+  take(rest, ",-/");
+  rest = trimmed(rest);
+  std::string_view behind = rest;
+  if (take_number(behind, year) && year >= first_year) rest = trimmed(behind);
+  else year = take_year_at_end(rest);
+  const std::optional<double> days = days_of(year > 0 ? year : any_year, month, day);
+  if (days) text = rest;
+  return days;
+}
+
+/// Days since 1970 of year-month-day, year and day of the year in three digits, day.month.year, month/day/year
+/// (day/month/year where the first is above 12) or day-name-year; text moves on behind it.
 std::optional<double> take_date(std::string_view& text) {
   int a = 0, b = 0, c = 0;
   std::string_view rest = text;
@@ -72,8 +119,15 @@ std::optional<double> take_date(std::string_view& text) {
     b = month_named(letters);
     rest.remove_prefix(letters.size());
     while (take(rest, "-/. ")) {}
-  } else if (sign == ' ' || !take_number(rest, b) || !take(rest, "-/.")) {
-    return std::nullopt;
+  } else {
+    const std::size_t digits = rest.size();
+    if (sign == ' ' || !take_number(rest, b)) return std::nullopt;
+    if (digits - rest.size() == 3 && sign == '-' && b >= 1 && b <= 366) {
+      const std::optional<double> first = days_of(a, 1, 1);
+      if (first) text = rest;
+      return first ? std::optional(*first + b - 1) : std::nullopt;
+    }
+    if (!take(rest, "-/.")) return std::nullopt;
   }
   if (!take_number(rest, c)) return std::nullopt;
   constexpr int most_day = 31, months = 12;
@@ -229,10 +283,13 @@ std::optional<double> clock_in(std::string_view field) {
   constexpr std::size_t shortest = 4;  // "0:00"
   if (take_prefix(field)) return duration_in(field, 1);
   if (const std::optional<double> duration_s = duration_in(field, 2)) return duration_s;
-  if (field.size() < shortest || field.front() < '0' || field.front() > '9') return std::nullopt;
+  leave_out_weekday(field);
+  const bool is_named = !small_letters(field).empty();
+  if (field.size() < shortest || (!is_named && (field.front() < '0' || field.front() > '9'))) return std::nullopt;
   const std::string_view whole = field;
   const std::optional<double> basic = take_basic_date(field);
-  std::optional<double> days = basic ? basic : take_days(field);
+  std::optional<double> days = basic ? basic : is_named ? take_named_date(field) : take_days(field);
+  if (is_named && (!days || field.empty())) return std::nullopt;
   if (!days) {
     days = take_date(field);
     if (days && field.empty()) return has_whole_year(whole) ? std::optional(day_s * *days) : std::nullopt;

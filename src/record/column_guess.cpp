@@ -85,7 +85,9 @@ ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmos
   const std::optional<Unit> unit = unit_in(is_named_by_unit ? parts.text : stated);
   if (word && !word->is_sure && !(unit && unit->quantity == word->quantity)) {
     out.evidence = fmt::format("named like {}, without a unit of {}", word->word,
-                               word->quantity == Quantity::mass_flow ? "flow" : "pressure");
+                               word->quantity == Quantity::mass_flow ? "flow"
+                               : word->quantity == Quantity::length  ? "length"
+                                                                     : "pressure");
     return out;
   }
   if (!word || word->ours.empty() || (unit && unit->quantity != word->quantity && unit->quantity != Quantity::raw)) {

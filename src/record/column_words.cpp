@@ -412,8 +412,11 @@ std::optional<ColumnWord> word_of(const std::vector<std::string>& parts) {
   if (const std::optional<ColumnWord> command = command_in(name)) return command;
   if (const Found* volts = name.first_of(Role::voltage)) return other_than(*volts);
   if (name.has(Role::supply) || name.has(Role::chamber) || name.has(Role::port)) return pressure_in(name, parts);
-  if (const Found* reference = name.first_of(Role::reference); reference && name.is_whole)
+  if (!name.is_whole || name.has(Role::apart)) return std::nullopt;
+  if (const Found* reference = name.first_of(Role::reference))
     return ColumnWord{std::string(reference->first), "x_ref_m", Quantity::length};
+  if (const Found* actual = name.first_of(Role::actual))  // "Istwert [mm]"
+    return ColumnWord{std::string(actual->first), column_of(Signal::x), Quantity::length, false};
   return std::nullopt;
 }
 

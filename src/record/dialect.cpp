@@ -119,6 +119,15 @@ double score(const std::vector<LineFacts>& facts, char separator) {
   return sum;
 }
 
+/// Whether rows hold values alone: dates of several words between tabs would be cut into more numbers by blanks.
+bool are_values_alone(const std::vector<LineFacts>& facts) {
+  const std::size_t usual = usual_fields(facts);
+  return usual > 1 && std::all_of(facts.begin(), facts.end(), [&](const LineFacts& line) {
+           return !line.is_row() || line.fields != usual ||
+                  std::find(line.is_text.begin(), line.is_text.end(), 1) == line.is_text.end();
+         });
+}
+
 std::vector<std::string> names_in(const std::string& line, const FieldStyle& style) {
   std::vector<std::string_view> fields;
   split_fields(line, {style.separator, style.decimal, false}, fields);
@@ -530,8 +539,11 @@ Dialect find_dialect(const std::vector<std::string>& lines) {
   Dialect out;
   std::vector<LineFacts> facts;
   double best = 0;
+  bool is_whole_by_tabs = false;
   for (FieldStyle style : styles) {
+    if (style.separator == ' ' && is_whole_by_tabs) continue;
     std::vector<LineFacts> own = all_facts(lines, style);
+    if (style.separator == '\t') is_whole_by_tabs = is_whole_by_tabs || are_values_alone(own);
     style.has_groups = std::any_of(own.begin(), own.end(), [usual = usual_fields(own)](const LineFacts& line) {
       return line.is_row() && line.fields == usual && line.has_decimals;
     });

@@ -255,6 +255,36 @@ TEST_CASE("decision: a number at the end of its tolerance is off where setting i
   CHECK(judged(8, 0.01).first == Verdict::consistent);  // these rows hardly tell
 }
 
+TEST_CASE("decision: of two names nearly as likely the one that is sure of its size stands, the other is its rival") {
+  // The load has two numbers of which the rows know the sum alone; they have one row that the spring does not explain.
+  const auto first_of = [](double beyond_spring) {
+    ClosedFormModel model([beyond_spring](const Rig& rig) {
+      const double sum = rig.axis.effects.motion.constant_force.force_N + rig.axis.effects.valve.valve_offset.offset_V;
+      std::vector<double> rows(200);
+      for (std::size_t k = 0; k < rows.size(); ++k)
+        rows[k] = 1 - rig.axis.effects.motion.spring_load.stiffness_N_per_m - sum + (k % 2 == 0 ? 1 : -1);
+      rows.push_back(beyond_spring * (1 - sum));
+      return rows;
+    });
+    FittedRows rows(model, {});
+    Candidate load = found_by_size("load", "effects.constant_force.force_N");
+    load.parameters.push_back(free_number(cylinder_rig(), "effects.valve_offset.offset_V"));
+    load.negligible = load.neutral = {0, 0};
+    load.starts = {{0, 0}};
+    load.amplitude = {1, 1};
+    Search search(rows, cylinder_rig(), {load, found_by_size("spring", "effects.spring_load.stiffness_N_per_m")}, {},
+                  one_name(), {});
+    search.run();
+    const Decision decision = decide(model, search, one_name());
+    CHECK(decision.rivals.size() == 2);
+    CHECK(decision.probabilities.front() >= decision.probabilities.back());
+    return search.candidates()[decision.chosen->members.front()].name;
+  };
+  CHECK(first_of(0) == "spring");
+  CHECK(first_of(4) == "spring");  // 7 behind
+  CHECK(first_of(8) == "load");  // 31 behind
+}
+
 TEST_CASE("decision: what changes within its owner's tolerance is no remainder, what changes by more is one") {
   const auto swings = [](const Rig&) {
     std::vector<double> rows(200);

@@ -5,6 +5,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -33,7 +34,7 @@ constexpr std::array<FieldStyle, 10> styles{{{',', '.', false},
 
 /// What a line holds in a style.
 struct LineFacts {
-  std::size_t fields = 0, numbers = 0, empty = 0;
+  std::size_t fields = 0, numbers = 0, empty = 0, filled = 0;  ///< filled: without empty ones at the end
   std::vector<char> is_text;  ///< of each field
   bool has_decimals = false;  ///< a number shows the decimal sign
   bool has_label() const { return !is_text.empty() && is_text.front() != 0; }
@@ -51,7 +52,8 @@ bool is_value(std::string_view field, const FieldStyle& style) {
 LineFacts facts_of(std::string_view line, const FieldStyle& style) {
   std::vector<std::string_view> fields;
   split_fields(line, style, fields);
-  LineFacts facts{fields.size(), 0, 0, {}, false};
+  LineFacts facts;
+  facts.fields = fields.size();
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const bool is_number = is_value(fields[i], style);
     facts.empty += fields[i].empty();
@@ -60,6 +62,7 @@ LineFacts facts_of(std::string_view line, const FieldStyle& style) {
     facts.has_decimals = facts.has_decimals || (fields[i].find(style.decimal) != std::string_view::npos &&
                                                 number_in(fields[i], style.decimal, value));
     facts.is_text.push_back(!is_number && !fields[i].empty());
+    if (!fields[i].empty()) facts.filled = i + 1;
   }
   return facts;
 }
@@ -75,10 +78,27 @@ std::size_t usual_fields(const std::vector<LineFacts>& facts) {
   return usual;
 }
 
+/// Empty fields at the ends of rows that have more of them than others are none: "1,2,," and "1,2," beside "1,2".
+void even_ends(std::vector<LineFacts>& facts) {
+  std::size_t most = 0, fewest = std::numeric_limits<std::size_t>::max();
+  for (const LineFacts& line : facts) {
+    if (!line.is_row()) continue;
+    most = std::max(most, line.filled);
+    fewest = std::min(fewest, line.fields);
+  }
+  for (LineFacts& line : facts) {
+    if (!line.is_row() || line.fields <= most || fewest > most) continue;
+    line.empty -= line.fields - most;
+    line.fields = most;
+    line.is_text.resize(most);
+  }
+}
+
 std::vector<LineFacts> all_facts(const std::vector<std::string>& lines, const FieldStyle& style) {
   std::vector<LineFacts> facts;
   facts.reserve(lines.size());
   for (const std::string& line : lines) facts.push_back(facts_of(line, style));
+  even_ends(facts);
   return facts;
 }
 

@@ -370,7 +370,8 @@ class TableReader {
     if (is_line_quoted_ && is_quoted_line(line)) line = keyless_ = unquoted_line(line);
     if (!keyed_.names.empty()) line = keyless_ = keyed_.row(std::string(line));
     split_fields(line, dialect_.style, fields_);
-    if (dialect_.has_trailing && fields_.size() == expected + index + 1 && fields_.back().empty()) fields_.pop_back();
+    const bool may_end_empty = dialect_.has_trailing || !is_own_;
+    while (may_end_empty && fields_.size() > expected + index && fields_.back().empty()) fields_.pop_back();
     if (dialect_.has_split_times && fields_.size() > 1) join_first_two();
     if (dialect_.least_fields > 0 && fields_.size() >= dialect_.least_fields)
       while (fields_.size() < expected + index) fields_.emplace_back();

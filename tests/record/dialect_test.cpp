@@ -387,6 +387,20 @@ TEST_CASE("what is no number in the words of some run-time libraries is read as 
   }
 }
 
+TEST_CASE("rows may end in more or fewer separators than others") {
+  const TemporaryFolder folder;
+  std::string text = "t_s,x_m,u_V\n";
+  for (int i = 0; i < 40; ++i)
+    text +=
+        fmt::format("{:.3f},{:.2f},{}", 1e-3 * i, 0.01 * i, i % 10 == 7 ? "" : "0.5") + std::string(i % 4, ',') + "\n";
+  const CsvTable table = read_table(put_plain(folder.file("ragged.csv"), text));
+  REQUIRE(table.rows() == 40);
+  CHECK(table.column("x_m")[39] == Approx(0.39));
+  CHECK(std::isnan(table.column("u_V")[7]));
+  CHECK(table.column("u_V")[38] == 0.5);
+  CHECK(table.problems.empty());
+}
+
 TEST_CASE("a blank line before rows that count themselves holds no field and no name") {
   const TemporaryFolder folder;
   const CsvTable table = read_table(put_plain(folder.file("counted.txt"), "force\n\n1 0.5\n2 0.7\n3 0.8\n"));

@@ -218,6 +218,20 @@ double named_time_s(const CsvTable& table, std::size_t column) {
   return unit ? unit->factor : by_name && by_name->quantity == Quantity::time ? by_name->factor : 1;
 }
 
+double named_interval_s(const CsvTable& table, std::size_t column) {
+  constexpr std::array<std::string_view, 12> names{"dt",       "deltat",   "deltatime", "timedelta",
+                                                   "interval", "timestep", "tdelta",    "steptime",
+                                                   "tstep",    "\u0394t",  "\u03b4t",   "\u2206t"};
+  const NameParts parts = parts_of(half_width(table.names[column]));
+  std::string text;
+  for (const char c : in_small_letters(parts.text))
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80) text += c;
+  if (std::find(names.begin(), names.end(), text) == names.end()) return 0;
+  const std::optional<Unit> unit = unit_in(table.units[column].empty() ? parts.unit : table.units[column]);
+  if (unit && unit->quantity != Quantity::time) return 0;
+  return unit ? unit->factor : 1;
+}
+
 ImportParameters import_map(const std::vector<ColumnGuess>& guesses) {
   ImportParameters out;
   for (const ColumnGuess& guess : guesses) {

@@ -31,6 +31,8 @@ std::string stated_unit(const CsvTable& table, std::size_t column);
 /// Seconds of the unit of a column that is named as a time, alone, numbered or for the column behind it ("t3", "x_time"
 /// before "x"); 1 where it states none; 0: it is no time.
 double named_time_s(const CsvTable& table, std::size_t column);
+/// The same of a column that is named as the time since the row before: "dt_ms"; 0 where it is not.
+double named_interval_s(const CsvTable& table, std::size_t column);
 
 /// The map of a config that says the same; columns without a meaning are left out.
 ImportParameters import_map(const std::vector<ColumnGuess>& guesses);

@@ -97,7 +97,7 @@ constexpr std::array roots_of_roles{
           "berechnet calcule simulated simuliert sim model modell theoretical true friction reibung reib frottement "
           "friccion rozamiento attrito wrijving volume volumen area flache flaeche"},
     Roots{Role::lasting, "timeout cycle zyklus takt task exec execution dead tot delay verzug verzogerung rise loop period "
-          "response filter settling run lauf computing abtast sampling duration dauer duree"},
+          "response filter settling step interval run lauf computing abtast sampling duration dauer duree"},
     Roots{Role::filler, "sensor sensors fuhler fuehler aufnehmer geber wegaufnehmer transducer transmitter capteur "
           "trasduttore sensore transductor signal segnale senal sinal signaal value val wert valeur valor valore waarde input "
           "eingang entree entrada ingresso ingang analog analogue ai ao channel kanal canal canale ch raw roh brut "

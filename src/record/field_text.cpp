@@ -257,6 +257,9 @@ std::string half_width(std::string_view text) {
     if ((lead == "\xef\xbc" && last > 0x80) || (lead == "\xef\xbd" && last >= 0x80 && last < 0x9f)) {
       out += static_cast<char>(last - (lead[1] == '\xbc' ? 0x60 : 0x20));
       i += 2;
+    } else if (lead == "\xe2\x82" && last >= 0x80 && last <= 0x89) {
+      out += static_cast<char>('0' + last - 0x80);
+      i += 2;
     } else {
       out += text[i];
     }

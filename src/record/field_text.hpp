@@ -35,7 +35,7 @@ std::size_t utf8_size(std::string_view text);
 /// The text in UTF-8; what is not valid in it is taken for Latin-1.
 std::string as_utf8(std::string_view text);
 
-/// The text with Latin signs of full width, such as brackets, as those of ASCII.
+/// The text with Latin signs of full width, such as brackets, and digits below the line as those of ASCII.
 std::string half_width(std::string_view text);
 
 /// A field in a sentence: its beginning in UTF-8, with "?" for what a terminal would obey.

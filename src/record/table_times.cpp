@@ -317,6 +317,40 @@ int steps_back(const std::vector<double>& times) {
   return count;
 }
 
+/// A new column t_s, still empty.
+void add_times(CsvTable& table) {
+  table.names.emplace_back("t_s");
+  table.units.emplace_back();
+  table.is_clock.push_back(0);
+  table.values.emplace_back();
+}
+
+/// Times as sums of a column that holds the time since the row before, missing rows being as long as the one behind
+/// them; false where there is none.
+bool sum_intervals(CsvTable& table, const std::vector<MissingRows>& missing) {
+  for (std::size_t c = 0; c < table.names.size(); ++c) {
+    const double unit_s = named_interval_s(table, c);
+    const std::vector<double>& intervals = table.values[c];
+    if (unit_s == 0 || intervals.empty() ||
+        !std::all_of(intervals.begin() + 1, intervals.end(), [](double interval) { return interval > 0; }))
+      continue;
+    std::vector<double> times{0.0};
+    auto next = missing.begin();
+    for (std::size_t i = 1; i < intervals.size(); ++i) {
+      double rows = 1;
+      for (; next != missing.end() && next->before <= i; ++next) rows += static_cast<double>(next->count);
+      times.push_back(times.back() + rows * unit_s * intervals[i]);
+    }
+    table.report(
+        0, ProblemKind::dialect,
+        fmt::format("no column holds times: t_s is the sum of {}, the time since the row before", table.names[c]));
+    add_times(table);
+    table.values.back() = std::move(times);
+    return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 void add_fractions(CsvTable& table) {
@@ -345,12 +379,11 @@ void count_rows(CsvTable& table, char decimal, const std::vector<MissingRows>& m
   const std::vector<ColumnGuess> guesses = guess_columns(table);
   for (std::size_t c = 0; c < guesses.size(); ++c)
     if ((table.is_clock[c] != 0 || guesses[c].ours == "t_s") && known_in(table.values[c]) > 0) return;
+  if (std::find(table.names.begin(), table.names.end(), "t_s") != table.names.end() || sum_intervals(table, missing))
+    return;
   const std::optional<StatedInterval> stated = stated_interval(table.comments, decimal);
-  if (!stated || std::find(table.names.begin(), table.names.end(), "t_s") != table.names.end()) return;
-  table.names.emplace_back("t_s");
-  table.units.emplace_back();
-  table.is_clock.push_back(0);
-  table.values.emplace_back();
+  if (!stated) return;
+  add_times(table);
   long long row = 0;
   auto next = missing.begin();
   for (std::size_t i = 0; i < table.line_numbers.size(); ++i, ++row) {

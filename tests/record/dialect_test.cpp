@@ -401,6 +401,22 @@ TEST_CASE("rows may end in more or fewer separators than others") {
   CHECK(table.problems.empty());
 }
 
+TEST_CASE("a column of the time since the row before makes times, a refused row being as long as the next") {
+  const TemporaryFolder folder;
+  for (const std::string name : {"dt [ms]", "delta_t_ms", "\u0394t [ms]", "Time step (ms)"}) {
+    std::string text = name + ",pos [mm]\n";
+    for (int i = 0; i < 30; ++i) text += i == 11 ? "2,1,1\n" : fmt::format("{},{}\n", i % 2 == 0 ? 2 : 3, i);
+    INFO(name);
+    const CsvTable table = read_table(put_plain(folder.file("intervals.csv"), text));
+    const std::vector<double>& t_s = table.column("t_s");
+    REQUIRE(t_s.size() == 29);
+    CHECK(t_s[1] == Approx(0.003));
+    CHECK(t_s[10] == Approx(0.025));
+    CHECK(t_s[11] == Approx(0.029));  // row 11 and row 12, both 2 ms
+  }
+  CHECK(meaning_of("p\u2081 / bar") == "p1_port_Pa");
+}
+
 TEST_CASE("a blank line before rows that count themselves holds no field and no name") {
   const TemporaryFolder folder;
   const CsvTable table = read_table(put_plain(folder.file("counted.txt"), "force\n\n1 0.5\n2 0.7\n3 0.8\n"));

@@ -11,41 +11,53 @@ namespace pneuservo {
 
 namespace {
 
-/// Kalman filter for the error: its variance, and what each row does to it.
-struct SlowErrorFilter {
-  const SlowError& error;
-  double variance = error.level * error.level;
-
-  double kept_over(double time_s) const { return std::exp(-time_s / error.memory_s); }
-  void keep(double kept) {
-    const double level = error.level * error.level;
-    variance = level + kept * kept * (variance - level);
-  }
-  /// Variance of the innovation; the error's own is what the row leaves of it.
-  double see_row() {
+/// The Kalman filter for an error at so many rows, by row and time of each.
+std::vector<SlowErrorStep> steps_of(const SlowError& error, std::size_t count, const auto& row_of, const auto& time_s) {
+  const double square = error.level * error.level;
+  std::vector<SlowErrorStep> steps;
+  steps.reserve(count);
+  double variance = square;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double kept = k > 0 ? std::exp(-(time_s(k) - time_s(k - 1)) / error.memory_s) : 1.0;
+    variance = square + kept * kept * (variance - square);
     const double total = variance + 1.0;
     variance /= total;
-    return total;
+    steps.push_back({row_of(k), kept, variance, std::sqrt(total)});
   }
-};
+  return steps;
+}
+
+/// Follows the error that is expected along a process; `change` replaces a row's value and returns its innovation.
+void follow(const std::vector<SlowErrorStep>& steps, double* values, const auto& change) {
+  double expected = 0;
+  for (const SlowErrorStep& step : steps) {
+    expected *= step.kept;
+    expected += step.gain * change(values[step.row], expected, step.deviation);
+  }
+}
+
+double take_from(double& value, double expected, double deviation) {
+  const double innovation = value - expected;
+  value = innovation / deviation;
+  return innovation;
+}
+
+double give_back(double& value, double expected, double deviation) {
+  const double innovation = value * deviation;
+  value = innovation + expected;
+  return innovation;
+}
 
 }  // namespace
 
 double SlowError::whiten(std::span<const double> times_s, std::span<double> residuals) const {
   if (!(level > 0.0)) return 0.0;
-  SlowErrorFilter filter{*this};
-  double expected = 0.0, log_sum = 0.0;
-  for (std::size_t k = 0; k < residuals.size(); ++k) {
-    if (k > 0) {
-      const double kept = filter.kept_over(times_s[k] - times_s[k - 1]);
-      expected *= kept;
-      filter.keep(kept);
-    }
-    const double total = filter.see_row(), innovation = residuals[k] - expected;
-    expected += filter.variance * innovation;
-    residuals[k] = innovation / std::sqrt(total);
-    log_sum += 0.5 * std::log(total);
-  }
+  const auto steps = steps_of(
+      *this, residuals.size(), [](std::size_t k) { return static_cast<Eigen::Index>(k); },
+      [&](std::size_t k) { return times_s[k]; });
+  follow(steps, residuals.data(), take_from);
+  double log_sum = 0.0;
+  for (const SlowErrorStep& step : steps) log_sum += std::log(step.deviation);
   return log_sum;
 }
 
@@ -57,47 +69,20 @@ SlowErrors::SlowErrors(std::span<const ResidualRow> rows, std::span<const SlowEr
   for (const auto& [process, of_process] : by_process) {
     const SlowError& error = of_channel[static_cast<std::size_t>(process.second)];
     if (!(error.level > 0.0)) continue;
-    SlowErrorFilter filter{error};
-    std::vector<Step>& steps = processes_.emplace_back();
-    double before_s = rows[static_cast<std::size_t>(of_process.front())].time_s;
-    for (const Eigen::Index at : of_process) {
-      const double time_s = rows[static_cast<std::size_t>(at)].time_s, kept = filter.kept_over(time_s - before_s);
-      filter.keep(kept);
-      const double total = filter.see_row();
-      steps.push_back({at, kept, filter.variance, std::sqrt(total)});
-      before_s = time_s;
-    }
+    const auto row_of = [&at = of_process](std::size_t k) { return at[k]; };
+    processes_.push_back(steps_of(error, of_process.size(), row_of,
+                                  [&](std::size_t k) { return rows[static_cast<std::size_t>(row_of(k))].time_s; }));
   }
 }
 
 void SlowErrors::take_out(Eigen::Ref<Eigen::MatrixXd> columns) const {
-  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
-    double* column = columns.col(c).data();
-    for (const std::vector<Step>& steps : processes_) {
-      double expected = 0;
-      for (const Step& step : steps) {
-        expected *= step.kept;
-        const double innovation = column[step.row] - expected;
-        expected += step.gain * innovation;
-        column[step.row] = innovation / step.deviation;
-      }
-    }
-  }
+  for (Eigen::Index c = 0; c < columns.cols(); ++c)
+    for (const auto& steps : processes_) follow(steps, columns.col(c).data(), take_from);
 }
 
 void SlowErrors::put_back(Eigen::Ref<Eigen::MatrixXd> columns) const {
-  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
-    double* column = columns.col(c).data();
-    for (const std::vector<Step>& steps : processes_) {
-      double expected = 0;
-      for (const Step& step : steps) {
-        expected *= step.kept;
-        const double innovation = column[step.row] * step.deviation;
-        column[step.row] = innovation + expected;
-        expected += step.gain * innovation;
-      }
-    }
-  }
+  for (Eigen::Index c = 0; c < columns.cols(); ++c)
+    for (const auto& steps : processes_) follow(steps, columns.col(c).data(), give_back);
 }
 
 }  // namespace pneuservo

@@ -22,6 +22,13 @@ struct SlowError {
   double whiten(std::span<const double> times_s, std::span<double> residuals) const;
 };
 
+/// One row of a slow error's process: how much of the error is kept since the row before, which part of an innovation
+/// joins it, and the innovation's standard deviation.
+struct SlowErrorStep {
+  Eigen::Index row;
+  double kept, gain, deviation;
+};
+
 /// The slow errors of a model's channels, in each recording a process of its own; rows over a whole recording have
 /// none.
 class SlowErrors {
@@ -35,13 +42,7 @@ class SlowErrors {
   void put_back(Eigen::Ref<Eigen::MatrixXd> columns) const;
 
  private:
-  /// One row of a process: how much of the error is kept since the row before, which part of an innovation joins it,
-  /// and the innovation's standard deviation.
-  struct Step {
-    Eigen::Index row;
-    double kept, gain, deviation;
-  };
-  std::vector<std::vector<Step>> processes_;
+  std::vector<std::vector<SlowErrorStep>> processes_;
 };
 
 }  // namespace pneuservo

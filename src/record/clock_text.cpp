@@ -122,10 +122,11 @@ std::optional<double> take_date(std::string_view& text) {
   } else {
     const std::size_t digits = rest.size();
     if (sign == ' ' || !take_number(rest, b)) return std::nullopt;
-    if (digits - rest.size() == 3 && sign == '-' && b >= 1 && b <= 366) {
-      const std::optional<double> first = days_of(a, 1, 1);
-      if (first) text = rest;
-      return first ? std::optional(*first + b - 1) : std::nullopt;
+    if (digits - rest.size() == 3 && sign == '-') {
+      const std::optional<double> first = days_of(a, 1, 1), next = days_of(a + 1, 1, 1);
+      if (!first || b < 1 || b > *next - *first) return std::nullopt;
+      text = rest;
+      return *first + b - 1;
     }
     if (!take(rest, "-/.")) return std::nullopt;
   }

@@ -195,6 +195,15 @@ std::string stated_unit(const CsvTable& table, std::size_t column) {
   return "";
 }
 
+namespace {
+
+/// The unit that a column states in a row or in its name.
+std::optional<Unit> unit_of(const CsvTable& table, std::size_t column, const NameParts& parts) {
+  return unit_in(table.units[column].empty() ? parts.unit : table.units[column]);
+}
+
+}  // namespace
+
 double named_time_s(const CsvTable& table, std::size_t column) {
   const auto parts_at = [&](std::size_t c) {
     NameParts parts = parts_of(half_width(table.names[c]));
@@ -212,7 +221,7 @@ double named_time_s(const CsvTable& table, std::size_t column) {
   text = text.substr(0, end == std::string_view::npos ? 0 : end + 1);
   const std::optional<ColumnWord> word = column_word(text);
   if (!word || word->ours != "t_s") return 0;
-  const std::optional<Unit> unit = unit_in(table.units[column].empty() ? parts.unit : table.units[column]);
+  const std::optional<Unit> unit = unit_of(table, column, parts);
   if (unit && unit->quantity != Quantity::time) return 0;
   const std::optional<Unit> by_name = !unit && text.size() > 1 ? unit_in(text) : std::nullopt;  // "millis"
   return unit ? unit->factor : by_name && by_name->quantity == Quantity::time ? by_name->factor : 1;
@@ -227,7 +236,7 @@ double named_interval_s(const CsvTable& table, std::size_t column) {
   for (const char c : in_small_letters(parts.text))
     if (std::isalnum(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80) text += c;
   if (std::find(names.begin(), names.end(), text) == names.end()) return 0;
-  const std::optional<Unit> unit = unit_in(table.units[column].empty() ? parts.unit : table.units[column]);
+  const std::optional<Unit> unit = unit_of(table, column, parts);
   if (unit && unit->quantity != Quantity::time) return 0;
   return unit ? unit->factor : 1;
 }

@@ -142,10 +142,7 @@ std::string with_plain_minus(std::string_view field) {
 /// Numbers as accountants, Fortran and word processors write them: (0.5) and 0.5- below zero, 1.0D-03, 1.0 E-03, a
 /// minus longer than a hyphen.
 bool rewritten_number(std::string_view field, char decimal, double& value) {
-  if (field.find('\xe2') != std::string_view::npos) {
-    const std::string plain = with_plain_minus(field);
-    return plain != field && number_in(plain, decimal, value);
-  }
+  if (const std::string plain = with_plain_minus(field); plain != field) return number_in(plain, decimal, value);
   const bool is_in_brackets = field.size() > 2 && field.front() == '(' && field.back() == ')';
   const bool ends_in_minus = field.size() > 1 && field.back() == '-';
   if (is_in_brackets || ends_in_minus) {

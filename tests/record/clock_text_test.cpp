@@ -31,8 +31,9 @@ TEST_CASE("a system's log has no year: times of it follow one another") {
 }
 
 TEST_CASE("words, dates that do not exist and months without a time are no times") {
-  for (const std::string text : {"Mar", "march", "Nov 30", "Mon", "monitor 1 2:00", "Nov 31 2026 10:00:00",
-                                 "2026-367T10:00:00", "May 5 2026", "error", "sat 10", "so", "Nov 30 2026 25:00:00"})
+  for (const std::string text :
+       {"Mar", "march", "Nov 30", "Mon", "monitor 1 2:00", "Nov 31 2026 10:00:00", "2026-366T10:00:00",
+        "2026-000T10:00:00", "May 5 2026", "error", "sat 10", "so", "Nov 30 2026 25:00:00"})
     CHECK_FALSE(clock_in(text));
 }
 

@@ -369,10 +369,15 @@ TEST_CASE("lines may end in CR or CR CR LF, blank lines may stand between, and r
   check_read(table_text(shuffled, {}), values);
   for (const std::string sign : {"\u2212", "\u2013"}) {
     std::string minus = table_text(values, {});
-    for (const std::string before : {",", "e"})
-      for (std::size_t at; (at = minus.find(before + "-")) != std::string::npos;) minus.replace(at, 2, before + sign);
+    for (std::size_t at; (at = minus.find(",-")) != std::string::npos;) minus.replace(at, 2, "," + sign);
     check_read(minus, values);
+    double value = 0;
+    CHECK(number_in(sign + "9.5e" + sign + "05", '.', value));
+    CHECK(value == -9.5e-5);
   }
+  double grouped = 0;
+  CHECK(number_in("(1\u202f234,5)", ',', grouped));
+  CHECK(grouped == -1234.5);
 }
 
 TEST_CASE("what is no number in the words of some run-time libraries is read as no value") {

@@ -10,6 +10,7 @@
 
 namespace pneuservo {
 
+/// The rows of a model that fits see, as residuals of hypotheses, in sigmas.
 class FittedRows {
  public:
   enum class Which { fitted, all };  ///< all: held-out ones too

@@ -17,8 +17,10 @@ namespace {
 
 constexpr double least_periods = 2;  ///< within the longest recording: what turns more slowly is a drift
 constexpr double highest_Hz = 15;
-constexpr double line_width = 1.5;  ///< of what the longest recording resolves: beyond it is another frequency
-constexpr double tried_Pa = 1000;     ///< small beside any supply, large beside rounding
+/// Of what the longest recording resolves: a sine has its main lobe and the peak of its first side lobe within, and
+/// 4.5 % of its power at any frequency beyond.
+constexpr double line_width = 1.5;
+constexpr double tried_Pa = 1000;  ///< small beside any supply, large beside rounding
 constexpr std::size_t frequencies_at_once = 16;
 
 /// Which of the fitted rows belong to each recording.

@@ -29,6 +29,7 @@ class Work(unittest.TestCase):
         figures["tick_work"] = {"work_us": ours, "bare_us": bare, "law_us": law, "more_us": more, "tick_us": run["tick_us"],
                                 "backend_us": run["backend_us"], "estimator_us": run["estimator_us"],
                                 "controller_us": run["controller_us"], "loop_us": run["loop_us"]}
-        # Counted in instructions, so that a limit on time may stand in a test.
-        self.assertLessEqual(more["p99_99"], 20.0)
+        # Counted in instructions, so that a limit on time may stand in a test. The short form's 5000 ticks have no p99.99: its
+        # place is taken by one tick, and by whatever else the kernel did then.
+        self.assertLessEqual(more["p99_99" if ticks >= 20000 else "p99"], 20.0)
         plant.end(terminate=True)

@@ -141,7 +141,15 @@ TEST_CASE(
   REQUIRE(believed.chosen->members.size() == 2);  // the overlap, and a branch of a line that is not there
   DiagnoseOptions options;
   options.rules.most_names = 2;
+  std::vector<double> shares;
+  bool has_small_physics = false;
+  options.progress = [&](double share, const std::string& what) {
+    shares.push_back(share);
+    if (what.ends_with("with small physics")) has_small_physics = true;
+  };
   const Diagnosis doubted = diagnose(owner, recordings, options);
+  CHECK(has_small_physics);  // a search after the first one, and the progress goes on
+  CHECK(std::ranges::is_sorted(shares));
   INFO(doubted.sentence);
   CHECK((doubted.verdict == Verdict::unknown || doubted.verdict == Verdict::consistent ||
          (doubted.answers.size() == 1 && doubted.answers.front().effect == "valve_dead_band")));

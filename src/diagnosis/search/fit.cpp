@@ -12,11 +12,12 @@ namespace pneuservo {
 namespace {
 
 /// An undamped step is tried alone where it promises less than this, and is enough where it keeps that share of it;
-/// else damped ones are tried at once and the best is taken: far from its minimum a fit that takes the first step that
-/// does well ends in another one. Small ones are for narrow valleys: the damping has to lie below the valley's
-/// curvature over that across it, or the fit creeps. The last one is a short step along the first.
+/// else damped ones are tried too and the best is taken: far from its minimum a fit that takes the first step that
+/// does well ends in another one.
 constexpr double near_promise = 50, kept_promise = 0.7;
-constexpr std::array<double, 7> dampings{3e-5, 3e-4, 3e-3, 0.03, 0.3, 3.0, 30.0};
+/// Small ones are for narrow valleys: the damping has to lie below the valley's curvature over that across it, or the
+/// fit creeps. The last one is a short step along the first.
+constexpr std::array<double, 8> dampings{0, 3e-5, 3e-4, 3e-3, 0.03, 0.3, 3.0, 30.0};
 /// The step is bent too where it promises no more than this share of the objective: a fit that has far to go would be
 /// bent into the valley of another minimum.
 constexpr double bent_share = 0.4;
@@ -231,6 +232,7 @@ struct Stepping {
   Eigen::VectorXd start, gradient;
   double before, promised;
   Eigen::VectorXd undamped, residual_there;  ///< the step without damping, and the residual at its end
+  std::array<double, dampings.size()> after{};  ///< objective at the end of each damped step; 1e300: not tried
   Eigen::VectorXd reached;  ///< the residual at the end of the step that was taken
 };
 
@@ -256,19 +258,28 @@ Eigen::VectorXd bent_step(const Stepping& s) {
   return step;
 }
 
+/// A step to try, and where the objective at its end goes.
+struct Trial {
+  Stepping* stepping;
+  Eigen::VectorXd step;
+  double* after;
+};
+
 /// Tries every step for its fit, takes the best if it is better than where the fit stands; residuals of all.
-Eigen::MatrixXd try_steps(FittedRows& rows, const std::vector<std::pair<Stepping*, Eigen::VectorXd>>& steps) {
+Eigen::MatrixXd try_steps(FittedRows& rows, const std::vector<Trial>& trials) {
   std::vector<Hypothesis> hypotheses;
-  hypotheses.reserve(steps.size());
-  for (const auto& [s, step] : steps)
+  hypotheses.reserve(trials.size());
+  for (const auto& [s, step, after] : trials)
     hypotheses.push_back(with_parameters(s->fit->base, s->fit->parameters, plain(s->start + step)));
   Eigen::MatrixXd columns = rows(hypotheses);
-  for (std::size_t at = 0; at < steps.size(); ++at) {
-    const auto& [s, step] = steps[at];
+  for (std::size_t at = 0; at < trials.size(); ++at) {
+    const auto& [s, step, after] = trials[at];
     const auto column = columns.col(static_cast<Eigen::Index>(at));
     const Eigen::VectorXd place = s->start + step;
     const double objective = column.squaredNorm() + place.squaredNorm();
-    if (!column.allFinite() || objective >= s->fit->objective) continue;
+    if (!column.allFinite()) continue;
+    *after = objective;
+    if (objective >= s->fit->objective) continue;
     s->fit->objective = objective;
     s->fit->z = place;
     s->reached = column;
@@ -276,24 +287,40 @@ Eigen::MatrixXd try_steps(FittedRows& rows, const std::vector<std::pair<Stepping
   return columns;
 }
 
-/// The undamped step of every fit; where that does not keep what it promises, damped ones and the bent one beside it.
+void add_damped(Stepping& s, std::size_t damping, std::vector<Trial>& trials) {
+  trials.push_back({&s, bounded_step(*s.fit, s.start, s.curvature, s.gradient, dampings[damping]), &s.after[damping]});
+}
+
+/// The undamped step of every fit; where that does not keep what it promises, the bent one and every second damping
+/// beside it, then those on both sides of the best: along the dampings the objective falls and rises again.
 void step_on(FittedRows& rows, std::vector<Stepping>& steppings) {
-  std::vector<std::pair<Stepping*, Eigen::VectorXd>> steps;
+  std::vector<Trial> trials;
   for (Stepping& s : steppings) {
-    s.undamped = bounded_step(*s.fit, s.start, s.curvature, s.gradient, 0.0);
-    steps.emplace_back(&s, s.undamped);
+    s.after.fill(1e300);
+    s.undamped = bounded_step(*s.fit, s.start, s.curvature, s.gradient, dampings[0]);
+    trials.push_back({&s, s.undamped, &s.after[0]});
   }
-  const Eigen::MatrixXd there = try_steps(rows, steps);
-  steps.clear();
+  const Eigen::MatrixXd there = try_steps(rows, trials);
+  trials.clear();
+  std::vector<Stepping*> damped;
+  double bent_after = 1e300;
   for (std::size_t i = 0; i < steppings.size(); ++i) {
     Stepping& s = steppings[i];
     if (s.promised < near_promise && s.before - s.fit->objective >= kept_promise * s.promised) continue;
-    for (const double damping : dampings)
-      steps.emplace_back(&s, bounded_step(*s.fit, s.start, s.curvature, s.gradient, damping));
+    damped.push_back(&s);
+    for (std::size_t d = 2; d < dampings.size(); d += 2) add_damped(s, d, trials);
     s.residual_there = there.col(static_cast<Eigen::Index>(i));
-    if (s.promised < bent_share * s.before && s.residual_there.allFinite()) steps.emplace_back(&s, bent_step(s));
+    if (s.promised < bent_share * s.before && s.residual_there.allFinite())
+      trials.push_back({&s, bent_step(s), &bent_after});
   }
-  try_steps(rows, steps);
+  try_steps(rows, trials);
+  trials.clear();
+  for (Stepping* s : damped) {
+    const auto best = static_cast<std::size_t>(std::ranges::min_element(s->after) - s->after.begin());
+    if (best > 0) add_damped(*s, best - 1, trials);
+    if (best + 1 < dampings.size()) add_damped(*s, best + 1, trials);
+  }
+  try_steps(rows, trials);
 }
 
 /// Derivatives that are kept follow what the step found along itself: Broyden's update, the least change of them that
@@ -317,7 +344,7 @@ void improve(FittedRows& rows, std::vector<Fit*> fits, int iterations, Columns c
     if (iteration == iterations) break;
     std::vector<Stepping> steppings;
     for (Fit* fit : fits) {
-      Stepping s{fit, fit->curvature(), fit->z, fit->gradient(), fit->objective, 0, {}, {}, {}};
+      Stepping s{fit, fit->curvature(), fit->z, fit->gradient(), fit->objective, 0, {}, {}, {}, {}};
       s.promised = promised_gain(*fit, s.curvature, s.gradient);
       fit->settled = s.promised < std::max(settled_gain, settled_share * fit->objective);
       if (!fit->settled) steppings.push_back(std::move(s));

@@ -36,7 +36,9 @@ Search::Search(FittedRows& rows, const Rig& rig, std::vector<Candidate> candidat
 }
 
 void Search::tell(double share, const std::string& what) const {
-  if (progress_) progress_(share, what);
+  if (progress_)
+    progress_(settings_.begins + share * (settings_.ends - settings_.begins),
+              what + (settings_.grow_floor ? ", with small physics" : ""));
 }
 
 std::vector<std::size_t> Search::others(const std::vector<std::size_t>& members) const {
@@ -104,19 +106,19 @@ void Search::add_families(const Fit& base, const std::vector<std::size_t>& membe
 }
 
 void Search::search_singles() {
-  tell(search_begins, "owner's model");
+  tell(0, "owner's model");
   as_configured_ = start_fit({});
   linearise(rows_, {&as_configured_});
   if (as_configured_.failed) throw std::runtime_error("the rig as configured cannot be simulated on these recordings");
   fit_owner();
-  tell(0.15, "screening of all names");
+  tell(0.1, "screening of all names");
   const bool bent = is_bent() && !settings_.grow_floor;
   if (!bent) take_defect_at_owner();
   const Fit& base = bent ? as_configured_ : owner_.fit;
   const Screening screening(rows_, base, candidates_, others({}));
   first_screening_ = screening.singles();
   first_pairs_ = screening.best_pairs(settings_.pairs);
-  tell(0.25, "refits");
+  tell(0.2, "refits");
   std::vector<Screened> chosen = worth_refitting(first_screening_, settings_.refits);
   add_known(chosen);
   refit(base, {}, chosen);
@@ -129,6 +131,7 @@ void Search::search_singles() {
     refit(owner_.fit, {}, worth_refitting(beside_fit, settings_.refits));
     add_families(owner_.fit, {}, beside_fit);
   }
+  tell(0.35, "the best to their ends");
   take_defect_at_best(1);
   polish_best(1);
   // A name that has come forward since brings its relatives: a lag was the best without its dead time being tried.
@@ -238,6 +241,7 @@ std::pair<double, Explanation*> Search::best_beside_own_error(std::size_t member
 void Search::take_floor_at_best() {
   // Each name beside the slow error that it leaves itself: the owner's takes in what is missing, and beside it names
   // of other channels come forward.
+  tell(0.6, "each beside the slow error that it leaves");
   const double owner = beside_own_error(owner_);
   const auto [single, first] = best_beside_own_error(1);
   if (first == nullptr) return;
@@ -262,6 +266,7 @@ void Search::take_floor_at_best() {
 }
 
 const Explanation* Search::pair_beside(const Explanation& first, double first_evidence) {
+  tell(0.8, "effects beside the first");
   // Beside its own slow error every explanation is at its floor.
   const double needed = rules_.next_gain_at_floor;
   rows_.take_slow_error(first.fit.hypothesis());
@@ -391,7 +396,7 @@ void Search::run() {
   for (std::size_t members = 1; members < rules_.most_names; ++members) {
     // Two names that leave the pressures of both sides above their floors: a machine with a little of everything.
     if (members == 2 && is_everywhere_beside(members)) break;
-    tell(0.4 + 0.2 * static_cast<double>(members), fmt::format("effects beside the first {}", members));
+    tell(0.3 + 0.3 * static_cast<double>(members), fmt::format("effects beside the first {}", members));
     if (!search_next(members)) break;
   }
 }

@@ -40,11 +40,13 @@ struct KnownStart {
   std::vector<double> z;  ///< of the candidate's parameters
 };
 
-/// Share of the progress at which a search begins: before it nothing is known.
-inline constexpr double search_begins = 0.05;
+/// Share of the progress at which the first search begins: before it nothing is known. With another one beside small
+/// physics both take about as long.
+inline constexpr double search_begins = 0.05, search_ends = 0.5, next_search_ends = 0.95;
 
 /// How much work a search does.
 struct SearchSettings {
+  double begins = search_begins, ends = search_ends;  ///< shares of the progress
   std::size_t refits = 12;      ///< candidates refitted after the first screening
   std::size_t next_refits = 5;  ///< and after each later one
   std::size_t pairs = 6;        ///< pairs refitted that promise most together

@@ -72,15 +72,16 @@ CommandAnswer::CommandAnswer(const std::vector<double>& command, const std::vect
   for (Eigen::Index i = 0; i < lags; ++i)
     if (solved.eigenvalues()(i) > least_direction * strongest) kept.push_back(i);
   const Eigen::VectorXd scale = solved.eigenvalues()(kept).array().sqrt().inverse().matrix();
-  basis_ = earlier * solved.eigenvectors()(Eigen::all, kept) * scale.asDiagonal();
+  for (Eigen::Index k = 0; k < earlier.rows(); ++k)
+    if (earlier.row(k).any()) looked_at_.push_back(static_cast<std::size_t>(k));
+  basis_ = earlier(looked_at_, Eigen::all) * solved.eigenvectors()(Eigen::all, kept) * scale.asDiagonal();
 }
 
 Eigen::VectorXd CommandAnswer::of(const std::vector<double>& signal) const {
   if (basis_.cols() == 0) return {};
-  Eigen::VectorXd out = Eigen::VectorXd::Zero(basis_.cols());
-  for (Eigen::Index k = 0; k < basis_.rows(); ++k)  // what is not looked at may be no number
-    if (basis_.row(k).any()) out += signal[static_cast<std::size_t>(k)] * basis_.row(k).transpose();
-  return out;
+  Eigen::VectorXd there(basis_.rows());
+  for (std::size_t i = 0; i < looked_at_.size(); ++i) there(static_cast<Eigen::Index>(i)) = signal[looked_at_[i]];
+  return basis_.transpose() * there;
 }
 
 Eigen::VectorXd CommandAnswer::turn_along(const std::vector<Eigen::VectorXd>& possible) {

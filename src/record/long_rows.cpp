@@ -5,6 +5,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -226,10 +227,24 @@ SampledRows sampled_rows(const std::vector<std::string>& lines, LongRows& out) {
   return rows.size() >= least_long_rows && are_most ? rows : SampledRows();
 }
 
+constexpr std::uint64_t least_good_bits = 192, bits_of_quality = 0xc0, bad_status = 0x80000000;
+
+/// A quality that is a number, decimal or hexadecimal; 0 where it is none.
+std::uint64_t quality_number(std::string_view text) {
+  double value = 0;
+  const bool is_number = hexadecimal_in(text, value) || number_in(text, '.', value);
+  constexpr double most = 4294967295.0;
+  return is_number && value >= 0 && value <= most ? static_cast<std::uint64_t>(value) : 0;
+}
+
 /// Units and quality; of rows without names a text that is a unit throughout.
 void take_unit_fields(const std::vector<FieldFacts>& facts, std::size_t rows, LongRows& out) {
   out.unit = field_with_word(facts, unit_words, [&](const FieldFacts& one) { return one.repeats(rows); });
   out.quality = field_with_word(facts, quality_words, [&](const FieldFacts& one) { return one.repeats(rows); });
+  if (out.quality != LongRows::none)
+    out.has_bits_of_quality =
+        std::any_of(facts[out.quality].different.begin(), facts[out.quality].different.end(),
+                    [](const std::string& text) { return quality_number(text) / least_good_bits == 1; });
   for (std::size_t c = 0; c < facts.size() && out.names.empty(); ++c)
     if (facts[c].is_text(rows) && std::all_of(facts[c].different.begin(), facts[c].different.end(),
                                               [](const std::string& text) { return unit_in(text).has_value(); }))
@@ -295,9 +310,34 @@ bool LongRows::has_value(std::size_t field) const {
   return std::find(values.begin(), values.end(), field) != values.end();
 }
 
+/// A word, a status code of OPC UA whose first bit says bad, or a quality of OPC whose upper two bits are none.
+bool LongTable::is_bad() const {
+  if (how_.quality == LongRows::none || fields_[how_.quality].empty()) return false;
+  const std::string_view text = fields_[how_.quality];
+  const std::uint64_t number = quality_number(text);
+  double value = 0;
+  const bool has_no_bits = how_.has_bits_of_quality && number_in(text, '.', value) && (number & bits_of_quality) == 0;
+  const std::string word = in_small_letters(text);
+  const bool is_word = word.starts_with("bad") || word == "error" || word == "invalid";
+  return is_word || (number & bad_status) != 0 || has_no_bits;
+}
+
+bool LongTable::take_unit(std::string_view unit, std::string& of, double& value) {
+  if (unit.empty() || unit == of) return true;
+  if (of.empty()) return of = unit, true;
+  const std::optional<Unit> own = unit_in(unit), common = unit_in(of);
+  if (own && common && own->quantity == common->quantity && own->is_gauge == common->is_gauge) {
+    converted_ += own->factor != common->factor;
+    value *= own->factor / common->factor;
+    return true;
+  }
+  if (other_units_++ == 0) first_other_unit_ = fmt::format("{} of {} where {} stood before", shown(unit), tag_, of);
+  return false;
+}
+
 bool LongTable::take_value(std::size_t of, double& value) {
   const std::string_view field = fields_[of];
-  if (how_.quality != LongRows::none && in_small_letters(fields_[how_.quality]).starts_with("bad")) {
+  if (is_bad()) {
     ++bad_;
     return false;
   }
@@ -350,11 +390,13 @@ void LongTable::add(std::string_view line, std::size_t number) {
     return;
   }
   TimedGroup& of = channel();
-  if (how_.unit != LongRows::none && of.units.front().empty()) of.units.front() = fields_[how_.unit];
   std::vector<double> values(how_.values.size(), no_value);
   bool is_there = false;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const bool is_value = take_value(how_.values[i], values[i]);
+    const std::string_view field = fields_[how_.values[i]];
+    const bool has_unit_field = how_.unit != LongRows::none && i == 0;
+    const std::string_view unit = has_unit_field ? fields_[how_.unit] : field.substr(unit_start(field));
+    const bool is_value = take_value(how_.values[i], values[i]) && take_unit(unit, of.units[i], values[i]);
     if (!is_value) values[i] = no_value;
     is_there = is_there || is_value;
   }
@@ -398,6 +440,14 @@ void LongTable::tell(std::size_t rows) const {
   if (out_of_order_ > 0)
     table_.report(0, ProblemKind::decreasing_time,
                   fmt::format("{} rows are earlier than the one before of their channel: put in order", out_of_order_));
+  if (converted_ > 0)
+    table_.report(
+        0, ProblemKind::dialect,
+        fmt::format("{} values are in another unit than the first of their channel: brought to that one", converted_));
+  if (other_units_ > 0)
+    table_.report(0, ProblemKind::unreadable_field,
+                  fmt::format("{} values are in a unit of another quantity, such as {}; they are left out",
+                              other_units_, first_other_unit_));
   if (bad_ > 0)
     table_.report(0, ProblemKind::not_a_number,
                   fmt::format("{} rows say bad in {}: read as no value", bad_, how_.name_of(how_.quality)));

@@ -24,6 +24,7 @@ struct LongRows {
   std::vector<std::size_t> values;  ///< one, or those that each row has for its channel
   std::size_t time = none, unit = none, quality = none;
   std::size_t date = none;  ///< of the day, where `time` is of the day's time alone
+  bool has_bits_of_quality = false;  ///< numbers as OPC's of eight bits, 192 for good, and not status codes of OPC UA
 
   bool found() const { return fields > 0; }
   std::string name_of(std::size_t field) const;
@@ -47,6 +48,9 @@ class LongTable {
  private:
   bool take_time(double& time_s);
   bool take_value(std::size_t field, double& value);
+  bool is_bad() const;
+  /// The value in its channel's unit, which is that of the first row with one.
+  bool take_unit(std::string_view unit, std::string& of, double& value);
   TimedGroup& channel();
   void tell(std::size_t rows) const;
 
@@ -58,7 +62,8 @@ class LongTable {
   std::vector<TimedGroup> channels_;
   std::string tag_;
   std::size_t untimed_ = 0, bad_ = 0, unreadable_ = 0, out_of_order_ = 0;
-  std::string first_unreadable_;
+  std::size_t converted_ = 0, other_units_ = 0;
+  std::string first_unreadable_, first_other_unit_;
   bool is_clock_ = false;
 };
 

@@ -175,3 +175,35 @@ TEST_CASE("times in brackets or behind the value, and millionths of days") {
                  }));
   CHECK(found.run.period_s == Approx(0.001).epsilon(1e-3));
 }
+
+TEST_CASE("a row of a long table counts in its own unit") {
+  const auto written = [](const char* other, double factor) {
+    return "time,signal,value,unit\n" + rows([&](int i, double t, double x, double u) {
+             return fmt::format("{0:.3f},position,{1:.7f},{2}\n{0:.3f},valve,{3:.4f},V", t,
+                                i > 700 ? factor * x : 1e3 * x, i > 700 ? other : "mm", u);
+           });
+  };
+  CHECK_THAT(check_motion(written("cm", 100)), Contains("2299 values are in another unit"));
+  const Understood found = understood(written("bar", 1));
+  CHECK(found.run.column("x_m")[700] == Approx(x_m_at(700)));
+  CHECK_THAT(found.told, Contains("2299 values are in a unit of another quantity, such as bar of position"));
+}
+
+TEST_CASE("qualities of OPC that are numbers say bad by their bits") {
+  const auto with = [](const char* good, const char* bad) {
+    const Understood found =
+        understood("time,tag,value,quality\n" + rows([&](int i, double t, double x, double u) {
+                     return fmt::format("{0:.3f},position,{1:.7f},{2}\n{0:.3f},valve,{3:.4f},{4}", t,
+                                        i % 50 == 7 ? 9.0 : x, i % 50 == 7 ? bad : good, u, good);
+                   }));
+    REQUIRE(found.run.rows() == row_count);
+    CHECK(std::isnan(found.run.column("x_m")[57]));
+    CHECK(found.run.column("x_m")[58] == Approx(x_m_at(58)));
+    CHECK_THAT(found.told, Contains("60 rows say bad in quality"));
+  };
+  with("192", "0");
+  with("216", "24");
+  with("0x00000000", "0x80000000");
+  with("0", "2156527616");
+  with("Good", "Error");
+}

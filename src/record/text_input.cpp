@@ -74,13 +74,36 @@ constexpr std::array<Format, 38> formats{{{"PK\3\4", "a zip archive, as .xlsx, .
                                           {"\x04\x22\x4d\x18", "packed by lz4", unpack},
                                           {"\x1f\x9d", "packed by compress", unpack}}};
 
-/// Lines that are an object of JSON each, which name their values.
+/// Lines that are an object of JSON each, which name their values, also those of a list with brackets around it.
 bool holds_objects_a_line(std::string_view start) {
-  const std::size_t end = start.find('\n');
-  if (!start.starts_with('{') || end == std::string_view::npos) return false;
-  const std::string_view first = start.substr(0, end), rest = start.substr(end + 1);
-  const std::size_t last = first.find_last_not_of(" \r,");
-  return last != std::string_view::npos && first[last] == '}' && first.find(':') < last && rest.starts_with('{');
+  std::size_t whole = 0, lines = 0;
+  while (lines < 3) {
+    const std::size_t end = start.find('\n');
+    if (end == std::string_view::npos) break;
+    std::string_view line = start.substr(0, end);
+    start.remove_prefix(end + 1);
+    if (lines++ == 0 && line.starts_with('[')) line.remove_prefix(1);
+    const std::size_t last = line.find_last_not_of(" \r,"), first = line.find_first_not_of(" \t");
+    if (last == std::string_view::npos) continue;
+    if (line[first] != '{' || line[last] != '}' || line.find(':') >= last) return false;
+    ++whole;
+  }
+  return whole > 1 || (whole == 1 && start.find_first_not_of(" \t") == start.find('{') && !start.empty());
+}
+
+/// A line without the sequences that colour a terminal's text and without form feeds.
+std::string without_terminal_signs(std::string_view line) {
+  std::string out;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '\f') continue;
+    if (line.substr(i, 2) != "\x1b[") {
+      out += line[i];
+      continue;
+    }
+    i += 2;
+    while (i < line.size() && line[i] >= ' ' && line[i] < '@') ++i;  // its numbers; the letter behind them ends it
+  }
+  return out;
 }
 
 /// Throws InputError where the data begin as those of another format do.
@@ -151,6 +174,7 @@ bool TextInput::next_line(std::string_view& line) {
   }
   ++line_number_;
   while (line.ends_with('\r')) line.remove_suffix(1);
+  if (line.find_first_of("\x1b\f") != std::string_view::npos) line = plain_ = without_terminal_signs(line);
   return true;
 }
 

@@ -50,6 +50,7 @@ class TextInput {
   TextEncoding encoding_;
   std::unique_ptr<TextConverter> converter_;  ///< none: the text is UTF-8
   std::string text_;
+  std::string plain_;  ///< the line that is handed out, where signs of a terminal were left out
   std::size_t start_ = 0, searched_ = 0, judged_ = 0, line_number_ = 0;
   End end_ = End::whole;
 };

@@ -2,214 +2,232 @@
 #include "record/keyed_rows.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <set>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "record/clock_text.hpp"
+#include "record/column_guess.hpp"
+#include "record/column_words.hpp"
 #include "record/field_text.hpp"
+#include "record/names_text.hpp"
+#include "record/units.hpp"
 
 namespace pneuservo {
 
 namespace {
 
-/// The name before the sign in a field whose rest is a number; empty where it is none.
-std::string_view name_in(std::string_view field, char sign) {
-  const std::size_t at = field.find(sign);
-  if (at == std::string_view::npos || at == 0 || std::isalpha(static_cast<unsigned char>(field.front())) == 0)
-    return {};
-  double value = 0;
-  return number_in(trimmed(field.substr(at + 1)), '.', value) ? trimmed(field.substr(0, at)) : std::string_view();
+using Kind = PairStyle::Kind;
+
+/// A field between commas.
+std::string as_field(std::string text) {
+  std::replace(text.begin(), text.end(), '"', '\'');
+  return text.find(',') == std::string::npos ? text : "\"" + text + "\"";
 }
 
-constexpr std::string_view stamp_name = "Timestamp";
-
-/// What a serial monitor sets before a line, "10:15:00.020 -> "; the line goes on behind it.
-std::string_view stamp_taken_from(std::string_view& line) {
-  constexpr std::string_view arrow = " -> ";
-  const std::size_t at = line.find(arrow);
-  if (at == std::string_view::npos || at == 0 || line.find_first_not_of("0123456789:.") != at) return {};
-  const std::string_view stamp = line.substr(0, at);
-  line.remove_prefix(at + arrow.size());
-  return stamp;
+bool has_twice(const std::vector<NamedValue>& values) {
+  std::set<std::string_view> names;
+  return !std::all_of(values.begin(), values.end(),
+                      [&](const NamedValue& one) { return names.insert(one.name).second; });
 }
 
-std::vector<std::string> names_in(std::string_view line, const KeyedRows& how) {
-  std::vector<std::string> names;
-  if (!stamp_taken_from(line).empty()) names.emplace_back(stamp_name);
-  std::vector<std::string_view> fields;
-  split_fields(line, {how.separator, '.', false}, fields);
-  for (const std::string_view field : fields) {
-    const std::string_view name = name_in(field, how.sign);
-    if (name.empty()) return {};
-    names.emplace_back(name);
+/// Split lines may say a name twice: it is numbered then.
+void number_repeated(std::vector<NamedValue>& values) {
+  std::map<std::string, int> counts;
+  for (NamedValue& one : values)
+    if (const int count = ++counts[one.name]; count > 1) one.name = fmt::format("{} ({})", one.name, count);
+}
+
+std::vector<NamedValue> distinct_values(std::string_view line, const PairStyle& style,
+                                        const std::vector<std::string>& known = {}) {
+  std::vector<NamedValue> out = values_in(line, style, known);
+  if (style.kind == Kind::split) number_repeated(out);
+  return has_twice(out) ? std::vector<NamedValue>() : out;
+}
+
+/// What the lines of a sample say of one name.
+struct NameFacts {
+  std::string name, unit;
+  std::size_t values = 0;
+  bool has_other_unit = false;  ///< one of another quantity
+};
+
+void note_unit(const std::string& unit, NameFacts& facts) {
+  if (unit.empty()) return;
+  if (facts.unit.empty()) facts.unit = unit;
+  const std::optional<Unit> one = unit_in(facts.unit), other = unit_in(unit);
+  facts.has_other_unit = facts.has_other_unit || !one || !other || one->quantity != other->quantity;
+}
+
+/// The names of lines, two of which nine lines in ten hold: others may be missing at times. A name in one line of a
+/// hundred is a remark; where names hold for less than half of the lines on the average, each line speaks of something
+/// else, as those of a head do.
+KeyedRows keyed_rows_in(const std::vector<std::string>& lines, const PairStyle& style) {
+  constexpr std::size_t most_lines_a_name = 100;
+  if (distinct_values(lines.back(), style).empty() && style.kind == Kind::split) return {};
+  std::vector<NameFacts> facts;
+  std::map<std::string, std::size_t> places;
+  std::size_t common = 0, values = 0;
+  for (const std::string& line : lines) {
+    const std::vector<NamedValue> found = distinct_values(line, style);
+    for (const NamedValue& one : found) {
+      const auto [at, is_new] = places.emplace(one.name, facts.size());
+      if (is_new) facts.push_back({one.name, "", 0, false});
+      facts[at->second].values += !one.value.empty();
+      note_unit(one.unit, facts[at->second]);
+    }
   }
-  return names;
-}
-
-/// A name and its value.
-using NamedValue = std::pair<std::string, std::string>;
-
-bool is_part_of_name(char c) {
-  return std::isalnum(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80 ||
-         std::string_view("_./-").find(c) != std::string_view::npos;
-}
-
-/// Where the name begins that ends before a sign, its quotes included; the sign's place where there is none.
-std::size_t name_begin(std::string_view line, std::size_t sign) {
-  std::size_t end = sign;
-  while (end > 0 && line[end - 1] == ' ') --end;
-  std::size_t begin = end;
-  const bool is_quoted = end > 1 && line[end - 1] == '"';
-  if (is_quoted) {
-    begin = line.rfind('"', end - 2);
-    return begin == std::string_view::npos ? sign : begin;
+  KeyedRows out;
+  out.style = style;
+  for (const NameFacts& one : facts) {
+    if (one.values == 0 || most_lines_a_name * one.values < lines.size()) continue;
+    values += one.values;
+    common += 10 * one.values >= 9 * lines.size();
+    out.names.push_back(one.name);
+    out.units.push_back(one.has_other_unit ? "" : one.unit);
   }
-  while (begin > 0 && is_part_of_name(line[begin - 1])) --begin;
-  const bool has_letter = begin < end && (std::isalpha(static_cast<unsigned char>(line[begin])) != 0 ||
-                                          static_cast<unsigned char>(line[begin]) >= 0x80 || line[begin] == '_');
-  return has_letter ? begin : sign;
+  const std::size_t stamps = style.kind == Kind::split ? 0 : places.count(std::string(stamp_name));
+  const bool is_found = out.names.size() >= 2 + stamps && common > 1 && 2 * values >= lines.size() * out.names.size();
+  return is_found ? out : KeyedRows();
 }
 
-/// The value behind a sign: a number, one with the "i" of an integer, or a text in quotes; empty where it is none.
-std::string_view value_behind(std::string_view line, std::size_t sign) {
-  std::string_view rest = trimmed(line.substr(sign + 1));
-  if (rest.starts_with('"')) {
-    rest.remove_prefix(1);
-    rest = rest.substr(0, std::min(rest.find('"'), rest.size()));
-    return rest;
+/// Of the numbers before the first name, the first that goes on and never back; none where a name is a time already.
+std::size_t stamp_among_numbers(const std::vector<std::string>& lines, const KeyedRows& how) {
+  const bool has_time = std::any_of(how.names.begin(), how.names.end(), [](const std::string& name) {
+    return name == stamp_name || meaning_of(name) == "t_s";
+  });
+  if (has_time || how.names.empty()) return PairStyle::none;
+  std::vector<std::vector<LooseNumber>> rows;
+  std::size_t count = PairStyle::none;
+  for (const std::string& line : lines) {
+    if (!how.holds_values(line)) continue;
+    rows.push_back(numbers_before_names(line, how.style));
+    count = std::min(count, rows.back().size());
   }
-  rest = rest.substr(0, std::min(rest.find_first_of(" ,;}\t]"), rest.size()));
-  double value = 0;
-  if (rest.size() > 1 && rest.ends_with('i') && number_in(rest.substr(0, rest.size() - 1), '.', value))
-    rest.remove_suffix(1);
-  return number_in(rest, '.', value) ? rest : std::string_view();
+  for (std::size_t k = 0; !rows.empty() && k < count; ++k) {
+    std::size_t on = 0, back = 0;
+    for (std::size_t i = 1; i < rows.size(); ++i) {
+      on += rows[i][k].value > rows[i - 1][k].value;
+      back += rows[i][k].value < rows[i - 1][k].value;
+    }
+    if (back == 0 && 2 * on >= rows.size()) return k;
+  }
+  return PairStyle::none;
 }
 
-/// The date or time of the day that begins a line, in brackets or not; empty where there is none.
-std::string stamp_in_front(std::string_view text) {
-  text = trimmed(text);
-  if (text.starts_with('[')) text.remove_prefix(1);
-  const std::size_t word = std::min(text.find(' '), text.size());
-  const std::size_t second = std::min(text.find(' ', std::min(word + 1, text.size())), text.size());
-  for (const std::size_t end : {second, word}) {
-    std::string_view stamp = text.substr(0, end);
-    while (!stamp.empty() && (stamp.back() == ']' || stamp.back() == ':' || stamp.back() == ' '))
-      stamp.remove_suffix(1);
-    if (!clock_in(stamp)) continue;
-    std::string out(stamp);
-    std::replace(out.begin(), out.end(), ',', '.');  // of decimals
-    return out;
+/// With a decimal comma where values show one and none shows a point.
+KeyedRows find_loose_rows(const std::vector<std::string>& lines, PairStyle style) {
+  KeyedRows out = keyed_rows_in(lines, style);
+  if (style.kind == Kind::scanned) {
+    const auto shows = [&](const PairStyle& how, auto&& is_so) {
+      return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
+        const std::vector<NamedValue> found = values_in(line, how);
+        return std::any_of(found.begin(), found.end(), [&](const NamedValue& one) {
+          double value = 0;
+          return one.name != stamp_name && number_in(one.value, '.', value) && is_so(one);
+        });
+      });
+    };
+    const auto has_point = [](const NamedValue& one) { return one.value.find('.') != std::string::npos; };
+    PairStyle comma = style;
+    comma.decimal = ',';
+    if (!shows(style, has_point) && shows(comma, has_point))
+      if (KeyedRows with_comma = keyed_rows_in(lines, comma); with_comma.names.size() >= out.names.size())
+        out = std::move(with_comma);
   }
-  return "";
-}
-
-/// Numbers that stand in a text by themselves.
-std::size_t numbers_in(std::string_view text) {
-  std::size_t count = 0;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find_first_of(" ,;|\t{}[]"), text.size());
-    double value = 0;
-    count += number_in(text.substr(0, end), '.', value);
-    text.remove_prefix(std::min(end + 1, text.size()));
+  if (const std::size_t stamp = stamp_among_numbers(lines, out); stamp != PairStyle::none) {
+    style = out.style;
+    style.stamp = stamp;
+    out = keyed_rows_in(lines, style);
   }
-  return count;
-}
-
-/// Values with their names wherever they stand in a line. A stamp before them, or a count of ten digits and more
-/// behind, is a time. None where as many numbers have no name: a table with remarks.
-std::vector<NamedValue> scanned(std::string_view line) {
-  std::vector<NamedValue> out;
-  std::size_t first = line.size(), behind = 0, nameless = 0;
-  for (std::size_t sign = line.find_first_of("=:"); sign != std::string_view::npos;
-       sign = line.find_first_of("=:", sign + 1)) {
-    const std::size_t begin = name_begin(line, sign);
-    const std::string_view value = begin < sign ? value_behind(line, sign) : std::string_view();
-    if (value.empty()) continue;
-    std::string_view name = trimmed(line.substr(begin, sign - begin));
-    if (name.starts_with('"')) name = name.substr(1, name.size() - 2);
-    first = std::min(first, begin);
-    nameless += behind > 0 && begin > behind ? numbers_in(line.substr(behind, begin - behind)) : 0;
-    behind = static_cast<std::size_t>(value.data() + value.size() - line.data());
-    out.emplace_back(name, value);
-  }
-  if (out.empty()) return out;
-  constexpr std::size_t digits_of_epoch = 10;
-  std::string_view front = line.substr(0, first);
-  std::string stamp = stamp_in_front(front);
-  if (!stamp.empty()) front.remove_prefix(std::min(front.find(stamp.front()) + stamp.size(), front.size()));
-  nameless += numbers_in(front);
-  std::string_view rest = line.substr(behind);
-  if (rest.starts_with('i')) rest.remove_prefix(1);
-  rest = trimmed(rest);
-  const bool is_count =
-      rest.size() >= digits_of_epoch && rest.find_first_not_of("0123456789") == std::string_view::npos;
-  nameless += is_count ? 0 : numbers_in(rest);
-  if (nameless >= out.size()) return {};
-  if (stamp.empty() && is_count) stamp = rest;
-  if (!stamp.empty()) out.emplace(out.begin(), stamp_name, stamp);
   return out;
 }
 
-std::vector<std::string> scanned_names(const std::vector<NamedValue>& values) {
-  std::vector<std::string> out;
-  for (const auto& [name, value] : values) out.push_back(name);
-  return out;
+/// A path of keys as a column's name. Words before a point are a place elsewhere, here they may tell a set point from
+/// what it is for: then they are words of one name.
+std::string column_name(const std::string& path, Kind kind) {
+  std::string words = path;
+  std::replace(words.begin(), words.end(), '.', ' ');
+  const bool tells_more = kind == Kind::object && meaning_of(words) != meaning_of(path) &&
+                          (column_word(words) || !meaning_of(words).empty());
+  return tells_more ? words : path;
 }
 
-/// Of lines that hold the same names, at least two beside a stamp, each once.
-KeyedRows find_scanned_rows(const std::vector<std::string>& lines) {
-  KeyedRows how{',', '=', true, scanned_names(scanned(lines.back()))};
-  const std::set<std::string> different(how.names.begin(), how.names.end());
-  if (different.size() != how.names.size() || how.names.size() < 2 + different.count(std::string(stamp_name)))
-    return {};
-  std::size_t alike = 0;
-  for (const std::string& line : lines) alike += scanned_names(scanned(line)) == how.names;
-  return 10 * alike >= 9 * lines.size() ? how : KeyedRows();
+/// The value in a column's unit; with its own behind it where it has another quantity.
+std::string value_in_unit(const NamedValue& one, const std::string& unit) {
+  if (one.unit.empty() || one.unit == unit) return one.value;
+  const std::optional<Unit> own = unit_in(one.unit), common = unit_in(unit);
+  double value = 0;
+  const bool are_alike = own && common && own->quantity == common->quantity && own->is_gauge == common->is_gauge;
+  if (!are_alike || !number_in(one.value, '.', value)) return one.value + " " + one.unit;
+  return own->factor == common->factor ? one.value : fmt::format("{}", value * (own->factor / common->factor));
 }
 
 }  // namespace
 
 std::string KeyedRows::names_line() const {
-  return fmt::format("{}", fmt::join(names, std::string_view(&separator, 1)));
+  std::vector<std::string> fields;
+  for (const std::string& name : names) fields.push_back(as_field(column_name(name, style.kind)));
+  return fmt::format("{}", fmt::join(fields, ","));
 }
 
-std::string KeyedRows::row(std::string_view line) const {
-  if (is_scanned) {
-    const std::vector<NamedValue> found = scanned(line);
-    std::vector<std::string> values(names.size());
-    for (const auto& [name, value] : found)
-      if (const auto at = std::find(names.begin(), names.end(), name); at != names.end())
-        values[static_cast<std::size_t>(at - names.begin())] =
-            value.find(',') == std::string::npos ? value : "\"" + value + "\"";
-    return found.empty() ? std::string(line) : fmt::format("{}", fmt::join(values, ","));
+std::string KeyedRows::row(std::string_view line) {
+  std::vector<std::string> values(names.size());
+  bool is_there = false;
+  for (const NamedValue& one : distinct_values(line, style, names)) {
+    const auto at = std::find(names.begin(), names.end(), one.name);
+    if (at == names.end()) {
+      left_out[one.name] += !one.value.empty();
+      continue;
+    }
+    const auto c = static_cast<std::size_t>(at - names.begin());
+    values[c] = as_field(value_in_unit(one, units[c]));
+    is_there = true;
   }
-  const std::string_view stamp = stamp_taken_from(line);
-  std::vector<std::string_view> fields;
-  split_fields(line, {separator, '.', false}, fields);
-  if (!stamp.empty()) fields.insert(fields.begin(), stamp);
-  for (std::size_t i = 0; i < std::min(fields.size(), names.size()); ++i)
-    if (name_in(fields[i], sign) == names[i]) fields[i] = trimmed(fields[i].substr(fields[i].find(sign) + 1));
-  return fmt::format("{}", fmt::join(fields, std::string_view(&separator, 1)));
+  const bool is_bracket = style.kind == Kind::object && line.find_first_not_of("[], \t") == std::string_view::npos;
+  if (!is_there) return is_bracket ? "" : std::string(line);
+  return fmt::format("{}", fmt::join(values, ","));
 }
 
-bool KeyedRows::holds_values(std::string_view line) const { return !is_scanned || !scanned(line).empty(); }
+bool KeyedRows::holds_values(std::string_view line) const { return !distinct_values(line, style).empty(); }
+
+void KeyedRows::state_units(Dialect& dialect) const {
+  dialect.units.resize(dialect.names.size());
+  dialect.value_units.resize(dialect.names.size());
+  for (std::size_t c = 0; c < dialect.names.size(); ++c) {
+    const auto at = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
+      return column_name(name, style.kind) == dialect.names[c];
+    });
+    if (at == names.end() || units[static_cast<std::size_t>(at - names.begin())].empty()) continue;
+    dialect.units[c] = dialect.value_units[c] = units[static_cast<std::size_t>(at - names.begin())];
+  }
+}
+
+void KeyedRows::tell(CsvTable& table) const {
+  std::vector<std::string> others;
+  std::size_t lines = 0;
+  for (const auto& [name, count] : left_out)
+    if (count > 0) others.push_back(name), lines = std::max(lines, count);
+  if (!names.empty() && style.decimal == ',')
+    table.report(0, ProblemKind::dialect, "the values behind the names are read with a decimal comma");
+  if (!others.empty())
+    table.report(0, ProblemKind::dialect,
+                 fmt::format("{} line{} name{} also {}, which the first lines do not, or seldom: left out", lines,
+                             lines == 1 ? "" : "s", lines == 1 ? "s" : "", names_text(others)));
+}
 
 KeyedRows find_keyed_rows(const std::vector<std::string>& lines) {
-  for (const char separator : {',', ';', '\t', ' '})
-    for (const char sign : {':', '='}) {
-      KeyedRows how{separator, sign, false, {}};
-      // The last line of the sample speaks: a logger's first words are often others.
-      how.names = names_in(lines.back(), how);
-      if (how.names.size() < 2) continue;
-      std::size_t alike = 0;
-      for (const std::string& line : lines) alike += names_in(line, how) == how.names;
-      if (10 * alike >= 9 * lines.size()) return how;
-    }
-  return find_scanned_rows(lines);
+  if (KeyedRows found = find_loose_rows(lines, {Kind::object, ',', ':', '.', PairStyle::none}); !found.names.empty())
+    return found;
+  for (const char decimal : {'.', ','})
+    for (const char separator : {',', ';', '\t', '|', ' '})
+      for (const char sign : {':', '='}) {
+        if (separator == ',' && decimal == ',') continue;
+        KeyedRows found = keyed_rows_in(lines, {Kind::split, separator, sign, decimal, PairStyle::none});
+        if (!found.names.empty()) return found;
+      }
+  return find_loose_rows(lines, {Kind::scanned, ',', '=', '.', PairStyle::none});
 }
 
 }  // namespace pneuservo

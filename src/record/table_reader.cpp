@@ -240,6 +240,7 @@ class TableReader {
     const bool is_first_sample = lines.size() <= sample_lines + 1;
     if (!is_own() && is_first_sample && !is_line_quoted_ && !texts.empty()) long_rows_ = find_long_rows(texts);
     dialect_ = long_rows_.found() ? Dialect() : find_dialect(texts);
+    if (!keyed_.names.empty()) keyed_.state_units(dialect_);
     if (long_rows_.found()) return dialect_.is_sure = true, places;
     if (!dialect_.is_nameless || trimmed(last_comment_.text).empty()) return places;
     texts.insert(texts.begin(), as_utf8(last_comment_.text));
@@ -267,6 +268,7 @@ class TableReader {
       places.erase(places.begin() + static_cast<std::ptrdiff_t>(i));
     }
     for (std::string& text : texts) text = keyed_.row(text);
+    keyed_.left_out.clear();  // the lines are read once more as rows
     lines.insert(lines.begin(), {keyed_.names_line(), lines.front().number});
     texts.insert(texts.begin(), lines.front().text);
     for (std::size_t& place : places) ++place;
@@ -538,6 +540,7 @@ class TableReader {
   }
 
   void report_end() {
+    keyed_.tell(table_);
     const std::size_t line = input_.line_number() + 1;
     if (input_.end() == TextInput::End::truncated)
       table_.report(line, ProblemKind::truncated, "the file is cut off here; the whole rows before are used");

@@ -144,13 +144,31 @@ KeyedRows find_loose_rows(const std::vector<std::string>& lines, PairStyle style
   return out;
 }
 
+/// One object around all values but those beside it, whose key says nothing of them: {"ts": 1, "data": {"x": 0.5}}.
+std::string empty_wrapper(const std::vector<std::string>& names) {
+  std::string out;
+  std::size_t inside = 0;
+  for (const std::string& name : names) {
+    const std::size_t point = name.find('.');
+    if (point == std::string::npos) continue;
+    const std::string here = name.substr(0, point + 1), rest = name.substr(point + 1);
+    const bool is_told = !meaning_of(name).empty() && meaning_of(name) != meaning_of(rest);
+    const bool is_there = std::find(names.begin(), names.end(), rest) != names.end();
+    if ((inside++ > 0 && here != out) || is_told || is_there) return "";
+    out = here;
+  }
+  return inside > 1 && !column_word(out.substr(0, out.size() - 1)) ? out : "";
+}
+
 /// A path of keys as a column's name. Words before a point are a place elsewhere, here they may tell a set point from
 /// what it is for: then they are words of one name.
-std::string column_name(const std::string& path, Kind kind) {
+std::string column_name(std::string path, const KeyedRows& how) {
+  if (how.style.kind != Kind::object) return path;
+  if (const std::string wrapper = empty_wrapper(how.names); !wrapper.empty() && path.starts_with(wrapper))
+    path.erase(0, wrapper.size());
   std::string words = path;
   std::replace(words.begin(), words.end(), '.', ' ');
-  const bool tells_more = kind == Kind::object && meaning_of(words) != meaning_of(path) &&
-                          (column_word(words) || !meaning_of(words).empty());
+  const bool tells_more = meaning_of(words) != meaning_of(path) && (column_word(words) || !meaning_of(words).empty());
   return tells_more ? words : path;
 }
 
@@ -168,7 +186,7 @@ std::string value_in_unit(const NamedValue& one, const std::string& unit) {
 
 std::string KeyedRows::names_line() const {
   std::vector<std::string> fields;
-  for (const std::string& name : names) fields.push_back(as_field(column_name(name, style.kind)));
+  for (const std::string& name : names) fields.push_back(as_field(column_name(name, *this)));
   return fmt::format("{}", fmt::join(fields, ","));
 }
 
@@ -196,9 +214,8 @@ void KeyedRows::state_units(Dialect& dialect) const {
   dialect.units.resize(dialect.names.size());
   dialect.value_units.resize(dialect.names.size());
   for (std::size_t c = 0; c < dialect.names.size(); ++c) {
-    const auto at = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
-      return column_name(name, style.kind) == dialect.names[c];
-    });
+    const auto at = std::find_if(names.begin(), names.end(),
+                                 [&](const std::string& name) { return column_name(name, *this) == dialect.names[c]; });
     if (at == names.end() || units[static_cast<std::size_t>(at - names.begin())].empty()) continue;
     dialect.units[c] = dialect.value_units[c] = units[static_cast<std::size_t>(at - names.begin())];
   }

@@ -134,6 +134,8 @@ std::optional<std::vector<NamedValue>> values_of_object(std::string_view text) {
       one.unit = one.value.substr(unit);
       one.value = trimmed(std::string_view(one.value).substr(0, unit));
     }
+    // "$date" and the like tell a database the kind of the value.
+    std::erase_if(path, [&](const std::string& key) { return key.starts_with('$') && &key != &path.front(); });
     for (const std::string& key : path) one.name += (one.name.empty() ? "" : ".") + key;
     out.push_back(std::move(one));
   }

@@ -86,6 +86,12 @@ TEST_CASE("values in objects inside of an object bear the path to them") {
   CHECK(found.run.column("x_ref_m")[100] == Approx(x_m_at(100) + 0.01));
   CHECK(found.run.column("u_V")[100] == Approx(u_V_at(100)));
   CHECK(found.run.column("p2_port_Pa")[100] == Approx(600000));
+  check_motion(rows([](int i, double, double x, double u) {
+    const std::string stamp = fmt::format("2026-01-03T10:11:{:02}.{:03}Z", i / 1000, i % 1000);
+    return fmt::format("{{\"ts\":\"{0}\",\"data\":{{\"name\":\"position\",\"value\":{1:.7f}}}}}\n"
+                       "{{\"ts\":\"{0}\",\"data\":{{\"name\":\"valve\",\"value\":{2:.4f}}}}}",
+                       stamp, x, u);
+  }));
   const auto object = [](int, double t, double x, double u) {
     return fmt::format("{{\"t\": {:.3f}, \"position\": {:.7f}, \"valve\": {:.4f}, \"reserve\": NaN}},", t, x, u);
   };

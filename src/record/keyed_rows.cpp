@@ -18,7 +18,7 @@ namespace pneuservo {
 
 namespace {
 
-using Kind = PairStyle::Kind;
+using PairKind = PairStyle::Kind;
 
 /// A field between commas.
 std::string as_field(std::string text) {
@@ -42,7 +42,7 @@ void number_repeated(std::vector<NamedValue>& values) {
 std::vector<NamedValue> distinct_values(std::string_view line, const PairStyle& style,
                                         const std::vector<std::string>& known = {}) {
   std::vector<NamedValue> out = values_in(line, style, known);
-  if (style.kind == Kind::split) number_repeated(out);
+  if (style.kind == PairKind::split) number_repeated(out);
   return has_twice(out) ? std::vector<NamedValue>() : out;
 }
 
@@ -65,7 +65,7 @@ void note_unit(const std::string& unit, NameFacts& facts) {
 /// else, as those of a head do.
 KeyedRows keyed_rows_in(const std::vector<std::string>& lines, const PairStyle& style) {
   constexpr std::size_t most_lines_a_name = 100;
-  if (distinct_values(lines.back(), style).empty() && style.kind == Kind::split) return {};
+  if (distinct_values(lines.back(), style).empty() && style.kind == PairKind::split) return {};
   std::vector<NameFacts> facts;
   std::map<std::string, std::size_t> places;
   std::size_t common = 0, values = 0;
@@ -87,7 +87,7 @@ KeyedRows keyed_rows_in(const std::vector<std::string>& lines, const PairStyle& 
     out.names.push_back(one.name);
     out.units.push_back(one.has_other_unit ? "" : one.unit);
   }
-  const std::size_t stamps = style.kind == Kind::split ? 0 : places.count(std::string(stamp_name));
+  const std::size_t stamps = style.kind == PairKind::split ? 0 : places.count(std::string(stamp_name));
   const bool is_found = out.names.size() >= 2 + stamps && common > 1 && 2 * values >= lines.size() * out.names.size();
   return is_found ? out : KeyedRows();
 }
@@ -119,7 +119,7 @@ std::size_t stamp_among_numbers(const std::vector<std::string>& lines, const Key
 /// With a decimal comma where values show one and none shows a point.
 KeyedRows find_loose_rows(const std::vector<std::string>& lines, PairStyle style) {
   KeyedRows out = keyed_rows_in(lines, style);
-  if (style.kind == Kind::scanned) {
+  if (style.kind == PairKind::scanned) {
     const auto shows = [&](const PairStyle& how, auto&& is_so) {
       return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
         const std::vector<NamedValue> found = values_in(line, how);
@@ -163,7 +163,7 @@ std::string empty_wrapper(const std::vector<std::string>& names) {
 /// A path of keys as a column's name. Words before a point are a place elsewhere, here they may tell a set point from
 /// what it is for: then they are words of one name.
 std::string column_name(std::string path, const KeyedRows& how) {
-  if (how.style.kind != Kind::object) return path;
+  if (how.style.kind != PairKind::object) return path;
   if (const std::string wrapper = empty_wrapper(how.names); !wrapper.empty() && path.starts_with(wrapper))
     path.erase(0, wrapper.size());
   std::string words = path;
@@ -203,7 +203,7 @@ std::string KeyedRows::row(std::string_view line) {
     values[c] = as_field(value_in_unit(one, units[c]));
     is_there = true;
   }
-  const bool is_bracket = style.kind == Kind::object && line.find_first_not_of("[], \t") == std::string_view::npos;
+  const bool is_bracket = style.kind == PairKind::object && line.find_first_not_of("[], \t") == std::string_view::npos;
   if (!is_there) return is_bracket ? "" : std::string(line);
   return fmt::format("{}", fmt::join(values, ","));
 }
@@ -235,16 +235,17 @@ void KeyedRows::tell(CsvTable& table) const {
 }
 
 KeyedRows find_keyed_rows(const std::vector<std::string>& lines) {
-  if (KeyedRows found = find_loose_rows(lines, {Kind::object, ',', ':', '.', PairStyle::none}); !found.names.empty())
+  if (KeyedRows found = find_loose_rows(lines, {PairKind::object, ',', ':', '.', PairStyle::none});
+      !found.names.empty())
     return found;
   for (const char decimal : {'.', ','})
     for (const char separator : {',', ';', '\t', '|', ' '})
       for (const char sign : {':', '='}) {
         if (separator == ',' && decimal == ',') continue;
-        KeyedRows found = keyed_rows_in(lines, {Kind::split, separator, sign, decimal, PairStyle::none});
+        KeyedRows found = keyed_rows_in(lines, {PairKind::split, separator, sign, decimal, PairStyle::none});
         if (!found.names.empty()) return found;
       }
-  return find_loose_rows(lines, {Kind::scanned, ',', '=', '.', PairStyle::none});
+  return find_loose_rows(lines, {PairKind::scanned, ',', '=', '.', PairStyle::none});
 }
 
 }  // namespace pneuservo

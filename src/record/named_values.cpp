@@ -16,13 +16,13 @@ namespace pneuservo {
 namespace {
 
 constexpr std::string_view value_ends = " ,;|\t}])";
-constexpr std::string_view digits = "0123456789";
+constexpr std::string_view digit_signs = "0123456789";
 
 bool is_digit_at(std::string_view text, std::size_t at) {
-  return at < text.size() && digits.find(text[at]) != std::string_view::npos;
+  return at < text.size() && digit_signs.find(text[at]) != std::string_view::npos;
 }
 
-bool is_letter(char c) {
+bool begins_a_name(char c) {
   return std::isalpha(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80 || c == '_';
 }
 
@@ -171,7 +171,7 @@ class LineScan {
       return begin == std::string_view::npos || begin < behind_ ? sign : begin;
     }
     while (begin > behind_ && is_part_of_name(line_[begin - 1])) --begin;
-    const bool is_name = begin < end && is_letter(line_[begin]);
+    const bool is_name = begin < end && begins_a_name(line_[begin]);
     const bool is_written = end < sign || (line_[sign] == ':' && sign + 1 < line_.size() && line_[sign + 1] == ' ');
     const std::size_t longer = is_written && begin < end ? begin_of_words(begin) : begin;
     return longer < begin ? longer : is_name ? begin : sign;
@@ -188,7 +188,7 @@ class LineScan {
       std::size_t word = out - 1;
       while (word > behind_ && is_part_of_name(line_[word - 1])) --word;
       const std::string small = in_small_letters(line_.substr(word, out - 1 - word));
-      if (!is_letter(line_[word]) || std::find(levels.begin(), levels.end(), small) != levels.end()) break;
+      if (!begins_a_name(line_[word]) || std::find(levels.begin(), levels.end(), small) != levels.end()) break;
       out = word;
     }
     return out;
@@ -291,7 +291,7 @@ bool take_around(std::string_view front, std::string_view rest, std::size_t name
   nameless += static_cast<std::size_t>(std::count_if(numbers.begin(), numbers.end(), counts) +
                                        std::count_if(before.begin(), before.end(), counts));
   rest = trimmed(rest);
-  const bool is_count = rest.size() >= digits_of_epoch && rest.find_first_not_of(digits) == std::string_view::npos;
+  const bool is_count = rest.size() >= digits_of_epoch && rest.find_first_not_of(digit_signs) == std::string_view::npos;
   const FoundClock last = stamp.value.empty() && !is_count ? clock_within(rest) : FoundClock();
   nameless += is_count || !last.stamp.empty() ? 0 : loose_numbers(rest).size();
   if (nameless > 0 && style.stamp < numbers.size()) --nameless;

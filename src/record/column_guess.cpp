@@ -60,13 +60,13 @@ bool may_be_unit(std::string_view text) {
 /// brackets belong to the name: "Position (set)".
 std::optional<NameParts> with_bracketed_unit(const std::string& name) {
   std::optional<NameParts> out;
-  for (const std::string_view pair : {"[]", "<>", "{}", "()"}) {
+  for (const std::string_view pair : {"[]", "<>", "{}", "()", "''"}) {
     const std::size_t open = name.find(pair[0]), close = name.rfind(pair[1]);
     if (open == std::string::npos || close == std::string::npos || close <= open) continue;
     const std::string inside(trimmed(std::string_view(name).substr(open + 1, close - open - 1)));
     NameParts parts{open > 0 ? name.substr(0, open) : name.substr(close + 1), inside};
     if (unit_in(inside)) return parts;
-    if (out) continue;
+    if (out || pair[0] == '\'') continue;
     if (is_made_of_words(inside)) parts = {fmt::format("{} {}", parts.text, inside), ""};
     out = std::move(parts);
   }
@@ -163,8 +163,9 @@ ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmos
   out.evidence = fmt::format("named like {}", word->word);
   if (!unit || unit->quantity == Quantity::raw) {
     out.factor = unit ? unit->factor : 1;  // of thousandths that are meant in per cent
-    out.evidence += stated.empty() ? ", no unit stated: taken for SI"
-                                   : fmt::format(", unit {} is none of the quantity: taken for SI", stated);
+    out.evidence += stated.empty()    ? ", no unit stated: taken for SI"
+                    : out.factor != 1 ? fmt::format(", unit {}: taken for a share", stated)
+                                      : fmt::format(", unit {} is none of the quantity: taken for SI", stated);
     return out;
   }
   out.has_unit = true;

@@ -483,7 +483,7 @@ bool is_formula(std::string_view signed_text) {
   constexpr std::size_t longest_sign = 3;
   const std::string_view text = trimmed(signed_text);
   if (text.size() < 2) return false;
-  if (text.find('^') != std::string_view::npos || (text.back() == '\'' && text.front() != '\'') ||
+  if (text.find('^') != std::string_view::npos || text.find('\'') == text.size() - 1 ||
       (text.front() == '|' && text.back() == '|'))
     return true;
   if (const std::size_t minus = text.find('-'); minus != std::string_view::npos)

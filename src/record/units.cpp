@@ -17,7 +17,7 @@ constexpr double psi_Pa = 6894.757, torr_Pa = 133.322, water_Pa_per_mm = 9.80665
 /// Of air: normal (DIN 1343: 0 degC, 101325 Pa) and free (ISO 8778: 20 degC, 1 bar), which flow meters count in.
 constexpr double normal_kgpm3 = 101325 / (287 * 273.15), free_kgpm3 = 1e5 / (287 * 293.15);
 /// Where letters' size decides, the first one that fits counts.
-constexpr std::array<Unit, 171> units{{{"s", Quantity::time, 1},
+constexpr std::array<Unit, 172> units{{{"s", Quantity::time, 1},
                                        {"sec", Quantity::time, 1},
                                        {"secs", Quantity::time, 1},
                                        {"second", Quantity::time, 1},
@@ -122,6 +122,7 @@ constexpr std::array<Unit, 171> units{{{"s", Quantity::time, 1},
                                        {"kN", Quantity::force, 1e3},
                                        {"lbf", Quantity::force, pound_N},
                                        {"kgf", Quantity::force, 9.80665},
+                                       {"kp", Quantity::force, 9.80665},
                                        {"kg/s", Quantity::mass_flow, 1},
                                        {"g/s", Quantity::mass_flow, 1e-3},
                                        {"kg/h", Quantity::mass_flow, 1.0 / 3600},
@@ -262,11 +263,12 @@ std::optional<Unit> divided(std::string_view name) {
   return std::nullopt;
 }
 
-/// "0.1 mm", "0,01 mm", "1e-3 m", "1/1000 m", "x100 us": a power of ten before a unit, of a time any number; none where
-/// there is no such.
+/// "0.1 mm", "0,01 mm", "1e-3 m", "10^-3 m", "1/1000 m", "x100 us": a power of ten before a unit, of a time any number;
+/// none where there is no such.
 std::optional<Unit> multiple(std::string text) {
   for (const std::string_view sign : {"x", "*", "\u00d7"})
     if (text.starts_with(sign) && text.size() > sign.size()) text.erase(0, sign.size());
+  if (text.starts_with("10^")) text.replace(0, 3, "1e");
   if (const std::size_t comma = text.find(','); comma != std::string::npos) text[comma] = '.';
   const std::string_view name = text;
   double factor = 0;

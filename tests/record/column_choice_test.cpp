@@ -131,6 +131,8 @@ TEST_CASE("a unit that is stated is read, with its multiple, or asked about") {
                                                                                 {"Position x100 [mm]", 1e-5},
                                                                                 {"Position_x10_mm", 1e-4},
                                                                                 {"Position [?m]", 1e-6},
+                                                                                {"Position [10^-3 mm]", 1e-6},
+                                                                                {"Position 'mm'", 1e-3},
                                                                                 {"Position [Zoll]", 0.0254},
                                                                                 {"Position (mm) [avg]", 1e-3},
                                                                                 {"101 <Position> (mm)", 1e-3},

@@ -5,12 +5,12 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <map>
 #include <string_view>
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include "record/column_choice.hpp"
 #include "record/column_words.hpp"
 #include "record/dialect.hpp"
 #include "record/field_text.hpp"
@@ -46,30 +46,104 @@ std::optional<NameParts> with_joined_unit(const std::string& name) {
   return NameParts{before, name.substr(at)};
 }
 
-NameParts parts_of(const std::string& name) {
+/// Whether it may be a unit at all: not empty, no number alone such as a duplicate's, no word of column names.
+bool may_be_unit(std::string_view text) {
+  constexpr std::array<std::string_view, 6> none{"none", "n/a", "na", "unitless", "dimensionless", "unit"};
+  const std::string small = in_small_letters(text);
+  const bool has_sign =
+      std::any_of(text.begin(), text.end(), [](unsigned char c) { return std::isalpha(c) || c >= 0x80; });
+  return unit_in(text) ||
+         (has_sign && !is_made_of_words(text) && std::find(none.begin(), none.end(), small) == none.end());
+}
+
+/// "Weg [mm]", "[mm] Weg", "101 <Weg> (mm)": the brackets that hold a unit, else the first ones. Words of names in
+/// brackets belong to the name: "Position (set)".
+std::optional<NameParts> with_bracketed_unit(const std::string& name) {
+  std::optional<NameParts> out;
+  for (const std::string_view pair : {"[]", "<>", "{}", "()", "''"}) {
+    const std::size_t open = name.find(pair[0]), close = name.rfind(pair[1]);
+    if (open == std::string::npos || close == std::string::npos || close <= open) continue;
+    const std::string inside(trimmed(std::string_view(name).substr(open + 1, close - open - 1)));
+    NameParts parts{open > 0 ? name.substr(0, open) : name.substr(close + 1), inside};
+    if (unit_in(inside)) return parts;
+    if (out || pair[0] == '\'') continue;
+    if (is_made_of_words(inside)) parts = {fmt::format("{} {}", parts.text, inside), ""};
+    out = std::move(parts);
+  }
+  return out;
+}
+
+/// "p1_bar", "p1/bar", "p1_bar_rel", "Weg in mm": behind the last or the last but one sign.
+std::optional<NameParts> with_suffixed_unit(const std::string& name) {
+  if (name.find_last_of("[<") != std::string::npos) return std::nullopt;
+  std::size_t last = name.find_last_of("_ /");
+  for (int words = 1; words <= 2 && last != std::string::npos && last > 0; ++words) {
+    const std::optional<Unit> suffix = unit_in(name.substr(last + 1));
+    if (suffix && suffix->quantity < Quantity::raw && (words == 1 || suffix->quantity == Quantity::pressure)) {
+      const std::string before(trimmed(std::string_view(name).substr(0, last)));
+      return NameParts{before.ends_with(" in") ? before.substr(0, before.size() - 3) : before,
+                       std::string(without_brackets(name.substr(last + 1)))};
+    }
+    last = name.find_last_of("_ /", last - 1);
+  }
+  return std::nullopt;
+}
+
+/// "Druck [bar] (2)", "positions[0]": a number in brackets at the end numbers the column.
+std::string without_number(const std::string& name) {
+  const std::size_t open = name.find_last_of("[(");
+  if (open == std::string::npos || open == 0 || name.size() - open < 3) return name;
+  const bool is_number = name.find_first_not_of("0123456789", open + 1) == name.size() - 1 &&
+                         (name.back() == ')' || name.back() == ']') && name.substr(open) != "[1]";
+  return is_number ? std::string(trimmed(std::string_view(name).substr(0, open))) : name;
+}
+
+NameParts parts_of(const std::string& numbered_name) {
+  const std::string name = without_number(numbered_name);
   const std::size_t labels = name.find('{');  // position_mm{axis="1"}
   if (labels != std::string::npos && labels > 0 && name.find('=', labels) != std::string::npos)
     return parts_of(name.substr(0, labels));
-  const std::size_t last = name.find_last_of("_ /");
-  const std::optional<Unit> suffix =
-      last == std::string::npos || last == 0 ? std::nullopt : unit_in(name.substr(last + 1));
-  if (suffix && suffix->quantity < Quantity::raw && name.find_last_of("[<") == std::string::npos) {
-    const std::string before(trimmed(std::string_view(name).substr(0, last)));
-    return {before.ends_with(" in") ? before.substr(0, before.size() - 3) : before,
-            std::string(without_brackets(name.substr(last + 1)))};
-  }
-  for (const std::string_view pair : {"[]", "<>", "{}", "()"}) {
-    const std::size_t open = name.find(pair[0]), close = name.rfind(pair[1]);
-    if (open != std::string::npos && close != std::string::npos && close > open)
-      return {open > 0 ? name.substr(0, open) : name.substr(close + 1),
-              std::string(trimmed(std::string_view(name).substr(open + 1, close - open - 1)))};
-  }
+  if (std::optional<NameParts> parts = with_suffixed_unit(name)) return *parts;
+  if (std::optional<NameParts> parts = with_bracketed_unit(name)) return *parts;
   return with_joined_unit(name).value_or(NameParts{name, ""});
 }
 
 bool is_ours(const std::string& name) {
   static const std::vector<std::string> columns = columns_of_the_format();
   return std::find(columns.begin(), columns.end(), name) != columns.end();
+}
+
+/// Why a column that is named like a quantity is not taken for it; empty: it is.
+std::string objection(const ColumnWord& word, const std::optional<Unit>& unit, const std::string& stated) {
+  if (!word.is_sure && !(unit && unit->quantity == word.quantity))
+    return fmt::format("named like {}, without a unit of {}", word.word,
+                       word.quantity == Quantity::mass_flow ? "flow"
+                       : word.quantity == Quantity::length  ? "length"
+                                                            : "pressure");
+  if (word.ours.empty()) return fmt::format("named like {}, which nothing is compared with", word.word);
+  if (unit && unit->quantity != word.quantity && unit->quantity != Quantity::raw)
+    return fmt::format("name and unit disagree ({} in {})", word.ours, stated);
+  const bool is_time = word.quantity == Quantity::time;
+  if (!unit && !is_time && may_be_unit(stated))
+    return fmt::format("named like {}, but {} is no unit that is known: state its factor", word.word, stated);
+  const bool is_output = unit && unit->quantity == Quantity::raw && unit->name != "-" && unit->name != "1";
+  // A command is a share of the valve's range, or a current.
+  const bool is_of_range = is_output && (unit->factor != 1 || unit->name == "%" || unit->name.ends_with('A'));
+  if (!is_output || stated.empty() || (word.quantity == Quantity::voltage && is_of_range)) return "";
+  if (word.quantity != Quantity::voltage && !is_time)
+    return fmt::format("named like {}, but {} is what a sensor gives: its scale is unknown", word.word, stated);
+  return is_of_range ? "" : fmt::format("named like {}, but {} has no known scale", word.word, stated);
+}
+
+/// "Position x100": how many times the unit's the values are; 1 where the name says none.
+double times_in(const std::string& name) {
+  const std::string text(trimmed(name));
+  const std::size_t sign = text.find_last_of(" _");
+  if (sign == std::string::npos || sign + 3 > text.size() || text[sign + 1] != 'x' || text[sign + 2] != '1') return 1;
+  const std::string_view zeros = std::string_view(text).substr(sign + 3);
+  return zeros.empty() || zeros.find_first_not_of('0') != std::string_view::npos
+             ? 1
+             : std::pow(10, static_cast<double>(zeros.size()));
 }
 
 ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmosphere_Pa) {
@@ -83,36 +157,24 @@ ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmos
   // "millis" is both.
   const bool is_named_by_unit = stated.empty() && word && word->quantity == Quantity::time && parts.text.size() > 1;
   const std::optional<Unit> unit = unit_in(is_named_by_unit ? parts.text : stated);
-  if (word && !word->is_sure && !(unit && unit->quantity == word->quantity)) {
-    out.evidence = fmt::format("named like {}, without a unit of {}", word->word,
-                               word->quantity == Quantity::mass_flow ? "flow"
-                               : word->quantity == Quantity::length  ? "length"
-                                                                     : "pressure");
-    return out;
-  }
-  if (!word || word->ours.empty() || (unit && unit->quantity != word->quantity && unit->quantity != Quantity::raw)) {
-    out.evidence = !word                ? "no known name"
-                   : word->ours.empty() ? fmt::format("named like {}, which nothing is compared with", word->word)
-                                        : fmt::format("name and unit disagree ({} in {})", word->ours, stated);
-    return out;
-  }
-  const bool is_output = unit && unit->quantity == Quantity::raw && unit->name != "-" && unit->name != "1";
-  if (is_output && word->quantity != Quantity::voltage && word->quantity != Quantity::time) {
-    out.evidence =
-        fmt::format("named like {}, but {} is what a sensor gives: its scale is unknown", word->word, stated);
-    return out;
-  }
+  out.evidence = word ? objection(*word, unit, stated) : "no known name";
+  if (!out.evidence.empty()) return out;
   out.ours = word->ours;
   out.evidence = fmt::format("named like {}", word->word);
   if (!unit || unit->quantity == Quantity::raw) {
-    out.evidence += stated.empty() ? ", no unit stated: taken for SI"
-                                   : fmt::format(", unit {} is none of the quantity: taken for SI", stated);
+    out.factor = unit ? unit->factor : 1;  // of thousandths that are meant in per cent
+    out.evidence += stated.empty()    ? ", no unit stated: taken for SI"
+                    : out.factor != 1 ? fmt::format(", unit {}: taken for a share", stated)
+                                      : fmt::format(", unit {} is none of the quantity: taken for SI", stated);
     return out;
   }
   out.has_unit = true;
-  out.factor = unit->factor;
-  out.offset = unit->is_gauge ? atmosphere_Pa : 0;
+  const double times = times_in(parts.text);
+  out.factor = unit->factor / times;
+  out.offset = unit->is_gauge || word->is_gauge ? atmosphere_Pa : 0;
   out.evidence += in_row ? ", unit stated below the names" : ", unit from its name";
+  if (unit->is_multiple || times != 1) out.evidence += fmt::format(": 1 is taken for {:g} in SI", out.factor);
+  if (word->is_gauge && !unit->is_gauge) out.evidence += ", above the atmosphere by its name";
   return out;
 }
 
@@ -127,13 +189,6 @@ bool are_millionths_of_days(const std::vector<double>& values) {
     has_decimals = has_decimals || value != std::round(value);
   }
   return has_decimals;
-}
-
-/// Steps from row to row one way less those the other way: what tells rows apart and goes on is the better clock.
-std::size_t course_of(const std::vector<double>& values) {
-  std::size_t up = 0, down = 0;
-  for (std::size_t i = 1; i < values.size(); ++i) up += values[i] > values[i - 1], down += values[i] < values[i - 1];
-  return std::max(up, down) - std::min(up, down);
 }
 
 /// Where nothing is named a time: the first column in a unit of time that goes on from row to row.
@@ -155,26 +210,19 @@ void take_time_by_unit(const CsvTable& table, std::vector<ColumnGuess>& guesses)
 
 std::vector<ColumnGuess> guess_columns(const CsvTable& table, double atmosphere_Pa) {
   std::vector<ColumnGuess> out;
-  std::map<std::string, std::size_t> places;  // of the columns taken, by what for
   for (std::size_t c = 0; c < table.names.size(); ++c) {
     out.push_back(guess_column(table, c, atmosphere_Pa));
     if (out[c].ours == "t_s" && out[c].factor == 1e-3 && are_millionths_of_days(table.values[c])) {
       out[c].factor = 86400e-6;
       out[c].evidence += ", holds millionths of days";
     }
-    if (out[c].ours.empty()) continue;
-    const auto [first, is_new] = places.try_emplace(out[c].ours, c);
-    if (is_new) continue;
-    std::size_t& kept = first->second;
-    const bool has_unit_alone = out[c].has_unit && !out[kept].has_unit;
-    const bool is_finer =
-        out[c].ours == "t_s" ? course_of(table.values[c]) > course_of(table.values[kept]) : has_unit_alone;
-    ColumnGuess &taken = is_finer ? out[c] : out[kept], &left = is_finer ? out[kept] : out[c];
-    left.evidence = fmt::format("as {}, which is taken for {}", taken.column, taken.ours);
-    left.ours.clear();
-    if (is_finer) kept = c;
   }
-  if (!places.contains("t_s")) take_time_by_unit(table, out);
+  std::vector<std::string> texts;
+  for (const std::string& name : table.names) texts.push_back(parts_of(half_width(name)).text);
+  take_valve_ports(texts, out, atmosphere_Pa);
+  leave_one_of_each(table, texts, out);
+  if (std::none_of(out.begin(), out.end(), [](const ColumnGuess& guess) { return guess.ours == "t_s"; }))
+    take_time_by_unit(table, out);
   return out;
 }
 
@@ -186,7 +234,7 @@ std::string meaning_of(const std::string& name) {
 
 std::string stated_unit(const CsvTable& table, std::size_t column) {
   if (!table.units[column].empty()) return std::string(without_brackets(table.units[column]));
-  const std::string name = half_width(table.names[column]), unit = parts_of(name).unit;
+  const std::string name = without_number(half_width(table.names[column])), unit = parts_of(name).unit;
   if (!unit.empty()) return unit;
   const std::string last = name.substr(name.find_last_of("_ /") + 1);
   if (last.size() == name.size()) return "";

@@ -11,12 +11,16 @@
 
 #include <pneuservo/core/signal.hpp>
 
+#include "record/field_text.hpp"
+
 namespace pneuservo {
 
 namespace {
 
 /// What a root says. `supply` to `side_2` say whose pressure, `actual` to `lasting` what kind of value; `apart` is
-/// another quantity beside the one that is named; `filler` changes nothing.
+/// another quantity beside the one that is named, also where it stands before it in a path, `state` is so in the name
+/// alone, `elsewhere` is the quantity of another part or moment, `computed` the one of a model; `filler` changes
+/// nothing.
 enum class Role : std::uint8_t {
   time,
   position,
@@ -41,6 +45,10 @@ enum class Role : std::uint8_t {
   actual,
   reference,
   apart,
+  state,
+  elsewhere,
+  computed,
+  gauge,
   lasting,
   filler
 };  // clang-format off
@@ -67,7 +75,7 @@ constexpr std::array roots_of_roles{
           "styrning sterowanie sterujace ovladani ohjaus controllo"},
     Roots{Role::output, "output out ausgang sortie salida uscita saida uitgang utgang wyjscie vystup"},
     Roots{Role::voltage, "voltage volt volts spannung tension tensione tensao spanning spanning napiecie napeti jannite"},
-    Roots{Role::supply, "supply sup psup source network mains compressor versorgung vers vordruck netz system quelle "
+    Roots{Role::supply, "supply sup psup inlet betriebs betrieb source network mains compressor versorgung vers vordruck netz system quelle "
           "speisung alimentation reseau alimentacion suministro alimentazione rete alimentacao voeding matning zasilanie "
           "napajeni syotto kompressor"},
     Roots{Role::chamber, "chamber kammer chambre camera camara kamer kammare komora kammio"},
@@ -89,21 +97,27 @@ constexpr std::array roots_of_roles{
           "gewenst streefwaarde borvarde zadana zadane zadany zadana"},
     Roots{Role::apart, "err error fehler erreur errore deviation abweichung ecart difference diff differenz differential "
           "differenziale diferencial delta vel velocity speed geschwindigkeit vitesse velocidad velocita snelheid dot "
-          "acceleration accel acc beschleunigung jerk ruck rate temp temperature temperatur temperatura current strom "
-          "courant corriente corrente stroom power leistung puissance state status mode flag valid validity quality "
-          "limit grenze endlage endschalter lager bearing min max mean average mittelwert std rms alarm enable enabled timeout "
+          "acceleration accel acc beschleunigung jerk ruck rate temperature temperatur temperatura twist imu "
+          "orientation observer beobachter estimator kalman "
+          "limit grenze endlage endschalter lager bearing min max mean average mittelwert std rms alarm timeout "
           "torque moment drehmoment humidity feuchte regelabweichung lag schleppfehler "
-          "count counter zahler zaehler id spool estimated estimate est geschatzt geschaetzt estime calculated calc "
-          "berechnet calcule simulated simuliert sim model modell theoretical true friction reibung reib frottement "
+          "spool estimated estimate est geschatzt geschaetzt estime friction reibung reib frottement "
           "friccion rozamiento attrito wrijving volume volumen area flache flaeche"},
+    Roots{Role::state, "state status mode flag valid validity quality enable enabled count counter zahler zaehler id temp current "
+          "strom courant corriente corrente stroom power leistung puissance"},
+    Roots{Role::elsewhere, "pilot vorsteuer pilotage pilotaggio exhaust abluft entluftung entlueftung echappement scarico escape start init "
+          "initial home homing previous prev old vorher shutoff absperr brake bremse frein "
+          "freno freio total gesamt lockout relief safety sicherheit"},
+    Roots{Role::computed, "calculated calc berechnet calcule simulated simuliert sim model modell theoretical true"},
+    Roots{Role::gauge, "gauge gage relative relativ rel uber ueber"},
     Roots{Role::lasting, "timeout cycle zyklus takt task exec execution dead tot delay verzug verzogerung rise loop period "
           "response filter settling step interval run lauf computing abtast sampling duration dauer duree"},
-    Roots{Role::filler, "sensor sensors fuhler fuehler aufnehmer geber wegaufnehmer transducer transmitter capteur "
+    Roots{Role::filler, "sensor sensors fuhler fuehler aufnehmer geber transducer transmitter capteur "
           "trasduttore sensore transductor signal segnale senal sinal signaal value val wert valeur valor valore waarde input "
           "eingang entree entrada ingresso ingang analog analogue ai ao channel kanal canal canale ch raw roh brut "
           "fast slow schnell langsam filtered filt gefiltert filtree filtrado filtrato gefilterd "
           "air luft aria aire lucht axis achse axe eje asse drive antrieb actuator slider schlitten "
-          "carriage load last servo proportional prop regler controller regel absolute absolut abs gauge relative rel "
+          "carriage load last servo proportional prop regler controller regel absolute absolut abs "
           "working arbeits of the der die das des dem den de du la le les l d del della dell dello di da do el los van het "
           "en in im at am an bei on to main stempel lr no nr number"},
     // Japanese and Chinese
@@ -155,6 +169,7 @@ constexpr std::array roots_of_roles{
           "오차 속도 가속도 온도 전류 차압"},
     Roots{Role::filler, "датчик датчика сигнал сигнала значение воздух воздуха на в 센서 값 신호 입력 축 의"}};
 // clang-format on
+constexpr std::string_view path_signs = "/.:\\|";
 constexpr std::size_t least_of_compound = 3, least_of_prefix = 4;  ///< letters
 
 const std::map<std::string_view, Role>& role_of_root() {
@@ -241,17 +256,17 @@ std::vector<std::string> parts_of(std::string_view signed_text) {
   return parts;
 }
 
-/// Of a path such as /axis/position, Main.x, Scope/Valve:1 the last part that has a letter.
-std::string_view last_of_path(std::string_view text) {
+/// Of a path such as /axis/position, Main.x, Scope/Valve:1 the last part that has a letter, and what is before it.
+std::pair<std::string_view, std::string_view> last_of_path(std::string_view text) {
   for (std::size_t end = text.size(); end > 0;) {
-    const std::size_t sign = text.find_last_of("/.:\\|", end - 1);
+    const std::size_t sign = text.find_last_of(path_signs, end - 1);
     const std::size_t begin = sign == std::string_view::npos ? 0 : sign + 1;
     const std::string_view part = text.substr(begin, end - begin);
     if (std::any_of(part.begin(), part.end(), [](unsigned char c) { return std::isalpha(c) || c >= 0x80; }))
-      return part;
+      return {part, text.substr(0, begin > 0 ? begin - 1 : 0)};
     end = begin > 0 ? begin - 1 : 0;
   }
-  return text;
+  return {text, ""};
 }
 
 /// Whether the word is made of roots alone, joined as "Versorgung-s-druck"; they are added behind `roots`.
@@ -398,13 +413,17 @@ std::optional<ColumnWord> word_of(const std::vector<std::string>& parts) {
   const RootsOfName name = roots_of(parts);
   const auto quantity =
       std::find_if(name.roots.begin(), name.roots.end(), [](const Found& root) { return root.second < Role::actual; });
-  if (const Found* apart = name.first_of(Role::apart); apart != nullptr && quantity != name.roots.end())
-    return other_than(*apart);
+  for (const Role role : {Role::apart, Role::state, Role::computed})
+    if (const Found* another = name.first_of(role); another != nullptr && quantity != name.roots.end())
+      return other_than(*another);
   if (quantity != name.roots.end() && quantity->second == Role::time) {
     const Found* lasting = name.first_of(Role::lasting);
     return lasting ? other_than(*lasting) : ColumnWord{std::string(quantity->first), "t_s", Quantity::time};
   }
   if (name.has(Role::lasting) && name.has(Role::time)) return other_than(*name.first_of(Role::lasting));
+  // The time since a start, or in total, is a time.
+  if (const Found* elsewhere = name.first_of(Role::elsewhere); elsewhere != nullptr && quantity != name.roots.end())
+    return other_than(*elsewhere);
   if (name.has(Role::force)) return force_in(name);
   if (name.has(Role::flow)) return flow_in(name);
   if (name.has(Role::pressure)) return pressure_in(name, parts);
@@ -412,12 +431,71 @@ std::optional<ColumnWord> word_of(const std::vector<std::string>& parts) {
   if (const std::optional<ColumnWord> command = command_in(name)) return command;
   if (const Found* volts = name.first_of(Role::voltage)) return other_than(*volts);
   if (name.has(Role::supply) || name.has(Role::chamber) || name.has(Role::port)) return pressure_in(name, parts);
-  if (!name.is_whole || name.has(Role::apart)) return std::nullopt;
+  for (const Role role : {Role::apart, Role::state, Role::computed, Role::elsewhere})
+    if (name.has(role)) return std::nullopt;
+  if (!name.is_whole) return std::nullopt;
   if (const Found* reference = name.first_of(Role::reference))
     return ColumnWord{std::string(reference->first), "x_ref_m", Quantity::length};
   if (const Found* actual = name.first_of(Role::actual))  // "Istwert [mm]"
     return ColumnWord{std::string(actual->first), column_of(Signal::x), Quantity::length, false};
   return std::nullopt;
+}
+
+/// What the parts of a path before its last one make of it, the nearest first: "setpoint.x" is a set point, "error/x"
+/// no position, "actual.x" one. A last part that says so itself is what it says.
+ColumnWord under(ColumnWord word, std::string_view part, std::string_view path) {
+  const RootsOfName last = roots_of(parts_of(part));
+  if (word.ours.empty() || last.has(Role::reference) || last.has(Role::actual)) return word;
+  while (!path.empty()) {
+    const std::size_t sign = path.find_last_of(path_signs);
+    const RootsOfName name = roots_of(parts_of(path.substr(sign == std::string_view::npos ? 0 : sign + 1)));
+    path = path.substr(0, sign == std::string_view::npos ? 0 : sign);
+    if (name.has(Role::actual)) return word;
+    const auto is_told = [&](const Found* root) { return root && (name.is_whole || root->first.size() > 3); };
+    for (const Role role : {Role::apart, Role::elsewhere})
+      if (const Found* another = name.first_of(role); is_told(another) && word.quantity != Quantity::time)
+        return other_than(*another);
+    const Found* reference = name.first_of(Role::reference);
+    if (reference == nullptr && name.is_whole) reference = name.first_of(Role::command);
+    if (is_told(reference) && word.quantity == Quantity::length) word.ours = "x_ref_m";
+    else if (is_told(reference) && word.quantity != Quantity::voltage && word.quantity != Quantity::time)
+      return other_than(*reference);
+    // "wrench.force.x" is a force's part along x.
+    if (const Found* of = name.first_of(Role::force); of && word.quantity == Quantity::length) return other_than(*of);
+    if (is_told(reference)) return word;
+  }
+  return word;
+}
+
+/// Whether two names belong to one quantity and differ in what they say of it: "x" and "x_ref", "p1" and "p2".
+bool are_compared(std::string_view one, std::string_view other) {
+  const std::vector<std::string> parts = parts_of(one), others = parts_of(other);
+  const std::optional<ColumnWord> word = word_of(parts), second = word_of(others);
+  const auto has_quantity = [](const RootsOfName& name) {
+    return name.has(Role::position) || name.has(Role::pressure);
+  };
+  return word && second && word->quantity == second->quantity && word->ours != second->ours &&
+         has_quantity(roots_of(parts)) && has_quantity(roots_of(others));
+}
+
+/// What is computed of a quantity is none: "x^2", "|x|", "x'", "x/L", "x-x_ref", "p1/p2".
+bool is_formula(std::string_view signed_text) {
+  constexpr std::size_t longest_sign = 3;
+  const std::string_view text = trimmed(signed_text);
+  if (text.size() < 2) return false;
+  if (text.find('^') != std::string_view::npos || text.find('\'') == text.size() - 1 ||
+      (text.front() == '|' && text.back() == '|'))
+    return true;
+  if (const std::size_t minus = text.find('-'); minus != std::string_view::npos)
+    if (are_compared(text.substr(0, minus), text.substr(minus + 1))) return true;
+  const std::size_t over = text.find('/');
+  if (over == std::string_view::npos || over == 0 || over > longest_sign || text.size() - over - 1 > longest_sign)
+    return false;
+  const std::vector<std::string> under_it = parts_of(text.substr(over + 1));
+  const Found* root = under_it.size() == 1 && under_it[0].size() == 1 ? found_root(under_it[0]) : nullptr;
+  const bool is_length = under_it.size() == 1 && under_it[0].size() == 1 && (!root || root->second == Role::filler);
+  return (is_length && word_of(parts_of(text.substr(0, over)))) ||
+         are_compared(text.substr(0, over), text.substr(over + 1));
 }
 
 }  // namespace
@@ -432,12 +510,46 @@ bool holds_known_word(std::string_view text) {
   });
 }
 
+bool is_made_of_words(std::string_view text) {
+  const std::vector<std::string> parts = parts_of(text);
+  const RootsOfName name = roots_of(parts);
+  return name.is_whole && std::any_of(name.roots.begin(), name.roots.end(),
+                                      [](const Found& root) { return root.first.size() >= least_of_compound; });
+}
+
+std::optional<int> port_number(std::string_view text) {
+  std::vector<std::string> parts = parts_of(text);
+  std::optional<int> number;
+  for (const std::string& part : parts)
+    if (part.size() == 1 && part[0] >= '1' && part[0] <= '5') {
+      if (number) return std::nullopt;
+      number = part[0] - '0';
+    }
+  std::erase_if(parts, [](const std::string& part) { return part.size() == 1 && part[0] >= '1' && part[0] <= '5'; });
+  const RootsOfName name = roots_of(parts);
+  const bool is_of_one = std::all_of(name.roots.begin(), name.roots.end(), [](const Found& root) {
+    return root.second == Role::pressure || root.second == Role::port || root.second == Role::valve ||
+           root.second == Role::actual || root.second == Role::gauge || root.second == Role::filler;
+  });
+  const bool is_port = name.has(Role::pressure) || name.has(Role::port);
+  return number && name.is_whole && is_of_one && is_port ? number : std::nullopt;
+}
+
 std::optional<ColumnWord> column_word(std::string_view text) {
+  if (is_formula(text)) return ColumnWord{std::string(text), "", Quantity::other};
   // "Position.Cmd" is no command of a valve: a last part that may belong to anything is judged with what is before it.
-  const std::optional<ColumnWord> last = word_of(parts_of(last_of_path(text)));
-  const Found* root = last ? found_root(last->word) : nullptr;
-  if (root && root->second != Role::reference && root->second != Role::command && last->is_sure) return last;
-  return word_of(parts_of(text));
+  const auto [part, before] = last_of_path(text);
+  std::optional<ColumnWord> word = word_of(parts_of(part));
+  const Found* root = word ? found_root(word->word) : nullptr;
+  if (root && root->second != Role::reference && root->second != Role::command && word->is_sure)
+    word = under(std::move(*word), part, before);
+  else word = word_of(parts_of(text));
+  if (!word) return word;
+  const RootsOfName name = roots_of(parts_of(part)), path = roots_of(parts_of(text));
+  word->is_actual = path.has(Role::actual);
+  word->is_computed = path.has(Role::computed);
+  word->is_gauge = word->quantity == Quantity::pressure && name.has(Role::gauge);
+  return word;
 }
 
 }  // namespace pneuservo

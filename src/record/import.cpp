@@ -20,6 +20,7 @@
 #include "record/names_text.hpp"
 #include "record/row_text.hpp"
 #include "record/stamps.hpp"
+#include "record/units.hpp"
 
 namespace pneuservo {
 
@@ -104,9 +105,12 @@ std::map<std::string, std::string> units_of(const CsvTable& table, const ImportP
   std::map<std::string, std::string> out;
   for (const auto& [ours, source] : imported.columns) {
     const auto at = std::find(table.names.begin(), table.names.end(), source.column);
-    if (at == table.names.end() || source.factor != 1 || source.offset != 0) continue;
-    if (std::string unit = stated_unit(table, static_cast<std::size_t>(at - table.names.begin())); !unit.empty())
-      out[ours] = std::move(unit);
+    if (at == table.names.end() || source.offset != 0) continue;
+    const std::string stated = stated_unit(table, static_cast<std::size_t>(at - table.names.begin()));
+    const std::optional<Unit> unit = unit_in(stated);
+    // Thousandths are in per cent by their factor.
+    const bool is_share = unit && unit->quantity == Quantity::raw && unit->factor != 1 && unit->factor == source.factor;
+    if (!stated.empty() && (is_share || source.factor == 1)) out[ours] = is_share ? "%" : stated;
   }
   return out;
 }

@@ -13,11 +13,11 @@ namespace pneuservo {
 
 namespace {
 
-constexpr double psi_Pa = 6894.757, torr_Pa = 133.322, pound_N = 4.4482216;
+constexpr double psi_Pa = 6894.757, torr_Pa = 133.322, water_Pa_per_mm = 9.80665, pound_N = 4.4482216;
 /// Of air: normal (DIN 1343: 0 degC, 101325 Pa) and free (ISO 8778: 20 degC, 1 bar), which flow meters count in.
 constexpr double normal_kgpm3 = 101325 / (287 * 273.15), free_kgpm3 = 1e5 / (287 * 293.15);
 /// Where letters' size decides, the first one that fits counts.
-constexpr std::array<Unit, 132> units{{{"s", Quantity::time, 1},
+constexpr std::array<Unit, 172> units{{{"s", Quantity::time, 1},
                                        {"sec", Quantity::time, 1},
                                        {"secs", Quantity::time, 1},
                                        {"second", Quantity::time, 1},
@@ -74,6 +74,7 @@ constexpr std::array<Unit, 132> units{{{"s", Quantity::time, 1},
                                        {"mil", Quantity::length, 25.4e-6},
                                        {"mils", Quantity::length, 25.4e-6},
                                        {"thou", Quantity::length, 25.4e-6},
+                                       {"Zoll", Quantity::length, 0.0254},
                                        {"ft", Quantity::length, 0.3048},
                                        {"feet", Quantity::length, 0.3048},
                                        {"Pa", Quantity::pressure, 1},
@@ -86,6 +87,18 @@ constexpr std::array<Unit, 132> units{{{"s", Quantity::time, 1},
                                        {"MPa", Quantity::pressure, 1e6},
                                        {"N/mm2", Quantity::pressure, 1e6},
                                        {"N/m2", Quantity::pressure, 1},
+                                       {"N/cm2", Quantity::pressure, 1e4},
+                                       {"kN/m2", Quantity::pressure, 1e3},
+                                       {"lbf/in2", Quantity::pressure, psi_Pa},
+                                       {"lb/in2", Quantity::pressure, psi_Pa},
+                                       {"at", Quantity::pressure, 98066.5},
+                                       {"kp/cm2", Quantity::pressure, 98066.5},
+                                       {"mmWS", Quantity::pressure, water_Pa_per_mm},
+                                       {"mmH2O", Quantity::pressure, water_Pa_per_mm},
+                                       {"cmH2O", Quantity::pressure, 10 * water_Pa_per_mm},
+                                       {"mWS", Quantity::pressure, 1e3 * water_Pa_per_mm},
+                                       {"mH2O", Quantity::pressure, 1e3 * water_Pa_per_mm},
+                                       {"inH2O", Quantity::pressure, 25.4 * water_Pa_per_mm},
                                        {"psi", Quantity::pressure, psi_Pa},
                                        {"kgf/cm2", Quantity::pressure, 98066.5},
                                        {"kg/cm2", Quantity::pressure, 98066.5},
@@ -96,7 +109,11 @@ constexpr std::array<Unit, 132> units{{{"s", Quantity::time, 1},
                                        {"V", Quantity::voltage, 1},
                                        {"volt", Quantity::voltage, 1},
                                        {"volts", Quantity::voltage, 1},
+                                       {"VDC", Quantity::voltage, 1},
                                        {"mV", Quantity::voltage, 1e-3},
+                                       {"uV", Quantity::voltage, 1e-6},
+                                       {"\u00b5V", Quantity::voltage, 1e-6},
+                                       {"\u03bcV", Quantity::voltage, 1e-6},
                                        {"N", Quantity::force, 1},
                                        {"newton", Quantity::force, 1},
                                        {"newtons", Quantity::force, 1},
@@ -105,6 +122,7 @@ constexpr std::array<Unit, 132> units{{{"s", Quantity::time, 1},
                                        {"kN", Quantity::force, 1e3},
                                        {"lbf", Quantity::force, pound_N},
                                        {"kgf", Quantity::force, 9.80665},
+                                       {"kp", Quantity::force, 9.80665},
                                        {"kg/s", Quantity::mass_flow, 1},
                                        {"g/s", Quantity::mass_flow, 1e-3},
                                        {"kg/h", Quantity::mass_flow, 1.0 / 3600},
@@ -138,6 +156,23 @@ constexpr std::array<Unit, 132> units{{{"s", Quantity::time, 1},
                                        {"mA", Quantity::raw, 1},
                                        {"count", Quantity::raw, 1},
                                        {"counts", Quantity::raw, 1},
+                                       {"\u2030", Quantity::raw, 0.1},
+                                       {"promille", Quantity::raw, 0.1},
+                                       {"permille", Quantity::raw, 0.1},
+                                       {"inc", Quantity::raw, 1},
+                                       {"incr", Quantity::raw, 1},
+                                       {"increments", Quantity::raw, 1},
+                                       {"inkremente", Quantity::raw, 1},
+                                       {"digit", Quantity::raw, 1},
+                                       {"digits", Quantity::raw, 1},
+                                       {"LSB", Quantity::raw, 1},
+                                       {"pulse", Quantity::raw, 1},
+                                       {"pulses", Quantity::raw, 1},
+                                       {"impulse", Quantity::raw, 1},
+                                       {"tick", Quantity::raw, 1},
+                                       {"ticks", Quantity::raw, 1},
+                                       {"steps", Quantity::raw, 1},
+                                       {"cts", Quantity::raw, 1},
                                        {"bool", Quantity::raw, 1},
                                        {"\u00b0C", Quantity::other, 1},
                                        {"degC", Quantity::other, 1},
@@ -147,6 +182,11 @@ constexpr std::array<Unit, 132> units{{{"s", Quantity::time, 1},
                                        {"\u00b0", Quantity::other, 1},
                                        {"m/s", Quantity::other, 1},
                                        {"mm/s", Quantity::other, 1},
+                                       {"m/s2", Quantity::other, 1},
+                                       {"mm/s2", Quantity::other, 1},
+                                       {"W", Quantity::other, 1},
+                                       {"kW", Quantity::other, 1},
+                                       {"Nm", Quantity::other, 1},
                                        {"Hz", Quantity::other, 1},
                                        {"kg", Quantity::other, 1}}};
 
@@ -157,6 +197,9 @@ std::string plain(std::string_view text) {
     if (std::string_view(" ()[]_").find(c) == std::string_view::npos) out += c;
   for (const std::string_view raised : {"\u00b2", "^2"})
     if (const std::size_t at = out.find(raised); at != std::string::npos) out.replace(at, raised.size(), "2");
+  // What other encodings leave of the one prefix beyond ASCII.
+  for (const std::string_view garbled : {"\u00c2\u00b5", "\u00e6", "\ufffd", "?", "&micro;", "&mu;"})
+    if (out.starts_with(garbled) && out.size() > garbled.size()) out.replace(0, garbled.size(), "u");
   if (out.size() > 1 && out.ends_with('.')) out.pop_back();
   return out;
 }
@@ -179,7 +222,9 @@ std::optional<Unit> pressure_with_zero(std::string_view name) {
   constexpr std::array<std::string_view, 3> absolute{"absolute", "abs", "a"};
   const auto with = [&](std::string_view word, bool is_gauge) -> std::optional<Unit> {
     if (name.size() <= word.size() || !is_alike(name.substr(name.size() - word.size()), word)) return std::nullopt;
-    std::optional<Unit> unit = listed(name.substr(0, name.size() - word.size()));
+    std::string_view before = name.substr(0, name.size() - word.size());
+    while (before.ends_with('-') || before.ends_with(',') || before.ends_with('.')) before.remove_suffix(1);
+    std::optional<Unit> unit = listed(before);
     if (!unit || unit->quantity != Quantity::pressure) return std::nullopt;
     unit->is_gauge = is_gauge;
     return unit;
@@ -191,8 +236,41 @@ std::optional<Unit> pressure_with_zero(std::string_view name) {
   return std::nullopt;
 }
 
-/// "0.1 mm", "1e-3 m", "1/1000 m": a power of ten before a unit; none where there is no such.
-std::optional<Unit> multiple(std::string_view name) {
+/// A listed unit that may be counted in multiples.
+std::optional<Unit> measure(std::string_view name) {
+  std::optional<Unit> unit = listed(name);
+  if (!unit) unit = pressure_with_zero(name);
+  return unit && unit->quantity < Quantity::raw ? unit : std::nullopt;
+}
+
+bool is_power_of_ten(double factor) {
+  const double power = std::log10(factor);
+  return std::abs(power - std::round(power)) < 1e-9;
+}
+
+/// "mm/10", "mm*100", "mm x 10": values that are so many times those in the unit.
+std::optional<Unit> divided(std::string_view name) {
+  const std::size_t digits = name.find_last_not_of("0123456789") + 1;
+  double times = 0;
+  std::from_chars(name.data() + digits, name.data() + name.size(), times);
+  std::string_view before = name.substr(0, digits);
+  for (const std::string_view sign : {"/", "*", "x", "X", "\u00d7"}) {
+    if (!before.ends_with(sign) || !(times > 1) || !is_power_of_ten(times)) continue;
+    std::optional<Unit> unit = measure(before.substr(0, before.size() - sign.size()));
+    if (unit) unit->factor /= times, unit->is_multiple = true;
+    return unit;
+  }
+  return std::nullopt;
+}
+
+/// "0.1 mm", "0,01 mm", "1e-3 m", "10^-3 m", "1/1000 m", "x100 us": a power of ten before a unit, of a time any number;
+/// none where there is no such.
+std::optional<Unit> multiple(std::string text) {
+  for (const std::string_view sign : {"x", "*", "\u00d7"})
+    if (text.starts_with(sign) && text.size() > sign.size()) text.erase(0, sign.size());
+  if (text.starts_with("10^")) text.replace(0, 3, "1e");
+  if (const std::size_t comma = text.find(','); comma != std::string::npos) text[comma] = '.';
+  const std::string_view name = text;
   double factor = 0;
   const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), factor);
   std::string_view rest = name.substr(static_cast<std::size_t>(end - name.data()));
@@ -204,10 +282,10 @@ std::optional<Unit> multiple(std::string_view name) {
     rest.remove_prefix(static_cast<std::size_t>(stop - rest.data()));
   }
   if (rest.starts_with('*')) rest.remove_prefix(1);
-  const double power = std::log10(factor / under);
-  std::optional<Unit> unit = listed(rest);
-  if (!unit || unit->quantity >= Quantity::raw || std::abs(power - std::round(power)) > 1e-9) return std::nullopt;
+  std::optional<Unit> unit = measure(rest);
+  if (!unit || !(unit->quantity == Quantity::time || is_power_of_ten(factor / under))) return std::nullopt;
   unit->factor *= factor / under;
+  unit->is_multiple = factor != under;
   return unit;
 }
 
@@ -226,6 +304,8 @@ std::optional<Unit> unit_in(std::string_view text) {
   if (name.empty()) return std::nullopt;
   if (const auto unit = listed(name)) return unit;
   if (const auto unit = pressure_with_zero(name)) return unit;
+  if (name == "\"") return listed("in");
+  if (const auto unit = divided(name)) return unit;
   return multiple(name);
 }
 

@@ -14,12 +14,13 @@ struct Unit {
   Quantity quantity;
   double factor;          ///< SI value = factor theirs, gauge pressures above the atmosphere
   bool is_gauge = false;
+  bool is_multiple = false;  ///< a number before or behind it says so many
 };
 
 /// The text without blanks and one pair of brackets around it: "[bar (g)]" is "bar (g)".
 std::string_view without_brackets(std::string_view text);
 
-/// The unit that text stands for: mm, [bar], (V), bar(g), kPa gauge, 0.1 mm, Millimeters; none where it is none.
+/// The unit that text stands for: mm, [bar], (V), bar(g), kPa gauge, 0.1 mm, mm/10, Millimeters; none where it is none.
 std::optional<Unit> unit_in(std::string_view text);
 
 /// "0.5 mm", "3.2V": where the unit begins behind a number; the text's size where it has none.

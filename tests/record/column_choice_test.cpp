@@ -1,0 +1,189 @@
+// Which column is which: by the path before a name, among several of one meaning, by stated units and gauge words.
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include "record/column_guess.hpp"
+#include "record/column_words.hpp"
+#include "record/files.hpp"
+
+using namespace pneuservo;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::vector<ColumnGuess> guesses_of(const std::string& bytes) {
+  const TemporaryFolder folder;
+  return guess_columns(read_table(put_plain(folder.file("f.csv"), bytes)));
+}
+
+/// Of a table with these names, numbers that all move.
+std::vector<std::string> meanings_of(const std::string& names, char separator = ',') {
+  std::string bytes = names + "\n";
+  const auto columns = 1 + std::count(names.begin(), names.end(), separator);
+  for (int row = 0; row < 5; ++row)
+    for (int c = 0; c < columns; ++c)
+      bytes += fmt::format("{}{}", c == 0 ? 0.001 * row : c + 0.1 * row, c + 1 < columns ? separator : '\n');
+  std::vector<std::string> out;
+  for (const ColumnGuess& guess : guesses_of(bytes)) out.push_back(guess.ours);
+  return out;
+}
+
+using Meanings = std::vector<std::string>;
+
+}  // namespace
+
+TEST_CASE("what stands before a name in a path says what kind of value it is") {
+  const auto ours = [](const char* name) {
+    const std::optional<ColumnWord> word = column_word(name);
+    return word ? std::string(word->ours) : "none";
+  };
+  for (const auto& [name, column] :
+       std::vector<std::pair<const char*, std::string>>{{"setpoint.position", "x_ref_m"},
+                                                        {"actual.position", "x_m"},
+                                                        {"ref.x", "x_ref_m"},
+                                                        {"axis/set/position", "x_ref_m"},
+                                                        {"cmd.x", "x_ref_m"},
+                                                        {"field.desired.positions0", "x_ref_m"},
+                                                        {"/ctrl/state/reference/positions", "x_ref_m"},
+                                                        {"/ctrl/state/feedback/positions", "x_m"},
+                                                        {"feedback.desired.position", "x_ref_m"},
+                                                        {"reference.actual.position", "x_m"},
+                                                        {"setpoint.valve.u", "u_V"},
+                                                        {"/axis/state/position", "x_m"},
+                                                        {"axis.id3.position", "x_m"},
+                                                        {"start/time", "t_s"}}) {
+    CAPTURE(name);
+    CHECK(ours(name) == column);
+  }
+  for (const char* name :
+       {"error.x", "velocity/x", "twist.linear.x", "imu.linear_acceleration.x", "wrench.force.x", "wrench.torque.x",
+        "observer/x", "limits.p1", "setpoint.p1", "pilot/pA", "reference.error.x"}) {
+    CAPTURE(name);
+    CHECK(ours(name).empty());
+  }
+}
+
+TEST_CASE("what is computed of a position, or belongs to another part or moment, is none") {
+  for (const char* name :
+       {"x/L", "x^2", "|x|", "x'", "x-x_ref", "p1/p2", "p1-p2", "Start position", "Home position", "x_old", "u_prev",
+        "Brake valve", "Valve shutoff", "Pilot pressure A", "Exhaust pressure B", "Total force", "Initial position"}) {
+    CAPTURE(name);
+    const std::optional<ColumnWord> word = column_word(name);
+    REQUIRE(word);
+    CHECK(word->ours.empty());
+  }
+  for (const auto& [name, column] :
+       std::vector<std::pair<const char*, std::string>>{{"x-Position", "x_m"},
+                                                        {"Soll-Position", "x_ref_m"},
+                                                        {"Time since start", "t_s"},
+                                                        {"total time", "t_s"},
+                                                        {"Wegaufnehmer", "x_m"},
+                                                        {"Betriebsdruck", "p_supply_Pa"},
+                                                        {"Inlet pressure", "p_supply_Pa"}}) {
+    CAPTURE(name);
+    REQUIRE(column_word(name));
+    CHECK(column_word(name)->ours == column);
+  }
+}
+
+TEST_CASE("of several columns with one meaning the one that is measured here is taken") {
+  CHECK(meanings_of("t_s,Axis.Position,Axis.ActualPosition") == Meanings{"t_s", "", "x_m"});
+  CHECK(meanings_of("t_s,model.x,sensor.x") == Meanings{"t_s", "", "x_m"});
+  CHECK(meanings_of("t_s,model.x,model.u") == Meanings{"t_s", "x_m", "u_V"});
+  CHECK(meanings_of("t_s,A1.pos,A1.u,A2.pos,A2.u,A2.pA,A2.pB") ==
+        Meanings{"t_s", "", "", "x_m", "u_V", "p1_port_Pa", "p2_port_Pa"});
+  CHECK(meanings_of("t_s,Axis1 x,Axis1 u,Axis2 u,Axis2 x,Axis2 force") == Meanings{"t_s", "", "", "u_V", "x_m", "F_N"});
+  CHECK(meanings_of("t_s,Position,Weg") == Meanings{"t_s", "x_m", ""});
+  CHECK(meanings_of("t_s,x_m,Actual position [mm]") == Meanings{"t_s", "x_m", ""});
+  const std::vector<ColumnGuess> still =
+      guesses_of("t_s,Stroke [mm],Position [mm],p1 [bar],p1 [bar]\n0,300,1,,5\n0.001,300,2,,6\n0.002,300,3,,7\n");
+  CHECK(still[1].ours.empty());
+  CHECK(still[1].evidence == "as Position [mm], which is taken for x_m");
+  CHECK(still[2].ours == "x_m");
+  CHECK(still[3].ours.empty());
+  CHECK(still[4].ours == "p1_port_Pa");
+  CHECK(still[4].factor == 1e5);
+}
+
+TEST_CASE("ports 2 and 4 of a valve are the cylinder's, and 1 is the supply") {
+  const Meanings ports{"t_s", "p1_port_Pa", "p2_port_Pa", "p_supply_Pa"};
+  CHECK(meanings_of("t_s,p4 [bar],p2 [bar],p1 [bar]") == ports);
+  CHECK(meanings_of("t_s,Port 4 [bar],Port 2 [bar],Port 1 [bar]") == ports);
+  CHECK(meanings_of("t_s,p1 [bar],p2 [bar],p3 [bar],p4 [bar]") == Meanings{"t_s", "p1_port_Pa", "p2_port_Pa", "", ""});
+  CHECK(meanings_of("t_s,p1 [bar],p2 [bar]") == Meanings{"t_s", "p1_port_Pa", "p2_port_Pa"});
+  CHECK(guesses_of("t_s,p4 [bar],p2 [bar]\n0,5,6\n0.001,5,7\n")[1].factor == 1e5);
+}
+
+TEST_CASE("a unit that is stated is read, with its multiple, or asked about") {
+  const auto first = [](const std::string& name) {
+    return guesses_of("t_s;" + name + "\n0;1.5\n0.001;2.5\n0.002;3.5\n")[1];
+  };
+  for (const auto& [name, factor] : std::vector<std::pair<const char*, double>>{{"Position [0,01 mm]", 1e-5},
+                                                                                {"Position [mm/10]", 1e-4},
+                                                                                {"Position [mm*100]", 1e-5},
+                                                                                {"Position [mm x 10]", 1e-4},
+                                                                                {"Position x100 [mm]", 1e-5},
+                                                                                {"Position_x10_mm", 1e-4},
+                                                                                {"Position [?m]", 1e-6},
+                                                                                {"Position [10^-3 mm]", 1e-6},
+                                                                                {"Position 'mm'", 1e-3},
+                                                                                {"Position [Zoll]", 0.0254},
+                                                                                {"Position (mm) [avg]", 1e-3},
+                                                                                {"101 <Position> (mm)", 1e-3},
+                                                                                {"Valve [V*10]", 0.1},
+                                                                                {"Pressure A [bar x10]", 1e4},
+                                                                                {"Pressure A [N/cm2]", 1e4},
+                                                                                {"Pressure A [kN/m\u00b2]", 1e3},
+                                                                                {"Pressure A [lbf/in2]", 6894.757},
+                                                                                {"Pressure A [kp/cm\u00b2]", 98066.5},
+                                                                                {"Pressure A [at]", 98066.5},
+                                                                                {"Pressure A [mmWS]", 9.80665},
+                                                                                {"Pressure A [mH2O]", 9806.65},
+                                                                                {"Pressure A [inH2O]", 249.08891},
+                                                                                {"Pressure A [bar] (2)", 1e5}}) {
+    CAPTURE(name);
+    const ColumnGuess guess = first(name);
+    CHECK_FALSE(guess.ours.empty());
+    CHECK(guess.has_unit);
+    CHECK(guess.factor == Approx(factor));
+  }
+  CHECK_THAT(first("Position [mm*100]").evidence, Contains("1 is taken for 1e-05 in SI"));
+  for (const char* name : {"Position [LU]", "Pressure A [foo]", "Valve [foo]", "Position [inc]", "Position [digits]",
+                           "Valve [digits]", "Pressure A [LSB]", "P1 [W]"}) {
+    CAPTURE(name);
+    CHECK(first(name).ours.empty());
+    CHECK_THAT(first(name).evidence,
+               Contains("no unit that is known: state its factor") || Contains("scale") || Contains("disagree"));
+  }
+  CHECK(first("Valve [\u2030]").factor == Approx(0.1));
+  CHECK(first("Position [filtered]").ours == "x_m");
+  CHECK(first("Position (set)").ours == "x_ref_m");
+  CHECK(first("P1 (2)").ours == "p1_port_Pa");
+  CHECK(guesses_of("Tick [125us];x [mm]\n0;1\n8;2\n16;3\n")[0].factor == Approx(125e-6));
+  CHECK(guesses_of("t (x100us);x [mm]\n0;1\n10;2\n20;3\n")[0].factor == Approx(1e-4));
+}
+
+TEST_CASE("a word for gauge pressure may stand in the name as well as in the unit") {
+  const auto first = [](const std::string& name) {
+    return guesses_of("t_s;" + name + "\n0;1.5\n0.001;2.5\n0.002;3.5\n")[1];
+  };
+  for (const char* name : {"Gauge pressure A [bar]", "Pressure A gauge [bar]", "p1_bar_rel", "p1_bar_g", "p1_rel [bar]",
+                           "\u00dcberdruck A [bar]", "Relativdruck A [bar]", "p1 [bar-g]", "p1 [bar, gauge]"}) {
+    CAPTURE(name);
+    CHECK(first(name).ours == "p1_port_Pa");
+    CHECK(first(name).factor == 1e5);
+    CHECK(first(name).offset == 101325);
+  }
+  for (const char* name : {"Pressure A abs [bar]", "p1_bar_abs", "p1_bar_a"}) {
+    CAPTURE(name);
+    CHECK(first(name).factor == 1e5);
+    CHECK(first(name).offset == 0);
+  }
+  CHECK(first("Pressure A [at\u00fc]").offset == 101325);
+}

@@ -32,7 +32,7 @@ bool is_same(const std::vector<double>& a, const std::vector<double>& b) {
 /// The last word of letters, small: "usec" of "tv_usec".
 std::string last_word(const std::string& name) {
   std::string word;
-  for (const char& c : name) {
+  for (const char c : name) {
     const auto now = static_cast<unsigned char>(c);
     if (std::isalpha(now)) word += static_cast<char>(std::tolower(now));
     else if (&c != &name.back()) word.clear();
@@ -61,7 +61,9 @@ double fraction_s(const std::string& name) {
                                                                        {"nsecs", 1e-9},
                                                                        {"nanosec", 1e-9},
                                                                        {"nanoseconds", 1e-9}}};
-  const std::string word = last_word(name);
+  std::string word = last_word(name);
+  // "Elapsed [ms]" goes on behind a second, what is named a fraction does not.
+  if (name.ends_with(']') && in_small_letters(name).starts_with("frac")) word = last_word(name.substr(0, name.size() - 1));
   const auto at = std::find_if(words.begin(), words.end(), [&](const auto& one) { return one.first == word; });
   return at == words.end() ? 0 : at->second;
 }

@@ -121,6 +121,24 @@ MappedColumns unmapped(CsvTable& table) {
   return {table.names, std::move(table.values), {}, false, is_clock_column(table, "t_s")};
 }
 
+/// Rows between stamps get their times; how many got one, and how many rows with values have none, is told.
+void fill_times(CsvTable& table, MappedColumns& columns) {
+  std::vector<double>& times = columns.values[columns.time()];
+  if (const std::size_t filled = fill_between(times); filled > 0)
+    table.report(0, ProblemKind::interval,
+                 fmt::format("{} of {} rows have no time of their own: they lie evenly between those that have one",
+                             filled, times.size()));
+  std::size_t lost = 0;
+  for (std::size_t row = 0; row < times.size(); ++row)
+    lost += !std::isfinite(times[row]) && std::any_of(columns.values.begin(), columns.values.end(),
+                                                      [&](const auto& of) { return std::isfinite(of[row]); });
+  if (lost > 0 && lost < times.size())
+    table.report(0, ProblemKind::no_time,
+                 fmt::format("{} of {} rows have no time, nor does one follow from the rows beside them: they are not "
+                             "used",
+                             lost, times.size()));
+}
+
 /// Brings the times to seconds, and tells it.
 void take_seconds(CsvTable& table, MappedColumns& columns, double period_s) {
   std::vector<double>& times = columns.values[columns.time()];
@@ -131,6 +149,7 @@ void take_seconds(CsvTable& table, MappedColumns& columns, double period_s) {
   if (const int bits = columns.is_clock ? 0 : pass_wraps(times); bits > 0)
     table.report(0, ProblemKind::interval,
                  fmt::format("t_s is a counter of {} bits that begins again: the time goes on behind it", bits));
+  fill_times(table, columns);
   TimeUnit unit = unit_of_times(times, period_s, columns.is_clock);
   if (columns.has_time_factor && unit.start == 0) return;
   if (columns.has_time_factor) unit.factor = 1;  // stated
@@ -138,7 +157,8 @@ void take_seconds(CsvTable& table, MappedColumns& columns, double period_s) {
   for (double& t : times) t = unit.factor * (t - unit.start);
   const double step = median_step_s(times);
   table.report(0, ProblemKind::interval,
-               fmt::format("t_s holds {}: rows are {:.4g} s apart{}; taken in seconds{}", unit.words, step,
+               fmt::format("t_s holds {}{}{}; taken in seconds{}", unit.words,
+                           std::isfinite(step) ? fmt::format(": rows are {:.4g} s apart", step) : "",
                            std::isfinite(period_s) ? fmt::format(", the loop's period is {:g} s", period_s) : "",
                            unit.start != 0 ? " from the first row on" : ""));
 }
@@ -322,12 +342,11 @@ void refuse_few_stamps(const std::string& path, const std::vector<double>& times
 void mend_times(Recording& run) {
   leave_out_copies(run);
   auto& times = run.column("t_s");
-  if (!spread_rounded(times)) refuse_few_stamps(run.path, times);
-  else
-    run.report(
-        0, ProblemKind::interval,
-        fmt::format("t_s is rounded so far that neighbours are equal: the rows are spread evenly, {:.6g} s apart",
-                    interval_of(times)));
+  if (!spread_rounded(times)) return refuse_few_stamps(run.path, times);
+  const double interval_s = interval_of(times);
+  run.report(0, ProblemKind::interval,
+             fmt::format("t_s is rounded so far that neighbours are equal: the rows are spread evenly{}",
+                         std::isfinite(interval_s) ? fmt::format(", {:.6g} s apart", interval_s) : ""));
 }
 
 }  // namespace
@@ -336,6 +355,25 @@ std::vector<Recording> read_recordings(const std::string& path, const std::optio
                                        double period_s, const std::set<std::string>& wanted) {
   return recordings_in(read_table(path, wanted), imported, period_s);
 }
+
+namespace {
+
+/// Names the column of the times and a field of it.
+std::string no_time_words(const CsvTable& table, const std::optional<ImportParameters>& imported) {
+  const bool is_mapped = imported && imported->columns.contains("t_s");
+  const std::string column = is_mapped ? imported->columns.at("t_s").column : "t_s";
+  const std::string text = fmt::format("column {} holds text such as ", column);
+  std::string found;
+  for (const RecordingProblem& problem : table.problems) {
+    const std::size_t at = problem.sentence.find(text), end = problem.sentence.rfind(", read as no value");
+    if (at != std::string::npos && end != std::string::npos)
+      found = ", found " + problem.sentence.substr(at + text.size(), end - at - text.size());
+  }
+  return fmt::format("{}: no row has a time; expected numbers, dates or times of day in column {}{}", table.path,
+                     column, found);
+}
+
+}  // namespace
 
 std::vector<Recording> recordings_in(CsvTable table, const std::optional<ImportParameters>& imported, double period_s) {
   const bool is_own = !imported && is_own_format(table);
@@ -366,7 +404,7 @@ std::vector<Recording> recordings_in(CsvTable table, const std::optional<ImportP
       run.stated_units = stated_units;
     }
     if (std::none_of(run.t_s().begin(), run.t_s().end(), [](double t) { return std::isfinite(t); }))
-      throw InputError(fmt::format("{}: no row has a time; expected numbers in column t_s", table.path));
+      throw InputError(no_time_words(table, imported));
     take_interval(run, period_s);
     check_times(run);
   }

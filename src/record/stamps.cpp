@@ -69,13 +69,13 @@ bool goes_on(const std::vector<double>& t, std::size_t i, double before) {
 
 /// Adds a turn wherever times go back by one less a step of at most `longest`; how often. Those of a clock are within a
 /// turn, others must be, and each step must go on.
-std::size_t go_on_behind(std::vector<double>& t, double turn, double longest, bool is_clock) {
+std::size_t go_on_behind(std::vector<double>& t, double turn, double longest, bool is_clock, double least = 0) {
   double before = no_value, added = 0;
   std::size_t count = 0;
   for (double& time : t) {
     if (!std::isfinite(time)) continue;
     const double now = time + added, step = now - before;
-    const bool is_within = is_clock || (before - added <= turn && time >= 0 && step + turn > 0);
+    const bool is_within = is_clock || (before - added <= least + turn && time >= least && step + turn > 0);
     if (step < 0 && step + turn < longest && is_within) added += turn, ++count;
     time += added;
     before = time;
@@ -91,13 +91,22 @@ std::vector<std::size_t> groups_of(const std::vector<double>& t) {
   return first;
 }
 
-/// Rows of the whole groups from..to (numbers of groups) on a line through the first and the last.
+/// Rows of the whole groups from..to (numbers of groups) on the line nearest to their first rows: without that of the
+/// first group, which may be cut off at its start.
 void spread(std::vector<double>& t, const std::vector<std::size_t>& group, std::size_t from, std::size_t to,
             std::size_t end_row, double step_s) {
-  const double start = t[group[from]];
-  const auto rows = static_cast<double>(group[to] - group[from]);
-  const double h = to > from ? (t[group[to]] - start) / rows : step_s;
-  for (std::size_t i = group[from]; i < end_row; ++i) t[i] = start + h * static_cast<double>(i - group[from]);
+  const std::size_t first = to > from + 1 ? from + 1 : from;
+  const double origin = t[group[first]], count = static_cast<double>(to - first + 1);
+  const auto row_of = [&](std::size_t i) { return static_cast<double>(i) - static_cast<double>(group[first]); };
+  double mean_row = 0, mean_s = 0, up = 0, down = 0;
+  for (std::size_t g = first; g <= to; ++g)
+    mean_row += row_of(group[g]) / count, mean_s += (t[group[g]] - origin) / count;
+  for (std::size_t g = first; g <= to; ++g) {
+    const double row = row_of(group[g]) - mean_row;
+    up += row * (t[group[g]] - origin - mean_s), down += row * row;
+  }
+  const double h = down > 0 ? up / down : step_s;
+  for (std::size_t i = group[from]; i < end_row; ++i) t[i] = origin + mean_s + h * (row_of(i) - mean_row);
 }
 
 /// Slope of times over row numbers, common to stretches that each have their own start.
@@ -124,6 +133,67 @@ class StampSlope {
   std::vector<double> numbers_{0}, times_s_{0};
   double up_ = 0, down_ = 0;
 };
+
+double middle_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Of stamps that are all rounded to one resolution.
+bool spread_alike(std::vector<double>& t) {
+  const std::vector<std::size_t> group = groups_of(t);
+  if (group.size() < 4 || t.size() < 3 * group.size() / 2) return false;
+  // The first and the last group may be cut off.
+  const double usual = static_cast<double>(group.back() - group[1]) / static_cast<double>(group.size() - 2);
+  std::size_t regular = 0;
+  std::vector<double> steps;
+  for (std::size_t g = 0; g + 1 < group.size(); ++g) {
+    regular += std::abs(static_cast<double>(group[g + 1] - group[g]) - usual) <= 1.0;
+    steps.push_back(t[group[g + 1]] - t[group[g]]);
+  }
+  if (static_cast<double>(regular) < 0.9 * static_cast<double>(group.size() - 1)) return false;
+  const double usual_step = middle_of(steps);
+  std::size_t from = 0;
+  for (std::size_t g = 0; g < group.size(); ++g) {
+    const bool ends = g + 1 == group.size() || steps[g] > 1.5 * usual_step || steps[g] <= 0;
+    if (!ends) continue;
+    spread(t, group, from, g, g + 1 < group.size() ? group[g + 1] : t.size(), usual_step / usual);
+    from = g + 1;
+  }
+  return true;
+}
+
+/// Where the number of digits before the decimal sign changes and equal stamps become at least so much more or less
+/// frequent: of numbers with a fixed count of digits the resolution changes there.
+std::vector<std::size_t> resolution_changes(const std::vector<double>& t) {
+  constexpr double other_size = 2;
+  const auto digits = [](double time) { return time == 0 ? 0.0 : std::floor(std::log10(std::abs(time))); };
+  std::vector<std::size_t> candidates{0};
+  for (std::size_t i = 1; i < t.size(); ++i)
+    if (digits(t[i]) != digits(t[i - 1]) && std::isfinite(t[i])) candidates.push_back(i);
+  candidates.push_back(t.size());
+  const auto rows_a_stamp = [&](std::size_t from, std::size_t end) {
+    std::size_t groups = 1;
+    for (std::size_t i = from + 1; i < end; ++i) groups += t[i] != t[i - 1];
+    return static_cast<double>(end - from) / static_cast<double>(groups);
+  };
+  std::vector<std::size_t> out{0};
+  for (std::size_t c = 1; c + 1 < candidates.size(); ++c) {
+    const double before = rows_a_stamp(out.back(), candidates[c]),
+                 behind = rows_a_stamp(candidates[c], candidates[c + 1]);
+    if (before >= other_size * behind || behind >= other_size * before) out.push_back(candidates[c]);
+  }
+  out.push_back(t.size());
+  return out;
+}
+
+/// Moves rows that were spread evenly, but rounded to the nearest stamp, so far that they go on behind the row before.
+void join_to(double before, std::vector<double>& part, double resolution) {
+  const double shift = before + (part.back() - part.front()) / static_cast<double>(part.size() - 1) - part.front();
+  if (!(std::abs(shift) <= resolution)) return;
+  for (double& time : part) time += shift;
+}
 
 }  // namespace
 
@@ -156,9 +226,12 @@ std::size_t pass_midnights(std::vector<double>& t, bool is_clock) {
 
 int pass_wraps(std::vector<double>& t) {
   const double longest = longest_at_wrap * median_step_s(t);
-  for (const int bits : {16, 32})
+  for (const int bits : {16, 24, 32})
     for (const double unit : {1.0, 1e-3, 1e-6})
-      if (std::ldexp(unit, bits) > 1 && go_on_behind(t, std::ldexp(unit, bits), longest, false) > 0) return bits;
+      for (const double share : {0.0, -0.5}) {  // of the turn, that lies below zero: with a sign half of it
+        const double turn = std::ldexp(unit, bits);
+        if (turn > 1 && go_on_behind(t, turn, longest, false, share * turn) > 0) return bits;
+      }
   return 0;
 }
 
@@ -180,28 +253,46 @@ std::vector<std::size_t> run_starts(const std::vector<double>& t) {
 }
 
 bool spread_rounded(std::vector<double>& t) {
-  const std::vector<std::size_t> group = groups_of(t);
-  if (group.size() < 4 || t.size() < 3 * group.size() / 2) return false;
-  const double usual = static_cast<double>(t.size()) / static_cast<double>(group.size());
-  std::size_t regular = 0;
-  std::vector<double> steps;
-  for (std::size_t g = 0; g + 1 < group.size(); ++g) {
-    regular += std::abs(static_cast<double>(group[g + 1] - group[g]) - usual) <= 1.0;
-    steps.push_back(t[group[g + 1]] - t[group[g]]);
+  const std::vector<std::size_t> ends = resolution_changes(t);
+  if (ends.size() == 2) return spread_alike(t);
+  bool is_any = false;
+  for (std::size_t p = 0; p + 1 < ends.size(); ++p) {
+    const auto begin = t.begin() + static_cast<std::ptrdiff_t>(ends[p]);
+    std::vector<double> part(begin, t.begin() + static_cast<std::ptrdiff_t>(ends[p + 1]));
+    const double resolution = median_step_s(part);
+    if (!spread_alike(part)) continue;
+    if (p > 0) join_to(t[ends[p] - 1], part, resolution);
+    std::copy(part.begin(), part.end(), begin);
+    is_any = true;
   }
-  if (static_cast<double>(regular) < 0.9 * static_cast<double>(group.size() - 1)) return false;
-  std::vector<double> sorted(steps);
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double usual_step = *middle;
-  std::size_t from = 0;
-  for (std::size_t g = 0; g < group.size(); ++g) {
-    const bool ends = g + 1 == group.size() || steps[g] > 1.5 * usual_step || steps[g] <= 0;
-    if (!ends) continue;
-    spread(t, group, from, g, g + 1 < group.size() ? group[g + 1] : t.size(), usual_step / usual);
-    from = g + 1;
+  return is_any;
+}
+
+std::size_t fill_between(std::vector<double>& t) {
+  std::vector<std::size_t> at;
+  for (std::size_t i = 0; i < t.size(); ++i)
+    if (std::isfinite(t[i])) at.push_back(i);
+  if (at.size() < 3 || at.size() == t.size()) return 0;
+  const auto rows_to = [&](std::size_t k) { return static_cast<double>(at[k] - at[k - 1]); };
+  std::vector<double> steps, counts;
+  for (std::size_t k = 1; k < at.size(); ++k)
+    if (t[at[k]] > t[at[k - 1]]) steps.push_back((t[at[k]] - t[at[k - 1]]) / rows_to(k)), counts.push_back(rows_to(k));
+  if (steps.empty()) return 0;
+  const double usual = middle_of(steps), block = middle_of(counts);
+  std::size_t filled = 0;
+  const auto fill = [&](std::size_t from, std::size_t end, std::size_t origin, double step) {
+    const double start = t[origin];
+    for (std::size_t i = from; i < end; ++i, ++filled)
+      t[i] = start + step * (static_cast<double>(i) - static_cast<double>(origin));
+  };
+  for (std::size_t k = 1; k < at.size(); ++k) {
+    const double step = (t[at[k]] - t[at[k - 1]]) / rows_to(k);
+    if (std::abs(step - usual) <= interval_agreement * usual) fill(at[k - 1] + 1, at[k], at[k - 1], step);
   }
-  return true;
+  // Blocks at both ends may be cut off.
+  if (static_cast<double>(at.front()) < block) fill(0, at.front(), at.front(), usual);
+  if (static_cast<double>(t.size() - at.back() - 1) < block) fill(at.back() + 1, t.size(), at.back(), usual);
+  return filled;
 }
 
 double interval_of(const std::vector<double>& t) {

@@ -22,14 +22,19 @@ TimeUnit unit_of_times(const std::vector<double>& stamps, double period_s, bool 
 /// (clock) or, as plain numbers, from within the last of 20 intervals of a day to within its first. How often.
 std::size_t pass_midnights(std::vector<double>& time_s, bool is_clock);
 
-/// Counters of 16 or 32 bits, of seconds to nanoseconds, go on behind their last value as times of day do. Bits of that
+/// Counters of 16, 24 or 32 bits, with a sign or without, of seconds to nanoseconds, go on behind their last value as times of day do. Bits of that
 /// counter; 0: none begins again.
 int pass_wraps(std::vector<double>& time_s);
 
 /// Rows with which a new run begins: the time goes back, and the rows after it go on from there. The first row is one.
 std::vector<std::size_t> run_starts(const std::vector<double>& time_s);
 
-/// Stamps that are rounded so far that several neighbours are equal, spread evenly again; false where they are not.
+/// Rows without a stamp lie evenly between those with one, where each row then takes its usual time; before the first
+/// and behind the last, fewer than a usual block of them go on so. How many got a time.
+std::size_t fill_between(std::vector<double>& time_s);
+
+/// Stamps that are rounded so far that several neighbours are equal, spread evenly again, also where the resolution
+/// changes with the number of digits; false where none are.
 bool spread_rounded(std::vector<double>& time_s);
 
 /// Interval of the rows, which missing rows, jitter and single wrong stamps do not move; NaN where fewer than half of

@@ -115,7 +115,7 @@ class TableReader {
     report_columns();
     if (!is_own_) join_times(table_, dialect_.has_pairs);
     if (!is_own_) add_fractions(table_);
-    if (!is_own_) count_rows(table_, dialect_.style.decimal, missing_rows_);
+    if (!is_own_) count_rows(table_, dialect_.style, missing_rows_);
     report_end();
     if (table_.rows() == 0)
       throw InputError(
@@ -450,10 +450,11 @@ class TableReader {
     double value;
     const std::string& unit = dialect_.value_units[column];
     if (!unit.empty() && field.ends_with(unit)) field = trimmed(field.substr(0, field.size() - unit.size()));
-    if (!number_in(field, dialect_.style.decimal, value)) {
-      if (const std::optional<double> seconds = clock_in(field)) {
+    const std::optional<double> digits_s = is_own_ ? std::nullopt : digits_clock_in(field);
+    if (digits_s || !number_in(field, dialect_.style.decimal, value)) {
+      if (const auto s = digits_s ? digits_s : unreadable_[column].clock.take(field, table_.line_numbers.size())) {
         table_.is_clock[column] = 1;
-        return *seconds;
+        return *s;
       }
       if (takes_other_sign(field, column, line, value)) return value;
       if (const std::size_t remark = is_own_ ? std::string_view::npos : std::min(field.find('#'), field.find("//"));
@@ -524,6 +525,9 @@ class TableReader {
   void report_columns() {
     for (std::size_t c = 0; c < table_.names.size(); ++c) {
       judge_hexadecimal(c);
+      if (const std::string_view order = unreadable_[c].clock.settle(table_.values[c]); !order.empty())
+        table_.report(0, ProblemKind::dialect,
+                      fmt::format("dates of {} are read as {}: so the times go on", table_.names[c], order));
       const Unreadable& text = unreadable_[c];
       const std::string what = fmt::format("{} is \"", table_.names[c]);
       const bool is_text = text.count > 1 && std::none_of(table_.values[c].begin(), table_.values[c].end(),
@@ -580,6 +584,7 @@ class TableReader {
   bool are_no_groups_ = false;  ///< the row that is read has shown it: what was read as groups before is to be divided
   struct Unreadable {
     std::size_t count = 0;
+    ClockColumn clock;
     std::string first;
     bool has_groups = false, has_own_decimals = false;  ///< by the sign that is not the rows' decimal one
     std::vector<std::size_t> hexadecimal;  ///< rows whose field is so

@@ -5,17 +5,20 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <map>
 #include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "config/input_error.hpp"
 #include "record/column_guess.hpp"
 #include "record/column_words.hpp"
-#include "record/field_text.hpp"
+#include "record/stated_interval.hpp"
+#include "record/time_parts.hpp"
 #include "record/timed_groups.hpp"
-#include "record/units.hpp"
 
 namespace pneuservo {
 
@@ -39,7 +42,9 @@ std::string last_word(const std::string& name) {
 
 /// Seconds of one count of a column of fractions, by the last word of its name; 0: of none.
 double fraction_s(const std::string& name) {
-  constexpr std::array<std::pair<std::string_view, double>, 17> words{{{"ms", 1e-3},
+  constexpr std::array<std::pair<std::string_view, double>, 19> words{{{"fraction", 1},
+                                                                       {"frac", 1},
+                                                                       {"ms", 1e-3},
                                                                        {"msec", 1e-3},
                                                                        {"msecs", 1e-3},
                                                                        {"millis", 1e-3},
@@ -56,9 +61,18 @@ double fraction_s(const std::string& name) {
                                                                        {"nsecs", 1e-9},
                                                                        {"nanosec", 1e-9},
                                                                        {"nanoseconds", 1e-9}}};
-  const std::string word = last_word(name);
+  std::string word = last_word(name);
+  // "Elapsed [ms]" goes on behind a second, what is named a fraction does not.
+  if (name.ends_with(']') && in_small_letters(name).starts_with("frac")) word = last_word(name.substr(0, name.size() - 1));
   const auto at = std::find_if(words.begin(), words.end(), [&](const auto& one) { return one.first == word; });
   return at == words.end() ? 0 : at->second;
+}
+
+/// "x [m]": "x".
+std::string_view without_unit(std::string_view name) {
+  const std::size_t open = name.find_first_of("[(");
+  const bool is_number = open + 1 < name.size() && std::isdigit(static_cast<unsigned char>(name[open + 1])) != 0;
+  return is_number ? name : trimmed(name.substr(0, std::min(open, name.size())));
 }
 
 bool is_time(const std::string& name) {
@@ -68,110 +82,15 @@ bool is_time(const std::string& name) {
 
 /// Of a name that says nothing else than a time, or is one word that is not known: "Millitm".
 bool may_be_fraction(const std::string& name) {
+  if (const double whole_s = fraction_s(std::string(without_unit(name))); whole_s == 1) return true;
   if (column_word(name)) return is_time(name);
-  return std::all_of(name.begin(), name.end(), [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; });
-}
-
-bool counts_seconds(const CsvTable& table, std::size_t column) {
-  constexpr std::array<std::string_view, 5> words{"s", "sec", "secs", "second", "seconds"};
-  const std::string word = last_word(table.names[column]);
-  return table.is_clock[column] != 0 ||
-         (std::find(words.begin(), words.end(), word) != words.end() && is_time(table.names[column]));
+  const std::string_view word = without_unit(name);
+  return std::all_of(word.begin(), word.end(), [](char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; });
 }
 
 bool are_whole(const std::vector<double>& values, double least, double most) {
   return std::all_of(values.begin(), values.end(),
                      [&](double v) { return std::isnan(v) || (v == std::round(v) && v >= least && v <= most); });
-}
-
-struct StatedInterval {
-  double interval_s = 0;
-  std::string line;
-};
-
-/// The first number of the text, with the rows' decimal sign or a point; `text` begins behind it. 0: none.
-double take_first_number(std::string_view& text, char decimal) {
-  const std::string_view rest = text.substr(std::min(text.find_first_of("0123456789"), text.size()));
-  for (const char sign : {decimal, '.'}) {
-    std::size_t end = std::min(rest.find_first_not_of(std::string("0123456789eE+-") + sign), rest.size());
-    while (end > 0 && !std::isdigit(static_cast<unsigned char>(rest[end - 1]))) --end;
-    const std::string_view number = rest.substr(0, end);
-    double value = 0;
-    if (!number_in(number, sign, value) || value <= 0) continue;
-    text = rest.substr(end);
-    return value;
-  }
-  return 0;
-}
-
-/// Seconds or hertz of the text's first number, by the unit behind it or in brackets before; 0: none.
-double first_quantity(std::string_view text, bool is_rate, char decimal) {
-  constexpr std::array<std::pair<std::string_view, double>, 13> rates{{{"mhz", 1e6},
-                                                                       {"khz", 1e3},
-                                                                       {"hz", 1},
-                                                                       {"ms/s", 1e6},
-                                                                       {"ks/s", 1e3},
-                                                                       {"s/s", 1},
-                                                                       {"1/s", 1},
-                                                                       {"sps", 1},
-                                                                       {"ksps", 1e3},
-                                                                       {"msa/s", 1e6},
-                                                                       {"ksa/s", 1e3},
-                                                                       {"sa/s", 1},
-                                                                       {"samples/s", 1}}};
-  const std::size_t open = text.find_first_of("[("), close = text.find_first_of("])");
-  const std::string_view before = open < close && close < text.size() ? text.substr(open, close + 1 - open) : "";
-  const double value = take_first_number(text, decimal);
-  text = trimmed(text);
-  const std::string_view behind = text.substr(0, std::min(text.find_first_of(" \t,;\"])"), text.size()));
-  for (const std::string_view unit : {behind, without_brackets(before)}) {
-    const std::string name = in_small_letters(unit);
-    const auto rate = std::find_if(rates.begin(), rates.end(), [&](const auto& one) { return one.first == name; });
-    if (rate != rates.end()) return is_rate ? rate->second * value : 0;
-    if (const auto time = unit_in(unit); time && time->quantity == Quantity::time)
-      return is_rate ? 0 : time->factor * value;
-  }
-  const bool is_next_number = !behind.empty() && std::isdigit(static_cast<unsigned char>(behind.front())) != 0;
-  return (behind.empty() || is_next_number) && before.empty() ? value : 0;
-}
-
-/// What a line such as "Sample rate: 1000 Hz", "Delta_X 0.001" or "Abtastintervall;1 ms" says; none where no line does.
-std::optional<StatedInterval> stated_interval(const std::string& comments, char decimal) {
-  constexpr std::array<std::string_view, 17> intervals{
-      "sampleinterval", "samplinginterval", "sampleperiod", "samplingperiod", "sampletime",      "samplingtime",
-      "deltax",         "deltat",           "dt",           "wfdelta",        "abtastintervall", "abtastzeit",
-      "interval",       "hresolution",      "xincrement",   "timestep",       "increment"};
-  constexpr std::array<std::string_view, 8> rates{
-      "samplerate",     "samplingrate", "samplingfrequency", "samplefrequency", "abtastrate",
-      "abtastfrequenz", "fs",           "messrate"};
-  const auto has = [](const auto& words, const std::string& word) {
-    return std::find(words.begin(), words.end(), word) != words.end();
-  };
-  for (std::string_view rest = comments; !rest.empty();) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    const std::string_view line = trimmed(rest.substr(0, end));
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-    std::string label;
-    for (const char c : line.substr(0, line.find_first_of("0123456789:=;,\t[(")))
-      if (std::isalpha(static_cast<unsigned char>(c))) label += c;
-    label = in_small_letters(label);
-    const bool is_rate = has(rates, label);
-    if (!is_rate && !has(intervals, label)) continue;
-    const double value = first_quantity(line, is_rate, decimal);
-    if (value > 0) return StatedInterval{is_rate ? 1 / value : value, shown(line)};
-  }
-  return std::nullopt;
-}
-
-}  // namespace
-
-namespace {
-
-/// "x [m]": "x".
-std::string_view without_unit(std::string_view name) {
-  const std::size_t open = name.find_first_of("[(");
-  const bool is_number = open + 1 < name.size() && std::isdigit(static_cast<unsigned char>(name[open + 1])) != 0;
-  return is_number ? name : trimmed(name.substr(0, std::min(open, name.size())));
 }
 
 /// "t3 [s]" and "t1 [s]", "Time (2)" and "Time", "Time A" and "Time B": the same but for the number or letter.
@@ -284,6 +203,15 @@ std::vector<TimedGroup> groups_of(CsvTable& table, const std::vector<TimeColumn>
   return out;
 }
 
+bool counts_seconds(const CsvTable& table, std::size_t column) {
+  constexpr double least_s = 3e8, most_s = 3.3e9;  // since 1970: 1979 to 2074
+  constexpr std::array<std::string_view, 5> words{"s", "sec", "secs", "second", "seconds"};
+  const std::string word = last_word(table.names[column]);
+  return table.is_clock[column] != 0 ||
+         (std::find(words.begin(), words.end(), word) != words.end() && is_time(table.names[column])) ||
+         ((is_time(table.names[column]) || word == "epoch") && are_whole(table.values[column], least_s, most_s));
+}
+
 }  // namespace
 
 void join_times(CsvTable& table, bool has_pairs) {
@@ -315,6 +243,10 @@ int steps_back(const std::vector<double>& times) {
     last = time;
   }
   return count;
+}
+
+bool are_below_one(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return std::isnan(v) || (v >= 0 && v < 1); });
 }
 
 /// A new column t_s, still empty.
@@ -354,20 +286,25 @@ bool sum_intervals(CsvTable& table, const std::vector<MissingRows>& missing) {
 }  // namespace
 
 void add_fractions(CsvTable& table) {
+  read_digits_of_day(table);
+  join_time_parts(table);
   constexpr double any = std::numeric_limits<double>::infinity();
   for (std::size_t c = 0; c < table.names.size(); ++c)
     for (std::size_t f = 0; f < table.names.size(); ++f) {
       const double count_s = fraction_s(table.names[f]);
       if (f == c || count_s == 0 || !may_be_fraction(table.names[f]) || !counts_seconds(table, c)) continue;
-      if (!are_whole(table.values[f], 0, std::round(1 / count_s) - 1) || !are_whole(table.values[c], -any, any))
-        continue;
+      const bool is_fraction =
+          count_s == 1 ? are_below_one(table.values[f]) : are_whole(table.values[f], 0, std::round(1 / count_s) - 1);
+      if (!is_fraction || !are_whole(table.values[c], -any, any)) continue;
       std::vector<double> joined = table.values[c];
       for (std::size_t i = 0; i < joined.size(); ++i) joined[i] += count_s * table.values[f][i];
       if (known_in(joined) < known_in(table.values[c]) || steps_back(joined) > steps_back(table.values[c])) continue;
       table.values[c] = std::move(joined);
+      if (last_word(table.names[c]) == "epoch") table.is_clock[c] = 1;
       table.report(0, ProblemKind::dialect,
                    fmt::format("column {} is taken for the {} of {}", table.names[f],
-                               count_s > 1e-4   ? "milliseconds"
+                               count_s == 1     ? "fractions of a second"
+                               : count_s > 1e-4 ? "milliseconds"
                                : count_s > 1e-7 ? "microseconds"
                                                 : "nanoseconds",
                                table.names[c]));
@@ -375,24 +312,97 @@ void add_fractions(CsvTable& table) {
     }
 }
 
-void count_rows(CsvTable& table, char decimal, const std::vector<MissingRows>& missing) {
-  const std::vector<ColumnGuess> guesses = guess_columns(table);
-  for (std::size_t c = 0; c < guesses.size(); ++c)
-    if ((table.is_clock[c] != 0 || guesses[c].ours == "t_s") && known_in(table.values[c]) > 0) return;
-  if (std::find(table.names.begin(), table.names.end(), "t_s") != table.names.end() || sum_intervals(table, missing))
-    return;
-  const std::optional<StatedInterval> stated = stated_interval(table.comments, decimal);
-  if (!stated) return;
-  add_times(table);
+namespace {
+
+/// Channels that are counted at intervals or from starts of their own, those of one rate together. `row` of each line.
+std::vector<TimedGroup> counted_groups(CsvTable& table, const std::vector<std::size_t>& channels,
+                                       const StatedInterval& stated, const std::vector<double>& row) {
+  std::map<std::pair<double, double>, TimedGroup> groups;
+  for (std::size_t k = 0; k < channels.size(); ++k) {
+    const double interval_s = stated.intervals_s[stated.intervals_s.size() == 1 ? 0 : k];
+    const double start_s = stated.starts_s.size() == channels.size() ? stated.starts_s[k] : 0;
+    TimedGroup& group = groups[{interval_s, start_s}];
+    group.names.push_back(table.names[channels[k]]);
+    group.units.push_back(table.units[channels[k]]);
+    group.values.push_back(std::move(table.values[channels[k]]));
+  }
+  std::vector<TimedGroup> out;
+  for (auto& [key, group] : groups) {
+    std::size_t rows = 0;
+    for (const auto& values : group.values)
+      for (std::size_t i = rows; i < values.size(); ++i)
+        if (std::isfinite(values[i])) rows = i + 1;
+    for (auto& values : group.values) values.resize(rows);
+    for (std::size_t i = 0; i < rows; ++i) group.times.push_back(key.second + key.first * row[i]);
+    group.lines.assign(table.line_numbers.begin(), table.line_numbers.begin() + static_cast<std::ptrdiff_t>(rows));
+    out.push_back(std::move(group));
+  }
+  return out;
+}
+
+/// Whether the head states intervals or starts that differ; throws InputError where it is not one for each channel.
+bool differ_by_channel(const CsvTable& table, std::size_t channels, const StatedInterval& stated) {
+  const auto differ = [](const std::vector<double>& of) {
+    return std::adjacent_find(of.begin(), of.end(), std::not_equal_to<>()) != of.end();
+  };
+  const bool have_rates = differ(stated.intervals_s), have_starts = differ(stated.starts_s);
+  if ((have_rates && stated.intervals_s.size() != channels) || (have_starts && stated.starts_s.size() != channels))
+    throw InputError(
+        fmt::format("{}: the head states {} intervals that differ (\"{}\"), expected one for each of the {} "
+                    "columns with values; write the columns of each rate to a file of its own, or give "
+                    "each a column of times",
+                    table.path, std::max(stated.intervals_s.size(), stated.starts_s.size()), stated.line, channels));
+  return have_rates || have_starts;
+}
+
+/// Numbers of the rows, the missing ones counted.
+std::vector<double> row_numbers(const CsvTable& table, const std::vector<MissingRows>& missing) {
+  std::vector<double> out;
   long long row = 0;
   auto next = missing.begin();
   for (std::size_t i = 0; i < table.line_numbers.size(); ++i, ++row) {
     for (; next != missing.end() && next->before <= i; ++next) row += i > 0 ? next->count : 0;
-    table.values.back().push_back(stated->interval_s * static_cast<double>(row));
+    out.push_back(static_cast<double>(row));
   }
+  return out;
+}
+
+}  // namespace
+
+void count_rows(CsvTable& table, const FieldStyle& style, const std::vector<MissingRows>& missing) {
+  const std::vector<ColumnGuess> guesses = guess_columns(table);
+  std::size_t empty_time = table.names.size();
+  std::vector<std::size_t> channels;
+  for (std::size_t c = 0; c < guesses.size(); ++c) {
+    const bool has_values = known_in(table.values[c]) > 0, is_time = table.is_clock[c] != 0 || guesses[c].ours == "t_s";
+    if (is_time && has_values) return;
+    if (is_time) empty_time = c;
+    if (has_values) channels.push_back(c);
+  }
+  const bool is_named_ours = std::find(table.names.begin(), table.names.end(), "t_s") != table.names.end();
+  if (is_named_ours || sum_intervals(table, missing)) return;
+  const std::optional<StatedInterval> stated = stated_interval(table, style);
+  if (!stated) return;
+  const std::vector<double> row = row_numbers(table, missing);
+  if (differ_by_channel(table, channels.size(), *stated)) {
+    table.report(0, ProblemKind::dialect,
+                 fmt::format("no column holds times: the rows of each column are counted at its own interval by \"{}\" "
+                             "in the head{}",
+                             stated->line, stated->starts_s.empty() ? "" : ", from its own start by X0"));
+    std::vector<TimedGroup> groups = counted_groups(table, channels, *stated, row);
+    table.names.front() = "t_s", table.units.front().clear(), table.is_clock.front() = 0;
+    return join_groups(table, std::move(groups));
+  }
+  const double interval_s = stated->intervals_s.front();
+  if (empty_time < table.names.size()) {
+    const std::string empty = table.names[empty_time];
+    table.keep_columns([&](const std::string& name) { return name != empty; });
+  }
+  add_times(table);
+  for (const double number : row) table.values.back().push_back(interval_s * number);
   table.report(0, ProblemKind::dialect,
                fmt::format("no column holds times: rows are counted as t_s, {:g} s apart by \"{}\" in the head",
-                           stated->interval_s, stated->line));
+                           interval_s, stated->line));
 }
 
 }  // namespace pneuservo

@@ -1,5 +1,6 @@
 // Times that stand in more than one column of a table.
 #pragma once
+#include "record/field_text.hpp"
 #include "record/table.hpp"
 
 namespace pneuservo {
@@ -8,7 +9,8 @@ namespace pneuservo {
 /// has_pairs: every second column is known to be that of the times.
 void join_times(CsvTable& table, bool has_pairs);
 
-/// Milli-, micro- or nanoseconds in a column of their own are added to times that are whole seconds.
+/// Fractions, milli-, micro- or nanoseconds in a column of their own are added to times that are whole seconds; so are
+/// hours, minutes and seconds (record/time_parts.hpp).
 void add_fractions(CsvTable& table);
 
 /// So many rows before one of the table are not in it.
@@ -18,7 +20,8 @@ struct MissingRows {
 };
 
 /// Where no column holds times, but the head states an interval or a rate, rows are counted in a column t_s, the
-/// missing ones too. decimal: of the rows.
-void count_rows(CsvTable& table, char decimal, const std::vector<MissingRows>& missing);
+/// missing ones too; those of columns at rates or from starts of their own are brought to one table. Throws InputError
+/// where the head states rates that differ for another number of columns. style: of the rows.
+void count_rows(CsvTable& table, const FieldStyle& style, const std::vector<MissingRows>& missing);
 
 }  // namespace pneuservo

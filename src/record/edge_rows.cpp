@@ -46,9 +46,9 @@ std::size_t EdgeRows::leave_out(CsvTable& table) const {
   if (front > most_edge_rows) front = 0;
   if (back > most_edge_rows) back = 0;
   const auto tell = [&](std::size_t row, std::string_view place) {
-    table.report(table.line_numbers[row], ProblemKind::dialect,
-                 fmt::format("the numbers have other decimals than those of the rows: a line {} the rows, not used",
-                             place));
+    table.report(
+        table.line_numbers[row], ProblemKind::dialect,
+        fmt::format("the numbers have other decimals than those of the rows: a line {} the rows, not used", place));
   };
   for (std::size_t i = 0; i < front; ++i) {
     if (may_be_factors(table, i)) refuse_factors(table.path, table.line_numbers[i]);

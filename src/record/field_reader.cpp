@@ -128,9 +128,9 @@ double FieldReader::refuse(std::string_view field, std::size_t column, std::size
   Column& text = columns_[column];
   if (text.unreadable++ == 0) text.first_unreadable = shown(field);
   if (text.unreadable <= most_told)
-    table_.report(line, ProblemKind::unreadable_field,
-                  fmt::format("{} is \"{}\", which is no number; it is read as no value", table_.names[column],
-                              shown(field)));
+    table_.report(
+        line, ProblemKind::unreadable_field,
+        fmt::format("{} is \"{}\", which is no number; it is read as no value", table_.names[column], shown(field)));
   return no_value;
 }
 
@@ -142,8 +142,7 @@ bool FieldReader::takes_other_sign(std::string_view field, std::size_t column, s
   if (!dialect_.style.has_groups || field.find(sign) == std::string_view::npos) return false;
   const bool is_group = !shows_other_decimals_ && number_with_groups(field, decimal, value);
   if (!is_group && !number_in(field, sign, value)) return false;
-  if (is_group && std::count(field.begin(), field.end(), sign) == 1)
-    text.grouped.push_back(table_.line_numbers.size());
+  if (is_group && std::count(field.begin(), field.end(), sign) == 1) text.grouped.push_back(table_.line_numbers.size());
   are_no_groups_ = are_no_groups_ || (!is_group && !shows_other_decimals_);
   shows_other_decimals_ = shows_other_decimals_ || !is_group;
   tell_once(is_group ? text.has_groups : text.has_own_decimals, column, line, field,
@@ -192,7 +191,8 @@ void FieldReader::judge_hexadecimal(std::size_t column) {
   std::size_t next = 0, others = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (next < text.hexadecimal.size() && text.hexadecimal[next] == i) ++next;
-    else others += std::isfinite(values[i]) && !(values[i] >= 0 && values[i] < 10 && values[i] == std::round(values[i]));
+    else
+      others += std::isfinite(values[i]) && !(values[i] >= 0 && values[i] < 10 && values[i] == std::round(values[i]));
   }
   if (others == 0)
     return table_.report(0, ProblemKind::dialect,
@@ -208,8 +208,8 @@ void FieldReader::judge_text(std::size_t column) {
   const Column& text = columns_[column];
   const std::vector<double>& values = table_.values[column];
   const std::string what = fmt::format("{} is \"", table_.names[column]);
-  const bool is_text = text.unreadable > 1 && std::none_of(values.begin(), values.end(),
-                                                           [](double value) { return std::isfinite(value); });
+  const bool is_text = text.unreadable > 1 &&
+                       std::none_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
   if (is_text)
     std::erase_if(table_.problems, [&](const RecordingProblem& problem) {
       return problem.kind == ProblemKind::unreadable_field && problem.sentence.find(what) != std::string::npos;

@@ -108,6 +108,7 @@ HeadLine judge_head_line(std::vector<std::string>& here, const std::string& line
     std::vector<std::string> joined = names_with_blanks(line, fields);
     if (joined.size() == fields) here = std::move(joined);
   }
+  if (here.size() == 2 && here[1] == "*" && is_value(here[0], style)) return HeadLine::stated;  // a factor of all
   std::size_t filled = 0;
   for (const std::string& field : here) filled += !field.empty();
   if (filled > 0 && is_ruled(here)) return HeadLine::ruled;
@@ -136,10 +137,12 @@ std::string common_label(const std::vector<std::string>& fields) {
 }
 
 bool states_factors(const std::vector<std::string>& fields, const FieldStyle& style, std::size_t columns) {
-  constexpr std::array<std::string_view, 13> factors{"scale",      "scaling", "scale factor",      "scalefactor", "factor",
-                                                     "multiplier", "gain",    "conversion factor", "conversion",  "slope",
-                                                     "faktor",     "skalierung", "skalierungsfaktor"};
+  constexpr std::array<std::string_view, 13> factors{
+      "scale",      "scaling",    "scale factor",      "scalefactor", "factor",
+      "multiplier", "gain",       "conversion factor", "conversion",  "slope",
+      "faktor",     "skalierung", "skalierungsfaktor"};
   if (fields.size() < 2 || fields.size() + 1 < columns) return false;
+  if (fields.size() > 2 && fields[0] == fields[2]) return false;  // of pairs, whose export has them applied
   std::string label = in_small_letters(fields[0]);
   if (label.ends_with(':')) label.pop_back();
   const bool is_offset = label == "offset";

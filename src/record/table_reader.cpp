@@ -420,14 +420,18 @@ class TableReader {
 
   /// Whether the fields are names: two of them known, or the first one where no field is a number.
   bool are_names() const {
-    if (is_own_ || fields_.empty() || fields_.front().empty()) return false;  // a blank line between blanks has no field
+    if (is_own_ || fields_.empty() || fields_.front().empty())
+      return false;  // a blank line between blanks has no field
     std::size_t known = 0, meant = 0;
     const bool is_first_known = known_names_.contains(fields_.front());
     for (const std::string_view field : fields_) known += !field.empty() && known_names_.contains(field);
     if (known >= 2) return true;
     if (fields_.size() < 2 || holds_value()) return false;
     if (fields_.size() == field_count_ && !is_first_known)
-      for (const std::string_view field : fields_) meant += !meaning_of(std::string(field)).empty();
+      for (const std::string_view field : fields_) {
+        if (std::count(fields_.begin(), fields_.end(), field) > 1) return false;  // of a head: "X_Dimension,Time,Time"
+        meant += !meaning_of(std::string(field)).empty();
+      }
     return is_first_known || meant >= 2;
   }
 
@@ -478,6 +482,7 @@ class TableReader {
 
   void refuse_single_fields() const {
     if (is_own_ || table_.names.size() != 1 || table_.rows() == 0) return;
+    if (table_.names[0].find_first_of(",;|\t ") != std::string::npos) return;
     const std::vector<double>& values = table_.values[0];
     if (std::any_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); })) return;
     throw InputError(fmt::format("{}, line {}: found one field in each line, the first being \"{}\"; expected fields "

@@ -5,15 +5,17 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "record/clock_text.hpp"
 #include "record/column_guess.hpp"
+#include "record/head_line.hpp"
+#include "record/line_facts.hpp"
 #include "record/units.hpp"
 
 namespace pneuservo {
@@ -31,137 +33,6 @@ constexpr std::array<FieldStyle, 10> styles{{{',', '.', false},
                                              {' ', '.', false},
                                              {' ', ',', false},
                                              {',', ',', false}}};  // in quotes
-
-/// What a line holds in a style.
-struct LineFacts {
-  std::size_t fields = 0, numbers = 0, empty = 0, filled = 0;  ///< filled: without empty ones at the end
-  std::vector<char> is_text;  ///< of each field
-  bool has_decimals = false;  ///< a number shows the decimal sign
-  bool has_label() const { return !is_text.empty() && is_text.front() != 0; }
-  /// More than half numbers or gaps, or two numbers of which one is the first.
-  bool is_row() const { return numbers > 0 && (2 * (numbers + empty) > fields || (numbers > 1 && !has_label())); }
-};
-
-bool is_value(std::string_view field, const FieldStyle& style) {
-  double value = 0;
-  return number_in(field, style.decimal, value) || clock_in(field) || hexadecimal_in(field, value) ||
-         number_in(trimmed(field.substr(0, unit_start(field))), style.decimal, value) ||
-         (style.has_groups && number_with_groups(field, style.decimal, value));
-}
-
-LineFacts facts_of(std::string_view line, const FieldStyle& style) {
-  std::vector<std::string_view> fields;
-  split_fields(line, style, fields);
-  LineFacts facts;
-  facts.fields = fields.size();
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    const bool is_number = is_value(fields[i], style);
-    facts.empty += fields[i].empty();
-    facts.numbers += is_number;
-    double value = 0;
-    facts.has_decimals = facts.has_decimals || (fields[i].find(style.decimal) != std::string_view::npos &&
-                                                number_in(fields[i], style.decimal, value));
-    facts.is_text.push_back(!is_number && !fields[i].empty());
-    if (!fields[i].empty()) facts.filled = i + 1;
-  }
-  return facts;
-}
-
-/// The number of fields that most rows have; 0 where there is no row.
-std::size_t usual_fields(const std::vector<LineFacts>& facts) {
-  std::map<std::size_t, std::size_t> counts;
-  for (const LineFacts& line : facts)
-    if (line.is_row()) ++counts[line.fields];
-  std::size_t usual = 0, most = 0;
-  for (const auto& [fields, count] : counts)
-    if (count >= most) usual = fields, most = count;
-  return usual;
-}
-
-/// Empty fields at the ends of rows that have more of them than others are none: "1,2,," and "1,2," beside "1,2".
-void even_ends(std::vector<LineFacts>& facts) {
-  std::size_t most = 0, fewest = std::numeric_limits<std::size_t>::max();
-  for (const LineFacts& line : facts) {
-    if (!line.is_row()) continue;
-    most = std::max(most, line.filled);
-    fewest = std::min(fewest, line.fields);
-  }
-  for (LineFacts& line : facts) {
-    if (!line.is_row() || line.fields <= most || fewest > most) continue;
-    line.empty -= line.fields - most;
-    line.fields = most;
-    line.is_text.resize(most);
-  }
-}
-
-std::vector<LineFacts> all_facts(const std::vector<std::string>& lines, const FieldStyle& style) {
-  std::vector<LineFacts> facts;
-  facts.reserve(lines.size());
-  for (const std::string& line : lines) facts.push_back(facts_of(line, style));
-  even_ends(facts);
-  return facts;
-}
-
-/// The first row: of the usual number of fields, and labelled as most rows are, for lines of a logger's head such as
-/// "Samples,3000,3000" look like rows else. The lines' number where there is none.
-std::size_t first_row(const std::vector<LineFacts>& facts, std::size_t fields) {
-  std::size_t labelled = 0, rows = 0;
-  for (const LineFacts& line : facts)
-    if (line.is_row() && line.fields == fields) labelled += line.has_label(), ++rows;
-  const auto at = std::find_if(facts.begin(), facts.end(), [&](const LineFacts& line) {
-    return line.is_row() && line.fields == fields && (!line.has_label() || 2 * labelled > rows);
-  });
-  return static_cast<std::size_t>(at - facts.begin());
-}
-
-/// Of the rows, fields that are numbers less what is neither number nor empty: cutting at the wrong place makes both.
-/// Ties are decided by a line above with as many fields, or one right above with more, which names them, then by fewer
-/// columns of text.
-double score(const std::vector<LineFacts>& facts, char separator) {
-  constexpr double stray_cost = 2, text_cost = 1e-6, names_gain = 0.5;
-  const std::size_t usual = usual_fields(facts);
-  std::vector<double> text(usual);
-  const std::size_t first = first_row(facts, usual);
-  double rows = 0, sum = 0;
-  for (std::size_t i = first; i < facts.size(); ++i) {
-    const LineFacts& line = facts[i];
-    if (!line.is_row() || line.fields != usual) continue;
-    ++rows;
-    sum += static_cast<double>(line.numbers);
-    for (std::size_t c = 0; c < usual; ++c) text[c] += line.is_text[c];
-  }
-  const bool is_longer_above =
-      separator != ' ' && usual > 1 && first > 0 && facts[first - 1].numbers == 0 && facts[first - 1].fields > usual;
-  const bool is_named = std::any_of(facts.begin(), facts.begin() + static_cast<std::ptrdiff_t>(first),
-                                    [&](const LineFacts& line) { return line.fields == usual; });
-  sum += is_named || is_longer_above ? names_gain : 0;
-  for (const double count : text) sum -= (2 * count > rows ? text_cost : stray_cost) * count;
-  return sum;
-}
-
-/// Whether rows hold values alone: dates of several words between tabs would be cut into more numbers by blanks.
-bool are_values_alone(const std::vector<LineFacts>& facts) {
-  const std::size_t usual = usual_fields(facts);
-  return usual > 1 && std::all_of(facts.begin(), facts.end(), [&](const LineFacts& line) {
-           return !line.is_row() || line.fields != usual ||
-                  std::find(line.is_text.begin(), line.is_text.end(), 1) == line.is_text.end();
-         });
-}
-
-std::vector<std::string> names_in(const std::string& line, const FieldStyle& style) {
-  std::vector<std::string_view> fields;
-  split_fields(line, {style.separator, style.decimal, false}, fields);
-  return {fields.begin(), fields.end()};
-}
-
-bool is_units_row(const std::vector<std::string>& fields) {
-  std::size_t known = 0, filled = 0;
-  for (const std::string& field : fields) {
-    filled += !field.empty();
-    known += !field.empty() && unit_in(field).has_value();
-  }
-  return filled > 0 && 2 * known > filled;
-}
 
 /// Whether the first field of every row counts them up by one.
 bool counts_rows(const std::vector<std::string>& lines, std::size_t first, const FieldStyle& style) {
@@ -200,47 +71,6 @@ bool all_end_with(const std::vector<std::string>& lines, std::size_t first, char
          });
 }
 
-/// "double,double,int", "f8,f8,u16": what some exports write below the names.
-bool is_types_row(const std::vector<std::string>& fields) {
-  constexpr std::array<std::string_view, 23> types{"double",  "float",   "single", "int",    "uint",  "sint",
-                                                   "usint",   "dint",    "udint",  "lint",   "ulint", "integer",
-                                                   "real",    "lreal",   "bool",   "byte",   "word",  "dword",
-                                                   "numeric", "boolean", "string", "number", "long"};
-  constexpr std::string_view letters_with_size = "fiub";  // f8, u16
-  std::size_t filled = 0;
-  for (const std::string& field : fields) {
-    std::string letters = in_small_letters(field);
-    while (!letters.empty() && std::isdigit(static_cast<unsigned char>(letters.back())) != 0) letters.pop_back();
-    const bool is_sized = letters.size() == 1 && letters.size() < field.size() &&
-                          letters_with_size.find(letters) != std::string_view::npos;
-    if (!field.empty() && !is_sized && std::find(types.begin(), types.end(), letters) == types.end()) return false;
-    filled += !field.empty();
-  }
-  return filled > 0;
-}
-
-/// "-----|-----" and the like: drawn, not written.
-bool is_ruled(const std::vector<std::string>& fields) {
-  return std::all_of(fields.begin(), fields.end(),
-                     [](const std::string& field) { return field.find_first_not_of("-=+:_") == std::string::npos; });
-}
-
-/// Units of the times of several columns, such as "HUnit,s,s": not those of their values.
-bool are_all_times(const std::vector<std::string>& fields) {
-  std::size_t times = 0, others = 0;
-  for (const std::string& field : fields)
-    if (const std::optional<Unit> unit = unit_in(field)) ++(unit->quantity == Quantity::time ? times : others);
-  return times > 1 && others == 0 && is_units_row(fields);
-}
-
-/// "length=3000", "Serno: 2", "sample rate = 1000 Hz" in each field: what is known of a channel, not its name.
-bool states_values(const std::vector<std::string>& fields, const FieldStyle& style) {
-  return std::all_of(fields.begin(), fields.end(), [&style](const std::string& field) {
-    const std::size_t sign = field.find_first_of("=:");
-    return sign != std::string::npos && sign > 0 && is_value(trimmed(std::string_view(field).substr(sign + 1)), style);
-  });
-}
-
 /// "Name;Position;Name;Command": each value has a column of times of its own before it.
 bool is_labelled(const std::vector<std::string>& fields, std::string_view label) {
   if (fields.size() < 4 || fields.size() % 2 != 0) return false;
@@ -272,58 +102,6 @@ bool take_labelled(const std::vector<std::string>& lines, std::size_t fields, Di
   out.units.resize(fields);
   for (std::size_t c = 0; c < fields; c += 2) out.units[c] = time_unit;
   return true;
-}
-
-/// Fields of a line above the rows, without the semicolon that marks a comment before names between semicolons.
-std::vector<std::string> head_fields(const std::string& line, const FieldStyle& style, std::size_t fields) {
-  std::vector<std::string> out = names_in(line, style);
-  if (style.separator == ';' && out.size() == fields + 1 && out.front().empty() && !out.back().empty())
-    out.erase(out.begin());
-  return out;
-}
-
-/// The names in a line above rows between blanks, which may have blanks themselves: two stand between names, or what is
-/// in brackets belongs to the one before.
-std::vector<std::string> names_with_blanks(const std::string& line, std::size_t fields) {
-  std::vector<std::string> far, joined;
-  std::string_view rest = trimmed(line);
-  while (!rest.empty()) {
-    const std::size_t end = std::min({rest.find("  "), rest.find('\t'), rest.size()});
-    far.emplace_back(trimmed(rest.substr(0, end)));
-    rest = trimmed(rest.substr(end));
-  }
-  if (far.size() == fields) return far;
-  for (const std::string& name : names_in(line, {' ', '.', false})) {
-    const bool is_in_brackets = name.starts_with('[') || name.starts_with('(');
-    if (is_in_brackets && !joined.empty()) (joined.back() += ' ') += name;
-    else joined.push_back(name);
-  }
-  return joined;
-}
-
-/// What a line above the rows can be.
-enum class HeadLine { other, names, longer, units, types, ruled, stated };
-
-HeadLine judge_head_line(std::vector<std::string>& here, const std::string& line, std::size_t fields,
-                         const Dialect& dialect) {
-  if (dialect.style.separator == ' ' && here.size() > fields) {
-    std::vector<std::string> joined = names_with_blanks(line, fields);
-    if (joined.size() == fields) here = std::move(joined);
-  }
-  std::size_t filled = 0;
-  for (const std::string& field : here) filled += !field.empty();
-  if (filled > 0 && is_ruled(here)) return HeadLine::ruled;
-  if (3 * filled <= here.size()) return HeadLine::other;  // labels of a head
-  const bool matches = here.size() == fields || here.size() + 1 == fields || 2 * here.size() == fields;
-  if (!matches) return here.size() > fields && dialect.style.separator != ' ' ? HeadLine::longer : HeadLine::other;
-  if (states_values(here, dialect.style)) return HeadLine::stated;
-  if (is_types_row(here)) return HeadLine::types;
-  if (are_all_times(here)) return HeadLine::stated;
-  return is_units_row(here) ? HeadLine::units : HeadLine::names;
-}
-
-bool is_unit_label(const std::vector<std::string>& fields) {
-  return !fields.empty() && in_small_letters(fields[0]).find("unit") != std::string::npos;
 }
 
 /// Units that a line below or above the names states, or one that begins with a label: "Y_Unit_Label;mm;V".
@@ -369,6 +147,18 @@ bool take_repeated_times(std::vector<std::string>& names) {
   return true;
 }
 
+/// Names between other separators than the rows' fields: as many as there are fields.
+void take_names_between_others(const std::string& line, std::size_t fields, Dialect& out) {
+  for (const char separator : {';', '\t', ',', '|'}) {
+    std::vector<std::string> names = names_in(line, {separator, '.', false});
+    const bool is_filled = std::none_of(names.begin(), names.end(), [](const std::string& n) { return n.empty(); });
+    if (separator == out.style.separator || names.size() != fields || fields < 2 || !is_filled) continue;
+    out.names = std::move(names);
+    out.names_separator = separator;
+    return;
+  }
+}
+
 /// The line of names above the first row: the nearest whose fields are those of the rows, or one fewer where the rows
 /// have an index or a trailing separator; else one with more, where rows leave out what is empty at their end. Rows of
 /// units, of types and drawn lines may stand between.
@@ -378,7 +168,7 @@ void take_names(const std::vector<std::string>& lines, const std::vector<LineFac
   std::size_t at = lines.size(), nearest = lines.size(), longer = lines.size();
   for (std::size_t i = out.first_row; i-- > 0 && at == lines.size();) {
     std::vector<std::string> here = head_fields(lines[i], out.style, fields);
-    const HeadLine kind = judge_head_line(here, lines[i], fields, out);
+    const HeadLine kind = judge_head_line(here, lines[i], fields, out.style);
     if (kind == HeadLine::longer && longer == lines.size() && !facts[i].is_row()) longer = i;
     if (longer == i && facts[i].numbers == 0 && i + 1 == out.first_row) break;  // a last column without values
     const bool is_between = kind == HeadLine::types || kind == HeadLine::ruled || kind == HeadLine::stated ||
@@ -400,22 +190,64 @@ void take_names(const std::vector<std::string>& lines, const std::vector<LineFac
   out.names_line = at;
   out.names = head_fields(lines[at], out.style, fields);
   if (out.style.separator == ' ' && out.names.size() > fields) out.names = names_with_blanks(lines[at], fields);
+  if (out.names.size() < fields) take_names_between_others(lines[at], fields, out);
   out.has_pairs = take_repeated_times(out.names);
   take_units_elsewhere(lines, out);
 }
 
-/// Units that stand behind the values of the first row, for columns whose unit is not stated otherwise.
-void take_value_units(const std::string& row, Dialect& out) {
+/// Units that stand behind the values of the first row that has some, for columns whose unit is not stated otherwise.
+void take_value_units(const std::vector<std::string>& lines, Dialect& out) {
   std::vector<std::string_view> fields;
-  split_fields(row, out.style, fields);
   const std::size_t index = out.has_index ? 1 : 0;
   out.value_units.resize(out.names.size());
   out.units.resize(out.names.size());
-  for (std::size_t c = 0; c < out.names.size() && c + index < fields.size(); ++c) {
-    const std::string_view field = fields[c + index];
-    if (clock_in(field)) continue;
-    out.value_units[c] = field.substr(unit_start(field));
-    if (out.units[c].empty()) out.units[c] = out.value_units[c];
+  std::vector<char> is_seen(out.names.size());
+  for (std::size_t i = out.first_row; i < lines.size(); ++i) {
+    split_fields(lines[i], out.style, fields);
+    if (i > out.first_row && fields.size() != out.names.size() + index) continue;
+    for (std::size_t c = 0; c < out.names.size() && c + index < fields.size(); ++c) {
+      const std::string_view field = fields[c + index];
+      double value = 0;
+      if (field.empty() || std::exchange(is_seen[c], 1) != 0) continue;
+      if (clock_in(field) || prefixed_number(field, out.style.decimal, value)) continue;
+      out.value_units[c] = field.substr(unit_start(field));
+      if (out.units[c].empty()) out.units[c] = out.value_units[c];
+    }
+  }
+}
+
+/// Digits behind the decimal sign that nearly all rows show in a field, for what is written otherwise is no row.
+void take_decimals(const std::vector<std::string>& lines, Dialect& out) {
+  constexpr std::size_t least_alike = 20, most_others = 4;
+  std::vector<std::map<int, std::size_t>> counts(out.names.size());
+  std::vector<std::string_view> fields;
+  const std::size_t index = out.has_index ? 1 : 0;
+  for (std::size_t i = out.first_row; i < lines.size(); ++i) {
+    split_fields(lines[i], out.style, fields);
+    if (fields.size() != counts.size() + index) continue;
+    for (std::size_t c = 0; c < counts.size(); ++c)
+      if (const int digits = decimals_of(fields[c + index], out.style.decimal); digits >= 0) ++counts[c][digits];
+  }
+  out.decimals.assign(out.names.size(), -1);
+  for (std::size_t c = 0; c < counts.size(); ++c) {
+    std::size_t rows = 0;
+    for (const auto& [digits, count] : counts[c]) rows += count;
+    for (const auto& [digits, count] : counts[c])
+      if (count >= least_alike && rows - count <= most_others) out.decimals[c] = digits;
+  }
+}
+
+/// What the lines above the rows state of the columns' numbers: factors and offsets in a line of its own, or one
+/// factor of all as in "1.0e+05 *", which MATLAB writes above a matrix.
+void take_factors(const std::vector<std::string>& lines, Dialect& out) {
+  for (std::size_t i = 0; i < out.first_row; ++i) {
+    const std::string_view line = trimmed(lines[i]);
+    double factor = 0;
+    if (states_factors(names_in(lines[i], out.style), out.style, out.names.size())) out.scale_line = i;
+    const bool is_power = i > out.names_line && line.ends_with('*') && line.find_first_of("eE") != std::string::npos;
+    if (!is_power || !number_in(trimmed(line.substr(0, line.size() - 1)), '.', factor)) continue;
+    out.factor = factor;
+    out.has_rows_between = true;
   }
 }
 
@@ -460,6 +292,7 @@ std::vector<std::string> names_beside(const std::string& line, const Dialect& di
   if (out.size() == dialect.names.size() + 1 && out.back().empty()) out.pop_back();
   if (dialect.style.separator == ' ' || out.size() < 2 || out.size() > dialect.names.size()) return {};
   if (is_types_row(out) || is_ruled(out) || is_unit_label(out) || states_values(out, dialect.style)) return {};
+  if (const std::string label = common_label(out); !label.empty() && label.find("name") == std::string::npos) return {};
   out.resize(dialect.names.size());
   return out;
 }
@@ -544,12 +377,16 @@ std::string Dialect::words() const {
   if (style.decimal == ',') found.emplace_back("decimal comma");
   if (is_quoted) found.emplace_back("quotes");
   if (names_line > 0) found.push_back(fmt::format("{} line{} before the names", names_line, names_line > 1 ? "s" : ""));
+  if (names_separator != 0)
+    found.push_back(fmt::format("names between other separators ({})",
+                                names_separator == '\t' ? "tab" : std::string(1, names_separator)));
   if (has_names_below) found.emplace_back("names over two rows");
   if (has_units_row) found.emplace_back("a row of units");
   if (has_split_times) found.emplace_back("decimals of the time behind a comma of their own");
   if (least_fields > 0) found.emplace_back("rows that leave out what is empty at their end");
   if (std::any_of(value_units.begin(), value_units.end(), [](const std::string& unit) { return !unit.empty(); }))
     found.emplace_back("units behind the values");
+  if (factor != 1) found.push_back(fmt::format("all values times {:g}, as stated above the rows", factor));
   if (has_index) found.emplace_back("an index column, left out");
   if (has_trailing) found.emplace_back("a separator at the end of each row");
   return fmt::format("{}", fmt::join(found, ", "));
@@ -587,7 +424,9 @@ Dialect find_dialect(const std::vector<std::string>& lines) {
     out.has_units_row = !out.units.empty();
     take_edges(lines, fields, out);
     fill_names(lines, facts, out);
-    take_value_units(lines[out.first_row], out);
+    take_value_units(lines, out);
+    take_decimals(lines, out);
+    take_factors(lines, out);
   }
   out.is_sure = best > 0 && 2 * out.first_row <= lines.size() && shows_decimals(lines, out);
   for (std::size_t i = out.names_line; i < std::min(lines.size(), out.first_row + 1); ++i)

@@ -1,5 +1,6 @@
 // How a foreign table is written, found from its first lines.
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,10 @@ struct Dialect {
   bool has_pairs = false;         ///< each value has a column of times before it
   bool has_split_times = false;   ///< the second field holds the decimals of the time in the first
   std::size_t least_fields = 0;   ///< of rows that leave out what is empty at their end; 0: all rows are whole
+  double factor = 1;     ///< of all values, where the head states one
+  std::vector<int> decimals;  ///< digits behind the decimal sign that nearly all rows have in a field; -1: any
+  std::optional<std::size_t> scale_line;  ///< index of a line that states factors or offsets of the columns
+  char names_separator = 0;  ///< where it is not the rows'
   bool is_sure = false;  ///< most lines were rows, and a decimal sign was among them: more lines say no more
   bool is_nameless = false;  ///< the first line is a row of numbers already
 

@@ -131,18 +131,60 @@ bool plain_number(std::string_view text, double& value) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
-/// Signs that word processors put in place of a minus.
-std::string with_plain_minus(std::string_view field) {
-  std::string out(field);
-  for (const std::string_view minus : {"\u2212", "\u2013"})
-    for (std::size_t at; (at = out.find(minus)) != std::string::npos;) out.replace(at, minus.size(), "-");
+/// With the signs of ASCII in place of those that word processors and Asian keyboards write, and raised digits behind
+/// "^"; the blanks between a minus and its number left out.
+std::string with_plain_signs(std::string_view field) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 8> signs{{{"\u2212", "-"},
+                                                                                {"\u2010", "-"},
+                                                                                {"\u2011", "-"},
+                                                                                {"\u2012", "-"},
+                                                                                {"\u2013", "-"},
+                                                                                {"\u00d7", "*"},
+                                                                                {"\u00b7", "*"},
+                                                                                {"\u22c5", "*"}}};
+  constexpr std::array<std::string_view, 11> raised{"\u2070", "\u00b9", "\u00b2", "\u00b3", "\u2074", "\u2075",
+                                                    "\u2076", "\u2077", "\u2078", "\u2079", "\u207b"};
+  const std::string text = std::all_of(field.begin(), field.end(), is_ascii) ? std::string(field) : half_width(field);
+  std::string out;
+  bool is_raised = false;
+  for (std::string_view rest = text; !rest.empty();) {
+    const auto begins = [&](std::string_view sign) { return rest.starts_with(sign); };
+    const auto digit = std::find_if(raised.begin(), raised.end(), begins);
+    const auto sign =
+        std::find_if(signs.begin(), signs.end(), [&](const auto& pair) { return rest.starts_with(pair.first); });
+    if (digit != raised.end() && !std::exchange(is_raised, true)) out += '^';
+    if (digit != raised.end()) out += "0123456789-"[digit - raised.begin()];
+    else if (sign != signs.end()) out += sign->second;
+    else out += rest.front();
+    rest.remove_prefix(digit != raised.end() ? digit->size() : sign != signs.end() ? sign->first.size() : 1);
+  }
+  if (out.size() > 2 && (out.starts_with("- ") || out.starts_with("+ ")))
+    out = (out[0] == '-' ? "-" : "") + std::string(trimmed(std::string_view(out).substr(1)));
   return out;
 }
 
-/// Numbers as accountants, Fortran and word processors write them: (0.5) and 0.5- below zero, 1.0D-03, 1.0 E-03, a
-/// minus longer than a hyphen.
+/// Where "*10^" or the like stands between mantissa and exponent, or a sign before three digits that Fortran writes
+/// for an exponent of such a size: "1.5*10^-3", "1.5 x 10**-3" and "1.500-003" as "1.5E-3"; empty elsewhere.
+std::string with_plain_exponent(std::string_view field, char decimal) {
+  for (const std::string_view power : {"*10^", "* 10^", "*10**", "x10^", "x 10^", "x10**"})
+    if (const std::size_t at = field.find(power); at != std::string_view::npos && at > 0)
+      return std::string(trimmed(field.substr(0, at))) + "E" + std::string(field.substr(at + power.size()));
+  constexpr std::size_t exponent_digits = 3;
+  const std::size_t sign = field.find_last_of("+-");
+  if (sign == std::string_view::npos || sign == 0 || field.substr(0, sign).find(decimal) == std::string_view::npos)
+    return "";
+  const std::string_view mantissa = field.substr(0, sign), exponent = field.substr(sign + 1);
+  const bool is_exponent = exponent.size() == exponent_digits && digits_at(exponent) == exponent_digits &&
+                           (mantissa.back() == decimal || digits_at(mantissa.substr(mantissa.size() - 1)) == 1);
+  return is_exponent ? std::string(mantissa) + "E" + std::string(field.substr(sign)) : "";
+}
+
+/// Numbers as accountants, Fortran and word processors write them: (0.5) and 0.5- below zero, 1.0D-03, 1.0 E-03,
+/// 1.0-003, 1.0*10^-3, signs and digits of other shapes.
 bool rewritten_number(std::string_view field, char decimal, double& value) {
-  if (const std::string plain = with_plain_minus(field); plain != field) return number_in(plain, decimal, value);
+  constexpr std::size_t longest = 64;
+  if (field.size() > longest) return false;
+  if (const std::string plain = with_plain_signs(field); plain != field) return number_in(plain, decimal, value);
   const bool is_in_brackets = field.size() > 2 && field.front() == '(' && field.back() == ')';
   const bool ends_in_minus = field.size() > 1 && field.back() == '-';
   if (is_in_brackets || ends_in_minus) {
@@ -152,9 +194,10 @@ bool rewritten_number(std::string_view field, char decimal, double& value) {
     value = -value;
     return true;
   }
+  if (const std::string plain = with_plain_exponent(field, decimal); !plain.empty())
+    return number_in(plain, decimal, value);
   const std::size_t letter = field.find_first_of("DdEe");
-  constexpr std::size_t longest = 64;
-  if (letter == std::string_view::npos || letter == 0 || field.size() > longest) return false;
+  if (letter == std::string_view::npos || letter == 0) return false;
   const std::string_view mantissa = trimmed(field.substr(0, letter)), exponent = field.substr(letter + 1);
   const bool is_plain = mantissa.size() == letter && (field[letter] == 'E' || field[letter] == 'e');
   if (is_plain || mantissa.find(decimal) == std::string_view::npos || exponent.empty()) return false;
@@ -216,6 +259,25 @@ bool number_in(std::string_view field, char decimal, double& value) {
 
 bool number_with_groups(std::string_view field, char decimal, double& value) {
   return plain_number(ungrouped(field, decimal, true), value);
+}
+
+bool prefixed_number(std::string_view field, char decimal, double& value) {
+  constexpr std::array<std::pair<std::string_view, double>, 7> prefixes{
+      {{"k", 1e3}, {"M", 1e6}, {"G", 1e9}, {"u", 1e-6}, {"\u00b5", 1e-6}, {"\u03bc", 1e-6}, {"n", 1e-9}}};
+  for (const auto& [letter, power] : prefixes) {
+    if (field.size() <= letter.size() || !field.ends_with(letter)) continue;
+    field.remove_suffix(letter.size());
+    if (digits_at(field.substr(field.size() - 1)) != 1 || !number_in(field, decimal, value)) return false;
+    value *= power;
+    return true;
+  }
+  return false;
+}
+
+int decimals_of(std::string_view field, char decimal) {
+  if (field.empty() || (digits_at(field.substr(0, 1)) == 0 && field.front() != '-' && field.front() != '+')) return -1;
+  const std::size_t sign = field.rfind(decimal);
+  return sign == std::string_view::npos ? 0 : static_cast<int>(digits_at(field.substr(sign + 1)));
 }
 
 bool hexadecimal_in(std::string_view field, double& value) {

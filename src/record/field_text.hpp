@@ -26,6 +26,12 @@ bool number_in(std::string_view field, char decimal, double& value);
 /// Of a number whose one group of three digits is known to be one: "1,250" is 1250.
 bool number_with_groups(std::string_view field, char decimal, double& value);
 
+/// A number with the letter of a power of ten right behind it, as "500.2k" and "1.5u"; not m, which may be metres.
+bool prefixed_number(std::string_view field, char decimal, double& value);
+
+/// Digits behind the decimal sign of a field that begins as a number; -1 where it begins otherwise.
+int decimals_of(std::string_view field, char decimal);
+
 /// A whole number as "0x1F4" or "16#1F4"; false where the field is none.
 bool hexadecimal_in(std::string_view field, double& value);
 

@@ -14,9 +14,12 @@
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
-#include "record/clock_text.hpp"
+#include "record/column_guess.hpp"
 #include "record/dialect.hpp"
+#include "record/edge_rows.hpp"
+#include "record/field_reader.hpp"
 #include "record/keyed_rows.hpp"
+#include "record/line_facts.hpp"
 #include "record/long_rows.hpp"
 #include "record/names_text.hpp"
 #include "record/table_bound.hpp"
@@ -63,8 +66,6 @@ constexpr std::size_t most_sampled_bytes = 1 << 20;
 constexpr std::size_t most_columns = 10000;  ///< loggers have hundreds; more are rows that were written as columns
 
 constexpr std::size_t longest_field_lines = 20;  ///< that a quoted field may go on for
-constexpr double least_mark = 9.9e37;            ///< what instruments write for no value (9.91E37) and overflow
-constexpr std::size_t most_told = 100;           ///< fields of a column that are told one by one
 constexpr std::size_t rows_between_bounds = 4096;  ///< at the memory they take
 constexpr std::size_t bytes_of_a_problem = 256;  ///< with its sentence
 constexpr double most_skipped = 1e6;  ///< numbers of an index: more are those of another run
@@ -79,9 +80,6 @@ bool leaves_quote_open(std::string_view text) {
   }
   return is_open;
 }
-
-/// As in "1.#QNAN" and "-1,#IND": what follows is no remark, it makes the number none.
-bool ends_in_decimal_sign(std::string_view text) { return text.ends_with('.') || text.ends_with(','); }
 
 /// Whether the whole line is one field in quotes, those inside it doubled: a table in the first column of a sheet.
 bool is_quoted_line(std::string_view line) {
@@ -112,7 +110,12 @@ class TableReader {
     read_head(lines, places);
     std::string_view line;
     while (next_line(line)) read_row(line, line_number_);
-    report_columns();
+    if (is_last_line_whole()) read_row(std::string(input_.unended()), input_.line_number() + 1);
+    refuse_single_fields();
+    refuse_missing_fields();
+    reader_.finish();
+    const std::size_t above = edges_.leave_out(table_);
+    for (MissingRows& missing : missing_rows_) missing.before -= std::min(missing.before, above);
     if (!is_own_) join_times(table_, dialect_.has_pairs);
     if (!is_own_) add_fractions(table_);
     if (!is_own_) count_rows(table_, dialect_.style, missing_rows_);
@@ -297,7 +300,9 @@ class TableReader {
     const std::size_t names = places[dialect_.names_line];
     for (std::size_t i = 0; i < names; ++i) table_.comments.append(as_utf8(lines[i].text)) += '\n';
     table_.header = parse_header(table_.comments);
-    take_names(lines[names].number);
+    names_line_ = lines[names].number;
+    take_names(names_line_);
+    if (dialect_.scale_line) refuse_factors(table_.path, lines[places[*dialect_.scale_line]].number);
     const std::string words =
         dialect_.words() + (input_.encoding().empty() ? "" : fmt::format(", {}", input_.encoding()));
     if (!words.empty())
@@ -340,7 +345,6 @@ class TableReader {
     for (const std::string& name : dialect_.names) table_.names.push_back(usable_name(name, line));
     known_names_.insert(dialect_.names.begin(), dialect_.names.end());
     dialect_.value_units.resize(table_.names.size());
-    unreadable_.assign(table_.names.size(), {});
     table_.units = dialect_.units;
     table_.units.resize(table_.names.size());
     table_.is_clock.assign(table_.names.size(), 0);
@@ -350,6 +354,7 @@ class TableReader {
     leave_out_unwanted();
     table_.values.resize(table_.names.size());
     row_.resize(table_.names.size());
+    reader_.start(is_own_);
   }
 
   void leave_out_unwanted() {
@@ -375,6 +380,7 @@ class TableReader {
     const bool may_end_empty = dialect_.has_trailing || !is_own_;
     while (may_end_empty && fields_.size() > expected + index && fields_.back().empty()) fields_.pop_back();
     if (dialect_.has_split_times && fields_.size() > 1) join_first_two();
+    if (holds_number()) most_fields_ = std::max(most_fields_, fields_.size() - std::min(index, fields_.size()));
     if (dialect_.least_fields > 0 && fields_.size() >= dialect_.least_fields)
       while (fields_.size() < expected + index) fields_.emplace_back();
     const bool is_empty = trimmed(line).empty();
@@ -414,12 +420,31 @@ class TableReader {
     last_index_ = index;
   }
 
+  /// Whether the fields are names: two of them known, or the first one where no field is a number.
+  bool are_names() const {
+    if (is_own_ || fields_.empty() || fields_.front().empty())
+      return false;  // a blank line between blanks has no field
+    std::size_t known = 0, meant = 0;
+    const bool is_first_known = known_names_.contains(fields_.front());
+    for (const std::string_view field : fields_) known += !field.empty() && known_names_.contains(field);
+    if (known >= 2) return true;
+    if (fields_.size() < 2 || holds_value()) return false;
+    if (fields_.size() == field_count_ && !is_first_known)
+      for (const std::string_view field : fields_) {
+        if (std::count(fields_.begin(), fields_.end(), field) > 1) return false;  // of a head: "X_Dimension,Time,Time"
+        meant += !meaning_of(std::string(field)).empty();
+      }
+    return is_first_known || meant >= 2;
+  }
+
+  bool holds_value() const {
+    return std::any_of(fields_.begin(), fields_.end(),
+                       [&](std::string_view field) { return is_value(field, dialect_.style); });
+  }
+
   /// Names once more are passed over; other names, or the same in another order, begin another table.
   bool is_names_again(std::size_t line) {
-    const auto known = std::count_if(fields_.begin(), fields_.end(), [&](std::string_view field) {
-      return !field.empty() && known_names_.contains(field);
-    });
-    if (is_own_ || known < 2 || fields_.front().empty()) return false;  // a blank line between blanks has no field
+    if (!are_names()) return false;
     if (std::equal(fields_.begin(), fields_.end(), dialect_.names.begin(), dialect_.names.end())) {
       if (names_again_++ == 0)
         table_.report(line, ProblemKind::dialect, "the line of names stands here again: passed over");
@@ -437,114 +462,68 @@ class TableReader {
     if (dialect_.has_index) follow_index();
     if (table_.rows() % rows_between_bounds == 0)
       refuse_beyond(most_bytes_, table_.rows() * (row_.size() + 1) * sizeof(double), table_.path, number);
-    for (std::size_t i = 0; i < row_.size(); ++i) row_[i] = read_field(fields_[places_[i] + index], i, number);
+    for (std::size_t i = 0; i < row_.size(); ++i) row_[i] = reader_.read(fields_[places_[i] + index], i, number);
     for (std::size_t i = 0; i < row_.size(); ++i) table_.values[i].push_back(row_[i]);
+    if (is_written_otherwise()) edges_.add(table_.rows());
     table_.line_numbers.push_back(number);
-    if (!std::exchange(are_no_groups_, false)) return;
-    for (std::size_t i = 0; i < row_.size(); ++i)
-      for (const std::size_t at : std::exchange(unreadable_[i].grouped, {})) table_.values[i][at] /= 1000;
+    reader_.end_row();
   }
 
-  double read_field(std::string_view field, std::size_t column, std::size_t line) {
-    if (field.empty()) return no_value;
-    double value;
-    const std::string& unit = dialect_.value_units[column];
-    if (!unit.empty() && field.ends_with(unit)) field = trimmed(field.substr(0, field.size() - unit.size()));
-    const std::optional<double> digits_s = is_own_ ? std::nullopt : digits_clock_in(field);
-    if (digits_s || !number_in(field, dialect_.style.decimal, value)) {
-      if (const auto s = digits_s ? digits_s : unreadable_[column].clock.take(field, table_.line_numbers.size())) {
-        table_.is_clock[column] = 1;
-        return *s;
-      }
-      if (takes_other_sign(field, column, line, value)) return value;
-      if (const std::size_t remark = is_own_ ? std::string_view::npos : std::min(field.find('#'), field.find("//"));
-          remark != std::string_view::npos && !ends_in_decimal_sign(field.substr(0, remark)) &&
-          number_in(trimmed(field.substr(0, remark)), dialect_.style.decimal, value))
-        return value;
-      if (!is_own_ && hexadecimal_in(field, value)) {
-        Unreadable& text = unreadable_[column];
-        if (text.hexadecimal.empty()) text.first_hexadecimal = shown(field);
-        text.hexadecimal.push_back(table_.line_numbers.size());
-        return value;
-      }
-      if (unreadable_[column].count++ == 0) unreadable_[column].first = shown(field);
-      if (unreadable_[column].count <= most_told)
-        table_.report(line, ProblemKind::unreadable_field,
-                      fmt::format("{} is \"{}\", which is no number; it is read as no value", table_.names[column],
-                                  shown(field)));
-      return no_value;
+  /// Names with more columns than any row has fields: which of them has none must be seen at the end of the names.
+  void refuse_missing_fields() const {
+    if (dialect_.least_fields == 0 || most_fields_ == 0 || most_fields_ >= field_count_) return;
+    for (std::size_t c = most_fields_; c < field_count_; ++c) {
+      const std::string& name = dialect_.names[c];
+      if (meaning_of(name).empty() && stated_unit(table_, c).empty()) continue;
+      throw InputError(
+          fmt::format("{}, line {}: found {} names, {}, and at most {} fields in the rows below; nothing says which "
+                      "column has no fields: take its name out of this line",
+                      table_.path, names_line_, field_count_, names_text(dialect_.names), most_fields_));
     }
-    if (const bool is_mark = !is_own_ && std::abs(value) >= least_mark; is_mark || !std::isfinite(value)) {
-      table_.report(line, ProblemKind::not_a_number, fmt::format("{} is {}", table_.names[column], field));
-      return is_mark ? no_value : value;
-    }
-    return value;
   }
 
-  /// The sign that is not the decimal one of the rows: between groups of three digits as in "1,000" it stands for
-  /// thousands. Where a column shows it otherwise, as in "0.25", it is a decimal sign, there, elsewhere and before.
-  bool takes_other_sign(std::string_view field, std::size_t column, std::size_t line, double& value) {
-    Unreadable& text = unreadable_[column];
-    const char decimal = dialect_.style.decimal, sign = decimal == '.' ? ',' : '.';
-    if (!dialect_.style.has_groups || field.find(sign) == std::string_view::npos) return false;
-    const bool is_group = !shows_other_decimals_ && number_with_groups(field, decimal, value);
-    if (!is_group && !number_in(field, sign, value)) return false;
-    if (is_group && std::count(field.begin(), field.end(), sign) == 1)
-      text.grouped.push_back(table_.line_numbers.size());
-    are_no_groups_ = are_no_groups_ || (!is_group && !shows_other_decimals_);
-    shows_other_decimals_ = shows_other_decimals_ || !is_group;
-    if (!std::exchange(is_group ? text.has_groups : text.has_own_decimals, true))
-      table_.report(line, ProblemKind::dialect,
-                    fmt::format("{} is \"{}\": {} is taken for {} in this column{}", table_.names[column], shown(field),
-                                sign == '.' ? "a point" : "a comma", is_group ? "thousands" : "the decimal sign",
-                                is_group ? " from here on" : ""));
-    return true;
+  void refuse_single_fields() const {
+    if (is_own_ || table_.names.size() != 1 || table_.rows() == 0) return;
+    if (table_.names[0].find_first_of(",;|\t ") != std::string::npos) return;
+    const std::vector<double>& values = table_.values[0];
+    if (std::any_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); })) return;
+    throw InputError(fmt::format("{}, line {}: found one field in each line, the first being \"{}\"; expected fields "
+                                 "between commas, semicolons, tabs, blanks or |",
+                                 table_.path, names_line_, shown(table_.names[0])));
   }
 
-  /// A column all of whose values are hexadecimal holds counts; between other numbers they are text.
-  void judge_hexadecimal(std::size_t column) {
-    Unreadable& text = unreadable_[column];
-    if (text.hexadecimal.empty()) return;
-    std::vector<double>& values = table_.values[column];
-    std::size_t next = 0, others = 0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      if (next < text.hexadecimal.size() && text.hexadecimal[next] == i) ++next;
-      else
-        others += std::isfinite(values[i]) && !(values[i] >= 0 && values[i] < 10 && values[i] == std::round(values[i]));
-    }
-    if (others == 0)
-      return table_.report(0, ProblemKind::dialect,
-                           fmt::format("column {} holds hexadecimal numbers such as {}: read as counts",
-                                       table_.names[column], text.first_hexadecimal));
-    for (const std::size_t row : text.hexadecimal) values[row] = no_value;
-    if (text.count == 0) text.first = text.first_hexadecimal;
-    text.count += text.hexadecimal.size() + most_told;  // told as a whole
+  /// A last line without an end is whole where it has every field, the last with as many decimals as in all rows.
+  bool is_last_line_whole() {
+    const std::string line(input_.unended());
+    if (is_own_ || line.empty() || !keyed_.names.empty() || is_line_quoted_) return false;
+    split_fields(line, dialect_.style, fields_);
+    const std::size_t index = dialect_.has_index ? 1 : 0;
+    if (fields_.size() != field_count_ + index || dialect_.decimals.empty()) return false;
+    const int decimals = dialect_.decimals.back();
+    const bool ends_in_digit = std::isdigit(static_cast<unsigned char>(line.back())) != 0;
+    is_last_whole_ = decimals > 0 && ends_in_digit && decimals_of(fields_.back(), dialect_.style.decimal) == decimals &&
+                     fields_.back().find_first_of("eE") == std::string_view::npos;
+    return is_last_whole_;
   }
 
-  /// A column of text is told once, and so is how often another holds text.
-  void report_columns() {
-    for (std::size_t c = 0; c < table_.names.size(); ++c) {
-      judge_hexadecimal(c);
-      if (const std::string_view order = unreadable_[c].clock.settle(table_.values[c]); !order.empty())
-        table_.report(0, ProblemKind::dialect,
-                      fmt::format("dates of {} are read as {}: so the times go on", table_.names[c], order));
-      const Unreadable& text = unreadable_[c];
-      const std::string what = fmt::format("{} is \"", table_.names[c]);
-      const bool is_text = text.count > 1 && std::none_of(table_.values[c].begin(), table_.values[c].end(),
-                                                          [](double value) { return std::isfinite(value); });
-      if (is_text)
-        std::erase_if(table_.problems, [&](const RecordingProblem& problem) {
-          return problem.kind == ProblemKind::unreadable_field && problem.sentence.find(what) != std::string::npos;
-        });
-      if (is_text || text.count > most_told)
-        table_.report(0, ProblemKind::dialect,
-                      fmt::format("column {} holds {} such as \"{}\", read as no value", table_.names[c],
-                                  is_text ? "text" : fmt::format("{} fields of text", text.count), text.first));
+  /// No field has the decimals that its column has in nearly all rows.
+  bool is_written_otherwise() const {
+    constexpr std::size_t least_compared = 3;
+    if (is_own_) return false;
+    const std::size_t index = dialect_.has_index ? 1 : 0;
+    std::size_t compared = 0;
+    for (std::size_t c = 0; c < dialect_.decimals.size(); ++c) {
+      const std::string_view field = fields_[c + index];
+      if (dialect_.decimals[c] < 0 || field.empty()) continue;
+      if (decimals_of(field, dialect_.style.decimal) == dialect_.decimals[c]) return false;
+      ++compared;
     }
+    return compared >= least_compared;
   }
 
   void report_end() {
     keyed_.tell(table_);
+    if (is_last_whole_) return;
     const std::size_t line = input_.line_number() + 1;
     if (input_.end() == TextInput::End::truncated)
       table_.report(line, ProblemKind::truncated, "the file is cut off here; the whole rows before are used");
@@ -578,20 +557,12 @@ class TableReader {
   std::size_t line_number_ = 0;
   double last_index_ = no_value;
   std::vector<MissingRows> missing_rows_;  ///< refused ones, and those that the index skips
+  EdgeRows edges_;
+  std::size_t most_fields_ = 0, names_line_ = 0;
+  bool is_last_whole_ = false;  ///< the last line lacks its end only
   bool is_own_ = false;
   bool is_line_quoted_ = false;
-  bool shows_other_decimals_ = false;  ///< some column has the other decimal sign: it makes no groups
-  bool are_no_groups_ = false;  ///< the row that is read has shown it: what was read as groups before is to be divided
-  struct Unreadable {
-    std::size_t count = 0;
-    ClockColumn clock;
-    std::string first;
-    bool has_groups = false, has_own_decimals = false;  ///< by the sign that is not the rows' decimal one
-    std::vector<std::size_t> hexadecimal;  ///< rows whose field is so
-    std::string first_hexadecimal;
-    std::vector<std::size_t> grouped;  ///< rows whose number is thousands only if that sign is none of decimals
-  };
-  std::vector<Unreadable> unreadable_;  ///< of each column
+  FieldReader reader_{table_, dialect_};
 };
 
 }  // namespace

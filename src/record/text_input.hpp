@@ -32,6 +32,10 @@ class TextInput {
   std::string encoding() const;
   /// After the last line.
   End end() const { return end_; }
+  /// After the last line: what stands behind it without an end of a line, in a file that is not packed.
+  std::string_view unended() const {
+    return end_ == End::truncated && !gzip_ ? std::string_view(text_).substr(start_) : std::string_view();
+  }
   const std::string& path() const { return path_; }
 
  private:

@@ -22,8 +22,8 @@ TimeUnit unit_of_times(const std::vector<double>& stamps, double period_s, bool 
 /// (clock) or, as plain numbers, from within the last of 20 intervals of a day to within its first. How often.
 std::size_t pass_midnights(std::vector<double>& time_s, bool is_clock);
 
-/// Counters of 16, 24 or 32 bits, with a sign or without, of seconds to nanoseconds, go on behind their last value as times of day do. Bits of that
-/// counter; 0: none begins again.
+/// Counters of 16, 24 or 32 bits, with a sign or without, of seconds to nanoseconds, go on behind their last value as
+/// times of day do. Bits of that counter; 0: none begins again.
 int pass_wraps(std::vector<double>& time_s);
 
 /// Rows with which a new run begins: the time goes back, and the rows after it go on from there. The first row is one.

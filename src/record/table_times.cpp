@@ -63,7 +63,8 @@ double fraction_s(const std::string& name) {
                                                                        {"nanoseconds", 1e-9}}};
   std::string word = last_word(name);
   // "Elapsed [ms]" goes on behind a second, what is named a fraction does not.
-  if (name.ends_with(']') && in_small_letters(name).starts_with("frac")) word = last_word(name.substr(0, name.size() - 1));
+  if (name.ends_with(']') && in_small_letters(name).starts_with("frac"))
+    word = last_word(name.substr(0, name.size() - 1));
   const auto at = std::find_if(words.begin(), words.end(), [&](const auto& one) { return one.first == word; });
   return at == words.end() ? 0 : at->second;
 }

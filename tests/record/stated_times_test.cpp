@@ -199,8 +199,10 @@ TEST_CASE("a refusal for want of times names the column and a field") {
 }
 
 TEST_CASE("counters of 24 bits and those with a sign go on behind their end") {
-  CHECK_THAT(check_motion(timed_rows("t_us", [](int i) { return fmt::format("{}", (16077216 + 1000 * i) % (1 << 24)); })),
-             Contains("24 bits"));
-  CHECK_THAT(check_motion(timed_rows("t_ms", [](int i) { return fmt::format("{}", 32000 + i > 32767 ? i - 33536 : 32000 + i); })),
+  CHECK_THAT(
+      check_motion(timed_rows("t_us", [](int i) { return fmt::format("{}", (16077216 + 1000 * i) % (1 << 24)); })),
+      Contains("24 bits"));
+  CHECK_THAT(check_motion(timed_rows(
+                 "t_ms", [](int i) { return fmt::format("{}", 32000 + i > 32767 ? i - 33536 : 32000 + i); })),
              Contains("16 bits"));
 }

@@ -41,7 +41,7 @@ class CommandAnswer {
  private:
   std::vector<std::size_t> places_;  ///< samples that are compared: `window` more that may be looked at come after each
   std::vector<std::size_t> looked_at_;  ///< samples that any row looks at; others may be no number
-  Eigen::MatrixXd basis_;               ///< a row for each of those, orthonormal columns
+  Eigen::MatrixXd basis_;  ///< a row for each of those, orthonormal columns
 };
 
 }  // namespace pneuservo

@@ -170,7 +170,6 @@ std::vector<SidedCourse> GasRuns::simulate(std::size_t recording, std::span<cons
   for (GasCourse& course : run_or_drop(recordings_[recording].inputs, runs, work_grid_[recording], stop_)) {
     for (const Signal signal : gas_signals)
       for (std::size_t k = 0; k < error[signal].size(); ++k) course[signal][k] += error[signal][k];
-    if (!is_flow_wanted(recording)) course[Signal::supply_flow].clear();  // of sides of two hypotheses it is nobody's
     out.emplace_back(std::move(course));
   }
   return out;

@@ -32,6 +32,7 @@ struct ImposedInputs {
   std::size_t release = 0;                            ///< samples in which the gas follows these pressures
   /// What the valves find, as measured, smoothed, and its rate; empty where nothing measures it.
   std::vector<double> supply_Pa, supply_Pa_per_s;
+  std::vector<Signal> wanted{gas_signals.begin(), gas_signals.end()};  ///< what courses hold
 
   double step_s() const { return period_s / steps; }
   std::size_t samples() const { return command_V[0].size(); }
@@ -43,7 +44,7 @@ struct ImposedInputs {
   double supply_at(std::size_t k, int step) const;    ///< in the middle of the step
 };
 
-/// Simulated gas_signals at every sample, just before its command acts: true values, no sensor in them.
+/// Simulated gas_signals that are wanted at every sample, just before its command acts: true values, no sensor in them.
 using GasCourse = PerSignal<std::vector<double>>;
 
 /// One rig to simulate with the factors on its gas when it is left to itself.

@@ -33,7 +33,7 @@ template <class S> class ImposedSimulation {
   std::vector<GasCourse> run() {
     const std::size_t samples = inputs_.samples();
     for (GasCourse& course : courses_)
-      for (const Signal signal : gas_signals) course[signal].resize(samples);
+      for (const Signal signal : inputs_.wanted) course[signal].resize(samples);
     begin();
     store(0);
     for (std::size_t k = 0; k + 1 < samples; ++k) {
@@ -110,7 +110,7 @@ template <class S> class ImposedSimulation {
   }
   void store(std::size_t k) {
     const PerSignal<S> values = true_values(plant_);
-    for (const Signal signal : gas_signals)
+    for (const Signal signal : inputs_.wanted)
       for (std::size_t i = 0; i < runs_.size(); ++i) courses_[i][signal][k] = lane(values[signal], static_cast<int>(i));
   }
   /// At the latest after steps_between_looks steps of the plant, or one sample that has more.

@@ -11,6 +11,8 @@
 
 #include <fmt/format.h>
 
+#include <pneuservo/core/signal.hpp>
+
 #include "record/column_words.hpp"
 #include "record/units.hpp"
 
@@ -64,7 +66,8 @@ std::size_t course_of(const std::vector<double>& values) {
 }
 
 void take_valve_ports(const std::vector<std::string>& texts, std::vector<ColumnGuess>& guesses, double atmosphere_Pa) {
-  constexpr std::array<std::string_view, 5> ours{"p_supply_Pa", "p2_port_Pa", "", "p1_port_Pa", ""};
+  constexpr std::array<std::string_view, 5> ours{info(Signal::p_supply).column, info(port_signals[1]).column, "",
+                                                 info(port_signals[0]).column, ""};
   std::array<std::size_t, 5> columns{}, count{};
   bool has_supply = false;
   for (std::size_t c = 0; c < guesses.size(); ++c) {
@@ -72,7 +75,7 @@ void take_valve_ports(const std::vector<std::string>& texts, std::vector<ColumnG
     const std::optional<int> number = port_number(texts[c]);
     if (number && (unit ? unit->quantity == Quantity::pressure : guesses[c].unit.empty()))
       columns[static_cast<std::size_t>(*number - 1)] = c, ++count[static_cast<std::size_t>(*number - 1)];
-    else has_supply = has_supply || guesses[c].ours == "p_supply_Pa";
+    else has_supply = has_supply || guesses[c].ours == ours[0];
   }
   // Sensors 1 to 4 are no ports of a valve, whose exhausts are 3 and 5.
   if (count[1] != 1 || count[3] != 1 || count[0] > 1 || count[2] != count[4] || (count[0] == 1 && has_supply)) return;

@@ -151,6 +151,14 @@ void take_supply(CylinderRecording& out) {
   out.inputs.supply_Pa_per_s = kernel.apply(values, 1);
 }
 
+/// Ports and chambers always: the force is of the chambers, and what a start may have changed shows at both.
+void want_signals(CylinderRecording& out) {
+  std::erase_if(out.inputs.wanted, [&](Signal signal) {
+    return !std::ranges::count(port_signals, signal) && !std::ranges::count(chamber_signals, signal) &&
+           out.measured[signal].empty();
+  });
+}
+
 }  // namespace
 
 CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, double longest_s) {
@@ -181,11 +189,7 @@ CylinderRecording prepare_recording(const Recording& recording, const Rig& rig, 
         values, [&](double v) { return std::fabs(v) >= range; }, std::numeric_limits<double>::quiet_NaN());
     if (std::none_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) values.clear();
   }
-  // Ports and chambers always: the force is of the chambers, and what a start may have changed shows at both.
-  std::erase_if(out.inputs.wanted, [&](Signal signal) {
-    return !std::ranges::count(port_signals, signal) && !std::ranges::count(chamber_signals, signal) &&
-           out.measured[signal].empty();
-  });
+  want_signals(out);
   const std::vector<double> position = filled(out.position_m, out.period_s(), out.usable);
   const GaussianKernel kernel(std::max(position_sigma_s, out.period_s()), out.period_s());
   out.inputs.position_m = smoothed_position(kernel, position);

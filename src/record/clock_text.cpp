@@ -413,7 +413,8 @@ std::string_view ClockColumn::settle(std::vector<double>& seconds) const {
 }
 
 std::optional<double> clock_in(std::string_view field, DateParts* parts) {
-  constexpr std::size_t shortest = 4;  // "0:00"
+  constexpr std::size_t shortest = 4, longest = 64;  // "0:00"; a date with words
+  if (field.size() > longest) return std::nullopt;
   if (std::any_of(field.begin(), field.end(), [](char c) { return static_cast<unsigned char>(c) >= 0x80; })) {
     const std::string in_signs = with_signs(field);
     return in_signs == field ? std::nullopt : clock_in(in_signs, parts);

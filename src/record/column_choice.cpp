@@ -87,7 +87,7 @@ void take_valve_ports(const std::vector<std::string>& texts, std::vector<ColumnG
     guess.has_unit = unit.has_value();
     guess.factor = unit ? unit->factor : 1;
     const std::optional<ColumnWord> word = column_word(texts[columns[port]]);
-    guess.offset = unit && (unit->is_gauge || (word && word->is_gauge)) ? atmosphere_Pa : 0;
+    guess.offset = unit && (unit->is_gauge || (word && word->is_gauge && !unit->is_absolute)) ? atmosphere_Pa : 0;
     guess.evidence = fmt::format("port {} of a valve by ISO 11727, for 2 and 4 both stand", port + 1);
   }
 }

@@ -171,10 +171,11 @@ ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmos
   out.has_unit = true;
   const double times = times_in(parts.text);
   out.factor = unit->factor / times;
-  out.offset = unit->is_gauge || word->is_gauge ? atmosphere_Pa : 0;
+  const bool is_gauge_by_name = word->is_gauge && !unit->is_gauge && !unit->is_absolute;
+  out.offset = unit->is_gauge || is_gauge_by_name ? atmosphere_Pa : 0;
   out.evidence += in_row ? ", unit stated below the names" : ", unit from its name";
   if (unit->is_multiple || times != 1) out.evidence += fmt::format(": 1 is taken for {:g} in SI", out.factor);
-  if (word->is_gauge && !unit->is_gauge) out.evidence += ", above the atmosphere by its name";
+  if (is_gauge_by_name) out.evidence += ", above the atmosphere by its name";
   return out;
 }
 

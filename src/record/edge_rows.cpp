@@ -1,7 +1,9 @@
 // Lines above and below the rows of a table that look like rows and are none.
 #include "record/edge_rows.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -26,6 +28,28 @@ bool may_be_factors(const CsvTable& table, std::size_t row) {
   return !are_ones;
 }
 
+/// Whether a row goes on from its neighbour as the rows do in some column: in even steps, as times and counters are.
+bool continues_rows(const CsvTable& table, std::size_t row, std::size_t neighbour) {
+  constexpr std::size_t most_seen = 200;
+  constexpr double alike = 0.1, nearly_all = 0.9, next = 0.5;
+  const double way = row < neighbour ? -1 : 1;
+  for (const std::vector<double>& values : table.values) {
+    std::vector<double> steps;
+    const std::size_t begin = row < neighbour ? neighbour : neighbour - std::min(neighbour, most_seen);
+    const std::size_t end = std::min(begin + most_seen, row < neighbour ? values.size() : neighbour + 1);
+    for (std::size_t i = begin + 1; i < end; ++i) steps.push_back(values[i] - values[i - 1]);
+    if (steps.empty()) continue;
+    std::vector<double> sorted = steps;
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+    const double usual = sorted[sorted.size() / 2];
+    const auto even = std::count_if(steps.begin(), steps.end(),
+                                    [&](double step) { return std::abs(step - usual) < alike * std::abs(usual); });
+    if (static_cast<double>(even) < nearly_all * static_cast<double>(steps.size())) continue;
+    if (std::abs(values[row] - values[neighbour] - way * usual) < next * std::abs(usual)) return true;
+  }
+  return false;
+}
+
 template <class Values>
 void cut_ends(Values& values, std::size_t front, std::size_t back) {
   values.erase(values.end() - static_cast<std::ptrdiff_t>(back), values.end());
@@ -45,6 +69,8 @@ std::size_t EdgeRows::leave_out(CsvTable& table) const {
   while (front + back < rows_.size() && rows_[rows_.size() - 1 - back] == rows - 1 - back) ++back;
   if (front > most_edge_rows) front = 0;
   if (back > most_edge_rows) back = 0;
+  for (std::size_t row = front; row-- > 0 && continues_rows(table, row, row + 1);) front = row;
+  for (; back > 0 && continues_rows(table, rows - back, rows - back - 1);) --back;
   const auto tell = [&](std::size_t row, std::string_view place) {
     table.report(
         table.line_numbers[row], ProblemKind::dialect,

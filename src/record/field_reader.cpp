@@ -38,14 +38,19 @@ void FieldReader::start(bool is_own) {
   is_own_ = is_own;
   is_sign_sure_ = is_own;
   columns_.assign(table_.names.size(), {});
+  for (std::size_t c = 0; c < columns_.size() && !is_own; ++c)
+    columns_[c].may_be_digits = stated_unit(table_, c).empty();
 }
 
 double FieldReader::read(std::string_view field, std::size_t column, std::size_t line) {
   if (field.empty()) return no_value;
   double value;
-  const std::optional<double> digits_s = is_own_ ? std::nullopt : digits_clock_in(field);
-  if (digits_s || !number(field, column, value)) {
-    if (const auto s = digits_s ? digits_s : columns_[column].clock.take(field, table_.line_numbers.size())) {
+  Column& own = columns_[column];
+  const std::optional<double> digits_s = own.may_be_digits ? digits_clock_in(field) : std::nullopt;
+  const bool is_number = number(field, column, value);
+  if (digits_s && is_number) own.digits.emplace_back(table_.line_numbers.size(), value);
+  if (digits_s || !is_number) {
+    if (const auto s = digits_s ? digits_s : own.clock.take(field, table_.line_numbers.size())) {
       table_.is_clock[column] = 1;
       return *s;
     }
@@ -56,11 +61,12 @@ double FieldReader::read(std::string_view field, std::size_t column, std::size_t
     if (!is_taken) return refuse(field, column, line);
     return value * dialect_.factor;
   }
+  ++own.numbers;
   if (const bool is_mark = !is_own_ && std::abs(value) >= least_mark; is_mark || !std::isfinite(value)) {
     table_.report(line, ProblemKind::not_a_number, fmt::format("{} is {}", table_.names[column], field));
     return is_mark ? no_value : value;
   }
-  if (!is_sign_sure_) weigh_sign(field, columns_[column], value);
+  if (!is_sign_sure_) weigh_sign(field, own, value);
   return value * dialect_.factor;
 }
 
@@ -127,6 +133,7 @@ bool FieldReader::takes_hexadecimal(std::string_view field, std::size_t column, 
 double FieldReader::refuse(std::string_view field, std::size_t column, std::size_t line) {
   Column& text = columns_[column];
   if (text.unreadable++ == 0) text.first_unreadable = shown(field);
+  if (text.unreadable <= most_told) text.told.push_back(table_.problems.size());
   if (text.unreadable <= most_told)
     table_.report(
         line, ProblemKind::unreadable_field,
@@ -162,7 +169,7 @@ void FieldReader::weigh_sign(std::string_view field, Column& column, double valu
   const char decimal = dialect_.style.decimal;
   double grouped = 0;
   if (field.find(decimal) == std::string_view::npos) {
-    ++(std::abs(value) < 1000 ? column.small : column.large);
+    if (value != 0) ++(std::abs(value) < 1000 ? column.small : column.large);  // a sensor's start value may be a bare 0
   } else if (number_with_groups(field, decimal == '.' ? ',' : '.', grouped)) {
     if (column.signed_rows.empty()) column.first_signed = shown(field);
     column.signed_rows.push_back(table_.line_numbers.size());
@@ -173,14 +180,20 @@ void FieldReader::weigh_sign(std::string_view field, Column& column, double valu
 }
 
 /// "-4,690" beside "35" and "970": every sign has three digits behind it, and what is below a thousand has none.
+bool FieldReader::shows_groups(std::size_t column) const {
+  const Column& text = columns_[column];
+  return !is_sign_sure_ && text.signed_rows.size() >= least_signed && text.small >= least_signed && text.large == 0;
+}
+
+/// A file has one sign between thousands.
 void FieldReader::judge_groups(std::size_t column) {
   const Column& text = columns_[column];
-  if (is_sign_sure_ || text.signed_rows.size() < least_signed || text.small == 0 || text.large > 0) return;
+  if (text.signed_rows.empty()) return;
   for (const std::size_t row : text.signed_rows) table_.values[column][row] *= 1000;
-  table_.report(0, ProblemKind::dialect,
-                fmt::format("column {} is \"{}\" and whole numbers below 1000: {} is taken for thousands",
-                            table_.names[column], text.first_signed,
-                            dialect_.style.decimal == '.' ? "a point" : "a comma"));
+  table_.report(
+      0, ProblemKind::dialect,
+      fmt::format("column {} is \"{}\", and no number of the file shows a decimal sign: {} is taken for thousands",
+                  table_.names[column], text.first_signed, dialect_.style.decimal == '.' ? "a point" : "a comma"));
 }
 
 /// A column all of whose values are hexadecimal holds counts; between other numbers they are text.
@@ -203,33 +216,45 @@ void FieldReader::judge_hexadecimal(std::size_t column) {
   text.unreadable += text.hexadecimal.size() + most_told;  // told as a whole
 }
 
+/// Digits of a date count where all numbers of the column are such: a counter may look like one for a while.
+void FieldReader::judge_digits(std::size_t column) {
+  const Column& own = columns_[column];
+  if (own.digits.empty() || own.numbers == 0) return;
+  for (const auto& [row, value] : own.digits) table_.values[column][row] = value;
+  table_.is_clock[column] = 0;
+}
+
 /// A column of text is told once, and so is how often another holds text.
-void FieldReader::judge_text(std::size_t column) {
+std::vector<std::size_t> FieldReader::judge_text(std::size_t column) {
   const Column& text = columns_[column];
   const std::vector<double>& values = table_.values[column];
-  const std::string what = fmt::format("{} is \"", table_.names[column]);
   const bool is_text = text.unreadable > 1 &&
                        std::none_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
-  if (is_text)
-    std::erase_if(table_.problems, [&](const RecordingProblem& problem) {
-      return problem.kind == ProblemKind::unreadable_field && problem.sentence.find(what) != std::string::npos;
-    });
   if (is_text || text.unreadable > most_told)
     table_.report(0, ProblemKind::dialect,
                   fmt::format("column {} holds {} such as \"{}\", read as no value", table_.names[column],
                               is_text ? "text" : fmt::format("{} fields of text", text.unreadable),
                               text.first_unreadable));
+  return is_text ? text.told : std::vector<std::size_t>();
 }
 
 void FieldReader::finish() {
+  bool has_groups = false;
+  for (std::size_t c = 0; c < columns_.size(); ++c) has_groups = has_groups || shows_groups(c);
+  std::vector<char> is_told_once(table_.problems.size(), 0);
   for (std::size_t c = 0; c < columns_.size(); ++c) {
+    judge_digits(c);
     if (const std::string_view order = columns_[c].clock.settle(table_.values[c]); !order.empty())
       table_.report(0, ProblemKind::dialect,
                     fmt::format("dates of {} are read as {}: so the times go on", table_.names[c], order));
-    judge_groups(c);
+    if (has_groups) judge_groups(c);
     judge_hexadecimal(c);
-    judge_text(c);
+    for (const std::size_t place : judge_text(c)) is_told_once[place] = 1;
   }
+  std::vector<RecordingProblem> kept;
+  for (std::size_t i = 0; i < table_.problems.size(); ++i)
+    if (i >= is_told_once.size() || is_told_once[i] == 0) kept.push_back(std::move(table_.problems[i]));
+  table_.problems = std::move(kept);
 }
 
 }  // namespace pneuservo

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "record/clock_text.hpp"
@@ -28,6 +29,10 @@ class FieldReader {
   struct Column {
     std::size_t unreadable = 0;
     ClockColumn clock;
+    bool may_be_digits = false;  ///< no unit of a number stands there
+    std::vector<std::pair<std::size_t, double>> digits;  ///< rows read as a date in digits, and their number
+    std::size_t numbers = 0;
+    std::vector<std::size_t> told;  ///< places of what is told of its fields among the table's problems
     std::string first_unreadable;
     bool has_groups = false, has_own_decimals = false;  ///< by the sign that is not the rows' decimal one
     bool has_other_units = false, has_marks = false, has_prefixes = false;
@@ -49,9 +54,12 @@ class FieldReader {
   double refuse(std::string_view field, std::size_t column, std::size_t line);
   void weigh_sign(std::string_view field, Column& column, double value);
   void tell_once(bool& is_told, std::size_t column, std::size_t line, std::string_view field, std::string_view what);
+  bool shows_groups(std::size_t column) const;
   void judge_groups(std::size_t column);
+  void judge_digits(std::size_t column);
   void judge_hexadecimal(std::size_t column);
-  void judge_text(std::size_t column);
+  /// Places of what is told of the fields of a column that holds nothing but text.
+  std::vector<std::size_t> judge_text(std::size_t column);
 
   CsvTable& table_;
   const Dialect& dialect_;

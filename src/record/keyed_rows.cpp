@@ -162,14 +162,21 @@ std::string empty_wrapper(const std::vector<std::string>& names) {
 
 /// A path of keys as a column's name. Words before a point are a place elsewhere, here they may tell a set point from
 /// what it is for: then they are words of one name.
-std::string column_name(std::string path, const KeyedRows& how) {
-  if (how.style.kind != PairKind::object) return path;
-  if (const std::string wrapper = empty_wrapper(how.names); !wrapper.empty() && path.starts_with(wrapper))
-    path.erase(0, wrapper.size());
+std::string column_name(std::string path, const std::string& wrapper) {
+  if (!wrapper.empty() && path.starts_with(wrapper)) path.erase(0, wrapper.size());
   std::string words = path;
   std::replace(words.begin(), words.end(), '.', ' ');
   const bool tells_more = meaning_of(words) != meaning_of(path) && (column_word(words) || !meaning_of(words).empty());
   return tells_more ? words : path;
+}
+
+/// Of each name, in their order.
+std::vector<std::string> column_names(const KeyedRows& how) {
+  std::vector<std::string> out = how.names;
+  if (how.style.kind != PairKind::object) return out;
+  const std::string wrapper = empty_wrapper(how.names);
+  for (std::string& name : out) name = column_name(name, wrapper);
+  return out;
 }
 
 /// The value in a column's unit; with its own behind it where it has another quantity.
@@ -186,7 +193,7 @@ std::string value_in_unit(const NamedValue& one, const std::string& unit) {
 
 std::string KeyedRows::names_line() const {
   std::vector<std::string> fields;
-  for (const std::string& name : names) fields.push_back(as_field(column_name(name, *this)));
+  for (const std::string& name : column_names(*this)) fields.push_back(as_field(name));
   return fmt::format("{}", fmt::join(fields, ","));
 }
 
@@ -213,11 +220,11 @@ bool KeyedRows::holds_values(std::string_view line) const { return !distinct_val
 void KeyedRows::state_units(Dialect& dialect) const {
   dialect.units.resize(dialect.names.size());
   dialect.value_units.resize(dialect.names.size());
+  const std::vector<std::string> shown_names = column_names(*this);
   for (std::size_t c = 0; c < dialect.names.size(); ++c) {
-    const auto at = std::find_if(names.begin(), names.end(),
-                                 [&](const std::string& name) { return column_name(name, *this) == dialect.names[c]; });
-    if (at == names.end() || units[static_cast<std::size_t>(at - names.begin())].empty()) continue;
-    dialect.units[c] = dialect.value_units[c] = units[static_cast<std::size_t>(at - names.begin())];
+    const auto at = std::find(shown_names.begin(), shown_names.end(), dialect.names[c]);
+    if (at == shown_names.end() || units[static_cast<std::size_t>(at - shown_names.begin())].empty()) continue;
+    dialect.units[c] = dialect.value_units[c] = units[static_cast<std::size_t>(at - shown_names.begin())];
   }
 }
 

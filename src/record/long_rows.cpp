@@ -139,6 +139,12 @@ std::vector<std::size_t> tag_fields(const std::vector<FieldFacts>& facts, const 
     const bool is_named = is_word_of(tag_words, facts[c].name);
     const bool may_be = facts[c].is_text(rows.size()) || (is_named && how.values.size() == 1);
     if (!may_be || (!how.names.empty() && !is_named && how.values.size() == 1)) continue;
+    // Numbers between other separators, cut at their decimal commas, name nothing.
+    if (std::ranges::all_of(facts[c].different, [](const std::string& text) {
+          return text.find_first_of(";\t") != std::string::npos &&
+                 text.find_first_not_of("0123456789.+-;\t ") == std::string::npos;
+        }))
+      continue;
     named.push_back(c);
     if (best == LongRows::none || facts[c].different.size() > facts[best].different.size()) best = c;
   }

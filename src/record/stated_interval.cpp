@@ -115,8 +115,21 @@ constexpr std::array label_words{
 /// What a label says: of an interval or a rate, and whether of sampling by its words.
 struct IntervalLabel {
   bool is_rate = false, is_sampling = false;
+  bool is_bare = false;  ///< may as well be of the motion
   std::string_view unit;
 };
+
+/// Rates below 50 Hz and their intervals under a bare label may be those of a motion.
+constexpr double longest_bare_s = 0.02;
+
+/// Words that say as much of a motion, a signal or a test as of the rows.
+bool is_said_of_motions(std::string_view word) {
+  constexpr std::array<std::string_view, 20> words{"frequency",  "freq",       "frequenz",  "frequence", "fréquence",
+                                                   "frecuencia", "frequência", "frequenza", "周波数",    "频率",
+                                                   "頻率",       "period",     "periode",   "période",   "periodo",
+                                                   "período",    "周期",       "週期",      "step",      "delta"};
+  return std::ranges::find(words, word) != words.end();
+}
 
 bool is_letter(char c) {
   return std::isalpha(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80;
@@ -131,7 +144,7 @@ std::string letters_of(std::string_view text) {
 std::optional<IntervalLabel> interval_label(std::string_view text) {
   const std::string letters = letters_of(text);
   IntervalLabel out;
-  bool has_kind = false, has_time = false;
+  bool has_kind = false, has_time = false, has_own_kind = false;
   for (std::string_view rest = letters; !rest.empty();) {
     const LabelWord* longest = nullptr;
     for (const LabelWord& word : label_words)
@@ -140,12 +153,15 @@ std::optional<IntervalLabel> interval_label(std::string_view text) {
         longest = &word;
     if (longest == nullptr) return std::nullopt;
     out.is_rate = out.is_rate || longest->part == LabelPart::rate;
-    has_kind = has_kind || longest->part == LabelPart::rate || longest->part == LabelPart::interval;
+    const bool is_kind = longest->part == LabelPart::rate || longest->part == LabelPart::interval;
+    has_kind = has_kind || is_kind;
+    has_own_kind = has_own_kind || (is_kind && !is_said_of_motions(longest->text));
     has_time = has_time || longest->part == LabelPart::time;
     out.is_sampling = out.is_sampling || longest->part == LabelPart::sampling;
     if (longest->part == LabelPart::unit) out.unit = longest->text;
     rest.remove_prefix(longest->text.size());
   }
+  out.is_bare = !has_own_kind && !has_time && !out.is_sampling;
   return has_kind || (has_time && out.is_sampling) ? std::optional(out) : std::nullopt;
 }
 
@@ -296,7 +312,7 @@ std::optional<StatedInterval> interval_in_names(const CsvTable& table, char deci
     std::string_view in_brackets = text.unit;
     const bool is_rate = !in_brackets.empty() && in_small_letters(in_brackets).ends_with("hz") &&
                          std::isdigit(static_cast<unsigned char>(in_brackets.front())) != 0;
-    if (is_rate) interval_s = stated_seconds(in_brackets, {true, true, ""}, "", decimal);
+    if (is_rate) interval_s = stated_seconds(in_brackets, {true, true, false, ""}, "", decimal);
     if (interval_s > 0) return StatedInterval{{interval_s}, {}, table.names[c]};
   }
   return std::nullopt;
@@ -332,7 +348,7 @@ std::optional<StatedInterval> stated_interval(const CsvTable& table, const Field
     const std::optional<IntervalLabel> label = interval_label(LabelledText(line).label);
     if (!label || (out && (is_sampling || !label->is_sampling))) continue;
     const std::vector<double> intervals = intervals_of(line, *label, style);
-    if (intervals.empty()) continue;
+    if (intervals.empty() || (label->is_bare && std::ranges::max(intervals) > longest_bare_s)) continue;
     out = StatedInterval{intervals, {}, shown(line)};
     is_sampling = label->is_sampling;
   }

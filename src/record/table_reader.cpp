@@ -428,6 +428,10 @@ class TableReader {
     const bool is_first_known = known_names_.contains(fields_.front());
     for (const std::string_view field : fields_) known += !field.empty() && known_names_.contains(field);
     if (known >= 2) return true;
+    const auto has_letter = [](std::string_view field) {
+      return std::any_of(field.begin(), field.end(), [](unsigned char c) { return std::isalpha(c) || c >= 0x80; });
+    };
+    if (std::none_of(fields_.begin(), fields_.end(), has_letter)) return false;
     if (fields_.size() < 2 || holds_value()) return false;
     if (fields_.size() == field_count_ && !is_first_known)
       for (const std::string_view field : fields_) {

@@ -113,6 +113,20 @@ double seconds_in_row(const CsvTable& table, const std::vector<std::pair<std::si
   return sum_s + seconds_of_part(TimePart::day, static_cast<double>(days));
 }
 
+/// Whether a column beside the parts is a time that goes on in every row.
+bool has_whole_time(const CsvTable& table, const std::vector<std::pair<std::size_t, TimePart>>& parts) {
+  for (std::size_t c = 0; c < table.names.size(); ++c) {
+    if (std::any_of(parts.begin(), parts.end(), [c](const auto& part) { return part.first == c; })) continue;
+    const std::vector<double>& values = table.values[c];
+    if (table.is_clock[c] == 0 && !(named_time_s(table, c) > 0)) continue;
+    if (values.size() > 1 && std::adjacent_find(values.begin(), values.end(), [](double before, double after) {
+                               return !(after > before);
+                             }) == values.end())
+      return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 void join_time_parts(CsvTable& table) {
@@ -125,6 +139,7 @@ void join_time_parts(CsvTable& table) {
     if (!has_seconds || parts.front().second > largest) continue;
     if (is_behind_minutes && parts.front().second != TimePart::second) continue;
     if (parts.front().second == TimePart::month || parts.front().second == TimePart::day) continue;
+    if (has_whole_time(table, parts)) continue;
     std::vector<double> seconds(table.rows());
     for (std::size_t row = 0; row < table.rows(); ++row)
       seconds[row] = seconds_in_row(table, parts, row) + (is_behind_minutes ? table.values[c - 1][row] : 0);
@@ -144,12 +159,28 @@ void join_time_parts(CsvTable& table) {
   }
 }
 
+namespace {
+
+constexpr double gap_at_minute = 40;  ///< from 59 to 100 as numbers
+
+/// The median step within minutes; no value where there is none.
+double step_within_minutes(const std::vector<double>& values) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (const double step = values[i] - values[i - 1]; std::abs(step) < gap_at_minute) steps.push_back(step);
+  if (steps.empty()) return no_value;
+  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
+  return steps[steps.size() / 2];
+}
+
+}  // namespace
+
 void read_digits_of_day(CsvTable& table) {
-  constexpr double first_beyond = 240000, parts = 100, minute_s = 60, hour_s = 3600, gap_at_minute = 40, few = 4;
+  constexpr double first_beyond = 240000, parts = 100, minute_s = 60, hour_s = 3600, few = 4;
   for (std::size_t c = 0; c < table.names.size(); ++c) {
     if (table.is_clock[c] != 0 || named_time_s(table, c) != 1 || !stated_unit(table, c).empty()) continue;
     const std::vector<double>& values = table.values[c];
-    const double usual = median_step_s(values);
+    const double usual = step_within_minutes(values);
     std::vector<double> seconds;
     bool are_digits = true;
     std::size_t minutes = 0;
@@ -166,7 +197,8 @@ void read_digits_of_day(CsvTable& table) {
       minutes += ends_minute;
       before = value, before_s = now_s;
     }
-    if (!are_digits || minutes == 0) continue;
+    if (!are_digits || minutes == 0 || few * static_cast<double>(minutes) > static_cast<double>(values.size()))
+      continue;
     table.values[c] = std::move(seconds);
     table.is_clock[c] = 1;
     table.report(0, ProblemKind::dialect,

@@ -17,7 +17,7 @@ constexpr double psi_Pa = 6894.757, torr_Pa = 133.322, water_Pa_per_mm = 9.80665
 /// Of air: normal (DIN 1343: 0 degC, 101325 Pa) and free (ISO 8778: 20 degC, 1 bar), which flow meters count in.
 constexpr double normal_kgpm3 = 101325 / (287 * 273.15), free_kgpm3 = 1e5 / (287 * 293.15);
 /// Where letters' size decides, the first one that fits counts.
-constexpr std::array<Unit, 172> units{{{"s", Quantity::time, 1},
+constexpr std::array<Unit, 182> units{{{"s", Quantity::time, 1},
                                        {"sec", Quantity::time, 1},
                                        {"secs", Quantity::time, 1},
                                        {"second", Quantity::time, 1},
@@ -133,6 +133,16 @@ constexpr std::array<Unit, 172> units{{{"s", Quantity::time, 1},
                                        {"m3/h", Quantity::mass_flow, free_kgpm3 / 3600},
                                        {"\u79d2", Quantity::time, 1},
                                        {"\u6beb\u79d2", Quantity::time, 1e-3},
+                                       {"\u7c73", Quantity::length, 1},
+                                       {"\u6beb\u7c73", Quantity::length, 1e-3},
+                                       {"\u5fae\u7c73", Quantity::length, 1e-6},
+                                       {"\u5e15", Quantity::pressure, 1},
+                                       {"\u5343\u5e15", Quantity::pressure, 1e3},
+                                       {"\u5146\u5e15", Quantity::pressure, 1e6},
+                                       {"\u5df4", Quantity::pressure, 1e5},
+                                       {"\u4f0f", Quantity::voltage, 1},
+                                       {"\u6beb\u4f0f", Quantity::voltage, 1e-3},
+                                       {"\u725b", Quantity::force, 1},
                                        {"\ucd08", Quantity::time, 1},
                                        {"\u0441", Quantity::time, 1},
                                        {"\u0441\u0435\u043a", Quantity::time, 1},
@@ -216,17 +226,21 @@ std::optional<Unit> listed(std::string_view name) {
   return at == units.end() ? std::nullopt : std::optional(*at);
 }
 
-/// "barg", "bar rel", "kPa gauge" and "MPa abs": a pressure with a word for its zero behind it.
-std::optional<Unit> pressure_with_zero(std::string_view name) {
-  constexpr std::array<std::string_view, 6> gauge{"gauge", "rel", "g", "\u00fc", "\u00dc", "eff"};
-  constexpr std::array<std::string_view, 3> absolute{"absolute", "abs", "a"};
+/// "barg", "bar rel", "kPa gauge" and "MPa abs": a pressure with a word for its zero behind it. A length's zero is
+/// judged by the stroke: there a word for it says no more.
+std::optional<Unit> unit_with_zero(std::string_view name) {
+  constexpr std::array<std::string_view, 8> gauge{"gauge", "relative", "relativ", "rel",
+                                                  "g",     "\u00fc",   "\u00dc",  "eff"};
+  constexpr std::array<std::string_view, 4> absolute{"absolute", "absolut", "abs", "a"};
   const auto with = [&](std::string_view word, bool is_gauge) -> std::optional<Unit> {
     if (name.size() <= word.size() || !is_alike(name.substr(name.size() - word.size()), word)) return std::nullopt;
     std::string_view before = name.substr(0, name.size() - word.size());
     while (before.ends_with('-') || before.ends_with(',') || before.ends_with('.')) before.remove_suffix(1);
     std::optional<Unit> unit = listed(before);
+    if (unit && unit->quantity == Quantity::length && word.size() >= 3) return unit;
     if (!unit || unit->quantity != Quantity::pressure) return std::nullopt;
     unit->is_gauge = is_gauge;
+    unit->is_absolute = !is_gauge;
     return unit;
   };
   for (const std::string_view word : gauge)
@@ -239,7 +253,7 @@ std::optional<Unit> pressure_with_zero(std::string_view name) {
 /// A listed unit that may be counted in multiples.
 std::optional<Unit> measure(std::string_view name) {
   std::optional<Unit> unit = listed(name);
-  if (!unit) unit = pressure_with_zero(name);
+  if (!unit) unit = unit_with_zero(name);
   return unit && unit->quantity < Quantity::raw ? unit : std::nullopt;
 }
 
@@ -289,6 +303,28 @@ std::optional<Unit> multiple(std::string text) {
   return unit;
 }
 
+/// "-10..10 V", "0-10 bar", "+/-10 V": the sensor's range stands before the unit.
+std::optional<Unit> behind_range(std::string name) {
+  bool is_range = false;
+  for (const std::string_view sign : {"\u00b1", "+/-", "+-"})
+    if (name.starts_with(sign)) is_range = true, name.erase(0, sign.size());
+  const auto number_end = [&](std::size_t at) {
+    if (at < name.size() && (name[at] == '-' || name[at] == '+')) ++at;
+    const std::size_t begin = at;
+    while (at < name.size() && std::isdigit(static_cast<unsigned char>(name[at]))) ++at;
+    return at == begin ? std::string::npos : at;
+  };
+  std::size_t end = number_end(0);
+  if (end == std::string::npos) return std::nullopt;
+  for (const std::string_view between : {"...", "..", "-", "\u2013", "to", "bis", "~"}) {
+    if (is_range || name.compare(end, between.size(), between) != 0) continue;
+    end = number_end(end + between.size());
+    if (end == std::string::npos) return std::nullopt;
+    is_range = true;
+  }
+  return is_range ? measure(std::string_view(name).substr(end)) : std::nullopt;
+}
+
 }  // namespace
 
 std::string_view without_brackets(std::string_view text) {
@@ -303,9 +339,10 @@ std::optional<Unit> unit_in(std::string_view text) {
   const std::string name = plain(without_brackets(half_width(text)));
   if (name.empty()) return std::nullopt;
   if (const auto unit = listed(name)) return unit;
-  if (const auto unit = pressure_with_zero(name)) return unit;
+  if (const auto unit = unit_with_zero(name)) return unit;
   if (name == "\"") return listed("in");
   if (const auto unit = divided(name)) return unit;
+  if (const auto unit = behind_range(name)) return unit;
   return multiple(name);
 }
 

@@ -15,6 +15,7 @@ struct Unit {
   double factor;          ///< SI value = factor theirs, gauge pressures above the atmosphere
   bool is_gauge = false;
   bool is_multiple = false;  ///< a number before or behind it says so many
+  bool is_absolute = false;  ///< a pressure whose unit says so
 };
 
 /// The text without blanks and one pair of brackets around it: "[bar (g)]" is "bar (g)".

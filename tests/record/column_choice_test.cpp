@@ -146,6 +146,13 @@ TEST_CASE("a unit that is stated is read, with its multiple, or asked about") {
                                                                                 {"Pressure A [mmWS]", 9.80665},
                                                                                 {"Pressure A [mH2O]", 9806.65},
                                                                                 {"Pressure A [inH2O]", 249.08891},
+                                                                                {"Position [mm abs]", 1e-3},
+                                                                                {"Position [\u6beb\u7c73]", 1e-3},
+                                                                                {"Pressure A [bar absolut]", 1e5},
+                                                                                {"Pressure A [0-10 bar]", 1e5},
+                                                                                {"Valve [\u00b110V]", 1},
+                                                                                {"Valve [-10..10 V]", 1},
+                                                                                {"Valve [+/-10 V]", 1},
                                                                                 {"Pressure A [bar] (2)", 1e5}}) {
     CAPTURE(name);
     const ColumnGuess guess = first(name);

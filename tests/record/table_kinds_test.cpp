@@ -219,3 +219,88 @@ TEST_CASE("names may stand between other separators than the fields, and unknown
   std::replace(fields.begin(), fields.end(), '\t', '&');
   CHECK_THAT(kind_refusal("t_s&x_mm&u_V&p1_port_Pa\n" + fields), Contains("found one field in each line"));
 }
+
+TEST_CASE("what is like another kind for some rows is read as what it is") {
+  SECTION("integer times in steps of 100 are no hours, minutes and seconds") {
+    for (const int step : {50, 100, 200, 1000}) {
+      const CsvTable table = kind_table(
+          "time,x_mm\n" + kind_lines([&](int i) { return fmt::format("{},{:.3f}", step * i, kind_x_mm(i)); }));
+      CHECK(table.is_clock[0] == 0);
+      CHECK(table.values[0][3] == 3 * step);
+    }
+  }
+  SECTION("a counter of 14 digits is no date") {
+    const CsvTable table = kind_table(
+        "ticks,x_mm\n" + kind_lines([&](int i) { return fmt::format("{},{:.3f}", 20101231000030 + i, kind_x_mm(i)); }));
+    CHECK(table.is_clock[0] == 0);
+    CHECK(table.values[0][40] - table.values[0][0] == 40);
+    const CsvTable named = kind_table("time_ns,x_mm\n" + kind_lines([&](int i) {
+                                        return fmt::format("{},{:.3f}", 19990131100000 + 1000000LL * i, kind_x_mm(i));
+                                      }));
+    CHECK(named.is_clock[0] == 0);
+    CHECK(named.values[0][0] == 19990131100000.0);
+  }
+  SECTION("a bare zero shows no thousands, and a file has one sign for them") {
+    const CsvTable zero =
+        kind_table("t_ms,p1_bar\n" + kind_lines([](int i) {
+                     return i < 2 ? fmt::format("{},0", i) : fmt::format("{},{:.3f}", i, kind_p_bar(i));
+                   }));
+    CHECK(zero.values[1][5] == Approx(kind_p_bar(5)));
+    const CsvTable thousands = kind_table("t_ms;pos_um\n" + kind_lines([](int i) {
+                                            return i < 40 ? fmt::format("{};{}.{:03}", 25 * i, 150 + i, i)
+                                                          : fmt::format("1.{:03};{}.{:03}", 25 * (i - 40), 150 + i, i);
+                                          }));
+    CHECK(thousands.values[0][41] == 1025);
+    CHECK(thousands.values[1][3] == 153003);
+  }
+  SECTION("rows at the ends that go on are rows, whatever their decimals") {
+    const auto row = [](int i) {
+      return fmt::format("{:.3f},{:.3f},{:.3f},{:.3f}", 0.001 * i, kind_x_mm(i), kind_u_V(i), kind_p_bar(i));
+    };
+    const std::string names = "t_s,x_mm,u_V,p1_bar\n";
+    CHECK(kind_table(names + kind_lines([&](int i) { return i == 0 ? "0,0,0,0" : row(i); })).rows() == kind_rows);
+    CHECK(kind_table(names + kind_lines([&](int i) { return i == kind_rows - 1 ? "0.059,7,0,5" : row(i); })).rows() ==
+          kind_rows);
+  }
+  SECTION("a gauge by name whose unit says absolute is absolute") {
+    CsvTable table = kind_table("t_s,Pressure gauge A (bar abs)\n" + kind_lines([](int i) {
+                                  return fmt::format("{:.3f},{:.3f}", 0.001 * i, kind_p_bar(i));
+                                }));
+    CHECK(guess_columns(table)[1].offset == 0);
+  }
+  SECTION("numbers in German rows are no channels of a long table") {
+    const CsvTable table =
+        kind_table("Zeit;p1 [bar];p2 [bar]\n" + kind_lines([](int i) {
+                     return fmt::format("10:11:12,{:03};5,{}00;4,{}00", 10 * i, 3 + i % 2, 5 - i % 2);
+                   }));
+    REQUIRE(table.names.size() == 3);
+    REQUIRE(table.rows() == kind_rows);
+    CHECK(table.values[0][7] - table.values[0][0] == Approx(0.07));
+  }
+  SECTION("a whole time beside columns named like its parts is kept") {
+    const CsvTable table = kind_table("t_ms,x_mm,h,mm,s\n" + kind_lines([](int i) {
+                                        return fmt::format("{},{:.3f},1,2,{}", i, kind_x_mm(i), i % 7);
+                                      }));
+    CHECK(table.names.size() == 5);
+  }
+  SECTION("the frequency of a motion is no rate of the rows") {
+    CHECK_THAT(kind_sentences(kind_table("# frequency: 10 Hz\nx_mm,u_V\n" + kind_lines([](int i) {
+                                           return fmt::format("{:.3f},{:.4f}", kind_x_mm(i), kind_u_V(i));
+                                         }))),
+               !Contains("frequency"));
+  }
+  SECTION("what is told of one column's text leaves another's") {
+    const CsvTable table =
+        kind_table("t_s,p,xp,x_mm\n" + kind_lines([](int i) {
+                     return fmt::format("{:.3f},on,{},{:.3f}", 0.001 * i, i == 8 ? "bad" : "1.5", kind_x_mm(i));
+                   }));
+    CHECK_THAT(kind_sentences(table), Contains("xp is \"bad\"") && Contains("column p holds text"));
+  }
+  SECTION("a long field of signs ends") {
+    std::string signs;
+    for (int i = 0; i < 200000; ++i) signs += "\u5e74";
+    CHECK(kind_table("t_s,x_mm\n" +
+                     kind_lines([&](int i) { return fmt::format("{:.3f},{}", 0.001 * i, i == 9 ? signs : "1.5"); }))
+              .rows() == kind_rows);
+  }
+}

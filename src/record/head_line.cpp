@@ -102,6 +102,17 @@ std::vector<std::string> names_with_blanks(const std::string& line, std::size_t 
   return joined;
 }
 
+namespace {
+
+/// "Unit", "Units", "Einheit:", "unité".
+bool says_unit(const std::string& small) {
+  constexpr std::array<std::string_view, 8> roots{"unit",  "einheit",      "unidad",       "eenheid",
+                                                  "enhet", "\u5358\u4f4d", "\u5355\u4f4d", "\ub2e8\uc704"};
+  return std::ranges::any_of(roots, [&](std::string_view root) { return small.find(root) != std::string::npos; });
+}
+
+}  // namespace
+
 HeadLine judge_head_line(std::vector<std::string>& here, const std::string& line, std::size_t fields,
                          const FieldStyle& style) {
   if (style.separator == ' ' && here.size() > fields) {
@@ -115,7 +126,7 @@ HeadLine judge_head_line(std::vector<std::string>& here, const std::string& line
   if (3 * filled <= here.size()) return HeadLine::other;  // labels of a head
   const bool matches = here.size() == fields || here.size() + 1 == fields || 2 * here.size() == fields;
   if (!matches) return here.size() > fields && style.separator != ' ' ? HeadLine::longer : HeadLine::other;
-  if (const std::string label = common_label(here); label.find("unit") != std::string::npos) take_labels_off(here);
+  if (const std::string label = common_label(here); says_unit(label)) take_labels_off(here);
   else if (!label.empty() && label.find("name") == std::string::npos) return HeadLine::stated;
   if (states_values(here, style)) return HeadLine::stated;
   if (is_types_row(here)) return HeadLine::types;
@@ -154,7 +165,7 @@ bool states_factors(const std::vector<std::string>& fields, const FieldStyle& st
 }
 
 bool is_unit_label(const std::vector<std::string>& fields) {
-  return !fields.empty() && in_small_letters(fields[0]).find("unit") != std::string::npos;
+  return !fields.empty() && says_unit(in_small_letters(fields[0]));
 }
 
 }  // namespace pneuservo

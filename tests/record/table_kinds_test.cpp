@@ -289,6 +289,12 @@ TEST_CASE("what is like another kind for some rows is read as what it is") {
                                          }))),
                !Contains("frequency"));
   }
+  SECTION("units with a label of another language") {
+    const CsvTable table = kind_table("Zeit;Weg\nEinheit: s;Einheit: mm\n" + kind_lines([](int i) {
+                                        return fmt::format("{:.3f};{:.3f}", 0.001 * i, kind_x_mm(i));
+                                      }));
+    CHECK(guess_columns(table)[1].factor == Approx(1e-3));
+  }
   SECTION("what is told of one column's text leaves another's") {
     const CsvTable table =
         kind_table("t_s,p,xp,x_mm\n" + kind_lines([](int i) {

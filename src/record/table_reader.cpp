@@ -424,14 +424,16 @@ class TableReader {
   bool are_names() const {
     if (is_own_ || fields_.empty() || fields_.front().empty())
       return false;  // a blank line between blanks has no field
+    const auto has_letter = [](std::string_view field) {
+      return std::any_of(field.begin(), field.end(), [](char c) {
+        return static_cast<unsigned char>(c) >= 0x80 || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+      });
+    };
     std::size_t known = 0, meant = 0;
     const bool is_first_known = known_names_.contains(fields_.front());
+    if (!is_first_known && !has_letter(fields_.front())) return false;  // a number begins a row
     for (const std::string_view field : fields_) known += !field.empty() && known_names_.contains(field);
     if (known >= 2) return true;
-    const auto has_letter = [](std::string_view field) {
-      return std::any_of(field.begin(), field.end(), [](unsigned char c) { return std::isalpha(c) || c >= 0x80; });
-    };
-    if (std::none_of(fields_.begin(), fields_.end(), has_letter)) return false;
     if (fields_.size() < 2 || holds_value()) return false;
     if (fields_.size() == field_count_ && !is_first_known)
       for (const std::string_view field : fields_) {

@@ -242,7 +242,6 @@ bool is_doubtful(const Rig& rig, const std::vector<ResidualChannel>& channels, c
 SearchSettings beside_small_physics(const Rig& rig, const ResidualModel& model, const Search& search,
                                     const std::vector<std::size_t>& named) {
   SearchSettings settings;
-  settings.begins = search_ends, settings.ends = next_search_ends;
   settings.small_physics = small_physics(rig, model.channels());
   settings.settled_gain = settled_gain_beside;
   std::erase_if(settings.small_physics, [&](const FreeParameter& granted) {
@@ -321,7 +320,7 @@ Decision with_small_physics(const Rig& rig, FittedRows& rows, std::vector<Candid
                             const DiagnoseOptions& options, std::optional<Search>& search, Diagnosis& out) {
   ResidualModel& model = rows.model();
   SearchSettings settings;
-  settings.begins = search_ends, settings.ends = next_search_ends;
+  settings.progress = later_search;
   settings.small_physics = small_physics(rig, model.channels());
   settings.known_starts = plain.best_starts(carried_over);
   settings.grow_floor = true;
@@ -543,7 +542,7 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
     search.run();
     std::optional<Search> beside;
     Decision decision = decided_twice(rig, rows, search, options, beside, out);
-    if (options.progress) options.progress(next_search_ends, "verdict");
+    if (options.progress) options.progress(later_search.end, "verdict");
     const Search& used = beside ? *beside : search;
     LatentJudgement judgement;
     std::vector<Screened> screening = screened_beside(rig, rows, used, decision, options.rules);

@@ -110,7 +110,7 @@ int run_diagnose(const DiagnoseVerbOptions& options) {
   if (!options.next_experiment.empty() || !options.report.empty()) settings.virtual_machine = record_virtual_run;
   settings.stop = StopRequest::requested;
   settings.progress = [&](double share, const std::string& what) {
-    if (share >= search_begins) early_stop.end();
+    if (share >= first_search.begin) early_stop.end();
     progress.tell(share, what);
   };
   Diagnosis diagnosis;

@@ -47,7 +47,7 @@ void judge_outputs(const ImproveVerb& options, const Rig& rig) {
 }
 
 /// Before the search and in the prediction. Looks for a stop are far apart there: it ends the program at once.
-bool ends_at_once(double share) { return share < search_begins || share >= 1.0; }
+bool ends_at_once(double share) { return share < first_search.begin || share >= 1.0; }
 
 Improvement improve_watched(const ImproveVerb& verb, const Rig& rig) {
   ProgressLine progress(!verb.quiet);

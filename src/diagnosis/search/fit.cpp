@@ -258,11 +258,11 @@ Eigen::VectorXd bent_step(const Stepping& s) {
   return step;
 }
 
-/// A step to try, and where the objective at its end goes.
+/// A step to try, and where the objective at its end goes; null: nowhere.
 struct Trial {
   Stepping* stepping;
   Eigen::VectorXd step;
-  double* after;
+  double* after = nullptr;
 };
 
 /// Tries every step for its fit, takes the best if it is better than where the fit stands; residuals of all.
@@ -278,7 +278,7 @@ Eigen::MatrixXd try_steps(FittedRows& rows, const std::vector<Trial>& trials) {
     const Eigen::VectorXd place = s->start + step;
     const double objective = column.squaredNorm() + place.squaredNorm();
     if (!column.allFinite()) continue;
-    *after = objective;
+    if (after != nullptr) *after = objective;
     if (objective >= s->fit->objective) continue;
     s->fit->objective = objective;
     s->fit->z = place;
@@ -303,15 +303,13 @@ void step_on(FittedRows& rows, std::vector<Stepping>& steppings) {
   const Eigen::MatrixXd there = try_steps(rows, trials);
   trials.clear();
   std::vector<Stepping*> damped;
-  double bent_after = 1e300;
   for (std::size_t i = 0; i < steppings.size(); ++i) {
     Stepping& s = steppings[i];
     if (s.promised < near_promise && s.before - s.fit->objective >= kept_promise * s.promised) continue;
     damped.push_back(&s);
     for (std::size_t d = 2; d < dampings.size(); d += 2) add_damped(s, d, trials);
     s.residual_there = there.col(static_cast<Eigen::Index>(i));
-    if (s.promised < bent_share * s.before && s.residual_there.allFinite())
-      trials.push_back({&s, bent_step(s), &bent_after});
+    if (s.promised < bent_share * s.before && s.residual_there.allFinite()) trials.push_back({&s, bent_step(s)});
   }
   try_steps(rows, trials);
   trials.clear();

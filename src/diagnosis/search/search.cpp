@@ -37,7 +37,7 @@ Search::Search(FittedRows& rows, const Rig& rig, std::vector<Candidate> candidat
 
 void Search::tell(double share, const std::string& what) const {
   if (progress_)
-    progress_(settings_.begins + share * (settings_.ends - settings_.begins),
+    progress_(std::lerp(settings_.progress.begin, settings_.progress.end, share),
               what + (settings_.grow_floor ? ", with small physics" : ""));
 }
 

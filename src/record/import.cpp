@@ -15,12 +15,12 @@
 
 #include "config/input_error.hpp"
 #include "config/key_suggestion.hpp"
-#include "record/column_guess.hpp"
+#include "record/foreign/column_guess.hpp"
+#include "record/foreign/names_text.hpp"
+#include "record/foreign/stamps.hpp"
+#include "record/foreign/units.hpp"
 #include "record/kept_rows.hpp"
-#include "record/names_text.hpp"
 #include "record/row_text.hpp"
-#include "record/stamps.hpp"
-#include "record/units.hpp"
 
 namespace pneuservo {
 

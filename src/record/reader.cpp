@@ -9,6 +9,7 @@
 #include <pneuservo/record/row.hpp>
 
 #include "config/input_error.hpp"
+#include "record/column_values.hpp"
 #include "record/header.hpp"
 #include "record/kept_rows.hpp"
 
@@ -137,9 +138,7 @@ double median_step_s(const std::vector<double>& time_s) {
   for (std::size_t i = 1; i < time_s.size(); ++i)
     if (time_s[i] > time_s[i - 1]) steps.push_back(time_s[i] - time_s[i - 1]);
   if (steps.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return median_of(std::move(steps));
 }
 
 double row_interval_s(const Recording& recording) {

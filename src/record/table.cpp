@@ -10,7 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "config/input_error.hpp"
-#include "record/names_text.hpp"
+#include "record/foreign/names_text.hpp"
 
 namespace pneuservo {
 

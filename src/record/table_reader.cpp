@@ -14,16 +14,17 @@
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
-#include "record/column_guess.hpp"
-#include "record/dialect.hpp"
-#include "record/edge_rows.hpp"
-#include "record/field_reader.hpp"
-#include "record/keyed_rows.hpp"
-#include "record/line_facts.hpp"
-#include "record/long_rows.hpp"
-#include "record/names_text.hpp"
+#include "record/column_values.hpp"
+#include "record/foreign/column_guess.hpp"
+#include "record/foreign/dialect.hpp"
+#include "record/foreign/edge_rows.hpp"
+#include "record/foreign/field_reader.hpp"
+#include "record/foreign/keyed_rows.hpp"
+#include "record/foreign/line_facts.hpp"
+#include "record/foreign/long_rows.hpp"
+#include "record/foreign/names_text.hpp"
+#include "record/foreign/table_times.hpp"
 #include "record/table_bound.hpp"
-#include "record/table_times.hpp"
 #include "record/text_input.hpp"
 
 namespace pneuservo {
@@ -424,14 +425,10 @@ class TableReader {
   bool are_names() const {
     if (is_own_ || fields_.empty() || fields_.front().empty())
       return false;  // a blank line between blanks has no field
-    const auto has_letter = [](std::string_view field) {
-      return std::any_of(field.begin(), field.end(), [](char c) {
-        return static_cast<unsigned char>(c) >= 0x80 || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-      });
-    };
     std::size_t known = 0, meant = 0;
     const bool is_first_known = known_names_.contains(fields_.front());
-    if (!is_first_known && !has_letter(fields_.front())) return false;  // a number begins a row
+    const std::string_view first = fields_.front();
+    if (!is_first_known && std::none_of(first.begin(), first.end(), is_letter)) return false;  // a number begins a row
     for (const std::string_view field : fields_) known += !field.empty() && known_names_.contains(field);
     if (known >= 2) return true;
     if (fields_.size() < 2 || holds_value()) return false;
@@ -492,7 +489,7 @@ class TableReader {
     if (is_own_ || table_.names.size() != 1 || table_.rows() == 0) return;
     if (table_.names[0].find_first_of(",;|\t ") != std::string::npos) return;
     const std::vector<double>& values = table_.values[0];
-    if (std::any_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); })) return;
+    if (has_value(values)) return;
     throw InputError(fmt::format("{}, line {}: found one field in each line, the first being \"{}\"; expected fields "
                                  "between commas, semicolons, tabs, blanks or |",
                                  table_.path, names_line_, shown(table_.names[0])));

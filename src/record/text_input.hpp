@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "record/text_encoding.hpp"
+#include "record/foreign/text_encoding.hpp"
 
 namespace pneuservo {
 

@@ -4,15 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "record/column_values.hpp"
+
 namespace pneuservo {
 
 double sampling_period_s(const std::vector<Row>& rows) {
   std::vector<double> distances;
   distances.reserve(rows.size());
   for (std::size_t k = 1; k < rows.size(); ++k) distances.push_back(rows[k].t_s - rows[k - 1].t_s);
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
+  return median_of(std::move(distances));
 }
 
 EvenSignal even_signal(const std::vector<Row>& rows, RowColumn column) {

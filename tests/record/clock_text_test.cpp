@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "record/clock_text.hpp"
-#include "record/dialect.hpp"
+#include "record/foreign/clock_text.hpp"
+#include "record/foreign/dialect.hpp"
 
 using pneuservo::clock_in;
 

@@ -8,9 +8,9 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "record/column_guess.hpp"
-#include "record/column_words.hpp"
 #include "record/files.hpp"
+#include "record/foreign/column_guess.hpp"
+#include "record/foreign/column_words.hpp"
 
 using namespace pneuservo;
 using Catch::Matchers::Contains;

@@ -11,9 +11,9 @@
 
 #include "config/input_error.hpp"
 #include "core/test_seed.hpp"
-#include "record/column_guess.hpp"
-#include "record/field_text.hpp"
 #include "record/files.hpp"
+#include "record/foreign/column_guess.hpp"
+#include "record/foreign/field_text.hpp"
 #include "record/import.hpp"
 
 using namespace pneuservo;

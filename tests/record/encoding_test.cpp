@@ -5,8 +5,8 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include "record/foreign/text_encoding.hpp"
 #include "record/motion.hpp"
-#include "record/text_encoding.hpp"
 
 #include <iconv.h>
 

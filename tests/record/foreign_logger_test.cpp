@@ -10,14 +10,14 @@
 
 #include "config/input_error.hpp"
 #include "core/test_seed.hpp"
-#include "record/column_guess.hpp"
-#include "record/column_words.hpp"
-#include "record/field_text.hpp"
 #include "record/files.hpp"
+#include "record/foreign/column_guess.hpp"
+#include "record/foreign/column_words.hpp"
+#include "record/foreign/field_text.hpp"
+#include "record/foreign/stamps.hpp"
+#include "record/foreign/units.hpp"
 #include "record/import.hpp"
 #include "record/motion.hpp"
-#include "record/stamps.hpp"
-#include "record/units.hpp"
 
 using namespace pneuservo;
 using Catch::Matchers::Contains;

@@ -6,8 +6,8 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "record/column_words.hpp"
-#include "record/field_text.hpp"
+#include "record/foreign/column_words.hpp"
+#include "record/foreign/field_text.hpp"
 #include "record/motion.hpp"
 
 using namespace pneuservo;

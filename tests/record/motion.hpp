@@ -9,8 +9,8 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "record/column_guess.hpp"
 #include "record/files.hpp"
+#include "record/foreign/column_guess.hpp"
 #include "record/import.hpp"
 
 namespace pneuservo {

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include "config/input_error.hpp"
 #include "record/motion.hpp"
 
 using namespace pneuservo;
@@ -70,7 +71,11 @@ TEST_CASE("lines that name different values in turn are no rows of one table") {
       put_plain(folder.file("f.log"), rows([](int, double t, double x, double u) {
                   return fmt::format("t={0:.3f} position={1:.7f}\nt={0:.3f} valve={2:.4f}", t, x, u);
                 }));
-  CHECK_THROWS(recordings_in(read_table(path), import_map(guess_columns(read_table(path))), interval_s));
+  std::string said;
+  try {
+    recordings_in(read_table(path), import_map(guess_columns(read_table(path))), interval_s);
+  } catch (const InputError& error) { said = error.what(); }
+  CHECK_THAT(said, Contains("f.log") && Contains("t=0.000 position"));
 }
 
 TEST_CASE("values in objects inside of an object bear the path to them") {
@@ -86,6 +91,13 @@ TEST_CASE("values in objects inside of an object bear the path to them") {
   CHECK(found.run.column("x_ref_m")[100] == Approx(x_m_at(100) + 0.01));
   CHECK(found.run.column("u_V")[100] == Approx(u_V_at(100)));
   CHECK(found.run.column("p2_port_Pa")[100] == Approx(600000));
+  const Understood set_first = understood(rows([](int, double t, double x, double u) {
+    return fmt::format("{{\"t\": {:.3f}, \"setpoint\": {{\"position\": {:.7f}}}, \"actual\": {{\"position\": {:.7f}}}, "
+                       "\"valve\": {:.4f}}}",
+                       t, x + 0.01, x, u);
+  }));
+  CHECK(set_first.run.column("x_m")[100] == Approx(x_m_at(100)));
+  CHECK(set_first.run.column("x_ref_m")[100] == Approx(x_m_at(100) + 0.01));
   check_motion(rows([](int i, double, double x, double u) {
     const std::string stamp = fmt::format("2026-01-03T10:11:{:02}.{:03}Z", i / 1000, i % 1000);
     return fmt::format("{{\"ts\":\"{0}\",\"data\":{{\"name\":\"position\",\"value\":{1:.7f}}}}}\n"

@@ -8,8 +8,8 @@
 
 #include "core/test_seed.hpp"
 #include "record/files.hpp"
+#include "record/foreign/stamps.hpp"
 #include "record/import.hpp"
-#include "record/stamps.hpp"
 
 using namespace pneuservo;
 using Catch::Matchers::Contains;

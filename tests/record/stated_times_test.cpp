@@ -6,9 +6,9 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "record/clock_text.hpp"
+#include "record/foreign/clock_text.hpp"
+#include "record/foreign/stamps.hpp"
 #include "record/motion.hpp"
-#include "record/stamps.hpp"
 
 using namespace pneuservo;
 using Catch::Matchers::Contains;

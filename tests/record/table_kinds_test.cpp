@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
-#include "record/column_guess.hpp"
 #include "record/files.hpp"
+#include "record/foreign/column_guess.hpp"
 #include "record/import.hpp"
 
 using namespace pneuservo;

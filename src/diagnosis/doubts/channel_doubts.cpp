@@ -13,7 +13,7 @@
 
 #include "config/input_error.hpp"
 #include "diagnosis/doubts/range_doubts.hpp"
-#include "record/column_guess.hpp"
+#include "record/foreign/column_guess.hpp"
 
 namespace pneuservo {
 

@@ -9,8 +9,8 @@
 
 #include "config/input_error.hpp"
 #include "diagnosis/doubts/recording_doubts.hpp"
+#include "record/foreign/names_text.hpp"
 #include "record/import.hpp"
-#include "record/names_text.hpp"
 
 namespace pneuservo {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <pneuservo/rig/rig.hpp>
 
-#include "record/column_guess.hpp"
+#include "record/foreign/column_guess.hpp"
 #include "record/reader.hpp"
 
 namespace pneuservo {

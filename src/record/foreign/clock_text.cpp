@@ -1,5 +1,5 @@
 // Dates and times of day as loggers write them.
-#include "record/clock_text.hpp"
+#include "record/foreign/clock_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "record/field_text.hpp"
+#include "record/foreign/field_text.hpp"
 
 namespace pneuservo {
 

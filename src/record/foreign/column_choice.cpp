@@ -1,5 +1,5 @@
 // Which of several columns with one meaning is taken.
-#include "record/column_choice.hpp"
+#include "record/foreign/column_choice.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,8 +13,9 @@
 
 #include <pneuservo/core/signal.hpp>
 
-#include "record/column_words.hpp"
-#include "record/units.hpp"
+#include "record/column_values.hpp"
+#include "record/foreign/column_words.hpp"
+#include "record/foreign/units.hpp"
 
 namespace pneuservo {
 
@@ -42,10 +43,6 @@ bool has_motion(const std::vector<double>& values) {
   return false;
 }
 
-bool has_values(const std::vector<double>& values) {
-  return std::any_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
-}
-
 /// The greater one is taken; of equal ones the first.
 using Merit = std::array<std::size_t, 7>;
 
@@ -53,8 +50,9 @@ Merit merit_of(const std::vector<double>& values, const std::string& text, const
                std::size_t known_of_axis) {
   if (guess.ours == "t_s") return {course_of(values)};
   const std::optional<ColumnWord> word = column_word(text);
-  return {has_values(values),           guess.ours == guess.column, known_of_axis, has_motion(values),
-          !(word && word->is_computed), word && word->is_actual,    guess.has_unit};
+  return {has_value(values),  guess.ours == guess.column,   known_of_axis,
+          has_motion(values), !(word && word->is_computed), word && word->is_actual,
+          guess.has_unit};
 }
 
 }  // namespace
@@ -86,8 +84,7 @@ void take_valve_ports(const std::vector<std::string>& texts, std::vector<ColumnG
     guess.ours = ours[port];
     guess.has_unit = unit.has_value();
     guess.factor = unit ? unit->factor : 1;
-    const std::optional<ColumnWord> word = column_word(texts[columns[port]]);
-    guess.offset = unit && (unit->is_gauge || (word && word->is_gauge && !unit->is_absolute)) ? atmosphere_Pa : 0;
+    guess.offset = unit && is_above_atmosphere(*unit, column_word(texts[columns[port]])) ? atmosphere_Pa : 0;
     guess.evidence = fmt::format("port {} of a valve by ISO 11727, for 2 and 4 both stand", port + 1);
   }
 }
@@ -96,7 +93,7 @@ void leave_one_of_each(const CsvTable& table, const std::vector<std::string>& te
                        std::vector<ColumnGuess>& guesses) {
   std::map<std::string, std::set<std::string>> known;  // of each axis
   for (std::size_t c = 0; c < guesses.size(); ++c)
-    if (!guesses[c].ours.empty() && has_values(table.values[c])) known[axis_of(texts[c])].insert(guesses[c].ours);
+    if (!guesses[c].ours.empty() && has_value(table.values[c])) known[axis_of(texts[c])].insert(guesses[c].ours);
   std::map<std::string, std::pair<std::size_t, Merit>> taken;
   for (std::size_t c = 0; c < guesses.size(); ++c) {
     if (guesses[c].ours.empty()) continue;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "record/column_guess.hpp"
+#include "record/foreign/column_guess.hpp"
 #include "record/table.hpp"
 
 namespace pneuservo {

@@ -1,5 +1,5 @@
 // What the columns of a foreign table are likely to be.
-#include "record/column_guess.hpp"
+#include "record/foreign/column_guess.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,12 +10,12 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include "record/column_choice.hpp"
-#include "record/column_words.hpp"
-#include "record/dialect.hpp"
-#include "record/field_text.hpp"
+#include "record/foreign/column_choice.hpp"
+#include "record/foreign/column_words.hpp"
+#include "record/foreign/dialect.hpp"
+#include "record/foreign/field_text.hpp"
+#include "record/foreign/units.hpp"
 #include "record/row_text.hpp"
-#include "record/units.hpp"
 
 namespace pneuservo {
 
@@ -50,8 +50,7 @@ std::optional<NameParts> with_joined_unit(const std::string& name) {
 bool may_be_unit(std::string_view text) {
   constexpr std::array<std::string_view, 6> none{"none", "n/a", "na", "unitless", "dimensionless", "unit"};
   const std::string small = in_small_letters(text);
-  const bool has_sign =
-      std::any_of(text.begin(), text.end(), [](unsigned char c) { return std::isalpha(c) || c >= 0x80; });
+  const bool has_sign = std::any_of(text.begin(), text.end(), is_letter);
   return unit_in(text) ||
          (has_sign && !is_made_of_words(text) && std::find(none.begin(), none.end(), small) == none.end());
 }
@@ -171,11 +170,10 @@ ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmos
   out.has_unit = true;
   const double times = times_in(parts.text);
   out.factor = unit->factor / times;
-  const bool is_gauge_by_name = word->is_gauge && !unit->is_gauge && !unit->is_absolute;
-  out.offset = unit->is_gauge || is_gauge_by_name ? atmosphere_Pa : 0;
+  out.offset = is_above_atmosphere(*unit, word) ? atmosphere_Pa : 0;
   out.evidence += in_row ? ", unit stated below the names" : ", unit from its name";
   if (unit->is_multiple || times != 1) out.evidence += fmt::format(": 1 is taken for {:g} in SI", out.factor);
-  if (is_gauge_by_name) out.evidence += ", above the atmosphere by its name";
+  if (out.offset != 0 && !unit->is_gauge) out.evidence += ", above the atmosphere by its name";
   return out;
 }
 

@@ -1,5 +1,5 @@
 // What the name of a column says of its quantity: roots of words in its parts, and the role of each.
-#include "record/column_words.hpp"
+#include "record/foreign/column_words.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 
 #include <pneuservo/core/signal.hpp>
 
-#include "record/field_text.hpp"
+#include "record/foreign/field_text.hpp"
 
 namespace pneuservo {
 
@@ -245,11 +245,11 @@ std::vector<std::string> parts_of(std::string_view signed_text) {
   unsigned char before = ' ';
   for (const char c : text) {
     const auto now = static_cast<unsigned char>(c);
-    const bool is_letter = std::isalpha(now) || now >= 0x80, is_digit = std::isdigit(now) != 0;
+    const bool has_letter = is_letter(c), is_digit = std::isdigit(now) != 0;
     const bool begins = (std::isupper(now) && std::islower(before)) || is_digit != (std::isdigit(before) != 0) ||
                         (now >= 0x80) != (before >= 0x80);
-    if (begins || !(is_letter || is_digit)) parts.emplace_back();
-    if (is_letter || is_digit) parts.back() += static_cast<char>(std::tolower(now));
+    if (begins || !(has_letter || is_digit)) parts.emplace_back();
+    if (has_letter || is_digit) parts.back() += static_cast<char>(std::tolower(now));
     before = now;
   }
   std::erase(parts, std::string());
@@ -262,8 +262,7 @@ std::pair<std::string_view, std::string_view> last_of_path(std::string_view text
     const std::size_t sign = text.find_last_of(path_signs, end - 1);
     const std::size_t begin = sign == std::string_view::npos ? 0 : sign + 1;
     const std::string_view part = text.substr(begin, end - begin);
-    if (std::any_of(part.begin(), part.end(), [](unsigned char c) { return std::isalpha(c) || c >= 0x80; }))
-      return {part, text.substr(0, begin > 0 ? begin - 1 : 0)};
+    if (std::any_of(part.begin(), part.end(), is_letter)) return {part, text.substr(0, begin > 0 ? begin - 1 : 0)};
     end = begin > 0 ? begin - 1 : 0;
   }
   return {text, ""};

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "record/units.hpp"
+#include "record/foreign/units.hpp"
 
 namespace pneuservo {
 
@@ -18,6 +18,11 @@ struct ColumnWord {
   bool is_computed = false;  ///< it, or what is before it in a path, says that it is a model's
   bool is_gauge = false;     ///< a pressure above the atmosphere
 };
+
+/// Whether values count from the atmosphere: by their unit, or by their name where the unit does not say it.
+inline bool is_above_atmosphere(const Unit& unit, const std::optional<ColumnWord>& word) {
+  return unit.is_gauge || (word && word->is_gauge && !unit.is_absolute);
+}
 
 /// Of a name without its unit: "Actual Position", "Drucksensor 1", "/axis/position", "MAIN.fbAxis.lrPos"; none where
 /// nothing in it is known. Side 1 is the one that pushes outwards: A, cap end. A set point, an error, a speed or a

@@ -1,5 +1,5 @@
 // How a foreign table is written, found from its first lines.
-#include "record/dialect.hpp"
+#include "record/foreign/dialect.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,11 +12,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "record/clock_text.hpp"
-#include "record/column_guess.hpp"
-#include "record/head_line.hpp"
-#include "record/line_facts.hpp"
-#include "record/units.hpp"
+#include "record/foreign/clock_text.hpp"
+#include "record/foreign/column_guess.hpp"
+#include "record/foreign/head_line.hpp"
+#include "record/foreign/line_facts.hpp"
+#include "record/foreign/units.hpp"
 
 namespace pneuservo {
 

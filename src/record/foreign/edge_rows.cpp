@@ -1,5 +1,5 @@
 // Lines above and below the rows of a table that look like rows and are none.
-#include "record/edge_rows.hpp"
+#include "record/foreign/edge_rows.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +8,9 @@
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
+
+#include "record/column_values.hpp"
+#include "record/foreign/units.hpp"
 
 namespace pneuservo {
 
@@ -18,12 +21,10 @@ constexpr std::size_t most_kept = 1000;
 
 /// Powers of ten in each column, not all 1: they may be factors.
 bool may_be_factors(const CsvTable& table, std::size_t row) {
-  constexpr double tolerance = 1e-9;
   bool are_ones = true;
   for (const std::vector<double>& values : table.values) {
-    const double power = std::log10(values[row]);
-    if (!std::isfinite(power) || std::abs(power - std::round(power)) > tolerance) return false;
-    are_ones = are_ones && power == 0;
+    if (!is_power_of_ten(values[row])) return false;
+    are_ones = are_ones && values[row] == 1;
   }
   return !are_ones;
 }
@@ -39,9 +40,7 @@ bool continues_rows(const CsvTable& table, std::size_t row, std::size_t neighbou
     const std::size_t end = std::min(begin + most_seen, row < neighbour ? values.size() : neighbour + 1);
     for (std::size_t i = begin + 1; i < end; ++i) steps.push_back(values[i] - values[i - 1]);
     if (steps.empty()) continue;
-    std::vector<double> sorted = steps;
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-    const double usual = sorted[sorted.size() / 2];
+    const double usual = median_of(steps);
     const auto even = std::count_if(steps.begin(), steps.end(),
                                     [&](double step) { return std::abs(step - usual) < alike * std::abs(usual); });
     if (static_cast<double>(even) < nearly_all * static_cast<double>(steps.size())) continue;

@@ -1,5 +1,5 @@
 // Reads the fields of a foreign or an own table as numbers, and tells what was taken for what.
-#include "record/field_reader.hpp"
+#include "record/foreign/field_reader.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "record/units.hpp"
+#include "record/column_values.hpp"
+#include "record/foreign/units.hpp"
 
 namespace pneuservo {
 
@@ -228,8 +229,7 @@ void FieldReader::judge_digits(std::size_t column) {
 std::vector<std::size_t> FieldReader::judge_text(std::size_t column) {
   const Column& text = columns_[column];
   const std::vector<double>& values = table_.values[column];
-  const bool is_text = text.unreadable > 1 &&
-                       std::none_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+  const bool is_text = text.unreadable > 1 && !has_value(values);
   if (is_text || text.unreadable > most_told)
     table_.report(0, ProblemKind::dialect,
                   fmt::format("column {} holds {} such as \"{}\", read as no value", table_.names[column],

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "record/clock_text.hpp"
-#include "record/dialect.hpp"
+#include "record/foreign/clock_text.hpp"
+#include "record/foreign/dialect.hpp"
 #include "record/table.hpp"
 
 namespace pneuservo {

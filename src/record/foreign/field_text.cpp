@@ -1,5 +1,5 @@
 // Fields of a line of text.
-#include "record/field_text.hpp"
+#include "record/foreign/field_text.hpp"
 
 #include <algorithm>
 #include <array>

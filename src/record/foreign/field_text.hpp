@@ -6,6 +6,11 @@
 
 namespace pneuservo {
 
+/// Of ASCII, or a part of one beyond it.
+constexpr bool is_letter(char c) noexcept {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || static_cast<unsigned char>(c) >= 0x80;
+}
+
 /// How the fields of a line are written.
 struct FieldStyle {
   char separator = ',';  ///< ' ': any run of blanks

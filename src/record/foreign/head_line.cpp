@@ -1,5 +1,5 @@
 // What a line above the rows of a foreign table says.
-#include "record/head_line.hpp"
+#include "record/foreign/head_line.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,9 @@
 #include <optional>
 #include <string_view>
 
-#include "record/line_facts.hpp"
-#include "record/units.hpp"
+#include "record/foreign/field_text.hpp"
+#include "record/foreign/line_facts.hpp"
+#include "record/foreign/units.hpp"
 
 namespace pneuservo {
 
@@ -104,11 +105,16 @@ std::vector<std::string> names_with_blanks(const std::string& line, std::size_t 
 
 namespace {
 
-/// "Unit", "Units", "Einheit:", "unité".
-bool says_unit(const std::string& small) {
-  constexpr std::array<std::string_view, 8> roots{"unit",  "einheit",      "unidad",       "eenheid",
-                                                  "enhet", "\u5358\u4f4d", "\u5355\u4f4d", "\ub2e8\uc704"};
-  return std::ranges::any_of(roots, [&](std::string_view root) { return small.find(root) != std::string::npos; });
+/// "Unit", "Einheit:", "Y_Unit_Label", "HUnit".
+bool says_unit(std::string_view label) {
+  for (std::size_t begin = 0; begin < label.size();) {
+    const auto end = static_cast<std::size_t>(
+        std::find_if_not(label.begin() + static_cast<std::ptrdiff_t>(begin), label.end(), is_letter) - label.begin());
+    const std::string_view word = label.substr(begin, end - begin);
+    if (is_unit_word(word) || in_small_letters(word).ends_with("unit")) return true;
+    begin = end + 1;
+  }
+  return false;
 }
 
 }  // namespace
@@ -164,8 +170,6 @@ bool states_factors(const std::vector<std::string>& fields, const FieldStyle& st
   });
 }
 
-bool is_unit_label(const std::vector<std::string>& fields) {
-  return !fields.empty() && says_unit(in_small_letters(fields[0]));
-}
+bool is_unit_label(const std::vector<std::string>& fields) { return !fields.empty() && says_unit(fields[0]); }
 
 }  // namespace pneuservo

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "record/field_text.hpp"
+#include "record/foreign/field_text.hpp"
 
 namespace pneuservo {
 

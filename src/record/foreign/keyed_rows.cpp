@@ -1,5 +1,5 @@
 // Rows whose fields bear their names.
-#include "record/keyed_rows.hpp"
+#include "record/foreign/keyed_rows.hpp"
 
 #include <algorithm>
 #include <set>
@@ -8,11 +8,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "record/column_guess.hpp"
-#include "record/column_words.hpp"
-#include "record/field_text.hpp"
-#include "record/names_text.hpp"
-#include "record/units.hpp"
+#include "record/foreign/column_guess.hpp"
+#include "record/foreign/column_words.hpp"
+#include "record/foreign/field_text.hpp"
+#include "record/foreign/names_text.hpp"
+#include "record/foreign/units.hpp"
 
 namespace pneuservo {
 

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "record/dialect.hpp"
-#include "record/named_values.hpp"
+#include "record/foreign/dialect.hpp"
+#include "record/foreign/named_values.hpp"
 #include "record/table.hpp"
 
 namespace pneuservo {

@@ -1,12 +1,12 @@
 // What the lines of a foreign table hold, cut in a given style.
-#include "record/line_facts.hpp"
+#include "record/foreign/line_facts.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <map>
 
-#include "record/clock_text.hpp"
-#include "record/units.hpp"
+#include "record/foreign/clock_text.hpp"
+#include "record/foreign/units.hpp"
 
 namespace pneuservo {
 

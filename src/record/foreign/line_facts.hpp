@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "record/field_text.hpp"
+#include "record/foreign/field_text.hpp"
 
 namespace pneuservo {
 

@@ -1,5 +1,5 @@
 // Long tables: a row for each value, with the name of its channel.
-#include "record/long_rows.hpp"
+#include "record/foreign/long_rows.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,11 +13,11 @@
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
-#include "record/clock_text.hpp"
-#include "record/column_words.hpp"
-#include "record/names_text.hpp"
+#include "record/foreign/clock_text.hpp"
+#include "record/foreign/column_words.hpp"
+#include "record/foreign/names_text.hpp"
+#include "record/foreign/units.hpp"
 #include "record/table_bound.hpp"
-#include "record/units.hpp"
 
 namespace pneuservo {
 
@@ -38,8 +38,6 @@ constexpr std::array<std::string_view, 46> tag_words{
 constexpr std::array<std::string_view, 14> value_words{"value",  "values",  "val",      "wert",        "messwert",
                                                        "valeur", "valor",   "varvalue", "payload",     "reading",
                                                        "valore", "message", "vvalue",   "numericvalue"};
-constexpr std::array<std::string_view, 9> unit_words{"unit",  "units",    "einheit", "unite", "unidad",
-                                                     "unita", "engunits", "eu",      "uom"};
 constexpr std::array<std::string_view, 7> quality_words{"quality",   "status",        "statuscode",  "validity",
                                                         "qualitaet", "qualit\u00e4t", "quality code"};
 
@@ -168,9 +166,8 @@ std::vector<std::string> names_of_first(const std::vector<std::string>& fields, 
   return has_values ? std::vector<std::string>() : fields;
 }
 
-std::size_t field_with_word(const std::vector<FieldFacts>& facts, const auto& words, const auto& is_fit) {
-  const auto at = std::find_if(facts.begin(), facts.end(),
-                               [&](const FieldFacts& one) { return is_word_of(words, one.name) && is_fit(one); });
+std::size_t field_with(const std::vector<FieldFacts>& facts, const auto& is_fit) {
+  const auto at = std::find_if(facts.begin(), facts.end(), is_fit);
   return at == facts.end() ? LongRows::none : static_cast<std::size_t>(at - facts.begin());
 }
 
@@ -245,8 +242,9 @@ std::uint64_t quality_number(std::string_view text) {
 
 /// Units and quality; of rows without names a text that is a unit throughout.
 void take_unit_fields(const std::vector<FieldFacts>& facts, std::size_t rows, LongRows& out) {
-  out.unit = field_with_word(facts, unit_words, [&](const FieldFacts& one) { return one.repeats(rows); });
-  out.quality = field_with_word(facts, quality_words, [&](const FieldFacts& one) { return one.repeats(rows); });
+  out.unit = field_with(facts, [&](const FieldFacts& one) { return is_unit_word(one.name) && one.repeats(rows); });
+  out.quality = field_with(
+      facts, [&](const FieldFacts& one) { return is_word_of(quality_words, one.name) && one.repeats(rows); });
   if (out.quality != LongRows::none)
     out.has_bits_of_quality =
         std::any_of(facts[out.quality].different.begin(), facts[out.quality].different.end(),
@@ -269,8 +267,9 @@ LongRows long_rows_in(const std::vector<std::string>& lines, const FieldStyle& s
   if (out.time == LongRows::none) return {};
   const FieldFacts& time = facts[out.time];
   take_unit_fields(facts, n, out);
-  const std::size_t named =
-      field_with_word(facts, value_words, [&](const FieldFacts& one) { return one.is_number(n) && &one != &time; });
+  const std::size_t named = field_with(facts, [&](const FieldFacts& one) {
+    return is_word_of(value_words, one.name) && one.is_number(n) && &one != &time;
+  });
   const bool is_named = named != LongRows::none;
   out.values = is_named ? std::vector{named} : fields_of_values(facts, out.time, n);
   if (out.values.empty()) return {};

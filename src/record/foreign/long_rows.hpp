@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "record/field_text.hpp"
+#include "record/foreign/field_text.hpp"
+#include "record/foreign/timed_groups.hpp"
 #include "record/table.hpp"
-#include "record/timed_groups.hpp"
 
 namespace pneuservo {
 

@@ -1,15 +1,15 @@
 // Values that bear their names in a line of text.
-#include "record/named_values.hpp"
+#include "record/foreign/named_values.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 
-#include "record/clock_text.hpp"
-#include "record/column_words.hpp"
-#include "record/field_text.hpp"
-#include "record/object_text.hpp"
-#include "record/units.hpp"
+#include "record/foreign/clock_text.hpp"
+#include "record/foreign/column_words.hpp"
+#include "record/foreign/field_text.hpp"
+#include "record/foreign/object_text.hpp"
+#include "record/foreign/units.hpp"
 
 namespace pneuservo {
 
@@ -22,9 +22,7 @@ bool is_digit_at(std::string_view text, std::size_t at) {
   return at < text.size() && digit_signs.find(text[at]) != std::string_view::npos;
 }
 
-bool begins_a_name(char c) {
-  return std::isalpha(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80 || c == '_';
-}
+bool begins_a_name(char c) { return is_letter(c) || c == '_'; }
 
 bool is_part_of_name(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80 ||

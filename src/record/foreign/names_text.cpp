@@ -1,5 +1,5 @@
 // Names of columns for a sentence.
-#include "record/names_text.hpp"
+#include "record/foreign/names_text.hpp"
 
 #include <algorithm>
 

@@ -1,13 +1,13 @@
 // Objects of JSON and dictionaries of Python in a line of text.
-#include "record/object_text.hpp"
+#include "record/foreign/object_text.hpp"
 
 #include <algorithm>
 #include <array>
 #include <map>
 #include <string>
 
-#include "record/field_text.hpp"
-#include "record/units.hpp"
+#include "record/foreign/field_text.hpp"
+#include "record/foreign/units.hpp"
 
 namespace pneuservo {
 
@@ -103,8 +103,7 @@ using ObjectPath = std::vector<std::string>;
 std::map<ObjectPath, std::string> units_in_objects(const std::vector<Leaf>& leaves) {
   std::map<ObjectPath, std::string> out;
   for (const Leaf& leaf : leaves)
-    if (leaf.path.size() > 1 && leaf.is_text && is_key_of(leaf.path.back(), {"unit", "units", "uom", "einheit"}) &&
-        unit_in(leaf.value))
+    if (leaf.path.size() > 1 && leaf.is_text && is_unit_word(leaf.path.back()) && unit_in(leaf.value))
       out[{leaf.path.begin(), leaf.path.end() - 1}] = leaf.value;
   return out;
 }

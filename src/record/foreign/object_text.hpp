@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "record/named_values.hpp"
+#include "record/foreign/named_values.hpp"
 
 namespace pneuservo {
 

@@ -1,5 +1,5 @@
 // What the time stamps of a table say.
-#include "record/stamps.hpp"
+#include "record/foreign/stamps.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "record/column_values.hpp"
 #include "record/reader.hpp"
 
 namespace pneuservo {
@@ -134,12 +135,6 @@ class StampSlope {
   double up_ = 0, down_ = 0;
 };
 
-double middle_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Of stamps that are all rounded to one resolution.
 bool spread_alike(std::vector<double>& t) {
   const std::vector<std::size_t> group = groups_of(t);
@@ -153,7 +148,7 @@ bool spread_alike(std::vector<double>& t) {
     steps.push_back(t[group[g + 1]] - t[group[g]]);
   }
   if (static_cast<double>(regular) < 0.9 * static_cast<double>(group.size() - 1)) return false;
-  const double usual_step = middle_of(steps);
+  const double usual_step = median_of(steps);
   std::size_t from = 0;
   for (std::size_t g = 0; g < group.size(); ++g) {
     const bool ends = g + 1 == group.size() || steps[g] > 1.5 * usual_step || steps[g] <= 0;
@@ -278,7 +273,7 @@ std::size_t fill_between(std::vector<double>& t) {
   for (std::size_t k = 1; k < at.size(); ++k)
     if (t[at[k]] > t[at[k - 1]]) steps.push_back((t[at[k]] - t[at[k - 1]]) / rows_to(k)), counts.push_back(rows_to(k));
   if (steps.empty()) return 0;
-  const double usual = middle_of(steps), block = middle_of(counts);
+  const double usual = median_of(steps), block = median_of(counts);
   std::size_t filled = 0;
   const auto fill = [&](std::size_t from, std::size_t end, std::size_t origin, double step) {
     const double start = t[origin];

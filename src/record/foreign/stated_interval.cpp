@@ -1,5 +1,5 @@
 // The interval or the rate of the rows as a table's head or its column names state it.
-#include "record/stated_interval.hpp"
+#include "record/foreign/stated_interval.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,9 @@
 #include <string_view>
 #include <utility>
 
-#include "record/units.hpp"
+#include "record/column_values.hpp"
+#include "record/foreign/field_text.hpp"
+#include "record/foreign/units.hpp"
 
 namespace pneuservo {
 
@@ -129,10 +131,6 @@ bool is_said_of_motions(std::string_view word) {
                                                    "頻率",       "period",     "periode",   "période",   "periodo",
                                                    "período",    "周期",       "週期",      "step",      "delta"};
   return std::ranges::find(words, word) != words.end();
-}
-
-bool is_letter(char c) {
-  return std::isalpha(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80;
 }
 
 std::string letters_of(std::string_view text) {
@@ -296,11 +294,6 @@ std::vector<double> numbers_behind(std::string_view line, std::string_view label
   return out;
 }
 
-bool has_values(const CsvTable& table, std::size_t column) {
-  const std::vector<double>& values = table.values[column];
-  return std::any_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
-}
-
 /// Of a column without values that is named so ("tInc = 0.001", "Increment" with a number in the row of units), and of
 /// one whose name holds a rate ("Sample (1 kHz)").
 std::optional<StatedInterval> interval_in_names(const CsvTable& table, char decimal) {
@@ -308,7 +301,7 @@ std::optional<StatedInterval> interval_in_names(const CsvTable& table, char deci
     const LabelledText text(table.names[c]);
     const std::string_view value = text.value.empty() ? std::string_view(table.units[c]) : text.value;
     const std::optional<IntervalLabel> label = interval_label(text.label);
-    double interval_s = label && !has_values(table, c) ? stated_seconds(value, *label, text.unit, decimal) : 0;
+    double interval_s = label && !has_value(table.values[c]) ? stated_seconds(value, *label, text.unit, decimal) : 0;
     std::string_view in_brackets = text.unit;
     const bool is_rate = !in_brackets.empty() && in_small_letters(in_brackets).ends_with("hz") &&
                          std::isdigit(static_cast<unsigned char>(in_brackets.front())) != 0;

@@ -1,5 +1,5 @@
 // Times that stand in more than one column of a table.
-#include "record/table_times.hpp"
+#include "record/foreign/table_times.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,11 +14,11 @@
 #include <fmt/format.h>
 
 #include "config/input_error.hpp"
-#include "record/column_guess.hpp"
-#include "record/column_words.hpp"
-#include "record/stated_interval.hpp"
-#include "record/time_parts.hpp"
-#include "record/timed_groups.hpp"
+#include "record/foreign/column_guess.hpp"
+#include "record/foreign/column_words.hpp"
+#include "record/foreign/stated_interval.hpp"
+#include "record/foreign/time_parts.hpp"
+#include "record/foreign/timed_groups.hpp"
 
 namespace pneuservo {
 

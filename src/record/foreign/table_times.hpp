@@ -1,6 +1,6 @@
 // Times that stand in more than one column of a table.
 #pragma once
-#include "record/field_text.hpp"
+#include "record/foreign/field_text.hpp"
 #include "record/table.hpp"
 
 namespace pneuservo {

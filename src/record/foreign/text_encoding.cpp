@@ -1,5 +1,5 @@
 // Text that is not UTF-8.
-#include "record/text_encoding.hpp"
+#include "record/foreign/text_encoding.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "record/column_words.hpp"
-#include "record/field_text.hpp"
+#include "record/foreign/column_words.hpp"
+#include "record/foreign/field_text.hpp"
 
 namespace pneuservo {
 

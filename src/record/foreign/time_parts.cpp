@@ -1,5 +1,5 @@
 // A time whose hours, minutes, seconds and fractions stand in columns, or digits, of their own.
-#include "record/time_parts.hpp"
+#include "record/foreign/time_parts.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,8 +13,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "record/column_guess.hpp"
-#include "record/field_text.hpp"
+#include "record/column_values.hpp"
+#include "record/foreign/column_guess.hpp"
+#include "record/foreign/field_text.hpp"
 #include "record/reader.hpp"
 
 namespace pneuservo {
@@ -168,9 +169,7 @@ double step_within_minutes(const std::vector<double>& values) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < values.size(); ++i)
     if (const double step = values[i] - values[i - 1]; std::abs(step) < gap_at_minute) steps.push_back(step);
-  if (steps.empty()) return no_value;
-  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
-  return steps[steps.size() / 2];
+  return steps.empty() ? no_value : median_of(std::move(steps));
 }
 
 }  // namespace

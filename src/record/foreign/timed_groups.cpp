@@ -1,5 +1,5 @@
 // Channels with stamps of their own, brought to the rows of one table.
-#include "record/timed_groups.hpp"
+#include "record/foreign/timed_groups.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "record/column_guess.hpp"
 #include "record/drawn_value.hpp"
+#include "record/foreign/column_guess.hpp"
+#include "record/foreign/stamps.hpp"
 #include "record/kept_rows.hpp"
-#include "record/stamps.hpp"
 
 namespace pneuservo {
 

@@ -1,5 +1,5 @@
 // Units as loggers write them, and what they are in SI.
-#include "record/units.hpp"
+#include "record/foreign/units.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "record/field_text.hpp"
+#include "record/foreign/field_text.hpp"
 
 namespace pneuservo {
 
@@ -257,11 +257,6 @@ std::optional<Unit> measure(std::string_view name) {
   return unit && unit->quantity < Quantity::raw ? unit : std::nullopt;
 }
 
-bool is_power_of_ten(double factor) {
-  const double power = std::log10(factor);
-  return std::abs(power - std::round(power)) < 1e-9;
-}
-
 /// "mm/10", "mm*100", "mm x 10": values that are so many times those in the unit.
 std::optional<Unit> divided(std::string_view name) {
   const std::size_t digits = name.find_last_not_of("0123456789") + 1;
@@ -326,6 +321,18 @@ std::optional<Unit> behind_range(std::string name) {
 }
 
 }  // namespace
+
+bool is_power_of_ten(double number) {
+  const double power = std::log10(number);
+  return std::abs(power - std::round(power)) < 1e-9;  // not of NaN and infinity
+}
+
+bool is_unit_word(std::string_view word) {
+  constexpr std::array<std::string_view, 15> words{"unit",   "units",   "unite",        "unit\u00e9",   "unita",
+                                                   "unidad", "einheit", "eenheid",      "enhet",        "engunits",
+                                                   "eu",     "uom",     "\u5358\u4f4d", "\u5355\u4f4d", "\ub2e8\uc704"};
+  return std::ranges::find(words, in_small_letters(word)) != words.end();
+}
 
 std::string_view without_brackets(std::string_view text) {
   text = trimmed(text);

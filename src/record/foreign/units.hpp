@@ -18,6 +18,12 @@ struct Unit {
   bool is_absolute = false;  ///< a pressure whose unit says so
 };
 
+/// A positive number such as 0.01 or 1000.
+bool is_power_of_ten(double number);
+
+/// Whether the word says that a unit follows, in letters of any size: Unit, Einheit, uom.
+bool is_unit_word(std::string_view word);
+
 /// The text without blanks and one pair of brackets around it: "[bar (g)]" is "bar (g)".
 std::string_view without_brackets(std::string_view text);
 

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "record/column_values.hpp"
+#include "record/foreign/column_guess.hpp"
 #include "record/foreign/units.hpp"
 
 namespace pneuservo {
@@ -91,11 +92,11 @@ void FieldReader::tell_once(bool& is_told, std::size_t column, std::size_t line,
 bool FieldReader::takes_other_unit(std::string_view field, std::size_t column, std::size_t line, double& value) {
   const std::size_t start = is_own_ ? field.size() : unit_start(field);
   if (start == field.size() || dialect_.value_units[column].empty()) return false;
-  const std::optional<Unit> own = unit_in(field.substr(start)), usual = unit_in(dialect_.value_units[column]);
-  if (!own || !usual || own->quantity != usual->quantity || own->is_gauge != usual->is_gauge) return false;
-  if (own->quantity >= Quantity::raw || !number_in(trimmed(field.substr(0, start)), dialect_.style.decimal, value))
-    return false;
-  value *= own->factor / usual->factor;
+  const std::optional<Unit> own = unit_in(field.substr(start));
+  const std::optional<double> factor = factor_between(field.substr(start), dialect_.value_units[column]);
+  if (!factor || own->quantity >= Quantity::raw) return false;
+  if (!number_in(trimmed(field.substr(0, start)), dialect_.style.decimal, value)) return false;
+  value *= *factor;
   tell_once(columns_[column].has_other_units, column, line, field,
             fmt::format("every value of this column is read with its own unit, {} being the first",
                         dialect_.value_units[column]));

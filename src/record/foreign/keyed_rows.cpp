@@ -182,11 +182,10 @@ std::vector<std::string> column_names(const KeyedRows& how) {
 /// The value in a column's unit; with its own behind it where it has another quantity.
 std::string value_in_unit(const NamedValue& one, const std::string& unit) {
   if (one.unit.empty() || one.unit == unit) return one.value;
-  const std::optional<Unit> own = unit_in(one.unit), common = unit_in(unit);
+  const std::optional<double> factor = factor_between(one.unit, unit);
   double value = 0;
-  const bool are_alike = own && common && own->quantity == common->quantity && own->is_gauge == common->is_gauge;
-  if (!are_alike || !number_in(one.value, '.', value)) return one.value + " " + one.unit;
-  return own->factor == common->factor ? one.value : fmt::format("{}", value * (own->factor / common->factor));
+  if (!factor || !number_in(one.value, '.', value)) return one.value + " " + one.unit;
+  return *factor == 1 ? one.value : fmt::format("{}", value * *factor);
 }
 
 }  // namespace

@@ -330,10 +330,9 @@ bool LongTable::is_bad() const {
 bool LongTable::take_unit(std::string_view unit, std::string& of, double& value) {
   if (unit.empty() || unit == of) return true;
   if (of.empty()) return of = unit, true;
-  const std::optional<Unit> own = unit_in(unit), common = unit_in(of);
-  if (own && common && own->quantity == common->quantity && own->is_gauge == common->is_gauge) {
-    converted_ += own->factor != common->factor;
-    value *= own->factor / common->factor;
+  if (const std::optional<double> factor = factor_between(unit, of)) {
+    converted_ += *factor != 1;
+    value *= *factor;
     return true;
   }
   if (other_units_++ == 0) first_other_unit_ = fmt::format("{} of {} where {} stood before", shown(unit), tag_, of);

@@ -322,6 +322,12 @@ std::optional<Unit> behind_range(std::string name) {
 
 }  // namespace
 
+std::optional<double> factor_between(std::string_view from, std::string_view to) {
+  const std::optional<Unit> own = unit_in(from), other = unit_in(to);
+  if (!own || !other || own->quantity != other->quantity || own->is_gauge != other->is_gauge) return std::nullopt;
+  return own->factor / other->factor;
+}
+
 bool is_power_of_ten(double number) {
   const double power = std::log10(number);
   return std::abs(power - std::round(power)) < 1e-9;  // not of NaN and infinity

@@ -18,6 +18,9 @@ struct Unit {
   bool is_absolute = false;  ///< a pressure whose unit says so
 };
 
+/// How many of the second unit one of the first is; none where their quantities or zeros differ, or one is no unit.
+std::optional<double> factor_between(std::string_view from, std::string_view to);
+
 /// A positive number such as 0.01 or 1000.
 bool is_power_of_ten(double number);
 

@@ -47,6 +47,9 @@ if(PNEUSERVO_WARNINGS_AS_ERRORS)
   list(APPEND PNEUSERVO_PROGRAM_WARNINGS -Werror ${shown})
 endif()
 
+# A section for each function, so that the linker leaves out of Python's modules what they do not call.
+add_compile_options(-ffunction-sections -fdata-sections)
+
 set(PNEUSERVO_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
 if(PNEUSERVO_SANITIZE)
   add_compile_options(-fsanitize=${PNEUSERVO_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)

@@ -251,7 +251,29 @@ SearchSettings beside_small_physics(const Rig& rig, const ResidualModel& model, 
   return settings;
 }
 
-/// Those of the names that bring enough where small physics stands beside them all: others may stand for that.
+/// Whether small physics has what a name says.
+bool is_in_small_physics(const Rig& rig, const ResidualModel& model, const Candidate& name) {
+  const std::vector<FreeParameter> small = small_physics(rig, model.channels());
+  return std::any_of(small.begin(), small.end(), [&](const FreeParameter& granted) { return stands_for(granted, name); });
+}
+
+/// Whether a machine with one name fewer and small physics is likelier than one with the names alone. It is asked where
+/// small physics has what a name says: every machine has some dead band.
+bool is_small_physics_likelier(const Rig& rig, FittedRows& rows, Search& search, const Decision& decision,
+                               const DecisionRules& rules) {
+  const std::vector<std::size_t>& members = decision.chosen->members;
+  if (!rig.is_pneumatic() || decision.verdict == Verdict::unknown) return false;
+  if (std::none_of(members.begin(), members.end(), [&](std::size_t m) {
+        return is_in_small_physics(rig, rows.model(), search.candidates()[m]);
+      }))
+    return false;
+  const double alone = search.beside_own_error(*decision.chosen);
+  Search beside(rows, rig, search.candidates(), beside_small_physics(rig, rows.model(), search, {}), rules, {});
+  return beside.best_with_one_fewer(*decision.chosen) > alone;
+}
+
+/// Those of the names that bring enough where small physics stands beside them all: others may stand for that. What
+/// small physics has itself is asked otherwise (is_small_physics_likelier).
 std::vector<std::size_t> needed_names(const Rig& rig, FittedRows& rows, const Search& search, const Decision& decision,
                                       const DecisionRules& rules) {
   const std::vector<std::size_t>& members = decision.chosen->members;
@@ -260,7 +282,8 @@ std::vector<std::size_t> needed_names(const Rig& rig, FittedRows& rows, const Se
   const std::vector<double> gains = beside.gains_of_names(*decision.chosen);
   std::vector<std::size_t> needed;
   for (std::size_t i = 0; i < members.size(); ++i)
-    if (gains[i] >= rules.alarm_gain) needed.push_back(members[i]);
+    if (gains[i] >= rules.alarm_gain || is_in_small_physics(rig, rows.model(), search.candidates()[members[i]]))
+      needed.push_back(members[i]);
   return needed;
 }
 
@@ -382,7 +405,8 @@ Decision decided_twice(const Rig& rig, FittedRows& rows, Search& search, const D
                                is_everywhere(model.channels(), decision.levels.channels, options.rules.floor_level);
   const std::vector<std::size_t> needed = needed_names(rig, rows, search, decision, options.rules);
   const bool is_each_needed = needed.size() == decision.chosen->members.size();
-  if (!left_everywhere && is_each_needed && !is_doubtful(rig, model.channels(), decision, options.rules))
+  if (!left_everywhere && is_each_needed && !is_doubtful(rig, model.channels(), decision, options.rules) &&
+      !is_small_physics_likelier(rig, rows, search, decision, options.rules))
     return decision;
   Decision granted = with_small_physics(rig, rows, search.candidates(), search, options, beside, out);
   const bool is_shape_needed = decision.is_described && granted.verdict == Verdict::unknown;

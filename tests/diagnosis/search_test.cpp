@@ -210,16 +210,17 @@ TEST_CASE("search: a wrong number is needed where small physics explains as much
     small.lower = -3, small.upper = 3, small.step = 0.01;
     settings.small_physics.push_back(small);
   };
-  const auto gain = [&] {
-    return Search(rows, cylinder_rig(), candidates, settings, one_name(), {})
-        .gains_of_names(*search.best_of(1))
-        .front();
-  };
+  const auto beside = [&] { return Search(rows, cylinder_rig(), candidates, settings, one_name(), {}); };
+  const auto gain = [&] { return beside().gains_of_names(*search.best_of(1)).front(); };
+  const double alone = search.beside_own_error(*search.best_of(1));
   grant("effects.valve_offset.offset_V");
   CHECK(gain() < 1);
+  CHECK(beside().best_with_one_fewer(*search.best_of(1)) > alone);
   for (const char* way : {"forward", "backward"})
     for (const int percent : {3, 5, 8, 12, 20, 40})
       grant("effects.valve_linearity_" + std::string(way) + ".at_" + std::to_string(percent) + "_percent");
+  // Each small number that is nothing makes a machine with small physics less likely.
+  CHECK(beside().best_with_one_fewer(*search.best_of(1)) < alone - 6 * std::log(50));
   // What those rows narrow each small number to; what small physics lacks would look like an effect.
   if (is_owned) CHECK(gain() == Approx(12 * std::log(50)).epsilon(0.05));
   else CHECK(gain() < 1);

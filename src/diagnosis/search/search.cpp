@@ -366,12 +366,18 @@ bool Search::is_everywhere_beside(std::size_t members) {
                        rules_.floor_level);
 }
 
-std::vector<double> Search::gains_of_names(const Explanation& other) {
-  std::vector<Explanation> fitted{{other.members, continued_fit(other.fit, other.members, {})}};
+std::vector<Explanation> Search::with_one_fewer(const Explanation& other) const {
+  std::vector<Explanation> out;
   for (const std::size_t leaving : other.members) {
     const std::vector<std::size_t> held = without_member(other.members, leaving);
-    fitted.push_back({held, continued_fit(other.fit, held, {})});
+    out.push_back({held, continued_fit(other.fit, held, {})});
   }
+  return out;
+}
+
+std::vector<double> Search::gains_of_names(const Explanation& other) {
+  std::vector<Explanation> fitted = with_one_fewer(other);
+  fitted.insert(fitted.begin(), {other.members, continued_fit(other.fit, other.members, {})});
   std::vector<Explanation*> moving;
   for (Explanation& explanation : fitted) moving.push_back(&explanation);
   polish(moving, 6);
@@ -382,6 +388,17 @@ std::vector<double> Search::gains_of_names(const Explanation& other) {
                with_all = is_owned ? std::max(other.log_evidence, beside) : beside;
   for (std::size_t i = 1; i < fitted.size(); ++i) gains.push_back(with_all - fitted[i].log_evidence);
   return gains;
+}
+
+double Search::best_with_one_fewer(const Explanation& other) {
+  std::vector<Explanation> fitted = with_one_fewer(other);
+  std::vector<Explanation*> moving;
+  for (Explanation& explanation : fitted) moving.push_back(&explanation);
+  polish(moving, 6);
+  double best = -1e300;
+  for (const Explanation& explanation : fitted)
+    if (!explanation.fit.failed) best = std::max(best, beside_own_error(explanation));
+  return best;
 }
 
 std::vector<Screened> Search::screened_at(const Explanation& other) {

@@ -84,6 +84,11 @@ class Search {
   /// number that the owner has wrong is also taken as that search has it, where that is likelier: a machine may have
   /// nothing small. May throw DiagnosisStopped.
   std::vector<double> gains_of_names(const Explanation& other);
+  /// Log evidence of the likeliest explanation with one name fewer than another search's, beside this search's nuisances
+  /// and the slow error that it leaves. May throw DiagnosisStopped.
+  double best_with_one_fewer(const Explanation& other);
+  /// Log evidence beside the slow error that the explanation leaves itself.
+  double beside_own_error(const Explanation& explanation);
   /// What each other candidate would gain beside another search's explanation and this search's nuisances, by
   /// derivatives where that one stands, with its size's standard error. May throw DiagnosisStopped.
   std::vector<Screened> screened_at(const Explanation& other);
@@ -138,6 +143,8 @@ class Search {
   /// Which derivatives are taken anew: those by an explanation's own numbers at every step, by the others never or
   /// where the fits begin.
   enum class Anew { own, others_once };
+  /// Another search's explanation with each of its names left out in turn, beside this search's nuisances, not yet fitted.
+  std::vector<Explanation> with_one_fewer(const Explanation& other) const;
   Columns kept_columns() const { return settings_.small_physics.empty() ? Columns::own : Columns::corrected; }
   void polish(const std::vector<Explanation*>& explanations, int iterations, Anew anew = Anew::others_once);
   /// Fits that began apart may end in different valleys of the tolerances: dry friction and a leak of a chamber, 164 in
@@ -157,8 +164,6 @@ class Search {
   bool is_bent() const;
   bool is_everywhere_beside(std::size_t members);
   void take_defect_at_owner();
-  /// Log evidence beside the slow error that the explanation leaves itself.
-  double beside_own_error(const Explanation& explanation);
   /// All of that many names by it, best first.
   std::vector<std::pair<double, Explanation*>> beside_own_errors(std::size_t members);
   /// The best of that many names, the first few fitted beside their own slow errors; nullptr: there is none.

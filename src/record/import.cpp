@@ -19,6 +19,7 @@
 #include "record/foreign/names_text.hpp"
 #include "record/foreign/stamps.hpp"
 #include "record/foreign/units.hpp"
+#include "record/foreign/value_marks.hpp"
 #include "record/kept_rows.hpp"
 #include "record/row_text.hpp"
 
@@ -61,6 +62,7 @@ bool is_clock_column(const CsvTable& table, const std::string& name) {
 
 MappedColumns mapped(CsvTable& table, const ImportParameters& imported) {
   MappedColumns out;
+  std::vector<ImportedColumn> sources;
   std::map<std::string, ImportedColumn> columns = imported.columns;
   columns.try_emplace("t_s", ImportedColumn{"t_s"});
   const std::vector<std::string> known = columns_of_the_format();
@@ -81,12 +83,17 @@ MappedColumns mapped(CsvTable& table, const ImportParameters& imported) {
     if (source.tells_runs) out.telling.push_back(out.names.size());
     out.names.push_back(name);
     out.values.push_back(table.column(source.column));
-    for (double& value : out.values.back()) value = source.factor * value + source.offset;
+    sources.push_back(source);
     if (name == "t_s") {
       out.has_time_factor = source.factor != 1;
       out.is_clock = is_clock_column(table, source.column);
     }
   }
+  std::vector<std::string> theirs;
+  for (const ImportedColumn& source : sources) theirs.push_back(source.column);
+  leave_out_marks(table, out.names, theirs, out.values);
+  for (std::size_t c = 0; c < sources.size(); ++c)
+    for (double& value : out.values[c]) value = sources[c].factor * value + sources[c].offset;
   return out;
 }
 
@@ -379,6 +386,7 @@ std::vector<Recording> recordings_in(CsvTable table, const std::optional<ImportP
   const bool is_own = !imported && is_own_format(table);
   const auto stated_units = imported ? units_of(table, *imported) : std::map<std::string, std::string>();
   MappedColumns columns = imported ? mapped(table, *imported) : unmapped(table);
+  if (!imported && !is_own) leave_out_marks(table, columns.names, columns.names, columns.values);
   if (imported) tell_untaken(table, columns, *imported);
   if (!is_own && columns.telling.empty()) take_order(table, columns);
   if (!is_own) take_seconds(table, columns, period_s);

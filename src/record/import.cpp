@@ -11,10 +11,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <pneuservo/core/signal.hpp>
 #include <pneuservo/record/row.hpp>
 
 #include "config/input_error.hpp"
 #include "config/key_suggestion.hpp"
+#include "record/foreign/channel_steps.hpp"
 #include "record/foreign/column_guess.hpp"
 #include "record/foreign/names_text.hpp"
 #include "record/foreign/stamps.hpp"
@@ -146,6 +148,21 @@ void fill_times(CsvTable& table, MappedColumns& columns) {
                              lost, times.size()));
 }
 
+/// Times within a second, a minute or an hour go on behind it where the sensors go on, which those of another run do
+/// not; a command may step anywhere.
+void take_turns(CsvTable& table, MappedColumns& columns, double period_s) {
+  std::vector<double>& times = columns.values[columns.time()];
+  const bool is_stated = columns.has_time_factor || columns.is_clock;
+  const Turns turns = turns_of(times, is_stated ? 1 : unit_of_times(times, period_s, false).factor);
+  if (turns.rows.empty()) return;
+  for (std::size_t c = 0; c < columns.names.size(); ++c)
+    if (signal_of_column(columns.names[c]) && jumps_into(turns.rows, columns.values[c], columns.values[c])) return;
+  pass_turns(times, turns);
+  table.report(0, ProblemKind::interval,
+               fmt::format("t_s begins again where the {} ends, {}, and the sensors go on: the time goes on behind it",
+                           turns.words, turns.rows.size() == 1 ? "once" : fmt::format("{} times", turns.rows.size())));
+}
+
 /// Brings the times to seconds, and tells it.
 void take_seconds(CsvTable& table, MappedColumns& columns, double period_s) {
   std::vector<double>& times = columns.values[columns.time()];
@@ -156,6 +173,7 @@ void take_seconds(CsvTable& table, MappedColumns& columns, double period_s) {
   if (const int bits = columns.is_clock ? 0 : pass_wraps(times); bits > 0)
     table.report(0, ProblemKind::interval,
                  fmt::format("t_s is a counter of {} bits that begins again: the time goes on behind it", bits));
+  if (columns.telling.empty()) take_turns(table, columns, period_s);
   fill_times(table, columns);
   TimeUnit unit = unit_of_times(times, period_s, columns.is_clock);
   if (columns.has_time_factor && unit.start == 0) return;

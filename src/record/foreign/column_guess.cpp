@@ -22,6 +22,7 @@
 #include "record/foreign/column_words.hpp"
 #include "record/foreign/dialect.hpp"
 #include "record/foreign/field_text.hpp"
+#include "record/foreign/stamps.hpp"
 #include "record/foreign/units.hpp"
 #include "record/row_text.hpp"
 
@@ -211,17 +212,24 @@ bool are_millionths_of_days(const std::vector<double>& values) {
   return has_decimals;
 }
 
-/// Where nothing is named a time: the first column in a unit of time that goes on from row to row.
+/// Whether it goes on from row to row, but where a second, a minute or an hour ends.
+bool is_course_of_time(const std::vector<double>& values, double unit_s) {
+  if (values.size() < 3 || !std::isfinite(values[0])) return false;
+  return course_of(values) + 1 + 2 * turns_of(values, unit_s).rows.size() >= values.size();
+}
+
+/// Where nothing is named a time: the first column in a unit of time, or named as one, that goes on from row to row.
 void take_time_by_unit(const CsvTable& table, std::vector<ColumnGuess>& guesses) {
-  for (std::size_t c = 0; c < guesses.size(); ++c) {
-    const std::optional<Unit> unit = unit_in(guesses[c].unit);
-    const std::vector<double>& values = table.values[c];
-    if (!unit || unit->quantity != Quantity::time || values.size() < 3 || !std::isfinite(values[0])) continue;
-    if (course_of(values) + 1 < values.size()) continue;
-    guesses[c].ours = "t_s";
-    guesses[c].factor = unit->factor;
-    guesses[c].has_unit = true;
-    guesses[c].evidence = fmt::format("in {}, and goes on from row to row", guesses[c].unit);
+  constexpr std::size_t least_letters = 3;
+  for (ColumnGuess& guess : guesses) {
+    const auto c = static_cast<std::size_t>(&guess - guesses.data());
+    const bool is_named = guess.unit.empty() && guess.column.size() >= least_letters && guess.column != "min";
+    const std::optional<Unit> unit = unit_in(is_named ? guess.column : guess.unit);
+    if (!unit || unit->quantity != Quantity::time || !is_course_of_time(table.values[c], unit->factor)) continue;
+    guess.ours = "t_s";
+    guess.factor = unit->factor;
+    guess.has_unit = true;
+    guess.evidence = fmt::format("in {}, and goes on from row to row", is_named ? guess.column : guess.unit);
     return;
   }
 }

@@ -18,6 +18,7 @@
 #include "config/key_suggestion.hpp"
 #include "record/foreign/channel_steps.hpp"
 #include "record/foreign/column_guess.hpp"
+#include "record/foreign/held_rows.hpp"
 #include "record/foreign/names_text.hpp"
 #include "record/foreign/stamps.hpp"
 #include "record/foreign/units.hpp"
@@ -431,6 +432,7 @@ std::vector<Recording> recordings_in(CsvTable table, const std::optional<ImportP
     }
     if (std::none_of(run.t_s().begin(), run.t_s().end(), [](double t) { return std::isfinite(t); }))
       throw InputError(no_time_words(table, imported));
+    if (!is_own) leave_out_repeats(run);
     take_interval(run, period_s);
     check_times(run);
   }

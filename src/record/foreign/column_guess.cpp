@@ -49,9 +49,9 @@ std::optional<NameParts> with_joined_unit(const std::string& name) {
   std::string before(trimmed(std::string_view(name).substr(0, at)));
   while (!before.empty() && std::string_view(".:-,; ").find(before.back()) != std::string_view::npos) before.pop_back();
   const std::optional<ColumnWord> word = column_word(before);
-  if (!unit || unit->name == "in" || unit->name == "min" || !word || word->ours.empty() ||
-      unit->quantity != word->quantity)
-    return std::nullopt;
+  if (!unit || unit->name == "in" || unit->name == "min" || !word || word->ours.empty()) return std::nullopt;
+  const bool is_share = unit->name == "%" && word->quantity == Quantity::voltage;
+  if (unit->quantity != word->quantity && !is_share) return std::nullopt;
   return NameParts{before, name.substr(at)};
 }
 
@@ -81,7 +81,7 @@ std::optional<NameParts> with_bracketed_unit(const std::string& name) {
   return out;
 }
 
-/// "p1_bar", "p1/bar", "p1_bar_rel", "Weg in mm": behind the last or the last but one sign.
+/// "p1_bar", "p1/bar", "p1_bar_rel", "Weg in mm", "u_pct": behind the last or the last but one sign.
 std::optional<NameParts> with_suffixed_unit(const std::string& name) {
   if (name.find_last_of("[<") != std::string::npos) return std::nullopt;
   std::size_t last = name.find_last_of("_ /");
@@ -92,6 +92,8 @@ std::optional<NameParts> with_suffixed_unit(const std::string& name) {
       return NameParts{before.ends_with(" in") ? before.substr(0, before.size() - 3) : before,
                        std::string(without_brackets(name.substr(last + 1)))};
     }
+    if (suffix && words == 1 && (suffix->name == "%" || name.substr(last + 1) == "mA"))
+      return NameParts{std::string(trimmed(std::string_view(name).substr(0, last))), std::string(suffix->name)};
     last = name.find_last_of("_ /", last - 1);
   }
   return std::nullopt;
@@ -156,14 +158,10 @@ double times_in(const std::string& name) {
 
 /// The unit that the file states for a column of this name, in a row or in the name; empty: none.
 std::string unit_by(const CsvTable& table, std::size_t column, const std::string& full_name) {
-  if (!table.units[column].empty()) return std::string(without_brackets(table.units[column]));
-  const std::string name = without_number(half_width(full_name)), unit = parts_of(name).unit;
-  if (!unit.empty()) return unit;
-  const std::string last = name.substr(name.find_last_of("_ /") + 1);
-  if (last.size() == name.size()) return "";
-  for (const std::string_view raw : {"%", "mA", "percent", "pct", "Prozent"})
-    if (last == raw) return raw == "mA" ? "mA" : "%";
-  return "";
+  const std::string& in_row = table.units[column];
+  const std::string text(in_row.empty() ? parts_of(half_width(full_name)).unit : without_brackets(in_row));
+  const std::optional<Unit> unit = unit_in(text);
+  return unit && unit->name == "%" ? "%" : text;  // "percent"
 }
 
 /// By a name, which is the column's own or a part of it.
@@ -193,7 +191,7 @@ ColumnGuess guess_column(const CsvTable& table, std::size_t column, const std::s
   const double times = times_in(parts.text);
   out.factor = unit->factor / times;
   out.offset = is_above_atmosphere(*unit, word) ? atmosphere_Pa : 0;
-  out.evidence += in_row ? ", unit stated below the names" : ", unit from its name";
+  out.evidence += in_row ? ", unit stated beside the names" : ", unit from its name";
   if (unit->is_multiple || times != 1) out.evidence += fmt::format(": 1 is taken for {:g} in SI", out.factor);
   if (out.offset != 0 && !unit->is_gauge) out.evidence += ", above the atmosphere by its name";
   return out;

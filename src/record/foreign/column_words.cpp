@@ -531,6 +531,8 @@ bool may_name_axis(std::string_view word) {
   return std::ranges::none_of(name.roots, says_what) && (!name.is_whole || std::ranges::any_of(parts, is_mark));
 }
 
+bool says_pressure(std::string_view text) { return roots_of(parts_of(text)).has(Role::pressure); }
+
 bool is_cylinder_word(std::string_view word) {
   const RootsOfName name = roots_of(parts_of(word));
   return name.is_whole && name.roots.size() == 1 && name.roots.front().second == Role::cylinder;

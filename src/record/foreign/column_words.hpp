@@ -36,6 +36,9 @@ bool is_made_of_words(std::string_view text);
 /// or an axis with a number or letter; no quantity, side, set point, model or state.
 bool may_name_axis(std::string_view word);
 
+/// Whether it says a pressure, of any side: "Pressures", "Drücke".
+bool says_pressure(std::string_view text);
+
 /// Whether it says a cylinder and nothing else.
 bool is_cylinder_word(std::string_view word);
 

@@ -230,6 +230,12 @@ std::string plain(std::string_view text) {
   return out;
 }
 
+bool is_per_cent(std::string_view name) {
+  constexpr std::array<std::string_view, 10> words{"pct",     "perc",    "percent",  "percentage", "percents",
+                                                   "prozent", "procent", "pourcent", "porcentaje", "percentuale"};
+  return std::ranges::find(words, in_small_letters(name)) != words.end();
+}
+
 bool is_alike(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](unsigned char one, unsigned char other) { return std::tolower(one) == std::tolower(other); });
@@ -370,6 +376,7 @@ std::optional<Unit> unit_in(std::string_view text) {
   if (const auto unit = listed(name)) return unit;
   if (const auto unit = unit_with_zero(name)) return unit;
   if (name == "\"") return listed("in");
+  if (is_per_cent(name)) return listed("%");
   if (const auto unit = divided(name)) return unit;
   if (const auto unit = behind_range(name)) return unit;
   return multiple(name);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace pneuservo {
@@ -10,6 +11,17 @@ namespace pneuservo {
 /// Whether any of them is a number.
 inline bool has_value(const std::vector<double>& values) {
   return std::any_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+}
+
+/// Whether two of them differ.
+inline bool has_motion(const std::vector<double>& values) {
+  double first = std::numeric_limits<double>::quiet_NaN();
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    if (std::isfinite(first) && value != first) return true;
+    first = value;
+  }
+  return false;
 }
 
 /// The upper one of two in the middle. values: at least one.

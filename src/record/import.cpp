@@ -11,14 +11,18 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <pneuservo/core/signal.hpp>
 #include <pneuservo/record/row.hpp>
 
 #include "config/input_error.hpp"
 #include "config/key_suggestion.hpp"
+#include "record/foreign/channel_steps.hpp"
 #include "record/foreign/column_guess.hpp"
+#include "record/foreign/held_rows.hpp"
 #include "record/foreign/names_text.hpp"
 #include "record/foreign/stamps.hpp"
 #include "record/foreign/units.hpp"
+#include "record/foreign/value_marks.hpp"
 #include "record/kept_rows.hpp"
 #include "record/row_text.hpp"
 
@@ -61,6 +65,7 @@ bool is_clock_column(const CsvTable& table, const std::string& name) {
 
 MappedColumns mapped(CsvTable& table, const ImportParameters& imported) {
   MappedColumns out;
+  std::vector<ImportedColumn> sources;
   std::map<std::string, ImportedColumn> columns = imported.columns;
   columns.try_emplace("t_s", ImportedColumn{"t_s"});
   const std::vector<std::string> known = columns_of_the_format();
@@ -81,12 +86,17 @@ MappedColumns mapped(CsvTable& table, const ImportParameters& imported) {
     if (source.tells_runs) out.telling.push_back(out.names.size());
     out.names.push_back(name);
     out.values.push_back(table.column(source.column));
-    for (double& value : out.values.back()) value = source.factor * value + source.offset;
+    sources.push_back(source);
     if (name == "t_s") {
       out.has_time_factor = source.factor != 1;
       out.is_clock = is_clock_column(table, source.column);
     }
   }
+  std::vector<std::string> theirs;
+  for (const ImportedColumn& source : sources) theirs.push_back(source.column);
+  leave_out_marks(table, out.names, theirs, out.values);
+  for (std::size_t c = 0; c < sources.size(); ++c)
+    for (double& value : out.values[c]) value = sources[c].factor * value + sources[c].offset;
   return out;
 }
 
@@ -139,6 +149,21 @@ void fill_times(CsvTable& table, MappedColumns& columns) {
                              lost, times.size()));
 }
 
+/// Times within a second, a minute or an hour go on behind it where the sensors go on, which those of another run do
+/// not; a command may step anywhere.
+void take_turns(CsvTable& table, MappedColumns& columns, double period_s) {
+  std::vector<double>& times = columns.values[columns.time()];
+  const bool is_stated = columns.has_time_factor || columns.is_clock;
+  const Turns turns = turns_of(times, is_stated ? 1 : unit_of_times(times, period_s, false).factor);
+  if (turns.rows.empty()) return;
+  for (std::size_t c = 0; c < columns.names.size(); ++c)
+    if (signal_of_column(columns.names[c]) && jumps_into(turns.rows, columns.values[c], columns.values[c])) return;
+  pass_turns(times, turns);
+  table.report(0, ProblemKind::interval,
+               fmt::format("t_s begins again where the {} ends, {}, and the sensors go on: the time goes on behind it",
+                           turns.words, turns.rows.size() == 1 ? "once" : fmt::format("{} times", turns.rows.size())));
+}
+
 /// Brings the times to seconds, and tells it.
 void take_seconds(CsvTable& table, MappedColumns& columns, double period_s) {
   std::vector<double>& times = columns.values[columns.time()];
@@ -149,6 +174,7 @@ void take_seconds(CsvTable& table, MappedColumns& columns, double period_s) {
   if (const int bits = columns.is_clock ? 0 : pass_wraps(times); bits > 0)
     table.report(0, ProblemKind::interval,
                  fmt::format("t_s is a counter of {} bits that begins again: the time goes on behind it", bits));
+  if (columns.telling.empty()) take_turns(table, columns, period_s);
   fill_times(table, columns);
   TimeUnit unit = unit_of_times(times, period_s, columns.is_clock);
   if (columns.has_time_factor && unit.start == 0) return;
@@ -379,6 +405,7 @@ std::vector<Recording> recordings_in(CsvTable table, const std::optional<ImportP
   const bool is_own = !imported && is_own_format(table);
   const auto stated_units = imported ? units_of(table, *imported) : std::map<std::string, std::string>();
   MappedColumns columns = imported ? mapped(table, *imported) : unmapped(table);
+  if (!imported && !is_own) leave_out_marks(table, columns.names, columns.names, columns.values);
   if (imported) tell_untaken(table, columns, *imported);
   if (!is_own && columns.telling.empty()) take_order(table, columns);
   if (!is_own) take_seconds(table, columns, period_s);
@@ -405,6 +432,7 @@ std::vector<Recording> recordings_in(CsvTable table, const std::optional<ImportP
     }
     if (std::none_of(run.t_s().begin(), run.t_s().end(), [](double t) { return std::isfinite(t); }))
       throw InputError(no_time_words(table, imported));
+    if (!is_own) leave_out_repeats(run);
     take_interval(run, period_s);
     check_times(run);
   }

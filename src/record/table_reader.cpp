@@ -19,6 +19,7 @@
 #include "record/foreign/dialect.hpp"
 #include "record/foreign/edge_rows.hpp"
 #include "record/foreign/field_reader.hpp"
+#include "record/foreign/head_units.hpp"
 #include "record/foreign/keyed_rows.hpp"
 #include "record/foreign/line_facts.hpp"
 #include "record/foreign/long_rows.hpp"
@@ -117,6 +118,7 @@ class TableReader {
     reader_.finish();
     const std::size_t above = edges_.leave_out(table_);
     for (MissingRows& missing : missing_rows_) missing.before -= std::min(missing.before, above);
+    if (!is_own_) take_head_units(table_);
     if (!is_own_) join_times(table_, dialect_.has_pairs);
     if (!is_own_) add_fractions(table_);
     if (!is_own_) count_rows(table_, dialect_.style, missing_rows_);

@@ -111,6 +111,62 @@ TEST_CASE("of several columns with one meaning the one that is measured here is 
   CHECK(still[4].factor == 1e5);
 }
 
+TEST_CASE("of several axes all channels are one's, whatever the word or number that tells them apart") {
+  const Meanings first{"t_s", "x_m", "u_V", "p1_port_Pa", "p2_port_Pa", "", "", "", ""};
+  for (const char* names :
+       {"t_s,X_pos_mm,X_valve_V,X_pA_bar,X_pB_bar,Y_pos_mm,Y_valve_V,Y_pA_bar,Y_pB_bar",
+        "t_s,pos_1,u_1,p1_1,p2_1,pos_2,u_2,p1_2,p2_2", "t_s,pos1,valve1,pA1,pB1,pos2,valve2,pA2,pB2",
+        "t_s,Axis1Pos,Axis1Valve,Axis1PA,Axis1PB,Axis2Pos,Axis2Valve,Axis2PA,Axis2PB",
+        "t_s,A.x,A.u,A.p1,A.p2,B.x,B.u,B.p1,B.p2", "t_s,Position A,Command A,P1 A,P2 A,Position B,Command B,P1 B,P2 B",
+        "t_s,Position [1] (mm),Valve [1] (V),P1 [1] (bar),P2 [1] (bar),Position [2] (mm),Valve [2] (V),P1 [2] (bar),"
+        "P2 [2] (bar)",
+        "t_s,Cyl 1 Position (mm),Cyl 1 Command (V),Cyl 1 P1 (bar),Cyl 1 P2 (bar),Cyl 2 Position (mm),Cyl 2 Command (V),"
+        "Cyl 2 P1 (bar),Cyl 2 P2 (bar)",
+        "t_s,Achse links Position,Achse links Ventil,Achse links Druck A,Achse links Druck B,Achse rechts Position,"
+        "Achse rechts Ventil,Achse rechts Druck A,Achse rechts Druck B",
+        "t_s,Zylinder 1 Weg,Zylinder 1 Ventil,Zylinder 1 Druck A,Zylinder 1 Druck B,Zylinder 2 Weg,Zylinder 2 Ventil,"
+        "Zylinder 2 Druck A,Zylinder 2 Druck B",
+        "t_s,Position,Valve,pA,pB,Position 2,Valve 2,pA 2,pB 2",
+        "t_s,Position [mm],Valve [V],pA [bar],pB [bar],Position [mm],Valve [V],pA [bar],pB [bar]"}) {
+    CAPTURE(names);
+    CHECK(meanings_of(names) == first);
+  }
+  CHECK(meanings_of("t_s,X_pos,X_valve,Y_pos,Y_valve,Y_p1,Y_p2,ps") ==
+        Meanings{"t_s", "", "", "x_m", "u_V", "p1_port_Pa", "p2_port_Pa", "p_supply_Pa"});
+  CHECK(meanings_of("t_s,X_act_pos,X_set_pos,X_u,Y_act_pos,Y_set_pos,Y_u") ==
+        Meanings{"t_s", "x_m", "x_ref_m", "u_V", "", "", ""});
+  // One pressure of each axis has no side.
+  CHECK(meanings_of("t_s,pos_A,u_A,p_A,pos_B,u_B,p_B") == Meanings{"t_s", "x_m", "u_V", "", "", "", ""});
+}
+
+TEST_CASE("sides, set points, second sensors and models are no axes") {
+  const Meanings one{"t_s", "x_m", "u_V", "p1_port_Pa", "p2_port_Pa"};
+  for (const char* names : {"t_s,x,u,p1,p2", "t_s,pos_A,u_A,pA,pB", "t_s,Position,Valve,Pressure A,Pressure B",
+                            "t_s,axis1.x,axis1.u,axis1.p1,axis1.p2"}) {
+    CAPTURE(names);
+    CHECK(meanings_of(names) == one);
+  }
+  CHECK(meanings_of("t_s,x_act,x_set,u_act,u_set,p1,p2") ==
+        Meanings{"t_s", "x_m", "x_ref_m", "", "u_V", "p1_port_Pa", "p2_port_Pa"});
+  CHECK(meanings_of("t_s,pos_1,pos_2,u,p1,p2") == Meanings{"t_s", "x_m", "", "u_V", "p1_port_Pa", "p2_port_Pa"});
+  CHECK(meanings_of("t_s,x_raw,x_filt,p1_raw,p1_filt,p2_raw,p2_filt,u") ==
+        Meanings{"t_s", "x_m", "", "p1_port_Pa", "", "p2_port_Pa", "", "u_V"});
+  CHECK(meanings_of("t_s,plc.x,plc.u,daq.x,daq.p1,daq.p2") ==
+        Meanings{"t_s", "", "u_V", "x_m", "p1_port_Pa", "p2_port_Pa"});
+  CHECK(meanings_of("t_s,Chamber 1 pressure,Chamber 2 pressure,Port 1 pressure,Port 2 pressure,x,u") ==
+        Meanings{"t_s", "p1_chamber_Pa", "p2_chamber_Pa", "p1_port_Pa", "p2_port_Pa", "x_m", "u_V"});
+}
+
+TEST_CASE("which axis is taken and which are not is told once") {
+  const std::vector<ColumnGuess> guesses =
+      guesses_of("t_s,X_pos,X_valve,Y_pos,Y_valve\n0,1,1,1,1\n0.001,1,1,2,2\n0.002,1,1,3,3\n");
+  CHECK(guesses[1].ours.empty());
+  CHECK(guesses[3].ours == "x_m");
+  CHECK(guesses[1].evidence == "of axis \"X\", where \"Y\" is taken");
+  CHECK_THAT(axis_words(guesses), Contains("\"Y\" is taken, \"X\" is left out"));
+  CHECK(axis_words(guesses_of("t_s,x,u\n0,1,1\n0.001,1,2\n")).empty());
+}
+
 TEST_CASE("ports 2 and 4 of a valve are the cylinder's, and 1 is the supply") {
   const Meanings ports{"t_s", "p1_port_Pa", "p2_port_Pa", "p_supply_Pa"};
   CHECK(meanings_of("t_s,p4 [bar],p2 [bar],p1 [bar]") == ports);

@@ -1,5 +1,7 @@
 // Times that a head states, that stand in several columns or only in some rows, or whose digits change.
 #include <cmath>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -7,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "record/foreign/clock_text.hpp"
+#include "record/foreign/column_words.hpp"
 #include "record/foreign/stamps.hpp"
 #include "record/motion.hpp"
 
@@ -205,4 +208,45 @@ TEST_CASE("counters of 24 bits and those with a sign go on behind their end") {
   CHECK_THAT(check_motion(timed_rows(
                  "t_ms", [](int i) { return fmt::format("{}", 32000 + i > 32767 ? i - 33536 : 32000 + i); })),
              Contains("16 bits"));
+}
+
+TEST_CASE("times within a second, a minute or an hour go on behind it") {
+  const auto with = [](const std::string& name, const std::function<std::string(int)>& time) {
+    return check_motion(name + ",x_m,u_V\n" + rows([&](int i, double, double x, double u) {
+                          return fmt::format("{},{:.7f},{:.4f}", time(i), x, u);
+                        }));
+  };
+  const auto second = [](int i) { return std::fmod(57.5 + 1e-3 * i, 60); };
+  for (const char* name : {"ms", "time_ms", "Milliseconds", "Millisekunden", "Zeit [ms]"}) {
+    CAPTURE(name);
+    const std::string told = with(name, [](int i) { return fmt::format("{}", (i + 250) % 1000); });
+    CHECK_THAT(told, Contains("t_s begins again where the second ends, 3 times"));
+  }
+  with("time", [](int i) { return fmt::format("{}", i % 1000); });
+  with("time_us", [](int i) { return fmt::format("{}", 1000 * (i + 250) % 1000000); });
+  with("us", [](int i) { return fmt::format("{}", 1000 * (i + 250) % 1000000); });
+  with("t_s", [](int i) { return fmt::format("{:.3f}", 1e-3 * (i % 1000)); });
+  for (const char* name : {"second", "Second", "Sekunde", "Seconds", "sec", "Time (s)", "t_s", "Segundos"}) {
+    CAPTURE(name);
+    const std::string told = with(name, [&](int i) { return fmt::format("{:.3f}", second(i)); });
+    CHECK_THAT(told, Contains("t_s begins again where the minute ends, once"));
+  }
+  with("sec,ms", [](int i) { return fmt::format("{},{}", (57 + i / 1000) % 60, i % 1000); });
+  with("minute,second", [&](int i) { return fmt::format("{},{:.3f}", i < 2500 ? 59 : 0, second(i)); });
+  with("Time [min]", [&](int i) { return fmt::format("{:.9f}", std::fmod(59.99 + 1e-3 * i / 60, 60)); });
+  with("time", [&](int i) { return fmt::format("{}:{:06.3f}", i < 2500 ? "59" : "00", second(i)); });
+}
+
+TEST_CASE("runs of exactly a second each stay runs, and a second valve is no time") {
+  const TemporaryFolder folder;
+  const std::string bytes =
+      "t_s,x_m,u_V\n" + rows([](int i, double, double, double) {
+        return fmt::format("{:.3f},{:.7f},{:.4f}", 1e-3 * (i % 1000), x_m_at(i % 1000), u_V_at(i % 1000));
+      });
+  const CsvTable table = read_table(put_plain(folder.file("f.csv"), bytes));
+  CHECK(recordings_in(table, import_map(guess_columns(table)), 0.001).size() == 3);
+  for (const char* name : {"Second Valve", "second pressure"}) {
+    const std::optional<ColumnWord> word = column_word(name);
+    CHECK((!word || word->ours != "t_s"));
+  }
 }

@@ -19,11 +19,11 @@ namespace {
 std::vector<ColumnGuess> mapped_columns(const CsvTable& table, const ImportParameters& map) {
   std::vector<ColumnGuess> out;
   for (const std::string& name : table.names) {
-    out.push_back({name, "", "", 1, 0, "not in the config's section import"});
+    out.push_back({name, "", "", 1, 0, "not in the config's section import", false, ""});
     for (const auto& [ours, source] : map.columns)
       if (source.column == name)
-        out.back() = {name, ours, "", source.factor, source.offset, "import.columns of the config"};
-    if (name == "t_s" && map.columns.count("t_s") == 0) out.back() = {name, "t_s", "", 1, 0, "its name"};
+        out.back() = {name, ours, "", source.factor, source.offset, "import.columns of the config", false, ""};
+    if (name == "t_s" && map.columns.count("t_s") == 0) out.back() = {name, "t_s", "", 1, 0, "its name", false, ""};
   }
   return out;
 }
@@ -81,6 +81,8 @@ ImportResult understand_recording(const std::string& path, std::optional<Rig> ri
     out.runs = recordings_in(std::move(table), is_own ? std::nullopt : std::optional(map), loop_period_s);
   }
   ImportParameters map = rig && rig->imported ? *rig->imported : import_map(out.columns);
+  if (const std::string axes = axis_words(out.columns); !axes.empty())
+    out.understood.push_back(fmt::format("{}: {}", path, axes));
   for (const Recording& run : out.runs)
     for (const std::string& line : problem_lines(run)) out.understood.push_back(line);
   if (rig) {

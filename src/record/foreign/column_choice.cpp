@@ -33,16 +33,6 @@ std::string axis_of(const std::string& text) {
   return end > 1 && end < text.size() && is_digit(end - 1) ? text.substr(0, end) : "";
 }
 
-bool has_motion(const std::vector<double>& values) {
-  double first = no_value;
-  for (const double value : values) {
-    if (!std::isfinite(value)) continue;
-    if (std::isfinite(first) && value != first) return true;
-    first = value;
-  }
-  return false;
-}
-
 /// The greater one is taken; of equal ones the first.
 using Merit = std::array<std::size_t, 7>;
 

@@ -5,15 +5,24 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <map>
+#include <set>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
 
+#include <pneuservo/core/signal.hpp>
+
+#include "record/column_values.hpp"
+#include "record/foreign/axis_names.hpp"
 #include "record/foreign/column_choice.hpp"
 #include "record/foreign/column_words.hpp"
 #include "record/foreign/dialect.hpp"
 #include "record/foreign/field_text.hpp"
+#include "record/foreign/stamps.hpp"
 #include "record/foreign/units.hpp"
 #include "record/row_text.hpp"
 
@@ -40,9 +49,9 @@ std::optional<NameParts> with_joined_unit(const std::string& name) {
   std::string before(trimmed(std::string_view(name).substr(0, at)));
   while (!before.empty() && std::string_view(".:-,; ").find(before.back()) != std::string_view::npos) before.pop_back();
   const std::optional<ColumnWord> word = column_word(before);
-  if (!unit || unit->name == "in" || unit->name == "min" || !word || word->ours.empty() ||
-      unit->quantity != word->quantity)
-    return std::nullopt;
+  if (!unit || unit->name == "in" || unit->name == "min" || !word || word->ours.empty()) return std::nullopt;
+  const bool is_share = unit->name == "%" && word->quantity == Quantity::voltage;
+  if (unit->quantity != word->quantity && !is_share) return std::nullopt;
   return NameParts{before, name.substr(at)};
 }
 
@@ -72,7 +81,7 @@ std::optional<NameParts> with_bracketed_unit(const std::string& name) {
   return out;
 }
 
-/// "p1_bar", "p1/bar", "p1_bar_rel", "Weg in mm": behind the last or the last but one sign.
+/// "p1_bar", "p1/bar", "p1_bar_rel", "Weg in mm", "u_pct": behind the last or the last but one sign.
 std::optional<NameParts> with_suffixed_unit(const std::string& name) {
   if (name.find_last_of("[<") != std::string::npos) return std::nullopt;
   std::size_t last = name.find_last_of("_ /");
@@ -83,6 +92,8 @@ std::optional<NameParts> with_suffixed_unit(const std::string& name) {
       return NameParts{before.ends_with(" in") ? before.substr(0, before.size() - 3) : before,
                        std::string(without_brackets(name.substr(last + 1)))};
     }
+    if (suffix && words == 1 && (suffix->name == "%" || name.substr(last + 1) == "mA"))
+      return NameParts{std::string(trimmed(std::string_view(name).substr(0, last))), std::string(suffix->name)};
     last = name.find_last_of("_ /", last - 1);
   }
   return std::nullopt;
@@ -145,14 +156,23 @@ double times_in(const std::string& name) {
              : std::pow(10, static_cast<double>(zeros.size()));
 }
 
-ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmosphere_Pa) {
-  ColumnGuess out{table.names[column], "", "", 1, 0, "", false};
-  if (is_ours(out.column)) return {out.column, out.column, "", 1, 0, "a name of the recording format", true};
-  const NameParts parts = parts_of(half_width(out.column));
+/// The unit that the file states for a column of this name, in a row or in the name; empty: none.
+std::string unit_by(const CsvTable& table, std::size_t column, const std::string& full_name) {
+  const std::string& in_row = table.units[column];
+  const std::string text(in_row.empty() ? parts_of(half_width(full_name)).unit : without_brackets(in_row));
+  const std::optional<Unit> unit = unit_in(text);
+  return unit && unit->name == "%" ? "%" : text;  // "percent"
+}
+
+/// By a name, which is the column's own or a part of it.
+ColumnGuess guess_column(const CsvTable& table, std::size_t column, const std::string& name, double atmosphere_Pa) {
+  ColumnGuess out{table.names[column], "", "", 1, 0, "", false, ""};
+  if (is_ours(name)) return {out.column, name, "", 1, 0, "a name of the recording format", true, ""};
+  const NameParts parts = parts_of(half_width(name));
   const bool in_row = !table.units[column].empty();
-  const std::string stated = out.unit = stated_unit(table, column);
+  const std::string stated = out.unit = unit_by(table, column, name);
   const std::optional<ColumnWord> word = column_word(parts.text);
-  if (table.is_clock[column] != 0) return {out.column, "t_s", "date", 1, 0, "holds dates or times of day", false};
+  if (table.is_clock[column] != 0) return {out.column, "t_s", "date", 1, 0, "holds dates or times of day", false, ""};
   // "millis" is both.
   const bool is_named_by_unit = stated.empty() && word && word->quantity == Quantity::time && parts.text.size() > 1;
   const std::optional<Unit> unit = unit_in(is_named_by_unit ? parts.text : stated);
@@ -171,7 +191,7 @@ ColumnGuess guess_column(const CsvTable& table, std::size_t column, double atmos
   const double times = times_in(parts.text);
   out.factor = unit->factor / times;
   out.offset = is_above_atmosphere(*unit, word) ? atmosphere_Pa : 0;
-  out.evidence += in_row ? ", unit stated below the names" : ", unit from its name";
+  out.evidence += in_row ? ", unit stated beside the names" : ", unit from its name";
   if (unit->is_multiple || times != 1) out.evidence += fmt::format(": 1 is taken for {:g} in SI", out.factor);
   if (out.offset != 0 && !unit->is_gauge) out.evidence += ", above the atmosphere by its name";
   return out;
@@ -190,39 +210,97 @@ bool are_millionths_of_days(const std::vector<double>& values) {
   return has_decimals;
 }
 
-/// Where nothing is named a time: the first column in a unit of time that goes on from row to row.
+/// Whether it goes on from row to row, but where a second, a minute or an hour ends.
+bool is_course_of_time(const std::vector<double>& values, double unit_s) {
+  if (values.size() < 3 || !std::isfinite(values[0])) return false;
+  return course_of(values) + 1 + 2 * turns_of(values, unit_s).rows.size() >= values.size();
+}
+
+/// Where nothing is named a time: the first column in a unit of time, or named as one, that goes on from row to row.
 void take_time_by_unit(const CsvTable& table, std::vector<ColumnGuess>& guesses) {
-  for (std::size_t c = 0; c < guesses.size(); ++c) {
-    const std::optional<Unit> unit = unit_in(guesses[c].unit);
-    const std::vector<double>& values = table.values[c];
-    if (!unit || unit->quantity != Quantity::time || values.size() < 3 || !std::isfinite(values[0])) continue;
-    if (course_of(values) + 1 < values.size()) continue;
-    guesses[c].ours = "t_s";
-    guesses[c].factor = unit->factor;
-    guesses[c].has_unit = true;
-    guesses[c].evidence = fmt::format("in {}, and goes on from row to row", guesses[c].unit);
+  constexpr std::size_t least_letters = 3;
+  for (ColumnGuess& guess : guesses) {
+    const auto c = static_cast<std::size_t>(&guess - guesses.data());
+    const bool is_named = guess.unit.empty() && guess.column.size() >= least_letters && guess.column != "min";
+    const std::optional<Unit> unit = unit_in(is_named ? guess.column : guess.unit);
+    if (!unit || unit->quantity != Quantity::time || !is_course_of_time(table.values[c], unit->factor)) continue;
+    guess.ours = "t_s";
+    guess.factor = unit->factor;
+    guess.has_unit = true;
+    guess.evidence = fmt::format("in {}, and goes on from row to row", is_named ? guess.column : guess.unit);
     return;
+  }
+}
+
+/// Whether a word that tells axes apart leaves a signal of one.
+bool is_of_axis(const std::string& ours) {
+  return !ours.empty() && ours != "t_s" && (ours == "x_ref_m" || ours == "u_V" || signal_of_column(ours).has_value());
+}
+
+/// Of several axes the one with most known signals that have values and move; nothing is taken from the others.
+void take_one_axis(const CsvTable& table, const std::vector<AxisOfColumn>& axes, std::vector<ColumnGuess>& guesses) {
+  std::map<std::string, std::pair<std::set<std::string>, bool>> known;  // signals of each, and whether it moves
+  for (std::size_t c = 0; c < guesses.size(); ++c) {
+    if (!axes[c].is_of_axis) continue;
+    guesses[c].axis = fmt::format("\"{}\"", axes[c].axis);
+    auto& [signals, moves] = known[axes[c].axis];
+    if (guesses[c].ours.empty() || !has_value(table.values[c])) continue;
+    signals.insert(guesses[c].ours);
+    moves = moves || (guesses[c].ours == "x_m" && has_motion(table.values[c]));
+  }
+  auto taken = known.end();
+  std::pair<std::size_t, bool> most{};
+  for (const AxisOfColumn& axis : axes) {
+    const auto at = axis.is_of_axis ? known.find(axis.axis) : known.end();
+    if (at == known.end()) continue;
+    const std::pair<std::size_t, bool> merit{at->second.first.size(), at->second.second};
+    if (taken == known.end() || merit > most) taken = at, most = merit;
+  }
+  for (std::size_t c = 0; c < guesses.size(); ++c) {
+    if (!axes[c].is_of_axis) continue;
+    const bool is_taken = axes[c].axis == taken->first;
+    if (is_taken) guesses[c].evidence += fmt::format(", of axis {}", guesses[c].axis);
+    else guesses[c].evidence = fmt::format("of axis {}, where \"{}\" is taken", guesses[c].axis, taken->first);
+    if (!is_taken) guesses[c].ours.clear();
   }
 }
 
 }  // namespace
 
 std::vector<ColumnGuess> guess_columns(const CsvTable& table, double atmosphere_Pa) {
+  const std::vector<AxisOfColumn> axes = axes_in(table.names, [&](std::size_t c, const std::string& name) {
+    const std::string ours = guess_column(table, c, name, atmosphere_Pa).ours;
+    return is_of_axis(ours) ? ours : "";
+  });
+  const auto name_of = [&](std::size_t c) { return axes[c].is_of_axis ? axes[c].name : table.names[c]; };
   std::vector<ColumnGuess> out;
   for (std::size_t c = 0; c < table.names.size(); ++c) {
-    out.push_back(guess_column(table, c, atmosphere_Pa));
+    out.push_back(guess_column(table, c, name_of(c), atmosphere_Pa));
     if (out[c].ours == "t_s" && out[c].factor == 1e-3 && are_millionths_of_days(table.values[c])) {
       out[c].factor = 86400e-6;
       out[c].evidence += ", holds millionths of days";
     }
   }
   std::vector<std::string> texts;
-  for (const std::string& name : table.names) texts.push_back(parts_of(half_width(name)).text);
+  for (std::size_t c = 0; c < out.size(); ++c) texts.push_back(parts_of(half_width(name_of(c))).text);
+  take_one_axis(table, axes, out);
   take_valve_ports(texts, out, atmosphere_Pa);
   leave_one_of_each(table, texts, out);
   if (std::none_of(out.begin(), out.end(), [](const ColumnGuess& guess) { return guess.ours == "t_s"; }))
     take_time_by_unit(table, out);
   return out;
+}
+
+std::string axis_words(const std::vector<ColumnGuess>& guesses) {
+  std::set<std::string> taken, others;
+  for (const ColumnGuess& guess : guesses)
+    if (!guess.axis.empty() && !guess.ours.empty()) taken.insert(guess.axis);
+  for (const ColumnGuess& guess : guesses)
+    if (!guess.axis.empty() && !taken.contains(guess.axis)) others.insert(guess.axis);
+  if (taken.empty() || others.empty()) return "";
+  return fmt::format("the columns are of several axes: {} is taken, {} {} left out; import.columns of a config names "
+                     "those of another one",
+                     fmt::join(taken, ", "), fmt::join(others, ", "), others.size() == 1 ? "is" : "are");
 }
 
 std::string meaning_of(const std::string& name) {
@@ -232,14 +310,7 @@ std::string meaning_of(const std::string& name) {
 }
 
 std::string stated_unit(const CsvTable& table, std::size_t column) {
-  if (!table.units[column].empty()) return std::string(without_brackets(table.units[column]));
-  const std::string name = without_number(half_width(table.names[column])), unit = parts_of(name).unit;
-  if (!unit.empty()) return unit;
-  const std::string last = name.substr(name.find_last_of("_ /") + 1);
-  if (last.size() == name.size()) return "";
-  for (const std::string_view raw : {"%", "mA", "percent", "pct", "Prozent"})
-    if (last == raw) return raw == "mA" ? "mA" : "%";
-  return "";
+  return unit_by(table, column, table.names[column]);
 }
 
 namespace {

@@ -17,10 +17,14 @@ struct ColumnGuess {
   double offset = 0;
   std::string evidence;  ///< in words
   bool has_unit = false;  ///< the file states one of the quantity
+  std::string axis;       ///< of a table with several axes: which one, quoted; empty: of none
 };
 
 /// One a column, in the file's order; no column of ours is given twice. atmosphere_Pa: what gauge units are raised by.
 std::vector<ColumnGuess> guess_columns(const CsvTable& table, double atmosphere_Pa = 101325);
+
+/// Which of several axes the columns are taken from, and which others there are; empty: there is one.
+std::string axis_words(const std::vector<ColumnGuess>& guesses);
 
 /// The column of ours that a name, with its unit or without, stands for by itself; empty: none.
 std::string meaning_of(const std::string& name);

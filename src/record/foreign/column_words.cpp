@@ -516,6 +516,28 @@ bool is_made_of_words(std::string_view text) {
                                       [](const Found& root) { return root.first.size() >= least_of_compound; });
 }
 
+bool may_name_axis(std::string_view word) {
+  const bool is_number = std::ranges::all_of(word, [](unsigned char c) { return std::isdigit(c) != 0; });
+  if (is_number || (word.size() == 1 && is_letter(word.front()))) return true;
+  const std::vector<std::string> parts = parts_of(word);
+  const RootsOfName name = roots_of(parts);
+  const auto says_what = [&](const Found& root) {
+    const bool is_sign = root.first.size() < least_of_compound && root.second != Role::pressure;
+    return !is_sign && root.second != Role::cylinder && root.second != Role::filler;
+  };
+  const auto is_mark = [](const std::string& part) {
+    return part.size() == 1 || std::isdigit(static_cast<unsigned char>(part.front())) != 0;
+  };
+  return std::ranges::none_of(name.roots, says_what) && (!name.is_whole || std::ranges::any_of(parts, is_mark));
+}
+
+bool says_pressure(std::string_view text) { return roots_of(parts_of(text)).has(Role::pressure); }
+
+bool is_cylinder_word(std::string_view word) {
+  const RootsOfName name = roots_of(parts_of(word));
+  return name.is_whole && name.roots.size() == 1 && name.roots.front().second == Role::cylinder;
+}
+
 std::optional<int> port_number(std::string_view text) {
   std::vector<std::string> parts = parts_of(text);
   std::optional<int> number;

@@ -32,6 +32,16 @@ std::optional<ColumnWord> column_word(std::string_view text);
 /// Whether the text is made of words of column names alone, one of three letters or more: "set", "filtered".
 bool is_made_of_words(std::string_view text);
 
+/// Whether a word may tell one axis from another: a number, a letter, a word that is not known, or one for a cylinder
+/// or an axis with a number or letter; no quantity, side, set point, model or state.
+bool may_name_axis(std::string_view word);
+
+/// Whether it says a pressure, of any side: "Pressures", "Drücke".
+bool says_pressure(std::string_view text);
+
+/// Whether it says a cylinder and nothing else.
+bool is_cylinder_word(std::string_view word);
+
 /// 1 to 5 of a name that says a port or a pressure, this number and nothing else: "p4", "Port 2".
 std::optional<int> port_number(std::string_view text);
 

@@ -230,6 +230,33 @@ int pass_wraps(std::vector<double>& t) {
   return 0;
 }
 
+Turns turns_of(const std::vector<double>& t, double unit_s) {
+  constexpr std::array<std::pair<double, std::string_view>, 3> turns{
+      {{1.0, "second"}, {60.0, "minute"}, {3600.0, "hour"}}};
+  const double longest = longest_at_wrap * median_step_s(t);
+  for (const auto& [turn_s, words] : turns) {
+    Turns out{{}, turn_s / unit_s, std::string(words)};
+    double before = no_value;
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      if (!std::isfinite(t[i])) continue;
+      const double step = t[i] + out.turn - before;
+      if (t[i] < before && t[i] >= 0 && before <= out.turn && step > 0 && step <= longest) out.rows.push_back(i);
+      before = t[i];
+    }
+    if (!out.rows.empty()) return out;
+  }
+  return {};
+}
+
+void pass_turns(std::vector<double>& t, const Turns& turns) {
+  auto next = turns.rows.begin();
+  double added = 0;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (next != turns.rows.end() && *next == i) added += turns.turn, ++next;
+    t[i] += added;
+  }
+}
+
 std::vector<std::size_t> run_starts(const std::vector<double>& t) {
   std::vector<std::size_t> starts{0};
   double before = no_value, last_but_one = no_value;

@@ -26,6 +26,17 @@ std::size_t pass_midnights(std::vector<double>& time_s, bool is_clock);
 /// times of day do. Bits of that counter; 0: none begins again.
 int pass_wraps(std::vector<double>& time_s);
 
+/// Rows before which the time goes back by a second, a minute or an hour less a step, as within one.
+struct Turns {
+  std::vector<std::size_t> rows;  ///< none: it does not
+  double turn = 0;                ///< in the unit of the stamps
+  std::string words;              ///< "second"
+};
+/// unit_s: of the stamps.
+Turns turns_of(const std::vector<double>& times, double unit_s);
+/// The times go on at these rows.
+void pass_turns(std::vector<double>& times, const Turns& turns);
+
 /// Rows with which a new run begins: the time goes back, and the rows after it go on from there. The first row is one.
 std::vector<std::size_t> run_starts(const std::vector<double>& time_s);
 

@@ -17,7 +17,7 @@ constexpr double psi_Pa = 6894.757, torr_Pa = 133.322, water_Pa_per_mm = 9.80665
 /// Of air: normal (DIN 1343: 0 degC, 101325 Pa) and free (ISO 8778: 20 degC, 1 bar), which flow meters count in.
 constexpr double normal_kgpm3 = 101325 / (287 * 273.15), free_kgpm3 = 1e5 / (287 * 293.15);
 /// Where letters' size decides, the first one that fits counts.
-constexpr std::array<Unit, 182> units{{{"s", Quantity::time, 1},
+constexpr std::array<Unit, 198> units{{{"s", Quantity::time, 1},
                                        {"sec", Quantity::time, 1},
                                        {"secs", Quantity::time, 1},
                                        {"second", Quantity::time, 1},
@@ -47,6 +47,22 @@ constexpr std::array<Unit, 182> units{{{"s", Quantity::time, 1},
                                        {"d", Quantity::time, 86400},
                                        {"day", Quantity::time, 86400},
                                        {"days", Quantity::time, 86400},
+                                       {"seconde", Quantity::time, 1},
+                                       {"secondes", Quantity::time, 1},
+                                       {"segundo", Quantity::time, 1},
+                                       {"segundos", Quantity::time, 1},
+                                       {"secondo", Quantity::time, 1},
+                                       {"secondi", Quantity::time, 1},
+                                       {"sek", Quantity::time, 1},
+                                       {"sekunde", Quantity::time, 1},
+                                       {"sekunden", Quantity::time, 1},
+                                       {"millisekunde", Quantity::time, 1e-3},
+                                       {"millisekunden", Quantity::time, 1e-3},
+                                       {"mikrosekunde", Quantity::time, 1e-6},
+                                       {"mikrosekunden", Quantity::time, 1e-6},
+                                       {"minuten", Quantity::time, 60},
+                                       {"stunde", Quantity::time, 3600},
+                                       {"stunden", Quantity::time, 3600},
                                        {"m", Quantity::length, 1},
                                        {"meter", Quantity::length, 1},
                                        {"meters", Quantity::length, 1},
@@ -214,6 +230,12 @@ std::string plain(std::string_view text) {
   return out;
 }
 
+bool is_per_cent(std::string_view name) {
+  constexpr std::array<std::string_view, 10> words{"pct",     "perc",    "percent",  "percentage", "percents",
+                                                   "prozent", "procent", "pourcent", "porcentaje", "percentuale"};
+  return std::ranges::find(words, in_small_letters(name)) != words.end();
+}
+
 bool is_alike(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](unsigned char one, unsigned char other) { return std::tolower(one) == std::tolower(other); });
@@ -354,6 +376,7 @@ std::optional<Unit> unit_in(std::string_view text) {
   if (const auto unit = listed(name)) return unit;
   if (const auto unit = unit_with_zero(name)) return unit;
   if (name == "\"") return listed("in");
+  if (is_per_cent(name)) return listed("%");
   if (const auto unit = divided(name)) return unit;
   if (const auto unit = behind_range(name)) return unit;
   return multiple(name);

@@ -252,16 +252,16 @@ def course(options, folder, rig):
     with gzip.open(path, "rt", encoding="utf-8") as file:
         names, *rows = csv.reader(line for line in file if not line.startswith("#"))
     path.unlink()
-    return {name: [float(row[names.index(name)]) for row in rows] for name in ("u_V", "p1_port_Pa", "p2_port_Pa")}
+    return {name: [float(row[at]) for row in rows] for at, name in enumerate(names) if name != "t_s"}
 
 
-def main_to_background(options, folder, ideal, background, whole):
-    """Largest of the ratios, over the channels, of what the main effect changes to what the background changes, as rms."""
-    runs = [course(options, folder, rig) for rig in (ideal, background, whole)]
+def main_to_background(ideal, background, whole):
+    """Largest of the ratios, over the channels, of what the main effect changes to what the background changes, as rms; of courses."""
+    runs = [ideal, background, whole]
     if None in runs:
         return None
     ratios = []
-    for channel in runs[0]:
+    for channel in ideal:
         small, large = (sum((a - b) ** 2 for a, b in zip(runs[i][channel], runs[i + 1][channel])) for i in (0, 1))
         ratios.append(math.sqrt(large / small))
     return max(ratios)
@@ -277,12 +277,13 @@ def conceal_main(rng, number, owner, rig, folder, options):
         return truth
     path, sign = rng.choice(sorted(owner["tolerances"])), rng.choice([-1, 1])
     effect, least = rng.choice(options.effects or main_effects(options, owner)), rng.uniform(1.2, 2.5)
+    quiet = [course(options, folder, one) for one in (ideal, background)]
     for rung in range(2, 11):
         if way == 1:
             put(rig, path, get(owner, path) * (1 + owner["tolerances"][path] * sign * 3 * rung))
         else:
             rig["effects"] = background["effects"] | {effect: sized(effect, owner, rung, options)}
-        ratio = main_to_background(options, folder, ideal, background, rig)
+        ratio = main_to_background(*quiet, course(options, folder, rig))
         if ratio is None or ratio >= least:
             break
     if ratio is None or not least <= ratio <= 5:

@@ -3,6 +3,7 @@
 and draw alone."""
 import csv
 import gzip
+import itertools
 import json
 import math
 import pathlib
@@ -249,18 +250,18 @@ def course(options, folder, rig):
     if failed:
         return None
     with gzip.open(path, "rt", encoding="utf-8") as file:
-        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+        names, *rows = csv.reader(line for line in file if not line.startswith("#"))
     path.unlink()
-    return {name: [float(row[name]) for row in rows] for name in ("u_V", "p1_port_Pa", "p2_port_Pa")}
+    return {name: [float(row[at]) for row in rows] for at, name in enumerate(names) if name != "t_s"}
 
 
-def main_to_background(options, folder, ideal, background, whole):
-    """Largest of the ratios, over the channels, of what the main effect changes to what the background changes, as rms."""
-    runs = [course(options, folder, rig) for rig in (ideal, background, whole)]
+def main_to_background(ideal, background, whole):
+    """Largest of the ratios, over the channels, of what the main effect changes to what the background changes, as rms; of courses."""
+    runs = [ideal, background, whole]
     if None in runs:
         return None
     ratios = []
-    for channel in runs[0]:
+    for channel in ideal:
         small, large = (sum((a - b) ** 2 for a, b in zip(runs[i][channel], runs[i + 1][channel])) for i in (0, 1))
         ratios.append(math.sqrt(large / small))
     return max(ratios)
@@ -276,12 +277,13 @@ def conceal_main(rng, number, owner, rig, folder, options):
         return truth
     path, sign = rng.choice(sorted(owner["tolerances"])), rng.choice([-1, 1])
     effect, least = rng.choice(options.effects or main_effects(options, owner)), rng.uniform(1.2, 2.5)
+    quiet = [course(options, folder, one) for one in (ideal, background)]
     for rung in range(2, 11):
         if way == 1:
             put(rig, path, get(owner, path) * (1 + owner["tolerances"][path] * sign * 3 * rung))
         else:
             rig["effects"] = background["effects"] | {effect: sized(effect, owner, rung, options)}
-        ratio = main_to_background(options, folder, ideal, background, rig)
+        ratio = main_to_background(*quiet, course(options, folder, rig))
         if ratio is None or ratio >= least:
             break
     if ratio is None or not least <= ratio <= 5:
@@ -303,14 +305,14 @@ def record(program, rig, path, case_seed, length_s, columns, first_s=FIRST_S):
     if done.returncode != 0:
         raw.unlink(missing_ok=True)
         return done.stderr.strip().splitlines()[-1] if done.stderr.strip() else f"status {done.returncode}"
-    with gzip.open(raw, "rt", encoding="utf-8") as source, gzip.open(path, "wt", encoding="utf-8") as target:
+    with gzip.open(raw, "rt", encoding="utf-8") as source, gzip.open(path, "wt", compresslevel=3, encoding="utf-8") as target:
         names = None
         for line in source:
             if line.startswith("#"):
                 if not line.startswith("# reference"):
                     target.write(line)
                 continue
-            fields = next(csv.reader([line]))
+            fields = line.rstrip("\n").split(",")
             if names is None:
                 names = fields
                 kept = [i for i, n in enumerate(names) if n in columns]
@@ -335,15 +337,15 @@ def with_power_law(path, power):
         command_V = float(fields[at])
         fields[at] = f"{math.copysign(abs(command_V) ** (1 / power), command_V):.6g}"
         lines[i] = ",".join(fields)
-    with gzip.open(path, "wt", encoding="utf-8") as file:
+    with gzip.open(path, "wt", compresslevel=3, encoding="utf-8") as file:
         file.write("\n".join(lines) + "\n")
 
 
 def hunts(path):
     """What is wrong with a loop that swings where it should rest; no owner would run it."""
     with gzip.open(path, "rt", encoding="utf-8") as file:
-        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-    places = [float(row["x_m"]) for row in rows if float(row["t_s"]) < 0.3]
+        rows = csv.DictReader(line for line in file if not line.startswith("#"))
+        places = [float(row["x_m"]) for row in itertools.takewhile(lambda row: float(row["t_s"]) < 0.3, rows)]
     reach = max(places) - min(places)
     return f"swings by {1e6 * reach:.0f} um at rest" if reach > 200e-6 else ""
 

@@ -11,6 +11,7 @@
 
 #include <pneuservo/core/random.hpp>
 
+#include "core/run_length.hpp"
 #include "diagnosis/diagnose.hpp"
 #include "diagnosis/residuals/cylinder_residuals.hpp"
 #include "diagnosis/search/search.hpp"
@@ -100,14 +101,14 @@ Judged judge(const Rig& machine, const Rig& owner = owners_rig(), const SearchSe
 }  // namespace
 
 TEST_CASE("background: underlap, delay and sensors a little off are no alarm") {
-  const Judged judged = judge(with_background(owners_rig()));
-  CHECK((judged.verdict == Verdict::unknown || judged.verdict == Verdict::consistent));
+  Judging judging(with_background(owners_rig()));
+  CHECK(judging.owner().swing_Pa.empty());  // of a steady supply
+  const Verdict verdict = judging.judged().verdict;
+  CHECK((verdict == Verdict::unknown || verdict == Verdict::consistent));
 }
 
 TEST_CASE("background: a supply that swings within half a per cent is small physics, and its swing is found") {
   Rig machine = with_background(owners_rig());
-  const Hypothesis steady = Judging(machine).owner();
-  CHECK(steady.swing_Pa.empty());
   machine.axis.effects.supply_swing = {1500, 0.9, 0.4};
   Judging judging(machine);
   const Hypothesis swinging = judging.owner();
@@ -155,7 +156,12 @@ TEST_CASE(
          (doubted.answers.size() == 1 && doubted.answers.front().effect == "valve_dead_band")));
 }
 
-TEST_CASE("background: a name that an earlier search ended with is tried, whatever it promises") {
+// By day a search over a closed form asks the same.
+TEST_CASE("background: a name that an earlier search ended with is tried, whatever it promises", "[long]") {
+  if (!is_long_run()) {
+    WARN("SKIPPED: a long test; set PNEUSERVO_LONG=1");
+    return;
+  }
   Rig machine = with_background(owners_rig());
   machine.axis.effects.valve.command_delay.delay_s = 6e-3;
   machine.axis.effects.port_volume_1 = {5e-6};
@@ -183,26 +189,6 @@ TEST_CASE("background: a load that an owner has guessed may be off by any factor
   CHECK(judged.verdict == Verdict::parameter_error);
   CHECK(judged.name == "parameter:effects.constant_force.force_N");
   CHECK(judged.size == Approx(-14).epsilon(0.05));
-}
-
-TEST_CASE("background: a leak beside it is named, and withheld where the owner's model fits nearly as well") {
-  Rig machine = with_background(owners_rig());
-  machine.axis.effects.chamber_leak_1.area_m2 = 3e-8;
-  Judging judging(machine);
-  const Judged named = judging.judged();
-  CHECK(named.verdict == Verdict::missing_physics);
-  CHECK(named.names.size() == 1);
-  CHECK((named.name == "chamber_leak_1" || named.name == "line_leak_1"));  // with sensors at both ends: nearly alike
-  CHECK(named.size == Approx(3e-8).epsilon(0.05));
-  REQUIRE(named.level < 0.95);  // the floor has grown too large: then the ratio counts
-  const double ratio = named.owner_level / named.level;
-  DecisionRules rules;
-  rules.worse_fit = std::sqrt(named.owner_level * ratio);  // between the owner's mean square and the ratio
-  CHECK(judging.judged(rules).verdict == Verdict::missing_physics);
-  rules.worse_fit = 1.01 * ratio;
-  CHECK(judging.judged(rules).verdict == Verdict::missing_physics);  // it brings what stands above 3 floors below them
-  rules.small_remainder = 0.1;
-  CHECK(judging.judged(rules).verdict == Verdict::unknown);
 }
 
 TEST_CASE("an effect that the owner knows is not missing: its size may be wrong") {
@@ -244,14 +230,27 @@ TEST_CASE("the size of an effect that the owner has guessed may be as wrong as t
 }
 
 TEST_CASE(
-    "background: losses that depend on frequency and volumes at the ports are found, beside a leak that is named") {
+    "background: losses that depend on frequency and volumes at the ports are found, beside a leak that is named, and "
+    "withheld where the owner's model fits nearly as well") {
   Rig machine = with_background(owners_rig());
   machine.axis.effects.chamber_leak_1.area_m2 = 3e-8;
   machine.axis.effects.frequency_dependent_losses.share = 1;
   machine.axis.effects.port_volume_1 = {6e-6};
   machine.axis.effects.port_volume_2 = {3e-6};
-  const Judged judged = judge(machine);
-  CHECK(judged.name == "chamber_leak_1");
+  Judging judging(machine);
+  const Judged judged = judging.judged();
+  CHECK(judged.verdict == Verdict::missing_physics);
+  CHECK(judged.names == std::vector<std::string>{"chamber_leak_1"});
+  CHECK(judged.size == Approx(3e-8).epsilon(0.05));
+  REQUIRE(judged.level < 0.95);  // the floor has grown too large: then the ratio counts
+  const double ratio = judged.owner_level / judged.level;
+  DecisionRules rules;
+  rules.worse_fit = std::sqrt(judged.owner_level * ratio);  // between the owner's mean square and the ratio
+  CHECK(judging.judged(rules).verdict == Verdict::missing_physics);
+  rules.worse_fit = 1.01 * ratio;
+  CHECK(judging.judged(rules).verdict == Verdict::missing_physics);  // it brings what stands above 3 floors below them
+  rules.small_remainder = 0.1;
+  CHECK(judging.judged(rules).verdict == Verdict::unknown);
   const AxisEffects<double>& found = judged.rig.axis.effects;
   CHECK(found.frequency_dependent_losses.share == Approx(1).epsilon(0.25));
   CHECK(found.port_volume_1.volume_m3 == Approx(6e-6).epsilon(0.25));
@@ -276,15 +275,6 @@ TEST_CASE("background: two effects beside it are both named, each beside the slo
   CHECK(std::count(judged.names.begin(), judged.names.end(), "constant_force") == 1);
   CHECK((judged.names[0].ends_with("_leak_1") || judged.names[1].ends_with("_leak_1")));
   CHECK(judged.rig.axis.effects.motion.constant_force.force_N == Approx(12.0).epsilon(0.05));
-}
-
-TEST_CASE("background: a constant load beside it is named, and not taken for a floor of the force") {
-  Rig machine = with_background(owners_rig());
-  machine.axis.effects.motion.constant_force.force_N = 12.0;
-  const Judged judged = judge(machine);
-  CHECK(judged.verdict == Verdict::missing_physics);
-  CHECK(judged.names == std::vector<std::string>{"constant_force"});
-  CHECK(judged.size == Approx(12.0).epsilon(0.05));
 }
 
 TEST_CASE("background: a periodic force is found where the slider moves, and noise is none") {

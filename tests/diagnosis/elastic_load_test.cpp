@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/run_length.hpp"
 #include "diagnosis/diagnose.hpp"
 #include "diagnosis/simulated_recording.hpp"
 #include "diagnosis/synthetic_axis.hpp"
@@ -33,12 +34,12 @@ TEST_CASE("a load on a soft coupling is named with mass, frequency and damping, 
   CHECK(found.over_noise < 1.3);
 }
 
-TEST_CASE("an axis whose load swings across a gap in its recording keeps its name and its size") {
+TEST_CASE("an axis whose load swings across a gap in its recording keeps its name and its size", "[long]") {
   const Rig owner = testing::driven_axis_rig();
   Rig machine = owner;
   machine.axis.effects.motion.elastic_load = {2.0, 7.0, 0.02};
   Recording recording = testing::axis_recording(machine, 45, testing::no_extra);
-  const double from_s = GENERATE(20.0, 2.2, 5.0, 9.1);  // 20: whole
+  const double from_s = GENERATE(from_range(and_in_the_long_run({2.2, 9.1}, {20.0, 5.0})));  // 20: whole
   CAPTURE(from_s);
   Recording kept = recording;
   kept.line_numbers.clear();
@@ -58,10 +59,10 @@ TEST_CASE("an axis whose load swings across a gap in its recording keeps its nam
   CHECK(load.natural_frequency_Hz == Approx(7.0).epsilon(0.02));
 }
 
-TEST_CASE("a cylinder that is shaken is no elastic load: unknown at the motion, with the frequency") {
+TEST_CASE("a cylinder that is shaken is no elastic load: unknown at the motion, with the frequency", "[long]") {
   const Rig owner = toleranced_cylinder_rig(2.0, 6.1e-3);
   Rig machine = owner;
-  const double amplitude_N = GENERATE(0.5, 5.0);
+  const double amplitude_N = GENERATE(from_range(and_in_the_long_run({5.0}, {0.5})));
   CAPTURE(amplitude_N);
   machine.axis.effects.motion.periodic_force = {amplitude_N, 7.9, 1.0};
   const Recording first = simulated_recording(machine, 6.0, 42, all_pressures);
@@ -81,10 +82,10 @@ TEST_CASE("a cylinder that is shaken is no elastic load: unknown at the motion, 
   CHECK(told_N == Approx(amplitude_N).epsilon(0.12));
 }
 
-TEST_CASE("a load that is coupled with play is told with its play, and is no elastic load") {
+TEST_CASE("a load that is coupled with play is told with its play, and is no elastic load", "[long]") {
   const Rig owner = toleranced_cylinder_rig(2.0, 6.1e-3);
   Rig machine = owner;
-  const double play_m = GENERATE(6e-4, 1.5e-3);
+  const double play_m = GENERATE(from_range(and_in_the_long_run({6e-4}, {1.5e-3})));
   CAPTURE(play_m);
   machine.axis.effects.motion.load_backlash = {1.2, play_m, 70.0, 0.2};
   const Diagnosis found = diagnose(owner, {simulated_recording(machine, 6.5, 43, all_pressures)});

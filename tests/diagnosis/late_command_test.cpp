@@ -1,7 +1,11 @@
 // Names for what comes late between command and spool: a dead time has a valley every sample, and what is too small to
 // be named elsewhere is not called something else where it is seen.
+#include <tuple>
+#include <vector>
+
 #include <catch2/catch.hpp>
 
+#include "core/run_length.hpp"
 #include "diagnosis/diagnose.hpp"
 #include "diagnosis/simulated_recording.hpp"
 
@@ -16,8 +20,8 @@ Diagnosis diagnosis_of(const Rig& machine, const Rig& owner, const std::vector<s
 
 }  // namespace
 
-TEST_CASE("late command: a dead time of many samples is none of the lags of its length") {
-  const double delay_s = GENERATE(4e-3, 8e-3);
+TEST_CASE("late command: a dead time of many samples is none of the lags of its length", "[long]") {
+  const double delay_s = GENERATE(from_range(and_in_the_long_run({8e-3}, {4e-3})));
   const Rig owner = toleranced_cylinder_rig(10.0, 4.15e-3);
   Rig machine = owner;
   machine.axis.line_1.length_m *= 1.004;
@@ -29,9 +33,11 @@ TEST_CASE("late command: a dead time of many samples is none of the lags of its 
   CHECK(diagnosis.answers[0].parameters.at(0).value == Approx(delay_s).margin(0.25e-3));
 }
 
-TEST_CASE("late command: a dead time is found where the command's noise has no slope towards it") {
-  const auto [length_m, diameter_m, force_gain_V_per_N, delay_s] =
-      GENERATE(table<double, double, double, double>({{10.0, 4.15e-3, 1.25e-3, 5e-3}, {5.0, 6.1e-3, 2e-3, 3e-3}}));
+TEST_CASE("late command: a dead time is found where the command's noise has no slope towards it", "[long]") {
+  using Line = std::tuple<double, double, double, double>;
+  const std::vector<Line> lines =
+      and_in_the_long_run<Line>({{10.0, 4.15e-3, 1.25e-3, 5e-3}}, {{5.0, 6.1e-3, 2e-3, 3e-3}});
+  const auto [length_m, diameter_m, force_gain_V_per_N, delay_s] = GENERATE_COPY(from_range(lines));
   CAPTURE(length_m, force_gain_V_per_N, delay_s);
   Rig owner = toleranced_cylinder_rig(length_m, diameter_m);
   owner.axis.slider.payload_kg = 1.25;

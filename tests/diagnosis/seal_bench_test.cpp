@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "config/read_rig.hpp"
+#include "core/run_length.hpp"
 #include "diagnosis/diagnose.hpp"
 
 using namespace pneuservo;
@@ -85,8 +86,8 @@ const std::vector<Remainder> remainders{{}, {.wandering_N = 0.8}, {.shaking_N = 
 
 }  // namespace
 
-TEST_CASE("the constant part of a seal's friction is named beside the one that rises with pressure") {
-  const auto seed = GENERATE(1u, 2u);
+TEST_CASE("the constant part of a seal's friction is named beside the one that rises with pressure", "[long]") {
+  const auto seed = GENERATE(from_range(test::and_in_the_long_run({1u}, {2u})));
   const std::size_t kind = GENERATE(0u, 1u, 2u);
   const Diagnosis found = diagnosis_of({2.0, 1.8e-5}, remainders[kind], seed);
   CAPTURE(seed, kind, found.sentence);
@@ -97,8 +98,8 @@ TEST_CASE("the constant part of a seal's friction is named beside the one that r
   }
 }
 
-TEST_CASE("friction that only rises with pressure has no second name, whatever else is left") {
-  const auto seed = GENERATE(1u, 2u, 3u);
+TEST_CASE("friction that only rises with pressure has no second name, whatever else is left", "[long]") {
+  const auto seed = GENERATE(from_range(test::and_in_the_long_run({1u}, {2u, 3u})));
   const std::size_t kind = GENERATE(0u, 1u, 2u);
   const Diagnosis found = diagnosis_of({0.0, 2.2e-5}, remainders[kind], seed);
   CAPTURE(seed, kind, found.sentence);

@@ -353,6 +353,24 @@ TEST_CASE("search: what a derivative does not promise a whole change does") {
   REQUIRE(looked_at.search.first_screening().at(0).standard_error.size() == 1);
 }
 
+TEST_CASE("search: a name that an earlier search ended with is tried, whatever it promises") {
+  ClosedFormModel model(bent);
+  FittedRows rows(model, {});
+  const auto searched = [&](const std::vector<KnownStart>& known) {
+    SearchSettings settings;
+    settings.known_starts = known;
+    Search search(rows, SpringSearch::rig(), {SpringSearch::spring({})}, settings, one_name(), {});
+    search.run();
+    return search.best_starts(3);  // for a search after it
+  };
+  CHECK(searched({}).empty());
+  const std::vector<KnownStart> found = searched({{"spring_load", {0.3}}});
+  REQUIRE(found.size() == 1);
+  CHECK(found.front().name == "spring_load");
+  REQUIRE(found.front().z.size() == 1);
+  CHECK(found.front().z.front() == Approx(1).epsilon(0.01));
+}
+
 TEST_CASE("search: a name is fitted from its derivative and from its best whole change, the better is kept") {
   CHECK(SpringSearch(behind_a_ridge, {}).search.best_of(1)->fit.z(0) == Approx(-1).margin(0.1));
   CHECK(SpringSearch(behind_a_ridge, {{1.5}}).search.best_of(1)->fit.z(0) == Approx(2).margin(0.1));

@@ -58,15 +58,6 @@ TEST_CASE("an underlap is named as edges that overlap by less than nothing", "[o
   CHECK(found.improved.axis.effects.valve.valve_dead_band.width_V == Approx(-0.05).epsilon(0.05));
 }
 
-TEST_CASE("a leak of a chamber has its own name", "[optimised]") {
-  Rig machine = vocabulary_rig();
-  machine.axis.effects.chamber_leak_1.area_m2 = 3e-8;
-  const Diagnosis of_chamber = diagnosed(machine);
-  CAPTURE(of_chamber.sentence);
-  REQUIRE(of_chamber.answers.size() == 1);
-  CHECK(of_chamber.answers.front().effect == "chamber_leak_1");
-}
-
 TEST_CASE("a throttle with a check valve is named, and is no restriction both ways", "[optimised]") {
   Rig machine = vocabulary_rig();
   machine.axis.effects.flow_control_2.area_m2 = 4e-6;

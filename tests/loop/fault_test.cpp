@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/run_length.hpp"
 #include "loop/faulty_backend.hpp"
 #include "loop/loop_rigs.hpp"
 #include "loop/recorded_run.hpp"
@@ -272,8 +273,9 @@ TEST_CASE("every fault has one text with a remedy, and the numbers of the bits s
   REQUIRE(fault_words(fault_speed, fault_speed | fault_position_missing).front().rfind("speed:", 0) == 0);
 }
 
-TEST_CASE("no fault in normal running: nine lines, three pressure sources, noise or none, feedforward") {
-  for (const std::string& name : nine_configs()) {
+TEST_CASE("no fault in normal running: three pressure sources, noise or none, feedforward, nine lines in the long run",
+          "[long]") {
+  for (const std::string& name : test::is_long_run() ? nine_configs() : lines_of_the_range()) {
     for (const char* source : {"estimated", "valve", "chamber"})
       for (const bool noise : {true, false})
         for (const bool feedforward : {false, true}) {

@@ -36,5 +36,9 @@ inline std::vector<std::string> nine_configs() {
       names.push_back(std::string("cylinder-") + length + "-" + diameter);
   return names;
 }
+/// The shortest and widest, the middle, and the longest and narrowest of them.
+inline std::vector<std::string> lines_of_the_range() {
+  return {"cylinder-2m-7.65mm", "cylinder-5m-6.10mm", "cylinder-10m-4.15mm"};
+}
 
 }  // namespace pneuservo

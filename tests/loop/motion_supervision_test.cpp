@@ -7,6 +7,7 @@
 #include <pneuservo/loop/axis_loop.hpp>
 
 #include "config/rig_parameters.hpp"
+#include "core/run_length.hpp"
 #include "inject/injecting_backend.hpp"
 #include "loop/loop_rigs.hpp"
 #include "loop/motion_limits.hpp"
@@ -259,8 +260,10 @@ TEST_CASE("motion: force on a slider that stands is a stall, the same force for 
   REQUIRE(faults == fault_stall);
 }
 
-TEST_CASE("motion: an unknown payload is found no later than the simulation states") {
-  const std::string name = GENERATE("cylinder-10m-7.65mm", "cylinder-10m-4.15mm");
+TEST_CASE("motion: an unknown payload is found no later than the simulation states", "[long]") {
+  const std::vector<std::string> names =
+      test::and_in_the_long_run<std::string>({"cylinder-10m-4.15mm"}, {"cylinder-10m-7.65mm"});
+  const std::string name = GENERATE_COPY(from_range(names));
   const Rig rig = config_rig(name);
   const Reference reference(rig.reference);
   const std::vector<ToldPayload> stated = told_payloads(rig, reference, predict_motion(rig, reference));

@@ -12,9 +12,10 @@ import toy_law
 
 BUILD = pathlib.Path(sys.argv[1])
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
-# Sources that ask which law a config has.
-ASKING = ["src/config/rig_checks.cpp", "src/config/config_manual.cpp", "src/design/axis_design.cpp",
-          "src/loop/axis_loop.cpp", "src/report/run_report.cpp", "src/program/run.cpp"]
+# Sources that ask which law a config has: those that can stand in one file are compiled in one.
+ASKING = [["src/config/rig_checks.cpp", "src/design/axis_design.cpp", "src/loop/axis_loop.cpp", "src/report/run_report.cpp",
+           "src/program/run.cpp"],
+          ["src/config/config_manual.cpp"]]
 PROBE = """#include <cstdio>
 #include <pneuservo/control/axis_controller.hpp>
 #include <pneuservo/record/row.hpp>
@@ -71,9 +72,11 @@ def scratch(folder, without=None):
 
 def check_whole_law(folder):
     tree = scratch(folder)
-    for source in ASKING:
-        done = compile_in(tree, "-fsyntax-only", tree / source)
-        expect(done.returncode == 0, f"{source} does not compile with the new law:\n{done.stderr[:2000]}")
+    for sources in ASKING:
+        asking = tree / "asking.cpp"
+        asking.write_text("".join(f'#include "{tree / source}"\n' for source in sources))
+        done = compile_in(tree, "-fsyntax-only", asking)
+        expect(done.returncode == 0, f"{', '.join(sources)} do not compile with the new law:\n{done.stderr[:2000]}")
     probe = tree / "probe.cpp"
     probe.write_text(PROBE + "".join(f'#include "{source}"\n' for source in sorted((tree / "src/control").glob("*.cpp"))))
     # What is not the folder's comes from the build.
@@ -87,14 +90,26 @@ def check_whole_law(folder):
 
 
 def check_missing_pieces(folder):
+    """A law for each piece that one may lack, all in one list: the compiler asks each for its own."""
+    tree = scratch(folder)
+    (tree / toy_law.HEADER).unlink()
+    listed = (tree / toy_law.LIST).read_text()
+    first = listed.count("#include <pneuservo/control/") - 1
+    lines = []
+    for number, piece in enumerate(toy_law.PIECES, first):
+        name = "Lacks" + piece.title().replace(" ", "")
+        text = toy_law.header(number, piece).replace("Toy", name)
+        (tree / toy_law.HEADER).with_name(f"{name}.hpp").write_text(text)
+        lines.append(toy_law.LINE.replace("toy_law", name))
+    (tree / toy_law.LIST).write_text(listed.replace(toy_law.LINE, "".join(lines)))
+    probe = tree / "probe.cpp"
+    probe.write_text("#include <pneuservo/control/laws.hpp>\n")
+    done = compile_in(tree, "-fsyntax-only", probe)
+    expect(done.returncode != 0, "laws without their pieces compile")
     for piece, (_, words) in toy_law.PIECES.items():
-        tree = scratch(folder, piece)
-        probe = tree / "probe.cpp"
-        probe.write_text("#include <pneuservo/control/laws.hpp>\n")
-        done = compile_in(tree, "-fsyntax-only", probe)
-        expect(done.returncode != 0, f"a law without {piece} compiles")
-        expect("a law has: " in done.stderr and words in done.stderr,
-               f"without {piece} the compiler does not ask for '{words}':\n{done.stderr[:2000]}")
+        law = "Lacks" + piece.title().replace(" ", "") + "Law"
+        asked = re.search(rf"is_a_law\(\) \[with L = (?:pneuservo::)?{law}\].*?error: static assertion failed: (a law has: [^\n]*)", done.stderr, re.DOTALL)
+        expect(asked and words in asked[1], f"without {piece} the compiler does not ask for '{words}':\n{done.stderr[:4000]}")
         print(f"without {piece}: asked for")
 
 

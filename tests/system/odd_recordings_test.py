@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # Files that no logger should write, to every verb that reads recordings: a result or one sentence, within bounds of memory.
-# The cylinder, whose diagnosis takes seconds, is diagnosed from twenty drawn files, with PNEUSERVO_LONG=1 from all.
+# The cylinder, whose diagnosis takes seconds, is diagnosed from eight drawn files, with PNEUSERVO_LONG=1 from all.
 # tags: long
 import gzip, math, os, random, resource, struct, subprocess, sys, tempfile
 
@@ -143,7 +143,7 @@ def is_read_as_before(path, rig):
 WANTED = {"whole": 0, "own": 0, "cut": 0, "empty": 2, "blank": 2, "zeros": 2, "names-alone": 2, "one-row": 2, "all-nan": 2, "all-empty": 2,
           "text": 2, "hdf5": 2, "parquet": 2, "zip": 2, "binary": 2, "constant": 2}
 odd["whole"] = whole
-of_cylinder = list(odd) if os.environ.get("PNEUSERVO_LONG") == "1" else draw.sample(list(odd), 20)
+of_cylinder = list(odd) if os.environ.get("PNEUSERVO_LONG") == "1" else draw.sample(list(odd), 8)
 axis = put("axis.yaml", AXIS)
 for name, content in odd.items():
     path = put(f"{name}.csv", content)

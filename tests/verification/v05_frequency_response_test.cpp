@@ -32,7 +32,7 @@ class Responses {
 };
 }  // namespace
 
-TEST_CASE("V05 frequency response of nine lines", "[V05]") {
+TEST_CASE("V05 frequency response of nine lines", "[V05][long]") {
   Case v05("V05");
   v05.run(Resolution::normal, Responses(Resolution::normal));
   v05.run(Resolution::fine, Responses(Resolution::fine));

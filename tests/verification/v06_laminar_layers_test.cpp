@@ -44,7 +44,7 @@ class Lines {
 };
 }  // namespace
 
-TEST_CASE("V06 line with laminar layers, and first resonance of the plain model", "[V06]") {
+TEST_CASE("V06 line with laminar layers, and first resonance of the plain model", "[V06][long]") {
   Case v06("V06", {"frequency_dependent"});
   v06.run(Resolution::normal, Lines(Resolution::normal));
   v06.run(Resolution::fine, Lines(Resolution::fine));

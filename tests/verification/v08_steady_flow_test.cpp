@@ -39,7 +39,7 @@ class SteadyLines {
 };
 }  // namespace
 
-TEST_CASE("V08 steady flow with friction", "[V08]") {
+TEST_CASE("V08 steady flow with friction", "[V08][long]") {
   Case v08("V08");
   v08.run(Resolution::normal, SteadyLines(Resolution::normal));
   v08.run(Resolution::fine, SteadyLines(Resolution::fine));

@@ -1,4 +1,7 @@
 // V11: slider: viscous, gas springs, end stop, Coulomb, Stribeck, sticking.
+#include <map>
+#include <tuple>
+
 #include <Eigen/Dense>
 #include <Eigen/Eigenvalues>
 
@@ -70,7 +73,7 @@ Decay prony(const std::vector<double>& y, double dt, int order) {
     if (const auto candidate = std::log(roots(k)) / dt; candidate.imag() > s.imag()) s = candidate;
   return {std::abs(s) / (2.0 * M_PI), s.imag() / (2.0 * M_PI), -s.real() / std::abs(s)};
 }
-Decay free_decay(const Check& check, Resolution resolution) {
+Decay simulated_decay(const Check& check, Resolution resolution) {
   const bool table = check.is("rig", "servo table");
   const std::string heat = check.text("heat");
   const double wall_heat = heat == "isothermal" ? 1e14 : heat == "adiabatic" ? 0.0 : 50.0;
@@ -88,6 +91,15 @@ Decay free_decay(const Check& check, Resolution resolution) {
     if (k % keep == keep - 1) y.push_back(plant.position());
   }
   return prony(y, sample, heat.starts_with("h_c") ? 3 : 2);
+}
+/// One simulation for the three checks of a decay.
+const Decay& free_decay(const Check& check, Resolution resolution) {
+  static std::map<std::tuple<bool, std::string, double, Resolution>, Decay> simulated;
+  const bool table = check.is("rig", "servo table");
+  const auto key = std::tuple(table, check.text("heat"), check.number(table ? "p_0_Pa" : "mass_kg"), resolution);
+  const auto found = simulated.find(key);
+  return found != simulated.end() ? found->second
+                                  : simulated.emplace(key, simulated_decay(check, resolution)).first->second;
 }
 double stiffness(const Check& check) {
   const double wall_heat = check.is("heat", "isothermal") ? 1e14 : 0.0, d = 1e-5;
@@ -107,7 +119,7 @@ struct Bounces {
   std::vector<double> time, distance;
   double impact_velocity = 0.0, rest_time = NAN, beyond = 0.0;
 };
-Bounces bounce(double h) {
+Bounces simulated_bounces(double h) {
   const double g = 9.80665, stroke = 0.3, start = half_stroke - 0.1;
   Slider<double> slider = slider_of(2.0, 0.0, {}, stroke);
   slider.reset(start, 1.0);
@@ -131,6 +143,12 @@ Bounces bounce(double h) {
   }
   out.rest_time = at_rest == 0.0 ? NAN : at_rest;
   return out;
+}
+
+const Bounces& bounce(double h) {
+  static std::map<double, Bounces> simulated;
+  const auto found = simulated.find(h);
+  return found != simulated.end() ? found->second : simulated.emplace(h, simulated_bounces(h)).first->second;
 }
 
 // d, e) sliding to a stop; the instant lies where the last step's way says.
@@ -184,7 +202,7 @@ Answer end_stop(const Check& check, double h) {
     for (int i = 0; i < 1e9 && slider.velocity() > 0.0; ++i) slider.step(h, 0.0, {});
     return -slider.velocity();
   }
-  const Bounces b = bounce(h);
+  const Bounces& b = bounce(h);
   if (q == "time_of_first_impact") return b.time.at(0);
   if (q == "first_impact_velocity") return b.impact_velocity;
   if (q == "rebound_distance") return b.distance.at(check.at["bounce"].as<std::size_t>() - 1);
@@ -200,7 +218,7 @@ Answer slider_answer(Resolution resolution, const Check& check) {
   if (part == "a") return driven(check, fine ? 1e-6 : 1e-3);
   if (part == "b") {
     if (q == "gas_spring_stiffness") return stiffness(check);
-    const Decay decay = free_decay(check, resolution);
+    const Decay& decay = free_decay(check, resolution);
     return q == "natural_frequency" ? decay.natural_Hz : q == "damped_frequency" ? decay.damped_Hz : decay.damping;
   }
   if (part == "c") return end_stop(check, fine ? 1e-7 : 2.5e-4);

@@ -108,7 +108,7 @@ class Steps {
 };
 }  // namespace
 
-TEST_CASE("V12 pressure step along the line", "[V12]") {
+TEST_CASE("V12 pressure step along the line", "[V12][long]") {
   Case v12("V12");
   v12.run(Resolution::normal, Steps(Resolution::normal));
   v12.run(Resolution::fine, Steps(Resolution::fine));

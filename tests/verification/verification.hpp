@@ -1,10 +1,12 @@
 // Reads the verification cases (known answers computed apart from the product), runs a case and keeps its account.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <exception>
 #include <fstream>
 #include <functional>
+#include <initializer_list>
 #include <iomanip>
 #include <map>
 #include <optional>
@@ -22,6 +24,11 @@ namespace verification {
 
 /// normal: as the product runs (10 cells a line, 1 ms period); fine: grid and step refined until nothing changes.
 enum class Resolution { normal, fine };
+
+/// The long run, and the table of all checks.
+inline bool is_whole() {
+  return std::getenv("PNEUSERVO_LONG") != nullptr || std::getenv("PNEUSERVO_VERIFICATION_OUT") != nullptr;
+}
 
 /// Limit of a number (real or complex) under refinement: three grids, each twice as fine as the one before, with the
 /// order of convergence measured from them (Richardson extrapolation). Where the two changes are not in the ratio of an
@@ -43,6 +50,16 @@ struct Check {
   std::string text(const char* key) const { return at[key].as<std::string>(); }
   bool is(const char* key, const char* expected) const { return has(key) && text(key) == expected; }
 };
+
+/// Whether a check is of one of the nine lines and of none of the three that span their range.
+inline bool is_within_the_range(const Check& check) {
+  if (!check.has("L_m") || !check.has("D_mm")) return false;
+  const std::pair line{check.number("L_m"), check.number("D_mm")};
+  const auto is_one_of = [&](std::initializer_list<std::pair<double, double>> lines) {
+    return std::find(lines.begin(), lines.end(), line) != lines.end();
+  };
+  return is_one_of({{2, 4.15}, {2, 6.1}, {5, 4.15}, {5, 7.65}, {10, 6.1}, {10, 7.65}});
+}
 
 /// What the product gives for a check: a number, a list, or why it is not asked.
 struct Answer {
@@ -124,12 +141,17 @@ class Case {
   }
   const std::vector<Check>& checks() const { return checks_; }
 
+  /// Refined, the short run asks three of the nine lines.
   void run(Resolution resolution, const std::function<Answer(const Check&)>& answer) {
     const NotMet not_met = known_not_met(resolution);
     int met = 0, skipped = 0, known = 0, failed = 0;
     for (const Check& check : checks_) {
       const auto tol = resolution == Resolution::normal ? check.tolerance_normal : check.tolerance_fine;
       if (!tol) continue;
+      if (resolution == Resolution::fine && !is_whole() && is_within_the_range(check)) {
+        ++skipped;
+        continue;
+      }
       if (!check.needs.empty() && has_.count(check.needs) == 0) {
         ++skipped;
         record(check, resolution, "skipped", {}, *tol, "needs " + check.needs);
@@ -164,8 +186,8 @@ class Case {
       }
     }
     WARN(id_ << (resolution == Resolution::normal ? " as it runs" : " converged") << ": " << met << " met, " << skipped
-             << " not asked (need what this model does not have), " << known << " known not to be met, " << failed
-             << " failed");
+             << " not asked (need what this model does not have, or are of the long run), " << known
+             << " known not to be met, " << failed << " failed");
     CHECK(met + skipped > 0);
   }
 

@@ -254,7 +254,8 @@ SearchSettings beside_small_physics(const Rig& rig, const ResidualModel& model, 
 /// Whether small physics has what a name says.
 bool is_in_small_physics(const Rig& rig, const ResidualModel& model, const Candidate& name) {
   const std::vector<FreeParameter> small = small_physics(rig, model.channels());
-  return std::any_of(small.begin(), small.end(), [&](const FreeParameter& granted) { return stands_for(granted, name); });
+  return std::any_of(small.begin(), small.end(),
+                     [&](const FreeParameter& granted) { return stands_for(granted, name); });
 }
 
 /// Whether a machine with one name fewer and small physics is likelier than one with the names alone. It is asked where
@@ -263,9 +264,8 @@ bool is_small_physics_likelier(const Rig& rig, FittedRows& rows, Search& search,
                                const DecisionRules& rules) {
   const std::vector<std::size_t>& members = decision.chosen->members;
   if (!rig.is_pneumatic() || decision.verdict == Verdict::unknown) return false;
-  if (std::none_of(members.begin(), members.end(), [&](std::size_t m) {
-        return is_in_small_physics(rig, rows.model(), search.candidates()[m]);
-      }))
+  if (std::none_of(members.begin(), members.end(),
+                   [&](std::size_t m) { return is_in_small_physics(rig, rows.model(), search.candidates()[m]); }))
     return false;
   const double alone = search.beside_own_error(*decision.chosen);
   Search beside(rows, rig, search.candidates(), beside_small_physics(rig, rows.model(), search, {}), rules, {});

@@ -84,8 +84,8 @@ class Search {
   /// number that the owner has wrong is also taken as that search has it, where that is likelier: a machine may have
   /// nothing small. May throw DiagnosisStopped.
   std::vector<double> gains_of_names(const Explanation& other);
-  /// Log evidence of the likeliest explanation with one name fewer than another search's, beside this search's nuisances
-  /// and the slow error that it leaves. May throw DiagnosisStopped.
+  /// Log evidence of the likeliest explanation with one name fewer than another search's, beside this search's
+  /// nuisances and the slow error that it leaves. May throw DiagnosisStopped.
   double best_with_one_fewer(const Explanation& other);
   /// Log evidence beside the slow error that the explanation leaves itself.
   double beside_own_error(const Explanation& explanation);
@@ -143,7 +143,8 @@ class Search {
   /// Which derivatives are taken anew: those by an explanation's own numbers at every step, by the others never or
   /// where the fits begin.
   enum class Anew { own, others_once };
-  /// Another search's explanation with each of its names left out in turn, beside this search's nuisances, not yet fitted.
+  /// Another search's explanation with each of its names left out in turn, beside this search's nuisances, not yet
+  /// fitted.
   std::vector<Explanation> with_one_fewer(const Explanation& other) const;
   Columns kept_columns() const { return settings_.small_physics.empty() ? Columns::own : Columns::corrected; }
   void polish(const std::vector<Explanation*>& explanations, int iterations, Anew anew = Anew::others_once);

@@ -27,6 +27,7 @@
 #include "diagnosis/result_text.hpp"
 #include "diagnosis/search/shown_candidates.hpp"
 #include "diagnosis/verdict/decision_answers.hpp"
+#include "diagnosis/verdict/two_searches.hpp"
 
 namespace pneuservo {
 
@@ -167,20 +168,6 @@ void add_times(const ResidualModel& model, Diagnosis& out) {
   }
 }
 
-/// Beside small physics the residual is not smooth, and fits creep on: by a twentieth of an alarm's gain in all.
-constexpr double settled_gain_beside = 3.0;
-
-/// The verdict on a search, with the chosen explanation fitted to its end where the model still simulates.
-Decision decided(const Rig& rig, ResidualModel& model, Search& search, const DecisionRules& rules) {
-  Decision decision = decide(model, search, rules);
-  if (model.simulates() && search.settle(*decision.chosen)) judge_what_is_left(model, search, rules, decision);
-  const bool leaves_something = decision.levels.highest() > rules.floor_level;
-  if (!rig.is_pneumatic() && !decision.is_shaken &&
-      (decision.verdict == Verdict::unknown || leaves_something || !rig.has_controller()))
-    decision = decide_in_one_quantity(model, search, rules);
-  return decision;
-}
-
 /// Only the columns that are compared here: a virtual machine may record more than the real one has.
 Recording with_compared_columns(Recording recording, const std::vector<ResidualChannel>& channels) {
   recording.keep_columns([&](const std::string& name) {
@@ -208,103 +195,6 @@ void add_next_experiment(const Rig& rig, const ResidualModel& model, const Decis
   }
 }
 
-/// Whether a shape was found that is no larger than what every machine has of it.
-bool describes_small_physics(const Rig& rig, const std::vector<ResidualChannel>& channels, const Decision& decision) {
-  if (!decision.is_described) return false;
-  const std::vector<FreeParameter> small = small_physics(rig, channels);
-  const Fit& fit = decision.chosen->fit;
-  return std::all_of(fit.parameters.begin(), fit.parameters.begin() + static_cast<std::ptrdiff_t>(fit.own_count),
-                     [&](const FreeParameter& own) {
-                       const double value = own.value(fit.z(fit.own_place(own)));
-                       return std::any_of(small.begin(), small.end(), [&](const FreeParameter& granted) {
-                         return granted.path == own.path && granted.z(value) >= granted.lower &&
-                                granted.z(value) <= granted.upper;
-                       });
-                     });
-}
-
-/// Whether the verdict needs more than any one machine should lack: as many names as are ever sought, or more of the
-/// owner's tolerances at the end of their range than any owner errs by; or whether held-out stretches speak against it.
-/// Then names may stand for small physics that is everywhere, as a small shape does.
-bool is_doubtful(const Rig& rig, const std::vector<ResidualChannel>& channels, const Decision& decision,
-                 const DecisionRules& rules) {
-  if (!rig.is_pneumatic() || decision.verdict == Verdict::consistent) return false;
-  if (decision.is_shaken) return false;  // its levels are the owner's, and names would follow the shaking
-  if (describes_small_physics(rig, channels, decision)) return true;
-  // Names that fit and do not go on: what they stand for is not what is missing.
-  if (decision.verdict == Verdict::unknown && !decision.is_described &&
-      decision.levels.held_out_excess() > rules.worse_fit)
-    return true;
-  return std::max(decision.chosen->members.size(), tolerances_at_end(rig, decision.chosen->fit)) >= rules.most_names;
-}
-
-/// Small physics beside the tolerances, but for what names say already.
-SearchSettings beside_small_physics(const Rig& rig, const ResidualModel& model, const Search& search,
-                                    const std::vector<std::size_t>& named) {
-  SearchSettings settings;
-  settings.small_physics = small_physics(rig, model.channels());
-  settings.settled_gain = settled_gain_beside;
-  std::erase_if(settings.small_physics, [&](const FreeParameter& granted) {
-    return std::any_of(named.begin(), named.end(),
-                       [&](std::size_t m) { return stands_for(granted, search.candidates()[m]); });
-  });
-  return settings;
-}
-
-/// Whether small physics has what a name says.
-bool is_in_small_physics(const Rig& rig, const ResidualModel& model, const Candidate& name) {
-  const std::vector<FreeParameter> small = small_physics(rig, model.channels());
-  return std::any_of(small.begin(), small.end(),
-                     [&](const FreeParameter& granted) { return stands_for(granted, name); });
-}
-
-/// Whether a machine with one name fewer and small physics is likelier than one with the names alone. It is asked where
-/// small physics has what a name says: every machine has some dead band.
-bool is_small_physics_likelier(const Rig& rig, FittedRows& rows, Search& search, const Decision& decision,
-                               const DecisionRules& rules) {
-  const std::vector<std::size_t>& members = decision.chosen->members;
-  if (!rig.is_pneumatic() || decision.verdict == Verdict::unknown) return false;
-  if (std::none_of(members.begin(), members.end(),
-                   [&](std::size_t m) { return is_in_small_physics(rig, rows.model(), search.candidates()[m]); }))
-    return false;
-  const double alone = search.beside_own_error(*decision.chosen);
-  Search beside(rows, rig, search.candidates(), beside_small_physics(rig, rows.model(), search, {}), rules, {});
-  return beside.best_with_one_fewer(*decision.chosen) > alone;
-}
-
-/// Those of the names that bring enough where small physics stands beside them all: others may stand for that. What
-/// small physics has itself is asked otherwise (is_small_physics_likelier).
-std::vector<std::size_t> needed_names(const Rig& rig, FittedRows& rows, const Search& search, const Decision& decision,
-                                      const DecisionRules& rules) {
-  const std::vector<std::size_t>& members = decision.chosen->members;
-  if (!rig.is_pneumatic() || decision.verdict == Verdict::unknown || members.empty()) return members;
-  Search beside(rows, rig, search.candidates(), beside_small_physics(rig, rows.model(), search, members), rules, {});
-  const std::vector<double> gains = beside.gains_of_names(*decision.chosen);
-  std::vector<std::size_t> needed;
-  for (std::size_t i = 0; i < members.size(); ++i)
-    if (gains[i] >= rules.alarm_gain || is_in_small_physics(rig, rows.model(), search.candidates()[members[i]]))
-      needed.push_back(members[i]);
-  return needed;
-}
-
-/// What each name would gain beside the chosen ones where small physics stands beside them all, as it does where a name
-/// is asked whether it is needed.
-std::vector<Screened> screened_beside(const Rig& rig, FittedRows& rows, const Search& search, const Decision& decision,
-                                      const DecisionRules& rules) {
-  if (!rig.is_pneumatic() || search.grants_small_physics()) return search.first_screening();
-  const Explanation& chosen = *decision.chosen;
-  Search beside(rows, rig, search.candidates(), beside_small_physics(rig, rows.model(), search, chosen.members), rules,
-                {});
-  return beside.screened_at(chosen);
-}
-
-/// Whether a decision leaves about as little as another, fitted and held-out rows together.
-bool fits_as_well(const Decision& decision, const Decision& other, const DecisionRules& rules) {
-  const double left = decision.levels.chi2(false) + decision.levels.chi2(true),
-               others = other.levels.chi2(false) + other.levels.chi2(true);
-  return left <= rules.worse_fit * others;
-}
-
 /// What the model agrees with only if it is granted: no name of its own, but nothing that goes unsaid.
 void add_small_physics(const Rig& rig, const Decision& decision, Diagnosis& out) {
   const Fit& fit = decision.chosen->fit;
@@ -323,45 +213,6 @@ void add_small_physics(const Rig& rig, const Decision& decision, Diagnosis& out)
     granted.push_back(fmt::format("a supply that swings by up to {:.2g} Pa at {:.3g} Hz", swing_Pa, found.swing_Hz));
   out.warnings.push_back(
       fmt::format("the model agrees with small physics granted beside the config: {}", fmt::join(granted, ", ")));
-}
-
-/// Names of the search without small physics that the search with it refits, whatever they promise: beside an owner's
-/// fit that small physics has bent, a delay of 6 ms promised less than eleven others, and it was the truth.
-constexpr std::size_t carried_over = 4;
-
-/// Of each channel, the standard deviation of a row [unit of the channel], root mean square.
-std::vector<double> row_sigmas(const ResidualModel& model) {
-  std::vector<double> out;
-  const Eigen::VectorXd any = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.rows().size()));
-  for (const ChannelLevel& level : channel_levels(model.rows(), model.channels().size(), any))
-    out.push_back(level.sigma);
-  return out;
-}
-
-/// The search and its verdict with small physics free beside the tolerances; what that leaves is warned of.
-Decision with_small_physics(const Rig& rig, FittedRows& rows, std::vector<Candidate> candidates, const Search& plain,
-                            const DiagnoseOptions& options, std::optional<Search>& search, Diagnosis& out) {
-  ResidualModel& model = rows.model();
-  SearchSettings settings;
-  settings.progress = later_search;
-  settings.small_physics = small_physics(rig, model.channels());
-  settings.known_starts = plain.best_starts(carried_over);
-  settings.grow_floor = true;
-  settings.settled_gain = settled_gain_beside;
-  std::erase_if(candidates, is_granted);
-  DecisionRules rules = options.rules;
-  rules.most_names = 2;
-  search.emplace(rows, rig, std::move(candidates), settings, rules, options.progress);
-  search->run();
-  const Explanation* best = search->best_of(1);
-  rows.drop_slow_error();
-  const LikeliestErrors errors = model.likeliest_slow_errors((best ? *best : search->owner()).fit.hypothesis());
-  const std::vector<double> sigmas = row_sigmas(model);
-  for (std::size_t c = 0; c < sigmas.size(); ++c)
-    if (const double level = errors.of_channel[c].level * sigmas[c]; level > 0)
-      out.warnings.push_back(fmt::format("{}: small physics without a name leaves about {:.3g} {}",
-                                         model.channels()[c].name, level, model.channels()[c].unit));
-  return decide_beside_remainder(model, *search, options.rules);
 }
 
 /// The rig without the disturbances that its config plays in simulation: no recording repeats their phase.
@@ -393,38 +244,6 @@ Diagnosis empty_diagnosis(const Rig& rig) {
   out.rig = rig.name;
   out.configured = rig;
   return out;
-}
-
-/// The verdict on the first search; where it is doubtful, on a second one with small physics free, which is then in
-/// `beside`.
-Decision decided_twice(const Rig& rig, FittedRows& rows, Search& search, const DiagnoseOptions& options,
-                       std::optional<Search>& beside, Diagnosis& out) {
-  ResidualModel& model = rows.model();
-  Decision decision = decided(rig, model, search, options.rules);
-  const bool left_everywhere = decision.verdict == Verdict::unknown && !decision.is_described &&
-                               is_everywhere(model.channels(), decision.levels.channels, options.rules.floor_level);
-  const std::vector<std::size_t> needed = needed_names(rig, rows, search, decision, options.rules);
-  const bool is_each_needed = needed.size() == decision.chosen->members.size();
-  if (!left_everywhere && is_each_needed && !is_doubtful(rig, model.channels(), decision, options.rules) &&
-      !is_small_physics_likelier(rig, rows, search, decision, options.rules))
-    return decision;
-  Decision granted = with_small_physics(rig, rows, search.candidates(), search, options, beside, out);
-  const bool is_shape_needed = decision.is_described && granted.verdict == Verdict::unknown;
-  if (left_everywhere || (!is_shape_needed && fits_as_well(granted, decision, options.rules))) return granted;
-  // A single name has no fewer behind it: it stays where small physics does not fit as well.
-  if (!is_each_needed && decision.chosen->members.size() > 1) {
-    const std::vector<const Explanation*> fewer = search.ranking(needed.size());
-    const auto same =
-        std::find_if(fewer.begin(), fewer.end(), [&](const Explanation* e) { return e->members == needed; });
-    if (needed.empty() || same == fewer.end()) return granted;
-    model.set_working_point((*same)->fit.hypothesis());
-    decision = decide_on(**same, model, search, options.rules);
-    if (decision.verdict == Verdict::unknown) return granted;
-  }
-  beside.reset();  // what was doubted explains what small physics and one name do not
-  out.warnings.clear();
-  model.set_working_point(decision.chosen->fit.hypothesis());
-  return decision;
 }
 
 /// Takes the verdict from names that are clearly behind a free function.
@@ -565,7 +384,7 @@ Diagnosis diagnose(const Rig& rig, ResidualModel& model, const DiagnoseOptions& 
   try {
     search.run();
     std::optional<Search> beside;
-    Decision decision = decided_twice(rig, rows, search, options, beside, out);
+    Decision decision = decided_twice(rig, rows, search, options.rules, options.progress, beside, out.warnings);
     if (options.progress) options.progress(later_search.end, "verdict");
     const Search& used = beside ? *beside : search;
     LatentJudgement judgement;

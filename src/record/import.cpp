@@ -42,6 +42,7 @@ struct MappedColumns {
   std::vector<std::size_t> telling;  ///< which tell runs
   bool has_time_factor = false;
   bool is_clock = false;
+  std::string time_name = "t_s";  ///< in the file
 
   std::size_t time() const {
     return static_cast<std::size_t>(std::find(names.begin(), names.end(), "t_s") - names.begin());
@@ -90,6 +91,7 @@ MappedColumns mapped(CsvTable& table, const ImportParameters& imported) {
     if (name == "t_s") {
       out.has_time_factor = source.factor != 1;
       out.is_clock = is_clock_column(table, source.column);
+      out.time_name = source.column;
     }
   }
   std::vector<std::string> theirs;
@@ -128,7 +130,7 @@ std::map<std::string, std::string> units_of(const CsvTable& table, const ImportP
 /// The columns as they are named.
 MappedColumns unmapped(CsvTable& table) {
   table.require({"t_s"});
-  return {table.names, std::move(table.values), {}, false, is_clock_column(table, "t_s")};
+  return {table.names, std::move(table.values), {}, false, is_clock_column(table, "t_s"), "t_s"};
 }
 
 /// Rows between stamps get their times; how many got one, and how many rows with values have none, is told.
@@ -149,13 +151,16 @@ void fill_times(CsvTable& table, MappedColumns& columns) {
                              lost, times.size()));
 }
 
-/// Times within a second, a minute or an hour go on behind it where the sensors go on, which those of another run do
-/// not; a command may step anywhere.
+/// Times within a second, a minute or an hour go on behind it where the sensors go on; a command may step anywhere.
+/// Runs that begin and end at one place go on, too: so the column is named as such a part (`ms`), or begins within one.
 void take_turns(CsvTable& table, MappedColumns& columns, double period_s) {
   std::vector<double>& times = columns.values[columns.time()];
   const bool is_stated = columns.has_time_factor || columns.is_clock;
   const Turns turns = turns_of(times, is_stated ? 1 : unit_of_times(times, period_s, false).factor);
   if (turns.rows.empty()) return;
+  const std::optional<Unit> part = unit_in(columns.time_name);
+  const auto first = std::ranges::find_if(times, [](double t) { return std::isfinite(t); });
+  if (!(part && part->quantity == Quantity::time) && *first < 0.01 * turns.turn) return;
   for (std::size_t c = 0; c < columns.names.size(); ++c)
     if (signal_of_column(columns.names[c]) && jumps_into(turns.rows, columns.values[c], columns.values[c])) return;
   pass_turns(times, turns);

@@ -62,8 +62,26 @@ TEST_CASE("a line of the head states units in words") {
 }
 
 TEST_CASE("values, other quantities and units that the names state are not changed by the head") {
-  for (const char* head : {"# Position: 10 mm", "# Stroke: 300 mm, supply pressure: 7 bar", "# rig in hall, x in use",
-                           "# x in bar", "# sample rate in Hz", "# p1: left, p2: right"}) {
+  for (const char* head : {"# Position: 10 mm",
+                           "# Stroke: 300 mm, supply pressure: 7 bar",
+                           "# rig in hall, x in use",
+                           "# x in bar",
+                           "# sample rate in Hz",
+                           "# p1: left, p2: right",
+                           "# position noise in um",
+                           "# resolution of position: um",
+                           "# display: Position in mm",
+                           "# stroke in mm",
+                           "# timer in ms",
+                           "# was: x in mm, now: x in m",
+                           "# difference p1 and p2 in bar",
+                           "# plot: x in mm, p1 in bar",
+                           "# screen shows pressure in bar",
+                           "# ambient pressure: mbar",
+                           "# air pressure in hPa",
+                           "# pressure gauge: A",
+                           "# channel p1: A",
+                           "# valve opening: percent"}) {
     CAPTURE(head);
     const Read found = read_with(head);
     for (const ColumnGuess& guess : found.columns) CHECK_FALSE(guess.has_unit);

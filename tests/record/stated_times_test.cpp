@@ -1,6 +1,7 @@
 // Times that a head states, that stand in several columns or only in some rows, or whose digits change.
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -222,10 +223,11 @@ TEST_CASE("times within a second, a minute or an hour go on behind it") {
     const std::string told = with(name, [](int i) { return fmt::format("{}", (i + 250) % 1000); });
     CHECK_THAT(told, Contains("t_s begins again where the second ends, 3 times"));
   }
-  with("time", [](int i) { return fmt::format("{}", i % 1000); });
+  with("ms", [](int i) { return fmt::format("{}", i % 1000); });
+  with("time", [](int i) { return fmt::format("{}", (i + 250) % 1000); });
   with("time_us", [](int i) { return fmt::format("{}", 1000 * (i + 250) % 1000000); });
   with("us", [](int i) { return fmt::format("{}", 1000 * (i + 250) % 1000000); });
-  with("t_s", [](int i) { return fmt::format("{:.3f}", 1e-3 * (i % 1000)); });
+  with("t_s", [](int i) { return fmt::format("{:.3f}", 1e-3 * ((i + 250) % 1000)); });
   for (const char* name : {"second", "Second", "Sekunde", "Seconds", "sec", "Time (s)", "t_s", "Segundos"}) {
     CAPTURE(name);
     const std::string told = with(name, [&](int i) { return fmt::format("{:.3f}", second(i)); });
@@ -245,6 +247,16 @@ TEST_CASE("runs of exactly a second each stay runs, and a second valve is no tim
       });
   const CsvTable table = read_table(put_plain(folder.file("f.csv"), bytes));
   CHECK(recordings_in(table, import_map(guess_columns(table)), 0.001).size() == 3);
+  // Each begins and ends at the same place.
+  for (const char* name : {"t_s", "Time [s]", "time"}) {
+    CAPTURE(name);
+    const CsvTable home = read_table(
+        put_plain(folder.file("home.csv"), std::string(name) + ",x_m,u_V\n" + rows([](int i, double, double, double) {
+                                             const double way = std::sin(std::numbers::pi * 1e-3 * (i % 1000));
+                                             return fmt::format("{:.3f},{:.7f},0", 1e-3 * (i % 1000), 0.05 * way * way);
+                                           })));
+    CHECK(recordings_in(home, import_map(guess_columns(home)), 0.001).size() == 3);
+  }
   for (const char* name : {"Second Valve", "second pressure"}) {
     const std::optional<ColumnWord> word = column_word(name);
     CHECK((!word || word->ours != "t_s"));

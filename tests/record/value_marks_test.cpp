@@ -75,7 +75,7 @@ TEST_CASE("marks may stand in runs, at the ends, in whole rows and in the comman
   });
   CHECK(lacking(two, "x_m") == 30);
   const Understood most = changed([&](int i, Values& values) {
-    if (i % 5 != 0) values.p1_bar = -1;
+    if (i % 5 != 0) values.p1_bar = -9999;
   });
   CHECK(lacking(most, "p1_port_Pa") == 4 * row_count / 5);
 }
@@ -101,6 +101,15 @@ TEST_CASE("what a machine does is no mark: stops, vents, switched commands, clip
   check_nothing("clipped", [](int, Values& values) { values.p1_bar = std::min(5.0, values.p1_bar); });
   check_nothing("frozen", [](int i, Values& values) {
     if (i > 1000 && i < 2000) values.p1_bar = p1_bar_at(1000);
+  });
+  // A valve switches, the logger sees it a row earlier, and the pressures come to one exact level each.
+  for (const double vented_bar : {0.0, 1.01})
+    check_nothing("switched valve", [&](int i, Values& values) {
+      values.u_V = (i + 1) / 200 % 2 == 0 ? 10 : 0;
+      if (i / 200 % 2 != 0) values.p1_bar = vented_bar;
+    });
+  check_nothing("supply off for a while", [](int i, Values& values) {
+    if (i > 1000 && i < 1100) values.p2_bar = 1.01;
   });
   // Rows of a second: between them a side fills and vents, and the slider goes from stop to stop.
   check_nothing("slow rows", [](int i, Values& values) {

@@ -59,6 +59,15 @@ std::vector<std::string> names_of(std::string_view text) {
   return out;
 }
 
+/// A word for a quantity that every column of it may bear; "stroke", "timer" and "ambient pressure" say something else.
+bool is_quantity_word(const std::string& name) {
+  constexpr std::array<std::string_view, 26> words{
+      "position",  "positions", "pressure", "pressures", "time",     "times",      "command",   "commands", "zeit",
+      "zeiten",    "druck",     "drücke",   "drucke",    "wege",     "positionen", "weg",       "temps",    "pression",
+      "pressions", "tiempo",    "presión",  "presiones", "posición", "posizione",  "pressione", "pressioni"};
+  return std::ranges::find(words, in_small_letters(name)) != words.end();
+}
+
 /// A clause with names, and the text of their unit.
 struct StatedUnits {
   std::string names, unit;
@@ -108,6 +117,7 @@ class HeadUnits {
     if (is_labelled) line = trimmed(line.substr(colon + 1));
     if (is_labelled && take_list(line)) return;
     std::string pending;  // "p1, p2 in bar"
+    std::vector<StatedUnits> found;
     const std::vector<std::string> clauses = pieces_of(line, ",;\t|");
     for (std::size_t i = 0; i < clauses.size(); ++i) {
       std::optional<StatedUnits> stated = stated_in(clauses[i]);
@@ -117,9 +127,13 @@ class HeadUnits {
       }
       // "p1 and p2 in bar, gauge"
       if (i + 1 < clauses.size() && unit_in(stated->unit + " " + clauses[i + 1])) stated->unit += " " + clauses[++i];
-      for (const std::string& name : names_of(pending + stated->names)) take(name, stated->unit);
+      for (const std::string& name : names_of(pending + stated->names)) found.push_back({name, stated->unit});
       pending.clear();
     }
+    // A line that says anything else ("noise of x in um", "was: x in mm, now: x in m") says no units of columns.
+    if (!pending.empty() || !std::ranges::all_of(found, [&](const StatedUnits& one) { return is_known(one.names); }))
+      return;
+    for (const StatedUnits& one : found) take(one.names, one.unit);
   }
 
   void tell() const {
@@ -142,14 +156,19 @@ class HeadUnits {
     return false;
   }
 
+  bool is_column(const std::string& name) const {
+    return std::ranges::any_of(
+        table_.names, [&](const std::string& column) { return in_small_letters(column) == in_small_letters(name); });
+  }
+  bool is_known(const std::string& name) const { return is_column(name) || is_quantity_word(name); }
+
   void take(const std::string& name, const std::string& unit) {
-    const auto is_same = [&](const std::string& column) { return in_small_letters(column) == in_small_letters(name); };
-    const bool is_exact = std::ranges::any_of(table_.names, is_same);
+    const bool is_exact = is_column(name);
     const std::string meaning = meaning_of(name);
     const bool is_any_pressure = meaning.empty() && says_pressure(name);
     for (std::size_t c = 0; c < table_.names.size(); ++c) {
       if (meanings_[c].empty()) continue;
-      const bool is_meant = is_exact ? is_same(table_.names[c])
+      const bool is_meant = is_exact ? in_small_letters(table_.names[c]) == in_small_letters(name)
                                      : meaning == meanings_[c] || (meaning == "x_m" && meanings_[c] == "x_ref_m") ||
                                            (is_any_pressure && quantity_of(meanings_[c]) == Quantity::pressure);
       if (is_meant) set(c, unit);

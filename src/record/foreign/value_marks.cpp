@@ -125,6 +125,15 @@ Others others_of(const std::vector<double>& values, const Numbers& marks) {
   return out;
 }
 
+/// Whether no physics comes there and leaves again: far beyond all others, or for single rows in few places. A valve
+/// that switches takes a pressure to one exact level and leaves it for longer.
+bool is_unphysical(const Mark& mark, const Others& others) {
+  constexpr double far_beyond = 10;                ///< times the largest other
+  constexpr std::size_t longest = 3, most_of = 5;  ///< rows of a visit; one sample of so many
+  return std::abs(mark.value) > far_beyond * others.largest ||
+         (mark.samples <= longest * mark.visits.size() && most_of * mark.samples <= others.count);
+}
+
 /// Whether noise rules out that so many samples are alike. A zero at an end alone may be one.
 bool is_exact(const Mark& mark, const Others& others) {
   const auto visits = static_cast<double>(mark.visits.size()), samples = static_cast<double>(mark.samples);
@@ -160,7 +169,7 @@ std::vector<Mark> marks_in(const std::vector<double>& all, std::vector<double>& 
     bool is_any = false;
     for (const double number : candidates) {
       Mark mark = mark_at(values, candidates, number, steps_apart * others.largest_step);
-      const bool is_mark = is_exact(mark, others) && is_taken(mark, others);
+      const bool is_mark = is_exact(mark, others) && is_unphysical(mark, others) && is_taken(mark, others);
       if (!is_mark && mark.samples != 1) continue;
       is_any = true;
       for (const EqualRun& run : mark.visits)

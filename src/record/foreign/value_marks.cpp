@@ -125,12 +125,23 @@ Others others_of(const std::vector<double>& values, const Numbers& marks) {
   return out;
 }
 
-/// Whether no physics comes there and leaves again: far beyond all others, or for single rows in few places. A valve
-/// that switches takes a pressure to one exact level and leaves it for longer.
-bool is_unphysical(const Mark& mark, const Others& others) {
-  constexpr double far_beyond = 10;                ///< times the largest other
+/// Size that three quarters of a channel's values do not exceed.
+double usual_size(const std::vector<double>& values) {
+  std::vector<double> sizes;
+  for (const double value : values)
+    if (std::isfinite(value)) sizes.push_back(std::abs(value));
+  if (sizes.empty()) return 0;
+  const auto usual = sizes.begin() + static_cast<std::ptrdiff_t>(3 * sizes.size() / 4);
+  std::nth_element(sizes.begin(), usual, sizes.end());
+  return *usual;
+}
+
+/// Whether no physics comes there and leaves again: far beyond what any channel usually has, or for single rows in few
+/// places. A valve that switches takes a pressure to one exact level and leaves it for longer.
+bool is_unphysical(const Mark& mark, const Others& others, double usual_of_all) {
+  constexpr double far_beyond = 10;                ///< times the usual
   constexpr std::size_t longest = 3, most_of = 5;  ///< rows of a visit; one sample of so many
-  return std::abs(mark.value) > far_beyond * others.largest ||
+  return std::abs(mark.value) > far_beyond * std::max(others.largest, usual_of_all) ||
          (mark.samples <= longest * mark.visits.size() && most_of * mark.samples <= others.count);
 }
 
@@ -156,7 +167,8 @@ Mark mark_at(const std::vector<double>& values, const Numbers& candidates, doubl
 
 /// Of one channel. calm: its values without them and without single values that stand as far apart; empty: there are
 /// none. is_taken: a further condition.
-std::vector<Mark> marks_in(const std::vector<double>& all, std::vector<double>& calm, const auto& is_taken) {
+std::vector<Mark> marks_in(const std::vector<double>& all, std::vector<double>& calm, double usual_of_all,
+                           const auto& is_taken) {
   std::vector<Mark> out;
   for (int round = 0; round < most_rounds; ++round) {
     const Candidates found = candidates_in(calm.empty() ? all : calm);
@@ -169,7 +181,8 @@ std::vector<Mark> marks_in(const std::vector<double>& all, std::vector<double>& 
     bool is_any = false;
     for (const double number : candidates) {
       Mark mark = mark_at(values, candidates, number, steps_apart * others.largest_step);
-      const bool is_mark = is_exact(mark, others) && is_unphysical(mark, others) && is_taken(mark, others);
+      const bool is_mark =
+          is_exact(mark, others) && is_unphysical(mark, others, usual_of_all) && is_taken(mark, others);
       if (!is_mark && mark.samples != 1) continue;
       is_any = true;
       for (const EqualRun& run : mark.visits)
@@ -210,9 +223,12 @@ bool is_seen_by(const Mark& mark, const std::vector<double>& values, const Marke
 void leave_out_marks(CsvTable& table, const std::vector<std::string>& ours, const std::vector<std::string>& theirs,
                      std::vector<std::vector<double>>& values) {
   std::vector<MarkedChannel> channels;
+  double usual_of_all = 0;
+  for (std::size_t c = 0; c < ours.size(); ++c)
+    if (signal_of_column(ours[c])) usual_of_all = std::max(usual_of_all, usual_size(values[c]));
   const auto add = [&](std::size_t c, const auto& is_taken) {
     MarkedChannel channel{c, {}, {}};
-    channel.marks = marks_in(values[c], channel.calm, is_taken);
+    channel.marks = marks_in(values[c], channel.calm, usual_of_all, is_taken);
     channels.push_back(std::move(channel));
   };
   for (std::size_t c = 0; c < ours.size(); ++c)

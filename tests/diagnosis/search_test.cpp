@@ -215,7 +215,7 @@ TEST_CASE("search: a wrong number is needed where small physics explains as much
   const double alone = search.beside_own_error(*search.best_of(1));
   grant("effects.valve_offset.offset_V");
   CHECK(gain() < 1);
-  CHECK(beside().best_with_one_fewer(*search.best_of(1)) > alone);
+  CHECK(beside().best_with_one_fewer(*search.best_of(1)) == Approx(alone).margin(0.01));  // one number for another
   for (const char* way : {"forward", "backward"})
     for (const int percent : {3, 5, 8, 12, 20, 40})
       grant("effects.valve_linearity_" + std::string(way) + ".at_" + std::to_string(percent) + "_percent");

@@ -22,19 +22,27 @@ std::vector<ColumnGuess> guesses_of(const std::string& bytes) {
   return guess_columns(read_table(put_plain(folder.file("f.csv"), bytes)));
 }
 
-/// Of a table with these names, numbers that all move.
-std::vector<std::string> meanings_of(const std::string& names, char separator = ',') {
-  std::string bytes = names + "\n";
-  const auto columns = 1 + std::count(names.begin(), names.end(), separator);
-  for (int row = 0; row < 5; ++row)
-    for (int c = 0; c < columns; ++c)
-      bytes += fmt::format("{}{}", c == 0 ? 0.001 * row : c + 0.1 * row, c + 1 < columns ? separator : '\n');
-  std::vector<std::string> out;
-  for (const ColumnGuess& guess : guesses_of(bytes)) out.push_back(guess.ours);
+using Meanings = std::vector<std::string>;
+
+Meanings meanings(const std::vector<ColumnGuess>& guesses) {
+  Meanings out;
+  for (const ColumnGuess& guess : guesses) out.push_back(guess.ours);
   return out;
 }
 
-using Meanings = std::vector<std::string>;
+/// Numbers that all move, for columns with these names.
+std::string moving_rows(const std::string& names, char separator = ',') {
+  std::string out;
+  const auto columns = 1 + std::count(names.begin(), names.end(), separator);
+  for (int row = 0; row < 5; ++row)
+    for (int c = 0; c < columns; ++c)
+      out += fmt::format("{}{}", c == 0 ? 0.001 * row : c + 0.1 * row, c + 1 < columns ? separator : '\n');
+  return out;
+}
+
+Meanings meanings_of(const std::string& names, char separator = ',') {
+  return meanings(guesses_of(names + "\n" + moving_rows(names, separator)));
+}
 
 }  // namespace
 
@@ -135,8 +143,6 @@ TEST_CASE("of several axes all channels are one's, whatever the word or number t
         Meanings{"t_s", "", "", "x_m", "u_V", "p1_port_Pa", "p2_port_Pa", "p_supply_Pa"});
   CHECK(meanings_of("t_s,X_act_pos,X_set_pos,X_u,Y_act_pos,Y_set_pos,Y_u") ==
         Meanings{"t_s", "x_m", "x_ref_m", "u_V", "", "", ""});
-  // One pressure of each axis has no side.
-  CHECK(meanings_of("t_s,pos_A,u_A,p_A,pos_B,u_B,p_B") == Meanings{"t_s", "x_m", "u_V", "", "", "", ""});
 }
 
 TEST_CASE("sides, set points, second sensors and models are no axes") {
@@ -155,6 +161,48 @@ TEST_CASE("sides, set points, second sensors and models are no axes") {
         Meanings{"t_s", "", "u_V", "x_m", "p1_port_Pa", "p2_port_Pa"});
   CHECK(meanings_of("t_s,Chamber 1 pressure,Chamber 2 pressure,Port 1 pressure,Port 2 pressure,x,u") ==
         Meanings{"t_s", "p1_chamber_Pa", "p2_chamber_Pa", "p1_port_Pa", "p2_port_Pa", "x_m", "u_V"});
+}
+
+TEST_CASE("words that may be sides or numbers of sensors tell no axes where a signal is lost by them") {
+  for (const auto& [names, ours] : std::vector<std::pair<const char*, Meanings>>{
+           {"t_s,pos1_mm,pos2_mm,u_V,p1_bar,p2_bar,supply1_bar,supply2_bar",
+            {"t_s", "x_m", "", "u_V", "p1_port_Pa", "p2_port_Pa", "p_supply_Pa", ""}},
+           {"t_s,Position A [mm],Position B [mm],Valve A [V],Valve B [V],Pressure A [bar],Pressure B [bar]",
+            {"t_s", "x_m", "", "u_V", "", "p1_port_Pa", "p2_port_Pa"}},
+           {"t_s,pos_A,u_A,p_A,pos_B,u_B,p_B", {"t_s", "x_m", "u_V", "p1_port_Pa", "", "", "p2_port_Pa"}},
+           {"t_s,x1_mm,x2_mm,u1_V,u2_V,p1_bar,p2_bar", {"t_s", "x_m", "", "u1_V", "u2_V", "p1_port_Pa", "p2_port_Pa"}},
+           {"t_s,x 1,u 1,p1 1,x 2,p1 2,p2 2", {"t_s", "x_m", "u_V", "p1_port_Pa", "", "", "p2_port_Pa"}}}) {
+    CAPTURE(names);
+    const std::vector<ColumnGuess> guesses = guesses_of(std::string(names) + "\n" + moving_rows(names));
+    CHECK(meanings(guesses) == ours);
+    CHECK(axis_words(guesses).empty());
+  }
+  // Shared pressures are of no axis, and a command is never the other's.
+  CHECK(meanings_of("t_s,X_pos_mm,Y_pos_mm,X_valve_V,Y_valve_V,pA_bar,pB_bar") ==
+        Meanings{"t_s", "x_m", "", "u_V", "", "p1_port_Pa", "p2_port_Pa"});
+}
+
+TEST_CASE("two loggers of one axis lack nothing that one of them has, and two axes stay apart") {
+  const auto taken_of = [](double other_gain) {
+    std::string bytes = "t_s,PLC_x_mm,PLC_u_V,PLC_p1_bar,DAQ_x_mm,DAQ_p1_bar,DAQ_p2_bar\n";
+    for (int i = 0; i < 50; ++i)
+      bytes += fmt::format("{:.3f},{},{},{},{:.3f},{},{}\n", 0.001 * i, i, 0.1 * i, 5 + 0.01 * i,
+                           other_gain * i + 0.1 * (i % 2), 5 + 0.01 * i, 6 - 0.01 * i);
+    return guesses_of(bytes);
+  };
+  CHECK(meanings(taken_of(1)) == Meanings{"t_s", "x_m", "u_V", "p1_port_Pa", "", "", "p2_port_Pa"});
+  CHECK(axis_words(taken_of(1)).empty());
+  CHECK(meanings(taken_of(-1)) == Meanings{"t_s", "x_m", "u_V", "p1_port_Pa", "", "", ""});
+  CHECK_THAT(axis_words(taken_of(-1)), Contains("\"PLC\" is taken, \"DAQ\" is left out"));
+}
+
+TEST_CASE("an axis without a number is told as one") {
+  const std::vector<ColumnGuess> guesses =
+      guesses_of("t_s,Position,Valve,Position 2,Valve 2\n0,1,1,1,1\n0.001,2,2,2,2\n0.002,3,3,3,3\n");
+  CHECK(meanings(guesses) == Meanings{"t_s", "x_m", "u_V", "", ""});
+  CHECK_THAT(guesses[1].evidence, Contains("of the axis without a number"));
+  CHECK(guesses[3].evidence == "of axis \"2\", where the one without a number is taken");
+  CHECK_THAT(axis_words(guesses), Contains("axes: the one without a number is taken, \"2\" is left out"));
 }
 
 TEST_CASE("which axis is taken and which are not is told once") {

@@ -19,9 +19,9 @@ double noise(int i) { return std::fmod(i * 0.618034, 1.0); }
 double pressure_bar(int i) { return 4 + std::sin(0.004 * i) + 0.001 * noise(i); }
 
 /// The motion with a pressure of its own.
-Understood with_pressure(const std::function<double(int)>& bar) {
+Understood with_pressure(const std::function<double(int)>& bar, int decimals = 4) {
   return understood("t_s,x_m,u_V,p1_bar\n" + rows([&](int i, double t, double x, double u) {
-                      return fmt::format("{:.3f},{:.7f},{:.4f},{:.4f}", t, x, u, bar(i));
+                      return fmt::format("{:.3f},{:.7f},{:.4f},{:.{}f}", t, x, u, bar(i), decimals);
                     }));
 }
 
@@ -97,4 +97,42 @@ TEST_CASE("coarse, slow and resting sensors and held commands keep their values"
                                      }));
   CHECK(held.told.empty());
   CHECK(known(held.run, "u_V") == row_count);
+}
+
+TEST_CASE("a slow quantised channel keeps its rows, whatever its last digit makes of a quantum") {
+  for (const double quantum : {0.00244, 0.0098, 0.0488, 0.013})
+    for (const double rows_of_quantum : {2.4, 2.6, 3.5, 16.4, 40.7}) {
+      CAPTURE(quantum, rows_of_quantum);
+      const Understood found = with_pressure([&](int i) { return 3 + quantum * std::floor(i / rows_of_quantum); }, 3);
+      CHECK(found.run.rows() == row_count);
+      CHECK(known(found.run, "p1_port_Pa") == row_count);
+      CHECK(found.told.empty());
+    }
+}
+
+TEST_CASE("a cycle with a period of so many rows is no clock") {
+  for (const int n : {4, 20, 25}) {
+    CAPTURE(n);
+    const Understood found =
+        understood("t_s,x_mm,u_V,p1_bar,p2_bar\n" + rows([n](int i, double t, double, double) {
+                     const int k = i / n;
+                     const bool is_out = k % 2 != 0;
+                     return fmt::format("{:.3f},{},{},{},{}", t, is_out ? 100 - (k % 3 == 0) : 0, is_out ? 5 : -5,
+                                        is_out ? 7 - 0.1 * (k % 5 == 0) : 1, is_out ? 1 : 7);
+                   }));
+    CHECK(found.run.rows() == row_count);
+    CHECK(known(found.run, "x_m") == row_count);
+    CHECK(known(found.run, "p1_port_Pa") == row_count);
+  }
+}
+
+TEST_CASE("rows and repeats stay where changes are at few of the n-th rows") {
+  // Every 60 rows, and once after 80: all are multiples of 20.
+  const Understood found = understood("t_s,x_m,u_V,p1_bar\n" + rows([](int i, double t, double, double) {
+                                        const int k = (i < 600 ? i : i - 20) / 60;
+                                        return fmt::format("{:.3f},{:.7f},{:.4f},{:.4f}", t, x_m_at(40 * k),
+                                                           u_V_at(40 * k), pressure_bar(40 * k));
+                                      }));
+  CHECK(found.run.rows() == row_count);
+  CHECK(known(found.run, "p1_port_Pa") == row_count);
 }

@@ -11,6 +11,7 @@
 
 #include "record/foreign/column_words.hpp"
 #include "record/foreign/field_text.hpp"
+#include "record/row_text.hpp"
 
 namespace pneuservo {
 
@@ -89,7 +90,9 @@ class CutNames {
   using Meaning = std::function<std::string(std::size_t, const std::string&)>;
 
   CutNames(const std::vector<std::string>& names, Cut cut, const Meaning& meaning) : names_(names), meaning_(meaning) {
-    for (const std::string& name : names) slots_.push_back(slots_in(name, cut));
+    const std::vector<std::string> ours = columns_of_the_format();
+    for (const std::string& name : names)
+      slots_.push_back(std::ranges::count(ours, name) > 0 ? std::vector<Slot>() : slots_in(name, cut));
     for (std::size_t c = 0; c < names.size(); ++c)
       for (const Slot& slot : slots_[c]) add(c, slot);
     add_unnumbered();
@@ -99,6 +102,17 @@ class CutNames {
 
   /// Signals of which several axes have one; fewer than two tell no axes.
   std::size_t signals() const { return signals_.size(); }
+
+  /// Whether no name may be of two axes: "p1 2" is p1 of axis 2 or p2 of axis 1.
+  bool is_clear() const {
+    for (std::size_t c = 0; c < slots_.size(); ++c) {
+      std::set<std::string> meanings;
+      for (const Slot& slot : slots_[c])
+        if (family_.contains(slot.axis) && means(c, slot)) meanings.insert(meaning_of(c, slot.rest()));
+      if (meanings.size() > 1) return false;
+    }
+    return true;
+  }
 
   AxisOfColumn axis_of(std::size_t column) const {
     const Slot* best = nullptr;
@@ -205,7 +219,8 @@ class CutNames {
 
 std::vector<AxisOfColumn> axes_in(const std::vector<std::string>& names, const CutNames::Meaning& meaning) {
   const CutNames words(names, Cut::words, meaning), pieces(names, Cut::pieces, meaning);
-  const CutNames& best = pieces.signals() > words.signals() ? pieces : words;
+  const bool tell_more = pieces.signals() > words.signals() && (pieces.is_clear() || words.signals() < 2);
+  const CutNames& best = tell_more ? pieces : words;
   std::vector<AxisOfColumn> out(names.size());
   if (best.signals() > 1)
     for (std::size_t c = 0; c < names.size(); ++c) out[c] = best.axis_of(c);

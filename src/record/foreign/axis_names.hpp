@@ -15,9 +15,9 @@ struct AxisOfColumn {
 };
 
 /// Names that are equal but for one word or number are the same channel of several axes, where positions or commands
-/// and another signal differ so by the same words. Sides of one axis, set points and models are no axes. meaning: the
-/// column of the recording format that a column would be under another name; empty: none. One a column; none is of an
-/// axis where there is one axis alone.
+/// and another signal differ so by the same words. Set points, models and names of the recording format tell no axes;
+/// whether the words are sides of one is asked of loses_by_sides(). meaning: the column of the recording format that a
+/// column would be under another name; empty: none. One a column; none is of an axis where there is one axis alone.
 std::vector<AxisOfColumn> axes_in(const std::vector<std::string>& names,
                                   const std::function<std::string(std::size_t, const std::string&)>& meaning);
 

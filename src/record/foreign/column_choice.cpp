@@ -15,6 +15,7 @@
 
 #include "record/column_values.hpp"
 #include "record/foreign/column_words.hpp"
+#include "record/foreign/field_text.hpp"
 #include "record/foreign/units.hpp"
 
 namespace pneuservo {
@@ -43,6 +44,59 @@ Merit merit_of(const std::vector<double>& values, const std::string& text, const
   return {has_value(values),  guess.ours == guess.column,   known_of_axis,
           has_motion(values), !(word && word->is_computed), word && word->is_actual,
           guess.has_unit};
+}
+
+/// A number, a letter or a word that may say a side of one axis, or one of its sensors.
+bool may_be_side(const std::string& axis) {
+  constexpr std::array<std::string_view, 18> sides{"left",  "right", "links", "rechts", "top",    "bottom",
+                                                   "upper", "lower", "oben",  "unten",  "front",  "rear",
+                                                   "back",  "vorn",  "vorne", "hinten", "inside", "outside"};
+  const std::string word = in_small_letters(axis);
+  if (word.size() < 2) return word != "x" && word != "y" && word != "z";
+  return std::ranges::any_of(word, [](unsigned char c) { return std::isdigit(c) != 0; }) ||
+         std::ranges::find(sides, word) != sides.end();
+}
+
+std::string quoted(const std::string& axis) {
+  return axis.empty() ? "the one without a number" : fmt::format("\"{}\"", axis);
+}
+
+std::string words_of_axis(const std::string& axis) {
+  return axis.empty() ? "the axis without a number" : fmt::format("axis \"{}\"", axis);
+}
+
+/// Whether two columns show one signal: they differ by less than a sensor's noise.
+bool agree(const CsvTable& table, std::size_t one, std::size_t other, const std::vector<ColumnGuess>& guesses) {
+  constexpr double most_of_stroke = 0.01, most_of_value = 0.02;
+  double least = HUGE_VAL, most = -HUGE_VAL, sum = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < table.values[one].size(); ++i) {
+    const double a = guesses[one].factor * table.values[one][i] + guesses[one].offset;
+    const double b = guesses[other].factor * table.values[other][i] + guesses[other].offset;
+    if (!std::isfinite(a) || !std::isfinite(b)) continue;
+    least = std::min(least, a), most = std::max(most, a);
+    sum += (a - b) * (a - b), ++count;
+  }
+  const bool is_position = guesses[one].ours == "x_m" || guesses[one].ours == "x_ref_m";
+  const double scale =
+      is_position ? most_of_stroke * (most - least) : most_of_value * std::max(std::abs(least), std::abs(most));
+  return count > 1 && most > least && std::sqrt(sum / static_cast<double>(count)) < scale;
+}
+
+/// Whether another word names a second logger of the same axis: both have the position, and what both have agrees.
+bool are_loggers_of_one(const CsvTable& table, const std::vector<AxisOfColumn>& axes, const std::string& taken,
+                        const std::string& other, const std::vector<ColumnGuess>& guesses) {
+  if (may_be_side(taken) || may_be_side(other)) return false;
+  bool have_position = false;
+  for (std::size_t c = 0; c < guesses.size(); ++c) {
+    if (!axes[c].is_of_axis || axes[c].axis != taken || guesses[c].ours.empty()) continue;
+    for (std::size_t d = 0; d < guesses.size(); ++d) {
+      if (!axes[d].is_of_axis || axes[d].axis != other || guesses[d].ours != guesses[c].ours) continue;
+      if (!agree(table, c, d, guesses)) return false;
+      have_position = have_position || guesses[c].ours == "x_m";
+    }
+  }
+  return have_position;
 }
 
 }  // namespace
@@ -96,6 +150,56 @@ void leave_one_of_each(const CsvTable& table, const std::vector<std::string>& te
     guesses[other].ours.clear();
     kept->second = {one, is_better ? merit : kept->second.second};
   }
+}
+
+void take_one_axis(const CsvTable& table, const std::vector<AxisOfColumn>& axes, std::vector<ColumnGuess>& guesses) {
+  std::map<std::string, std::pair<std::set<std::string>, bool>> known;  // signals of each, and whether it moves
+  for (std::size_t c = 0; c < guesses.size(); ++c) {
+    if (!axes[c].is_of_axis) continue;
+    guesses[c].axis = quoted(axes[c].axis);
+    auto& [signals, moves] = known[axes[c].axis];
+    if (guesses[c].ours.empty() || !has_value(table.values[c])) continue;
+    signals.insert(guesses[c].ours);
+    moves = moves || (guesses[c].ours == "x_m" && has_motion(table.values[c]));
+  }
+  auto taken = known.end();
+  std::pair<std::size_t, bool> most{};
+  for (const AxisOfColumn& axis : axes) {
+    const auto at = axis.is_of_axis ? known.find(axis.axis) : known.end();
+    if (at == known.end()) continue;
+    const std::pair<std::size_t, bool> merit{at->second.first.size(), at->second.second};
+    if (taken == known.end() || merit > most) taken = at, most = merit;
+  }
+  if (taken == known.end()) return;
+  const std::string axis_taken = quoted(taken->first);
+  std::map<std::string, bool> is_logger;
+  for (const auto& [axis, of_axis] : known)
+    is_logger[axis] = axis != taken->first && are_loggers_of_one(table, axes, taken->first, axis, guesses);
+  for (std::size_t c = 0; c < guesses.size(); ++c) {
+    if (!axes[c].is_of_axis) continue;
+    const std::string& axis = axes[c].axis;
+    if (axis == taken->first) guesses[c].evidence += fmt::format(", of {}", words_of_axis(axis));
+    else if (is_logger[axis] && !guesses[c].ours.empty() && !taken->second.first.contains(guesses[c].ours))
+      guesses[c].evidence += fmt::format(", of {}, whose position is that of {}", guesses[c].axis, axis_taken);
+    else {
+      guesses[c].evidence = fmt::format("of {}, where {} is taken", words_of_axis(axis), axis_taken);
+      guesses[c].ours.clear();
+    }
+  }
+}
+
+bool loses_by_sides(const std::vector<AxisOfColumn>& axes, const std::vector<ColumnGuess>& without,
+                    const std::vector<ColumnGuess>& with) {
+  if (std::ranges::none_of(axes, [](const AxisOfColumn& of) { return of.is_of_axis && may_be_side(of.axis); }))
+    return false;
+  const auto known_of = [](const std::vector<ColumnGuess>& guesses) {
+    std::set<std::string> out;
+    for (const ColumnGuess& guess : guesses)
+      if (guess.ours == "x_m" || guess.ours == "u_V") out.insert(guess.ours);
+      else if (guess.ours.ends_with("_Pa")) out.insert(guess.ours.substr(0, 2));  // a port's or its chamber's
+    return out;
+  };
+  return !std::ranges::includes(known_of(with), known_of(without));
 }
 
 }  // namespace pneuservo

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "record/foreign/axis_names.hpp"
 #include "record/foreign/column_guess.hpp"
 #include "record/table.hpp"
 
@@ -20,5 +21,14 @@ void take_valve_ports(const std::vector<std::string>& texts, std::vector<ColumnG
 /// empty one, one of the recording format, one of the axis that most is known of, one that moves, one that is no
 /// model's, one that says that it is measured, one with a unit, the first.
 void leave_one_of_each(const CsvTable& table, const std::vector<std::string>& texts, std::vector<ColumnGuess>& guesses);
+
+/// Of several axes the one with most known signals that have values and move; nothing is taken from the others. Where
+/// words such as "PLC" and "DAQ" name loggers, whose common signals agree, what it lacks is taken from the other.
+void take_one_axis(const CsvTable& table, const std::vector<AxisOfColumn>& axes, std::vector<ColumnGuess>& guesses);
+
+/// Whether words that may be sides or numbers of sensors lose a position, command or pressure that is known without
+/// them: then they tell no axes.
+bool loses_by_sides(const std::vector<AxisOfColumn>& axes, const std::vector<ColumnGuess>& without,
+                    const std::vector<ColumnGuess>& with);
 
 }  // namespace pneuservo

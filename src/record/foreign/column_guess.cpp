@@ -237,41 +237,9 @@ bool is_of_axis(const std::string& ours) {
   return !ours.empty() && ours != "t_s" && (ours == "x_ref_m" || ours == "u_V" || signal_of_column(ours).has_value());
 }
 
-/// Of several axes the one with most known signals that have values and move; nothing is taken from the others.
-void take_one_axis(const CsvTable& table, const std::vector<AxisOfColumn>& axes, std::vector<ColumnGuess>& guesses) {
-  std::map<std::string, std::pair<std::set<std::string>, bool>> known;  // signals of each, and whether it moves
-  for (std::size_t c = 0; c < guesses.size(); ++c) {
-    if (!axes[c].is_of_axis) continue;
-    guesses[c].axis = fmt::format("\"{}\"", axes[c].axis);
-    auto& [signals, moves] = known[axes[c].axis];
-    if (guesses[c].ours.empty() || !has_value(table.values[c])) continue;
-    signals.insert(guesses[c].ours);
-    moves = moves || (guesses[c].ours == "x_m" && has_motion(table.values[c]));
-  }
-  auto taken = known.end();
-  std::pair<std::size_t, bool> most{};
-  for (const AxisOfColumn& axis : axes) {
-    const auto at = axis.is_of_axis ? known.find(axis.axis) : known.end();
-    if (at == known.end()) continue;
-    const std::pair<std::size_t, bool> merit{at->second.first.size(), at->second.second};
-    if (taken == known.end() || merit > most) taken = at, most = merit;
-  }
-  for (std::size_t c = 0; c < guesses.size(); ++c) {
-    if (!axes[c].is_of_axis) continue;
-    const bool is_taken = axes[c].axis == taken->first;
-    if (is_taken) guesses[c].evidence += fmt::format(", of axis {}", guesses[c].axis);
-    else guesses[c].evidence = fmt::format("of axis {}, where \"{}\" is taken", guesses[c].axis, taken->first);
-    if (!is_taken) guesses[c].ours.clear();
-  }
-}
-
-}  // namespace
-
-std::vector<ColumnGuess> guess_columns(const CsvTable& table, double atmosphere_Pa) {
-  const std::vector<AxisOfColumn> axes = axes_in(table.names, [&](std::size_t c, const std::string& name) {
-    const std::string ours = guess_column(table, c, name, atmosphere_Pa).ours;
-    return is_of_axis(ours) ? ours : "";
-  });
+/// With the words of axes left out of the names.
+std::vector<ColumnGuess> guesses_by(const CsvTable& table, const std::vector<AxisOfColumn>& axes,
+                                    double atmosphere_Pa) {
   const auto name_of = [&](std::size_t c) { return axes[c].is_of_axis ? axes[c].name : table.names[c]; };
   std::vector<ColumnGuess> out;
   for (std::size_t c = 0; c < table.names.size(); ++c) {
@@ -286,6 +254,25 @@ std::vector<ColumnGuess> guess_columns(const CsvTable& table, double atmosphere_
   take_one_axis(table, axes, out);
   take_valve_ports(texts, out, atmosphere_Pa);
   leave_one_of_each(table, texts, out);
+  return out;
+}
+
+}  // namespace
+
+std::vector<ColumnGuess> guess_columns(const CsvTable& table, double atmosphere_Pa) {
+  const auto meaning = [&](std::size_t c, const std::string& name) {
+    const std::string ours = guess_column(table, c, name, atmosphere_Pa).ours;
+    return is_of_axis(ours) ? ours : "";
+  };
+  const std::vector<AxisOfColumn> axes = axes_in(table.names, meaning);
+  std::vector<ColumnGuess> out = guesses_by(table, axes, atmosphere_Pa);
+  if (std::ranges::any_of(axes, &AxisOfColumn::is_of_axis)) {
+    std::vector<ColumnGuess> plain = guesses_by(table, std::vector<AxisOfColumn>(axes.size()), atmosphere_Pa);
+    bool is_meant = false;  // a word that a name has its meaning by: "p1"
+    for (std::size_t c = 0; c < axes.size() && !is_meant; ++c)
+      is_meant = axes[c].is_of_axis && meaning(c, axes[c].name).empty() && !meaning(c, table.names[c]).empty();
+    if (is_meant || loses_by_sides(axes, plain, out)) out = std::move(plain);
+  }
   if (std::none_of(out.begin(), out.end(), [](const ColumnGuess& guess) { return guess.ours == "t_s"; }))
     take_time_by_unit(table, out);
   return out;

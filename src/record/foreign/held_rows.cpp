@@ -23,7 +23,7 @@ namespace pneuservo {
 namespace {
 
 constexpr double chance_of_hold = 1e-6;
-constexpr double same_size = 1e-6;  ///< share of a step that rounding makes
+constexpr std::size_t least_changes = 20;
 
 /// Whether two neighbouring steps both change the value, which no held one does.
 bool changes_twice(const std::vector<double>& values) {
@@ -35,23 +35,34 @@ bool changes_twice(const std::vector<double>& values) {
 /// Rows at which a column changes, as numbers by their times; behind a missing row nothing is known.
 struct Changes {
   std::vector<long long> numbers;
-  bool have_sizes = false;  ///< steps are of more than one size
+  bool have_sizes = false;  ///< steps are of many sizes
 };
+
+/// Whether many steps are several times a small one. A slow quantised channel changes by one quantum or two, which
+/// the last written digit makes at most four times as large as each other.
+bool are_of_many_sizes(std::vector<double> steps) {
+  constexpr double most_of_quantum = 4 + 1e-6, least_share = 0.25;
+  if (steps.empty()) return false;
+  std::ranges::sort(steps);
+  const double small = steps[steps.size() / 10];
+  const auto large = std::ranges::count_if(steps, [&](double step) { return step > most_of_quantum * small; });
+  return static_cast<double>(large) >= least_share * static_cast<double>(steps.size());
+}
 
 Changes changes_in(const std::vector<double>& values, const std::vector<long long>& number) {
   Changes out;
-  double size = no_value;
+  std::vector<double> steps;
   for (std::size_t i = 1; i < values.size(); ++i) {
     const double step = std::abs(values[i] - values[i - 1]);
     if (!(step > 0) || number[i] != number[i - 1] + 1) continue;
     out.numbers.push_back(number[i]);
-    if (std::isnan(size)) size = step;
-    out.have_sizes = out.have_sizes || std::abs(step - size) > same_size * size;
+    steps.push_back(step);
   }
+  out.have_sizes = are_of_many_sizes(std::move(steps));
   return out;
 }
 
-/// How often a column is sampled: every `rows`-th from one on, or, with `rows` and one more between them, where it
+/// How often a column is sampled: every `rows`-th from one on, or, with two and three rows between them, where it
 /// changes.
 struct Hold {
   long long rows = 1, phase = 0;
@@ -60,20 +71,24 @@ struct Hold {
 
 Hold hold_of(const std::vector<long long>& changes) {
   constexpr double even_odds = 0.5;  // at most, that a gap by chance is one of two
-  if (changes.size() < 3) return {};
+  if (changes.size() < least_changes) return {};
   std::vector<long long> gaps;
   for (std::size_t i = 1; i < changes.size(); ++i) gaps.push_back(changes[i] - changes[i - 1]);
   long long common = 0;
   for (const long long gap : gaps) common = std::gcd(common, gap);
-  if (common > 1)
-    return std::pow(static_cast<double>(common), 1 - static_cast<double>(gaps.size())) < chance_of_hold
+  if (common > 1) {
+    // A clock ticks always: most of its rows hold another sample.
+    const long long ticks = (changes.back() - changes.front()) / common + 1;
+    const bool is_clock = 2 * std::ssize(changes) > ticks;
+    return is_clock && std::pow(static_cast<double>(common), 1 - static_cast<double>(gaps.size())) < chance_of_hold
                ? Hold{common, changes.front() % common, false}
                : Hold{};
+  }
   // Of two samples that are equal by chance one does not show.
   const long long least = std::ranges::min(gaps);
   const auto single = std::ranges::count_if(gaps, [&](long long gap) { return gap <= least + 1; });
   const auto several = std::ranges::count_if(gaps, [&](long long gap) { return gap >= 2 * least && gap > least + 1; });
-  const bool is_known = least > 1 && single + several == std::ssize(gaps) && single > 4 * several;
+  const bool is_known = least == 2 && single + several == std::ssize(gaps) && single > 4 * several;
   return is_known && std::pow(even_odds, single) < chance_of_hold ? Hold{least, 0, true} : Hold{};
 }
 
@@ -111,7 +126,7 @@ void thin_rows(Recording& run, std::vector<long long>& number) {
   for (std::size_t c = 0; c < run.names.size(); ++c) {
     if (run.names[c] == "t_s") continue;
     const Changes of_column = changes_in(run.values[c], number);
-    have_sizes = have_sizes || of_column.have_sizes;
+    have_sizes = have_sizes || (of_column.have_sizes && signal_of_column(run.names[c]));
     std::vector<long long> all;
     std::ranges::set_union(changes, of_column.numbers, std::back_inserter(all));
     changes = std::move(all);

@@ -5,8 +5,9 @@
 namespace pneuservo {
 
 /// Where all columns, the commands too, change in every n-th row alone, the others are left out. Where a sensor does,
-/// or in gaps of n and n + 1 rows, its repeats become no value. Both are told. Chance must rule it out, and the steps
-/// must be of several sizes: those of a coarse sensor at an even speed are of one. A command that is held stays so.
+/// or in gaps of two and three rows, its repeats become no value. Both are told. Most of the n-th rows must change, as
+/// a clock makes it, and the steps must be of many sizes: those of a slow quantised channel are one quantum or two, and
+/// those of a cycle its whole stroke. A command that is held stays so.
 void leave_out_repeats(Recording& run);
 
 }  // namespace pneuservo

@@ -160,7 +160,7 @@ void take_turns(CsvTable& table, MappedColumns& columns, double period_s) {
   if (turns.rows.empty()) return;
   const std::optional<Unit> part = unit_in(columns.time_name);
   const auto first = std::ranges::find_if(times, [](double t) { return std::isfinite(t); });
-  if (!(part && part->quantity == Quantity::time) && *first < 0.01 * turns.turn) return;
+  if (!(part && part->quantity == Quantity::time) && *first <= median_step_s(times)) return;
   for (std::size_t c = 0; c < columns.names.size(); ++c)
     if (signal_of_column(columns.names[c]) && jumps_into(turns.rows, columns.values[c], columns.values[c])) return;
   pass_turns(times, turns);

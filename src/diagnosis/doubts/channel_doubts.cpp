@@ -193,14 +193,6 @@ void tell_taken(const Recording& recording, const std::string& column, const Tak
 
 }  // namespace
 
-double quantile(std::vector<double> values, double share) {
-  std::erase_if(values, [](double v) { return !std::isfinite(v); });
-  if (values.empty()) return no_value;
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 void apply_reading(const UnitReading& reading, Recording& recording, const std::string& column) {
   for (double& value : recording.column(column)) value = reading.factor * value + reading.offset;
   ImportedColumn source = source_of(recording, column);

@@ -7,6 +7,7 @@
 #include <pneuservo/loop/input_guard.hpp>
 #include <pneuservo/rig/rig.hpp>
 
+#include "record/column_values.hpp"
 #include "record/reader.hpp"
 
 namespace pneuservo {
@@ -28,9 +29,6 @@ template <class Sensors> auto& pressure_sensor(Sensors& sensors, std::string_vie
   if (column == "p_supply_Pa") return sensors.supply_pressure;
   return column.find("port") != std::string_view::npos ? sensors.port_pressure : sensors.chamber_pressure;
 }
-
-/// The value below which this share of the finite values lies; NaN where there is none.
-double quantile(std::vector<double> values, double share);
 
 /// Reads a column so from here on, in its source too.
 void apply_reading(const UnitReading& reading, Recording& recording, const std::string& column);

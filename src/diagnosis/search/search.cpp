@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <stdexcept>
 
@@ -395,7 +396,7 @@ double Search::best_with_one_fewer(const Explanation& other) {
   std::vector<Explanation*> moving;
   for (Explanation& explanation : fitted) moving.push_back(&explanation);
   polish(moving, 6);
-  double best = -1e300;
+  double best = -std::numeric_limits<double>::infinity();
   for (const Explanation& explanation : fitted)
     if (!explanation.fit.failed) best = std::max(best, beside_own_error(explanation));
   return best;

@@ -148,12 +148,8 @@ class CutNames {
     for (std::size_t c = 0; c < names_.size(); ++c) column_of.try_emplace(names_[c], c);
     for (auto& [key, alike] : alike_) {
       const auto at = column_of.find(alike.slot->rest());
-      if (at != column_of.end() && is_number(alike.slot->axis)) alike.columns.try_emplace("", at->second);
+      if (at != column_of.end() && are_digits(alike.slot->axis)) alike.columns.try_emplace("", at->second);
     }
-  }
-
-  static bool is_number(const std::string& word) {
-    return std::ranges::all_of(word, [](unsigned char c) { return std::isdigit(c) != 0; });
   }
 
   std::string meaning_of(std::size_t column, const std::string& rest) const {

@@ -20,10 +20,7 @@ bool jumps_into(const std::vector<std::size_t>& rows, const std::vector<double>&
     if (std::isfinite(step)) (is_at_row ? at_rows : elsewhere).push_back(step);
   }
   if (at_rows.empty() || elsewhere.empty()) return false;
-  const auto usual =
-      elsewhere.begin() + static_cast<std::ptrdiff_t>(usual_share * static_cast<double>(elsewhere.size()));
-  std::nth_element(elsewhere.begin(), usual, elsewhere.end());
-  return median_of(std::move(at_rows)) > much_larger * *usual;
+  return median_of(std::move(at_rows)) > much_larger * quantile(std::move(elsewhere), usual_share);
 }
 
 }  // namespace pneuservo

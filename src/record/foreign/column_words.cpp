@@ -517,8 +517,7 @@ bool is_made_of_words(std::string_view text) {
 }
 
 bool may_name_axis(std::string_view word) {
-  const bool is_number = std::ranges::all_of(word, [](unsigned char c) { return std::isdigit(c) != 0; });
-  if (is_number || (word.size() == 1 && is_letter(word.front()))) return true;
+  if (are_digits(word) || (word.size() == 1 && is_letter(word.front()))) return true;
   const std::vector<std::string> parts = parts_of(word);
   const RootsOfName name = roots_of(parts);
   const auto says_what = [&](const Found& root) {

@@ -257,7 +257,7 @@ bool has_split_times(const std::vector<std::string>& lines, std::size_t first, c
   return std::all_of(lines.begin() + static_cast<std::ptrdiff_t>(first), lines.end(), [&](const std::string& line) {
     std::vector<std::string_view> fields;
     split_fields(line, style, fields);
-    const bool is_digits = fields.size() > 2 && fields[1].find_first_not_of("0123456789") == std::string_view::npos;
+    const bool is_digits = fields.size() > 2 && are_digits(fields[1]);
     return is_digits && (fields[1].size() == milliseconds || fields[1].size() == microseconds) && clock_in(fields[0]);
   });
 }

@@ -11,6 +11,11 @@ constexpr bool is_letter(char c) noexcept {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || static_cast<unsigned char>(c) >= 0x80;
 }
 
+/// Whether there is nothing but digits.
+constexpr bool are_digits(std::string_view text) noexcept {
+  return text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
 /// How the fields of a line are written.
 struct FieldStyle {
   char separator = ',';  ///< ' ': any run of blanks

@@ -4,8 +4,8 @@
 
 namespace pneuservo {
 
-/// Columns without a unit get the one that a line of the head states for their name, their meaning or all of their
-/// quantity, or in a list with a unit for each column; it is told.
+/// Columns without a unit get the one that a line of the head states for their names, for a quantity ("pressures in
+/// bar") or in a list with a unit for each column; it is told. A line that says anything else says no units.
 void take_head_units(CsvTable& table);
 
 }  // namespace pneuservo

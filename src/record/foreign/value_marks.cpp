@@ -13,13 +13,15 @@
 
 #include <pneuservo/core/signal.hpp>
 
+#include "record/column_values.hpp"
 #include "record/foreign/channel_steps.hpp"
 
 namespace pneuservo {
 
 namespace {
 
-constexpr double steps_apart = 10;         ///< of a mark from values beside it, in the largest step of the others
+constexpr double steps_apart = 10;  ///< of a mark from values beside it, in the largest step of the others; and of a
+                                    ///< size from all usual ones
 constexpr double chance_of_noise = 1e-3;   ///< that so many readings are exactly alike
 constexpr std::size_t least_others = 30;   ///< values that tell what is usual
 constexpr int most_rounds = 4;             ///< in which up to three numbers are found each
@@ -126,22 +128,16 @@ Others others_of(const std::vector<double>& values, const Numbers& marks) {
 }
 
 /// Size that three quarters of a channel's values do not exceed.
-double usual_size(const std::vector<double>& values) {
-  std::vector<double> sizes;
-  for (const double value : values)
-    if (std::isfinite(value)) sizes.push_back(std::abs(value));
-  if (sizes.empty()) return 0;
-  const auto usual = sizes.begin() + static_cast<std::ptrdiff_t>(3 * sizes.size() / 4);
-  std::nth_element(sizes.begin(), usual, sizes.end());
-  return *usual;
+double usual_size(std::vector<double> values) {
+  for (double& value : values) value = std::abs(value);
+  return quantile(std::move(values), 0.75);
 }
 
 /// Whether no physics comes there and leaves again: far beyond what any channel usually has, or for single rows in few
 /// places. A valve that switches takes a pressure to one exact level and leaves it for longer.
 bool is_unphysical(const Mark& mark, const Others& others, double usual_of_all) {
-  constexpr double far_beyond = 10;                ///< times the usual
   constexpr std::size_t longest = 3, most_of = 5;  ///< rows of a visit; one sample of so many
-  return std::abs(mark.value) > far_beyond * std::max(others.largest, usual_of_all) ||
+  return std::abs(mark.value) > steps_apart * std::max(others.largest, usual_of_all) ||
          (mark.samples <= longest * mark.visits.size() && most_of * mark.samples <= others.count);
 }
 
@@ -225,7 +221,7 @@ void leave_out_marks(CsvTable& table, const std::vector<std::string>& ours, cons
   std::vector<MarkedChannel> channels;
   double usual_of_all = 0;
   for (std::size_t c = 0; c < ours.size(); ++c)
-    if (signal_of_column(ours[c])) usual_of_all = std::max(usual_of_all, usual_size(values[c]));
+    if (signal_of_column(ours[c])) usual_of_all = std::fmax(usual_of_all, usual_size(values[c]));
   const auto add = [&](std::size_t c, const auto& is_taken) {
     MarkedChannel channel{c, {}, {}};
     channel.marks = marks_in(values[c], channel.calm, usual_of_all, is_taken);

@@ -89,7 +89,9 @@ IdentifiedLine line_of(const IdentifyOptions& options, const Rig& rig, const Rec
 /// recording the port is one sub-step older. 0: a real port, a lumped line, or a recording that does not say.
 double port_age_s(const Recording& recording, bool second) {
   const YAML::Node origins = recording.header["channels"], text = recording.header["config"];
-  const YAML::Node origin = origins && origins.IsMap() ? origins[second ? "p2_port" : "p1_port"] : YAML::Node();
+  const YAML::Node origin = origins && origins.IsMap()
+                                ? origins[std::string(info(second ? Signal::p2_port : Signal::p1_port).name)]
+                                : YAML::Node();
   if (!text || !text.IsScalar() || !origin || origin.as<std::string>("") != "simulated") return 0.0;
   try {
     const Rig made = parse_rig(text.Scalar(), recording.path + ", header");

@@ -58,7 +58,7 @@ std::vector<Bin> bins_of(const LinePressures& pressures, double highest_Hz) {
   for (std::size_t k = 1; k < in.size() / 2 && static_cast<double>(k) * spacing_Hz <= highest_Hz; ++k) {
     const Complex s(0.0, 2.0 * std::numbers::pi * static_cast<double>(k) * spacing_Hz);
     const double scale = 1.0 / (std::sqrt(rows) * std::abs(1.0 - std::exp(-s * pressures.period_s)));
-    bins.push_back({s, in[k] * scale, out[k] * scale});
+    bins.push_back({s, in[k] * scale * std::exp(s * pressures.in_age_s), out[k] * scale});
   }
   return bins;
 }

@@ -11,6 +11,7 @@ namespace pneuservo {
 struct LinePressures {
   std::vector<double> in_Pa, out_Pa;
   double period_s = 0.0;
+  double in_age_s = 0.0;  ///< by which the value of in_Pa is older than that of out_Pa in the same row
 };
 
 /// What is believed of the line and of what stands at its end.

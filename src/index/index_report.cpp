@@ -15,7 +15,7 @@ constexpr const char* index_limits =
 NecessityIndex ours(const PrintedIndex& e, int side = 1) {
   return necessity_index(thesis_side(side, e.length_m, e.diameter_m), thesis_peak_speed_mps(e.frequency_Hz));
 }
-const char* word(double index) { return index > 1.0 ? "needed" : "not needed"; }
+const char* word(double index) { return is_pipeline_model_needed(index) ? "needed" : "not needed"; }
 
 std::string escape(const std::string& text) {
   std::string out;
@@ -32,7 +32,7 @@ std::string verdict(const RigNecessity& r) {
   const auto& worst = r.index[static_cast<std::size_t>(r.dominating)];
   return fmt::format(
       "The pipeline model is {}: line {} loses {:.3g} kPa at peak speed, {} the limit of {:g} kPa (index {:.3g}).",
-      r.needed ? "needed" : "not needed", r.dominating + 1, 1e-3 * worst.loss_Pa, r.needed ? "above" : "not above",
+      r.needed ? "needed" : "not needed", r.dominating + 1, 1e-3 * worst.loss_Pa, r.needed ? "at least" : "below",
       1e-3 * necessity_loss_limit_Pa, worst.index);
 }
 
@@ -59,7 +59,7 @@ std::string page(const std::string& title, const std::string& body) {
 std::string map_note(const NecessitySide& side, double speed_mps, int number) {
   return fmt::format(
       "<p class='note'>Side {}: {:.4g} kPa, piston area {:.4g} mm², peak speed {:.4g} m/s, viscosity {:.3g} Pa s. "
-      "Index = line loss at peak speed / {:g} kPa; on the warm side of the bold line (index above 1) the pipeline "
+      "Index = line loss at peak speed / {:g} kPa; on the warm side of the bold line (index of 1 or more) the pipeline "
       "model is needed.</p>",
       number, 1e-3 * side.pressure_Pa, 1e6 * side.piston_area_m2, speed_mps, side.viscosity_Pas,
       1e-3 * necessity_loss_limit_Pa);
@@ -151,7 +151,7 @@ nlohmann::ordered_json index_table_json() {
                                {"index", ours(e).index},
                                {"index_side_2", ours(e, 2).index},
                                {"reproduced", reproduces(e)},
-                               {"pipeline_model_needed", ours(e).index > 1.0}};
+                               {"pipeline_model_needed", is_pipeline_model_needed(ours(e).index)}};
     if (!reproduces(e)) row["remark"] = e.remark;
     out["entries"].push_back(row);
   }

@@ -96,7 +96,7 @@ RigNecessity rig_necessity(const Rig& rig, const LoadPositions& load) {
               side(pressure_2_Pa, cylinder.area_2_m2, rig.axis.line_2)};
   for (std::size_t i = 0; i < 2; ++i) out.index[i] = necessity_index(out.side[i], out.peak_speed_mps);
   out.dominating = out.index[1].index > out.index[0].index ? 1 : 0;
-  out.needed = out.index[static_cast<std::size_t>(out.dominating)].index > 1.0;
+  out.needed = is_pipeline_model_needed(out.index[static_cast<std::size_t>(out.dominating)].index);
   return out;
 }
 

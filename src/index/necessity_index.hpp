@@ -54,6 +54,9 @@ const std::vector<PrintedIndex>& printed_indices();
 /// Does our value round to the printed digits?
 bool reproduces(const PrintedIndex& entry);
 
+/// (4.16) with 4.3: at an index of 1 or more.
+constexpr bool is_pipeline_model_needed(double index) { return index >= 1.0; }
+
 /// The index of a config: both sides at the peak speed of its reference over the run.
 struct RigNecessity {
   double peak_speed_mps = 0.0;
@@ -61,7 +64,7 @@ struct RigNecessity {
   std::array<NecessitySide, 2> side;
   std::array<NecessityIndex, 2> index;
   int dominating = 0;                      ///< 0: side 1, 1: side 2
-  bool needed = false;                     ///< larger index above 1
+  bool needed = false;                     ///< larger index at least 1
 };
 /// P_0 are the initial pressures (side 2 balances the piston unless given). Throws std::invalid_argument for a
 /// reference that cannot be built.

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 
 #include <pneuservo/elements/chamber.hpp>
+#include <pneuservo/rig/plant.hpp>
+#include <yaml-cpp/yaml.h>
 
 #include "acoustics/line_identification.hpp"
 #include "config/input_error.hpp"
@@ -83,6 +85,23 @@ IdentifiedLine line_of(const IdentifyOptions& options, const Rig& rig, const Rec
   return out;
 }
 
+/// A simulated port is solved from the gas at the start of the last sub-step, its chamber from that at the end: in the
+/// recording the port is one sub-step older. 0: a real port, a lumped line, or a recording that does not say.
+double port_age_s(const Recording& recording, bool second) {
+  const YAML::Node origins = recording.header["channels"], text = recording.header["config"];
+  const YAML::Node origin = origins && origins.IsMap()
+                                ? origins[std::string(info(second ? Signal::p2_port : Signal::p1_port).name)]
+                                : YAML::Node();
+  if (!text || !text.IsScalar() || !origin || origin.as<std::string>("") != "simulated") return 0.0;
+  try {
+    const Rig made = parse_rig(text.Scalar(), recording.path + ", header");
+    if (!made.is_pneumatic() || made.axis.line_1.model != LineModel::distributed) return 0.0;
+    AxisPlant<double> plant;
+    plant.configure(made.axis, made.period_s, made.simulation.cells_per_m, valve_arrangement(made));
+    return made.period_s / plant.sides().begin_period(made.period_s);
+  } catch (const InputError&) { return 0.0; }  // of another version
+}
+
 /// Both pressures on an even grid of the median interval; straight lines bridge what is missing.
 LinePressures even_pressures(const Recording& recording, IdentifiedLine& line) {
   recording.require({line.in_column, line.out_column});
@@ -92,6 +111,7 @@ LinePressures even_pressures(const Recording& recording, IdentifiedLine& line) {
     if (std::isfinite(in[i]) && std::isfinite(out[i])) rows.push_back(i);
   LinePressures p;
   p.period_s = row_interval_s(recording);
+  p.in_age_s = line.port_age_s;
   if (rows.size() < 2) return p;
   std::size_t at = 0;
   for (std::size_t k = 0;; ++k) {
@@ -118,6 +138,7 @@ void run_identify(const IdentifyOptions& options) {
   const Recording recording = read_first_recording(options.recording, rig.imported, rig.period_s);
   for (const auto& problem : problem_lines(recording)) std::fprintf(stderr, "%s\n", problem.c_str());
   IdentifiedLine line = line_of(options, rig, recording);
+  line.port_age_s = port_age_s(recording, options.side == 2);
   try {
     line.found = identify_line(even_pressures(recording, line), line.belief);
   } catch (const std::invalid_argument& error) {

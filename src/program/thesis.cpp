@@ -53,8 +53,10 @@ OneSet asked_set(const ThesisOptions& options) {
 /// Prints the best set of a search beside the one that the page holds. Status 1: the search found a nearer one.
 int search_thesis(const ThesisOptions& options) {
   const OneSet set = asked_set(options);
+  if (options.trials.from_begun && set.begun.empty())
+    throw InputError(fmt::format("--from-begun: found '{}', which has no member set by hand", set.name));
   ThesisBench bench(options.configs);
-  const double held = total_deviation(figures_of(set, bench, found_numbers(set)), set.figures);
+  const double held = total_deviation(set, figures_of(set, bench, found_numbers(set)));
   const OneSetFound found = search_one_set(set, options.configs, options.trials, [](const OneSetFound& now) {
     std::fprintf(stderr, "%zu tried, total deviation %.4f\n", now.evaluations, now.deviation);
   });
@@ -100,15 +102,17 @@ void add_thesis(CommandLine& app, int& status) {
   verb.add_option("--configs", options->configs, "folder of the shipped configs").shows_default();
   verb.add_option("--report", options->report, "self-contained HTML page with the thesis' pictures");
   verb.add_option("--json", options->json, "result as JSON; - for standard output");
-  verb.add_option(
-      "--search", options->search,
-      "search one set of numbers for many figures instead: lines, table, cylinder; status 1 where it finds a "
-      "nearer one than the page has");
+  verb.add_option("--search", options->search,
+                  "search one set of numbers for many figures instead: lines, table, cylinder, line-0.5m, line-1m, "
+                  "line-2m; status 1 where it finds a "
+                  "nearer one than the page has");
   verb.add_option("--figures", options->figures, "figures that count in the search, e.g. 2.21 2.28; default: all");
   verb.add_option("--evaluations", options->trials.evaluations, "members of the family that the search tries")
       .shows_default();
   verb.add_option("--seed", options->trials.seed, "of the search").shows_default();
   verb.add_flag("--from-found", options->trials.from_found, "search about the set on the page alone");
+  verb.add_flag("--from-begun", options->trials.from_begun,
+                "search about the member that was set by hand, where the set has one");
   verb.callback([options, &status] { status = run_thesis(*options); });
 }
 

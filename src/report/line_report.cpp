@@ -38,6 +38,11 @@ std::vector<std::string> remarks(const IdentifiedLine& line) {
     out.push_back(fmt::format("{} moves at the recording's ends ({:.0f} % of its changes lie in the first and last "
                               "hundredth): what went before is taken for rest, so record rest at both ends",
                               line.in_column, 100.0 * f.ends_share));
+  if (line.port_age_s > 0.0)
+    out.push_back(
+        fmt::format("a simulated recording: its port is {:.3g} us older than its chamber, one sub-step of the "
+                    "line, which the fit reckons with",
+                    1e6 * line.port_age_s));
   if (line.sensor_noise_Pa > 0.0 && f.noise_Pa > 2.0 * line.sensor_noise_Pa)
     out.push_back(fmt::format(
         "the fit leaves {:.0f} Pa where the sensors' noise is {:.0f} Pa: something that a line with "
@@ -118,6 +123,7 @@ nlohmann::ordered_json line_json(const IdentifiedLine& line) {
   return {{"in", line.in_column},
           {"out", line.out_column},
           {"mean_pressure_Pa", f.mean_pressure_Pa},
+          {"port_age_s", line.port_age_s},
           {"lowest_Hz", f.lowest_Hz},
           {"highest_Hz", f.highest_Hz},
           {"natural_frequency_Hz", estimated(f.natural_frequency_Hz)},

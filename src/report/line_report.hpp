@@ -15,6 +15,7 @@ struct IdentifiedLine {
   double sensor_noise_Pa = 0.0;          ///< of the config, root mean square of both sensors
   std::string in_column, out_column;     ///< of the pressures at its ends
   std::size_t bridged_rows = 0;          ///< missing ones, by straight lines
+  double port_age_s = 0.0;               ///< by which a simulated port is older than its chamber in the same row
   LineIdentification found;
 };
 

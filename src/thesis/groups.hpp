@@ -29,12 +29,16 @@ ThesisGroup thesis_misprint_group();     // misprints and gaps of chapters 2 and
 
 /// Printed figures of the servo table that exclude each other on linear tables.
 std::vector<ThesisRow> order_bound_rows();
+/// What three runs of one curve leave of a printed figure, on any table.
+std::vector<ThesisRow> three_runs_rows();
 /// What a linear table would have to be to meet them, and the least sum of deviations on the others.
 std::vector<ThesisRow> least_sum_rows();
 /// Printed figures of the servo table that were searched for together.
 std::vector<ThesisRow> table_together_rows();
 /// The rig for lines that meets most printed figures.
 std::vector<ThesisRow> most_met_rows();
+/// How near a rig comes to both bores of one length alone.
+std::vector<ThesisRow> line_length_rows();
 /// Printed dampings of the lines that exclude each other.
 std::vector<ThesisRow> damping_bound_rows();
 

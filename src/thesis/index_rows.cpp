@@ -208,6 +208,10 @@ std::vector<ThesisRow> loss_equations() {
                                  fast.loss_Pa);
                },
            .held = "holds"},
+          {.place = "(4.16)",
+           .what = "verdict at an index of 1",
+           .printed = needed,
+           .ours = [](ThesisBench&) { return ThesisValue(is_pipeline_model_needed(1.0) ? needed : not_needed); }},
           {.place = "(4.7)",
            .what = "sign of the flow of the right side",
            .printed = "plus",

@@ -173,6 +173,15 @@ void add_simulated(std::vector<ThesisRow>& rows, const PrintedLine& line, LineLo
                            "first pole of the theory"});
 }
 
+ThesisRow atmosphere_row() {
+  return {.place = "Table 2.4",
+          .what = "pressure of the atmosphere P_a",
+          .unit = "kPa",
+          .printed = "101.32",
+          .plant = ThesisPlant::config,
+          .ours = [](ThesisBench& bench) { return 1e-3 * bench.rig({table_4mm.config}).axis.air.atmosphere_Pa; }};
+}
+
 /// What stands in 2.2.3 beside its tables.
 void add_single_figures(std::vector<ThesisRow>& rows) {
   rows.push_back(
@@ -236,6 +245,7 @@ ThesisGroup thesis_line_group() {
     add_simulated(rows, line, LineLoss::quasi_steady);
   }
   add_single_figures(rows);
+  rows.push_back(atmosphere_row());
   return {"2.2.3 The lines", rows};
 }
 

@@ -15,6 +15,10 @@ struct Misprint {
 constexpr Misprint chapter_2[] = {
     {"(2.5), (2.6)", "pressure in the discharge flow", "P_s", "P_0, by delta of (2.8)",
      "with P_s and delta as printed the discharge would be 0.82 of the charge; it is 0.22"},
+    {"2.2.1", "gas of the chambers", "isothermal, \"from the simulation results of nonlinear model\"",
+     "isothermal when slow",
+     "in the ramps our nonlinear table warms by some K; only a chamber with a wall of 1e5 W/(m2 "
+     "K) is isothermal there (rows of 2.4)"},
     {"(2.23)", "tau_1", "an operator", "normalised time",
      "the operator is s_1 = s/A_3^(1/3); as printed (2.24) has no unit that fits"},
     {"Tables 2.7, 2.8", "unit of the gains", "V/m, V s/m, V s2/m", "V/mm, V s/mm, V s2/mm",
@@ -38,6 +42,8 @@ constexpr Misprint chapter_3[] = {
      "right as heat that leaves the gas; in (3.4), which needs what enters, the term stands with its right sign"},
     {"(3.9)", "heat transfer of gas at rest", "none", "at least Nu = 3.66",
      "as printed gas at rest stays warm for ever; 0.046 is twice the usual 0.023 and kept"},
+    {"3.3.2", "pressure of the line at the start", "supply in grid 0, atmosphere elsewhere",
+     "the measured port pressure", "the gas is where the ports say; a wrong start dies by itself (docs/estimator.md)"},
     {"(3.15) to (3.18)", "rate of the volumes", "|x'|, a filled chamber grows", "x' with its sign",
      "wrong where a chamber is filled while it shrinks, as when the piston is braked"},
     {"(3.19), (3.20)", "density of the outlet flow", "picked by direction", "pressure centred, temperature upwind",

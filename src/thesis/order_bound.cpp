@@ -1,4 +1,4 @@
-// Printed figures of chapter 2 that exclude each other on linear tables: bounds over every input curve.
+// Printed figures of chapter 2 that exclude each other: bounds over every input curve, on linear tables and on any.
 #include <algorithm>
 #include <cmath>
 
@@ -146,6 +146,82 @@ double least_sum(const LinearAxis& printed) {
   return lack(bounds[0]) + std::max(lack(bounds[1]), lack(bounds[2]));
 }
 
+// --- three runs of one curve -----------------------------------------------------------------------------------------
+
+constexpr Ppd2Gains gains_of_3rd = third_order.of_distance, gains_of_7th = seventh_order.of_distance,
+                    gains_of_move = table_4mm.third;
+
+Polynomial without_first(const Polynomial& a) { return {a.begin() + 1, a.end()}; }
+
+/// What Figs 2.23 and 2.27 leave of the distance between the third order and any table, linear or not: all of one
+/// curve without feedforward. With v the missing voltage, d_3 = (x_3 - x_7) + v/(M_7^-1 + C_3).
+struct ThreeRuns {
+  double of_error;  ///< x_3 - x_7 over the error of the model itself in Fig 2.27
+  double error_of_7th;  ///< that error's distance from the table's, over the distance of Fig 2.23
+  double distance_of_7th;  ///< distance of the seventh order under the gains of the third, over that of Fig 2.23
+
+  double most_um(double error_um, double distance_um) const {
+    return of_error * (error_um + error_of_7th * distance_um) + distance_of_7th * distance_um;
+  }
+};
+/// What the law makes of a motion: velocity and acceleration over a common denominator.
+struct MotionFilter {
+  Polynomial denominator, velocity, acceleration;
+};
+const MotionFilter true_motion{{1.0}, {0.0, 1.0}, {0.0, 0.0, 1.0}};
+/// The printed observer on the measured position, l_1 to l_3.
+const MotionFilter observed_motion{{1.85e7, 140739.9, 530.5, 1.0}, {0.0, 1.85e7, 140739.9}, {0.0, 0.0, 1.85e7}};
+
+Polynomial less(const Polynomial& a, const Polynomial& b) { return sum(a, scaled(b, -1.0)); }
+
+ThreeRuns three_runs_of(const LinearAxis& printed, const MotionFilter& filter) {
+  const double gain = gains_of_3rd.position_V_per_m;
+  const auto inverse = [&](const LinearAxis& model) {
+    return less(loop_of(model, gains_of_3rd),
+                {gain, gains_of_3rd.velocity_Vs_per_m, gains_of_3rd.acceleration_Vs2_per_m});
+  };
+  // M^-1 + C, times the filter's denominator.
+  const auto loop = [&](const LinearAxis& model, const Ppd2Gains& gains) {
+    return sum(product(sum(inverse(model), {gains.position_V_per_m}), filter.denominator),
+               sum(scaled(filter.velocity, gains.velocity_Vs_per_m),
+                   scaled(filter.acceleration, gains.acceleration_Vs2_per_m)));
+  };
+  const LinearAxis without = without_lags(printed);
+  const Polynomial third = loop(without, gains_of_3rd), seventh = loop(printed, gains_of_3rd),
+                   of_move = loop(printed, gains_of_move), of_distance = loop(printed, gains_of_7th),
+                   lack = scaled(less(inverse(printed), inverse(without)), gain),
+                   left = less(of_move, scaled(filter.denominator, gains_of_move.position_V_per_m));
+  // Both sides lose an s: a model at rest has no error.
+  const Polynomial above = product(product(lack, product(filter.denominator, filter.denominator)), of_move);
+  return {largest_gain(without_first(above), product(product(third, seventh), without_first(left))),
+          largest_gain(of_distance, of_move), largest_gain(of_distance, seventh)};
+}
+
+constexpr double printed_third_um = 540.0, printed_error_um = 3270.0, printed_seventh_um = 14.0;
+
+double most_of_third_um(const LinearAxis& printed, double more = 1.0, const MotionFilter& filter = true_motion) {
+  return three_runs_of(printed, filter).most_um(more * printed_error_um, more * printed_seventh_um);
+}
+
+/// By how much the missing voltage must differ between the runs of Figs 2.21 and 2.23 for the three figures to hold
+/// within 10 %.
+double other_voltage_V(const LinearAxis& printed) {
+  const double apart_m =
+      1e-6 * ((1.0 - one_set_within) * printed_third_um - most_of_third_um(printed, 1.0 + one_set_within));
+  return apart_m / largest_gain({1.0}, loop_of(printed, gains_of_3rd));
+}
+
+/// The largest of models of other gains.
+double most_of_other_gains_um(const LinearAxis& printed, std::initializer_list<double> shares) {
+  double largest = 0.0;
+  for (const double share : shares) {
+    LinearAxis axis = printed;
+    axis.gain_per_V *= share;
+    largest = std::max(largest, most_of_third_um(axis));
+  }
+  return largest;
+}
+
 LinearAxis axis_of(ThesisBench& bench, const ThesisTable& table) { return bench.design({table.config}).linear.axis; }
 
 ThesisRow bound_row(const char* place, std::string what, const char* printed, const char* held, const char* why,
@@ -197,6 +273,62 @@ std::vector<ThesisRow> order_bound_rows() {
                          "beside 0.30 um: the lines' own models would have to differ",
                   .command = "pneuservo thesis --only 'Fig 2.32 over'"});
   return rows;
+}
+
+namespace {
+
+constexpr const char* three_runs_place = "Fig 2.21, 2.23, 2.27, one set";
+constexpr const char* three_runs_why = "three runs of one curve without feedforward; the missing voltage may be any, "
+                                       "nonlinear too, but is the same in all "
+                                       "three, up to a shift in time";
+
+ThesisRow three_runs_row(const char* what, const char* unit, const char* printed, const char* held,
+                         std::function<double(const LinearAxis& printed)> ours) {
+  ThesisRow row = bound_row(three_runs_place, what, printed, held, three_runs_why, std::move(ours));
+  row.unit = unit;
+  return row;
+}
+
+/// The largest command of the seventh order in the run of Fig 2.21.
+ThesisRow command_row() {
+  return {.place = three_runs_place,
+          .what = "largest command of the 7th order in the run of Fig 2.21",
+          .unit = "V",
+          .printed = "not given",
+          .plant = ThesisPlant::linear,
+          .ours =
+              [](ThesisBench& bench) {
+                const ThesisCourse& course = bench.run(LinearRun{
+                    {table_4mm.config, {"controller.feedforward=none"}}, gains_of_3rd, 0, 7, LinearRun::Law::config});
+                double largest = 0.0;
+                for (const double command_V : course.u_V) largest = std::max(largest, std::fabs(command_V));
+                return largest;
+              },
+          .held = "0.3152",
+          .held_within = simulated_within,
+          .why = three_runs_why};
+}
+
+}  // namespace
+
+std::vector<ThesisRow> three_runs_rows() {
+  using Axis = const LinearAxis&;
+  return {three_runs_row("most of 540 um on any table that has 3270 and 14 um", "um", "540", "172.0",
+                         [](Axis axis) { return most_of_third_um(axis); }),
+          three_runs_row("the same, 3270 and 14 um 10 % larger", "um", "540", "189.2",
+                         [](Axis axis) { return most_of_third_um(axis, 1.0 + one_set_within); }),
+          three_runs_row("the same, with 0.7 to 2.5 of the model's gain", "um", "540", "265.1",
+                         [](Axis axis) { return most_of_other_gains_um(axis, {0.7, 0.85, 1.0, 1.2, 1.4, 2.0, 2.5}); }),
+          three_runs_row("the same, with half of the model's gain", "um", "540", "463.0",
+                         [](Axis axis) { return most_of_other_gains_um(axis, {0.5}); }),
+          three_runs_row("the same, with the printed observer in all three laws", "um", "540", "420.5",
+                         [](Axis axis) { return most_of_third_um(axis, 1.0, observed_motion); }),
+          three_runs_row("what the missing voltage must differ by, for all three within 10 %", "V", "not given",
+                         "0.2539", other_voltage_V),
+          command_row(),
+          three_runs_row("table: least sum on any table whose missing voltage is the same in the three", "",
+                         "not given", "1.144",
+                         [](Axis axis) { return std::log(printed_third_um / most_of_third_um(axis)); })};
 }
 
 std::vector<ThesisRow> least_sum_rows() {

@@ -394,6 +394,7 @@ HtmlPage thesis_page(const std::vector<ThesisResult>& results, ThesisBench& benc
       "Control Design of the Pneumatic Servo System Considering the Effect of Connected Pipelines. Each row: "
       "what is printed, what it should be, what this program gives now and on which plant; why: the sentence of that "
       "number below the table.");
+  if (const std::string left_out = thesis_left_out(results); !left_out.empty()) page.paragraph(left_out);
   page.details("What the verdicts mean",
                {{"agrees", "with the print: within half a unit of its last digit, or a share that its reason explains"},
                 {"corrected", "with the corrected print"},

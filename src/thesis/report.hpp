@@ -14,6 +14,8 @@ namespace pneuservo {
 std::vector<std::size_t> thesis_counts(const std::vector<ThesisResult>& results);
 /// "231 rows: 120 agrees, ...".
 std::string thesis_summary(const std::vector<ThesisResult>& results);
+/// Which command computes what is left out; empty: nothing is.
+std::string thesis_left_out(const std::vector<ThesisResult>& results);
 Table thesis_table(const ThesisResult& result);
 /// "[1] reason", each reason once; the last column of the table has its number.
 std::vector<std::string> thesis_reasons(const ThesisResult& result);

@@ -47,6 +47,10 @@ std::vector<ThesisRow> table_parameters() {
                 [](const Rig& r) { return 1e6 * r.period_s; }),
       table_row({.place = "2.1.1", .what = "resolution of the scale", .unit = "pm", .printed = "62.5"},
                 [](const Rig& r) { return 1e12 * r.sensors.position.quantum_m; }),
+      table_row({.place = "2.1.1", .what = "friction of the air bearing at 0.1 m/s", .unit = "N", .printed = "below 2"},
+                [](const Rig& r) {
+                  return 0.1 * r.axis.slider.viscous_friction_Ns_per_m + r.axis.effects.motion.coulomb_friction.force_N;
+                }),
       table_row({.place = "2.1.1",
                  .what = "mean pressure",
                  .unit = "kPa",

@@ -65,6 +65,7 @@ TEST_CASE("a config is judged by its motion, the larger side decides") {
   CHECK(r.index[0].index == Approx(1.624784377101).epsilon(1e-9));
   CHECK(r.side[1].pressure_Pa == Approx(540.2e3).epsilon(1e-3));
   CHECK((r.dominating == 0 && r.needed));
+  CHECK((is_pipeline_model_needed(1.0) && !is_pipeline_model_needed(0.999)));
   rig.axis.line_2.diameter_m = 0.006;
   CHECK(rig_necessity(rig).dominating == 1);
   rig = nominal_rig();

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <sstream>
 
 #include "thesis/groups.hpp"
 #include "thesis/one_set.hpp"
@@ -27,18 +28,42 @@ OneSet planted() {
   return set;
 }
 
+/// The options that the page names for a set.
+OneSetSearch search_of(const OneSet& set) {
+  OneSetSearch out;
+  std::istringstream words(set.searched);
+  for (std::string word; words >> word;) {
+    if (word == "--evaluations") words >> out.evaluations;
+    else if (word == "--seed") words >> out.seed;
+    else if (word == "--from-begun") out.from_begun = true;
+    else FAIL("no option of a search: " << word);
+  }
+  return out;
+}
+
 }  // namespace
 
-TEST_CASE("deviations count twice as much and half as much alike, and end where a figure is not there") {
+TEST_CASE("deviations count twice as much and half as much alike, and are infinite where a figure is not there") {
   const PrintedFigure figure{"Fig 1", "", "", "2.0"};
   CHECK(one_set_deviation(2.0, figure) == Approx(0.0).margin(1e-12));
   CHECK(one_set_deviation(4.0, figure) == Approx(one_set_deviation(1.0, figure)));
-  CHECK(one_set_deviation(std::nan(""), figure) == one_set_deviation(1e9, figure));
-  CHECK(one_set_deviation(-1.0, figure) == one_set_deviation(0.0, figure));
+  CHECK(one_set_deviation(2e9, figure) == Approx(std::log(1e9)));
+  for (const double none : {std::nan(""), 0.0, -1.0}) CHECK(std::isinf(one_set_deviation(none, figure)));
   const PrintedFigure limit{"Fig 1", "", "", "below 2.0"};
   CHECK(one_set_deviation(1.0, limit) == 0.0);
   CHECK(one_set_deviation(4.0, limit) == Approx(std::log(2.0)));
-  CHECK(one_set_deviation(std::nan(""), limit) == one_set_deviation(1e9, limit));
+  CHECK(std::isinf(one_set_deviation(std::nan(""), limit)));
+}
+
+TEST_CASE("the sum counts every figure in full, a search no figure beyond its cap") {
+  OneSet set = planted();
+  CHECK(total_deviation(set, {2.0, 50.0}) == Approx(std::log(100.0)));
+  CHECK(total_deviation(set, {2.0, 50.0}, set.search_cap) == Approx(3.0));
+  CHECK(total_deviation(set, {4.0, std::nan("")}, set.search_cap) == Approx(std::log(2.0) + 3.0));
+  CHECK(std::isinf(total_deviation(set, {4.0, std::nan("")})));
+  set.measure = SetMeasure::largest;
+  CHECK(total_deviation(set, {2.2, 0.4}) == Approx(0.2));
+  CHECK(total_deviation(set, {std::nan(""), 0.4}, set.search_cap) == Approx(3.0));
 }
 
 TEST_CASE("the search finds the one member that meets the print") {
@@ -63,10 +88,19 @@ TEST_CASE("the search finds the one member that meets the print") {
 TEST_CASE("a search that begins with the set found is never worse than it") {
   const OneSet set = planted();
   ThesisBench bench(one_set_configs);
-  const double held = total_deviation(figures_of(set, bench, found_numbers(set)), set.figures);
+  const double held = total_deviation(set, figures_of(set, bench, found_numbers(set)));
   const OneSetFound found = search_one_set(set, one_set_configs, {.evaluations = 20, .seed = 5, .from_found = true},
                                            [](const OneSetFound&) {});
   CHECK(found.deviation <= held + 1e-12);
+}
+
+TEST_CASE("a search can begin about a member that was set by hand") {
+  OneSet set = planted();
+  const OneSetSearch about{.evaluations = 20, .seed = 5, .from_begun = true};
+  const auto nothing = [](const OneSetFound&) {};
+  CHECK_THROWS_WITH(search_one_set(set, one_set_configs, about, nothing), Catch::Contains("planted"));
+  set.begun = {2.0, 0.0, 0.5};
+  CHECK(search_one_set(set, one_set_configs, about, nothing).deviation < 1e-9);
 }
 
 TEST_CASE("a search for some figures alone computes and counts no other") {
@@ -87,7 +121,9 @@ TEST_CASE("a search for some figures alone computes and counts no other") {
 TEST_CASE("the sets on the page lie in the ranges that their searches cover") {
   for (const OneSet& set : all_one_sets()) {
     CHECK(std::string(set.met_held).ends_with(std::to_string(set.figures.size())));
-    CHECK(std::string(set.searched).find("--seed") != std::string::npos);
+    const OneSetSearch search = search_of(set);
+    CHECK(search.evaluations >= 1000);
+    CHECK((!search.from_begun || !set.begun.empty()));
     for (const FreeNumber& number : set.numbers) {
       INFO(set.name << ": " << number.name);
       CHECK(number.found >= number.low);
@@ -95,6 +131,39 @@ TEST_CASE("the sets on the page lie in the ranges that their searches cover") {
       if (number.is_logarithmic) CHECK(number.low > 0.0);
     }
   }
+}
+
+TEST_CASE("the command beside a set finds what the page holds") {
+  for (const OneSet& set : line_length_sets()) {
+    INFO(set.name);
+    ThesisBench bench(one_set_configs);
+    const double held = total_deviation(set, figures_of(set, bench, found_numbers(set)));
+    CHECK(search_one_set(set, one_set_configs, search_of(set), [](const OneSetFound&) {}).deviation ==
+          Approx(held).epsilon(1e-4));
+    // No rig found comes within 10 %, from another seed neither.
+    CHECK(search_one_set(set, one_set_configs, {.evaluations = 800, .seed = 7}, [](const OneSetFound&) {}).deviation >
+          0.995 * held);
+    CHECK(held > 0.12);
+  }
+}
+
+TEST_CASE("three runs of one curve leave little of 540 um on any table") {
+  ThesisBench bench(one_set_configs);
+  const auto rows = three_runs_rows();
+  REQUIRE(rows.size() == 8);
+  std::vector<double> ours;
+  for (const ThesisRow& row : rows) {
+    ours.push_back(row.ours(bench).value);
+    INFO(row.what << ": " << ours.back());
+    CHECK(judge_thesis_row(row, ours.back()).verdict != ThesisVerdict::moved);
+  }
+  // All three figures within 10 %: not on the printed model nor on 0.7 to 2.5 of its gain; with half of it they may be.
+  CHECK(ours[1] == Approx(1.1 * ours[0]));
+  CHECK(1.1 * ours[2] < 0.9 * 540.0);
+  CHECK(1.1 * ours[3] > 0.9 * 540.0);
+  CHECK(1.1 * ours[4] < 0.9 * 540.0);
+  CHECK(ours[2] > ours[0]);
+  CHECK(ours[7] == Approx(std::log(540.0 / ours[0])));
 }
 
 TEST_CASE("one rig for lines meets all frequencies and every damping but those of 8 mm") {

@@ -101,7 +101,7 @@ TEST_CASE("formulas, lines and loops of the thesis stand where they are held") {
 TEST_CASE("the printed moves on the linear plant") {
   std::vector<ThesisGroup> groups{thesis_feedforward_group()};
   std::erase_if(groups[0].rows, [](const ThesisRow& row) { return row.plant != ThesisPlant::linear; });
-  REQUIRE(groups[0].rows.size() == 12);
+  REQUIRE(groups[0].rows.size() == 20);
   const auto results = compute(groups);
   INFO(moved(results));
   CHECK(moved(results).empty());
@@ -135,6 +135,16 @@ TEST_CASE("each reason stands once below its table, with the number that its row
   CHECK(thesis_reasons(results[0]) == std::vector<std::string>{"[1] the valve", "[2] the line"});
   const TableColumn numbers = thesis_table(results[0]).columns.back();
   CHECK(numbers.cells == std::vector<std::string>{"[1]", "", "[2]", "[1]"});
+}
+
+TEST_CASE("the text names the command of what is left out, where it is of that section") {
+  const auto text = [](const char* title) { return thesis_text({{title, {}}}); };
+  CHECK(text("2.4 Linear models against the experiment").find("pneuservo thesis --only 'Fig 2.2' --diagnose") !=
+        std::string::npos);
+  CHECK(text("2.6 Feedforward").find("--diagnose") == std::string::npos);
+  CHECK(thesis_left_out(
+            {{"2.4 Linear models against the experiment", {}}, {"2.4 What diagnose says that each order lacks", {}}})
+            .empty());
 }
 
 TEST_CASE("JSON has every key of every row") {

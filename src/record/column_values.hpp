@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace pneuservo {
@@ -31,6 +32,19 @@ inline double quantile(std::vector<double> values, double share) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
   std::nth_element(values.begin(), at, values.end());
   return *at;
+}
+
+/// Two quantiles, low below high, from one copy of the values.
+inline std::pair<double, double> quantiles(std::vector<double> values, double low, double high) {
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
+  if (values.empty()) return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+  const auto at = [&](double share) {
+    return values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  };
+  std::nth_element(values.begin(), at(low), values.end());
+  const double lowest = *at(low);
+  std::nth_element(at(low), at(high), values.end());
+  return {lowest, *at(high)};
 }
 
 /// The upper one of two in the middle. values: at least one.

@@ -64,6 +64,7 @@ bool is_clock_column(const CsvTable& table, const std::string& name) {
   return table.is_clock[static_cast<std::size_t>(at)] != 0;
 }
 
+/// Columns are moved out of the table, those that several of ours take are copied.
 MappedColumns mapped(CsvTable& table, const ImportParameters& imported) {
   MappedColumns out;
   std::vector<ImportedColumn> sources;
@@ -86,7 +87,9 @@ MappedColumns mapped(CsvTable& table, const ImportParameters& imported) {
     }
     if (source.tells_runs) out.telling.push_back(out.names.size());
     out.names.push_back(name);
-    out.values.push_back(table.column(source.column));
+    const auto takes_it = [&](const auto& entry) { return entry.second.column == source.column; };
+    std::vector<double>& values = table.column(source.column);
+    out.values.push_back(std::ranges::count_if(columns, takes_it) == 1 ? std::move(values) : values);
     sources.push_back(source);
     if (name == "t_s") {
       out.has_time_factor = source.factor != 1;

@@ -43,7 +43,8 @@ struct Range {
 };
 
 Range range_of(const std::vector<double>& values) {
-  return {quantile(values, lowest_share), quantile(values, highest_share)};
+  const auto [low, high] = quantiles(values, lowest_share, highest_share);
+  return {low, high};
 }
 
 /// Readings of a position in which it stays within the stroke, its zero at the middle or at an end.
@@ -127,10 +128,23 @@ void mark_spikes(const std::vector<double>& y, double excursion, std::vector<cha
 /// Steps elsewhere that a step out of a standstill must exceed so many times to prove the standstill a frozen sensor.
 constexpr double step_of_a_jump = 5;
 
+/// Rows of the longest run of equal values.
+std::size_t longest_standstill(const std::vector<double>& y) {
+  std::size_t longest = 0, first = 0;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    if (y[i] != y[first]) first = i;
+    longest = std::max(longest, i + 1 - first);
+  }
+  return longest;
+}
+
 /// Runs of equal values that the noise rules out, or that end in a step no motion of this recording makes, from one row
 /// to the next: behind a gap the motion may be anywhere. The first value of a run was measured.
 void mark_frozen(const std::vector<double>& t_s, const std::vector<double>& y, const Plausible& plausible,
                  std::vector<char>& verdict) {
+  const auto by_noise_rows = static_cast<std::size_t>(std::max(0, plausible.frozen_rows));
+  const std::size_t longest = longest_standstill(y);
+  if (longest < least_standstill && (by_noise_rows == 0 || longest <= by_noise_rows)) return;
   std::vector<double> intervals;
   for (std::size_t i = 1; i < t_s.size(); ++i) intervals.push_back(t_s[i] - t_s[i - 1]);
   const double gap_s = 1.5 * quantile(intervals, 0.5);
@@ -141,7 +155,7 @@ void mark_frozen(const std::vector<double>& t_s, const std::vector<double>& y, c
   for (std::size_t first = 0, end = 0; first < y.size(); first = end) {
     end = first + 1;
     while (end < y.size() && y[end] == y[first]) ++end;
-    const bool by_noise = plausible.frozen_rows > 0 && end - first > static_cast<std::size_t>(plausible.frozen_rows);
+    const bool by_noise = by_noise_rows > 0 && end - first > by_noise_rows;
     const bool by_jump = end - first >= least_standstill && end < y.size() && std::abs(y[end] - y[first]) > jump &&
                          std::abs(t_s[end] - t_s[end - 1]) < gap_s;
     if (by_noise || by_jump)
@@ -216,8 +230,7 @@ std::string stated_reading(Recording recording, const std::string& column, const
 std::vector<std::string> pressure_columns(const Recording& recording) {
   std::vector<std::string> out;
   for (const Signal signal : pressure_signals)
-    if (const std::string_view name = info(signal).column;
-        recording.has(name) && std::isfinite(quantile(recording.column(name), 0.5)))
+    if (const std::string_view name = info(signal).column; recording.has(name) && has_value(recording.column(name)))
       out.emplace_back(name);
   return out;
 }
@@ -275,15 +288,16 @@ std::vector<UnitReading> pressure_readings(const Rig& rig, const Recording& reco
   const PossibleRange possible = possible_pressure_Pa(rig);
   const double atmosphere_Pa = rig.axis.air.atmosphere_Pa,
                driving_Pa = atmosphere_Pa + least_driving * (rig.axis.supply.pressure_Pa - atmosphere_Pa);
+  std::vector<Range> ranges;
+  for (const std::string& column : columns) ranges.push_back(range_of(recording.column(column)));
   double highest = -infinite;
-  for (const std::string& column : columns) highest = std::max(highest, range_of(recording.column(column)).high);
+  for (const Range& range : ranges) highest = std::max(highest, range.high);
   std::vector<UnitReading> out;
   for (const Unit& unit : pressure_units)
     for (const double offset : {0.0, atmosphere_Pa}) {
       const bool is_as_recorded = unit.factor == 1 && offset == 0;
       if (!is_as_recorded && unit.factor * highest + offset < driving_Pa) continue;
-      const bool fits = std::all_of(columns.begin(), columns.end(), [&](const std::string& column) {
-        const Range range = range_of(recording.column(column));
+      const bool fits = std::all_of(ranges.begin(), ranges.end(), [&](const Range& range) {
         return unit.factor * range.low + offset >= possible.lowest &&
                unit.factor * range.high + offset <= possible.highest;
       });
@@ -352,10 +366,7 @@ void take_out_impossible_samples(const Rig& rig, Recording& recording, std::vect
 
 void refuse_standstill(const Rig& rig, const Recording& recording) {
   if (!recording.has("x_m")) return;
-  const auto span = [&](const std::string& column) {
-    const std::vector<double>& values = recording.column(column);
-    return quantile(values, highest_share) - quantile(values, lowest_share);
-  };
+  const auto span = [&](const std::string& column) { return range_of(recording.column(column)).span(); };
   const double span_m = span("x_m");
   if (!std::isfinite(span_m))
     throw InputError(fmt::format("{}: x_m has no usable value, expected the measured position", recording.path));

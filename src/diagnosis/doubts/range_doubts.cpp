@@ -52,7 +52,8 @@ std::vector<Turn> turns_of(const std::vector<double>& t, const std::vector<doubl
   std::vector<double> sizes;
   for (const double step : steps)
     if (step != 0) sizes.push_back(std::abs(step));
-  const double usual = quantile(sizes, 0.9), span = quantile(y, highest_share) - quantile(y, lowest_share);
+  const auto [low, high] = quantiles(y, lowest_share, highest_share);
+  const double usual = quantile(std::move(sizes), 0.9), span = high - low;
   std::vector<Turn> out;
   for (std::size_t i = 1; i < y.size(); ++i) {
     if (!(std::abs(steps[i]) > std::max(0.5 * span, beyond_the_motion * usual)) || t[i] - t[i - 1] > 1.5 * interval_s)

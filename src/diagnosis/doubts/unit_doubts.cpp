@@ -116,8 +116,8 @@ std::string evidence_of(const Rig& rig, const Recording& recording, Quantity qua
                         const std::vector<std::string>& columns) {
   double low = infinite_misfit, high = -infinite_misfit;
   for (const std::string& column : columns) {
-    low = std::min(low, quantile(recording.column(column), lowest_share));
-    high = std::max(high, quantile(recording.column(column), highest_share));
+    const auto [lowest, highest] = quantiles(recording.column(column), lowest_share, highest_share);
+    low = std::min(low, lowest), high = std::max(high, highest);
   }
   const std::string range = fmt::format("{}: {} go{} from {:.4g} to {:.4g}", recording.path, fmt::join(columns, ", "),
                                         columns.size() == 1 ? "es" : "", low, high);
@@ -154,7 +154,7 @@ std::vector<std::vector<std::string>> by_sensors(const Recording& recording) {
 /// What the recording's channels may be meant as; throws where a kind has no reading.
 Kinds possible_readings(const Rig& rig, const Recording& recording) {
   const auto has = [&](const std::string& column) {
-    return recording.has(column) && std::isfinite(quantile(recording.column(column), 0.5));
+    return recording.has(column) && has_value(recording.column(column));
   };
   Kinds out;
   for (const std::vector<std::string>& pressures : by_sensors(recording))
@@ -287,6 +287,7 @@ bool are_mixed(const Kinds& kinds, const std::vector<UnitReading>& taken) {
 /// Applied, and told: groups of pressures that are read alike in one sentence.
 void take(const Rig& rig, Recording& recording, const Kinds& kinds, const std::vector<UnitReading>& taken,
           std::vector<std::string>& notes) {
+  if (std::all_of(taken.begin(), taken.end(), [](const UnitReading& one) { return is_as_recorded(one); })) return;
   const Recording as_recorded = recording;
   std::vector<char> is_told(kinds.size(), false);
   for (std::size_t k = 0; k < kinds.size(); ++k) {

@@ -92,6 +92,16 @@ std::vector<std::size_t> groups_of(const std::vector<double>& t) {
   return first;
 }
 
+/// Whether some time is earlier than the one before it.
+bool goes_back(const std::vector<double>& t) {
+  double before = no_value;
+  for (const double time : t) {
+    if (time < before) return true;
+    if (std::isfinite(time)) before = time;
+  }
+  return false;
+}
+
 /// Rows of the whole groups from..to (numbers of groups) on the line nearest to their first rows: without that of the
 /// first group, which may be cut off at its start.
 void spread(std::vector<double>& t, const std::vector<std::size_t>& group, std::size_t from, std::size_t to,
@@ -216,10 +226,12 @@ TimeUnit unit_of_times(const std::vector<double>& stamps, double period_s, bool 
 
 std::size_t pass_midnights(std::vector<double>& t, bool is_clock) {
   constexpr double day_s = 86400;
+  if (!goes_back(t)) return 0;
   return go_on_behind(t, day_s, is_clock ? 0.5 * day_s : longest_counted * median_step_s(t), is_clock);
 }
 
 int pass_wraps(std::vector<double>& t) {
+  if (!goes_back(t)) return 0;
   const double longest = longest_at_wrap * median_step_s(t);
   for (const int bits : {16, 24, 32})
     for (const double unit : {1.0, 1e-3, 1e-6})
@@ -233,6 +245,7 @@ int pass_wraps(std::vector<double>& t) {
 Turns turns_of(const std::vector<double>& t, double unit_s) {
   constexpr std::array<std::pair<double, std::string_view>, 3> turns{
       {{1.0, "second"}, {60.0, "minute"}, {3600.0, "hour"}}};
+  if (!goes_back(t)) return {};
   const double longest = longest_at_wrap * median_step_s(t);
   for (const auto& [turn_s, words] : turns) {
     Turns out{{}, turn_s / unit_s, std::string(words)};

@@ -93,7 +93,7 @@ RealTimeSession::~RealTimeSession() {
   if (state_.cpu) sched_setaffinity(0, sizeof previous_cpus_, &previous_cpus_);
   if (latency_file_ >= 0) close(latency_file_);
   if (state_.memory_locked) munlockall();
-  mallopt(M_TRIM_THRESHOLD, 128 * 1024);  // glibc's defaults, which cannot be read
+  mallopt(M_TRIM_THRESHOLD, 128 * 1024);  // glibc's defaults: what was set before cannot be read
   mallopt(M_MMAP_MAX, 65536);
 }
 

@@ -87,6 +87,7 @@ int status_of_output(int status) {
                errno != 0 ? std::strerror(errno) : "a write failed");
   return status == 0 ? 1 : status;
 }
+
 /// Memory that one step frees is used again by the next: glibc gives large blocks back page by page, which costs a
 /// seventh of the time in which a large recording is read.
 void keep_freed_memory() {

@@ -6,7 +6,7 @@
 namespace pneuservo {
 
 /// A quarter of the memory that the machine, its container and the process's own limit leave: besides the table there
-/// are its mapped columns, a run of them and what is computed of both.
+/// are a run of it and what is computed of both.
 std::size_t most_table_bytes();
 
 /// Throws InputError where a file's values or its head take more than that up to a line.

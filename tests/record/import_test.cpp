@@ -32,6 +32,18 @@ TEST_CASE("a column map makes runs in order of time, scaled, with repeats averag
   CHECK(runs[1].column("p1_chamber_Pa") == std::vector<double>{105325, 113325});
 }
 
+TEST_CASE("two columns of ours may come from one of the file") {
+  const TemporaryFolder folder;
+  ImportParameters map;
+  map.columns["t_s"] = {"t_s"};
+  map.columns["p1_chamber_Pa"] = {"p_kPa", 1000.0, 101325.0};
+  map.columns["p1_port_Pa"] = {"p_kPa", 1000.0};
+  std::ofstream(folder.file("one.csv")) << "t_s,p_kPa\n0,10\n0.01,11\n0.02,12\n";
+  const Recording run = read_recordings(folder.file("one.csv"), map, 0.01).at(0);
+  CHECK(run.column("p1_chamber_Pa") == std::vector<double>{111325, 112325, 113325});
+  CHECK(run.column("p1_port_Pa") == std::vector<double>{10000, 11000, 12000});
+}
+
 TEST_CASE("columns that bear our names are read beside a map, unless it names them") {
   const TemporaryFolder folder;
   std::ofstream(folder.file("own.csv")) << "t_s,x_m,u_V,p1_port_Pa,other\n0,10,1,5e5,3\n0.001,20,2,5e5,3\n";

@@ -142,9 +142,9 @@ std::size_t longest_standstill(const std::vector<double>& y) {
 /// to the next: behind a gap the motion may be anywhere. The first value of a run was measured.
 void mark_frozen(const std::vector<double>& t_s, const std::vector<double>& y, const Plausible& plausible,
                  std::vector<char>& verdict) {
-  const auto by_noise_rows = static_cast<std::size_t>(std::max(0, plausible.frozen_rows));
+  const auto frozen_rows = static_cast<std::size_t>(std::max(0, plausible.frozen_rows));
   const std::size_t longest = longest_standstill(y);
-  if (longest < least_standstill && (by_noise_rows == 0 || longest <= by_noise_rows)) return;
+  if (longest < least_standstill && (frozen_rows == 0 || longest <= frozen_rows)) return;
   std::vector<double> intervals;
   for (std::size_t i = 1; i < t_s.size(); ++i) intervals.push_back(t_s[i] - t_s[i - 1]);
   const double gap_s = 1.5 * quantile(intervals, 0.5);
@@ -155,7 +155,7 @@ void mark_frozen(const std::vector<double>& t_s, const std::vector<double>& y, c
   for (std::size_t first = 0, end = 0; first < y.size(); first = end) {
     end = first + 1;
     while (end < y.size() && y[end] == y[first]) ++end;
-    const bool by_noise = by_noise_rows > 0 && end - first > by_noise_rows;
+    const bool by_noise = frozen_rows > 0 && end - first > frozen_rows;
     const bool by_jump = end - first >= least_standstill && end < y.size() && std::abs(y[end] - y[first]) > jump &&
                          std::abs(t_s[end] - t_s[end - 1]) < gap_s;
     if (by_noise || by_jump)

@@ -268,18 +268,16 @@ void Search::take_floor_at_best() {
 
 const Explanation* Search::pair_beside(const Explanation& first, double first_evidence) {
   tell(0.8, "effects beside the first");
-  // Beside its own slow error every explanation is at its floor.
-  const double needed = rules_.next_gain_at_floor;
   rows_.take_slow_error(first.fit.hypothesis());
   polish({&tried_.at(first.members)}, 1, Anew::own);
   const std::vector<Screened> screened = Screening(rows_, first.fit, candidates_, others(first.members)).singles();
   refit(first.fit, first.members, worth_refitting(screened, settings_.refits));
   double promised = 0;
   for (const Explanation* e : all_tried(2)) promised = std::max(promised, beside_own_error(*e) - first_evidence);
-  if (promised >= settings_.screened_share * needed) {
+  if (promised >= settings_.screened_share * rules_.next_gain) {
     swap_members(*best_of(2));
     const auto [evidence, pair] = best_beside_own_error(2);
-    if (evidence - first_evidence >= needed) return pair;
+    if (evidence - first_evidence >= rules_.next_gain) return pair;
   }
   std::erase_if(tried_, [](const auto& tried) { return tried.first.size() > 1; });
   return nullptr;
@@ -335,7 +333,7 @@ bool Search::search_next(std::size_t members) {
   const std::vector<Screened> screened = Screening(rows_, base->fit, candidates_, others(base->members)).singles();
   const std::vector<Screened> chosen = worth_refitting(screened, settings_.next_refits);
   const double first_gain = best_named(1)->log_evidence - owner_.log_evidence;
-  const double needed = rules_.needed_beside(members, first_gain, rules_.next_gain);
+  const double needed = rules_.needed_beside(members, first_gain);
   // Beside a large first name the owner's parameters stand at their bounds, and derivatives there know little of where
   // they would go.
   if (chosen.empty() || 0.5 * chosen.front().gain < settings_.screened_share * needed) return false;

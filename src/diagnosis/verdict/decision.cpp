@@ -61,20 +61,20 @@ double own_value(const Explanation& explanation, const std::string& path) {
 
 /// Whether the member is in truth the simpler law that it contains: Stribeck friction with next to no extra force, a
 /// friction that hardly differs by direction.
-bool is_simpler_law(const Explanation& explanation, const Candidate& candidate, double law_share) {
+bool is_simpler_law(const Explanation& explanation, const Candidate& candidate, double small_share) {
   if (candidate.entry == nullptr || candidate.entry->contains.name.empty()) return false;
   const SimplerLaw& simpler = candidate.entry->contains;
   const auto value = [&](std::string_view key) { return own_value(explanation, candidate.path_of(key)); };
-  if (!simpler.extra.empty()) return value(simpler.extra) < law_share * value(simpler.beside);
+  if (!simpler.extra.empty()) return value(simpler.extra) < small_share * value(simpler.beside);
   const double one = value(simpler.alike[0]), other = value(simpler.alike[1]);
-  return std::abs(one - other) < law_share * 0.5 * (one + other);
+  return std::abs(one - other) < small_share * 0.5 * (one + other);
 }
 
 std::vector<const Explanation*> sizeable(const Search& search, std::size_t members, const DecisionRules& rules) {
   std::vector<const Explanation*> out = search.ranking(members);
   std::erase_if(out, [&](const Explanation* e) {
     return std::any_of(e->members.begin(), e->members.end(), [&](std::size_t m) {
-      return is_negligible(*e, search.candidates()[m]) || is_simpler_law(*e, search.candidates()[m], rules.law_share);
+      return is_negligible(*e, search.candidates()[m]) || is_simpler_law(*e, search.candidates()[m], rules.small_share);
     });
   });
   return out;
@@ -112,12 +112,13 @@ std::vector<double> shares_of(const std::vector<double>& evidence, double temper
   return out;
 }
 
-std::vector<double> probabilities_of(const std::vector<const Explanation*>& rivals, const DecisionRules& rules) {
+std::vector<double> probabilities_of(const std::vector<const Explanation*>& rivals, const DecisionRules& rules,
+                                     double whole) {
   const bool is_owner = rivals.front()->members.empty();
   std::vector<double> evidence;
   for (const Explanation* rival : rivals)
     evidence.push_back(rival->log_evidence - (is_owner && !rival->members.empty() ? rules.alarm_gain : 0));
-  return shares_of(evidence, rules.temperature, rules.most_sure);
+  return shares_of(evidence, rules.temperature, whole);
 }
 
 namespace {
@@ -130,7 +131,7 @@ const Explanation* unnamed_best(const Search& search, const std::vector<const Ex
   const Explanation* best = search.best_of(1);
   if (best == nullptr || !is_negligible(*best, search.candidates()[best->members.front()])) return nullptr;
   const double next = ranked.empty() ? search.owner().log_evidence : ranked.front()->log_evidence;
-  return best->log_evidence > next + rules.ambiguous_distance ? best : nullptr;
+  return best->log_evidence > next + rules.ambiguous_distance() ? best : nullptr;
 }
 
 /// The best that is sure of its sizes: a leak that opens at any pressure is known by two numbers that follow each
@@ -152,20 +153,18 @@ Decision chosen_chain(ResidualModel& model, const Search& search, const Decision
     if (is_seen) ranked.insert(ranked.begin(), small);
     else ranked.clear();
   }
-  double first_gain = 0, next_gain = rules.alarm_gain;
+  double first_gain = 0;
   for (std::size_t members = 1; !ranked.empty(); ranked = sizeable(search, ++members, rules)) {
     const Explanation* best = first_sure(ranked, search, rules);
     // A first name that hardly any size is known of stands where nothing that is sure of its own comes near.
     if (members == 1 &&
-        (best == nullptr || best->log_evidence < ranked.front()->log_evidence - rules.ambiguous_distance))
+        (best == nullptr || best->log_evidence < ranked.front()->log_evidence - rules.ambiguous_distance()))
       best = ranked.front();
     if (best == nullptr) break;
     const double gain = best->log_evidence - decision.chosen->log_evidence;
     if (members == 1) first_gain = gain;
-    if (gain < rules.needed_beside(members - 1, first_gain, next_gain)) break;
+    if (gain < rules.needed_beside(members - 1, first_gain)) break;
     decision.chosen = best;
-    const ModelLevels levels = model_levels(model, best->fit, rules);
-    next_gain = levels.highest() < rules.floor_level ? rules.next_gain_at_floor : rules.next_gain;
     decision.rivals = ranked;
     std::erase(decision.rivals, best);
     decision.rivals.insert(decision.rivals.begin(), best);
@@ -179,7 +178,7 @@ Decision chosen_chain(ResidualModel& model, const Search& search, const Decision
     std::erase_if(decision.rivals,
                   [&](const Explanation* e) { return e->log_evidence > decision.chosen->log_evidence; });
   }
-  decision.probabilities = probabilities_of(decision.rivals, rules);
+  decision.probabilities = probabilities_of(decision.rivals, rules, rules.most_sure);
   return decision;
 }
 
@@ -214,8 +213,8 @@ bool is_small_remainder(const Decision& decision, const Search& search, const De
   if (decision.reason.empty() || decision.chosen->members.empty() || decision.levels.line) return false;
   const Fit& fit = decision.chosen->fit;
   const double taken = share_taken(search.owner().fit.chi2(), fit.chi2(), static_cast<double>(fit.residual.size()));
-  return taken >= rules.nearly_all && decision.levels.highest() < rules.small_remainder &&
-         decision.levels.held_out_excess() < rules.small_held_out_excess;
+  return taken >= rules.most_sure && decision.levels.highest() < rules.small_remainder &&
+         decision.levels.highest_held_out() < rules.small_remainder;
 }
 
 /// Whether the owner's model stands clearly above the chosen one's mean square, or above one where the chosen one does
@@ -306,9 +305,8 @@ void judge_what_is_left(ResidualModel& model, const Search& search, const Decisi
   }
   if (is_named) say_described(search, decision);
   else if (decision.element.empty() && model.simulates() && find_shaking(model, search, rules, decision)) return;
-  DecisionRules sure = rules;
-  if (decision.beside_remainder) sure.most_sure = rules.most_sure_beside;
-  decision.probabilities = probabilities_of(decision.rivals, sure);
+  decision.probabilities =
+      probabilities_of(decision.rivals, rules, decision.beside_remainder ? rules.most_sure_beside : rules.most_sure);
 }
 
 namespace {
@@ -337,10 +335,10 @@ std::optional<Decision> number_beyond_tolerance(ResidualModel& model, const Sear
   Decision decision;
   decision.chosen = *off;
   decision.gain = decision.chosen->log_evidence - search.owner().log_evidence;
-  if (decision.gain < rules.ambiguous_distance) return std::nullopt;
+  if (decision.gain < rules.ambiguous_distance()) return std::nullopt;
   decision.beside_remainder = true;
   decision.rivals.assign(off, ranked.end());
-  decision.probabilities = probabilities_of(decision.rivals, rules);
+  decision.probabilities = probabilities_of(decision.rivals, rules, rules.most_sure_beside);
   decision.verdict = verdict_of(*decision.chosen, search);
   decision.levels = model_levels(model, decision.chosen->fit, rules);
   return decision;
@@ -349,10 +347,9 @@ std::optional<Decision> number_beyond_tolerance(ResidualModel& model, const Sear
 }  // namespace
 
 Decision decide_beside_remainder(ResidualModel& model, const Search& search, const DecisionRules& rules) {
-  DecisionRules beside = rules;
-  beside.most_sure = rules.most_sure_beside;
-  Decision decision = chosen_chain(model, search, beside);
+  Decision decision = chosen_chain(model, search, rules);
   decision.beside_remainder = true;
+  decision.probabilities = probabilities_of(decision.rivals, rules, rules.most_sure_beside);
   decision.levels = model_levels(model, decision.chosen->fit, rules);
   const ModelLevels before = model_levels(model, search.owner().fit, rules);
   decision.reason = what_is_left(decision, model, rules);
@@ -360,12 +357,11 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
                                    static_cast<double>(search.owner().fit.residual.size()));
   const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
                         (is_owner_refuted(search, decision, rules) || bring_down(decision, before, rules)) &&
-                        share >= rules.taken_share && decision.levels.highest() <= rules.largest_remainder;
+                        share >= rules.taken_share;
   const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;
   if (find_supply_swing(model, search, rules, taken, decision)) return decision;
   if (!is_named && find_shaking(model, search, rules, decision)) return decision;
-  const bool is_periodic =
-      find_periodic_force(model, rules, is_named ? rules.periodic_share : rules.told_share, decision);
+  const bool is_periodic = find_periodic_force(model, rules, rules.taken_share, decision);
   if (!is_periodic && is_named) {
     say_described(search, decision);
     return decision;
@@ -376,7 +372,7 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
   owners.levels = before;
   owners.reason = what_is_left(owners, model, rules);
   if (!is_periodic && owners.reason.empty())  // small physics alone brings all to its floor
-    return number_beyond_tolerance(model, search, beside).value_or(owners);
+    return number_beyond_tolerance(model, search, rules).value_or(owners);
   if (decision.reason.empty()) decision.reason = owners.reason;  // the best name takes it, and is not to be given
   return decision;
 }
@@ -488,8 +484,8 @@ std::string periodic_part(const Decision& decision, const ResidualModel& model) 
 }
 
 /// Of the explanations from `best` on the one that stands: one with more numbers stands for one with fewer only where
-/// it takes enough of what that one leaves of `all`. A number that the owner may have wrong goes before physics that
-/// the config has not.
+/// that one leaves clearly more. A number that the owner may have wrong goes before physics that the config has not,
+/// where what it leaves beyond that is a small share of `all`.
 template <class IsSure>
 Ranked plain_enough(ResidualModel& model, const Search& search, Ranked best, Ranked end, const IsSure& is_sure,
                     double all, const DecisionRules& rules) {
@@ -500,9 +496,8 @@ Ranked plain_enough(ResidualModel& model, const Search& search, Ranked best, Ran
     const bool is_owned =
         std::all_of(plainer->explanation->members.begin(), plainer->explanation->members.end(),
                     [&](std::size_t m) { return search.candidates()[m].kind == CandidateKind::parameter; });
-    const double most = is_owned ? std::max(rules.richer_of_left * plainer_leaves, rules.richer_of_all * all)
-                                 : rules.richer_of_left * plainer_leaves;
-    if (plainer_leaves - leaves >= most) continue;
+    const bool is_about_alike = is_owned && plainer_leaves - leaves < rules.small_share * all;
+    if (plainer_leaves >= rules.worse_fit * leaves && !is_about_alike) continue;
     best = plainer;
     leaves = plainer_leaves;
   }
@@ -547,7 +542,7 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
     const double leaves = best == ranked.end() ? left : above_floors(model, *best->explanation, rules);
     // What is left counts as noise already (growth): one more name is asked for no more evidence than the first.
     const bool enough = best != ranked.end() && best->score - score >= rules.alarm_gain &&
-                        (members == 1 || left - leaves >= rules.next_of_left * left);
+                        (members == 1 || left >= rules.worse_fit * leaves);
     if (members == 1 || enough)
       scores = scores_of_rivals(decision, search, ranked.begin(), enough ? best : ranked.end(), ranked.end());
     if (!enough) break;
@@ -589,7 +584,7 @@ std::vector<std::string> ambiguous_names(const Decision& decision, const Search&
   std::vector<std::string> names;
   for (const Explanation* rival : decision.rivals) {
     const double behind = (decision.chosen->log_evidence - rival->log_evidence) / decision.growth;
-    if (rival == decision.chosen || behind > rules.ambiguous_distance) continue;
+    if (rival == decision.chosen || behind > rules.ambiguous_distance()) continue;
     std::vector<std::size_t> other = rival->members;
     for (const std::size_t m : without_member(decision.chosen->members, member)) std::erase(other, m);
     if (other.size() == 1) names.push_back(search.candidates()[other.front()].name);

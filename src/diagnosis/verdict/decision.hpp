@@ -15,10 +15,11 @@ namespace pneuservo {
 struct ModelLevels {
   Eigen::VectorXd residual;
   std::vector<ChannelLevel> channels;
-  std::optional<SpectralLine> line;  ///< above the rules' ratio
+  std::optional<SpectralLine> line;  ///< above `next_gain`
 
   double chi2(bool held_out) const;
-  double highest() const;
+  double highest() const;  ///< of fitted rows, beside what the owner states [sigma]
+  double highest_held_out() const;
   /// Chi2 a row on held-out stretches over that on fitted ones; 1 where there are none or they are at their floor: the
   /// floor is wider at the start of a recording, so that fitted rows may stay further below it.
   double held_out_ratio() const;
@@ -46,7 +47,9 @@ struct Decision {
 /// What of the decision's levels is above the rules' limits, in words; empty: nothing.
 std::string what_is_left(const Decision& decision, ResidualModel& model, const DecisionRules& rules);
 /// Of rivals, the chosen one first: a first name has to bring `alarm_gain` before it is as likely as nothing at all.
-std::vector<double> probabilities_of(const std::vector<const Explanation*>& rivals, const DecisionRules& rules);
+/// They add up to `whole`.
+std::vector<double> probabilities_of(const std::vector<const Explanation*>& rivals, const DecisionRules& rules,
+                                     double whole);
 
 Decision decide(ResidualModel& model, const Search& search, const DecisionRules& rules);
 /// The same on one explanation of the search, whatever is before it.

@@ -188,7 +188,7 @@ void add_unknown(ResidualModel& model, const Decision& decision, const Search& s
   DiagnosisAnswer answer;
   answer.effect = "unknown";
   answer.element = out.elements.empty() ? "motion" : out.elements.front().element;
-  answer.probability = rules.unknown_sure;
+  answer.probability = rules.most_sure_beside;
   answer.note = decision.reason;
   if (!decision.chosen->members.empty() && !decision.is_described) {
     const double before = search.owner().fit.chi2(), after = decision.chosen->fit.chi2();

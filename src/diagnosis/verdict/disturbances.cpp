@@ -20,7 +20,7 @@ Decision unknown_at(const std::string& element, ResidualModel& model, const Sear
   decision.element = element;
   decision.chosen = &search.owner();
   decision.rivals = {decision.chosen};
-  decision.probabilities = probabilities_of(decision.rivals, rules);
+  decision.probabilities = probabilities_of(decision.rivals, rules, rules.most_sure);
   decision.levels = model_levels(model, decision.chosen->fit, rules);
   decision.reason = what_is_left(decision, model, rules);
   return decision;
@@ -50,22 +50,22 @@ bool find_shaking(ResidualModel& model, const Search& search, const DecisionRule
   for (std::size_t c = 0; c < model.channels().size(); ++c)
     if (model.channels()[c].name == "F")
       taken = 1 - std::pow(decision.levels.channels[c].fitted / std::max(shaken.levels.channels[c].fitted, 1e-300), 2);
-  if (!find_periodic_force(model, rules, std::max(rules.periodic_share, taken), shaken)) return false;
+  if (!find_periodic_force(model, rules, std::max(rules.taken_share, taken), shaken)) return false;
   decision = std::move(shaken);
   return true;
 }
 
 bool find_supply_swing(ResidualModel& model, const Search& search, const DecisionRules& rules, double taken_by_names,
                        Decision& decision) {
-  if (taken_by_names >= rules.nearly_all || !search.owner_wants_more_swing()) return false;  // spares the sweep
+  if (taken_by_names >= rules.most_sure || !search.owner_wants_more_swing()) return false;  // spares the sweep
   Hypothesis steady = search.owner().fit.hypothesis();
   steady.swing_Pa.clear();
   FittedRows rows(model, {});
   const auto swing = strongest_supply_swing(rows, steady);
   double stated_Pa = 0;
   for (const ResidualChannel& channel : model.channels()) stated_Pa = std::max(stated_Pa, channel.stated);
-  if (!swing || swing->amplitude_Pa <= stated_Pa || swing->share < std::max(rules.periodic_share, taken_by_names) ||
-      1 - swing->share > rules.swing_left * (1 - swing->next_share))
+  if (!swing || swing->amplitude_Pa <= stated_Pa || swing->share < std::max(rules.taken_share, taken_by_names) ||
+      rules.worse_fit * (1 - swing->share) > 1 - swing->next_share)
     return false;
   decision = unknown_at("supply", model, search, rules);
   decision.reason =

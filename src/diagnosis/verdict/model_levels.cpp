@@ -22,6 +22,12 @@ double ModelLevels::highest() const {
   return most;
 }
 
+double ModelLevels::highest_held_out() const {
+  double most = 0;
+  for (const ChannelLevel& c : channels) most = std::max(most, c.held_out / c.stated);
+  return most;
+}
+
 double ModelLevels::held_out_ratio() const {
   double rows = 0, held_rows = 0;
   for (const ChannelLevel& c : channels) {
@@ -82,7 +88,7 @@ ModelLevels model_levels(ResidualModel& model, const Fit& fit, const DecisionRul
     const ResidualChannel& channel = model.channels()[static_cast<std::size_t>(levels.line->channel)];
     const bool is_small = levels.line->amplitude <
                           std::max(rules.line_amplitude * std::hypot(channel.noise, channel.floor), channel.stated);
-    if (levels.line->ratio < rules.line_ratio || is_small) levels.line.reset();
+    if (levels.line->ratio < rules.next_gain || is_small) levels.line.reset();
   }
   return levels;
 }

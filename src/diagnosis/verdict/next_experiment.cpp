@@ -91,7 +91,7 @@ std::vector<std::string> differing_names(const Explanation& a, const Explanation
 const Explanation* nearest_rival(const Decision& decision, const DecisionRules& rules) {
   for (const Explanation* rival : decision.rivals)
     if (rival != decision.chosen && !rival->fit.failed &&
-        rival->log_evidence > decision.chosen->log_evidence - rules.ambiguous_distance)
+        rival->log_evidence > decision.chosen->log_evidence - rules.ambiguous_distance())
       return rival;
   return nullptr;
 }

@@ -29,7 +29,7 @@ double refitted_misfit(const Fit& added, const Fit& before);
 /// Of safe_references the one whose recording, made under the chosen explanation, leaves most of the nearest rival's
 /// misfit after the rival's own refit beside the recordings so far (its parameters, the tolerances and the start free,
 /// linearly). The separation is the root of what is left in chi2, the smaller of both directions. Nothing where no
-/// rival is within rules.ambiguous_distance. shown_speed_mps: largest speed of the recordings so far.
+/// rival is within rules.ambiguous_distance(). shown_speed_mps: largest speed of the recordings so far.
 std::optional<ProposedExperiment> propose_experiment(const Rig& owner, const Decision& decision, const Search& search,
                                                      const DecisionRules& rules, double shown_speed_mps,
                                                      const VirtualMachine& machine, const CompareRecording& compare,

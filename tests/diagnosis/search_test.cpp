@@ -153,7 +153,7 @@ TEST_CASE("search: what the owner's slow error takes in has its name beside an e
   REQUIRE(search.best_of(1) != nullptr);
   CHECK(search.best_of(1)->members.front() == 0);
   CHECK(search.best_of(1)->fit.z(0) == Approx(1).epsilon(0.01));
-  CHECK(search.first_gain() > DecisionRules{}.next_gain);
+  CHECK(search.first_gain() > DecisionRules{}.alarm_gain);
 }
 
 TEST_CASE("search: a name that small physics stands for brings nothing beside it") {
@@ -167,7 +167,7 @@ TEST_CASE("search: a name that small physics stands for brings nothing beside it
   search.run();
   REQUIRE(search.best_of(2) != nullptr);
   const double alone = search.best_of(2)->log_evidence - search.best_of(1)->log_evidence;
-  CHECK(alone > two_names.next_gain);
+  CHECK(alone > two_names.alarm_gain);
   SearchSettings settings;
   FreeParameter small = free_number(cylinder_rig(), "effects.valve_offset.offset_V");
   small.lower = -3, small.upper = 3, small.step = 0.01;

@@ -247,7 +247,7 @@ void Search::take_floor_at_best() {
   const auto [single, first] = best_beside_own_error(1);
   if (first == nullptr) return;
   first_gain_ = single - owner;
-  const Explanation* floor = first_gain_ < rules_.next_gain ? &owner_ : first;
+  const Explanation* floor = first_gain_ < rules_.alarm_gain ? &owner_ : first;
   if (floor == first && rules_.most_names > 1)
     if (const Explanation* pair = pair_beside(*first, single)) floor = pair;
   // What is far behind beside the error that it leaves itself is no rival on another's floor.

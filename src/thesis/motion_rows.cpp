@@ -243,25 +243,39 @@ std::vector<ThesisRow> other_lengths() {
   return rows;
 }
 
-/// The printed fifth order over the other ways on our nonlinear table.
-std::vector<ThesisRow> fifth_lengths() {
-  struct Way {
-    int mm;
-    const char *held_4mm, *held_8mm;
-  };
+/// A way of Table 2.8 and the errors that are held on it [um].
+struct Way {
+  int mm;
+  const char *held_4mm, *held_8mm;
+};
+
+/// Table 2.8's other ways on our nonlinear table under one feedforward. sets_of: what its config has beside the move.
+template <class SetsOf>
+std::vector<ThesisRow> lengths_under(const char* feedforward, std::initializer_list<Way> ways, const char* why,
+                                     const SetsOf& sets_of) {
   std::vector<ThesisRow> rows;
-  for (const Way& way : {Way{70, "108.0", "51.96"}, Way{50, "98.53", "45.61"}, Way{20, "86.59", "44.56"}})
+  for (const Way& way : ways)
     for (const ThesisTable* table : {&table_4mm, &table_8mm})
-      rows.push_back(run_row(
-          {.place = "Table 2.8",
-           .what = fmt::format("{}, move of {} mm, feedforward of order 5", table->name, way.mm),
-           .unit = "um",
-           .printed = "no figure",
-           .held = table == &table_4mm ? way.held_4mm : way.held_8mm,
-           .why = pumped_why},
-          {table->config, joined(joined(move_of(way.mm), gain_sets(table->fifth)), {"controller.feedforward=5"})},
-          error_um));
+      rows.push_back(run_row({.place = "Table 2.8",
+                              .what = fmt::format("{}, move of {} mm, {}", table->name, way.mm, feedforward),
+                              .unit = "um",
+                              .printed = "no figure",
+                              .held = table == &table_4mm ? way.held_4mm : way.held_8mm,
+                              .why = why},
+                             {table->config, joined(move_of(way.mm), sets_of(*table))}, error_um));
   return rows;
+}
+
+std::vector<ThesisRow> fifth_lengths() {
+  return lengths_under(
+      "feedforward of order 5", {{70, "108.0", "51.96"}, {50, "98.53", "45.61"}, {20, "86.59", "44.56"}}, pumped_why,
+      [](const ThesisTable& table) { return joined(gain_sets(table.fifth), {"controller.feedforward=5"}); });
+}
+
+std::vector<ThesisRow> flat_lengths() {
+  return lengths_under("flatness feedforward",
+                       {{70, "0.06707", "0.08424"}, {50, "0.06004", "0.08099"}, {20, "0.05165", "0.07722"}}, "",
+                       [](const ThesisTable&) { return Sets{}; });
 }
 
 std::vector<ThesisRow> leaks() {
@@ -342,24 +356,6 @@ ThesisRow tendency(int order, const Ppd2Gains& gains, const char* held) {
               },
           .held = held,
           .held_within = simulated_within};
-}
-
-/// Table 2.8's other ways on the nonlinear table, under the flatness feedforward.
-std::vector<ThesisRow> flat_lengths() {
-  struct Way {
-    int mm;
-    const char *held_4mm, *held_8mm;
-  };
-  std::vector<ThesisRow> rows;
-  for (const Way& way : {Way{70, "0.06707", "0.08424"}, Way{50, "0.06004", "0.08099"}, Way{20, "0.05165", "0.07722"}})
-    for (const ThesisTable* table : {&table_4mm, &table_8mm})
-      rows.push_back(run_row({.place = "Table 2.8",
-                              .what = fmt::format("{}, move of {} mm, flatness feedforward", table->name, way.mm),
-                              .unit = "um",
-                              .printed = "no figure",
-                              .held = table == &table_4mm ? way.held_4mm : way.held_8mm},
-                             {table->config, move_of(way.mm)}, error_um));
-  return rows;
 }
 
 }  // namespace

@@ -374,12 +374,16 @@ std::vector<Explanation> Search::with_one_fewer(const Explanation& other) const 
   return out;
 }
 
-std::vector<double> Search::gains_of_names(const Explanation& other) {
-  std::vector<Explanation> fitted = with_one_fewer(other);
-  fitted.insert(fitted.begin(), {other.members, continued_fit(other.fit, other.members, {})});
+void Search::polish_each(std::vector<Explanation>& fitted) {
   std::vector<Explanation*> moving;
   for (Explanation& explanation : fitted) moving.push_back(&explanation);
   polish(moving, 6);
+}
+
+std::vector<double> Search::gains_of_names(const Explanation& other) {
+  std::vector<Explanation> fitted = with_one_fewer(other);
+  fitted.insert(fitted.begin(), {other.members, continued_fit(other.fit, other.members, {})});
+  polish_each(fitted);
   std::vector<double> gains;
   const bool is_owned =
       other.members.size() == 1 && candidates_[other.members.front()].kind == CandidateKind::parameter;
@@ -391,9 +395,7 @@ std::vector<double> Search::gains_of_names(const Explanation& other) {
 
 double Search::best_with_one_fewer(const Explanation& other) {
   std::vector<Explanation> fitted = with_one_fewer(other);
-  std::vector<Explanation*> moving;
-  for (Explanation& explanation : fitted) moving.push_back(&explanation);
-  polish(moving, 6);
+  polish_each(fitted);
   double best = -std::numeric_limits<double>::infinity();
   for (const Explanation& explanation : fitted)
     if (!explanation.fit.failed) best = std::max(best, beside_own_error(explanation));

@@ -146,6 +146,7 @@ class Search {
   /// Another search's explanation with each of its names left out in turn, beside this search's nuisances, not yet
   /// fitted.
   std::vector<Explanation> with_one_fewer(const Explanation& other) const;
+  void polish_each(std::vector<Explanation>& fitted);
   Columns kept_columns() const { return settings_.small_physics.empty() ? Columns::own : Columns::corrected; }
   void polish(const std::vector<Explanation*>& explanations, int iterations, Anew anew = Anew::others_once);
   /// Fits that began apart may end in different valleys of the tolerances: dry friction and a leak of a chamber, 164 in

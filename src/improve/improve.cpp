@@ -77,8 +77,10 @@ std::string bound_words(const Improvement& improvement) {
   return "";
 }
 
-/// The run as it comes out on the improved model.
-RunResult predicted(const Rig& law, const Rig& improved) {
+/// The run as it comes out on the improved model. Throws std::invalid_argument where the law asks for a pass that
+/// cannot be made.
+RunResult predicted(Rig law, const Rig& improved) {
+  law.controller.of<PdForce>().without_pass = WithoutPass::refuse;
   Rig machine = improved;
   machine.deviations.clear();
   machine.concealed.clear();

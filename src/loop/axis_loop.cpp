@@ -55,13 +55,14 @@ EstimatorParameters estimator_parameters(const Rig& rig) {
   return p;
 }
 
-void AxisLoop::configure(const Rig& rig, const LoadPositions& load) {
+void AxisLoop::configure(const Rig& wanted, const LoadPositions& load) {
+  Rig rig = wanted;
   period_s_ = rig.period_s;
   valves_ = rig.valves();
   command_max_V_ = rig.axis.valve.command_max_V;
   estimator_.configure(estimator_parameters(rig));
   reference_ = Reference(rig.reference, load);
-  PassTables pass = pass_tables(rig, reference_);
+  PassTables pass = pass_or_formula(rig, reference_).tables;
   controller_.configure(rig.controller, rig.axis, rig.period_s, reference_, rig.duration_s, std::move(pass.law));
   if (rig.reference.kind == ReferenceKind::live)
     desk_.configure(live_limits(rig.reference), rig.period_s, controller_.lead_s());

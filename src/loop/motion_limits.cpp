@@ -196,8 +196,10 @@ double dry_friction_max_N(const Rig& rig) {
   return rig.limits.dry_friction_max_N.value_or(seals_N);
 }
 
-MotionPrediction predict_motion(const Rig& rig, const Reference& reference) {
-  return predict_motion(rig, reference, pass_tables(rig, reference).prediction);
+MotionPrediction predict_motion(const Rig& wanted, const Reference& reference) {
+  Rig rig = wanted;
+  auto pass = pass_or_formula(rig, reference).tables.prediction;
+  return predict_motion(rig, reference, std::move(pass));
 }
 
 MotionPrediction predict_motion(const Rig& rig, const Reference& reference, std::shared_ptr<const PassTable> pass) {

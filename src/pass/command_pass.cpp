@@ -277,17 +277,22 @@ PassTables pass_tables(const Rig& rig, const Reference& reference) {
   return {law, pass.table(rig, false)};
 }
 
+PassOrFormula pass_or_formula(Rig& rig, const Reference& reference) {
+  try {
+    return {pass_tables(rig, reference), ""};
+  } catch (const std::invalid_argument& error) {
+    PdForceParameters& law = rig.controller.of<PdForce>();
+    if (law.without_pass == WithoutPass::refuse) throw;
+    law.flow_feedforward = FeedforwardSource::formula;
+    return {{}, error.what()};
+  }
+}
+
 std::string heed_missing_pass(const std::string& config, Rig& rig, const LoadPositions& load) {
   if (!rig.controller.wants_pass()) return "";
   try {
-    pass_tables(rig, Reference(rig.reference, load));
-  } catch (const std::invalid_argument& error) {
-    PdForceParameters& law = rig.controller.of<PdForce>();
-    if (law.without_pass == WithoutPass::refuse) throw InputError(config + ": " + error.what());
-    law.flow_feedforward = FeedforwardSource::formula;
-    return error.what();
-  }
-  return "";
+    return pass_or_formula(rig, Reference(rig.reference, load)).why;
+  } catch (const std::invalid_argument& error) { throw InputError(config + ": " + error.what()); }
 }
 
 }  // namespace pneuservo

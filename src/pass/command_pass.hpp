@@ -56,9 +56,14 @@ struct PassTables {
 };
 /// Throws std::invalid_argument with a sentence where the law asks for a pass and there is none.
 PassTables pass_tables(const Rig& rig, const Reference& reference);
+/// The same, but where the config goes on with the formula the rig does so: why, in a sentence; empty: as it was.
+struct PassOrFormula {
+  PassTables tables;
+  std::string why;
+};
+PassOrFormula pass_or_formula(Rig& rig, const Reference& reference);
 
-/// Where there is no pass and the config says so, the rig goes on with the formula: why, in a sentence; empty: as it
-/// was. Throws InputError with the config's name where it refuses to go on.
+/// pass_or_formula before a run. Throws InputError with the config's name where it refuses to go on.
 std::string heed_missing_pass(const std::string& config, Rig& rig, const LoadPositions& load);
 
 /// Largest distance of the simulated closed loop from the reference, on the pass's own model without noise [m], with

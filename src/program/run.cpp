@@ -25,6 +25,7 @@
 #include "program/injection.hpp"
 #include "program/output_files.hpp"
 #include "program/rig_options.hpp"
+#include "program/run_variants.hpp"
 #include "program/verbs.hpp"
 #include "record/import.hpp"
 #include "record/result_file.hpp"
@@ -42,7 +43,7 @@ namespace {
 
 struct RunOptions : AxisOptions {
   RunOptions() { time = "simulated"; }
-  std::string pressure_source, record, report, json, gains, live, learned;
+  std::string pressure_source, flow_feedforward, record, report, json, gains, live, learned;
   double duration_s = 0.0;
   double early_wake_us = -1.0;
   int moves = 1;
@@ -53,19 +54,19 @@ struct RunOptions : AxisOptions {
 Rig read_with_options(const RunOptions& options) {
   std::vector<std::string> sets;
   if (options.duration_s > 0.0) sets.push_back(fmt::format("duration_s={}", options.duration_s));
-  if (!options.pressure_source.empty() && options.pressure_source != "all")
-    sets.push_back("controller.pressure_source=" + options.pressure_source);
+  const auto choose = [&](const char* key, const std::string& word) {
+    if (!word.empty() && word != every_variant) sets.push_back(fmt::format("controller.{}={}", key, word));
+  };
+  choose("pressure_source", options.pressure_source);
+  choose("flow_feedforward", options.flow_feedforward);
   Rig rig = read_axis("run", options, sets);
   if (!rig.controller.closes_force_loop() && !options.pressure_source.empty())
     throw InputError(fmt::format("--pressure-source: found {}, but {} of {} takes no pressure into its loop",
                                  options.pressure_source, rig.controller.name(), options.config));
+  if (!rig.controller.is<PdForce>() && !options.flow_feedforward.empty())
+    throw InputError(fmt::format("--flow-feedforward: found {}, but {} of {} has none; expected {}",
+                                 options.flow_feedforward, rig.controller.name(), options.config, PdForce::name));
   return rig;
-}
-
-std::vector<PressureSource> sources_of(const RunOptions& options, const Rig& rig) {
-  if (options.pressure_source == "all")
-    return {PressureSource::valve, PressureSource::chamber, PressureSource::estimated};
-  return {rig.controller.pressures().value_or(PressureSource::valve)};
 }
 
 bool learns_moves(const Rig& rig) { return rig.controller.is<PdForce>() && rig.controller.of<PdForce>().learns(); }
@@ -78,12 +79,11 @@ std::string pressure_word(const ControllerParameters& controller) {
   return source ? std::string(source_word(*source)) : "none";
 }
 
-/// FILE.csv.gz, or FILE-valve.csv.gz and so on where several sources are run.
-std::string record_path(const RunOptions& options, PressureSource source, bool several) {
+/// FILE.csv.gz, or FILE-valve.csv.gz and so on where several variants are run.
+std::string record_path(const RunOptions& options, const RunVariant& variant) {
   constexpr std::string_view ending = ".csv.gz";
-  if (options.record.empty() || !several || !options.record.ends_with(ending)) return options.record;
-  return options.record.substr(0, options.record.size() - ending.size()) + "-" + std::string(source_word(source)) +
-         std::string(ending);
+  if (options.record.empty() || variant.name.empty() || !options.record.ends_with(ending)) return options.record;
+  return options.record.substr(0, options.record.size() - ending.size()) + "-" + variant.name + std::string(ending);
 }
 
 void show_progress(double fraction, std::string_view source) {
@@ -212,10 +212,9 @@ void keep_learned(const std::string& path, const Rig& rig, const RepeatedMove& m
   write_result(path, learned_move_text(rig.name, move));
 }
 
-/// One pressure source from start to safe end; its moves are added to the report. True: no fault, recording whole.
-bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool several, RunReport& report,
-                Effort& effort) {
-  rig.controller.choose_pressures(source);
+/// One run from start to safe end; its moves are added to the report. True: no fault, recording whole.
+bool run_variant(const RunOptions& options, const RunVariant& variant, RunReport& report, Effort& effort) {
+  const Rig& rig = variant.rig;
   const bool real_time = options.time == "real", shows_progress = !real_time && isatty(STDERR_FILENO) != 0;
   const std::unique_ptr<RealTimeSession> session = realtime_session(options);
   if (session && report.runs.empty()) std::cerr << refusal_message(session->findings());
@@ -226,7 +225,7 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
   report.machine = machine_facts(session ? &session->state() : nullptr);
   report.channel_origins = channel_facts(*backend);
 
-  const std::string path = record_path(options, source, several);
+  const std::string path = record_path(options, variant);
   const auto writer = open_recording(options, rig, *backend, report.machine, path);
   auto watch = std::make_unique<FaultWatch>([](auto first, double) { tell_fault(first); });
   RunSettings settings{.real_time = real_time,
@@ -241,7 +240,7 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
                        .suspends = suspends(faults, rig.period_s)};
   if (!options.learned.empty() && fs::exists(options.learned))
     settings.learned = [&](const RepeatedMove& move) { return read_learned_move(options.learned, move); };
-  if (shows_progress) settings.progress = [&](double fraction) { show_progress(fraction, source_word(source)); };
+  if (shows_progress) settings.progress = [&](double fraction) { show_progress(fraction, variant.name); };
   GainMailbox mailbox;
   std::unique_ptr<GainFileWatcher> watcher;
   if (!options.gains.empty()) {
@@ -263,7 +262,7 @@ bool run_source(const RunOptions& options, Rig rig, PressureSource source, bool 
 }
 
 /// What would only show after the run: no such backend, no such folder, a file that must stay.
-void check_outputs(const RunOptions& options, const Rig& rig, const std::vector<PressureSource>& sources) {
+void check_outputs(const RunOptions& options, const Rig& rig, const std::vector<RunVariant>& variants) {
   make_faulty_backend(backend_of(options, rig), rig, injected_faults(options.scenarios, options.faults, rig));
   if (!options.record.empty() && !options.record.ends_with(".csv.gz"))
     throw InputError("--record: found " + options.record + ", expected a name that ends in .csv.gz");
@@ -275,8 +274,8 @@ void check_outputs(const RunOptions& options, const Rig& rig, const std::vector<
       .reads("--zeros", options.zeros)
       .reads("--scenario", options.scenarios)
       .reads("--gains", options.gains);
-  for (const PressureSource source : sources)
-    files.records("--record", record_path(options, source, sources.size() > 1), options.existing());
+  for (const RunVariant& variant : variants)
+    files.records("--record", record_path(options, variant), options.existing());
   files.writes("--learned", options.learned, ResultKind::learned_move);
   if (!options.learned.empty()) files.writes("--learned", before_learned(options.learned), ResultKind::learned_move);
   files.writes("--report", options.report, ResultKind::page).writes("--json", options.json, ResultKind::json);
@@ -292,32 +291,33 @@ int run(const RunOptions& options) {
     std::cout << dump_rig(rig);
     return 0;
   }
-  const auto sources = sources_of(options, rig);
-  if (!options.learned.empty() && (!learns_moves(rig) || sources.size() > 1))
+  auto variants = run_variants(rig, options.pressure_source, options.flow_feedforward);
+  if (!options.learned.empty() && (!learns_moves(variants.front().rig) || variants.size() > 1))
     throw InputError(
         "--learned: found without controller.learning: command and flow_feedforward: pass, or with more than "
-        "one pressure source; expected a law that learns a move");
-  check_outputs(options, rig, sources);
+        "one run; expected a law that learns a move");
+  check_outputs(options, rig, variants);
   heed_axis(options, rig);
-  heed_pass(options.config, rig);  // before a device is touched or a recording begun
+  heed_passes(options.config, variants);  // before a device is touched or a recording begun
   StopRequest stop;
   RunReport report;
+  const Rig& shown = variants.size() == 1 ? variants.front().rig : rig;
   report.config = rig.name;
   report.time = options.time;
   report.duration_s = rig.duration_s;
   report.period_s = rig.period_s;
-  report.config_yaml = dump_rig(rig);
+  report.config_yaml = dump_rig(shown);
   bool good = true;
   Effort effort;
-  for (const PressureSource source : sources) {
-    good = run_source(options, rig, source, sources.size() > 1, report, effort) && good;
+  for (const RunVariant& variant : variants) {
+    good = run_variant(options, variant, report, effort) && good;
     if (StopRequest::requested()) break;
   }
   StopRequest::let_go(StopRequest::patience_s);
   if (effort.wall_s > 0.0) report.realtime_factor = effort.axis_s / effort.wall_s;
   if (options.json != "-") std::cout << run_text(report);
   write_json(options.json, run_json(report));
-  if (!options.report.empty()) write_run_report(report, rig, options.report);
+  if (!options.report.empty()) write_run_report(report, shown, options.report);
   return good ? 0 : 1;
 }
 
@@ -330,13 +330,16 @@ void add_run(CommandLine& app, int& status) {
   verb.add_option("--pressure-source", o->pressure_source,
                   "pressures that close the force loop; all: valve, chamber and estimated, compared")
       .among({"valve", "chamber", "estimated", "differential", "all"});
+  verb.add_option("--flow-feedforward", o->flow_feedforward,
+                  "where a pd_force law's feedforward comes from; all: off, formula and pass, compared")
+      .among({"off", "formula", "pass", "all"});
   verb.add_option("--duration-s", o->duration_s, "length of the run instead of the config's [s]").above_zero();
   verb.add_option("--gains", o->gains,
                   "gains of a ppd2 law for the running loop, KEY: VALUE; looked at ten times a second");
   verb.add_option("--moves", o->moves, "times the reference is run");
   verb.add_option("--learned", o->learned,
                   "what the moves teach (controller.learning): begun with where FILE is there, written at the end");
-  verb.add_option("--record", o->record, "recording, FILE.csv.gz; with all sources FILE-valve.csv.gz and so on");
+  verb.add_option("--record", o->record, "recording, FILE.csv.gz; with several runs FILE-valve.csv.gz and so on");
   verb.add_flag("--force", o->force, "--record may replace recordings that are there");
   verb.add_option("--live", o->live,
                   "live values as JSON over UDP, for PlotJuggler (port 9870); a PORT of this machine, or HOST:PORT");
@@ -347,8 +350,9 @@ void add_run(CommandLine& app, int& status) {
                   "[default: 5 % of the period, at most 50]")
       .within(0.0, 1000.0);
   verb.add_flag("--dump-config", o->dump_config, "print the config with every key, value, unit and range, and stop");
-  verb.footer("Three pressure sources side by side, with a page to look at:\n"
-              "  pneuservo run config/cylinder-10m-7.65mm.yaml --pressure-source all --report run.html\n"
+  verb.footer("Three pressure sources and three feedforwards side by side, with a page to look at:\n"
+              "  pneuservo run config/cylinder-10m-7.65mm.yaml --pressure-source all --flow-feedforward all --report "
+              "run.html\n"
               "On the machine's clock, recorded:\n"
               "  pneuservo run config/cylinder-10m-7.65mm.yaml --time real --duration-s 30 --record run.csv.gz\n"
               "Exit status: 0 done, also when Ctrl-C or another signal ended it early; 1 the run ended in a fault or "

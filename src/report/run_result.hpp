@@ -53,7 +53,7 @@ using Facts = std::vector<std::pair<std::string, std::string>>;
 /// One pressure source and move.
 struct RunResult {
   std::string pressure_source;  ///< a word of pressure_source_names
-  std::string feedforward = "none";  ///< "none" or "flow"
+  std::string feedforward = "none";  ///< "none", "formula", "pass"; of a pressure law "flow"
   int move = 1;
   double start_s = 0.0;  ///< time in `rows` at which this run's reference started
   std::vector<Row> rows;  ///< the whole run, or evenly thinned

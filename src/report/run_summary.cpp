@@ -54,19 +54,23 @@ std::string capital(std::string text) {
 std::string run_words(const RunReport& report, const RunResult& run) {
   std::string words = source_words(run.pressure_source);
   if (differs(report, &RunResult::feedforward) && run.feedforward != "none")
-    words += fmt::format(" with {} feedforward", run.feedforward);
+    words += fmt::format(" and {} feedforward", run.feedforward);
   if (differs(report, &RunResult::move)) words += fmt::format(" in move {}", run.move);
   return words;
 }
 
-/// The best run without a fault of every other pressure source, to be set beside the best of all.
+/// The best run without a fault of every other pressure source, and of every other feedforward of the best one's
+/// source, to be set beside the best of all.
 std::vector<const RunResult*> rivals(const RunReport& report, const RunResult& best) {
   std::vector<const RunResult*> found;
+  const auto are_alike = [&](const RunResult& a, const RunResult& b) {
+    return a.pressure_source == b.pressure_source &&
+           (a.pressure_source != best.pressure_source || a.feedforward == b.feedforward);
+  };
   for (const RunResult& run : report.runs) {
     const bool has_figures = run.faults.empty() && std::isfinite(run.metrics.rms_position_error_m);
-    if (run.pressure_source == best.pressure_source || !has_figures) continue;
-    const auto same = std::find_if(found.begin(), found.end(),
-                                   [&](auto* other) { return other->pressure_source == run.pressure_source; });
+    if (are_alike(run, best) || !has_figures) continue;
+    const auto same = std::find_if(found.begin(), found.end(), [&](auto* other) { return are_alike(*other, run); });
     if (same == found.end()) found.push_back(&run);
     else if (run.metrics.rms_position_error_m < (*same)->metrics.rms_position_error_m) *same = &run;
   }
@@ -103,8 +107,12 @@ std::string best_words(const RunReport& report, const RunResult& best) {
   else text += well ? " hold the position best" : " come closest to the reference";
   if (!well) text += ", " + following_words(best.verdict);
   text += ": " + error_words(best);
-  for (std::size_t i = tied ? 1 : 0; i < others.size(); ++i)
-    text += fmt::format("{}{} with {}", i == (tied ? 1 : 0) ? "; against " : " and ",
+  const std::size_t first = tied ? 1 : 0;
+  for (std::size_t i = first; i < others.size(); ++i)
+    text += fmt::format("{}{} with {}",
+                        i == first              ? "; against "
+                        : i + 1 < others.size() ? ", "
+                                                : " and ",
                         length_words(others[i]->metrics.rms_position_error_m), run_words(report, *others[i]));
   return text + (others.empty() ? "." : " (rms).");
 }

@@ -15,7 +15,7 @@ struct LengthUnit {
 };
 LengthUnit error_unit(const RunReport& report);
 
-/// "estimated", with feedforward and move where the report has several: "estimated, flow feedforward, move 2".
+/// "estimated", with feedforward and move where the report has several: "estimated, formula feedforward, move 2".
 std::string run_label(const RunReport& report, const RunResult& run);
 
 /// Index of the run without a fault that has the smallest root mean square position error; -1 if there is none.

@@ -23,14 +23,14 @@ namespace {
 using namespace pneuservo;
 
 /// Ticks back to back with the stamps of real time; the ring is drained now and then, outside the clock.
-void loop_tick(benchmark::State& state, const char* config) {
-  Rig rig = read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/" + config + ".yaml");
-  rig.duration_s = 2.0 * static_cast<double>(state.max_iterations) * rig.period_s;
+void loop_tick(benchmark::State& state, const char* config, const std::vector<std::string>& sets = {}) {
+  Rig rig = read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/" + config + ".yaml", sets);
   SimBackend backend(rig);
   backend.configure();
   backend.activate();
   AxisLoop loop;
-  loop.configure(rig);
+  loop.configure(rig);  // with a pass of the config's own duration
+  rig.duration_s = 2.0 * static_cast<double>(state.max_iterations) * rig.period_s;
   Course course(rig, 1);
   const auto ring = std::make_unique<RecordingRing>();
   const auto own = std::make_unique<TimeHistogram>(), model = std::make_unique<TimeHistogram>();
@@ -57,9 +57,18 @@ void loop_tick(benchmark::State& state, const char* config) {
   state.counters["model_p50_us"] = model->percentile_us(0.5);  // guard, estimator and controller
   state.counters["model_p99.9_us"] = model->percentile_us(0.999);
 }
-BENCHMARK_CAPTURE(loop_tick, cylinder, "cylinder-10m-7.65mm")->Name("loop/tick with recording")->Iterations(500'000);
-BENCHMARK_CAPTURE(loop_tick, modal_filter, "cylinder-5m-4.15mm")
+const std::vector<std::string> without_feedforward{"controller.flow_feedforward=off"};
+BENCHMARK_CAPTURE(loop_tick, cylinder, "cylinder-10m-7.65mm", without_feedforward)
+    ->Name("loop/tick with recording")
+    ->Iterations(500'000);
+BENCHMARK_CAPTURE(loop_tick, everything, "cylinder-10m-7.65mm", {"controller.learning=command"})
+    ->Name("loop/tick with recording, pass and learning")
+    ->Iterations(500'000);
+BENCHMARK_CAPTURE(loop_tick, modal_filter, "cylinder-5m-4.15mm", without_feedforward)
     ->Name("loop/tick with recording, modal filter")
+    ->Iterations(500'000);
+BENCHMARK_CAPTURE(loop_tick, everything_filtered, "cylinder-5m-4.15mm", {"controller.learning=command"})
+    ->Name("loop/tick with recording, modal filter, pass and learning")
     ->Iterations(500'000);
 BENCHMARK_CAPTURE(loop_tick, table, "servo-table-0.5m-4mm")
     ->Name("loop/tick with recording, servo table")

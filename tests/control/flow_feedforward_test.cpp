@@ -27,7 +27,7 @@ double even_pressure_Pa(const Air<double>& air) {
 TEST_CASE("the steady line loss follows 64/Re, Blasius and the line between") {
   const Air<double> air{AirParameters<double>{}};
   const double d = 0.00765, length = 10.0, area = M_PI / 4 * d * d, p = 470e3, rho = p / r_t;
-  const SteadyLine line(air, {.length_m = length, .diameter_m = d});
+  const SteadyLine<double> line(air, {.length_m = length, .diameter_m = d});
   const auto loss = [&](double reynolds, double lambda) {
     const double u = reynolds * 1.8e-5 / (rho * d);
     return lambda / (2.0 * d) * rho * u * u * length;
@@ -39,7 +39,7 @@ TEST_CASE("the steady line loss follows 64/Re, Blasius and the line between") {
   CHECK(steady_line_loss_Pa(line, flow(3000.0), p) == Approx(loss(3000.0, between)));
   CHECK(steady_line_loss_Pa(line, -flow(3000.0), p) == -steady_line_loss_Pa(line, flow(3000.0), p));
   CHECK(steady_line_loss_Pa(line, 0.0, p) == 0.0);
-  const SteadyLine thesis(air, {.length_m = length, .diameter_m = d, .turbulent_reynolds = 2300.0});
+  const SteadyLine<double> thesis(air, {.length_m = length, .diameter_m = d, .turbulent_reynolds = 2300.0});
   CHECK(steady_line_loss_Pa(thesis, flow(2301.0), p) == Approx(loss(2301.0, 0.3164 * std::pow(2301.0, -0.25))));
 }
 
@@ -106,7 +106,7 @@ TEST_CASE("the lines lose what Darcy and Weisbach give for the flow that a slow 
     r.d[1] = v;
     const auto loss_Pa = feedforward.line_loss_Pa(r, p, p);
     const auto swept = [&](const LineParameters<double>& line, double area_m2, double speed_mps) {
-      return steady_line_loss_Pa(SteadyLine(air, line), p * area_m2 * speed_mps / r_t, p);
+      return steady_line_loss_Pa(SteadyLine<double>(air, line), p * area_m2 * speed_mps / r_t, p);
     };
     CHECK(loss_Pa[0] == Approx(swept(axis.line_1, axis.cylinder.area_1_m2, v)).epsilon(0.02));
     CHECK(loss_Pa[1] == Approx(swept(axis.line_2, axis.cylinder.area_2_m2, -v)).epsilon(0.02));

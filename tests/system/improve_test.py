@@ -65,10 +65,10 @@ with tempfile.TemporaryDirectory() as folder:
 
 # Where no pass can be had the run ends, or goes on with the formula, as configured.
 NARROW = ("run", "config/cylinder-10m-4.15mm.yaml", "--set", "duration_s=2", "--set", "controller.flow_feedforward=pass")
-expect_refusal(run(*NARROW), ["the lines cannot carry the reference"], "without a fallback")
+expect_refusal(run(*NARROW, "--set", "controller.without_pass=refuse"), ["the lines cannot carry the reference"], "without a fallback")
 done = run(*NARROW, "--set", "controller.without_pass=formula", "--json", "-")
 expect(done.returncode == 0 and "it goes on with the formula" in done.stderr, f"with the formula: {done.returncode}: {done.stderr}")
-expect(json.loads(done.stdout)["runs"][0]["feedforward"] == "flow", "not with the formula")
+expect(json.loads(done.stdout)["runs"][0]["feedforward"] == "formula", "not with the formula")
 done = run("check", "config/cylinder-10m-4.15mm.yaml", "--set", "controller.flow_feedforward=pass", "--set", "controller.without_pass=formula")
 expect("a run goes on with the formula" in done.stdout, f"check: {done.stdout}{done.stderr}")
 expect_refusal(run("improve", "config/servo-table-1m-8mm.yaml", "nothing.csv.gz"), ["improve"], "a servo table")

@@ -34,7 +34,7 @@ with tempfile.TemporaryDirectory() as folder:
     expect(done.returncode == 1, f"10 m of 4.15 mm: status {done.returncode}")
     expect("not feasible: the lines cannot carry the reference" in done.stdout and "of its speed or" in done.stdout,
            f"10 m of 4.15 mm: {done.stdout}")
-    done = run("run", NARROW, *SHORT, "--set", "controller.flow_feedforward=pass")
+    done = run("run", NARROW, *SHORT, "--set", "controller.flow_feedforward=pass", "--set", "controller.without_pass=refuse")
     expect_refusal(done, ["controller.flow_feedforward: found pass, but the lines cannot carry the reference", "expected a slower"],
                    "a run of what the lines cannot carry")
 
@@ -61,6 +61,6 @@ with tempfile.TemporaryDirectory() as folder:
     expect_refusal(run("run", CONFIG, *learns, "--set", "reference.positions_m=[0, 0.07, 0.07, 0]", "--learned", path("mine.learned")),
                    ["mine.learned", "another reference"], "what another move taught")
     expect_refusal(run("run", CONFIG, "--learned", path("new.learned")), ["--learned", "controller.learning"], "learning without a law that learns")
-    expect_refusal(run("check", CONFIG, "--set", "controller.learning=command"), ["controller.learning", "pass"], "learning without a pass")
+    expect_refusal(run("check", CONFIG, "--set", "controller.learning=command", "--set", "controller.flow_feedforward=off"), ["controller.learning", "pass"], "learning without a pass")
 
 expect_refusal(run("pass", "config/servo-table-1m-8mm.yaml"), ["pass"], "a servo table")

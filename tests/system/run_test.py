@@ -2,7 +2,7 @@
 # The verb run and its replay: keys of the JSON in both times, recordings by source, moves, faults with status 1.
 import gzip, json, os, sys, tempfile
 
-from program import CONFIG, edited_config, expect, run
+from program import CONFIG, edited_config, expect, expect_refusal, run
 
 folder = tempfile.mkdtemp()
 at = lambda name: os.path.join(folder, name)
@@ -23,6 +23,19 @@ for source in ("valve", "chamber", "estimated"):
     expect(replayed.stderr == "", f"replay of {source} complains: {replayed.stderr}")
 changed = run("replay", CONFIG, at("a-estimated.csv.gz"), "--set", "initial.position_m=0.05", "--set", "line_1.diameter_m=0.007650000000000001")
 expect(changed.returncode == 1 and "first: row" in changed.stdout and "another config" in changed.stderr, f"a changed bit is not seen: {changed.stdout}{changed.stderr}")
+
+# Feedforwards beside sources: the pass errs least with each of them. Where the lines cannot carry the reference the formula has its run.
+done = run("run", CONFIG, "--pressure-source", "all", "--flow-feedforward", "all", "--duration-s", "3", "--record", at("f.csv.gz"), "--json", "-")
+expect(done.returncode == 0, f"feedforwards: status {done.returncode}: {done.stderr}")
+error_m = {(one["pressure_source"], one["feedforward"]): one["max_position_error_m"] for one in json.loads(done.stdout)["runs"]}
+for source in ("valve", "chamber", "estimated"):
+    expect(error_m[source, "pass"] < 0.1 * error_m[source, "formula"] < 0.1 * error_m[source, "none"], f"feedforwards: {error_m}")
+expect(os.path.exists(at("f-chamber-formula.csv.gz")) and run("replay", CONFIG, at("f-valve-pass.csv.gz")).returncode == 0, "recordings of the feedforwards")
+done = run("run", "config/cylinder-10m-4.15mm.yaml", "--flow-feedforward", "all", "--duration-s", "2", "--json", "-")
+expect([one["feedforward"] for one in json.loads(done.stdout)["runs"]] == ["none", "formula"], f"feedforwards of narrow lines: {done.stdout}")
+expect("cannot carry the reference" in done.stderr, f"feedforwards of narrow lines: {done.stderr}")
+expect_refusal(run("run", "config/servo-table-1m-8mm.yaml", "--flow-feedforward", "pass"), ["flow_feedforward"], "a feedforward for ppd2")
+expect_refusal(run("run", "config/servo-table-1m-8mm.yaml", "--flow-feedforward", "all"), ["--flow-feedforward", "ppd2"], "feedforwards for ppd2")
 
 # Moves.
 move = "reference={kind: minimum_jerk, start_m: 0.0, end_m: 0.05, start_s: 0.1, duration_s: 0.4}"

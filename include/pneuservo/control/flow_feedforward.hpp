@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <pneuservo/control/reference.hpp>
+#include <pneuservo/core/pack.hpp>
 #include <pneuservo/elements/orifice.hpp>
 #include <pneuservo/elements/pipe_friction.hpp>
 
@@ -15,21 +16,27 @@ template <class S> struct AxisParameters;
 inline constexpr double feedforward_polytropic_exponent = 1.3;
 
 /// What the steady pressure loss of a line needs, computed once.
-struct SteadyLine {
-  double reynolds_per_flow = 0.0;   ///< Re = this |G|, s/kg
-  double loss_constant = 0.0;       ///< mu L R T / (2 D^2 A), Pa2 s/kg
-  PipeFriction<double> friction;
+template <class S> struct SteadyLine {
+  S reynolds_per_flow = S(0);  ///< Re = this |G|, s/kg
+  S loss_constant = S(0);      ///< mu L R T / (2 D^2 A), Pa2 s/kg
+  PipeFriction<S> friction;
 
   SteadyLine() noexcept = default;
   /// length_m, diameter_m > 0.
-  SteadyLine(const Air<double>& air, const LineParameters<double>& line) noexcept;
+  SteadyLine(const Air<S>& air, const LineParameters<S>& line) noexcept : friction(line, air) {
+    const S section_m2 = line.section_m2();
+    reynolds_per_flow = line.diameter_m / (section_m2 * air.viscosity_Pas);
+    loss_constant = air.viscosity_Pas * line.length_m * air.R * air.temperature_K /
+                    (S(2) * line.diameter_m * line.diameter_m * section_m2);
+  }
 };
 
 /// Darcy-Weisbach loss [Pa] of a steady flow G [kg/s], with its sign, at the mean absolute pressure [Pa] > 0:
 /// lambda/(2D) rho u |u| L = lambda Re mu L R T G / (2 D^2 A p), lambda as in the line itself. HOT.
-inline double steady_line_loss_Pa(const SteadyLine& line, double mass_flow_kgps, double mean_pressure_Pa) noexcept {
-  const double reynolds = line.reynolds_per_flow * std::fabs(mass_flow_kgps);
-  return line.loss_constant * line.friction(reynolds).lambda_reynolds * mass_flow_kgps / mean_pressure_Pa;
+template <class S>
+S steady_line_loss_Pa(const SteadyLine<S>& line, const S& mass_flow_kgps, const S& mean_pressure_Pa) noexcept {
+  const S reynolds = line.reynolds_per_flow * absolute(mass_flow_kgps);
+  return (line.loss_constant / mean_pressure_Pa) * (line.friction(reynolds).lambda_reynolds * mass_flow_kgps);
 }
 
 /// Inverse of one five-port spool and two chambers with their lines, quasi-steady.
@@ -58,27 +65,28 @@ class FlowFeedforward {
   }
 
  private:
-  struct Side {
-    double area_m2 = 0.0, middle_volume_m3 = 0.0, dead_volume_m3 = 0.0, line_volume_m3 = 0.0;
-    SteadyLine line;
-  };
+  /// Side 1 and side 2: both go through each pass at once, for a pass is one chain of roots and divisions.
+  using Lanes = Pack<double, 2>;
   /// Both sides of the axis in one motion.
   struct Flow {
     double wanted = 0.0;  ///< force rate, and what the motion takes away by compression [N/s]
     double supply_Pa = 0.0;
-    std::array<double, 2> chamber_Pa{}, inverse_volume_per_m3{}, chamber_share{}, swept_W{};
+    Lanes chamber_Pa, area_per_volume_per_m;
+    Lanes mean_of_swept_kgps, mean_of_valve;  ///< mean flow of a line: the first, and the second times the valve's
   };
   Flow flow(const ReferencePoint& motion, double p1_Pa, double p2_Pa, double supply_Pa) const noexcept;
   /// Area for the flow, and each port's flux per area [kg/s m2], at this loss along each line.
   struct Spool {
     double area_m2 = 0.0;
-    std::array<double, 2> flux{};
+    Lanes flux;
   };
-  Spool spool(const Flow& flow, const std::array<double, 2>& loss_Pa) const noexcept;
-  std::array<double, 2> loss_Pa(const Flow& flow) const noexcept;
-  double flux(double port_Pa, double supply_Pa, bool fills) const noexcept;
+  Spool spool(const Flow& flow, const Lanes& loss_Pa) const noexcept;
+  Lanes loss_Pa(const Flow& flow) const noexcept;
+  Lanes flux(const Lanes& port_Pa, double supply_Pa, bool side_1_fills) const noexcept;
 
-  Side side_1_, side_2_;
+  Lanes area_m2_, moved_area_m2_;  ///< moved: what a step of the piston adds to each side
+  Lanes middle_volume_m3_, dead_volume_m3_, line_volume_m3_;
+  SteadyLine<Lanes> lines_;
   double mass_kg_ = 0.0, viscous_Ns_per_m_ = 0.0, volt_per_area_ = 0.0;
   double gas_R_T_ = 1.0, flux_per_pressure_ = 0.0, supply_Pa_ = 1.0, atmosphere_Pa_ = 1.0,
          critical_pressure_ratio_ = 0.5;

@@ -89,7 +89,7 @@ struct PdForceParameters {
   }
   bool feeds_back_ports() const noexcept { return pressure_source == PressureSource::valve || filters_line_mode(); }
   std::string_view feedforward_name() const noexcept {
-    constexpr std::array<std::string_view, 3> names{"none", "flow", "pass"};
+    constexpr std::array<std::string_view, 3> names{"none", "formula", "pass"};
     return names[static_cast<std::size_t>(flow_feedforward)];
   }
   bool learns() const noexcept { return wants_pass() && learning != MoveLearning::none; }

@@ -19,6 +19,13 @@ template <class S> S orifice_psi(const S& r, const S& b) noexcept {
   return select(r > S(1 - orifice_linear_width), straight, ellipse);
 }
 
+/// p_up psi(p_down/p_up) [Pa] by one root and no division, for p_down at most (1 - orifice_linear_width) p_up, where
+/// psi is no straight piece. Absolute pressures [Pa]; b as in orifice_psi.
+template <class S> S orifice_pressure_psi(const S& p_up, const S& p_down, const S& b) noexcept {
+  const S beyond = maximum((p_down - b * p_up) * (S(1) / (S(1) - b)), S(0));
+  return square_root(p_up * p_up - beyond * beyond);
+}
+
 /// Flow per effective area from upstream pressure p_up [Pa] at stagnation temperature T_up [K] to p_down <= p_up:
 /// G/S = K_f p_up / sqrt(R T_up) psi(p_down/p_up) [kg/(s m2)].
 template <class S> S orifice_flux(const Air<S>& air, const S& p_up, const S& T_up, const S& p_down,

@@ -18,6 +18,15 @@
 namespace pneuservo {
 namespace {
 
+/// The thesis' law behind lines has no feedforward; the shipped configs have one.
+std::vector<std::string> sets_of(const ThesisRig& which) {
+  constexpr std::string_view key = "controller.flow_feedforward=";
+  std::vector<std::string> sets = which.sets;
+  const bool is_asked = std::ranges::any_of(sets, [&](const std::string& set) { return set.starts_with(key); });
+  if (which.config.starts_with("cylinder-") && !is_asked) sets.push_back(std::string(key) + "off");
+  return sets;
+}
+
 std::string name_of(const ThesisRig& which) {
   std::string name = which.config;
   for (const std::string& set : which.sets) name += "\n" + set;
@@ -164,7 +173,7 @@ const T& ThesisBench::Memory<T>::once(const std::string& name, const std::functi
 }
 
 Rig ThesisBench::rig(const ThesisRig& which) const {
-  return read_rig(folder_ / (which.config + ".yaml"), which.sets, ConfigUse::simulation);
+  return read_rig(folder_ / (which.config + ".yaml"), sets_of(which), ConfigUse::simulation);
 }
 
 const ThesisCourse& ThesisBench::run(const ThesisRig& which) {
@@ -198,7 +207,7 @@ double ThesisBench::shared(const std::string& name, const std::function<double()
 
 std::string thesis_verb(const char* verb, const ThesisRig& which) {
   std::string text = fmt::format("pneuservo {} config/{}.yaml", verb, which.config);
-  for (const std::string& set : which.sets)
+  for (const std::string& set : sets_of(which))
     text += set.find_first_of(" {[") == std::string::npos ? " --set " + set : fmt::format(" --set '{}'", set);
   if (which.moves > 1) text += fmt::format(" --moves {}", which.moves);
   return text;

@@ -16,21 +16,32 @@ namespace pneuservo {
 
 namespace {
 
-/// The section reader, with the effects of the sensors where `effects` and `concealed` stand.
+template <class T>
+inline constexpr bool holds_effects =
+    std::is_same_v<T, AxisEffects<double>> || std::is_same_v<T, VesselEffects<double>>;
+
+/// All sections but `effects` and `concealed`.
 struct RigReader {
-  Rig& rig;
   SectionReader section;
   template <class T> void operator()(const Field& field, T& value) const {
-    if constexpr (std::is_same_v<T, AxisEffects<double>> || std::is_same_v<T, VesselEffects<double>>) {
-      ConfigNode::Entry* entry = section.map.find(std::string(field.key));
-      if (entry == nullptr || section.choices_only) return;
-      section.context.errors.collect(
-          [&] { read_effects(entry->value, std::string(field.key), rig, section.context.errors); });
-    } else if (field.key == "concealed") {
-      ConfigNode::Entry* entry = section.choices_only ? nullptr : section.map.find("concealed");
-      if (entry != nullptr)
-        section.context.errors.collect([&] { read_concealed(entry->value, "concealed", rig, section.context.errors); });
-    } else section(field, value);
+    if constexpr (!holds_effects<T>) {
+      if (field.key != "concealed") section(field, value);
+    }
+  }
+};
+
+/// Those two, after the others: the sensors that a rig has say which effects there are.
+struct EffectsReader {
+  Rig& rig;
+  ConfigNode& root;
+  InputErrors& errors;
+  template <class T> void operator()(const Field& field, T&) const {
+    const bool is_concealed = field.key == "concealed";
+    if (!holds_effects<T> && !is_concealed) return;
+    ConfigNode::Entry* entry = root.find(std::string(field.key));
+    if (entry == nullptr) return;
+    const auto read = is_concealed ? read_concealed : read_effects;
+    errors.collect([&] { read(entry->value, std::string(field.key), rig, errors); });
   }
 };
 
@@ -62,7 +73,7 @@ void read_keys(ConfigNode& root, Rig& rig, InputErrors& errors) {
   translate_valve_table(root, errors);
   errors.throw_if_any();
   ReadContext context{rig, errors};
-  Rig::visit(RigReader{rig, {root, top, context, true}}, rig);
+  Rig::visit(RigReader{{root, top, context, true}}, rig);
   errors.throw_if_any();
   if (rig.has_controller()) check_choice_of_law(rig.kind, root, errors);
   const std::vector<Field> fields = fields_of(rig);
@@ -70,7 +81,8 @@ void read_keys(ConfigNode& root, Rig& rig, InputErrors& errors) {
   tell_unknown_keys(root, top, fields, context, excused);
   for (const std::string& key : excused)
     if (root.find(key) == nullptr) errors.doubt(key);
-  Rig::visit(RigReader{rig, {root, top, context, false, &excused}}, rig);
+  Rig::visit(RigReader{{root, top, context, false, &excused}}, rig);
+  Rig::visit(EffectsReader{rig, root, errors}, rig);
 }
 
 Rig rig_from_tree(ConfigNode root, const std::vector<std::string>& overrides,

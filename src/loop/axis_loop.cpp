@@ -46,7 +46,11 @@ EstimatorParameters estimator_parameters(const Rig& rig) {
   p.arrangement = valve_arrangement(rig);
   p.flow_correction = rig.estimator.flow_correction;
   p.effects = rig.axis.effects;
-  p.uncertainty.port_noise_Pa = rig.sensors.port_pressure.rms_Pa();
+  p.remembers_losses = rig.estimator.frequency_dependent_losses;
+  SensorCorrection sensors;
+  sensors.configure(rig);
+  p.uncertainty.port_noise_Pa = rig.sensors.port_pressure.rms_Pa() *
+                                std::max(sensors.noise_factor(Signal::p1_port), sensors.noise_factor(Signal::p2_port));
   p.uncertainty.relative_diameter =
       std::max(tolerance_of(rig, "line_1.diameter_m"), tolerance_of(rig, "line_2.diameter_m"));
   p.uncertainty.relative_area =
@@ -209,7 +213,7 @@ void AxisLoop::tell_status(std::int64_t tick) noexcept {
   desk_.tell(tick, supervisor_,
              {.t_s = row_.t_s,
               .proven = supervisor_.motion().proven(),
-              .measured = row_.measured,
+              .measured = told_readings(),
               .v_mps = row_.v_mps,
               .set_point = row_.x_ref_m,
               .set_point_rate = row_.v_ref_mps});

@@ -45,7 +45,7 @@ void PressureLoop::tell_status(std::int64_t tick) noexcept {
   desk_.tell(tick, supervisor_,
              {.t_s = row_.t_s,
               .proven = true,
-              .measured = row_.measured,
+              .measured = told_readings(),
               .p_Pa = p_Pa_,
               .set_point = row_.p_ref_Pa,
               .set_point_rate = p_ref_Pa_per_s_,

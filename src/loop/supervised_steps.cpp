@@ -16,6 +16,7 @@ namespace {
 Rig rig_without_zero(Rig rig) {
   rig.limits.position_margin_m = rig.axis.cylinder.stroke_m;
   rig.limits.flow_mismatch_share = rig.limits.chamber_mismatch_Pa = 0.0;
+  rig.sensor_effects = {};  // these steps judge the sensors themselves
   return rig;
 }
 

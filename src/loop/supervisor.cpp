@@ -95,11 +95,13 @@ void Supervisor::configure(const Rig& rig, bool needs_chambers, const MotionLimi
   fill_step_Pa_m3_ = margin * air.heat_capacity_ratio * air.gas_constant_J_per_kgK * air.temperature_K *
                      largest_flow_kgps_per_V(rig) * rig.axis.valve.command_max_V * rig.period_s;
   activity_decay_ = std::exp(-rig.period_s / activity_time_s);
+  sensors_.configure(rig);
   PerSignal<PlausibleChannel> channels;
   for (const Signal signal : channel_signals) {
     channels[signal] = is_pressure(signal)     ? plausible_pressure(rig, signal)
                        : is_difference(signal) ? plausible_difference(rig, signal)
                                                : plausible_position(rig, motion.speed_mps);
+    if (!is_difference(signal)) channels[signal].slack *= sensors_.noise_factor(signal);
     guards_[signal].configure(channels[signal]);
   }
   calm_.configure(channels, pressure_limit_Pa_);
@@ -206,7 +208,7 @@ std::uint64_t Supervisor::judge_losses(const Measurement& measured, double perio
     judged_[signal] = judged_[signal] || needs_losses_ || channel.origin != Origin::absent;
     if (!judged_[signal]) continue;
     const double loss_Pa = judge_channel(signal, channel, periods, no_extra, faults);
-    if (std::fabs(loss_Pa) < loss_range_Pa_) in.loss_Pa[i] = loss_Pa;
+    if (std::fabs(loss_Pa) < loss_range_Pa_) in.loss_Pa[i] = sensors_.of(signal, loss_Pa);
   }
   return faults;
 }
@@ -254,6 +256,14 @@ PerSignal<bool> Supervisor::bad_samples() const noexcept {
 }
 
 JudgedInputs Supervisor::judge(const Measurement& measured, std::int64_t skipped) noexcept {
+  if (!sensors_.corrects()) [[likely]]
+    return judge_corrected(measured, skipped);
+  Measurement known = measured;
+  sensors_.correct_absolute(known.channel);
+  return judge_corrected(known, skipped);
+}
+
+JudgedInputs Supervisor::judge_corrected(const Measurement& measured, std::int64_t skipped) noexcept {
   JudgedInputs in;
   const double periods = static_cast<double>(skipped + 1);
   bridged_ = false;

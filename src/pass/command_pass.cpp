@@ -101,7 +101,7 @@ template <class F> double largest_share(F&& is_feasible) {
   return known / 16.0;
 }
 
-/// Sensors without noise, and the estimator behind them.
+/// Sensors without noise behind the loop's correction, and the estimator behind them.
 class Shown {
  public:
   Shown(const Rig& rig, const PerSignal<double>& first, bool by_estimator)
@@ -110,8 +110,9 @@ class Shown {
     const bool estimated = !rig.controller.takes_chambers();
     for (const Signal signal : channel_signals) {
       const bool of_port = estimated && is_chamber(signal);
-      sensors_[signal].configure(rig.sensor_effects[of_port ? port_signals[side_of(signal)] : signal], 0.0, 0.0,
-                                 rig.period_s, Random());
+      sensors_[signal].configure(
+          behind_correction(rig.sensor_effects[of_port ? port_signals[side_of(signal)] : signal]), 0.0, 0.0,
+          rig.period_s, Random());
       sensors_[signal].reset(first[signal]);
     }
     if (estimates_) estimator_.configure(estimator_parameters(rig));

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include <pneuservo/elements/sensor.hpp>
+
 #include <report/even_signal.hpp>
 #include <report/high_pass.hpp>
 
@@ -75,7 +77,9 @@ Metrics evaluate(const Rig& rig, const std::vector<Row>& rows, double start_s) {
   metrics.from_s = window.from_s;
   metrics.to_s = std::min(window.to_s, last_s);
   metrics.position_is_true = has_values(rows, &Row::x_true_m);
-  const RowColumn position = metrics.position_is_true ? RowColumn(&Row::x_true_m) : Signal::x;
+  const auto position_m = [&](const Row& row) {
+    return metrics.position_is_true ? row.x_true_m : corrected(rig.sensor_effects[Signal::x], row.measured[Signal::x]);
+  };
 
   const double from_s = metrics.from_s + start_s, to_s = metrics.to_s + start_s;
   Statistics error, end_error, estimation_1, estimation_2;
@@ -83,8 +87,8 @@ Metrics evaluate(const Rig& rig, const std::vector<Row>& rows, double start_s) {
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const Row& row = rows[k];
     if (row.t_s < from_s - time_tolerance_s || row.t_s > to_s + time_tolerance_s) continue;
-    error.add(row.x_ref_m - position.of(row));
-    if (row.t_s > to_s - end_stretch_s + time_tolerance_s) end_error.add(row.x_ref_m - position.of(row));
+    error.add(row.x_ref_m - position_m(row));
+    if (row.t_s > to_s - end_stretch_s + time_tolerance_s) end_error.add(row.x_ref_m - position_m(row));
     estimation_1.add(row.p1_estimated_Pa - row.p1_chamber_true_Pa);
     estimation_2.add(row.p2_estimated_Pa - row.p2_chamber_true_Pa);
     for (std::size_t i = 0; i < commands.size() && k > 0; ++i)

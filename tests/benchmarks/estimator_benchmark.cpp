@@ -29,9 +29,12 @@ std::vector<EstimatorInput> swung_inputs() {
   return inputs;
 }
 
-void estimator_tick(benchmark::State& state) {
+void estimator_tick(benchmark::State& state, bool remembers_losses) {
+  EstimatorParameters parameters = nominal_estimator();
+  parameters.effects.frequency_dependent_losses.share = 1.0;
+  parameters.remembers_losses = remembers_losses;
   PipelineEstimator estimator;
-  estimator.configure(nominal_estimator());
+  estimator.configure(parameters);
   const auto inputs = swung_inputs();
   const std::int64_t before = allocations();
   const auto [ns] = least_ns(1000, 800, [&](int k) {
@@ -41,7 +44,10 @@ void estimator_tick(benchmark::State& state) {
   state.counters["allocations"] = static_cast<double>(allocations() - before);
   report(state, ns);
 }
+void estimator_tick(benchmark::State& state) { estimator_tick(state, false); }
 BENCHMARK(estimator_tick)->Iterations(1)->UseManualTime()->Unit(benchmark::kNanosecond);
+void estimator_tick_with_losses(benchmark::State& state) { estimator_tick(state, true); }
+BENCHMARK(estimator_tick_with_losses)->Iterations(1)->UseManualTime()->Unit(benchmark::kNanosecond);
 
 /// A row of a million of swung_inputs as columns, with the config that tools/python-figures takes, the results as
 /// columns.

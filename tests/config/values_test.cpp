@@ -95,6 +95,14 @@ TEST_CASE("effects go to the axis and to the sensors") {
   CHECK(rig.sensor_effects[Signal::p1_port].sensor_gain.gain == 1.0);
 }
 
+TEST_CASE("effects of sensors are known wherever the section of sensors stands") {
+  const Rig rig = read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/cylinder-2m-6.10mm.yaml",
+                           {"effects={'sensor_offset:dp1': {offset: 100}}", "concealed.sensor_gain:dp2.gain=1.1",
+                            "sensors.differential_pressure={quantum_Pa: 0, noise_Pa: 0, range_Pa: 100000}"});
+  CHECK(rig.sensor_effects[Signal::dp1].sensor_offset.offset == 100.0);
+  CHECK(rig.concealed.at("effects.sensor_gain:dp2.gain") == 1.1);
+}
+
 TEST_CASE("an override (--set) replaces, adds and goes into lists") {
   const Rig rig = parse_rig(plain_rig, "rig.yaml",
                             {"controller.pressure_source=valve", "line_1.length_m=5", "reference.frequency_Hz=0.5",

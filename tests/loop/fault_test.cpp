@@ -153,7 +153,7 @@ TEST_CASE("speed and range have their own faults") {
   }
   SECTION("range: the encoder's zero is off") {
     Stepper run(config_rig("cylinder-10m-7.65mm",
-                           {"duration_s=2", "initial.position_m=0.1", "effects={'sensor_offset:x': {offset: 0.1}}"}));
+                           {"duration_s=2", "initial.position_m=0.1", "concealed={'sensor_offset:x': {offset: 0.1}}"}));
     while (run.loop.faults() == 0 && run.tick < 2000) run.step();
     REQUIRE((run.loop.first_faults() & fault_position_range) != 0);
   }
@@ -189,7 +189,7 @@ TEST_CASE("a loop without an estimate: a fault where it closes on the estimate, 
   for (const std::string source : {"estimated", "valve"}) {
     Stepper run(config_rig("cylinder-10m-7.65mm",
                            {"controller.pressure_source=" + source, "initial.position_m=0.1",
-                            "effects={'sensor_offset:x': {offset: 0.1}}", "limits.position_margin_m=0.1",
+                            "concealed={'sensor_offset:x': {offset: 0.1}}", "limits.position_margin_m=0.1",
                             "limits.deviation_m=0", "limits.speed_deviation_mps=0", "limits.stall_force_N=0"}));
     for (int i = 0; i < 20; ++i) run.step();
     CAPTURE(source, run.loop.row().measured[Signal::x]);

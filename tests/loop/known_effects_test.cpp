@@ -24,10 +24,10 @@ struct Watched {
 };
 
 /// Three seconds of the config's sine under supervision.
-Watched watched(const std::vector<std::string>& sets) {
+Watched watched(const std::vector<std::string>& sets, const char* config = "cylinder-5m-6.10mm") {
   std::vector<std::string> all{"duration_s=3", "limits.deviation_m=0", "limits.speed_deviation_mps=0"};
   all.insert(all.end(), sets.begin(), sets.end());
-  const Rig rig = config_rig("cylinder-5m-6.10mm", all);
+  const Rig rig = config_rig(config, all);
   SimBackend backend(rig);
   backend.configure();
   backend.activate();
@@ -53,11 +53,12 @@ Watched watched(const std::vector<std::string>& sets) {
 
 }  // namespace
 
-TEST_CASE("a known restriction, leak or branch is no fault and costs the estimate little") {
+TEST_CASE("a known restriction, leak, branch or hose that swells is no fault and costs the estimate little") {
   for (const char* effect :
        {"line_restriction_1: {area_m2: 5e-6}", "chamber_leak_1: {area_m2: 3e-7}", "piston_leak: {area_m2: 3e-7}",
         "line_leak_1: {area_m2: 3e-7, position: 0.6}",
-        "line_branch_1: {volume_m3: 2e-4, neck_length_m: 0.1, neck_diameter_m: 0.004, position: 0.6}"}) {
+        "line_branch_1: {volume_m3: 2e-4, neck_length_m: 0.1, neck_diameter_m: 0.004, position: 0.6}",
+        "line_compliance_1: {section_growth_per_Pa: 1e-6}"}) {
     CAPTURE(effect);
     const std::string braced = "{" + std::string(effect) + "}";
     const Watched known = watched({"effects=" + braced});
@@ -80,6 +81,23 @@ TEST_CASE("what the valve's command path does is known to the flow correction") 
     CHECK(known.faults == 0);
     CHECK(known.most_share < 1.0);
   }
+}
+
+TEST_CASE("losses that depend on frequency count in the estimate where the config asks for them") {
+  const std::string known = "effects.frequency_dependent_losses.share=1";
+  const std::vector<std::string> exact{known, "sensors.port_pressure.noise_Pa=0", "sensors.port_pressure.quantum_Pa=0"};
+  for (const std::vector<std::string>& sets : {std::vector<std::string>{known}, exact}) {
+    std::vector<std::string> asked = sets;
+    asked.emplace_back("estimator.frequency_dependent_losses=true");
+    const Watched without = watched(sets, "cylinder-10m-7.65mm"), with = watched(asked, "cylinder-10m-7.65mm");
+    CAPTURE(without.estimation_error_Pa, with.estimation_error_Pa);
+    CHECK(with.faults == 0);
+    CHECK(with.estimation_error_Pa < 0.5 * without.estimation_error_Pa);
+  }
+}
+
+TEST_CASE("the estimate is the same to the bit where no losses are known, whether asked for or not") {
+  CHECK(watched({"estimator.frequency_dependent_losses=true"}).estimation_error_Pa == watched({}).estimation_error_Pa);
 }
 
 TEST_CASE("a concealed leak is told") {

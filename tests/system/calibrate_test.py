@@ -11,7 +11,7 @@ at = lambda name: os.path.join(folder, name)
 CHANNELS = "{channels: {" + ", ".join(f"{name}: {{simulated: true}}" for name in
                                        ("x", "p1_port", "p2_port", "p_supply", "u")) + "}}"
 devices = ["--set", f"hal={CHANNELS}", "--set", "sensors.position.incremental=true", "--set", "initial.position_m=0.04"]
-displaced = [*devices, "--set", "effects={'sensor_offset:x': {offset: -0.04}}"]  # it counts from where it was switched on
+displaced = [*devices, "--set", "concealed={'sensor_offset:x': {offset: -0.04}}"]  # it counts from where it was switched on
 
 expect_refusal(run("run", CONFIG, *displaced, "--duration-s", "1"), ["incremental", "verb home"], "run without a zero")
 for end, sign in (("low", -1), ("high", 1)):

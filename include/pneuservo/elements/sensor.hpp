@@ -13,6 +13,20 @@ inline double quantise(double value, double quantum) noexcept {
   return quantum > 0.0 ? std::nearbyint(value / quantum) * quantum : value;
 }
 
+/// What the sensor has seen where it shows `reading`, but for its lag. One of gain 0 shows nothing of it: the reading.
+inline double corrected(const SensorEffects<double>& sensor, double reading) noexcept {
+  const double gain = sensor.sensor_gain.gain;
+  return gain != 0.0 ? (reading - sensor.sensor_offset.offset) / gain : reading;
+}
+
+/// The effects that are left behind `corrected`.
+inline SensorEffects<double> behind_correction(const SensorEffects<double>& sensor) noexcept {
+  SensorEffects<double> left;
+  left.sensor_lag = sensor.sensor_lag;
+  if (sensor.sensor_gain.gain == 0.0) left = sensor;
+  return left;
+}
+
 /// First-order lag, exact for an input that is linear between samples.
 class SensorLagFilter {
  public:

@@ -93,7 +93,7 @@ struct AxisStatus {
   bool enabled = false;  ///< told to be; `state` says what it is
   bool proven = false;   ///< the start is: until then moves are slow
   std::uint64_t faults = 0, first_faults = 0;
-  PerSignal<double> measured;  ///< NaN: no valid sample
+  PerSignal<double> measured;  ///< behind the known gain and offset of the sensors; NaN: no valid sample
   double v_mps = 0.0;  ///< as the law sees it; of an axis
   double p_Pa = 0.0;   ///< as the law sees it; of a pressure rig
   double set_point = 0.0, set_point_rate = 0.0, target = 0.0;

@@ -103,6 +103,12 @@ template <class Loop> class LoopPass : public ControlLoop {
     }
     return estimated;
   }
+  /// Of the last pass, for whoever commands the loop; the row has them as the sensors show them.
+  PerSignal<double> told_readings() const noexcept {
+    PerSignal<double> told = row_.measured;
+    if (supervisor_.sensors().corrects()) supervisor_.sensors().correct(told);
+    return told;
+  }
   /// Flags of a row that mean the same in every loop.
   std::uint32_t row_flags(std::int64_t skipped) const noexcept {
     return (skipped > 0 ? row_overrun : 0u) | (limited_ ? row_command_limited : 0u) |

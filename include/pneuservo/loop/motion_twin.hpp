@@ -76,8 +76,7 @@ class MotionTwin {
              const std::array<double, 2>& command_V) noexcept {
     const double force_N = area_1_m2_ * pressure_Pa[0] - area_2_m2_ * pressure_Pa[1] - atmosphere_force_N_;
     const double held_N = std::fabs(force_N) <= resting_force_N_ ? force_N : 0.0;
-    plant_.reset({true_value(Signal::x, position_m), true_value(Signal::p1_port, pressure_Pa[0]),
-                  true_value(Signal::p2_port, pressure_Pa[1] + held_N / area_2_m2_)});
+    plant_.reset({position_m, pressure_Pa[0], pressure_Pa[1] + held_N / area_2_m2_});
     const auto chamber = plant_.chamber_pressure();
     sensors_[Signal::x].reset(plant_.position());
     for (const auto& [side_1, side_2] : {port_signals, chamber_signals})
@@ -116,7 +115,7 @@ class MotionTwin {
   }
   void change_gains(const Ppd2GainSet& gains) noexcept { law_.change_gains(gains); }
 
-  /// As the encoder should show it.
+  /// As the encoder should show it behind the loop's correction.
   double position_m() const noexcept { return now_.position_m; }
   double velocity_mps() const noexcept { return plant_.velocity(); }
   /// As the law filtered it in the last step.
@@ -131,24 +130,20 @@ class MotionTwin {
     double position_m = 0.0;
     std::array<double, 2> port_Pa{}, chamber_Pa{};
   };
-  // A chamber pressure that is estimated, or the port's less a measured loss, is as wrong as its port's sensor.
+  // The loop corrects its sensors, so that their lags alone are left. A chamber pressure that is estimated, or the
+  // port's less a measured loss, is as late as its port's sensor.
   void configure_sensors(const Rig& rig) {
     const bool estimated = law_.pressure_source() != PressureSource::chamber;
     has_sensor_effects_ = false;
     for (const Signal signal : channel_signals) {
       if (signal != Signal::x && !is_port(signal) && !is_chamber(signal)) continue;
       const bool of_port = estimated && is_chamber(signal);
-      const SensorEffects<double>& e = rig.sensor_effects[of_port ? port_signals[side_of(signal)] : signal];
-      sensor_effects_[signal] = e;
-      sensors_[signal].configure(e, 0.0, 0.0, rig.period_s, Random());
-      has_sensor_effects_ = has_sensor_effects_ || e.sensor_gain.gain != 1.0 || e.sensor_offset.offset != 0.0 ||
-                            e.sensor_lag.time_constant_s > 0.0;
+      const SensorEffects<double> left =
+          behind_correction(rig.sensor_effects[of_port ? port_signals[side_of(signal)] : signal]);
+      sensors_[signal].configure(left, 0.0, 0.0, rig.period_s, Random());
+      has_sensor_effects_ =
+          has_sensor_effects_ || left.sensor_gain.gain != 1.0 || left.sensor_lag.time_constant_s > 0.0;
     }
-  }
-  /// The truth behind a reading, by the sensor's known gain and offset.
-  double true_value(Signal signal, double shown) const noexcept {
-    const SensorEffects<double>& e = sensor_effects_[signal];
-    return e.sensor_gain.gain != 0.0 ? (shown - e.sensor_offset.offset) / e.sensor_gain.gain : shown;
   }
   Sample sample() noexcept {
     const auto port = plant_.port_pressure(), chamber = plant_.chamber_pressure();
@@ -168,7 +163,6 @@ class MotionTwin {
   std::array<double, 2> command_V_{};
   double speed_mps_ = 0.0;
   PerSignal<Sensor> sensors_;  // exact but for the config's effects; those of the chambers close a force loop
-  PerSignal<SensorEffects<double>> sensor_effects_;
   bool has_sensor_effects_ = false;
   Sample now_, seen_;  // of this tick and of the one before
 };

@@ -13,13 +13,15 @@
 #include <pneuservo/loop/fault.hpp>
 #include <pneuservo/loop/input_guard.hpp>
 #include <pneuservo/loop/motion_supervision.hpp>
+#include <pneuservo/loop/sensor_correction.hpp>
 #include <pneuservo/loop/supervision_health.hpp>
 #include <pneuservo/loop/supervisor_state.hpp>
 #include <pneuservo/rig/rig.hpp>
 
 namespace pneuservo {
 
-/// What the loop works with in a tick: bad samples replaced where that is allowed, NaN before the first good one.
+/// What the loop works with in a tick: readings behind the sensors' known gain and offset, bad samples replaced where
+/// that is allowed, NaN before the first good one.
 struct JudgedInputs {
   double position_m = 0.0;
   std::array<double, 2> port_Pa{}, chamber_Pa{};  ///< a pressure rig's one port in both
@@ -68,7 +70,8 @@ class Supervisor {
   void rearm() noexcept;
   void stop() noexcept { go(SupervisorEvent::stop_asked); }
 
-  /// Judges inputs, digital lines, devices and the tick's own lateness (`skipped` slots before it).
+  /// Judges inputs, digital lines, devices and the tick's own lateness (`skipped` slots before it). `measured`: as the
+  /// sensors show it; what is known of their gain and offset is taken out here, and nowhere else in a loop.
   JudgedInputs judge(const Measurement& measured, std::int64_t skipped) noexcept PNEUSERVO_NONBLOCKING;
   /// Inputs against the model.
   void cross_check(const JudgedInputs& inputs, const EstimatorOutput& estimate, std::int64_t skipped) noexcept;
@@ -97,6 +100,7 @@ class Supervisor {
   const CrossCheck& checks() const noexcept { return cross_check_; }
   const MotionSupervision& motion() const noexcept { return motion_; }
   const SupervisionHealth& health() const noexcept { return health_; }
+  const SensorCorrection& sensors() const noexcept { return sensors_; }
 
  private:
   void go(SupervisorEvent event) noexcept { state_ = next_state(state_, event); }
@@ -104,6 +108,7 @@ class Supervisor {
   double judge_channel(Signal signal, const Channel& channel, double periods, Extra&& extra, std::uint64_t& faults,
                        bool at_end_stop = false) noexcept;
   std::uint64_t doubt(Signal signal) noexcept;
+  JudgedInputs judge_corrected(const Measurement& measured, std::int64_t skipped) noexcept;
   std::uint64_t judge_position(const Channel& position, double periods, JudgedInputs& in) noexcept;
   std::uint64_t judge_pressures(const Measurement& measured, double periods, JudgedInputs& in) noexcept;
   std::uint64_t judge_losses(const Measurement& measured, double periods, JudgedInputs& in) noexcept;
@@ -117,6 +122,7 @@ class Supervisor {
   std::uint64_t faults_ = 0, first_faults_ = 0;
   bool has_slider_ = true, needs_chambers_ = false, bridged_ = false, all_good_ = false, may_move_ = true,
        has_moved_ = false, on_bus_ = false, has_losses_ = false, needs_losses_ = false, is_told_position_ = false;
+  SensorCorrection sensors_;
   PerSignal<InputGuard> guards_;
   CalmPressures calm_;
   PerSignal<bool> judged_;  ///< there is a sensor, or the law cannot do without it

@@ -89,12 +89,16 @@ struct SimulationParameters {
 struct EstimatorSettings {
   double cells_per_m = 1.0;
   double flow_correction = 0.0;
+  bool frequency_dependent_losses = false;
   template <class V, class... P> static void visit(V&& v, P&... p) {
     v(Field{"cells_per_m", "1/m", 0.1, 100, "cells of the estimator's lines, at least one a line", Presence::optional},
       p.cells_per_m...);
     v(Field{"flow_correction", "-", 0, 0.5, "share of the valve's flow innovation that corrects the port pressure",
             Presence::optional},
       p.flow_correction...);
+    v(Field{"frequency_dependent_losses", "", 0, 0, "the known effect of this name counts in the estimator, too",
+            Presence::optional},
+      p.frequency_dependent_losses...);
   }
 };
 

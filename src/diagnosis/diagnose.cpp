@@ -146,7 +146,7 @@ void add_moved(const Rig& rig, const Decision& decision, Diagnosis& out) {
     const FreeParameter& parameter = fit.parameters[i];
     if (parameter.is_of_recording()) continue;
     const double z = fit.z(static_cast<Eigen::Index>(i));
-    out.moved.push_back({parameter.path, parameter.value_in(rig), parameter.value(z), z, parameter.end_at(z) != 0});
+    out.moved.push_back({parameter.path, parameter.value_in(rig), parameter.value(z), z, parameter.is_at_far_end(z)});
   }
   std::stable_sort(out.moved.begin(), out.moved.end(), [](const MovedParameter& a, const MovedParameter& b) {
     return std::abs(a.tolerances) > std::abs(b.tolerances);

@@ -48,6 +48,11 @@ struct FreeParameter {
     const double close = 1e-3 * (upper - lower);
     return z - lower < close ? -1 : upper - z < close ? 1 : 0;
   }
+  /// Whether a z stands at an end away from the prior's centre: a size that cannot be negative is at one at zero, too.
+  bool is_at_far_end(double z) const {
+    const int end = end_at(z);
+    return end != 0 && end != end_at(0);
+  }
   double value_in(const Rig& rig) const { return number.value().value(rig); }
   double varied(double value) const {
     switch (variation) {

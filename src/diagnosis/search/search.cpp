@@ -199,9 +199,7 @@ bool Search::owner_wants_more(const Explanation& explanation) const {
     const FreeParameter& granted = owner.parameters[i];
     const auto end = own.parameters.begin() + static_cast<std::ptrdiff_t>(own.own_count);
     if (std::none_of(own.parameters.begin(), end, [&](const FreeParameter& p) { return p.is_same(granted); })) continue;
-    // At zero a size that cannot be negative stands at an end, too.
-    const int at = granted.end_at(owner.z(static_cast<Eigen::Index>(i)));
-    if (at != 0 && at != granted.end_at(0)) return true;
+    if (granted.is_at_far_end(owner.z(static_cast<Eigen::Index>(i)))) return true;
   }
   return false;
 }

@@ -316,32 +316,38 @@ bool is_wanted(const Explanation& name, const Search& search, const DecisionRule
   return search.owner_wants_more(name) && is_sure_of_sizes(name, search, rules.standard_errors);
 }
 
-/// Single numbers of the owner that are off, best first.
-std::vector<const Explanation*> numbers_off(const Search& search) {
-  std::vector<const Explanation*> out = search.ranking(1);
-  std::erase_if(out, [&](const Explanation* e) {
-    return search.candidates()[e->members.front()].kind != CandidateKind::parameter;
-  });
-  return out;
+/// Whether a name whose number stands at the end of what is granted is clearly likelier than the owner's model. A
+/// number that its owner states needs less than what nobody states, which has to bring what any first name does.
+bool is_clearly_wanted(const Explanation& name, const Search& search, const DecisionRules& rules) {
+  const bool is_stated = search.candidates()[name.members.front()].kind == CandidateKind::parameter;
+  const double needed = is_stated ? rules.ambiguous_distance() : rules.alarm_gain;
+  return name.log_evidence - search.owner().log_evidence >= needed && is_wanted(name, search, rules);
 }
 
-/// Where small physics brings all to its floor, but with a number at the end of what its owner states: that number is
-/// off if setting it free is clearly likelier. nullopt: none is.
-std::optional<Decision> number_beyond_tolerance(ResidualModel& model, const Search& search,
-                                                const DecisionRules& rules) {
-  std::vector<const Explanation*> ranked = numbers_off(search);
-  const auto off = std::ranges::find_if(ranked, [&](const Explanation* e) { return is_wanted(*e, search, rules); });
-  if (off == ranked.end()) return std::nullopt;
+/// Where small physics brings all to its floor, but with a number at the end of what its owner states or of what every
+/// machine is granted: that number is off if setting it free is clearly likelier, and no other name is clearly likelier
+/// still. nullopt: none is.
+std::optional<Decision> number_beyond_granted(ResidualModel& model, const Search& search, const DecisionRules& rules) {
+  std::vector<const Explanation*> ranked = sizeable(search, 1, rules);
+  const auto off =
+      std::ranges::find_if(ranked, [&](const Explanation* e) { return is_clearly_wanted(*e, search, rules); });
+  if (off == ranked.end() || ranked.front()->log_evidence - (*off)->log_evidence > rules.ambiguous_distance())
+    return std::nullopt;
   Decision decision;
   decision.chosen = *off;
   decision.gain = decision.chosen->log_evidence - search.owner().log_evidence;
-  if (decision.gain < rules.ambiguous_distance()) return std::nullopt;
   decision.beside_remainder = true;
-  decision.rivals.assign(off, ranked.end());
+  std::rotate(ranked.begin(), off, off + 1);
+  decision.rivals = std::move(ranked);
   decision.probabilities = probabilities_of(decision.rivals, rules, rules.most_sure_beside);
   decision.verdict = verdict_of(*decision.chosen, search);
   decision.levels = model_levels(model, decision.chosen->fit, rules);
   return decision;
+}
+
+/// Whether more of the owner's tolerances stand at the end of their range than any owner errs by.
+bool errs_too_often(const Explanation& explanation, const DecisionRules& rules) {
+  return tolerances_at_end(explanation.fit.base.rig, explanation.fit) >= rules.most_names;
 }
 
 }  // namespace
@@ -356,7 +362,8 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
   const double share = share_taken(before.chi2(false), decision.levels.chi2(false),
                                    static_cast<double>(search.owner().fit.residual.size()));
   const bool is_named = !decision.chosen->members.empty() && search.first_gain() >= rules.alarm_gain &&
-                        (is_owner_refuted(search, decision, rules) || bring_down(decision, before, rules)) &&
+                        (is_owner_refuted(search, decision, rules) || bring_down(decision, before, rules) ||
+                         (errs_too_often(search.owner(), rules) && !errs_too_often(*decision.chosen, rules))) &&
                         share >= rules.taken_share;
   const double taken = is_named ? 1 - decision.levels.chi2(false) / before.chi2(false) : 0;
   if (find_supply_swing(model, search, rules, taken, decision)) return decision;
@@ -371,8 +378,11 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
   owners.chosen = &search.owner();
   owners.levels = before;
   owners.reason = what_is_left(owners, model, rules);
-  if (!is_periodic && owners.reason.empty())  // small physics alone brings all to its floor
-    return number_beyond_tolerance(model, search, rules).value_or(owners);
+  if (!is_periodic && owners.reason.empty()) {  // small physics alone brings all to its floor
+    if (const auto off = number_beyond_granted(model, search, rules)) return *off;
+    if (!errs_too_often(search.owner(), rules)) return owners;
+    decision.reason = "all is at its floor, but only with as many tolerances at their ends as no owner errs by";
+  }
   if (decision.reason.empty()) decision.reason = owners.reason;  // the best name takes it, and is not to be given
   return decision;
 }
@@ -561,35 +571,6 @@ Decision decide_in_one_quantity(ResidualModel& model, const Search& search, cons
     decision.verdict = Verdict::unknown;
   else say_described(search, decision);
   return decision;
-}
-
-double probability_of_member(const Decision& decision, const Search& search, std::size_t member,
-                             const DecisionRules& rules) {
-  double sum = 0;
-  for (std::size_t i = 0; i < decision.rivals.size(); ++i)
-    if (contains(decision.rivals[i]->members, member)) sum += decision.probabilities[i];
-  // What the member gains where it is beside all others; with each name that is there already, small physics has more
-  // to hide behind.
-  double without = decision.chosen->members.size() == 1 ? search.owner().log_evidence : -1e300;
-  for (const Explanation* smaller : search.ranking(decision.chosen->members.size() - 1))
-    if (std::find(smaller->members.begin(), smaller->members.end(), member) == smaller->members.end())
-      without = std::max(without, smaller->log_evidence);
-  const double gain = std::max(0.0, decision.chosen->log_evidence - without) / decision.growth;
-  const auto names = static_cast<double>(decision.chosen->members.size());
-  return sum * gain / (gain + rules.doubted_gain * names * names);
-}
-
-std::vector<std::string> ambiguous_names(const Decision& decision, const Search& search, std::size_t member,
-                                         const DecisionRules& rules) {
-  std::vector<std::string> names;
-  for (const Explanation* rival : decision.rivals) {
-    const double behind = (decision.chosen->log_evidence - rival->log_evidence) / decision.growth;
-    if (rival == decision.chosen || behind > rules.ambiguous_distance()) continue;
-    std::vector<std::size_t> other = rival->members;
-    for (const std::size_t m : without_member(decision.chosen->members, member)) std::erase(other, m);
-    if (other.size() == 1) names.push_back(search.candidates()[other.front()].name);
-  }
-  return names;
 }
 
 }  // namespace pneuservo

@@ -65,11 +65,5 @@ Decision decide_beside_remainder(ResidualModel& model, const Search& search, con
 /// explanation leaves, and a name stays while it takes enough of what the names before it leave. Unknown where the
 /// names together take less than `taken_share`.
 Decision decide_in_one_quantity(ResidualModel& model, const Search& search, const DecisionRules& rules);
-/// Of all explanations that say the same as this member of the chosen one, less what small unmodelled physics may gain.
-double probability_of_member(const Decision& decision, const Search& search, std::size_t member,
-                             const DecisionRules& rules);
-/// Names that cannot be told from the chosen explanation's member.
-std::vector<std::string> ambiguous_names(const Decision& decision, const Search& search, std::size_t member,
-                                         const DecisionRules& rules);
 
 }  // namespace pneuservo

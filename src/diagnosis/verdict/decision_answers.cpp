@@ -20,6 +20,37 @@ double variance_growth(const Decision& decision) {
   return rows > 0 ? std::max(decision.growth, decision.levels.chi2(false) / rows) : decision.growth;
 }
 
+/// Of all explanations that say the same as this member of the chosen one, less what small unmodelled physics may gain.
+double probability_of_member(const Decision& decision, const Search& search, std::size_t member,
+                             const DecisionRules& rules) {
+  double sum = 0;
+  for (std::size_t i = 0; i < decision.rivals.size(); ++i)
+    if (contains(decision.rivals[i]->members, member)) sum += decision.probabilities[i];
+  // What the member gains where it is beside all others; with each name that is there already, small physics has more
+  // to hide behind.
+  double without = decision.chosen->members.size() == 1 ? search.owner().log_evidence : -1e300;
+  for (const Explanation* smaller : search.ranking(decision.chosen->members.size() - 1))
+    if (std::find(smaller->members.begin(), smaller->members.end(), member) == smaller->members.end())
+      without = std::max(without, smaller->log_evidence);
+  const double gain = std::max(0.0, decision.chosen->log_evidence - without) / decision.growth;
+  const auto names = static_cast<double>(decision.chosen->members.size());
+  return sum * gain / (gain + rules.doubted_gain * names * names);
+}
+
+/// Names that cannot be told from the chosen explanation's member.
+std::vector<std::string> ambiguous_names(const Decision& decision, const Search& search, std::size_t member,
+                                         const DecisionRules& rules) {
+  std::vector<std::string> names;
+  for (const Explanation* rival : decision.rivals) {
+    const double behind = (decision.chosen->log_evidence - rival->log_evidence) / decision.growth;
+    if (rival == decision.chosen || behind > rules.ambiguous_distance()) continue;
+    std::vector<std::size_t> other = rival->members;
+    for (const std::size_t m : without_member(decision.chosen->members, member)) std::erase(other, m);
+    if (other.size() == 1) names.push_back(search.candidates()[other.front()].name);
+  }
+  return names;
+}
+
 /// A fit stops on its bounds, but for roundings.
 bool is_at_bound(const FreeParameter& fitted, double z, double neutral) {
   const auto ends_at = [&](double bound) {

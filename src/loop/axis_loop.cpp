@@ -46,7 +46,7 @@ EstimatorParameters estimator_parameters(const Rig& rig) {
   p.arrangement = valve_arrangement(rig);
   p.flow_correction = rig.estimator.flow_correction;
   p.effects = rig.axis.effects;
-  p.remembers_losses = rig.estimator.frequency_dependent_losses;
+  p.frequency_dependent_losses = rig.estimator.frequency_dependent_losses;
   SensorCorrection sensors;
   sensors.configure(rig);
   p.uncertainty.port_noise_Pa = rig.sensors.port_pressure.rms_Pa() *

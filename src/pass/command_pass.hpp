@@ -56,11 +56,11 @@ struct PassTables {
 };
 /// Throws std::invalid_argument with a sentence where the law asks for a pass and there is none.
 PassTables pass_tables(const Rig& rig, const Reference& reference);
-/// The same, but where the config goes on with the formula the rig does so: why, in a sentence; empty: as it was.
 struct PassOrFormula {
   PassTables tables;
-  std::string why;
+  std::string why;  ///< there is no pass, in a sentence; empty: there is, or none is asked for
 };
+/// The same, but where the config goes on without a pass the rig takes the formula.
 PassOrFormula pass_or_formula(Rig& rig, const Reference& reference);
 
 /// pass_or_formula before a run. Throws InputError with the config's name where it refuses to go on.

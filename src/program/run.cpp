@@ -71,12 +71,10 @@ Rig read_with_options(const RunOptions& options) {
 
 bool learns_moves(const Rig& rig) { return rig.controller.is<PdForce>() && rig.controller.of<PdForce>().learns(); }
 
-std::string_view source_word(PressureSource source) { return pressure_source_names[static_cast<std::size_t>(source)]; }
-
 /// What the law takes pressures from.
 std::string pressure_word(const ControllerParameters& controller) {
   const std::optional<PressureSource> source = controller.pressures();
-  return source ? std::string(source_word(*source)) : "none";
+  return source ? std::string(pressure_source_names[static_cast<std::size_t>(*source)]) : "none";
 }
 
 /// FILE.csv.gz, or FILE-valve.csv.gz and so on where several variants are run.
@@ -86,8 +84,8 @@ std::string record_path(const RunOptions& options, const RunVariant& variant) {
   return options.record.substr(0, options.record.size() - ending.size()) + "-" + variant.name + std::string(ending);
 }
 
-void show_progress(double fraction, std::string_view source) {
-  std::fprintf(stderr, "\r%-9.*s %3.0f %%", static_cast<int>(source.size()), source.data(),
+void show_progress(double fraction, std::string_view variant) {
+  std::fprintf(stderr, "\r%-17.*s %3.0f %%", static_cast<int>(variant.size()), variant.data(),
                100.0 * std::min(fraction, 1.0));
 }
 
@@ -250,7 +248,7 @@ bool run_variant(const RunOptions& options, const RunVariant& variant, RunReport
   RunOutcome outcome = run_or_refuse(options.config, rig, *backend, settings);
   effort.wall_s += outcome.wall_s;
   effort.axis_s += static_cast<double>(outcome.ticks + outcome.overruns) * rig.period_s;
-  if (shows_progress) std::fputs("\r                    \r", stderr);
+  if (shows_progress) std::fputs("\r                       \r", stderr);
   const bool whole = close_recording(writer.get());
   watcher.reset();
   watch.reset();

@@ -29,10 +29,10 @@ std::vector<EstimatorInput> swung_inputs() {
   return inputs;
 }
 
-void estimator_tick(benchmark::State& state, bool remembers_losses) {
+void estimator_tick(benchmark::State& state, bool with_losses) {
   EstimatorParameters parameters = nominal_estimator();
   parameters.effects.frequency_dependent_losses.share = 1.0;
-  parameters.remembers_losses = remembers_losses;
+  parameters.frequency_dependent_losses = with_losses;
   PipelineEstimator estimator;
   estimator.configure(parameters);
   const auto inputs = swung_inputs();

@@ -23,7 +23,7 @@ namespace {
 using namespace pneuservo;
 
 /// Ticks back to back with the stamps of real time; the ring is drained now and then, outside the clock.
-void loop_tick(benchmark::State& state, const char* config, const std::vector<std::string>& sets = {}) {
+void loop_tick(benchmark::State& state, const char* config, const std::vector<std::string>& sets) {
   Rig rig = read_rig(std::string(PNEUSERVO_SOURCE_DIR) + "/config/" + config + ".yaml", sets);
   SimBackend backend(rig);
   backend.configure();
@@ -57,22 +57,23 @@ void loop_tick(benchmark::State& state, const char* config, const std::vector<st
   state.counters["model_p50_us"] = model->percentile_us(0.5);  // guard, estimator and controller
   state.counters["model_p99.9_us"] = model->percentile_us(0.999);
 }
-const std::vector<std::string> without_feedforward{"controller.flow_feedforward=off"};
-BENCHMARK_CAPTURE(loop_tick, cylinder, "cylinder-10m-7.65mm", without_feedforward)
-    ->Name("loop/tick with recording")
-    ->Iterations(500'000);
-BENCHMARK_CAPTURE(loop_tick, everything, "cylinder-10m-7.65mm", {"controller.learning=command"})
-    ->Name("loop/tick with recording, pass and learning")
-    ->Iterations(500'000);
-BENCHMARK_CAPTURE(loop_tick, modal_filter, "cylinder-5m-4.15mm", without_feedforward)
-    ->Name("loop/tick with recording, modal filter")
-    ->Iterations(500'000);
-BENCHMARK_CAPTURE(loop_tick, everything_filtered, "cylinder-5m-4.15mm", {"controller.learning=command"})
-    ->Name("loop/tick with recording, modal filter, pass and learning")
-    ->Iterations(500'000);
-BENCHMARK_CAPTURE(loop_tick, table, "servo-table-0.5m-4mm")
-    ->Name("loop/tick with recording, servo table")
-    ->Iterations(50'000);
+struct LoopCase {
+  const char *name, *config;
+  std::vector<std::string> sets;
+  std::int64_t ticks;
+};
+const bool loop_ticks_registered = [] {
+  const std::vector<std::string> off{"controller.flow_feedforward=off"}, all{"controller.learning=command"};
+  for (const LoopCase& one : {LoopCase{"", "cylinder-10m-7.65mm", off, 500'000},
+                              LoopCase{", pass and learning", "cylinder-10m-7.65mm", all, 500'000},
+                              LoopCase{", modal filter", "cylinder-5m-4.15mm", off, 500'000},
+                              LoopCase{", modal filter, pass and learning", "cylinder-5m-4.15mm", all, 500'000},
+                              LoopCase{", servo table", "servo-table-0.5m-4mm", {}, 50'000}})
+    benchmark::RegisterBenchmark(std::string("loop/tick with recording").append(one.name).c_str(),
+                                 [one](benchmark::State& state) { loop_tick(state, one.config, one.sets); })
+        ->Iterations(one.ticks);
+  return true;
+}();
 
 /// A new move from a motion under way, with the set point of its tick: what a command adds to a tick at most.
 void re_plan(benchmark::State& state) {

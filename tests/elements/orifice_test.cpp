@@ -51,6 +51,17 @@ TEST_CASE("orifice: flow falls with the downstream pressure and does not see it 
   }
 }
 
+TEST_CASE("orifice: the form without a division is the same flow below equal pressures") {
+  const std::uint64_t seed = 9;
+  INFO("seed " << seed);
+  Random random(seed);
+  for (int i = 0; i < 2000; ++i) {
+    const double up = random.uniform(1e5, 1e6), b = random.uniform(0.1, 0.6);
+    const double down = up * random.uniform(0.0, 1.0 - orifice_linear_width);
+    REQUIRE(orifice_pressure_psi(up, down, b) == Approx(up * orifice_psi(down / up, b)).epsilon(1e-10));
+  }
+}
+
 TEST_CASE("orifice: choked flow goes with pressure and with the root of temperature") {
   const Air<double> air;
   const double G = orifice_flux(air, 4e5, 293.0, 1e5, 0.35);

@@ -58,8 +58,8 @@ struct EstimatorParameters {
   /// Known of the axis beside the nominal model. Restrictions, leaks, branches and hoses that swell count; what the
   /// valve's command path does counts for the flow correction.
   AxisEffects<double> effects;
-  /// effects.frequency_dependent_losses count, too: a tick costs more (docs/estimator.md).
-  bool remembers_losses = false;
+  /// Those of the effects count, too: a tick costs more (docs/estimator.md).
+  bool frequency_dependent_losses = false;
 };
 
 /// One tick's measurements: absolute pressures at the valve ports, position (0 at mid-stroke) and velocity of the
@@ -257,7 +257,7 @@ class PipelineEstimator {
     LineEffects<Lanes>::visit([](auto& to, const auto& side_1,
                                  const auto& side_2) { to = sides<std::remove_cvref_t<decltype(to)>>(side_1, side_2); },
                               of_lines, of_line_1, of_line_2);
-    if (!parameters.remembers_losses) of_lines.frequency_dependent_losses = {};
+    if (!parameters.frequency_dependent_losses) of_lines.frequency_dependent_losses = {};
     of_lines.critical_pressure_ratio = Lanes(parameters.valve.critical_pressure_ratio);
     axis_.side().line().set_effects(of_lines);
     chamber_leak_m2_ = both(e.chamber_leak_1.area_m2, e.chamber_leak_2.area_m2);

@@ -202,10 +202,9 @@ inline constexpr std::array<FaultText, 51> fault_texts{{
      "the slider ran onto an end stop: check reference, encoder's zero and gains, or allow it by "
      "limits.end_stop_contact"},
     {fault_start_motion, "start_motion",
-     "the first motion left its prediction, or was faster than 0.2 m/s: check the signs of valve and encoder, both "
-     "hoses "
-     "and both port sensors (pneuservo commission tells which), whether the reference begins so fast, and for friction "
-     "or a valve unlike the config's (pneuservo improve)"},
+     "the first motion left its prediction, or was faster than a first motion may be: check the signs of valve and "
+     "encoder, both hoses and both port sensors (pneuservo commission tells which), whether the reference begins so "
+     "fast, and for friction or a valve unlike the config's (pneuservo improve)"},
     {fault_position_unreliable, "position_unreliable",
      "more than limits.bad_share of the position's samples were bad: check encoder, cable and bus"},
     {fault_pressure_unreliable, "pressure_unreliable",
